@@ -1,0 +1,2 @@
+//! softlimb
+fn main() {}
