@@ -1,0 +1,87 @@
+//! What the solvers take and return.
+
+use crate::parameters::{InvalidParameter, require};
+use crate::real::Real;
+
+/// External load on the free end of one actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load<T> {
+    /// Axial force `N_ext`, N; tension is positive. On a bending actuator it acts along the tube's axis.
+    pub force_n: T,
+    /// Torque about the axis `M_ext`, N m. On a bending actuator: the bending moment, positive in the sense of the bend.
+    pub torque_nm: T,
+}
+
+impl<T: Real> Load<T> {
+    /// No external load.
+    pub fn none() -> Self {
+        Self { force_n: T::zero(), torque_nm: T::zero() }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), InvalidParameter<T>> {
+        require(self.force_n.is_finite(), "external_force_n", self.force_n, "finite")?;
+        require(self.torque_nm.is_finite(), "external_torque_nm", self.torque_nm, "finite")
+    }
+}
+
+/// The deformation an inverse problem asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target<T> {
+    /// Axial stretch `lambda = l/L`, > 0.
+    AxialStretch(T),
+    /// Deformed outer radius, m, > 0.
+    OuterRadius(T),
+    /// Deformed inner radius, m, > 0.
+    InnerRadius(T),
+    /// Twist `Phi` of one end against the other, rad.
+    Twist(T),
+    /// Bend angle `phi`, rad, >= 0.
+    BendAngle(T),
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// The state is the equilibrium on the branch connected to zero pressure.
+    Solved,
+    /// That branch ends before the pressure or the target asked for.
+    NoSolution,
+    /// The iteration stopped before its tolerance; the state is not to be used.
+    NotConverged,
+}
+
+/// Equilibrium of one actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<T> {
+    /// Gauge pressure in the lumen, Pa.
+    pub pressure_pa: T,
+    /// Axial stretch; of the centre line for a bending actuator.
+    pub axial_stretch: T,
+    /// Deformed inner radius, m; for a bending actuator that of a circle of the lumen's mean area.
+    pub inner_radius_m: T,
+    /// Deformed outer radius, m; for a bending actuator that of a circle of the section's mean area.
+    pub outer_radius_m: T,
+    /// Twist of one end against the other, rad.
+    pub twist_rad: T,
+    /// Bend angle, rad.
+    pub bend_angle_rad: T,
+    /// Lumen volume, m3.
+    pub volume_m3: T,
+    /// `dV/dP` at constant external load, m3/Pa.
+    pub compliance_m3_per_pa: T,
+}
+
+/// Result of a solve: state, status and how good it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution<T> {
+    /// How the solve ended.
+    pub status: Status,
+    /// The equilibrium when `status` is [`Status::Solved`], else the last state on the branch.
+    pub state: State<T>,
+    /// Where there is no solution because the branch ends: the pressure at its end, Pa.
+    pub limit_pressure_pa: Option<T>,
+    /// Largest residual of the equilibrium equations, in units of the shear modulus.
+    pub residual: T,
+    /// Newton iterations in all.
+    pub iterations: u32,
+}
