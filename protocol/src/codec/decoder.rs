@@ -1,0 +1,150 @@
+//! From bytes in any chunking to messages.
+
+use core::marker::PhantomData;
+
+use cobs::{DecodeResult, DecoderState};
+
+use super::frame::{CRC_LEN, DELIMITER, MAX_BODY_LEN, Message, split_body};
+use crate::crc::crc32c;
+use crate::error::FrameError;
+
+/// One accepted frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame<M> {
+    /// Sequence number that the sender gave it.
+    pub seq: u16,
+    /// The message.
+    pub message: M,
+}
+
+/// What a decoder has seen; each count stays at its maximum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkCounters {
+    /// Accepted frames.
+    pub accepted: u32,
+    /// [`FrameError::Malformed`].
+    pub malformed: u32,
+    /// [`FrameError::Oversize`].
+    pub oversize: u32,
+    /// [`FrameError::TooShort`].
+    pub too_short: u32,
+    /// [`FrameError::Crc`].
+    pub crc: u32,
+    /// [`FrameError::UnknownType`].
+    pub unknown_type: u32,
+    /// [`FrameError::Payload`].
+    pub payload: u32,
+}
+
+impl LinkCounters {
+    /// All rejected frames.
+    #[must_use]
+    pub fn rejected(&self) -> u32 {
+        [self.malformed, self.oversize, self.too_short, self.crc, self.unknown_type, self.payload]
+            .into_iter()
+            .fold(0, u32::saturating_add)
+    }
+
+    fn count<M>(&mut self, outcome: &Result<Frame<M>, FrameError>) {
+        let counter = match outcome {
+            Ok(_) => &mut self.accepted,
+            Err(FrameError::Malformed) => &mut self.malformed,
+            Err(FrameError::Oversize) => &mut self.oversize,
+            Err(FrameError::TooShort) => &mut self.too_short,
+            Err(FrameError::Crc) => &mut self.crc,
+            Err(FrameError::UnknownType { .. }) => &mut self.unknown_type,
+            Err(FrameError::Payload { .. }) => &mut self.payload,
+        };
+        *counter = counter.saturating_add(1);
+    }
+}
+
+/// Eats bytes one by one and yields the messages of one direction.
+///
+/// Whatever came before, the frame after the next delimiter is decoded as if the decoder were new.
+#[derive(Debug)]
+pub struct Decoder<M> {
+    cobs: DecoderState,
+    body: [u8; MAX_BODY_LEN],
+    /// Decoded bytes of the frame in progress; `None` once they exceed the body.
+    len: Option<usize>,
+    counters: LinkCounters,
+    direction: PhantomData<fn() -> M>,
+}
+
+impl<M> Decoder<M> {
+    /// A decoder between two frames.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            cobs: DecoderState::Idle,
+            body: [0; MAX_BODY_LEN],
+            len: Some(0),
+            counters: LinkCounters {
+                accepted: 0,
+                malformed: 0,
+                oversize: 0,
+                too_short: 0,
+                crc: 0,
+                unknown_type: 0,
+                payload: 0,
+            },
+            direction: PhantomData,
+        }
+    }
+
+    /// What was accepted and rejected so far.
+    #[must_use]
+    pub fn counters(&self) -> LinkCounters {
+        self.counters
+    }
+
+    /// Stores one decoded byte.
+    fn store(&mut self, byte: u8) {
+        let place = self.len.and_then(|len| self.body.get_mut(len));
+        self.len = place.and_then(|place| {
+            *place = byte;
+            self.len.map(|len| len + 1)
+        });
+    }
+}
+
+impl<M: Message> Decoder<M> {
+    /// Eats one byte. At the delimiter that ends a frame, yields the frame or why it was rejected.
+    /// Delimiters without anything between them are idle line and yield nothing.
+    pub fn push(&mut self, byte: u8) -> Option<Result<Frame<M>, FrameError>> {
+        let outcome = match self.cobs.feed(byte) {
+            Ok(DecodeResult::DataContinue(decoded)) => {
+                self.store(decoded);
+                return None;
+            }
+            Ok(DecodeResult::DataComplete) => self.finish(),
+            Ok(DecodeResult::NoData | DecodeResult::DataStart) => return None,
+            // Only a delimiter inside a run is an error, so the COBS state is already between frames.
+            Err(_) => Err(self.len.map_or(FrameError::Oversize, |_| FrameError::Malformed)),
+        };
+        debug_assert_eq!(byte, DELIMITER);
+        self.len = Some(0);
+        self.counters.count(&outcome);
+        Some(outcome)
+    }
+
+    /// Checks and reads the collected body.
+    fn finish(&self) -> Result<Frame<M>, FrameError> {
+        let len = self.len.ok_or(FrameError::Oversize)?;
+        let body = self.body.get(..len).ok_or(FrameError::Oversize)?;
+        let (message_type, seq, payload, received) = split_body(body).ok_or(FrameError::TooShort)?;
+        let checked = body.get(..len - CRC_LEN).ok_or(FrameError::TooShort)?;
+        if crc32c(checked) != received {
+            return Err(FrameError::Crc);
+        }
+        let message = M::read_payload(message_type, payload).ok_or(FrameError::UnknownType { message_type })?;
+        message.map(|message| Frame { seq, message }).map_err(|error| FrameError::Payload { message_type, seq, error })
+    }
+}
+
+impl<M> Default for Decoder<M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,72 @@
+//! The name of a configuration.
+
+use crate::crc::{crc32c, crc32c_digest};
+use crate::message::{ConfigBegin, ConfigChannel, ConfigSystem};
+use crate::wire::{Wire, Writer};
+
+/// CRC-32C over the payloads of an upload, in the order of arrival.
+///
+/// Both ends feed it the messages as they send or accept them; the host puts [`value`](Self::value) into `ConfigCommit`.
+/// Bytes beyond the known fields of a message are not covered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConfigHash {
+    /// The checksum so far, in its final form.
+    crc: u32,
+}
+
+impl ConfigHash {
+    /// Starts over, as an upload does.
+    #[must_use]
+    pub fn begin(message: &ConfigBegin) -> Self {
+        let mut hash = Self { crc: crc32c(&[]) };
+        hash.add(message);
+        hash
+    }
+
+    /// Adds the system part.
+    pub fn add_system(&mut self, message: &ConfigSystem) {
+        self.add(message);
+    }
+
+    /// Adds one channel.
+    pub fn add_channel(&mut self, message: &ConfigChannel) {
+        self.add(message);
+    }
+
+    /// The hash of everything added so far.
+    #[must_use]
+    pub fn value(&self) -> u32 {
+        self.crc
+    }
+
+    fn add(&mut self, message: &impl Wire) {
+        let mut payload = [0; crate::MAX_PAYLOAD_LEN];
+        let writer = &mut Writer::new(&mut payload);
+        // Every payload fits: the interface table is checked for it at compile time.
+        if message.write(writer).is_ok() {
+            self.crc = continue_crc(self.crc, writer.written());
+        }
+    }
+}
+
+/// CRC-32C of a text whose first part has the checksum `crc` and whose second part is `bytes`.
+fn continue_crc(crc: u32, bytes: &[u8]) -> u32 {
+    // The digest wants its register before the final xor and before reflection of the output.
+    let mut digest = crc32c_digest((crc ^ u32::MAX).reverse_bits());
+    digest.update(bytes);
+    digest.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_split_text_has_the_checksum_of_the_whole() {
+        let text = b"123456789";
+        for cut in 0..=text.len() {
+            let (head, tail) = text.split_at(cut);
+            assert_eq!(continue_crc(crc32c(head), tail), 0xE306_9283, "cut {cut}");
+        }
+    }
+}

@@ -1,0 +1,450 @@
+//! The whole interface, as one table.
+//!
+//! All integers are little-endian. A `Code<..>` is one byte. A `List<..>` is a count byte, then that many elements. Setpoints and
+//! telemetry are integers only, so that a value that is not a number has no encoding; configuration carries IEEE 754
+//! binary32, which the device checks for finiteness and range.
+
+use crate::code::{Code, CodeSet};
+use crate::codec::{Body, MAX_PAYLOAD_LEN, Message};
+use crate::error::{EncodeError, PayloadError};
+use crate::layout::{CodeLayout, Delivery, FieldLayout, MessageLayout, position};
+use crate::list::List;
+use crate::wire::{Reader, Wire, Writer, max_len};
+
+interface! {
+    protocol 1;
+    channels 27;
+
+    codes {
+        /// What the device is doing.
+        DeviceState {
+            /// No configuration; valves closed.
+            Idle = 0,
+            /// Configured, sensors plausible, valves closed.
+            Ready = 1,
+            /// Following the setpoints.
+            Running = 2,
+            /// Valves closed, pressure kept.
+            Holding = 3,
+            /// Pressure ramps down, then the vents stay open.
+            Venting = 4,
+            /// A fault is latched; only its reaction acts on the valves.
+            Faulted = 5,
+        }
+
+        /// Why the device last started.
+        BootCause {
+            /// Power came on.
+            PowerOn = 0,
+            /// The reset pin.
+            ResetPin = 1,
+            /// The firmware asked for it.
+            Software = 2,
+            /// The watchdog ran out.
+            Watchdog = 3,
+            /// The supply voltage dipped.
+            BrownOut = 4,
+        }
+
+        /// What the device does when the link is lost and its buffer is empty.
+        LinkLossPolicy {
+            /// Hold for the hold time, then ramp down.
+            HoldThenRamp = 0,
+            /// Hold without limit.
+            Hold = 1,
+            /// Vent at once.
+            Vent = 2,
+        }
+
+        /// What an actuator does under pressure.
+        MotionKind {
+            /// Lengthens.
+            Extension = 0,
+            /// Widens.
+            Expansion = 1,
+            /// Bends.
+            Bending = 2,
+            /// Twists.
+            Twisting = 3,
+        }
+
+        /// What the setpoint of a channel means, and its unit on the wire.
+        SetpointKind {
+            /// Gauge pressure, 1 Pa.
+            Pressure = 0,
+            /// Axial stretch (deformed over rest length), 1e-6.
+            AxialStretch = 1,
+            /// Outer radius, 1 nm.
+            OuterRadius = 2,
+            /// Inner radius, 1 nm.
+            InnerRadius = 3,
+            /// Twist of the free end, 1 urad.
+            Twist = 4,
+            /// Bend angle of the free end, 1 urad.
+            BendAngle = 5,
+        }
+
+        /// Elastomer law.
+        MaterialLaw {
+            /// One coefficient: the shear modulus.
+            NeoHookean = 0,
+            /// Three coefficients C1, C2, C3.
+            Yeoh = 1,
+        }
+
+        /// Where the fiber energy sits in the wall.
+        FiberPlacement {
+            /// A sheet at the winding radius.
+            Sheet = 0,
+            /// From the winding radius to the outer surface.
+            Layer = 1,
+            /// Through the whole wall.
+            Smeared = 2,
+        }
+
+        /// What the host asks for in a Command.
+        CommandCode {
+            /// Follow the buffered setpoints from the given time on.
+            Start = 0,
+            /// Close the valves and keep the pressure.
+            Hold = 1,
+            /// Ramp down, then open the vents.
+            Vent = 2,
+            /// Vent at once, cut the supply, latch a fault.
+            EmergencyStop = 3,
+            /// Forget latched faults whose cause is gone.
+            ClearFaults = 4,
+            /// Drop all buffered setpoints; the next index is 0.
+            Flush = 5,
+        }
+
+        /// Outcome of a message, in its Ack.
+        ResultCode {
+            /// Applied.
+            Ok = 0,
+            /// The session is not the one of the last Hello.
+            WrongSession = 1,
+            /// Protocol version or schema hash differ.
+            SchemaMismatch = 2,
+            /// Not allowed in the present state.
+            WrongState = 3,
+            /// A value is out of range; detail is the channel (Setpoint) or the field number (all others).
+            OutOfRange = 4,
+            /// Not the next setpoint; detail is the expected index.
+            UnexpectedIndex = 5,
+            /// No free place in the setpoint buffer.
+            QueueFull = 6,
+            /// The time is not in the future, or not after the previous setpoint.
+            Late = 7,
+            /// The upload is incomplete, or its hash differs.
+            ConfigMismatch = 8,
+            /// A code that the device does not know; detail is the field number.
+            UnknownCode = 9,
+            /// The number of values is not the number of channels; detail is the number of channels.
+            WrongChannelCount = 10,
+        }
+
+        /// What went wrong on the device. Bit `code - 1` of the fault bits in Telemetry.
+        FaultCode {
+            /// A pressure sensor left its plausible band.
+            SensorImplausible = 1,
+            /// A chamber pressure exceeded its limit.
+            OverPressure = 2,
+            /// No valid frame within the link timeout.
+            LinkLost = 3,
+            /// The setpoint buffer ran empty while running.
+            SetpointsExhausted = 4,
+            /// Supply pressure below its limit.
+            SupplyLow = 5,
+            /// Supply pressure above its limit.
+            SupplyHigh = 6,
+            /// Emergency stop by input or command.
+            EmergencyStop = 7,
+            /// No pressure reaches the requested deformation.
+            InverseFailed = 8,
+            /// A control tick came late or took too long.
+            TickOverrun = 9,
+        }
+    }
+
+    flags {
+        /// Condition of one channel.
+        ChannelStatus {
+            /// The sensor reading is not plausible.
+            SENSOR_IMPLAUSIBLE = 0,
+            /// The reference was limited.
+            REFERENCE_LIMITED = 1,
+            /// The inverse model found no pressure; the last good one is kept.
+            INVERSE_FAILED = 2,
+        }
+    }
+
+    records {
+        /// One channel in a Telemetry message.
+        ChannelSample {
+            /// Gauge pressure by the calibrated sensor, 10 Pa; clipped at 0.
+            pressure_10pa: u16,
+            /// Gauge pressure that the loop tracks now, 10 Pa.
+            reference_10pa: u16,
+            /// Share of the control period in 1/127: positive fills, negative vents; -127..=127.
+            duty: i8,
+            /// Condition of the channel.
+            status: ChannelStatus,
+        }
+    }
+
+    /// A message from the host to the device.
+    host HostMessage {
+        /// Opens a session; the device answers with HelloReply.
+        0x01 Hello Reliable {
+            /// Protocol version of the host.
+            protocol_version: u16,
+            /// Schema hash of the host.
+            schema_hash: u32,
+            /// Number that the host draws for this session; every later message carries it.
+            session: u16,
+        }
+
+        /// Keeps the link alive and exchanges clocks; the device answers with HeartbeatReply.
+        0x02 Heartbeat Unacknowledged {
+            /// Session.
+            session: u16,
+            /// Clock of the host, us; any epoch.
+            host_time_us: u64,
+        }
+
+        /// Starts a configuration upload; forgets an unfinished one.
+        0x03 ConfigBegin Reliable {
+            /// Session.
+            session: u16,
+            /// Number of channels, 1..=27.
+            channels: u8,
+        }
+
+        /// The part of the configuration that all channels share.
+        0x04 ConfigSystem Reliable {
+            /// Session.
+            session: u16,
+            /// Time between two Telemetry messages, us.
+            telemetry_period_us: u32,
+            /// Period of the valve pulses, us.
+            control_period_us: u32,
+            /// Silence after which the link counts as lost, us.
+            link_timeout_us: u32,
+            /// Time from holding to ramping down after link loss, us.
+            hold_time_us: u32,
+            /// Reaction to link loss.
+            link_loss_policy: Code<LinkLossPolicy>,
+            /// Slope of the ramp down, Pa/s.
+            vent_ramp_pa_per_s: f32,
+            /// Lowest supply pressure for running, gauge Pa.
+            supply_min_pa: f32,
+            /// Highest supply pressure, gauge Pa.
+            supply_max_pa: f32,
+            /// Atmospheric pressure, absolute Pa.
+            atmosphere_pa: f32,
+            /// Air temperature, K.
+            temperature_k: f32,
+            /// Sonic conductance of a valve (ISO 6358), m3/(s Pa).
+            valve_conductance_m3_per_s_pa: f32,
+            /// Critical pressure ratio of a valve (ISO 6358), 0..1.
+            valve_critical_ratio: f32,
+            /// From coil on to open, us.
+            valve_on_delay_us: u32,
+            /// From coil off to closed, us.
+            valve_off_delay_us: u32,
+            /// Sonic conductance of the line to the chamber, m3/(s Pa).
+            line_conductance_m3_per_s_pa: f32,
+            /// Gauge pressure at 10 % of the channel sensors' supply, Pa.
+            sensor_min_pa: f32,
+            /// Gauge pressure at 90 % of the channel sensors' supply, Pa.
+            sensor_max_pa: f32,
+            /// Gauge pressure at 10 % of the supply sensor's supply, Pa.
+            supply_sensor_min_pa: f32,
+            /// Gauge pressure at 90 % of the supply sensor's supply, Pa.
+            supply_sensor_max_pa: f32,
+            /// ADC code at 100 % of the sensor supply.
+            adc_full_scale: u16,
+        }
+
+        /// One channel: its actuator, its limits and what its setpoint means.
+        0x05 ConfigChannel Reliable {
+            /// Session.
+            session: u16,
+            /// Channel, from 0.
+            channel: u8,
+            /// Motion of the actuator.
+            motion: Code<MotionKind>,
+            /// Meaning and unit of the setpoint.
+            setpoint_kind: Code<SetpointKind>,
+            /// Elastomer law.
+            law: Code<MaterialLaw>,
+            /// Fiber families: 0 no fiber, 1 one helix, 2 two mirrored helices.
+            families: u8,
+            /// Where the fiber energy sits.
+            placement: Code<FiberPlacement>,
+            /// Inner radius at rest, m.
+            inner_radius_m: f32,
+            /// Outer radius at rest, m.
+            outer_radius_m: f32,
+            /// Length at rest, m.
+            length_m: f32,
+            /// Shear modulus (neo-Hookean) or C1 (Yeoh), Pa.
+            c_pa_1: f32,
+            /// C2 (Yeoh), Pa; unused otherwise.
+            c_pa_2: f32,
+            /// C3 (Yeoh), Pa; unused otherwise.
+            c_pa_3: f32,
+            /// Fiber angle from the hoop, rad.
+            fiber_angle_rad: f32,
+            /// Fiber modulus of one family, Pa.
+            fiber_modulus_pa: f32,
+            /// Thickness of the fiber sheet, m.
+            fiber_thickness_m: f32,
+            /// Winding radius at rest, m.
+            fiber_radius_m: f32,
+            /// Highest chamber pressure, gauge Pa.
+            pressure_max_pa: f32,
+            /// Air volume of fittings and line, m3.
+            dead_volume_m3: f32,
+            /// Lowest setpoint, in the unit of the setpoint.
+            setpoint_min: i32,
+            /// Highest setpoint, in the unit of the setpoint.
+            setpoint_max: i32,
+        }
+
+        /// Ends a configuration upload: the device swaps to it as a whole, or keeps the old one.
+        0x06 ConfigCommit Reliable {
+            /// Session.
+            session: u16,
+            /// CRC-32C over the payloads of ConfigBegin, ConfigSystem and every ConfigChannel in the order sent.
+            config_hash: u32,
+        }
+
+        /// Asks for a change of state.
+        0x07 Command Reliable {
+            /// Session.
+            session: u16,
+            /// What to do.
+            code: Code<CommandCode>,
+            /// Device time at which Start takes effect, us; 0 means now. Other commands ignore it.
+            time_us: u64,
+        }
+
+        /// One knot of the trajectory; between two knots the device interpolates linearly.
+        0x08 Setpoint Indexed {
+            /// Session.
+            session: u16,
+            /// Number of the knot since the last flush or configuration, from 0 without gaps.
+            index: u32,
+            /// Device time of the knot, us; strictly increasing.
+            time_us: u64,
+            /// One value per configured channel, in the unit of its setpoint.
+            values: List<i32>,
+        }
+    }
+
+    /// A message from the device to the host.
+    device DeviceMessage {
+        /// Answers Hello.
+        0x81 HelloReply Unacknowledged {
+            /// Protocol version of the device.
+            protocol_version: u16,
+            /// Schema hash of the device.
+            schema_hash: u32,
+            /// Session of the Hello.
+            session: u16,
+            /// Firmware version, major.
+            firmware_major: u8,
+            /// Firmware version, minor.
+            firmware_minor: u8,
+            /// Firmware version, patch.
+            firmware_patch: u8,
+            /// Why the device last started.
+            boot_cause: Code<BootCause>,
+            /// Present state.
+            state: Code<DeviceState>,
+            /// Channels of this device.
+            channels_max: u8,
+            /// Places in the setpoint buffer.
+            knots_capacity: u16,
+            /// Period of the control tick, us.
+            tick_us: u32,
+            /// Hash of the active configuration; 0 means none.
+            config_hash: u32,
+            /// Device time, us.
+            mcu_time_us: u64,
+        }
+
+        /// Answers every reliable message and every Setpoint.
+        0x82 Ack Unacknowledged {
+            /// Type byte of the answered message.
+            ref_type: u8,
+            /// Sequence number of the answered frame.
+            ref_seq: u16,
+            /// Outcome.
+            result: Code<ResultCode>,
+            /// Depends on the outcome; 0 otherwise.
+            detail: u32,
+            /// Free places in the setpoint buffer.
+            free_knots: u16,
+            /// Device time, us.
+            mcu_time_us: u64,
+        }
+
+        /// Answers Heartbeat.
+        0x83 HeartbeatReply Unacknowledged {
+            /// The host time of the Heartbeat, us.
+            host_time_us: u64,
+            /// Device time, us.
+            mcu_time_us: u64,
+            /// Present state.
+            state: Code<DeviceState>,
+            /// Free places in the setpoint buffer.
+            free_knots: u16,
+        }
+
+        /// Measurements, sent periodically once configured.
+        0x84 Telemetry Unacknowledged {
+            /// Device time of the sample, us.
+            time_us: u64,
+            /// Present state.
+            state: Code<DeviceState>,
+            /// Latched faults, bit `code - 1` each.
+            fault_bits: u16,
+            /// Supply pressure, gauge, 10 Pa; clipped at 0.
+            supply_10pa: u16,
+            /// Free places in the setpoint buffer.
+            free_knots: u16,
+            /// The setpoint index that the device expects next.
+            next_index: u32,
+            /// Control ticks that came late; stays at 65535.
+            ticks_late: u16,
+            /// One sample per configured channel.
+            channels: List<ChannelSample>,
+        }
+
+        /// Tells of a fault when it occurs.
+        0x85 Fault Unacknowledged {
+            /// Device time of the fault, us.
+            time_us: u64,
+            /// Channel, from 0; 255 means the system.
+            channel: u8,
+            /// What went wrong.
+            code: Code<FaultCode>,
+            /// The offending value; its meaning depends on the code.
+            value: i32,
+        }
+    }
+}
+
+/// The `channel` of a [`Fault`] that concerns no single channel.
+pub const SYSTEM_CHANNEL: u8 = 0xFF;
+
+impl FaultCode {
+    /// The bit of this fault in [`Telemetry::fault_bits`].
+    #[must_use]
+    pub const fn bit(self) -> u16 {
+        1 << (self as u8 - 1)
+    }
+}

@@ -1,0 +1,7 @@
+//! What the two ends remember so that a reliable message is applied once.
+
+mod dedup;
+mod sender;
+
+pub use dedup::{Arrival, SeqDedup};
+pub use sender::{ReliableSender, RetryPolicy, SendError, SenderStep};
