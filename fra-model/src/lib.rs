@@ -1,32 +1,40 @@
-//! Analytic model of fiber-reinforced actuators (FRA).
+//! Analytic model of fiber-reinforced actuators (FRA): extension, expansion, bending and twisting, forward and inverse.
+//!
+//! The model is the gradient of one strain energy, so that a deformation's pressure is an explicit result and not an unknown.
+//! It is generic over the scalar: the same source runs in `f32` on a microcontroller and in `f64` on the host. `no_std`, no heap,
+//! no clock.
+//!
+//! Conventions: SI units; gauge pressure; fiber angle from the hoop direction; closed caps; tension positive.
+//!
+//! ```
+//! use fra_model::*;
+//! let actuator = Actuator::new(&ActuatorParameters {
+//!     motion: Motion::Bending,
+//!     inner_radius_m: 6e-3,
+//!     outer_radius_m: 8e-3,
+//!     length_m: 0.1,
+//!     material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+//!     fiber: None,
+//! })?;
+//! let solution = actuator.forward(30e3, &Load::none())?;
+//! assert_eq!(solution.status, Status::Solved);
+//! assert!((solution.state.bend_angle_rad - 43.0_f64.to_radians()).abs() < 0.01);
+//! # Ok::<(), InvalidParameter<f64>>(())
+//! ```
 #![no_std]
 
+mod actuator;
+mod bending;
+mod branch;
+mod energy;
+mod jet;
 mod parameters;
+mod quadrature;
 mod real;
 mod solution;
+mod tube;
 
+pub use actuator::Actuator;
 pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement};
 pub use real::Real;
 pub use solution::{Load, Solution, State, Status, Target};
-
-/// One actuator, checked and ready to solve. (Solver under construction: signatures are final.)
-#[derive(Clone, Copy, Debug)]
-pub struct Actuator<T> {
-    parameters: ActuatorParameters<T>,
-}
-
-impl<T: Real> Actuator<T> {
-    /// Checks the parameters and prepares the solver.
-    ///
-    /// # Errors
-    /// [`InvalidParameter`] names the field.
-    pub fn new(parameters: &ActuatorParameters<T>) -> Result<Self, InvalidParameter<T>> {
-        parameters.check()?;
-        Ok(Self { parameters: *parameters })
-    }
-
-    /// The parameters it was built from.
-    pub fn parameters(&self) -> &ActuatorParameters<T> {
-        &self.parameters
-    }
-}

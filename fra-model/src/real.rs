@@ -18,9 +18,3 @@ pub(crate) fn real<T: Real>(value: f64) -> T {
 pub(crate) fn epsilon<T: Real>() -> T {
     T::default_epsilon()
 }
-
-/// `Some(value)` when it is a finite number.
-#[inline]
-pub(crate) fn finite<T: Real>(value: T) -> Option<T> {
-    value.is_finite().then_some(value)
-}

@@ -1,0 +1,125 @@
+//! One actuator: parameters in, equilibria out.
+
+use crate::bending::Bender;
+use crate::parameters::{ActuatorParameters, InvalidParameter, Motion, require};
+use crate::real::Real;
+use crate::solution::{Load, Solution, State, Target};
+use crate::tube::Tube;
+
+/// One actuator, checked and ready to solve.
+///
+/// Every answer lies on the branch of stable equilibria connected to zero pressure; beyond that branch's limit point there
+/// is no answer but the limit pressure.
+#[derive(Clone, Copy, Debug)]
+pub struct Actuator<T: Real> {
+    parameters: ActuatorParameters<T>,
+    body: Body<T>,
+}
+
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant, reason = "no heap to box the larger one on")]
+enum Body<T: Real> {
+    Straight(Tube<T>),
+    Bending(Bender<T>),
+}
+
+impl<T: Real> Actuator<T> {
+    /// Checks the parameters and prepares the solver.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names the first field that is not accepted.
+    pub fn new(parameters: &ActuatorParameters<T>) -> Result<Self, InvalidParameter<T>> {
+        parameters.check()?;
+        let body = match parameters.motion {
+            Motion::Bending => Body::Bending(Bender::new(parameters)),
+            Motion::Extension | Motion::Expansion | Motion::Twisting => Body::Straight(Tube::new(parameters)),
+        };
+        Ok(Self { parameters: *parameters, body })
+    }
+
+    /// The parameters it was built from.
+    pub fn parameters(&self) -> &ActuatorParameters<T> {
+        &self.parameters
+    }
+
+    /// The state without pressure and load.
+    pub fn rest(&self) -> State<T> {
+        match &self.body {
+            Body::Straight(tube) => tube.rest(),
+            Body::Bending(bender) => bender.rest(),
+        }
+    }
+
+    /// The equilibrium at a gauge pressure, Pa, reached from rest by first applying the load, then the pressure.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] when the pressure or the load is not finite.
+    pub fn forward(&self, pressure_pa: T, load: &Load<T>) -> Result<Solution<T>, InvalidParameter<T>> {
+        self.solve_forward(None, pressure_pa, load)
+    }
+
+    /// [`forward`](Self::forward), started from an earlier state of this actuator under the same load; from rest where that fails.
+    ///
+    /// # Errors
+    /// As [`forward`](Self::forward).
+    pub fn forward_from(
+        &self,
+        start: &State<T>,
+        pressure_pa: T,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        self.solve_forward(Some(start), pressure_pa, load)
+    }
+
+    /// The gauge pressure at which the actuator reaches a deformation, and the state there.
+    ///
+    /// Of several such pressures it is the first one met on raising the pressure from zero; vacuum is the answer only where
+    /// no pressure is.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] when the target is out of its range or not one of this motion's, or the load is not finite.
+    pub fn inverse(&self, target: Target<T>, load: &Load<T>) -> Result<Solution<T>, InvalidParameter<T>> {
+        self.solve_inverse(None, target, load)
+    }
+
+    /// [`inverse`](Self::inverse), started from an earlier state of this actuator under the same load: of several pressures
+    /// it finds the one next to that state. From rest where that fails.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse).
+    pub fn inverse_from(
+        &self,
+        start: &State<T>,
+        target: Target<T>,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        self.solve_inverse(Some(start), target, load)
+    }
+
+    fn solve_forward(
+        &self,
+        start: Option<&State<T>>,
+        pressure_pa: T,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        load.check()?;
+        require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
+        Ok(match &self.body {
+            Body::Straight(tube) => tube.forward(start, pressure_pa, load),
+            Body::Bending(bender) => bender.forward(start, pressure_pa, load),
+        })
+    }
+
+    fn solve_inverse(
+        &self,
+        start: Option<&State<T>>,
+        target: Target<T>,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        load.check()?;
+        match &self.body {
+            Body::Straight(tube) => tube.inverse(start, target, load),
+            Body::Bending(bender) => bender.inverse(target, load),
+        }
+    }
+}

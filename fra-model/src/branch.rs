@@ -1,0 +1,360 @@
+//! The branch of equilibria connected to zero pressure, followed in the lumen's volume.
+//!
+//! A state that is stable under pressure control and dead load has a positive definite Hessian, hence `dP/dw > 0`: along the
+//! stable branch the volume grows strictly with the pressure, and it still does at the limit point where the pressure does not.
+//! So every question - a pressure, a deformation, the limit itself - is a search in the one coordinate `w`, with the axial
+//! strain and the twist rate settled at each `w`. Steps are bounded by what the tangent predicted, so that the search cannot
+//! jump to another branch.
+
+use nalgebra::Vector3;
+
+use crate::energy::{Derivatives, Wall};
+use crate::real::{Real, epsilon, real};
+
+/// Most Newton iterations to settle at one volume.
+const SETTLE_ITERATIONS: u32 = 40;
+/// Most steps along the branch, and most to refine a root between two states of it.
+const MARCH_STEPS: u32 = 4000;
+const REFINE_STEPS: u32 = 100;
+/// Longest step in `ln(1 + w)`.
+const LONGEST_STEP: f64 = 0.25;
+/// The branch is followed within these bounds of `1 + w` and of `P/mu1`.
+const LARGEST_VOLUME: f64 = 1e9;
+const SMALLEST_VOLUME: f64 = 1e-9;
+const LARGEST_PRESSURE: f64 = 1e4;
+
+/// A state on the branch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point<T: Real> {
+    /// `(e, w, g)`.
+    pub(crate) at: Vector3<T>,
+    /// `d(e, w, g)/dw` along the branch.
+    pub(crate) tangent: Vector3<T>,
+    /// `P/mu1`.
+    pub(crate) pressure: T,
+    /// `d(P/mu1)/dw` along the branch; positive while the branch is stable.
+    pub(crate) slope: T,
+    /// Largest residual of the two load equations.
+    pub(crate) residual: T,
+}
+
+/// What a search looks for: a scalar along the branch that shall vanish.
+pub(crate) trait Goal<T: Real> {
+    /// The scalar at a state and its derivative with respect to `w` along the branch.
+    fn measure(&self, point: &Point<T>) -> (T, T);
+}
+
+/// Outcome of a search.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Found<T: Real> {
+    /// The goal is met here.
+    Root(Point<T>),
+    /// The branch ends at a limit point before the goal is met.
+    Limit(Point<T>),
+    /// The goal is not met within the bounds of the search; the last state.
+    Unreached(Point<T>),
+    /// Newton's method failed; the last good state.
+    Failed(Point<T>),
+}
+
+/// A tube under a fixed external load.
+pub(crate) struct Branch<'a, T: Real> {
+    pub(crate) wall: &'a Wall<T>,
+    /// `N_ext/(pi R_i^2 mu1)`.
+    pub(crate) force: T,
+    /// `M_ext/(pi R_i^3 mu1)`.
+    pub(crate) torque: T,
+    /// Whether the twist rate is an unknown; else it is zero by symmetry.
+    pub(crate) twists: bool,
+}
+
+impl<T: Real> Branch<'_, T> {
+    /// The state at zero pressure under the external load, reached from the unloaded one by raising the load.
+    pub(crate) fn at_rest(&self, iterations: &mut u32) -> Found<T> {
+        let mut at = Vector3::zeros();
+        let mut share = T::zero();
+        let mut step = T::one();
+        let unloaded = self.force == T::zero() && self.torque == T::zero();
+        while share < T::one() && !unloaded {
+            let next = (share + step).min(T::one());
+            match self.equilibrate(at, next, iterations) {
+                Some(state) => {
+                    (at, share) = (state, next);
+                    step *= real::<T>(2.0);
+                }
+                None => step *= real::<T>(0.25),
+            }
+            if step < real::<T>(1e-6) {
+                return Found::Limit(self.point(at));
+            }
+        }
+        Found::Root(self.point(at))
+    }
+
+    /// Newton at zero pressure under a share of the load; only short moves to stable states are accepted.
+    fn equilibrate(&self, start: Vector3<T>, share: T, iterations: &mut u32) -> Option<Vector3<T>> {
+        let mut at = start;
+        let mut last = T::max_value()?;
+        for _ in 0..SETTLE_ITERATIONS {
+            *iterations += 1;
+            let Derivatives { gradient, mut hessian } = self.wall.derivatives(at.x, at.y, at.z);
+            let mut rest = Vector3::new(self.force * share, T::zero(), self.torque * share) - gradient;
+            if !self.twists {
+                rest.z = T::zero();
+                (hessian[(0, 2)], hessian[(1, 2)], hessian[(2, 0)], hessian[(2, 1)]) =
+                    (T::zero(), T::zero(), T::zero(), T::zero());
+                hessian[(2, 2)] = T::one();
+            }
+            let move_by = hessian.cholesky()?.solve(&rest);
+            at += move_by;
+            let moved = (at - start).amax();
+            let size = move_by.amax();
+            if !size.is_finite() || moved > real::<T>(0.3) {
+                return None;
+            }
+            if size <= epsilon::<T>() * at.amax() || (size >= last * real::<T>(0.5) && size < real::<T>(1e-6)) {
+                return Some(at);
+            }
+            last = size;
+        }
+        None
+    }
+
+    /// The state at `w`, settled from a guess of `(e, g)`; `None` when Newton fails or the state is not stable at fixed volume.
+    fn settle(&self, guess: Vector3<T>, iterations: &mut u32) -> Option<Point<T>> {
+        let mut at = guess;
+        let mut last = T::max_value()?;
+        for _ in 0..SETTLE_ITERATIONS {
+            *iterations += 1;
+            let d = self.wall.derivatives(at.x, at.y, at.z);
+            let (de, dg) = self.solve_loads(&d, self.force - d.gradient.x, self.torque - d.gradient.z)?;
+            let lambda = T::one() + at.x;
+            if !de.is_finite() || !dg.is_finite() || de.abs() > lambda * real::<T>(0.5) {
+                return None;
+            }
+            at.x += de;
+            at.z += dg;
+            let size = de.abs().max(dg.abs());
+            let scale = at.amax();
+            let floor = size <= epsilon::<T>() * scale;
+            let stalled = size >= last * real::<T>(0.5) && size <= real::<T>(1e4) * epsilon::<T>() * scale;
+            if floor || stalled {
+                return self.stable_point(at);
+            }
+            if size > last * real::<T>(4.0) {
+                return None;
+            }
+            last = size;
+        }
+        None
+    }
+
+    /// Solves the `(e, g)` block for two right sides; `None` unless it is positive definite.
+    fn solve_loads(&self, d: &Derivatives<T>, by_e: T, by_g: T) -> Option<(T, T)> {
+        let (ee, eg, gg) = (d.hessian[(0, 0)], d.hessian[(0, 2)], d.hessian[(2, 2)]);
+        // The negation also refuses a NaN.
+        let positive = |x: T| (x > T::zero()).then_some(x);
+        let ee = positive(ee)?;
+        if !self.twists {
+            return Some((by_e / ee, T::zero()));
+        }
+        let rest = positive(gg - eg * (eg / ee))?;
+        let dg = (by_g - eg / ee * by_e) / rest;
+        Some(((by_e - eg * dg) / ee, dg))
+    }
+
+    fn stable_point(&self, at: Vector3<T>) -> Option<Point<T>> {
+        let d = self.wall.derivatives(at.x, at.y, at.z);
+        let (e_w, g_w) = self.solve_loads(&d, -d.hessian[(0, 1)], -d.hessian[(2, 1)])?;
+        let slope = d.hessian[(1, 1)] + d.hessian[(0, 1)] * e_w + d.hessian[(2, 1)] * g_w;
+        let torque_rest = if self.twists { d.gradient.z - self.torque } else { T::zero() };
+        let residual = (d.gradient.x - self.force).abs().max(torque_rest.abs());
+        let pressure = d.gradient.y;
+        let finite = slope.is_finite() && pressure.is_finite() && residual.is_finite();
+        finite.then_some(Point { at, tangent: Vector3::new(e_w, T::one(), g_w), pressure, slope, residual })
+    }
+
+    /// A state known to be an equilibrium; falls back to a flat tangent where the block is singular.
+    fn point(&self, at: Vector3<T>) -> Point<T> {
+        self.stable_point(at).unwrap_or_else(|| Point {
+            at,
+            tangent: Vector3::new(T::zero(), T::one(), T::zero()),
+            pressure: T::zero(),
+            slope: T::zero(),
+            residual: T::zero(),
+        })
+    }
+
+    /// A state given from outside, settled at its volume; `None` when it is not near the branch or not stable.
+    pub(crate) fn resume(&self, at: Vector3<T>, iterations: &mut u32) -> Option<Point<T>> {
+        let inside = at.x > -T::one() && at.y > -T::one();
+        let point = if inside { self.settle(at, iterations)? } else { return None };
+        (point.slope > T::zero()).then_some(point)
+    }
+
+    /// The state at `w`, predicted along the tangent of `from`.
+    fn advance(&self, from: &Point<T>, w: T, iterations: &mut u32) -> Option<Point<T>> {
+        let mut guess = from.at + from.tangent * (w - from.at.y);
+        guess.y = w;
+        (guess.x > -T::one()).then_some(())?;
+        self.settle(guess, iterations)
+    }
+
+    /// Follows the branch from `start`, towards larger volume if `outwards`, until the goal is met or the branch ends.
+    pub(crate) fn search<G: Goal<T>>(
+        &self,
+        start: Point<T>,
+        goal: &G,
+        outwards: bool,
+        iterations: &mut u32,
+    ) -> Found<T> {
+        let longest: T = real(LONGEST_STEP);
+        let (mut here, mut step) = (start, longest);
+        let mut steepest = start.slope;
+        for _ in 0..MARCH_STEPS {
+            let (value, rate) = goal.measure(&here);
+            let wanted = -value / rate;
+            if value == T::zero() || wanted.abs() <= epsilon::<T>() * here.at.y.abs() {
+                return Found::Root(here);
+            }
+            let there = match self.step(&here, wanted, outwards, step, steepest, iterations) {
+                Some(there) => there,
+                None => {
+                    step *= real::<T>(0.5);
+                    if step < real::<T>(64.0) * epsilon::<T>() {
+                        return Found::Failed(here);
+                    }
+                    continue;
+                }
+            };
+            if there.slope <= T::zero() {
+                return self.near_limit(here, there, goal, iterations);
+            }
+            if let Some(found) = self.between(&here, &there, goal, outwards, iterations) {
+                return found;
+            }
+            if out_of_bounds(&there) {
+                return Found::Unreached(there);
+            }
+            here = there;
+            steepest = steepest.max(here.slope);
+            step = (step * real::<T>(2.0)).min(longest);
+        }
+        Found::Failed(here)
+    }
+
+    /// One step; `None` when it is not to be trusted and a shorter one shall be tried.
+    fn step(
+        &self,
+        here: &Point<T>,
+        wanted: T,
+        outwards: bool,
+        step: T,
+        steepest: T,
+        iterations: &mut u32,
+    ) -> Option<Point<T>> {
+        let growth = if outwards { step } else { -step };
+        let reach = (T::one() + here.at.y) * growth.exp_m1();
+        // Newton's own step where it is shorter and goes the same way.
+        let newton = wanted.is_finite() && (wanted > T::zero()) == outwards && wanted.abs() < reach.abs();
+        let dw = if newton { wanted } else { reach };
+        let there = self.advance(here, here.at.y + dw, iterations)?;
+        let (half, quarter): (T, T) = (real(0.5), real(0.25));
+        let off_tangent = (there.at - here.at - here.tangent * dw).amax();
+        let scale = T::one() + here.at.x.min(here.at.y);
+        let straight = off_tangent <= quarter * scale.min(T::one());
+        let floor = steepest * real::<T>(0.05);
+        let fall = here.slope - there.slope;
+        let gentle = fall <= real::<T>(0.7) * here.slope.max(floor) && -fall <= real::<T>(4.0) * here.slope.max(floor);
+        let mean = half * (here.slope + there.slope);
+        let along = (there.pressure - here.pressure - mean * dw).abs();
+        let resolved = along <= dw.abs() * (quarter * mean.abs() + quarter * floor);
+        (straight && gentle && resolved).then_some(there)
+    }
+
+    /// Looks for the goal between two stable states: a change of sign, or an extremum that reaches across.
+    fn between<G: Goal<T>>(
+        &self,
+        a: &Point<T>,
+        b: &Point<T>,
+        goal: &G,
+        outwards: bool,
+        iterations: &mut u32,
+    ) -> Option<Found<T>> {
+        let ((value_a, rate_a), (value_b, rate_b)) = (goal.measure(a), goal.measure(b));
+        if (value_a > T::zero()) != (value_b > T::zero()) {
+            return Some(self.refine(*a, *b, |p| goal.measure(p), iterations));
+        }
+        let way = if outwards { T::one() } else { -T::one() };
+        let (approach_a, approach_b) = (value_a * rate_a * way, value_b * rate_b * way);
+        if !(approach_a < T::zero() && approach_b > T::zero()) {
+            return None;
+        }
+        let nearest = match self.refine(*a, *b, |p| (goal.measure(p).1, T::zero()), iterations) {
+            Found::Root(point) => point,
+            failed => return Some(failed),
+        };
+        let crossed = (goal.measure(&nearest).0 > T::zero()) != (value_a > T::zero());
+        crossed.then(|| self.refine(*a, nearest, |p| goal.measure(p), iterations))
+    }
+
+    /// The branch turns between `a` (stable) and `b` (not): the goal before the limit point, or the limit point.
+    fn near_limit<G: Goal<T>>(&self, a: Point<T>, b: Point<T>, goal: &G, iterations: &mut u32) -> Found<T> {
+        let limit = match self.refine(a, b, |p| (p.slope, T::zero()), iterations) {
+            Found::Root(point) => point,
+            failed => return failed,
+        };
+        let outwards = b.at.y > a.at.y;
+        self.between(&a, &limit, goal, outwards, iterations).unwrap_or(Found::Limit(limit))
+    }
+
+    /// The root of `measure` between two states at which it has opposite signs: Newton where a rate is given and it stays
+    /// inside, else the secant or bisection.
+    fn refine(
+        &self,
+        a: Point<T>,
+        b: Point<T>,
+        measure: impl Fn(&Point<T>) -> (T, T),
+        iterations: &mut u32,
+    ) -> Found<T> {
+        let (mut low, mut high) = (a, b);
+        let (mut low_value, mut high_value) = (measure(&low).0, measure(&high).0);
+        let mut width = (high.at.y - low.at.y).abs();
+        for round in 0..REFINE_STEPS {
+            let low_is_nearer = low_value.abs() <= high_value.abs();
+            let (nearest, value) = if low_is_nearer { (low, low_value) } else { (high, high_value) };
+            let rate = measure(&nearest).1;
+            let newton = nearest.at.y - value / rate;
+            let secant = low.at.y - low_value * (high.at.y - low.at.y) / (high_value - low_value);
+            let middle = (low.at.y + high.at.y) * real::<T>(0.5);
+            let inside = |w: T| (w - low.at.y) * (w - high.at.y) < T::zero();
+            // Every third round halves the bracket, so that a one-sided approach cannot stall.
+            let w = match round % 3 {
+                2 => middle,
+                _ if inside(newton) => newton,
+                _ if inside(secant) => secant,
+                _ => middle,
+            };
+            let tolerance = real::<T>(2.0) * epsilon::<T>() * nearest.at.y.abs();
+            if value == T::zero() || (newton - nearest.at.y).abs() <= tolerance || !inside(w) || width <= tolerance {
+                return Found::Root(nearest);
+            }
+            let Some(next) = self.advance(&nearest, w, iterations) else { return Found::Failed(nearest) };
+            let next_value = measure(&next).0;
+            if (next_value > T::zero()) == (low_value > T::zero()) {
+                (low, low_value) = (next, next_value);
+            } else {
+                (high, high_value) = (next, next_value);
+            }
+            width = (high.at.y - low.at.y).abs();
+        }
+        Found::Root(if low_value.abs() <= high_value.abs() { low } else { high })
+    }
+}
+
+fn out_of_bounds<T: Real>(point: &Point<T>) -> bool {
+    let volume = T::one() + point.at.y;
+    volume > real::<T>(LARGEST_VOLUME)
+        || volume < real::<T>(SMALLEST_VOLUME)
+        || point.pressure.abs() > real::<T>(LARGEST_PRESSURE)
+}

@@ -1,0 +1,243 @@
+//! Strain energy of a straight tube and its derivatives.
+//!
+//! Coordinates `(e, w, g)`: axial strain `e = lambda - 1`, relative change of the lumen's volume `w = V/V0 - 1`, twist rate
+//! `g = (Phi/L) R_i`. With `X = (R/R_i)^2` the energy per reference length, in units of `pi R_i^2 mu1`, is
+//! `u = int W/mu1 dX`; its conjugate forces are
+//! `u_e = N_ext/(pi R_i^2 mu1)`, `u_w = P/mu1`, `u_g = M_ext/(pi R_i^3 mu1)`,
+//! which are eqs. (7) and (9) of the paper with their misprints corrected, and the torque balance it leaves out.
+//!
+//! All strains are written in forms that do not cancel when small: `p = (r/R)^2 = 1 + eta`, `q = lambda^2 = 1 + eps`.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::parameters::{ActuatorParameters, Families, Fiber, Material, Placement};
+use crate::quadrature::WallRule;
+use crate::real::{Real, real};
+
+/// Gradient and Hessian of the energy in the order `(e, w, g)`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Derivatives<T: Real> {
+    pub(crate) gradient: Vector3<T>,
+    pub(crate) hessian: Matrix3<T>,
+}
+
+/// Kinematics of one radius.
+struct Ring<T> {
+    lambda: T,
+    /// `eta = (r/R)^2 - 1` and `eps = lambda^2 - 1`.
+    eta: T,
+    eps: T,
+    /// `d eta / d(e, w)` and the second derivatives `ee`, `ew`.
+    eta_e: T,
+    eta_w: T,
+    eta_ee: T,
+    eta_ew: T,
+}
+
+impl<T: Real> Ring<T> {
+    fn new(e: T, w: T, x: T) -> Self {
+        let one = T::one();
+        let lambda = one + e;
+        let eta = (w / x - e) / lambda;
+        let p = one + eta;
+        let eta_w = one / (lambda * x);
+        Self {
+            lambda,
+            eta,
+            eps: e * (e + one + one),
+            eta_e: -p / lambda,
+            eta_w,
+            eta_ee: (p + p) / (lambda * lambda),
+            eta_ew: -eta_w / lambda,
+        }
+    }
+}
+
+/// The elastomer of the wall.
+#[derive(Clone, Copy, Debug)]
+enum Elastomer<T> {
+    NeoHookean,
+    /// `2 C2/mu1` and `3 C3/mu1`: `psi' = 1/2 + a J + b J^2`.
+    Yeoh {
+        a: T,
+        b: T,
+        rule: WallRule<T>,
+    },
+}
+
+/// The winding: `cos` and `sin` of its angle, `mu2/mu1`, families and where it sits.
+#[derive(Clone, Copy, Debug)]
+struct Winding<T> {
+    cos: T,
+    sin: T,
+    modulus_ratio: T,
+    families: Families,
+    rule: WallRule<T>,
+}
+
+/// A straight tube, ready to be evaluated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wall<T> {
+    /// `X_o = (R_o/R_i)^2`.
+    pub(crate) x_outer: T,
+    elastomer: Elastomer<T>,
+    winding: Option<Winding<T>>,
+}
+
+impl<T: Real> Wall<T> {
+    pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
+        let ratio = parameters.outer_radius_m / parameters.inner_radius_m;
+        let x_outer = ratio * ratio;
+        let mu1 = parameters.material.shear_modulus_pa();
+        let elastomer = match parameters.material {
+            Material::NeoHookean { .. } => Elastomer::NeoHookean,
+            Material::Yeoh { c_pa } => Elastomer::Yeoh {
+                a: real::<T>(2.0) * c_pa[1] / mu1,
+                b: real::<T>(3.0) * c_pa[2] / mu1,
+                rule: WallRule::new(T::one(), x_outer),
+            },
+        };
+        let winding = parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > T::zero());
+        let winding = winding.map(|fiber| Winding::new(fiber, parameters.inner_radius_m, x_outer, mu1));
+        Self { x_outer, elastomer, winding }
+    }
+
+    /// `true` when the tube can twist without an external torque.
+    pub(crate) fn twists_by_itself(&self) -> bool {
+        self.winding.as_ref().is_some_and(|winding| winding.families == Families::One)
+    }
+
+    /// Gradient and Hessian at `(e, w, g)`; `1 + e > 0` and `1 + w > 0`.
+    pub(crate) fn derivatives(&self, e: T, w: T, g: T) -> Derivatives<T> {
+        let mut sum = match &self.elastomer {
+            Elastomer::NeoHookean => neo_hookean(e, w, g, self.x_outer),
+            Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
+        };
+        if let Some(winding) = &self.winding {
+            winding.add(e, w, g, &mut sum);
+        }
+        sum
+    }
+}
+
+/// Closed form of the neo-Hookean wall integrals: `Lam = ln(X_o (1+w)/(X_o+w))`, `S = 2 D + w Lam`, `Q = D (X_o+1)/2 + w D`.
+fn neo_hookean<T: Real>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
+    let one = T::one();
+    let half: T = real(0.5);
+    let lambda = one + e;
+    let d = x_outer - one;
+    let (inner, outer) = (one + w, x_outer + w);
+    let lam = (w * d / outer).ln_1p();
+    let lam_w = d / (inner * outer);
+    let lam_ww = -lam_w * (one / inner + one / outer);
+    let q = d * (half * (x_outer + one) + w);
+    let s_w = lam + w * lam_w;
+    let s_ww = lam_w + lam_w + w * lam_ww;
+    let per_lambda = one / lambda;
+    let per_lambda2 = per_lambda * per_lambda;
+    let three: T = real(3.0);
+    let u_e = per_lambda2 * (d * e * (three + three * e + e * e) - half * (w * lam + g * g * q));
+    let u_w = half * per_lambda * (s_w + g * g * d);
+    let u_g = per_lambda * g * q;
+    let u_ee = per_lambda2 * per_lambda * (d + d + w * lam + g * g * q) + d;
+    let u_ew = -half * per_lambda2 * (s_w + g * g * d);
+    let u_eg = -per_lambda2 * g * q;
+    let u_ww = half * per_lambda * s_ww;
+    let u_wg = per_lambda * g * d;
+    let u_gg = per_lambda * q;
+    Derivatives {
+        gradient: Vector3::new(u_e, u_w, u_g),
+        hessian: Matrix3::new(u_ee, u_ew, u_eg, u_ew, u_ww, u_wg, u_eg, u_wg, u_gg),
+    }
+}
+
+/// Yeoh wall integrals by quadrature: `psi'(J) = 1/2 + a J + b J^2` with `J = I1 - 3`.
+fn yeoh<T: Real>(e: T, w: T, g: T, a: T, b: T, rule: &WallRule<T>) -> Derivatives<T> {
+    let mut sum = Derivatives { gradient: Vector3::zeros(), hessian: Matrix3::zeros() };
+    rule.for_each(|x, weight| {
+        let (invariant, first, second) = first_invariant(&Ring::new(e, w, x), g, x);
+        let slope = real::<T>(0.5) + invariant * (a + b * invariant);
+        let curvature = a + (b + b) * invariant;
+        sum.gradient += first * (weight * slope);
+        sum.hessian += second * (weight * slope) + first * first.transpose() * (weight * curvature);
+    });
+    sum
+}
+
+/// `I1 - 3` and its derivatives.
+fn first_invariant<T: Real>(ring: &Ring<T>, g: T, x: T) -> (T, Vector3<T>, Matrix3<T>) {
+    let one = T::one();
+    let two = one + one;
+    let Ring { lambda, eta, eps, .. } = *ring;
+    let (p, q) = (one + eta, one + eps);
+    let pq = p * q;
+    let g2x = g * g * x;
+    let value = (eta * eta + eta * eps + eps * eps + eta * eps * (eta + eps)) / pq + g2x * p;
+    let by_p = (eta * (two + eta) * q + eps) / (p * pq) + g2x;
+    let by_q = (eps * (two + eps) * p + eta) / (q * pq);
+    let by_pp = two / (p * p * pq);
+    let by_pq = one / (pq * pq);
+    let by_qq = two / (q * q * pq);
+    let by_g = two * g * x * p;
+    let by_pg = two * g * x;
+    let (q_e, q_ee) = (two * lambda, two);
+    let (p_e, p_w) = (ring.eta_e, ring.eta_w);
+    let gradient = Vector3::new(by_p * p_e + by_q * q_e, by_p * p_w, by_g);
+    let ee = by_pp * p_e * p_e + two * by_pq * p_e * q_e + by_qq * q_e * q_e + by_p * ring.eta_ee + by_q * q_ee;
+    let ew = by_pp * p_e * p_w + by_pq * p_w * q_e + by_p * ring.eta_ew;
+    let ww = by_pp * p_w * p_w;
+    let (eg, wg, gg) = (by_pg * p_e, by_pg * p_w, two * x * p);
+    (value, gradient, Matrix3::new(ee, ew, eg, ew, ww, wg, eg, wg, gg))
+}
+
+impl<T: Real> Winding<T> {
+    fn new(fiber: &Fiber<T>, inner_radius_m: T, x_outer: T, mu1: T) -> Self {
+        let radius = fiber.radius_m / inner_radius_m;
+        let x = radius * radius;
+        let rule = match fiber.placement {
+            Placement::Sheet => WallRule::point(x, real::<T>(2.0) * radius * fiber.thickness_m / inner_radius_m),
+            Placement::Layer => WallRule::new(x, x_outer),
+            Placement::Smeared => WallRule::new(T::one(), x_outer),
+        };
+        Self {
+            cos: fiber.angle_rad.cos(),
+            sin: fiber.angle_rad.sin(),
+            modulus_ratio: fiber.modulus_pa / mu1,
+            families: fiber.families,
+            rule,
+        }
+    }
+
+    /// Adds `int mu2/(2 mu1) (I4-1)^2 dX` of every family.
+    fn add(&self, e: T, w: T, g: T, sum: &mut Derivatives<T>) {
+        self.rule.for_each(|x, weight| {
+            let ring = Ring::new(e, w, x);
+            let rho = x.sqrt();
+            let stiffness = weight * self.modulus_ratio;
+            self.add_family(&ring, g, rho, self.cos, stiffness, sum);
+            if self.families == Families::Two {
+                self.add_family(&ring, g, rho, -self.cos, stiffness, sum);
+            }
+        });
+    }
+
+    /// One family at one radius: `I4 - 1 = c^2 eta + p g rho s (2c + g rho s) + s^2 eps`.
+    fn add_family(&self, ring: &Ring<T>, g: T, rho: T, cos: T, stiffness: T, sum: &mut Derivatives<T>) {
+        let two: T = real(2.0);
+        let sin = self.sin;
+        let shear = g * rho * sin;
+        let hoop = cos + shear;
+        let p = T::one() + ring.eta;
+        let strain = cos * cos * ring.eta + p * shear * (cos + hoop) + sin * sin * ring.eps;
+        let by_p = hoop * hoop;
+        let by_pg = two * hoop * sin * rho;
+        let first = Vector3::new(by_p * ring.eta_e + two * sin * sin * ring.lambda, by_p * ring.eta_w, by_pg * p);
+        let ee = by_p * ring.eta_ee + two * sin * sin;
+        let ew = by_p * ring.eta_ew;
+        let (eg, wg) = (by_pg * ring.eta_e, by_pg * ring.eta_w);
+        let gg = two * p * sin * sin * rho * rho;
+        let second = Matrix3::new(ee, ew, eg, ew, T::zero(), wg, eg, wg, gg);
+        sum.gradient += first * (stiffness * strain);
+        sum.hessian += second * (stiffness * strain) + first * first.transpose() * stiffness;
+    }
+}

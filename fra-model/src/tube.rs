@@ -1,0 +1,212 @@
+//! Extension, expansion and twisting: a straight tube under pressure, forward and inverse.
+
+use nalgebra::Vector3;
+
+use crate::branch::{Branch, Found, Goal, Point};
+use crate::energy::Wall;
+use crate::parameters::{ActuatorParameters, InvalidParameter, require};
+use crate::real::Real;
+use crate::solution::{Load, Solution, State, Status, Target};
+
+/// A straight tube, ready to solve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tube<T: Real> {
+    wall: Wall<T>,
+    inner_radius_m: T,
+    outer_radius_m: T,
+    length_m: T,
+    shear_modulus_pa: T,
+}
+
+/// Forward problem: `u_w` equals `P/mu1`.
+struct AtPressure<T>(T);
+
+impl<T: Real> Goal<T> for AtPressure<T> {
+    fn measure(&self, point: &Point<T>) -> (T, T) {
+        (point.pressure - self.0, point.slope)
+    }
+}
+
+/// Inverse problem: a linear function of `(e, w, g)` reaches a value. Every target of a straight tube has this form.
+struct AtDeformation<T: Real> {
+    weights: Vector3<T>,
+    value: T,
+}
+
+impl<T: Real> Goal<T> for AtDeformation<T> {
+    fn measure(&self, point: &Point<T>) -> (T, T) {
+        (self.weights.dot(&point.at) - self.value, self.weights.dot(&point.tangent))
+    }
+}
+
+impl<T: Real> Tube<T> {
+    pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
+        Self {
+            wall: Wall::new(parameters),
+            inner_radius_m: parameters.inner_radius_m,
+            outer_radius_m: parameters.outer_radius_m,
+            length_m: parameters.length_m,
+            shear_modulus_pa: parameters.material.shear_modulus_pa(),
+        }
+    }
+
+    /// The equilibrium at a gauge pressure.
+    pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
+        let wanted = pressure_pa / self.shear_modulus_pa;
+        let goal = AtPressure(wanted);
+        let mut solution = self.search(start, &goal, load, |from, _| wanted > from.pressure);
+        if solution.status == Status::Solved {
+            let error = (solution.state.pressure_pa - pressure_pa).abs() / self.shear_modulus_pa;
+            solution.residual = solution.residual.max(error);
+            solution.state.pressure_pa = pressure_pa;
+        }
+        solution
+    }
+
+    /// The pressure that reaches a target. Where both pressure and vacuum would, the answer is the pressure.
+    pub(crate) fn inverse(
+        &self,
+        start: Option<&State<T>>,
+        target: Target<T>,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        let goal = self.goal(target)?;
+        if let Some(start) = start {
+            let towards = |from: &Point<T>, goal: &AtDeformation<T>| {
+                let (value, rate) = goal.measure(from);
+                -value / rate > T::zero()
+            };
+            let solution = self.search(Some(start), &goal, load, towards);
+            if solution.status == Status::Solved {
+                return Ok(solution);
+            }
+        }
+        let pressed = self.search(None, &goal, load, |_, _| true);
+        let twist_is_blocked = goal.weights.z != T::zero() && !self.twists(load);
+        if pressed.status == Status::Solved || twist_is_blocked {
+            return Ok(pressed);
+        }
+        let mut evacuated = self.search(None, &goal, load, |_, _| false);
+        evacuated.iterations += pressed.iterations;
+        let answer = if evacuated.status == Status::Solved { evacuated } else { pressed };
+        Ok(Solution { iterations: evacuated.iterations, ..answer })
+    }
+
+    /// Undeformed, without pressure.
+    pub(crate) fn rest(&self) -> State<T> {
+        let mut iterations = 0;
+        match self.branch(&Load::none()).at_rest(&mut iterations) {
+            Found::Root(point) | Found::Limit(point) | Found::Unreached(point) | Found::Failed(point) => {
+                self.state(&point)
+            }
+        }
+    }
+
+    fn twists(&self, load: &Load<T>) -> bool {
+        self.wall.twists_by_itself() || load.torque_nm != T::zero()
+    }
+
+    fn branch(&self, load: &Load<T>) -> Branch<'_, T> {
+        let area = T::pi() * self.inner_radius_m * self.inner_radius_m;
+        Branch {
+            wall: &self.wall,
+            force: load.force_n / (area * self.shear_modulus_pa),
+            torque: load.torque_nm / (area * self.inner_radius_m * self.shear_modulus_pa),
+            twists: self.twists(load),
+        }
+    }
+
+    fn goal(&self, target: Target<T>) -> Result<AtDeformation<T>, InvalidParameter<T>> {
+        let one = T::one();
+        let positive = |field, v: T| require(v.is_finite() && v > T::zero(), field, v, "finite and > 0");
+        // (r/R)^2 = (w + X)/(lambda X) = t  <=>  w/X - t e = t - 1
+        let radius = |r: T, undeformed: T, x: T| {
+            let excess = (r - undeformed) * (r + undeformed) / (undeformed * undeformed);
+            AtDeformation { weights: Vector3::new(-(one + excess), one / x, T::zero()), value: excess }
+        };
+        match target {
+            Target::AxialStretch(stretch) => {
+                positive("axial_stretch", stretch)?;
+                Ok(AtDeformation { weights: Vector3::x(), value: stretch - one })
+            }
+            Target::OuterRadius(r) => {
+                positive("outer_radius_m", r)?;
+                Ok(radius(r, self.outer_radius_m, self.wall.x_outer))
+            }
+            Target::InnerRadius(r) => {
+                positive("inner_radius_m", r)?;
+                Ok(radius(r, self.inner_radius_m, one))
+            }
+            Target::Twist(twist) => {
+                require(twist.is_finite(), "twist_rad", twist, "finite")?;
+                Ok(AtDeformation { weights: Vector3::z(), value: twist * self.inner_radius_m / self.length_m })
+            }
+            Target::BendAngle(angle) => Err(InvalidParameter {
+                field: "bend_angle_rad",
+                value: angle,
+                allowed: "a target of bending actuators only",
+            }),
+        }
+    }
+
+    /// Searches from a start or from rest, in the direction that `outwards` tells at the state it starts from.
+    fn search<G: Goal<T>>(
+        &self,
+        start: Option<&State<T>>,
+        goal: &G,
+        load: &Load<T>,
+        outwards: impl Fn(&Point<T>, &G) -> bool,
+    ) -> Solution<T> {
+        let branch = self.branch(load);
+        let mut iterations = 0;
+        let resumed = start.and_then(|state| branch.resume(self.coordinates(state), &mut iterations));
+        let begin = match resumed {
+            Some(point) => Found::Root(point),
+            None => branch.at_rest(&mut iterations),
+        };
+        let found = match begin {
+            // A state that the load alone has made unstable is the end of the branch already.
+            Found::Root(point) if point.slope > T::zero() => {
+                branch.search(point, goal, outwards(&point, goal), &mut iterations)
+            }
+            Found::Root(point) => Found::Limit(point),
+            ended => ended,
+        };
+        self.solution(found, iterations)
+    }
+
+    fn solution(&self, found: Found<T>, iterations: u32) -> Solution<T> {
+        let (status, point, limit) = match found {
+            Found::Root(point) => (Status::Solved, point, None),
+            Found::Limit(point) => (Status::NoSolution, point, Some(point.pressure * self.shear_modulus_pa)),
+            Found::Unreached(point) => (Status::NoSolution, point, None),
+            Found::Failed(point) => (Status::NotConverged, point, None),
+        };
+        Solution { status, state: self.state(&point), limit_pressure_pa: limit, residual: point.residual, iterations }
+    }
+
+    fn state(&self, point: &Point<T>) -> State<T> {
+        let one = T::one();
+        let (e, w, g) = (point.at.x, point.at.y, point.at.z);
+        let lambda = one + e;
+        let x_outer = self.wall.x_outer;
+        let rest_volume = T::pi() * self.inner_radius_m * self.inner_radius_m * self.length_m;
+        State {
+            pressure_pa: point.pressure * self.shear_modulus_pa,
+            axial_stretch: lambda,
+            inner_radius_m: self.inner_radius_m * ((one + w) / lambda).sqrt(),
+            outer_radius_m: self.outer_radius_m * ((x_outer + w) / (lambda * x_outer)).sqrt(),
+            twist_rad: g * self.length_m / self.inner_radius_m,
+            bend_angle_rad: T::zero(),
+            volume_m3: rest_volume * (one + w),
+            compliance_m3_per_pa: rest_volume / (self.shear_modulus_pa * point.slope),
+        }
+    }
+
+    fn coordinates(&self, state: &State<T>) -> Vector3<T> {
+        let e = state.axial_stretch - T::one();
+        let radius = state.inner_radius_m / self.inner_radius_m;
+        let w = state.axial_stretch * radius * radius - T::one();
+        Vector3::new(e, w, state.twist_rad * self.inner_radius_m / self.length_m)
+    }
+}
