@@ -1,0 +1,227 @@
+//! The messages of package `softlimb_msgs`: type names, definitions, and the way
+//! between them and the plain data of [`super::log`].
+
+use super::cdr::{CdrError, CdrReader, CdrWriter};
+use super::{ChannelSample, FaultRecord, Sample, Shape};
+
+/// Frame in which positions are given.
+const FRAME_ID: &str = "base";
+
+/// Between two definitions of one `ros2msg` schema.
+const SEPARATOR: &str = "================================================================================";
+
+/// A message type: its full name and its definition with everything it refers to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MessageType {
+    /// `package/msg/Name`.
+    pub(super) name: &'static str,
+    definition: &'static str,
+    uses: &'static [(&'static str, &'static str)],
+}
+
+impl MessageType {
+    /// A type from its name, its own definition and those that it refers to.
+    pub(super) const fn new(
+        name: &'static str,
+        definition: &'static str,
+        uses: &'static [(&'static str, &'static str)],
+    ) -> Self {
+        Self { name, definition, uses }
+    }
+
+    /// The schema text as `ros2msg` wants it.
+    pub(super) fn schema(&self) -> String {
+        let mut text = self.definition.to_owned();
+        for (name, definition) in self.uses {
+            text.push_str(&format!("{SEPARATOR}\nMSG: {name}\n{definition}"));
+        }
+        text
+    }
+}
+
+/// `std_msgs/Header`, the first field of every message here.
+pub(super) const HEADER: (&str, &str) = ("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n");
+/// `builtin_interfaces/Time`, part of the header.
+pub(super) const TIME: (&str, &str) = ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
+const POINT: (&str, &str) = ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n");
+
+/// `/softlimb/telemetry`.
+pub(super) const TELEMETRY: MessageType =
+    MessageType::new("softlimb_msgs/msg/Telemetry", include_str!("msg/Telemetry.msg"), &[HEADER, TIME]);
+/// `/softlimb/setpoint` and `/softlimb/model`.
+pub(super) const DEFORMATION: MessageType =
+    MessageType::new("softlimb_msgs/msg/Deformation", include_str!("msg/Deformation.msg"), &[HEADER, TIME, POINT]);
+/// `/softlimb/truth`.
+pub(super) const TRUTH: MessageType =
+    MessageType::new("softlimb_msgs/msg/Truth", include_str!("msg/Truth.msg"), &[HEADER, TIME, POINT]);
+/// `/softlimb/fault`.
+pub(super) const FAULT: MessageType =
+    MessageType::new("softlimb_msgs/msg/Fault", include_str!("msg/Fault.msg"), &[HEADER, TIME]);
+/// `/softlimb/shape`.
+pub(super) const SHAPE: MessageType =
+    MessageType::new("softlimb_msgs/msg/Shape", include_str!("msg/Shape.msg"), &[HEADER, TIME, POINT]);
+
+/// Starts a message with its header.
+pub(super) fn begin(unix_ns: u64) -> CdrWriter {
+    const NS_PER_S: u64 = 1_000_000_000;
+    let mut cdr = CdrWriter::new();
+    // `builtin_interfaces/Time` holds i32 seconds: it ends in 2038.
+    cdr.i32(i32::try_from(unix_ns / NS_PER_S).unwrap_or(i32::MAX));
+    cdr.u32((unix_ns % NS_PER_S) as u32);
+    cdr.string(FRAME_ID);
+    cdr
+}
+
+/// Opens a message and passes over its header.
+fn open(message: &[u8]) -> Result<CdrReader<'_>, CdrError> {
+    let mut cdr = CdrReader::new(message)?;
+    cdr.i32()?;
+    cdr.u32()?;
+    cdr.string()?;
+    Ok(cdr)
+}
+
+/// Encodes what the device reported.
+pub(super) fn encode_telemetry(unix_ns: u64, sample: &Sample) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.f64(sample.time_s);
+    cdr.u8(sample.state);
+    cdr.u16(sample.fault_bits);
+    cdr.f64(sample.supply_pa);
+    cdr.f64_sequence(sample.channels.iter().map(|channel| channel.pressure_pa));
+    cdr.f64_sequence(sample.channels.iter().map(|channel| channel.reference_pa));
+    cdr.f64_sequence(sample.channels.iter().map(|channel| channel.duty));
+    cdr.length(sample.channels.len());
+    sample.channels.iter().for_each(|channel| cdr.u8(channel.status));
+    cdr.into_bytes()
+}
+
+/// Decodes what the device reported; modules and tip are still empty.
+pub(super) fn decode_telemetry(message: &[u8]) -> Result<Sample, CdrError> {
+    let mut cdr = open(message)?;
+    let (time_s, state, fault_bits, supply_pa) = (cdr.f64()?, cdr.u8()?, cdr.u16()?, cdr.f64()?);
+    let pressure = cdr.sequence(CdrReader::f64)?;
+    let reference = cdr.sequence(CdrReader::f64)?;
+    let duty = cdr.sequence(CdrReader::f64)?;
+    let status = cdr.sequence(CdrReader::u8)?;
+    let channels = pressure.iter().zip(&reference).zip(&duty).zip(&status).map(
+        |(((&pressure_pa, &reference_pa), &duty), &status)| ChannelSample {
+            pressure_pa,
+            reference_pa,
+            duty,
+            status,
+            true_pressure_pa: None,
+        },
+    );
+    Ok(Sample {
+        time_s,
+        state,
+        fault_bits,
+        supply_pa,
+        channels: channels.collect(),
+        modules: Vec::new(),
+        tip_setpoint_m: [0.0; 3],
+        tip_modelled_m: [0.0; 3],
+        tip_achieved_m: None,
+    })
+}
+
+/// Encodes module deformations and the tip.
+pub(super) fn encode_deformation(
+    unix_ns: u64,
+    modules: impl ExactSizeIterator<Item = f64>,
+    tip_m: [f64; 3],
+) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.f64_sequence(modules);
+    cdr.point(tip_m);
+    cdr.into_bytes()
+}
+
+/// Decodes module deformations and the tip.
+pub(super) fn decode_deformation(message: &[u8]) -> Result<(Vec<f64>, [f64; 3]), CdrError> {
+    let mut cdr = open(message)?;
+    Ok((cdr.sequence(CdrReader::f64)?, cdr.point()?))
+}
+
+/// What happened at one instant, as far as it was observed.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Truth {
+    /// Chamber pressures, Pa.
+    pub(super) pressure_pa: Vec<Option<f64>>,
+    /// Module deformations, SI.
+    pub(super) modules: Vec<Option<f64>>,
+    /// Tip position, m.
+    pub(super) tip_m: Option<[f64; 3]>,
+}
+
+impl Truth {
+    /// The truth in a sample, `None` when it holds none.
+    pub(super) fn of(sample: &Sample) -> Option<Self> {
+        let truth = Self {
+            pressure_pa: sample.channels.iter().map(|channel| channel.true_pressure_pa).collect(),
+            modules: sample.modules.iter().map(|module| module.achieved).collect(),
+            tip_m: sample.tip_achieved_m,
+        };
+        let mut values = truth.pressure_pa.iter().chain(&truth.modules);
+        (truth.tip_m.is_some() || values.any(Option::is_some)).then_some(truth)
+    }
+
+    /// Encodes the truth.
+    pub(super) fn encode(&self, unix_ns: u64) -> Vec<u8> {
+        let mut cdr = begin(unix_ns);
+        cdr.f64_sequence(self.pressure_pa.iter().map(|value| value.unwrap_or(f64::NAN)));
+        cdr.f64_sequence(self.modules.iter().map(|value| value.unwrap_or(f64::NAN)));
+        cdr.point(self.tip_m.unwrap_or([f64::NAN; 3]));
+        cdr.into_bytes()
+    }
+
+    /// Decodes the truth.
+    pub(super) fn decode(message: &[u8]) -> Result<Self, CdrError> {
+        let observed = |value: f64| (!value.is_nan()).then_some(value);
+        let mut cdr = open(message)?;
+        let pressure_pa = cdr.sequence(|cdr| cdr.f64().map(observed))?;
+        let modules = cdr.sequence(|cdr| cdr.f64().map(observed))?;
+        let tip = cdr.point()?;
+        let tip_m = (!tip.iter().any(|value| value.is_nan())).then_some(tip);
+        Ok(Self { pressure_pa, modules, tip_m })
+    }
+}
+
+/// Encodes a fault.
+pub(super) fn encode_fault(unix_ns: u64, fault: &FaultRecord) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.f64(fault.time_s);
+    cdr.u8(fault.channel);
+    cdr.u8(fault.code);
+    cdr.i32(fault.value);
+    cdr.string(&fault.text);
+    cdr.into_bytes()
+}
+
+/// Decodes a fault.
+pub(super) fn decode_fault(message: &[u8]) -> Result<FaultRecord, CdrError> {
+    let mut cdr = open(message)?;
+    Ok(FaultRecord { time_s: cdr.f64()?, channel: cdr.u8()?, code: cdr.u8()?, value: cdr.i32()?, text: cdr.string()? })
+}
+
+/// Encodes a backbone.
+pub(super) fn encode_shape(unix_ns: u64, shape: &Shape) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.f64(shape.time_s);
+    for polyline in [Some(&shape.setpoint), shape.achieved.as_ref()] {
+        let points = polyline.map(Vec::as_slice).unwrap_or_default();
+        cdr.length(points.len());
+        points.iter().for_each(|&point| cdr.point(point));
+    }
+    cdr.into_bytes()
+}
+
+/// Decodes a backbone.
+pub(super) fn decode_shape(message: &[u8]) -> Result<Shape, CdrError> {
+    let mut cdr = open(message)?;
+    let time_s = cdr.f64()?;
+    let setpoint = cdr.sequence(CdrReader::point)?;
+    let achieved = cdr.sequence(CdrReader::point)?;
+    Ok(Shape { time_s, setpoint, achieved: (!achieved.is_empty()).then_some(achieved) })
+}

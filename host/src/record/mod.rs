@@ -1,0 +1,41 @@
+//! Run logs: one MCAP file per run that Foxglove, PlotJuggler, rosbags and plain
+//! Python open without our code.
+//!
+//! [`Recorder`] writes a run while it happens, [`read`] brings the whole run back
+//! as a [`RunLog`] of plain data. The byte layout is described in
+//! `docs/log-format.md`. This is the only room that knows the container format;
+//! it knows nothing of ports, scenes or figures.
+
+mod cdr;
+mod error;
+mod log;
+mod messages;
+mod metadata;
+mod reader;
+mod standard;
+mod topics;
+mod writer;
+
+pub use error::RecordError;
+pub use log::{
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, PhaseInfo, Quantity, RunInfo, RunLog, Sample,
+    Shape,
+};
+pub use reader::read;
+pub use writer::Recorder;
+
+/// Version of the log layout, kept in the run metadata. A reader refuses others.
+const FORMAT_VERSION: &str = "1";
+/// Name of the metadata record that opens every log.
+const RUN_METADATA: &str = "softlimb.run";
+/// Name of the metadata record that only a finished log has.
+const END_METADATA: &str = "softlimb.end";
+/// Name of the attachment that carries the scene file.
+const SCENE_ATTACHMENT: &str = "scene.toml";
+
+const TELEMETRY_TOPIC: &str = "/softlimb/telemetry";
+const SETPOINT_TOPIC: &str = "/softlimb/setpoint";
+const MODEL_TOPIC: &str = "/softlimb/model";
+const TRUTH_TOPIC: &str = "/softlimb/truth";
+const FAULT_TOPIC: &str = "/softlimb/fault";
+const SHAPE_TOPIC: &str = "/softlimb/shape";

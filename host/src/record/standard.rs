@@ -1,0 +1,66 @@
+//! Standard ROS messages beside our own, thinned, so that viewers plot a run
+//! without knowing our types. Written only: everything in them is read back from
+//! the full-rate topics.
+
+use super::messages::{HEADER, MessageType, TIME, begin};
+
+/// Rate of the standard topics, 1/s.
+pub(super) const RATE_HZ: f64 = 10.0;
+
+/// One pressure. The field holds *gauge* pressure, as the topic name says.
+pub(super) const FLUID_PRESSURE: MessageType = MessageType::new(
+    "sensor_msgs/msg/FluidPressure",
+    "std_msgs/Header header\nfloat64 fluid_pressure\nfloat64 variance\n",
+    &[HEADER, TIME],
+);
+
+/// Positions by name: a module's deformation in the SI unit of its quantity.
+pub(super) const JOINT_STATE: MessageType = MessageType::new(
+    "sensor_msgs/msg/JointState",
+    "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n",
+    &[HEADER, TIME],
+);
+
+/// Topic of one channel's pressure.
+pub(super) fn pressure_topic(channel: usize) -> String {
+    format!("/softlimb/gauge_pressure/channel_{channel}")
+}
+
+/// Encodes one pressure; a variance of zero means "unknown" in this type.
+pub(super) fn encode_fluid_pressure(unix_ns: u64, pressure_pa: f64) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.f64(pressure_pa);
+    cdr.f64(0.0);
+    cdr.into_bytes()
+}
+
+/// Encodes named positions without velocities and efforts.
+pub(super) fn encode_joint_state<'a>(
+    unix_ns: u64,
+    joints: impl ExactSizeIterator<Item = (&'a str, f64)> + Clone,
+) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.length(joints.len());
+    joints.clone().for_each(|(name, _)| cdr.string(name));
+    cdr.f64_sequence(joints.map(|(_, position)| position));
+    cdr.length(0);
+    cdr.length(0);
+    cdr.into_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fluid_pressure_has_the_bytes_laid_out_by_hand() {
+        let mut expected = vec![0, 1, 0, 0];
+        expected.extend([2, 0, 0, 0]); // sec 2 at 0
+        expected.extend([0x00, 0x65, 0xcd, 0x1d]); // nanosec 500 000 000 at 4
+        expected.extend([5, 0, 0, 0, b'b', b'a', b's', b'e', 0]); // frame at 8..17
+        expected.extend([0; 7]); // padding to 24
+        expected.extend([0, 0, 0, 0, 0, 0x6a, 0xf8, 0x40]); // 100 000.0 at 24
+        expected.extend([0; 8]); // variance at 32
+        assert_eq!(encode_fluid_pressure(2_500_000_000, 100_000.0), expected);
+    }
+}

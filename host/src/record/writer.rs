@@ -1,0 +1,235 @@
+//! Writes a run while it happens.
+
+use super::messages::{Truth, encode_deformation, encode_fault, encode_shape, encode_telemetry};
+use super::metadata::{end_metadata, run_metadata};
+use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
+use super::topics::Topics;
+use super::{FaultRecord, LinkSummary, RecordError, RunInfo, Sample, Shape};
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// Log time between two closed chunks, s: what a kill can cost at most.
+const CHUNK_S: f64 = 0.5;
+
+/// A run being written.
+///
+/// The file is `<path>.partial` until [`finish`](Self::finish) gives it its name.
+/// A recorder that is dropped instead leaves that file, closed and readable.
+/// Twice a second of log time everything so far is handed to the operating system as
+/// a closed chunk, so a killed process loses no more than that.
+pub struct Recorder {
+    mcap: mcap::Writer<BufWriter<File>>,
+    topics: Topics,
+    info: RunInfo,
+    path: PathBuf,
+    partial: PathBuf,
+    samples: u32,
+    others: u32,
+    chunk_start_s: Option<f64>,
+    standard_slot: Option<i64>,
+}
+
+impl Recorder {
+    /// Starts a log that will be `path`; an older log there stays until the new one
+    /// is finished.
+    ///
+    /// # Errors
+    /// [`RecordError::File`] when the partial file cannot be created,
+    /// [`RecordError::Container`] when its opening cannot be written.
+    pub fn create(path: impl AsRef<Path>, info: &RunInfo) -> Result<Self, RecordError> {
+        let path = path.as_ref().to_owned();
+        let partial = partial_path(&path);
+        let file = File::create(&partial).map_err(RecordError::file("create", &partial))?;
+        let mut mcap = options()
+            .create(BufWriter::new(file))
+            .and_then(|mut mcap| write_opening(&mut mcap, info).map(|()| mcap))
+            .map_err(RecordError::container("opening the log"))?;
+        let topics = Topics::declare(&mut mcap, info).map_err(RecordError::container("declaring the topics"))?;
+        Ok(Self {
+            mcap,
+            topics,
+            info: info.clone(),
+            path,
+            partial,
+            samples: 0,
+            others: 0,
+            chunk_start_s: None,
+            standard_slot: None,
+        })
+    }
+
+    /// Appends a sample.
+    ///
+    /// # Errors
+    /// [`RecordError::Sample`] when its time is not finite or it has not as many
+    /// channels and modules as the run, [`RecordError::Container`] when the disk
+    /// refuses; after the latter every further call fails.
+    pub fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
+        self.check(sample)?;
+        self.close_chunk_when_due(sample.time_s)?;
+        let at = self.stamp(sample.time_s);
+        let sequence = self.samples;
+        self.samples = self.samples.wrapping_add(1);
+
+        let setpoints = sample.modules.iter().map(|module| module.setpoint);
+        let modelled = sample.modules.iter().map(|module| module.modelled);
+        let messages = [
+            (self.topics.telemetry, Some(encode_telemetry(at, sample))),
+            (self.topics.setpoint, Some(encode_deformation(at, setpoints, sample.tip_setpoint_m))),
+            (self.topics.model, Some(encode_deformation(at, modelled, sample.tip_modelled_m))),
+            (self.topics.truth, Truth::of(sample).map(|truth| truth.encode(at))),
+        ];
+        for (topic, message) in messages {
+            if let Some(message) = message {
+                self.write(topic, sequence, at, &message)?;
+            }
+        }
+        self.standard_messages(sample, sequence, at)
+    }
+
+    /// Appends a fault.
+    ///
+    /// # Errors
+    /// [`RecordError::Container`] when the disk refuses.
+    pub fn fault(&mut self, fault: &FaultRecord) -> Result<(), RecordError> {
+        let at = self.stamp(fault.time_s);
+        self.write_other(self.topics.fault, at, &encode_fault(at, fault))
+    }
+
+    /// Appends a backbone shape.
+    ///
+    /// # Errors
+    /// [`RecordError::Container`] when the disk refuses.
+    pub fn shape(&mut self, shape: &Shape) -> Result<(), RecordError> {
+        let at = self.stamp(shape.time_s);
+        self.write_other(self.topics.shape, at, &encode_shape(at, shape))
+    }
+
+    /// Ends the log: link counters, wall-clock time in s, index, and its final name.
+    ///
+    /// # Errors
+    /// [`RecordError::Container`] or [`RecordError::File`] when the disk refuses; the
+    /// partial file then stays.
+    pub fn finish(mut self, link: LinkSummary, wall_s: Option<f64>) -> Result<(), RecordError> {
+        let end = mcap::records::Metadata { name: super::END_METADATA.into(), metadata: end_metadata(&link, wall_s) };
+        self.mcap
+            .write_metadata(&end)
+            .and_then(|()| self.mcap.finish())
+            .map_err(RecordError::container("ending the log"))?;
+        let file = self.mcap.into_inner().into_inner().map_err(|failed| RecordError::File {
+            action: "write",
+            path: self.partial.clone(),
+            source: failed.into_error(),
+        })?;
+        file.sync_all().map_err(RecordError::file("write", &self.partial))?;
+        std::fs::rename(&self.partial, &self.path).map_err(RecordError::file("name", &self.path))
+    }
+
+    fn check(&self, sample: &Sample) -> Result<(), RecordError> {
+        let refuse = |reason| Err(RecordError::Sample { time_s: sample.time_s, reason });
+        let channels = self.info.channel_count();
+        let modules = self.info.modules.len();
+        if !sample.time_s.is_finite() {
+            return refuse("time is not finite".into());
+        }
+        if sample.channels.len() != channels {
+            return refuse(format!("{} channels, the run has {channels}", sample.channels.len()));
+        }
+        if sample.modules.len() != modules {
+            return refuse(format!("{} modules, the run has {modules}", sample.modules.len()));
+        }
+        Ok(())
+    }
+
+    fn close_chunk_when_due(&mut self, time_s: f64) -> Result<(), RecordError> {
+        let start_s = *self.chunk_start_s.get_or_insert(time_s);
+        // The absolute value: a device whose clock restarted still gets its chunks closed.
+        if (time_s - start_s).abs() >= CHUNK_S {
+            self.chunk_start_s = Some(time_s);
+            self.mcap.flush().map_err(RecordError::container("closing a chunk"))?;
+        }
+        Ok(())
+    }
+
+    /// Time of the run as ns since 1970, not before it.
+    fn stamp(&self, time_s: f64) -> u64 {
+        // The cast saturates, and takes NaN to 0.
+        self.info.start_unix_ns.saturating_add_signed((time_s * 1e9).round() as i64)
+    }
+
+    fn standard_messages(&mut self, sample: &Sample, sequence: u32, at: u64) -> Result<(), RecordError> {
+        // Half a microsecond forgives a time that falls just short of its slot by rounding.
+        let slot = ((sample.time_s + 5e-7) * RATE_HZ).floor() as i64;
+        if self.standard_slot.replace(slot) == Some(slot) {
+            return Ok(());
+        }
+        for (channel, values) in sample.channels.iter().enumerate() {
+            let message = encode_fluid_pressure(at, values.pressure_pa);
+            self.write(self.topics.pressure[channel], sequence, at, &message)?;
+        }
+        let names = || self.info.modules.iter().map(|module| module.name.as_str());
+        let values = |value: fn(&super::ModuleSample) -> f64| {
+            encode_joint_state(at, names().zip(sample.modules.iter().map(value)))
+        };
+        let joints = [
+            values(|module| module.setpoint),
+            values(|module| module.modelled),
+            values(|module| module.achieved.unwrap_or(f64::NAN)),
+        ];
+        let topics = self.topics.joints;
+        for (topic, message) in topics.into_iter().zip(joints) {
+            self.write(topic, sequence, at, &message)?;
+        }
+        Ok(())
+    }
+
+    fn write_other(&mut self, topic: u16, at: u64, message: &[u8]) -> Result<(), RecordError> {
+        let sequence = self.others;
+        self.others = self.others.wrapping_add(1);
+        self.write(topic, sequence, at, message)
+    }
+
+    fn write(&mut self, topic: u16, sequence: u32, at: u64, data: &[u8]) -> Result<(), RecordError> {
+        let header = mcap::records::MessageHeader { channel_id: topic, sequence, log_time: at, publish_time: at };
+        self.mcap.write_to_known_channel(&header, data).map_err(RecordError::container("writing a message"))
+    }
+}
+
+impl std::fmt::Debug for Recorder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Recorder").field("path", &self.path).field("samples", &self.samples).finish_non_exhaustive()
+    }
+}
+
+/// Chunks are held back until they are whole, so that the file is at every moment
+/// the beginning of a valid one: no lengths to be filled in later. They are closed by
+/// time and never by size, so that a sample is never torn between two of them.
+fn options() -> mcap::WriteOptions {
+    mcap::WriteOptions::new()
+        .profile("ros2")
+        .library(concat!("softlimb ", env!("CARGO_PKG_VERSION")))
+        .disable_seeking(true)
+        .chunk_size(None)
+}
+
+fn write_opening<W: std::io::Write + std::io::Seek>(
+    mcap: &mut mcap::Writer<W>,
+    info: &RunInfo,
+) -> mcap::McapResult<()> {
+    mcap.write_metadata(&mcap::records::Metadata { name: super::RUN_METADATA.into(), metadata: run_metadata(info) })?;
+    mcap.attach(&mcap::Attachment {
+        log_time: info.start_unix_ns,
+        create_time: info.start_unix_ns,
+        name: super::SCENE_ATTACHMENT.into(),
+        media_type: "application/toml".into(),
+        data: info.scene_text.as_bytes().into(),
+    })?;
+    mcap.flush()
+}
+
+fn partial_path(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".partial");
+    name.into()
+}
