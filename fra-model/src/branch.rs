@@ -16,11 +16,15 @@ const SETTLE_ITERATIONS: u32 = 40;
 /// Most steps along the branch, and most to refine a root between two states of it.
 const MARCH_STEPS: u32 = 4000;
 const REFINE_STEPS: u32 = 100;
+/// Newton's steps may grow this long: stiff fibers make narrow curved valleys.
+const ERRATIC_ITERATIONS: u32 = 8;
+/// Newton's steps may stop shrinking only below this many units in the last place.
+const STALL: f64 = 1e4;
 /// Longest step in `ln(1 + w)`.
 const LONGEST_STEP: f64 = 0.25;
 /// The branch is followed within these bounds of `1 + w` and of `P/mu1`.
-const LARGEST_VOLUME: f64 = 1e9;
-const SMALLEST_VOLUME: f64 = 1e-9;
+const LARGEST_VOLUME: f64 = 1e6;
+const SMALLEST_VOLUME: f64 = 1e-6;
 const LARGEST_PRESSURE: f64 = 1e4;
 
 /// A state on the branch.
@@ -36,12 +40,19 @@ pub(crate) struct Point<T: Real> {
     pub(crate) slope: T,
     /// Largest residual of the two load equations.
     pub(crate) residual: T,
+    /// What the rounding of the state alone does to `pressure` ...
+    pub(crate) pressure_noise: T,
+    /// ... and to `(e, g)` when they are settled: stiff fibers magnify the last digit.
+    pub(crate) settling_noise: Vector3<T>,
 }
 
 /// What a search looks for: a scalar along the branch that shall vanish.
 pub(crate) trait Goal<T: Real> {
     /// The scalar at a state and its derivative with respect to `w` along the branch.
     fn measure(&self, point: &Point<T>) -> (T, T);
+
+    /// How far from zero rounding alone may keep that scalar.
+    fn noise(&self, point: &Point<T>) -> T;
 }
 
 /// Outcome of a search.
@@ -97,7 +108,7 @@ impl<T: Real> Branch<'_, T> {
         let mut last = T::max_value()?;
         for _ in 0..SETTLE_ITERATIONS {
             *iterations += 1;
-            let Derivatives { gradient, mut hessian } = self.wall.derivatives(at.x, at.y, at.z);
+            let Derivatives { gradient, mut hessian, .. } = self.wall.derivatives(at.x, at.y, at.z);
             let mut rest = Vector3::new(self.force * share, T::zero(), self.torque * share) - gradient;
             if !self.twists {
                 rest.z = T::zero();
@@ -124,7 +135,7 @@ impl<T: Real> Branch<'_, T> {
     fn settle(&self, guess: Vector3<T>, iterations: &mut u32) -> Option<Point<T>> {
         let mut at = guess;
         let mut last = T::max_value()?;
-        for _ in 0..SETTLE_ITERATIONS {
+        for round in 0..SETTLE_ITERATIONS {
             *iterations += 1;
             let d = self.wall.derivatives(at.x, at.y, at.z);
             let (de, dg) = self.solve_loads(&d, self.force - d.gradient.x, self.torque - d.gradient.z)?;
@@ -137,11 +148,13 @@ impl<T: Real> Branch<'_, T> {
             let size = de.abs().max(dg.abs());
             let scale = at.amax();
             let floor = size <= epsilon::<T>() * scale;
-            let stalled = size >= last * real::<T>(0.5) && size <= real::<T>(1e4) * epsilon::<T>() * scale;
+            let noise = self.settling_noise(&d, at)?;
+            let rounding = size <= (real::<T>(STALL) * epsilon::<T>() * scale).max(noise.amax());
+            let stalled = size >= last * real::<T>(0.5) && rounding;
             if floor || stalled {
                 return self.stable_point(at);
             }
-            if size > last * real::<T>(4.0) {
+            if round >= ERRATIC_ITERATIONS && size > last * real::<T>(4.0) {
                 return None;
             }
             last = size;
@@ -171,7 +184,19 @@ impl<T: Real> Branch<'_, T> {
         let residual = (d.gradient.x - self.force).abs().max(torque_rest.abs());
         let pressure = d.gradient.y;
         let finite = slope.is_finite() && pressure.is_finite() && residual.is_finite();
-        finite.then_some(Point { at, tangent: Vector3::new(e_w, T::one(), g_w), pressure, slope, residual })
+        let settling_noise = self.settling_noise(&d, at)?;
+        let coupling = d.hessian.row(1).transpose().abs();
+        let pressure_noise = gradient_noise(&d, at).y + coupling.dot(&settling_noise);
+        let tangent = Vector3::new(e_w, T::one(), g_w);
+        finite.then_some(Point { at, tangent, pressure, slope, residual, pressure_noise, settling_noise })
+    }
+
+    /// Error of `(e, g)` left by the rounding of the load equations.
+    fn settling_noise(&self, d: &Derivatives<T>, at: Vector3<T>) -> Option<Vector3<T>> {
+        let noise = gradient_noise(d, at);
+        let (by_force, by_torque) =
+            (self.solve_loads(d, noise.x, T::zero())?, self.solve_loads(d, T::zero(), noise.z)?);
+        Some(Vector3::new(by_force.0.abs() + by_torque.0.abs(), T::zero(), by_force.1.abs() + by_torque.1.abs()))
     }
 
     /// A state known to be an equilibrium; falls back to a flat tangent where the block is singular.
@@ -182,6 +207,8 @@ impl<T: Real> Branch<'_, T> {
             pressure: T::zero(),
             slope: T::zero(),
             residual: T::zero(),
+            pressure_noise: T::zero(),
+            settling_noise: Vector3::zeros(),
         })
     }
 
@@ -200,6 +227,18 @@ impl<T: Real> Branch<'_, T> {
         self.settle(guess, iterations)
     }
 
+    /// The state at `w`, or on a part of the way there where Newton fails on the whole of it.
+    fn advance_part(&self, from: &Point<T>, w: T, iterations: &mut u32) -> Option<Point<T>> {
+        let mut way = w - from.at.y;
+        for _ in 0..8 {
+            if let Some(point) = self.advance(from, from.at.y + way, iterations) {
+                return Some(point);
+            }
+            way *= real::<T>(0.25);
+        }
+        None
+    }
+
     /// Follows the branch from `start`, towards larger volume if `outwards`, until the goal is met or the branch ends.
     pub(crate) fn search<G: Goal<T>>(
         &self,
@@ -211,12 +250,19 @@ impl<T: Real> Branch<'_, T> {
         let longest: T = real(LONGEST_STEP);
         let (mut here, mut step) = (start, longest);
         let mut steepest = start.slope;
+        let mut last_wanted = T::max_value().unwrap_or(longest);
         for _ in 0..MARCH_STEPS {
             let (value, rate) = goal.measure(&here);
             let wanted = -value / rate;
-            if value == T::zero() || wanted.abs() <= epsilon::<T>() * here.at.y.abs() {
+            let size = wanted.abs();
+            // At the root: exactly, within the last digit, or where rounding keeps Newton's steps from shrinking further.
+            let last_digit = epsilon::<T>() * here.at.y.abs();
+            let rounding = size <= last_digit * real::<T>(STALL) || value.abs() <= goal.noise(&here);
+            let stalled = size >= last_wanted * real::<T>(0.5) && rounding;
+            if value == T::zero() || size <= last_digit || stalled {
                 return Found::Root(here);
             }
+            last_wanted = size;
             let there = match self.step(&here, wanted, outwards, step, steepest, iterations) {
                 Some(there) => there,
                 None => {
@@ -268,7 +314,8 @@ impl<T: Real> Branch<'_, T> {
         let gentle = fall <= real::<T>(0.7) * here.slope.max(floor) && -fall <= real::<T>(4.0) * here.slope.max(floor);
         let mean = half * (here.slope + there.slope);
         let along = (there.pressure - here.pressure - mean * dw).abs();
-        let resolved = along <= dw.abs() * (quarter * mean.abs() + quarter * floor);
+        let rounding = real::<T>(4.0) * (here.pressure_noise + there.pressure_noise);
+        let resolved = along <= dw.abs() * (quarter * mean.abs() + quarter * floor) + rounding;
         (straight && gentle && resolved).then_some(there)
     }
 
@@ -339,7 +386,7 @@ impl<T: Real> Branch<'_, T> {
             if value == T::zero() || (newton - nearest.at.y).abs() <= tolerance || !inside(w) || width <= tolerance {
                 return Found::Root(nearest);
             }
-            let Some(next) = self.advance(&nearest, w, iterations) else { return Found::Failed(nearest) };
+            let Some(next) = self.advance_part(&nearest, w, iterations) else { return Found::Failed(nearest) };
             let next_value = measure(&next).0;
             if (next_value > T::zero()) == (low_value > T::zero()) {
                 (low, low_value) = (next, next_value);
@@ -350,6 +397,11 @@ impl<T: Real> Branch<'_, T> {
         }
         Found::Root(if low_value.abs() <= high_value.abs() { low } else { high })
     }
+}
+
+/// What one rounding of each coordinate and of each term does to the gradient, with a margin.
+fn gradient_noise<T: Real>(d: &Derivatives<T>, at: Vector3<T>) -> Vector3<T> {
+    (d.hessian.abs() * at.abs() + d.magnitude) * (real::<T>(8.0) * epsilon::<T>())
 }
 
 fn out_of_bounds<T: Real>(point: &Point<T>) -> bool {

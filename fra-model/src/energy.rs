@@ -12,13 +12,15 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::parameters::{ActuatorParameters, Families, Fiber, Material, Placement};
 use crate::quadrature::WallRule;
-use crate::real::{Real, real};
+use crate::real::{Real, epsilon, real};
 
 /// Gradient and Hessian of the energy in the order `(e, w, g)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Derivatives<T: Real> {
     pub(crate) gradient: Vector3<T>,
     pub(crate) hessian: Matrix3<T>,
+    /// Sum of the magnitudes of the terms of the gradient: what its rounding errors are relative to.
+    pub(crate) magnitude: Vector3<T>,
 }
 
 /// Kinematics of one radius.
@@ -27,6 +29,8 @@ struct Ring<T> {
     /// `eta = (r/R)^2 - 1` and `eps = lambda^2 - 1`.
     eta: T,
     eps: T,
+    /// Magnitude of the terms that make up `eta`.
+    eta_terms: T,
     /// `d eta / d(e, w)` and the second derivatives `ee`, `ew`.
     eta_e: T,
     eta_w: T,
@@ -44,6 +48,7 @@ impl<T: Real> Ring<T> {
         Self {
             lambda,
             eta,
+            eta_terms: ((w / x).abs() + e.abs()) / lambda,
             eps: e * (e + one + one),
             eta_e: -p / lambda,
             eta_w,
@@ -113,6 +118,8 @@ impl<T: Real> Wall<T> {
             Elastomer::NeoHookean => neo_hookean(e, w, g, self.x_outer),
             Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
         };
+        // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.
+        sum.magnitude = Vector3::repeat((self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs()));
         if let Some(winding) = &self.winding {
             winding.add(e, w, g, &mut sum);
         }
@@ -129,10 +136,10 @@ fn neo_hookean<T: Real>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
     let (inner, outer) = (one + w, x_outer + w);
     let lam = (w * d / outer).ln_1p();
     let lam_w = d / (inner * outer);
-    let lam_ww = -lam_w * (one / inner + one / outer);
     let q = d * (half * (x_outer + one) + w);
     let s_w = lam + w * lam_w;
-    let s_ww = lam_w + lam_w + w * lam_ww;
+    // 2 Lam_w + w Lam_ww, without the cancellation of its terms at large w.
+    let s_ww = lam_w * (one / inner + x_outer / outer);
     let per_lambda = one / lambda;
     let per_lambda2 = per_lambda * per_lambda;
     let three: T = real(3.0);
@@ -148,12 +155,13 @@ fn neo_hookean<T: Real>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
     Derivatives {
         gradient: Vector3::new(u_e, u_w, u_g),
         hessian: Matrix3::new(u_ee, u_ew, u_eg, u_ew, u_ww, u_wg, u_eg, u_wg, u_gg),
+        magnitude: Vector3::zeros(),
     }
 }
 
 /// Yeoh wall integrals by quadrature: `psi'(J) = 1/2 + a J + b J^2` with `J = I1 - 3`.
 fn yeoh<T: Real>(e: T, w: T, g: T, a: T, b: T, rule: &WallRule<T>) -> Derivatives<T> {
-    let mut sum = Derivatives { gradient: Vector3::zeros(), hessian: Matrix3::zeros() };
+    let mut sum = Derivatives { gradient: Vector3::zeros(), hessian: Matrix3::zeros(), magnitude: Vector3::zeros() };
     rule.for_each(|x, weight| {
         let (invariant, first, second) = first_invariant(&Ring::new(e, w, x), g, x);
         let slope = real::<T>(0.5) + invariant * (a + b * invariant);
@@ -199,13 +207,10 @@ impl<T: Real> Winding<T> {
             Placement::Layer => WallRule::new(x, x_outer),
             Placement::Smeared => WallRule::new(T::one(), x_outer),
         };
-        Self {
-            cos: fiber.angle_rad.cos(),
-            sin: fiber.angle_rad.sin(),
-            modulus_ratio: fiber.modulus_pa / mu1,
-            families: fiber.families,
-            rule,
-        }
+        // At exactly a quarter turn the fibers are axial: the rounding of pi/2 shall not make them twist.
+        let cos = fiber.angle_rad.cos();
+        let cos = if cos.abs() <= epsilon::<T>() { T::zero() } else { cos };
+        Self { cos, sin: fiber.angle_rad.sin(), modulus_ratio: fiber.modulus_pa / mu1, families: fiber.families, rule }
     }
 
     /// Adds `int mu2/(2 mu1) (I4-1)^2 dX` of every family.
@@ -237,6 +242,10 @@ impl<T: Real> Winding<T> {
         let (eg, wg) = (by_pg * ring.eta_e, by_pg * ring.eta_w);
         let gg = two * p * sin * sin * rho * rho;
         let second = Matrix3::new(ee, ew, eg, ew, T::zero(), wg, eg, wg, gg);
+        let terms = cos * cos * ring.eta_terms + (p * shear * (cos + hoop)).abs() + sin * sin * ring.eps.abs();
+        sum.magnitude += first.abs() * (stiffness * terms);
+        // At the neutral angle the two parts of d I4/de cancel, and with them what they have in common.
+        sum.magnitude.x += (by_p * ring.eta_e).abs() * (stiffness * strain.abs());
         sum.gradient += first * (stiffness * strain);
         sum.hessian += second * (stiffness * strain) + first * first.transpose() * stiffness;
     }

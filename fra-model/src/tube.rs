@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::branch::{Branch, Found, Goal, Point};
 use crate::energy::Wall;
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
-use crate::real::Real;
+use crate::real::{Real, epsilon, real};
 use crate::solution::{Load, Solution, State, Status, Target};
 
 /// A straight tube, ready to solve.
@@ -25,6 +25,10 @@ impl<T: Real> Goal<T> for AtPressure<T> {
     fn measure(&self, point: &Point<T>) -> (T, T) {
         (point.pressure - self.0, point.slope)
     }
+
+    fn noise(&self, point: &Point<T>) -> T {
+        point.pressure_noise
+    }
 }
 
 /// Inverse problem: a linear function of `(e, w, g)` reaches a value. Every target of a straight tube has this form.
@@ -36,6 +40,11 @@ struct AtDeformation<T: Real> {
 impl<T: Real> Goal<T> for AtDeformation<T> {
     fn measure(&self, point: &Point<T>) -> (T, T) {
         (self.weights.dot(&point.at) - self.value, self.weights.dot(&point.tangent))
+    }
+
+    fn noise(&self, point: &Point<T>) -> T {
+        let rounding = point.at.abs() * (real::<T>(8.0) * epsilon::<T>());
+        self.weights.abs().dot(&(rounding + point.settling_noise))
     }
 }
 

@@ -82,7 +82,7 @@ fn pressure() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 20000, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Whatever is asked, the answer is a number and a status.
     #[test]
@@ -112,7 +112,7 @@ proptest! {
             let rest = value(main_target(p.motion, &actuator.rest()));
             let stroke = (value(target) - rest).abs();
             // A pressure just below a limit point, or a stiff wall, magnifies the last digits.
-            let floor = 1e-11 * (rest.abs() + stroke);
+            let floor = 1e-11 * (rest.abs() + stroke) + 1e-15;
             prop_assert!((reached - value(target)).abs() <= 1e-6 * stroke + floor, "{:?}: {} for {:?}", p, reached, target);
         }
     }
@@ -146,6 +146,7 @@ proptest! {
         let stiffness = p.fiber.map_or(1.0, |f| 1.0 + f.modulus_pa / mu);
         let beside = solve(&p, scaled * mu * 1.01);
         let smooth = exact.status == Status::Solved && beside.status == Status::Solved
+            && exact.state.axial_stretch < 10.0
             && (beside.state.volume_m3 / exact.state.volume_m3 - 1.0) < 0.05;
         if smooth && stiffness < 1e3 && solution.status == Status::Solved {
             let off = f64::from(s.volume_m3) / exact.state.volume_m3 - 1.0;
@@ -184,9 +185,14 @@ fn bad_questions_are_refused_and_impossible_ones_answered_with_a_status() {
     assert_eq!(actuator.inverse(Target::AxialStretch(-1.0), &none).unwrap_err().field, "axial_stretch");
     assert_eq!(actuator.inverse(Target::BendAngle(1.0), &none).unwrap_err().field, "bend_angle_rad");
     assert_eq!(actuator.forward(1.0, &Load { force_n: f64::INFINITY, ..none }).unwrap_err().field, "external_force_n");
-    // Two families cannot twist; the fibers lock before the actuator is forty times its length.
+    // Two families cannot twist; a bare tube is past its limit point long before it is ten times as wide.
     assert_eq!(actuator.inverse(Target::Twist(0.3), &none).unwrap().status, Status::NoSolution);
-    assert_eq!(actuator.inverse(Target::AxialStretch(40.0), &none).unwrap().status, Status::NoSolution);
+    let bare = Actuator::new(&tube(Motion::Expansion, 6.0, 8.0, neo_hookean(0.2e6))).unwrap();
+    let wide = bare.inverse(Target::InnerRadius(60e-3), &none).unwrap();
+    assert_eq!(wide.status, Status::NoSolution);
+    assert!(
+        relative(wide.limit_pressure_pa.unwrap(), bare.forward(1e6, &none).unwrap().limit_pressure_pa.unwrap()) < 1e-9
+    );
     let bender = Actuator::new(&tube(Motion::Bending, 6.0, 8.0, neo_hookean(0.2e6))).unwrap();
     assert_eq!(bender.forward(-1e3, &none).unwrap().status, Status::NoSolution);
     assert_eq!(bender.inverse(Target::AxialStretch(1.1), &none).unwrap_err().field, "axial_stretch");
