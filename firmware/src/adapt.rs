@@ -1,0 +1,198 @@
+//! What the loop learns about its channel: one gain per direction and a slow drift.
+
+use crate::valve::Direction;
+
+/// Bounds of a gain: real effect over modelled effect.
+const GAIN_MIN: f32 = 0.3;
+const GAIN_MAX: f32 = 3.0;
+
+/// Share of a surprise that the gain takes at once, for effects well above the noise.
+const GAIN_RATE: f32 = 0.3;
+
+/// Effect at which the gain takes half that share, Pa: sensor noise and valve jitter hide smaller effects.
+const GAIN_NOISE_PA: f32 = 700.0;
+
+/// Share of a surprise rate that the drift takes.
+const DRIFT_RATE: f32 = 0.25;
+
+/// Largest drift believed, Pa/s: leaks, heat, and the motion of the limb.
+const DRIFT_MAX_PA_PER_S: f32 = 60_000.0;
+
+/// Time after which an estimate of the drift that nothing confirms has lost `1 - 1/e` of its value, s.
+const DRIFT_MEMORY_S: f32 = 0.3;
+
+/// Coil time beyond the opening delay that a short pulse has, us: to begin with, and at most. The delay is not exactly known.
+const MARGIN_START_US: u32 = 500;
+const MARGIN_MAX_US: u32 = 3_000;
+
+/// What a pulse without effect adds to the margin, and one with effect takes away, us.
+const MARGIN_UP_US: u32 = 250;
+const MARGIN_DOWN_US: u32 = 10;
+
+/// Share of the expected effect below which a pulse counts as not having opened the valve.
+const NO_EFFECT: f32 = 0.25;
+
+/// Smallest expected effect by which that is judged, Pa.
+const JUDGED_EFFECT_PA: f32 = 300.0;
+
+/// What was learned about one valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Learned {
+    gain: f32,
+    margin_us: u32,
+}
+
+impl Learned {
+    const NOTHING: Self = Self { gain: 1.0, margin_us: MARGIN_START_US };
+
+    /// `surprise_pa` is what the pulse did beyond `expected_pa`; both signed.
+    fn learn(&mut self, effect: &Effect, expected_pa: f32, surprise_pa: f32) {
+        let missing = expected_pa.abs() > JUDGED_EFFECT_PA && surprise_pa / expected_pa < NO_EFFECT - 1.0;
+        if effect.coil_beyond_delay_us < MARGIN_MAX_US {
+            if missing {
+                self.margin_us = (self.margin_us + MARGIN_UP_US).min(MARGIN_MAX_US);
+                return;
+            }
+            self.margin_us = self.margin_us.saturating_sub(MARGIN_DOWN_US).max(MARGIN_START_US);
+        }
+        let size = effect.modelled_pa;
+        let step = GAIN_RATE * surprise_pa * size / (size * size + GAIN_NOISE_PA * GAIN_NOISE_PA);
+        self.gain = (self.gain + step).clamp(GAIN_MIN, GAIN_MAX);
+    }
+}
+
+/// What one channel has learned: a gain and a margin of each valve, and the drift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adaptation {
+    fill: Learned,
+    vent: Learned,
+    drift_pa_per_s: f32,
+}
+
+/// What happened in one control period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effect {
+    /// Direction of the pulse, if there was one.
+    pub pulse: Option<Direction>,
+    /// Coil time beyond the opening delay, us.
+    pub coil_beyond_delay_us: u32,
+    /// Pressure change that the flow model expects of the pulse at gain 1, Pa, signed.
+    pub modelled_pa: f32,
+    /// Pressure change measured, Pa.
+    pub measured_pa: f32,
+    /// Time over which it was measured, s, > 0.
+    pub duration_s: f32,
+}
+
+impl Adaptation {
+    /// Nothing learned: gains 1, no drift.
+    pub const fn new() -> Self {
+        Self { fill: Learned::NOTHING, vent: Learned::NOTHING, drift_pa_per_s: 0.0 }
+    }
+
+    /// Real over modelled effect of a pulse, `0.3..=3`.
+    pub fn gain(&self, direction: Direction) -> f32 {
+        self.learned(direction).gain
+    }
+
+    /// Coil time beyond the opening delay that surely opens the valve, us.
+    pub fn margin_us(&self, direction: Direction) -> u32 {
+        self.learned(direction).margin_us
+    }
+
+    /// Pressure change without any pulse, Pa/s.
+    pub fn drift_pa_per_s(&self) -> f32 {
+        self.drift_pa_per_s
+    }
+
+    /// Learns from one period: a normalized gradient step on gain and drift. A short pulse without effect did not open the
+    /// valve, which says nothing about the gain.
+    pub fn learn(&mut self, effect: &Effect) {
+        let gain = effect.pulse.map_or(0.0, |direction| self.gain(direction));
+        let expected_pa = gain * effect.modelled_pa;
+        let surprise_pa = effect.measured_pa - expected_pa - self.drift_pa_per_s * effect.duration_s;
+        match effect.pulse {
+            Some(Direction::Fill) => self.fill.learn(effect, expected_pa, surprise_pa),
+            Some(Direction::Vent) => self.vent.learn(effect, expected_pa, surprise_pa),
+            None => {}
+        }
+        self.learn_drift(effect, surprise_pa);
+    }
+
+    /// A large pulse tells about the gain, a small one or none about the drift.
+    fn learn_drift(&mut self, effect: &Effect, surprise_pa: f32) {
+        let noise = GAIN_NOISE_PA * GAIN_NOISE_PA;
+        let trust = noise / (effect.modelled_pa * effect.modelled_pa + noise);
+        let forgotten = (effect.duration_s / DRIFT_MEMORY_S).min(1.0) * self.drift_pa_per_s * (1.0 - trust);
+        let drift = self.drift_pa_per_s - forgotten + DRIFT_RATE * trust * surprise_pa / effect.duration_s;
+        self.drift_pa_per_s = drift.clamp(-DRIFT_MAX_PA_PER_S, DRIFT_MAX_PA_PER_S);
+    }
+
+    fn learned(&self, direction: Direction) -> &Learned {
+        match direction {
+            Direction::Fill => &self.fill,
+            Direction::Vent => &self.vent,
+        }
+    }
+}
+
+impl Default for Adaptation {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn period(pulse: Option<Direction>, modelled_pa: f32, measured_pa: f32) -> Effect {
+        Effect { pulse, coil_beyond_delay_us: 10_000, modelled_pa, measured_pa, duration_s: 0.02 }
+    }
+
+    #[test]
+    fn the_gain_of_one_direction_converges_and_leaves_the_other() {
+        let mut adaptation = Adaptation::new();
+        for _ in 0..40 {
+            adaptation.learn(&period(Some(Direction::Vent), -5_000.0, -3_500.0));
+        }
+        assert!((adaptation.gain(Direction::Vent) - 0.7).abs() < 0.01);
+        assert_eq!(adaptation.gain(Direction::Fill), 1.0);
+    }
+
+    #[test]
+    fn a_leak_seen_without_pulses_becomes_the_drift() {
+        let mut adaptation = Adaptation::new();
+        for _ in 0..40 {
+            adaptation.learn(&period(None, 0.0, -60.0));
+        }
+        assert!((adaptation.drift_pa_per_s() + 3_000.0).abs() < 1.0);
+    }
+
+    #[test]
+    fn a_valve_without_effect_drives_the_gain_to_its_bound_only() {
+        let mut adaptation = Adaptation::new();
+        for _ in 0..1_000 {
+            adaptation.learn(&period(Some(Direction::Fill), 9_000.0, 0.0));
+        }
+        assert_eq!(adaptation.gain(Direction::Fill), 0.3);
+        for _ in 0..1_000 {
+            adaptation.learn(&period(Some(Direction::Fill), 1_000.0, 90_000.0));
+        }
+        assert_eq!(adaptation.gain(Direction::Fill), 3.0);
+    }
+
+    #[test]
+    fn short_pulses_without_effect_grow_longer_and_leave_the_gain() {
+        let mut adaptation = Adaptation::new();
+        let missed = Effect { coil_beyond_delay_us: 500, ..period(Some(Direction::Vent), -600.0, 0.0) };
+        adaptation.learn(&missed);
+        assert_eq!(adaptation.margin_us(Direction::Vent), 750);
+        assert_eq!(adaptation.margin_us(Direction::Fill), 500);
+        for _ in 0..100 {
+            adaptation.learn(&missed);
+        }
+        assert_eq!(adaptation.margin_us(Direction::Vent), 3_000);
+        assert_eq!(adaptation.gain(Direction::Vent), 1.0);
+    }
+}

@@ -1,0 +1,71 @@
+//! From the wire's configuration to the one the controller runs on: checked on arrival, swapped as a whole.
+
+mod channel;
+mod staging;
+mod system;
+
+pub use channel::ChannelConfig;
+pub use staging::{StagedConfig, StagingError};
+pub use system::SystemConfig;
+
+use heapless::Vec;
+use softlimb_protocol::MAX_CHANNELS;
+
+/// What the controller runs on. Everything in it was checked; nothing is checked again.
+#[derive(Clone, Debug)]
+pub struct ActiveConfig {
+    /// What all channels share.
+    pub system: SystemConfig,
+    /// The channels, `1..=27`.
+    pub channels: Vec<ChannelConfig, MAX_CHANNELS>,
+    /// CRC-32C that names this configuration.
+    pub hash: u32,
+}
+
+/// A field that the device does not accept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConfigError {
+    /// The value is not finite or out of its range.
+    OutOfRange {
+        /// Name of the field in its message.
+        field: &'static str,
+    },
+    /// The code is none that this version knows.
+    UnknownCode {
+        /// Name of the field in its message.
+        field: &'static str,
+    },
+}
+
+impl ConfigError {
+    /// Name of the field in its message.
+    pub fn field(&self) -> &'static str {
+        match self {
+            Self::OutOfRange { field } | Self::UnknownCode { field } => field,
+        }
+    }
+}
+
+impl core::fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::OutOfRange { field } => write!(f, "{field} is out of range"),
+            Self::UnknownCode { field } => write!(f, "{field} holds an unknown code"),
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+/// The value, if it lies in the range; NaN and infinities lie in none.
+fn within<T: PartialOrd>(field: &'static str, value: T, range: core::ops::RangeInclusive<T>) -> Result<T, ConfigError> {
+    if range.contains(&value) { Ok(value) } else { Err(ConfigError::OutOfRange { field }) }
+}
+
+/// The member behind a code.
+fn known<E: softlimb_protocol::CodeSet>(
+    field: &'static str,
+    code: softlimb_protocol::Code<E>,
+) -> Result<E, ConfigError> {
+    code.known().ok_or(ConfigError::UnknownCode { field })
+}

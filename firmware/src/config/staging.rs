@@ -1,0 +1,99 @@
+//! A configuration upload in progress. Nothing of it is in force before the commit.
+
+use heapless::Vec;
+use softlimb_protocol::{ConfigBegin, ConfigChannel, ConfigHash, ConfigSystem, MAX_CHANNELS};
+
+use super::{ActiveConfig, ChannelConfig, ConfigError, SystemConfig, within};
+
+/// Why a part of an upload was refused. The upload so far is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StagingError {
+    /// A field is not accepted.
+    Field(ConfigError),
+    /// No upload was begun.
+    NotBegun,
+    /// Parts are missing, came twice, do not fit together, or the hash differs.
+    Mismatch,
+}
+
+impl From<ConfigError> for StagingError {
+    fn from(error: ConfigError) -> Self {
+        Self::Field(error)
+    }
+}
+
+impl core::fmt::Display for StagingError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Field(error) => error.fmt(f),
+            Self::NotBegun => f.write_str("no configuration upload was begun"),
+            Self::Mismatch => f.write_str("the upload is incomplete or differs from its hash"),
+        }
+    }
+}
+
+impl core::error::Error for StagingError {}
+
+/// The parts that have arrived, each checked.
+#[derive(Clone, Debug)]
+pub struct StagedConfig {
+    count: u8,
+    hash: ConfigHash,
+    system: Option<SystemConfig>,
+    channels: Vec<ChannelConfig, MAX_CHANNELS>,
+}
+
+impl StagedConfig {
+    /// Begins an upload.
+    ///
+    /// # Errors
+    /// [`ConfigError`] unless the number of channels is `1..=27`.
+    pub fn begin(wire: &ConfigBegin) -> Result<Self, ConfigError> {
+        let count = within("channels", wire.channels, 1..=MAX_CHANNELS as u8)?;
+        Ok(Self { count, hash: ConfigHash::begin(wire), system: None, channels: Vec::new() })
+    }
+
+    /// Takes the system part, once.
+    ///
+    /// # Errors
+    /// [`StagingError`]; nothing of the part is kept.
+    pub fn add_system(&mut self, wire: &ConfigSystem) -> Result<(), StagingError> {
+        if self.system.is_some() {
+            return Err(StagingError::Mismatch);
+        }
+        self.system = Some(SystemConfig::try_from(wire)?);
+        self.hash.add_system(wire);
+        Ok(())
+    }
+
+    /// Takes the next channel; channels come in order.
+    ///
+    /// # Errors
+    /// [`StagingError`]; nothing of the part is kept.
+    pub fn add_channel(&mut self, wire: &ConfigChannel) -> Result<(), StagingError> {
+        // At most 27 channels are kept.
+        let next = self.channels.len() as u8;
+        if next >= self.count {
+            return Err(StagingError::Mismatch);
+        }
+        within("channel", wire.channel, next..=next)?;
+        let channel = ChannelConfig::try_from(wire)?;
+        self.channels.push(channel).map_err(|_| StagingError::Mismatch)?;
+        self.hash.add_channel(wire);
+        Ok(())
+    }
+
+    /// The configuration, if it is complete, has the host's hash, and its parts fit together.
+    ///
+    /// # Errors
+    /// [`StagingError::Mismatch`].
+    pub fn commit(&self, config_hash: u32) -> Result<ActiveConfig, StagingError> {
+        let system = self.system.ok_or(StagingError::Mismatch)?;
+        let complete = self.channels.len() == usize::from(self.count);
+        let measurable = self.channels.iter().all(|channel| channel.pressure_max_pa <= system.sensor_max_pa);
+        if !complete || !measurable || self.hash.value() != config_hash {
+            return Err(StagingError::Mismatch);
+        }
+        Ok(ActiveConfig { system, channels: self.channels.clone(), hash: config_hash })
+    }
+}

@@ -1,0 +1,113 @@
+//! Air, its reference state, and the two pressures that must not be mixed up.
+
+/// Density of the ISO 6358 reference atmosphere, kg/m3.
+pub(crate) const REFERENCE_DENSITY_KG_PER_M3: f32 = 1.185;
+
+/// Temperature of the ISO 6358 reference atmosphere, K.
+pub(crate) const REFERENCE_TEMPERATURE_K: f32 = 293.15;
+
+/// Specific gas constant of air, J/(kg K).
+pub(crate) const GAS_CONSTANT_J_PER_KG_K: f32 = 287.05;
+
+/// Effective polytropic exponent of a chamber that trades heat with its wall during a pulse.
+const POLYTROPIC_EXPONENT: f32 = 1.2;
+
+/// Absolute pressure, Pa. Flow needs absolute pressure, the actuator model gauge pressure; only the atmosphere converts.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Absolute(f32);
+
+impl Absolute {
+    /// From pascals above vacuum.
+    pub const fn new(pressure_pa: f32) -> Self {
+        Self(pressure_pa)
+    }
+
+    /// From pascals above the atmosphere.
+    pub fn from_gauge(gauge_pa: f32, atmosphere: Self) -> Self {
+        Self(gauge_pa + atmosphere.0)
+    }
+
+    /// Pascals above vacuum.
+    pub const fn pa(self) -> f32 {
+        self.0
+    }
+
+    /// Pascals above the atmosphere.
+    pub fn gauge_pa(self, atmosphere: Self) -> f32 {
+        self.0 - atmosphere.0
+    }
+}
+
+/// The air volume of one channel about a known state: chamber, fittings and line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chamber {
+    /// Gauge pressure the volume belongs to, Pa.
+    pub pressure_pa: f32,
+    /// Air volume at that pressure, m3, > 0.
+    pub volume_m3: f32,
+    /// `dV/dP`, m3/Pa, >= 0.
+    pub compliance_m3_per_pa: f32,
+    /// Volume at zero gauge pressure, m3: the volume is never taken to be less.
+    pub rest_volume_m3: f32,
+    /// Part of the volume that lies in fittings and line, m3.
+    pub dead_volume_m3: f32,
+}
+
+impl Chamber {
+    /// Air volume at a gauge pressure, m3: along the tangent, never below the volume at rest.
+    pub fn volume_at(&self, pressure_pa: f32) -> f32 {
+        let tangent = self.volume_m3 + self.compliance_m3_per_pa * (pressure_pa - self.pressure_pa);
+        tangent.max(self.rest_volume_m3)
+    }
+
+    /// Pressure rise per mass of air, Pa/kg: `n R T / (V + n P dV/dP)` with `P` absolute and `n` about 1.2.
+    pub fn stiffness_pa_per_kg(&self, pressure_pa: f32, atmosphere: Absolute, temperature_k: f32) -> f32 {
+        POLYTROPIC_EXPONENT * GAS_CONSTANT_J_PER_KG_K * temperature_k / self.capacity_m3(pressure_pa, atmosphere)
+    }
+
+    /// Share of the air that fittings and line take of any pressure change, 0 to 1.
+    pub fn line_share(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
+        self.dead_volume_m3 / self.capacity_m3(pressure_pa, atmosphere)
+    }
+
+    /// `V + n P dV/dP`, m3: the rigid volume that would take the same air.
+    fn capacity_m3(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
+        let absolute = Absolute::from_gauge(pressure_pa, atmosphere).pa();
+        self.volume_at(pressure_pa) + POLYTROPIC_EXPONENT * absolute * self.compliance_m3_per_pa
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ATMOSPHERE: Absolute = Absolute::new(101_325.0);
+
+    #[test]
+    fn rigid_chamber_follows_the_polytropic_gas_law() {
+        let rigid = Chamber {
+            pressure_pa: 0.0,
+            volume_m3: 80e-6,
+            compliance_m3_per_pa: 0.0,
+            rest_volume_m3: 80e-6,
+            dead_volume_m3: 8e-6,
+        };
+        assert!((rigid.line_share(50e3, ATMOSPHERE) - 0.1).abs() < 1e-6);
+        // 1.2 * 287.05 * 293.15 / 80e-6 = 1.26224e9 Pa/kg.
+        let stiffness = rigid.stiffness_pa_per_kg(5e4, ATMOSPHERE, 293.15);
+        assert!((stiffness / 1.262_24e9 - 1.0).abs() < 1e-4, "{stiffness}");
+    }
+
+    #[test]
+    fn volume_follows_the_tangent_and_stops_at_rest() {
+        let soft = Chamber {
+            pressure_pa: 100e3,
+            volume_m3: 92e-6,
+            compliance_m3_per_pa: 0.12e-9,
+            rest_volume_m3: 85e-6,
+            dead_volume_m3: 5e-6,
+        };
+        assert!((soft.volume_at(120e3) - 94.4e-6).abs() < 1e-10);
+        assert_eq!(soft.volume_at(-100e3), 85e-6);
+    }
+}

@@ -1,0 +1,309 @@
+//! Pressure control by predicted pulses: once per control period, with the valves closed, decide for how long which valve opens.
+//!
+//! The pulse is computed from the pressure the chamber should have in the middle of the time it will then be left alone
+//! (preview), the flow through valve and line at present pressures, and the chamber's volume and compliance. Gains per direction
+//! and a drift are learned from what the last pulse did. A move that needs more than one period keeps the valve open.
+
+use crate::adapt::{Adaptation, Effect};
+use crate::gas::Chamber;
+use crate::pneumatics::Pneumatics;
+use crate::valve::{Direction, ValvePair};
+
+/// Time after a valve has closed until the manifold reads the chamber's pressure, us: the line has emptied into the chamber.
+const SETTLE_US: u32 = 4_000;
+
+/// Share of the shortest pulse's effect within which the error is left alone.
+const DEADBAND: f32 = 0.55;
+
+/// Smallest deadband, Pa: sensor noise.
+const DEADBAND_MIN_PA: f32 = 120.0;
+
+/// Smallest rate a valve is credited with, Pa/s: beyond it a pulse has no use.
+const RATE_MIN_PA_PER_S: f32 = 500.0;
+
+/// What one decision is based on.
+#[derive(Clone, Copy, Debug)]
+pub struct LoopInput<'a> {
+    /// Time of the sample, us.
+    pub now_us: u64,
+    /// Length of the control period, us.
+    pub period_us: u32,
+    /// Gauge pressure at the manifold, Pa.
+    pub sensor_pa: f32,
+    /// Gauge pressure of the supply, Pa.
+    pub supply_pa: f32,
+    /// Volume and compliance of the chamber.
+    pub chamber: &'a Chamber,
+    /// Air path.
+    pub pneumatics: &'a Pneumatics,
+}
+
+/// The pressure the chamber should have: linear over the control period that begins at `start_us`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Begin of the period, us.
+    pub start_us: u64,
+    /// Gauge pressure wanted at its begin, Pa.
+    pub start_pa: f32,
+    /// Length of the period, us, > 0.
+    pub period_us: u32,
+    /// Gauge pressure wanted at its end, Pa.
+    pub end_pa: f32,
+}
+
+impl Reference {
+    /// Gauge pressure wanted at a time, Pa; the nearer end outside of the period.
+    pub fn at(&self, time_us: u64) -> f32 {
+        let elapsed = time_us.saturating_sub(self.start_us).min(u64::from(self.period_us));
+        let share = elapsed as f32 / self.period_us.max(1) as f32;
+        self.start_pa + (self.end_pa - self.start_pa) * share
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Decision {
+    at_us: u64,
+    pressure_pa: f32,
+    pulse: Option<Direction>,
+    coil_us: u32,
+    modelled_pa: f32,
+    sample: Sample,
+}
+
+/// What the manifold's sensor tells about the chamber at a decision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sample {
+    /// The valves are closed and the line has settled: the pressure itself.
+    Settled,
+    /// A valve opened in the last period and the flow is not steady yet: nothing; the model has to do.
+    Opening(Direction),
+    /// A valve has been open for more than a period: the pressure behind a steady flow.
+    Steady(Direction),
+}
+
+impl Sample {
+    fn direction(self) -> Option<Direction> {
+        match self {
+            Self::Settled => None,
+            Self::Opening(direction) | Self::Steady(direction) => Some(direction),
+        }
+    }
+}
+
+/// The loop of one channel: coils, what was decided last, what was learned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureLoop {
+    valves: ValvePair,
+    adaptation: Adaptation,
+    last: Option<Decision>,
+}
+
+impl PressureLoop {
+    /// Valves closed, nothing learned.
+    pub const fn new() -> Self {
+        Self { valves: ValvePair::new(), adaptation: Adaptation::new(), last: None }
+    }
+
+    /// The coils.
+    pub fn valves_mut(&mut self) -> &mut ValvePair {
+        &mut self.valves
+    }
+
+    /// What was learned.
+    pub fn adaptation(&self) -> &Adaptation {
+        &self.adaptation
+    }
+
+    /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps what was learned.
+    pub fn close(&mut self, now_us: u64) {
+        self.valves.close(now_us);
+        self.last = None;
+    }
+
+    /// Whether the sample of this tick is fit for a decision: valves closed and settled, or open with a steady flow.
+    pub fn is_due(&self, now_us: u64, pneumatics: &Pneumatics) -> bool {
+        let settled = u64::from(pneumatics.timing.off_delay_us + SETTLE_US);
+        self.open_since_last(now_us).is_some() || now_us >= self.valves.closed_at_us().saturating_add(settled)
+    }
+
+    /// Decides on one control period: learns from the last pulse and sets the coils.
+    pub fn decide(&mut self, input: &LoopInput, reference: &Reference) {
+        let sample = self.sample_kind(input.now_us);
+        let pressure_pa = self.chamber_pressure_pa(input, sample);
+        self.learn(input, pressure_pa, sample);
+        let plan = self.plan(input, reference, pressure_pa, sample.direction());
+        match plan.direction {
+            Some(direction) if plan.coil_us > 0 => self.valves.pulse(direction, input.now_us, plan.coil_us),
+            _ => self.valves.close(input.now_us),
+        }
+        self.last = Some(Decision {
+            at_us: input.now_us,
+            pressure_pa,
+            pulse: plan.direction,
+            coil_us: plan.coil_us,
+            modelled_pa: plan.modelled_pa,
+            sample,
+        });
+    }
+
+    fn sample_kind(&self, now_us: u64) -> Sample {
+        match (self.open_since_last(now_us), self.last.map(|last| last.sample)) {
+            (None, _) => Sample::Settled,
+            (Some(direction), Some(Sample::Opening(_) | Sample::Steady(_))) => Sample::Steady(direction),
+            (Some(direction), _) => Sample::Opening(direction),
+        }
+    }
+
+    /// The valve that is still open from the last period.
+    fn open_since_last(&self, now_us: u64) -> Option<Direction> {
+        // The coil of a bridging pulse ends exactly now.
+        self.valves.direction_at(now_us.checked_sub(1)?)
+    }
+
+    /// Gauge pressure at which the channel would come to rest, were its valves closed now, Pa.
+    fn chamber_pressure_pa(&self, input: &LoopInput, sample: Sample) -> f32 {
+        match (sample, &self.last) {
+            (Sample::Opening(direction), Some(last)) => {
+                last.pressure_pa + self.adaptation.gain(direction) * last.modelled_pa
+            }
+            (Sample::Opening(direction) | Sample::Steady(direction), _) => {
+                input.pneumatics.settled_pa(direction, input.chamber, input.sensor_pa, input.supply_pa)
+            }
+            (Sample::Settled, _) => input.sensor_pa,
+        }
+    }
+
+    /// Learns from the last pulse if both samples are measured and of one kind: behind an open valve they carry a bias.
+    fn learn(&mut self, input: &LoopInput, pressure_pa: f32, sample: Sample) {
+        let Some(last) = self.last.take() else { return };
+        if last.sample != sample || matches!(sample, Sample::Opening(_)) {
+            return;
+        }
+        let duration_us = input.now_us.saturating_sub(last.at_us).max(1);
+        self.adaptation.learn(&Effect {
+            pulse: last.pulse,
+            coil_beyond_delay_us: last.coil_us.saturating_sub(input.pneumatics.timing.on_delay_us),
+            modelled_pa: last.modelled_pa,
+            measured_pa: pressure_pa - last.pressure_pa,
+            duration_s: duration_us as f32 * 1e-6,
+        });
+    }
+
+    fn plan(&self, input: &LoopInput, reference: &Reference, pressure_pa: f32, open: Option<Direction>) -> Plan {
+        let opening_us = if open.is_some() { 0 } else { input.pneumatics.timing.on_delay_us };
+        let preview_us = opening_us + input.period_us / 2;
+        let first = self.pulse_model(input, reference, pressure_pa, preview_us);
+        // A ramp is followed without bias when the pulse aims at the middle of the rest plus half the pulse.
+        let wanted = self.pulse_model(input, reference, pressure_pa, preview_us + first.open_time_us() / 2);
+        match open {
+            Some(direction) if direction == wanted.direction => wanted.plan(true),
+            Some(direction) => wanted.closing(direction),
+            None if wanted.change_pa.abs() < wanted.deadband_pa() => Plan::NOTHING,
+            None => wanted.plan(false),
+        }
+    }
+
+    fn pulse_model<'a>(
+        &self,
+        input: &'a LoopInput,
+        reference: &Reference,
+        pressure_pa: f32,
+        preview_us: u32,
+    ) -> PulseModel<'a> {
+        let target_pa = reference.at(input.now_us.saturating_add(u64::from(preview_us)));
+        let drift_pa = self.adaptation.drift_pa_per_s() * preview_us as f32 * 1e-6;
+        let change_pa = target_pa - pressure_pa - drift_pa;
+        let direction = if change_pa >= 0.0 { Direction::Fill } else { Direction::Vent };
+        PulseModel {
+            input,
+            direction,
+            pressure_pa,
+            change_pa,
+            gain: self.adaptation.gain(direction),
+            margin_us: self.adaptation.margin_us(direction),
+        }
+    }
+}
+
+impl Default for PressureLoop {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// One period's coil time and what it will do.
+struct Plan {
+    direction: Option<Direction>,
+    coil_us: u32,
+    modelled_pa: f32,
+}
+
+impl Plan {
+    const NOTHING: Self = Self { direction: None, coil_us: 0, modelled_pa: 0.0 };
+}
+
+/// The pulse that would bring the chamber from its pressure to the target.
+struct PulseModel<'a> {
+    input: &'a LoopInput<'a>,
+    direction: Direction,
+    pressure_pa: f32,
+    change_pa: f32,
+    gain: f32,
+    margin_us: u32,
+}
+
+impl PulseModel<'_> {
+    /// Magnitude of the rate at gain 1, Pa/s.
+    fn rate_pa_per_s(&self, direction: Direction, pressure_pa: f32) -> f32 {
+        let input = self.input;
+        let rate = input.pneumatics.rate_pa_per_s(direction, input.chamber, pressure_pa, input.supply_pa);
+        rate.abs().max(RATE_MIN_PA_PER_S)
+    }
+
+    /// Time the valve has to be open, us: by the rate halfway.
+    fn open_time_us(&self) -> u32 {
+        let halfway_pa = self.pressure_pa + 0.5 * self.change_pa;
+        let rate = self.gain * self.rate_pa_per_s(self.direction, halfway_pa);
+        // The cast saturates.
+        (self.change_pa.abs() / rate * 1e6) as u32
+    }
+
+    /// Pressure change of an opening at gain 1, Pa, signed: by the rate halfway.
+    fn effect_pa(&self, direction: Direction, open_us: u32) -> f32 {
+        let time_s = open_us as f32 * 1e-6;
+        let sign = if direction == Direction::Fill { 1.0 } else { -1.0 };
+        let half = 0.5 * sign * self.rate_pa_per_s(direction, self.pressure_pa) * time_s;
+        sign * self.rate_pa_per_s(direction, self.pressure_pa + half) * time_s
+    }
+
+    fn deadband_pa(&self) -> f32 {
+        let shortest_us = self.input.pneumatics.timing.shortest_open_us(self.margin_us);
+        (DEADBAND * self.gain * self.effect_pa(self.direction, shortest_us).abs()).max(DEADBAND_MIN_PA)
+    }
+
+    /// Coil time within this period, from a closed valve or one that is open in the wanted direction.
+    fn plan(&self, is_open: bool) -> Plan {
+        let timing = self.input.pneumatics.timing;
+        let period_us = self.input.period_us;
+        let open_us = self.open_time_us().min(2 * period_us);
+        let coil_us = if is_open { timing.coil_rest_us(open_us) } else { timing.coil_us(open_us, self.margin_us) };
+        let ends_open = coil_us >= period_us;
+        let coil_us = coil_us.min(period_us);
+        let opening_us = if is_open { 0 } else { timing.on_delay_us };
+        let closing_us = if ends_open { 0 } else { timing.off_delay_us };
+        Plan {
+            direction: Some(self.direction),
+            coil_us,
+            modelled_pa: self.effect_pa(self.direction, (coil_us + closing_us).saturating_sub(opening_us)),
+        }
+    }
+
+    /// Closes a valve that is open in `direction`.
+    fn closing(&self, direction: Direction) -> Plan {
+        Plan {
+            direction: Some(direction),
+            coil_us: 0,
+            modelled_pa: self.effect_pa(direction, self.input.pneumatics.timing.off_delay_us),
+        }
+    }
+}

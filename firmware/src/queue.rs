@@ -1,0 +1,233 @@
+//! The buffer of setpoint knots between link and control: accepts in order, interpolates linearly, never skips or repeats.
+
+use heapless::{Deque, Vec};
+use softlimb_protocol::MAX_CHANNELS;
+
+/// Places in the buffer: 1.28 s at 50 knots a second.
+pub const KNOTS: usize = 64;
+
+/// One knot: what all channels should be at one time.
+#[derive(Clone, Debug, PartialEq)]
+struct Knot {
+    time_us: u64,
+    values: Vec<i32, MAX_CHANNELS>,
+}
+
+/// Why a knot was not accepted. Nothing of a refused knot is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// Not the next index.
+    UnexpectedIndex {
+        /// The next index.
+        expected: u32,
+    },
+    /// No free place.
+    Full,
+    /// Not in the future, or not after the previous knot.
+    Late,
+    /// More values than channels.
+    TooManyValues,
+}
+
+impl core::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::UnexpectedIndex { expected } => write!(f, "knot {expected} is expected next"),
+            Self::Full => f.write_str("no free place in the setpoint buffer"),
+            Self::Late => f.write_str("the knot is not in the future or not after the previous one"),
+            Self::TooManyValues => f.write_str("more values than channels"),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+/// The buffer.
+#[derive(Clone, Debug)]
+pub struct KnotQueue {
+    knots: Deque<Knot, KNOTS>,
+    /// The knot passed last: the left end of the interpolation.
+    passed: Option<Knot>,
+    next_index: u32,
+    last_time_us: u64,
+}
+
+impl KnotQueue {
+    /// Empty; the next index is 0.
+    pub const fn new() -> Self {
+        Self { knots: Deque::new(), passed: None, next_index: 0, last_time_us: 0 }
+    }
+
+    /// Takes a knot for a time in the future of `now_us`.
+    ///
+    /// # Errors
+    /// [`Refusal`]; the buffer is then as before.
+    pub fn push(&mut self, now_us: u64, index: u32, time_us: u64, values: &[i32]) -> Result<(), Refusal> {
+        if index != self.next_index {
+            return Err(Refusal::UnexpectedIndex { expected: self.next_index });
+        }
+        if self.knots.is_full() {
+            return Err(Refusal::Full);
+        }
+        if time_us <= now_us || time_us <= self.last_time_us {
+            return Err(Refusal::Late);
+        }
+        let values = Vec::from_slice(values).map_err(|_| Refusal::TooManyValues)?;
+        self.knots.push_back(Knot { time_us, values }).map_err(|_| Refusal::Full)?;
+        self.next_index = index.wrapping_add(1);
+        self.last_time_us = time_us;
+        Ok(())
+    }
+
+    /// Drops everything; the next index is 0.
+    pub fn flush(&mut self) {
+        *self = Self::new();
+    }
+
+    /// Forgets the knot passed last: nothing is interpolated from before a pause.
+    pub fn resume(&mut self) {
+        self.passed = None;
+    }
+
+    /// Moves on to `now_us`: knots whose time has come are passed.
+    pub fn advance(&mut self, now_us: u64) {
+        while self.knots.front().is_some_and(|knot| knot.time_us <= now_us) {
+            self.passed = self.knots.pop_front();
+        }
+    }
+
+    /// Value of one channel at `time_us`, in the unit of its setpoint: linear between two knots, the last value after the last
+    /// knot, `None` before the first.
+    pub fn value(&self, channel: usize, time_us: u64) -> Option<f32> {
+        let mut before = self.passed.as_ref();
+        for knot in &self.knots {
+            if knot.time_us > time_us {
+                return interpolate(before?, knot, channel, time_us);
+            }
+            before = Some(knot);
+        }
+        before?.values.get(channel).map(|&value| value as f32)
+    }
+
+    /// Time of the first knot that was not passed yet, us.
+    pub fn first_time_us(&self) -> Option<u64> {
+        self.knots.front().map(|knot| knot.time_us)
+    }
+
+    /// Whether no knot is left to go to.
+    pub fn is_exhausted(&self) -> bool {
+        self.knots.is_empty()
+    }
+
+    /// Free places.
+    pub fn free(&self) -> u16 {
+        // At most KNOTS.
+        (KNOTS - self.knots.len()) as u16
+    }
+
+    /// The index that is accepted next.
+    pub fn next_index(&self) -> u32 {
+        self.next_index
+    }
+}
+
+impl Default for KnotQueue {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn interpolate(before: &Knot, after: &Knot, channel: usize, time_us: u64) -> Option<f32> {
+    let (from, to) = (*before.values.get(channel)? as f32, *after.values.get(channel)? as f32);
+    let span = after.time_us.saturating_sub(before.time_us).max(1) as f32;
+    let share = time_us.saturating_sub(before.time_us) as f32 / span;
+    Some(from + (to - from) * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn filled(times_and_values: &[(u64, i32)]) -> KnotQueue {
+        let mut queue = KnotQueue::new();
+        for (index, &(time_us, value)) in times_and_values.iter().enumerate() {
+            queue.push(0, index as u32, time_us, &[value, -value]).unwrap();
+        }
+        queue
+    }
+
+    #[test]
+    fn values_are_linear_between_knots_and_constant_after_the_last() {
+        let mut queue = filled(&[(100, 0), (200, 1_000), (300, 500)]);
+        assert_eq!(queue.value(0, 99), None);
+        assert_eq!(queue.value(0, 100), Some(0.0));
+        queue.advance(120);
+        for (time_us, value) in [(150, 500.0), (200, 1_000.0), (275, 625.0), (300, 500.0), (9_999, 500.0)] {
+            assert_eq!(queue.value(0, time_us), Some(value), "{time_us}");
+            assert_eq!(queue.value(1, time_us), Some(-value), "{time_us}");
+        }
+        assert_eq!(queue.value(2, 150), None, "no such channel");
+    }
+
+    #[test]
+    fn a_knot_is_passed_when_its_time_comes_and_the_last_one_exhausts_the_buffer() {
+        let mut queue = filled(&[(100, 1), (200, 2)]);
+        queue.advance(99);
+        assert_eq!(queue.free(), 62);
+        queue.advance(100);
+        assert_eq!(queue.free(), 63);
+        assert!(!queue.is_exhausted());
+        queue.advance(200);
+        assert!(queue.is_exhausted());
+        assert_eq!(queue.value(0, 250), Some(2.0));
+    }
+
+    #[test]
+    fn duplicates_and_gaps_name_the_expected_index() {
+        let mut queue = filled(&[(100, 1)]);
+        for index in [0, 2, u32::MAX] {
+            assert_eq!(queue.push(0, index, 500, &[1]), Err(Refusal::UnexpectedIndex { expected: 1 }));
+        }
+        assert_eq!(queue.push(0, 1, 500, &[1]), Ok(()));
+    }
+
+    #[test]
+    fn late_knots_are_refused_and_can_be_sent_again_in_time() {
+        let mut queue = filled(&[(100, 1)]);
+        assert_eq!(queue.push(50, 1, 100, &[1]), Err(Refusal::Late), "not after the previous one");
+        assert_eq!(queue.push(300, 1, 300, &[1]), Err(Refusal::Late), "not in the future");
+        assert_eq!(queue.push(300, 1, 301, &[1]), Ok(()));
+    }
+
+    #[test]
+    fn a_full_buffer_refuses_and_keeps_what_it_has() {
+        let mut queue = KnotQueue::new();
+        for index in 0..KNOTS as u32 {
+            queue.push(0, index, 1_000 + u64::from(index), &[index as i32]).unwrap();
+        }
+        assert_eq!(queue.free(), 0);
+        assert_eq!(queue.push(0, 64, 9_000, &[0]), Err(Refusal::Full));
+        assert_eq!(queue.value(0, 1_000), Some(0.0));
+        queue.advance(1_000);
+        assert_eq!(queue.push(0, 64, 9_000, &[0]), Ok(()));
+    }
+
+    #[test]
+    fn flushing_restarts_the_index_and_the_time() {
+        let mut queue = filled(&[(1_000, 1), (2_000, 2)]);
+        queue.flush();
+        assert_eq!((queue.free(), queue.next_index()), (64, 0));
+        assert_eq!(queue.push(0, 0, 10, &[5]), Ok(()));
+    }
+
+    #[test]
+    fn after_a_pause_nothing_is_interpolated_from_before_it() {
+        let mut queue = filled(&[(100, 0)]);
+        queue.advance(100);
+        queue.push(100, 1, 1_000, &[900]).unwrap();
+        assert_eq!(queue.value(0, 550), Some(450.0));
+        queue.resume();
+        assert_eq!(queue.value(0, 550), None);
+        assert_eq!(queue.value(0, 1_000), Some(900.0));
+    }
+}

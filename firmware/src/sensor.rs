@@ -1,0 +1,195 @@
+//! From ADC codes to calibrated gauge pressure: ratiometric conversion, plausibility, zero.
+
+/// A raw sample of the converter, `0..=` the full scale of the configuration. Not a pressure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct AdcCode(pub u16);
+
+/// Samples in a row outside the band before a sensor counts as implausible, and inside before it counts as plausible again.
+const DEBOUNCE_SAMPLES: u8 = 3;
+
+/// Samples averaged for the zero.
+const ZERO_SAMPLES: u16 = 32;
+
+/// Largest zero offset that is calibrated away, share of the sensor's span.
+const ZERO_LIMIT: f32 = 0.03;
+
+/// Transfer function of a ratiometric sensor (ASDX class): 10 % of full scale at `min_pa`, 90 % at `max_pa`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorScale {
+    min_pa: f32,
+    span_pa: f32,
+    full_scale: f32,
+}
+
+impl SensorScale {
+    /// A sensor whose 10 % and 90 % points are at the given gauge pressures in Pa (`min_pa < max_pa`), read by a converter of
+    /// `full_scale` codes (> 0).
+    pub fn new(min_pa: f32, max_pa: f32, full_scale: u16) -> Self {
+        Self { min_pa, span_pa: max_pa - min_pa, full_scale: f32::from(full_scale) }
+    }
+
+    /// Gauge pressure of a sample, Pa, without the zero correction: `P = (u - 0.1)(Pmax - Pmin)/0.8 + Pmin`.
+    pub fn pressure_pa(&self, code: AdcCode) -> f32 {
+        (self.share(code) - 0.1) / 0.8 * self.span_pa + self.min_pa
+    }
+
+    /// Whether the sample lies within 2.5-97.5 % of full scale, where an intact sensor can be; an open or a short leaves it.
+    pub fn is_plausible(&self, code: AdcCode) -> bool {
+        (0.025..=0.975).contains(&self.share(code))
+    }
+
+    /// Largest zero offset that calibration may take away, Pa.
+    pub fn zero_limit_pa(&self) -> f32 {
+        ZERO_LIMIT * self.span_pa
+    }
+
+    fn share(&self, code: AdcCode) -> f32 {
+        f32::from(code.0) / self.full_scale
+    }
+}
+
+/// State of one sensor: plausibility with debounce, the last good pressure, the zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensor {
+    raw_pa: f32,
+    zero_pa: f32,
+    implausible: bool,
+    against: u8,
+}
+
+impl Sensor {
+    /// A sensor nobody has read yet: implausible until three good samples.
+    pub const fn new() -> Self {
+        Self { raw_pa: 0.0, zero_pa: 0.0, implausible: true, against: 0 }
+    }
+
+    /// Takes one sample. A sample outside the band leaves the pressure at its last good value.
+    pub fn sample(&mut self, scale: &SensorScale, code: AdcCode) {
+        let plausible = scale.is_plausible(code);
+        if plausible {
+            self.raw_pa = scale.pressure_pa(code);
+        }
+        if plausible == self.implausible {
+            self.against += 1;
+        } else {
+            self.against = 0;
+        }
+        if self.against >= DEBOUNCE_SAMPLES {
+            self.implausible = !self.implausible;
+            self.against = 0;
+        }
+    }
+
+    /// Calibrated gauge pressure of the last plausible sample, Pa.
+    pub fn pressure_pa(&self) -> f32 {
+        self.raw_pa - self.zero_pa
+    }
+
+    /// Uncalibrated gauge pressure of the last plausible sample, Pa.
+    pub fn raw_pa(&self) -> f32 {
+        self.raw_pa
+    }
+
+    /// Whether three samples in a row left the band and no three came back.
+    pub fn is_implausible(&self) -> bool {
+        self.implausible
+    }
+
+    /// Sets the offset that is subtracted from now on, Pa.
+    pub fn set_zero(&mut self, zero_pa: f32) {
+        self.zero_pa = zero_pa;
+    }
+}
+
+impl Default for Sensor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Mean of one sensor's samples while its chamber is open to the atmosphere or at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ZeroCheck {
+    sum_pa: f32,
+    count: u16,
+}
+
+impl ZeroCheck {
+    /// Adds a sample; `Some(mean)` in Pa when 32 are in, and the next call begins a new mean.
+    pub fn add(&mut self, raw_pa: f32) -> Option<f32> {
+        self.sum_pa += raw_pa;
+        self.count += 1;
+        if self.count < ZERO_SAMPLES {
+            return None;
+        }
+        let mean = self.sum_pa / f32::from(self.count);
+        *self = Self::default();
+        Some(mean)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ASDX 030PG on a 12-bit converter.
+    fn asdx() -> SensorScale {
+        SensorScale::new(0.0, 206_843.0, 4095)
+    }
+
+    fn settled(code: u16) -> Sensor {
+        let mut sensor = Sensor::new();
+        for _ in 0..3 {
+            sensor.sample(&asdx(), AdcCode(code));
+        }
+        sensor
+    }
+
+    #[test]
+    fn ten_and_ninety_percent_are_the_ends_of_the_range() {
+        let scale = SensorScale::new(0.0, 206_843.0, 1000);
+        assert!(scale.pressure_pa(AdcCode(100)).abs() < 0.1);
+        assert!((scale.pressure_pa(AdcCode(900)) - 206_843.0).abs() < 0.1);
+        assert!((scale.pressure_pa(AdcCode(500)) - 103_421.5).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_band_is_2_5_to_97_5_percent() {
+        let scale = SensorScale::new(0.0, 1.0, 1000);
+        for (code, good) in [(0, false), (24, false), (25, true), (975, true), (976, false), (1000, false)] {
+            assert_eq!(scale.is_plausible(AdcCode(code)), good, "{code}");
+        }
+    }
+
+    #[test]
+    fn three_samples_in_a_row_decide_both_ways() {
+        let mut sensor = settled(2000);
+        assert!(!sensor.is_implausible());
+        let good = sensor.pressure_pa();
+        for code in [0, 0, 2000, 0, 0] {
+            sensor.sample(&asdx(), AdcCode(code));
+        }
+        assert!(!sensor.is_implausible(), "two in a row are not three");
+        sensor.sample(&asdx(), AdcCode(0));
+        assert!(sensor.is_implausible());
+        assert_eq!(sensor.pressure_pa(), good, "the last good value stays");
+        for _ in 0..3 {
+            sensor.sample(&asdx(), AdcCode(2000));
+        }
+        assert!(!sensor.is_implausible());
+    }
+
+    #[test]
+    fn the_zero_is_the_mean_of_32_samples() {
+        let mut check = ZeroCheck::default();
+        for _ in 0..31 {
+            assert_eq!(check.add(500.0), None);
+        }
+        assert_eq!(check.add(500.0), Some(500.0));
+        assert_eq!(check.add(1.0), None);
+        let mut sensor = settled(2000);
+        let before = sensor.pressure_pa();
+        sensor.set_zero(500.0);
+        assert!((before - sensor.pressure_pa() - 500.0).abs() < 0.01);
+    }
+}

@@ -1,0 +1,323 @@
+//! The pressure loop against a small chamber of its own: isothermal gas, ISO 6358 valves with delays, a line node, in f64.
+//!
+//! The parameters of the chamber differ from the controller's where a test says so. Run with `--nocapture` for the numbers.
+
+use softlimb_firmware::{
+    Absolute, AdcCode, Chamber, Direction, LoopInput, Orifice, Pneumatics, PressureLoop, Reference, SensorScale,
+    ValvePulse, ValveTiming,
+};
+
+const ATMOSPHERE_PA: f64 = 101_325.0;
+const PERIOD_US: u32 = 20_000;
+const SUPPLY_PA: f64 = 200e3;
+
+/// ISO 6358 flow, kg/s, signed from `p1` to `p2` (absolute).
+fn iso_6358(c: f64, b: f64, p1: f64, p2: f64) -> f64 {
+    if p2 > p1 {
+        return -iso_6358(c, b, p2, p1);
+    }
+    let phi = |r: f64| (1.0 - ((r - b) / (1.0 - b)).powi(2)).sqrt();
+    let r = p2 / p1;
+    let share = if r <= b {
+        1.0
+    } else if r < 0.999 {
+        phi(r)
+    } else {
+        phi(0.999) * (1.0 - r) / 0.001
+    };
+    c * 1.185 * p1 * share
+}
+
+/// One valve: the command takes effect after a delay, and a change within the delay cancels it.
+#[derive(Clone, Copy)]
+struct Valve {
+    delays_us: (i64, i64),
+    command: bool,
+    changed_us: i64,
+    open: bool,
+}
+
+impl Valve {
+    fn update(&mut self, now_us: i64, command: bool) {
+        if command != self.command {
+            self.command = command;
+            self.changed_us = now_us;
+        }
+        let delay = if command { self.delays_us.0 } else { self.delays_us.1 };
+        if now_us - self.changed_us >= delay {
+            self.open = self.command;
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Truth {
+    rest_volume_m3: f64,
+    compliance_m3_per_pa: f64,
+    valve_c: f64,
+    on_us: i64,
+    off_us: i64,
+    leak_c: f64,
+}
+
+const NOMINAL: Truth = Truth {
+    rest_volume_m3: 80e-6,
+    compliance_m3_per_pa: 0.12e-9,
+    valve_c: 1.44e-9,
+    on_us: 3_500,
+    off_us: 2_000,
+    leak_c: 1e-13,
+};
+
+struct Rig {
+    truth: Truth,
+    line_pa: f64,
+    chamber_kg: f64,
+    chamber_pa: f64,
+    fill: Valve,
+    vent: Valve,
+    now_us: i64,
+    edges: u32,
+}
+
+const LINE_M3: f64 = 5.9e-6;
+const RT: f64 = 287.05 * 293.15;
+
+impl Rig {
+    fn new(truth: Truth, gauge_pa: f64) -> Self {
+        let valve =
+            Valve { delays_us: (truth.on_us, truth.off_us), command: false, changed_us: -1_000_000, open: false };
+        let pa = ATMOSPHERE_PA + gauge_pa;
+        let volume = truth.rest_volume_m3 + truth.compliance_m3_per_pa * gauge_pa;
+        Self {
+            truth,
+            line_pa: pa,
+            chamber_kg: pa * volume / RT,
+            chamber_pa: pa,
+            fill: valve,
+            vent: valve,
+            now_us: 0,
+            edges: 0,
+        }
+    }
+
+    fn gauge_pa(&self) -> f64 {
+        self.chamber_pa - ATMOSPHERE_PA
+    }
+
+    /// One tick of 1 ms in steps of 20 us.
+    fn tick(&mut self, coils: ValvePulse) {
+        const STEP_US: i64 = 20;
+        for step in 0..50 {
+            let into_tick = step * STEP_US;
+            let before = (self.fill.command, self.vent.command);
+            self.fill.update(self.now_us, into_tick < i64::from(coils.fill_us));
+            self.vent.update(self.now_us, into_tick < i64::from(coils.vent_us));
+            self.edges += u32::from(before.0 != self.fill.command) + u32::from(before.1 != self.vent.command);
+            assert!(!(self.fill.open && self.vent.open), "both valves open");
+            self.flow(STEP_US as f64 * 1e-6);
+            self.now_us += STEP_US;
+        }
+    }
+
+    fn flow(&mut self, dt: f64) {
+        let t = self.truth;
+        let fill = if self.fill.open { iso_6358(t.valve_c, 0.3, ATMOSPHERE_PA + SUPPLY_PA, self.line_pa) } else { 0.0 };
+        let vent = if self.vent.open { iso_6358(t.valve_c, 0.3, self.line_pa, ATMOSPHERE_PA) } else { 0.0 };
+        let line = iso_6358(3.78e-9, 0.29, self.line_pa, self.chamber_pa);
+        let leak = iso_6358(t.leak_c, 0.3, self.chamber_pa, ATMOSPHERE_PA);
+        self.line_pa += RT / LINE_M3 * (fill - vent - line) * dt;
+        self.chamber_kg += (line - leak) * dt;
+        // P (V0 + c (P - Pa)) = m R T, solved for P.
+        let rigid = t.rest_volume_m3 - t.compliance_m3_per_pa * ATMOSPHERE_PA;
+        let c = t.compliance_m3_per_pa;
+        self.chamber_pa = if c == 0.0 {
+            self.chamber_kg * RT / rigid
+        } else {
+            ((rigid * rigid + 4.0 * c * self.chamber_kg * RT).sqrt() - rigid) / (2.0 * c)
+        };
+    }
+}
+
+/// What one run shows.
+#[derive(Debug)]
+struct Run {
+    rmse_kpa: f64,
+    max_kpa: f64,
+    edges_per_s: f64,
+    trace: Vec<f64>,
+}
+
+/// What the controller believes: the nominal plant, with line volume in the chamber.
+fn belief() -> (Pneumatics, impl Fn(f32) -> Chamber) {
+    let timing = ValveTiming { on_delay_us: 3_500, off_delay_us: 2_000 };
+    let pneumatics =
+        Pneumatics::new(Orifice::new(1.44e-9, 0.3), Orifice::line(3.78e-9), Absolute::new(101_325.0), 293.15, timing);
+    let chamber = |p: f32| Chamber {
+        pressure_pa: p,
+        volume_m3: 85.9e-6 + 0.12e-9 * p,
+        compliance_m3_per_pa: 0.12e-9,
+        rest_volume_m3: 85.9e-6,
+        dead_volume_m3: 5.9e-6,
+    };
+    (pneumatics, chamber)
+}
+
+fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64) -> Run {
+    let (pneumatics, chamber) = belief();
+    let scale = SensorScale::new(0.0, 206_843.0, 4095);
+    let mut rig = Rig::new(truth, start_pa);
+    let mut control = PressureLoop::new();
+    let mut segment = None;
+    let (mut square, mut max, mut trace) = (0.0_f64, 0.0_f64, Vec::new());
+    let ticks = (seconds * 1e3) as u64;
+    for tick in 0..ticks {
+        let now_us = tick * 1_000;
+        let share = 0.1 + 0.8 * (rig.line_pa - ATMOSPHERE_PA) / 206_843.0;
+        let sensor_pa = scale.pressure_pa(AdcCode((share * 4095.0).round() as u16));
+        if tick % 20 == 0 {
+            let at = |us: u64| reference(us as f64 * 1e-6) as f32;
+            segment = Some(Reference {
+                start_us: now_us,
+                start_pa: at(now_us),
+                period_us: PERIOD_US,
+                end_pa: at(now_us + u64::from(PERIOD_US)),
+            });
+        }
+        if let Some(wanted) = segment
+            && control.is_due(now_us, &pneumatics)
+        {
+            let chamber = chamber(wanted.end_pa);
+            let input = LoopInput {
+                now_us,
+                period_us: PERIOD_US,
+                sensor_pa,
+                supply_pa: SUPPLY_PA as f32,
+                chamber: &chamber,
+                pneumatics: &pneumatics,
+            };
+            control.decide(&input, &wanted);
+            segment = None;
+        }
+        rig.tick(control.valves_mut().tick(now_us));
+        let error = rig.gauge_pa() - reference((tick + 1) as f64 * 1e-3);
+        trace.push(rig.gauge_pa() * 1e-3);
+        square += error * error;
+        max = max.max(error.abs());
+    }
+    Run {
+        rmse_kpa: (square / ticks as f64).sqrt() * 1e-3,
+        max_kpa: max * 1e-3,
+        edges_per_s: f64::from(rig.edges) / seconds,
+        trace,
+    }
+}
+
+/// A smooth limb-like trajectory between 5 and 110 kPa over 8 s.
+fn limb_trajectory(t: f64) -> f64 {
+    let knots = [5e3, 60e3, 60e3, 110e3, 80e3, 80e3, 30e3, 5e3, 5e3];
+    let k = (t.floor() as usize).min(7);
+    let s = (t - k as f64).clamp(0.0, 1.0);
+    knots[k] + (knots[k + 1] - knots[k]) * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+}
+
+#[test]
+fn steps_settle_within_one_kilopascal_without_overshoot() {
+    for (from, to) in [(0.0, 100.0), (100.0, 50.0), (50.0, 60.0), (60.0, 50.0), (20.0, 10.0), (0.0, 150.0)] {
+        let run = run(NOMINAL, from * 1e3, 2.0, |_| to * 1e3);
+        let sign: f64 = if to > from { 1.0 } else { -1.0 };
+        let overshoot = run.trace.iter().map(|p| sign * (p - to)).fold(0.0, f64::max);
+        let settled = run.trace.iter().rposition(|p| (p - to).abs() > 1.0).map_or(0, |i| i + 1);
+        let tail = &run.trace[1_500..];
+        let steady = (tail.iter().map(|p| (p - to).powi(2)).sum::<f64>() / tail.len() as f64).sqrt();
+        println!(
+            "step {from:>5} -> {to:>5} kPa: settled {settled:>4} ms, overshoot {overshoot:.2} kPa, steady RMS {steady:.2} kPa"
+        );
+        assert!(settled < 1_000, "{from} -> {to}: {settled} ms");
+        assert!(overshoot < 1.5, "{from} -> {to}: {overshoot} kPa");
+        assert!(steady < 0.6, "{from} -> {to}: {steady} kPa");
+    }
+}
+
+fn report(name: &str, truth: Truth) -> Run {
+    let run = run(truth, 5e3, 8.0, limb_trajectory);
+    println!(
+        "{name:<34} RMSE {:.2} kPa, max {:.2} kPa, {:.0} switchings/s",
+        run.rmse_kpa, run.max_kpa, run.edges_per_s
+    );
+    run
+}
+
+#[test]
+fn a_limb_trajectory_is_followed() {
+    let nominal = report("nominal", NOMINAL);
+    assert!(nominal.rmse_kpa < 0.6, "{}", nominal.rmse_kpa);
+    assert!(nominal.edges_per_s <= 80.0);
+}
+
+#[test]
+fn a_plant_other_than_believed_is_followed_nearly_as_well() {
+    let n = NOMINAL;
+    let cases = [
+        ("volume +30 %", Truth { rest_volume_m3: 104e-6, ..n }),
+        ("volume -30 %", Truth { rest_volume_m3: 56e-6, ..n }),
+        ("conductance -20 %", Truth { valve_c: 1.15e-9, ..n }),
+        ("conductance +20 %", Truth { valve_c: 1.73e-9, ..n }),
+        ("delays 5 / 4 ms", Truth { on_us: 5_000, off_us: 4_000, ..n }),
+        ("delays 2.5 / 1.5 ms", Truth { on_us: 2_500, off_us: 1_500, ..n }),
+        ("leak 4 NmL/s class", Truth { leak_c: 2e-11, ..n }),
+        (
+            "volume +30 %, C -20 %, slow",
+            Truth { rest_volume_m3: 104e-6, valve_c: 1.15e-9, on_us: 4_500, off_us: 3_000, ..n },
+        ),
+    ];
+    for (name, truth) in cases {
+        let run = report(name, truth);
+        assert!(run.rmse_kpa < 1.1, "{name}: {}", run.rmse_kpa);
+        assert!(run.edges_per_s <= 80.0, "{name}: {}", run.edges_per_s);
+    }
+}
+
+#[test]
+fn holding_hardly_switches() {
+    for leak_c in [1e-13, 1e-12] {
+        let truth = Truth { leak_c, ..NOMINAL };
+        let run = run(truth, 60e3, 20.0, |_| 60e3);
+        println!("hold at 60 kPa, leak {leak_c:e}: RMSE {:.2} kPa, {:.2} switchings/s", run.rmse_kpa, run.edges_per_s);
+        assert!(run.edges_per_s <= 2.0, "{}", run.edges_per_s);
+        assert!(run.rmse_kpa < 0.6, "{}", run.rmse_kpa);
+    }
+}
+
+#[test]
+fn a_sine_is_followed_close_to_the_quantisation_limit() {
+    let omega = core::f64::consts::TAU;
+    let run = run(NOMINAL, 60e3, 6.0, |t| 60e3 + 20e3 * (omega * t).sin());
+    let rms_rate = 20.0 * omega / core::f64::consts::SQRT_2;
+    let limit = rms_rate * 2.0 / run.edges_per_s / 12.0_f64.sqrt();
+    let ratio = run.rmse_kpa / limit;
+    println!(
+        "1 Hz +-20 kPa: RMSE {:.2} kPa, {:.0} switchings/s, {ratio:.2} of the limit",
+        run.rmse_kpa, run.edges_per_s
+    );
+    assert!(ratio < 2.0, "{ratio}");
+}
+
+#[test]
+fn the_direction_of_a_pulse_is_that_of_the_error() {
+    let (pneumatics, chamber) = belief();
+    for (wanted_pa, direction) in [(80e3, Direction::Fill), (20e3, Direction::Vent)] {
+        let reference = Reference { start_us: 1_000_000, start_pa: wanted_pa, period_us: PERIOD_US, end_pa: wanted_pa };
+        let input = LoopInput {
+            now_us: 1_000_000,
+            period_us: PERIOD_US,
+            sensor_pa: 50e3,
+            supply_pa: 200e3,
+            chamber: &chamber(50e3),
+            pneumatics: &pneumatics,
+        };
+        let mut control = PressureLoop::new();
+        control.decide(&input, &reference);
+        assert_eq!(control.valves_mut().direction_at(1_000_000), Some(direction));
+    }
+}
