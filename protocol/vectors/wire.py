@@ -1,4 +1,4 @@
-"""COBS, CRC-32C and the message table, written from SPEC.md; standard library only."""
+"""COBS, CRC-32C and the message table of SPEC.md, apart from the code that they check; standard library only."""
 
 import struct
 

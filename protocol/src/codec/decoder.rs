@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use cobs::{DecodeResult, DecoderState};
 
-use super::frame::{CRC_LEN, DELIMITER, MAX_BODY_LEN, Message, split_body};
+use super::frame::{CRC_LEN, MAX_BODY_LEN, Message, split_body};
 use crate::crc::crc32c;
 use crate::error::FrameError;
 
@@ -120,10 +120,9 @@ impl<M: Message> Decoder<M> {
             }
             Ok(DecodeResult::DataComplete) => self.finish(),
             Ok(DecodeResult::NoData | DecodeResult::DataStart) => return None,
-            // Only a delimiter inside a run is an error, so the COBS state is already between frames.
+            // Only a delimiter inside a piece is an error, so the COBS state is already between frames.
             Err(_) => Err(self.len.map_or(FrameError::Oversize, |_| FrameError::Malformed)),
         };
-        debug_assert_eq!(byte, DELIMITER);
         self.len = Some(0);
         self.counters.count(&outcome);
         Some(outcome)
