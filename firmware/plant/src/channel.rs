@@ -1,0 +1,224 @@
+//! One channel over one tick: valves, gas, sensor, creep.
+
+use crate::actuator::TrueActuator;
+use crate::curve::VolumeCurve;
+use crate::error::PlantError;
+use crate::fault::ChannelFault;
+use crate::gas::{Orifice, tube_conductance};
+use crate::plant::{ChannelDrive, TICK_US};
+use crate::pneumatics::{Gas, Openings, Piping};
+use crate::random::Random;
+use crate::sensor::Sensor;
+use crate::settings::{ChannelSettings, MotionSettings, PlantSettings, ValveSettings};
+use crate::spread::TrueParameters;
+use crate::truth::ChannelTruth;
+use crate::valve::Valve;
+
+const S_PER_US: f64 = 1e-6;
+const TICK_S: f64 = TICK_US as f64 * S_PER_US;
+
+/// The faults that act on a channel now.
+#[derive(Clone, Copy, Debug, Default)]
+struct Broken {
+    stuck: Openings,
+    sensor_open: bool,
+}
+
+/// One channel.
+#[derive(Clone, Debug)]
+pub(crate) struct Channel {
+    parameters: TrueParameters,
+    actuator: TrueActuator,
+    piping: Piping,
+    gas: Gas,
+    fill: Valve,
+    vent: Valve,
+    sensor: Sensor,
+    random: Random,
+    broken: Broken,
+    intact_leak_m3_per_s_pa: f64,
+    motion: MotionSettings,
+    creep_share: f64,
+    creep_time_s: f64,
+    creep_m3: f64,
+    step_us: u64,
+}
+
+impl Channel {
+    /// Draws the true channel `index` and builds it at rest.
+    pub(crate) fn new(plant: &PlantSettings, index: usize) -> Result<Self, PlantError> {
+        let nominal = &plant.channels[index];
+        let stream = 2 * (index as u64 + 1);
+        let mut draw = Random::new(plant.seed, stream);
+        let parameters = TrueParameters::draw(nominal, &plant.spread, &mut draw);
+        let actuator = TrueActuator::new(index, nominal, &parameters)?;
+        let volume = actuator
+            .volume_curve(parameters.volume_scale, parameters.dead_volume_m3)
+            .ok_or(PlantError::NoEquilibrium { channel: index, pressure_pa: nominal.pressure_max_pa })?;
+        let least = 4.0 * nominal.motion.amplitude_m3;
+        if volume.rest_volume_m3() < least {
+            return Err(PlantError::OutOfRange {
+                field: format!("channels[{index}].motion.amplitude_m3"),
+                value: nominal.motion.amplitude_m3,
+                allowed: format!("at most {:e} m3", volume.rest_volume_m3() / 4.0),
+            });
+        }
+        let piping = piping(plant, nominal, &parameters, volume);
+        let valve = |v: &ValveSettings| Valve::new(v.on_delay_us, v.off_delay_us, v.jitter_us);
+        Ok(Self {
+            gas: Gas::at_rest(&piping),
+            fill: valve(&parameters.fill),
+            vent: valve(&parameters.vent),
+            sensor: Sensor::new(nominal.sensor, parameters.sensor_offset_pa, parameters.sensor_gain),
+            random: Random::new(plant.seed, stream + 1),
+            broken: Broken::default(),
+            intact_leak_m3_per_s_pa: nominal.leak_m3_per_s_pa,
+            motion: nominal.motion,
+            creep_share: nominal.creep_share,
+            creep_time_s: nominal.creep_time_s,
+            creep_m3: 0.0,
+            step_us: u64::from(plant.step_us),
+            parameters,
+            actuator,
+            piping,
+        })
+    }
+
+    /// Advances by one tick that starts at `start_us`, against a supply held at `supply_abs_pa`,
+    /// or shut off. Returns the air drawn from the supply, kg.
+    pub(crate) fn tick(&mut self, start_us: u64, drive: ChannelDrive, supply_abs_pa: Option<f64>) -> f64 {
+        let drawn_before = self.gas.filled_kg;
+        let end = start_us + TICK_US;
+        let fill_off = start_us + u64::from(drive.fill_us).min(TICK_US);
+        let vent_off = start_us + u64::from(drive.vent_us).min(TICK_US);
+        self.move_limb(start_us);
+        let mut now = start_us;
+        while now < end {
+            self.fill.set_coil(now, now < fill_off, &mut self.random);
+            self.vent.set_coil(now, now < vent_off, &mut self.random);
+            let next = [fill_off, vent_off, self.fill.due_us(), self.vent.due_us()]
+                .into_iter()
+                .filter(|&edge| edge > now)
+                .fold(end, u64::min);
+            self.flow(next - now, supply_abs_pa);
+            now = next;
+        }
+        self.creep();
+        self.gas.filled_kg - drawn_before
+    }
+
+    /// The code of the converter now.
+    pub(crate) fn code(&mut self) -> u16 {
+        // The noise is drawn either way, so that a broken wire changes no other number.
+        let code = self.sensor.sample(&mut self.random);
+        if self.broken.sensor_open { 0 } else { code }
+    }
+
+    /// Breaks a part.
+    pub(crate) fn break_part(&mut self, fault: ChannelFault, room_k: f64) {
+        match fault {
+            ChannelFault::StuckFill => self.broken.stuck.fill = true,
+            ChannelFault::StuckVent => self.broken.stuck.vent = true,
+            ChannelFault::SensorOpen => self.broken.sensor_open = true,
+            ChannelFault::Leak { conductance_m3_per_s_pa } => {
+                let total = self.intact_leak_m3_per_s_pa + conductance_m3_per_s_pa;
+                self.piping.leak = leak(total, room_k);
+            }
+        }
+    }
+
+    /// Repairs everything.
+    pub(crate) fn repair(&mut self, room_k: f64) {
+        self.broken = Broken::default();
+        self.piping.leak = leak(self.intact_leak_m3_per_s_pa, room_k);
+    }
+
+    /// What is really going on.
+    pub(crate) fn truth(&self) -> ChannelTruth {
+        let ambient = self.piping.ambient_abs_pa;
+        let pressure_pa = self.gas.chamber_abs_pa - ambient;
+        let crept = self.piping.volume.at(pressure_pa).0 + self.creep_m3;
+        let (mut shape, within_branch) = self.actuator.shape(self.piping.volume.pressure_of(crept));
+        shape.pressure_pa = pressure_pa;
+        let open = self.openings();
+        ChannelTruth {
+            pressure_pa,
+            line_pressure_pa: self.gas.line_abs_pa - ambient,
+            air_temperature_k: self.gas.temperature_k(&self.piping),
+            fill_open: open.fill,
+            vent_open: open.vent,
+            shape,
+            within_branch,
+            parameters: self.parameters,
+        }
+    }
+
+    fn openings(&self) -> Openings {
+        Openings {
+            fill: self.fill.is_open() || self.broken.stuck.fill,
+            vent: self.vent.is_open() || self.broken.stuck.vent,
+        }
+    }
+
+    /// Integrates over a span in which no valve moves.
+    fn flow(&mut self, span_us: u64, supply_abs_pa: Option<f64>) {
+        let mut open = self.openings();
+        open.fill &= supply_abs_pa.is_some();
+        let supply = supply_abs_pa.unwrap_or(self.piping.ambient_abs_pa);
+        let mut left = span_us;
+        while left > 0 {
+            let quiet = open == Openings::default() && self.gas.is_settled();
+            let step = if quiet { left } else { left.min(self.step_us) };
+            let h_s = step as f64 * S_PER_US;
+            self.gas.step(&self.piping, open, supply, h_s);
+            self.sensor.follow(self.gas.line_abs_pa - self.piping.ambient_abs_pa, h_s);
+            left -= step;
+        }
+    }
+
+    fn move_limb(&mut self, now_us: u64) {
+        if self.motion.amplitude_m3 > 0.0 {
+            let turns = self.motion.frequency_hz * now_us as f64 * S_PER_US;
+            let displaced_m3 = self.motion.amplitude_m3 * wave(turns);
+            self.gas.displace(&self.piping, displaced_m3);
+        }
+    }
+
+    /// `tau dV_creep/dt = share (V - V_0) - V_creep`, implicit over the tick.
+    fn creep(&mut self) {
+        let gauge_pa = self.gas.chamber_abs_pa - self.piping.ambient_abs_pa;
+        let volume = &self.piping.volume;
+        let goal = self.creep_share * (volume.at(gauge_pa).0 - volume.rest_volume_m3());
+        self.creep_m3 += (goal - self.creep_m3) * TICK_S / (self.creep_time_s + TICK_S);
+    }
+}
+
+/// A sine made of two parabolas, within 6 % of one: no transcendental function, hence the same
+/// bits on every platform.
+fn wave(turns: f64) -> f64 {
+    let phase = 2.0 * (turns - turns.floor()) - 1.0;
+    -4.0 * phase * (1.0 - phase.abs())
+}
+
+fn leak(conductance: f64, room_k: f64) -> Option<Orifice> {
+    (conductance > 0.0).then(|| Orifice::new(conductance, 0.3, room_k))
+}
+
+fn piping(plant: &PlantSettings, nominal: &ChannelSettings, true_one: &TrueParameters, volume: VolumeCurve) -> Piping {
+    let room_k = plant.temperature_k;
+    let tube = nominal.tube;
+    let (conductance, critical_ratio) = tube_conductance(tube.length_m, tube.bore_m);
+    let bore_area = core::f64::consts::FRAC_PI_4 * tube.bore_m * tube.bore_m;
+    let orifice = |v: &ValveSettings| Orifice::new(v.conductance_m3_per_s_pa, v.critical_ratio, room_k);
+    Piping {
+        fill: orifice(&true_one.fill),
+        vent: orifice(&true_one.vent),
+        tube: Orifice::new(conductance, critical_ratio, room_k),
+        leak: leak(nominal.leak_m3_per_s_pa, room_k),
+        line_volume_m3: bore_area * tube.length_m + tube.manifold_volume_m3,
+        wall_w_per_k: nominal.wall_w_per_k,
+        ambient_abs_pa: plant.atmosphere_pa,
+        room_k,
+        volume,
+    }
+}

@@ -1,0 +1,184 @@
+//! Broken parts and refused settings.
+
+#[allow(unreachable_pub, reason = "shared by several test binaries")]
+mod common;
+
+use common::*;
+use proptest::prelude::*;
+use softlimb_plant::*;
+
+fn charged(seed: u64) -> Plant {
+    let mut s = settings(seed, 2);
+    s.supply = Supply::Regulated { pressure_pa: 200e3 };
+    let mut plant = Plant::new(&s).unwrap();
+    run(&mut plant, 150, FILL);
+    run(&mut plant, 3_000, HOLD);
+    plant
+}
+
+fn pressures(plant: &Plant) -> Vec<f64> {
+    plant.truth().channels.iter().map(|c| c.pressure_pa).collect()
+}
+
+#[test]
+fn a_stuck_fill_valve_fills_to_the_supply_and_only_its_channel() {
+    let mut plant = charged(1);
+    let before = pressures(&plant);
+    plant.inject(0, ChannelFault::StuckFill).unwrap();
+    run(&mut plant, 5_000, HOLD);
+    let after = pressures(&plant);
+    assert!((after[0] - 200e3).abs() < 500.0, "{after:?}");
+    assert!((after[1] - before[1]).abs() < 1e3);
+}
+
+#[test]
+fn a_stuck_vent_valve_empties_and_a_repair_ends_it() {
+    let mut plant = charged(1);
+    plant.inject(1, ChannelFault::StuckVent).unwrap();
+    run(&mut plant, 100, HOLD);
+    let half_way = pressures(&plant)[1];
+    plant.repair(1).unwrap();
+    run(&mut plant, 1_000, HOLD);
+    let kept = pressures(&plant)[1];
+    assert!(kept > 5e3 && kept > 0.8 * half_way);
+    plant.inject(1, ChannelFault::StuckVent).unwrap();
+    run(&mut plant, 5_000, HOLD);
+    assert!(pressures(&plant)[1].abs() < 100.0);
+}
+
+#[test]
+fn a_choked_leak_loses_its_conductance_times_pressure() {
+    let mut plant = charged(1);
+    let before = pressures(&plant);
+    plant.inject(0, ChannelFault::Leak { conductance_m3_per_s_pa: 2e-11 }).unwrap();
+    run(&mut plant, 1_000, HOLD);
+    let after = pressures(&plant);
+    // dP/dt = -R T m'/(V + P dV/dP), m' = C rho0 P phi; the volume grows with pressure, so the
+    // rigid vessel of the volume at rest is the upper bound.
+    let rigid = 287.05 * 293.15 * 2e-11 * 1.185 * (before[0] + 101_325.0) / 75e-6;
+    let lost = before[0] - after[0];
+    assert!(lost > 0.3 * rigid && lost < rigid, "{lost} {rigid}");
+    assert!((after[1] - before[1]).abs() < 0.1 * lost);
+}
+
+#[test]
+fn an_open_sensor_reads_zero_and_nothing_else_changes() {
+    let (mut broken, mut intact) = (charged(1), charged(1));
+    broken.inject(0, ChannelFault::SensorOpen).unwrap();
+    run(&mut broken, 100, HOLD);
+    run(&mut intact, 100, HOLD);
+    assert_eq!(broken.pressure_codes()[0], 0);
+    assert_eq!(broken.pressure_codes()[1], intact.pressure_codes()[1]);
+    assert_eq!(pressures(&broken), pressures(&intact));
+}
+
+#[test]
+fn timed_faults_come_in_time() {
+    let mut s = settings(1, 1);
+    s.faults = vec![TimedFault { time_us: 20_000, channel: 0, fault: ChannelFault::StuckFill }];
+    let mut plant = Plant::new(&s).unwrap();
+    run(&mut plant, 20, HOLD);
+    assert!(!plant.truth().channels[0].fill_open);
+    run(&mut plant, 1, HOLD);
+    assert!(plant.truth().channels[0].fill_open);
+}
+
+#[test]
+fn faults_name_the_channel_that_is_missing() {
+    let mut plant = charged(1);
+    let missing = PlantError::NoSuchChannel { channel: 7, channels: 2 };
+    assert_eq!(plant.inject(7, ChannelFault::StuckFill), Err(missing.clone()));
+    assert_eq!(plant.repair(7), Err(missing));
+}
+
+#[test]
+fn refusals_name_field_value_and_range() {
+    let refused = |change: fn(&mut PlantSettings)| {
+        let mut s = settings(1, 2);
+        change(&mut s);
+        Plant::new(&s).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refused(|s| s.channels[1].tube.bore_m = 0.1),
+        "channels[1].tube.bore_m = 0.1 is not allowed: 5e-4 to 2e-2"
+    );
+    assert_eq!(refused(|s| s.spread.modulus = f64::NAN), "spread.modulus = NaN is not allowed: 0e0 to 3e-1");
+    assert_eq!(
+        refused(|s| s.channels[0].actuator.outer_radius_m = 1e-3),
+        "channels[0].actuator: outer_radius_m = 0.001 is not allowed: finite and > inner_radius_m"
+    );
+    assert!(refused(|s| s.channels.clear()).starts_with("channels.len() = 0"));
+    assert!(refused(|s| s.channels[0].motion.amplitude_m3 = 5e-3).contains("motion.amplitude_m3"));
+    // Two valves: 25 x 2 x 1.44e-9 m3/(s Pa) x 2 ms x 1e5 Pa.
+    assert!(
+        refused(|s| s.supply = Supply::Pump(PumpSettings { reservoir_volume_m3: 1.2e-5, ..PumpSettings::default() }))
+            .starts_with("supply.reservoir_volume_m3 = 0.000012 is not allowed: 1.44e-5")
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+    /// Whatever the plant and the coils: pressures stay between vacuum and supply, codes between
+    /// the rails.
+    #[test]
+    fn no_pressure_is_negative(
+        seed: u64,
+        tube_m in 0.05f64..2.0,
+        bore_mm in 1.5f64..8.0,
+        length_m in 0.01f64..0.3,
+        conductance in 5e-11f64..1e-8,
+        step_us in 10u32..1_000,
+        wall in 0f64..5.0,
+        pump in 0f64..1.0,
+        swing in 0f64..0.2,
+    ) {
+        let mut s = settings(seed, 2);
+        s.step_us = step_us;
+        for channel in &mut s.channels {
+            channel.actuator.length_m = length_m;
+            channel.tube.length_m = tube_m;
+            channel.tube.bore_m = bore_mm * 1e-3;
+            channel.valve.conductance_m3_per_s_pa = conductance;
+            channel.wall_w_per_k = wall;
+            channel.motion = MotionSettings {
+                amplitude_m3: swing * 3.8e-4 * length_m,
+                frequency_hz: 2.0,
+            };
+        }
+        let mut plant = Plant::new(&s).unwrap();
+        for tick in 0..600 {
+            let coils = [pulses(tick, 0), pulses(tick, 1)];
+            plant.step(&Drive { channels: &coils, supply_open: tick % 100 < 90, pump });
+            prop_assert!(plant.pressure_codes().iter().all(|c| (102..=3_993).contains(c)));
+            if tick % 20 == 0 {
+                let truth = plant.truth();
+                for channel in &truth.channels {
+                    prop_assert!((-100e3..600e3).contains(&channel.pressure_pa), "{channel:?}");
+                    prop_assert!((-100e3..600e3).contains(&channel.line_pressure_pa), "{channel:?}");
+                    prop_assert!(channel.shape.axial_stretch.is_finite());
+                }
+                prop_assert!((-1.0..250e3).contains(&truth.supply_pressure_pa));
+            }
+        }
+    }
+
+    /// The drawn parameters stay within three deviations and differ from the nominal ones.
+    #[test]
+    fn spread_is_truncated_and_never_nominal(seed: u64) {
+        let s = settings(seed, 1);
+        let p = Plant::new(&s).unwrap().truth().channels[0].parameters;
+        let nominal = &s.channels[0];
+        let within = |value: f64, nominal: f64, deviation: f64| {
+            let relative = (value / nominal - 1.0).abs();
+            relative > 0.0 && relative <= 3.0 * deviation * (1.0 + 1e-9)
+        };
+        prop_assert!(within(p.fill.conductance_m3_per_s_pa, nominal.valve.conductance_m3_per_s_pa, 0.07));
+        prop_assert!(within(p.vent.on_delay_us, nominal.valve.on_delay_us, 0.08));
+        prop_assert!(within(p.volume_scale, 1.0, 0.03));
+        prop_assert!(within(p.sensor_gain, 1.0, 0.002));
+        prop_assert!(p.sensor_offset_pa.abs() <= 3.0 * 0.003 * 206_843.0);
+        let thickness = p.actuator.outer_radius_m - p.actuator.inner_radius_m;
+        prop_assert!(within(thickness, 4e-3, 0.02));
+        prop_assert!(p.fill != p.vent);
+    }
+}
