@@ -79,26 +79,28 @@ impl VolumeCurve {
         self.first.volume_m3
     }
 
-    /// The gauge pressure, Pa, of a volume: by bisection within the table, zero below it, along
-    /// the end tangent above it.
+    /// The gauge pressure, Pa, of a volume: within the table by Newton's method on its cubic, zero
+    /// below it, along the end tangent above it.
     pub(crate) fn pressure_of(&self, volume_m3: f64) -> f64 {
         let beyond = volume_m3 - self.last.volume_m3;
         if beyond > 0.0 && self.last.slope_m3_per_pa > 0.0 {
             return self.last.pressure_pa + beyond / self.last.slope_m3_per_pa;
         }
-        if volume_m3 <= self.first.volume_m3 {
+        let above = self.pieces.partition_point(|piece| piece[0] < volume_m3);
+        let Some(index) = above.checked_sub(1) else {
             return self.first.pressure_pa;
-        }
-        let (mut low, mut high) = (self.first.pressure_pa, self.last.pressure_pa);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.at(middle).0 < volume_m3 {
-                low = middle;
-            } else {
-                high = middle;
+        };
+        let [a, b, c, d] = self.pieces[index];
+        let mut t = 0.5;
+        for _ in 0..8 {
+            let slope = b + t * (2.0 * c + t * 3.0 * d);
+            if slope <= 0.0 {
+                break;
             }
+            let excess = a + t * (b + t * (c + t * d)) - volume_m3;
+            t = (t - excess / slope).clamp(0.0, 1.0);
         }
-        0.5 * (low + high)
+        (index as f64 + t) / self.inverse_width
     }
 
     fn below_rest(&self, pressure_pa: f64) -> (f64, f64) {
