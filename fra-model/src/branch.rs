@@ -20,6 +20,8 @@ const REFINE_STEPS: u32 = 100;
 const ERRATIC_ITERATIONS: u32 = 8;
 /// Newton's steps may stop shrinking only below this many units in the last place.
 const STALL: f64 = 1e4;
+/// Where rounding hides the root in more than this share of the volume's change, there is no answer.
+const COARSEST: f64 = 1e-3;
 /// Longest step in `ln(1 + w)`.
 const LONGEST_STEP: f64 = 0.25;
 /// The branch is followed within these bounds of `1 + w` and of `P/mu1`.
@@ -257,20 +259,22 @@ impl<T: Real> Branch<'_, T> {
             let size = wanted.abs();
             // At the root: exactly, within the last digit, or where rounding keeps Newton's steps from shrinking further.
             let last_digit = epsilon::<T>() * here.at.y.abs();
-            let rounding = size <= last_digit * real::<T>(STALL) || value.abs() <= goal.noise(&here);
+            let tolerable = size <= real::<T>(COARSEST) * here.at.y.abs();
+            let rounding = size <= last_digit * real::<T>(STALL) || (value.abs() <= goal.noise(&here) && tolerable);
             let stalled = size >= last_wanted * real::<T>(0.5) && rounding;
             if value == T::zero() || size <= last_digit || stalled {
                 return Found::Root(here);
             }
             last_wanted = size;
-            let there = match self.step(&here, wanted, outwards, step, steepest, iterations) {
-                Some(there) => there,
-                None => {
-                    step *= real::<T>(0.5);
-                    if step < real::<T>(64.0) * epsilon::<T>() {
-                        return Found::Failed(here);
-                    }
-                    continue;
+            let mut dw = stride(&here, wanted, outwards, step);
+            let there = loop {
+                if let Some(there) = self.step(&here, dw, steepest, iterations) {
+                    break there;
+                }
+                dw *= real::<T>(0.5);
+                step = (dw / (T::one() + here.at.y)).abs();
+                if step < real::<T>(64.0) * epsilon::<T>() {
+                    return if rounding { Found::Root(here) } else { Found::Failed(here) };
                 }
             };
             if there.slope <= T::zero() {
@@ -290,32 +294,19 @@ impl<T: Real> Branch<'_, T> {
     }
 
     /// One step; `None` when it is not to be trusted and a shorter one shall be tried.
-    fn step(
-        &self,
-        here: &Point<T>,
-        wanted: T,
-        outwards: bool,
-        step: T,
-        steepest: T,
-        iterations: &mut u32,
-    ) -> Option<Point<T>> {
-        let growth = if outwards { step } else { -step };
-        let reach = (T::one() + here.at.y) * growth.exp_m1();
-        // Newton's own step where it is shorter and goes the same way.
-        let newton = wanted.is_finite() && (wanted > T::zero()) == outwards && wanted.abs() < reach.abs();
-        let dw = if newton { wanted } else { reach };
+    fn step(&self, here: &Point<T>, dw: T, steepest: T, iterations: &mut u32) -> Option<Point<T>> {
         let there = self.advance(here, here.at.y + dw, iterations)?;
-        let (half, quarter): (T, T) = (real(0.5), real(0.25));
+        let (half, tenth): (T, T) = (real(0.5), real(0.1));
         let off_tangent = (there.at - here.at - here.tangent * dw).amax();
         let scale = T::one() + here.at.x.min(here.at.y);
-        let straight = off_tangent <= quarter * scale.min(T::one());
+        let straight = off_tangent <= tenth * scale.min(T::one());
         let floor = steepest * real::<T>(0.05);
         let fall = here.slope - there.slope;
-        let gentle = fall <= real::<T>(0.7) * here.slope.max(floor) && -fall <= real::<T>(4.0) * here.slope.max(floor);
+        let gentle = fall <= half * here.slope.max(floor) && -fall <= real::<T>(2.0) * here.slope.max(floor);
         let mean = half * (here.slope + there.slope);
         let along = (there.pressure - here.pressure - mean * dw).abs();
         let rounding = real::<T>(4.0) * (here.pressure_noise + there.pressure_noise);
-        let resolved = along <= dw.abs() * (quarter * mean.abs() + quarter * floor) + rounding;
+        let resolved = along <= dw.abs() * (tenth * (mean.abs() + floor)) + rounding;
         (straight && gentle && resolved).then_some(there)
     }
 
@@ -397,6 +388,14 @@ impl<T: Real> Branch<'_, T> {
         }
         Found::Root(if low_value.abs() <= high_value.abs() { low } else { high })
     }
+}
+
+/// Newton's own step where it goes the way of the search and is not too long, else the longest step allowed.
+fn stride<T: Real>(here: &Point<T>, wanted: T, outwards: bool, longest: T) -> T {
+    let growth = if outwards { longest } else { -longest };
+    let reach = (T::one() + here.at.y) * growth.exp_m1();
+    let newton = wanted.is_finite() && (wanted > T::zero()) == outwards && wanted.abs() < reach.abs();
+    if newton { wanted } else { reach }
 }
 
 /// What one rounding of each coordinate and of each term does to the gradient, with a margin.

@@ -28,6 +28,7 @@ mod bending;
 mod branch;
 mod energy;
 mod jet;
+mod limb;
 mod parameters;
 mod quadrature;
 mod real;
@@ -35,6 +36,7 @@ mod solution;
 mod tube;
 
 pub use actuator::Actuator;
+pub use limb::{Link, Segment, tip_pose};
 pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement};
 pub use real::Real;
 pub use solution::{Load, Solution, State, Status, Target};

@@ -186,7 +186,7 @@ fn yeoh_contains_neo_hookean() {
     for (inner, outer) in [(6.0, 6.06), (6.0, 8.0), (6.0, 24.0)] {
         for motion in [Motion::Extension, Motion::Twisting, Motion::Bending] {
             let wind = |p| wound(p, 25.0, Families::One, 20e6, Placement::Sheet, 0.2);
-            let pressure_pa = 0.2 * mu * (outer / inner as f64).ln();
+            let pressure_pa = 0.2 * mu * f64::ln(outer / inner);
             let a = solve(&wind(tube(motion, inner, outer, neo_hookean(mu))), pressure_pa);
             let b = solve(&wind(tube(motion, inner, outer, yeoh)), pressure_pa);
             assert_eq!((a.status, b.status), (Status::Solved, Status::Solved));

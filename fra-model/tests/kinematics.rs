@@ -1,0 +1,72 @@
+//! Limb kinematics against plane geometry and against many small rigid steps.
+
+use fra_model::*;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+fn segment(length_m: f64, bend_angle_rad: f64, twist_rad: f64) -> Segment<f64> {
+    Segment { length_m, bend_angle_rad, twist_rad }
+}
+
+#[test]
+fn a_bent_segment_is_a_circular_arc() {
+    for angle in [1e-9, 1e-3, 0.0999, 0.1001, 1.0, 3.0, 7.0] {
+        let tip = segment(0.24, angle, 0.0).pose();
+        let radius = 0.24 / angle;
+        let expected = Vector3::new(radius * 2.0 * (angle / 2.0).sin().powi(2), 0.0, radius * angle.sin());
+        assert!((tip.translation.vector - expected).norm() < 1e-15 / angle.min(1.0), "{angle}: {tip}");
+        let tangent = tip * Vector3::z();
+        assert!((tangent - Vector3::new(angle.sin(), 0.0, angle.cos())).norm() < 1e-14);
+    }
+}
+
+#[test]
+fn bend_and_twist_together_are_the_limit_of_small_steps() {
+    let s = segment(0.3, 1.1, 0.7);
+    let n = 20_000;
+    let share = 1.0 / f64::from(n);
+    // Midpoint steps: half a turn, a straight piece, half a turn.
+    let half_turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 1.1, 0.7) * share / 2.0);
+    let step = half_turn * Isometry3::from(Translation3::new(0.0, 0.0, 0.3 * share)) * half_turn;
+    let walked = (0..n).fold(Isometry3::identity(), |pose, _| pose * step);
+    assert!((walked.translation.vector - s.pose().translation.vector).norm() < 1e-9);
+    assert!(walked.rotation.angle_to(&s.pose().rotation) < 1e-9);
+}
+
+#[test]
+fn mount_angles_turn_the_bend_and_do_not_add_up() {
+    let bend = |mount_angle_rad| Link { segment: segment(0.2, 0.8, 0.0), mount_angle_rad, rigid_length_m: 0.03 };
+    let base = Isometry3::identity();
+    let first = tip_pose(&base, [bend(std::f64::consts::FRAC_PI_2)]);
+    assert!(first.translation.x.abs() < 1e-15 && first.translation.y > 0.05);
+    // Two equal modules in the same direction: one arc of twice the angle, with the connector in between.
+    let both = tip_pose(&base, [bend(1.0), bend(1.0)]);
+    let tangent = both * Vector3::z();
+    assert!((tangent.z - 1.6_f64.cos()).abs() < 1e-14);
+    assert!((tangent.y / tangent.x - 1.0_f64.tan()).abs() < 1e-12);
+}
+
+#[test]
+fn a_twisting_bundle_shortens_by_its_helices() {
+    let actuator = Actuator::new(&ActuatorParameters {
+        motion: Motion::Twisting,
+        inner_radius_m: 0.01,
+        outer_radius_m: 0.014,
+        length_m: 0.24,
+        material: Material::NeoHookean { shear_modulus_pa: 0.22e6 },
+        fiber: Some(Fiber {
+            angle_rad: 28.0_f64.to_radians(),
+            families: Families::One,
+            modulus_pa: 361e6,
+            placement: Placement::Sheet,
+            thickness_m: 0.178e-3,
+            radius_m: 0.014,
+        }),
+    })
+    .unwrap();
+    let state = actuator.forward(20e3, &Load::none()).unwrap().state;
+    let s = Segment::of_bundle(Motion::Twisting, 0.24, 0.02, &state).unwrap();
+    let helix = (s.length_m.powi(2) + (0.02 * s.twist_rad).powi(2)).sqrt();
+    assert!((helix - 0.24 * state.axial_stretch).abs() < 1e-15);
+    let impossible = State { twist_rad: 20.0, ..state };
+    assert!(Segment::of_bundle(Motion::Twisting, 0.24, 0.02, &impossible).is_none());
+}
