@@ -18,7 +18,7 @@ interface! {
     codes {
         /// What the device is doing.
         DeviceState {
-            /// No configuration; valves closed.
+            /// Not configured, or sensors not yet found plausible; valves closed.
             Idle = 0,
             /// Configured, sensors plausible, valves closed.
             Ready = 1,
@@ -112,7 +112,7 @@ interface! {
             Vent = 2,
             /// Vent at once, cut the supply, latch a fault.
             EmergencyStop = 3,
-            /// Forget latched faults whose cause is gone.
+            /// Forget latched faults; one whose cause persists comes back.
             ClearFaults = 4,
             /// Drop all buffered setpoints; the next index is 0.
             Flush = 5,
@@ -144,7 +144,7 @@ interface! {
             WrongChannelCount = 10,
         }
 
-        /// What went wrong on the device. Bit `code - 1` of the fault bits in Telemetry.
+        /// What went wrong on the device; bit `code - 1` of the fault bits in Telemetry.
         FaultCode {
             /// A pressure sensor left its plausible band.
             SensorImplausible = 1,
@@ -410,7 +410,7 @@ interface! {
             time_us: u64,
             /// Present state.
             state: Code<DeviceState>,
-            /// Latched faults, bit `code - 1` each.
+            /// Faults since they were last cleared, bit `code - 1` each.
             fault_bits: u16,
             /// Supply pressure, gauge, 10 Pa; clipped at 0.
             supply_10pa: u16,
