@@ -251,7 +251,6 @@ impl<T: Real> Branch<'_, T> {
     ) -> Found<T> {
         let longest: T = real(LONGEST_STEP);
         let (mut here, mut step) = (start, longest);
-        let mut steepest = start.slope;
         let mut last_wanted = T::max_value().unwrap_or(longest);
         for _ in 0..MARCH_STEPS {
             let (value, rate) = goal.measure(&here);
@@ -268,7 +267,7 @@ impl<T: Real> Branch<'_, T> {
             last_wanted = size;
             let mut dw = stride(&here, wanted, outwards, step);
             let there = loop {
-                if let Some(there) = self.step(&here, dw, steepest, iterations) {
+                if let Some(there) = self.step(&here, dw, iterations) {
                     break there;
                 }
                 dw *= real::<T>(0.5);
@@ -287,26 +286,26 @@ impl<T: Real> Branch<'_, T> {
                 return Found::Unreached(there);
             }
             here = there;
-            steepest = steepest.max(here.slope);
             step = (step * real::<T>(2.0)).min(longest);
         }
         Found::Failed(here)
     }
 
     /// One step; `None` when it is not to be trusted and a shorter one shall be tried.
-    fn step(&self, here: &Point<T>, dw: T, steepest: T, iterations: &mut u32) -> Option<Point<T>> {
+    fn step(&self, here: &Point<T>, dw: T, iterations: &mut u32) -> Option<Point<T>> {
         let there = self.advance(here, here.at.y + dw, iterations)?;
         let (half, tenth): (T, T) = (real(0.5), real(0.1));
         let off_tangent = (there.at - here.at - here.tangent * dw).amax();
         let scale = T::one() + here.at.x.min(here.at.y);
         let straight = off_tangent <= tenth * scale.min(T::one());
-        let floor = steepest * real::<T>(0.05);
+        // The slope may halve or treble in a step; only a short one may cross the limit point.
         let fall = here.slope - there.slope;
-        let gentle = fall <= half * here.slope.max(floor) && -fall <= real::<T>(2.0) * here.slope.max(floor);
-        let mean = half * (here.slope + there.slope);
-        let along = (there.pressure - here.pressure - mean * dw).abs();
+        let short = dw.abs() <= (T::one() + here.at.y) * real::<T>(0.01);
+        let most = if short { real::<T>(4.0) } else { half };
+        let gentle = fall <= most * here.slope && -fall <= real::<T>(2.0) * here.slope;
+        let along = (there.pressure - here.pressure - half * (here.slope + there.slope) * dw).abs();
         let rounding = real::<T>(4.0) * (here.pressure_noise + there.pressure_noise);
-        let resolved = along <= dw.abs() * (tenth * (mean.abs() + floor)) + rounding;
+        let resolved = along <= tenth * dw.abs() * here.slope.max(there.slope.abs()) + rounding;
         (straight && gentle && resolved).then_some(there)
     }
 
