@@ -1,19 +1,46 @@
 //! The controller of the limb: setpoint queue, inverse model, pressure loop, safety. No hardware, no clock, no allocation.
+//!
+//! [`Controller`] eats link bytes and samples and yields link bytes and coil times; time is an argument. A [`Board`], real or
+//! simulated, is all it needs around it. The walk of a datum: `dispatch` takes a message, `queue` keeps the knot,
+//! `inverse` turns the deformation into a pressure, `pressure_loop` into a pulse, `valve` into coil times; `supervise` may overrule.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
 mod adapt;
+mod board;
+mod channel;
+mod config;
+mod controller;
+mod dispatch;
+mod faults;
 mod flow;
 mod gas;
+mod inverse;
+mod link;
+mod outbox;
 mod pneumatics;
 mod pressure_loop;
+mod queue;
+mod relief;
+mod safety;
 mod sensor;
+mod state;
+mod supervise;
+mod telemetry;
 mod valve;
 
 pub use adapt::{Adaptation, Effect};
+pub use board::{Board, turn};
+pub use channel::Channel;
+pub use config::{ActiveConfig, ChannelConfig, ConfigError, StagedConfig, StagingError, SystemConfig};
+pub use controller::{BootInfo, Controller, TickInputs, TickOutputs};
+pub use faults::{Faults, Occurrence, Reaction, VentScope, reaction};
 pub use flow::Orifice;
 pub use gas::{Absolute, Chamber};
+pub use inverse::{Inverse, InverseStatus};
 pub use pneumatics::Pneumatics;
 pub use pressure_loop::{LoopInput, PressureLoop, Reference};
+pub use queue::{KNOTS, KnotQueue, Refusal};
 pub use sensor::{AdcCode, Sensor, SensorScale, ZeroCheck};
-pub use valve::{Direction, ValvePair, ValvePulse, ValveTiming};
+pub use state::{Event, TRANSITIONS, next};
+pub use valve::{Direction, TICK_US, ValvePair, ValvePulse, ValveTiming};

@@ -28,8 +28,10 @@ pub struct LoopInput<'a> {
     pub now_us: u64,
     /// Length of the control period, us.
     pub period_us: u32,
-    /// Gauge pressure at the manifold, Pa.
+    /// Gauge pressure at the manifold, Pa; the last good one where the sensor is not trusted.
     pub sensor_pa: f32,
+    /// Whether the sensor can be believed. Otherwise the pressure is reckoned from the pulses.
+    pub sensor_trusted: bool,
     /// Gauge pressure of the supply, Pa.
     pub supply_pa: f32,
     /// Volume and compliance of the chamber.
@@ -122,8 +124,13 @@ impl PressureLoop {
 
     /// Whether the sample of this tick is fit for a decision: valves closed and settled, or open with a steady flow.
     pub fn is_due(&self, now_us: u64, pneumatics: &Pneumatics) -> bool {
-        let settled = u64::from(pneumatics.timing.off_delay_us + SETTLE_US);
-        self.open_since_last(now_us).is_some() || now_us >= self.valves.closed_at_us().saturating_add(settled)
+        self.open_since_last(now_us).is_some() || self.is_settled(now_us, pneumatics)
+    }
+
+    /// Whether the valves have been closed for so long that the manifold reads the chamber's pressure.
+    pub fn is_settled(&self, now_us: u64, pneumatics: &Pneumatics) -> bool {
+        let settling = u64::from(pneumatics.timing.off_delay_us + SETTLE_US);
+        now_us >= self.valves.closed_at_us().saturating_add(settling)
     }
 
     /// Decides on one control period: learns from the last pulse and sets the coils.
@@ -163,9 +170,8 @@ impl PressureLoop {
     /// Gauge pressure at which the channel would come to rest, were its valves closed now, Pa.
     fn chamber_pressure_pa(&self, input: &LoopInput, sample: Sample) -> f32 {
         match (sample, &self.last) {
-            (Sample::Opening(direction), Some(last)) => {
-                last.pressure_pa + self.adaptation.gain(direction) * last.modelled_pa
-            }
+            (Sample::Opening(_), Some(last)) => self.reckoned_pa(last),
+            (_, Some(last)) if !input.sensor_trusted => self.reckoned_pa(last),
             (Sample::Opening(direction) | Sample::Steady(direction), _) => {
                 input.pneumatics.settled_pa(direction, input.chamber, input.sensor_pa, input.supply_pa)
             }
@@ -173,10 +179,16 @@ impl PressureLoop {
         }
     }
 
+    /// What the last pulse should have led to, Pa.
+    fn reckoned_pa(&self, last: &Decision) -> f32 {
+        let gain = last.pulse.map_or(0.0, |direction| self.adaptation.gain(direction));
+        last.pressure_pa + gain * last.modelled_pa
+    }
+
     /// Learns from the last pulse if both samples are measured and of one kind: behind an open valve they carry a bias.
     fn learn(&mut self, input: &LoopInput, pressure_pa: f32, sample: Sample) {
         let Some(last) = self.last.take() else { return };
-        if last.sample != sample || matches!(sample, Sample::Opening(_)) {
+        if last.sample != sample || matches!(sample, Sample::Opening(_)) || !input.sensor_trusted {
             return;
         }
         let duration_us = input.now_us.saturating_sub(last.at_us).max(1);

@@ -115,6 +115,11 @@ pub struct ZeroCheck {
 }
 
 impl ZeroCheck {
+    /// No sample yet.
+    pub const fn new() -> Self {
+        Self { sum_pa: 0.0, count: 0 }
+    }
+
     /// Adds a sample; `Some(mean)` in Pa when 32 are in, and the next call begins a new mean.
     pub fn add(&mut self, raw_pa: f32) -> Option<f32> {
         self.sum_pa += raw_pa;

@@ -22,6 +22,9 @@ impl ValvePulse {
     /// Both coils off: the pressure is kept.
     pub const CLOSED: Self = Self { fill_us: 0, vent_us: 0 };
 
+    /// The vent coil on for the whole tick.
+    pub const VENTING: Self = Self { fill_us: 0, vent_us: TICK_US as u16 };
+
     fn new(direction: Direction, coil_us: u16) -> Self {
         match direction {
             Direction::Fill => Self { fill_us: coil_us, vent_us: 0 },
@@ -31,7 +34,7 @@ impl ValvePulse {
 }
 
 /// Length of one tick, us.
-pub(crate) const TICK_US: u32 = 1_000;
+pub const TICK_US: u32 = 1_000;
 
 /// Delays of a valve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

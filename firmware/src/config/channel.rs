@@ -41,9 +41,8 @@ impl TryFrom<&ConfigChannel> for ChannelConfig {
     type Error = ConfigError;
 
     fn try_from(wire: &ConfigChannel) -> Result<Self, ConfigError> {
-        let actuator = Actuator::new(&parameters(wire)?).map_err(|error| ConfigError::OutOfRange {
-            field: wire_field(&error),
-        })?;
+        let actuator =
+            Actuator::new(&parameters(wire)?).map_err(|error| ConfigError::OutOfRange { field: wire_field(&error) })?;
         let setpoint_kind = known("setpoint_kind", wire.setpoint_kind)?;
         within("setpoint_max", wire.setpoint_max, wire.setpoint_min..=i32::MAX)?;
         check_target(&actuator, setpoint_kind, wire.setpoint_min, "setpoint_min")?;

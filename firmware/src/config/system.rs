@@ -73,8 +73,7 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
 }
 
 fn pneumatics(wire: &ConfigSystem) -> Result<Pneumatics, ConfigError> {
-    let conductance =
-        within("valve_conductance_m3_per_s_pa", wire.valve_conductance_m3_per_s_pa, 1e-11..=1e-6)?;
+    let conductance = within("valve_conductance_m3_per_s_pa", wire.valve_conductance_m3_per_s_pa, 1e-11..=1e-6)?;
     let critical_ratio = within("valve_critical_ratio", wire.valve_critical_ratio, 0.0..=0.9)?;
     let line = within("line_conductance_m3_per_s_pa", wire.line_conductance_m3_per_s_pa, 1e-11..=1e-5)?;
     let atmosphere_pa = within("atmosphere_pa", wire.atmosphere_pa, 5e4..=1.2e5)?;

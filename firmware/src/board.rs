@@ -1,0 +1,45 @@
+//! What the controller needs of a board, real or simulated.
+
+use crate::controller::{Controller, TickInputs, TickOutputs};
+
+/// Bytes moved to or from the link at once.
+const CHUNK: usize = 64;
+
+/// Pins, converters, clock and link of one device. Nothing here blocks or fails: a board reports what it cannot do as a sample out of
+/// the plausible band or as no bytes.
+pub trait Board {
+    /// Time and samples for the tick that begins now.
+    fn inputs(&mut self) -> TickInputs;
+
+    /// Applies what the tick decided, from its start on.
+    fn apply(&mut self, outputs: &TickOutputs);
+
+    /// Moves received bytes to `into`; returns how many.
+    fn read_link(&mut self, into: &mut [u8]) -> usize;
+
+    /// Takes bytes for the link; returns how many were taken. The rest is offered again.
+    fn write_link(&mut self, bytes: &[u8]) -> usize;
+
+    /// Bytes that [`Self::write_link`] would take now.
+    fn link_room(&self) -> usize;
+}
+
+/// One turn of the device: control first, then the link.
+pub fn turn<B: Board>(controller: &mut Controller, board: &mut B) -> TickOutputs {
+    let inputs = board.inputs();
+    let outputs = controller.tick(&inputs);
+    board.apply(&outputs);
+    let mut chunk = [0; CHUNK];
+    loop {
+        let count = board.read_link(&mut chunk);
+        let Some(bytes) = chunk.get(..count).filter(|bytes| !bytes.is_empty()) else { break };
+        controller.receive(inputs.now_us, bytes);
+    }
+    loop {
+        let room = board.link_room().min(CHUNK);
+        let count = chunk.get_mut(..room).map_or(0, |space| controller.transmit(space));
+        let Some(bytes) = chunk.get(..count).filter(|bytes| !bytes.is_empty()) else { break };
+        board.write_link(bytes);
+    }
+    outputs
+}

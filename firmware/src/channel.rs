@@ -1,0 +1,281 @@
+//! One channel from sample to coil times.
+
+use softlimb_protocol::{ChannelSample, ChannelStatus};
+
+use crate::config::{ChannelConfig, SystemConfig};
+use crate::inverse::Inverse;
+use crate::pressure_loop::{LoopInput, PressureLoop, Reference};
+use crate::relief::Relief;
+use crate::sensor::{AdcCode, Sensor, ZeroCheck};
+use crate::valve::{Direction, TICK_US, ValvePulse};
+
+/// Samples in a row above the limit that trip the over-pressure fault.
+const OVER_PRESSURE_SAMPLES: u8 = 2;
+
+/// Part of the modelled line drop by which the manifold may read above the limit while filling: the drop and half of it again.
+const DROP_ALLOWANCE: f32 = 1.5;
+
+/// What the device wants of a channel in one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Task {
+    /// Valves closed.
+    Close,
+    /// Follow the setpoint: its value now and one control period later, SI units, where there is one.
+    Track(Option<(f32, f32)>),
+    /// Ramp down, then open the vent.
+    Relieve,
+    /// Vent open.
+    Open,
+}
+
+/// What is the same for all channels in one tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TickContext<'a> {
+    pub(crate) now_us: u64,
+    pub(crate) system: &'a SystemConfig,
+    pub(crate) supply_pa: f32,
+}
+
+/// State of one channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel {
+    sensor: Sensor,
+    zero: ZeroCheck,
+    control: PressureLoop,
+    inverse: Inverse,
+    relief: Relief,
+    reference: Option<Reference>,
+    decision_due: bool,
+    over_samples: u8,
+    vent_latched: bool,
+    coil_us: i32,
+    duty: i8,
+}
+
+impl Channel {
+    pub(crate) const fn new() -> Self {
+        Self {
+            sensor: Sensor::new(),
+            zero: ZeroCheck::new(),
+            control: PressureLoop::new(),
+            inverse: Inverse::new(),
+            relief: Relief::new(),
+            reference: None,
+            decision_due: false,
+            over_samples: 0,
+            vent_latched: false,
+            coil_us: 0,
+            duty: 0,
+        }
+    }
+
+    /// Calibrated gauge pressure, Pa.
+    pub fn pressure_pa(&self) -> f32 {
+        self.sensor.pressure_pa()
+    }
+
+    /// The sensor.
+    pub fn sensor(&self) -> &Sensor {
+        &self.sensor
+    }
+
+    /// The inverse model.
+    pub fn inverse(&self) -> &Inverse {
+        &self.inverse
+    }
+
+    /// What the loop has learned, and its coils.
+    pub fn control(&self) -> &PressureLoop {
+        &self.control
+    }
+
+    /// Gauge pressure that the loop tracks at a time, Pa; `None` while it tracks nothing.
+    pub fn reference_pa(&self, now_us: u64) -> Option<f32> {
+        self.reference.map(|reference| reference.at(now_us))
+    }
+
+    /// Whether a fault keeps the vent open.
+    pub fn is_vent_latched(&self) -> bool {
+        self.vent_latched
+    }
+
+    /// Takes the sample of this tick.
+    pub(crate) fn sense(&mut self, context: &TickContext, code: AdcCode) {
+        self.sensor.sample(&context.system.sensor, code);
+    }
+
+    /// Averages the zero; `Some` with the mean offset in Pa when it is known, and it is set if it is small enough.
+    pub(crate) fn check_zero(&mut self, system: &SystemConfig) -> Option<Result<f32, f32>> {
+        let offset_pa = self.zero.add(self.sensor.raw_pa())?;
+        if offset_pa.abs() > system.sensor.zero_limit_pa() {
+            return Some(Err(offset_pa));
+        }
+        self.sensor.set_zero(offset_pa);
+        Some(Ok(offset_pa))
+    }
+
+    /// The pressure, Pa, once two samples in a row exceed the limit.
+    pub(crate) fn over_pressure_pa(&mut self, context: &TickContext, config: &ChannelConfig) -> Option<f32> {
+        let pressure_pa = self.sensor.pressure_pa();
+        let limit_pa = config.pressure_max_pa + self.line_drop_pa(context, config);
+        let over = !self.sensor.is_implausible() && pressure_pa > limit_pa;
+        self.over_samples = if over { self.over_samples.saturating_add(1) } else { 0 };
+        (self.over_samples >= OVER_PRESSURE_SAMPLES).then_some(pressure_pa)
+    }
+
+    /// Keeps the vent open until faults are cleared.
+    pub(crate) fn latch_vent(&mut self) {
+        self.vent_latched = true;
+    }
+
+    /// Forgets what belongs to the faults that were cleared.
+    pub(crate) fn clear_faults(&mut self) {
+        self.vent_latched = false;
+        self.over_samples = 0;
+        self.inverse.forgive();
+    }
+
+    /// Forgets the actuator, as a new configuration does; the sensor and its zero stay unless `new_sensor`.
+    pub(crate) fn reconfigure(&mut self, new_sensor: bool) {
+        let sensor = if new_sensor { Sensor::new() } else { self.sensor };
+        *self = Self { sensor, ..Self::new() };
+    }
+
+    /// Begins a ramp down with the next tick that asks for it.
+    pub(crate) fn restart_relief(&mut self) {
+        self.relief = Relief::new();
+    }
+
+    /// Whether a ramp down has come to its end and the chamber is empty as far as the sensor tells.
+    pub(crate) fn is_relieved(&self, now_us: u64) -> bool {
+        self.relief.is_done(now_us)
+    }
+
+    /// Coil times of this tick. `slot`: the control period of this channel begins.
+    pub(crate) fn drive(
+        &mut self,
+        context: &TickContext,
+        config: &ChannelConfig,
+        task: Task,
+        slot: bool,
+    ) -> ValvePulse {
+        let pulse = match task {
+            Task::Close => self.rest(context.now_us, ValvePulse::CLOSED),
+            Task::Open => self.rest(context.now_us, ValvePulse::VENTING),
+            Task::Track(setpoints) => {
+                if slot {
+                    self.aim(context, config, setpoints);
+                }
+                self.pulse(context, config)
+            }
+            Task::Relieve => self.relieve(context, config, slot),
+        };
+        self.account(context, pulse, slot);
+        pulse
+    }
+
+    /// One channel's part of the telemetry.
+    pub(crate) fn sample(&self, now_us: u64) -> ChannelSample {
+        let inverse = self.inverse.status();
+        let pressure_pa = self.pressure_pa();
+        ChannelSample {
+            pressure_10pa: tens_of_pascals(pressure_pa),
+            reference_10pa: tens_of_pascals(self.reference_pa(now_us).unwrap_or(pressure_pa)),
+            duty: self.duty,
+            status: ChannelStatus::default()
+                .with(ChannelStatus::SENSOR_IMPLAUSIBLE, self.sensor.is_implausible())
+                .with(ChannelStatus::REFERENCE_LIMITED, inverse.limited)
+                .with(ChannelStatus::INVERSE_FAILED, inverse.failed),
+        }
+    }
+
+    fn rest(&mut self, now_us: u64, pulse: ValvePulse) -> ValvePulse {
+        self.control.close(now_us);
+        self.reference = None;
+        self.decision_due = false;
+        pulse
+    }
+
+    /// Sets the reference of the control period that begins now.
+    fn aim(&mut self, context: &TickContext, config: &ChannelConfig, setpoints: Option<(f32, f32)>) {
+        let Some((start, end)) = setpoints else { return };
+        let start_pa = match self.reference_pa(context.now_us) {
+            Some(pressure_pa) => Some(pressure_pa),
+            None => self.inverse.pressure_pa(config, start),
+        };
+        let end_pa = self.inverse.pressure_pa(config, end);
+        if let (Some(start_pa), Some(end_pa)) = (start_pa, end_pa) {
+            self.set_reference(context, start_pa, end_pa);
+        }
+    }
+
+    fn relieve(&mut self, context: &TickContext, config: &ChannelConfig, slot: bool) -> ValvePulse {
+        let pressure_pa = self.pressure_pa();
+        let trusted = !self.sensor.is_implausible();
+        let ramp = self.relief.advance(context.now_us, pressure_pa, trusted, context.system.vent_ramp_pa_per_s);
+        if ramp.is_open() {
+            return self.rest(context.now_us, ValvePulse::VENTING);
+        }
+        if slot {
+            let end_us = context.now_us.saturating_add(u64::from(context.system.control_period_us()));
+            let end_pa = ramp.at(end_us);
+            self.inverse.follow_pressure(config, end_pa);
+            self.set_reference(context, ramp.at(context.now_us), end_pa);
+        }
+        self.pulse(context, config)
+    }
+
+    fn set_reference(&mut self, context: &TickContext, start_pa: f32, end_pa: f32) {
+        let period_us = context.system.control_period_us();
+        self.reference = Some(Reference { start_us: context.now_us, start_pa, period_us, end_pa });
+        self.decision_due = true;
+    }
+
+    /// Decides when the sample is fit for it, and cuts the pulse into ticks.
+    fn pulse(&mut self, context: &TickContext, config: &ChannelConfig) -> ValvePulse {
+        let pneumatics = &context.system.pneumatics;
+        if let Some(reference) = self.reference
+            && self.decision_due
+            && self.control.is_due(context.now_us, pneumatics)
+        {
+            self.decision_due = false;
+            let input = LoopInput {
+                now_us: context.now_us,
+                period_us: context.system.control_period_us(),
+                sensor_pa: self.pressure_pa(),
+                sensor_trusted: !self.sensor.is_implausible(),
+                supply_pa: context.supply_pa,
+                chamber: &self.inverse.chamber(config),
+                pneumatics,
+            };
+            self.control.decide(&input, &reference);
+        }
+        self.control.valves_mut().tick(context.now_us)
+    }
+
+    /// How far the manifold may read above the chamber, Pa: the line drop while filling and until it has settled.
+    fn line_drop_pa(&self, context: &TickContext, config: &ChannelConfig) -> f32 {
+        let pneumatics = &context.system.pneumatics;
+        if self.control.is_settled(context.now_us, pneumatics) {
+            return 0.0;
+        }
+        let (chamber, pressure_pa) = (self.inverse.chamber(config), self.pressure_pa());
+        let inside_pa = pneumatics.settled_pa(Direction::Fill, &chamber, pressure_pa, context.supply_pa);
+        DROP_ALLOWANCE * (pressure_pa - inside_pa).max(0.0)
+    }
+
+    fn account(&mut self, context: &TickContext, pulse: ValvePulse, slot: bool) {
+        if slot {
+            let share = self.coil_us * 127 / (context.system.control_period_ticks * TICK_US) as i32;
+            self.duty = share.clamp(-127, 127) as i8;
+            self.coil_us = 0;
+        }
+        self.coil_us += i32::from(pulse.fill_us) - i32::from(pulse.vent_us);
+    }
+}
+
+/// A pressure as telemetry carries it; clipped at both ends.
+pub(crate) fn tens_of_pascals(pressure_pa: f32) -> u16 {
+    // The cast saturates and turns NaN into 0.
+    (pressure_pa * 0.1 + 0.5) as u16
+}

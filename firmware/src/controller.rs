@@ -1,0 +1,245 @@
+//! The controller: link bytes and samples in, link bytes and coil times out.
+//!
+//! One tick: sense, supervise (`supervise.rs`), drive the channels, report. Messages act between ticks (`dispatch.rs`).
+
+use softlimb_protocol::{BootCause, Decoder, DeviceState, FaultCode, HostMessage, MAX_CHANNELS, SeqDedup};
+
+use crate::channel::{Channel, Task, TickContext};
+use crate::config::{ActiveConfig, StagedConfig};
+use crate::faults::Faults;
+use crate::link::Link;
+use crate::outbox::Outbox;
+use crate::queue::KnotQueue;
+use crate::safety::{Lasting, TickWatch};
+use crate::sensor::{AdcCode, Sensor};
+use crate::valve::ValvePulse;
+
+/// Part of the supply's range over which the pump slows down to stop at its upper end.
+const PUMP_BAND: f32 = 0.1;
+
+/// What the board knows at start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BootInfo {
+    /// Why the device started.
+    pub cause: BootCause,
+}
+
+/// What a tick reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TickInputs {
+    /// Time since start, us.
+    pub now_us: u64,
+    /// Samples of the channel sensors.
+    pub pressure: [AdcCode; MAX_CHANNELS],
+    /// Sample of the supply sensor.
+    pub supply: AdcCode,
+    /// The emergency stop is pressed.
+    pub emergency_stop: bool,
+}
+
+/// What a tick decides, from its start to the start of the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TickOutputs {
+    /// Coil times.
+    pub valves: [ValvePulse; MAX_CHANNELS],
+    /// The supply valve is energized.
+    pub supply_open: bool,
+    /// Pump speed, `0..=255` of full.
+    pub pump_duty: u8,
+}
+
+impl TickOutputs {
+    /// Everything off: no valve energized, pressure kept, supply cut.
+    pub const SAFE: Self = Self { valves: [ValvePulse::CLOSED; MAX_CHANNELS], supply_open: false, pump_duty: 0 };
+}
+
+/// The controller of up to 27 channels.
+#[derive(Debug)]
+pub struct Controller {
+    pub(crate) boot: BootInfo,
+    pub(crate) state: DeviceState,
+    pub(crate) config: Option<ActiveConfig>,
+    pub(crate) staged: Option<StagedConfig>,
+    pub(crate) channels: [Channel; MAX_CHANNELS],
+    pub(crate) zeroed: bool,
+    pub(crate) supply: Sensor,
+    pub(crate) queue: KnotQueue,
+    pub(crate) start_us: Option<u64>,
+    pub(crate) faults: Faults,
+    pub(crate) stop_requested: bool,
+    pub(crate) stop_pressed: bool,
+    pub(crate) state_since_us: u64,
+    pub(crate) vent_at_once: bool,
+    pub(crate) link: Link,
+    pub(crate) decoder: Decoder<HostMessage>,
+    pub(crate) dedup: SeqDedup,
+    pub(crate) outbox: Outbox,
+    pub(crate) ticks: TickWatch,
+    pub(crate) supply_low: Lasting,
+    pub(crate) supply_high: Lasting,
+    pub(crate) tick_count: u32,
+    pub(crate) telemetry_due_us: u64,
+}
+
+impl Controller {
+    /// Idle, without configuration, valves closed.
+    pub const fn new(boot: BootInfo) -> Self {
+        Self {
+            boot,
+            state: DeviceState::Idle,
+            config: None,
+            staged: None,
+            channels: [Channel::new(); MAX_CHANNELS],
+            zeroed: false,
+            supply: Sensor::new(),
+            queue: KnotQueue::new(),
+            start_us: None,
+            faults: Faults::new(),
+            stop_requested: false,
+            stop_pressed: false,
+            state_since_us: 0,
+            vent_at_once: false,
+            link: Link::new(),
+            decoder: Decoder::new(),
+            dedup: SeqDedup::new(),
+            outbox: Outbox::new(),
+            ticks: TickWatch::new(),
+            supply_low: Lasting::new(),
+            supply_high: Lasting::new(),
+            tick_count: 0,
+            telemetry_due_us: 0,
+        }
+    }
+
+    /// What the device is doing.
+    pub fn state(&self) -> DeviceState {
+        self.state
+    }
+
+    /// The latched faults.
+    pub fn faults(&self) -> &Faults {
+        &self.faults
+    }
+
+    /// The configuration in force.
+    pub fn config(&self) -> Option<&ActiveConfig> {
+        self.config.as_ref()
+    }
+
+    /// One channel, from 0.
+    pub fn channel(&self, index: usize) -> Option<&Channel> {
+        self.channels.get(index)
+    }
+
+    /// The setpoint buffer.
+    pub fn queue(&self) -> &KnotQueue {
+        &self.queue
+    }
+
+    /// Calibrated gauge pressure of the supply, Pa.
+    pub fn supply_pa(&self) -> f32 {
+        self.supply.pressure_pa()
+    }
+
+    /// Takes bytes from the link at `now_us`, in any chunking.
+    pub fn receive(&mut self, now_us: u64, bytes: &[u8]) {
+        for &byte in bytes {
+            if let Some(Ok(frame)) = self.decoder.push(byte) {
+                self.dispatch(now_us, frame.seq, &frame.message);
+            }
+        }
+    }
+
+    /// Moves bytes for the link to `out`; returns how many.
+    pub fn transmit(&mut self, out: &mut [u8]) -> usize {
+        self.outbox.drain(out)
+    }
+
+    /// One control tick; call it every millisecond.
+    pub fn tick(&mut self, inputs: &TickInputs) -> TickOutputs {
+        let now_us = inputs.now_us;
+        self.sense(inputs);
+        self.supervise(inputs);
+        let outputs = self.drive(now_us);
+        self.tick_count = self.tick_count.wrapping_add(1);
+        self.report(now_us);
+        outputs
+    }
+
+    fn sense(&mut self, inputs: &TickInputs) {
+        let Some(config) = &self.config else { return };
+        self.supply.sample(&config.system.supply_sensor, inputs.supply);
+        let context =
+            TickContext { now_us: inputs.now_us, system: &config.system, supply_pa: self.supply.pressure_pa() };
+        for ((channel, _), &code) in self.channels.iter_mut().zip(&config.channels).zip(&inputs.pressure) {
+            channel.sense(&context, code);
+        }
+    }
+
+    fn drive(&mut self, now_us: u64) -> TickOutputs {
+        let mut outputs = TickOutputs::SAFE;
+        let Some(config) = &self.config else {
+            // A reset may have left air in the limb: the emergency stop works without a configuration too.
+            if self.faults.contains(FaultCode::EmergencyStop) {
+                outputs.valves = [ValvePulse::VENTING; MAX_CHANNELS];
+            }
+            return outputs;
+        };
+        let system = &config.system;
+        let context = TickContext { now_us, system, supply_pa: self.supply.pressure_pa() };
+        let relief = self.relief(now_us);
+        let period = system.control_period_ticks;
+        let phase = self.tick_count % period;
+        let count = config.channels.len() as u32;
+        let channels = self.channels.iter_mut().zip(&config.channels).zip(&mut outputs.valves);
+        for (index, ((channel, channel_config), valves)) in channels.enumerate() {
+            // The channels' control periods are spread over the ticks.
+            let slot = phase == index as u32 * period / count;
+            let task = match relief {
+                _ if channel.is_vent_latched() => Task::Open,
+                Some(task) => task,
+                None => Task::Track(if slot { setpoints(&self.queue, channel_config, index, &context) } else { None }),
+            };
+            *valves = channel.drive(&context, channel_config, task, slot);
+        }
+        (outputs.supply_open, outputs.pump_duty) = self.drive_supply(config);
+        outputs
+    }
+
+    /// What the state asks of every channel; `None` while running.
+    fn relief(&self, now_us: u64) -> Option<Task> {
+        match self.state {
+            DeviceState::Running => None,
+            DeviceState::Venting if self.vent_at_once => Some(Task::Open),
+            DeviceState::Venting => Some(Task::Relieve),
+            DeviceState::Faulted if self.faults.contains(FaultCode::EmergencyStop) => Some(Task::Open),
+            DeviceState::Faulted if self.is_hold_time_over(now_us) => Some(Task::Relieve),
+            _ => Some(Task::Close),
+        }
+    }
+
+    fn drive_supply(&self, config: &ActiveConfig) -> (bool, u8) {
+        let stopped = matches!(self.state, DeviceState::Idle | DeviceState::Venting);
+        if stopped || self.faults.cuts_supply() || self.supply.is_implausible() {
+            return (false, 0);
+        }
+        let (low_pa, high_pa) = (config.system.supply_min_pa, config.system.supply_max_pa);
+        let band_pa = PUMP_BAND * (high_pa - low_pa);
+        // Stops one band below the limit, so that the limit is a fault and not the set point. The cast saturates.
+        let duty = 255.0 * (high_pa - band_pa - self.supply.pressure_pa()) / band_pa;
+        (true, duty as u8)
+    }
+}
+
+/// Value of a channel's setpoint now and one control period later, SI units.
+fn setpoints(
+    queue: &KnotQueue,
+    config: &crate::config::ChannelConfig,
+    index: usize,
+    context: &TickContext,
+) -> Option<(f32, f32)> {
+    let units = config.setpoint_kind.units_per_si();
+    let end_us = context.now_us.saturating_add(u64::from(context.system.control_period_us()));
+    let start = queue.value(index, context.now_us)? / units;
+    Some((start, queue.value(index, end_us)? / units))
+}

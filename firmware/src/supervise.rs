@@ -1,0 +1,241 @@
+//! Watching and deciding: faults, link, states. One pass per tick, before the channels are driven.
+
+use softlimb_protocol::{DeviceState, FaultCode, LinkLossPolicy, SYSTEM_CHANNEL};
+
+use crate::channel::TickContext;
+use crate::controller::{Controller, TickInputs};
+use crate::faults::{Occurrence, VentScope, reaction};
+use crate::safety::{SUPPLY_HIGH_TICKS, SUPPLY_LOW_TICKS};
+use crate::state::{Event, next};
+
+impl Controller {
+    pub(crate) fn supervise(&mut self, inputs: &TickInputs) {
+        let now_us = inputs.now_us;
+        self.stop_pressed = inputs.emergency_stop;
+        if inputs.emergency_stop || core::mem::take(&mut self.stop_requested) {
+            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::EmergencyStop, 0);
+        }
+        self.watch_ticks(now_us);
+        if self.state != DeviceState::Idle {
+            self.watch_sensors(now_us);
+            self.watch_pressures(now_us);
+            self.watch_supply(now_us);
+        }
+        self.watch_link(now_us);
+        self.follow_setpoints(now_us);
+        self.watch_venting(now_us);
+        self.watch_readiness(now_us);
+    }
+
+    /// Changes the state where the table has a transition; true if it did.
+    pub(crate) fn apply(&mut self, now_us: u64, event: Event) -> bool {
+        let Some(state) = next(self.state, event) else { return false };
+        self.state = state;
+        self.state_since_us = now_us;
+        self.start_us = None;
+        self.vent_at_once = false;
+        self.channels.iter_mut().for_each(|channel| channel.restart_relief());
+        true
+    }
+
+    /// Latches a fault and reacts to it.
+    pub(crate) fn fault(&mut self, now_us: u64, channel: u8, code: FaultCode, value: i32) {
+        if !self.faults.raise(Occurrence { time_us: now_us, code, channel, value }) {
+            return;
+        }
+        let reaction = reaction(code);
+        if reaction.vents == VentScope::Channel
+            && let Some(channel) = self.channels.get_mut(usize::from(channel))
+        {
+            channel.latch_vent();
+        }
+        if reaction.latches {
+            self.apply(now_us, Event::Fault);
+        }
+    }
+
+    /// Whether the pressure has been held for as long as the configuration wants before the ramp down.
+    pub(crate) fn is_hold_time_over(&self, now_us: u64) -> bool {
+        self.config.as_ref().is_some_and(|config| {
+            config.system.link_loss_policy != LinkLossPolicy::Hold
+                && now_us.saturating_sub(self.state_since_us) >= u64::from(config.system.hold_time_us)
+        })
+    }
+
+    /// A fault whose cause is still there, if any: clearing is refused.
+    pub(crate) fn standing_fault(&self) -> Option<FaultCode> {
+        let Some(config) = &self.config else {
+            return self.stop_pressed.then_some(FaultCode::EmergencyStop);
+        };
+        let mut channels = self.channels.iter().zip(&config.channels);
+        let implausible = self.supply.is_implausible() || self.any_sensor_implausible();
+        let over = channels.any(|(channel, config)| channel.pressure_pa() > config.pressure_max_pa);
+        [
+            (self.stop_pressed, FaultCode::EmergencyStop),
+            (implausible, FaultCode::SensorImplausible),
+            (over, FaultCode::OverPressure),
+            (self.supply.pressure_pa() > config.system.supply_max_pa, FaultCode::SupplyHigh),
+        ]
+        .into_iter()
+        .find_map(|(stands, code)| stands.then_some(code))
+    }
+
+    fn any_sensor_implausible(&self) -> bool {
+        let count = self.config.as_ref().map_or(0, |config| config.channels.len());
+        self.channels.iter().take(count).any(|channel| channel.sensor().is_implausible())
+    }
+
+    fn watch_ticks(&mut self, now_us: u64) {
+        if let Some(distance_us) = self.ticks.tick(now_us)
+            && self.state == DeviceState::Running
+        {
+            let distance_us = i32::try_from(distance_us).unwrap_or(i32::MAX);
+            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::TickOverrun, distance_us);
+        }
+    }
+
+    fn watch_sensors(&mut self, now_us: u64) {
+        if self.supply.is_implausible() {
+            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::SensorImplausible, self.supply.raw_pa() as i32);
+        }
+        let count = self.config.as_ref().map_or(0, |config| config.channels.len());
+        for index in 0..count {
+            let Some(channel) = self.channels.get(index) else { break };
+            let pressure_pa = channel.sensor().raw_pa() as i32;
+            let (implausible, lost) = (channel.sensor().is_implausible(), channel.inverse().is_at_fault());
+            if implausible {
+                self.fault(now_us, index as u8, FaultCode::SensorImplausible, pressure_pa);
+            }
+            if lost {
+                self.fault(now_us, index as u8, FaultCode::InverseFailed, pressure_pa);
+            }
+        }
+    }
+
+    fn watch_pressures(&mut self, now_us: u64) {
+        for index in 0..self.channels.len() {
+            let Some(config) = &self.config else { return };
+            let context = TickContext { now_us, system: &config.system, supply_pa: self.supply.pressure_pa() };
+            let over_pa = match (self.channels.get_mut(index), config.channels.get(index)) {
+                (Some(channel), Some(channel_config)) => channel.over_pressure_pa(&context, channel_config),
+                _ => return,
+            };
+            if let Some(pressure_pa) = over_pa {
+                self.fault(now_us, index as u8, FaultCode::OverPressure, pressure_pa as i32);
+            }
+        }
+    }
+
+    fn watch_supply(&mut self, now_us: u64) {
+        let Some(config) = &self.config else { return };
+        let (pressure_pa, system) = (self.supply.pressure_pa(), &config.system);
+        let running = self.state == DeviceState::Running;
+        let low = self.supply_low.holds(running && pressure_pa < system.supply_min_pa, SUPPLY_LOW_TICKS);
+        let high = self.supply_high.holds(pressure_pa > system.supply_max_pa, SUPPLY_HIGH_TICKS);
+        if low {
+            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::SupplyLow, pressure_pa as i32);
+        }
+        if high {
+            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::SupplyHigh, pressure_pa as i32);
+        }
+    }
+
+    /// A lost link lets the buffer run out, then holds, then ramps down; or vents at once: as configured.
+    fn watch_link(&mut self, now_us: u64) {
+        let Some(config) = &self.config else { return };
+        let silence_us = self.link.silence_us(now_us);
+        let active = matches!(self.state, DeviceState::Running | DeviceState::Holding);
+        if !active || silence_us <= u64::from(config.system.link_timeout_us) {
+            return;
+        }
+        let policy = config.system.link_loss_policy;
+        self.fault(now_us, SYSTEM_CHANNEL, FaultCode::LinkLost, i32::try_from(silence_us).unwrap_or(i32::MAX));
+        if policy == LinkLossPolicy::Vent {
+            self.apply(now_us, Event::Vent);
+            self.vent_at_once = true;
+        } else if self.state == DeviceState::Holding && self.is_hold_time_over(now_us) {
+            self.apply(now_us, Event::Vent);
+        }
+    }
+
+    /// Begins at the start time; holds when the last knot has come.
+    fn follow_setpoints(&mut self, now_us: u64) {
+        if self.start_us.is_some_and(|start_us| now_us >= start_us) {
+            self.start_us = None;
+            if self.obstacle_to_start().is_none() && self.apply(now_us, Event::Start) {
+                self.faults.forget(FaultCode::SetpointsExhausted);
+                self.queue.resume();
+            }
+        }
+        if self.state != DeviceState::Running {
+            return;
+        }
+        self.queue.advance(now_us);
+        if self.queue.is_exhausted() {
+            let next_index = i32::try_from(self.queue.next_index()).unwrap_or(i32::MAX);
+            self.fault(now_us, SYSTEM_CHANNEL, FaultCode::SetpointsExhausted, next_index);
+            self.apply(now_us, Event::Hold);
+        }
+    }
+
+    /// A fault that forbids starting: a latched one, a low supply, an empty buffer.
+    pub(crate) fn obstacle_to_start(&self) -> Option<FaultCode> {
+        let supply_min_pa = self.config.as_ref().map_or(0.0, |config| config.system.supply_min_pa);
+        let low = (self.supply.pressure_pa() < supply_min_pa).then_some(FaultCode::SupplyLow);
+        let empty = self.queue.is_exhausted().then_some(FaultCode::SetpointsExhausted);
+        self.faults.blocks_start().or(low).or(empty)
+    }
+
+    fn watch_venting(&mut self, now_us: u64) {
+        let count = self.config.as_ref().map_or(0, |config| config.channels.len());
+        let mut channels = self.channels.iter().take(count);
+        let done = if self.vent_at_once {
+            // All vents are open; the longest relief is long enough.
+            now_us.saturating_sub(self.state_since_us) >= crate::relief::OPEN_MAX_US
+        } else {
+            channels.all(|channel| channel.is_relieved(now_us))
+        };
+        if self.state == DeviceState::Venting && done {
+            self.apply(now_us, Event::Vented);
+        }
+    }
+
+    /// From idle to ready once all sensors are plausible and zeroed.
+    fn watch_readiness(&mut self, now_us: u64) {
+        if self.state != DeviceState::Idle || self.config.is_none() {
+            return;
+        }
+        if self.supply.is_implausible() || self.any_sensor_implausible() {
+            return;
+        }
+        if !self.zeroed {
+            self.check_zeros(now_us);
+        }
+        if self.zeroed && !self.stop_pressed {
+            self.apply(now_us, Event::SensorsReady);
+        }
+    }
+
+    fn check_zeros(&mut self, now_us: u64) {
+        let Some(config) = &self.config else { return };
+        let mut checks =
+            self.channels.iter_mut().zip(&config.channels).map(|(channel, _)| channel.check_zero(&config.system));
+        // All channels have taken the same number of samples, so all means come in the same tick.
+        let mut worst = None;
+        let mut finished = false;
+        for (index, check) in checks.by_ref().enumerate() {
+            finished |= check.is_some();
+            if let Some(Err(offset_pa)) = check {
+                worst.get_or_insert((index as u8, offset_pa as i32));
+            }
+        }
+        match worst {
+            // Not a latching fault: venting may take the offset away, and idle allows it.
+            Some((channel, value)) => {
+                let code = FaultCode::SensorImplausible;
+                self.faults.raise(Occurrence { time_us: now_us, code, channel, value });
+            }
+            None => self.zeroed = finished,
+        }
+    }
+}
