@@ -34,6 +34,16 @@ impl Quantity {
         }
     }
 
+    /// SI unit of the values; "1" for a ratio.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Self::AxialStretch => "1",
+            Self::OuterRadius | Self::InnerRadius => "m",
+            Self::Twist | Self::BendAngle => "rad",
+            Self::Pressure => "Pa",
+        }
+    }
+
     /// Unit in which people read the quantity; empty for a ratio.
     pub fn display_unit(self) -> &'static str {
         match self {

@@ -1,0 +1,156 @@
+//! The summary as words and numbers in the units that people read: one place, so that
+//! terminal and page say the same.
+
+use super::stats::ErrorStats;
+use super::{ModuleSummary, Summary};
+use crate::record::FaultRecord;
+use serde::Serialize;
+
+/// Shown where nothing was observed.
+const ABSENT: &str = "-";
+
+/// One module, ready to be printed.
+#[derive(Debug, Serialize)]
+pub(super) struct ModuleRow {
+    pub(super) name: String,
+    pub(super) motion: String,
+    pub(super) channels: String,
+    pub(super) quantity: String,
+    pub(super) setpoint: String,
+    pub(super) achieved: String,
+    pub(super) rmse: String,
+    pub(super) max: String,
+}
+
+/// One error, ready to be printed.
+#[derive(Debug, Serialize)]
+pub(super) struct ErrorRow {
+    pub(super) name: &'static str,
+    pub(super) rmse: String,
+    pub(super) max: String,
+}
+
+/// A name and a value.
+#[derive(Debug, Serialize)]
+pub(super) struct Fact {
+    pub(super) name: &'static str,
+    pub(super) value: String,
+}
+
+/// One row per module.
+pub(super) fn modules(summary: &Summary) -> Vec<ModuleRow> {
+    summary.modules.iter().map(module).collect()
+}
+
+fn module(module: &ModuleSummary) -> ModuleRow {
+    let quantity = module.quantity;
+    let show = |value: Option<f64>| show(value, quantity.display_scale(), quantity.display_decimals());
+    ModuleRow {
+        name: module.name.clone(),
+        motion: module.motion.clone(),
+        channels: range(&module.channels),
+        quantity: with_unit(quantity.label(), quantity.display_unit()),
+        setpoint: show(module.setpoint_final),
+        achieved: show(module.achieved_final),
+        rmse: show(module.error.map(|error| error.rmse)),
+        max: show(module.error.map(|error| error.max)),
+    }
+}
+
+/// The errors of tip and pressure.
+pub(super) fn errors(summary: &Summary) -> Vec<ErrorRow> {
+    let row = |name, error: Option<ErrorStats>, scale| ErrorRow {
+        name,
+        rmse: show(error.map(|error| error.rmse), scale, 2),
+        max: show(error.map(|error| error.max), scale, 2),
+    };
+    vec![
+        row("tip position, mm", summary.tip.error_m, 1e3),
+        row("tip position by pressure tracking alone, mm", summary.tip.tracking_error_m, 1e3),
+        row("pressure, sensor - reference, kPa", summary.pressure.measured_error_pa, 1e-3),
+        row("pressure, chamber - reference, kPa", summary.pressure.true_error_pa, 1e-3),
+    ]
+}
+
+/// Run time, and speed where the wall-clock time is known.
+pub(super) fn time(summary: &Summary) -> String {
+    let samples = format!("{:.1} s, {} samples", summary.duration_s, summary.samples);
+    match (summary.wall_s, summary.real_time_factor) {
+        (Some(wall_s), Some(factor)) => format!("{samples}; took {wall_s:.2} s, real-time factor {factor:.1}"),
+        _ => samples,
+    }
+}
+
+/// Counters of the link.
+pub(super) fn link(summary: &Summary) -> Vec<Fact> {
+    let link = &summary.link;
+    let fact = |name, value: u64| Fact { name, value: value.to_string() };
+    vec![
+        fact("frames sent", link.frames_sent),
+        fact("frames received", link.frames_received),
+        fact("bytes sent", link.bytes_sent),
+        fact("bytes received", link.bytes_received),
+        fact("retransmitted", link.retransmitted),
+        fact("checksum errors", link.crc_errors),
+        fact("telemetry lost", link.telemetry_lost),
+    ]
+}
+
+/// A fault as one line.
+pub(super) fn fault(fault: &FaultRecord) -> String {
+    let place = match fault.channel {
+        0xFF => "system".to_owned(),
+        channel => format!("channel {channel}"),
+    };
+    format!("{:.3} s, {place}: {} (code {}, value {})", fault.time_s, fault.text, fault.code, fault.value)
+}
+
+/// A label with its unit, as on an axis.
+pub(super) fn with_unit(label: &str, unit: &str) -> String {
+    match unit {
+        "" => label.to_owned(),
+        unit => format!("{label}, {unit}"),
+    }
+}
+
+/// Channels as "0-2", as "4" or as nothing.
+fn range(channels: &std::ops::Range<usize>) -> String {
+    match channels.len() {
+        0 => ABSENT.to_owned(),
+        1 => channels.start.to_string(),
+        _ => format!("{}-{}", channels.start, channels.end - 1),
+    }
+}
+
+/// A number that keeps its column: absent as a dash, huge in powers of ten.
+fn show(value: Option<f64>, scale: f64, decimals: usize) -> String {
+    match value.map(|value| value * scale) {
+        Some(value) if !value.is_finite() => ABSENT.to_owned(),
+        Some(value) if value.abs() >= 1e5 => format!("{value:.2e}"),
+        // Adding zero turns the -0.00 of a tiny negative number into 0.00.
+        Some(value) => {
+            let unit = 10_f64.powi(decimals as i32);
+            format!("{:.decimals$}", (value * unit).round() / unit + 0.0)
+        }
+        None => ABSENT.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_column() {
+        assert_eq!(show(Some(0.012_345_6), 1e3, 3), "12.346");
+        assert_eq!(show(Some(-1e-9), 1.0, 2), "0.00");
+        assert_eq!(show(Some(1.5e9), 1.0, 2), "1.50e9");
+        assert_eq!(show(Some(f64::NAN), 1.0, 2), "-");
+        assert_eq!(show(None, 1.0, 2), "-");
+    }
+
+    #[test]
+    fn channels_read_as_people_write_them() {
+        assert_eq!([range(&(0..3)), range(&(4..5)), range(&(0..0))], ["0-2", "4", "-"]);
+    }
+}

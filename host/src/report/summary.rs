@@ -1,0 +1,163 @@
+//! The figures of merit of a run.
+
+use super::stats::{ErrorStats, distance};
+use crate::record::{FaultRecord, LinkSummary, ModuleInfo, Quantity, RunInfo, RunLog, Sample};
+use serde::Serialize;
+use std::ops::Range;
+
+/// The figures of merit of a run. SI units throughout.
+///
+/// Errors are taken over the scheduled time, from the start of the first phase to the
+/// end of the last, whatever the device made of it; a run without phases counts whole.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the scene.
+    pub scene: String,
+    /// True when the device and the limb were simulated.
+    pub simulated: bool,
+    /// Seed of everything random in a simulated run.
+    pub seed: u64,
+    /// Time from the first sample to the last, s.
+    pub duration_s: f64,
+    /// Number of samples in the log.
+    pub samples: usize,
+    /// One entry per module, from the base to the tip.
+    pub modules: Vec<ModuleSummary>,
+    /// The tip.
+    pub tip: TipSummary,
+    /// All channels together.
+    pub pressure: PressureSummary,
+    /// Wall-clock time that the run took, s.
+    pub wall_s: Option<f64>,
+    /// Run time over wall-clock time.
+    pub real_time_factor: Option<f64>,
+    /// Faults that the device reported.
+    pub faults: Vec<FaultRecord>,
+    /// Link counters.
+    pub link: LinkSummary,
+    /// Why the log ends before the run did.
+    pub incomplete: Option<String>,
+}
+
+/// One module. Values are in [`unit`](Self::unit).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModuleSummary {
+    /// Name in the scene.
+    pub name: String,
+    /// Motion in the field's word.
+    pub motion: String,
+    /// What is measured.
+    pub quantity: Quantity,
+    /// SI unit of the values; "1" for a ratio.
+    pub unit: &'static str,
+    /// Channels that drive the module.
+    pub channels: Range<usize>,
+    /// Setpoint at the end.
+    pub setpoint_final: Option<f64>,
+    /// Deformation that the model gives for the measured pressure, at the end.
+    pub modelled_final: Option<f64>,
+    /// Deformation that happened, at the end.
+    pub achieved_final: Option<f64>,
+    /// Achieved minus setpoint.
+    pub error: Option<ErrorStats>,
+    /// Modelled minus setpoint: the error by pressure tracking alone.
+    pub tracking_error: Option<ErrorStats>,
+    /// The module's channels.
+    pub pressure: PressureSummary,
+}
+
+/// The tip of the limb. Errors are distances.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TipSummary {
+    /// Distance from the setpoint at the end, m.
+    pub final_error_m: Option<f64>,
+    /// Achieved position from the setpoint, m.
+    pub error_m: Option<ErrorStats>,
+    /// Modelled position from the setpoint, m: the part that pressure tracking alone
+    /// causes; the rest is the model's.
+    pub tracking_error_m: Option<ErrorStats>,
+}
+
+/// Pressure tracking of some channels.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressureSummary {
+    /// Sensor minus reference, Pa.
+    pub measured_error_pa: Option<ErrorStats>,
+    /// Chamber minus reference, Pa: with the error of the sensor in it.
+    pub true_error_pa: Option<ErrorStats>,
+}
+
+/// Computes the figures of merit of a run.
+pub fn summary(log: &RunLog) -> Summary {
+    let counted = scheduled(log);
+    let duration_s = match (log.samples.first(), log.samples.last()) {
+        (Some(first), Some(last)) => last.time_s - first.time_s,
+        _ => 0.0,
+    };
+    let modules = log.info.modules.iter().enumerate();
+    Summary {
+        scene: log.info.scene_name.clone(),
+        simulated: log.info.simulated,
+        seed: log.info.seed,
+        duration_s,
+        samples: log.samples.len(),
+        modules: modules.map(|(index, info)| module(index, info, &counted)).collect(),
+        tip: tip(&counted),
+        pressure: pressure(0..log.info.channel_count(), &counted),
+        wall_s: log.wall_s,
+        real_time_factor: log.wall_s.filter(|wall_s| *wall_s > 0.0).map(|wall_s| duration_s / wall_s),
+        faults: log.faults.clone(),
+        link: log.link,
+        incomplete: log.incomplete.clone(),
+    }
+}
+
+/// The samples that count.
+fn scheduled(log: &RunLog) -> Vec<&Sample> {
+    let (start_s, end_s) = schedule(&log.info).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    // A microsecond, the resolution of the device's clock.
+    let inside = |sample: &&Sample| sample.time_s >= start_s - 1e-6 && sample.time_s <= end_s + 1e-6;
+    log.samples.iter().filter(inside).collect()
+}
+
+/// Start of the first phase and end of the last, s.
+fn schedule(info: &RunInfo) -> Option<(f64, f64)> {
+    Some((info.phases.first()?.start_s, info.phases.last()?.end_s()))
+}
+
+fn module(index: usize, info: &ModuleInfo, samples: &[&Sample]) -> ModuleSummary {
+    let values = || samples.iter().filter_map(|sample| sample.modules.get(index));
+    let last = values().next_back();
+    ModuleSummary {
+        name: info.name.clone(),
+        motion: info.motion.clone(),
+        quantity: info.quantity,
+        unit: info.quantity.si_unit(),
+        channels: info.channels.clone(),
+        setpoint_final: last.map(|module| module.setpoint),
+        modelled_final: last.map(|module| module.modelled),
+        achieved_final: last.and_then(|module| module.achieved),
+        error: ErrorStats::of(values().filter_map(|module| Some(module.achieved? - module.setpoint))),
+        tracking_error: ErrorStats::of(values().map(|module| module.modelled - module.setpoint)),
+        pressure: pressure(info.channels.clone(), samples),
+    }
+}
+
+fn tip(samples: &[&Sample]) -> TipSummary {
+    let error = |sample: &&Sample| Some(distance(sample.tip_achieved_m?, sample.tip_setpoint_m));
+    let tracking = |sample: &&Sample| distance(sample.tip_modelled_m, sample.tip_setpoint_m);
+    TipSummary {
+        final_error_m: samples.last().and_then(error),
+        error_m: ErrorStats::of(samples.iter().filter_map(error)),
+        tracking_error_m: ErrorStats::of(samples.iter().map(tracking)),
+    }
+}
+
+fn pressure(channels: Range<usize>, samples: &[&Sample]) -> PressureSummary {
+    let values = || samples.iter().filter_map(|sample| sample.channels.get(channels.clone())).flatten();
+    let truth = values().filter_map(|channel| Some(channel.true_pressure_pa? - channel.reference_pa));
+    PressureSummary {
+        measured_error_pa: ErrorStats::of(values().map(|channel| channel.pressure_pa - channel.reference_pa)),
+        true_error_pa: ErrorStats::of(truth),
+    }
+}
