@@ -1,2 +1,4 @@
 //! Stub.
 pub mod record;
+pub mod scene;
+pub mod report;

@@ -1,0 +1,126 @@
+//! A scene as checked data in SI units.
+
+mod limb;
+mod motion;
+mod plant;
+
+pub use limb::{EndEffector, Limb, Module};
+pub use motion::{Controller, Goal, Limits, LinkLoss, Phase, SetpointKind, Target};
+pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
+
+use super::error::{Problem, Problems, SceneError};
+use super::source::{Source, Span};
+
+/// A checked scene. There is no way to have one but [`parse`](super::parse) and [`load`](super::load).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    pub(super) source: Source,
+    pub(super) name: String,
+    pub(super) description: String,
+    pub(super) seed: u64,
+    pub(super) limb: Limb,
+    pub(super) modules: Vec<Module>,
+    pub(super) phases: Vec<Phase>,
+    pub(super) limits: Limits,
+    pub(super) controller: Controller,
+    pub(super) plant: Plant,
+}
+
+impl Scene {
+    /// Name: a letter, then letters, digits, `-` or `_`, at most 32 in all; safe as the name of a folder.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the scene shows, in its author's words; may be empty.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// Seed of everything random in the simulated plant.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Base, connectors and end effector.
+    pub fn limb(&self) -> &Limb {
+        &self.limb
+    }
+
+    /// Modules from the base to the tip, 1 to 27.
+    pub fn modules(&self) -> &[Module] {
+        &self.modules
+    }
+
+    /// Phases in order of time, at least one.
+    pub fn phases(&self) -> &[Phase] {
+        &self.phases
+    }
+
+    /// Bounds that hold for all modules.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Settings of the pressure controller.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The pneumatics.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Number of channels, the sum of the modules' actuators, 1 to 27.
+    pub fn channels(&self) -> usize {
+        self.modules.iter().map(|module| usize::from(module.actuators)).sum()
+    }
+
+    /// Length of the limb at rest from its base to its tip, m.
+    pub fn rest_length_m(&self) -> f64 {
+        let modules: f64 = self.modules.iter().map(|m| *m.length_m + self.limb.connector_length_m).sum();
+        modules + self.limb.end_effector.as_ref().map_or(0.0, |tool| tool.length_m)
+    }
+
+    /// Mass of elastomer, connectors and end effector, kg. Fibers, tubes and air are not counted.
+    pub fn mass_kg(&self) -> f64 {
+        let modules: f64 = self.modules.iter().map(|m| m.elastomer_mass_kg() + self.limb.connector_mass_kg).sum();
+        modules + self.limb.end_effector.as_ref().map_or(0.0, |tool| tool.mass_kg)
+    }
+
+    /// Time of all moves and holds, microseconds.
+    pub fn duration_us(&self) -> u64 {
+        self.phases.iter().map(|phase| *phase.move_us + phase.hold_us).sum()
+    }
+
+    /// The text the scene was parsed from.
+    pub fn source_text(&self) -> &str {
+        &self.source.text
+    }
+
+    /// The name the scene was parsed under: its path, for a file.
+    pub fn source_name(&self) -> &str {
+        &self.source.name
+    }
+
+    /// FNV-1a (64 bits) of [`source_text`](Self::source_text), to recognize the scene in logs and reports.
+    pub fn source_hash(&self) -> u64 {
+        self.source.hash()
+    }
+
+    /// Line and column of a place, both from 1.
+    pub fn position(&self, span: Span) -> (usize, usize) {
+        self.source.position(span.range().start)
+    }
+
+    /// A diagnostic of another room at a place of this scene: what is wrong, what the underlined text has to do with it, and what to do.
+    pub fn diagnostic(&self, span: Span, title: &str, label: &str, help: Option<&str>) -> SceneError {
+        let problem = Problem::at(span, title, label);
+        let problem = match help {
+            Some(text) => problem.help(text),
+            None => problem,
+        };
+        SceneError::Invalid(Problems::new(self.source.clone(), vec![problem]))
+    }
+}

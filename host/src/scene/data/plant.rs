@@ -1,0 +1,149 @@
+//! The pneumatics.
+
+/// The pneumatics: nominal values, and the spread of the simulated truth about them.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Plant {
+    /// The air around.
+    pub ambient: Ambient,
+    /// Where compressed air comes from.
+    pub supply: Supply,
+    /// The fill and the vent valve of a channel.
+    pub valve: Valve,
+    /// The tube from the valves to an actuator.
+    pub line: Line,
+    /// What the geometry of an actuator does not say about its chamber.
+    pub chamber: Chamber,
+    /// Pressure sensors.
+    pub sensor: Sensor,
+    /// How the simulated truth differs from the nominal values.
+    pub spread: Spread,
+}
+
+/// The air around.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Ambient {
+    /// Absolute pressure, Pa.
+    pub pressure_pa: f64,
+    /// Temperature, K.
+    pub temperature_k: f64,
+}
+
+/// Where compressed air comes from. Pressures are gauge.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Supply {
+    /// A pump that fills a reservoir.
+    Pump {
+        /// Pressure at which the pump stops and with which the run starts, Pa.
+        pressure_pa: f64,
+        /// Flow without back pressure, m3/s at the reference atmosphere (1.185 kg/m3).
+        flow_m3_per_s: f64,
+        /// Pressure at which the pump delivers nothing, Pa; >= `pressure_pa`.
+        stall_pressure_pa: f64,
+        /// Volume of the reservoir, m3.
+        reservoir_volume_m3: f64,
+    },
+    /// A source of constant pressure.
+    Regulated {
+        /// Its pressure, Pa.
+        pressure_pa: f64,
+    },
+}
+
+impl Supply {
+    /// The pressure with which the run starts, Pa gauge.
+    pub fn pressure_pa(&self) -> f64 {
+        match *self {
+            Self::Pump { pressure_pa, .. } | Self::Regulated { pressure_pa } => pressure_pa,
+        }
+    }
+}
+
+/// A valve, by ISO 6358.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Valve {
+    /// Sonic conductance C, m3/(s Pa).
+    pub conductance_m3_per_s_pa: f64,
+    /// Critical pressure ratio b.
+    pub critical_ratio: f64,
+    /// From coil on to open, s.
+    pub on_delay_s: f64,
+    /// From coil off to closed, s.
+    pub off_delay_s: f64,
+    /// Standard deviation of each delay from one switching to the next, s.
+    pub jitter_s: f64,
+    /// Conductance of the closed valve, m3/(s Pa).
+    pub leak_m3_per_s_pa: f64,
+}
+
+/// The tube from the valves to an actuator.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Line {
+    /// Length, m.
+    pub length_m: f64,
+    /// Inner diameter, m.
+    pub inner_diameter_m: f64,
+}
+
+/// What the geometry of an actuator does not say about its chamber.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Chamber {
+    /// Volume of fittings, without the line, m3.
+    pub dead_volume_m3: f64,
+    /// Heat conductance from the air to the wall, W/K.
+    pub wall_heat_w_per_k: f64,
+    /// Share of a deformation that follows slowly.
+    pub creep_share: f64,
+    /// Time constant of that share, s.
+    pub creep_time_s: f64,
+}
+
+/// Pressure sensors, ratiometric: 10 % of the output at 0, 90 % at full scale.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Sensor {
+    /// Gauge pressure at 90 % of the output of a channel's sensor, Pa.
+    pub full_scale_pa: f64,
+    /// The same of the supply's sensor, Pa.
+    pub supply_full_scale_pa: f64,
+    /// Resolution of the converter, bits; 8 to 16.
+    pub bits: u8,
+    /// Standard deviation of one sample, Pa.
+    pub noise_pa: f64,
+    /// Time constant, s.
+    pub lag_s: f64,
+}
+
+impl Sensor {
+    /// Largest code of the converter.
+    pub fn adc_full_scale(&self) -> u16 {
+        u16::MAX >> (16 - self.bits.clamp(8, 16))
+    }
+}
+
+/// Standard deviations of the true values about the nominal ones, drawn once per channel and cut at three standard deviations.
+/// All are relative, that of the sensor's offset to full scale.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Spread {
+    /// Moduli of the elastomer.
+    pub modulus: f64,
+    /// Wall thickness.
+    pub wall: f64,
+    /// Fiber angle.
+    pub fiber_angle: f64,
+    /// Dead volume.
+    pub dead_volume: f64,
+    /// Sonic conductance of each valve.
+    pub valve_conductance: f64,
+    /// Delays of each valve.
+    pub valve_delay: f64,
+    /// Offset of a sensor, of full scale.
+    pub sensor_offset: f64,
+    /// Gain of a sensor.
+    pub sensor_gain: f64,
+}

@@ -1,0 +1,95 @@
+//! Numbers with a unit, as a user writes them: `"6.5 mm"`.
+
+use super::unit::{Scale, parse_unit};
+
+/// Why a text is not a quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum NotAQuantity {
+    /// It does not start with a finite number.
+    Number,
+    /// It is a number and nothing else.
+    UnitMissing,
+    /// This part of the unit is not known.
+    UnitUnknown(String),
+}
+
+/// Splits `"6.5 mm"` into the number and its unit.
+pub(super) fn parse_quantity(text: &str) -> Result<(f64, Scale), NotAQuantity> {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    let value = number.replace('_', "").parse::<f64>().map_err(|_| NotAQuantity::Number)?;
+    if !value.is_finite() {
+        return Err(NotAQuantity::Number);
+    }
+    if unit.trim().is_empty() {
+        return Err(NotAQuantity::UnitMissing);
+    }
+    let scale = parse_unit(unit).map_err(NotAQuantity::UnitUnknown)?;
+    Ok((value, scale))
+}
+
+/// Length of the decimal number a text starts with; an `e` counts only when an exponent follows it.
+fn number_length(text: &str) -> usize {
+    let digits = |from: usize| {
+        let rest = text.get(from..).unwrap_or("");
+        rest.bytes().take_while(|b| b.is_ascii_digit() || *b == b'_').count()
+    };
+    let sign = |at: usize| usize::from(text.get(at..).is_some_and(|rest| rest.starts_with(['+', '-'])));
+    let mut end = sign(0);
+    end += digits(end);
+    if text[end..].starts_with('.') {
+        end += 1 + digits(end + 1);
+    }
+    if text[end..].starts_with(['e', 'E']) {
+        let exponent = end + 1 + sign(end + 1);
+        if digits(exponent) > 0 {
+            end = exponent + digits(exponent);
+        }
+    }
+    end
+}
+
+/// A number for a message: six significant digits, no trailing zeros, powers of ten only where they help.
+pub(super) fn show_number(value: f64) -> String {
+    let rounded = format!("{value:.5e}").parse::<f64>().unwrap_or(value);
+    let magnitude = rounded.abs();
+    if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) { format!("{rounded:e}") } else { format!("{rounded}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_units_are_split() {
+        for (text, si) in [
+            ("6.5 mm", 0.0065),
+            ("  240mm ", 0.24),
+            ("1e3 Pa", 1000.0),
+            ("1E-2m", 0.01),
+            ("-.5 kPa", -500.0),
+            ("1_000 g", 1.0),
+            ("3 %", 0.03),
+            ("0.1 1/s", 0.1),
+        ] {
+            let (value, scale) = parse_quantity(text).unwrap();
+            assert_eq!(scale.to_si(value), si, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_a_quantity() {
+        for text in ["", "mm", "inf m", "NaN Pa", "1e999 m", "--1 m", ". m", "½ m"] {
+            assert_eq!(parse_quantity(text), Err(NotAQuantity::Number), "{text}");
+        }
+        assert_eq!(parse_quantity("15"), Err(NotAQuantity::UnitMissing));
+        assert_eq!(parse_quantity("1 e"), Err(NotAQuantity::UnitUnknown("e".into())));
+    }
+
+    #[test]
+    fn numbers_are_shown_short() {
+        for (value, text) in [(0.1 + 0.2, "0.3"), (240.0, "240"), (1e-13, "1e-13"), (0.0, "0"), (-2.5e9, "-2.5e9")] {
+            assert_eq!(show_number(value), text);
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! What the limb does and how it is controlled.
+
+use super::section;
+
+section! {
+    /// One part of the motion: a move, then a pause. It has either `targets` or `tip`.
+    phase, "[[phase]]";
+    NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
+    DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Required } = "Time of the move.";
+    HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
+    TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("`tip` is given") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
+    TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("`targets` is given") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
+}
+
+section! {
+    /// The target of one module: one quantity that fits its motion, the same one in every phase.
+    target, "phase.targets.MODULE";
+    AXIAL_STRETCH: Quantity { name: "axial_stretch", unit: Unit::NUMBER, min: 0.5, max: 3.0, presence: Optional("-") } = "`extension`: length over length at rest.";
+    OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 500.0, presence: Optional("-") } = "`expansion`: outer radius.";
+    INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 500.0, presence: Optional("-") } = "`expansion`: inner radius.";
+    TWIST: Quantity { name: "twist", unit: Unit::DEG, min: -720.0, max: 720.0, presence: Optional("-") } = "`twisting`: twist of the far end. A winding with a positive angle twists negatively.";
+    BEND_ANGLE: Quantity { name: "bend_angle", unit: Unit::DEG, min: 0.0, max: 360.0, presence: Optional("-") } = "`bending`: angle between the ends.";
+    PRESSURE: Quantity { name: "pressure", unit: Unit::KPA, min: 0.0, max: 600.0, presence: Optional("-") } = "Any motion: gauge pressure, at most the module's `pressure_max`.";
+}
+
+section! {
+    /// Bounds that hold for all modules.
+    limits, "[limits]";
+    PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Default(100.0) } = "Largest gauge pressure in a chamber.";
+    SUPPLY_MIN: Quantity { name: "supply_min", unit: Unit::KPA, min: 0.0, max: 1000.0, presence: Default(50.0) } = "Below this supply pressure the controller faults.";
+    SUPPLY_MAX: Quantity { name: "supply_max", unit: Unit::KPA, min: 1.0, max: 1000.0, presence: Default(300.0) } = "Above this supply pressure the controller faults.";
+    STRETCH_RATE_MAX: Quantity { name: "stretch_rate_max", unit: Unit::PERCENT_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of the axial stretch.";
+    RADIUS_RATE_MAX: Quantity { name: "radius_rate_max", unit: Unit::MM_PER_S, min: 0.01, max: 1e4, presence: Optional("no bound") } = "Largest rate of a radius.";
+    ANGLE_RATE_MAX: Quantity { name: "angle_rate_max", unit: Unit::DEG_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of a bend angle or twist.";
+}
+
+section! {
+    /// Settings of the pressure controller. Times are rounded to whole microseconds.
+    controller, "[controller]";
+    KNOT_PERIOD: Quantity { name: "knot_period", unit: Unit::MS, min: 2.0, max: 1000.0, presence: Default(20.0) } = "Time between two streamed setpoints; the controller interpolates linearly.";
+    CONTROL_PERIOD: Quantity { name: "control_period", unit: Unit::MS, min: 5.0, max: 100.0, presence: Default(20.0) } = "Period of the valve pulses, a whole number of milliseconds.";
+    TELEMETRY_PERIOD: Quantity { name: "telemetry_period", unit: Unit::MS, min: 1.0, max: 1000.0, presence: Default(20.0) } = "Time between two telemetry messages, a whole number of milliseconds.";
+    LINK_TIMEOUT: Quantity { name: "link_timeout", unit: Unit::MS, min: 20.0, max: 10_000.0, presence: Default(250.0) } = "Silence of the host after which the link counts as lost.";
+    HOLD_TIME: Quantity { name: "hold_time", unit: Unit::S, min: 0.0, max: 60.0, presence: Default(2.0) } = "`hold-then-ramp`: how long pressures are held first.";
+    LINK_LOSS: Choice { name: "link_loss", words: &["hold-then-ramp", "hold", "vent"], presence: Default("hold-then-ramp") } = "What happens when the link is lost: hold and then ramp down, hold, or vent at once.";
+    VENT_RAMP: Quantity { name: "vent_ramp", unit: Unit::KPA_PER_S, min: 0.1, max: 10_000.0, presence: Default(20.0) } = "Rate at which pressures ramp down.";
+}
