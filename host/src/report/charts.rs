@@ -82,8 +82,8 @@ fn tip_error_series(log: &RunLog) -> Vec<Series> {
         |sample: &Sample| sample.tip_achieved_m.map_or(f64::NAN, |tip| distance(tip, sample.tip_setpoint_m) * 1e3);
     let tracking = |sample: &Sample| distance(sample.tip_modelled_m, sample.tip_setpoint_m) * 1e3;
     present([
-        line("achieved", Color::Second, Stroke::Solid, log, achieved),
         line("by pressure tracking alone", Color::First, Stroke::Dotted, log, tracking),
+        line("achieved", Color::Second, Stroke::Solid, log, achieved),
     ])
 }
 
@@ -97,8 +97,8 @@ fn pressure_error_series(log: &RunLog) -> Vec<Series> {
     let chamber = |channel: &ChannelSample| channel.true_pressure_pa.unwrap_or(f64::NAN) - channel.reference_pa;
     let sensor = |channel: &ChannelSample| channel.pressure_pa - channel.reference_pa;
     present([
-        line("chamber - reference", Color::Second, Stroke::Solid, log, rms(chamber)),
         line("sensor - reference", Color::First, Stroke::Dotted, log, rms(sensor)),
+        line("chamber - reference", Color::Second, Stroke::Solid, log, rms(chamber)),
     ])
 }
 
