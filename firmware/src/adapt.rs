@@ -45,19 +45,20 @@ struct Learned {
 impl Learned {
     const NOTHING: Self = Self { gain: 1.0, margin_us: MARGIN_START_US };
 
-    /// `surprise_pa` is what the pulse did beyond `expected_pa`; both signed.
-    fn learn(&mut self, effect: &Effect, expected_pa: f32, surprise_pa: f32) {
+    /// `surprise_pa` is what the pulse did beyond `expected_pa`; both signed. False if the pulse did not open the valve.
+    fn learn(&mut self, effect: &Effect, expected_pa: f32, surprise_pa: f32) -> bool {
         let missing = expected_pa.abs() > JUDGED_EFFECT_PA && surprise_pa / expected_pa < NO_EFFECT - 1.0;
         if effect.coil_beyond_delay_us < MARGIN_MAX_US {
             if missing {
                 self.margin_us = (self.margin_us + MARGIN_UP_US).min(MARGIN_MAX_US);
-                return;
+                return false;
             }
             self.margin_us = self.margin_us.saturating_sub(MARGIN_DOWN_US).max(MARGIN_START_US);
         }
         let size = effect.modelled_pa;
         let step = GAIN_RATE * surprise_pa * size / (size * size + GAIN_NOISE_PA * GAIN_NOISE_PA);
         self.gain = (self.gain + step).clamp(GAIN_MIN, GAIN_MAX);
+        true
     }
 }
 
@@ -106,17 +107,19 @@ impl Adaptation {
     }
 
     /// Learns from one period: a normalized gradient step on gain and drift. A short pulse without effect did not open the
-    /// valve, which says nothing about the gain.
+    /// valve, which says nothing about gain and drift.
     pub fn learn(&mut self, effect: &Effect) {
         let gain = effect.pulse.map_or(0.0, |direction| self.gain(direction));
         let expected_pa = gain * effect.modelled_pa;
         let surprise_pa = effect.measured_pa - expected_pa - self.drift_pa_per_s * effect.duration_s;
-        match effect.pulse {
+        let opened = match effect.pulse {
             Some(Direction::Fill) => self.fill.learn(effect, expected_pa, surprise_pa),
             Some(Direction::Vent) => self.vent.learn(effect, expected_pa, surprise_pa),
-            None => {}
+            None => true,
+        };
+        if opened {
+            self.learn_drift(effect, surprise_pa);
         }
-        self.learn_drift(effect, surprise_pa);
     }
 
     /// A large pulse tells about the gain, a small one or none about the drift.

@@ -99,6 +99,11 @@ impl Channel {
         self.vent_latched
     }
 
+    /// Whether a ramp down has ended in an open vent.
+    pub fn is_venting_open(&self) -> bool {
+        self.relief.is_open()
+    }
+
     /// Takes the sample of this tick.
     pub(crate) fn sense(&mut self, context: &TickContext, code: AdcCode) {
         self.sensor.sample(&context.system.sensor, code);

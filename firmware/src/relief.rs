@@ -64,6 +64,11 @@ impl Relief {
         ramp
     }
 
+    /// Whether the vent is open for good.
+    pub(crate) fn is_open(&self) -> bool {
+        self.open_since_us.is_some()
+    }
+
     /// Whether the vent has been open long enough: until the chamber is empty, or for the longest time.
     pub(crate) fn is_done(&self, now_us: u64) -> bool {
         let open_us = self.open_since_us.map_or(0, |since| now_us.saturating_sub(since));

@@ -26,7 +26,7 @@ pub struct SystemConfig {
     pub vent_ramp_pa_per_s: f32,
     /// Lowest supply pressure for running, gauge Pa.
     pub supply_min_pa: f32,
-    /// Highest supply pressure, gauge Pa.
+    /// Highest supply pressure, gauge Pa; within the range of the supply sensor.
     pub supply_max_pa: f32,
     /// Air path.
     pub pneumatics: Pneumatics,
@@ -63,7 +63,7 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
             link_loss_policy: known("link_loss_policy", wire.link_loss_policy)?,
             vent_ramp_pa_per_s: within("vent_ramp_pa_per_s", wire.vent_ramp_pa_per_s, 100.0..=1e6)?,
             supply_min_pa,
-            supply_max_pa: above("supply_max_pa", wire.supply_max_pa, supply_min_pa)?,
+            supply_max_pa: within("supply_max_pa", wire.supply_max_pa, supply_min_pa + 100.0..=supply_sensor_max_pa)?,
             pneumatics: pneumatics(wire)?,
             sensor: SensorScale::new(sensor_min_pa, sensor_max_pa, full_scale),
             supply_sensor: SensorScale::new(supply_sensor_min_pa, supply_sensor_max_pa, full_scale),

@@ -1,0 +1,100 @@
+//! Deformation in, deformation out: the whole controller, from setpoints on the wire to chambers of other parameters.
+//!
+//! Run with `--nocapture` for the numbers.
+
+mod common;
+
+use common::Bench;
+use common::rig::{NOMINAL, Rig, Truth};
+use fra_model::{Actuator, ActuatorParameters, Load, Material, Motion};
+use softlimb_protocol::*;
+
+/// The actuator that `common::channel` states, in f64.
+fn bender() -> Actuator<f64> {
+    Actuator::new(&ActuatorParameters {
+        motion: Motion::Bending,
+        inner_radius_m: 15e-3,
+        outer_radius_m: 20e-3,
+        length_m: 0.1132,
+        material: Material::NeoHookean { shear_modulus_pa: 0.4e6 },
+        fiber: None,
+    })
+    .unwrap()
+}
+
+/// Bend angle over time, rad: rest, up, rest, down.
+fn wanted_rad(t: f64) -> f64 {
+    let knots = [0.2, 1.2, 1.2, 2.0, 2.0, 0.6, 0.6];
+    let k = (t.floor().max(0.0) as usize).min(5);
+    let s = (t - k as f64).clamp(0.0, 1.0);
+    knots[k] + (knots[k + 1] - knots[k]) * s * s * (3.0 - 2.0 * s)
+}
+
+/// A chamber whose volume follows the bender only in the mean: rest volume and slope are those of the secant to 2 rad.
+fn chambers() -> Vec<Rig> {
+    let actuator = bender();
+    let at = |rad| actuator.inverse(fra_model::Target::BendAngle(rad), &Load::none()).unwrap().state;
+    let (rest, bent) = (actuator.rest(), at(2.0));
+    let compliance_m3_per_pa = (bent.volume_m3 - rest.volume_m3) / bent.pressure_pa;
+    let nominal = Truth { rest_volume_m3: rest.volume_m3, compliance_m3_per_pa, ..NOMINAL };
+    let small = Truth { rest_volume_m3: 0.8 * rest.volume_m3, ..nominal };
+    let slow = Truth { valve_c: 0.8 * nominal.valve_c, on_us: 4_200, off_us: 2_600, ..nominal };
+    [nominal, small, slow].map(|truth| Rig::new(truth, 0.0)).into()
+}
+
+#[test]
+fn bend_angles_are_followed_by_three_different_chambers() {
+    let mut bench = Bench::ready(&[SetpointKind::BendAngle; 3]);
+    bench.rigs = chambers();
+    let first_us = bench.now_us + 20_000;
+    let (mut index, actuator) = (0, bender());
+    let mut squares = [(0.0, 0.0); 3];
+    let mut started = false;
+    let mut samples = 0;
+    while started == (bench.controller.state() == DeviceState::Running) {
+        while index < 326 && bench.controller.queue().free() > 0 {
+            // Half a second to arrive, then six seconds of motion.
+            let value = SetpointKind::BendAngle.to_wire(wanted_rad(f64::from(index) * 0.02 - 0.5)).unwrap();
+            let ack = bench.setpoint(index, first_us + u64::from(index) * 20_000, &[value; 3]);
+            assert_eq!(ack.result, ResultCode::Ok);
+            index += 1;
+        }
+        if !started {
+            assert_eq!(bench.command(CommandCode::Start).result, ResultCode::Ok);
+            started = true;
+        }
+        bench.tick();
+        let t = (bench.now_us as f64 - first_us as f64) * 1e-6 - 0.5;
+        if !(0.0..6.0).contains(&t) {
+            continue;
+        }
+        let target = fra_model::Target::BendAngle(wanted_rad(t));
+        let wanted_pa = actuator.inverse(target, &Load::none()).unwrap().state.pressure_pa;
+        samples += 1;
+        for (rig, (pressure, angle)) in bench.rigs.iter().zip(&mut squares) {
+            let achieved = actuator.forward(rig.gauge_pa(), &Load::none()).unwrap().state.bend_angle_rad;
+            *pressure += (rig.gauge_pa() - wanted_pa).powi(2);
+            *angle += (achieved - wanted_rad(t)).powi(2);
+        }
+    }
+    assert_eq!(samples, 6_000);
+    for (index, (pressure, angle)) in squares.into_iter().enumerate() {
+        let rms = |sum: f64| (sum / f64::from(samples)).sqrt();
+        let edges = f64::from(bench.rigs[index].edges) / 6.5;
+        let (rmse_kpa, rmse_deg) = (rms(pressure) * 1e-3, rms(angle).to_degrees());
+        println!("chamber {index}: {rmse_kpa:.2} kPa, {rmse_deg:.2} deg, {edges:.0} switchings/s");
+        assert!(rmse_kpa < 0.8 && rmse_deg < 1.0 && edges <= 80.0, "chamber {index}");
+    }
+    assert_eq!(bench.told_faults(), [(FaultCode::SetpointsExhausted, SYSTEM_CHANNEL)]);
+}
+
+#[test]
+fn twenty_seven_channels_run_at_once() {
+    let mut bench = Bench::running(27, 60_000, 64);
+    bench.attach(27, 0.0);
+    bench.ticks(1_200);
+    for (index, rig) in bench.rigs.iter().enumerate() {
+        assert!((rig.gauge_pa() - 60e3).abs() < 1e3, "channel {index}: {}", rig.gauge_pa());
+    }
+    assert!(bench.told_faults().is_empty());
+}

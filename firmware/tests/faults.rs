@@ -1,0 +1,186 @@
+//! Faults: what detects them, how fast the outputs are safe, and what they leave alone.
+
+mod common;
+
+use common::{Bench, SESSION};
+use softlimb_firmware::ValvePulse;
+use softlimb_protocol::*;
+
+fn only_fault(bench: &Bench) -> (FaultCode, u8) {
+    let faults = bench.told_faults();
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    faults[0]
+}
+
+#[test]
+fn over_pressure_vents_its_channel_in_the_second_sample_and_cuts_the_supply() {
+    for channel in [0, 1, 2] {
+        let mut bench = Bench::running(3, 50_000, 50);
+        bench.pressure_pa[..3].fill(50e3);
+        bench.ticks(45);
+        bench.pressure_pa[channel] = 151e3;
+        bench.tick();
+        assert_eq!(bench.controller.state(), DeviceState::Running, "one sample may be noise");
+        let outputs = bench.tick();
+        assert_eq!(bench.controller.state(), DeviceState::Faulted);
+        for (index, pulse) in outputs.valves[..3].iter().enumerate() {
+            let wanted = if index == channel { ValvePulse::VENTING } else { ValvePulse::CLOSED };
+            assert_eq!(*pulse, wanted, "channel {index}");
+        }
+        assert_eq!((outputs.supply_open, outputs.pump_duty), (false, 0));
+        assert_eq!(only_fault(&bench), (FaultCode::OverPressure, channel as u8));
+        let refused = bench.command(CommandCode::ClearFaults);
+        assert_eq!((refused.result.known(), refused.detail), (Some(ResultCode::WrongState), 2));
+        bench.pressure_pa[channel] = 20e3;
+        bench.tick();
+        assert_eq!(bench.command(CommandCode::ClearFaults).result, ResultCode::Ok);
+    }
+}
+
+#[test]
+fn one_high_sample_at_a_time_is_no_fault() {
+    let mut bench = Bench::running(1, 50_000, 50);
+    bench.ticks(45);
+    for _ in 0..50 {
+        bench.pressure_pa[0] = 151e3;
+        bench.tick();
+        bench.pressure_pa[0] = 50e3;
+        bench.tick();
+    }
+    assert_eq!(bench.controller.state(), DeviceState::Running);
+}
+
+#[test]
+fn the_line_drop_while_filling_is_not_taken_for_over_pressure() {
+    let mut bench = Bench::running(1, 147_000, 60);
+    bench.attach(1, 0.0);
+    let mut highest_pa = 0.0_f64;
+    while bench.controller.state() == DeviceState::Running {
+        bench.tick();
+        highest_pa = highest_pa.max(bench.rigs[0].manifold_pa());
+    }
+    assert!(highest_pa > 150e3, "the manifold does exceed the limit: {highest_pa}");
+    assert_eq!(only_fault(&bench), (FaultCode::SetpointsExhausted, SYSTEM_CHANNEL));
+}
+
+#[test]
+fn a_sensor_out_of_its_band_for_three_samples_holds_everything() {
+    for code in [0, 4095] {
+        let mut bench = Bench::running(3, 50_000, 50);
+        bench.ticks(45);
+        bench.code[1] = Some(code);
+        bench.ticks(2);
+        assert_eq!(bench.controller.state(), DeviceState::Running);
+        let outputs = bench.tick();
+        assert_eq!(bench.controller.state(), DeviceState::Faulted);
+        assert_eq!(outputs.valves[..3], [ValvePulse::CLOSED; 3]);
+        assert_eq!(only_fault(&bench), (FaultCode::SensorImplausible, 1));
+        let refused = bench.command(CommandCode::ClearFaults);
+        assert_eq!((refused.result.known(), refused.detail), (Some(ResultCode::WrongState), 1));
+    }
+}
+
+#[test]
+fn after_the_hold_time_a_fault_ramps_down_and_a_blind_channel_with_it() {
+    let mut bench = Bench::running(2, 60_000, 50);
+    bench.attach(2, 60e3);
+    bench.ticks(45);
+    bench.code[1] = Some(0);
+    bench.ticks(1_950);
+    let held_pa = bench.rigs[0].gauge_pa();
+    assert!((held_pa - 60e3).abs() < 1.5e3, "kept while holding: {held_pa}");
+    for _ in 0..1_500 {
+        bench.tick();
+    }
+    for rig in &bench.rigs {
+        let pressure_pa = rig.gauge_pa();
+        assert!((20e3..45e3).contains(&pressure_pa), "1.45 s at 20 kPa/s from 60 kPa: {pressure_pa}");
+    }
+    bench.ticks(5_000);
+    assert!(bench.rigs.iter().all(|rig| rig.gauge_pa() < 2e3));
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+}
+
+#[test]
+fn a_low_supply_is_a_fault_after_a_tenth_of_a_second_and_only_while_running() {
+    let mut bench = Bench::ready(&[SetpointKind::Pressure]);
+    bench.supply_pa = 100e3;
+    bench.ticks(500);
+    assert_eq!(bench.controller.state(), DeviceState::Ready);
+    let mut bench = Bench::running(1, 50_000, 50);
+    bench.supply_pa = 149e3;
+    bench.ticks(99);
+    assert_eq!(bench.controller.state(), DeviceState::Running);
+    let outputs = bench.tick();
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+    assert_eq!(only_fault(&bench), (FaultCode::SupplyLow, SYSTEM_CHANNEL));
+    assert!(outputs.pump_duty == 255 && outputs.supply_open, "the supply may recover");
+}
+
+#[test]
+fn a_high_supply_stops_the_pump_before_the_limit_and_is_cut_above_it() {
+    let mut bench = Bench::ready(&[SetpointKind::Pressure]);
+    let mut duty = |supply_pa: f64| {
+        bench.supply_pa = supply_pa;
+        bench.tick().pump_duty
+    };
+    assert_eq!(duty(150e3), 255);
+    assert!((1..255).contains(&duty(218e3)));
+    assert_eq!(duty(223e3), 0);
+    bench.supply_pa = 231e3;
+    bench.code = [None; MAX_CHANNELS];
+    bench.ticks(9);
+    assert_eq!(bench.controller.state(), DeviceState::Ready);
+    let outputs = bench.tick();
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+    assert!(!outputs.supply_open);
+    assert_eq!(only_fault(&bench), (FaultCode::SupplyHigh, SYSTEM_CHANNEL));
+}
+
+#[test]
+fn a_stop_command_is_honoured_from_any_session_and_takes_one_tick() {
+    let mut bench = Bench::running(2, 50_000, 50);
+    let stop = Command { session: SESSION + 1, code: CommandCode::EmergencyStop.into(), time_us: 0 };
+    assert_eq!(bench.request(&stop.into()).result, ResultCode::Ok);
+    let outputs = bench.tick();
+    assert_eq!(outputs.valves[..2], [ValvePulse::VENTING; 2]);
+    assert_eq!(only_fault(&bench), (FaultCode::EmergencyStop, SYSTEM_CHANNEL));
+}
+
+#[test]
+fn a_deformation_that_no_pressure_reaches_keeps_the_last_pressure_and_then_faults() {
+    let mut channel = common::channel(0, SetpointKind::AxialStretch);
+    channel.motion = MotionKind::Extension.into();
+    channel.setpoint_min = 1_000_000;
+    channel.setpoint_max = 60_000_000;
+    let mut bench = Bench::new();
+    bench.hello();
+    bench.configure(&common::system(), &[channel]);
+    bench.ticks(50);
+    let first_us = bench.now_us + 20_000;
+    // A bare tube of 0.4 MPa has its limit point near an axial stretch of 1.2 to 1.4; 50 is on no branch.
+    for (index, value) in [1_020_000, 1_020_000, 1_020_000, 50_000_000, 50_000_000].into_iter().enumerate() {
+        let ack = bench.setpoint(index as u32, first_us + index as u64 * 200_000, &[value]);
+        assert_eq!(ack.result, ResultCode::Ok);
+    }
+    bench.command(CommandCode::Start);
+    bench.ticks(380);
+    let before_pa = bench.controller.channel(0).unwrap().reference_pa(bench.now_us).unwrap();
+    assert!(before_pa > 1e3, "{before_pa}");
+    bench.ticks_until(DeviceState::Faulted, 300);
+    assert_eq!(only_fault(&bench), (FaultCode::InverseFailed, 0));
+}
+
+#[test]
+fn two_late_ticks_within_a_second_are_a_fault_while_running() {
+    let mut bench = Bench::running(1, 50_000, 50);
+    bench.ticks(10);
+    bench.now_us += 1_000;
+    bench.tick();
+    assert_eq!(bench.controller.state(), DeviceState::Running);
+    bench.ticks(100);
+    bench.now_us += 1_000;
+    bench.tick();
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+    assert_eq!(only_fault(&bench), (FaultCode::TickOverrun, SYSTEM_CHANNEL));
+}
