@@ -1,0 +1,158 @@
+//! Questions to the actuator model from other programs: a JSON object a line in, one a line out, in order.
+//!
+//! `docs/eval-batch.md` describes the interface.
+
+use std::io::{self, BufRead, Write};
+
+use fra_model::{Actuator, InvalidParameter, Load, Real, Solution, State, Status};
+use serde::Serialize;
+use serde_json::Value;
+
+use super::convert;
+use super::request::{Case, Question, Request};
+
+/// The precision a batch is computed in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scalar {
+    /// Double precision, as on the host.
+    F64,
+    /// Single precision, as on the MCU.
+    F32,
+}
+
+#[derive(Serialize)]
+struct Answer {
+    id: Value,
+    status: &'static str,
+    pressure_pa: Option<f64>,
+    axial_stretch: Option<f64>,
+    inner_radius_m: Option<f64>,
+    outer_radius_m: Option<f64>,
+    twist_rad: Option<f64>,
+    bend_angle_rad: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limit_pressure_pa: Option<f64>,
+    residual: Option<f64>,
+    iterations: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    message: Option<String>,
+}
+
+/// Answers every line of `input` on `output`. Empty lines are passed over.
+///
+/// # Errors
+/// Only what reading and writing raise: a line that cannot be answered is answered with its status.
+pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
+    let mut output = io::BufWriter::new(output);
+    for (index, line) in input.split(b'\n').enumerate() {
+        let line = line?;
+        if line.trim_ascii().is_empty() {
+            continue;
+        }
+        let answer = answer(&line, scalar).unwrap_or_else(|(id, message)| {
+            Answer::without_state(id, "invalid", Some(format!("line {}: {message}", index + 1)))
+        });
+        serde_json::to_writer(&mut output, &answer)?;
+        output.write_all(b"\n")?;
+    }
+    output.flush()
+}
+
+fn answer(line: &[u8], scalar: Scalar) -> Result<Answer, (Value, String)> {
+    let request: Request = serde_json::from_slice(line).map_err(|error| (id_of(line), plain(&error)))?;
+    let case = request.case().map_err(|message| (request.id.clone(), message))?;
+    let solved = match scalar {
+        Scalar::F64 => solve::<f64>(&case),
+        Scalar::F32 => solve::<f32>(&case),
+    };
+    match solved {
+        Ok(solution) => Ok(Answer::of(request.id, &solution)),
+        Err(error) => Err((request.id, error.to_string())),
+    }
+}
+
+/// The `id` of a line that is JSON but no request, so that its answer can be told from others.
+fn id_of(line: &[u8]) -> Value {
+    let parsed = serde_json::from_slice::<Value>(line).ok();
+    parsed.and_then(|value| value.get("id").cloned()).unwrap_or(Value::Null)
+}
+
+/// The parser's message without its position, which is in a line of its own here.
+fn plain(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    match text.rsplit_once(" at line ") {
+        Some((message, _)) => format!("{message} (column {})", error.column()),
+        None => text,
+    }
+}
+
+fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {
+    let wide = |error: InvalidParameter<T>| InvalidParameter {
+        field: error.field,
+        value: convert::wide(error.value),
+        allowed: error.allowed,
+    };
+    // Checked first in the precision it is written in, so that a message quotes the value as written.
+    Actuator::new(&case.parameters)?;
+    let actuator = Actuator::<T>::new(&convert::parameters(&case.parameters)).map_err(wide)?;
+    let load: Load<T> = convert::load(&case.load);
+    let solution = match case.question {
+        Question::Forward { pressure_pa } => actuator.forward(nalgebra::convert(pressure_pa), &load),
+        Question::Inverse { target } => actuator.inverse(convert::target(target), &load),
+    }
+    .map_err(wide)?;
+    Ok(Solution {
+        status: solution.status,
+        state: convert::state(&solution.state),
+        limit_pressure_pa: solution.limit_pressure_pa.map(convert::wide),
+        residual: convert::wide(solution.residual),
+        iterations: solution.iterations,
+    })
+}
+
+impl Answer {
+    fn without_state(id: Value, status: &'static str, message: Option<String>) -> Self {
+        Self {
+            id,
+            status,
+            pressure_pa: None,
+            axial_stretch: None,
+            inner_radius_m: None,
+            outer_radius_m: None,
+            twist_rad: None,
+            bend_angle_rad: None,
+            limit_pressure_pa: None,
+            residual: None,
+            iterations: 0,
+            message,
+        }
+    }
+
+    fn of(id: Value, solution: &Solution<f64>) -> Self {
+        let status = match solution.status {
+            Status::Solved => "ok",
+            Status::NoSolution => "no_solution",
+            Status::NotConverged => "not_converged",
+        };
+        let blank = Self::without_state(id, status, None);
+        let common = Self {
+            limit_pressure_pa: solution.limit_pressure_pa,
+            residual: Some(solution.residual),
+            iterations: solution.iterations,
+            ..blank
+        };
+        if solution.status == Status::Solved { common.with(&solution.state) } else { common }
+    }
+
+    fn with(self, state: &State<f64>) -> Self {
+        Self {
+            pressure_pa: Some(state.pressure_pa),
+            axial_stretch: Some(state.axial_stretch),
+            inner_radius_m: Some(state.inner_radius_m),
+            outer_radius_m: Some(state.outer_radius_m),
+            twist_rad: Some(state.twist_rad),
+            bend_angle_rad: Some(state.bend_angle_rad),
+            ..self
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The model's types in another precision.
+
+use fra_model::{ActuatorParameters, Fiber, Load, Material, Real, State, Target};
+use nalgebra::{convert, try_convert};
+
+/// The parameters rounded to another scalar.
+pub(super) fn parameters<T: Real>(p: &ActuatorParameters<f64>) -> ActuatorParameters<T> {
+    ActuatorParameters {
+        motion: p.motion,
+        inner_radius_m: convert(p.inner_radius_m),
+        outer_radius_m: convert(p.outer_radius_m),
+        length_m: convert(p.length_m),
+        material: match p.material {
+            Material::NeoHookean { shear_modulus_pa } => {
+                Material::NeoHookean { shear_modulus_pa: convert(shear_modulus_pa) }
+            }
+            Material::Yeoh { c_pa } => Material::Yeoh { c_pa: c_pa.map(convert) },
+        },
+        fiber: p.fiber.map(|f| Fiber {
+            angle_rad: convert(f.angle_rad),
+            families: f.families,
+            modulus_pa: convert(f.modulus_pa),
+            placement: f.placement,
+            thickness_m: convert(f.thickness_m),
+            radius_m: convert(f.radius_m),
+        }),
+    }
+}
+
+pub(super) fn load<T: Real>(load: &Load<f64>) -> Load<T> {
+    Load { force_n: convert(load.force_n), torque_nm: convert(load.torque_nm) }
+}
+
+pub(super) fn target<T: Real>(target: Target<f64>) -> Target<T> {
+    match target {
+        Target::AxialStretch(v) => Target::AxialStretch(convert(v)),
+        Target::OuterRadius(v) => Target::OuterRadius(convert(v)),
+        Target::InnerRadius(v) => Target::InnerRadius(convert(v)),
+        Target::Twist(v) => Target::Twist(convert(v)),
+        Target::BendAngle(v) => Target::BendAngle(convert(v)),
+    }
+}
+
+/// A number of the model as `f64`, which holds every `f32` exactly.
+pub(super) fn wide<T: Real>(value: T) -> f64 {
+    try_convert(value).unwrap_or(f64::NAN)
+}
+
+pub(super) fn state<T: Real>(s: &State<T>) -> State<f64> {
+    State {
+        pressure_pa: wide(s.pressure_pa),
+        axial_stretch: wide(s.axial_stretch),
+        inner_radius_m: wide(s.inner_radius_m),
+        outer_radius_m: wide(s.outer_radius_m),
+        twist_rad: wide(s.twist_rad),
+        bend_angle_rad: wide(s.bend_angle_rad),
+        volume_m3: wide(s.volume_m3),
+        compliance_m3_per_pa: wide(s.compliance_m3_per_pa),
+    }
+}

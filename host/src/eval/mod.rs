@@ -1,0 +1,7 @@
+//! Single questions to the actuator model: pressure curves of a scene's actuators, and batches from other programs.
+
+mod batch;
+mod convert;
+mod request;
+
+pub use batch::{Scalar, batch};

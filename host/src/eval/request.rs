@@ -1,0 +1,178 @@
+//! One question to the actuator model, as a line of JSON.
+
+use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Target};
+use serde::Deserialize;
+use serde_json::Value;
+
+/// A line of a batch, as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Request {
+    /// Copied to the answer.
+    #[serde(default)]
+    pub(super) id: Value,
+    motion: MotionName,
+    problem: Problem,
+    inner_radius_m: f64,
+    outer_radius_m: f64,
+    length_m: f64,
+    material: MaterialSpec,
+    fiber: Option<FiberSpec>,
+    pressure_pa: Option<f64>,
+    target: Option<TargetSpec>,
+    #[serde(default)]
+    external_force_n: f64,
+    #[serde(default)]
+    external_torque_nm: f64,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum MotionName {
+    Extension,
+    Expansion,
+    Bending,
+    Twisting,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Problem {
+    Forward,
+    Inverse,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
+enum MaterialSpec {
+    NeoHookean { shear_modulus_pa: f64 },
+    Yeoh { c_pa: [f64; 3] },
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum PlacementName {
+    #[default]
+    Sheet,
+    Layer,
+    Smeared,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FiberSpec {
+    angle_deg: Option<f64>,
+    families: Option<u8>,
+    modulus_pa: Option<f64>,
+    #[serde(default)]
+    placement: PlacementName,
+    thickness_m: Option<f64>,
+    radius_m: Option<f64>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum TargetSpec {
+    AxialStretch(f64),
+    OuterRadiusM(f64),
+    InnerRadiusM(f64),
+    TwistRad(f64),
+    BendAngleRad(f64),
+}
+
+/// What is asked of an actuator.
+pub(super) enum Question {
+    Forward { pressure_pa: f64 },
+    Inverse { target: Target<f64> },
+}
+
+/// A request in the terms of the model.
+pub(super) struct Case {
+    pub(super) parameters: ActuatorParameters<f64>,
+    pub(super) question: Question,
+    pub(super) load: Load<f64>,
+}
+
+impl Request {
+    /// The case, or what the request leaves out or has too much of. Values are the model's to check.
+    pub(super) fn case(&self) -> Result<Case, String> {
+        let motion = match self.motion {
+            MotionName::Extension => Motion::Extension,
+            MotionName::Expansion => Motion::Expansion,
+            MotionName::Bending => Motion::Bending,
+            MotionName::Twisting => Motion::Twisting,
+        };
+        let material = match self.material {
+            MaterialSpec::NeoHookean { shear_modulus_pa } => Material::NeoHookean { shear_modulus_pa },
+            MaterialSpec::Yeoh { c_pa } => Material::Yeoh { c_pa },
+        };
+        let fiber = self.fiber.as_ref().map(|fiber| fiber.fiber(motion, self.outer_radius_m)).transpose()?;
+        Ok(Case {
+            parameters: ActuatorParameters {
+                motion,
+                inner_radius_m: self.inner_radius_m,
+                outer_radius_m: self.outer_radius_m,
+                length_m: self.length_m,
+                material,
+                fiber,
+            },
+            question: self.question()?,
+            load: Load { force_n: self.external_force_n, torque_nm: self.external_torque_nm },
+        })
+    }
+
+    fn question(&self) -> Result<Question, String> {
+        match (self.problem, self.pressure_pa, self.target) {
+            (Problem::Forward, Some(pressure_pa), None) => Ok(Question::Forward { pressure_pa }),
+            (Problem::Inverse, None, Some(target)) => Ok(Question::Inverse { target: target.target() }),
+            (Problem::Forward, None, _) => Err("a forward problem needs `pressure_pa`".into()),
+            (Problem::Inverse, _, None) => Err("an inverse problem needs `target`".into()),
+            (Problem::Forward, Some(_), Some(_)) => Err("a forward problem takes no `target`".into()),
+            (Problem::Inverse, Some(_), Some(_)) => Err("an inverse problem takes no `pressure_pa`".into()),
+        }
+    }
+}
+
+impl FiberSpec {
+    fn fiber(&self, motion: Motion, outer_radius_m: f64) -> Result<Fiber<f64>, String> {
+        // A bending actuator's winding only keeps its radius.
+        let bending = motion == Motion::Bending;
+        let needed = |value: Option<f64>, name: &str, needed: bool| match value {
+            Some(value) => Ok(value),
+            None if needed && !bending => Err(format!("`fiber.{name}` is missing")),
+            None => Ok(0.0),
+        };
+        let placement = match self.placement {
+            PlacementName::Sheet => Placement::Sheet,
+            PlacementName::Layer => Placement::Layer,
+            PlacementName::Smeared => Placement::Smeared,
+        };
+        let families = match self.families {
+            Some(1) => Families::One,
+            Some(2) => Families::Two,
+            None if bending => Families::Two,
+            None => return Err("`fiber.families` is missing: 1 or 2".into()),
+            Some(n) => return Err(format!("fiber.families = {n} is not allowed: 1 or 2")),
+        };
+        Ok(Fiber {
+            angle_rad: needed(self.angle_deg, "angle_deg", true)?.to_radians(),
+            families,
+            modulus_pa: needed(self.modulus_pa, "modulus_pa", true)?,
+            placement,
+            thickness_m: needed(self.thickness_m, "thickness_m", placement == Placement::Sheet)?,
+            radius_m: self.radius_m.unwrap_or(outer_radius_m),
+        })
+    }
+}
+
+impl TargetSpec {
+    fn target(self) -> Target<f64> {
+        match self {
+            Self::AxialStretch(v) => Target::AxialStretch(v),
+            Self::OuterRadiusM(v) => Target::OuterRadius(v),
+            Self::InnerRadiusM(v) => Target::InnerRadius(v),
+            Self::TwistRad(v) => Target::Twist(v),
+            Self::BendAngleRad(v) => Target::BendAngle(v),
+        }
+    }
+}

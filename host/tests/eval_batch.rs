@@ -1,0 +1,107 @@
+//! The batch interface as another program uses it.
+
+use serde_json::{Value, json};
+use softlimb::eval::{Scalar, batch};
+
+fn ask(lines: &str, scalar: Scalar) -> Vec<Value> {
+    let mut out = Vec::new();
+    batch(lines.as_bytes(), &mut out, scalar).expect("in memory");
+    String::from_utf8(out).expect("UTF-8").lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+fn bender() -> Value {
+    json!({"id": "b", "motion": "bending", "problem": "forward", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3,
+        "length_m": 0.1, "material": {"law": "neo-hookean", "shear_modulus_pa": 0.2e6}, "pressure_pa": 30e3})
+}
+
+fn extender() -> Value {
+    json!({"id": 7, "motion": "extension", "problem": "inverse", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3,
+        "length_m": 0.1, "material": {"law": "yeoh", "c_pa": [86.56e3, 13.805e3, -1466.1]},
+        "fiber": {"angle_deg": 3, "families": 2, "modulus_pa": 361e6, "placement": "sheet", "thickness_m": 0.178e-3},
+        "target": {"axial_stretch": 1.1}})
+}
+
+fn with(mut base: Value, key: &str, value: Value) -> Value {
+    base[key] = value;
+    base
+}
+
+#[test]
+fn answers_come_in_order_with_their_ids() {
+    let lines = format!("{}\n\n{}\n", bender(), extender());
+    let answers = ask(&lines, Scalar::F64);
+    assert_eq!(answers.len(), 2);
+    assert_eq!((&answers[0]["id"], &answers[0]["status"]), (&json!("b"), &json!("ok")));
+    // 43.0 deg: tabulated by an independent evaluation of the bending model.
+    let angle = answers[0]["bend_angle_rad"].as_f64().unwrap();
+    assert!((angle.to_degrees() - 43.0).abs() < 0.2, "{angle}");
+    assert_eq!((&answers[1]["id"], &answers[1]["status"]), (&json!(7), &json!("ok")));
+    assert!((answers[1]["axial_stretch"].as_f64().unwrap() - 1.1).abs() < 1e-14);
+}
+
+#[test]
+fn inverse_answers_lead_back_through_text() {
+    let inverse = &ask(&extender().to_string(), Scalar::F64)[0];
+    let mut forward = with(extender(), "problem", json!("forward"));
+    forward.as_object_mut().unwrap().remove("target");
+    let forward = with(forward, "pressure_pa", inverse["pressure_pa"].clone());
+    let again = &ask(&forward.to_string(), Scalar::F64)[0];
+    assert_eq!(again["pressure_pa"], inverse["pressure_pa"], "floats read back exactly");
+    assert!((again["axial_stretch"].as_f64().unwrap() - 1.1).abs() < 1e-13);
+}
+
+#[test]
+fn single_precision_answers_are_single_precision() {
+    let answer = &ask(&bender().to_string(), Scalar::F32)[0];
+    let angle = answer["bend_angle_rad"].as_f64().unwrap();
+    assert_eq!(f64::from(angle as f32), angle);
+    let exact = ask(&bender().to_string(), Scalar::F64)[0]["bend_angle_rad"].as_f64().unwrap();
+    assert!((angle / exact - 1.0).abs() < 1e-5 && angle != exact);
+}
+
+#[test]
+fn beyond_the_limit_the_answer_is_the_limit_pressure() {
+    let tube = json!({"id": 1, "motion": "expansion", "problem": "forward", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3,
+        "length_m": 0.1, "material": {"law": "neo-hookean", "shear_modulus_pa": 0.2226e6},
+        "fiber": {"angle_deg": 90, "families": 2, "modulus_pa": 361e6, "placement": "sheet", "thickness_m": 0.178e-3},
+        "pressure_pa": 100e3});
+    let answer = &ask(&tube.to_string(), Scalar::F64)[0];
+    assert_eq!(answer["status"], "no_solution");
+    assert!((answer["limit_pressure_pa"].as_f64().unwrap() / 63.5e3 - 1.0).abs() < 0.02);
+    assert!(answer["outer_radius_m"].is_null());
+}
+
+#[test]
+fn a_line_that_cannot_be_answered_says_why_and_the_others_are_answered() {
+    let no_pressure = {
+        let mut b = bender();
+        b.as_object_mut().unwrap().remove("pressure_pa");
+        b
+    };
+    let cases = [
+        ("{not json".to_owned(), "line 1"),
+        (with(bender(), "inner_radius_m", json!(9e-3)).to_string(), "outer_radius_m = 0.008 is not allowed"),
+        (with(bender(), "length_m", json!(-0.1)).to_string(), "length_m = -0.1 is not allowed: finite and > 0"),
+        (with(bender(), "presure_pa", json!(1)).to_string(), "unknown field `presure_pa`"),
+        (with(bender(), "motion", json!("wriggling")).to_string(), "unknown variant `wriggling`"),
+        (with(bender(), "target", json!({"bend_angle_rad": 1.0})).to_string(), "takes no `target`"),
+        (no_pressure.to_string(), "needs `pressure_pa`"),
+        (with(extender(), "target", json!({"bend_angle_rad": 1.0})).to_string(), "bend_angle_rad"),
+        (with(extender(), "fiber", json!({"angle_deg": 3, "families": 3, "modulus_pa": 1.0})).to_string(), "1 or 2"),
+        (
+            with(extender(), "fiber", json!({"angle_deg": 3, "families": 2, "modulus_pa": 1.0})).to_string(),
+            "thickness_m",
+        ),
+        (with(bender(), "pressure_pa", json!("30 kPa")).to_string(), "invalid type: string"),
+        ("[1, 2]".to_owned(), "line 1"),
+        ("\u{7f}\u{0}".to_owned(), "line 1"),
+        (bender().to_string().replace("30000.0", "1e999"), "out of range"),
+    ];
+    for (line, expected) in cases {
+        let answers = ask(&format!("{line}\n{}", bender()), Scalar::F64);
+        assert_eq!(answers[0]["status"], "invalid", "{line}");
+        let message = answers[0]["message"].as_str().unwrap();
+        assert!(message.contains(expected), "{line}: {message}");
+        assert_eq!(answers[1]["status"], "ok");
+    }
+}
