@@ -16,7 +16,7 @@ fn bender() -> Actuator<f64> {
         inner_radius_m: 15e-3,
         outer_radius_m: 20e-3,
         length_m: 0.1132,
-        material: Material::NeoHookean { shear_modulus_pa: 0.4e6 },
+        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
         fiber: None,
     })
     .unwrap()

@@ -158,7 +158,7 @@ fn a_deformation_that_no_pressure_reaches_keeps_the_last_pressure_and_then_fault
     bench.configure(&common::system(), &[channel]);
     bench.ticks(50);
     let first_us = bench.now_us + 20_000;
-    // A bare tube of 0.4 MPa has its limit point near an axial stretch of 1.2 to 1.4; 50 is on no branch.
+    // A bare tube of 0.2 MPa has its limit point near an axial stretch of 1.2 to 1.4; 50 is on no branch.
     for (index, value) in [1_020_000, 1_020_000, 1_020_000, 50_000_000, 50_000_000].into_iter().enumerate() {
         let ack = bench.setpoint(index as u32, first_us + index as u64 * 200_000, &[value]);
         assert_eq!(ack.result, ResultCode::Ok);

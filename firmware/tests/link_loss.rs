@@ -174,7 +174,7 @@ fn digest(bench: &Bench) -> (DeviceState, u16, u32, u16, u32) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn noise_changes_nothing_and_the_next_frame_is_understood(

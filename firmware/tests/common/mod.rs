@@ -255,7 +255,7 @@ pub(crate) fn channel(index: usize, kind: SetpointKind) -> ConfigChannel {
         inner_radius_m: 15e-3,
         outer_radius_m: 20e-3,
         length_m: 0.1132,
-        c_pa_1: 0.4e6,
+        c_pa_1: 0.2e6,
         c_pa_2: 0.0,
         c_pa_3: 0.0,
         fiber_angle_rad: 0.0,
