@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
 
-use super::source::{SCENE_BYTES_MAX, Source, Span};
+use super::source::{SCENE_BYTES_MAX, Source, Span, boundary_before};
 
 /// Most problems that are shown; the rest is counted.
 const SHOWN_MAX: usize = 20;
@@ -130,8 +130,9 @@ impl Problem {
 /// The span cut to the text and to whole characters, so that any span can be drawn.
 fn within(text: &str, span: Span) -> std::ops::Range<usize> {
     let range = span.range();
-    let start = text.floor_char_boundary(range.start);
-    start..text.ceil_char_boundary(range.end).max(start)
+    let start = boundary_before(text, range.start);
+    let end = (range.end..text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
+    start..end.max(start)
 }
 
 /// The problems of one scene, in the order of its text.

@@ -90,10 +90,15 @@ impl Source {
 
     /// Line and column (in characters) of a byte offset, both from 1.
     pub(super) fn position(&self, offset: usize) -> (usize, usize) {
-        let before = &self.text[..self.text.floor_char_boundary(offset)];
+        let before = &self.text[..boundary_before(&self.text, offset)];
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         (1 + before.matches('\n').count(), 1 + before[line_start..].chars().count())
     }
+}
+
+/// The last boundary between characters at or before an offset, within the text.
+pub(super) fn boundary_before(text: &str, offset: usize) -> usize {
+    (0..=offset.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
 }
 
 /// Reads a file, by its size on disk first: a file of 100 MB is refused before a byte of it is read.

@@ -3,7 +3,7 @@
 use super::section;
 
 section! {
-    /// The top of the file.
+    /// What the scene is called, and the tables it has.
     scene, "";
     FORMAT: Integer { name: "format", min: 1, max: 1, presence: Required } = "Version of this schema.";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name of the scene; results go to a folder of this name.";
