@@ -77,6 +77,21 @@ fn names() {
 }
 
 #[test]
+fn a_misspelled_table_is_one_problem() {
+    let typo = SCENE.replace("[[module]]", "[[modul]]");
+    let error = parse(&typo, "arm.toml").unwrap_err();
+    assert_eq!(error.to_string(), "arm.toml:17:3: unknown key `modul`");
+    assert_eq!(
+        parse(&changed("[limb]", "[limbs]"), "arm.toml").unwrap_err().to_string(),
+        "arm.toml:15:2: unknown key `limbs`"
+    );
+    let parts = parse("format = 1\nname = \"x\"\n", "x.toml").unwrap_err().render(false);
+    for header in ["[materials.NAME]", "[limb]", "[[module]]", "[[phase]]"] {
+        assert!(parts.contains(&format!("the scene has no `{header}`")), "{parts}");
+    }
+}
+
+#[test]
 fn phases() {
     let second = "targets = { upper = { axial_stretch = 1.2 } }";
     expect(&changed(second, ""), "the phase has no goal", "[[phase]]");
@@ -88,6 +103,8 @@ fn phases() {
     let start = SCENE.find("[[phase]]").unwrap();
     let error = parse(&SCENE[..start], "arm.toml").unwrap_err().render(false);
     assert!(error.starts_with("error: the scene has no `[[phase]]`"), "{error}");
+    let none = parse(&format!("phase = []\n{}", &SCENE[..start]), "arm.toml").unwrap_err().render(false);
+    assert_eq!(none, error, "an empty array is no phase");
     let many: String =
         (0..201).map(|i| format!("[[phase]]\nname = \"p{i}\"\nduration = 1\ntip = [0, 0, 0]\n")).collect();
     expect(&format!("{}{many}", &SCENE[..start]), "too many phases", "[[phase]]");

@@ -111,6 +111,14 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// Notes that a table of the top level is missing.
+    pub(super) fn no_table<T>(&self, name: &str, header: &str, help: &str) -> Option<T> {
+        if self.misspelled.contains(&name) {
+            return None;
+        }
+        self.log.note(Problem::new(format!("the scene has no `{header}`")).help(help))
+    }
+
     /// Notes a key that has no meaning here.
     pub(super) fn forbid(&self, names: &[&str], because: &str) -> Option<()> {
         let written: Vec<_> = names.iter().filter_map(|name| Some((name, self.key_span(name)?))).collect();
@@ -217,13 +225,15 @@ impl<'a> Reader<'a> {
     /// The tables of an array of tables.
     pub(super) fn tables(&self, key: &Nested, section: &'static Section) -> Option<Vec<Reader<'a>>> {
         let Some(value) = self.value(key.name) else {
-            let title = format!("the scene has no `{}`", section.header);
-            return self.log.note(Problem::new(title).help(format!("add at least one {}", section.header)));
+            return self.no_table(key.name, section.header, "add at least one");
         };
         let DeValue::Array(items) = value.get_ref() else {
             let expected = format!("an array of tables, each with the header `{}`", section.header);
             return self.log.note(wrong_type(value.span().into(), &quoted(key.name), &expected, value.get_ref()));
         };
+        if items.is_empty() {
+            return self.no_table(key.name, section.header, "add at least one");
+        }
         items.iter().map(|item| Self::open(self.log, item, section, section.header)).collect()
     }
 

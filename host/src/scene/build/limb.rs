@@ -10,7 +10,7 @@ pub(super) fn limb(root: &Reader<'_>) -> Option<Limb> {
     use schema::limb::{BASE_DIRECTION, BASE_POSITION, BASE_UP, CONNECTOR, END_EFFECTOR, SECTION};
     let name = schema::scene::LIMB.name;
     let Some(value) = root.value(name) else {
-        return root.log().note(Problem::new("the scene has no `[limb]`").help("add `[limb]` with a `connector`"));
+        return root.no_table(name, SECTION.header, "add it, with a `connector`");
     };
     let reader = Reader::open(root.log(), value, &SECTION, &quoted(name))?;
     let position = reader.vector(&BASE_POSITION);

@@ -56,7 +56,7 @@ pub(super) struct Winding {
 pub(super) fn materials<'a>(root: &Reader<'a>) -> Parts<'a, Elastomer> {
     let key = schema::scene::MATERIALS;
     if root.value(key.name).is_none() {
-        root.log().note::<()>(Problem::new("the scene has no material").help("define one under `[materials.NAME]`"));
+        root.no_table::<()>(key.name, schema::material::SECTION.header, "define a material");
     }
     Parts { kind: "material", by_name: named(root, key.name, &schema::material::SECTION, material) }
 }
