@@ -8,7 +8,7 @@
 //! assert!(error.render(false).contains("did you mean `name`?"));
 //! ```
 //!
-//! The schema is a table ([`reference`] writes it as a page), the reader follows that table, and `build` turns what it reads into
+//! The schema is a table ([`reference()`] writes it as a page), the reader follows that table, and `build` turns what it reads into
 //! a [`Scene`]. Values keep their place in the text ([`Located`]), so that a later room which finds, say, a target beyond the
 //! limit pressure can point at it with [`Scene::diagnostic`].
 //!

@@ -8,8 +8,8 @@ section! {
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
     DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Required } = "Time of the move.";
     HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
-    TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("`tip` is given") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
-    TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("`targets` is given") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
+    TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if `tip` is given") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
+    TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("none, if `targets` is given") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
 }
 
 section! {
