@@ -1,0 +1,87 @@
+//! The board around the controller: its converters read the plant, its coils drive it, its link is the line.
+
+use softlimb_firmware::{AdcCode, Board, TickInputs, TickOutputs};
+use softlimb_plant::{ChannelDrive, Drive, Plant};
+use softlimb_protocol::MAX_CHANNELS;
+
+use crate::clock::Clocks;
+use crate::line::Line;
+
+/// Bytes that the transmitter takes before they have left: what a DMA buffer holds.
+const TRANSMIT_BUFFER: usize = 256;
+
+/// Pins, converters and link, all simulated.
+#[derive(Debug)]
+pub(crate) struct SimulatedBoard {
+    pub(crate) plant: Plant,
+    pub(crate) to_device: Line,
+    pub(crate) to_host: Line,
+    pub(crate) clocks: Clocks,
+    /// Ticks begun so far: the number of the next one.
+    pub(crate) tick: u64,
+    pub(crate) emergency_stop: bool,
+    outputs: TickOutputs,
+}
+
+impl SimulatedBoard {
+    pub(crate) fn new(plant: Plant, to_device: Line, to_host: Line, clocks: Clocks) -> Self {
+        let outputs = TickOutputs::SAFE;
+        Self { plant, to_device, to_host, clocks, tick: 0, emergency_stop: false, outputs }
+    }
+
+    /// Lets the plant follow the outputs of the present tick up to the next.
+    pub(crate) fn finish_tick(&mut self) {
+        let channels =
+            self.outputs.valves.map(|valves| ChannelDrive { fill_us: valves.fill_us, vent_us: valves.vent_us });
+        self.plant.step(&Drive {
+            channels: &channels,
+            supply_open: self.outputs.supply_open,
+            pump: f64::from(self.outputs.pump_duty) / 255.0,
+        });
+        self.tick += 1;
+    }
+
+    fn now_ns(&self) -> u64 {
+        self.clocks.host_us(self.tick) * 1_000
+    }
+}
+
+impl Board for SimulatedBoard {
+    fn inputs(&mut self) -> TickInputs {
+        let mut pressure = [AdcCode(0); MAX_CHANNELS];
+        for (input, &code) in pressure.iter_mut().zip(self.plant.pressure_codes()) {
+            *input = AdcCode(code);
+        }
+        TickInputs {
+            now_us: self.clocks.device_us(self.tick),
+            pressure,
+            supply: AdcCode(self.plant.supply_code()),
+            emergency_stop: self.emergency_stop,
+        }
+    }
+
+    fn apply(&mut self, outputs: &TickOutputs) {
+        self.outputs = *outputs;
+    }
+
+    fn read_link(&mut self, into: &mut [u8]) -> usize {
+        let now_ns = self.now_ns();
+        let mut count = 0;
+        for place in into {
+            let Some(byte) = self.to_device.read(now_ns) else { break };
+            *place = byte;
+            count += 1;
+        }
+        count
+    }
+
+    fn write_link(&mut self, bytes: &[u8]) -> usize {
+        let count = bytes.len().min(self.link_room());
+        self.to_host.write(self.now_ns(), &bytes[..count]);
+        count
+    }
+
+    fn link_room(&self) -> usize {
+        TRANSMIT_BUFFER.saturating_sub(self.to_host.backlog(self.now_ns()))
+    }
+}

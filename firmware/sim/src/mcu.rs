@@ -1,0 +1,115 @@
+//! The simulated MCU as its host sees it.
+
+use softlimb_firmware::{BootInfo, Controller, turn};
+use softlimb_plant::{ChannelFault, Plant, PlantError, Truth};
+use softlimb_protocol::{BootCause, MAX_CHANNELS};
+
+use crate::board::SimulatedBoard;
+use crate::clock::Clocks;
+use crate::error::SimError;
+use crate::line::Line;
+use crate::noise::Noise;
+use crate::settings::{LineFaults, SimSettings};
+
+/// Controller, plant and line in virtual time. All times are the host's, in us from 0, unless the name says device.
+#[derive(Debug)]
+pub struct SimulatedMcu {
+    controller: Box<Controller>,
+    board: SimulatedBoard,
+    now_us: u64,
+}
+
+impl SimulatedMcu {
+    /// A device that is switched on at host time 0 with an empty limb.
+    ///
+    /// # Errors
+    /// [`SimError`] names the first setting that is not accepted.
+    pub fn new(settings: &SimSettings) -> Result<Self, SimError> {
+        settings.check()?;
+        let channels = settings.plant.channels.len();
+        if channels > MAX_CHANNELS {
+            return Err(SimError::TooManyChannels { channels, max: MAX_CHANNELS });
+        }
+        let line = |place| Line::new(settings.baud, settings.line_faults, Noise::new(settings.seed, place));
+        let clocks = Clocks::new(settings.clock_offset_us, settings.clock_drift_ppm);
+        Ok(Self {
+            controller: Box::new(Controller::new(BootInfo { cause: BootCause::PowerOn })),
+            board: SimulatedBoard::new(Plant::new(&settings.plant)?, line(0), line(1), clocks),
+            now_us: 0,
+        })
+    }
+
+    /// Host time, us.
+    pub fn now_us(&self) -> u64 {
+        self.now_us
+    }
+
+    /// Host time of the next control tick, us.
+    pub fn next_tick_us(&self) -> u64 {
+        self.board.clocks.host_us(self.board.tick)
+    }
+
+    /// Device time up to which the plant has come, us: the time that [`truth`](Self::truth) belongs to.
+    pub fn device_time_us(&self) -> u64 {
+        self.board.clocks.device_us(self.board.tick)
+    }
+
+    /// Lets time pass up to `host_us`, with every tick on the way. A time in the past changes nothing.
+    pub fn advance_to(&mut self, host_us: u64) {
+        while self.next_tick_us() <= host_us {
+            turn(&mut self.controller, &mut self.board);
+            self.board.finish_tick();
+        }
+        self.now_us = self.now_us.max(host_us);
+    }
+
+    /// Hands bytes to the line now; they reach the device at the speed of the line.
+    pub fn write(&mut self, bytes: &[u8]) {
+        self.board.to_device.write(self.now_us * 1_000, bytes);
+    }
+
+    /// Appends the bytes that have arrived from the device.
+    pub fn read(&mut self, into: &mut Vec<u8>) {
+        let now_ns = self.now_us * 1_000;
+        into.extend(std::iter::from_fn(|| self.board.to_host.read(now_ns)));
+    }
+
+    /// Whether a byte from the device has arrived.
+    pub fn is_readable(&self) -> bool {
+        self.board.to_host.is_readable(self.now_us * 1_000)
+    }
+
+    /// What is really going on, air used included. Solves every actuator: ask no more often than needed.
+    pub fn truth(&self) -> Truth {
+        self.board.plant.truth()
+    }
+
+    /// The controller, for tests: a real host sees it only through the link.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// Presses or releases the emergency stop.
+    pub fn set_emergency_stop(&mut self, pressed: bool) {
+        self.board.emergency_stop = pressed;
+    }
+
+    /// Changes what the line does to bytes handed over from now on, each way.
+    ///
+    /// # Errors
+    /// [`SimError::OutOfRange`] for a probability outside 0..=1.
+    pub fn set_line_faults(&mut self, faults: LineFaults) -> Result<(), SimError> {
+        faults.check()?;
+        self.board.to_device.set_faults(faults);
+        self.board.to_host.set_faults(faults);
+        Ok(())
+    }
+
+    /// Breaks a part of the plant from the next tick on.
+    ///
+    /// # Errors
+    /// [`PlantError`] when there is no such channel or the fault is out of range.
+    pub fn inject(&mut self, channel: usize, fault: ChannelFault) -> Result<(), PlantError> {
+        self.board.plant.inject(channel, fault)
+    }
+}
