@@ -138,6 +138,35 @@ fn a_log_cut_off_anywhere_gives_its_beginning() {
 }
 
 #[test]
+fn no_flipped_bit_goes_unnoticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut run = synthetic_run::run();
+    run.samples.truncate(60);
+    run.shapes.truncate(2);
+    write(&run, &path);
+    let whole = std::fs::read(&path).unwrap();
+    for (place, bit) in (0..whole.len()).step_by(131).zip((0..8).cycle()) {
+        let mut bytes = whole.clone();
+        bytes[place] ^= 1 << bit;
+        std::fs::write(&path, bytes).unwrap();
+        if let Ok(read) = record::read(&path) {
+            assert!(read.incomplete.is_some(), "bit {bit} of byte {place} of {}", whole.len());
+            assert!(run.samples.starts_with(&read.samples), "bit {bit} of byte {place}");
+        }
+    }
+}
+
+#[test]
+fn channels_that_no_device_has_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut info = synthetic_run::info();
+    info.modules[1].channels = 0..usize::MAX;
+    let error = Recorder::create(folder.path().join("run.mcap"), &info).unwrap_err();
+    assert!(error.to_string().contains("\"elbow\""), "{error}");
+}
+
+#[test]
 fn a_flipped_bit_ends_the_log_there_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
@@ -166,8 +195,9 @@ fn what_is_no_log_is_refused_in_words() {
         assert!(matches!(record::read(&path), Err(RecordError::NotMcap { .. })), "{content:?}");
     }
 
-    let foreign = mcap::Writer::new(std::fs::File::create(&path).unwrap()).unwrap().finish();
-    assert!(foreign.is_ok());
+    // Magic and a header with empty profile and library: how any MCAP file begins.
+    let foreign = [&b"\x89MCAP0\r\n"[..], &[1, 8, 0, 0, 0, 0, 0, 0, 0], &[0; 8]].concat();
+    std::fs::write(&path, foreign).unwrap();
     assert!(matches!(record::read(&path), Err(RecordError::NotARun { .. })));
 }
 

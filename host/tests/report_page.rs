@@ -121,6 +121,14 @@ fn a_log_of_nothing_still_makes_a_page() {
 }
 
 #[test]
+fn the_states_of_the_device_are_told() {
+    let mut run = synthetic_run::run();
+    run.samples[0].state = 1;
+    run.samples[1500..].iter_mut().for_each(|sample| sample.state = 3);
+    assert!(html(&run).contains("Device: ready from 0.000 s, running from 0.010 s, holding from 15.000 s."));
+}
+
+#[test]
 fn one_sample_is_drawn_as_a_dot() {
     let mut run = synthetic_run::run();
     run.samples.truncate(1);

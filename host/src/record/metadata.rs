@@ -1,7 +1,7 @@
 //! The two metadata records of a log, written and read: what is known before a run
 //! and what is known after it.
 
-use super::{LinkSummary, RecordError, RunInfo};
+use super::{LinkSummary, ModuleInfo, RecordError, RunInfo};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
@@ -46,7 +46,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
     if found != super::FORMAT_VERSION {
         return Err(RecordError::Version { path: path.to_owned(), found: found.to_owned() });
     }
-    Ok(RunInfo {
+    let info = RunInfo {
         scene_name: fields.text("scene")?.to_owned(),
         scene_text,
         tool_version: fields.text("tool_version")?.to_owned(),
@@ -58,7 +58,9 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         modules: fields.json("modules")?,
         phases: fields.json("phases")?,
         simulated: fields.parse("simulated")?,
-    })
+    };
+    check_modules(&info)?;
+    Ok(info)
 }
 
 /// Reads link counters and wall-clock time in s.
@@ -68,6 +70,23 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
 pub(super) fn read_end(end: &Metadata) -> Result<(LinkSummary, Option<f64>), RecordError> {
     let fields = Fields { name: super::END_METADATA, fields: end };
     Ok((fields.json("link")?, fields.json("wall_s")?))
+}
+
+/// Refuses modules whose channels no device can have: they are numbered by a byte.
+///
+/// # Errors
+/// [`RecordError::Metadata`].
+pub(super) fn check_modules(info: &RunInfo) -> Result<(), RecordError> {
+    let possible = |module: &ModuleInfo| {
+        module.channels.start <= module.channels.end && module.channels.end <= usize::from(u8::MAX)
+    };
+    match info.modules.iter().find(|module| !possible(module)) {
+        Some(ModuleInfo { name, channels, .. }) => Err(RecordError::Metadata {
+            name: super::RUN_METADATA,
+            reason: format!("module {name:?} has channels {channels:?}; they end at 255 at most"),
+        }),
+        None => Ok(()),
+    }
 }
 
 /// A metadata record, read field by field.

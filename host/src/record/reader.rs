@@ -37,7 +37,11 @@ fn for_each_record(
     mut take: impl FnMut(Record<'_>) -> Result<(), RecordError>,
 ) -> Result<Option<mcap::McapError>, RecordError> {
     let mut reader = LinearReader::new_with_options(
-        LinearReaderOptions::default().with_record_length_limit(bytes.len()).with_prevalidate_chunk_crcs(true),
+        LinearReaderOptions::default()
+            .with_record_length_limit(bytes.len())
+            .with_prevalidate_chunk_crcs(true)
+            .with_validate_data_section_crc(true)
+            .with_validate_summary_section_crc(true),
     );
     let mut rest = bytes;
     while let Some(event) = reader.next_event() {

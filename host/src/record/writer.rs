@@ -1,7 +1,7 @@
 //! Writes a run while it happens.
 
 use super::messages::{Truth, encode_deformation, encode_fault, encode_shape, encode_telemetry};
-use super::metadata::{end_metadata, run_metadata};
+use super::metadata::{check_modules, end_metadata, run_metadata};
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
 use super::topics::Topics;
 use super::{FaultRecord, LinkSummary, RecordError, RunInfo, Sample, Shape};
@@ -35,9 +35,11 @@ impl Recorder {
     /// is finished.
     ///
     /// # Errors
+    /// [`RecordError::Metadata`] when a module has impossible channels,
     /// [`RecordError::File`] when the partial file cannot be created,
     /// [`RecordError::Container`] when its opening cannot be written.
     pub fn create(path: impl AsRef<Path>, info: &RunInfo) -> Result<Self, RecordError> {
+        check_modules(info)?;
         let path = path.as_ref().to_owned();
         let partial = partial_path(&path);
         let file = File::create(&partial).map_err(RecordError::file("create", &partial))?;

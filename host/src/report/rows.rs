@@ -3,7 +3,7 @@
 
 use super::stats::ErrorStats;
 use super::{ModuleSummary, Summary};
-use crate::record::FaultRecord;
+use crate::record::{FaultRecord, RunLog};
 use serde::Serialize;
 
 /// Shown where nothing was observed.
@@ -103,6 +103,26 @@ pub(super) fn fault(fault: &FaultRecord) -> String {
         channel => format!("channel {channel}"),
     };
     format!("{:.3} s, {place}: {} (code {}, value {})", fault.time_s, fault.text, fault.code, fault.value)
+}
+
+/// Device states in order, each with the time from which it held.
+pub(super) fn states(log: &RunLog) -> Vec<String> {
+    let changes = log.samples.chunk_by(|a, b| a.state == b.state);
+    let starts = changes.filter_map(|samples| samples.first());
+    starts.map(|sample| format!("{} from {:.3} s", state_name(sample.state), sample.time_s)).collect()
+}
+
+/// Name of a device state, as the wire interface numbers them.
+fn state_name(state: u8) -> &'static str {
+    match state {
+        0 => "idle",
+        1 => "ready",
+        2 => "running",
+        3 => "holding",
+        4 => "venting",
+        5 => "faulted",
+        _ => "unknown",
+    }
 }
 
 /// A label with its unit, as on an axis.
