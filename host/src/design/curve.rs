@@ -1,0 +1,129 @@
+//! The states of one actuator over its pressure range, solved once and interpolated.
+
+use fra_model::{Actuator, Load, State, Status};
+
+/// Nodes of the curve; cubic interpolation between them.
+const NODES: usize = 257;
+
+/// States at evenly spaced pressures from zero to the highest the branch reaches below the module's limit.
+#[derive(Clone, Debug)]
+pub struct StateCurve {
+    states: Vec<State<f64>>,
+    step_pa: f64,
+}
+
+impl StateCurve {
+    /// Solves the curve of an unloaded actuator up to `pressure_max_pa`, or to just below its limit point.
+    pub fn new(actuator: &Actuator<f64>, pressure_max_pa: f64) -> Self {
+        let reach = reachable_pressure(actuator, pressure_max_pa);
+        let step_pa = reach / (NODES - 1) as f64;
+        let mut states = vec![actuator.rest()];
+        for node in 1..NODES {
+            let start = states[node - 1];
+            let pressure_pa = step_pa * node as f64;
+            match actuator.forward_from(&start, pressure_pa, &Load::none()) {
+                Ok(solution) if solution.status == Status::Solved => states.push(solution.state),
+                _ => break,
+            }
+        }
+        Self { states, step_pa }
+    }
+
+    /// The highest pressure of the curve, gauge Pa.
+    pub fn pressure_max_pa(&self) -> f64 {
+        self.step_pa * (self.states.len() - 1) as f64
+    }
+
+    /// The states at the nodes, from rest upwards.
+    pub fn states(&self) -> &[State<f64>] {
+        &self.states
+    }
+
+    /// The state at a gauge pressure, clamped to the curve's ends.
+    pub fn at(&self, pressure_pa: f64) -> State<f64> {
+        let last = self.states.len() - 1;
+        let position = (pressure_pa / self.step_pa).clamp(0.0, last as f64);
+        let cell = (position as usize).min(last.saturating_sub(1));
+        let share = position - cell as f64;
+        let node = |offset: isize| &self.states[cell.saturating_add_signed(offset).min(last)];
+        let neighbours = [node(-1), node(0), node(1), node(2)];
+        let (at_start, at_end) = (cell == 0, cell + 2 > last);
+        let blend = |field: fn(&State<f64>) -> f64| cubic(neighbours.map(field), share, at_start, at_end);
+        State {
+            pressure_pa: blend(|s| s.pressure_pa),
+            axial_stretch: blend(|s| s.axial_stretch),
+            inner_radius_m: blend(|s| s.inner_radius_m),
+            outer_radius_m: blend(|s| s.outer_radius_m),
+            twist_rad: blend(|s| s.twist_rad),
+            bend_angle_rad: blend(|s| s.bend_angle_rad),
+            volume_m3: blend(|s| s.volume_m3),
+            compliance_m3_per_pa: blend(|s| s.compliance_m3_per_pa),
+        }
+    }
+}
+
+/// Cubic Hermite between the two middle values with central slopes; one-sided ones at the ends.
+fn cubic([a, b, c, d]: [f64; 4], t: f64, at_start: bool, at_end: bool) -> f64 {
+    let slope_b = if at_start { 2.0 * (c - b) - 0.5 * (if at_end { c - b } else { d - b }) } else { 0.5 * (c - a) };
+    let slope_c = if at_end { 2.0 * (c - b) - 0.5 * (if at_start { c - b } else { c - a }) } else { 0.5 * (d - b) };
+    let (t2, t3) = (t * t, t * t * t);
+    b * (2.0 * t3 - 3.0 * t2 + 1.0) + slope_b * (t3 - 2.0 * t2 + t) + c * (3.0 * t2 - 2.0 * t3) + slope_c * (t3 - t2)
+}
+
+/// The module's limit, or a little below the actuator's limit point where that comes first.
+fn reachable_pressure(actuator: &Actuator<f64>, pressure_max_pa: f64) -> f64 {
+    match actuator.forward(pressure_max_pa, &Load::none()) {
+        Ok(solution) if solution.status == Status::Solved => pressure_max_pa,
+        Ok(solution) => solution.limit_pressure_pa.map_or(0.0, |limit| 0.98 * limit.clamp(0.0, pressure_max_pa)),
+        Err(_) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
+
+    use super::*;
+
+    fn parameters(motion: Motion, angle_deg: f64) -> ActuatorParameters<f64> {
+        ActuatorParameters {
+            motion,
+            inner_radius_m: 10e-3,
+            outer_radius_m: 14e-3,
+            length_m: 0.24,
+            material: Material::NeoHookean { shear_modulus_pa: 0.223e6 },
+            fiber: Some(Fiber {
+                angle_rad: angle_deg.to_radians(),
+                families: if motion == Motion::Twisting { Families::One } else { Families::Two },
+                modulus_pa: 361e6,
+                placement: Placement::Sheet,
+                thickness_m: 0.178e-3,
+                radius_m: 14e-3,
+            }),
+        }
+    }
+
+    #[test]
+    fn the_curve_is_the_model_between_its_nodes() {
+        for (motion, angle) in [(Motion::Extension, 3.0), (Motion::Twisting, 28.0), (Motion::Bending, 0.0)] {
+            let actuator = Actuator::new(&parameters(motion, angle)).unwrap();
+            let curve = StateCurve::new(&actuator, 60e3);
+            for pressure_pa in [0.0, 50.0, 777.0, 12_345.0, 31_234.0, 59_990.0, 60e3] {
+                let exact = actuator.forward(pressure_pa, &Load::none()).unwrap().state;
+                let found = curve.at(pressure_pa);
+                assert!((found.axial_stretch - exact.axial_stretch).abs() < 1e-7, "{motion:?} {pressure_pa}");
+                assert!((found.bend_angle_rad - exact.bend_angle_rad).abs() < 1e-6);
+                assert!((found.twist_rad - exact.twist_rad).abs() < 1e-6);
+                assert!((found.volume_m3 / exact.volume_m3 - 1.0).abs() < 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn the_curve_ends_below_the_limit_point() {
+        let actuator = Actuator::new(&parameters(Motion::Expansion, 90.0)).unwrap();
+        let limit = actuator.forward(1e6, &Load::none()).unwrap().limit_pressure_pa.unwrap();
+        let curve = StateCurve::new(&actuator, 1e6);
+        assert!(curve.pressure_max_pa() < limit && curve.pressure_max_pa() > 0.95 * limit);
+    }
+}

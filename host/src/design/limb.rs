@@ -1,0 +1,180 @@
+//! The limb of a scene: its modules with their solvers, its base and its kinematics.
+
+use std::ops::Range;
+
+use fra_model::{Actuator, InvalidParameter, Link, Motion, Segment, State, Target};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use super::StateCurve;
+use crate::scene::{Module, Scene, SceneError, SetpointKind};
+
+/// Points per module on the drawn centre line.
+const BACKBONE_POINTS: usize = 12;
+
+/// One module: a bundle of equal actuators and the rigid part behind it.
+#[derive(Clone, Debug)]
+pub struct LimbModule {
+    /// Its name in the scene.
+    pub name: String,
+    /// What its actuators do.
+    pub motion: Motion,
+    /// What its setpoints mean.
+    pub kind: SetpointKind,
+    /// The channels of its actuators.
+    pub channels: Range<usize>,
+    /// Highest gauge pressure the scene allows, Pa.
+    pub pressure_max_pa: f64,
+    /// The solver of one actuator.
+    pub actuator: Actuator<f64>,
+    /// Its states over the pressure range.
+    pub curve: StateCurve,
+    length_m: f64,
+    circle_radius_m: f64,
+    mount_angle_rad: f64,
+    rigid_length_m: f64,
+}
+
+/// A limb that can be asked for its shape.
+#[derive(Clone, Debug)]
+pub struct Limb {
+    base: Isometry3<f64>,
+    modules: Vec<LimbModule>,
+}
+
+/// The value of a state in the terms of a setpoint.
+pub fn measure(kind: SetpointKind, state: &State<f64>) -> f64 {
+    match kind {
+        SetpointKind::Pressure => state.pressure_pa,
+        SetpointKind::AxialStretch => state.axial_stretch,
+        SetpointKind::OuterRadius => state.outer_radius_m,
+        SetpointKind::InnerRadius => state.inner_radius_m,
+        SetpointKind::Twist => state.twist_rad,
+        SetpointKind::BendAngle => state.bend_angle_rad,
+    }
+}
+
+impl LimbModule {
+    /// The setpoint as a target of the inverse model; `None` for a pressure, which needs no inverse.
+    pub fn target(&self, value: f64) -> Option<Target<f64>> {
+        match self.kind {
+            SetpointKind::Pressure => None,
+            SetpointKind::AxialStretch => Some(Target::AxialStretch(value)),
+            SetpointKind::OuterRadius => Some(Target::OuterRadius(value)),
+            SetpointKind::InnerRadius => Some(Target::InnerRadius(value)),
+            SetpointKind::Twist => Some(Target::Twist(value)),
+            SetpointKind::BendAngle => Some(Target::BendAngle(value)),
+        }
+    }
+
+    /// The setpoint value of a state.
+    pub fn measure(&self, state: &State<f64>) -> f64 {
+        measure(self.kind, state)
+    }
+
+    /// Setpoint values at rest and at the highest reachable pressure.
+    pub fn range(&self) -> (f64, f64) {
+        let states = self.curve.states();
+        (self.measure(&states[0]), self.measure(&states[states.len() - 1]))
+    }
+
+    /// The module's link in a state; a bundle that cannot take the twist keeps its rest shape.
+    fn link(&self, state: &State<f64>) -> Link<f64> {
+        let segment = Segment::of_bundle(self.motion, self.length_m, self.circle_radius_m, state).unwrap_or(Segment {
+            length_m: self.length_m,
+            bend_angle_rad: 0.0,
+            twist_rad: 0.0,
+        });
+        Link { segment, mount_angle_rad: self.mount_angle_rad, rigid_length_m: self.rigid_length_m }
+    }
+}
+
+impl Limb {
+    /// Builds the limb of a scene.
+    ///
+    /// # Errors
+    /// A diagnostic at the module whose actuator the model refuses.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let limb = scene.limb();
+        let count = scene.modules().len();
+        let mut first_channel = 0;
+        let mut modules = Vec::with_capacity(count);
+        for (index, module) in scene.modules().iter().enumerate() {
+            let tool_m = limb.end_effector.as_ref().filter(|_| index + 1 == count).map_or(0.0, |tool| tool.length_m);
+            let channels = first_channel..first_channel + usize::from(module.actuators);
+            first_channel = channels.end;
+            modules.push(build_module(scene, module, channels, limb.connector_length_m + tool_m)?);
+        }
+        Ok(Self { base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up), modules })
+    }
+
+    /// The modules from the base outwards.
+    pub fn modules(&self) -> &[LimbModule] {
+        &self.modules
+    }
+
+    /// Number of channels of all modules.
+    pub fn channels(&self) -> usize {
+        self.modules.last().map_or(0, |module| module.channels.end)
+    }
+
+    /// Pose of the tip with the modules in the given states, in the scene's frame.
+    pub fn tip_pose<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Isometry3<f64> {
+        let links = self.modules.iter().zip(states).map(|(module, state)| module.link(state));
+        fra_model::tip_pose(&self.base, links)
+    }
+
+    /// Position of the tip, m.
+    pub fn tip<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> [f64; 3] {
+        self.tip_pose(states).translation.vector.into()
+    }
+
+    /// Points along the centre line from the base to the tip, m.
+    pub fn backbone<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Vec<[f64; 3]> {
+        let mut pose = self.base;
+        let mut points = vec![pose.translation.vector.into()];
+        for (module, state) in self.modules.iter().zip(states) {
+            let link = module.link(state);
+            for step in 1..=BACKBONE_POINTS {
+                let share = step as f64 / BACKBONE_POINTS as f64;
+                points.push((pose * link.pose_at(share)).translation.vector.into());
+            }
+            pose *= link.pose();
+            points.push((pose * Point3::origin()).coords.into());
+        }
+        points
+    }
+}
+
+fn build_module(
+    scene: &Scene,
+    module: &Module,
+    channels: Range<usize>,
+    rigid_length_m: f64,
+) -> Result<LimbModule, SceneError> {
+    let actuator = Actuator::new(&module.actuator()).map_err(|error: InvalidParameter<f64>| {
+        scene.diagnostic(module.span, "the model cannot take this actuator", &error.to_string(), None)
+    })?;
+    Ok(LimbModule {
+        name: module.name.to_string(),
+        motion: *module.motion,
+        kind: module.setpoint_kind,
+        channels,
+        pressure_max_pa: *module.pressure_max_pa,
+        curve: StateCurve::new(&actuator, *module.pressure_max_pa),
+        actuator,
+        length_m: *module.length_m,
+        circle_radius_m: module.circle_radius_m,
+        mount_angle_rad: module.mount_angle_rad,
+        rigid_length_m,
+    })
+}
+
+/// The frame whose `z` is the direction of the limb and whose `x`, towards which modules bend, is as near to `up` as can be.
+fn base_pose(position_m: [f64; 3], direction: [f64; 3], up: [f64; 3]) -> Isometry3<f64> {
+    let z = Vector3::from(direction).normalize();
+    let up = Vector3::from(up);
+    let x = (up - z * z.dot(&up)).normalize();
+    let axes = Matrix3::from_columns(&[x, z.cross(&x), z]);
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    Isometry3::from_parts(Translation3::from(Vector3::from(position_m)), rotation)
+}

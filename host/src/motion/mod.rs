@@ -1,0 +1,12 @@
+//! From the phases of a scene to the setpoints that are streamed: targets, way-points, timing, and what the device is told.
+
+mod configuration;
+mod inverse_kinematics;
+mod plan;
+mod profile;
+mod wire;
+
+pub use configuration::{DeviceConfiguration, configuration};
+pub use inverse_kinematics::{Reach, solve_tip};
+pub use plan::{Plan, PlannedPhase, plan};
+pub use wire::wire_kind;
