@@ -16,7 +16,7 @@ const GAIN_NOISE_PA: f32 = 700.0;
 const DRIFT_RATE: f32 = 0.25;
 
 /// Largest drift believed, Pa/s: leaks, heat, and the motion of the limb.
-const DRIFT_MAX_PA_PER_S: f32 = 60_000.0;
+const DRIFT_MAX_PA_PER_S: f32 = 40_000.0;
 
 /// Time after which an estimate of the drift that nothing confirms has lost `1 - 1/e` of its value, s.
 const DRIFT_MEMORY_S: f32 = 0.3;
@@ -32,8 +32,12 @@ const MARGIN_DOWN_US: u32 = 10;
 /// Share of the expected effect below which a pulse counts as not having opened the valve.
 const NO_EFFECT: f32 = 0.25;
 
-/// Smallest expected effect by which that is judged, Pa.
+/// Smallest expected effect by which that is judged, Pa, and in multiples of the channel's unrest.
 const JUDGED_EFFECT_PA: f32 = 300.0;
+const JUDGED_UNREST: f32 = 3.0;
+
+/// Share of a surprise that the unrest takes.
+const UNREST_RATE: f32 = 0.1;
 
 /// What was learned about one valve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +50,9 @@ impl Learned {
     const NOTHING: Self = Self { gain: 1.0, margin_us: MARGIN_START_US };
 
     /// `surprise_pa` is what the pulse did beyond `expected_pa`; both signed. False if the pulse did not open the valve.
-    fn learn(&mut self, effect: &Effect, expected_pa: f32, surprise_pa: f32) -> bool {
-        let missing = expected_pa.abs() > JUDGED_EFFECT_PA && surprise_pa / expected_pa < NO_EFFECT - 1.0;
+    fn learn(&mut self, effect: &Effect, expected_pa: f32, surprise_pa: f32, unrest_pa: f32) -> bool {
+        let judged = expected_pa.abs() > JUDGED_EFFECT_PA.max(JUDGED_UNREST * unrest_pa);
+        let missing = judged && surprise_pa / expected_pa < NO_EFFECT - 1.0;
         if effect.coil_beyond_delay_us < MARGIN_MAX_US {
             if missing {
                 self.margin_us = (self.margin_us + MARGIN_UP_US).min(MARGIN_MAX_US);
@@ -68,6 +73,8 @@ pub struct Adaptation {
     fill: Learned,
     vent: Learned,
     drift_pa_per_s: f32,
+    /// Mean size of the surprises, Pa: what disturbs the channel from outside.
+    unrest_pa: f32,
 }
 
 /// What happened in one control period.
@@ -88,7 +95,7 @@ pub struct Effect {
 impl Adaptation {
     /// Nothing learned: gains 1, no drift.
     pub const fn new() -> Self {
-        Self { fill: Learned::NOTHING, vent: Learned::NOTHING, drift_pa_per_s: 0.0 }
+        Self { fill: Learned::NOTHING, vent: Learned::NOTHING, drift_pa_per_s: 0.0, unrest_pa: 0.0 }
     }
 
     /// Real over modelled effect of a pulse, `0.3..=3`.
@@ -113,11 +120,12 @@ impl Adaptation {
         let expected_pa = gain * effect.modelled_pa;
         let surprise_pa = effect.measured_pa - expected_pa - self.drift_pa_per_s * effect.duration_s;
         let opened = match effect.pulse {
-            Some(Direction::Fill) => self.fill.learn(effect, expected_pa, surprise_pa),
-            Some(Direction::Vent) => self.vent.learn(effect, expected_pa, surprise_pa),
+            Some(Direction::Fill) => self.fill.learn(effect, expected_pa, surprise_pa, self.unrest_pa),
+            Some(Direction::Vent) => self.vent.learn(effect, expected_pa, surprise_pa, self.unrest_pa),
             None => true,
         };
         if opened {
+            self.unrest_pa += UNREST_RATE * (surprise_pa.abs() - self.unrest_pa);
             self.learn_drift(effect, surprise_pa);
         }
     }

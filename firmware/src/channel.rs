@@ -236,17 +236,17 @@ impl Channel {
         self.decision_due = true;
     }
 
-    /// Decides when the sample is fit for it, and cuts the pulse into ticks.
+    /// Decides when the sample is fit for it and half of the period is left, and cuts the pulse into ticks.
     fn pulse(&mut self, context: &TickContext, config: &ChannelConfig) -> ValvePulse {
         let pneumatics = &context.system.pneumatics;
         if let Some(reference) = self.reference
             && self.decision_due
-            && self.control.is_due(context.now_us, pneumatics)
+            && reference.rest_us(context.now_us) >= reference.period_us / 2
+            && self.control.is_due(context.now_us, pneumatics.timing, self.sensor.step_pa())
         {
             self.decision_due = false;
             let input = LoopInput {
                 now_us: context.now_us,
-                period_us: context.system.control_period_us(),
                 sensor_pa: self.pressure_pa(),
                 sensor_trusted: !self.sensor.is_implausible(),
                 supply_pa: context.supply_pa,
@@ -261,7 +261,7 @@ impl Channel {
     /// How far the manifold may read above the chamber, Pa: the line drop while filling and until it has settled.
     fn line_drop_pa(&self, context: &TickContext, config: &ChannelConfig) -> f32 {
         let pneumatics = &context.system.pneumatics;
-        if self.control.is_settled(context.now_us, pneumatics) {
+        if !self.control.is_line_moving(context.now_us, pneumatics.timing) {
             return 0.0;
         }
         let (chamber, pressure_pa) = (self.inverse.chamber(config), self.pressure_pa());

@@ -7,10 +7,15 @@
 use crate::adapt::{Adaptation, Effect};
 use crate::gas::Chamber;
 use crate::pneumatics::Pneumatics;
-use crate::valve::{Direction, ValvePair};
+use crate::valve::{Direction, ValvePair, ValveTiming};
 
-/// Time after a valve has closed until the manifold reads the chamber's pressure, us: the line has emptied into the chamber.
-const SETTLE_US: u32 = 4_000;
+/// Time after a valve has closed until the manifold reads the chamber's pressure, us: the line empties into the chamber. At least,
+/// if the reading stands still then, and at most.
+const SETTLE_MIN_US: u32 = 3_000;
+const SETTLE_MAX_US: u32 = 9_000;
+
+/// Change from one sample to the next below which a reading stands still, Pa: above the noise, below the end of a settling line.
+const STILL_PA: f32 = 250.0;
 
 /// Share of the shortest pulse's effect within which the error is left alone.
 const DEADBAND: f32 = 0.55;
@@ -26,8 +31,6 @@ const RATE_MIN_PA_PER_S: f32 = 500.0;
 pub struct LoopInput<'a> {
     /// Time of the sample, us.
     pub now_us: u64,
-    /// Length of the control period, us.
-    pub period_us: u32,
     /// Gauge pressure at the manifold, Pa; the last good one where the sensor is not trusted.
     pub sensor_pa: f32,
     /// Whether the sensor can be believed. Otherwise the pressure is reckoned from the pulses.
@@ -59,6 +62,11 @@ impl Reference {
         let elapsed = time_us.saturating_sub(self.start_us).min(u64::from(self.period_us));
         let share = elapsed as f32 / self.period_us.max(1) as f32;
         self.start_pa + (self.end_pa - self.start_pa) * share
+    }
+
+    /// Time from `now_us` to the end of the period, us.
+    pub fn rest_us(&self, now_us: u64) -> u32 {
+        self.period_us.saturating_sub(u32::try_from(now_us.saturating_sub(self.start_us)).unwrap_or(u32::MAX))
     }
 }
 
@@ -122,15 +130,24 @@ impl PressureLoop {
         self.last = None;
     }
 
-    /// Whether the sample of this tick is fit for a decision: valves closed and settled, or open with a steady flow.
-    pub fn is_due(&self, now_us: u64, pneumatics: &Pneumatics) -> bool {
-        self.open_since_last(now_us).is_some() || self.is_settled(now_us, pneumatics)
+    /// Whether the sample of this tick is fit for a decision: valves closed and line settled, or open from the last period on.
+    /// `step_pa` is the change of the reading from the last sample, Pa.
+    pub fn is_due(&self, now_us: u64, timing: ValveTiming, step_pa: f32) -> bool {
+        let closed_us = self.closed_for_us(now_us, timing);
+        let still = step_pa.abs() < STILL_PA;
+        let settled = closed_us >= SETTLE_MAX_US || (closed_us >= SETTLE_MIN_US && still);
+        self.open_since_last(now_us).is_some() || settled
     }
 
-    /// Whether the valves have been closed for so long that the manifold reads the chamber's pressure.
-    pub fn is_settled(&self, now_us: u64, pneumatics: &Pneumatics) -> bool {
-        let settling = u64::from(pneumatics.timing.off_delay_us + SETTLE_US);
-        now_us >= self.valves.closed_at_us().saturating_add(settling)
+    /// Whether air may still move in the line, so that the manifold does not read the chamber's pressure.
+    pub fn is_line_moving(&self, now_us: u64, timing: ValveTiming) -> bool {
+        self.closed_for_us(now_us, timing) < SETTLE_MAX_US
+    }
+
+    /// Time for which the valves have been closed, us.
+    fn closed_for_us(&self, now_us: u64, timing: ValveTiming) -> u32 {
+        let closed_at_us = self.valves.closed_at_us().saturating_add(u64::from(timing.off_delay_us));
+        u32::try_from(now_us.saturating_sub(closed_at_us)).unwrap_or(u32::MAX)
     }
 
     /// Decides on one control period: learns from the last pulse and sets the coils.
@@ -203,7 +220,7 @@ impl PressureLoop {
 
     fn plan(&self, input: &LoopInput, reference: &Reference, pressure_pa: f32, open: Option<Direction>) -> Plan {
         let opening_us = if open.is_some() { 0 } else { input.pneumatics.timing.on_delay_us };
-        let preview_us = opening_us + input.period_us / 2;
+        let preview_us = opening_us + reference.rest_us(input.now_us) / 2;
         let first = self.pulse_model(input, reference, pressure_pa, preview_us);
         // A ramp is followed without bias when the pulse aims at the middle of the rest plus half the pulse.
         let wanted = self.pulse_model(input, reference, pressure_pa, preview_us + first.open_time_us() / 2);
@@ -233,6 +250,7 @@ impl PressureLoop {
             change_pa,
             gain: self.adaptation.gain(direction),
             margin_us: self.adaptation.margin_us(direction),
+            rest_us: reference.rest_us(input.now_us),
         }
     }
 }
@@ -262,6 +280,7 @@ struct PulseModel<'a> {
     change_pa: f32,
     gain: f32,
     margin_us: u32,
+    rest_us: u32,
 }
 
 impl PulseModel<'_> {
@@ -293,14 +312,13 @@ impl PulseModel<'_> {
         (DEADBAND * self.gain * self.effect_pa(self.direction, shortest_us).abs()).max(DEADBAND_MIN_PA)
     }
 
-    /// Coil time within this period, from a closed valve or one that is open in the wanted direction.
+    /// Coil time until the end of the period, from a closed valve or one that is open in the wanted direction.
     fn plan(&self, is_open: bool) -> Plan {
         let timing = self.input.pneumatics.timing;
-        let period_us = self.input.period_us;
-        let open_us = self.open_time_us().min(2 * period_us);
+        let open_us = self.open_time_us().min(2 * self.rest_us);
         let coil_us = if is_open { timing.coil_rest_us(open_us) } else { timing.coil_us(open_us, self.margin_us) };
-        let ends_open = coil_us >= period_us;
-        let coil_us = coil_us.min(period_us);
+        let ends_open = coil_us >= self.rest_us;
+        let coil_us = coil_us.min(self.rest_us);
         let opening_us = if is_open { 0 } else { timing.on_delay_us };
         let closing_us = if ends_open { 0 } else { timing.off_delay_us };
         Plan {

@@ -52,6 +52,7 @@ impl SensorScale {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
     raw_pa: f32,
+    step_pa: f32,
     zero_pa: f32,
     implausible: bool,
     against: u8,
@@ -60,15 +61,17 @@ pub struct Sensor {
 impl Sensor {
     /// A sensor nobody has read yet: implausible until three good samples.
     pub const fn new() -> Self {
-        Self { raw_pa: 0.0, zero_pa: 0.0, implausible: true, against: 0 }
+        Self { raw_pa: 0.0, step_pa: 0.0, zero_pa: 0.0, implausible: true, against: 0 }
     }
 
     /// Takes one sample. A sample outside the band leaves the pressure at its last good value.
     pub fn sample(&mut self, scale: &SensorScale, code: AdcCode) {
         let plausible = scale.is_plausible(code);
+        let before_pa = self.raw_pa;
         if plausible {
             self.raw_pa = scale.pressure_pa(code);
         }
+        self.step_pa = self.raw_pa - before_pa;
         if plausible == self.implausible {
             self.against += 1;
         } else {
@@ -83,6 +86,11 @@ impl Sensor {
     /// Calibrated gauge pressure of the last plausible sample, Pa.
     pub fn pressure_pa(&self) -> f32 {
         self.raw_pa - self.zero_pa
+    }
+
+    /// Change from the last sample to this one, Pa.
+    pub fn step_pa(&self) -> f32 {
+        self.step_pa
     }
 
     /// Uncalibrated gauge pressure of the last plausible sample, Pa.

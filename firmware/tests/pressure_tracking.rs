@@ -42,12 +42,14 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
     let mut rig = Rig::new(truth, start_pa);
     let mut control = PressureLoop::new();
     let mut segment = None;
+    let mut sensor_pa = 0.0;
     let (mut square, mut max, mut trace) = (0.0_f64, 0.0_f64, Vec::new());
     let ticks = (seconds * 1e3) as u64;
     for tick in 0..ticks {
         let now_us = tick * 1_000;
         let share = 0.1 + 0.8 * rig.manifold_pa() / 206_843.0;
-        let sensor_pa = scale.pressure_pa(AdcCode((share * 4095.0).round() as u16));
+        let before_pa = sensor_pa;
+        sensor_pa = scale.pressure_pa(AdcCode((share * 4095.0).round() as u16));
         if tick % 20 == 0 {
             let at = |us: u64| reference(us as f64 * 1e-6) as f32;
             segment = Some(Reference {
@@ -58,12 +60,11 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
             });
         }
         if let Some(wanted) = segment
-            && control.is_due(now_us, &pneumatics)
+            && control.is_due(now_us, pneumatics.timing, sensor_pa - before_pa)
         {
             let chamber = chamber(wanted.end_pa);
             let input = LoopInput {
                 now_us,
-                period_us: PERIOD_US,
                 sensor_pa,
                 sensor_trusted: true,
                 supply_pa: SUPPLY_PA as f32,
@@ -184,7 +185,6 @@ fn the_direction_of_a_pulse_is_that_of_the_error() {
         let reference = Reference { start_us: 1_000_000, start_pa: wanted_pa, period_us: PERIOD_US, end_pa: wanted_pa };
         let input = LoopInput {
             now_us: 1_000_000,
-            period_us: PERIOD_US,
             sensor_pa: 50e3,
             sensor_trusted: true,
             supply_pa: 200e3,
