@@ -1,4 +1,8 @@
 //! Stub.
+pub mod eval;
 pub mod record;
 pub mod scene;
 pub mod report;
+pub mod design;
+pub mod motion;
+pub mod simulate;

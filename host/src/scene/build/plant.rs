@@ -108,7 +108,7 @@ fn spread(reader: &Reader<'_>) -> Option<Spread> {
     Some(Spread {
         modulus: *modulus?,
         wall: *wall?,
-        fiber_angle: *angle?,
+        fiber_angle_rad: *angle?,
         dead_volume: *volume?,
         valve_conductance: *conductance?,
         valve_delay: *delay?,

@@ -126,7 +126,7 @@ impl Sensor {
 }
 
 /// Standard deviations of the true values about the nominal ones, drawn once per channel and cut at three standard deviations.
-/// All are relative, that of the sensor's offset to full scale.
+/// Relative where they have no unit; that of the sensor's offset is relative to full scale.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Spread {
@@ -134,8 +134,8 @@ pub struct Spread {
     pub modulus: f64,
     /// Wall thickness.
     pub wall: f64,
-    /// Fiber angle.
-    pub fiber_angle: f64,
+    /// Fiber angle, rad.
+    pub fiber_angle_rad: f64,
     /// Dead volume.
     pub dead_volume: f64,
     /// Sonic conductance of each valve.

@@ -73,7 +73,7 @@ section! {
     spread, "plant.spread";
     MODULUS: Quantity { name: "modulus", unit: Unit::PERCENT, min: 0.0, max: 20.0, presence: Default(3.0) } = "Moduli of the elastomer.";
     WALL: Quantity { name: "wall", unit: Unit::PERCENT, min: 0.0, max: 20.0, presence: Default(2.0) } = "Wall thickness.";
-    FIBER_ANGLE: Quantity { name: "fiber_angle", unit: Unit::PERCENT, min: 0.0, max: 20.0, presence: Default(2.0) } = "Fiber angle.";
+    FIBER_ANGLE: Quantity { name: "fiber_angle", unit: Unit::DEG, min: 0.0, max: 10.0, presence: Default(0.5) } = "Fiber angle.";
     DEAD_VOLUME: Quantity { name: "dead_volume", unit: Unit::PERCENT, min: 0.0, max: 30.0, presence: Default(10.0) } = "Dead volume.";
     VALVE_CONDUCTANCE: Quantity { name: "valve_conductance", unit: Unit::PERCENT, min: 0.0, max: 20.0, presence: Default(7.0) } = "Sonic conductance of each valve.";
     VALVE_DELAY: Quantity { name: "valve_delay", unit: Unit::PERCENT, min: 0.0, max: 30.0, presence: Default(10.0) } = "Delays of each valve.";
