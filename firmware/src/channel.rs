@@ -4,7 +4,8 @@ use softlimb_protocol::{ChannelSample, ChannelStatus};
 
 use crate::config::{ChannelConfig, SystemConfig};
 use crate::inverse::Inverse;
-use crate::pressure_loop::{LoopInput, PressureLoop, Reference};
+use crate::pressure_loop::{LoopInput, PressureLoop};
+use crate::reference::Reference;
 use crate::relief::Relief;
 use crate::sensor::{AdcCode, Sensor, ZeroCheck};
 use crate::valve::{Direction, TICK_US, ValvePulse};

@@ -6,7 +6,7 @@ use softlimb_protocol::{
     Setpoint,
 };
 
-use crate::config::{ConfigError, StagedConfig, StagingError};
+use crate::config::{ActiveConfig, ConfigError, StagedConfig, StagingError};
 use crate::controller::Controller;
 use crate::queue::{KNOTS, Refusal};
 use crate::state::Event;
@@ -153,17 +153,16 @@ impl Controller {
         if !matches!(self.state, DeviceState::Idle | DeviceState::Ready) {
             return WRONG_STATE;
         }
-        let Some(Ok(config)) = self.staged.as_ref().map(|staged| staged.commit(config_hash)) else {
+        let sensors = |config: &ActiveConfig| (config.system.sensor, config.channels.len());
+        let before = self.config.as_ref().map(sensors);
+        let Some(Ok(())) = self.staged.as_mut().map(|staged| staged.commit(config_hash, &mut self.config)) else {
             return (ResultCode::ConfigMismatch, 0);
         };
         // The zero belongs to the sensor: the same sensors keep theirs, whatever the pressure now.
-        let same_sensors = self.config.as_ref().is_some_and(|old| {
-            old.system.sensor == config.system.sensor && old.channels.len() == config.channels.len()
-        });
+        let same_sensors = before == self.config.as_ref().map(sensors);
         self.channels.iter_mut().for_each(|channel| channel.reconfigure(!same_sensors));
         self.zeroed &= same_sensors;
         self.telemetry_due_us = now_us;
-        self.config = Some(config);
         self.staged = None;
         self.start_us = None;
         self.queue.flush();

@@ -61,12 +61,12 @@ impl Inverse {
 
     /// Air volume of the channel about the last solution.
     pub fn chamber(&self, config: &ChannelConfig) -> Chamber {
-        let (rest, state) = (config.actuator.rest(), self.start(config));
+        let state = self.start(config);
         Chamber {
             pressure_pa: state.pressure_pa,
             volume_m3: state.volume_m3 + config.dead_volume_m3,
             compliance_m3_per_pa: state.compliance_m3_per_pa.max(0.0),
-            rest_volume_m3: rest.volume_m3 + config.dead_volume_m3,
+            rest_volume_m3: config.rest.volume_m3 + config.dead_volume_m3,
             dead_volume_m3: config.dead_volume_m3,
         }
     }
@@ -88,7 +88,7 @@ impl Inverse {
     }
 
     fn start(&self, config: &ChannelConfig) -> State<f32> {
-        self.warm.unwrap_or_else(|| config.actuator.rest())
+        self.warm.unwrap_or(config.rest)
     }
 
     /// Keeps a solution that can be used as the next warm start.

@@ -7,6 +7,8 @@
 use crate::adapt::{Adaptation, Effect};
 use crate::gas::Chamber;
 use crate::pneumatics::Pneumatics;
+use crate::pulse::{Plan, PulseModel};
+use crate::reference::Reference;
 use crate::valve::{Direction, ValvePair, ValveTiming};
 
 /// Time after a valve has closed until the manifold reads the chamber's pressure, us: the line empties into the chamber. At least,
@@ -16,15 +18,6 @@ const SETTLE_MAX_US: u32 = 9_000;
 
 /// Change from one sample to the next below which a reading stands still, Pa: above the noise, below the end of a settling line.
 const STILL_PA: f32 = 250.0;
-
-/// Share of the shortest pulse's effect within which the error is left alone.
-const DEADBAND: f32 = 0.55;
-
-/// Smallest deadband, Pa: sensor noise.
-const DEADBAND_MIN_PA: f32 = 120.0;
-
-/// Smallest rate a valve is credited with, Pa/s: beyond it a pulse has no use.
-const RATE_MIN_PA_PER_S: f32 = 500.0;
 
 /// What one decision is based on.
 #[derive(Clone, Copy, Debug)]
@@ -41,33 +34,6 @@ pub struct LoopInput<'a> {
     pub chamber: &'a Chamber,
     /// Air path.
     pub pneumatics: &'a Pneumatics,
-}
-
-/// The pressure the chamber should have: linear over the control period that begins at `start_us`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reference {
-    /// Begin of the period, us.
-    pub start_us: u64,
-    /// Gauge pressure wanted at its begin, Pa.
-    pub start_pa: f32,
-    /// Length of the period, us, > 0.
-    pub period_us: u32,
-    /// Gauge pressure wanted at its end, Pa.
-    pub end_pa: f32,
-}
-
-impl Reference {
-    /// Gauge pressure wanted at a time, Pa; the nearer end outside of the period.
-    pub fn at(&self, time_us: u64) -> f32 {
-        let elapsed = time_us.saturating_sub(self.start_us).min(u64::from(self.period_us));
-        let share = elapsed as f32 / self.period_us.max(1) as f32;
-        self.start_pa + (self.end_pa - self.start_pa) * share
-    }
-
-    /// Time from `now_us` to the end of the period, us.
-    pub fn rest_us(&self, now_us: u64) -> u32 {
-        self.period_us.saturating_sub(u32::try_from(now_us.saturating_sub(self.start_us)).unwrap_or(u32::MAX))
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -258,82 +224,5 @@ impl PressureLoop {
 impl Default for PressureLoop {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-/// One period's coil time and what it will do.
-struct Plan {
-    direction: Option<Direction>,
-    coil_us: u32,
-    modelled_pa: f32,
-}
-
-impl Plan {
-    const NOTHING: Self = Self { direction: None, coil_us: 0, modelled_pa: 0.0 };
-}
-
-/// The pulse that would bring the chamber from its pressure to the target.
-struct PulseModel<'a> {
-    input: &'a LoopInput<'a>,
-    direction: Direction,
-    pressure_pa: f32,
-    change_pa: f32,
-    gain: f32,
-    margin_us: u32,
-    rest_us: u32,
-}
-
-impl PulseModel<'_> {
-    /// Magnitude of the rate at gain 1, Pa/s.
-    fn rate_pa_per_s(&self, direction: Direction, pressure_pa: f32) -> f32 {
-        let input = self.input;
-        let rate = input.pneumatics.rate_pa_per_s(direction, input.chamber, pressure_pa, input.supply_pa);
-        rate.abs().max(RATE_MIN_PA_PER_S)
-    }
-
-    /// Time the valve has to be open, us: by the rate halfway.
-    fn open_time_us(&self) -> u32 {
-        let halfway_pa = self.pressure_pa + 0.5 * self.change_pa;
-        let rate = self.gain * self.rate_pa_per_s(self.direction, halfway_pa);
-        // The cast saturates.
-        (self.change_pa.abs() / rate * 1e6) as u32
-    }
-
-    /// Pressure change of an opening at gain 1, Pa, signed: by the rate halfway.
-    fn effect_pa(&self, direction: Direction, open_us: u32) -> f32 {
-        let time_s = open_us as f32 * 1e-6;
-        let sign = if direction == Direction::Fill { 1.0 } else { -1.0 };
-        let half = 0.5 * sign * self.rate_pa_per_s(direction, self.pressure_pa) * time_s;
-        sign * self.rate_pa_per_s(direction, self.pressure_pa + half) * time_s
-    }
-
-    fn deadband_pa(&self) -> f32 {
-        let shortest_us = self.input.pneumatics.timing.shortest_open_us(self.margin_us);
-        (DEADBAND * self.gain * self.effect_pa(self.direction, shortest_us).abs()).max(DEADBAND_MIN_PA)
-    }
-
-    /// Coil time until the end of the period, from a closed valve or one that is open in the wanted direction.
-    fn plan(&self, is_open: bool) -> Plan {
-        let timing = self.input.pneumatics.timing;
-        let open_us = self.open_time_us().min(2 * self.rest_us);
-        let coil_us = if is_open { timing.coil_rest_us(open_us) } else { timing.coil_us(open_us, self.margin_us) };
-        let ends_open = coil_us >= self.rest_us;
-        let coil_us = coil_us.min(self.rest_us);
-        let opening_us = if is_open { 0 } else { timing.on_delay_us };
-        let closing_us = if ends_open { 0 } else { timing.off_delay_us };
-        Plan {
-            direction: Some(self.direction),
-            coil_us,
-            modelled_pa: self.effect_pa(self.direction, (coil_us + closing_us).saturating_sub(opening_us)),
-        }
-    }
-
-    /// Closes a valve that is open in `direction`.
-    fn closing(&self, direction: Direction) -> Plan {
-        Plan {
-            direction: Some(direction),
-            coil_us: 0,
-            modelled_pa: self.effect_pa(direction, self.input.pneumatics.timing.off_delay_us),
-        }
     }
 }

@@ -26,7 +26,7 @@ impl Controller {
         }
         let period_us = u64::from(config.system.telemetry_period_us);
         // The schedule keeps its phase; after a gap it starts anew.
-        self.telemetry_due_us = self.telemetry_due_us.saturating_add(period_us).max(now_us + 1);
+        self.telemetry_due_us = self.telemetry_due_us.saturating_add(period_us).max(now_us.saturating_add(1));
         if let Some(message) = self.telemetry(now_us)
             && self.outbox.has_room_for_telemetry()
         {

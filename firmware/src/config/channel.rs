@@ -1,7 +1,7 @@
 //! One channel's part of the configuration.
 
 use fra_model::{
-    Actuator, ActuatorParameters, Families, Fiber, InvalidParameter, Load, Material, Motion, Placement, Target,
+    Actuator, ActuatorParameters, Families, Fiber, InvalidParameter, Load, Material, Motion, Placement, State, Target,
 };
 use softlimb_protocol::{ConfigChannel, FiberPlacement, MaterialLaw, MotionKind, SetpointKind};
 
@@ -15,6 +15,8 @@ const REFERENCE_MARGIN_PA: f32 = 3_000.0;
 pub struct ChannelConfig {
     /// The actuator's model, ready to solve.
     pub actuator: Actuator<f32>,
+    /// Its state without pressure.
+    pub rest: State<f32>,
     /// Meaning of the setpoint.
     pub setpoint_kind: SetpointKind,
     /// Lowest and highest setpoint, in the unit of the setpoint.
@@ -49,6 +51,7 @@ impl TryFrom<&ConfigChannel> for ChannelConfig {
         check_target(&actuator, setpoint_kind, wire.setpoint_max, "setpoint_max")?;
         Ok(Self {
             actuator,
+            rest: actuator.rest(),
             setpoint_kind,
             setpoint_range: (wire.setpoint_min, wire.setpoint_max),
             pressure_max_pa: within("pressure_max_pa", wire.pressure_max_pa, 1e3..=1e6)?,

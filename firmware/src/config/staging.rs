@@ -83,17 +83,22 @@ impl StagedConfig {
         Ok(())
     }
 
-    /// The configuration, if it is complete, has the host's hash, and its parts fit together.
+    /// Puts the upload in the place of `active`, as a whole, if it is complete, has the host's hash, and its parts fit together.
+    /// The channels change places instead of being copied: they are too large for a small stack.
     ///
     /// # Errors
-    /// [`StagingError::Mismatch`].
-    pub fn commit(&self, config_hash: u32) -> Result<ActiveConfig, StagingError> {
+    /// [`StagingError::Mismatch`]; `active` and the upload are as before.
+    pub fn commit(&mut self, config_hash: u32, active: &mut Option<ActiveConfig>) -> Result<(), StagingError> {
         let system = self.system.ok_or(StagingError::Mismatch)?;
         let complete = self.channels.len() == usize::from(self.count);
         let measurable = self.channels.iter().all(|channel| channel.pressure_max_pa <= system.sensor_max_pa);
         if !complete || !measurable || self.hash.value() != config_hash {
             return Err(StagingError::Mismatch);
         }
-        Ok(ActiveConfig { system, channels: self.channels.clone(), hash: config_hash })
+        let active = active.get_or_insert_with(|| ActiveConfig { system, channels: Vec::new(), hash: config_hash });
+        active.system = system;
+        active.hash = config_hash;
+        core::mem::swap(&mut active.channels, &mut self.channels);
+        Ok(())
     }
 }
