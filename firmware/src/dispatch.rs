@@ -32,6 +32,9 @@ impl Controller {
                 self.stop_requested = true;
                 self.acknowledge(now_us, seq, message, OK);
             }
+            _ if self.link.is_stranger(message.session()) => {
+                self.acknowledge(now_us, seq, message, (ResultCode::SchemaMismatch, 0));
+            }
             _ if !self.link.is_owner(message.session()) => {
                 self.acknowledge(now_us, seq, message, (ResultCode::WrongSession, 0));
             }
@@ -45,7 +48,7 @@ impl Controller {
             Arrival::New => {
                 let answer = self.handle(now_us, message);
                 let ack = self.acknowledge(now_us, seq, message, answer);
-                if answer.0 != ResultCode::WrongSession {
+                if self.link.is_owner(message.session()) {
                     self.dedup.record(message, &ack);
                 }
             }
@@ -95,6 +98,7 @@ impl Controller {
 
     fn hello(&mut self, now_us: u64, hello: &Hello) -> Answer {
         if Compatibility::of(hello.protocol_version, hello.schema_hash) != Compatibility::Same {
+            self.link.turn_away(hello.session);
             self.reply_hello(now_us, hello);
             return (ResultCode::SchemaMismatch, 0);
         }

@@ -7,12 +7,14 @@ const TAKEOVER_US: u64 = 100_000;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Link {
     session: Option<u16>,
+    /// A session whose host speaks another interface.
+    stranger: Option<u16>,
     heard_us: u64,
 }
 
 impl Link {
     pub(crate) const fn new() -> Self {
-        Self { session: None, heard_us: 0 }
+        Self { session: None, stranger: None, heard_us: 0 }
     }
 
     /// Whether `session` commands the device.
@@ -26,9 +28,21 @@ impl Link {
         let free = self.session.is_none() || self.is_owner(session) || self.silence_us(now_us) > timeout_us;
         if free {
             self.session = Some(session);
+            self.stranger = self.stranger.filter(|&stranger| stranger != session);
             self.heard_us = now_us;
         }
         free
+    }
+
+    /// Remembers the session of a host that speaks another interface; it loses the session if it had it.
+    pub(crate) fn turn_away(&mut self, session: u16) {
+        self.stranger = Some(session);
+        self.session = self.session.filter(|&owner| owner != session);
+    }
+
+    /// Whether the host of this session speaks another interface.
+    pub(crate) fn is_stranger(&self, session: u16) -> bool {
+        self.stranger == Some(session)
     }
 
     /// A valid frame of the owner arrived.

@@ -140,7 +140,7 @@ impl Controller {
         }
     }
 
-    /// A lost link lets the buffer run out, then holds, then ramps down; or vents at once: as configured.
+    /// A lost link lets the buffer run out; then it is held, ramped down after the hold time, or vented at once: as configured.
     fn watch_link(&mut self, now_us: u64) {
         let Some(config) = &self.config else { return };
         let silence_us = self.link.silence_us(now_us);
@@ -148,13 +148,11 @@ impl Controller {
         if !active || silence_us <= u64::from(config.system.link_timeout_us) {
             return;
         }
-        let policy = config.system.link_loss_policy;
+        let at_once = config.system.link_loss_policy == LinkLossPolicy::Vent;
         self.fault(now_us, SYSTEM_CHANNEL, FaultCode::LinkLost, i32::try_from(silence_us).unwrap_or(i32::MAX));
-        if policy == LinkLossPolicy::Vent {
+        if self.state == DeviceState::Holding && (at_once || self.is_hold_time_over(now_us)) {
             self.apply(now_us, Event::Vent);
-            self.vent_at_once = true;
-        } else if self.state == DeviceState::Holding && self.is_hold_time_over(now_us) {
-            self.apply(now_us, Event::Vent);
+            self.vent_at_once = at_once;
         }
     }
 
