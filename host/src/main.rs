@@ -1,2 +1,7 @@
-//! softlimb
-fn main() {}
+//! The `softlimb` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    softlimb::cli::main()
+}

@@ -2,6 +2,8 @@
 
 mod batch;
 mod convert;
+mod curve;
 mod request;
 
 pub use batch::{Scalar, batch};
+pub use curve::{Curve, CurvePoint, curves};

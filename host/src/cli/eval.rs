@@ -1,0 +1,107 @@
+//! `softlimb eval`: ask the actuator model.
+
+use std::fs::File;
+use std::io::{self, BufReader, stdin, stdout};
+use std::path::{Path, PathBuf};
+
+use clap::{ArgGroup, Args, ValueEnum};
+use serde_json::json;
+
+use super::{Failure, Outcome};
+use crate::design::Limb;
+use crate::eval::{self, Curve, Scalar};
+use crate::scene;
+
+/// Ask the actuator model: pressure curves of a scene's actuators, or a batch of questions
+#[derive(Args)]
+#[command(
+    group = ArgGroup::new("question").required(true).args(["scene", "batch"]),
+    after_help = "Examples:\n  softlimb eval scenes/single-bending.toml\n  softlimb eval --batch questions.jsonl --scalar f32"
+)]
+pub(super) struct Eval {
+    /// The scene whose actuators are asked
+    scene: Option<PathBuf>,
+    /// A file of questions, one JSON object a line (`-` for standard input); see docs/eval-batch.md
+    #[arg(long, value_name = "FILE")]
+    batch: Option<PathBuf>,
+    /// Precision of a batch
+    #[arg(long, value_enum, default_value_t = ScalarName::F64, requires = "batch")]
+    scalar: ScalarName,
+    /// Steps of a pressure curve
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    steps: u16,
+    /// Print curves as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ScalarName {
+    /// Double precision, as on the host
+    F64,
+    /// Single precision, as on the MCU
+    F32,
+}
+
+impl Eval {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        match (&self.scene, &self.batch) {
+            (_, Some(file)) => self.answer_batch(file),
+            (Some(scene), None) => self.print_curves(scene),
+            (None, None) => Err(Failure::new("give a scene or --batch FILE")),
+        }
+    }
+
+    fn answer_batch(&self, file: &Path) -> Result<Outcome, Failure> {
+        let scalar = match self.scalar {
+            ScalarName::F64 => Scalar::F64,
+            ScalarName::F32 => Scalar::F32,
+        };
+        let done = if file == Path::new("-") {
+            eval::batch(stdin().lock(), stdout().lock(), scalar)
+        } else {
+            let input = File::open(file).map_err(|error| Failure::file("read", file, &error))?;
+            eval::batch(BufReader::new(input), stdout().lock(), scalar)
+        };
+        match done {
+            Ok(()) => Ok(Outcome::Done),
+            // A reader that has seen enough is no failure.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Outcome::Done),
+            Err(error) => Err(Failure::file("answer", file, &error)),
+        }
+    }
+
+    fn print_curves(&self, path: &Path) -> Result<Outcome, Failure> {
+        let scene = scene::load(path)?;
+        let limb = Limb::new(&scene)?;
+        let curves = eval::curves(&limb, usize::from(self.steps));
+        if self.json {
+            println!("{}", json!({"scene": scene.name(), "curves": curves}));
+        } else {
+            curves.iter().for_each(print_curve);
+        }
+        let complete = curves.iter().all(|curve| curve.limit_pressure_pa.is_none());
+        Ok(if complete { Outcome::Done } else { Outcome::DoneWithWarnings })
+    }
+}
+
+fn print_curve(curve: &Curve) {
+    println!("{}: {} ({})", curve.module, curve.motion, curve.equations);
+    println!("{:>12} {:>10} {:>12} {:>12} {:>12} {:>10}", "pressure", "stretch", "outer r", "twist", "bend", "volume");
+    println!("{:>12} {:>10} {:>12} {:>12} {:>12} {:>10}", "kPa", "", "mm", "deg", "deg", "mL");
+    for point in &curve.points {
+        println!(
+            "{:12.3} {:10.5} {:12.4} {:12.3} {:12.3} {:10.2}",
+            point.pressure_pa * 1e-3,
+            point.axial_stretch,
+            point.outer_radius_m * 1e3,
+            point.twist_rad.to_degrees(),
+            point.bend_angle_rad.to_degrees(),
+            point.volume_m3 * 1e6,
+        );
+    }
+    if let Some(limit) = curve.limit_pressure_pa {
+        println!("   warning: the branch ends at its limit point, {:.3} kPa", limit * 1e-3);
+    }
+    println!();
+}

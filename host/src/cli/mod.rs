@@ -1,0 +1,77 @@
+//! The command line: one file per verb. The only room that prints and that knows exit codes.
+//!
+//! Results go to standard output, talk to standard error. Exit codes: 0 done, 1 failed, 2 the command line is wrong,
+//! 3 done with warnings.
+
+mod check;
+mod eval;
+mod failure;
+mod report;
+mod run;
+
+use std::io::{IsTerminal, stderr};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub(crate) use failure::Failure;
+
+/// How a verb ended that did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    Done,
+    DoneWithWarnings,
+}
+
+#[derive(Parser)]
+#[command(
+    name = "softlimb",
+    version,
+    about = "Design, simulate and run a limb of fiber-reinforced actuators",
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 done with warnings.\n\
+                  Start here: softlimb run scenes/pick-and-place-a.toml"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Check(check::Check),
+    Eval(eval::Eval),
+    Run(run::Run),
+    Report(report::Report),
+}
+
+/// Parses the command line, does what it asks, and turns the outcome into an exit code.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let wrong = error.use_stderr();
+            // Nothing is left to do if the terminal is gone.
+            let _ = error.print();
+            return if wrong { ExitCode::from(2) } else { ExitCode::SUCCESS };
+        }
+    };
+    let outcome = match arguments.verb {
+        Verb::Check(verb) => verb.run(),
+        Verb::Eval(verb) => verb.run(),
+        Verb::Run(verb) => verb.run(),
+        Verb::Report(verb) => verb.run(),
+    };
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::DoneWithWarnings) => ExitCode::from(3),
+        Err(failure) => {
+            failure.print();
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Whether messages on standard error may be coloured.
+pub(crate) fn colour() -> bool {
+    stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}
