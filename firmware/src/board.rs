@@ -17,11 +17,11 @@ pub trait Board {
     /// Moves received bytes to `into`; returns how many.
     fn read_link(&mut self, into: &mut [u8]) -> usize;
 
-    /// Takes bytes for the link; returns how many were taken. The rest is offered again.
-    fn write_link(&mut self, bytes: &[u8]) -> usize;
-
-    /// Bytes that [`Self::write_link`] would take now.
+    /// Bytes that the link can take now.
     fn link_room(&self) -> usize;
+
+    /// Sends bytes; never more than [`Self::link_room`].
+    fn write_link(&mut self, bytes: &[u8]);
 }
 
 /// One turn of the device: control first, then the link.

@@ -1,14 +1,13 @@
 //! One channel from sample to coil times.
 
-use softlimb_protocol::{ChannelSample, ChannelStatus};
-
 use crate::config::{ChannelConfig, SystemConfig};
+use crate::duty::Duty;
 use crate::inverse::Inverse;
 use crate::pressure_loop::{LoopInput, PressureLoop};
 use crate::reference::Reference;
 use crate::relief::Relief;
 use crate::sensor::{AdcCode, Sensor, ZeroCheck};
-use crate::valve::{Direction, TICK_US, ValvePulse};
+use crate::valve::{Direction, ValvePulse};
 
 /// Samples in a row above the limit that trip the over-pressure fault.
 const OVER_PRESSURE_SAMPLES: u8 = 2;
@@ -49,8 +48,7 @@ pub struct Channel {
     decision_due: bool,
     over_samples: u8,
     vent_latched: bool,
-    coil_us: i32,
-    duty: i8,
+    duty: Duty,
 }
 
 impl Channel {
@@ -65,8 +63,7 @@ impl Channel {
             decision_due: false,
             over_samples: 0,
             vent_latched: false,
-            coil_us: 0,
-            duty: 0,
+            duty: Duty::new(),
         }
     }
 
@@ -93,6 +90,11 @@ impl Channel {
     /// Gauge pressure that the loop tracks at a time, Pa; `None` while it tracks nothing.
     pub fn reference_pa(&self, now_us: u64) -> Option<f32> {
         self.reference.map(|reference| reference.at(now_us))
+    }
+
+    /// Share of the last control period for which the valves' coils were energized.
+    pub fn duty(&self) -> &Duty {
+        &self.duty
     }
 
     /// Whether a fault keeps the vent open.
@@ -147,8 +149,9 @@ impl Channel {
         *self = Self { sensor, ..Self::new() };
     }
 
-    /// Begins a ramp down with the next tick that asks for it.
-    pub(crate) fn restart_relief(&mut self) {
+    /// A new state begins: valves closed, nothing tracked, a ramp down from the beginning.
+    pub(crate) fn restart(&mut self, now_us: u64) {
+        self.rest(now_us, ValvePulse::CLOSED);
         self.relief = Relief::new();
     }
 
@@ -172,27 +175,12 @@ impl Channel {
                 if slot {
                     self.aim(context, config, setpoints);
                 }
-                self.pulse(context, config)
+                self.pulse(context, config, true)
             }
             Task::Relieve => self.relieve(context, config, slot),
         };
-        self.account(context, pulse, slot);
+        self.duty.add(pulse, slot, context.system.control_period_us());
         pulse
-    }
-
-    /// One channel's part of the telemetry.
-    pub(crate) fn sample(&self, now_us: u64) -> ChannelSample {
-        let inverse = self.inverse.status();
-        let pressure_pa = self.pressure_pa();
-        ChannelSample {
-            pressure_10pa: tens_of_pascals(pressure_pa),
-            reference_10pa: tens_of_pascals(self.reference_pa(now_us).unwrap_or(pressure_pa)),
-            duty: self.duty,
-            status: ChannelStatus::default()
-                .with(ChannelStatus::SENSOR_IMPLAUSIBLE, self.sensor.is_implausible())
-                .with(ChannelStatus::REFERENCE_LIMITED, inverse.limited)
-                .with(ChannelStatus::INVERSE_FAILED, inverse.failed),
-        }
     }
 
     fn rest(&mut self, now_us: u64, pulse: ValvePulse) -> ValvePulse {
@@ -228,7 +216,7 @@ impl Channel {
             self.inverse.follow_pressure(config, end_pa);
             self.set_reference(context, ramp.at(context.now_us), end_pa);
         }
-        self.pulse(context, config)
+        self.pulse(context, config, false)
     }
 
     fn set_reference(&mut self, context: &TickContext, start_pa: f32, end_pa: f32) {
@@ -238,7 +226,7 @@ impl Channel {
     }
 
     /// Decides when the sample is fit for it and half of the period is left, and cuts the pulse into ticks.
-    fn pulse(&mut self, context: &TickContext, config: &ChannelConfig) -> ValvePulse {
+    fn pulse(&mut self, context: &TickContext, config: &ChannelConfig, may_fill: bool) -> ValvePulse {
         let pneumatics = &context.system.pneumatics;
         if let Some(reference) = self.reference
             && self.decision_due
@@ -251,6 +239,7 @@ impl Channel {
                 sensor_pa: self.pressure_pa(),
                 sensor_trusted: !self.sensor.is_implausible(),
                 supply_pa: context.supply_pa,
+                may_fill,
                 chamber: &self.inverse.chamber(config),
                 pneumatics,
             };
@@ -269,19 +258,4 @@ impl Channel {
         let inside_pa = pneumatics.settled_pa(Direction::Fill, &chamber, pressure_pa, context.supply_pa);
         DROP_ALLOWANCE * (pressure_pa - inside_pa).max(0.0)
     }
-
-    fn account(&mut self, context: &TickContext, pulse: ValvePulse, slot: bool) {
-        if slot {
-            let share = self.coil_us * 127 / (context.system.control_period_ticks * TICK_US) as i32;
-            self.duty = share.clamp(-127, 127) as i8;
-            self.coil_us = 0;
-        }
-        self.coil_us += i32::from(pulse.fill_us) - i32::from(pulse.vent_us);
-    }
-}
-
-/// A pressure as telemetry carries it; clipped at both ends.
-pub(crate) fn tens_of_pascals(pressure_pa: f32) -> u16 {
-    // The cast saturates and turns NaN into 0.
-    (pressure_pa * 0.1 + 0.5) as u16
 }

@@ -3,6 +3,16 @@
 //! [`Controller`] eats link bytes and samples and yields link bytes and coil times; time is an argument. A [`Board`], real or
 //! simulated, is all it needs around it. The walk of a datum: `dispatch` takes a message, `queue` keeps the knot,
 //! `inverse` turns the deformation into a pressure, `pressure_loop` into a pulse, `valve` into coil times; `supervise` may overrule.
+//!
+//! ```
+//! use softlimb_firmware::{AdcCode, BootInfo, Controller, TickInputs, TickOutputs};
+//! use softlimb_protocol::{BootCause, DeviceState};
+//!
+//! let mut controller = Controller::new(BootInfo { cause: BootCause::PowerOn });
+//! let inputs = TickInputs { now_us: 1_000, pressure: [AdcCode(410); 27], supply: AdcCode(2_000), emergency_stop: false };
+//! assert_eq!(controller.tick(&inputs), TickOutputs::SAFE);
+//! assert_eq!(controller.state(), DeviceState::Idle);
+//! ```
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
@@ -12,6 +22,7 @@ mod channel;
 mod config;
 mod controller;
 mod dispatch;
+mod duty;
 mod faults;
 mod flow;
 mod gas;
@@ -36,6 +47,7 @@ pub use board::{Board, turn};
 pub use channel::Channel;
 pub use config::{ActiveConfig, ChannelConfig, ConfigError, StagedConfig, StagingError, SystemConfig};
 pub use controller::{BootInfo, Controller, TickInputs, TickOutputs};
+pub use duty::Duty;
 pub use faults::{Faults, Occurrence, Reaction, VentScope, reaction};
 pub use flow::Orifice;
 pub use gas::{Absolute, Chamber};

@@ -49,3 +49,33 @@ impl Outbox {
         count
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use softlimb_protocol::{Decoder, DeviceState, HeartbeatReply};
+
+    fn reply(host_time_us: u64) -> DeviceMessage {
+        HeartbeatReply { host_time_us, mcu_time_us: 0, state: DeviceState::Idle.into(), free_knots: 0 }.into()
+    }
+
+    #[test]
+    fn a_full_box_takes_no_part_of_a_frame_and_loses_none_that_it_took() {
+        let mut outbox = Outbox::new();
+        let taken = (0..1_000).take_while(|&number| outbox.push(&reply(number))).count();
+        assert!(taken > 8 && taken < 1_000, "{taken}");
+        assert!(!outbox.has_room_for_telemetry());
+        let (mut decoder, mut bytes, mut numbers) = (Decoder::<DeviceMessage>::new(), [0; 7], Vec::new());
+        loop {
+            let count = outbox.drain(&mut bytes);
+            if count == 0 {
+                break;
+            }
+            for frame in bytes[..count].iter().filter_map(|&byte| decoder.push(byte)) {
+                numbers.push(frame.unwrap().seq);
+            }
+        }
+        assert_eq!(numbers, (0..taken as u16).collect::<Vec<_>>());
+        assert!(outbox.has_room_for_telemetry());
+    }
+}

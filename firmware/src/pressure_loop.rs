@@ -30,6 +30,8 @@ pub struct LoopInput<'a> {
     pub sensor_trusted: bool,
     /// Gauge pressure of the supply, Pa.
     pub supply_pa: f32,
+    /// Whether the channel may take air; a ramp down only lets it out.
+    pub may_fill: bool,
     /// Volume and compliance of the chamber.
     pub chamber: &'a Chamber,
     /// Air path.
@@ -191,8 +193,10 @@ impl PressureLoop {
         // A ramp is followed without bias when the pulse aims at the middle of the rest plus half the pulse.
         let wanted = self.pulse_model(input, reference, pressure_pa, preview_us + first.open_time_us() / 2);
         match open {
+            // Only the vent can still be open where filling is not allowed: a ramp begins with closed valves.
             Some(direction) if direction == wanted.direction => wanted.plan(true),
             Some(direction) => wanted.closing(direction),
+            None if wanted.direction == Direction::Fill && !input.may_fill => Plan::NOTHING,
             None if wanted.change_pa.abs() < wanted.deadband_pa() => Plan::NOTHING,
             None => wanted.plan(false),
         }

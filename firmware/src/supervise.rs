@@ -34,7 +34,7 @@ impl Controller {
         self.state_since_us = now_us;
         self.start_us = None;
         self.vent_at_once = false;
-        self.channels.iter_mut().for_each(|channel| channel.restart_relief());
+        self.channels.iter_mut().for_each(|channel| channel.restart(now_us));
         true
     }
 

@@ -1,8 +1,8 @@
 //! What the device tells on its own: faults as they occur, measurements periodically.
 
-use softlimb_protocol::{Fault, List, Telemetry};
+use softlimb_protocol::{ChannelSample, ChannelStatus, Fault, List, Telemetry};
 
-use crate::channel::tens_of_pascals;
+use crate::channel::Channel;
 use crate::controller::Controller;
 
 impl Controller {
@@ -36,7 +36,7 @@ impl Controller {
 
     fn telemetry(&self, now_us: u64) -> Option<Telemetry> {
         let count = self.config.as_ref()?.channels.len();
-        let samples = self.channels.iter().take(count).map(|channel| channel.sample(now_us));
+        let samples = self.channels.iter().take(count).map(|channel| sample(channel, now_us));
         Some(Telemetry {
             time_us: now_us,
             state: self.state.into(),
@@ -47,5 +47,38 @@ impl Controller {
             ticks_late: self.ticks.late(),
             channels: List::try_from_iter(samples).ok()?,
         })
+    }
+}
+
+/// One channel's part of the telemetry.
+fn sample(channel: &Channel, now_us: u64) -> ChannelSample {
+    let inverse = channel.inverse().status();
+    let pressure_pa = channel.pressure_pa();
+    ChannelSample {
+        pressure_10pa: tens_of_pascals(pressure_pa),
+        reference_10pa: tens_of_pascals(channel.reference_pa(now_us).unwrap_or(pressure_pa)),
+        duty: channel.duty().share(),
+        status: ChannelStatus::default()
+            .with(ChannelStatus::SENSOR_IMPLAUSIBLE, channel.sensor().is_implausible())
+            .with(ChannelStatus::REFERENCE_LIMITED, inverse.limited)
+            .with(ChannelStatus::INVERSE_FAILED, inverse.failed),
+    }
+}
+
+/// A pressure as telemetry carries it; clipped at both ends.
+fn tens_of_pascals(pressure_pa: f32) -> u16 {
+    // The cast saturates and turns NaN into 0.
+    (pressure_pa * 0.1 + 0.5) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pressures_are_rounded_to_ten_pascals_and_clipped() {
+        for (pressure_pa, wire) in [(0.0, 0), (14.9, 1), (15.1, 2), (-500.0, 0), (1e9, u16::MAX), (f32::NAN, 0)] {
+            assert_eq!(tens_of_pascals(pressure_pa), wire, "{pressure_pa}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Bench, SESSION};
+use proptest::prelude::*;
 use softlimb_firmware::ValvePulse;
 use softlimb_protocol::*;
 
@@ -183,4 +184,31 @@ fn two_late_ticks_within_a_second_are_a_fault_while_running() {
     bench.tick();
     assert_eq!(bench.controller.state(), DeviceState::Faulted);
     assert_eq!(only_fault(&bench), (FaultCode::TickOverrun, SYSTEM_CHANNEL));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn whatever_the_converters_and_the_clock_show_the_outputs_stay_sane(
+        steps in proptest::collection::vec((any::<u16>(), 0_usize..3, any::<f64>(), 0_u64..5_000_000_000, any::<bool>()), 1..80),
+    ) {
+        let mut bench = Bench::running(2, 50_000, 60);
+        for (code, channel, supply_pa, jump_us, stop) in steps {
+            bench.code[channel] = Some(code);
+            bench.supply_pa = if supply_pa.is_finite() { supply_pa } else { 0.0 };
+            bench.emergency_stop = stop && code % 64 == 0;
+            if code % 16 == 0 {
+                bench.now_us += jump_us;
+            }
+            // The bench itself checks that no two coils of a channel are energized at once.
+            let outputs = bench.tick();
+            if bench.controller.faults().cuts_supply() {
+                prop_assert!(!outputs.supply_open && outputs.pump_duty == 0);
+            }
+            if bench.controller.state() != DeviceState::Running {
+                prop_assert!(outputs.valves.iter().all(|pulse| pulse.fill_us == 0), "nothing fills by itself");
+            }
+        }
+    }
 }
