@@ -8,6 +8,9 @@ use crate::gas::Chamber;
 /// Failures in a row after which the channel is at fault.
 const FAILURES_MAX: u8 = 3;
 
+/// Change of a pressure by its limits that is worth telling, Pa: less is rounding, as at rest.
+const LIMITED_BY_PA: f32 = 100.0;
+
 /// What became of the last setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InverseStatus {
@@ -49,7 +52,8 @@ impl Inverse {
             None => setpoint,
         };
         let allowed_pa = wanted_pa.clamp(0.0, config.reference_max_pa());
-        self.status = InverseStatus { limited: allowed_pa != wanted_pa, failed: solved.is_none() };
+        self.status =
+            InverseStatus { limited: (allowed_pa - wanted_pa).abs() > LIMITED_BY_PA, failed: solved.is_none() };
         Some(allowed_pa)
     }
 

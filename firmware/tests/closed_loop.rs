@@ -6,7 +6,7 @@ mod common;
 
 use common::Bench;
 use common::rig::{NOMINAL, Rig, Truth};
-use fra_model::{Actuator, ActuatorParameters, Load, Material, Motion};
+use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, State};
 use softlimb_protocol::*;
 
 /// The actuator that `common::channel` states, in f64.
@@ -97,4 +97,103 @@ fn twenty_seven_channels_run_at_once() {
         assert!((rig.gauge_pa() - 60e3).abs() < 1e3, "channel {index}: {}", rig.gauge_pa());
     }
     assert!(bench.told_faults().is_empty());
+}
+
+/// A wound actuator as the wire states it and as the model does, in f64.
+fn wound(index: usize, motion: MotionKind, angle_deg: f64, families: u8) -> (ConfigChannel, Actuator<f64>) {
+    let kind = match motion {
+        MotionKind::Extension => SetpointKind::AxialStretch,
+        MotionKind::Expansion => SetpointKind::OuterRadius,
+        MotionKind::Bending => SetpointKind::BendAngle,
+        MotionKind::Twisting => SetpointKind::Twist,
+    };
+    let wire = ConfigChannel {
+        motion: motion.into(),
+        families,
+        fiber_angle_rad: angle_deg.to_radians() as f32,
+        fiber_modulus_pa: 10e6,
+        fiber_thickness_m: 0.2e-3,
+        fiber_radius_m: 20e-3,
+        setpoint_min: i32::MIN,
+        setpoint_max: i32::MAX,
+        ..common::channel(index, kind)
+    };
+    let wire = match kind {
+        SetpointKind::BendAngle => ConfigChannel { setpoint_min: 0, ..wire },
+        SetpointKind::Twist => wire,
+        _ => ConfigChannel { setpoint_min: 1, ..wire },
+    };
+    let actuator = Actuator::new(&ActuatorParameters {
+        motion: [Motion::Extension, Motion::Expansion, Motion::Bending, Motion::Twisting][motion as usize],
+        inner_radius_m: 15e-3,
+        outer_radius_m: 20e-3,
+        length_m: 0.1132,
+        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+        fiber: Some(Fiber {
+            angle_rad: angle_deg.to_radians(),
+            families: if families == 1 { Families::One } else { Families::Two },
+            modulus_pa: 10e6,
+            placement: Placement::Sheet,
+            thickness_m: 0.2e-3,
+            radius_m: 20e-3,
+        }),
+    });
+    (wire, actuator.unwrap())
+}
+
+/// The setpoint that asks for a state.
+fn setpoint(kind: SetpointKind, state: &State<f64>) -> i32 {
+    let value = match kind {
+        SetpointKind::Pressure => state.pressure_pa,
+        SetpointKind::AxialStretch => state.axial_stretch,
+        SetpointKind::OuterRadius => state.outer_radius_m,
+        SetpointKind::InnerRadius => state.inner_radius_m,
+        SetpointKind::Twist => state.twist_rad,
+        SetpointKind::BendAngle => state.bend_angle_rad,
+    };
+    kind.to_wire(value).unwrap()
+}
+
+#[test]
+fn every_motion_gets_the_pressure_that_the_model_in_f64_bends_it_with() {
+    let (wires, actuators): (Vec<_>, Vec<_>) = [
+        wound(0, MotionKind::Extension, 5.0, 2),
+        wound(1, MotionKind::Expansion, 80.0, 2),
+        wound(2, MotionKind::Bending, 0.0, 2),
+        wound(3, MotionKind::Twisting, 30.0, 1),
+    ]
+    .into_iter()
+    .unzip();
+    let mut bench = Bench::new();
+    bench.hello();
+    bench.configure(&common::system(), &wires);
+    bench.attach(4, 0.0);
+    bench.ticks(50);
+    let first_us = bench.now_us + 20_000;
+    const TOP_PA: f64 = 24e3;
+    for index in 0..60_u32 {
+        let pressure_pa = TOP_PA * (f64::from(index) / 40.0).min(1.0);
+        let values: Vec<_> = wires
+            .iter()
+            .zip(&actuators)
+            .map(|(wire, actuator)| {
+                let state = actuator.forward(pressure_pa, &Load::none()).unwrap().state;
+                setpoint(wire.setpoint_kind.known().unwrap(), &state)
+            })
+            .collect();
+        let ack = bench.setpoint(index, first_us + u64::from(index) * 20_000, &values);
+        assert_eq!(ack.result, ResultCode::Ok);
+    }
+    assert_eq!(bench.command(CommandCode::Start).result, ResultCode::Ok);
+    bench.ticks(1_150);
+    for (index, rig) in bench.rigs.iter().enumerate() {
+        let channel = bench.controller.channel(index).unwrap();
+        let reference_pa = f64::from(channel.reference_pa(bench.now_us).unwrap());
+        println!("motion {index}: reference {reference_pa:.1} Pa, chamber {:.0} Pa", rig.gauge_pa());
+        assert!((reference_pa - TOP_PA).abs() < 50.0, "motion {index}: {reference_pa}");
+        assert!((rig.gauge_pa() - TOP_PA).abs() < 1e3, "motion {index}: {}", rig.gauge_pa());
+        let status = channel.inverse().status();
+        assert!(!status.limited && !status.failed);
+    }
+    assert!(bench.told_faults().is_empty(), "{:?}", bench.told_faults());
 }
