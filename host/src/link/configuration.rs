@@ -1,0 +1,44 @@
+//! A configuration on its way to the device.
+
+use softlimb_protocol::{
+    ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, ConfigSystem, HostMessage, MAX_CHANNELS,
+};
+
+use super::error::LinkError;
+
+/// Everything a device has to know before it can run.
+///
+/// Session and channel numbers are filled in on upload, whatever they are here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeviceConfiguration {
+    /// What all channels share.
+    pub system: ConfigSystem,
+    /// The channels in order; 1 to 27.
+    pub channels: Vec<ConfigChannel>,
+}
+
+impl DeviceConfiguration {
+    /// The messages of an upload, in order, and the hash that names it.
+    ///
+    /// # Errors
+    /// [`LinkError::ChannelCount`] for no channel or more than the wire carries.
+    pub(super) fn upload(&self, session: u16) -> Result<(Vec<HostMessage>, u32), LinkError> {
+        let count = self.channels.len();
+        if !(1..=MAX_CHANNELS).contains(&count) {
+            return Err(LinkError::ChannelCount { count, max: MAX_CHANNELS });
+        }
+        // At most 27 channels.
+        let begin = ConfigBegin { session, channels: count as u8 };
+        let mut hash = ConfigHash::begin(&begin);
+        let system = ConfigSystem { session, ..self.system.clone() };
+        hash.add_system(&system);
+        let mut messages = vec![begin.into(), system.into()];
+        for (number, channel) in (0..).zip(&self.channels) {
+            let channel = ConfigChannel { session, channel: number, ..channel.clone() };
+            hash.add_channel(&channel);
+            messages.push(channel.into());
+        }
+        messages.push(ConfigCommit { session, config_hash: hash.value() }.into());
+        Ok((messages, hash.value()))
+    }
+}

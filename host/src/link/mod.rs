@@ -1,0 +1,36 @@
+//! From setpoints to a device: ports, sessions, streaming. The only room that knows ports.
+//!
+//! A [`Transport`] is a port with its clock, simulated or real. A [`Session`] is the protocol without either: bytes and times in, bytes and
+//! events out. [`stream`] turns the one with the other through a whole run: connect, configure, buffer, start, follow, vent.
+//!
+//! The buffer of the device bridges the host's pauses: knots carry times of the device's clock, are sent as early as there is room, and are
+//! accepted only in order, so that whatever the line loses is sent again and nothing is applied twice.
+
+mod clock;
+mod configuration;
+mod device;
+mod driver;
+mod error;
+mod event;
+mod fault;
+mod options;
+mod session;
+mod simulated;
+mod statistics;
+mod stream;
+mod trajectory;
+mod transport;
+mod window;
+
+pub use clock::ClockMap;
+pub use configuration::DeviceConfiguration;
+pub use device::{DeviceInfo, FirmwareVersion};
+pub use error::{LinkError, VentOutcome};
+pub use event::Event;
+pub use fault::DeviceFault;
+pub use options::StreamOptions;
+pub use session::{Answer, Session};
+pub use statistics::{LinkStatistics, RoundTrip};
+pub use stream::{Ending, Summary, stream};
+pub use trajectory::Knot;
+pub use transport::Transport;

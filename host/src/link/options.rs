@@ -1,0 +1,58 @@
+//! Every time-out and choice of a run, in one place.
+
+use std::sync::atomic::AtomicBool;
+
+use softlimb_protocol::RetryPolicy;
+
+/// How a run is streamed. Times in us.
+#[derive(Clone, Copy, Debug)]
+pub struct StreamOptions<'a> {
+    /// Number of the session; should differ from the last one's.
+    pub session: u16,
+    /// When a reliable message is repeated and given up. A setpoint is repeated after the same silence.
+    pub retry: RetryPolicy,
+    /// Time between two heartbeats: a quarter of the device's link timeout, or less.
+    pub heartbeat_us: u64,
+    /// Silence of a connected device after which the link counts as lost.
+    pub silence_max_us: u64,
+    /// How long a configured device may take to find its sensors plausible.
+    pub ready_max_us: u64,
+    /// How long the reservoir may take to reach the configuration's lowest supply pressure.
+    pub supply_max_us: u64,
+    /// Time from filling the buffer to the start in the first attempt; each further one doubles it.
+    pub lead_us: u64,
+    /// Attempts to have the setpoints on the device before their start.
+    pub attempts_max: u32,
+    /// Stretch of setpoints that is buffered before the start, and that a full buffer must cover: the pause of the host that it bridges.
+    pub buffer_us: u64,
+    /// How long the pressures may take to go down.
+    pub vent_max_us: u64,
+    /// How long to try to vent after an error.
+    pub abort_max_us: u64,
+    /// Clear a fault that is latched from before, instead of refusing to run.
+    pub clear_faults: bool,
+    /// The run ends, vented, soon after this becomes true.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+impl StreamOptions<'_> {
+    /// The defaults with a session number.
+    #[must_use]
+    pub fn new(session: u16) -> Self {
+        Self {
+            session,
+            retry: RetryPolicy { attempts_max: 20, ..RetryPolicy::default() },
+            heartbeat_us: 25_000,
+            silence_max_us: 500_000,
+            ready_max_us: 2_000_000,
+            supply_max_us: 120_000_000,
+            lead_us: 300_000,
+            attempts_max: 5,
+            buffer_us: 500_000,
+            vent_max_us: 60_000_000,
+            abort_max_us: 500_000,
+            clear_faults: false,
+            cancel: None,
+        }
+    }
+}

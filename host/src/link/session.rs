@@ -1,0 +1,274 @@
+//! The host's side of a session, without ports or clocks: bytes and times in, bytes and events out.
+
+use std::collections::VecDeque;
+
+use softlimb_protocol::{
+    Ack, Compatibility, Decoder, DeviceMessage, DeviceState, Heartbeat, HeartbeatReply, HelloReply, HostMessage,
+    MAX_FRAME_LEN, ReliableSender, RetryPolicy, SendError, SenderStep, Setpoint, Telemetry, encode_frame,
+};
+
+use super::clock::{ClockEstimator, ClockMap};
+use super::error::{LinkError, message_name};
+use super::event::Event;
+use super::statistics::LinkStatistics;
+use super::trajectory::Trajectory;
+use super::window::Window;
+
+/// The answer to a reliable message.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// To a Hello that was not refused.
+    Hello(HelloReply),
+    /// To everything else.
+    Ack(Ack),
+}
+
+/// One session with one device: numbers and repeats messages, keeps the link alive, learns the device's clock, streams setpoints.
+#[derive(Debug)]
+pub struct Session {
+    id: u16,
+    heartbeat_us: u64,
+    sender: ReliableSender,
+    answer: Option<Answer>,
+    decoder: Decoder<DeviceMessage>,
+    window: Window,
+    clock: ClockEstimator,
+    events: VecDeque<Event>,
+    /// `None` until a compatible device has answered.
+    heartbeat_due_us: Option<u64>,
+    frame_seq: u16,
+    heard_us: u64,
+    state: Option<DeviceState>,
+    told_state: Option<DeviceState>,
+    telemetry: Option<Telemetry>,
+    buffered_min_us: Option<u64>,
+    statistics: LinkStatistics,
+}
+
+impl Session {
+    /// A session that has not spoken yet. `id` should differ from the last session's; a heartbeat goes out every `heartbeat_us`.
+    #[must_use]
+    pub fn new(id: u16, retry: RetryPolicy, heartbeat_us: u64) -> Self {
+        Self {
+            id,
+            heartbeat_us,
+            sender: ReliableSender::new(retry),
+            answer: None,
+            decoder: Decoder::new(),
+            window: Window::new(retry.timeout_us),
+            clock: ClockEstimator::default(),
+            events: VecDeque::new(),
+            heartbeat_due_us: None,
+            frame_seq: 0,
+            heard_us: 0,
+            state: None,
+            told_state: None,
+            telemetry: None,
+            buffered_min_us: None,
+            statistics: LinkStatistics::default(),
+        }
+    }
+
+    /// Takes a reliable message; its answer comes from [`take_answer`](Self::take_answer).
+    ///
+    /// # Errors
+    /// [`SendError`] while another one is unanswered, or for a message that is not reliable.
+    pub fn request(&mut self, now_us: u64, message: &HostMessage) -> Result<(), SendError> {
+        self.answer = None;
+        self.sender.send(message, now_us).map(|_| ())
+    }
+
+    /// The answer to the last request, once.
+    pub fn take_answer(&mut self) -> Option<Answer> {
+        self.answer.take()
+    }
+
+    /// Whether a request is unanswered.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.sender.is_busy()
+    }
+
+    /// Appends the frames that are due and returns the time of the next one, us. Call it then, and after every [`receive`](Self::receive).
+    ///
+    /// # Errors
+    /// [`LinkError::NoAnswer`] when a reliable message was repeated often enough.
+    pub fn transmit(&mut self, now_us: u64, out: &mut Vec<u8>) -> Result<u64, LinkError> {
+        let request_due_us = self.transmit_request(now_us, out)?;
+        if self.heartbeat_due_us.is_some_and(|due_us| now_us >= due_us) {
+            self.heartbeat_due_us = Some(now_us + self.heartbeat_us);
+            self.push_frame(&Heartbeat { session: self.id, host_time_us: now_us }.into(), out);
+        }
+        while let Some(setpoint) = self.window.send(now_us, self.id, self.frame_seq) {
+            self.push_frame(&setpoint.into(), out);
+        }
+        Ok(request_due_us.min(self.heartbeat_due_us.unwrap_or(u64::MAX)).min(self.window.due_us()))
+    }
+
+    fn transmit_request(&mut self, now_us: u64, out: &mut Vec<u8>) -> Result<u64, LinkError> {
+        loop {
+            match self.sender.poll(now_us) {
+                SenderStep::Transmit(bytes) => {
+                    out.extend_from_slice(bytes);
+                    self.statistics.frames_sent += 1;
+                }
+                SenderStep::WaitUntil(due_us) => return Ok(due_us),
+                SenderStep::Idle => return Ok(u64::MAX),
+                SenderStep::GaveUp { message_type, .. } => {
+                    return Err(LinkError::NoAnswer { message: message_name(message_type) });
+                }
+            }
+        }
+    }
+
+    fn push_frame(&mut self, message: &HostMessage, out: &mut Vec<u8>) {
+        let mut frame = [0; MAX_FRAME_LEN];
+        // A whole-frame buffer is never too small.
+        let len = encode_frame(message, self.frame_seq, &mut frame).unwrap_or_default();
+        out.extend_from_slice(&frame[..len]);
+        self.frame_seq = self.frame_seq.wrapping_add(1);
+        self.statistics.frames_sent += 1;
+    }
+
+    /// Takes bytes from the device, in any chunking.
+    ///
+    /// # Errors
+    /// The first answer that ends the run: a setpoint refused for good. All bytes are taken nevertheless.
+    pub fn receive(&mut self, now_us: u64, bytes: &[u8]) -> Result<(), LinkError> {
+        let mut outcome = Ok(());
+        for &byte in bytes {
+            if let Some(Ok(frame)) = self.decoder.push(byte) {
+                self.heard_us = now_us;
+                outcome = outcome.and(self.on_message(now_us, frame.message));
+            }
+        }
+        outcome
+    }
+
+    fn on_message(&mut self, now_us: u64, message: DeviceMessage) -> Result<(), LinkError> {
+        let answers = self.sender.on_message(&message);
+        match message {
+            DeviceMessage::HelloReply(reply) if answers => self.on_hello(now_us, reply),
+            DeviceMessage::Ack(ack) if answers => self.answer = Some(Answer::Ack(ack)),
+            DeviceMessage::Ack(ack) if ack.ref_type == Setpoint::MESSAGE_TYPE => self.window.on_ack(now_us, &ack)?,
+            DeviceMessage::HeartbeatReply(reply) => self.on_heartbeat(now_us, &reply),
+            DeviceMessage::Telemetry(message) => self.on_telemetry(now_us, message),
+            DeviceMessage::Fault(message) => self.events.push_back(Event::Fault { host_time_us: now_us, message }),
+            DeviceMessage::HelloReply(_) | DeviceMessage::Ack(_) => {}
+        }
+        Ok(())
+    }
+
+    fn on_hello(&mut self, now_us: u64, reply: HelloReply) {
+        if Compatibility::of(reply.protocol_version, reply.schema_hash) == Compatibility::Same {
+            self.heartbeat_due_us = Some(now_us);
+            self.enter(reply.state.known());
+        }
+        self.answer = Some(Answer::Hello(reply));
+    }
+
+    fn on_heartbeat(&mut self, now_us: u64, reply: &HeartbeatReply) {
+        // An answer to another host's heartbeat may carry any time.
+        let round_trip_us = now_us.checked_sub(reply.host_time_us).filter(|_| self.heartbeat_due_us.is_some());
+        if let Some(round_trip_us) = round_trip_us {
+            self.clock.add(reply.host_time_us, now_us, reply.mcu_time_us);
+            self.statistics.round_trip.add(round_trip_us);
+        }
+        self.enter(reply.state.known());
+    }
+
+    fn on_telemetry(&mut self, now_us: u64, message: Telemetry) {
+        self.window.on_progress(now_us, message.next_index, message.free_knots);
+        self.enter(message.state.known());
+        if message.state == DeviceState::Running && !self.window.is_complete() {
+            let buffered_us = self.window.accepted_until_us().map(|until_us| until_us.saturating_sub(message.time_us));
+            self.buffered_min_us = self.buffered_min_us.into_iter().chain(buffered_us).min();
+        }
+        self.telemetry = Some(message.clone());
+        self.events.push_back(Event::Telemetry { host_time_us: now_us, message });
+    }
+
+    fn enter(&mut self, state: Option<DeviceState>) {
+        self.state = state;
+        if let Some(state) = state.filter(|_| state != self.told_state) {
+            self.told_state = Some(state);
+            self.events.push_back(Event::State(state));
+        }
+    }
+
+    /// Wants to hear the state anew. The line keeps the order: whatever arrives after an answer was said after it.
+    pub(super) fn forget_state(&mut self) {
+        self.state = None;
+    }
+
+    /// What has happened, in order.
+    pub fn next_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// Sets the knots that [`open_window`](Self::open_window) streams.
+    pub(super) fn load(&mut self, trajectory: Trajectory) {
+        self.window.load(trajectory);
+    }
+
+    /// Begins to stream from knot 0, with times from device time `start_us`, into an empty buffer of `free` places.
+    pub(super) fn open_window(&mut self, now_us: u64, start_us: u64, free: u16) {
+        self.window.open(now_us, start_us, free);
+    }
+
+    /// Streams no more.
+    pub(super) fn close_window(&mut self) {
+        self.window.close();
+    }
+
+    pub(super) fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// The number that every message carries.
+    #[must_use]
+    pub fn id(&self) -> u16 {
+        self.id
+    }
+
+    /// The device's state by its last word; `None` before that.
+    #[must_use]
+    pub fn state(&self) -> Option<DeviceState> {
+        self.state
+    }
+
+    /// The last measurements.
+    #[must_use]
+    pub fn telemetry(&self) -> Option<&Telemetry> {
+        self.telemetry.as_ref()
+    }
+
+    /// The device's clock; `None` before the first exchange.
+    #[must_use]
+    pub fn clock(&self) -> Option<ClockMap> {
+        self.clock.map()
+    }
+
+    /// Time since the last valid frame of a connected device, us.
+    #[must_use]
+    pub fn silence_us(&self, now_us: u64) -> u64 {
+        self.heartbeat_due_us.map_or(0, |_| now_us.saturating_sub(self.heard_us))
+    }
+
+    /// The shortest stretch of setpoints that was buffered on the running device while more were to come, us.
+    #[must_use]
+    pub fn buffered_min_us(&self) -> Option<u64> {
+        self.buffered_min_us
+    }
+
+    /// What the link has done so far.
+    #[must_use]
+    pub fn statistics(&self) -> LinkStatistics {
+        LinkStatistics {
+            messages_repeated: u64::from(self.sender.retransmissions()),
+            setpoints_repeated: self.window.repeated(),
+            received: self.decoder.counters(),
+            ..self.statistics
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! The setpoints of a run, checked for form.
+
+use softlimb_protocol::List;
+
+use super::error::LinkError;
+
+/// One point of a trajectory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Knot {
+    /// Time from the start of the run, us, by the device's clock; strictly increasing.
+    pub time_us: u64,
+    /// One value per channel, in the wire unit of the channel's setpoint.
+    pub values: Vec<i32>,
+}
+
+/// Knots that fit on the wire.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trajectory {
+    knots: Vec<(u64, List<i32>)>,
+}
+
+impl Trajectory {
+    /// Checks the knots for `channels` channels and repeats the last one after `tail_us`, so that the device still has a setpoint when it
+    /// learns what comes after the end.
+    ///
+    /// # Errors
+    /// [`LinkError::EmptyTrajectory`], [`LinkError::KnotValues`] or [`LinkError::KnotTime`].
+    pub(super) fn new(knots: &[Knot], channels: usize, tail_us: u64) -> Result<Self, LinkError> {
+        let mut checked = Vec::with_capacity(knots.len() + 1);
+        let mut before_us = None;
+        for (index, knot) in knots.iter().enumerate() {
+            let count = knot.values.len();
+            let wrong_count = || LinkError::KnotValues { index, count, channels };
+            if before_us.is_some_and(|before_us| knot.time_us <= before_us) {
+                return Err(LinkError::KnotTime { index });
+            }
+            if count != channels {
+                return Err(wrong_count());
+            }
+            before_us = Some(knot.time_us);
+            checked.push((knot.time_us, List::from_slice(&knot.values).map_err(|_| wrong_count())?));
+        }
+        let (end_us, last) = checked.last().cloned().ok_or(LinkError::EmptyTrajectory)?;
+        checked.push((end_us.saturating_add(tail_us), last));
+        Ok(Self { knots: checked })
+    }
+
+    /// Time and values of a knot.
+    pub(super) fn knot(&self, index: u32) -> Option<(u64, &List<i32>)> {
+        self.knots.get(index as usize).map(|(time_us, values)| (*time_us, values))
+    }
+
+    /// Knots, the repeated last one included.
+    pub(super) fn len(&self) -> u32 {
+        u32::try_from(self.knots.len()).unwrap_or(u32::MAX)
+    }
+
+    /// The shortest time that `capacity` knots in a row cover, us; `None` when all fit at once.
+    pub(super) fn shortest_span_us(&self, capacity: usize) -> Option<u64> {
+        self.knots.windows(capacity.max(1)).skip(1).map(|knots| knots[knots.len() - 1].0 - knots[0].0).min()
+    }
+
+    #[cfg(test)]
+    pub(super) fn from_pairs(knots: &[(u64, Vec<i32>)]) -> Self {
+        let knots = knots.iter().map(|(time_us, values)| (*time_us, List::from_slice(values).unwrap()));
+        Self { knots: knots.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn knots(times_us: &[u64]) -> Vec<Knot> {
+        times_us.iter().map(|&time_us| Knot { time_us, values: vec![1, 2] }).collect()
+    }
+
+    #[test]
+    fn the_last_knot_is_repeated() {
+        let trajectory = Trajectory::new(&knots(&[0, 20_000]), 2, 500_000).unwrap();
+        assert_eq!(trajectory.len(), 3);
+        let (time_us, values) = trajectory.knot(2).unwrap();
+        assert_eq!((time_us, &values[..]), (520_000, &[1, 2][..]));
+        assert!(trajectory.knot(3).is_none());
+    }
+
+    #[test]
+    fn the_offending_knot_is_named() {
+        assert!(matches!(Trajectory::new(&[], 2, 0), Err(LinkError::EmptyTrajectory)));
+        let error = Trajectory::new(&knots(&[0, 20, 20]), 2, 0).unwrap_err();
+        assert!(matches!(error, LinkError::KnotTime { index: 2 }));
+        let error = Trajectory::new(&knots(&[0]), 3, 0).unwrap_err();
+        assert!(matches!(error, LinkError::KnotValues { index: 0, count: 2, channels: 3 }));
+    }
+
+    #[test]
+    fn the_densest_stretch_counts() {
+        let trajectory = Trajectory::new(&knots(&[0, 10, 20, 25, 30, 100]), 2, 1_000).unwrap();
+        assert_eq!(trajectory.shortest_span_us(3), Some(10));
+        assert_eq!(trajectory.shortest_span_us(7), None);
+    }
+}

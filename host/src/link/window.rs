@@ -1,0 +1,328 @@
+//! Setpoints on their way: a window that goes back to the index the device expects.
+//!
+//! The device accepts only the next index, so every answer is cumulative. It also names its free places: `next index + free places` never
+//! falls while the buffer is not flushed, and no knot at or beyond it is sent, so the buffer never overflows.
+
+use std::collections::VecDeque;
+
+use softlimb_protocol::{Ack, List, ResultCode, Setpoint};
+
+use super::error::LinkError;
+use super::trajectory::Trajectory;
+
+/// Knots sent and not yet answered, at most: keeps the line busy at 115200 baud without filling the device's buffers.
+const IN_FLIGHT_MAX: u32 = 16;
+
+/// Which transmission carried which knot.
+#[derive(Clone, Copy, Debug)]
+struct Transmission {
+    seq: u16,
+    index: u32,
+}
+
+/// The sending side of the setpoint buffer.
+#[derive(Clone, Debug)]
+pub(super) struct Window {
+    trajectory: Trajectory,
+    start_us: u64,
+    is_open: bool,
+    /// The knot to send next.
+    next: u32,
+    /// One behind the highest knot ever sent.
+    sent_end: u32,
+    /// Knots before this one are in the device.
+    accepted: u32,
+    /// Knots from this one on have no place yet.
+    credit_end: u64,
+    in_flight: VecDeque<Transmission>,
+    timeout_us: u64,
+    progress_us: u64,
+    repeated: u64,
+}
+
+impl Window {
+    /// A closed window; without an answer for `timeout_us` it sends again.
+    pub(super) fn new(timeout_us: u64) -> Self {
+        Self {
+            trajectory: Trajectory::default(),
+            start_us: 0,
+            is_open: false,
+            next: 0,
+            sent_end: 0,
+            accepted: 0,
+            credit_end: 0,
+            in_flight: VecDeque::new(),
+            timeout_us,
+            progress_us: 0,
+            repeated: 0,
+        }
+    }
+
+    /// Sets what is sent when the window opens.
+    pub(super) fn load(&mut self, trajectory: Trajectory) {
+        self.close();
+        self.trajectory = trajectory;
+    }
+
+    /// Begins with knot 0 for an empty buffer of `free` places; knots count from device time `start_us`.
+    pub(super) fn open(&mut self, now_us: u64, start_us: u64, free: u16) {
+        let trajectory = std::mem::take(&mut self.trajectory);
+        let credit_end = u64::from(free);
+        let kept = Self { trajectory, repeated: self.repeated, ..Self::new(self.timeout_us) };
+        *self = Self { start_us, is_open: true, credit_end, progress_us: now_us, ..kept };
+    }
+
+    /// Sends nothing more.
+    pub(super) fn close(&mut self) {
+        self.is_open = false;
+    }
+
+    /// The next knot to send now with frame number `seq`, if there is one.
+    pub(super) fn send(&mut self, now_us: u64, session: u16, seq: u16) -> Option<Setpoint> {
+        if !self.is_open {
+            return None;
+        }
+        if self.is_waiting() && now_us >= self.due_us() {
+            self.go_back(now_us, self.accepted);
+        }
+        let index = self.next;
+        if u64::from(index) >= self.credit_end || index - self.accepted >= IN_FLIGHT_MAX {
+            return None;
+        }
+        let (time_us, values) = self.trajectory.knot(index)?;
+        let values = List::clone(values);
+        if !self.is_waiting() {
+            self.progress_us = now_us;
+        }
+        self.repeated += u64::from(index < self.sent_end);
+        self.next += 1;
+        self.sent_end = self.sent_end.max(self.next);
+        self.in_flight.push_back(Transmission { seq, index });
+        Some(Setpoint { session, index, time_us: self.start_us.saturating_add(time_us), values })
+    }
+
+    /// When to send again without an answer, us; never if nothing is in flight.
+    pub(super) fn due_us(&self) -> u64 {
+        if self.is_open && self.is_waiting() { self.progress_us.saturating_add(self.timeout_us) } else { u64::MAX }
+    }
+
+    /// Takes the answer to a setpoint. Answers to transmissions given up are ignored.
+    ///
+    /// # Errors
+    /// When the device refuses a knot for good.
+    pub(super) fn on_ack(&mut self, now_us: u64, ack: &Ack) -> Result<(), LinkError> {
+        let position = self.in_flight.iter().position(|sent| sent.seq == ack.ref_seq);
+        let Some(position) = position.filter(|_| self.is_open) else { return Ok(()) };
+        let index = self.in_flight[position].index;
+        // The line keeps the order: earlier transmissions were lost, or their answers.
+        self.in_flight.drain(..=position);
+        match ack.result.known() {
+            Some(ResultCode::Ok) => self.accept(now_us, index + 1, ack.free_knots),
+            Some(ResultCode::UnexpectedIndex) if ack.detail < self.accepted => return Err(LinkError::SetpointsDropped),
+            Some(ResultCode::UnexpectedIndex) => {
+                self.accept(now_us, ack.detail, ack.free_knots);
+                if ack.detail < index {
+                    self.go_back(now_us, self.accepted);
+                }
+            }
+            Some(ResultCode::QueueFull) => {
+                self.credit_end = u64::from(self.accepted);
+                self.go_back(now_us, self.accepted);
+            }
+            Some(ResultCode::WrongSession) => return Err(LinkError::DeviceRestarted),
+            // A device that stopped accepts no knots; its state says why it stopped.
+            Some(ResultCode::WrongState) => self.close(),
+            _ => return Err(LinkError::KnotRefused { index, result: ack.result, detail: ack.detail }),
+        }
+        Ok(())
+    }
+
+    /// Takes the cumulative answer that Telemetry carries.
+    pub(super) fn on_progress(&mut self, now_us: u64, next_index: u32, free: u16) {
+        if self.is_open {
+            self.accept(now_us, next_index, free);
+        }
+    }
+
+    /// Knots in the device or passed by it.
+    pub(super) fn accepted(&self) -> u32 {
+        self.accepted
+    }
+
+    /// Whether all knots are in the device, or as many as it has places for.
+    pub(super) fn is_filled(&self) -> bool {
+        let end = u64::from(self.trajectory.len()).min(self.credit_end);
+        self.is_open && u64::from(self.accepted) >= end
+    }
+
+    /// Whether all knots are in the device.
+    pub(super) fn is_complete(&self) -> bool {
+        self.accepted >= self.trajectory.len()
+    }
+
+    /// Knots in all.
+    pub(super) fn total(&self) -> u32 {
+        self.trajectory.len()
+    }
+
+    /// Device time of the last accepted knot, us.
+    pub(super) fn accepted_until_us(&self) -> Option<u64> {
+        let (time_us, _) = self.trajectory.knot(self.accepted.checked_sub(1)?)?;
+        Some(self.start_us.saturating_add(time_us))
+    }
+
+    /// Setpoints sent again.
+    pub(super) fn repeated(&self) -> u64 {
+        self.repeated
+    }
+
+    fn is_waiting(&self) -> bool {
+        self.accepted < self.next
+    }
+
+    fn accept(&mut self, now_us: u64, next_index: u32, free: u16) {
+        if next_index > self.sent_end {
+            return;
+        }
+        if next_index > self.accepted {
+            self.accepted = next_index;
+            self.progress_us = now_us;
+        }
+        self.next = self.next.max(self.accepted);
+        self.credit_end = self.credit_end.max(u64::from(next_index) + u64::from(free));
+    }
+
+    fn go_back(&mut self, now_us: u64, index: u32) {
+        self.next = index;
+        self.in_flight.clear();
+        self.progress_us = now_us;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::VecDeque;
+
+    use softlimb_protocol::Setpoint as Knot;
+
+    use super::*;
+
+    /// A device with 8 places that passes a knot every 3 rounds, behind a line that loses a share of what it carries.
+    struct Device {
+        applied: Vec<Knot>,
+        free: u16,
+        random: u64,
+        loss: u64,
+    }
+
+    impl Device {
+        fn loses(&mut self) -> bool {
+            // Numerical Recipes' linear congruential generator; the high bits are good enough here.
+            self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.random >> 33) % 100 < self.loss
+        }
+
+        fn receive(&mut self, seq: u16, knot: Knot) -> Option<Ack> {
+            if self.loses() {
+                return None;
+            }
+            let expected = self.applied.len() as u32;
+            let (result, detail) = if knot.index != expected {
+                (ResultCode::UnexpectedIndex, expected)
+            } else if self.free == 0 {
+                (ResultCode::QueueFull, 0)
+            } else {
+                self.free -= 1;
+                self.applied.push(knot);
+                (ResultCode::Ok, 0)
+            };
+            assert_ne!(result, ResultCode::QueueFull, "the host knows how many places there are");
+            let ack = Ack {
+                ref_type: Knot::MESSAGE_TYPE,
+                ref_seq: seq,
+                result: result.into(),
+                detail,
+                free_knots: self.free,
+                mcu_time_us: 0,
+            };
+            (!self.loses()).then_some(ack)
+        }
+    }
+
+    /// Rounds of 1 ms until all `count` knots are accepted; answers take 4 rounds.
+    fn rounds(count: i32, loss: u64, seed: u64) -> (u64, Device, Window) {
+        let knots: Vec<_> = (0..count).map(|i| (i as u64 * 1_000, vec![i, -i])).collect();
+        let mut window = Window::new(20_000);
+        window.load(Trajectory::from_pairs(&knots));
+        window.open(0, 500, 8);
+        let mut device = Device { applied: Vec::new(), free: 8, random: seed, loss };
+        let (mut answers, mut seq) = (VecDeque::new(), 65_500_u16);
+        for round in 0..100_000_u64 {
+            if window.is_complete() {
+                return (round, device, window);
+            }
+            let now_us = round * 1_000;
+            while let Some(knot) = window.send(now_us, 7, seq) {
+                answers.push_back((round + 4, device.receive(seq, knot)));
+                seq = seq.wrapping_add(1);
+            }
+            while answers.front().is_some_and(|(due, _)| *due <= round) {
+                let (_, answer) = answers.pop_front().unwrap();
+                answer.iter().for_each(|ack| window.on_ack(now_us, ack).unwrap());
+            }
+            if round % 3 == 0 && device.applied.len() + usize::from(device.free) > 7 && device.free < 8 {
+                device.free += 1;
+                if !device.loses() {
+                    window.on_progress(now_us, device.applied.len() as u32, device.free);
+                }
+            }
+        }
+        panic!("only {} of {count} knots after 100 s", device.applied.len());
+    }
+
+    fn assert_in_order(device: &Device, count: i32) {
+        let expected: Vec<_> = (0..count).map(|i| (i as u32, 500 + i as u64 * 1_000, vec![i, -i])).collect();
+        let applied: Vec<_> = device.applied.iter().map(|k| (k.index, k.time_us, k.values.to_vec())).collect();
+        assert_eq!(applied, expected);
+    }
+
+    #[test]
+    fn a_good_line_repeats_nothing_and_is_limited_by_the_device() {
+        let (rounds, device, window) = rounds(300, 0, 1);
+        assert_in_order(&device, 300);
+        assert_eq!(window.repeated(), 0);
+        assert!(rounds <= 3 * 300, "{rounds}");
+    }
+
+    #[test]
+    fn every_knot_is_applied_once_in_order_whatever_is_lost() {
+        for seed in 0..50 {
+            for loss in [5, 30, 60] {
+                let (_, device, window) = rounds(200, loss, seed);
+                assert_in_order(&device, 200);
+                assert!(window.repeated() > 0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_device_that_forgot_setpoints_is_an_error() {
+        let mut window = Window::new(20_000);
+        window.load(Trajectory::from_pairs(&[(0, vec![0]), (1_000, vec![0]), (2_000, vec![0])]));
+        window.open(0, 0, 8);
+        let sent: Vec<_> = (0..3).map(|seq| window.send(0, 7, seq).unwrap().index).collect();
+        assert_eq!(sent, [0, 1, 2]);
+        let answer = |seq, result: ResultCode, detail| Ack {
+            ref_type: Knot::MESSAGE_TYPE,
+            ref_seq: seq,
+            result: result.into(),
+            detail,
+            free_knots: 8,
+            mcu_time_us: 0,
+        };
+        window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
+        assert_eq!(window.accepted(), 2);
+        let error = window.on_ack(0, &answer(2, ResultCode::UnexpectedIndex, 0)).unwrap_err();
+        assert!(matches!(error, LinkError::SetpointsDropped));
+    }
+}
