@@ -1,13 +1,13 @@
 //! `softlimb report`: the report of a recorded run.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use super::{Failure, Outcome};
 use crate::record;
 use crate::report;
+use crate::run;
 
 /// Write the report of a recorded run
 #[derive(Args)]
@@ -27,7 +27,7 @@ impl Report {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let log = record::read(&self.log).map_err(Failure::new)?;
         let out = self.out.clone().unwrap_or_else(|| self.log.with_extension("html"));
-        write_whole(&out, report::html(&log).as_bytes())?;
+        run::write_report(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
         if self.json {
             println!("{}", serde_json::json!(summary));
@@ -41,17 +41,4 @@ impl Report {
         }
         Ok(Outcome::Done)
     }
-}
-
-/// Writes a file so that under its name there is the whole of it or what was there before.
-pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".partial");
-    let partial = path.with_file_name(name);
-    let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path));
-    written.map_err(|error| {
-        // The partial file is of no use to anyone; that it cannot be removed adds nothing to the message.
-        let _ = fs::remove_file(&partial);
-        Failure::file("write", path, &error)
-    })
 }

@@ -1,15 +1,100 @@
 //! `softlimb run`: check, plan, stream to the simulated MCU, record, report.
 
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
 use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome};
+use crate::report::{self, Summary};
+use crate::run::{self, Progress, RunError, RunOptions};
+use crate::scene;
 
 /// Run a scene: check, plan, stream to the simulated MCU, record, report
 #[derive(Args)]
-pub(super) struct Run {}
+#[command(after_help = "Writes run.mcap and run.html; those of an earlier run in the same folder are replaced.\n\
+                  Example: softlimb run scenes/pick-and-place-a.toml")]
+pub(super) struct Run {
+    /// The scene file
+    scene: PathBuf,
+    /// Folder for run.mcap and run.html [default: out/<scene>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Seed of everything random in the plant [default: the scene's]
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+}
 
 impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        Err(Failure::new("not wired yet"))
+        let scene = scene::load(&self.scene)?;
+        let options = RunOptions {
+            seed: self.seed.unwrap_or(scene.seed()),
+            out: self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name())),
+        };
+        let bar = Bar::new();
+        let cancel = AtomicBool::new(false);
+        let outcome = run::run(&scene, &options, &cancel, |progress| bar.show(progress));
+        bar.finish();
+        let files = outcome?;
+        let summary = report::summary(&files.run);
+        if self.json {
+            println!("{}", serde_json::json!(summary));
+        } else {
+            println!("{}", summary.table());
+        }
+        eprintln!("log:    {}\nreport: {}", files.log.display(), files.report.display());
+        Ok(judge(&summary))
+    }
+}
+
+/// A run that the device complained about is done with warnings.
+fn judge(summary: &Summary) -> Outcome {
+    for fault in &summary.faults {
+        eprintln!("warning: {:.3} s into the run: {}", fault.time_s, fault.text);
+    }
+    if summary.faults.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Scene(error) => error.into(),
+            other => Self::new(other),
+        }
+    }
+}
+
+/// Progress on a terminal; nothing elsewhere.
+struct Bar(Option<ProgressBar>);
+
+impl Bar {
+    fn new() -> Self {
+        if !stderr().is_terminal() {
+            return Self(None);
+        }
+        let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %  {elapsed_precise}");
+        let bar = ProgressBar::new(1000).with_message("running");
+        Self(Some(match style {
+            Ok(style) => bar.with_style(style.progress_chars("=> ")),
+            Err(_) => bar,
+        }))
+    }
+
+    fn show(&self, progress: Progress) {
+        if let Some(bar) = &self.0 {
+            bar.set_position((1e3 * progress.time_s / progress.duration_s.max(1e-9)) as u64);
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
     }
 }

@@ -5,19 +5,11 @@ use softlimb_protocol::{ConfigChannel, ConfigSystem, FiberPlacement, LinkLossPol
 
 use super::wire::{to_wire, wire_kind};
 use crate::design::{Limb, LimbModule};
+use crate::link::DeviceConfiguration;
 use crate::scene::{Line, LinkLoss, Scene};
 
 /// Room left beyond the limits of setpoints for the rounding to wire units, wire units.
 const SETPOINT_MARGIN: i32 = 2;
-
-/// The configuration of a device, without session numbers: those are the link's.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DeviceConfiguration {
-    /// What all channels share.
-    pub system: ConfigSystem,
-    /// The channels in order.
-    pub channels: Vec<ConfigChannel>,
-}
 
 /// The configuration a scene asks for. The device models its actuators from the scene's nominal values.
 pub fn configuration(scene: &Scene, limb: &Limb) -> DeviceConfiguration {
@@ -95,7 +87,9 @@ fn channel(scene: &Scene, module: &LimbModule, channel: usize) -> ConfigChannel 
 fn setpoint_limits(module: &LimbModule) -> (i32, i32) {
     let wire = module.curve.states().iter().map(|state| to_wire(module.kind, module.measure(state)));
     let (least, most) = wire.fold((i32::MAX, i32::MIN), |(a, b), value| (a.min(value), b.max(value)));
-    (least.saturating_sub(SETPOINT_MARGIN), most.saturating_add(SETPOINT_MARGIN))
+    // Only a twist has values below zero; for all others the margin ends there.
+    let floor = if least < 0 { i32::MIN } else { 0 };
+    (least.saturating_sub(SETPOINT_MARGIN).max(floor), most.saturating_add(SETPOINT_MARGIN))
 }
 
 /// Sonic conductance of a tube by Eckersten's formula, `0.029 d^2/sqrt(L/d^1.25 + 510)`.

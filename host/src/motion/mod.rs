@@ -6,7 +6,7 @@ mod plan;
 mod profile;
 mod wire;
 
-pub use configuration::{DeviceConfiguration, configuration};
+pub use configuration::configuration;
 pub use inverse_kinematics::{Reach, solve_tip};
 pub use plan::{Plan, PlannedPhase, plan};
 pub use wire::wire_kind;

@@ -247,7 +247,8 @@ fn check_rates(scene: &Scene, limb: &Limb, phase: &Phase, from: &[f64], to: &[f6
                 in_units(module.kind, peak),
                 in_units(module.kind, limit)
             );
-            let help = format!("a duration of {:.2} s is enough", (seconds * peak / limit * 100.0 - 1e-6).ceil() / 100.0);
+            let help =
+                format!("a duration of {:.2} s is enough", (seconds * peak / limit * 100.0 - 1e-6).ceil() / 100.0);
             return Err(scene.diagnostic(phase.move_us.span, "this move is too fast", &label, Some(&help)));
         }
     }

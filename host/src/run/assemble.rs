@@ -1,0 +1,203 @@
+//! From telemetry, plan and truth to the samples of the log.
+
+use fra_model::{Motion, State};
+use softlimb_protocol::{Fault, Telemetry};
+use softlimb_sim::plant::{ChannelTruth, Truth};
+
+use super::Progress;
+use super::observed::Traffic;
+use crate::design::{Limb, LimbModule};
+use crate::link::{DeviceFault, LinkStatistics};
+use crate::motion::Plan;
+use crate::record::{
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, PhaseInfo, Quantity, RunInfo, Sample, Shape,
+};
+use crate::scene::{Scene, SetpointKind};
+
+/// Log time between two recorded shapes of the whole limb, s.
+const SHAPE_PERIOD_S: f64 = 0.2;
+
+/// Makes samples of what the device sends.
+pub(super) struct Assembler<'a> {
+    limb: &'a Limb,
+    plan: &'a Plan,
+    start_us: Option<u64>,
+    next_shape_s: f64,
+}
+
+impl<'a> Assembler<'a> {
+    pub(super) fn new(limb: &'a Limb, plan: &'a Plan) -> Self {
+        Self { limb, plan, start_us: None, next_shape_s: 0.0 }
+    }
+
+    /// The trajectory starts at a device time.
+    pub(super) fn start(&mut self, start_us: u64, _end_us: u64) {
+        self.start_us = Some(start_us);
+        self.next_shape_s = 0.0;
+    }
+
+    pub(super) fn progress(&self, time_s: f64) -> Progress {
+        let duration_s = self.plan.duration_us() as f64 * 1e-6;
+        Progress { time_s: time_s.min(duration_s), duration_s }
+    }
+
+    /// The sample of a telemetry message; `None` before the start.
+    pub(super) fn sample(&mut self, message: &Telemetry, truth: Option<&Truth>) -> Option<(Sample, Option<Shape>)> {
+        let time_us = message.time_us.checked_sub(self.start_us?)?;
+        let time_s = time_us as f64 * 1e-6;
+        let planned = self.plan.states_at(time_us as f64);
+        let modelled: Vec<State<f64>> = self.limb.modules().iter().map(|module| modelled(module, message)).collect();
+        let achieved: Option<Vec<State<f64>>> =
+            truth.map(|truth| self.limb.modules().iter().map(|module| achieved(module, truth)).collect());
+        let values = self.plan.values_at(time_us as f64);
+        let modules = self.limb.modules().iter().enumerate().map(|(index, module)| ModuleSample {
+            setpoint: values[index],
+            modelled: module.measure(&modelled[index]),
+            achieved: achieved.as_ref().map(|states| module.measure(&states[index])),
+        });
+        let sample = Sample {
+            time_s,
+            state: message.state.raw(),
+            fault_bits: message.fault_bits,
+            supply_pa: 10.0 * f64::from(message.supply_10pa),
+            channels: channels(message, truth),
+            modules: modules.collect(),
+            tip_setpoint_m: self.limb.tip(&planned),
+            tip_modelled_m: self.limb.tip(&modelled),
+            tip_achieved_m: achieved.as_ref().map(|states| self.limb.tip(states)),
+        };
+        let shape = (time_s >= self.next_shape_s).then(|| {
+            self.next_shape_s += SHAPE_PERIOD_S;
+            Shape {
+                time_s,
+                setpoint: self.limb.backbone(&planned),
+                achieved: achieved.as_ref().map(|states| self.limb.backbone(states)),
+            }
+        });
+        Some((sample, shape))
+    }
+
+    /// A fault on the clock of the run; one before the start is told at its start.
+    pub(super) fn fault(&self, message: &Fault) -> FaultRecord {
+        let time_us = self.start_us.map_or(0, |start_us| message.time_us.saturating_sub(start_us));
+        FaultRecord {
+            time_s: time_us as f64 * 1e-6,
+            channel: message.channel,
+            code: message.code.raw(),
+            value: message.value,
+            text: DeviceFault::from(message).to_string(),
+        }
+    }
+}
+
+fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
+    let measured = message.channels.iter().enumerate();
+    measured
+        .map(|(index, channel)| ChannelSample {
+            pressure_pa: 10.0 * f64::from(channel.pressure_10pa),
+            reference_pa: 10.0 * f64::from(channel.reference_10pa),
+            duty: f64::from(channel.duty) / 127.0,
+            status: channel.status.bits(),
+            true_pressure_pa: truth.and_then(|truth| truth.channels.get(index)).map(|channel| channel.pressure_pa),
+        })
+        .collect()
+}
+
+/// The state that the controller's model gives a module at the mean of its measured pressures.
+fn modelled(module: &LimbModule, message: &Telemetry) -> State<f64> {
+    let pressures = module.channels.clone().filter_map(|channel| message.channels.get(channel));
+    module.curve.at(mean(pressures.map(|channel| 10.0 * f64::from(channel.pressure_10pa))))
+}
+
+/// The state of a module that holds its actuators together: the mean of theirs.
+fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
+    let members: Vec<&ChannelTruth> =
+        module.channels.clone().filter_map(|channel| truth.channels.get(channel)).collect();
+    let average = |field: fn(&State<f64>) -> f64| mean(members.iter().map(|member| field(&member.shape)));
+    State {
+        pressure_pa: mean(members.iter().map(|member| member.pressure_pa)),
+        axial_stretch: average(|s| s.axial_stretch),
+        inner_radius_m: average(|s| s.inner_radius_m),
+        outer_radius_m: average(|s| s.outer_radius_m),
+        twist_rad: average(|s| s.twist_rad),
+        bend_angle_rad: average(|s| s.bend_angle_rad),
+        volume_m3: average(|s| s.volume_m3),
+        compliance_m3_per_pa: average(|s| s.compliance_m3_per_pa),
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// What the log says about the run as a whole.
+pub(super) fn run_info(
+    scene: &Scene,
+    limb: &Limb,
+    plan: &Plan,
+    seed: u64,
+    firmware_version: &str,
+    config_hash: u32,
+    schema_hash: u32,
+) -> RunInfo {
+    let modules = limb.modules().iter().map(|module| ModuleInfo {
+        name: module.name.clone(),
+        motion: motion_word(module.motion).into(),
+        quantity: quantity(module.kind),
+        channels: module.channels.clone(),
+    });
+    let phases = plan.phases.iter().map(|phase| PhaseInfo {
+        name: phase.name.clone(),
+        start_s: phase.start_us as f64 * 1e-6,
+        move_s: phase.move_us as f64 * 1e-6,
+        hold_s: phase.hold_us as f64 * 1e-6,
+    });
+    RunInfo {
+        scene_name: scene.name().into(),
+        scene_text: scene.source_text().into(),
+        tool_version: env!("CARGO_PKG_VERSION").into(),
+        firmware_version: firmware_version.into(),
+        schema_hash,
+        config_hash,
+        seed,
+        // A simulated run has no date: the same run is the same log.
+        start_unix_ns: 0,
+        modules: modules.collect(),
+        phases: phases.collect(),
+        simulated: true,
+    }
+}
+
+fn motion_word(motion: Motion) -> &'static str {
+    match motion {
+        Motion::Extension => "extension",
+        Motion::Expansion => "expansion",
+        Motion::Bending => "bending",
+        Motion::Twisting => "twisting",
+    }
+}
+
+fn quantity(kind: SetpointKind) -> Quantity {
+    match kind {
+        SetpointKind::Pressure => Quantity::Pressure,
+        SetpointKind::AxialStretch => Quantity::AxialStretch,
+        SetpointKind::OuterRadius => Quantity::OuterRadius,
+        SetpointKind::InnerRadius => Quantity::InnerRadius,
+        SetpointKind::Twist => Quantity::Twist,
+        SetpointKind::BendAngle => Quantity::BendAngle,
+    }
+}
+
+/// The link's counters in the terms of the log.
+pub(super) fn link_summary(statistics: &LinkStatistics, traffic: Traffic) -> LinkSummary {
+    LinkSummary {
+        frames_sent: statistics.frames_sent,
+        frames_received: u64::from(statistics.received.accepted),
+        bytes_sent: traffic.sent,
+        bytes_received: traffic.received,
+        retransmitted: statistics.messages_repeated + statistics.setpoints_repeated,
+        crc_errors: u64::from(statistics.received.crc),
+        telemetry_lost: 0,
+    }
+}

@@ -1,0 +1,63 @@
+//! Why a run failed.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use softlimb_sim::SimError;
+
+use crate::link::LinkError;
+use crate::record::RecordError;
+use crate::scene::SceneError;
+
+/// Why there is no run, or no whole one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scene asks for something the limb cannot do.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The simulated device cannot be built.
+    #[error("the simulated device cannot be built: {0}")]
+    Simulation(#[from] SimError),
+    /// The run did not begin.
+    #[error("{0}")]
+    Link(Box<LinkError>),
+    /// The run began and did not end well; what happened until then is recorded.
+    #[error("{cause}\nthe run up to there is in {} and {}", log.display(), report.display())]
+    Stopped {
+        /// What happened.
+        cause: Box<LinkError>,
+        /// The log.
+        log: PathBuf,
+        /// The report.
+        report: PathBuf,
+    },
+    /// The link ended well without anything to record.
+    #[error("the device sent no measurements")]
+    NotRecorded,
+    /// The log cannot be written or read back.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The report cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Report {
+        /// The report.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The folder for the results cannot be made.
+    #[error("cannot create the folder {}: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+}
+
+impl RunError {
+    pub(super) fn folder(path: &Path, source: io::Error) -> Self {
+        Self::Folder { path: path.to_owned(), source }
+    }
+}

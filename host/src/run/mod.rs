@@ -1,0 +1,208 @@
+//! A whole run of a scene: plan, device, recording, report.
+
+mod assemble;
+mod error;
+mod observed;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use softlimb_protocol::SCHEMA_HASH;
+use softlimb_sim::SimulatedMcu;
+
+use crate::design::Limb;
+use crate::link::{self, Event, Knot, StreamOptions};
+use crate::motion::{self, Plan};
+use crate::record::{self, LinkSummary, Recorder, RunInfo, RunLog};
+use crate::report;
+use crate::scene::Scene;
+use crate::simulate;
+
+use assemble::{Assembler, run_info};
+pub use error::RunError;
+use observed::Observed;
+
+/// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
+const SESSION: u16 = 1;
+
+/// What is run and where it goes.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Seed of everything random in the plant.
+    pub seed: u64,
+    /// The folder that takes `run.mcap` and `run.html`.
+    pub out: PathBuf,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Time since the start of the trajectory, s.
+    pub time_s: f64,
+    /// Its duration, s.
+    pub duration_s: f64,
+}
+
+/// What a run left behind.
+#[derive(Clone, Debug)]
+pub struct RunFiles {
+    /// The log.
+    pub log: PathBuf,
+    /// The report.
+    pub report: PathBuf,
+    /// What happened, as read back from the log.
+    pub run: RunLog,
+}
+
+/// Runs a scene on the simulated MCU, records it and writes the report. `cancel` vents the limb and ends the run.
+///
+/// # Errors
+/// [`RunError`]. When the run began but did not end well, log and report are there and [`RunError::Stopped`] names them.
+pub fn run(
+    scene: &Scene,
+    options: &RunOptions,
+    cancel: &AtomicBool,
+    mut on_progress: impl FnMut(Progress),
+) -> Result<RunFiles, RunError> {
+    let limb = Limb::new(scene)?;
+    let plan = motion::plan(scene, &limb)?;
+    let configuration = motion::configuration(scene, &limb);
+    let knots = wire_knots(&limb, &plan);
+    let mut device = Observed::new(SimulatedMcu::new(&simulate::settings(scene, &limb, options.seed))?);
+    fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;
+    let path = options.out.join("run.mcap");
+
+    let began = Instant::now();
+    let mut recording = Recording::new(scene, &limb, &plan, options.seed, &path);
+    let stream_options = StreamOptions { cancel: Some(cancel), ..StreamOptions::new(SESSION) };
+    let ended = link::stream(&mut device, &configuration, &knots, &stream_options, |device, event| {
+        if let Some(progress) = recording.take(device, event) {
+            on_progress(progress);
+        }
+    });
+    let statistics = ended.as_ref().map(|summary| summary.statistics).unwrap_or_default();
+    let link = assemble::link_summary(&statistics, device.traffic());
+    let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
+    match (ended, logged) {
+        (Ok(_), true) => finish_report(&path),
+        (Ok(_), false) => Err(RunError::NotRecorded),
+        (Err(cause), true) => {
+            let files = finish_report(&path)?;
+            Err(RunError::Stopped { cause: Box::new(cause), log: files.log, report: files.report })
+        }
+        (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
+    }
+}
+
+/// One setpoint per channel at every knot: all actuators of a module get the module's.
+fn wire_knots(limb: &Limb, plan: &Plan) -> Vec<Knot> {
+    let row = |values: &Vec<i32>| -> Vec<i32> {
+        limb.modules().iter().zip(values).flat_map(|(module, value)| module.channels.clone().map(|_| *value)).collect()
+    };
+    let rows = plan.knots().iter().zip(0..);
+    rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us, values: row(values) }).collect()
+}
+
+/// Reads the log back, so that the report shows what the log holds and nothing else.
+fn finish_report(log: &Path) -> Result<RunFiles, RunError> {
+    let run = record::read(log)?;
+    let report = log.with_extension("html");
+    write_report(&report, &run)?;
+    Ok(RunFiles { log: log.to_owned(), report, run })
+}
+
+/// Writes the report of a log; under its name there is the whole of it, or what was there before.
+///
+/// # Errors
+/// [`RunError::Report`].
+pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".partial");
+    let partial = path.with_file_name(name);
+    let written = fs::write(&partial, report::html(log)).and_then(|()| fs::rename(&partial, path));
+    written.map_err(|source| {
+        // A partial file is of no use to anyone; that it cannot be removed adds nothing to the message.
+        let _ = fs::remove_file(&partial);
+        RunError::Report { path: path.to_owned(), source }
+    })
+}
+
+/// The recording of a run, from the moment its configuration is known.
+struct Recording<'a> {
+    info: Box<dyn Fn(&str, u32) -> RunInfo + 'a>,
+    path: &'a Path,
+    assembler: Assembler<'a>,
+    firmware: String,
+    recorder: Option<Recorder>,
+    failure: Option<RunError>,
+}
+
+impl<'a> Recording<'a> {
+    fn new(scene: &'a Scene, limb: &'a Limb, plan: &'a Plan, seed: u64, path: &'a Path) -> Self {
+        Self {
+            info: Box::new(move |firmware, config_hash| {
+                run_info(scene, limb, plan, seed, firmware, config_hash, SCHEMA_HASH)
+            }),
+            path,
+            assembler: Assembler::new(limb, plan),
+            firmware: String::new(),
+            recorder: None,
+            failure: None,
+        }
+    }
+
+    /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
+    fn take(&mut self, device: &mut Observed, event: Event) -> Option<Progress> {
+        match self.note(device, event) {
+            Ok(progress) => progress,
+            Err(error) => {
+                self.recorder = None;
+                self.failure.get_or_insert(error);
+                None
+            }
+        }
+    }
+
+    fn note(&mut self, device: &mut Observed, event: Event) -> Result<Option<Progress>, RunError> {
+        match event {
+            Event::Connected(info) => self.firmware = info.firmware.to_string(),
+            Event::Configured { config_hash } if self.failure.is_none() => {
+                self.recorder = Some(Recorder::create(self.path, &(self.info)(&self.firmware, config_hash))?);
+            }
+            Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
+            Event::Telemetry { message, .. } => {
+                let truth = device.truth_at(message.time_us);
+                if let Some((sample, shape)) = self.assembler.sample(&message, truth.as_ref()) {
+                    let progress = self.assembler.progress(sample.time_s);
+                    if let Some(recorder) = &mut self.recorder {
+                        recorder.sample(&sample)?;
+                        shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
+                    }
+                    return Ok(Some(progress));
+                }
+            }
+            Event::Fault { message, .. } => {
+                let fault = self.assembler.fault(&message);
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.fault(&fault)?;
+                }
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    /// Closes the log; `false` when there is none.
+    fn finish(self, link: LinkSummary, wall_s: f64) -> Result<bool, RunError> {
+        match (self.failure, self.recorder) {
+            (Some(failure), _) => Err(failure),
+            (None, Some(recorder)) => {
+                recorder.finish(link, Some(wall_s))?;
+                Ok(true)
+            }
+            (None, None) => Ok(false),
+        }
+    }
+}
