@@ -13,9 +13,9 @@ use crate::quadrature::WallRule;
 use crate::real::{Real, epsilon, real};
 use crate::solution::{Load, Solution, State, Status, Target};
 
-/// Cosine and sine of the angles `pi (2j+1)/32`, j = 0..8: with their mirror images the midpoint rule on half a turn, which
-/// converges faster than any power for the smooth periodic integrand.
-const ANGLES: [(f64, f64); 8] = [
+/// Cosine and sine of the angles `pi (2j+1)/32`, j = 0..8: with their mirror images the midpoint rule of 16 angles on half a turn,
+/// which converges faster than any power for the smooth periodic integrand.
+const FINE_ANGLES: [(f64, f64); 8] = [
     (0.995_184_726_672_196_9, 0.098_017_140_329_560_6),
     (0.956_940_335_732_208_9, 0.290_284_677_254_462_33),
     (0.881_921_264_348_355, 0.471_396_736_825_997_64),
@@ -24,6 +24,14 @@ const ANGLES: [(f64, f64); 8] = [
     (0.471_396_736_825_997_64, 0.881_921_264_348_355),
     (0.290_284_677_254_462_33, 0.956_940_335_732_208_9),
     (0.098_017_140_329_560_6, 0.995_184_726_672_196_9),
+];
+
+/// The same for 8 angles: enough for single precision.
+const COARSE_ANGLES: [(f64, f64); 4] = [
+    (0.980_785_280_403_230_4, 0.195_090_322_016_128_25),
+    (0.831_469_612_302_545_2, 0.555_570_233_019_602_2),
+    (0.555_570_233_019_602_2, 0.831_469_612_302_545_2),
+    (0.195_090_322_016_128_25, 0.980_785_280_403_230_4),
 ];
 
 /// Longest step of `k` relative to `k + 0.1`, and the largest `k` looked at.
@@ -46,8 +54,11 @@ pub(crate) struct Bender<T: Real> {
     b: T,
     /// Whether the restoring moment can fall with the curvature.
     softens: bool,
-    /// Rule over `rho^2` from `rho_i^2` to 1.
-    radial: WallRule<T>,
+    /// Rules over `rho^2` from `rho_i^2` to 1.
+    fine: WallRule<T>,
+    coarse: WallRule<T>,
+    /// Bends up to which the coarse rules are as good as the scalar can tell.
+    coarse_until: T,
 }
 
 /// Restoring moment `dU/dkappa / (mu1 R_o^3)` and its slope at one curvature.
@@ -67,6 +78,7 @@ impl<T: Real> Bender<T> {
             Material::Yeoh { c_pa } => (real::<T>(2.0) * c_pa[1] / mu1, real::<T>(3.0) * c_pa[2] / mu1),
         };
         let inner = parameters.inner_radius_m / outer;
+        let single = epsilon::<T>() > real::<T>(1e-9);
         Self {
             outer_radius_m: outer,
             length_m: parameters.length_m,
@@ -76,7 +88,9 @@ impl<T: Real> Bender<T> {
             a,
             b,
             softens: a < T::zero() || b < T::zero(),
-            radial: WallRule::new(inner * inner, T::one()),
+            fine: WallRule::new(inner * inner, T::one()),
+            coarse: WallRule::coarse(inner * inner, T::one()),
+            coarse_until: if single { real(0.5) } else { T::zero() },
         }
     }
 
@@ -252,16 +266,19 @@ impl<T: Real> Bender<T> {
     fn bent(&self, k: T, iterations: &mut u32) -> Bent<T> {
         *iterations += 1;
         let mut sum = Jet::constant(T::zero());
-        self.radial.for_each(|rho_squared, weight| {
+        let (radial, angles): (_, &[_]) =
+            if k < self.coarse_until { (&self.coarse, &COARSE_ANGLES) } else { (&self.fine, &FINE_ANGLES) };
+        radial.for_each(|rho_squared, weight| {
             let rho = rho_squared.sqrt();
-            for &(cos, sin) in &ANGLES {
+            for &(cos, sin) in angles {
                 for cos in [real::<T>(cos), -real::<T>(cos)] {
                     sum = sum + Jet::constant(weight) * self.moment_density(k, rho, cos, real(sin));
                 }
             }
         });
-        // dA = d(rho^2)/2 dphi; sixteen angles on half a turn, both halves: 2 pi/16 / 2.
-        let scale = T::pi() / real::<T>(16.0);
+        // dA = d(rho^2)/2 dphi; two mirror images of each angle, both halves of the section.
+        let scale =
+            T::pi() * if angles.len() == FINE_ANGLES.len() { real::<T>(1.0 / 16.0) } else { real::<T>(1.0 / 8.0) };
         Bent { k, moment: sum.value * scale, slope: sum.slope * scale }
     }
 

@@ -167,7 +167,7 @@ pub struct ChannelSample {
 pub struct ModuleSample {
     /// Deformation asked for.
     pub setpoint: f64,
-    /// Deformation that the controller's model gives at the measured pressure.
+    /// Deformation that the controller's model gives at the chamber pressure; at the measured one where the chamber is not seen.
     pub modelled: f64,
     /// Deformation that happened: simulated plant or motion capture.
     pub achieved: Option<f64>,
@@ -190,7 +190,7 @@ pub struct Sample {
     pub modules: Vec<ModuleSample>,
     /// Tip position asked for, m.
     pub tip_setpoint_m: [f64; 3],
-    /// Tip position that the model gives at the measured pressures, m.
+    /// Tip position that the model gives at the same pressures, m.
     pub tip_modelled_m: [f64; 3],
     /// Tip position that happened, m.
     pub tip_achieved_m: Option<[f64; 3]>,

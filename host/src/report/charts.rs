@@ -72,7 +72,7 @@ fn deformation_series(log: &RunLog, index: usize, quantity: Quantity) -> Vec<Ser
     let achieved = module(|module| module.achieved.unwrap_or(f64::NAN));
     present([
         line("achieved", Color::Second, Stroke::Solid, log, achieved),
-        line("modelled at the measured pressure", Color::First, Stroke::Dotted, log, module(|module| module.modelled)),
+        line("modelled at the chamber pressure", Color::First, Stroke::Dotted, log, module(|module| module.modelled)),
         line("setpoint", Color::Ink, Stroke::Dashed, log, module(|module| module.setpoint)),
     ])
 }

@@ -54,7 +54,7 @@ pub struct ModuleSummary {
     pub channels: Range<usize>,
     /// Setpoint at the end.
     pub setpoint_final: Option<f64>,
-    /// Deformation that the model gives for the measured pressure, at the end.
+    /// Deformation that the model gives for the chamber pressure, at the end.
     pub modelled_final: Option<f64>,
     /// Deformation that happened, at the end.
     pub achieved_final: Option<f64>,

@@ -46,7 +46,8 @@ impl<'a> Assembler<'a> {
         let time_us = message.time_us.checked_sub(self.start_us?)?;
         let time_s = time_us as f64 * 1e-6;
         let planned = self.plan.states_at(time_us as f64);
-        let modelled: Vec<State<f64>> = self.limb.modules().iter().map(|module| modelled(module, message)).collect();
+        let channels = channels(message, truth);
+        let modelled: Vec<State<f64>> = self.limb.modules().iter().map(|module| modelled(module, &channels)).collect();
         let achieved: Option<Vec<State<f64>>> =
             truth.map(|truth| self.limb.modules().iter().map(|module| achieved(module, truth)).collect());
         let values = self.plan.values_at(time_us as f64);
@@ -60,7 +61,7 @@ impl<'a> Assembler<'a> {
             state: message.state.raw(),
             fault_bits: message.fault_bits,
             supply_pa: 10.0 * f64::from(message.supply_10pa),
-            channels: channels(message, truth),
+            channels,
             modules: modules.collect(),
             tip_setpoint_m: self.limb.tip(&planned),
             tip_modelled_m: self.limb.tip(&modelled),
@@ -103,10 +104,11 @@ fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
         .collect()
 }
 
-/// The state that the controller's model gives a module at the mean of its measured pressures.
-fn modelled(module: &LimbModule, message: &Telemetry) -> State<f64> {
-    let pressures = module.channels.clone().filter_map(|channel| message.channels.get(channel));
-    module.curve.at(mean(pressures.map(|channel| 10.0 * f64::from(channel.pressure_10pa))))
+/// The state that the controller's model gives a module at the mean of its chamber pressures; those of the sensors, which sit at
+/// the valves, where no one sees into the chambers.
+fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
+    let members = module.channels.clone().filter_map(|channel| channels.get(channel));
+    module.curve.at(mean(members.map(|channel| channel.true_pressure_pa.unwrap_or(channel.pressure_pa))))
 }
 
 /// The state of a module that holds its actuators together: the mean of theirs.
