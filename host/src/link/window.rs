@@ -215,6 +215,12 @@ mod tests {
         loss: u64,
     }
 
+    /// What the device says, in the order it says it.
+    enum Word {
+        Ack(Ack),
+        Progress(u32, u16),
+    }
+
     impl Device {
         fn loses(&mut self) -> bool {
             // Numerical Recipes' linear congruential generator; the high bits are good enough here.
@@ -263,17 +269,19 @@ mod tests {
             }
             let now_us = round * 1_000;
             while let Some(knot) = window.send(now_us, 7, seq) {
-                answers.push_back((round + 4, device.receive(seq, knot)));
+                answers.push_back((round + 4, device.receive(seq, knot).map(Word::Ack)));
                 seq = seq.wrapping_add(1);
             }
-            while answers.front().is_some_and(|(due, _)| *due <= round) {
-                let (_, answer) = answers.pop_front().unwrap();
-                answer.iter().for_each(|ack| window.on_ack(now_us, ack).unwrap());
-            }
-            if round % 3 == 0 && device.applied.len() + usize::from(device.free) > 7 && device.free < 8 {
+            if round % 3 == 0 && device.free < 8 {
                 device.free += 1;
-                if !device.loses() {
-                    window.on_progress(now_us, device.applied.len() as u32, device.free);
+                let told = Word::Progress(device.applied.len() as u32, device.free);
+                answers.push_back((round + 4, (!device.loses()).then_some(told)));
+            }
+            while answers.front().is_some_and(|(due, _)| *due <= round) {
+                match answers.pop_front().unwrap().1 {
+                    Some(Word::Ack(ack)) => window.on_ack(now_us, &ack).unwrap(),
+                    Some(Word::Progress(next_index, free)) => window.on_progress(now_us, next_index, free),
+                    None => {}
                 }
             }
         }
