@@ -5,6 +5,7 @@ mod tip;
 use super::figure::{Axis, Band, Chart, Color, Series, Stroke, span};
 use super::rows::with_unit;
 use super::stats::distance;
+use super::summary::is_scheduled;
 use crate::record::{ChannelSample, ModuleInfo, ModuleSample, Quantity, RunLog, Sample};
 
 pub(super) use tip::tip_views;
@@ -73,7 +74,7 @@ fn deformation_series(log: &RunLog, index: usize, quantity: Quantity) -> Vec<Ser
     present([
         line("achieved", Color::Second, Stroke::Solid, log, achieved),
         line("modelled at the chamber pressure", Color::First, Stroke::Dotted, log, module(|module| module.modelled)),
-        line("setpoint", Color::Ink, Stroke::Dashed, log, module(|module| module.setpoint)),
+        line("setpoint", Color::Ink, Stroke::Dashed, log, while_scheduled(log, module(|module| module.setpoint))),
     ])
 }
 
@@ -82,9 +83,14 @@ fn tip_error_series(log: &RunLog) -> Vec<Series> {
         |sample: &Sample| sample.tip_achieved_m.map_or(f64::NAN, |tip| distance(tip, sample.tip_setpoint_m) * 1e3);
     let tracking = |sample: &Sample| distance(sample.tip_modelled_m, sample.tip_setpoint_m) * 1e3;
     present([
-        line("by pressure tracking alone", Color::First, Stroke::Dotted, log, tracking),
-        line("achieved", Color::Second, Stroke::Solid, log, achieved),
+        line("by pressure tracking alone", Color::First, Stroke::Dotted, log, while_scheduled(log, tracking)),
+        line("achieved", Color::Second, Stroke::Solid, log, while_scheduled(log, achieved)),
     ])
+}
+
+/// The value where there is a setpoint to compare with.
+fn while_scheduled(log: &RunLog, value: impl Fn(&Sample) -> f64) -> impl Fn(&Sample) -> f64 {
+    move |sample| if is_scheduled(&log.info, sample.time_s) { value(sample) } else { f64::NAN }
 }
 
 fn pressure_error_series(log: &RunLog) -> Vec<Series> {

@@ -112,12 +112,16 @@ pub fn summary(log: &RunLog) -> Summary {
     }
 }
 
-/// The samples that count.
-fn scheduled(log: &RunLog) -> Vec<&Sample> {
-    let (start_s, end_s) = schedule(&log.info).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+/// The samples that count: those while there is a setpoint to follow.
+pub(super) fn scheduled(log: &RunLog) -> Vec<&Sample> {
+    log.samples.iter().filter(|sample| is_scheduled(&log.info, sample.time_s)).collect()
+}
+
+/// Whether a time lies within the phases; before and after them the setpoint means nothing.
+pub(super) fn is_scheduled(info: &RunInfo, time_s: f64) -> bool {
+    let (start_s, end_s) = schedule(info).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
     // A microsecond, the resolution of the device's clock.
-    let inside = |sample: &&Sample| sample.time_s >= start_s - 1e-6 && sample.time_s <= end_s + 1e-6;
-    log.samples.iter().filter(inside).collect()
+    (start_s - 1e-6..=end_s + 1e-6).contains(&time_s)
 }
 
 /// Start of the first phase and end of the last, s.

@@ -1,6 +1,7 @@
 //! The way of the tip, seen from two sides, with the limb at the ends of the phases.
 
 use super::super::figure::{Axis, Chart, Color, Note, Series, Stroke, span};
+use super::super::summary::scheduled;
 use crate::record::{RunLog, Sample, Shape};
 
 /// Largest width and height of a view, px.
@@ -105,7 +106,7 @@ fn path(
     stroke: Stroke,
     point: impl Fn(&Sample) -> Option<[f64; 2]>,
 ) -> Series {
-    let points = log.samples.iter().map(|sample| point(sample).unwrap_or([f64::NAN; 2])).collect();
+    let points = scheduled(log).into_iter().map(|sample| point(sample).unwrap_or([f64::NAN; 2])).collect();
     Series { label: label.to_owned(), color, stroke, points }
 }
 
@@ -133,7 +134,7 @@ fn notes(ends: impl Iterator<Item = (usize, [f64; 2])>, near_mm: f64) -> Vec<Not
 }
 
 fn all_points<'a>(log: &'a RunLog, shapes: &'a [(usize, &Shape)]) -> impl Iterator<Item = [f64; 3]> + 'a {
-    let tips = log.samples.iter().flat_map(|sample| [Some(sample.tip_setpoint_m), sample.tip_achieved_m]);
+    let tips = scheduled(log).into_iter().flat_map(|sample| [Some(sample.tip_setpoint_m), sample.tip_achieved_m]);
     let limbs = shapes.iter().flat_map(|(_, shape)| shape.setpoint.iter().chain(shape.achieved.iter().flatten()));
     tips.flatten().chain(limbs.copied())
 }
