@@ -1,0 +1,157 @@
+//! A host without cares around the simulated device: says what it is told to, hears everything.
+#![allow(dead_code, unreachable_pub, reason = "each user takes its own part")]
+
+use fra_model::{ActuatorParameters, Material, Motion};
+use softlimb_plant::{ChannelSettings, PlantSettings};
+use softlimb_protocol::*;
+use softlimb_sim::{SimSettings, SimulatedMcu};
+
+pub const SESSION: u16 = 0x51AB;
+
+/// Time given to every message and its answer, us.
+const ANSWER_US: u64 = 8_000;
+
+/// `channels` bending actuators of about 80 mL on a pump and a reservoir.
+pub fn settings(channels: usize) -> SimSettings {
+    let actuator = ActuatorParameters {
+        motion: Motion::Bending,
+        inner_radius_m: 15e-3,
+        outer_radius_m: 20e-3,
+        length_m: 0.1132,
+        material: Material::NeoHookean { shear_modulus_pa: 0.4e6 },
+        fiber: None,
+    };
+    SimSettings::new(PlantSettings::new(3, vec![ChannelSettings::new(actuator); channels]))
+}
+
+pub struct Host {
+    pub mcu: SimulatedMcu,
+    /// All messages of the device, with the host time at which they were read.
+    pub heard: Vec<(u64, DeviceMessage)>,
+    /// All bytes of the device.
+    pub bytes: Vec<u8>,
+    decoder: Decoder<DeviceMessage>,
+    seq: u16,
+}
+
+impl Host {
+    pub fn new(settings: &SimSettings) -> Self {
+        let mcu = SimulatedMcu::new(settings).expect("good settings");
+        Self { mcu, heard: Vec::new(), bytes: Vec::new(), decoder: Decoder::new(), seq: 0 }
+    }
+
+    pub fn send(&mut self, message: impl Into<HostMessage>) {
+        let mut frame = [0; MAX_FRAME_LEN];
+        let len = encode_frame(&message.into(), self.seq, &mut frame).expect("a frame");
+        self.seq += 1;
+        self.mcu.write(&frame[..len]);
+    }
+
+    /// Lets time pass in steps of at most 1 ms and reads what arrives.
+    pub fn wait(&mut self, us: u64) {
+        let end_us = self.mcu.now_us() + us;
+        while self.mcu.now_us() < end_us {
+            self.mcu.advance_to((self.mcu.now_us() + 1_000).min(end_us));
+            let before = self.bytes.len();
+            self.mcu.read(&mut self.bytes);
+            for &byte in &self.bytes[before..] {
+                if let Some(Ok(frame)) = self.decoder.push(byte) {
+                    self.heard.push((self.mcu.now_us(), frame.message));
+                }
+            }
+        }
+    }
+
+    /// Sends a message and wants it applied.
+    pub fn demand(&mut self, message: impl Into<HostMessage>) {
+        let (seq, before) = (self.seq, self.heard.len());
+        self.send(message);
+        self.wait(ANSWER_US);
+        let applied = self.heard[before..].iter().any(|(_, message)| match message {
+            DeviceMessage::Ack(ack) => ack.ref_seq == seq && ack.result == ResultCode::Ok,
+            _ => false,
+        });
+        assert!(applied, "{:?}", &self.heard[before..]);
+    }
+
+    /// Opens a session, configures `channels` pressure channels, waits until the device is ready.
+    pub fn get_ready(&mut self, channels: usize, kind: SetpointKind) {
+        self.demand(Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION });
+        let begin = ConfigBegin { session: SESSION, channels: channels as u8 };
+        let mut hash = ConfigHash::begin(&begin);
+        hash.add_system(&system());
+        self.demand(begin);
+        self.demand(system());
+        for channel in 0..channels {
+            hash.add_channel(&config_channel(channel, kind));
+            self.demand(config_channel(channel, kind));
+        }
+        self.demand(ConfigCommit { session: SESSION, config_hash: hash.value() });
+        self.wait(60_000);
+        assert_eq!(self.mcu.controller().state(), DeviceState::Ready);
+    }
+
+    pub fn setpoint(&mut self, index: u32, time_us: u64, values: &[i32]) {
+        let values = List::from_slice(values).expect("1 to 27 channels");
+        self.send(Setpoint { session: SESSION, index, time_us, values });
+    }
+
+    pub fn telemetry(&self) -> impl Iterator<Item = &Telemetry> {
+        self.heard.iter().filter_map(|(_, message)| match message {
+            DeviceMessage::Telemetry(telemetry) => Some(telemetry),
+            _ => None,
+        })
+    }
+}
+
+pub fn system() -> ConfigSystem {
+    ConfigSystem {
+        session: SESSION,
+        telemetry_period_us: 10_000,
+        control_period_us: 20_000,
+        link_timeout_us: 200_000,
+        hold_time_us: 2_000_000,
+        link_loss_policy: LinkLossPolicy::HoldThenRamp.into(),
+        vent_ramp_pa_per_s: 20_000.0,
+        supply_min_pa: 100e3,
+        supply_max_pa: 240e3,
+        atmosphere_pa: 101_325.0,
+        temperature_k: 293.15,
+        valve_conductance_m3_per_s_pa: 1.44e-9,
+        valve_critical_ratio: 0.3,
+        valve_on_delay_us: 3_500,
+        valve_off_delay_us: 2_000,
+        line_conductance_m3_per_s_pa: 3.78e-9,
+        sensor_min_pa: 0.0,
+        sensor_max_pa: 206_843.0,
+        supply_sensor_min_pa: 0.0,
+        supply_sensor_max_pa: 689_476.0,
+        adc_full_scale: 4095,
+    }
+}
+
+pub fn config_channel(channel: usize, kind: SetpointKind) -> ConfigChannel {
+    ConfigChannel {
+        session: SESSION,
+        channel: channel as u8,
+        motion: MotionKind::Bending.into(),
+        setpoint_kind: kind.into(),
+        law: MaterialLaw::NeoHookean.into(),
+        families: 0,
+        placement: FiberPlacement::Sheet.into(),
+        inner_radius_m: 15e-3,
+        outer_radius_m: 20e-3,
+        length_m: 0.1132,
+        c_pa_1: 0.4e6,
+        c_pa_2: 0.0,
+        c_pa_3: 0.0,
+        fiber_angle_rad: 0.0,
+        fiber_modulus_pa: 0.0,
+        fiber_thickness_m: 0.0,
+        fiber_radius_m: 0.0,
+        pressure_max_pa: 150e3,
+        dead_volume_m3: 6.9e-6,
+        setpoint_min: 0,
+        setpoint_max: if kind == SetpointKind::Pressure { 140_000 } else { 1_000_000 },
+    }
+}
