@@ -1,0 +1,27 @@
+//! The README shows what its first command prints.
+
+use softlimb::run::{RunOptions, run};
+use softlimb::{report, scene};
+use std::sync::atomic::AtomicBool;
+
+fn repository(path: &str) -> String {
+    format!("{}/../{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Everything but the second line, which holds the time the run took.
+fn timeless(table: &str) -> Vec<&str> {
+    let lines = table.trim().lines().map(str::trim_end);
+    lines.enumerate().filter(|(index, _)| *index != 1).map(|(_, line)| line).collect()
+}
+
+#[test]
+fn the_table_of_the_readme_is_the_table_of_the_run() {
+    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
+    let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a block of output");
+    let scene = scene::load(repository("scenes/pick-and-place-a.toml")).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { seed: scene.seed(), out: out.path().join("run") };
+    let files = run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap();
+    let table = report::summary(&files.run).table();
+    assert_eq!(timeless(shown), timeless(&table), "run the first command of the README and paste what it prints");
+}
