@@ -1,1 +1,90 @@
-//! Stub.
+//! The shape of the workspace: who may depend on whom, and which words belong to one room only.
+//!
+//! `ARCHITECTURE.md` says why. A rule that has become wrong is changed here and there, together.
+
+#[path = "architecture/dependencies.rs"]
+mod dependencies;
+#[path = "architecture/rooms.rs"]
+mod rooms;
+#[path = "architecture/source.rs"]
+mod source;
+#[path = "architecture/workspace.rs"]
+mod workspace;
+
+use std::collections::BTreeSet;
+
+use workspace::{arrows, packages, read, rust_files};
+
+/// Every arrow between our packages.
+const ARROWS: &[(&str, &str)] = &[
+    ("softlimb", "softlimb-sim"),
+    ("softlimb", "softlimb-protocol"),
+    ("softlimb", "fra-model"),
+    ("softlimb-sim", "softlimb-firmware"),
+    ("softlimb-sim", "softlimb-plant"),
+    ("softlimb-sim", "softlimb-protocol"),
+    ("softlimb-firmware", "softlimb-protocol"),
+    ("softlimb-firmware", "fra-model"),
+    ("softlimb-plant", "fra-model"),
+];
+
+/// Packages that use none of ours, their tests included.
+const ALONE: &[&str] = &["fra-model", "softlimb-protocol", "xtask"];
+
+/// Packages that run on the MCU.
+const NO_STD: &[&str] = &["fra-model", "softlimb-protocol", "softlimb-firmware"];
+
+#[test]
+fn packages_use_each_other_along_the_arrows_only() {
+    let packages = packages();
+    let (found, expected) = (arrows(&packages), ARROWS.iter().copied().collect::<BTreeSet<_>>());
+    let new: Vec<_> = found.difference(&expected).collect();
+    let gone: Vec<_> = expected.difference(&found).collect();
+    assert!(new.is_empty(), "arrows that the floor plan does not have: {new:?}");
+    assert!(gone.is_empty(), "arrows of the floor plan that no manifest has: {gone:?}");
+    for package in packages.iter().filter(|package| ALONE.contains(&package.name.as_str())) {
+        let ours: Vec<_> = package.dependencies.iter().filter(|used| used.ours).map(|used| &used.name).collect();
+        assert!(ours.is_empty(), "{} stands alone, its tests included, but uses {ours:?}", package.name);
+    }
+}
+
+#[test]
+fn no_package_allows_unsafe_code() {
+    assert!(read("Cargo.toml").contains("[workspace.lints.rust]\nunsafe_code = \"forbid\"\n"));
+    for package in packages() {
+        let manifest = package.folder.join("Cargo.toml");
+        let inherits = read(&manifest).contains("[lints]\nworkspace = true\n");
+        assert!(inherits, "{}: inherit the lints: `[lints]`, `workspace = true`", manifest.display());
+    }
+}
+
+#[test]
+fn what_runs_on_the_mcu_is_no_std() {
+    let packages = packages();
+    for name in NO_STD {
+        let package = packages.iter().find(|package| package.name == *name).expect("a package of the workspace");
+        let library = package.folder.join("src/lib.rs");
+        let code = source::product_code(&read(&library));
+        // With std in unit tests only, or nowhere.
+        let declared = |line: &str| matches!(line, "#![no_std]" | "#![cfg_attr(not(test), no_std)]");
+        assert!(code.lines().any(declared), "{}: `#![no_std]` is missing", library.display());
+    }
+}
+
+#[test]
+fn words_stay_in_their_rooms() {
+    let files: Vec<_> = packages().iter().flat_map(|package| rust_files(&package.folder.join("src"))).collect();
+    assert!(files.len() > 100, "only {} files were looked at", files.len());
+    let breaches: Vec<_> = files.iter().flat_map(|file| rooms::breaches(file, &read(file))).collect();
+    assert!(breaches.is_empty(), "words outside their room:\n{}", breaches.join("\n"));
+}
+
+#[test]
+fn every_dependency_is_explained_and_every_explanation_is_needed() {
+    let documented = dependencies::documented(&read("docs/dependencies.md")).expect("docs/dependencies.md");
+    let declared = dependencies::declared(&packages());
+    let missing: Vec<_> = declared.difference(&documented).collect();
+    let stale: Vec<_> = documented.difference(&declared).collect();
+    assert!(missing.is_empty(), "docs/dependencies.md lacks (crate, package, only its tests): {missing:?}");
+    assert!(stale.is_empty(), "docs/dependencies.md lists (crate, package, only its tests) in vain: {stale:?}");
+}

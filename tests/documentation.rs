@@ -1,0 +1,66 @@
+//! What the documentation says, tried.
+
+#[path = "documentation/citations.rs"]
+mod citations;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use softlimb::eval::{Scalar, batch};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(file: &str) -> String {
+    fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
+}
+
+#[test]
+fn files_and_tests_named_in_the_documentation_exist() {
+    for document in ["CONTRIBUTING.md", "docs/eval-batch.md", "docs/model.md", "docs/paper-map.md"] {
+        let text = read(document);
+        for (file, name) in citations::cited(&text) {
+            assert!(root().join(file).is_file(), "{document} names {file}, which does not exist");
+            let there = name.is_none_or(|name| read(file).contains(&format!("fn {name}(")));
+            assert!(there, "{document} names {name:?} of {file}, which has no such function");
+        }
+    }
+}
+
+/// The lines between ```` ```<mark> ```` and the next fence.
+fn block<'a>(document: &'a str, mark: &str) -> &'a str {
+    let (_, rest) = document.split_once(&format!("```{mark}\n")).expect("the block begins");
+    rest.split_once("```").expect("the block ends").0
+}
+
+#[test]
+fn the_example_of_the_batch_interface_is_what_it_answers() {
+    let document = read("docs/eval-batch.md");
+    let mut output = Vec::new();
+    batch(block(&document, "jsonl in").as_bytes(), &mut output, Scalar::F64).expect("in memory");
+    let found: Vec<Value> = lines(&String::from_utf8(output).expect("UTF-8"));
+    let shown = lines(block(&document, "jsonl out"));
+    assert_eq!(found.len(), shown.len());
+    for (found, shown) in found.iter().zip(&shown) {
+        let (found, shown) = (found.as_object().expect("an object"), shown.as_object().expect("an object"));
+        assert_eq!(found.keys().collect::<Vec<_>>(), shown.keys().collect::<Vec<_>>());
+        // How hard the solver worked is its own business.
+        for (key, value) in shown.iter().filter(|(key, _)| !matches!(key.as_str(), "residual" | "iterations")) {
+            assert!(agree(value, &found[key]), "{key}: {value} is shown, {} is answered", found[key]);
+        }
+    }
+}
+
+fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+/// Equal; numbers to ten digits.
+fn agree(a: &Value, b: &Value) -> bool {
+    match (a.as_f64(), b.as_f64()) {
+        (Some(a), Some(b)) => (a - b).abs() <= 1e-10 * a.abs(),
+        _ => a == b,
+    }
+}

@@ -1,0 +1,69 @@
+//! Cargo as a child process, at the root of the workspace.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+
+/// One call of Cargo, not yet started.
+pub(crate) struct Cargo {
+    command: Command,
+}
+
+impl Cargo {
+    /// `cargo <arguments>`, printed as one would type it.
+    pub(crate) fn announce(arguments: &[&str]) -> Self {
+        println!("xtask: cargo {}", arguments.join(" "));
+        Self::new(arguments)
+    }
+
+    /// Whether `cargo <component>` exists: rustfmt and clippy are separate parts of a toolchain.
+    pub(crate) fn has(component: &str) -> bool {
+        let mut probe = Self::new(&[component, "--version"]).command;
+        probe.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+    }
+
+    /// Runs to the end; the exit code where it is not 0.
+    pub(crate) fn run(mut self) -> Result<(), u8> {
+        let status = self.command.status().map_err(|error| not_started(&error))?;
+        code(status)
+    }
+
+    /// Starts with standard output held back for the caller.
+    pub(crate) fn start(mut self) -> Result<Child, u8> {
+        self.command.stdout(Stdio::piped()).spawn().map_err(|error| not_started(&error))
+    }
+
+    fn new(arguments: &[&str]) -> Self {
+        let program = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+        let mut command = Command::new(program);
+        command.args(arguments).current_dir(root());
+        Self { command }
+    }
+}
+
+/// Waits for a started call; the exit code where it is not 0.
+pub(crate) fn finish(child: &mut Child) -> Result<(), u8> {
+    let status = child.wait().map_err(|error| not_started(&error))?;
+    code(status)
+}
+
+fn not_started(error: &std::io::Error) -> u8 {
+    eprintln!("xtask: cannot run cargo: {error}");
+    1
+}
+
+/// A child ended by a signal has no code of its own: 1.
+fn code(status: ExitStatus) -> Result<(), u8> {
+    if status.success() {
+        return Ok(());
+    }
+    Err(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1))
+}
+
+/// The workspace: the folder above this package.
+fn root() -> PathBuf {
+    // At run time where Cargo tells it, so that a moved checkout still works.
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| OsString::from(env!("CARGO_MANIFEST_DIR")));
+    let package = PathBuf::from(package);
+    package.parent().map_or_else(|| package.clone(), PathBuf::from)
+}
