@@ -33,6 +33,6 @@ mod noise;
 mod settings;
 
 pub use error::SimError;
-pub use softlimb_plant as plant;
 pub use mcu::SimulatedMcu;
 pub use settings::{LineFaults, SimSettings};
+pub use softlimb_plant as plant;
