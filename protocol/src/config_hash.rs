@@ -4,7 +4,18 @@ use crate::crc::{crc32c, crc32c_digest};
 use crate::message::{ConfigBegin, ConfigChannel, ConfigSystem};
 use crate::wire::{Wire, Writer};
 
-/// CRC-32C over the payloads of an upload, in the order of arrival.
+/// Bytes of the session number, with which every payload of an upload begins and which the hash leaves out.
+const SESSION_LEN: usize = size_of::<u16>();
+
+// Only what begins with its session may be fed to the hash.
+const _: () = {
+    assert!(matches!(ConfigBegin::field_number("session"), Some(0)));
+    assert!(matches!(ConfigSystem::field_number("session"), Some(0)));
+    assert!(matches!(ConfigChannel::field_number("session"), Some(0)));
+};
+
+/// CRC-32C over the payloads of an upload without their session numbers, in the order of arrival: equal settings have equal
+/// hashes in every session.
 ///
 /// Both ends feed it the messages as they send or accept them; the host puts [`value`](Self::value) into `ConfigCommit`.
 /// Bytes beyond the known fields of a message are not covered.
@@ -44,7 +55,7 @@ impl ConfigHash {
         let writer = &mut Writer::new(&mut payload);
         // Every payload fits: the interface table is checked for it at compile time.
         if message.write(writer).is_ok() {
-            self.crc = continue_crc(self.crc, writer.written());
+            self.crc = continue_crc(self.crc, writer.written().get(SESSION_LEN..).unwrap_or_default());
         }
     }
 }
@@ -60,6 +71,15 @@ fn continue_crc(crc: u32, bytes: &[u8]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_the_settings_name_a_configuration() {
+        let begin = |session, channels| ConfigHash::begin(&ConfigBegin { session, channels }).value();
+        // What is left of the payload is the number of channels: one byte.
+        assert_eq!(begin(0x0102, 9), crc32c(&[9]));
+        assert_eq!(begin(0xFFFF, 9), crc32c(&[9]));
+        assert_ne!(begin(0x0102, 9), begin(0x0102, 8));
+    }
 
     #[test]
     fn a_split_text_has_the_checksum_of_the_whole() {

@@ -18,7 +18,7 @@ interface! {
     codes {
         /// What the device is doing.
         DeviceState {
-            /// Not configured, or sensors not yet found plausible; valves closed.
+            /// Not configured, or sensors not yet found plausible; valves closed, supply cut.
             Idle = 0,
             /// Configured, sensors plausible, valves closed.
             Ready = 1,
@@ -112,7 +112,7 @@ interface! {
             Vent = 2,
             /// Vent at once, cut the supply, latch a fault.
             EmergencyStop = 3,
-            /// Forget latched faults; one whose cause persists comes back.
+            /// Forget latched faults; refused while the cause of one is still there.
             ClearFaults = 4,
             /// Drop all buffered setpoints; the next index is 0.
             Flush = 5,
@@ -122,11 +122,11 @@ interface! {
         ResultCode {
             /// Applied.
             Ok = 0,
-            /// The session is not the one of the last Hello.
+            /// The session is not the one that commands the device, or a Hello came while another one does.
             WrongSession = 1,
             /// Protocol version or schema hash differ.
             SchemaMismatch = 2,
-            /// Not allowed in the present state.
+            /// Not allowed in the present state; detail is the code of the fault that forbids it, or 0.
             WrongState = 3,
             /// A value is out of range; detail is the channel (Setpoint) or the field number (all others).
             OutOfRange = 4,
@@ -134,9 +134,9 @@ interface! {
             UnexpectedIndex = 5,
             /// No free place in the setpoint buffer.
             QueueFull = 6,
-            /// The time is not in the future, or not after the previous setpoint.
+            /// The time is past, or not after the previous setpoint; a Start lies after the first buffered setpoint.
             Late = 7,
-            /// The upload is incomplete, or its hash differs.
+            /// The upload was not begun, is incomplete, does not fit together, or its hash differs.
             ConfigMismatch = 8,
             /// A code that the device does not know; detail is the field number.
             UnknownCode = 9,
@@ -146,13 +146,13 @@ interface! {
 
         /// What went wrong on the device; bit `code - 1` of the fault bits in Telemetry.
         FaultCode {
-            /// A pressure sensor left its plausible band.
+            /// A pressure sensor left its plausible band, or its zero is too far off.
             SensorImplausible = 1,
             /// A chamber pressure exceeded its limit.
             OverPressure = 2,
-            /// No valid frame within the link timeout.
+            /// No valid frame of the session within the link timeout.
             LinkLost = 3,
-            /// The setpoint buffer ran empty while running.
+            /// The last buffered setpoint was reached while running; also how a run ends.
             SetpointsExhausted = 4,
             /// Supply pressure below its limit.
             SupplyLow = 5,
@@ -160,9 +160,9 @@ interface! {
             SupplyHigh = 6,
             /// Emergency stop by input or command.
             EmergencyStop = 7,
-            /// No pressure reaches the requested deformation.
+            /// No pressure reaches the requested deformation, three control periods in a row.
             InverseFailed = 8,
-            /// A control tick came late or took too long.
+            /// Two control ticks within a second came late while running.
             TickOverrun = 9,
         }
     }
@@ -172,7 +172,7 @@ interface! {
         ChannelStatus {
             /// The sensor reading is not plausible.
             SENSOR_IMPLAUSIBLE = 0,
-            /// The reference was limited.
+            /// The setpoint asked for a pressure beyond the channel's limits; the reference stops at them.
             REFERENCE_LIMITED = 1,
             /// The inverse model found no pressure; the last good one is kept.
             INVERSE_FAILED = 2,
@@ -182,9 +182,9 @@ interface! {
     records {
         /// One channel in a Telemetry message.
         ChannelSample {
-            /// Gauge pressure by the calibrated sensor, 10 Pa; clipped at 0.
+            /// Gauge pressure at the manifold, 10 Pa; clipped at 0. Above the chamber's while filling, below it while venting.
             pressure_10pa: u16,
-            /// Gauge pressure that the loop tracks now, 10 Pa.
+            /// Gauge pressure that the loop tracks now, 10 Pa; `pressure_10pa` while it tracks none.
             reference_10pa: u16,
             /// Share of the control period in 1/127: positive fills, negative vents; -127..=127.
             duty: i8,
@@ -303,7 +303,7 @@ interface! {
             fiber_thickness_m: f32,
             /// Winding radius at rest, m.
             fiber_radius_m: f32,
-            /// Highest chamber pressure, gauge Pa.
+            /// Highest chamber pressure, gauge Pa; the reference stops 3 kPa below it, or 10 % of it where that is less.
             pressure_max_pa: f32,
             /// Air volume of fittings and line, m3.
             dead_volume_m3: f32,
@@ -317,7 +317,7 @@ interface! {
         0x06 ConfigCommit Reliable {
             /// Session.
             session: u16,
-            /// CRC-32C over the payloads of ConfigBegin, ConfigSystem and every ConfigChannel in the order sent.
+            /// CRC-32C over all payloads of the upload in the order sent, each without its session.
             config_hash: u32,
         }
 
@@ -370,7 +370,7 @@ interface! {
             knots_capacity: u16,
             /// Period of the control tick, us.
             tick_us: u32,
-            /// Hash of the active configuration; 0 means none.
+            /// Hash of the active configuration, as in ConfigCommit; 0 means none.
             config_hash: u32,
             /// Device time, us.
             mcu_time_us: u64,

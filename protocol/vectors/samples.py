@@ -102,7 +102,8 @@ def session(schema_hash):
         ("ConfigChannel", CHANNEL),
         ("ConfigChannel", CHANNEL | {"channel": 1}),
     ]
-    config_hash = crc32c(b"".join(payload(table_of(name)[2], values) for name, values in upload))
+    # Without the session, the first two bytes of each payload.
+    config_hash = crc32c(b"".join(payload(table_of(name)[2], values)[2:] for name, values in upload))
     device_seq, now = iter(range(100)), iter(range(1_240_000, 2_000_000, 5_000))
 
     def answer(name, ref_seq, free_knots=64):
