@@ -103,8 +103,14 @@ impl Controller {
             return (ResultCode::SchemaMismatch, 0);
         }
         let timeout_us = self.config.as_ref().map(|config| config.system.link_timeout_us);
+        let is_new = !self.link.is_owner(hello.session);
         if !self.link.open(now_us, hello.session, timeout_us) {
             return (ResultCode::WrongSession, 0);
+        }
+        if is_new {
+            // What another host has begun does not go on under this one.
+            self.staged = None;
+            self.start_us = None;
         }
         self.reply_hello(now_us, hello);
         OK
