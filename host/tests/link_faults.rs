@@ -172,6 +172,24 @@ fn a_canceled_run_is_vented_and_no_error() {
 }
 
 #[test]
+fn canceling_before_the_start_moves_nothing_and_during_venting_changes_nothing() {
+    let run = |at: fn(&Event) -> bool| {
+        let cancel = AtomicBool::new(false);
+        let options = StreamOptions { cancel: Some(&cancel), ..StreamOptions::new(SESSION) };
+        let mut mcu = device(&settings(1));
+        let summary = stream(&mut mcu, &configuration(1), &knots(1, 1.0), &options, |_, event| {
+            cancel.fetch_or(at(&event), Ordering::Relaxed);
+        });
+        (summary.unwrap(), mcu.truth().air_used_kg)
+    };
+    let (before, air_kg) = run(|event| matches!(event, Event::Configured { .. }));
+    assert_eq!((before.ending, before.start_us, air_kg), (Ending::Canceled, None, 0.0));
+    let (after, air_kg) = run(|event| matches!(event, Event::State(DeviceState::Venting)));
+    assert_eq!(after.ending, Ending::Completed);
+    assert!(air_kg > 0.0);
+}
+
+#[test]
 fn a_supply_that_never_comes_up_is_named() {
     let mut settings = settings(1);
     settings.plant.supply = softlimb_sim::plant::Supply::Regulated { pressure_pa: 80e3 };

@@ -79,7 +79,7 @@ impl SimulatedMcu {
         self.board.to_host.is_readable(self.now_us * 1_000)
     }
 
-    /// What is really going on, air used included. Solves every actuator: ask no more often than needed.
+    /// What is really going on, air used included, at [`device_time_us`](Self::device_time_us).
     pub fn truth(&self) -> Truth {
         self.board.plant.truth()
     }

@@ -117,7 +117,7 @@ pub enum LinkError {
         fault: Option<DeviceFault>,
     },
     /// A configured device does not become ready.
-    #[error("the device is not ready after {} ms ({state:?}; {})", waited_us / 1_000, fault_or_unknown(fault))]
+    #[error("the device is not ready after {} ms ({}; {})", waited_us / 1_000, in_words(*state), fault_or_unknown(fault))]
     NotReady {
         /// Time waited, us.
         waited_us: u64,
@@ -163,7 +163,7 @@ pub enum LinkError {
         total: u32,
     },
     /// The device left its trajectory without a fault.
-    #[error("the device went to {state:?} before the end")]
+    #[error("the device is {} before the end", in_words(*state))]
     Stopped {
         /// Its state.
         state: Option<DeviceState>,
@@ -256,6 +256,18 @@ fn knot_reason(result: Code<ResultCode>, detail: u32) -> String {
         Some(ResultCode::Late) => "it arrived after its time".to_owned(),
         Some(ResultCode::WrongChannelCount) => format!("the device has {detail} channels"),
         _ => format!("result {result:?}, detail {detail}"),
+    }
+}
+
+fn in_words(state: Option<DeviceState>) -> &'static str {
+    match state {
+        Some(DeviceState::Idle) => "idle",
+        Some(DeviceState::Ready) => "ready",
+        Some(DeviceState::Running) => "running",
+        Some(DeviceState::Holding) => "holding",
+        Some(DeviceState::Venting) => "venting",
+        Some(DeviceState::Faulted) => "faulted",
+        None => "in an unknown state",
     }
 }
 

@@ -14,6 +14,7 @@ mod error;
 mod event;
 mod fault;
 mod options;
+mod run;
 mod session;
 mod simulated;
 mod statistics;

@@ -1,0 +1,134 @@
+//! The window against a small device behind a lossy line.
+
+use std::collections::VecDeque;
+
+use softlimb_protocol::Setpoint as Knot;
+
+use super::*;
+
+/// A device with 8 places that passes a knot every 3 rounds, behind a line that loses a share of what it carries.
+struct Device {
+    applied: Vec<Knot>,
+    free: u16,
+    random: u64,
+    loss: u64,
+}
+
+/// What the device says, in the order it says it.
+enum Word {
+    Ack(Ack),
+    Progress(u32, u16),
+}
+
+impl Device {
+    fn loses(&mut self) -> bool {
+        // Numerical Recipes' linear congruential generator; the high bits are good enough here.
+        self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.random >> 33) % 100 < self.loss
+    }
+
+    fn receive(&mut self, seq: u16, knot: Knot) -> Option<Ack> {
+        if self.loses() {
+            return None;
+        }
+        let expected = self.applied.len() as u32;
+        let (result, detail) = if knot.index != expected {
+            (ResultCode::UnexpectedIndex, expected)
+        } else if self.free == 0 {
+            (ResultCode::QueueFull, 0)
+        } else {
+            self.free -= 1;
+            self.applied.push(knot);
+            (ResultCode::Ok, 0)
+        };
+        assert_ne!(result, ResultCode::QueueFull, "the host knows how many places there are");
+        let ack = Ack {
+            ref_type: Knot::MESSAGE_TYPE,
+            ref_seq: seq,
+            result: result.into(),
+            detail,
+            free_knots: self.free,
+            mcu_time_us: 0,
+        };
+        (!self.loses()).then_some(ack)
+    }
+}
+
+/// Rounds of 1 ms until all `count` knots are accepted; answers take 4 rounds.
+fn rounds(count: i32, loss: u64, seed: u64) -> (u64, Device, Window) {
+    let knots: Vec<_> = (0..count).map(|i| (i as u64 * 1_000, vec![i, -i])).collect();
+    let mut window = Window::new(20_000);
+    window.load(Trajectory::from_pairs(&knots));
+    window.open(0, 500, 8);
+    let mut device = Device { applied: Vec::new(), free: 8, random: seed, loss };
+    let (mut answers, mut seq) = (VecDeque::new(), 65_500_u16);
+    for round in 0..100_000_u64 {
+        if window.is_complete() {
+            return (round, device, window);
+        }
+        let now_us = round * 1_000;
+        while let Some(knot) = window.send(now_us, 7, seq) {
+            answers.push_back((round + 4, device.receive(seq, knot).map(Word::Ack)));
+            seq = seq.wrapping_add(1);
+        }
+        if round % 3 == 0 && device.free < 8 {
+            device.free += 1;
+            let told = Word::Progress(device.applied.len() as u32, device.free);
+            answers.push_back((round + 4, (!device.loses()).then_some(told)));
+        }
+        while answers.front().is_some_and(|(due, _)| *due <= round) {
+            match answers.pop_front().unwrap().1 {
+                Some(Word::Ack(ack)) => window.on_ack(now_us, &ack).unwrap(),
+                Some(Word::Progress(next_index, free)) => window.on_progress(now_us, next_index, free),
+                None => {}
+            }
+        }
+    }
+    panic!("only {} of {count} knots after 100 s", device.applied.len());
+}
+
+fn assert_in_order(device: &Device, count: i32) {
+    let expected: Vec<_> = (0..count).map(|i| (i as u32, 500 + i as u64 * 1_000, vec![i, -i])).collect();
+    let applied: Vec<_> = device.applied.iter().map(|k| (k.index, k.time_us, k.values.to_vec())).collect();
+    assert_eq!(applied, expected);
+}
+
+#[test]
+fn a_good_line_repeats_nothing_and_is_limited_by_the_device() {
+    let (rounds, device, window) = rounds(300, 0, 1);
+    assert_in_order(&device, 300);
+    assert_eq!(window.repeated(), 0);
+    assert!(rounds <= 3 * 300, "{rounds}");
+}
+
+#[test]
+fn every_knot_is_applied_once_in_order_whatever_is_lost() {
+    for seed in 0..50 {
+        for loss in [5, 30, 60] {
+            let (_, device, window) = rounds(200, loss, seed);
+            assert_in_order(&device, 200);
+            assert!(window.repeated() > 0);
+        }
+    }
+}
+
+#[test]
+fn a_device_that_forgot_setpoints_is_an_error() {
+    let mut window = Window::new(20_000);
+    window.load(Trajectory::from_pairs(&[(0, vec![0]), (1_000, vec![0]), (2_000, vec![0])]));
+    window.open(0, 0, 8);
+    let sent: Vec<_> = (0..3).map(|seq| window.send(0, 7, seq).unwrap().index).collect();
+    assert_eq!(sent, [0, 1, 2]);
+    let answer = |seq, result: ResultCode, detail| Ack {
+        ref_type: Knot::MESSAGE_TYPE,
+        ref_seq: seq,
+        result: result.into(),
+        detail,
+        free_knots: 8,
+        mcu_time_us: 0,
+    };
+    window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
+    assert_eq!(window.accepted(), 2);
+    let error = window.on_ack(0, &answer(2, ResultCode::UnexpectedIndex, 0)).unwrap_err();
+    assert!(matches!(error, LinkError::SetpointsDropped));
+}
