@@ -137,23 +137,18 @@ fn after_a_cut_the_next_run_takes_the_device_over_and_vents_it_first() {
 #[test]
 fn a_short_interruption_is_survived_even_if_the_device_noticed() {
     let mut mcu = device(&settings(1));
-    let mut repaired = false;
-    let mut told = Told::default();
-    let knots = knots(1, 4.0);
-    let summary =
-        stream(&mut mcu, &configuration(1), &knots, &StreamOptions::new(SESSION), |mcu: &mut SimulatedMcu, e| {
-            if let Event::Armed { .. } = e {
-                // To the device only 300 ms of silence: the host hears nothing either, and sends what is lost.
-                mcu.set_line_faults(LineFaults::CUT).unwrap();
-                mcu.advance_to(mcu.now_us() + 300_000);
-                mcu.set_line_faults(LineFaults::NONE).unwrap();
-                repaired = true;
-            }
-            told.take(e);
-        })
-        .unwrap();
-    assert!(repaired);
-    assert_eq!(summary.setpoints as usize, knots.len() + 1);
+    // Nobody hears anybody for 300 ms; what the device says meanwhile is lost.
+    let interrupt = |mcu: &mut SimulatedMcu| {
+        mcu.set_line_faults(LineFaults::CUT).unwrap();
+        mcu.advance_to(mcu.now_us() + 300_000);
+        mcu.set_line_faults(LineFaults::NONE).unwrap();
+    };
+    let (result, told) = disturbed(&mut mcu, 1, &StreamOptions::new(SESSION), 1_500_000, interrupt);
+    assert_eq!(result.unwrap().setpoints as usize, knots(1, 4.0).len() + 1);
+    let noticed = told.running().filter(|message| message.fault_bits & FaultCode::LinkLost.bit() != 0).count();
+    assert!(noticed > 0, "longer than the link timeout");
+    let gap_us = told.running().zip(told.running().skip(1)).map(|(a, b)| b.time_us - a.time_us).max();
+    assert!(gap_us >= Some(300_000), "{gap_us:?}");
 }
 
 #[test]

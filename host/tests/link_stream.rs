@@ -103,6 +103,7 @@ fn one_percent_of_corrupted_bytes_costs_repetitions_and_nothing_else() {
         let (summary, told) = run(&mut mcu, channels, &knots);
         // The device accepts only the next index: as many accepted as sent means each once, in order.
         assert_eq!(summary.setpoints as usize, knots.len() + 1);
+        assert_eq!(mcu.controller().queue().next_index(), summary.setpoints, "the device counts the same");
         assert!(summary.statistics.setpoints_repeated > 50, "{summary:?}");
         assert!(summary.statistics.received.rejected() > 100);
         assert!(!told.states.contains(&DeviceState::Holding), "never without setpoints: {:?}", told.states);
