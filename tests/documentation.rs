@@ -29,6 +29,17 @@ fn files_and_tests_named_in_the_documentation_exist() {
     }
 }
 
+#[test]
+fn tests_of_the_model_named_without_their_file_exist() {
+    let files = ["kinematics", "limits_and_anchors", "properties", "stress_integrals"];
+    let tests: String = files.iter().map(|file| read(&format!("fra-model/tests/{file}.rs"))).collect();
+    let document = read("docs/model.md");
+    assert!(citations::bare_names(&document).count() >= 9);
+    for name in citations::bare_names(&document) {
+        assert!(tests.contains(&format!("fn {name}(")), "docs/model.md names {name}, which is no test of the model");
+    }
+}
+
 /// The lines between ```` ```<mark> ```` and the next fence.
 fn block<'a>(document: &'a str, mark: &str) -> &'a str {
     let (_, rest) = document.split_once(&format!("```{mark}\n")).expect("the block begins");
