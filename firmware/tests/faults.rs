@@ -103,6 +103,31 @@ fn after_the_hold_time_a_fault_ramps_down_and_a_blind_channel_with_it() {
 }
 
 #[test]
+fn a_fault_keeps_the_pressure_without_limit_where_the_policy_is_to_hold() {
+    let mut bench = Bench::new();
+    bench.hello();
+    let system = ConfigSystem { link_loss_policy: LinkLossPolicy::Hold.into(), ..common::system() };
+    bench.configure(&system, &common::channels(&[SetpointKind::Pressure]));
+    bench.ticks(50);
+    bench.supply_pa = 231e3;
+    bench.ticks_until(DeviceState::Faulted, 20);
+    bench.pressure_pa[0] = 60e3;
+    for _ in 0..10_000 {
+        assert_eq!(bench.tick().valves[0], ValvePulse::CLOSED);
+    }
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+}
+
+#[test]
+fn a_stop_needs_no_session_and_no_configuration() {
+    let mut bench = Bench::new();
+    let stop = Command { session: SESSION, code: CommandCode::EmergencyStop.into(), time_us: 0 };
+    assert_eq!(bench.request(&stop.into()).result, ResultCode::Ok);
+    assert_eq!(bench.tick().valves, [ValvePulse::VENTING; MAX_CHANNELS]);
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+}
+
+#[test]
 fn a_low_supply_is_a_fault_after_a_tenth_of_a_second_and_only_while_running() {
     let mut bench = Bench::ready(&[SetpointKind::Pressure]);
     bench.supply_pa = 100e3;

@@ -111,6 +111,22 @@ fn nothing_starts_without_knots_with_past_knots_or_with_a_low_supply() {
 }
 
 #[test]
+fn an_armed_start_is_dropped_without_a_word_when_the_supply_is_low_by_then() {
+    let mut bench = Bench::ready(&PRESSURE);
+    let start_us = bench.now_us + 50_000;
+    bench.setpoint(0, start_us + 10_000, &[1_000]);
+    let start = Command { session: SESSION, code: CommandCode::Start.into(), time_us: start_us };
+    assert_eq!(bench.request(&start.into()).result, ResultCode::Ok);
+    bench.ticks(45);
+    bench.supply_pa = 140e3;
+    bench.ticks(20);
+    bench.supply_pa = 200e3;
+    bench.ticks(200);
+    assert_eq!(bench.controller.state(), DeviceState::Ready);
+    assert!(bench.told_faults().is_empty());
+}
+
+#[test]
 fn hold_closes_the_valves_in_the_next_tick_and_start_resumes() {
     let mut bench = Bench::running(1, 80_000, 50);
     bench.ticks(45);

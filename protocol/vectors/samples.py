@@ -112,6 +112,7 @@ def session(schema_hash):
 
     yield "Hello", 0, HELLO | {"schema_hash": schema_hash}
     yield "HelloReply", next(device_seq), REPLY | {"schema_hash": schema_hash}
+    yield answer("Hello", 0)
     for seq, (name, values) in enumerate(upload + [("ConfigCommit", {"session": 7, "config_hash": config_hash})], 1):
         yield name, seq, values
         yield answer(name, seq)

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its part of the bench")]
 
 pub(crate) mod rig;
+pub(crate) mod spec;
 
 use softlimb_firmware::{AdcCode, BootInfo, Controller, TICK_US, TickInputs, TickOutputs};
 use softlimb_protocol::*;
