@@ -71,6 +71,23 @@ pub struct State<T> {
     pub compliance_m3_per_pa: T,
 }
 
+impl<T: Real> State<T> {
+    /// Combines states field by field: interpolation, means, conversions.
+    pub fn combine<const N: usize, U: Real>(states: [&Self; N], mut f: impl FnMut([T; N]) -> U) -> State<U> {
+        let mut field = |value: fn(&Self) -> T| f(states.map(value));
+        State {
+            pressure_pa: field(|s| s.pressure_pa),
+            axial_stretch: field(|s| s.axial_stretch),
+            inner_radius_m: field(|s| s.inner_radius_m),
+            outer_radius_m: field(|s| s.outer_radius_m),
+            twist_rad: field(|s| s.twist_rad),
+            bend_angle_rad: field(|s| s.bend_angle_rad),
+            volume_m3: field(|s| s.volume_m3),
+            compliance_m3_per_pa: field(|s| s.compliance_m3_per_pa),
+        }
+    }
+}
+
 /// Result of a solve: state, status and how good it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<T> {

@@ -83,22 +83,9 @@ impl TrueActuator {
             return self.states[(s.round() as usize).min(count - 1)];
         }
         let first = (s as usize).saturating_sub(1).min(count - 4);
-        let around = &self.states[first..first + 4];
+        let around: [&State<f64>; 4] = std::array::from_fn(|node| &self.states[first + node]);
         let weights = lagrange(s - first as f64);
-        let mix = |field: fn(&State<f64>) -> f64| {
-            let terms = around.iter().zip(weights);
-            terms.map(|(state, weight)| weight * field(state)).sum()
-        };
-        State {
-            pressure_pa: mix(|q| q.pressure_pa),
-            axial_stretch: mix(|q| q.axial_stretch),
-            inner_radius_m: mix(|q| q.inner_radius_m),
-            outer_radius_m: mix(|q| q.outer_radius_m),
-            twist_rad: mix(|q| q.twist_rad),
-            bend_angle_rad: mix(|q| q.bend_angle_rad),
-            volume_m3: mix(|q| q.volume_m3),
-            compliance_m3_per_pa: mix(|q| q.compliance_m3_per_pa),
-        }
+        State::combine(around, |values| values.into_iter().zip(weights).map(|(value, weight)| weight * value).sum())
     }
 }
 

@@ -48,17 +48,7 @@ impl StateCurve {
         let node = |offset: isize| &self.states[cell.saturating_add_signed(offset).min(last)];
         let neighbours = [node(-1), node(0), node(1), node(2)];
         let (at_start, at_end) = (cell == 0, cell + 2 > last);
-        let blend = |field: fn(&State<f64>) -> f64| cubic(neighbours.map(field), share, at_start, at_end);
-        State {
-            pressure_pa: blend(|s| s.pressure_pa),
-            axial_stretch: blend(|s| s.axial_stretch),
-            inner_radius_m: blend(|s| s.inner_radius_m),
-            outer_radius_m: blend(|s| s.outer_radius_m),
-            twist_rad: blend(|s| s.twist_rad),
-            bend_angle_rad: blend(|s| s.bend_angle_rad),
-            volume_m3: blend(|s| s.volume_m3),
-            compliance_m3_per_pa: blend(|s| s.compliance_m3_per_pa),
-        }
+        State::combine(neighbours, |values| cubic(values, share, at_start, at_end))
     }
 }
 

@@ -46,15 +46,6 @@ pub(super) fn wide<T: Real>(value: T) -> f64 {
     try_convert(value).unwrap_or(f64::NAN)
 }
 
-pub(super) fn state<T: Real>(s: &State<T>) -> State<f64> {
-    State {
-        pressure_pa: wide(s.pressure_pa),
-        axial_stretch: wide(s.axial_stretch),
-        inner_radius_m: wide(s.inner_radius_m),
-        outer_radius_m: wide(s.outer_radius_m),
-        twist_rad: wide(s.twist_rad),
-        bend_angle_rad: wide(s.bend_angle_rad),
-        volume_m3: wide(s.volume_m3),
-        compliance_m3_per_pa: wide(s.compliance_m3_per_pa),
-    }
+pub(super) fn state<T: Real>(state: &State<T>) -> State<f64> {
+    State::combine([state], |[value]| wide(value))
 }

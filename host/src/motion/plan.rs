@@ -63,7 +63,11 @@ impl Plan {
     /// States that the model gives for the setpoints at a time.
     pub fn states_at(&self, time_us: f64) -> Vec<State<f64>> {
         let (before, after, share) = self.between(time_us);
-        self.states[before].iter().zip(&self.states[after]).map(|(a, b)| blend(a, b, share)).collect()
+        self.states[before]
+            .iter()
+            .zip(&self.states[after])
+            .map(|(a, b)| State::combine([a, b], |[a, b]| a + (b - a) * share))
+            .collect()
     }
 
     fn between(&self, time_us: f64) -> (usize, usize, f64) {
@@ -71,20 +75,6 @@ impl Plan {
         let position = (time_us / self.knot_period_us as f64).clamp(0.0, last as f64);
         let before = position as usize;
         (before, (before + 1).min(last), position - before as f64)
-    }
-}
-
-fn blend(a: &State<f64>, b: &State<f64>, share: f64) -> State<f64> {
-    let mix = |field: fn(&State<f64>) -> f64| field(a) + (field(b) - field(a)) * share;
-    State {
-        pressure_pa: mix(|s| s.pressure_pa),
-        axial_stretch: mix(|s| s.axial_stretch),
-        inner_radius_m: mix(|s| s.inner_radius_m),
-        outer_radius_m: mix(|s| s.outer_radius_m),
-        twist_rad: mix(|s| s.twist_rad),
-        bend_angle_rad: mix(|s| s.bend_angle_rad),
-        volume_m3: mix(|s| s.volume_m3),
-        compliance_m3_per_pa: mix(|s| s.compliance_m3_per_pa),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use fra_model::{Motion, State};
 use softlimb_protocol::{Fault, Telemetry};
-use softlimb_sim::plant::{ChannelTruth, Truth};
+use softlimb_sim::plant::Truth;
 
 use super::Progress;
 use super::observed::Traffic;
@@ -113,19 +113,14 @@ fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
 
 /// The state of a module that holds its actuators together: the mean of theirs.
 fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
-    let members: Vec<&ChannelTruth> =
-        module.channels.clone().filter_map(|channel| truth.channels.get(channel)).collect();
-    let average = |field: fn(&State<f64>) -> f64| mean(members.iter().map(|member| field(&member.shape)));
-    State {
-        pressure_pa: mean(members.iter().map(|member| member.pressure_pa)),
-        axial_stretch: average(|s| s.axial_stretch),
-        inner_radius_m: average(|s| s.inner_radius_m),
-        outer_radius_m: average(|s| s.outer_radius_m),
-        twist_rad: average(|s| s.twist_rad),
-        bend_angle_rad: average(|s| s.bend_angle_rad),
-        volume_m3: average(|s| s.volume_m3),
-        compliance_m3_per_pa: average(|s| s.compliance_m3_per_pa),
-    }
+    let members = module.channels.clone().filter_map(|channel| truth.channels.get(channel));
+    // The shape lags the chamber by its creep; the pressure is the chamber's own.
+    let mut shapes = members.map(|member| State { pressure_pa: member.pressure_pa, ..member.shape });
+    let first = shapes.next().unwrap_or_else(|| module.actuator.rest());
+    let (sum, count) = shapes.fold((first, 1.0), |(sum, count), shape| {
+        (State::combine([&sum, &shape], |[sum, value]| sum + value), count + 1.0)
+    });
+    State::combine([&sum], |[sum]| sum / count)
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
