@@ -38,11 +38,9 @@ impl Controller {
         true
     }
 
-    /// Latches a fault and reacts to it.
+    /// Latches a fault and reacts to it, even to one that was latched before without stopping the device, as by the zero check.
     pub(crate) fn fault(&mut self, now_us: u64, channel: u8, code: FaultCode, value: i32) {
-        if !self.faults.raise(Occurrence { time_us: now_us, code, channel, value }) {
-            return;
-        }
+        self.faults.raise(Occurrence { time_us: now_us, code, channel, value });
         let reaction = reaction(code);
         if reaction.vents == VentScope::Channel
             && let Some(channel) = self.channels.get_mut(usize::from(channel))

@@ -50,7 +50,8 @@ impl Controller {
     }
 }
 
-/// One channel's part of the telemetry.
+/// One channel's part of the telemetry. The pressure is this tick's sample at the manifold, which reads high while filling and low
+/// while venting; it is not the loop's estimate of the chamber.
 fn sample(channel: &Channel, now_us: u64) -> ChannelSample {
     let inverse = channel.inverse().status();
     let pressure_pa = channel.pressure_pa();

@@ -53,6 +53,21 @@ fn a_zero_beyond_three_percent_forbids_ready_until_vented() {
 }
 
 #[test]
+fn a_sensor_with_a_bad_zero_still_stops_the_device_when_it_fails() {
+    let mut bench = Bench::new();
+    bench.hello();
+    bench.pressure_pa[0] = 8e3;
+    bench.configure(&system(), &common::channels(&PRESSURE));
+    bench.ticks(200);
+    assert_eq!(bench.told_faults(), [(FaultCode::SensorImplausible, 0)]);
+    bench.command(CommandCode::Vent);
+    assert_eq!(bench.command(CommandCode::Hold).result, ResultCode::Ok);
+    bench.code[0] = Some(0);
+    bench.ticks(3);
+    assert_eq!(bench.controller.state(), DeviceState::Faulted);
+}
+
+#[test]
 fn a_small_offset_is_taken_away() {
     let mut bench = Bench::new();
     bench.hello();
