@@ -5,6 +5,9 @@ use fra_model::{InvalidParameter, Load, Solution, State, Status};
 use crate::config::ChannelConfig;
 use crate::gas::Chamber;
 
+/// Newton iterations of one inverse: from one setpoint to the next it needs a few, from rest to the end of the stroke some tens.
+const ITERATIONS_MAX: u32 = 120;
+
 /// Failures in a row after which the channel is at fault.
 const FAILURES_MAX: u8 = 3;
 
@@ -38,7 +41,7 @@ impl Inverse {
     /// pressure; `None` if there is none yet.
     pub fn pressure_pa(&mut self, config: &ChannelConfig, setpoint: f32) -> Option<f32> {
         let solution = match config.target(setpoint) {
-            Some(target) => config.actuator.inverse_from(&self.start(config), target, &Load::none()),
+            Some(target) => config.actuator.inverse_near(&self.start(config), target, &Load::none(), ITERATIONS_MAX),
             None => {
                 let wanted_pa = setpoint.clamp(0.0, config.reference_max_pa());
                 config.actuator.forward_from(&self.start(config), wanted_pa, &Load::none())

@@ -73,8 +73,8 @@ impl<T: Real> Actuator<T> {
 
     /// The gauge pressure at which the actuator reaches a deformation, and the state there.
     ///
-    /// Of several such pressures it is the first one met on raising the pressure from zero; vacuum is the answer only where
-    /// no pressure is.
+    /// Of several such pressures it is the first one met on raising the pressure from zero. A vacuum is the answer where no
+    /// pressure is, or where it is the lesser of the two and the pressure exceeds the shear modulus.
     ///
     /// # Errors
     /// [`InvalidParameter`] when the target is out of its range or not one of this motion's, or the load is not finite.
@@ -94,6 +94,25 @@ impl<T: Real> Actuator<T> {
         load: &Load<T>,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
         self.solve_inverse(Some(start), target, load)
+    }
+
+    /// [`inverse_from`](Self::inverse_from) without the way back to rest: at most about `budget` Newton iterations, for a caller
+    /// that has no more time than that. Where they are not enough, or the target is not reached from that state, the status says so.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse).
+    pub fn inverse_near(
+        &self,
+        start: &State<T>,
+        target: Target<T>,
+        load: &Load<T>,
+        budget: u32,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        load.check()?;
+        match &self.body {
+            Body::Straight(tube) => tube.inverse_near(start, target, load, budget),
+            Body::Bending(bender) => bender.inverse(target, load),
+        }
     }
 
     fn solve_forward(

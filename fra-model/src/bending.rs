@@ -324,20 +324,21 @@ impl<T: Real> Bender<T> {
         (f * f - r * r) * real::<T>(0.5) - cos * (f * f * f - r * r * r) / real::<T>(3.0)
     }
 
-    /// Where the material radius `rho` goes: the root of the isochoric map, by Newton from the undeformed place.
+    /// Where the material radius `rho` goes: the root of the isochoric map, by Newton in `r^2`, in which it is nearly linear. Its
+    /// slope `1 + k h` is at least one.
     fn deformed_radius(&self, k: T, rho: T, cos: T) -> T {
-        let mut r = rho;
-        let mut last = T::one();
-        for _ in 0..50 {
-            let rest = rho * rho + real::<T>(2.0) * k * self.inward_shift(r, cos) - r * r;
-            let slope = real::<T>(2.0) * r * (T::one() + k * (T::one() - r * cos));
-            let move_by = rest / slope;
-            r += move_by;
-            let size = move_by.abs();
-            if size <= epsilon::<T>() * r || size >= last {
+        let square = rho * rho;
+        let (mut r2, mut r) = (square, rho);
+        for _ in 0..60 {
+            let rest = square + real::<T>(2.0) * k * self.inward_shift(r, cos) - r2;
+            let step = rest / (T::one() + k * (T::one() - r * cos));
+            // The root is positive; a step beyond zero is cut short.
+            let next = (r2 + step).max(r2 * real::<T>(0.25));
+            let settled = (next - r2).abs() <= epsilon::<T>() * next;
+            (r2, r) = (next, next.sqrt());
+            if settled {
                 break;
             }
-            last = size;
         }
         r
     }

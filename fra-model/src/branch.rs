@@ -13,8 +13,7 @@ use crate::real::{Real, epsilon, real};
 
 /// Most Newton iterations to settle at one volume.
 const SETTLE_ITERATIONS: u32 = 40;
-/// Most steps along the branch, and most to refine a root between two states of it.
-const MARCH_STEPS: u32 = 4000;
+/// Most steps to refine a root between two states.
 const REFINE_STEPS: u32 = 100;
 /// Newton's steps may grow this long: stiff fibers make narrow curved valleys.
 const ERRATIC_ITERATIONS: u32 = 8;
@@ -27,7 +26,7 @@ const LONGEST_STEP: f64 = 0.25;
 /// The branch is followed within these bounds of `1 + w` and of `P/mu1`.
 const LARGEST_VOLUME: f64 = 1e6;
 const SMALLEST_VOLUME: f64 = 1e-6;
-const LARGEST_PRESSURE: f64 = 1e4;
+pub(crate) const LARGEST_PRESSURE: f64 = 1e4;
 
 /// A state on the branch.
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +78,8 @@ pub(crate) struct Branch<'a, T: Real> {
     pub(crate) torque: T,
     /// Whether the twist rate is an unknown; else it is zero by symmetry.
     pub(crate) twists: bool,
+    /// Newton iterations after which a search gives up.
+    pub(crate) budget: u32,
 }
 
 impl<T: Real> Branch<'_, T> {
@@ -241,18 +242,24 @@ impl<T: Real> Branch<'_, T> {
         None
     }
 
-    /// Follows the branch from `start`, towards larger volume if `outwards`, until the goal is met or the branch ends.
+    /// Follows the branch from `start`, towards larger volume if `outwards`, until the goal is met, the branch ends, or the
+    /// pressure exceeds `within` either way.
     pub(crate) fn search<G: Goal<T>>(
         &self,
         start: Point<T>,
         goal: &G,
         outwards: bool,
+        within: T,
         iterations: &mut u32,
     ) -> Found<T> {
         let longest: T = real(LONGEST_STEP);
         let (mut here, mut step) = (start, longest);
         let mut last_wanted = T::max_value().unwrap_or(longest);
-        for _ in 0..MARCH_STEPS {
+        // A start at the root may lie behind it by its rounding.
+        if goal.measure(&here).0.abs() <= goal.noise(&here) {
+            return Found::Root(here);
+        }
+        while *iterations < self.budget {
             let (value, rate) = goal.measure(&here);
             let wanted = -value / rate;
             let size = wanted.abs();
@@ -282,7 +289,7 @@ impl<T: Real> Branch<'_, T> {
             if let Some(found) = self.between(&here, &there, goal, outwards, iterations) {
                 return found;
             }
-            if out_of_bounds(&there) {
+            if out_of_bounds(&there, within) {
                 return Found::Unreached(there);
             }
             here = there;
@@ -402,9 +409,7 @@ fn gradient_noise<T: Real>(d: &Derivatives<T>, at: Vector3<T>) -> Vector3<T> {
     (d.hessian.abs() * at.abs() + d.magnitude) * (real::<T>(8.0) * epsilon::<T>())
 }
 
-fn out_of_bounds<T: Real>(point: &Point<T>) -> bool {
+fn out_of_bounds<T: Real>(point: &Point<T>, within: T) -> bool {
     let volume = T::one() + point.at.y;
-    volume > real::<T>(LARGEST_VOLUME)
-        || volume < real::<T>(SMALLEST_VOLUME)
-        || point.pressure.abs() > real::<T>(LARGEST_PRESSURE)
+    volume > real::<T>(LARGEST_VOLUME) || volume < real::<T>(SMALLEST_VOLUME) || point.pressure.abs() > within
 }

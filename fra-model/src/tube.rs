@@ -2,11 +2,14 @@
 
 use nalgebra::Vector3;
 
-use crate::branch::{Branch, Found, Goal, Point};
+use crate::branch::{Branch, Found, Goal, LARGEST_PRESSURE, Point};
 use crate::energy::Wall;
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::real::{Real, epsilon, real};
 use crate::solution::{Load, Solution, State, Status, Target};
+
+/// Newton iterations that no search of a whole branch needs.
+const WHOLE_BRANCH: u32 = 100_000;
 
 /// A straight tube, ready to solve.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +38,8 @@ impl<T: Real> Goal<T> for AtPressure<T> {
 struct AtDeformation<T: Real> {
     weights: Vector3<T>,
     value: T,
+    /// What the last digit of the target is worth in `value`.
+    last_digit: T,
 }
 
 impl<T: Real> Goal<T> for AtDeformation<T> {
@@ -44,7 +49,15 @@ impl<T: Real> Goal<T> for AtDeformation<T> {
 
     fn noise(&self, point: &Point<T>) -> T {
         let rounding = point.at.abs() * (real::<T>(8.0) * epsilon::<T>());
-        self.weights.abs().dot(&(rounding + point.settling_noise))
+        self.weights.abs().dot(&(rounding + point.settling_noise)) + self.last_digit
+    }
+}
+
+impl<T: Real> AtDeformation<T> {
+    /// Whether the goal lies towards larger volume, to first order.
+    fn approached_outwards(&self, from: &Point<T>) -> bool {
+        let (value, rate) = self.measure(from);
+        -value / rate > T::zero()
     }
 }
 
@@ -63,7 +76,13 @@ impl<T: Real> Tube<T> {
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
         let wanted = pressure_pa / self.shear_modulus_pa;
         let goal = AtPressure(wanted);
-        let mut solution = self.search(start, &goal, load, |from, _| wanted > from.pressure);
+        let branch = self.branch(load, WHOLE_BRANCH);
+        let towards = |from: &Point<T>| wanted > from.pressure;
+        let anywhere = real(LARGEST_PRESSURE);
+        let mut solution = match start.map(|start| self.search_from(&branch, start, &goal, towards)) {
+            Some(warm) if warm.status == Status::Solved => warm,
+            _ => self.search(&branch, &goal, towards, anywhere),
+        };
         if solution.status == Status::Solved {
             let error = (solution.state.pressure_pa - pressure_pa).abs() / self.shear_modulus_pa;
             solution.residual = solution.residual.max(error);
@@ -72,7 +91,8 @@ impl<T: Real> Tube<T> {
         solution
     }
 
-    /// The pressure that reaches a target. Where both pressure and vacuum would, the answer is the pressure.
+    /// The first pressure on the way up that reaches a target; a vacuum where no pressure does, or where it takes less and the
+    /// pressure exceeds the shear modulus, beyond the work of an actuator.
     pub(crate) fn inverse(
         &self,
         start: Option<&State<T>>,
@@ -81,30 +101,45 @@ impl<T: Real> Tube<T> {
     ) -> Result<Solution<T>, InvalidParameter<T>> {
         let goal = self.goal(target)?;
         if let Some(start) = start {
-            let towards = |from: &Point<T>, goal: &AtDeformation<T>| {
-                let (value, rate) = goal.measure(from);
-                -value / rate > T::zero()
-            };
-            let solution = self.search(Some(start), &goal, load, towards);
+            let branch = self.branch(load, WHOLE_BRANCH);
+            let solution = self.search_from(&branch, start, &goal, |from| goal.approached_outwards(from));
             if solution.status == Status::Solved {
                 return Ok(solution);
             }
         }
-        let pressed = self.search(None, &goal, load, |_, _| true);
-        let twist_is_blocked = goal.weights.z != T::zero() && !self.twists(load);
-        if pressed.status == Status::Solved || twist_is_blocked {
+        let branch = self.branch(load, WHOLE_BRANCH);
+        let pressed = self.search(&branch, &goal, |_| true, real(LARGEST_PRESSURE));
+        if goal.weights.z != T::zero() && !branch.twists {
             return Ok(pressed);
         }
-        let mut evacuated = self.search(None, &goal, load, |_, _| false);
-        evacuated.iterations += pressed.iterations;
+        let solved = pressed.status == Status::Solved;
+        if solved && pressed.state.pressure_pa <= self.shear_modulus_pa {
+            return Ok(pressed);
+        }
+        let within = if solved { pressed.state.pressure_pa / self.shear_modulus_pa } else { real(LARGEST_PRESSURE) };
+        let evacuated = self.search(&branch, &goal, |_| false, within);
+        let iterations = pressed.iterations + evacuated.iterations;
         let answer = if evacuated.status == Status::Solved { evacuated } else { pressed };
-        Ok(Solution { iterations: evacuated.iterations, ..answer })
+        Ok(Solution { iterations, ..answer })
+    }
+
+    /// The pressure next to an earlier state that reaches a target, with bounded work.
+    pub(crate) fn inverse_near(
+        &self,
+        start: &State<T>,
+        target: Target<T>,
+        load: &Load<T>,
+        budget: u32,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        let goal = self.goal(target)?;
+        let branch = self.branch(load, budget);
+        Ok(self.search_from(&branch, start, &goal, |from| goal.approached_outwards(from)))
     }
 
     /// Undeformed, without pressure.
     pub(crate) fn rest(&self) -> State<T> {
         let mut iterations = 0;
-        match self.branch(&Load::none()).at_rest(&mut iterations) {
+        match self.branch(&Load::none(), WHOLE_BRANCH).at_rest(&mut iterations) {
             Found::Root(point) | Found::Limit(point) | Found::Unreached(point) | Found::Failed(point) => {
                 self.state(&point)
             }
@@ -115,13 +150,14 @@ impl<T: Real> Tube<T> {
         self.wall.twists_by_itself() || load.torque_nm != T::zero()
     }
 
-    fn branch(&self, load: &Load<T>) -> Branch<'_, T> {
+    fn branch(&self, load: &Load<T>, budget: u32) -> Branch<'_, T> {
         let area = T::pi() * self.inner_radius_m * self.inner_radius_m;
         Branch {
             wall: &self.wall,
             force: load.force_n / (area * self.shear_modulus_pa),
             torque: load.torque_nm / (area * self.inner_radius_m * self.shear_modulus_pa),
             twists: self.twists(load),
+            budget,
         }
     }
 
@@ -131,12 +167,14 @@ impl<T: Real> Tube<T> {
         // (r/R)^2 = (w + X)/(lambda X) = t  <=>  w/X - t e = t - 1
         let radius = |r: T, undeformed: T, x: T| {
             let excess = (r - undeformed) * (r + undeformed) / (undeformed * undeformed);
-            AtDeformation { weights: Vector3::new(-(one + excess), one / x, T::zero()), value: excess }
+            let weights = Vector3::new(-(one + excess), one / x, T::zero());
+            AtDeformation { weights, value: excess, last_digit: epsilon::<T>() * (one + excess) }
         };
         match target {
             Target::AxialStretch(stretch) => {
                 positive("axial_stretch", stretch)?;
-                Ok(AtDeformation { weights: Vector3::x(), value: stretch - one })
+                let last_digit = epsilon::<T>() * stretch;
+                Ok(AtDeformation { weights: Vector3::x(), value: stretch - one, last_digit })
             }
             Target::OuterRadius(r) => {
                 positive("outer_radius_m", r)?;
@@ -148,7 +186,8 @@ impl<T: Real> Tube<T> {
             }
             Target::Twist(twist) => {
                 require(twist.is_finite(), "twist_rad", twist, "finite")?;
-                Ok(AtDeformation { weights: Vector3::z(), value: twist * self.inner_radius_m / self.length_m })
+                let value = twist * self.inner_radius_m / self.length_m;
+                Ok(AtDeformation { weights: Vector3::z(), value, last_digit: epsilon::<T>() * value.abs() })
             }
             Target::BendAngle(angle) => Err(InvalidParameter {
                 field: "bend_angle_rad",
@@ -158,30 +197,49 @@ impl<T: Real> Tube<T> {
         }
     }
 
-    /// Searches from a start or from rest, in the direction that `outwards` tells at the state it starts from.
+    /// Searches from rest under the load, up to a pressure of `within` either way.
     fn search<G: Goal<T>>(
         &self,
-        start: Option<&State<T>>,
+        branch: &Branch<'_, T>,
         goal: &G,
-        load: &Load<T>,
-        outwards: impl Fn(&Point<T>, &G) -> bool,
+        outwards: impl Fn(&Point<T>) -> bool,
+        within: T,
     ) -> Solution<T> {
-        let branch = self.branch(load);
         let mut iterations = 0;
-        let resumed = start.and_then(|state| branch.resume(self.coordinates(state), &mut iterations));
-        let begin = match resumed {
-            Some(point) => Found::Root(point),
-            None => branch.at_rest(&mut iterations),
-        };
-        let found = match begin {
-            // A state that the load alone has made unstable is the end of the branch already.
+        let found = match branch.at_rest(&mut iterations) {
             Found::Root(point) if point.slope > T::zero() => {
-                branch.search(point, goal, outwards(&point, goal), &mut iterations)
+                branch.search(point, goal, outwards(&point), within, &mut iterations)
             }
-            Found::Root(point) => Found::Limit(point),
+            // The load alone has no stable equilibrium: no pressure is to blame.
+            Found::Root(point) | Found::Limit(point) => Found::Unreached(point),
             ended => ended,
         };
         self.solution(found, iterations)
+    }
+
+    /// Searches from an earlier state; not converged where that is not on the branch.
+    fn search_from<G: Goal<T>>(
+        &self,
+        branch: &Branch<'_, T>,
+        start: &State<T>,
+        goal: &G,
+        outwards: impl Fn(&Point<T>) -> bool,
+    ) -> Solution<T> {
+        let mut iterations = 0;
+        match branch.resume(self.coordinates(start), &mut iterations) {
+            Some(point) => {
+                let anywhere = real(LARGEST_PRESSURE);
+                let found = branch.search(point, goal, outwards(&point), anywhere, &mut iterations);
+                self.solution(found, iterations)
+            }
+            None => Solution {
+                status: Status::NotConverged,
+                state: *start,
+                limit_pressure_pa: None,
+                residual: T::zero(),
+                iterations,
+            },
+        }
     }
 
     fn solution(&self, found: Found<T>, iterations: u32) -> Solution<T> {

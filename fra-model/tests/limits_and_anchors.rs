@@ -241,7 +241,6 @@ fn bends_in_single_precision_agree_with_double() {
             let a = exact.inverse(Target::BendAngle(angle_deg.to_radians()), &Load::none()).unwrap();
             let b = coarse.inverse(Target::BendAngle(angle_deg.to_radians() as f32), &Load::none()).unwrap();
             let off = relative(f64::from(b.state.pressure_pa), a.state.pressure_pa);
-            println!("{inner}/{outer} {angle_deg}: {off:.1e}");
             assert!(off < bound, "{inner}/{outer} mm, {angle_deg} deg: {off:.1e}");
         }
     }

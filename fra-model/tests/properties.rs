@@ -5,6 +5,7 @@ mod common;
 use common::*;
 use fra_model::*;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::RngSeed;
 
 fn motion() -> impl Strategy<Value = Motion> {
@@ -197,4 +198,57 @@ fn bad_questions_are_refused_and_impossible_ones_answered_with_a_status() {
     let bender = Actuator::new(&tube(Motion::Bending, 6.0, 8.0, neo_hookean(0.2e6))).unwrap();
     assert_eq!(bender.forward(-1e3, &none).unwrap().status, Status::NoSolution);
     assert_eq!(bender.inverse(Target::AxialStretch(1.1), &none).unwrap_err().field, "axial_stretch");
+}
+
+/// The state at rest under a load is the answer to itself: rounding must not send the search to another pressure.
+#[test]
+fn what_the_load_alone_does_needs_no_pressure() {
+    let mut random = proptest::test_runner::TestRunner::deterministic();
+    for _ in 0..2000 {
+        let p = actuator().new_tree(&mut random).unwrap().current();
+        if p.motion == Motion::Bending {
+            continue;
+        }
+        let mu = p.material.shear_modulus_pa();
+        let area = p.outer_radius_m.powi(2) - p.inner_radius_m.powi(2);
+        let load = Load { force_n: 0.03 * mu * area, torque_nm: -0.01 * mu * area * p.outer_radius_m };
+        let actuator = Actuator::new(&p).unwrap();
+        let rest = actuator.forward(0.0, &load).unwrap();
+        if rest.status == Status::Solved {
+            let back = actuator.inverse(Target::AxialStretch(rest.state.axial_stretch), &load).unwrap();
+            assert_eq!(back.status, Status::Solved, "{p:?}");
+            assert!(back.state.pressure_pa.abs() < 1e-6 * mu, "{p:?}: {}", back.state.pressure_pa);
+        }
+    }
+}
+
+/// Of two pressures that an actuator works at, the one above zero is meant; a vacuum is found where pressure would take more.
+#[test]
+fn pressures_are_preferred_within_the_working_range() {
+    let shortening = |angle_deg, modulus_pa| {
+        let p = tube(Motion::Extension, 6.0, 8.0, neo_hookean(0.2e6));
+        wound(p, angle_deg, Families::Two, modulus_pa, Placement::Sheet, 0.2)
+    };
+    // A weak winding at 45 deg first shortens and then lengthens: 5 kPa and a vacuum of 0.2 kPa give one stretch.
+    let cases = [(45.0, 0.1e6, 500.0), (45.0, 0.1e6, 5e3), (60.0, 50e6, -500.0), (60.0, 50e6, -5e3), (60.0, 50e6, 5e3)];
+    for (angle_deg, modulus_pa, pressure_pa) in cases {
+        let actuator = Actuator::new(&shortening(angle_deg, modulus_pa)).unwrap();
+        let state = actuator.forward(pressure_pa, &Load::none()).unwrap().state;
+        let back = actuator.inverse(Target::AxialStretch(state.axial_stretch), &Load::none()).unwrap();
+        assert_eq!(back.status, Status::Solved);
+        assert!(relative(back.state.pressure_pa, pressure_pa) < 1e-9, "{} for {pressure_pa}", back.state.pressure_pa);
+    }
+}
+
+/// Bounded work is bounded, also for a target that is nowhere.
+#[test]
+fn a_budget_is_kept() {
+    let p = single(&tube(Motion::Expansion, 6.0, 8.0, neo_hookean(0.2e6)));
+    let actuator = Actuator::new(&p).unwrap();
+    for radius_m in [8.01e-3, 9e-3, 0.5] {
+        let solution =
+            actuator.inverse_near(&actuator.rest(), Target::OuterRadius(radius_m), &Load::none(), 100).unwrap();
+        assert!(solution.iterations <= 160, "{}", solution.iterations);
+        assert_eq!(solution.status == Status::Solved, radius_m < 0.4);
+    }
 }

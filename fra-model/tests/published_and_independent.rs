@@ -183,3 +183,14 @@ fn bends_equal_the_slope_of_the_section_energy() {
         assert!(relative(bend, angle) < 1e-9, "{bend} against {angle} rad at {expected_pa} Pa");
     }
 }
+
+/// Bends of thick walls: the same oracle as above, where the material moves far within the section.
+#[test]
+fn bends_of_thick_walls_equal_the_section_energy() {
+    for (inner_mm, angle_rad, expected_pa) in [(1.0, 6.25, 432_306.59), (2.0, 12.5, 493_642.57)] {
+        let p = tube(Motion::Bending, inner_mm, 8.0, neo_hookean(0.2e6));
+        let solution = Actuator::new(&p).unwrap().inverse(Target::BendAngle(angle_rad), &Load::none()).unwrap();
+        assert_eq!(solution.status, Status::Solved);
+        assert!(relative(solution.state.pressure_pa, expected_pa) < 2e-8, "{}", solution.state.pressure_pa);
+    }
+}
