@@ -1,0 +1,14 @@
+//! The command as a new user meets it: the binary itself, good and bad input, exit codes, and what it leaves behind.
+
+#[path = "cli/desk.rs"]
+mod desk;
+#[path = "cli/eval.rs"]
+mod eval;
+#[path = "cli/files.rs"]
+mod files;
+#[path = "cli/run.rs"]
+mod run;
+#[path = "cli/scenes.rs"]
+mod scenes;
+#[path = "cli/usage.rs"]
+mod usage;

@@ -1,0 +1,99 @@
+//! Files that are not what was asked for, in every verb that reads one.
+
+use std::fs::File;
+use std::time::{Duration, Instant};
+
+use crate::desk::{Desk, SCENE};
+
+/// Every way to hand a scene over.
+const SCENE_VERBS: [&str; 3] = ["check", "run --out results", "eval"];
+
+/// Asks every verb about the file `name`; each must fail with all of `words`, its path among them, and write nothing.
+#[track_caller]
+fn refused(desk: &Desk, name: &str, words: &[&str]) {
+    let before = desk.content();
+    for verb in SCENE_VERBS {
+        desk.softlimb(&format!("{verb} {name}")).failed(1, words).failed(1, &[name]);
+        assert_eq!(desk.content(), before, "{verb}");
+    }
+}
+
+#[test]
+fn a_missing_scene() {
+    refused(&Desk::new(), "no-such.toml", &["there is no such file"]);
+}
+
+#[test]
+fn a_folder_for_a_scene() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("folder")).unwrap();
+    refused(&desk, "folder", &["it is a directory"]);
+}
+
+#[test]
+fn an_empty_scene() {
+    let desk = Desk::new();
+    desk.put("scene.toml", "");
+    refused(&desk, "scene.toml", &["the scene is empty"]);
+    desk.put("scene.toml", "# nothing but a comment\n");
+    refused(&desk, "scene.toml", &[]);
+}
+
+#[test]
+fn a_scene_that_is_not_utf_8() {
+    let desk = Desk::new();
+    let mut bytes = SCENE.as_bytes().to_vec();
+    // The `m` of "small", on the second line.
+    let at = SCENE.find("small").unwrap() + 1;
+    bytes[at] = 0xFF;
+    desk.put("scene.toml", bytes);
+    refused(&desk, "scene.toml", &["not UTF-8", &format!("byte {at}"), "line 2"]);
+}
+
+#[test]
+fn a_hundred_megabytes_are_refused_at_once() {
+    let desk = Desk::new();
+    File::create(desk.path("huge")).unwrap().set_len(100 << 20).unwrap();
+    for (line, word) in [
+        ("check huge", "too large"),
+        ("run huge --out results", "too large"),
+        ("eval huge", "too large"),
+        ("report huge", "not an MCAP file"),
+    ] {
+        let began = Instant::now();
+        desk.softlimb(line).failed(1, &["huge", word]);
+        assert!(began.elapsed() < Duration::from_secs(2), "{line}: {:?}", began.elapsed());
+    }
+    assert_eq!(desk.content(), ["huge"]);
+}
+
+#[test]
+fn a_line_of_a_hundred_megabytes_is_one_invalid_question() {
+    let desk = Desk::new();
+    File::create(desk.path("huge")).unwrap().set_len(100 << 20).unwrap();
+    let began = Instant::now();
+    let answer = desk.softlimb("eval --batch huge").done();
+    assert!(began.elapsed() < Duration::from_secs(2), "{:?}", began.elapsed());
+    assert_eq!(answer.json()["status"], "invalid");
+}
+
+#[test]
+fn logs_that_are_none() {
+    let desk = Desk::new();
+    desk.put("empty.mcap", "");
+    desk.put("text.mcap", SCENE);
+    // Begins and ends as the container asks, with nothing of ours inside.
+    desk.put("other.mcap", b"\x89MCAP0\r\n\x89MCAP0\r\n");
+    std::fs::create_dir(desk.path("folder.mcap")).unwrap();
+    let before = desk.content();
+    for (name, word) in [
+        ("missing.mcap", "cannot read"),
+        ("folder.mcap", "cannot read"),
+        ("empty.mcap", "not an MCAP file"),
+        ("text.mcap", "not an MCAP file"),
+        ("other.mcap", "holds no softlimb run"),
+    ] {
+        desk.softlimb(&format!("report {name}")).failed(1, &[name, word]);
+        assert_eq!(desk.content(), before, "{name}");
+    }
+}

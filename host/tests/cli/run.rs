@@ -1,0 +1,148 @@
+//! `run` and `report`: what they print where, what they leave behind, and which code they end with.
+
+use serde_json::Value;
+
+use crate::desk::{Answer, Desk};
+
+/// A supply that starts below what the controller demands, with a pump too weak to help.
+const NO_AIR: &str = "name = \"small\"\nplant.supply.pressure = \"101 kPa\"\nplant.supply.stall_pressure = \"110 kPa\"\n\
+                      plant.supply.flow = \"0.1 NL/min\"\nplant.supply.reservoir_volume = \"0.01 L\"\n\
+                      limits.supply_min = \"100 kPa\"";
+
+fn desk() -> Desk {
+    Desk::with_scene("small", "small")
+}
+
+/// One JSON object on one line and nothing else.
+#[track_caller]
+fn one_object(answer: &Answer) -> Value {
+    assert!(answer.out.ends_with('\n') && answer.out.lines().count() == 1, "{}", answer.out);
+    let json = answer.json();
+    assert!(json.is_object(), "{json}");
+    json
+}
+
+#[test]
+fn a_run_leaves_a_log_and_a_report_and_nothing_else() {
+    let desk = desk();
+    let answer = desk.softlimb("run scene.toml --out results").done();
+    assert_eq!(desk.content(), ["results", "results/run.html", "results/run.mcap", "scene.toml"]);
+    assert!(answer.out.starts_with("small  (simulated, seed 1)"), "{}", answer.out);
+    assert!(answer.out.contains("real-time factor") && answer.out.contains("finger"), "{}", answer.out);
+    assert!(answer.err.contains("results/run.mcap") && answer.err.contains("results/run.html"), "{}", answer.err);
+}
+
+#[test]
+fn results_go_to_a_folder_of_the_scene_s_name() {
+    let desk = desk();
+    desk.softlimb("run scene.toml").done();
+    assert!(desk.path("out/small/run.mcap").is_file() && desk.path("out/small/run.html").is_file());
+}
+
+#[test]
+fn away_from_a_terminal_there_is_no_progress_bar_and_no_color() {
+    let desk = desk();
+    let answer = desk.softlimb("run scene.toml --out results").done();
+    assert_eq!(answer.err.lines().count(), 2, "{}", answer.err);
+    for text in [&answer.out, &answer.err] {
+        assert!(!text.contains('\r') && !text.contains('\u{1b}'), "{text:?}");
+    }
+}
+
+#[test]
+fn json_is_one_object_for_programs() {
+    let desk = desk();
+    let json = one_object(&desk.softlimb("run scene.toml --out results --json").done());
+    assert_eq!((&json["scene"], &json["seed"], &json["faults"]), (&"small".into(), &1.into(), &Value::Array(vec![])));
+    let setpoint_rad = json["modules"][0]["setpoint_final"].as_f64().unwrap();
+    // On the wire angles are whole microradians.
+    assert!((setpoint_rad - 30_f64.to_radians()).abs() < 1e-6, "{setpoint_rad}");
+    for path in ["/pressure/true_error_pa/rmse", "/tip/error_m/rmse", "/real_time_factor", "/modules/0/error/max"] {
+        assert!(json.pointer(path).and_then(Value::as_f64).is_some_and(|value| value > 0.0), "{path}: {json}");
+    }
+}
+
+#[test]
+fn the_seed_of_the_command_line_wins() {
+    let desk = desk();
+    let run = |line: &str| {
+        let mut json = one_object(&desk.softlimb(line).done());
+        let object = json.as_object_mut().unwrap();
+        (object.remove("wall_s"), object.remove("real_time_factor"));
+        json
+    };
+    let of_scene = run("run scene.toml --out a --json");
+    assert_eq!(run("run scene.toml --out b --json --seed 1"), of_scene);
+    let other = run("run scene.toml --out c --json --seed 2");
+    assert_eq!(other["seed"], 2);
+    assert_ne!(other["modules"], of_scene["modules"]);
+}
+
+#[test]
+fn a_second_run_replaces_the_first() {
+    let desk = desk();
+    desk.softlimb("run scene.toml --out results --seed 1").done();
+    desk.softlimb("run scene.toml --out results --seed 2").done();
+    let json = one_object(&desk.softlimb("report results/run.mcap --json").done());
+    assert_eq!(json["seed"], 2);
+    assert_eq!(desk.content(), ["results", "results/run.html", "results/run.mcap", "scene.toml"]);
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_fails_with_its_name() {
+    let desk = desk();
+    desk.put("file", "precious");
+    for folder in ["file", "file/results"] {
+        desk.softlimb(&format!("run scene.toml --out {folder}")).failed(1, &["cannot create the folder", folder]);
+    }
+    assert_eq!(std::fs::read_to_string(desk.path("file")).unwrap(), "precious");
+    assert_eq!(desk.content(), ["file", "scene.toml"]);
+}
+
+/// `/proc` takes no folder, from no user.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_in_a_place_that_takes_none_fails_with_its_name() {
+    desk().softlimb("run scene.toml --out /proc/softlimb").failed(1, &["/proc/softlimb"]);
+}
+
+#[test]
+fn a_log_that_cannot_take_its_name_is_kept_whole_beside_it() {
+    let desk = desk();
+    std::fs::create_dir_all(desk.path("results/run.mcap")).unwrap();
+    desk.softlimb("run scene.toml --out results").failed(1, &["results/run.mcap"]);
+    assert_eq!(desk.content(), ["results", "results/run.mcap", "results/run.mcap.partial", "scene.toml"]);
+    desk.softlimb("report results/run.mcap.partial --out rescued.html").done();
+}
+
+#[test]
+fn a_report_that_cannot_take_its_name_leaves_the_log_and_no_half_report() {
+    let desk = desk();
+    std::fs::create_dir_all(desk.path("results/run.html")).unwrap();
+    desk.softlimb("run scene.toml --out results").failed(1, &["cannot write", "results/run.html"]);
+    assert_eq!(desk.content(), ["results", "results/run.html", "results/run.mcap", "scene.toml"]);
+    let before = desk.content();
+    desk.softlimb("report results/run.mcap --out nowhere/run.html").failed(1, &["nowhere/run.html"]);
+    assert_eq!(desk.content(), before);
+}
+
+#[test]
+fn a_run_that_the_device_stops_fails_and_keeps_what_happened() {
+    let desk = Desk::with_scene("name = \"small\"", NO_AIR);
+    desk.softlimb("run scene.toml --out results").failed(1, &["supply", "kPa", "results/run.mcap", "results/run.html"]);
+    assert_eq!(desk.content(), ["results", "results/run.html", "results/run.mcap", "scene.toml"]);
+    let json = one_object(&desk.softlimb("report results/run.mcap --json"));
+    assert!(!json["faults"].as_array().unwrap().is_empty(), "{json}");
+}
+
+#[test]
+fn a_log_that_was_cut_off_is_reported_with_a_warning() {
+    let desk = desk();
+    desk.softlimb("run scene.toml --out results").done();
+    let log = std::fs::read(desk.path("results/run.mcap")).unwrap();
+    desk.put("cut.mcap", &log[..log.len() * 4 / 5]);
+    let answer = desk.softlimb("report cut.mcap");
+    assert_eq!(answer.code, Some(3), "{answer:?}");
+    assert!(answer.out.contains("incomplete log") && answer.err.contains("warning: "), "{answer:?}");
+    assert!(desk.path("cut.html").is_file());
+}

@@ -1,0 +1,67 @@
+//! Scenes with a mistake in them: the message points at the line and says the value, and nothing is written.
+
+use crate::desk::{Desk, SCENE};
+
+/// One mistake: what is replaced, by what, and what the message must say.
+struct Mistake {
+    from: &'static str,
+    to: &'static str,
+    words: &'static [&'static str],
+}
+
+const MISTAKES: &[Mistake] = &[
+    Mistake { from: "motion =", to: "motoin =", words: &["unknown key `motoin`", "did you mean `motion`"] },
+    Mistake { from: "\"14 mm\"", to: "\"14 kPa\"", words: &["`outer_radius`", "14 kPa", "this is a pressure"] },
+    Mistake { from: "\"14 mm\"", to: "\"14 furlong\"", words: &["furlong", "mm"] },
+    Mistake { from: "\"10 mm\"", to: "\"16 mm\"", words: &["`inner_radius`", "16 mm", "`outer_radius`", "14 mm"] },
+    Mistake { from: "\"240 mm\"", to: "\"-240 mm\"", words: &["`length`", "-240 mm", "5 mm to 5000 mm"] },
+    Mistake { from: "\"240 mm\"", to: "nan", words: &["`length`"] },
+    Mistake { from: "bend_angle = \"30 deg\"", to: "pressure = \"150 kPa\"", words: &["150 kPa", "100 kPa"] },
+    Mistake { from: "\"30 deg\"", to: "\"359 deg\"", words: &["359 deg", "reach", "`finger`"] },
+    Mistake { from: "\"30 deg\"", to: "\"400 deg\"", words: &["400 deg", "360 deg"] },
+    Mistake { from: "bend_angle = \"30 deg\"", to: "axial_stretch = 1.1", words: &["axial_stretch", "bend_angle"] },
+    Mistake {
+        from: "targets = { finger = { bend_angle = \"30 deg\" } }",
+        to: "tip = [3.0, 0.0, 0.0]",
+        words: &["way-point", "3.0", "nearest"],
+    },
+    Mistake { from: "finger = {", to: "fnger = {", words: &["fnger", "finger"] },
+    Mistake { from: "material = \"silicone\"", to: "material = \"silicon\"", words: &["silicon", "silicone"] },
+    Mistake { from: "format = 1", to: "format = 2", words: &["format 2", "newer"] },
+    Mistake { from: "actuators = 1", to: "actuators = 28", words: &["`actuators`", "28"] },
+    Mistake { from: "[limb]", to: "[limb", words: &["[limb"] },
+];
+
+/// The line of the scene, from 1, on which the mistake begins.
+fn line_of(mistake: &Mistake) -> usize {
+    let at = SCENE.find(mistake.from).expect("the scene has the passage");
+    1 + SCENE[..at].matches('\n').count()
+}
+
+#[test]
+fn every_mistake_is_pointed_at_and_nothing_is_written() {
+    for mistake in MISTAKES {
+        let desk = Desk::with_scene(mistake.from, mistake.to);
+        let place = format!("scene.toml:{}:", line_of(mistake));
+        for verb in ["check", "run --out results"] {
+            let answer = desk.softlimb(&format!("{verb} scene.toml")).failed(1, mistake.words).failed(1, &[&place]);
+            assert!(answer.err.contains('^'), "nothing is underlined: {}", answer.err);
+            assert_eq!(desk.content(), ["scene.toml"], "{verb}, {}", mistake.to);
+        }
+    }
+}
+
+#[test]
+fn a_sound_scene_is_checked_without_writing() {
+    let desk = Desk::with_scene("small", "small");
+    let answer = desk.softlimb("check scene.toml").done();
+    assert!(answer.out.starts_with("small: 1 modules, 1 channels, 0.255 m at rest"), "{}", answer.out);
+    let json = desk.softlimb("check scene.toml --json").done().json();
+    // One actuator of 240 mm and a connector of 15 mm; one move of 1 s and a rest of 0.2 s.
+    assert_eq!((&json["scene"], &json["channels"]), (&"small".into(), &1.into()));
+    assert!((json["rest_length_m"].as_f64().unwrap() - 0.255).abs() < 1e-12, "{json}");
+    assert!((json["duration_s"].as_f64().unwrap() - 1.2).abs() < 1e-9, "{json}");
+    let highest_pa = json["modules"][0]["highest_pressure_pa"].as_f64().unwrap();
+    assert!(highest_pa > 5e3 && highest_pa < 100e3, "{json}");
+    assert_eq!(desk.content(), ["scene.toml"]);
+}

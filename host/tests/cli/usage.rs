@@ -1,0 +1,72 @@
+//! Help, version, and command lines that mean nothing.
+
+use crate::desk::Desk;
+
+const VERBS: [&str; 4] = ["check", "eval", "run", "report"];
+
+#[test]
+fn help_names_every_verb_the_exit_codes_and_where_to_start() {
+    let help = Desk::new().softlimb("--help").done();
+    for verb in VERBS {
+        assert!(help.out.lines().any(|line| line.trim_start().starts_with(verb)), "{verb}: {}", help.out);
+    }
+    assert!(help.out.contains("Exit codes: 0 done, 1 failed, 2 wrong command line, 3 done with warnings."));
+    assert!(help.out.contains("softlimb run scenes/"), "{}", help.out);
+    assert_eq!(help.err, "");
+}
+
+#[test]
+fn the_version_is_the_package_s() {
+    let version = Desk::new().softlimb("--version").done();
+    assert_eq!(version.out, format!("softlimb {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn every_verb_shows_an_example_of_itself() {
+    for verb in VERBS {
+        let help = Desk::new().softlimb(&format!("{verb} --help")).done();
+        let examples = help.out.split_once("Example").map(|(_, rest)| rest).unwrap_or_default();
+        assert!(examples.contains(&format!("softlimb {verb} ")), "{verb}: {}", help.out);
+    }
+}
+
+#[test]
+fn a_verb_that_is_none_is_a_wrong_command_line() {
+    let answer = Desk::new().softlimb("runn scene.toml").failed(2, &["runn"]);
+    assert!(answer.err.contains("run"), "no suggestion: {}", answer.err);
+}
+
+#[test]
+fn no_verb_shows_the_help_and_is_wrong() {
+    let answer = Desk::new().softlimb("");
+    assert_eq!((answer.code, answer.out.as_str()), (Some(2), ""));
+    assert!(answer.err.contains("Usage: softlimb <COMMAND>"), "{}", answer.err);
+}
+
+#[test]
+fn a_missing_argument_is_named() {
+    for verb in ["check", "run"] {
+        Desk::new().softlimb(verb).failed(2, &["<SCENE>", "Usage:"]);
+    }
+    Desk::new().softlimb("report").failed(2, &["<LOG>", "Usage:"]);
+    Desk::new().softlimb("eval").failed(2, &["SCENE", "--batch", "Usage:"]);
+}
+
+#[test]
+fn options_that_do_not_fit_are_wrong_command_lines() {
+    for (line, word) in [
+        ("run scene.toml --sed 1", "--sed"),
+        ("run scene.toml --seed many", "many"),
+        ("run scene.toml --seed 1.5", "1.5"),
+        ("run scene.toml --out", "--out"),
+        ("run scene.toml other.toml", "other.toml"),
+        ("eval scene.toml --batch questions.jsonl", "--batch"),
+        ("eval scene.toml --steps 0", "0"),
+        ("eval --batch questions.jsonl --scalar f16", "f16"),
+        ("eval scene.toml --scalar f32", "--scalar"),
+    ] {
+        let desk = Desk::with_scene("small", "small");
+        desk.softlimb(line).failed(2, &[word]);
+        assert_eq!(desk.content(), ["scene.toml"], "{line}");
+    }
+}
