@@ -25,7 +25,7 @@ pub(super) struct Eval {
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
     /// Precision of a batch
-    #[arg(long, value_enum, default_value_t = ScalarName::F64, requires = "batch")]
+    #[arg(long, value_enum, default_value_t = ScalarName::F64, conflicts_with = "scene")]
     scalar: ScalarName,
     /// Steps of a pressure curve
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
