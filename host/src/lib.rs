@@ -1,14 +1,14 @@
 //! softlimb on the host: from a scene file to a recorded and reported run.
 //!
 //! The rooms, in the order a datum passes them: [`scene`] reads the file, [`design`] builds the limb, [`motion`] plans its
-//! setpoints, [`simulate`] and `link` bring them to a device, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
+//! setpoints, [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
 //! the actuator model alone; [`cli`] is the command line.
 
 pub mod cli;
 pub mod design;
 pub mod eval;
-pub mod motion;
 pub mod link;
+pub mod motion;
 pub mod record;
 pub mod report;
 pub mod run;

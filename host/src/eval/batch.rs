@@ -92,8 +92,8 @@ fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {
         value: convert::wide(error.value),
         allowed: error.allowed,
     };
-    // Checked first in the precision it is written in, so that a message quotes the value as written.
-    Actuator::new(&case.parameters)?;
+    // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
+    Actuator::new(&case.parameters).map_err(as_written)?;
     let actuator = Actuator::<T>::new(&convert::parameters(&case.parameters)).map_err(wide)?;
     let load: Load<T> = convert::load(&case.load);
     let solution = match case.question {
@@ -108,6 +108,18 @@ fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {
         residual: convert::wide(solution.residual),
         iterations: solution.iterations,
     })
+}
+
+/// The fiber angle is asked for in degrees.
+fn as_written(error: InvalidParameter<f64>) -> InvalidParameter<f64> {
+    match error.field {
+        "angle_rad" => InvalidParameter {
+            field: "fiber.angle_deg",
+            value: error.value.to_degrees(),
+            allowed: "-90 to 90, from the hoop",
+        },
+        _ => error,
+    }
 }
 
 impl Answer {

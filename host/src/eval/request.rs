@@ -20,10 +20,8 @@ pub(super) struct Request {
     fiber: Option<FiberSpec>,
     pressure_pa: Option<f64>,
     target: Option<TargetSpec>,
-    #[serde(default)]
-    external_force_n: f64,
-    #[serde(default)]
-    external_torque_nm: f64,
+    external_force_n: Option<f64>,
+    external_torque_nm: Option<f64>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -117,7 +115,10 @@ impl Request {
                 fiber,
             },
             question: self.question()?,
-            load: Load { force_n: self.external_force_n, torque_nm: self.external_torque_nm },
+            load: Load {
+                force_n: self.external_force_n.unwrap_or(0.0),
+                torque_nm: self.external_torque_nm.unwrap_or(0.0),
+            },
         })
     }
 

@@ -71,9 +71,12 @@ fn deformation_series(log: &RunLog, index: usize, quantity: Quantity) -> Vec<Ser
         move |sample: &Sample| sample.modules.get(index).map_or(f64::NAN, value) * scale
     };
     let achieved = module(|module| module.achieved.unwrap_or(f64::NAN));
+    let in_chamber = |sample: &Sample| sample.channels.iter().any(|channel| channel.true_pressure_pa.is_some());
+    let place = if log.samples.iter().any(in_chamber) { "chamber" } else { "measured" };
+    let modelled = format!("modelled at the {place} pressure");
     present([
         line("achieved", Color::Second, Stroke::Solid, log, achieved),
-        line("modelled at the chamber pressure", Color::First, Stroke::Dotted, log, module(|module| module.modelled)),
+        line(&modelled, Color::First, Stroke::Dotted, log, module(|module| module.modelled)),
         line("setpoint", Color::Ink, Stroke::Dashed, log, while_scheduled(log, module(|module| module.setpoint))),
     ])
 }

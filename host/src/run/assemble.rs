@@ -1,7 +1,7 @@
 //! From telemetry, plan and truth to the samples of the log.
 
 use fra_model::{Motion, State};
-use softlimb_protocol::{Fault, Telemetry};
+use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
 use softlimb_sim::plant::Truth;
 
 use super::Progress;
@@ -128,16 +128,8 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
-/// What the log says about the run as a whole.
-pub(super) fn run_info(
-    scene: &Scene,
-    limb: &Limb,
-    plan: &Plan,
-    seed: u64,
-    firmware_version: &str,
-    config_hash: u32,
-    schema_hash: u32,
-) -> RunInfo {
+/// What the log says about the run as a whole, before the device has told its version and taken its configuration.
+pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> RunInfo {
     let modules = limb.modules().iter().map(|module| ModuleInfo {
         name: module.name.clone(),
         motion: motion_word(module.motion).into(),
@@ -154,9 +146,9 @@ pub(super) fn run_info(
         scene_name: scene.name().into(),
         scene_text: scene.source_text().into(),
         tool_version: env!("CARGO_PKG_VERSION").into(),
-        firmware_version: firmware_version.into(),
-        schema_hash,
-        config_hash,
+        firmware_version: String::new(),
+        schema_hash: SCHEMA_HASH,
+        config_hash: 0,
         seed,
         // A simulated run has no date: the same run is the same log.
         start_unix_ns: 0,

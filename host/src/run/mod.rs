@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use softlimb_protocol::SCHEMA_HASH;
 use softlimb_sim::SimulatedMcu;
 
 use crate::design::Limb;
@@ -75,7 +74,8 @@ pub fn run(
     let path = options.out.join("run.mcap");
 
     let began = Instant::now();
-    let mut recording = Recording::new(scene, &limb, &plan, options.seed, &path);
+    let mut recording =
+        Recording::new(run_info(scene, &limb, &plan, options.seed), Assembler::new(&limb, &plan), &path);
     let stream_options = StreamOptions { cancel: Some(cancel), ..StreamOptions::new(SESSION) };
     let ended = link::stream(&mut device, &configuration, &knots, &stream_options, |device, event| {
         if let Some(progress) = recording.take(device, event) {
@@ -131,26 +131,16 @@ pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
 
 /// The recording of a run, from the moment its configuration is known.
 struct Recording<'a> {
-    info: Box<dyn Fn(&str, u32) -> RunInfo + 'a>,
+    info: RunInfo,
     path: &'a Path,
     assembler: Assembler<'a>,
-    firmware: String,
     recorder: Option<Recorder>,
     failure: Option<RunError>,
 }
 
 impl<'a> Recording<'a> {
-    fn new(scene: &'a Scene, limb: &'a Limb, plan: &'a Plan, seed: u64, path: &'a Path) -> Self {
-        Self {
-            info: Box::new(move |firmware, config_hash| {
-                run_info(scene, limb, plan, seed, firmware, config_hash, SCHEMA_HASH)
-            }),
-            path,
-            assembler: Assembler::new(limb, plan),
-            firmware: String::new(),
-            recorder: None,
-            failure: None,
-        }
+    fn new(info: RunInfo, assembler: Assembler<'a>, path: &'a Path) -> Self {
+        Self { info, path, assembler, recorder: None, failure: None }
     }
 
     /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
@@ -167,9 +157,10 @@ impl<'a> Recording<'a> {
 
     fn note(&mut self, device: &mut Observed, event: Event) -> Result<Option<Progress>, RunError> {
         match event {
-            Event::Connected(info) => self.firmware = info.firmware.to_string(),
+            Event::Connected(device) => self.info.firmware_version = device.firmware.to_string(),
             Event::Configured { config_hash } if self.failure.is_none() => {
-                self.recorder = Some(Recorder::create(self.path, &(self.info)(&self.firmware, config_hash))?);
+                self.info.config_hash = config_hash;
+                self.recorder = Some(Recorder::create(self.path, &self.info)?);
             }
             Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
             Event::Telemetry { message, .. } => {
