@@ -185,11 +185,13 @@ impl<T: Real> Branch<'_, T> {
         let slope = d.hessian[(1, 1)] + d.hessian[(0, 1)] * e_w + d.hessian[(2, 1)] * g_w;
         let torque_rest = if self.twists { d.gradient.z - self.torque } else { T::zero() };
         let residual = (d.gradient.x - self.force).abs().max(torque_rest.abs());
-        let pressure = d.gradient.y;
-        let finite = slope.is_finite() && pressure.is_finite() && residual.is_finite();
         let settling_noise = self.settling_noise(&d, at)?;
         let coupling = d.hessian.row(1).transpose().abs();
-        let pressure_noise = gradient_noise(&d, at).y + coupling.dot(&settling_noise);
+        let plain = (d.gradient.y, gradient_noise(&d, at).y + coupling.dot(&settling_noise));
+        let torque = if self.twists { Some(self.torque) } else { None };
+        let by_tension = self.wall.pressure_by_tension(at, self.force, torque, &settling_noise);
+        let (pressure, pressure_noise) = by_tension.filter(|(_, noise)| *noise < plain.1).unwrap_or(plain);
+        let finite = slope.is_finite() && pressure.is_finite() && residual.is_finite();
         let tangent = Vector3::new(e_w, T::one(), g_w);
         finite.then_some(Point { at, tangent, pressure, slope, residual, pressure_noise, settling_noise })
     }

@@ -77,6 +77,7 @@ struct Winding<T> {
     sin: T,
     modulus_ratio: T,
     families: Families,
+    is_sheet: bool,
     rule: WallRule<T>,
 }
 
@@ -114,16 +115,53 @@ impl<T: Real> Wall<T> {
 
     /// Gradient and Hessian at `(e, w, g)`; `1 + e > 0` and `1 + w > 0`.
     pub(crate) fn derivatives(&self, e: T, w: T, g: T) -> Derivatives<T> {
+        let mut sum = self.elastomer_derivatives(e, w, g);
+        if let Some(winding) = &self.winding {
+            winding.add(e, w, g, &mut sum);
+        }
+        sum
+    }
+
+    fn elastomer_derivatives(&self, e: T, w: T, g: T) -> Derivatives<T> {
         let mut sum = match &self.elastomer {
             Elastomer::NeoHookean => neo_hookean(e, w, g, self.x_outer),
             Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
         };
         // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.
         sum.magnitude = Vector3::repeat((self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs()));
-        if let Some(winding) = &self.winding {
-            winding.add(e, w, g, &mut sum);
-        }
         sum
+    }
+
+    /// `u_w` at an equilibrium of a tube wound with a sheet, and what rounding does to it.
+    ///
+    /// The tension of a stiff sheet is a tiny strain times a huge modulus, and the rounding of the strain comes out magnified. At
+    /// equilibrium the tension also follows from what the elastomer leaves of the loads, without the modulus: of the three, the one
+    /// with the least rounding is used. `None` where the families carry different tensions, or the fibers are not a sheet.
+    pub(crate) fn pressure_by_tension(
+        &self,
+        at: Vector3<T>,
+        force: T,
+        torque: Option<T>,
+        settling_noise: &Vector3<T>,
+    ) -> Option<(T, T)> {
+        let winding = self.winding.as_ref().filter(|winding| winding.is_sheet)?;
+        let (first, strain, terms, stiffness) = winding.sheet(at.x, at.y, at.z)?;
+        let bare = self.elastomer_derivatives(at.x, at.y, at.z);
+        let rounding = real::<T>(8.0) * epsilon::<T>();
+        // What the elastomer's share of an equation is off by, through rounding and through the state.
+        let off = |axis: usize| {
+            let state = bare.hessian.row(axis).transpose().abs().dot(settling_noise);
+            (bare.magnitude[axis] + bare.gradient[axis].abs()) * rounding + state
+        };
+        let mut tension = (stiffness * strain, stiffness * (terms * rounding + first.abs().dot(settling_noise)));
+        for (axis, load) in [(0, Some(force)), (2, torque)] {
+            let Some(load) = load else { continue };
+            let noise = (off(axis) + load.abs() * rounding) / first[axis].abs();
+            if noise < tension.1 {
+                tension = ((load - bare.gradient[axis]) / first[axis], noise);
+            }
+        }
+        Some((bare.gradient.y + first.y * tension.0, off(1) + first.y.abs() * tension.1))
     }
 }
 
@@ -210,7 +248,33 @@ impl<T: Real> Winding<T> {
         // At exactly a quarter turn the fibers are axial: the rounding of pi/2 shall not make them twist.
         let cos = fiber.angle_rad.cos();
         let cos = if cos.abs() <= epsilon::<T>() { T::zero() } else { cos };
-        Self { cos, sin: fiber.angle_rad.sin(), modulus_ratio: fiber.modulus_pa / mu1, families: fiber.families, rule }
+        Self {
+            cos,
+            sin: fiber.angle_rad.sin(),
+            modulus_ratio: fiber.modulus_pa / mu1,
+            families: fiber.families,
+            is_sheet: fiber.placement == Placement::Sheet,
+            rule,
+        }
+    }
+
+    /// Of a sheet whose families are strained alike: the sum of their `d I4/d(e, w, g)`, the strain `I4 - 1`, the magnitude of its
+    /// terms, and the tension per strain. `None` where the families differ.
+    fn sheet(&self, e: T, w: T, g: T) -> Option<(Vector3<T>, T, T, T)> {
+        if self.families == Families::Two && g != T::zero() {
+            return None;
+        }
+        let mut found = None;
+        self.rule.for_each(|x, weight| {
+            let strain = self.strain(&Ring::new(e, w, x), g, x.sqrt(), self.cos);
+            let one = strain.first;
+            let first = match self.families {
+                Families::One => one,
+                Families::Two => Vector3::new(one.x + one.x, one.y + one.y, T::zero()),
+            };
+            found = Some((first, strain.value, strain.terms, weight * self.modulus_ratio));
+        });
+        found
     }
 
     /// Adds `int mu2/(2 mu1) (I4-1)^2 dX` of every family.
@@ -227,13 +291,12 @@ impl<T: Real> Winding<T> {
     }
 
     /// One family at one radius: `I4 - 1 = c^2 eta + p g rho s (2c + g rho s) + s^2 eps`.
-    fn add_family(&self, ring: &Ring<T>, g: T, rho: T, cos: T, stiffness: T, sum: &mut Derivatives<T>) {
+    fn strain(&self, ring: &Ring<T>, g: T, rho: T, cos: T) -> FiberStrain<T> {
         let two: T = real(2.0);
         let sin = self.sin;
         let shear = g * rho * sin;
         let hoop = cos + shear;
         let p = T::one() + ring.eta;
-        let strain = cos * cos * ring.eta + p * shear * (cos + hoop) + sin * sin * ring.eps;
         let by_p = hoop * hoop;
         let by_pg = two * hoop * sin * rho;
         let first = Vector3::new(by_p * ring.eta_e + two * sin * sin * ring.lambda, by_p * ring.eta_w, by_pg * p);
@@ -241,12 +304,32 @@ impl<T: Real> Winding<T> {
         let ew = by_p * ring.eta_ew;
         let (eg, wg) = (by_pg * ring.eta_e, by_pg * ring.eta_w);
         let gg = two * p * sin * sin * rho * rho;
-        let second = Matrix3::new(ee, ew, eg, ew, T::zero(), wg, eg, wg, gg);
-        let terms = cos * cos * ring.eta_terms + (p * shear * (cos + hoop)).abs() + sin * sin * ring.eps.abs();
-        sum.magnitude += first.abs() * (stiffness * terms);
-        // At the neutral angle the two parts of d I4/de cancel, and with them what they have in common.
-        sum.magnitude.x += (by_p * ring.eta_e).abs() * (stiffness * strain.abs());
-        sum.gradient += first * (stiffness * strain);
-        sum.hessian += second * (stiffness * strain) + first * first.transpose() * stiffness;
+        FiberStrain {
+            value: cos * cos * ring.eta + p * shear * (cos + hoop) + sin * sin * ring.eps,
+            terms: cos * cos * ring.eta_terms + (p * shear * (cos + hoop)).abs() + sin * sin * ring.eps.abs(),
+            first,
+            cancelling: (by_p * ring.eta_e).abs(),
+            second: Matrix3::new(ee, ew, eg, ew, T::zero(), wg, eg, wg, gg),
+        }
     }
+
+    fn add_family(&self, ring: &Ring<T>, g: T, rho: T, cos: T, stiffness: T, sum: &mut Derivatives<T>) {
+        let strain = self.strain(ring, g, rho, cos);
+        let first = strain.first;
+        sum.magnitude += first.abs() * (stiffness * strain.terms);
+        // At the neutral angle the two parts of d I4/de cancel, and with them what they have in common.
+        sum.magnitude.x += strain.cancelling * (stiffness * strain.value.abs());
+        sum.gradient += first * (stiffness * strain.value);
+        sum.hessian += strain.second * (stiffness * strain.value) + first * first.transpose() * stiffness;
+    }
+}
+
+/// `I4 - 1` of one family at one radius, the magnitude of its terms, and its derivatives by `(e, w, g)`.
+struct FiberStrain<T: Real> {
+    value: T,
+    terms: T,
+    first: Vector3<T>,
+    /// The larger of the two parts that make up `first.x`.
+    cancelling: T,
+    second: Matrix3<T>,
 }

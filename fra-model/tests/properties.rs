@@ -150,7 +150,9 @@ proptest! {
         let smooth = exact.status == Status::Solved && beside.status == Status::Solved
             && exact.state.axial_stretch < 10.0
             && (beside.state.volume_m3 / exact.state.volume_m3 - 1.0) < 0.05;
-        if smooth && stiffness < 1e3 && solution.status == Status::Solved {
+        // A sheet's tension does not pass through its strain; smeared stiff fibers magnify the last digit of theirs.
+        let resolved = stiffness < 1e3 || p.fiber.is_none_or(|f| f.placement == Placement::Sheet);
+        if smooth && resolved && solution.status == Status::Solved {
             let off = f64::from(s.volume_m3) / exact.state.volume_m3 - 1.0;
             prop_assert!(off.abs() < 1e-3, "{:?}: {}", p, off);
         }
