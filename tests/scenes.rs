@@ -1,0 +1,27 @@
+//! Every scene of the repository, end to end: scene, plan, link, controller, plant, log, report.
+
+#[path = "scenes/bars.rs"]
+mod bars;
+#[path = "scenes/golden.rs"]
+mod golden;
+#[path = "scenes/nominal.rs"]
+mod nominal;
+#[path = "scenes/spread.rs"]
+mod spread;
+mod support;
+
+use softlimb::record::{ModuleSample, Quantity};
+
+/// The value of a quantity at rest, in the unit of the log. Scenes with other quantities than these have no travel to compare with.
+fn at_rest(quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::AxialStretch => 1.0,
+        Quantity::Twist | Quantity::BendAngle | Quantity::Pressure => 0.0,
+        Quantity::OuterRadius | Quantity::InnerRadius => panic!("a radius at rest depends on the actuator"),
+    }
+}
+
+/// Largest deviation of the setpoint of a module from rest.
+fn travel<'a>(quantity: Quantity, samples: impl Iterator<Item = &'a ModuleSample>) -> f64 {
+    samples.map(|sample| (sample.setpoint - at_rest(quantity)).abs()).fold(0.0, f64::max)
+}

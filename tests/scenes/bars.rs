@@ -1,0 +1,104 @@
+//! What every scene must come up to as it is.
+
+use softlimb::record::{self, Sample};
+use softlimb::report::ErrorStats;
+use softlimb::scene::Goal;
+
+use crate::support::{Ran, names, run, scene_with};
+use crate::travel;
+
+#[test]
+fn every_scene_runs_without_a_fault_and_leaves_a_log_and_a_report() {
+    for name in names() {
+        let scene = scene_with(&name, "");
+        let ran = run(&scene, scene.seed());
+        assert_eq!(ran.left_behind(), ["run.html", "run.mcap"], "{name}");
+        assert_eq!((&ran.summary.scene, ran.summary.seed), (&name, scene.seed()));
+        assert_eq!(ran.summary.faults, [], "{name}");
+        assert_eq!(ran.summary.incomplete, None, "{name}");
+        assert_eq!(record::read(&ran.files.log).unwrap(), ran.files.run, "{name}");
+        let page = std::fs::read_to_string(&ran.files.report).unwrap();
+        assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"), "{name}");
+        complete(&name, &ran, scene.duration_us());
+        within_bars(&name, &ran);
+    }
+}
+
+/// Telemetry comes every 20 ms from the start to the end, without a gap, and the link lost nothing on a perfect line.
+fn complete(name: &str, ran: &Ran, duration_us: u64) {
+    let times_s: Vec<f64> = ran.files.run.samples.iter().map(|sample| sample.time_s).collect();
+    assert!(times_s[0] < 0.02 && *times_s.last().unwrap() >= duration_us as f64 * 1e-6, "{name}");
+    assert!(times_s.windows(2).all(|pair| (pair[1] - pair[0] - 0.02).abs() < 1e-6), "{name}");
+    let link = ran.summary.link;
+    assert_eq!((link.retransmitted, link.crc_errors, link.telemetry_lost), (0, 0, 0), "{name}");
+}
+
+/// Bars on the scene as it is, with an ordinary plant.
+fn within_bars(name: &str, ran: &Ran) {
+    let summary = &ran.summary;
+    let pressure = of(summary.pressure.true_error_pa);
+    let (tip, tracking) = (of(summary.tip.error_m), of(summary.tip.tracking_error_m));
+    println!(
+        "{name:<18} pressure RMSE {:.0} Pa, max {:.0} Pa; tip RMSE {:.1} mm, by tracking alone {:.1} mm; {:.0} times real time",
+        pressure.rmse,
+        pressure.max,
+        1e3 * tip.rmse,
+        1e3 * tracking.rmse,
+        summary.real_time_factor.unwrap()
+    );
+    assert!(pressure.rmse < 600.0 && pressure.max < 2_000.0, "{name}: {pressure:?}");
+    // On limbs of 0.25 m to 0.8 m; a hundredth is what tracking may cost, a twentieth what actuators of 3 % other moduli and 6 % creep may.
+    assert!(tracking.rmse < 8e-3, "{name}: {tracking:?}");
+    assert!(tip.rmse < 40e-3, "{name}: {tip:?}");
+    for module in &summary.modules {
+        let (error, tracking) = (of(module.error), of(module.tracking_error));
+        // What happened is the model's error on top of the tracking's, so it cannot be free of the latter.
+        assert!(error.max > 0.0 && tracking.max > 0.0, "{name}: {module:?}");
+        assert_eq!((error.samples, tracking.samples), (tip.samples, tip.samples), "{name}: {module:?}");
+    }
+}
+
+fn of(stats: Option<ErrorStats>) -> ErrorStats {
+    let stats = stats.expect("a simulated run knows the truth");
+    assert!(stats.rmse.is_finite() && stats.max.is_finite() && stats.rmse <= stats.max, "{stats:?}");
+    stats
+}
+
+#[test]
+fn every_phase_ends_at_its_target() {
+    for name in names() {
+        let scene = scene_with(&name, "");
+        let ran = run(&scene, scene.seed());
+        let log = &ran.files.run;
+        for (phase, info) in scene.phases().iter().zip(&log.info.phases) {
+            let end = log.samples.iter().rfind(|sample| sample.time_s <= info.end_s() + 1e-6).unwrap();
+            match &phase.goal {
+                Goal::Tip(point) => tip_arrives(&name, end, **point),
+                Goal::Targets(targets) => {
+                    for target in targets {
+                        module_arrives(&name, &ran, end, target.module, *target.value);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn tip_arrives(name: &str, end: &Sample, wanted_m: [f64; 3]) {
+    let off_m = |at_m: [f64; 3]| at_m.iter().zip(wanted_m).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    // Inverse kinematics stops within a tenth of a millimeter; angles are whole microradians on the wire.
+    assert!(off_m(end.tip_setpoint_m) < 2e-4, "{name}, {} s: {} m", end.time_s, off_m(end.tip_setpoint_m));
+    assert!(off_m(end.tip_modelled_m) < 15e-3, "{name}, {} s: {} m", end.time_s, off_m(end.tip_modelled_m));
+}
+
+fn module_arrives(name: &str, ran: &Ran, end: &Sample, index: usize, wanted: f64) {
+    let (log, module) = (&ran.files.run, end.modules[index]);
+    let travel = travel(log.info.modules[index].quantity, log.samples.iter().map(|sample| &sample.modules[index]));
+    let place = format!("{name}, module {index}, {} s: {module:?}, wanted {wanted}", end.time_s);
+    // The wire has millionths.
+    assert!((module.setpoint - wanted).abs() < 1e-6, "{place}");
+    // Chamber pressures are off by the gain of the sensor and the dead band of the loop; the device takes the sensor's offset away at rest.
+    assert!((module.modelled - wanted).abs() < 0.02 * travel, "{place}");
+    // The actuator: 3 % of modulus, 2 % of wall, 6 % of creep.
+    assert!((module.achieved.unwrap() - wanted).abs() < 0.15 * travel, "{place}");
+}

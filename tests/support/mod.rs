@@ -1,0 +1,75 @@
+//! Scenes of the repository, changed and run in a folder of their own.
+#![allow(dead_code, reason = "each test takes its own part")]
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use softlimb::report::{self, Summary};
+use softlimb::run::{self, RunFiles, RunOptions};
+use softlimb::scene::{self, Scene};
+use tempfile::TempDir;
+
+/// A plant whose parameters are exactly those of the scene. Noise, jitter and creep stay.
+pub(crate) const NO_SPREAD: &str = "
+[plant.spread]
+modulus = 0
+wall = 0
+fiber_angle = 0
+dead_volume = 0
+valve_conductance = 0
+valve_delay = 0
+sensor_offset = 0
+sensor_gain = 0
+";
+
+/// Actuators that take their shape at once.
+pub(crate) const NO_CREEP: &str = "
+[plant.chamber]
+creep_share = 0
+";
+
+/// Names of all scenes, sorted.
+pub(crate) fn names() -> Vec<String> {
+    let files = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    let mut names: Vec<String> = scenes.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    names.sort();
+    assert!(names.len() >= 5, "{names:?}");
+    names
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
+}
+
+/// A scene with more text behind it.
+pub(crate) fn scene_with(name: &str, more: &str) -> Scene {
+    let text = std::fs::read_to_string(folder().join(format!("{name}.toml"))).unwrap() + more;
+    scene::parse(&text, name).unwrap_or_else(|error| panic!("{}", error.render(false)))
+}
+
+/// A finished run; its files live as long as it does.
+pub(crate) struct Ran {
+    pub(crate) files: RunFiles,
+    pub(crate) summary: Summary,
+    folder: TempDir,
+}
+
+impl Ran {
+    /// Names of all files that the run left, sorted.
+    pub(crate) fn left_behind(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+pub(crate) fn run(scene: &Scene, seed: u64) -> Ran {
+    let folder = tempfile::tempdir().unwrap();
+    let options = RunOptions { seed, out: folder.path().to_owned() };
+    let files = run::run(scene, &options, &AtomicBool::new(false), |_| ())
+        .unwrap_or_else(|error| panic!("{}, seed {seed}: {error}", scene.name()));
+    let summary = report::summary(&files.run);
+    Ran { files, summary, folder }
+}
