@@ -268,7 +268,7 @@ impl<T: Real> Bender<T> {
         let mut sum = Jet::constant(T::zero());
         let (radial, angles): (_, &[_]) =
             if k < self.coarse_until { (&self.coarse, &COARSE_ANGLES) } else { (&self.fine, &FINE_ANGLES) };
-        radial.for_each(|rho_squared, weight| {
+        radial.for_each(T::zero(), |rho_squared, weight| {
             let rho = rho_squared.sqrt();
             for &(cos, sin) in angles {
                 for cos in [real::<T>(cos), -real::<T>(cos)] {

@@ -200,7 +200,7 @@ fn neo_hookean<T: Real>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
 /// Yeoh wall integrals by quadrature: `psi'(J) = 1/2 + a J + b J^2` with `J = I1 - 3`.
 fn yeoh<T: Real>(e: T, w: T, g: T, a: T, b: T, rule: &WallRule<T>) -> Derivatives<T> {
     let mut sum = Derivatives { gradient: Vector3::zeros(), hessian: Matrix3::zeros(), magnitude: Vector3::zeros() };
-    rule.for_each(|x, weight| {
+    rule.for_each(w, |x, weight| {
         let (invariant, first, second) = first_invariant(&Ring::new(e, w, x), g, x);
         let slope = real::<T>(0.5) + invariant * (a + b * invariant);
         let curvature = a + (b + b) * invariant;
@@ -265,7 +265,7 @@ impl<T: Real> Winding<T> {
             return None;
         }
         let mut found = None;
-        self.rule.for_each(|x, weight| {
+        self.rule.for_each(w, |x, weight| {
             let strain = self.strain(&Ring::new(e, w, x), g, x.sqrt(), self.cos);
             let one = strain.first;
             let first = match self.families {
@@ -279,7 +279,7 @@ impl<T: Real> Winding<T> {
 
     /// Adds `int mu2/(2 mu1) (I4-1)^2 dX` of every family.
     fn add(&self, e: T, w: T, g: T, sum: &mut Derivatives<T>) {
-        self.rule.for_each(|x, weight| {
+        self.rule.for_each(w, |x, weight| {
             let ring = Ring::new(e, w, x);
             let rho = x.sqrt();
             let stiffness = weight * self.modulus_ratio;

@@ -19,14 +19,20 @@ const NODES: usize = 2 * GAUSS_8.len();
 /// Largest span of `ln X` one panel covers: a radius ratio of 2.
 const PANEL_SPAN: f64 = 1.386_294_361_119_890_6;
 
+/// Most panels of a graded rule: enough for a lumen of 1e-6 of its volume.
+const GRADED_PANELS: u8 = 40;
+
 /// A rule for `int f(X) dX` from `X_a` to `X_b`: Gauss-Legendre in `ln X`, in equal panels.
 ///
-/// Only the nodes of the first panel are kept; those of the others are multiples of them.
+/// Only the nodes of the first panel are kept; those of the others are multiples of them. Where the lumen has shrunk, the integrands
+/// have a pole at `X = -w` close before `X_a`; then the panels grow with their distance from it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallRule<T> {
+    half_rule: &'static [(f64, f64)],
+    from: T,
+    span: T,
     /// Nodes and weights; unused ones have no weight.
     first_panel: [(T, T); NODES],
-    nodes: u8,
     panel_ratio: T,
     panels: u8,
 }
@@ -42,43 +48,72 @@ impl<T: Real> WallRule<T> {
         Self::with(&GAUSS_4, x_a, x_b)
     }
 
-    fn with(half_rule: &[(f64, f64)], x_a: T, x_b: T) -> Self {
+    fn with(half_rule: &'static [(f64, f64)], x_a: T, x_b: T) -> Self {
         let span = (x_b / x_a).ln();
         let mut panels = 1u8;
         let mut covered = real::<T>(PANEL_SPAN);
-        while covered < span && panels < 8 {
+        while covered < span && panels < u8::MAX {
             panels += 1;
             covered += real::<T>(PANEL_SPAN);
         }
-        let half = span / real::<T>(2.0) / count(panels);
+        let width = span / count(panels);
         let mut first_panel = [(T::zero(), T::zero()); NODES];
-        for (pair, &(abscissa, weight)) in first_panel.chunks_exact_mut(2).zip(half_rule) {
-            for (node, sign) in pair.iter_mut().zip([-T::one(), T::one()]) {
-                let x = x_a * (half * (T::one() + sign * real::<T>(abscissa))).exp();
-                *node = (x, real::<T>(weight) * half * x);
-            }
+        for (node, value) in first_panel.iter_mut().zip(panel(half_rule, x_a, width)) {
+            *node = value;
         }
-        let nodes = 2 * half_rule.len() as u8;
-        Self { first_panel, nodes, panel_ratio: (half + half).exp(), panels }
+        Self { half_rule, from: x_a, span, first_panel, panel_ratio: width.exp(), panels }
     }
 
     /// The rule of one point: a sheet at `x` whose weight is `weight`.
     pub(crate) fn point(x: T, weight: T) -> Self {
         let mut first_panel = [(x, T::zero()); NODES];
         first_panel[0].1 = weight;
-        Self { first_panel, nodes: 1, panel_ratio: T::one(), panels: 1 }
+        Self { half_rule: &[], from: x, span: T::zero(), first_panel, panel_ratio: T::one(), panels: 1 }
     }
 
-    /// Calls `f(X, weight)` at every node.
-    pub(crate) fn for_each(&self, mut f: impl FnMut(T, T)) {
+    /// Calls `f(X, weight)` at every node; `w` tells where the pole is.
+    pub(crate) fn for_each(&self, w: T, mut f: impl FnMut(T, T)) {
+        let Self { half_rule, first_panel, .. } = self;
+        // A sheet has no rule; a pole farther away than a panel is long does no harm.
+        if !half_rule.is_empty() && -w * real::<T>(4.0) > self.from {
+            return self.for_each_graded(w, f);
+        }
+        let nodes = (2 * half_rule.len()).max(1);
         let mut scale = T::one();
         for _ in 0..self.panels {
-            for &(x, weight) in self.first_panel.iter().take(usize::from(self.nodes)) {
+            for &(x, weight) in first_panel.iter().take(nodes) {
                 f(x * scale, weight * scale);
             }
             scale *= self.panel_ratio;
         }
     }
+
+    fn for_each_graded(&self, w: T, mut f: impl FnMut(T, T)) {
+        let mut distance = (self.from / -w).ln();
+        let (mut from, mut left) = (self.from, self.span);
+        for round in 0..GRADED_PANELS {
+            let last = round + 1 == GRADED_PANELS || left <= distance;
+            let width = if last { left } else { distance };
+            panel(self.half_rule, from, width).for_each(|(x, weight)| f(x, weight));
+            if last {
+                return;
+            }
+            from *= width.exp();
+            left -= width;
+            distance += width;
+        }
+    }
+}
+
+/// Nodes and weights of one panel that starts at `from` and is `width` wide in `ln X`.
+fn panel<T: Real>(half_rule: &[(f64, f64)], from: T, width: T) -> impl Iterator<Item = (T, T)> {
+    let half = width * real::<T>(0.5);
+    half_rule.iter().flat_map(move |&(abscissa, weight)| {
+        [-T::one(), T::one()].map(|sign| {
+            let x = from * (half * (T::one() + sign * real::<T>(abscissa))).exp();
+            (x, real::<T>(weight) * half * x)
+        })
+    })
 }
 
 /// A small count as a scalar, without a conversion from a run-time `f64`.

@@ -196,6 +196,24 @@ fn yeoh_contains_neo_hookean() {
     }
 }
 
+/// The same under vacuum that all but closes the lumen, where the integrands are steepest.
+#[test]
+fn the_two_agree_when_the_lumen_closes() {
+    let mu = 0.2e6;
+    let yeoh = Material::Yeoh { c_pa: [0.5 * mu, 0.0, 0.0] };
+    for (inner, outer) in [(6.0, 6.5), (6.0, 8.0), (4.0, 16.0)] {
+        for pressure in [-0.05, -0.3, -1.0, -2.0] {
+            let pressure_pa = pressure * mu * f64::ln(outer / inner);
+            let wind = |p| wound(p, 60.0, Families::One, 0.5e6, Placement::Sheet, 0.2);
+            let a = solve(&wind(tube(Motion::Extension, inner, outer, neo_hookean(mu))), pressure_pa);
+            let b = solve(&wind(tube(Motion::Extension, inner, outer, yeoh)), pressure_pa);
+            assert_eq!((a.status, b.status), (Status::Solved, Status::Solved), "{inner}/{outer} {pressure}");
+            let off = relative(b.state.inner_radius_m, a.state.inner_radius_m);
+            assert!(off < 1e-10, "{inner}/{outer} mm, {pressure}: r_i {} m, {off:.1e}", a.state.inner_radius_m);
+        }
+    }
+}
+
 /// Neo-Hookean and Yeoh fits of DragonSkin 30 with nearly axial fibers: limit pressures of an expansion actuator.
 #[test]
 fn limit_pressures_of_dragonskin_expansion() {

@@ -1,6 +1,6 @@
 //! Prints how many times faster than real time the plant runs on one core.
 //!
-//! `cargo run --release -p softlimb-plant --example speed [channels]`
+//! `cargo run --release -p softlimb-plant --example plant_speed [channels]`
 
 use std::time::Instant;
 

@@ -1,7 +1,7 @@
 //! Prints how many times faster than real time the simulated device runs on one core with everything on: controller with the inverse
 //! model in every control period, plant, line, telemetry every 10 ms.
 //!
-//! `cargo run --release -p softlimb-sim --example speed [channels]`
+//! `cargo run --release -p softlimb-sim --example sim_speed [channels]`
 
 #[path = "../tests/common/mod.rs"]
 mod common;
