@@ -1,6 +1,7 @@
 //! One actuator: parameters in, equilibria out.
 
 use crate::bending::Bender;
+use crate::held::Held;
 use crate::parameters::{ActuatorParameters, InvalidParameter, Motion, require};
 use crate::real::Real;
 use crate::solution::{Load, Solution, State, Target};
@@ -112,6 +113,28 @@ impl<T: Real> Actuator<T> {
         match &self.body {
             Body::Straight(tube) => tube.inverse_near(start, target, load, budget),
             Body::Bending(bender) => bender.inverse(target, load),
+        }
+    }
+
+    /// The loads that hold a straight actuator at an axial stretch and a twist under a gauge pressure: what it pushes and turns
+    /// with, its stiffness, and the lever arms of the pressure.
+    ///
+    /// This replaces `N = P pi r_i^2` of eq. (9), which is the force of the wall and not that of the actuator.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] when a value is not finite, the stretch is not positive, or the actuator bends.
+    pub fn held(&self, pressure_pa: T, axial_stretch: T, twist_rad: T) -> Result<Held<T>, InvalidParameter<T>> {
+        require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
+        let positive = axial_stretch.is_finite() && axial_stretch > T::zero();
+        require(positive, "axial_stretch", axial_stretch, "finite and > 0")?;
+        require(twist_rad.is_finite(), "twist_rad", twist_rad, "finite")?;
+        match &self.body {
+            Body::Straight(tube) => Ok(tube.held(pressure_pa, axial_stretch, twist_rad)),
+            Body::Bending(_) => Err(InvalidParameter {
+                field: "axial_stretch",
+                value: axial_stretch,
+                allowed: "straight actuators only: a bending one is held by its load",
+            }),
         }
     }
 

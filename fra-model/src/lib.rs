@@ -27,6 +27,7 @@ mod actuator;
 mod bending;
 mod branch;
 mod energy;
+mod held;
 mod jet;
 mod limb;
 mod parameters;
@@ -36,6 +37,7 @@ mod solution;
 mod tube;
 
 pub use actuator::Actuator;
+pub use held::Held;
 pub use limb::{Link, Segment, tip_pose};
 pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement};
 pub use real::Real;

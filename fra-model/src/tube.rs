@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::branch::{Branch, Found, Goal, LARGEST_PRESSURE, Point};
 use crate::energy::Wall;
+use crate::held::{Held, hold};
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::real::{Real, epsilon, real};
 use crate::solution::{Load, Solution, State, Status, Target};
@@ -136,6 +137,26 @@ impl<T: Real> Tube<T> {
         Ok(self.search_from(&branch, start, &goal, |from| goal.approached_outwards(from)))
     }
 
+    /// The loads that hold a stretch and a twist at a gauge pressure.
+    pub(crate) fn held(&self, pressure_pa: T, axial_stretch: T, twist_rad: T) -> Held<T> {
+        let mu = self.shear_modulus_pa;
+        let (radius, length) = (self.inner_radius_m, self.length_m);
+        let point = hold(&self.wall, axial_stretch - T::one(), twist_rad * radius / length, pressure_pa / mu);
+        // N = pi R_i^2 mu u_e, M = pi R_i^3 mu u_g, l = L (1 + e), Phi = g L/R_i.
+        let area = T::pi() * radius * radius;
+        let [by_e, by_g] = [T::one() / length, radius / length];
+        let k = point.stiffness * (mu * area);
+        Held {
+            status: point.status,
+            state: State { pressure_pa, ..self.state_at(&point.at, pressure_pa / mu, point.slope) },
+            force_n: mu * area * point.loads.x,
+            torque_nm: mu * area * radius * point.loads.y,
+            by_pressure: [area * point.by_pressure.x, area * radius * point.by_pressure.y],
+            stiffness: [[k[(0, 0)] * by_e, k[(0, 1)] * by_g], [k[(1, 0)] * radius * by_e, k[(1, 1)] * radius * by_g]],
+            iterations: point.iterations,
+        }
+    }
+
     /// Undeformed, without pressure.
     pub(crate) fn rest(&self) -> State<T> {
         let mut iterations = 0;
@@ -253,20 +274,25 @@ impl<T: Real> Tube<T> {
     }
 
     fn state(&self, point: &Point<T>) -> State<T> {
+        self.state_at(&point.at, point.pressure, point.slope)
+    }
+
+    /// The state at `(e, w, g)` with `P/mu1` and `d(P/mu1)/dw`.
+    fn state_at(&self, at: &Vector3<T>, pressure: T, slope: T) -> State<T> {
         let one = T::one();
-        let (e, w, g) = (point.at.x, point.at.y, point.at.z);
+        let (e, w, g) = (at.x, at.y, at.z);
         let lambda = one + e;
         let x_outer = self.wall.x_outer;
         let rest_volume = T::pi() * self.inner_radius_m * self.inner_radius_m * self.length_m;
         State {
-            pressure_pa: point.pressure * self.shear_modulus_pa,
+            pressure_pa: pressure * self.shear_modulus_pa,
             axial_stretch: lambda,
             inner_radius_m: self.inner_radius_m * ((one + w) / lambda).sqrt(),
             outer_radius_m: self.outer_radius_m * ((x_outer + w) / (lambda * x_outer)).sqrt(),
             twist_rad: g * self.length_m / self.inner_radius_m,
             bend_angle_rad: T::zero(),
             volume_m3: rest_volume * (one + w),
-            compliance_m3_per_pa: rest_volume / (self.shear_modulus_pa * point.slope),
+            compliance_m3_per_pa: rest_volume / (self.shear_modulus_pa * slope),
         }
     }
 
