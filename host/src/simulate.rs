@@ -8,7 +8,7 @@ use softlimb_sim::plant::{
 use crate::design::Limb;
 use crate::scene::{self, Scene};
 
-/// The pump cuts off and the relief valve cracks this far above the pressure a reservoir is charged to.
+/// The relief valve opens at this multiple of the pressure a reservoir is charged to. The pump is the device's to stop.
 const RELIEF_RATIO: f64 = 1.1;
 /// The pressure that volumes and shapes are tabulated to, as a multiple of the module's limit: room for overshoot.
 const TABULATED_RATIO: f64 = 1.3;
@@ -50,7 +50,8 @@ fn valve(valve: &scene::Valve) -> ValveSettings {
         critical_ratio: valve.critical_ratio,
         on_delay_us: valve.on_delay_s * 1e6,
         off_delay_us: valve.off_delay_s * 1e6,
-        jitter_us: valve.jitter_s * 1e6,
+        // Uniform over +-jitter_us, whose standard deviation is 1/sqrt(3) of it.
+        jitter_us: 3f64.sqrt() * valve.jitter_s * 1e6,
     }
 }
 

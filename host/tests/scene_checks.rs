@@ -116,12 +116,36 @@ fn pressures() {
         SCENE.replace("axial_stretch = 1.1", "pressure = \"120 kPa\"").replace("axial_stretch = 1.2", "pressure = 0");
     expect(&text, "the pressure is above the `pressure_max` of module `upper`", "\"120 kPa\"");
     let limits = "pressure_max = \"100 kPa\"\nsupply_min = \"200 kPa\"\nsupply_max = \"150 kPa\"";
-    expect(&changed("pressure_max = \"100 kPa\"", limits), "`supply_min` must be below `supply_max`", "\"200 kPa\"");
+    let rule = "`supply_min` must be at least 1 kPa below `supply_max`";
+    expect(&changed("pressure_max = \"100 kPa\"", limits), rule, "\"200 kPa\"");
+}
+
+#[test]
+fn supply() {
     assert_eq!(
         picture("[limits]", "[plant.sensor]\nsupply_full_scale = \"20 psi\"\n[limits]"),
-        "error: the supply pressure of 200 kPa is beyond its sensor, which reads to 137.895 kPa\n--> arm.toml\n \
-         = help: change `supply_full_scale` in `[plant.sensor]`"
+        r#"error: `supply_max` is beyond the sensor of the supply, which reads to 137.895 kPa
+  --> arm.toml:49:21
+   |
+49 | supply_full_scale = "20 psi"
+   |                     ^^^^^^^^ the sensor reads to 137.895 kPa
+   |
+   = note: `supply_max` is 300 kPa, by default"#
     );
+    let rule = "`supply_max` is beyond the sensor of the supply, which reads to 689.476 kPa";
+    expect(&changed("[limits]", "[limits]\nsupply_max = \"7 bar\""), rule, "\"7 bar\"");
+
+    // Six valves: 25 x 6 x 1.44e-9 / 5e-3 m3 is less than the smallest reservoir; 25 x 6 x 4e-8 / 5e-3 m3 is 1.2 L.
+    let small = "the reservoir is too small for what flows in a millisecond";
+    let valves = "[plant.valve]\nconductance = \"4 dm3/(s bar)\"\n[limits]";
+    expect(&changed("[limits]", valves), small, "\"4 dm3/(s bar)\"");
+    let both = format!("[plant.supply]\nreservoir_volume = \"0.3 L\"\n{valves}");
+    expect(&changed("[limits]", &both), small, "\"0.3 L\"");
+    let enough =
+        "[plant.valve]\nconductance = \"4 dm3/(s bar)\"\n[plant.supply]\nreservoir_volume = \"1.201 L\"\n[limits]";
+    assert!(parse(&changed("[limits]", enough), "arm.toml").is_ok());
+    let help = picture("[limits]", valves);
+    assert!(help.contains("help: `reservoir_volume` must be at least 1.20"), "{help}");
 }
 
 #[test]

@@ -99,6 +99,13 @@ impl<'a> Reader<'a> {
         self.table.get_key_value(name).map(|(key, _)| key.span().into())
     }
 
+    /// The place of a value deep inside this table, [`Span::NOWHERE`] if it is not written.
+    pub(super) fn place_of(&self, table: &str, path: &[&str]) -> Span {
+        let first = self.value(table);
+        let found = path.iter().fold(first, |value, name| value?.get_ref().as_table()?.get(*name));
+        found.map_or(Span::NOWHERE, |value| value.span().into())
+    }
+
     /// Notes that a required key is missing.
     pub(super) fn missing<T>(&self, name: &str, because: &str) -> Option<T> {
         if self.misspelled.contains(&name) {

@@ -56,18 +56,13 @@ pub(super) fn pressures(
 }
 
 fn supply(log: &Log, limits: &Limits, plant: &Plant) {
-    let (pressure, sensor) = (plant.supply.pressure_pa(), plant.sensor.supply_full_scale_pa);
+    let pressure = plant.supply.pressure_pa();
     let shown = Unit::KPA.show_si(pressure);
     let (min, max) = (limits.supply_min_pa, limits.supply_max_pa);
     if !(min..=max).contains(&pressure) {
         let (min, max) = (Unit::KPA.show_si(min), Unit::KPA.show_si(max));
         let title = format!("the supply pressure of {shown} is outside `supply_min` to `supply_max`, {min} to {max}");
         log.note::<()>(Problem::new(title).help("change `pressure` in `[plant.supply]` or the bounds in `[limits]`"));
-    }
-    if pressure >= sensor {
-        let sensor = Unit::KPA.show_si(sensor);
-        let title = format!("the supply pressure of {shown} is beyond its sensor, which reads to {sensor}");
-        log.note::<()>(Problem::new(title).help("change `supply_full_scale` in `[plant.sensor]`"));
     }
 }
 

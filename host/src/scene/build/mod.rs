@@ -7,6 +7,7 @@ mod parts;
 mod phase;
 mod plant;
 mod settings;
+mod supply;
 
 use toml::de::DeTable;
 
@@ -75,6 +76,10 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let phases = phase::phases(&root, &mut drafts);
     check::channels(log, &drafts);
     check::pressures(log, &drafts, phases.as_deref(), limits.as_ref(), plant.as_ref());
+    if let Some(plant) = &plant {
+        supply::sensor(&root, limits.as_ref(), plant);
+        supply::reservoir(&root, &drafts, plant);
+    }
     let modules = drafts.into_iter().map(|draft| draft.module).collect::<Option<Vec<_>>>();
     Some(Scene {
         source: source.clone(),

@@ -24,6 +24,9 @@ pub(super) fn optional_table<'a, T>(
     }
 }
 
+/// Smallest range of supply pressures that a scene may ask for, Pa; the pump is controlled in a tenth of it.
+const SUPPLY_RANGE_MIN_PA: f64 = 1e3;
+
 pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
     optional_table(root, &schema::scene::LIMITS, &schema::limits::SECTION, |reader| {
         use schema::limits::*;
@@ -34,8 +37,9 @@ pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
         let radius = reader.maybe(&RADIUS_RATE_MAX);
         let angle = reader.maybe(&ANGLE_RATE_MAX);
         let (supply_min, supply_max) = supply_min.zip(supply_max)?;
-        if *supply_min >= *supply_max {
-            let problem = Problem::at(supply_min.span, "`supply_min` must be below `supply_max`", "the lower bound");
+        if *supply_max - *supply_min < SUPPLY_RANGE_MIN_PA {
+            let title = "`supply_min` must be at least 1 kPa below `supply_max`";
+            let problem = Problem::at(supply_min.span, title, "the lower bound");
             return reader.log().note(problem.label(supply_max.span, "the upper bound"));
         }
         Some(Limits {

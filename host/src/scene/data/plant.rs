@@ -35,7 +35,7 @@ pub struct Ambient {
 pub enum Supply {
     /// A pump that fills a reservoir.
     Pump {
-        /// Pressure at which the pump stops and with which the run starts, Pa.
+        /// Pressure to which the reservoir is charged when the run starts, Pa.
         pressure_pa: f64,
         /// Flow without back pressure, m3/s at the reference atmosphere (1.185 kg/m3).
         flow_m3_per_s: f64,
@@ -72,7 +72,7 @@ pub struct Valve {
     pub on_delay_s: f64,
     /// From coil off to closed, s.
     pub off_delay_s: f64,
-    /// Standard deviation of each delay from one switching to the next, s.
+    /// Standard deviation of each delay from one switching to the next, s; the distribution is uniform.
     pub jitter_s: f64,
     /// Conductance of the closed valve, m3/(s Pa).
     pub leak_m3_per_s_pa: f64,

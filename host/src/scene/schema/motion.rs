@@ -27,8 +27,8 @@ section! {
     /// Bounds that hold for all modules.
     limits, "[limits]";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Default(100.0) } = "Largest gauge pressure in a chamber.";
-    SUPPLY_MIN: Quantity { name: "supply_min", unit: Unit::KPA, min: 0.0, max: 1000.0, presence: Default(50.0) } = "Below this supply pressure the controller faults.";
-    SUPPLY_MAX: Quantity { name: "supply_max", unit: Unit::KPA, min: 1.0, max: 1000.0, presence: Default(300.0) } = "Above this supply pressure the controller faults.";
+    SUPPLY_MIN: Quantity { name: "supply_min", unit: Unit::KPA, min: 0.0, max: 1000.0, presence: Default(50.0) } = "Below this supply pressure the controller faults. At least 1 kPa below `supply_max`.";
+    SUPPLY_MAX: Quantity { name: "supply_max", unit: Unit::KPA, min: 1.0, max: 1000.0, presence: Default(300.0) } = "Above this supply pressure the controller faults. Its sensor must read to it.";
     STRETCH_RATE_MAX: Quantity { name: "stretch_rate_max", unit: Unit::PERCENT_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of the axial stretch.";
     RADIUS_RATE_MAX: Quantity { name: "radius_rate_max", unit: Unit::MM_PER_S, min: 0.01, max: 1e4, presence: Optional("no bound") } = "Largest rate of a radius.";
     ANGLE_RATE_MAX: Quantity { name: "angle_rate_max", unit: Unit::DEG_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of a bend angle or twist.";
@@ -37,11 +37,11 @@ section! {
 section! {
     /// Settings of the pressure controller. Times are rounded to whole microseconds.
     controller, "[controller]";
-    KNOT_PERIOD: Quantity { name: "knot_period", unit: Unit::MS, min: 2.0, max: 1000.0, presence: Default(20.0) } = "Time between two streamed setpoints; the controller interpolates linearly.";
-    CONTROL_PERIOD: Quantity { name: "control_period", unit: Unit::MS, min: 5.0, max: 100.0, presence: Default(20.0) } = "Period of the valve pulses, a whole number of milliseconds.";
+    KNOT_PERIOD: Quantity { name: "knot_period", unit: Unit::MS, min: 10.0, max: 1000.0, presence: Default(20.0) } = "Time between two streamed setpoints; the controller interpolates linearly.";
+    CONTROL_PERIOD: Quantity { name: "control_period", unit: Unit::MS, min: 10.0, max: 100.0, presence: Default(20.0) } = "Period of the valve pulses, a whole number of milliseconds.";
     TELEMETRY_PERIOD: Quantity { name: "telemetry_period", unit: Unit::MS, min: 1.0, max: 1000.0, presence: Default(20.0) } = "Time between two telemetry messages, a whole number of milliseconds.";
-    LINK_TIMEOUT: Quantity { name: "link_timeout", unit: Unit::MS, min: 20.0, max: 10_000.0, presence: Default(250.0) } = "Silence of the host after which the link counts as lost.";
+    LINK_TIMEOUT: Quantity { name: "link_timeout", unit: Unit::MS, min: 100.0, max: 10_000.0, presence: Default(250.0) } = "Silence of the host after which the link counts as lost.";
     HOLD_TIME: Quantity { name: "hold_time", unit: Unit::S, min: 0.0, max: 60.0, presence: Default(2.0) } = "`hold-then-ramp`: how long pressures are held first.";
     LINK_LOSS: Choice { name: "link_loss", words: &["hold-then-ramp", "hold", "vent"], presence: Default("hold-then-ramp") } = "What happens when the link is lost: hold and then ramp down, hold, or vent at once.";
-    VENT_RAMP: Quantity { name: "vent_ramp", unit: Unit::KPA_PER_S, min: 0.1, max: 10_000.0, presence: Default(20.0) } = "Rate at which pressures ramp down.";
+    VENT_RAMP: Quantity { name: "vent_ramp", unit: Unit::KPA_PER_S, min: 0.1, max: 1000.0, presence: Default(20.0) } = "Rate at which pressures ramp down.";
 }

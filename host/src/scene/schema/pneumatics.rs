@@ -25,10 +25,10 @@ section! {
     /// The supply. A regulated one has only `pressure`.
     supply, "plant.supply";
     KIND: Choice { name: "kind", words: &["pump", "regulated"], presence: Default("pump") } = "A pump that fills a reservoir, or a source of constant pressure.";
-    PRESSURE: Quantity { name: "pressure", unit: Unit::KPA, min: 10.0, max: 1000.0, presence: Default(200.0) } = "Gauge pressure of the source; with a pump: at which it stops, and with which the run starts.";
+    PRESSURE: Quantity { name: "pressure", unit: Unit::KPA, min: 10.0, max: 1000.0, presence: Default(200.0) } = "Gauge pressure of the source; with a pump: to which the reservoir is charged when the run starts. The controller stops the pump by itself, 10 % of `supply_max - supply_min` below `supply_max`; a relief valve opens at 1.1 times this pressure.";
     FLOW: Quantity { name: "flow", unit: Unit::NL_PER_MIN, min: 0.1, max: 500.0, presence: Default(6.0) } = "Flow of the pump without back pressure, as volume at the reference atmosphere (1.185 kg/m3).";
     STALL_PRESSURE: Quantity { name: "stall_pressure", unit: Unit::KPA, min: 10.0, max: 1000.0, presence: Default(250.0) } = "Gauge pressure at which the pump delivers nothing; the flow falls linearly to it.";
-    RESERVOIR_VOLUME: Quantity { name: "reservoir_volume", unit: Unit::L, min: 0.01, max: 100.0, presence: Default(1.0) } = "Volume of the reservoir.";
+    RESERVOIR_VOLUME: Quantity { name: "reservoir_volume", unit: Unit::L, min: 0.05, max: 100.0, presence: Default(1.0) } = "Volume of the reservoir. All fill valves open together, or the pump at full flow, must not change its pressure by half in a millisecond; `check` names the smallest that does.";
 }
 
 section! {
@@ -38,7 +38,7 @@ section! {
     CRITICAL_RATIO: Quantity { name: "critical_ratio", unit: Unit::NUMBER, min: 0.05, max: 0.6, presence: Default(0.3) } = "Critical pressure ratio b.";
     ON_DELAY: Quantity { name: "on_delay", unit: Unit::MS, min: 0.0, max: 20.0, presence: Default(3.5) } = "From coil on to open.";
     OFF_DELAY: Quantity { name: "off_delay", unit: Unit::MS, min: 0.0, max: 20.0, presence: Default(2.0) } = "From coil off to closed.";
-    JITTER: Quantity { name: "jitter", unit: Unit::MS, min: 0.0, max: 2.0, presence: Default(0.25) } = "Standard deviation of each delay from one switching to the next.";
+    JITTER: Quantity { name: "jitter", unit: Unit::MS, min: 0.0, max: 2.0, presence: Default(0.25) } = "Standard deviation of each delay from one switching to the next, uniformly distributed.";
     LEAK: Quantity { name: "leak", unit: Unit::M3_PER_S_PA, min: 0.0, max: 1e-9, presence: Default(1e-13) } = "Conductance of the closed valve.";
 }
 
@@ -62,7 +62,7 @@ section! {
     /// Pressure sensors and their converter.
     sensor, "plant.sensor";
     FULL_SCALE: Quantity { name: "full_scale", unit: Unit::PSI, min: 1.0, max: 150.0, presence: Default(30.0) } = "Gauge pressure at 90 % of the output of a channel's sensor. Every `pressure_max` must be below it.";
-    SUPPLY_FULL_SCALE: Quantity { name: "supply_full_scale", unit: Unit::PSI, min: 1.0, max: 150.0, presence: Default(100.0) } = "The same of the supply's sensor. The supply pressure must be below it.";
+    SUPPLY_FULL_SCALE: Quantity { name: "supply_full_scale", unit: Unit::PSI, min: 1.0, max: 150.0, presence: Default(100.0) } = "The same of the supply's sensor. `supply_max` must not be above it.";
     BITS: Integer { name: "bits", min: 8, max: 16, presence: Default(12) } = "Resolution of the converter.";
     NOISE: Quantity { name: "noise", unit: Unit::KPA, min: 0.0, max: 10.0, presence: Default(0.05) } = "Standard deviation of one sample.";
     LAG: Quantity { name: "lag", unit: Unit::MS, min: 0.0, max: 100.0, presence: Default(1.0) } = "Time constant.";
@@ -73,7 +73,7 @@ section! {
     spread, "plant.spread";
     MODULUS: Quantity { name: "modulus", unit: Unit::PERCENT, min: 0.0, max: 20.0, presence: Default(3.0) } = "Moduli of the elastomer.";
     WALL: Quantity { name: "wall", unit: Unit::PERCENT, min: 0.0, max: 20.0, presence: Default(2.0) } = "Wall thickness.";
-    FIBER_ANGLE: Quantity { name: "fiber_angle", unit: Unit::DEG, min: 0.0, max: 10.0, presence: Default(0.5) } = "Fiber angle.";
+    FIBER_ANGLE: Quantity { name: "fiber_angle", unit: Unit::DEG, min: 0.0, max: 5.0, presence: Default(0.5) } = "Fiber angle.";
     DEAD_VOLUME: Quantity { name: "dead_volume", unit: Unit::PERCENT, min: 0.0, max: 30.0, presence: Default(10.0) } = "Dead volume.";
     VALVE_CONDUCTANCE: Quantity { name: "valve_conductance", unit: Unit::PERCENT, min: 0.0, max: 20.0, presence: Default(7.0) } = "Sonic conductance of each valve.";
     VALVE_DELAY: Quantity { name: "valve_delay", unit: Unit::PERCENT, min: 0.0, max: 30.0, presence: Default(10.0) } = "Delays of each valve.";
