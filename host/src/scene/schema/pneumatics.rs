@@ -28,7 +28,7 @@ section! {
     PRESSURE: Quantity { name: "pressure", unit: Unit::KPA, min: 10.0, max: 1000.0, presence: Default(200.0) } = "Gauge pressure of the source; with a pump: to which the reservoir is charged when the run starts. The controller stops the pump by itself, 10 % of `supply_max - supply_min` below `supply_max`; a relief valve opens at 1.1 times this pressure.";
     FLOW: Quantity { name: "flow", unit: Unit::NL_PER_MIN, min: 0.1, max: 500.0, presence: Default(6.0) } = "Flow of the pump without back pressure, as volume at the reference atmosphere (1.185 kg/m3).";
     STALL_PRESSURE: Quantity { name: "stall_pressure", unit: Unit::KPA, min: 10.0, max: 1000.0, presence: Default(250.0) } = "Gauge pressure at which the pump delivers nothing; the flow falls linearly to it.";
-    RESERVOIR_VOLUME: Quantity { name: "reservoir_volume", unit: Unit::L, min: 0.05, max: 100.0, presence: Default(1.0) } = "Volume of the reservoir. All fill valves open together, or the pump at full flow, must not change its pressure by half in a millisecond; `check` names the smallest that does.";
+    RESERVOIR_VOLUME: Quantity { name: "reservoir_volume", unit: Unit::L, min: 0.05, max: 100.0, presence: Default(1.0) } = "Volume of the reservoir. All fill valves open together, or the pump at full flow, must not change its pressure by half in a millisecond; `check` names the smallest that is allowed.";
 }
 
 section! {
