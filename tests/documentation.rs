@@ -6,7 +6,6 @@ mod citations;
 use std::fs;
 use std::path::Path;
 
-use serde_json::Value;
 use softlimb::eval::{Scalar, batch};
 
 fn root() -> &'static Path {
@@ -51,27 +50,16 @@ fn the_example_of_the_batch_interface_is_what_it_answers() {
     let document = read("docs/eval-batch.md");
     let mut output = Vec::new();
     batch(block(&document, "jsonl in").as_bytes(), &mut output, Scalar::F64).expect("in memory");
-    let found: Vec<Value> = lines(&String::from_utf8(output).expect("UTF-8"));
-    let shown = lines(block(&document, "jsonl out"));
-    assert_eq!(found.len(), shown.len());
-    for (found, shown) in found.iter().zip(&shown) {
-        let (found, shown) = (found.as_object().expect("an object"), shown.as_object().expect("an object"));
-        assert_eq!(found.keys().collect::<Vec<_>>(), shown.keys().collect::<Vec<_>>());
-        // How hard the solver worked is its own business.
-        for (key, value) in shown.iter().filter(|(key, _)| !matches!(key.as_str(), "residual" | "iterations")) {
-            assert!(agree(value, &found[key]), "{key}: {value} is shown, {} is answered", found[key]);
-        }
-    }
+    let found = String::from_utf8(output).expect("UTF-8");
+    let shown = block(&document, "jsonl out");
+    let compared = |text: &str| text.lines().map(without_effort).collect::<Vec<_>>();
+    assert_eq!(compared(shown), compared(&found));
 }
 
-fn lines(text: &str) -> Vec<Value> {
-    text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
-}
-
-/// Equal; numbers to ten digits.
-fn agree(a: &Value, b: &Value) -> bool {
-    match (a.as_f64(), b.as_f64()) {
-        (Some(a), Some(b)) => (a - b).abs() <= 1e-10 * a.abs(),
-        _ => a == b,
-    }
+/// A line without the values of `residual` and `iterations`: how hard the solver worked is its own business.
+fn without_effort(line: &str) -> String {
+    let key_of = |field: &str| field.split_once(':').map_or("", |(key, _)| key).to_owned();
+    let effort = |field: &str| matches!(key_of(field).as_str(), "\"residual\"" | "\"iterations\"");
+    let fields = line.trim_end_matches('}').split(',');
+    fields.map(|field| if effort(field) { key_of(field) } else { field.to_owned() }).collect::<Vec<_>>().join(",")
 }

@@ -6,6 +6,8 @@ mod desk;
 mod eval;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/output.rs"]
+mod output;
 #[path = "cli/run.rs"]
 mod run;
 #[path = "cli/scenes.rs"]

@@ -71,6 +71,58 @@ fn beyond_the_limit_the_answer_is_the_limit_pressure() {
     assert!(answer["outer_radius_m"].is_null());
 }
 
+/// Every value in the order of the fields: what a derived reader would take for the object.
+#[test]
+fn an_array_is_no_object_whatever_it_holds() {
+    let question = r#"["b","bending","forward",6e-3,8e-3,0.1,{"law":"neo-hookean","shear_modulus_pa":2e5},null,3e4,null,null,null]"#;
+    let fiber = json!([3, 2, 361e6, "sheet", 0.178e-3, null]);
+    let cases = [
+        question.to_owned(),
+        with(bender(), "material", json!(["neo-hookean", 0.2e6])).to_string(),
+        with(extender(), "fiber", fiber).to_string(),
+        with(extender(), "target", json!([1.1])).to_string(),
+    ];
+    for line in cases {
+        let answer = &ask(&line, Scalar::F64)[0];
+        assert_eq!(answer["status"], "invalid", "{line}");
+        assert!(answer["message"].as_str().unwrap().contains("invalid type: array, expected an object"), "{answer}");
+    }
+}
+
+#[test]
+fn messages_are_in_the_words_of_json() {
+    let with_target = |target: &str| extender().to_string().replace("{\"axial_stretch\":1.1}", target);
+    let families = |value: Value| {
+        let mut question = extender();
+        question["fiber"]["families"] = value;
+        question.to_string()
+    };
+    let yeoh = |material: Value| with(extender(), "material", material).to_string();
+    let one_field = "line 1: `target` must have exactly one field";
+    let cases = [
+        (with_target(r#"{"axial_stretch":1.1,"twist_rad":1}"#), one_field),
+        (with_target("{}"), one_field),
+        (with_target(r#"{"axial_stretch":null}"#), "invalid type: null, expected a number"),
+        (with_target(r#"{"stretch":1.1}"#), "unknown field `stretch`"),
+        (with_target("1.1"), "invalid type: number `1.1`, expected an object"),
+        (families(json!(1.5)), "invalid type: number `1.5`, expected 1 or 2"),
+        (families(json!(300)), "invalid value: integer `300`, expected 1 or 2"),
+        (with(bender(), "motion", json!(0)).to_string(), "invalid type: integer `0`, expected a string"),
+        (with(bender(), "motion", json!({"bending": null})).to_string(), "invalid type: object, expected a string"),
+        (yeoh(json!({"law": "yeoh", "shear_modulus_pa": 1e5})), "`material.c_pa` is missing"),
+        (yeoh(json!({"law": "neo-hookean"})), "`material.shear_modulus_pa` is missing"),
+        (yeoh(json!({"law": "neo-hookean", "shear_modulus_pa": 1e5, "c_pa": [1e5, 0, 0]})), "takes no `c_pa`"),
+        (yeoh(json!({"law": "yeoh", "shear_modulus_pa": 1e5, "c_pa": [1e5, 0, 0]})), "takes no `shear_modulus_pa`"),
+        ("trux".to_owned(), "line 1: not JSON: expected value (column 4)"),
+        ("{\"id\":1".to_owned(), "line 1: not JSON: the line ends within an object (column 7)"),
+    ];
+    for (line, expected) in cases {
+        let answer = &ask(&line, Scalar::F64)[0];
+        assert_eq!(answer["status"], "invalid", "{line}");
+        assert!(answer["message"].as_str().unwrap().contains(expected), "{line}: {answer}");
+    }
+}
+
 #[test]
 fn a_line_that_cannot_be_answered_says_why_and_the_others_are_answered() {
     let no_pressure = {
@@ -83,7 +135,7 @@ fn a_line_that_cannot_be_answered_says_why_and_the_others_are_answered() {
         (with(bender(), "inner_radius_m", json!(9e-3)).to_string(), "outer_radius_m = 0.008 is not allowed"),
         (with(bender(), "length_m", json!(-0.1)).to_string(), "length_m = -0.1 is not allowed: finite and > 0"),
         (with(bender(), "presure_pa", json!(1)).to_string(), "unknown field `presure_pa`"),
-        (with(bender(), "motion", json!("wriggling")).to_string(), "unknown variant `wriggling`"),
+        (with(bender(), "motion", json!("wriggling")).to_string(), "unknown value `wriggling`"),
         (with(bender(), "target", json!({"bend_angle_rad": 1.0})).to_string(), "takes no `target`"),
         (no_pressure.to_string(), "needs `pressure_pa`"),
         (with(extender(), "target", json!({"bend_angle_rad": 1.0})).to_string(), "bend_angle_rad"),
@@ -92,8 +144,8 @@ fn a_line_that_cannot_be_answered_says_why_and_the_others_are_answered() {
             with(extender(), "fiber", json!({"angle_deg": 3, "families": 2, "modulus_pa": 1.0})).to_string(),
             "thickness_m",
         ),
-        (with(bender(), "pressure_pa", json!("30 kPa")).to_string(), "invalid type: string"),
-        ("[1, 2]".to_owned(), "line 1"),
+        (with(bender(), "pressure_pa", json!("30 kPa")).to_string(), "expected a number"),
+        ("[1, 2]".to_owned(), "line 1: invalid type: array, expected an object"),
         ("\u{7f}\u{0}".to_owned(), "line 1"),
         (bender().to_string().replace("30000.0", "1e999"), "out of range"),
     ];

@@ -28,9 +28,9 @@ impl Check {
         let plan = motion::plan(&scene, &limb)?;
         let highest = highest_pressures(&plan);
         if self.json {
-            println!("{}", report(&scene, &limb, &plan, &highest));
+            super::say(&report(&scene, &limb, &plan, &highest).to_string())?;
         } else {
-            print_report(&scene, &limb, &plan, &highest);
+            super::say(&table(&scene, &limb, &plan, &highest))?;
         }
         Ok(Outcome::Done)
     }
@@ -62,8 +62,8 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) -> serde_jso
     })
 }
 
-fn print_report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) {
-    println!(
+fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) -> String {
+    let heading = format!(
         "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
         scene.name(),
         limb.modules().len(),
@@ -73,12 +73,9 @@ fn print_report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) {
         plan.phases.len(),
         plan.duration_us() as f64 * 1e-6,
     );
-    for (module, pressure) in limb.modules().iter().zip(highest) {
-        println!(
-            "  {:<16} up to {:6.2} kPa of {:6.2} kPa",
-            module.name,
-            pressure * 1e-3,
-            module.pressure_max_pa * 1e-3
-        );
-    }
+    let modules = limb.modules().iter().zip(highest).map(|(module, pressure)| {
+        let (highest_kpa, allowed_kpa) = (pressure * 1e-3, module.pressure_max_pa * 1e-3);
+        format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa", module.name)
+    });
+    std::iter::once(heading).chain(modules).collect::<Vec<_>>().join("\n")
 }

@@ -1,5 +1,6 @@
 //! `softlimb eval`: ask the actuator model.
 
+use std::fmt::Write;
 use std::fs::File;
 use std::io::{self, BufReader, stdin, stdout};
 use std::path::{Path, PathBuf};
@@ -28,10 +29,10 @@ pub(super) struct Eval {
     #[arg(long, value_enum, default_value_t = ScalarName::F64, conflicts_with = "scene")]
     scalar: ScalarName,
     /// Steps of a pressure curve
-    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, default_value_t = 10, conflicts_with = "batch", value_parser = clap::value_parser!(u16).range(1..=1000))]
     steps: u16,
     /// Print curves as JSON
-    #[arg(long)]
+    #[arg(long, conflicts_with = "batch")]
     json: bool,
 }
 
@@ -76,21 +77,26 @@ impl Eval {
         let limb = Limb::new(&scene)?;
         let curves = eval::curves(&limb, usize::from(self.steps));
         if self.json {
-            println!("{}", json!({"scene": scene.name(), "curves": curves}));
+            super::say(&json!({"scene": scene.name(), "curves": curves}).to_string())?;
         } else {
-            curves.iter().for_each(print_curve);
+            super::say(&curves.iter().map(table).collect::<Vec<_>>().join("\n"))?;
         }
         let complete = curves.iter().all(|curve| curve.limit_pressure_pa.is_none());
         Ok(if complete { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
 }
 
-fn print_curve(curve: &Curve) {
-    println!("{}: {} ({})", curve.module, curve.motion, curve.equations);
-    println!("{:>12} {:>10} {:>12} {:>12} {:>12} {:>10}", "pressure", "stretch", "outer r", "twist", "bend", "volume");
-    println!("{:>12} {:>10} {:>12} {:>12} {:>12} {:>10}", "kPa", "", "mm", "deg", "deg", "mL");
+/// A curve as a table, every line of it ended. Writing to a string cannot fail.
+fn table(curve: &Curve) -> String {
+    let mut text = format!("{}: {} ({})\n", curve.module, curve.motion, curve.equations);
+    for [p, stretch, radius, twist, bend, volume] in
+        [["pressure", "stretch", "outer r", "twist", "bend", "volume"], ["kPa", "", "mm", "deg", "deg", "mL"]]
+    {
+        let _ = writeln!(text, "{p:>12} {stretch:>10} {radius:>12} {twist:>12} {bend:>12} {volume:>10}");
+    }
     for point in &curve.points {
-        println!(
+        let _ = writeln!(
+            text,
             "{:12.3} {:10.5} {:12.4} {:12.3} {:12.3} {:10.2}",
             point.pressure_pa * 1e-3,
             point.axial_stretch,
@@ -101,7 +107,7 @@ fn print_curve(curve: &Curve) {
         );
     }
     if let Some(limit) = curve.limit_pressure_pa {
-        println!("   warning: the branch ends at its limit point, {:.3} kPa", limit * 1e-3);
+        let _ = writeln!(text, "   warning: the branch ends at its limit point, {:.3} kPa", limit * 1e-3);
     }
-    println!();
+    text
 }

@@ -22,7 +22,7 @@ impl Failure {
     }
 
     pub(super) fn print(&self) {
-        eprintln!("{}", self.text.trim_end());
+        super::note(self.text.trim_end());
     }
 }
 

@@ -1,6 +1,6 @@
 //! `softlimb report`: the report of a recorded run.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -27,18 +27,30 @@ impl Report {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let log = record::read(&self.log).map_err(Failure::new)?;
         let out = self.out.clone().unwrap_or_else(|| self.log.with_extension("html"));
+        if same_file(&out, &self.log) {
+            let log = self.log.display();
+            return Err(Failure::new(format!("the report would replace the log {log}: give another file with --out")));
+        }
         run::write_report(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
         if self.json {
-            println!("{}", serde_json::json!(summary));
+            super::say(&serde_json::json!(summary).to_string())?;
         } else {
-            println!("{}", summary.table());
+            super::say(&summary.table())?;
         }
-        eprintln!("wrote {}", out.display());
+        super::note(&format!("wrote {}", out.display()));
+        for fault in &summary.faults {
+            super::note(&format!("warning: {:.3} s into the run: {}", fault.time_s, fault.text));
+        }
         if let Some(missing) = &log.incomplete {
-            eprintln!("warning: {missing}");
-            return Ok(Outcome::DoneWithWarnings);
+            super::note(&format!("warning: {missing}"));
         }
-        Ok(Outcome::Done)
+        let sound = summary.faults.is_empty() && log.incomplete.is_none();
+        Ok(if sound { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
+}
+
+/// Whether both paths lead to one file that exists.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -8,7 +8,9 @@ use fra_model::{Actuator, InvalidParameter, Load, Real, Solution, State, Status}
 use serde::Serialize;
 use serde_json::Value;
 
+use super::complaint;
 use super::convert;
+use super::object::Object;
 use super::request::{Case, Question, Request};
 
 /// The precision a batch is computed in.
@@ -59,7 +61,8 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
 }
 
 fn answer(line: &[u8], scalar: Scalar) -> Result<Answer, (Value, String)> {
-    let request: Request = serde_json::from_slice(line).map_err(|error| (id_of(line), plain(&error)))?;
+    let Object(request) =
+        serde_json::from_slice::<Object<Request>>(line).map_err(|error| (id_of(line), complaint::plain(&error)))?;
     let case = request.case().map_err(|message| (request.id.clone(), message))?;
     let solved = match scalar {
         Scalar::F64 => solve::<f64>(&case),
@@ -75,15 +78,6 @@ fn answer(line: &[u8], scalar: Scalar) -> Result<Answer, (Value, String)> {
 fn id_of(line: &[u8]) -> Value {
     let parsed = serde_json::from_slice::<Value>(line).ok();
     parsed.and_then(|value| value.get("id").cloned()).unwrap_or(Value::Null)
-}
-
-/// The parser's message without its position, which is in a line of its own here.
-fn plain(error: &serde_json::Error) -> String {
-    let text = error.to_string();
-    match text.rsplit_once(" at line ") {
-        Some((message, _)) => format!("{message} (column {})", error.column()),
-        None => text,
-    }
 }
 
 fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {

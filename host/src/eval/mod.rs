@@ -1,8 +1,10 @@
 //! Single questions to the actuator model: pressure curves of a scene's actuators, and batches from other programs.
 
 mod batch;
+mod complaint;
 mod convert;
 mod curve;
+mod object;
 mod request;
 
 pub use batch::{Scalar, batch};

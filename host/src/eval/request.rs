@@ -1,8 +1,10 @@
 //! One question to the actuator model, as a line of JSON.
 
 use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Target};
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use serde_json::Value;
+
+use super::object::Object;
 
 /// A line of a batch, as it is written.
 #[derive(Deserialize)]
@@ -16,16 +18,16 @@ pub(super) struct Request {
     inner_radius_m: f64,
     outer_radius_m: f64,
     length_m: f64,
-    material: MaterialSpec,
-    fiber: Option<FiberSpec>,
+    material: Object<MaterialSpec>,
+    fiber: Option<Object<FiberSpec>>,
     pressure_pa: Option<f64>,
-    target: Option<TargetSpec>,
+    target: Option<Object<TargetSpec>>,
     external_force_n: Option<f64>,
     external_torque_nm: Option<f64>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(variant_identifier, rename_all = "kebab-case")]
 enum MotionName {
     Extension,
     Expansion,
@@ -34,21 +36,29 @@ enum MotionName {
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(variant_identifier, rename_all = "kebab-case")]
 enum Problem {
     Forward,
     Inverse,
 }
 
+#[derive(Clone, Copy, Deserialize)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+enum Law {
+    NeoHookean,
+    Yeoh,
+}
+
 #[derive(Deserialize)]
-#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
-enum MaterialSpec {
-    NeoHookean { shear_modulus_pa: f64 },
-    Yeoh { c_pa: [f64; 3] },
+#[serde(deny_unknown_fields)]
+struct MaterialSpec {
+    law: Law,
+    shear_modulus_pa: Option<f64>,
+    c_pa: Option<[f64; 3]>,
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(variant_identifier, rename_all = "kebab-case")]
 enum PlacementName {
     #[default]
     Sheet,
@@ -68,14 +78,24 @@ struct FiberSpec {
     radius_m: Option<f64>,
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum TargetSpec {
-    AxialStretch(f64),
-    OuterRadiusM(f64),
-    InnerRadiusM(f64),
-    TwistRad(f64),
-    BendAngleRad(f64),
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TargetSpec {
+    #[serde(default, deserialize_with = "present")]
+    axial_stretch: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    outer_radius_m: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    inner_radius_m: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    twist_rad: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    bend_angle_rad: Option<f64>,
+}
+
+/// A number; `null` is none.
+fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    f64::deserialize(deserializer).map(Some)
 }
 
 /// What is asked of an actuator.
@@ -100,11 +120,8 @@ impl Request {
             MotionName::Bending => Motion::Bending,
             MotionName::Twisting => Motion::Twisting,
         };
-        let material = match self.material {
-            MaterialSpec::NeoHookean { shear_modulus_pa } => Material::NeoHookean { shear_modulus_pa },
-            MaterialSpec::Yeoh { c_pa } => Material::Yeoh { c_pa },
-        };
-        let fiber = self.fiber.as_ref().map(|fiber| fiber.fiber(motion, self.outer_radius_m)).transpose()?;
+        let material = self.material.0.material()?;
+        let fiber = self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?;
         Ok(Case {
             parameters: ActuatorParameters {
                 motion,
@@ -123,13 +140,26 @@ impl Request {
     }
 
     fn question(&self) -> Result<Question, String> {
-        match (self.problem, self.pressure_pa, self.target) {
+        match (self.problem, self.pressure_pa, &self.target) {
             (Problem::Forward, Some(pressure_pa), None) => Ok(Question::Forward { pressure_pa }),
-            (Problem::Inverse, None, Some(target)) => Ok(Question::Inverse { target: target.target() }),
+            (Problem::Inverse, None, Some(target)) => Ok(Question::Inverse { target: target.0.target()? }),
             (Problem::Forward, None, _) => Err("a forward problem needs `pressure_pa`".into()),
             (Problem::Inverse, _, None) => Err("an inverse problem needs `target`".into()),
             (Problem::Forward, Some(_), Some(_)) => Err("a forward problem takes no `target`".into()),
             (Problem::Inverse, Some(_), Some(_)) => Err("an inverse problem takes no `pressure_pa`".into()),
+        }
+    }
+}
+
+impl MaterialSpec {
+    fn material(&self) -> Result<Material<f64>, String> {
+        match (self.law, self.shear_modulus_pa, self.c_pa) {
+            (Law::NeoHookean, Some(shear_modulus_pa), None) => Ok(Material::NeoHookean { shear_modulus_pa }),
+            (Law::Yeoh, None, Some(c_pa)) => Ok(Material::Yeoh { c_pa }),
+            (Law::NeoHookean, None, _) => Err("`material.shear_modulus_pa` is missing".into()),
+            (Law::Yeoh, _, None) => Err("`material.c_pa` is missing: three numbers".into()),
+            (Law::NeoHookean, Some(_), Some(_)) => Err("a neo-hookean material takes no `c_pa`".into()),
+            (Law::Yeoh, Some(_), Some(_)) => Err("a yeoh material takes no `shear_modulus_pa`".into()),
         }
     }
 }
@@ -167,13 +197,18 @@ impl FiberSpec {
 }
 
 impl TargetSpec {
-    fn target(self) -> Target<f64> {
-        match self {
-            Self::AxialStretch(v) => Target::AxialStretch(v),
-            Self::OuterRadiusM(v) => Target::OuterRadius(v),
-            Self::InnerRadiusM(v) => Target::InnerRadius(v),
-            Self::TwistRad(v) => Target::Twist(v),
-            Self::BendAngleRad(v) => Target::BendAngle(v),
+    fn target(&self) -> Result<Target<f64>, String> {
+        let fields = [
+            self.axial_stretch.map(Target::AxialStretch),
+            self.outer_radius_m.map(Target::OuterRadius),
+            self.inner_radius_m.map(Target::InnerRadius),
+            self.twist_rad.map(Target::Twist),
+            self.bend_angle_rad.map(Target::BendAngle),
+        ];
+        let mut given = fields.into_iter().flatten();
+        match (given.next(), given.next()) {
+            (Some(target), None) => Ok(target),
+            _ => Err("`target` must have exactly one field".into()),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::desk::{Answer, Desk};
 
 /// A supply that starts below what the controller demands, with a pump too weak to help.
 const NO_AIR: &str = "name = \"small\"\nplant.supply.pressure = \"101 kPa\"\nplant.supply.stall_pressure = \"110 kPa\"\n\
-                      plant.supply.flow = \"0.1 NL/min\"\nplant.supply.reservoir_volume = \"0.01 L\"\n\
+                      plant.supply.flow = \"0.1 NL/min\"\nplant.supply.reservoir_volume = \"0.05 L\"\n\
                       limits.supply_min = \"100 kPa\"";
 
 fn desk() -> Desk {
@@ -131,10 +131,37 @@ fn a_report_that_cannot_take_its_name_leaves_the_log_and_no_half_report() {
 #[test]
 fn a_run_that_the_device_stops_fails_and_keeps_what_happened() {
     let desk = Desk::with_scene("name = \"small\"", NO_AIR);
-    desk.softlimb("run scene.toml --out results").failed(1, &["supply", "kPa", "results/run.mcap", "results/run.html"]);
+    let run = desk.softlimb("run scene.toml --out results");
+    assert_eq!((run.code, run.err.matches("error: ").count()), (Some(1), 1), "{run:?}");
+    for word in ["supply", "kPa", "results/run.mcap", "results/run.html"] {
+        assert!(run.err.contains(word), "`{word}` is missing: {}", run.err);
+    }
     assert_eq!(desk.content(), ["results", "results/run.html", "results/run.mcap", "scene.toml"]);
-    let json = one_object(&desk.softlimb("report results/run.mcap --json"));
+    let report = desk.softlimb("report results/run.mcap --json");
+    assert_eq!(report.code, Some(3), "{report:?}");
+    assert!(report.err.contains("warning: ") && report.err.contains("s into the run: "), "{report:?}");
+    let json = one_object(&report);
     assert!(!json["faults"].as_array().unwrap().is_empty(), "{json}");
+}
+
+#[test]
+fn a_report_never_replaces_its_log() {
+    let desk = desk();
+    desk.softlimb("run scene.toml --out results").done();
+    let log = std::fs::read(desk.path("results/run.mcap")).unwrap();
+    desk.put("log.html", &log);
+    let before = desk.content();
+    for line in [
+        "report results/run.mcap --out results/run.mcap",
+        "report results/run.mcap --out results/../results/run.mcap",
+        "report log.html",
+    ] {
+        desk.softlimb(line).failed(1, &["would replace the log", "--out"]);
+        assert_eq!(desk.content(), before, "{line}");
+    }
+    for name in ["results/run.mcap", "log.html"] {
+        assert!(std::fs::read(desk.path(name)).unwrap() == log, "{name} was changed");
+    }
 }
 
 #[test]

@@ -64,6 +64,8 @@ fn options_that_do_not_fit_are_wrong_command_lines() {
         ("eval scene.toml --steps 0", "0"),
         ("eval --batch questions.jsonl --scalar f16", "f16"),
         ("eval scene.toml --scalar f32", "--scalar"),
+        ("eval --batch questions.jsonl --steps 5", "--steps"),
+        ("eval --batch questions.jsonl --json", "--json"),
     ] {
         let desk = Desk::with_scene("small", "small");
         desk.softlimb(line).failed(2, &[word]);
