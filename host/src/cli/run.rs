@@ -8,7 +8,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome};
-use crate::report::{self, Summary};
+use crate::report::{self, Miss, Summary};
 use crate::run::{self, Progress, RunError, RunOptions};
 use crate::scene;
 
@@ -41,24 +41,39 @@ impl Run {
         let cancel = AtomicBool::new(false);
         let outcome = run::run(&scene, &options, &cancel, |progress| bar.show(progress));
         bar.finish();
-        let files = outcome?;
+        let (files, stopped) = match outcome {
+            Ok(files) => (files, None),
+            Err(RunError::Stopped { cause, files }) => (*files, Some(cause)),
+            Err(error) => return Err(error.into()),
+        };
         let summary = report::summary(&files.run);
         if self.json {
-            println!("{}", serde_json::json!(summary));
+            super::say(&serde_json::json!(summary).to_string())?;
         } else {
-            println!("{}", summary.table());
+            super::say(&summary.table())?;
         }
         eprintln!("log:    {}\nreport: {}", files.log.display(), files.report.display());
-        Ok(judge(&summary))
+        let outcome = judge(&summary);
+        stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
     }
 }
 
-/// A run that the device complained about is done with warnings.
-fn judge(summary: &Summary) -> Outcome {
+/// A run that the device complained about, or that did not arrive, is done with warnings.
+pub(super) fn judge(summary: &Summary) -> Outcome {
+    let mut warnings = Vec::new();
     for fault in &summary.faults {
-        eprintln!("warning: {:.3} s into the run: {}", fault.time_s, fault.text);
+        warnings.push(format!("{:.3} s into the run: {}", fault.time_s, fault.text));
     }
-    if summary.faults.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
+    for miss in &summary.misses {
+        let Miss { module, phase, share_of_travel } = miss;
+        let percent = 100.0 * share_of_travel;
+        warnings.push(format!("the pressures had not brought `{module}` to its setpoint at the end of `{phase}`: {percent:.0} % of its travel off"));
+    }
+    for channel in &summary.limited_channels {
+        warnings.push(format!("the device limited the reference of channel {channel}"));
+    }
+    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
 }
 
 impl From<RunError> for Failure {

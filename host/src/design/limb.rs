@@ -24,6 +24,8 @@ pub struct LimbModule {
     pub channels: Range<usize>,
     /// Highest gauge pressure the scene allows, Pa.
     pub pressure_max_pa: f64,
+    /// Highest gauge pressure the device follows a setpoint to, Pa: it keeps a margin below its limit for the loop.
+    pub reference_max_pa: f64,
     /// The solver of one actuator.
     pub actuator: Actuator<f64>,
     /// Its states over the pressure range.
@@ -160,13 +162,19 @@ fn build_module(
         kind: module.setpoint_kind,
         channels,
         pressure_max_pa: *module.pressure_max_pa,
-        curve: StateCurve::new(&actuator, *module.pressure_max_pa),
+        reference_max_pa: reference_max_pa(*module.pressure_max_pa),
+        curve: StateCurve::new(&actuator, reference_max_pa(*module.pressure_max_pa)),
         actuator,
         length_m: *module.length_m,
         circle_radius_m: module.circle_radius_m,
         mount_angle_rad: module.mount_angle_rad,
         rigid_length_m,
     })
+}
+
+/// Where a device stops its reference: 3 kPa, at most a tenth, below the limit (`protocol/SPEC.md`, ConfigChannel).
+fn reference_max_pa(pressure_max_pa: f64) -> f64 {
+    pressure_max_pa - f64::min(3e3, 0.1 * pressure_max_pa)
 }
 
 /// The frame whose `z` is the direction of the limb and whose `x`, towards which modules bend, is as near to `up` as can be.

@@ -3,6 +3,7 @@
 use softlimb_protocol::{DeviceState, Fault, Telemetry};
 
 use super::device::DeviceInfo;
+use super::statistics::LinkStatistics;
 
 /// Something happened. Host times are the transport's, device times the device's, both in us.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,4 +40,6 @@ pub enum Event {
     },
     /// The last knot has passed.
     Finished,
+    /// The session ends, well or not: what the link did.
+    Closed(LinkStatistics),
 }

@@ -29,6 +29,8 @@ pub struct StreamOptions<'a> {
     pub vent_max_us: u64,
     /// How long to try to vent after an error.
     pub abort_max_us: u64,
+    /// How long the device is listened to after an error, unless it is ready before: what it does about it belongs to the run.
+    pub aftermath_us: u64,
     /// Clear a fault that is latched from before, instead of refusing to run.
     pub clear_faults: bool,
     /// The run ends, vented, soon after this becomes true.
@@ -51,6 +53,7 @@ impl StreamOptions<'_> {
             buffer_us: 500_000,
             vent_max_us: 60_000_000,
             abort_max_us: 500_000,
+            aftermath_us: 5_000_000,
             clear_faults: false,
             cancel: None,
         }

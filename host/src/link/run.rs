@@ -197,7 +197,12 @@ impl<T: Transport> Run<'_, T> {
                 Ok(()) => return Ok(()),
                 Err(error) => error,
             },
-            (cause, _) => cause,
+            (cause, VentOutcome::Unconfirmed) => cause,
+            (cause, VentOutcome::Venting | VentOutcome::ByDevice) => {
+                // Whether it gets to rest in this time changes nothing about the cause.
+                let _ = self.driver.until(self.options.aftermath_us, |driver| is_ready(driver));
+                cause
+            }
         };
         Err(LinkError::Run { at_us, vent, cause: Box::new(cause) })
     }

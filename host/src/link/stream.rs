@@ -70,10 +70,12 @@ pub fn stream<T: Transport>(
     let mut run = Run { driver, options, device, upload, config_hash, supply_min_pa, length_us, start_us: None };
     run.make_safe()?;
     let ending = match run.whole() {
-        Ok(()) => Ending::Completed,
-        Err(cause) => run.give_up(cause).map(|()| Ending::Canceled)?,
+        Ok(()) => Ok(Ending::Completed),
+        Err(cause) => run.give_up(cause).map(|()| Ending::Canceled),
     };
-    summary(run, ending)
+    let statistics = run.driver.session.statistics();
+    run.driver.tell(Event::Closed(statistics));
+    summary(run, ending?)
 }
 
 /// Opens the session and compares what is wanted with what the device can do.

@@ -161,7 +161,7 @@ fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> Result<State
     if pressure_pa < -1.0 {
         return Err(Refusal::Vacuum(pressure_pa));
     }
-    if pressure_pa > module.pressure_max_pa * (1.0 + 1e-9) {
+    if pressure_pa > module.reference_max_pa * (1.0 + 1e-9) {
         return Err(Refusal::OverPressure(pressure_pa));
     }
     Ok(solution.state)
@@ -179,7 +179,8 @@ enum Refusal {
 impl Refusal {
     fn label(&self, module: &LimbModule) -> String {
         let kpa = |pa: f64| format!("{:.2} kPa", pa * 1e-3);
-        let allowed = kpa(module.pressure_max_pa);
+        let allowed = kpa(module.reference_max_pa);
+        let limit = kpa(module.pressure_max_pa);
         match self {
             Self::Invalid(message) => message.clone(),
             Self::BeyondLimit(Some(limit)) => format!("beyond the limit point of `{}` at {}", module.name, kpa(*limit)),
@@ -189,7 +190,11 @@ impl Refusal {
                 format!("`{}` would need {}: a vacuum, which the valves cannot make", module.name, kpa(*pressure))
             }
             Self::OverPressure(pressure) => {
-                format!("`{}` would need {}; `pressure_max` is {allowed}", module.name, kpa(*pressure))
+                format!(
+                    "`{}` would need {}; the device follows up to {allowed}, a margin below `pressure_max` of {limit}",
+                    module.name,
+                    kpa(*pressure)
+                )
             }
         }
     }

@@ -13,4 +13,4 @@ mod table;
 
 pub use page::html;
 pub use stats::ErrorStats;
-pub use summary::{ModuleSummary, PressureSummary, Summary, TipSummary, summary};
+pub use summary::{Miss, ModuleSummary, PressureSummary, Summary, TipSummary, summary};

@@ -33,6 +33,10 @@ pub struct Summary {
     pub real_time_factor: Option<f64>,
     /// Faults that the device reported.
     pub faults: Vec<FaultRecord>,
+    /// Modules that were not at their setpoint when a phase ended.
+    pub misses: Vec<Miss>,
+    /// Channels whose reference the device had to limit.
+    pub limited_channels: Vec<usize>,
     /// Link counters.
     pub link: LinkSummary,
     /// Why the log ends before the run did.
@@ -87,6 +91,23 @@ pub struct PressureSummary {
     pub true_error_pa: Option<ErrorStats>,
 }
 
+/// A module whose pressures had not brought it to its setpoint when a phase ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Miss {
+    /// Name of the module.
+    pub module: String,
+    /// Name of the phase.
+    pub phase: String,
+    /// Distance from the setpoint, by the model at the chamber's pressure, as a share of the module's travel in the run.
+    pub share_of_travel: f64,
+}
+
+/// Misses below this share of the travel are tracking errors and not worth a warning.
+const MISS_SHARE: f64 = 0.05;
+
+/// Bit of [`ChannelSample::status`](crate::record::ChannelSample) that says the reference was limited.
+const REFERENCE_LIMITED: u8 = 1 << 1;
+
 /// Computes the figures of merit of a run.
 pub fn summary(log: &RunLog) -> Summary {
     let counted = scheduled(log);
@@ -107,6 +128,8 @@ pub fn summary(log: &RunLog) -> Summary {
         wall_s: log.wall_s,
         real_time_factor: log.wall_s.filter(|wall_s| *wall_s > 0.0).map(|wall_s| duration_s / wall_s),
         faults: log.faults.clone(),
+        misses: misses(&log.info, &counted),
+        limited_channels: limited_channels(&counted),
         link: log.link,
         incomplete: log.incomplete.clone(),
     }
@@ -127,6 +150,37 @@ pub(super) fn is_scheduled(info: &RunInfo, time_s: f64) -> bool {
 /// Start of the first phase and end of the last, s.
 fn schedule(info: &RunInfo) -> Option<(f64, f64)> {
     Some((info.phases.first()?.start_s, info.phases.last()?.end_s()))
+}
+
+fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
+    let ends = info.phases.iter().filter_map(|phase| {
+        let last = samples.iter().rfind(|sample| sample.time_s <= phase.end_s() + 1e-6)?;
+        // A run that was stopped before has not missed this phase.
+        (samples.last()?.time_s + 0.1 >= phase.end_s()).then_some((phase, last))
+    });
+    let ends: Vec<_> = ends.collect();
+    let of_module = |(index, module): (usize, &ModuleInfo)| {
+        let setpoints = samples.iter().filter_map(|sample| Some(sample.modules.get(index)?.setpoint));
+        let (low, high) = setpoints.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let travel = high - low;
+        let missed = ends.iter().filter_map(|(phase, sample)| {
+            let value = sample.modules.get(index)?;
+            let share_of_travel = (value.modelled - value.setpoint).abs() / travel;
+            let miss = Miss { module: module.name.clone(), phase: phase.name.clone(), share_of_travel };
+            (share_of_travel > MISS_SHARE).then_some(miss)
+        });
+        missed.collect::<Vec<_>>()
+    };
+    info.modules.iter().enumerate().flat_map(of_module).collect()
+}
+
+fn limited_channels(samples: &[&Sample]) -> Vec<usize> {
+    let count = samples.first().map_or(0, |sample| sample.channels.len());
+    let limited = |channel: &usize| {
+        let statuses = samples.iter().filter_map(|sample| sample.channels.get(*channel));
+        statuses.into_iter().any(|channel| channel.status & REFERENCE_LIMITED != 0)
+    };
+    (0..count).filter(limited).collect()
 }
 
 fn module(index: usize, info: &ModuleInfo, samples: &[&Sample]) -> ModuleSummary {

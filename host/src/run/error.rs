@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use softlimb_sim::SimError;
 
+use super::RunFiles;
 use crate::link::LinkError;
 use crate::record::RecordError;
 use crate::scene::SceneError;
@@ -23,14 +24,12 @@ pub enum RunError {
     #[error("{0}")]
     Link(Box<LinkError>),
     /// The run began and did not end well; what happened until then is recorded.
-    #[error("{cause}\nthe run up to there is in {} and {}", log.display(), report.display())]
+    #[error("{cause}\nthe run up to there is in {} and {}", files.log.display(), files.report.display())]
     Stopped {
         /// What happened.
         cause: Box<LinkError>,
-        /// The log.
-        log: PathBuf,
-        /// The report.
-        report: PathBuf,
+        /// Log, report, and what is in them.
+        files: Box<RunFiles>,
     },
     /// The link ended well without anything to record.
     #[error("the device sent no measurements")]

@@ -12,7 +12,7 @@ use std::time::Instant;
 use softlimb_sim::SimulatedMcu;
 
 use crate::design::Limb;
-use crate::link::{self, Event, Knot, StreamOptions};
+use crate::link::{self, Event, Knot, LinkStatistics, StreamOptions};
 use crate::motion::{self, Plan};
 use crate::record::{self, LinkSummary, Recorder, RunInfo, RunLog};
 use crate::report;
@@ -76,21 +76,26 @@ pub fn run(
     let began = Instant::now();
     let mut recording =
         Recording::new(run_info(scene, &limb, &plan, options.seed), Assembler::new(&limb, &plan), &path);
-    let stream_options = StreamOptions { cancel: Some(cancel), ..StreamOptions::new(SESSION) };
+    let defaults = StreamOptions::new(SESSION);
+    let heartbeat_us = defaults.heartbeat_us.min(u64::from(configuration.system.link_timeout_us) / 4);
+    // The ramp down takes its time; twice that and the default is long enough.
+    let highest_pa = limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
+    let ramp_us = (highest_pa / f64::from(configuration.system.vent_ramp_pa_per_s) * 1e6) as u64;
+    let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
+    let stream_options = StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, ..defaults };
     let ended = link::stream(&mut device, &configuration, &knots, &stream_options, |device, event| {
         if let Some(progress) = recording.take(device, event) {
             on_progress(progress);
         }
     });
-    let statistics = ended.as_ref().map(|summary| summary.statistics).unwrap_or_default();
-    let link = assemble::link_summary(&statistics, device.traffic());
+    let link = assemble::link_summary(&recording.statistics, device.traffic());
     let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
     match (ended, logged) {
         (Ok(_), true) => finish_report(&path),
         (Ok(_), false) => Err(RunError::NotRecorded),
         (Err(cause), true) => {
             let files = finish_report(&path)?;
-            Err(RunError::Stopped { cause: Box::new(cause), log: files.log, report: files.report })
+            Err(RunError::Stopped { cause: Box::new(cause), files: Box::new(files) })
         }
         (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
     }
@@ -136,11 +141,12 @@ struct Recording<'a> {
     assembler: Assembler<'a>,
     recorder: Option<Recorder>,
     failure: Option<RunError>,
+    statistics: LinkStatistics,
 }
 
 impl<'a> Recording<'a> {
     fn new(info: RunInfo, assembler: Assembler<'a>, path: &'a Path) -> Self {
-        Self { info, path, assembler, recorder: None, failure: None }
+        Self { info, path, assembler, recorder: None, failure: None, statistics: LinkStatistics::default() }
     }
 
     /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
@@ -162,6 +168,7 @@ impl<'a> Recording<'a> {
                 self.info.config_hash = config_hash;
                 self.recorder = Some(Recorder::create(self.path, &self.info)?);
             }
+            Event::Closed(statistics) => self.statistics = statistics,
             Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
             Event::Telemetry { message, .. } => {
                 let truth = device.truth_at(message.time_us);
