@@ -39,14 +39,12 @@ impl Report {
             super::say(&summary.table())?;
         }
         super::note(&format!("wrote {}", out.display()));
-        for fault in &summary.faults {
-            super::note(&format!("warning: {:.3} s into the run: {}", fault.time_s, fault.text));
-        }
+        let outcome = super::run::judge(&summary);
         if let Some(missing) = &log.incomplete {
             super::note(&format!("warning: {missing}"));
+            return Ok(Outcome::DoneWithWarnings);
         }
-        let sound = summary.faults.is_empty() && log.incomplete.is_none();
-        Ok(if sound { Outcome::Done } else { Outcome::DoneWithWarnings })
+        Ok(outcome)
     }
 }
 
