@@ -253,11 +253,13 @@ impl<T: Real> Bender<T> {
         State {
             pressure_pa: self.pressure(bent, load),
             axial_stretch: centre_stretch,
+            axial_strain: bent.k,
             inner_radius_m: r * (lumen / centre_stretch).sqrt(),
             outer_radius_m: r * (section / centre_stretch).sqrt(),
             twist_rad: T::zero(),
             bend_angle_rad: bent.k * self.length_m / r,
             volume_m3: volume_scale * lumen,
+            volume_strain: bent.k * (self.winding / self.inner) * (self.winding / self.inner),
             compliance_m3_per_pa: volume_scale * self.winding * self.winding / pressure_slope,
         }
     }

@@ -57,6 +57,8 @@ pub struct State<T> {
     pub pressure_pa: T,
     /// Axial stretch; of the centre line for a bending actuator.
     pub axial_stretch: T,
+    /// `axial_stretch - 1`, with all its digits where it is small.
+    pub axial_strain: T,
     /// Deformed inner radius, m; for a bending actuator that of a circle of the lumen's mean area.
     pub inner_radius_m: T,
     /// Deformed outer radius, m; for a bending actuator that of a circle of the section's mean area.
@@ -67,6 +69,8 @@ pub struct State<T> {
     pub bend_angle_rad: T,
     /// Lumen volume, m3.
     pub volume_m3: T,
+    /// Change of the lumen volume relative to that without pressure and load, with all its digits where it is small.
+    pub volume_strain: T,
     /// `dV/dP` at constant external load, m3/Pa.
     pub compliance_m3_per_pa: T,
 }
@@ -78,11 +82,13 @@ impl<T: Real> State<T> {
         State {
             pressure_pa: field(|s| s.pressure_pa),
             axial_stretch: field(|s| s.axial_stretch),
+            axial_strain: field(|s| s.axial_strain),
             inner_radius_m: field(|s| s.inner_radius_m),
             outer_radius_m: field(|s| s.outer_radius_m),
             twist_rad: field(|s| s.twist_rad),
             bend_angle_rad: field(|s| s.bend_angle_rad),
             volume_m3: field(|s| s.volume_m3),
+            volume_strain: field(|s| s.volume_strain),
             compliance_m3_per_pa: field(|s| s.compliance_m3_per_pa),
         }
     }

@@ -287,19 +287,18 @@ impl<T: Real> Tube<T> {
         State {
             pressure_pa: pressure * self.shear_modulus_pa,
             axial_stretch: lambda,
+            axial_strain: e,
             inner_radius_m: self.inner_radius_m * ((one + w) / lambda).sqrt(),
             outer_radius_m: self.outer_radius_m * ((x_outer + w) / (lambda * x_outer)).sqrt(),
             twist_rad: g * self.length_m / self.inner_radius_m,
             bend_angle_rad: T::zero(),
             volume_m3: rest_volume * (one + w),
+            volume_strain: w,
             compliance_m3_per_pa: rest_volume / (self.shear_modulus_pa * slope),
         }
     }
 
     fn coordinates(&self, state: &State<T>) -> Vector3<T> {
-        let e = state.axial_stretch - T::one();
-        let radius = state.inner_radius_m / self.inner_radius_m;
-        let w = state.axial_stretch * radius * radius - T::one();
-        Vector3::new(e, w, state.twist_rad * self.inner_radius_m / self.length_m)
+        Vector3::new(state.axial_strain, state.volume_strain, state.twist_rad * self.inner_radius_m / self.length_m)
     }
 }
