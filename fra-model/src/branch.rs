@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 
 use crate::energy::{Derivatives, Wall};
 use crate::real::{Real, epsilon, real};
+use crate::refine::Wanted;
 
 /// Most Newton iterations to settle at one volume.
 const SETTLE_ITERATIONS: u32 = 40;
@@ -54,6 +55,9 @@ pub(crate) trait Goal<T: Real> {
 
     /// How far from zero rounding alone may keep that scalar.
     fn noise(&self, point: &Point<T>) -> T;
+
+    /// The same, for the last steps of a solve.
+    fn wanted(&self) -> Wanted<T>;
 }
 
 /// Outcome of a search.

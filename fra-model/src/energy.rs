@@ -13,14 +13,28 @@ use nalgebra::{Matrix3, Vector3};
 use crate::parameters::{ActuatorParameters, Families, Fiber, Material, Placement};
 use crate::quadrature::WallRule;
 use crate::real::{Real, epsilon, real};
+use crate::scalar::Scalar;
+use crate::two::Two;
 
 /// Gradient and Hessian of the energy in the order `(e, w, g)`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Derivatives<T: Real> {
+pub(crate) struct Derivatives<T> {
     pub(crate) gradient: Vector3<T>,
     pub(crate) hessian: Matrix3<T>,
     /// Sum of the magnitudes of the terms of the gradient: what its rounding errors are relative to.
     pub(crate) magnitude: Vector3<T>,
+}
+
+impl<T: Scalar> Derivatives<T> {
+    fn none() -> Self {
+        let zero = T::zero();
+        Self { gradient: Vector3::repeat(zero), hessian: Matrix3::repeat(zero), magnitude: Vector3::repeat(zero) }
+    }
+}
+
+/// `v v^T`.
+fn outer<T: Scalar>(v: &Vector3<T>) -> Matrix3<T> {
+    Matrix3::from_fn(|row, column| v[row] * v[column])
 }
 
 /// Kinematics of one radius.
@@ -38,7 +52,7 @@ struct Ring<T> {
     eta_ew: T,
 }
 
-impl<T: Real> Ring<T> {
+impl<T: Scalar> Ring<T> {
     fn new(e: T, w: T, x: T) -> Self {
         let one = T::one();
         let lambda = one + e;
@@ -90,7 +104,7 @@ pub(crate) struct Wall<T> {
     winding: Option<Winding<T>>,
 }
 
-impl<T: Real> Wall<T> {
+impl<T: Scalar> Wall<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
         let ratio = parameters.outer_radius_m / parameters.inner_radius_m;
         let x_outer = ratio * ratio;
@@ -98,8 +112,8 @@ impl<T: Real> Wall<T> {
         let elastomer = match parameters.material {
             Material::NeoHookean { .. } => Elastomer::NeoHookean,
             Material::Yeoh { c_pa } => Elastomer::Yeoh {
-                a: real::<T>(2.0) * c_pa[1] / mu1,
-                b: real::<T>(3.0) * c_pa[2] / mu1,
+                a: T::constant(2.0) * c_pa[1] / mu1,
+                b: T::constant(3.0) * c_pa[2] / mu1,
                 rule: WallRule::new(T::one(), x_outer),
             },
         };
@@ -130,6 +144,27 @@ impl<T: Real> Wall<T> {
         // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.
         sum.magnitude = Vector3::repeat((self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs()));
         sum
+    }
+}
+
+impl<T: Real> Wall<T> {
+    /// The same wall, to be evaluated with twice the digits.
+    pub(crate) fn of_two(&self) -> Wall<Two<T>> {
+        let elastomer = match &self.elastomer {
+            Elastomer::NeoHookean => Elastomer::NeoHookean,
+            Elastomer::Yeoh { a, b, rule } => {
+                Elastomer::Yeoh { a: Two::from(*a), b: Two::from(*b), rule: rule.map(Two::from) }
+            }
+        };
+        let winding = self.winding.as_ref().map(|winding| Winding {
+            cos: Two::from(winding.cos),
+            sin: Two::from(winding.sin),
+            modulus_ratio: Two::from(winding.modulus_ratio),
+            families: winding.families,
+            is_sheet: winding.is_sheet,
+            rule: winding.rule.map(Two::from),
+        });
+        Wall { x_outer: Two::from(self.x_outer), elastomer, winding }
     }
 
     /// `u_w` at an equilibrium of a tube wound with a sheet, and what rounding does to it.
@@ -166,9 +201,9 @@ impl<T: Real> Wall<T> {
 }
 
 /// Closed form of the neo-Hookean wall integrals: `Lam = ln(X_o (1+w)/(X_o+w))`, `S = 2 D + w Lam`, `Q = D (X_o+1)/2 + w D`.
-fn neo_hookean<T: Real>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
+fn neo_hookean<T: Scalar>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
     let one = T::one();
-    let half: T = real(0.5);
+    let half = T::constant(0.5);
     let lambda = one + e;
     let d = x_outer - one;
     let (inner, outer) = (one + w, x_outer + w);
@@ -180,7 +215,7 @@ fn neo_hookean<T: Real>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
     let s_ww = lam_w * (one / inner + x_outer / outer);
     let per_lambda = one / lambda;
     let per_lambda2 = per_lambda * per_lambda;
-    let three: T = real(3.0);
+    let three = T::constant(3.0);
     let u_e = per_lambda2 * (d * e * (three + three * e + e * e) - half * (w * lam + g * g * q));
     let u_w = half * per_lambda * (s_w + g * g * d);
     let u_g = per_lambda * g * q;
@@ -193,25 +228,25 @@ fn neo_hookean<T: Real>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
     Derivatives {
         gradient: Vector3::new(u_e, u_w, u_g),
         hessian: Matrix3::new(u_ee, u_ew, u_eg, u_ew, u_ww, u_wg, u_eg, u_wg, u_gg),
-        magnitude: Vector3::zeros(),
+        magnitude: Vector3::repeat(T::zero()),
     }
 }
 
 /// Yeoh wall integrals by quadrature: `psi'(J) = 1/2 + a J + b J^2` with `J = I1 - 3`.
-fn yeoh<T: Real>(e: T, w: T, g: T, a: T, b: T, rule: &WallRule<T>) -> Derivatives<T> {
-    let mut sum = Derivatives { gradient: Vector3::zeros(), hessian: Matrix3::zeros(), magnitude: Vector3::zeros() };
+fn yeoh<T: Scalar>(e: T, w: T, g: T, a: T, b: T, rule: &WallRule<T>) -> Derivatives<T> {
+    let mut sum = Derivatives::none();
     rule.for_each(w, |x, weight| {
         let (invariant, first, second) = first_invariant(&Ring::new(e, w, x), g, x);
-        let slope = real::<T>(0.5) + invariant * (a + b * invariant);
+        let slope = T::constant(0.5) + invariant * (a + b * invariant);
         let curvature = a + (b + b) * invariant;
         sum.gradient += first * (weight * slope);
-        sum.hessian += second * (weight * slope) + first * first.transpose() * (weight * curvature);
+        sum.hessian += second * (weight * slope) + outer(&first) * (weight * curvature);
     });
     sum
 }
 
 /// `I1 - 3` and its derivatives.
-fn first_invariant<T: Real>(ring: &Ring<T>, g: T, x: T) -> (T, Vector3<T>, Matrix3<T>) {
+fn first_invariant<T: Scalar>(ring: &Ring<T>, g: T, x: T) -> (T, Vector3<T>, Matrix3<T>) {
     let one = T::one();
     let two = one + one;
     let Ring { lambda, eta, eps, .. } = *ring;
@@ -236,18 +271,18 @@ fn first_invariant<T: Real>(ring: &Ring<T>, g: T, x: T) -> (T, Vector3<T>, Matri
     (value, gradient, Matrix3::new(ee, ew, eg, ew, ww, wg, eg, wg, gg))
 }
 
-impl<T: Real> Winding<T> {
+impl<T: Scalar> Winding<T> {
     fn new(fiber: &Fiber<T>, inner_radius_m: T, x_outer: T, mu1: T) -> Self {
         let radius = fiber.radius_m / inner_radius_m;
         let x = radius * radius;
         let rule = match fiber.placement {
-            Placement::Sheet => WallRule::point(x, real::<T>(2.0) * radius * fiber.thickness_m / inner_radius_m),
+            Placement::Sheet => WallRule::point(x, T::constant(2.0) * radius * fiber.thickness_m / inner_radius_m),
             Placement::Layer => WallRule::new(x, x_outer),
             Placement::Smeared => WallRule::new(T::one(), x_outer),
         };
         // At exactly a quarter turn the fibers are axial: the rounding of pi/2 shall not make them twist.
         let cos = fiber.angle_rad.cos();
-        let cos = if cos.abs() <= epsilon::<T>() { T::zero() } else { cos };
+        let cos = if cos.abs() <= T::epsilon() { T::zero() } else { cos };
         Self {
             cos,
             sin: fiber.angle_rad.sin(),
@@ -292,7 +327,7 @@ impl<T: Real> Winding<T> {
 
     /// One family at one radius: `I4 - 1 = c^2 eta + p g rho s (2c + g rho s) + s^2 eps`.
     fn strain(&self, ring: &Ring<T>, g: T, rho: T, cos: T) -> FiberStrain<T> {
-        let two: T = real(2.0);
+        let two = T::constant(2.0);
         let sin = self.sin;
         let shear = g * rho * sin;
         let hoop = cos + shear;
@@ -316,16 +351,16 @@ impl<T: Real> Winding<T> {
     fn add_family(&self, ring: &Ring<T>, g: T, rho: T, cos: T, stiffness: T, sum: &mut Derivatives<T>) {
         let strain = self.strain(ring, g, rho, cos);
         let first = strain.first;
-        sum.magnitude += first.abs() * (stiffness * strain.terms);
+        sum.magnitude += first.map(T::abs) * (stiffness * strain.terms);
         // At the neutral angle the two parts of d I4/de cancel, and with them what they have in common.
         sum.magnitude.x += strain.cancelling * (stiffness * strain.value.abs());
         sum.gradient += first * (stiffness * strain.value);
-        sum.hessian += strain.second * (stiffness * strain.value) + first * first.transpose() * stiffness;
+        sum.hessian += strain.second * (stiffness * strain.value) + outer(&first) * stiffness;
     }
 }
 
 /// `I4 - 1` of one family at one radius, the magnitude of its terms, and its derivatives by `(e, w, g)`.
-struct FiberStrain<T: Real> {
+struct FiberStrain<T> {
     value: T,
     terms: T,
     first: Vector3<T>,

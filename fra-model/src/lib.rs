@@ -33,8 +33,11 @@ mod limb;
 mod parameters;
 mod quadrature;
 mod real;
+mod refine;
+mod scalar;
 mod solution;
 mod tube;
+mod two;
 
 pub use actuator::Actuator;
 pub use held::Held;

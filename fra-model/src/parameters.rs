@@ -32,7 +32,7 @@ pub enum Material<T> {
     },
 }
 
-impl<T: Real> Material<T> {
+impl<T: Copy + core::ops::Add<Output = T>> Material<T> {
     /// The shear modulus at small strain, Pa.
     pub fn shear_modulus_pa(&self) -> T {
         match *self {

@@ -1,6 +1,6 @@
 //! Gauss-Legendre nodes in `ln R`, where the integrands of the wall are smoothest.
 
-use crate::real::{Real, real};
+use crate::scalar::Scalar;
 
 /// Positive half of the 8-point Gauss-Legendre abscissae on (-1, 1), and their weights.
 const GAUSS_8: [(f64, f64); 4] = [
@@ -37,7 +37,7 @@ pub(crate) struct WallRule<T> {
     panels: u8,
 }
 
-impl<T: Real> WallRule<T> {
+impl<T: Scalar> WallRule<T> {
     /// The rule of eight nodes a panel from `x_a` > 0 to `x_b` > `x_a`.
     pub(crate) fn new(x_a: T, x_b: T) -> Self {
         Self::with(&GAUSS_8, x_a, x_b)
@@ -51,10 +51,10 @@ impl<T: Real> WallRule<T> {
     fn with(half_rule: &'static [(f64, f64)], x_a: T, x_b: T) -> Self {
         let span = (x_b / x_a).ln();
         let mut panels = 1u8;
-        let mut covered = real::<T>(PANEL_SPAN);
+        let mut covered = T::constant(PANEL_SPAN);
         while covered < span && panels < u8::MAX {
             panels += 1;
-            covered += real::<T>(PANEL_SPAN);
+            covered += T::constant(PANEL_SPAN);
         }
         let width = span / count(panels);
         let mut first_panel = [(T::zero(), T::zero()); NODES];
@@ -71,11 +71,23 @@ impl<T: Real> WallRule<T> {
         Self { half_rule: &[], from: x, span: T::zero(), first_panel, panel_ratio: T::one(), panels: 1 }
     }
 
+    /// The same rule with its nodes in another scalar.
+    pub(crate) fn map<U: Scalar>(&self, f: impl Fn(T) -> U) -> WallRule<U> {
+        WallRule {
+            half_rule: self.half_rule,
+            from: f(self.from),
+            span: f(self.span),
+            first_panel: self.first_panel.map(|(x, weight)| (f(x), f(weight))),
+            panel_ratio: f(self.panel_ratio),
+            panels: self.panels,
+        }
+    }
+
     /// Calls `f(X, weight)` at every node; `w` tells where the pole is.
     pub(crate) fn for_each(&self, w: T, mut f: impl FnMut(T, T)) {
         let Self { half_rule, first_panel, .. } = self;
         // A sheet has no rule; a pole farther away than a panel is long does no harm.
-        if !half_rule.is_empty() && -w * real::<T>(4.0) > self.from {
+        if !half_rule.is_empty() && -w * T::constant(4.0) > self.from {
             return self.for_each_graded(w, f);
         }
         let nodes = (2 * half_rule.len()).max(1);
@@ -106,18 +118,18 @@ impl<T: Real> WallRule<T> {
 }
 
 /// Nodes and weights of one panel that starts at `from` and is `width` wide in `ln X`.
-fn panel<T: Real>(half_rule: &[(f64, f64)], from: T, width: T) -> impl Iterator<Item = (T, T)> {
-    let half = width * real::<T>(0.5);
+fn panel<T: Scalar>(half_rule: &[(f64, f64)], from: T, width: T) -> impl Iterator<Item = (T, T)> {
+    let half = width * T::constant(0.5);
     half_rule.iter().flat_map(move |&(abscissa, weight)| {
         [-T::one(), T::one()].map(|sign| {
-            let x = from * (half * (T::one() + sign * real::<T>(abscissa))).exp();
-            (x, real::<T>(weight) * half * x)
+            let x = from * (half * (T::one() + sign * T::constant(abscissa))).exp();
+            (x, T::constant(weight) * half * x)
         })
     })
 }
 
 /// A small count as a scalar, without a conversion from a run-time `f64`.
-fn count<T: Real>(n: u8) -> T {
+fn count<T: Scalar>(n: u8) -> T {
     let mut sum = T::zero();
     for _ in 0..n {
         sum += T::one();

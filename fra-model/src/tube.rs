@@ -7,6 +7,7 @@ use crate::energy::Wall;
 use crate::held::{Held, hold};
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::real::{Real, epsilon, real};
+use crate::refine::{Loads, Wanted, refined};
 use crate::solution::{Load, Solution, State, Status, Target};
 
 /// Newton iterations that no search of a whole branch needs.
@@ -33,6 +34,10 @@ impl<T: Real> Goal<T> for AtPressure<T> {
     fn noise(&self, point: &Point<T>) -> T {
         point.pressure_noise
     }
+
+    fn wanted(&self) -> Wanted<T> {
+        Wanted::Pressure(self.0)
+    }
 }
 
 /// Inverse problem: a linear function of `(e, w, g)` reaches a value. Every target of a straight tube has this form.
@@ -51,6 +56,10 @@ impl<T: Real> Goal<T> for AtDeformation<T> {
     fn noise(&self, point: &Point<T>) -> T {
         let rounding = point.at.abs() * (real::<T>(8.0) * epsilon::<T>());
         self.weights.abs().dot(&(rounding + point.settling_noise)) + self.last_digit
+    }
+
+    fn wanted(&self) -> Wanted<T> {
+        Wanted::Deformation(self.weights, self.value)
     }
 }
 
@@ -235,7 +244,7 @@ impl<T: Real> Tube<T> {
             Found::Root(point) | Found::Limit(point) => Found::Unreached(point),
             ended => ended,
         };
-        self.solution(found, iterations)
+        self.solution(branch, goal, found, iterations)
     }
 
     /// Searches from an earlier state; not converged where that is not on the branch.
@@ -251,7 +260,7 @@ impl<T: Real> Tube<T> {
             Some(point) => {
                 let anywhere = real(LARGEST_PRESSURE);
                 let found = branch.search(point, goal, outwards(&point), anywhere, &mut iterations);
-                self.solution(found, iterations)
+                self.solution(branch, goal, found, iterations)
             }
             None => Solution {
                 status: Status::NotConverged,
@@ -263,10 +272,15 @@ impl<T: Real> Tube<T> {
         }
     }
 
-    fn solution(&self, found: Found<T>, iterations: u32) -> Solution<T> {
+    fn solution<G: Goal<T>>(&self, branch: &Branch<'_, T>, goal: &G, found: Found<T>, iterations: u32) -> Solution<T> {
+        let loads = Loads { force: branch.force, torque: branch.twists.then_some(branch.torque) };
+        let refine = |point: Point<T>, wanted| refined(&self.wall, loads, wanted, &point).unwrap_or(point);
         let (status, point, limit) = match found {
-            Found::Root(point) => (Status::Solved, point, None),
-            Found::Limit(point) => (Status::NoSolution, point, Some(point.pressure * self.shear_modulus_pa)),
+            Found::Root(point) => (Status::Solved, refine(point, goal.wanted()), None),
+            Found::Limit(point) => {
+                let point = refine(point, Wanted::Volume);
+                (Status::NoSolution, point, Some(point.pressure * self.shear_modulus_pa))
+            }
             Found::Unreached(point) => (Status::NoSolution, point, None),
             Found::Failed(point) => (Status::NotConverged, point, None),
         };

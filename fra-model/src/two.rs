@@ -1,0 +1,194 @@
+//! A number of twice the digits: the unevaluated sum of two floats.
+//!
+//! Sums, products, quotients and roots carry about twice the digits of `T`, by the error-free transformations of Dekker and Knuth.
+//! Transcendental functions carry the digits of `T` only: they enter the model in constants of the geometry and in terms that nothing
+//! magnifies.
+
+use core::cmp::Ordering;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use crate::real::{Real, real};
+use crate::scalar::Scalar;
+
+/// `high + low` with `|low|` at most half a unit in the last place of `high`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Two<T> {
+    pub(crate) high: T,
+    pub(crate) low: T,
+}
+
+impl<T: Real> From<T> for Two<T> {
+    fn from(value: T) -> Self {
+        Self { high: value, low: T::zero() }
+    }
+}
+
+/// The exact sum.
+#[inline]
+fn two_sum<T: Real>(a: T, b: T) -> Two<T> {
+    let high = a + b;
+    let part = high - a;
+    Two { high, low: (a - (high - part)) + (b - part) }
+}
+
+/// The exact sum where `|a| >= |b|`.
+#[inline]
+fn quick_two_sum<T: Real>(a: T, b: T) -> Two<T> {
+    let high = a + b;
+    Two { high, low: b - (high - a) }
+}
+
+/// Halves of a float whose products are exact.
+#[inline]
+fn split<T: Real>(a: T) -> (T, T) {
+    let single = T::default_epsilon() > real::<T>(1e-9);
+    let factor = if single { real::<T>(4097.0) } else { real::<T>(134_217_729.0) };
+    let scaled = factor * a;
+    let high = scaled - (scaled - a);
+    (high, a - high)
+}
+
+/// The exact product.
+#[inline]
+fn two_product<T: Real>(a: T, b: T) -> Two<T> {
+    let high = a * b;
+    let ((a1, a0), (b1, b0)) = (split(a), split(b));
+    Two { high, low: ((a1 * b1 - high) + a1 * b0 + a0 * b1) + a0 * b0 }
+}
+
+impl<T: Real> Two<T> {
+    /// The float nearest to it.
+    pub(crate) fn round(self) -> T {
+        self.high + self.low
+    }
+
+    /// A function of `T` and its slope, carried over to first order.
+    fn map(self, value: T, slope: T) -> Self {
+        quick_two_sum(value, slope * self.low)
+    }
+}
+
+impl<T: Real> Add for Two<T> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        let (high, low) = (two_sum(self.high, other.high), two_sum(self.low, other.low));
+        let sum = quick_two_sum(high.high, high.low + low.high);
+        quick_two_sum(sum.high, sum.low + low.low)
+    }
+}
+
+impl<T: Real> Neg for Two<T> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+}
+
+impl<T: Real> Sub for Two<T> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl<T: Real> Mul for Two<T> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        let product = two_product(self.high, other.high);
+        quick_two_sum(product.high, product.low + (self.high * other.low + self.low * other.high))
+    }
+}
+
+impl<T: Real> Div for Two<T> {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        let first = self.high / other.high;
+        let rest = self - other * Self::from(first);
+        let second = rest.high / other.high;
+        let rest = rest - other * Self::from(second);
+        quick_two_sum(first, second) + Self::from(rest.high / other.high)
+    }
+}
+
+impl<T: Real> AddAssign for Two<T> {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<T: Real> SubAssign for Two<T> {
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<T: Real> MulAssign for Two<T> {
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl<T: Real> DivAssign for Two<T> {
+    fn div_assign(&mut self, other: Self) {
+        *self = *self / other;
+    }
+}
+
+impl<T: Real> PartialOrd for Two<T> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        match self.high.partial_cmp(&other.high)? {
+            Ordering::Equal => self.low.partial_cmp(&other.low),
+            decided => Some(decided),
+        }
+    }
+}
+
+impl<T: Real> Scalar for Two<T> {
+    #[inline]
+    fn constant(value: f64) -> Self {
+        Self::from(real::<T>(value))
+    }
+
+    fn epsilon() -> Self {
+        Self::from(T::default_epsilon())
+    }
+
+    fn abs(self) -> Self {
+        if self.high < T::zero() { -self } else { self }
+    }
+
+    fn sqrt(self) -> Self {
+        let root = self.high.sqrt();
+        if root == T::zero() {
+            return Self::from(root);
+        }
+        let rest = self - Self::from(root) * Self::from(root);
+        quick_two_sum(root, rest.high / (root + root))
+    }
+
+    fn exp(self) -> Self {
+        let value = self.high.exp();
+        self.map(value, value)
+    }
+
+    fn ln(self) -> Self {
+        self.map(self.high.ln(), T::one() / self.high)
+    }
+
+    fn ln_1p(self) -> Self {
+        self.map(self.high.ln_1p(), T::one() / (T::one() + self.high))
+    }
+
+    fn sin(self) -> Self {
+        self.map(self.high.sin(), self.high.cos())
+    }
+
+    fn cos(self) -> Self {
+        self.map(self.high.cos(), -self.high.sin())
+    }
+}
