@@ -26,6 +26,7 @@
 mod actuator;
 mod bending;
 mod branch;
+mod elementary;
 mod energy;
 mod held;
 mod jet;

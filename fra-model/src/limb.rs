@@ -3,8 +3,9 @@
 //! A module is a bundle of equal actuators between two connectors and deforms with constant strain along its centre line
 //! (piecewise constant strain): it adds the exponential of one screw to the pose.
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use crate::elementary::sin_cos;
 use crate::parameters::Motion;
 use crate::real::{Real, real};
 use crate::solution::State;
@@ -52,11 +53,12 @@ impl<T: Real> Segment<T> {
     /// Pose of the point at a share of the length, 0 to 1, seen from the start.
     pub fn pose_at(&self, share: T) -> Isometry3<T> {
         let turn = Vector3::new(T::zero(), self.bend_angle_rad * share, self.twist_rad * share);
-        let (first, second) = screw_coefficients(turn.norm_squared());
+        let Screw { first, second, half_sine, half_cosine } = Screw::new(turn.norm_squared());
         let cross = turn.cross_matrix();
         let carry: Matrix3<T> = Matrix3::identity() + cross * first + cross * cross * second;
         let along = Vector3::new(T::zero(), T::zero(), self.length_m * share);
-        Isometry3::from_parts(Translation3::from(carry * along), UnitQuaternion::from_scaled_axis(turn))
+        let rotation = UnitQuaternion::new_unchecked(Quaternion::from_parts(half_cosine, turn * half_sine));
+        Isometry3::from_parts(Translation3::from(carry * along), rotation)
     }
 
     /// Pose of the end seen from the start.
@@ -65,19 +67,38 @@ impl<T: Real> Segment<T> {
     }
 }
 
-/// `(1 - cos t)/t^2` and `(t - sin t)/t^3` of the angle's square, by their series where the quotients cancel.
-fn screw_coefficients<T: Real>(square: T) -> (T, T) {
-    if square < real::<T>(0.01) {
-        let series = |a: f64, b: f64, c: f64, d: f64| {
-            real::<T>(a) + square * (real::<T>(b) + square * (real::<T>(c) + square * real::<T>(d)))
-        };
-        return (
-            series(0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0),
-            series(1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0),
-        );
+/// Coefficients of the exponential of a screw of angle `t`.
+struct Screw<T> {
+    /// `(1 - cos t)/t^2`.
+    first: T,
+    /// `(t - sin t)/t^3`.
+    second: T,
+    /// `sin(t/2)/t` and `cos(t/2)`, of the rotation's quaternion.
+    half_sine: T,
+    half_cosine: T,
+}
+
+impl<T: Real> Screw<T> {
+    /// From the square of the angle, by the series where the quotients cancel.
+    fn new(square: T) -> Self {
+        let (one, half) = (T::one(), real::<T>(0.5));
+        if square < real::<T>(0.01) {
+            let series = |a: f64, b: f64, c: f64, d: f64| {
+                real::<T>(a) + square * (real::<T>(b) + square * (real::<T>(c) + square * real::<T>(d)))
+            };
+            return Self {
+                first: series(0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0),
+                second: series(1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0),
+                half_sine: series(0.5, -1.0 / 48.0, 1.0 / 3840.0, -1.0 / 645_120.0),
+                half_cosine: one + square * series(-1.0 / 8.0, 1.0 / 384.0, -1.0 / 46_080.0, 1.0 / 10_321_920.0),
+            };
+        }
+        let angle = square.sqrt();
+        let (sin, cos) = sin_cos(angle * half);
+        let half_sine = sin / angle;
+        let second = (angle - (sin + sin) * cos) / (square * angle);
+        Self { first: (half_sine + half_sine) * half_sine, second, half_sine, half_cosine: cos }
     }
-    let angle = square.sqrt();
-    ((T::one() - angle.cos()) / square, (angle - angle.sin()) / (square * angle))
 }
 
 /// One module of a limb in its present shape.
@@ -94,8 +115,8 @@ pub struct Link<T> {
 impl<T: Real> Link<T> {
     /// Pose at a share of the module's length, seen from its start.
     pub fn pose_at(&self, share: T) -> Isometry3<T> {
-        let mount =
-            UnitQuaternion::from_rotation_matrix(&Rotation3::from_axis_angle(&Vector3::z_axis(), self.mount_angle_rad));
+        let (sin, cos) = sin_cos(self.mount_angle_rad * real::<T>(0.5));
+        let mount = UnitQuaternion::new_unchecked(Quaternion::new(cos, T::zero(), T::zero(), sin));
         // Turned back behind the module, so that mount angles of different modules do not add up.
         mount * self.segment.pose_at(share) * mount.inverse()
     }
