@@ -9,8 +9,8 @@
 use nalgebra::Vector3;
 
 use crate::energy::{Derivatives, Wall};
-use crate::real::{Real, epsilon, real};
-use crate::refine::Wanted;
+use crate::goal::Goal;
+use crate::scalar::{Scalar, dot, largest, magnitudes};
 
 /// Most Newton iterations to settle at one volume.
 const SETTLE_ITERATIONS: u32 = 40;
@@ -22,6 +22,8 @@ const ERRATIC_ITERATIONS: u32 = 8;
 const STALL: f64 = 1e4;
 /// Where rounding hides the root in more than this share of the volume's change, there is no answer.
 const COARSEST: f64 = 1e-3;
+/// Farther than any step.
+const FAR: f64 = 1e30;
 /// Longest step in `ln(1 + w)`.
 const LONGEST_STEP: f64 = 0.25;
 /// The branch is followed within these bounds of `1 + w` and of `P/mu1`.
@@ -31,7 +33,7 @@ pub(crate) const LARGEST_PRESSURE: f64 = 1e4;
 
 /// A state on the branch.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Point<T: Real> {
+pub(crate) struct Point<T> {
     /// `(e, w, g)`.
     pub(crate) at: Vector3<T>,
     /// `d(e, w, g)/dw` along the branch.
@@ -48,21 +50,24 @@ pub(crate) struct Point<T: Real> {
     pub(crate) settling_noise: Vector3<T>,
 }
 
-/// What a search looks for: a scalar along the branch that shall vanish.
-pub(crate) trait Goal<T: Real> {
-    /// The scalar at a state and its derivative with respect to `w` along the branch.
-    fn measure(&self, point: &Point<T>) -> (T, T);
-
-    /// How far from zero rounding alone may keep that scalar.
-    fn noise(&self, point: &Point<T>) -> T;
-
-    /// The same, for the last steps of a solve.
-    fn wanted(&self) -> Wanted<T>;
+impl<T: Scalar> Point<T> {
+    /// The same point in another scalar.
+    pub(crate) fn map<U: Scalar>(&self, f: impl Fn(T) -> U) -> Point<U> {
+        Point {
+            at: self.at.map(&f),
+            tangent: self.tangent.map(&f),
+            pressure: f(self.pressure),
+            slope: f(self.slope),
+            residual: f(self.residual),
+            pressure_noise: f(self.pressure_noise),
+            settling_noise: self.settling_noise.map(&f),
+        }
+    }
 }
 
 /// Outcome of a search.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Found<T: Real> {
+pub(crate) enum Found<T> {
     /// The goal is met here.
     Root(Point<T>),
     /// The branch ends at a limit point before the goal is met.
@@ -73,8 +78,19 @@ pub(crate) enum Found<T: Real> {
     Failed(Point<T>),
 }
 
+impl<T> Found<T> {
+    pub(crate) fn map<U>(self, f: impl Fn(Point<T>) -> Point<U>) -> Found<U> {
+        match self {
+            Self::Root(point) => Found::Root(f(point)),
+            Self::Limit(point) => Found::Limit(f(point)),
+            Self::Unreached(point) => Found::Unreached(f(point)),
+            Self::Failed(point) => Found::Failed(f(point)),
+        }
+    }
+}
+
 /// A tube under a fixed external load.
-pub(crate) struct Branch<'a, T: Real> {
+pub(crate) struct Branch<'a, T> {
     pub(crate) wall: &'a Wall<T>,
     /// `N_ext/(pi R_i^2 mu1)`.
     pub(crate) force: T,
@@ -86,10 +102,10 @@ pub(crate) struct Branch<'a, T: Real> {
     pub(crate) budget: u32,
 }
 
-impl<T: Real> Branch<'_, T> {
+impl<T: Scalar> Branch<'_, T> {
     /// The state at zero pressure under the external load, reached from the unloaded one by raising the load.
     pub(crate) fn at_rest(&self, iterations: &mut u32) -> Found<T> {
-        let mut at = Vector3::zeros();
+        let mut at = Vector3::repeat(T::zero());
         let mut share = T::zero();
         let mut step = T::one();
         let unloaded = self.force == T::zero() && self.torque == T::zero();
@@ -98,11 +114,11 @@ impl<T: Real> Branch<'_, T> {
             match self.equilibrate(at, next, iterations) {
                 Some(state) => {
                     (at, share) = (state, next);
-                    step *= real::<T>(2.0);
+                    step *= T::constant(2.0);
                 }
-                None => step *= real::<T>(0.25),
+                None => step *= T::constant(0.25),
             }
-            if step < real::<T>(1e-6) {
+            if step < T::constant(1e-6) {
                 return Found::Limit(self.point(at));
             }
         }
@@ -112,25 +128,25 @@ impl<T: Real> Branch<'_, T> {
     /// Newton at zero pressure under a share of the load; only short moves to stable states are accepted.
     fn equilibrate(&self, start: Vector3<T>, share: T, iterations: &mut u32) -> Option<Vector3<T>> {
         let mut at = start;
-        let mut last = T::max_value()?;
+        let mut last = T::constant(FAR);
         for _ in 0..SETTLE_ITERATIONS {
             *iterations += 1;
-            let Derivatives { gradient, mut hessian, .. } = self.wall.derivatives(at.x, at.y, at.z);
-            let mut rest = Vector3::new(self.force * share, T::zero(), self.torque * share) - gradient;
-            if !self.twists {
-                rest.z = T::zero();
-                (hessian[(0, 2)], hessian[(1, 2)], hessian[(2, 0)], hessian[(2, 1)]) =
-                    (T::zero(), T::zero(), T::zero(), T::zero());
-                hessian[(2, 2)] = T::one();
-            }
-            let move_by = hessian.cholesky()?.solve(&rest);
+            let d = self.wall.derivatives(at.x, at.y, at.z);
+            let (force, torque) = (self.force * share, self.torque * share);
+            let (de, dg) = self.solve_loads(&d, force - d.gradient.x, torque - d.gradient.z)?;
+            let (e_w, g_w) = self.solve_loads(&d, -d.hessian[(0, 1)], -d.hessian[(2, 1)])?;
+            let (ew, gw) = (d.hessian[(0, 1)], d.hessian[(2, 1)]);
+            let slope = positive(d.hessian[(1, 1)] + ew * e_w + gw * g_w)?;
+            let dw = -(d.gradient.y + ew * de + gw * dg) / slope;
+            let move_by = Vector3::new(de + e_w * dw, dw, dg + g_w * dw);
             at += move_by;
-            let moved = (at - start).amax();
-            let size = move_by.amax();
-            if !size.is_finite() || moved > real::<T>(0.3) {
+            let (moved, size) = (largest(&(at - start)), largest(&move_by));
+            if !(move_by.x.is_finite() && move_by.y.is_finite() && move_by.z.is_finite()) || moved > T::constant(0.3) {
                 return None;
             }
-            if size <= epsilon::<T>() * at.amax() || (size >= last * real::<T>(0.5) && size < real::<T>(1e-6)) {
+            let noise = largest(&self.settling_noise(&d, at)?) + gradient_noise(&d, at).y / slope;
+            let rounding = size <= (T::constant(STALL) * T::rounding() * largest(&at)).max(noise);
+            if size <= T::epsilon() * largest(&at) || (size >= last * T::constant(0.5) && rounding) {
                 return Some(at);
             }
             last = size;
@@ -141,27 +157,27 @@ impl<T: Real> Branch<'_, T> {
     /// The state at `w`, settled from a guess of `(e, g)`; `None` when Newton fails or the state is not stable at fixed volume.
     fn settle(&self, guess: Vector3<T>, iterations: &mut u32) -> Option<Point<T>> {
         let mut at = guess;
-        let mut last = T::max_value()?;
+        let mut last = T::constant(FAR);
         for round in 0..SETTLE_ITERATIONS {
             *iterations += 1;
             let d = self.wall.derivatives(at.x, at.y, at.z);
             let (de, dg) = self.solve_loads(&d, self.force - d.gradient.x, self.torque - d.gradient.z)?;
             let lambda = T::one() + at.x;
-            if !de.is_finite() || !dg.is_finite() || de.abs() > lambda * real::<T>(0.5) {
+            if !de.is_finite() || !dg.is_finite() || de.abs() > lambda * T::constant(0.5) {
                 return None;
             }
             at.x += de;
             at.z += dg;
             let size = de.abs().max(dg.abs());
-            let scale = at.amax();
-            let floor = size <= epsilon::<T>() * scale;
+            let scale = largest(&at);
+            let floor = size <= T::epsilon() * scale;
             let noise = self.settling_noise(&d, at)?;
-            let rounding = size <= (real::<T>(STALL) * epsilon::<T>() * scale).max(noise.amax());
-            let stalled = size >= last * real::<T>(0.5) && rounding;
+            let rounding = size <= (T::constant(STALL) * T::rounding() * scale).max(largest(&noise));
+            let stalled = size >= last * T::constant(0.5) && rounding;
             if floor || stalled {
                 return self.stable_point(at);
             }
-            if round >= ERRATIC_ITERATIONS && size > last * real::<T>(4.0) {
+            if round >= ERRATIC_ITERATIONS && size > last * T::constant(4.0) {
                 return None;
             }
             last = size;
@@ -172,8 +188,6 @@ impl<T: Real> Branch<'_, T> {
     /// Solves the `(e, g)` block for two right sides; `None` unless it is positive definite.
     fn solve_loads(&self, d: &Derivatives<T>, by_e: T, by_g: T) -> Option<(T, T)> {
         let (ee, eg, gg) = (d.hessian[(0, 0)], d.hessian[(0, 2)], d.hessian[(2, 2)]);
-        // The negation also refuses a NaN.
-        let positive = |x: T| (x > T::zero()).then_some(x);
         let ee = positive(ee)?;
         if !self.twists {
             return Some((by_e / ee, T::zero()));
@@ -190,8 +204,8 @@ impl<T: Real> Branch<'_, T> {
         let torque_rest = if self.twists { d.gradient.z - self.torque } else { T::zero() };
         let residual = (d.gradient.x - self.force).abs().max(torque_rest.abs());
         let settling_noise = self.settling_noise(&d, at)?;
-        let coupling = d.hessian.row(1).transpose().abs();
-        let plain = (d.gradient.y, gradient_noise(&d, at).y + coupling.dot(&settling_noise));
+        let coupling = magnitudes(&d.hessian.column(1).into_owned());
+        let plain = (d.gradient.y, gradient_noise(&d, at).y + dot(&coupling, &settling_noise));
         let torque = if self.twists { Some(self.torque) } else { None };
         let by_tension = self.wall.pressure_by_tension(at, self.force, torque, &settling_noise);
         let (pressure, pressure_noise) = by_tension.filter(|(_, noise)| *noise < plain.1).unwrap_or(plain);
@@ -217,15 +231,16 @@ impl<T: Real> Branch<'_, T> {
             slope: T::zero(),
             residual: T::zero(),
             pressure_noise: T::zero(),
-            settling_noise: Vector3::zeros(),
+            settling_noise: Vector3::repeat(T::zero()),
         })
     }
 
-    /// A state given from outside, settled at its volume; `None` when it is not near the branch or not stable.
-    pub(crate) fn resume(&self, at: Vector3<T>, iterations: &mut u32) -> Option<Point<T>> {
+    /// A state given from outside, settled at its volume; failed when it is not near the branch or not stable.
+    pub(crate) fn resume(&self, at: Vector3<T>, iterations: &mut u32) -> Found<T> {
         let inside = at.x > -T::one() && at.y > -T::one();
-        let point = if inside { self.settle(at, iterations)? } else { return None };
-        (point.slope > T::zero()).then_some(point)
+        let point = if inside { self.settle(at, iterations) } else { None };
+        let stable = point.filter(|point| point.slope > T::zero());
+        stable.map_or_else(|| Found::Failed(self.point(at)), Found::Root)
     }
 
     /// The state at `w`, predicted along the tangent of `from`.
@@ -243,24 +258,24 @@ impl<T: Real> Branch<'_, T> {
             if let Some(point) = self.advance(from, from.at.y + way, iterations) {
                 return Some(point);
             }
-            way *= real::<T>(0.25);
+            way *= T::constant(0.25);
         }
         None
     }
 
     /// Follows the branch from `start`, towards larger volume if `outwards`, until the goal is met, the branch ends, or the
     /// pressure exceeds `within` either way.
-    pub(crate) fn search<G: Goal<T>>(
+    pub(crate) fn search(
         &self,
         start: Point<T>,
-        goal: &G,
+        goal: &Goal<T>,
         outwards: bool,
         within: T,
         iterations: &mut u32,
     ) -> Found<T> {
-        let longest: T = real(LONGEST_STEP);
+        let longest = T::constant(LONGEST_STEP);
         let (mut here, mut step) = (start, longest);
-        let mut last_wanted = T::max_value().unwrap_or(longest);
+        let mut last_wanted = T::constant(FAR);
         // A start at the root may lie behind it by its rounding.
         if goal.measure(&here).0.abs() <= goal.noise(&here) {
             return Found::Root(here);
@@ -270,10 +285,11 @@ impl<T: Real> Branch<'_, T> {
             let wanted = -value / rate;
             let size = wanted.abs();
             // At the root: exactly, within the last digit, or where rounding keeps Newton's steps from shrinking further.
-            let last_digit = epsilon::<T>() * here.at.y.abs();
-            let tolerable = size <= real::<T>(COARSEST) * here.at.y.abs();
-            let rounding = size <= last_digit * real::<T>(STALL) || (value.abs() <= goal.noise(&here) && tolerable);
-            let stalled = size >= last_wanted * real::<T>(0.5) && rounding;
+            let last_digit = T::epsilon() * here.at.y.abs();
+            let tolerable = size <= T::constant(COARSEST) * here.at.y.abs();
+            let stalls = T::constant(STALL) * T::rounding() * here.at.y.abs();
+            let rounding = size <= stalls || (value.abs() <= goal.noise(&here) && tolerable);
+            let stalled = size >= last_wanted * T::constant(0.5) && rounding;
             if value == T::zero() || size <= last_digit || stalled {
                 return Found::Root(here);
             }
@@ -283,9 +299,9 @@ impl<T: Real> Branch<'_, T> {
                 if let Some(there) = self.step(&here, dw, iterations) {
                     break there;
                 }
-                dw *= real::<T>(0.5);
+                dw *= T::constant(0.5);
                 step = (dw / (T::one() + here.at.y)).abs();
-                if step < real::<T>(64.0) * epsilon::<T>() {
+                if step < T::constant(64.0) * T::epsilon() {
                     return if rounding { Found::Root(here) } else { Found::Failed(here) };
                 }
             };
@@ -299,7 +315,7 @@ impl<T: Real> Branch<'_, T> {
                 return Found::Unreached(there);
             }
             here = there;
-            step = (step * real::<T>(2.0)).min(longest);
+            step = (step * T::constant(2.0)).min(longest);
         }
         Found::Failed(here)
     }
@@ -307,27 +323,27 @@ impl<T: Real> Branch<'_, T> {
     /// One step; `None` when it is not to be trusted and a shorter one shall be tried.
     fn step(&self, here: &Point<T>, dw: T, iterations: &mut u32) -> Option<Point<T>> {
         let there = self.advance(here, here.at.y + dw, iterations)?;
-        let (half, tenth): (T, T) = (real(0.5), real(0.1));
-        let off_tangent = (there.at - here.at - here.tangent * dw).amax();
+        let (half, tenth) = (T::constant(0.5), T::constant(0.1));
+        let off_tangent = largest(&(there.at - here.at - here.tangent * dw));
         let scale = T::one() + here.at.x.min(here.at.y);
         let straight = off_tangent <= tenth * scale.min(T::one());
         // The slope may halve or treble in a step; only a short one may cross the limit point.
         let fall = here.slope - there.slope;
-        let short = dw.abs() <= (T::one() + here.at.y) * real::<T>(0.01);
-        let most = if short { real::<T>(4.0) } else { half };
-        let gentle = fall <= most * here.slope && -fall <= real::<T>(2.0) * here.slope;
+        let short = dw.abs() <= (T::one() + here.at.y) * T::constant(0.01);
+        let most = if short { T::constant(4.0) } else { half };
+        let gentle = fall <= most * here.slope && -fall <= T::constant(2.0) * here.slope;
         let along = (there.pressure - here.pressure - half * (here.slope + there.slope) * dw).abs();
-        let rounding = real::<T>(4.0) * (here.pressure_noise + there.pressure_noise);
+        let rounding = T::constant(4.0) * (here.pressure_noise + there.pressure_noise);
         let resolved = along <= tenth * dw.abs() * here.slope.max(there.slope.abs()) + rounding;
         (straight && gentle && resolved).then_some(there)
     }
 
     /// Looks for the goal between two stable states: a change of sign, or an extremum that reaches across.
-    fn between<G: Goal<T>>(
+    fn between(
         &self,
         a: &Point<T>,
         b: &Point<T>,
-        goal: &G,
+        goal: &Goal<T>,
         outwards: bool,
         iterations: &mut u32,
     ) -> Option<Found<T>> {
@@ -349,7 +365,7 @@ impl<T: Real> Branch<'_, T> {
     }
 
     /// The branch turns between `a` (stable) and `b` (not): the goal before the limit point, or the limit point.
-    fn near_limit<G: Goal<T>>(&self, a: Point<T>, b: Point<T>, goal: &G, iterations: &mut u32) -> Found<T> {
+    fn near_limit(&self, a: Point<T>, b: Point<T>, goal: &Goal<T>, iterations: &mut u32) -> Found<T> {
         let limit = match self.refine(a, b, |p| (p.slope, T::zero()), iterations) {
             Found::Root(point) => point,
             failed => return failed,
@@ -376,7 +392,7 @@ impl<T: Real> Branch<'_, T> {
             let rate = measure(&nearest).1;
             let newton = nearest.at.y - value / rate;
             let secant = low.at.y - low_value * (high.at.y - low.at.y) / (high_value - low_value);
-            let middle = (low.at.y + high.at.y) * real::<T>(0.5);
+            let middle = (low.at.y + high.at.y) * T::constant(0.5);
             let inside = |w: T| (w - low.at.y) * (w - high.at.y) < T::zero();
             // Every third round halves the bracket, so that a one-sided approach cannot stall.
             let w = match round % 3 {
@@ -385,7 +401,7 @@ impl<T: Real> Branch<'_, T> {
                 _ if inside(secant) => secant,
                 _ => middle,
             };
-            let tolerance = real::<T>(2.0) * epsilon::<T>() * nearest.at.y.abs();
+            let tolerance = T::constant(2.0) * T::epsilon() * nearest.at.y.abs();
             if value == T::zero() || (newton - nearest.at.y).abs() <= tolerance || !inside(w) || width <= tolerance {
                 return Found::Root(nearest);
             }
@@ -403,19 +419,28 @@ impl<T: Real> Branch<'_, T> {
 }
 
 /// Newton's own step where it goes the way of the search and is not too long, else the longest step allowed.
-fn stride<T: Real>(here: &Point<T>, wanted: T, outwards: bool, longest: T) -> T {
+fn stride<T: Scalar>(here: &Point<T>, wanted: T, outwards: bool, longest: T) -> T {
     let growth = if outwards { longest } else { -longest };
-    let reach = (T::one() + here.at.y) * growth.exp_m1();
+    let reach = (T::one() + here.at.y) * (growth.exp() - T::one());
     let newton = wanted.is_finite() && (wanted > T::zero()) == outwards && wanted.abs() < reach.abs();
     if newton { wanted } else { reach }
 }
 
 /// What one rounding of each coordinate and of each term does to the gradient, with a margin.
-fn gradient_noise<T: Real>(d: &Derivatives<T>, at: Vector3<T>) -> Vector3<T> {
-    (d.hessian.abs() * at.abs() + d.magnitude) * (real::<T>(8.0) * epsilon::<T>())
+fn gradient_noise<T: Scalar>(d: &Derivatives<T>, at: Vector3<T>) -> Vector3<T> {
+    let reach = magnitudes(&at);
+    let row = |axis: usize| dot(&magnitudes(&d.hessian.column(axis).into_owned()), &reach);
+    let arithmetic = Vector3::new(row(0), row(1), row(2)) + d.magnitude;
+    let elastomer = T::constant(8.0) * T::epsilon() * d.elastomer_magnitude;
+    arithmetic * (T::constant(8.0) * T::rounding()) + Vector3::repeat(elastomer)
 }
 
-fn out_of_bounds<T: Real>(point: &Point<T>, within: T) -> bool {
+/// The number where it is positive; this refuses a NaN, too.
+fn positive<T: Scalar>(x: T) -> Option<T> {
+    (x > T::zero()).then_some(x)
+}
+
+fn out_of_bounds<T: Scalar>(point: &Point<T>, within: T) -> bool {
     let volume = T::one() + point.at.y;
-    volume > real::<T>(LARGEST_VOLUME) || volume < real::<T>(SMALLEST_VOLUME) || point.pressure.abs() > within
+    volume > T::constant(LARGEST_VOLUME) || volume < T::constant(SMALLEST_VOLUME) || point.pressure.abs() > within
 }

@@ -12,23 +12,33 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::parameters::{ActuatorParameters, Families, Fiber, Material, Placement};
 use crate::quadrature::WallRule;
-use crate::real::{Real, epsilon, real};
-use crate::scalar::Scalar;
+use crate::real::{Real, real};
+use crate::scalar::{Scalar, dot, magnitudes};
 use crate::two::Two;
+
+/// Rounding of a strain times `mu2/mu1` up to which plain arithmetic finds its way.
+const MAGNIFIED_ROUNDING: f64 = 2e-4;
 
 /// Gradient and Hessian of the energy in the order `(e, w, g)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Derivatives<T> {
     pub(crate) gradient: Vector3<T>,
     pub(crate) hessian: Matrix3<T>,
-    /// Sum of the magnitudes of the terms of the gradient: what its rounding errors are relative to.
+    /// Magnitudes of the fibers' terms of the gradient: what their rounding errors are relative to.
     pub(crate) magnitude: Vector3<T>,
+    /// The same for each component of the elastomer's share, whose logarithm has the digits of a plain float in every scalar.
+    pub(crate) elastomer_magnitude: T,
 }
 
 impl<T: Scalar> Derivatives<T> {
     fn none() -> Self {
         let zero = T::zero();
-        Self { gradient: Vector3::repeat(zero), hessian: Matrix3::repeat(zero), magnitude: Vector3::repeat(zero) }
+        Self {
+            gradient: Vector3::repeat(zero),
+            hessian: Matrix3::repeat(zero),
+            magnitude: Vector3::repeat(zero),
+            elastomer_magnitude: zero,
+        }
     }
 }
 
@@ -142,12 +152,19 @@ impl<T: Scalar> Wall<T> {
             Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
         };
         // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.
-        sum.magnitude = Vector3::repeat((self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs()));
+        sum.elastomer_magnitude = (self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs());
         sum
     }
 }
 
 impl<T: Real> Wall<T> {
+    /// Whether the rounding of the fibers' strains, magnified by their modulus, would hide how the elastomer deforms. A sheet's tension
+    /// follows from the loads instead.
+    pub(crate) fn is_too_stiff_for_plain_arithmetic(&self) -> bool {
+        let Some(winding) = self.winding.as_ref().filter(|winding| !winding.is_sheet) else { return false };
+        winding.modulus_ratio * T::default_epsilon() > real::<T>(MAGNIFIED_ROUNDING)
+    }
+
     /// The same wall, to be evaluated with twice the digits.
     pub(crate) fn of_two(&self) -> Wall<Two<T>> {
         let elastomer = match &self.elastomer {
@@ -166,7 +183,9 @@ impl<T: Real> Wall<T> {
         });
         Wall { x_outer: Two::from(self.x_outer), elastomer, winding }
     }
+}
 
+impl<T: Scalar> Wall<T> {
     /// `u_w` at an equilibrium of a tube wound with a sheet, and what rounding does to it.
     ///
     /// The tension of a stiff sheet is a tiny strain times a huge modulus, and the rounding of the strain comes out magnified. At
@@ -182,13 +201,14 @@ impl<T: Real> Wall<T> {
         let winding = self.winding.as_ref().filter(|winding| winding.is_sheet)?;
         let (first, strain, terms, stiffness) = winding.sheet(at.x, at.y, at.z)?;
         let bare = self.elastomer_derivatives(at.x, at.y, at.z);
-        let rounding = real::<T>(8.0) * epsilon::<T>();
+        let rounding = T::constant(8.0) * T::epsilon();
         // What the elastomer's share of an equation is off by, through rounding and through the state.
         let off = |axis: usize| {
-            let state = bare.hessian.row(axis).transpose().abs().dot(settling_noise);
-            (bare.magnitude[axis] + bare.gradient[axis].abs()) * rounding + state
+            let state = dot(&magnitudes(&bare.hessian.column(axis).into_owned()), settling_noise);
+            (bare.elastomer_magnitude + bare.gradient[axis].abs()) * rounding + state
         };
-        let mut tension = (stiffness * strain, stiffness * (terms * rounding + first.abs().dot(settling_noise)));
+        let mut tension =
+            (stiffness * strain, stiffness * (terms * rounding + dot(&magnitudes(&first), settling_noise)));
         for (axis, load) in [(0, Some(force)), (2, torque)] {
             let Some(load) = load else { continue };
             let noise = (off(axis) + load.abs() * rounding) / first[axis].abs();
@@ -228,7 +248,7 @@ fn neo_hookean<T: Scalar>(e: T, w: T, g: T, x_outer: T) -> Derivatives<T> {
     Derivatives {
         gradient: Vector3::new(u_e, u_w, u_g),
         hessian: Matrix3::new(u_ee, u_ew, u_eg, u_ew, u_ww, u_wg, u_eg, u_wg, u_gg),
-        magnitude: Vector3::repeat(T::zero()),
+        ..Derivatives::none()
     }
 }
 

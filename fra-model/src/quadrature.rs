@@ -28,7 +28,9 @@ const GRADED_PANELS: u8 = 40;
 /// have a pole at `X = -w` close before `X_a`; then the panels grow with their distance from it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallRule<T> {
-    half_rule: &'static [(f64, f64)],
+    /// Positive half of the rule on (-1, 1), and how many of its nodes there are: none for a single point.
+    half_rule: [(T, T); NODES / 2],
+    pairs: usize,
     from: T,
     span: T,
     /// Nodes and weights; unused ones have no weight.
@@ -40,15 +42,16 @@ pub(crate) struct WallRule<T> {
 impl<T: Scalar> WallRule<T> {
     /// The rule of eight nodes a panel from `x_a` > 0 to `x_b` > `x_a`.
     pub(crate) fn new(x_a: T, x_b: T) -> Self {
-        Self::with(&GAUSS_8, x_a, x_b)
+        Self::with(GAUSS_8.map(constants), GAUSS_8.len(), x_a, x_b)
     }
 
     /// The rule of four nodes a panel.
     pub(crate) fn coarse(x_a: T, x_b: T) -> Self {
-        Self::with(&GAUSS_4, x_a, x_b)
+        let [a, b] = GAUSS_4.map(constants);
+        Self::with([a, b, a, b], GAUSS_4.len(), x_a, x_b)
     }
 
-    fn with(half_rule: &'static [(f64, f64)], x_a: T, x_b: T) -> Self {
+    fn with(half_rule: [(T, T); NODES / 2], pairs: usize, x_a: T, x_b: T) -> Self {
         let span = (x_b / x_a).ln();
         let mut panels = 1u8;
         let mut covered = T::constant(PANEL_SPAN);
@@ -58,23 +61,25 @@ impl<T: Scalar> WallRule<T> {
         }
         let width = span / count(panels);
         let mut first_panel = [(T::zero(), T::zero()); NODES];
-        for (node, value) in first_panel.iter_mut().zip(panel(half_rule, x_a, width)) {
+        for (node, value) in first_panel.iter_mut().zip(panel(&half_rule, pairs, x_a, width)) {
             *node = value;
         }
-        Self { half_rule, from: x_a, span, first_panel, panel_ratio: width.exp(), panels }
+        Self { half_rule, pairs, from: x_a, span, first_panel, panel_ratio: width.exp(), panels }
     }
 
     /// The rule of one point: a sheet at `x` whose weight is `weight`.
     pub(crate) fn point(x: T, weight: T) -> Self {
         let mut first_panel = [(x, T::zero()); NODES];
         first_panel[0].1 = weight;
-        Self { half_rule: &[], from: x, span: T::zero(), first_panel, panel_ratio: T::one(), panels: 1 }
+        let half_rule = GAUSS_8.map(constants);
+        Self { half_rule, pairs: 0, from: x, span: T::zero(), first_panel, panel_ratio: T::one(), panels: 1 }
     }
 
     /// The same rule with its nodes in another scalar.
     pub(crate) fn map<U: Scalar>(&self, f: impl Fn(T) -> U) -> WallRule<U> {
         WallRule {
-            half_rule: self.half_rule,
+            half_rule: self.half_rule.map(|(a, weight)| (f(a), f(weight))),
+            pairs: self.pairs,
             from: f(self.from),
             span: f(self.span),
             first_panel: self.first_panel.map(|(x, weight)| (f(x), f(weight))),
@@ -85,12 +90,12 @@ impl<T: Scalar> WallRule<T> {
 
     /// Calls `f(X, weight)` at every node; `w` tells where the pole is.
     pub(crate) fn for_each(&self, w: T, mut f: impl FnMut(T, T)) {
-        let Self { half_rule, first_panel, .. } = self;
+        let Self { pairs, first_panel, .. } = self;
         // A sheet has no rule; a pole farther away than a panel is long does no harm.
-        if !half_rule.is_empty() && -w * T::constant(4.0) > self.from {
+        if *pairs > 0 && -w * T::constant(4.0) > self.from {
             return self.for_each_graded(w, f);
         }
-        let nodes = (2 * half_rule.len()).max(1);
+        let nodes = (2 * pairs).max(1);
         let mut scale = T::one();
         for _ in 0..self.panels {
             for &(x, weight) in first_panel.iter().take(nodes) {
@@ -106,7 +111,7 @@ impl<T: Scalar> WallRule<T> {
         for round in 0..GRADED_PANELS {
             let last = round + 1 == GRADED_PANELS || left <= distance;
             let width = if last { left } else { distance };
-            panel(self.half_rule, from, width).for_each(|(x, weight)| f(x, weight));
+            panel(&self.half_rule, self.pairs, from, width).for_each(|(x, weight)| f(x, weight));
             if last {
                 return;
             }
@@ -118,14 +123,19 @@ impl<T: Scalar> WallRule<T> {
 }
 
 /// Nodes and weights of one panel that starts at `from` and is `width` wide in `ln X`.
-fn panel<T: Scalar>(half_rule: &[(f64, f64)], from: T, width: T) -> impl Iterator<Item = (T, T)> {
+fn panel<T: Scalar>(half_rule: &[(T, T)], pairs: usize, from: T, width: T) -> impl Iterator<Item = (T, T)> {
     let half = width * T::constant(0.5);
-    half_rule.iter().flat_map(move |&(abscissa, weight)| {
+    half_rule.iter().take(pairs).flat_map(move |&(abscissa, weight)| {
         [-T::one(), T::one()].map(|sign| {
-            let x = from * (half * (T::one() + sign * T::constant(abscissa))).exp();
-            (x, T::constant(weight) * half * x)
+            let x = from * (half * (T::one() + sign * abscissa)).exp();
+            (x, weight * half * x)
         })
     })
+}
+
+/// One node of a table in the scalar: converted while it is still a constant of the source.
+fn constants<T: Scalar>((abscissa, weight): (f64, f64)) -> (T, T) {
+    (T::constant(abscissa), T::constant(weight))
 }
 
 /// A small count as a scalar, without a conversion from a run-time `f64`.

@@ -8,8 +8,9 @@ use nalgebra::Vector3;
 
 use crate::branch::Point;
 use crate::energy::{Derivatives, Wall};
+use crate::goal::Goal;
 use crate::real::{Real, epsilon, real};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, dot};
 use crate::two::Two;
 
 /// Most corrections: the first usually does, near a limit point it takes several.
@@ -19,27 +20,19 @@ const TOLERATED: f64 = 48.0;
 
 /// Which of the equilibria under a load is meant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Wanted<T: Real> {
-    /// That at this `P/mu1`.
-    Pressure(T),
-    /// That where a linear function of `(e, w, g)` has this value.
-    Deformation(Vector3<T>, T),
+pub(crate) enum Wanted<T> {
+    /// That which meets this goal.
+    Goal(Goal<T>),
     /// That of this volume.
     Volume,
 }
 
-/// External loads in units of the model; no torque where the tube cannot twist.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Loads<T> {
-    pub(crate) force: T,
-    pub(crate) torque: Option<T>,
-}
-
 /// The point with the rounding of its state and pressure taken out, where that is worth the work; `None` where Newton's corrections do
-/// not settle near it.
+/// not settle near it. The torque is `None` where the tube cannot twist.
 pub(crate) fn refined<T: Real>(
     wall: &Wall<T>,
-    loads: Loads<T>,
+    force: T,
+    torque: Option<T>,
     wanted: Wanted<T>,
     point: &Point<T>,
 ) -> Option<Point<T>> {
@@ -50,7 +43,7 @@ pub(crate) fn refined<T: Real>(
     let mut at = point.at.map(Two::from);
     let mut last = T::max_value()?;
     for _ in 0..CORRECTIONS {
-        let local = Local::new(&wall.derivatives(at.x, at.y, at.z), loads)?;
+        let local = Local::new(&wall.derivatives(at.x, at.y, at.z), force, torque)?;
         let correction = local.correction(&at, wanted);
         let size = correction.map(|c| c.round().abs()).amax();
         let scale = at.map(|c| c.round().abs()).amax();
@@ -95,12 +88,12 @@ struct Local<T> {
 
 impl<T: Real> Local<T> {
     /// `None` where the state is not stable at constant volume.
-    fn new(d: &Derivatives<Two<T>>, loads: Loads<T>) -> Option<Self> {
+    fn new(d: &Derivatives<Two<T>>, force: T, torque: Option<T>) -> Option<Self> {
         let zero = Two::zero();
-        let force_rest = Two::from(loads.force) - d.gradient.x;
-        let torque_rest = loads.torque.map_or(zero, |torque| Two::from(torque) - d.gradient.z);
+        let force_rest = Two::from(force) - d.gradient.x;
+        let torque_rest = torque.map_or(zero, |torque| Two::from(torque) - d.gradient.z);
         let (ee, eg, gg) = (d.hessian[(0, 0)], d.hessian[(0, 2)], d.hessian[(2, 2)]);
-        let twists = loads.torque.is_some();
+        let twists = torque.is_some();
         let rest = gg - eg * eg / ee;
         if !(ee > zero && (!twists || rest > zero)) {
             return None;
@@ -123,12 +116,10 @@ impl<T: Real> Local<T> {
 
     fn correction(&self, at: &Vector3<Two<T>>, wanted: Wanted<T>) -> Vector3<Two<T>> {
         let dw = match wanted {
-            Wanted::Pressure(pressure) => (Two::from(pressure) - self.pressure) / self.slope,
-            Wanted::Deformation(weights, value) => {
-                let along = |v: &Vector3<Two<T>>| {
-                    Two::from(weights.x) * v.x + Two::from(weights.y) * v.y + Two::from(weights.z) * v.z
-                };
-                (Two::from(value) - along(at) - along(&self.settling)) / along(&self.tangent)
+            Wanted::Goal(Goal::Pressure(pressure)) => (Two::from(pressure) - self.pressure) / self.slope,
+            Wanted::Goal(Goal::Deformation { weights, value, .. }) => {
+                let weights = weights.map(Two::from);
+                (Two::from(value) - dot(&weights, at) - dot(&weights, &self.settling)) / dot(&weights, &self.tangent)
             }
             Wanted::Volume => Two::zero(),
         };

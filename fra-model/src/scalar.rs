@@ -3,6 +3,9 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use nalgebra::Vector3;
+
+use crate::elementary::sin_cos;
 use crate::real::{Real, real};
 
 /// The arithmetic of a kernel. Every [`Real`] has it, and so have [`Jet`](crate::jet::Jet) and [`Two`](crate::two::Two), which are no
@@ -24,8 +27,11 @@ pub(crate) trait Scalar:
 {
     /// A constant of the source.
     fn constant(value: f64) -> Self;
-    /// The smallest relative change of the float underneath.
+    /// The smallest relative change of the float underneath: how exact an answer can be.
     fn epsilon() -> Self;
+    /// The relative rounding of sums, products, quotients and roots.
+    fn rounding() -> Self;
+    fn is_finite(self) -> bool;
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
     fn exp(self) -> Self;
@@ -33,6 +39,14 @@ pub(crate) trait Scalar:
     fn ln_1p(self) -> Self;
     fn sin(self) -> Self;
     fn cos(self) -> Self;
+
+    fn max(self, other: Self) -> Self {
+        if self < other { other } else { self }
+    }
+
+    fn min(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
 
     fn zero() -> Self {
         Self::constant(0.0)
@@ -52,6 +66,16 @@ impl<T: Real> Scalar for T {
     #[inline]
     fn epsilon() -> Self {
         T::default_epsilon()
+    }
+
+    #[inline]
+    fn rounding() -> Self {
+        T::default_epsilon()
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        nalgebra::ComplexField::is_finite(&self)
     }
 
     #[inline]
@@ -81,11 +105,26 @@ impl<T: Real> Scalar for T {
 
     #[inline]
     fn sin(self) -> Self {
-        nalgebra::ComplexField::sin(self)
+        sin_cos(self).0
     }
 
     #[inline]
     fn cos(self) -> Self {
-        nalgebra::ComplexField::cos(self)
+        sin_cos(self).1
     }
+}
+
+/// The magnitudes of the components.
+pub(crate) fn magnitudes<T: Scalar>(v: &Vector3<T>) -> Vector3<T> {
+    v.map(T::abs)
+}
+
+/// The largest magnitude of a component.
+pub(crate) fn largest<T: Scalar>(v: &Vector3<T>) -> T {
+    v.x.abs().max(v.y.abs()).max(v.z.abs())
+}
+
+/// The scalar product.
+pub(crate) fn dot<T: Scalar>(a: &Vector3<T>, b: &Vector3<T>) -> T {
+    a.x * b.x + a.y * b.y + a.z * b.z
 }

@@ -2,12 +2,13 @@
 
 use nalgebra::Vector3;
 
-use crate::branch::{Branch, Found, Goal, LARGEST_PRESSURE, Point};
+use crate::branch::{Found, LARGEST_PRESSURE, Point};
 use crate::energy::Wall;
+use crate::goal::Goal;
 use crate::held::{Held, hold};
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
+use crate::question::{Answer, Question, Way};
 use crate::real::{Real, epsilon, real};
-use crate::refine::{Loads, Wanted, refined};
 use crate::solution::{Load, Solution, State, Status, Target};
 
 /// Newton iterations that no search of a whole branch needs.
@@ -23,54 +24,6 @@ pub(crate) struct Tube<T: Real> {
     shear_modulus_pa: T,
 }
 
-/// Forward problem: `u_w` equals `P/mu1`.
-struct AtPressure<T>(T);
-
-impl<T: Real> Goal<T> for AtPressure<T> {
-    fn measure(&self, point: &Point<T>) -> (T, T) {
-        (point.pressure - self.0, point.slope)
-    }
-
-    fn noise(&self, point: &Point<T>) -> T {
-        point.pressure_noise
-    }
-
-    fn wanted(&self) -> Wanted<T> {
-        Wanted::Pressure(self.0)
-    }
-}
-
-/// Inverse problem: a linear function of `(e, w, g)` reaches a value. Every target of a straight tube has this form.
-struct AtDeformation<T: Real> {
-    weights: Vector3<T>,
-    value: T,
-    /// What the last digit of the target is worth in `value`.
-    last_digit: T,
-}
-
-impl<T: Real> Goal<T> for AtDeformation<T> {
-    fn measure(&self, point: &Point<T>) -> (T, T) {
-        (self.weights.dot(&point.at) - self.value, self.weights.dot(&point.tangent))
-    }
-
-    fn noise(&self, point: &Point<T>) -> T {
-        let rounding = point.at.abs() * (real::<T>(8.0) * epsilon::<T>());
-        self.weights.abs().dot(&(rounding + point.settling_noise)) + self.last_digit
-    }
-
-    fn wanted(&self) -> Wanted<T> {
-        Wanted::Deformation(self.weights, self.value)
-    }
-}
-
-impl<T: Real> AtDeformation<T> {
-    /// Whether the goal lies towards larger volume, to first order.
-    fn approached_outwards(&self, from: &Point<T>) -> bool {
-        let (value, rate) = self.measure(from);
-        -value / rate > T::zero()
-    }
-}
-
 impl<T: Real> Tube<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
         Self {
@@ -84,15 +37,10 @@ impl<T: Real> Tube<T> {
 
     /// The equilibrium at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
-        let wanted = pressure_pa / self.shear_modulus_pa;
-        let goal = AtPressure(wanted);
-        let branch = self.branch(load, WHOLE_BRANCH);
-        let towards = |from: &Point<T>| wanted > from.pressure;
-        let anywhere = real(LARGEST_PRESSURE);
-        let mut solution = match start.map(|start| self.search_from(&branch, start, &goal, towards)) {
-            Some(warm) if warm.status == Status::Solved => warm,
-            _ => self.search(&branch, &goal, towards, anywhere),
-        };
+        let question = self.question(Goal::Pressure(pressure_pa / self.shear_modulus_pa), load);
+        let warm = start.map(|start| self.solve(&self.from(start, question)));
+        let warm = warm.filter(|warm| warm.status == Status::Solved);
+        let mut solution = warm.unwrap_or_else(|| self.solve(&question));
         if solution.status == Status::Solved {
             let error = (solution.state.pressure_pa - pressure_pa).abs() / self.shear_modulus_pa;
             solution.residual = solution.residual.max(error);
@@ -110,24 +58,23 @@ impl<T: Real> Tube<T> {
         load: &Load<T>,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
         let goal = self.goal(target)?;
+        let question = self.question(goal, load);
         if let Some(start) = start {
-            let branch = self.branch(load, WHOLE_BRANCH);
-            let solution = self.search_from(&branch, start, &goal, |from| goal.approached_outwards(from));
-            if solution.status == Status::Solved {
-                return Ok(solution);
+            let warm = self.solve(&self.from(start, question));
+            if warm.status == Status::Solved {
+                return Ok(warm);
             }
         }
-        let branch = self.branch(load, WHOLE_BRANCH);
-        let pressed = self.search(&branch, &goal, |_| true, real(LARGEST_PRESSURE));
-        if goal.weights.z != T::zero() && !branch.twists {
+        let pressed = self.solve(&Question { way: Way::Outwards, ..question });
+        if matches!(target, Target::Twist(_)) && !question.twists {
             return Ok(pressed);
         }
         let solved = pressed.status == Status::Solved;
         if solved && pressed.state.pressure_pa <= self.shear_modulus_pa {
             return Ok(pressed);
         }
-        let within = if solved { pressed.state.pressure_pa / self.shear_modulus_pa } else { real(LARGEST_PRESSURE) };
-        let evacuated = self.search(&branch, &goal, |_| false, within);
+        let within = if solved { pressed.state.pressure_pa / self.shear_modulus_pa } else { question.within };
+        let evacuated = self.solve(&Question { way: Way::Inwards, within, ..question });
         let iterations = pressed.iterations + evacuated.iterations;
         let answer = if evacuated.status == Status::Solved { evacuated } else { pressed };
         Ok(Solution { iterations, ..answer })
@@ -141,9 +88,8 @@ impl<T: Real> Tube<T> {
         load: &Load<T>,
         budget: u32,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
-        let goal = self.goal(target)?;
-        let branch = self.branch(load, budget);
-        Ok(self.search_from(&branch, start, &goal, |from| goal.approached_outwards(from)))
+        let question = Question { budget, ..self.question(self.goal(target)?, load) };
+        Ok(self.solve(&self.from(start, question)))
     }
 
     /// The loads that hold a stretch and a twist at a gauge pressure.
@@ -168,43 +114,44 @@ impl<T: Real> Tube<T> {
 
     /// Undeformed, without pressure.
     pub(crate) fn rest(&self) -> State<T> {
-        let mut iterations = 0;
-        match self.branch(&Load::none(), WHOLE_BRANCH).at_rest(&mut iterations) {
-            Found::Root(point) | Found::Limit(point) | Found::Unreached(point) | Found::Failed(point) => {
-                self.state(&point)
-            }
-        }
+        let question = self.question(Goal::Pressure(T::zero()), &Load::none());
+        self.solve(&question).state
     }
 
-    fn twists(&self, load: &Load<T>) -> bool {
-        self.wall.twists_by_itself() || load.torque_nm != T::zero()
-    }
-
-    fn branch(&self, load: &Load<T>, budget: u32) -> Branch<'_, T> {
+    /// A goal under a load, to be looked for from rest towards where it lies.
+    fn question(&self, goal: Goal<T>, load: &Load<T>) -> Question<T> {
         let area = T::pi() * self.inner_radius_m * self.inner_radius_m;
-        Branch {
-            wall: &self.wall,
+        Question {
             force: load.force_n / (area * self.shear_modulus_pa),
             torque: load.torque_nm / (area * self.inner_radius_m * self.shear_modulus_pa),
-            twists: self.twists(load),
-            budget,
+            twists: self.wall.twists_by_itself() || load.torque_nm != T::zero(),
+            budget: WHOLE_BRANCH,
+            goal,
+            start: None,
+            way: Way::Towards,
+            within: real(LARGEST_PRESSURE),
         }
     }
 
-    fn goal(&self, target: Target<T>) -> Result<AtDeformation<T>, InvalidParameter<T>> {
+    /// The same question, to be looked for from an earlier state.
+    fn from(&self, start: &State<T>, question: Question<T>) -> Question<T> {
+        Question { start: Some(self.coordinates(start)), ..question }
+    }
+
+    fn goal(&self, target: Target<T>) -> Result<Goal<T>, InvalidParameter<T>> {
         let one = T::one();
         let positive = |field, v: T| require(v.is_finite() && v > T::zero(), field, v, "finite and > 0");
         // (r/R)^2 = (w + X)/(lambda X) = t  <=>  w/X - t e = t - 1
         let radius = |r: T, undeformed: T, x: T| {
             let excess = (r - undeformed) * (r + undeformed) / (undeformed * undeformed);
             let weights = Vector3::new(-(one + excess), one / x, T::zero());
-            AtDeformation { weights, value: excess, last_digit: epsilon::<T>() * (one + excess) }
+            Goal::Deformation { weights, value: excess, last_digit: epsilon::<T>() * (one + excess) }
         };
         match target {
             Target::AxialStretch(stretch) => {
                 positive("axial_stretch", stretch)?;
                 let last_digit = epsilon::<T>() * stretch;
-                Ok(AtDeformation { weights: Vector3::x(), value: stretch - one, last_digit })
+                Ok(Goal::Deformation { weights: Vector3::x(), value: stretch - one, last_digit })
             }
             Target::OuterRadius(r) => {
                 positive("outer_radius_m", r)?;
@@ -217,7 +164,7 @@ impl<T: Real> Tube<T> {
             Target::Twist(twist) => {
                 require(twist.is_finite(), "twist_rad", twist, "finite")?;
                 let value = twist * self.inner_radius_m / self.length_m;
-                Ok(AtDeformation { weights: Vector3::z(), value, last_digit: epsilon::<T>() * value.abs() })
+                Ok(Goal::Deformation { weights: Vector3::z(), value, last_digit: epsilon::<T>() * value.abs() })
             }
             Target::BendAngle(angle) => Err(InvalidParameter {
                 field: "bend_angle_rad",
@@ -227,64 +174,17 @@ impl<T: Real> Tube<T> {
         }
     }
 
-    /// Searches from rest under the load, up to a pressure of `within` either way.
-    fn search<G: Goal<T>>(
-        &self,
-        branch: &Branch<'_, T>,
-        goal: &G,
-        outwards: impl Fn(&Point<T>) -> bool,
-        within: T,
-    ) -> Solution<T> {
-        let mut iterations = 0;
-        let found = match branch.at_rest(&mut iterations) {
-            Found::Root(point) if point.slope > T::zero() => {
-                branch.search(point, goal, outwards(&point), within, &mut iterations)
-            }
-            // The load alone has no stable equilibrium: no pressure is to blame.
-            Found::Root(point) | Found::Limit(point) => Found::Unreached(point),
-            ended => ended,
-        };
-        self.solution(branch, goal, found, iterations)
-    }
-
-    /// Searches from an earlier state; not converged where that is not on the branch.
-    fn search_from<G: Goal<T>>(
-        &self,
-        branch: &Branch<'_, T>,
-        start: &State<T>,
-        goal: &G,
-        outwards: impl Fn(&Point<T>) -> bool,
-    ) -> Solution<T> {
-        let mut iterations = 0;
-        match branch.resume(self.coordinates(start), &mut iterations) {
-            Some(point) => {
-                let anywhere = real(LARGEST_PRESSURE);
-                let found = branch.search(point, goal, outwards(&point), anywhere, &mut iterations);
-                self.solution(branch, goal, found, iterations)
-            }
-            None => Solution {
-                status: Status::NotConverged,
-                state: *start,
-                limit_pressure_pa: None,
-                residual: T::zero(),
-                iterations,
-            },
-        }
-    }
-
-    fn solution<G: Goal<T>>(&self, branch: &Branch<'_, T>, goal: &G, found: Found<T>, iterations: u32) -> Solution<T> {
-        let loads = Loads { force: branch.force, torque: branch.twists.then_some(branch.torque) };
-        let refine = |point: Point<T>, wanted| refined(&self.wall, loads, wanted, &point).unwrap_or(point);
+    /// Asks the branch.
+    fn solve(&self, question: &Question<T>) -> Solution<T> {
+        let Answer { found, iterations } = question.answer(&self.wall);
         let (status, point, limit) = match found {
-            Found::Root(point) => (Status::Solved, refine(point, goal.wanted()), None),
-            Found::Limit(point) => {
-                let point = refine(point, Wanted::Volume);
-                (Status::NoSolution, point, Some(point.pressure * self.shear_modulus_pa))
-            }
+            Found::Root(point) => (Status::Solved, point, None),
+            Found::Limit(point) => (Status::NoSolution, point, Some(point.pressure * self.shear_modulus_pa)),
             Found::Unreached(point) => (Status::NoSolution, point, None),
             Found::Failed(point) => (Status::NotConverged, point, None),
         };
-        Solution { status, state: self.state(&point), limit_pressure_pa: limit, residual: point.residual, iterations }
+        let state = self.state(&point);
+        Solution { status, state, limit_pressure_pa: limit, residual: point.residual, iterations }
     }
 
     fn state(&self, point: &Point<T>) -> State<T> {

@@ -7,6 +7,7 @@
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::elementary::sin_cos;
 use crate::real::{Real, real};
 use crate::scalar::Scalar;
 
@@ -158,6 +159,14 @@ impl<T: Real> Scalar for Two<T> {
         Self::from(T::default_epsilon())
     }
 
+    fn rounding() -> Self {
+        Self::from(real::<T>(4.0) * T::default_epsilon() * T::default_epsilon())
+    }
+
+    fn is_finite(self) -> bool {
+        self.high.is_finite() && self.low.is_finite()
+    }
+
     fn abs(self) -> Self {
         if self.high < T::zero() { -self } else { self }
     }
@@ -185,10 +194,12 @@ impl<T: Real> Scalar for Two<T> {
     }
 
     fn sin(self) -> Self {
-        self.map(self.high.sin(), self.high.cos())
+        let (sin, cos) = sin_cos(self.high);
+        self.map(sin, cos)
     }
 
     fn cos(self) -> Self {
-        self.map(self.high.cos(), -self.high.sin())
+        let (sin, cos) = sin_cos(self.high);
+        self.map(cos, -sin)
     }
 }

@@ -1,0 +1,59 @@
+//! What a search along the branch of equilibria looks for.
+
+use nalgebra::Vector3;
+
+use crate::branch::Point;
+use crate::scalar::{Scalar, dot, magnitudes};
+
+/// A scalar along the branch that shall vanish.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Goal<T> {
+    /// Forward problem: `u_w` equals this `P/mu1`.
+    Pressure(T),
+    /// Inverse problem: a linear function of `(e, w, g)` reaches a value. Every target of a straight tube has this form.
+    Deformation {
+        weights: Vector3<T>,
+        value: T,
+        /// What the last digit of the target is worth in `value`.
+        last_digit: T,
+    },
+}
+
+impl<T: Scalar> Goal<T> {
+    /// The scalar at a state and its derivative with respect to `w` along the branch.
+    pub(crate) fn measure(&self, point: &Point<T>) -> (T, T) {
+        match self {
+            Self::Pressure(pressure) => (point.pressure - *pressure, point.slope),
+            Self::Deformation { weights, value, .. } => {
+                (dot(weights, &point.at) - *value, dot(weights, &point.tangent))
+            }
+        }
+    }
+
+    /// How far from zero rounding alone may keep that scalar.
+    pub(crate) fn noise(&self, point: &Point<T>) -> T {
+        match self {
+            Self::Pressure(_) => point.pressure_noise,
+            Self::Deformation { weights, last_digit, .. } => {
+                let rounding = magnitudes(&point.at) * (T::constant(8.0) * T::rounding());
+                dot(&magnitudes(weights), &(rounding + point.settling_noise)) + *last_digit
+            }
+        }
+    }
+
+    /// Whether the goal lies towards larger volume, to first order.
+    pub(crate) fn lies_outwards(&self, from: &Point<T>) -> bool {
+        let (value, rate) = self.measure(from);
+        -value / rate > T::zero()
+    }
+
+    /// The same goal in another scalar.
+    pub(crate) fn map<U: Scalar>(&self, f: impl Fn(T) -> U) -> Goal<U> {
+        match self {
+            Self::Pressure(pressure) => Goal::Pressure(f(*pressure)),
+            Self::Deformation { weights, value, last_digit } => {
+                Goal::Deformation { weights: weights.map(&f), value: f(*value), last_digit: f(*last_digit) }
+            }
+        }
+    }
+}
