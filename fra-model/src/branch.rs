@@ -277,7 +277,8 @@ impl<T: Scalar> Branch<'_, T> {
         let (mut here, mut step) = (start, longest);
         let mut last_wanted = T::constant(FAR);
         // A start at the root may lie behind it by its rounding.
-        if goal.measure(&here).0.abs() <= goal.noise(&here) {
+        let (value, rate) = goal.measure(&here);
+        if value.abs() <= goal.noise(&here) && is_tolerable(value / rate, &here) {
             return Found::Root(here);
         }
         while *iterations < self.budget {
@@ -286,9 +287,8 @@ impl<T: Scalar> Branch<'_, T> {
             let size = wanted.abs();
             // At the root: exactly, within the last digit, or where rounding keeps Newton's steps from shrinking further.
             let last_digit = T::epsilon() * here.at.y.abs();
-            let tolerable = size <= T::constant(COARSEST) * here.at.y.abs();
             let stalls = T::constant(STALL) * T::rounding() * here.at.y.abs();
-            let rounding = size <= stalls || (value.abs() <= goal.noise(&here) && tolerable);
+            let rounding = size <= stalls || (value.abs() <= goal.noise(&here) && is_tolerable(size, &here));
             let stalled = size >= last_wanted * T::constant(0.5) && rounding;
             if value == T::zero() || size <= last_digit || stalled {
                 return Found::Root(here);
@@ -430,9 +430,12 @@ fn stride<T: Scalar>(here: &Point<T>, wanted: T, outwards: bool, longest: T) -> 
 fn gradient_noise<T: Scalar>(d: &Derivatives<T>, at: Vector3<T>) -> Vector3<T> {
     let reach = magnitudes(&at);
     let row = |axis: usize| dot(&magnitudes(&d.hessian.column(axis).into_owned()), &reach);
-    let arithmetic = Vector3::new(row(0), row(1), row(2)) + d.magnitude;
-    let elastomer = T::constant(8.0) * T::epsilon() * d.elastomer_magnitude;
-    arithmetic * (T::constant(8.0) * T::rounding()) + Vector3::repeat(elastomer)
+    (Vector3::new(row(0), row(1), row(2)) + d.magnitude) * (T::constant(8.0) * T::rounding())
+}
+
+/// Whether a change of the volume that rounding hides is small enough for an answer.
+fn is_tolerable<T: Scalar>(change: T, here: &Point<T>) -> bool {
+    change.abs() <= T::constant(COARSEST) * here.at.y.abs()
 }
 
 /// The number where it is positive; this refuses a NaN, too.

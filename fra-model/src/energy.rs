@@ -24,21 +24,14 @@ const MAGNIFIED_ROUNDING: f64 = 2e-4;
 pub(crate) struct Derivatives<T> {
     pub(crate) gradient: Vector3<T>,
     pub(crate) hessian: Matrix3<T>,
-    /// Magnitudes of the fibers' terms of the gradient: what their rounding errors are relative to.
+    /// Sum of the magnitudes of the terms of the gradient: what its rounding errors are relative to.
     pub(crate) magnitude: Vector3<T>,
-    /// The same for each component of the elastomer's share, whose logarithm has the digits of a plain float in every scalar.
-    pub(crate) elastomer_magnitude: T,
 }
 
 impl<T: Scalar> Derivatives<T> {
     fn none() -> Self {
         let zero = T::zero();
-        Self {
-            gradient: Vector3::repeat(zero),
-            hessian: Matrix3::repeat(zero),
-            magnitude: Vector3::repeat(zero),
-            elastomer_magnitude: zero,
-        }
+        Self { gradient: Vector3::repeat(zero), hessian: Matrix3::repeat(zero), magnitude: Vector3::repeat(zero) }
     }
 }
 
@@ -108,6 +101,7 @@ struct Winding<T> {
 /// A straight tube, ready to be evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wall<T> {
+    parameters: ActuatorParameters<T>,
     /// `X_o = (R_o/R_i)^2`.
     pub(crate) x_outer: T,
     elastomer: Elastomer<T>,
@@ -129,7 +123,7 @@ impl<T: Scalar> Wall<T> {
         };
         let winding = parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > T::zero());
         let winding = winding.map(|fiber| Winding::new(fiber, parameters.inner_radius_m, x_outer, mu1));
-        Self { x_outer, elastomer, winding }
+        Self { parameters: *parameters, x_outer, elastomer, winding }
     }
 
     /// `true` when the tube can twist without an external torque.
@@ -152,7 +146,7 @@ impl<T: Scalar> Wall<T> {
             Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
         };
         // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.
-        sum.elastomer_magnitude = (self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs());
+        sum.magnitude = Vector3::repeat((self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs()));
         sum
     }
 }
@@ -165,23 +159,10 @@ impl<T: Real> Wall<T> {
         winding.modulus_ratio * T::default_epsilon() > real::<T>(MAGNIFIED_ROUNDING)
     }
 
-    /// The same wall, to be evaluated with twice the digits.
+    /// The same wall, to be evaluated with twice the digits: of the parameters, too, so that the nodes of a thin wall are as far apart as
+    /// the parameters say.
     pub(crate) fn of_two(&self) -> Wall<Two<T>> {
-        let elastomer = match &self.elastomer {
-            Elastomer::NeoHookean => Elastomer::NeoHookean,
-            Elastomer::Yeoh { a, b, rule } => {
-                Elastomer::Yeoh { a: Two::from(*a), b: Two::from(*b), rule: rule.map(Two::from) }
-            }
-        };
-        let winding = self.winding.as_ref().map(|winding| Winding {
-            cos: Two::from(winding.cos),
-            sin: Two::from(winding.sin),
-            modulus_ratio: Two::from(winding.modulus_ratio),
-            families: winding.families,
-            is_sheet: winding.is_sheet,
-            rule: winding.rule.map(Two::from),
-        });
-        Wall { x_outer: Two::from(self.x_outer), elastomer, winding }
+        Wall::new(&self.parameters.map(Two::from))
     }
 }
 
@@ -201,11 +182,11 @@ impl<T: Scalar> Wall<T> {
         let winding = self.winding.as_ref().filter(|winding| winding.is_sheet)?;
         let (first, strain, terms, stiffness) = winding.sheet(at.x, at.y, at.z)?;
         let bare = self.elastomer_derivatives(at.x, at.y, at.z);
-        let rounding = T::constant(8.0) * T::epsilon();
+        let rounding = T::constant(8.0) * T::rounding();
         // What the elastomer's share of an equation is off by, through rounding and through the state.
         let off = |axis: usize| {
             let state = dot(&magnitudes(&bare.hessian.column(axis).into_owned()), settling_noise);
-            (bare.elastomer_magnitude + bare.gradient[axis].abs()) * rounding + state
+            (bare.magnitude[axis] + bare.gradient[axis].abs()) * rounding + state
         };
         let mut tension =
             (stiffness * strain, stiffness * (terms * rounding + dot(&magnitudes(&first), settling_noise)));

@@ -141,6 +141,32 @@ impl<T: Real> Material<T> {
     }
 }
 
+impl<T: Copy> ActuatorParameters<T> {
+    /// The same parameters in another scalar.
+    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U) -> ActuatorParameters<U> {
+        ActuatorParameters {
+            motion: self.motion,
+            inner_radius_m: f(self.inner_radius_m),
+            outer_radius_m: f(self.outer_radius_m),
+            length_m: f(self.length_m),
+            material: match self.material {
+                Material::NeoHookean { shear_modulus_pa } => {
+                    Material::NeoHookean { shear_modulus_pa: f(shear_modulus_pa) }
+                }
+                Material::Yeoh { c_pa } => Material::Yeoh { c_pa: c_pa.map(&f) },
+            },
+            fiber: self.fiber.map(|fiber| Fiber {
+                angle_rad: f(fiber.angle_rad),
+                families: fiber.families,
+                modulus_pa: f(fiber.modulus_pa),
+                placement: fiber.placement,
+                thickness_m: f(fiber.thickness_m),
+                radius_m: f(fiber.radius_m),
+            }),
+        }
+    }
+}
+
 impl<T: Real> ActuatorParameters<T> {
     /// Checks every field; the first that is not accepted is named.
     ///

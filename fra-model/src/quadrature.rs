@@ -75,19 +75,6 @@ impl<T: Scalar> WallRule<T> {
         Self { half_rule, pairs: 0, from: x, span: T::zero(), first_panel, panel_ratio: T::one(), panels: 1 }
     }
 
-    /// The same rule with its nodes in another scalar.
-    pub(crate) fn map<U: Scalar>(&self, f: impl Fn(T) -> U) -> WallRule<U> {
-        WallRule {
-            half_rule: self.half_rule.map(|(a, weight)| (f(a), f(weight))),
-            pairs: self.pairs,
-            from: f(self.from),
-            span: f(self.span),
-            first_panel: self.first_panel.map(|(x, weight)| (f(x), f(weight))),
-            panel_ratio: f(self.panel_ratio),
-            panels: self.panels,
-        }
-    }
-
     /// Calls `f(X, weight)` at every node; `w` tells where the pole is.
     pub(crate) fn for_each(&self, w: T, mut f: impl FnMut(T, T)) {
         let Self { pairs, first_panel, .. } = self;

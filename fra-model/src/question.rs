@@ -5,13 +5,16 @@ use nalgebra::Vector3;
 use crate::branch::{Branch, Found, Point};
 use crate::energy::Wall;
 use crate::goal::Goal;
-use crate::real::Real;
+use crate::real::{Real, real};
 use crate::refine::{Wanted, refined};
 use crate::scalar::Scalar;
 use crate::two::Two;
 
 /// One evaluation with twice the digits costs about this many plain ones.
 const COST_OF_TWO: u32 = 16;
+
+/// Largest `d ln P/d ln V` taken for that of a limit point.
+const SLOPE_OF_A_LIMIT: f64 = 1e-2;
 
 /// Which way a search goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +66,7 @@ impl<T: Real> Question<T> {
         let budget = (self.budget - spent) / COST_OF_TWO;
         let exact = Question { budget, ..self.map(Two::from) }.search(&wall.of_two());
         let found = exact.found.map(|point| point.map(Two::round));
-        Answer { found, iterations: spent + exact.iterations }
+        Answer { found: self.settled(wall, found).unwrap_or(found), iterations: spent + exact.iterations }
     }
 
     /// The outcome without the rounding of plain arithmetic; `None` where that leaves it in doubt.
@@ -72,10 +75,16 @@ impl<T: Real> Question<T> {
         let refine = |point: &Point<T>, wanted| refined(wall, self.force, torque, wanted, point);
         match found {
             Found::Root(point) => refine(&point, Wanted::Goal(self.goal)).map(Found::Root),
-            Found::Limit(point) => refine(&point, Wanted::Volume).map(Found::Limit),
+            Found::Limit(point) => refine(&point, Wanted::Volume).filter(is_limit).map(Found::Limit),
             Found::Unreached(_) | Found::Failed(_) => None,
         }
     }
+}
+
+/// Whether the pressure hardly changes with the volume here: a limit point, and not rounding that looked like one.
+fn is_limit<T: Real>(point: &Point<T>) -> bool {
+    let relative_slope = point.slope.abs() * (T::one() + point.at.y);
+    relative_slope <= real::<T>(SLOPE_OF_A_LIMIT) * point.pressure.abs()
 }
 
 impl<T: Scalar> Question<T> {

@@ -1,15 +1,17 @@
 //! A number of twice the digits: the unevaluated sum of two floats.
 //!
-//! Sums, products, quotients and roots carry about twice the digits of `T`, by the error-free transformations of Dekker and Knuth.
-//! Transcendental functions carry the digits of `T` only: they enter the model in constants of the geometry and in terms that nothing
-//! magnifies.
+//! Sums, products, quotients and roots carry about twice the digits of `T`, by the error-free transformations of Dekker and Knuth;
+//! transcendental functions by their series, and a Newton step on top of them.
 
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::elementary::sin_cos;
 use crate::real::{Real, real};
 use crate::scalar::Scalar;
+
+/// Enough halvings for any argument whose exponential is finite, and enough terms for the digits of two `f64`.
+const MOST_DOUBLINGS: u32 = 16;
+const MOST_TERMS: u32 = 32;
 
 /// `high + low` with `|low|` at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,9 +65,41 @@ impl<T: Real> Two<T> {
         self.high + self.low
     }
 
-    /// A function of `T` and its slope, carried over to first order.
-    fn map(self, value: T, slope: T) -> Self {
-        quick_two_sum(value, slope * self.low)
+    /// `exp(x) - 1`: the series of a part of the argument, doubled up again.
+    fn exp_m1(self) -> Self {
+        let half = Self::from(real::<T>(0.5));
+        let (mut part, mut doublings) = (self, 0);
+        while part.abs() > Self::constant(0.125) && doublings < MOST_DOUBLINGS {
+            (part, doublings) = (part * half, doublings + 1);
+        }
+        let (mut term, mut sum, mut order) = (part, part, Self::one());
+        for _ in 0..MOST_TERMS {
+            order += Self::one();
+            term = term * part / order;
+            sum += term;
+            if term.abs() <= Self::rounding() * sum.abs() {
+                break;
+            }
+        }
+        for _ in 0..doublings {
+            sum *= sum + Self::from(real::<T>(2.0));
+        }
+        sum
+    }
+
+    /// The series of sine or cosine from its first term, which has this order. Meant for angles up to a quarter turn.
+    fn alternating_series(self, first: Self, order: Self) -> Self {
+        let square = -(self * self);
+        let (mut term, mut sum, mut order) = (first, first, order);
+        for _ in 0..MOST_TERMS {
+            term = term * square / ((order + Self::one()) * (order + Self::constant(2.0)));
+            order += Self::constant(2.0);
+            sum += term;
+            if term.abs() <= Self::rounding() * sum.abs() {
+                break;
+            }
+        }
+        sum
     }
 }
 
@@ -181,25 +215,25 @@ impl<T: Real> Scalar for Two<T> {
     }
 
     fn exp(self) -> Self {
-        let value = self.high.exp();
-        self.map(value, value)
+        self.exp_m1() + Self::one()
     }
 
     fn ln(self) -> Self {
-        self.map(self.high.ln(), T::one() / self.high)
+        (self - Self::one()).ln_1p()
     }
 
+    /// One Newton step on `exp(y) - 1 = x` from the float's own logarithm.
     fn ln_1p(self) -> Self {
-        self.map(self.high.ln_1p(), T::one() / (T::one() + self.high))
+        let near = Self::from(self.high.ln_1p());
+        let power = near.exp_m1();
+        near - (power - self) / (power + Self::one())
     }
 
     fn sin(self) -> Self {
-        let (sin, cos) = sin_cos(self.high);
-        self.map(sin, cos)
+        self.alternating_series(self, Self::one())
     }
 
     fn cos(self) -> Self {
-        let (sin, cos) = sin_cos(self.high);
-        self.map(cos, -sin)
+        self.alternating_series(Self::one(), Self::zero())
     }
 }
