@@ -38,6 +38,16 @@ impl<T: Real> Actuator<T> {
         Ok(Self { parameters: *parameters, body })
     }
 
+    /// The same actuator, solved by the search along the branch alone: slower, for comparison.
+    #[doc(hidden)]
+    pub fn by_search(self) -> Self {
+        let body = match self.body {
+            Body::Straight(tube) => Body::Straight(tube.by_search()),
+            bending => bending,
+        };
+        Self { body, ..self }
+    }
+
     /// The parameters it was built from.
     pub fn parameters(&self) -> &ActuatorParameters<T> {
         &self.parameters

@@ -26,6 +26,7 @@
 mod actuator;
 mod bending;
 mod branch;
+mod direct;
 mod elementary;
 mod energy;
 mod goal;

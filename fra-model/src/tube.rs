@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::branch::{Found, LARGEST_PRESSURE, Point};
+use crate::direct::Direct;
 use crate::energy::Wall;
 use crate::goal::Goal;
 use crate::held::{Held, hold};
@@ -18,6 +19,8 @@ const WHOLE_BRANCH: u32 = 100_000;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tube<T: Real> {
     wall: Wall<T>,
+    /// The way around the search, for the walls that have one.
+    direct: Option<Direct<T>>,
     inner_radius_m: T,
     outer_radius_m: T,
     length_m: T,
@@ -28,6 +31,7 @@ impl<T: Real> Tube<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
         Self {
             wall: Wall::new(parameters),
+            direct: Direct::new(parameters),
             inner_radius_m: parameters.inner_radius_m,
             outer_radius_m: parameters.outer_radius_m,
             length_m: parameters.length_m,
@@ -174,8 +178,22 @@ impl<T: Real> Tube<T> {
         }
     }
 
-    /// Asks the branch.
+    /// The same tube without the direct way: every question goes to the branch.
+    pub(crate) fn by_search(self) -> Self {
+        Self { direct: None, ..self }
+    }
+
+    /// Goes the direct way where that is certified, else asks the branch.
     fn solve(&self, question: &Question<T>) -> Solution<T> {
+        if let Some(found) = self.direct.as_ref().and_then(|direct| direct.answer(question)) {
+            return Solution {
+                status: Status::Solved,
+                state: self.state_at(&found.at, found.pressure, found.slope),
+                limit_pressure_pa: None,
+                residual: found.residual,
+                iterations: found.evaluations,
+            };
+        }
         let Answer { found, iterations } = question.answer(&self.wall);
         let (status, point, limit) = match found {
             Found::Root(point) => (Status::Solved, point, None),

@@ -1,0 +1,314 @@
+//! One Newton step of the equilibrium of a neo-Hookean tube with a sheet of fibers, in closed form.
+//!
+//! Unknowns: axial strain `e`, relative change of the lumen's volume `w`, twist rate `g` (if `TWIST`), and the tension `T` of the sheet
+//! per unit of `d I4`, with `u = u_NH(e, w, g) + T h - T^2/(2 K)`, `h = I4 - 1`, `K` the stiffness of the sheet. The equations
+//!
+//! ```text
+//! u_e + T h_e = n,   u_w + T h_w = P/mu1,   u_g + T h_g = t,   scale h = compliance T
+//! ```
+//!
+//! are as nonlinear for a stiff sheet as for a soft one, and a pressure read from the second never is a small strain times a huge modulus.
+//! `(compliance, scale)` is `(1/K, 1)` or `(1, K)`, whichever is not large.
+//!
+//! Legend: `D = X_o - 1`, `Lam = ln(X_o (1+w)/(X_o+w))`, `M = 2 D + w Lam + g^2 Q`, `Q = D (X_o+1)/2 + w D`, `p = (r_f/R_f)^2`, `hoop = c + s g rho_f`;
+//! `il`, `ii`, `io` are the inverses of `lambda`, `1 + w`, `X_o + w`.
+
+use super::arithmetic::Arithmetic;
+
+/// The constants of a tube, all without dimension.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constants<S> {
+    /// `X_o = (R_o/R_i)^2`.
+    pub(crate) x_outer: S,
+    /// `X_o - 1`.
+    pub(crate) d: S,
+    /// `R_i^2/R_f^2`.
+    pub(crate) per_x_fiber: S,
+    /// Sine of the fiber angle times `R_f/R_i`.
+    pub(crate) sin_rho: S,
+    /// Cosine of the fiber angle and the square of its sine.
+    pub(crate) cos: S,
+    /// See `cos`.
+    pub(crate) sin2: S,
+    /// Coefficients of `scale h = compliance T`.
+    pub(crate) compliance: S,
+    /// See `compliance`.
+    pub(crate) scale: S,
+}
+
+/// The unknowns, or a change of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unknowns<S> {
+    /// Axial strain.
+    pub(crate) e: S,
+    /// Relative change of the lumen's volume.
+    pub(crate) w: S,
+    /// Twist rate.
+    pub(crate) g: S,
+    /// Tension of the sheet.
+    pub(crate) tension: S,
+}
+
+/// What the four equations lack: right side less left side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rest<S> {
+    /// Of the axial force.
+    pub(crate) e: S,
+    /// Of the pressure.
+    pub(crate) w: S,
+    /// Of the torque.
+    pub(crate) g: S,
+    /// Of the tension.
+    pub(crate) tension: S,
+}
+
+impl<S: Arithmetic> Unknowns<S> {
+    /// `self + change`.
+    #[inline(always)]
+    pub(crate) fn plus(self, change: Self) -> Self {
+        Self {
+            e: self.e + change.e,
+            w: self.w + change.w,
+            g: self.g + change.g,
+            tension: self.tension + change.tension,
+        }
+    }
+
+    /// `self factor`.
+    #[inline(always)]
+    pub(crate) fn times(self, factor: S) -> Self {
+        Self { e: self.e * factor, w: self.w * factor, g: self.g * factor, tension: self.tension * factor }
+    }
+}
+
+/// The left sides of the equations at a state, and their derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Linearised<S, const TWIST: bool> {
+    /// `u_x + T h_x`.
+    pub(crate) left: Unknowns<S>,
+    at: Unknowns<S>,
+    il: S,
+    // Elastomer.
+    m: S,
+    m_w: S,
+    m_ww: S,
+    m_www: S,
+    // Sheet.
+    p: S,
+    hoop: S,
+    h: Unknowns<S>,
+    // `u_xx + T h_xx` without and with the twist eliminated.
+    a_ee: S,
+    a_ew: S,
+    a_ww: S,
+    a_eg: S,
+    a_wg: S,
+    inverse_gg: S,
+    h_e: S,
+    h_w: S,
+    compliance: S,
+    adjugate_h: (S, S),
+    determinant: S,
+    inverse: S,
+    /// Positive where the state is stable under pressure and dead load.
+    pub(crate) stability: S,
+}
+
+impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
+    /// At a state; needs `e > -1`, `w > -1`.
+    #[inline(always)]
+    pub(crate) fn new(c: &Constants<S>, at: Unknowns<S>) -> Self {
+        let Unknowns { e, w, g, tension } = at;
+        let k = |value: f64| e.of(value);
+        let (half, one, two, three) = (k(0.5), k(1.0), k(2.0), k(3.0));
+        let lambda = one + e;
+        let (il, ii, io) = (one / lambda, one / (one + w), one / (c.x_outer + w));
+        let il2 = il * il;
+
+        // The elastomer.
+        let wd = w * c.d;
+        let s = wd / (two * (c.x_outer + w) + wd);
+        let log = two * s * s.atanh_over(s * s);
+        let log_w = c.d * ii * io;
+        let w_log = w * log;
+        let s_w = log + w * log_w;
+        let spread = ii + c.x_outer * io;
+        let m_ww = log_w * spread;
+        let m_www = -(log_w * ((ii + io) * spread + ii * ii + c.x_outer * io * io));
+        let (mut m_rest, mut m_w) = (w_log, s_w);
+        let q = c.d * (half * (c.x_outer + one) + w);
+        if TWIST {
+            let g2 = g * g;
+            m_rest = m_rest + g2 * q;
+            m_w = m_w + g2 * c.d;
+        }
+        let m = c.d + c.d + m_rest;
+        let u_e = il2 * (c.d * e * (three + e * (three + e)) - half * m_rest);
+        let u_w = half * il * m_w;
+
+        // The sheet.
+        let eps = e * (two + e);
+        let eta = (w * c.per_x_fiber - e) * il;
+        let p = one + eta;
+        let mut hoop = c.cos;
+        let mut h = c.cos * c.cos * eta + c.sin2 * eps;
+        if TWIST {
+            let shear = c.sin_rho * g;
+            hoop = hoop + shear;
+            h = h + p * shear * (c.cos + hoop);
+        }
+        let hoop2 = hoop * hoop;
+        let (p_e, p_w) = (-(p * il), il * c.per_x_fiber);
+        let h_e = hoop2 * p_e + two * c.sin2 * lambda;
+        let h_w = hoop2 * p_w;
+
+        // Second derivatives.
+        let a_ee = il2 * il * m + c.d + tension * (two * (hoop2 * p * il2 + c.sin2));
+        let a_ew = -(half * il2 * m_w + tension * h_w * il);
+        let a_ww = half * il * m_ww;
+        let zero = k(0.0);
+        let mut sum = Self {
+            left: Unknowns { e: u_e + tension * h_e, w: u_w + tension * h_w, g: zero, tension: h },
+            at,
+            il,
+            m,
+            m_w,
+            m_ww,
+            m_www,
+            p,
+            hoop,
+            h: Unknowns { e: h_e, w: h_w, g: zero, tension: zero },
+            a_ee,
+            a_ew,
+            a_ww,
+            a_eg: zero,
+            a_wg: zero,
+            inverse_gg: zero,
+            h_e,
+            h_w,
+            compliance: c.compliance,
+            adjugate_h: (zero, zero),
+            determinant: zero,
+            inverse: zero,
+            stability: zero,
+        };
+        let mut stability_gg = one;
+        if TWIST {
+            let hoop_g = two * hoop * c.sin_rho;
+            let h_g = p * hoop_g;
+            let a_gg = il * q + tension * two * p * c.sin_rho * c.sin_rho;
+            let i = one / a_gg;
+            stability_gg = a_gg;
+            sum.left.g = g * q * il + tension * h_g;
+            sum.h.g = h_g;
+            sum.a_eg = tension * hoop_g * p_e - il2 * g * q;
+            sum.a_wg = tension * hoop_g * p_w + il * g * c.d;
+            let (ie, iw, ih) = (sum.a_eg * i, sum.a_wg * i, h_g * i);
+            sum.inverse_gg = i;
+            sum.a_ee = a_ee - sum.a_eg * ie;
+            sum.a_ew = a_ew - sum.a_eg * iw;
+            sum.a_ww = a_ww - sum.a_wg * iw;
+            sum.h_e = h_e - sum.a_eg * ih;
+            sum.h_w = h_w - sum.a_wg * ih;
+            sum.compliance = c.compliance + c.scale * h_g * ih;
+        }
+        sum.factor(c.scale, stability_gg)
+    }
+
+    #[inline(always)]
+    fn factor(mut self, scale: S, stability_gg: S) -> Self {
+        let one = scale.of(1.0);
+        let Self { a_ee, a_ew, a_ww, h_e, h_w, compliance, .. } = self;
+        let adjugate_h = (a_ww * h_e - a_ew * h_w, a_ee * h_w - a_ew * h_e);
+        self.determinant = a_ee * a_ww - a_ew * a_ew;
+        let bordered = compliance * self.determinant + scale * (h_e * adjugate_h.0 + h_w * adjugate_h.1);
+        self.adjugate_h = adjugate_h;
+        self.inverse = one / bordered;
+        self.stability = stability_gg.least(bordered).least(compliance * a_ee + scale * h_e * h_e);
+        self
+    }
+
+    /// The change of the unknowns that removes a rest, to first order.
+    #[inline(always)]
+    pub(crate) fn solve(&self, c: &Constants<S>, rest: Rest<S>) -> Unknowns<S> {
+        let Rest { mut e, mut w, mut tension, .. } = rest;
+        if TWIST {
+            let i = self.inverse_gg * rest.g;
+            e = e - self.a_eg * i;
+            w = w - self.a_wg * i;
+            tension = tension - c.scale * self.h.g * i;
+        }
+        let (adj_e, adj_w) = (self.a_ww * e - self.a_ew * w, self.a_ee * w - self.a_ew * e);
+        let across = c.scale * (self.h_e * w - self.h_w * e);
+        let (ah_e, ah_w) = self.adjugate_h;
+        let (i, soft) = (self.inverse, self.compliance);
+        let de = (soft * adj_e - self.h_w * across + ah_e * tension) * i;
+        let dw = (soft * adj_w + self.h_e * across + ah_w * tension) * i;
+        let dt = (c.scale * (ah_e * e + ah_w * w) - tension * self.determinant) * i;
+        let mut dg = rest.g.of(0.0);
+        if TWIST {
+            dg = (rest.g - self.a_eg * de - self.a_wg * dw - self.h.g * dt) * self.inverse_gg;
+        }
+        Unknowns { e: de, w: dw, g: dg, tension: dt }
+    }
+
+    /// Half the second derivative of the left sides along a direction, negated: what a step in that direction leaves over.
+    #[inline(always)]
+    pub(crate) fn curvature(&self, c: &Constants<S>, d: Unknowns<S>) -> Rest<S> {
+        let k = |value: f64| d.e.of(value);
+        let (half, two) = (k(0.5), k(2.0));
+        let Self { il, p, hoop, m_w, .. } = *self;
+        // r = d ln lambda makes every power of 1/lambda a factor.
+        let r = d.e * il;
+        let (dw2, p_w) = (d.w * d.w, il * c.per_x_fiber);
+
+        let (mut dm, mut ddm) = (m_w * d.w, self.m_ww * dw2);
+        let (mut dm_w, mut ddm_w) = (self.m_ww * d.w, self.m_www * dw2);
+        let hoop2 = hoop * hoop;
+        let p_e = -(p * il);
+        let p1 = p_w * d.w + p_e * d.e;
+        let p2 = -(two * r * p1);
+        let dp_e = -(il * (p1 + p_e * d.e));
+        let ddp_e = two * il * r * (two * p1 - p * r);
+        let dp_w = -(p_w * r);
+        let (mut h_e1, mut h_w1) = (hoop2 * dp_e + two * c.sin2 * d.e, hoop2 * dp_w);
+        let (mut h_e2, mut h_w2) = (hoop2 * ddp_e, -(two * hoop2 * dp_w * r));
+        let mut h2 = hoop2 * p2 + two * c.sin2 * d.e * d.e;
+        let mut twist = k(0.0);
+        if TWIST {
+            let (g, dg) = (self.at.g, d.g);
+            let (q, dg2) = (c.d * (half * (c.x_outer + k(1.0)) + self.at.w), dg * dg);
+            let gdg = g * dg;
+            dm = dm + two * gdg * q;
+            ddm = ddm + two * q * dg2 + k(4.0) * c.d * gdg * d.w;
+            dm_w = dm_w + two * c.d * gdg;
+            ddm_w = ddm_w + two * c.d * dg2;
+            let (k1, k2) = (two * hoop * c.sin_rho, two * c.sin_rho * c.sin_rho);
+            let (k1dg, k2dg) = (k1 * dg, k2 * dg);
+            h2 = h2 + two * p1 * k1dg + p * k2dg * dg;
+            h_e1 = h_e1 + k1dg * p_e;
+            h_w1 = h_w1 + k1dg * p_w;
+            h_e2 = h_e2 + k2dg * dg * p_e + two * k1dg * dp_e;
+            h_w2 = h_w2 + k2dg * dg * p_w + two * k1dg * dp_w;
+            let (h_g1, h_g2) = (p1 * k1 + p * k2dg, p2 * k1 + two * p1 * k2dg);
+            let gq1 = q * dg + g * c.d * d.w;
+            let elastomer = two * il * (c.d * d.w * dg - r * (gq1 - g * q * r));
+            twist = -(half * (elastomer + self.at.tension * h_g2) + d.tension * h_g1);
+        }
+        let il2 = il * il;
+        let u_e2 = -(half * il2 * (ddm - r * (k(4.0) * dm - k(6.0) * self.m * r)));
+        let u_w2 = half * il * (ddm_w - two * r * (dm_w - m_w * r));
+        Rest {
+            e: -(half * (u_e2 + self.at.tension * h_e2) + d.tension * h_e1),
+            w: -(half * (u_w2 + self.at.tension * h_w2) + d.tension * h_w1),
+            g: twist,
+            tension: -(half * c.scale * h2),
+        }
+    }
+
+    /// `scale h - compliance T`, of which the tension equation wants zero, negated.
+    #[inline(always)]
+    pub(crate) fn tension_rest(&self, c: &Constants<S>) -> S {
+        c.compliance * self.at.tension - c.scale * self.left.tension
+    }
+}

@@ -1,0 +1,193 @@
+//! The direct way to an equilibrium of the tubes that have closed forms: a neo-Hookean wall, bare or wound with a sheet.
+//!
+//! Newton's method from rest or from an earlier state, on equations that a stiff winding does not make more nonlinear, with a
+//! certificate that the answer is connected to its start. It answers in two or three evaluations, or not at all: then the
+//! branch is searched.
+
+mod arithmetic;
+mod kernel;
+mod path;
+
+use nalgebra::Vector3;
+
+use crate::goal::Goal;
+use crate::parameters::{ActuatorParameters, Families, Material, Placement};
+use crate::question::{Question, Way};
+use crate::real::{Real, epsilon, real};
+use kernel::{Constants, Linearised, Rest, Unknowns};
+use path::{CONTRACTION, Path, Stand, part, weighted};
+
+/// A tube with closed forms, ready to be solved directly.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Direct<T> {
+    constants: Constants<T>,
+    families: Option<Families>,
+    norm: (T, T),
+    /// The branch at rest: first and second order in the pressure, and their contraction factor.
+    rate: Unknowns<T>,
+    curve: Unknowns<T>,
+    contraction: T,
+}
+
+/// An equilibrium, in the units of the model.
+pub(crate) struct Equilibrium<T> {
+    /// `(e, w, g)`.
+    pub(crate) at: Vector3<T>,
+    /// `P/mu1` and `d(P/mu1)/dw` along the branch.
+    pub(crate) pressure: T,
+    pub(crate) slope: T,
+    /// Largest residual of the equations one Newton step before.
+    pub(crate) residual: T,
+    pub(crate) evaluations: u32,
+}
+
+impl<T: Real> Direct<T> {
+    /// `None` for a wall without closed forms.
+    pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Option<Self> {
+        let Material::NeoHookean { shear_modulus_pa } = parameters.material else { return None };
+        let (zero, one) = (T::zero(), T::one());
+        let ratio = parameters.outer_radius_m / parameters.inner_radius_m;
+        let x_outer = ratio * ratio;
+        let mut constants = Constants {
+            x_outer,
+            d: x_outer - one,
+            per_x_fiber: one,
+            sin_rho: zero,
+            cos: zero,
+            sin2: zero,
+            compliance: one,
+            scale: zero,
+        };
+        let fiber = parameters.fiber.filter(|fiber| fiber.modulus_pa > zero);
+        if let Some(fiber) = fiber {
+            if fiber.placement != Placement::Sheet {
+                return None;
+            }
+            let radius = fiber.radius_m / parameters.inner_radius_m;
+            let sin = crate::scalar::Scalar::sin(fiber.angle_rad);
+            // At exactly a quarter turn the fibers are axial: the rounding of pi/2 shall not make them twist.
+            let cos = crate::scalar::Scalar::cos(fiber.angle_rad);
+            constants.cos = if cos.abs() <= epsilon::<T>() { zero } else { cos };
+            constants.sin2 = sin * sin;
+            constants.sin_rho = sin * radius;
+            constants.per_x_fiber = one / (radius * radius);
+            let families = if fiber.families == Families::Two { real::<T>(2.0) } else { one };
+            let area = real::<T>(2.0) * radius * fiber.thickness_m / parameters.inner_radius_m;
+            let stiffness = families * area * (fiber.modulus_pa / shear_modulus_pa);
+            (constants.compliance, constants.scale) =
+                if stiffness > one { (one / stiffness, one) } else { (one, stiffness) };
+        }
+        let rest = Unknowns { e: zero, w: zero, g: zero, tension: zero };
+        let direct = Self {
+            constants,
+            families: fiber.map(|fiber| fiber.families),
+            norm: (ratio, one / constants.d),
+            rate: rest,
+            curve: rest,
+            contraction: zero,
+        };
+        Some(if direct.twists_by_itself() { direct.with_rest::<true>() } else { direct.with_rest::<false>() })
+    }
+
+    fn twists_by_itself(&self) -> bool {
+        self.families == Some(Families::One)
+    }
+
+    fn with_rest<const TWIST: bool>(self) -> Self {
+        let c = &self.constants;
+        let path = self.path::<TWIST>(T::zero(), T::zero());
+        let lin = Linearised::<T, TWIST>::new(c, self.rate);
+        let rate = path.rate(&lin);
+        let curve = lin.solve(c, lin.curvature(c, rate));
+        let contraction = path.contraction(&rate, &curve);
+        Self { rate, curve, contraction, ..self }
+    }
+
+    fn path<const TWIST: bool>(&self, force: T, torque: T) -> Path<'_, T, TWIST> {
+        Path { constants: &self.constants, force, torque, norm: self.norm }
+    }
+
+    /// The answer to a question, if the way to it is certified.
+    pub(crate) fn answer(&self, question: &Question<T>) -> Option<Equilibrium<T>> {
+        // Under torque the two families carry different tensions.
+        if question.twists && self.families == Some(Families::Two) {
+            return None;
+        }
+        if question.twists { self.solve::<true>(question) } else { self.solve::<false>(question) }
+    }
+
+    fn solve<const TWIST: bool>(&self, question: &Question<T>) -> Option<Equilibrium<T>> {
+        let Question { force, torque, goal, .. } = question;
+        let path = self.path::<TWIST>(*force, *torque);
+        let unloaded = *force == T::zero() && *torque == T::zero();
+        let (stand, spent) = match question.start {
+            Some(start) => (self.earlier(&start), 0),
+            None if unloaded => (self.leave_rest::<TWIST>(&path, goal)?, 0),
+            None => (self.under_load::<TWIST>(&path)?, 1),
+        };
+        let end = path.follow(stand, goal, spent, question.budget.min(EVALUATIONS))?;
+        let lies_right = match question.way {
+            Way::Towards => true,
+            Way::Outwards => end.pressure > T::zero(),
+            Way::Inwards => end.pressure < T::zero(),
+        };
+        (lies_right && end.pressure.abs() <= question.within).then_some(())?;
+        let at = Vector3::new(end.at.e, end.at.w, end.at.g);
+        let slope = T::one() / end.rate.w;
+        Some(Equilibrium { at, pressure: end.pressure, slope, residual: end.residual, evaluations: end.evaluations })
+    }
+
+    /// A state given from outside; its tension follows from its strain.
+    fn earlier(&self, start: &Vector3<T>) -> Stand<T> {
+        let Constants { per_x_fiber, cos, sin2, sin_rho, scale, compliance, .. } = self.constants;
+        let (e, w, g) = (start.x, start.y, start.z);
+        let (one, two) = (T::one(), real::<T>(2.0));
+        let eta = (w * per_x_fiber - e) / (one + e);
+        let shear = g * sin_rho;
+        let strain = cos * cos * eta + (one + eta) * shear * (cos + cos + shear) + sin2 * e * (two + e);
+        let tension = strain * scale / compliance;
+        let last = T::max_value().unwrap_or(one);
+        Stand { at: Unknowns { e, w, g, tension }, pressure: None, arrived: false, last, along: None }
+    }
+
+    /// The first step from rest, without load.
+    #[inline(always)]
+    fn leave_rest<const TWIST: bool>(&self, path: &Path<'_, T, TWIST>, goal: &Goal<T>) -> Option<Stand<T>> {
+        let Self { rate, curve, .. } = self;
+        let (mut change, along, bend) = match goal {
+            Goal::Pressure(wanted) => (*wanted, None, T::zero()),
+            Goal::Deformation { weights, value, .. } => {
+                let along = weighted(weights, rate);
+                let change = *value / along;
+                (change, Some(along), weighted(weights, curve) * change / along)
+            }
+        };
+        let contraction = (self.contraction * change.abs()).max(bend.abs());
+        let arrived = contraction <= real(CONTRACTION);
+        if !arrived {
+            change *= part(contraction)?;
+        }
+        let first = rate.times(change);
+        // To second order the deformation is met by a little less or more pressure.
+        let bent = if arrived { -bend * change } else { T::zero() };
+        let at = first.plus(curve.times(change * change)).plus(rate.times(bent));
+        Some(Stand { at, pressure: Some(change), arrived, last: path.size(&first), along })
+    }
+
+    /// Rest under the load, to second order.
+    #[cold]
+    fn under_load<const TWIST: bool>(&self, path: &Path<'_, T, TWIST>) -> Option<Stand<T>> {
+        let (c, zero) = (&self.constants, T::zero());
+        let rest = Unknowns { e: zero, w: zero, g: zero, tension: zero };
+        let lin = Linearised::<T, TWIST>::new(c, rest);
+        let torque = if TWIST { path.torque } else { zero };
+        let first = lin.solve(c, Rest { e: path.force, w: zero, g: torque, tension: zero });
+        let second = lin.solve(c, lin.curvature(c, first));
+        (path.contraction(&first, &second) <= real(CONTRACTION)).then_some(())?;
+        let at = first.plus(second);
+        Some(Stand { at, pressure: Some(zero), arrived: false, last: path.size(&first), along: None })
+    }
+}
+
+/// Evaluations after which a way that is not certified is given up.
+const EVALUATIONS: u32 = 25;
