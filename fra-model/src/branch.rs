@@ -125,11 +125,12 @@ impl<T: Scalar> Branch<'_, T> {
         Found::Root(self.point(at))
     }
 
-    /// Newton at zero pressure under a share of the load; only short moves to stable states are accepted.
+    /// Newton at zero pressure under a share of the load. Only short moves over stable states are accepted, and only where the first one
+    /// is a good prediction of where they lead: a fold of the path would have bent it away.
     fn equilibrate(&self, start: Vector3<T>, share: T, iterations: &mut u32) -> Option<Vector3<T>> {
         let mut at = start;
-        let mut last = T::constant(FAR);
-        for _ in 0..SETTLE_ITERATIONS {
+        let (mut predicted, mut last) = (T::constant(FAR), T::constant(FAR));
+        for round in 0..SETTLE_ITERATIONS {
             *iterations += 1;
             let d = self.wall.derivatives(at.x, at.y, at.z);
             let (force, torque) = (self.force * share, self.torque * share);
@@ -148,6 +149,11 @@ impl<T: Scalar> Branch<'_, T> {
             let rounding = size <= (T::constant(STALL) * T::rounding() * largest(&at)).max(noise);
             if size <= T::epsilon() * largest(&at) || (size >= last * T::constant(0.5) && rounding) {
                 return Some(at);
+            }
+            if round == 0 {
+                predicted = size;
+            } else if size > predicted * T::constant(0.25) {
+                return None;
             }
             last = size;
         }

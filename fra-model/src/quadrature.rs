@@ -19,8 +19,11 @@ const NODES: usize = 2 * GAUSS_8.len();
 /// Largest span of `ln X` one panel covers: a radius ratio of 2.
 const PANEL_SPAN: f64 = 1.386_294_361_119_890_6;
 
+/// Widest panel as a share of its distance in `ln X` from a pole: eight nodes then are exact to the last digit of a double.
+const SHARE_OF_DISTANCE: f64 = 0.45;
+
 /// Most panels of a graded rule: enough for a lumen of 1e-6 of its volume.
-const GRADED_PANELS: u8 = 40;
+const GRADED_PANELS: u8 = 60;
 
 /// A rule for `int f(X) dX` from `X_a` to `X_b`: Gauss-Legendre in `ln X`, in equal panels.
 ///
@@ -35,6 +38,7 @@ pub(crate) struct WallRule<T> {
     span: T,
     /// Nodes and weights; unused ones have no weight.
     first_panel: [(T, T); NODES],
+    panel_width: T,
     panel_ratio: T,
     panels: u8,
 }
@@ -64,7 +68,7 @@ impl<T: Scalar> WallRule<T> {
         for (node, value) in first_panel.iter_mut().zip(panel(&half_rule, pairs, x_a, width)) {
             *node = value;
         }
-        Self { half_rule, pairs, from: x_a, span, first_panel, panel_ratio: width.exp(), panels }
+        Self { half_rule, pairs, from: x_a, span, first_panel, panel_width: width, panel_ratio: width.exp(), panels }
     }
 
     /// The rule of one point: a sheet at `x` whose weight is `weight`.
@@ -72,15 +76,27 @@ impl<T: Scalar> WallRule<T> {
         let mut first_panel = [(x, T::zero()); NODES];
         first_panel[0].1 = weight;
         let half_rule = GAUSS_8.map(constants);
-        Self { half_rule, pairs: 0, from: x, span: T::zero(), first_panel, panel_ratio: T::one(), panels: 1 }
+        Self {
+            half_rule,
+            pairs: 0,
+            from: x,
+            span: T::zero(),
+            first_panel,
+            panel_width: T::zero(),
+            panel_ratio: T::one(),
+            panels: 1,
+        }
     }
 
     /// Calls `f(X, weight)` at every node; `w` tells where the pole is.
     pub(crate) fn for_each(&self, w: T, mut f: impl FnMut(T, T)) {
-        let Self { pairs, first_panel, .. } = self;
-        // A sheet has no rule; a pole farther away than a panel is long does no harm.
-        if *pairs > 0 && -w * T::constant(4.0) > self.from {
-            return self.for_each_graded(w, f);
+        let Self { pairs, first_panel, panel_width, .. } = self;
+        // A sheet has no rule, and only a smaller lumen has a pole at a positive X.
+        if *pairs > 0 && w < T::zero() {
+            let distance = (self.from / -w).ln();
+            if *panel_width > distance * T::constant(SHARE_OF_DISTANCE) {
+                return self.for_each_graded(distance, f);
+            }
         }
         let nodes = (2 * pairs).max(1);
         let mut scale = T::one();
@@ -92,12 +108,12 @@ impl<T: Scalar> WallRule<T> {
         }
     }
 
-    fn for_each_graded(&self, w: T, mut f: impl FnMut(T, T)) {
-        let mut distance = (self.from / -w).ln();
-        let (mut from, mut left) = (self.from, self.span);
+    fn for_each_graded(&self, distance: T, mut f: impl FnMut(T, T)) {
+        let (mut distance, mut from, mut left) = (distance, self.from, self.span);
         for round in 0..GRADED_PANELS {
-            let last = round + 1 == GRADED_PANELS || left <= distance;
-            let width = if last { left } else { distance };
+            let widest = distance * T::constant(SHARE_OF_DISTANCE);
+            let last = round + 1 == GRADED_PANELS || left <= widest;
+            let width = if last { left } else { widest };
             panel(&self.half_rule, self.pairs, from, width).for_each(|(x, weight)| f(x, weight));
             if last {
                 return;
