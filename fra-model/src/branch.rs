@@ -307,7 +307,7 @@ impl<T: Scalar> Branch<'_, T> {
                 }
                 dw *= T::constant(0.5);
                 step = (dw / (T::one() + here.at.y)).abs();
-                if step < T::constant(64.0) * T::epsilon() {
+                if step < T::constant(64.0) * T::rounding() {
                     return if rounding { Found::Root(here) } else { Found::Failed(here) };
                 }
             };
@@ -333,11 +333,11 @@ impl<T: Scalar> Branch<'_, T> {
         let off_tangent = largest(&(there.at - here.at - here.tangent * dw));
         let scale = T::one() + here.at.x.min(here.at.y);
         let straight = off_tangent <= tenth * scale.min(T::one());
-        // The slope may halve or treble in a step; only a short one may cross the limit point.
+        // The slope may halve or treble in a step; only a short one may cross the limit point, however sharp that is.
         let fall = here.slope - there.slope;
         let short = dw.abs() <= (T::one() + here.at.y) * T::constant(0.01);
-        let most = if short { T::constant(4.0) } else { half };
-        let gentle = fall <= most * here.slope && -fall <= T::constant(2.0) * here.slope;
+        let crosses = there.slope <= T::zero();
+        let gentle = if crosses { short } else { fall <= half * here.slope && -fall <= T::constant(2.0) * here.slope };
         let along = (there.pressure - here.pressure - half * (here.slope + there.slope) * dw).abs();
         let rounding = T::constant(4.0) * (here.pressure_noise + there.pressure_noise);
         let resolved = along <= tenth * dw.abs() * here.slope.max(there.slope.abs()) + rounding;
@@ -407,7 +407,7 @@ impl<T: Scalar> Branch<'_, T> {
                 _ if inside(secant) => secant,
                 _ => middle,
             };
-            let tolerance = T::constant(2.0) * T::epsilon() * nearest.at.y.abs();
+            let tolerance = T::constant(2.0) * T::rounding() * nearest.at.y.abs();
             if value == T::zero() || (newton - nearest.at.y).abs() <= tolerance || !inside(w) || width <= tolerance {
                 return Found::Root(nearest);
             }
