@@ -176,7 +176,7 @@ impl<T: Scalar> Branch<'_, T> {
             at.z += dg;
             let size = de.abs().max(dg.abs());
             let scale = largest(&at);
-            let floor = size <= T::epsilon() * scale;
+            let floor = size <= T::rounding() * scale;
             let noise = self.settling_noise(&d, at)?;
             let rounding = size <= (T::constant(STALL) * T::rounding() * scale).max(largest(&noise));
             let stalled = size >= last * T::constant(0.5) && rounding;
