@@ -22,6 +22,8 @@ const ERRATIC_ITERATIONS: u32 = 8;
 const STALL: f64 = 1e4;
 /// Where rounding hides the root in more than this share of the volume's change, there is no answer.
 const COARSEST: f64 = 1e-3;
+/// Where rounding may be more than this share of the pressure, and of its change with the volume, a step cannot be checked.
+const BLINDING: f64 = 0.03;
 /// Farther than any step.
 const FAR: f64 = 1e30;
 /// Longest step in `ln(1 + w)`.
@@ -300,6 +302,10 @@ impl<T: Scalar> Branch<'_, T> {
                 return Found::Root(here);
             }
             last_wanted = size;
+            let change = (here.slope * (T::one() + here.at.y)).max(here.pressure.abs());
+            if here.pressure_noise > T::constant(BLINDING) * change {
+                return Found::Failed(here);
+            }
             let mut dw = stride(&here, wanted, outwards, step);
             let there = loop {
                 if let Some(there) = self.step(&here, dw, iterations) {

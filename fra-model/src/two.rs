@@ -194,7 +194,7 @@ impl<T: Real> Scalar for Two<T> {
     }
 
     fn rounding() -> Self {
-        Self::from(real::<T>(4.0) * T::default_epsilon() * T::default_epsilon())
+        Self::from(T::default_epsilon() * T::default_epsilon())
     }
 
     fn is_finite(self) -> bool {
