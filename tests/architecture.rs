@@ -26,6 +26,7 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-firmware", "softlimb-protocol"),
     ("softlimb-firmware", "fra-model"),
     ("softlimb-plant", "fra-model"),
+    ("softlimb-image-mps2-an386", "fra-model"),
 ];
 
 /// Packages that use none of ours, their tests included.

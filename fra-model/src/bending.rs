@@ -268,13 +268,14 @@ impl<T: Real> Bender<T> {
     fn bent(&self, k: T, iterations: &mut u32) -> Bent<T> {
         *iterations += 1;
         let mut sum = Jet::constant(T::zero());
+        let (coarse, fine) = (COARSE_ANGLES.map(constants::<T>), FINE_ANGLES.map(constants::<T>));
         let (radial, angles): (_, &[_]) =
-            if k < self.coarse_until { (&self.coarse, &COARSE_ANGLES) } else { (&self.fine, &FINE_ANGLES) };
+            if k < self.coarse_until { (&self.coarse, &coarse) } else { (&self.fine, &fine) };
         radial.for_each(T::zero(), |rho_squared, weight| {
             let rho = rho_squared.sqrt();
             for &(cos, sin) in angles {
-                for cos in [real::<T>(cos), -real::<T>(cos)] {
-                    sum = sum + Jet::constant(weight) * self.moment_density(k, rho, cos, real(sin));
+                for cos in [cos, -cos] {
+                    sum = sum + Jet::constant(weight) * self.moment_density(k, rho, cos, sin);
                 }
             }
         });
@@ -344,6 +345,11 @@ impl<T: Real> Bender<T> {
         }
         r
     }
+}
+
+/// A cosine and sine in the scalar: converted while they are still constants of the source.
+fn constants<T: Real>((cos, sin): (f64, f64)) -> (T, T) {
+    (real(cos), real(sin))
 }
 
 fn not_a_bend<T: Real>(target: Target<T>) -> InvalidParameter<T> {

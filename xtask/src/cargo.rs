@@ -13,12 +13,20 @@ impl Cargo {
     /// `cargo <arguments>`, printed as one would type it.
     pub(crate) fn announce(arguments: &[&str]) -> Self {
         println!("xtask: cargo {}", arguments.join(" "));
-        Self::new(arguments)
+        Self { command: Self::quiet(arguments) }
+    }
+
+    /// The same without printing it, for what a step needs and whoever reads along does not.
+    pub(crate) fn quiet(arguments: &[&str]) -> Command {
+        let program = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+        let mut command = Command::new(program);
+        command.args(arguments).current_dir(root());
+        command
     }
 
     /// Whether `cargo <component>` exists: rustfmt and clippy are separate parts of a toolchain.
     pub(crate) fn has(component: &str) -> bool {
-        let mut probe = Self::new(&[component, "--version"]).command;
+        let mut probe = Self::quiet(&[component, "--version"]);
         probe.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
     }
 
@@ -31,13 +39,6 @@ impl Cargo {
     /// Starts with standard output held back for the caller.
     pub(crate) fn start(mut self) -> Result<Child, u8> {
         self.command.stdout(Stdio::piped()).spawn().map_err(|error| not_started(&error))
-    }
-
-    fn new(arguments: &[&str]) -> Self {
-        let program = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
-        let mut command = Command::new(program);
-        command.args(arguments).current_dir(root());
-        Self { command }
     }
 }
 
@@ -61,9 +62,15 @@ fn code(status: ExitStatus) -> Result<(), u8> {
 }
 
 /// The workspace: the folder above this package.
-fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     // At run time where Cargo tells it, so that a moved checkout still works.
     let package = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| OsString::from(env!("CARGO_MANIFEST_DIR")));
     let package = PathBuf::from(package);
     package.parent().map_or_else(|| package.clone(), PathBuf::from)
+}
+
+/// The folder of everything that is built.
+pub(crate) fn target_folder() -> PathBuf {
+    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
+    root().join(folder)
 }

@@ -1,12 +1,19 @@
 //! `cargo xtask <command>`: the developer's commands of the workspace.
 
 mod cargo;
+mod double;
+mod elf;
+mod emulator;
+mod image;
+mod table;
 mod tally;
+mod toolchain;
 
 use std::io::{BufRead, BufReader};
 use std::process::ExitCode;
 
 use cargo::Cargo;
+use image::{Counts, Trouble};
 use tally::Tally;
 
 const HELP: &str = "\
@@ -14,11 +21,14 @@ Developer commands of the workspace
 
 Usage: cargo xtask <command>
 
-  test   formatting, lints, then every test of the workspace; what CI runs
-  lint   formatting and lints alone
-  help   this text
+  test         formatting, lints, every test of the workspace, the model's image; what CI runs
+  lint         formatting and lints alone
+  model-image  builds the model for a microcontroller, looks for double precision in it, runs it in an emulator: the same
+               bits as here, as many instructions as recorded; with --record it records them
+  help         this text
 
-Formatting needs rustfmt and the lints need clippy; a step whose component is not installed is skipped and says so.
+Formatting needs rustfmt and the lints need clippy; a step whose component is not installed is skipped and says so. The image
+needs a toolchain for the microcontroller and qemu-system-arm; without them `test` skips it, but not where CI is set.
 Exit codes: that of the first step that fails; 2 for a wrong command line.";
 
 fn main() -> ExitCode {
@@ -27,6 +37,8 @@ fn main() -> ExitCode {
     let outcome = match words[..] {
         ["test"] => lint().and_then(|()| test()),
         ["lint"] => lint(),
+        ["model-image"] => model_image(Counts::Compare),
+        ["model-image", "--record"] => model_image(Counts::Record),
         ["help" | "--help" | "-h"] => {
             println!("{HELP}");
             Ok(())
@@ -56,10 +68,16 @@ fn step(component: &str, arguments: &[&str]) -> Result<(), u8> {
     Cargo::announce(arguments).run()
 }
 
-/// All tests. The last line printed is their sum.
+/// All tests, then the image. The last line printed is the sum of the tests.
 fn test() -> Result<(), u8> {
-    let mut running = Cargo::announce(&["test", "--workspace"]).start()?;
     let mut tally = Tally::default();
+    let outcome = tests(&mut tally).and_then(|()| image_where_possible());
+    println!("{tally}");
+    outcome
+}
+
+fn tests(tally: &mut Tally) -> Result<(), u8> {
+    let mut running = Cargo::announce(&["test", "--workspace"]).start()?;
     if let Some(output) = running.stdout.take() {
         // Bytes, because a test may print what is not UTF-8.
         for line in BufReader::new(output).split(b'\n').map_while(Result::ok) {
@@ -68,7 +86,27 @@ fn test() -> Result<(), u8> {
             tally.read(&line);
         }
     }
-    let outcome = cargo::finish(&mut running);
-    println!("{tally}");
-    outcome
+    cargo::finish(&mut running)
+}
+
+/// The image as part of the tests: a missing tool is no failure, but in continuous integration, where it would never be noticed.
+fn image_where_possible() -> Result<(), u8> {
+    match image::check(Counts::Compare) {
+        Err(Trouble::Missing(cure)) if std::env::var_os("CI").is_none_or(|ci| ci.is_empty()) => {
+            println!("xtask: skipped the image of the model (`cargo xtask model-image`): {cure}");
+            Ok(())
+        }
+        other => told(other),
+    }
+}
+
+fn model_image(counts: Counts) -> Result<(), u8> {
+    told(image::check(counts))
+}
+
+fn told(outcome: Result<(), Trouble>) -> Result<(), u8> {
+    outcome.map_err(|(Trouble::Missing(text) | Trouble::Failed(text))| {
+        eprintln!("xtask: {text}");
+        1
+    })
 }

@@ -1,0 +1,111 @@
+//! A way to build for the microcontroller with what is installed.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Cortex-M4 with its unit for single precision.
+pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// What to do where there is none.
+const CURE: &str = "\
+no installed toolchain builds for thumbv7em-none-eabihf. Install one:
+  with rustup:            rustup target add thumbv7em-none-eabihf
+  Debian, without rustup: apt-get install rustc-web cargo-web rust-web-src lld";
+
+/// A Cargo that can build for the target.
+pub(crate) struct Toolchain {
+    cargo: OsString,
+    rustc: PathBuf,
+    /// `rustc 1.96.0 (...)`.
+    pub(crate) version: String,
+    /// Where the standard library of the target is not installed but its source is.
+    from_source: bool,
+    /// Where the toolchain brings no linker for the target.
+    linker: Option<PathBuf>,
+}
+
+impl Toolchain {
+    /// The first that will do: the one that runs now with the target installed; the same with the source of the standard library;
+    /// the system's with that source, as Debian packages it.
+    ///
+    /// # Errors
+    /// What to install.
+    pub(crate) fn find() -> Result<Self, String> {
+        let cargo = env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+        let own = env::var_os("RUSTC").map_or_else(|| PathBuf::from("rustc"), PathBuf::from);
+        let candidates = [(cargo, own), (OsString::from("/usr/bin/cargo"), PathBuf::from("/usr/bin/rustc"))];
+        candidates.into_iter().find_map(|(cargo, rustc)| Self::of(cargo, rustc)).ok_or_else(|| CURE.to_owned())
+    }
+
+    fn of(cargo: OsString, rustc: PathBuf) -> Option<Self> {
+        let version = answer(&rustc, "--version")?;
+        if !is_new_enough(&version) {
+            return None;
+        }
+        let library = PathBuf::from(answer(&rustc, "--print=sysroot")?).join("lib/rustlib");
+        let installed = library.join(TARGET).join("lib").is_dir();
+        let source = library.join("src/rust/library/core").is_dir();
+        let own_linker = answer(&rustc, "--print=host-tuple").is_some_and(|host| has_linker(&library.join(host)));
+        let linker = if own_linker { None } else { Some(system_linker()?) };
+        (installed || source).then_some(Self { cargo, rustc, version, from_source: !installed, linker })
+    }
+
+    /// `cargo build` of a package for the target into a folder, with the profile for images.
+    pub(crate) fn build(&self, package: &str, folder: &Path) -> Command {
+        let mut command = Command::new(&self.cargo);
+        command.args(["build", "--package", package, "--profile", "firmware", "--target", TARGET, "--target-dir"]);
+        command.arg(folder).env("RUSTC", &self.rustc);
+        // Flags for this computer are none for the microcontroller.
+        command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+        if self.from_source {
+            // Stable compilers build the standard library from source when asked like this.
+            command.env("RUSTC_BOOTSTRAP", "1");
+            command.args(["-Zbuild-std=core", "-Zbuild-std-features=compiler-builtins-mem"]);
+        }
+        if let Some(linker) = &self.linker {
+            command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+        }
+        command
+    }
+}
+
+/// What a program prints for one argument; `None` where it does not run.
+fn answer(program: &Path, argument: &str) -> Option<String> {
+    let output = Command::new(program).arg(argument).output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
+}
+
+/// Whether `rustc 1.96.0 ...` is the workspace's minimum or newer.
+fn is_new_enough(version: &str) -> bool {
+    let numbers = |text: &str| -> Option<(u32, u32)> {
+        let mut parts = text.split('.').map(|part| part.parse().ok());
+        Some((parts.next()??, parts.next()??))
+    };
+    let found = version.split_whitespace().nth(1).and_then(numbers);
+    found.is_some() && found >= numbers(env!("CARGO_PKG_RUST_VERSION"))
+}
+
+fn has_linker(host_library: &Path) -> bool {
+    ["bin/rust-lld", "bin/rust-lld.exe"].iter().any(|name| host_library.join(name).is_file())
+}
+
+/// `ld.lld` of the system, also under a name with its version.
+fn system_linker() -> Option<PathBuf> {
+    let folders: Vec<PathBuf> = env::split_paths(&env::var_os("PATH")?).collect();
+    let named = |name: &str| folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
+    named("ld.lld").or_else(|| (14..40).rev().find_map(|version| named(&format!("ld.lld-{version}"))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_new_enough;
+
+    #[test]
+    fn versions_compare_as_numbers() {
+        assert!(is_new_enough("rustc 1.100.0 (abc 2027-01-01)") && is_new_enough("rustc 2.0.0"));
+        assert!(is_new_enough("rustc 1.89.0") && !is_new_enough("rustc 1.88.9 (abc)"));
+        assert!(!is_new_enough("rustc 1.9.0") && !is_new_enough("rustc") && !is_new_enough(""));
+    }
+}
