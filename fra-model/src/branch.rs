@@ -12,6 +12,8 @@ use crate::energy::{Derivatives, Wall};
 use crate::goal::Goal;
 use crate::scalar::{Scalar, dot, largest, magnitudes};
 
+/// Smallest step of the load relative to what is applied, and to all of it.
+const SMALLEST_SHARE: f64 = 1e-6;
 /// Most Newton iterations to settle at one volume.
 const SETTLE_ITERATIONS: u32 = 40;
 /// Most steps to refine a root between two states.
@@ -120,7 +122,7 @@ impl<T: Scalar> Branch<'_, T> {
                 }
                 None => step *= T::constant(0.25),
             }
-            if step < T::constant(1e-6) {
+            if step < T::constant(SMALLEST_SHARE) * share.max(T::constant(SMALLEST_SHARE)) {
                 return Found::Limit(self.point(at));
             }
         }

@@ -180,7 +180,7 @@ impl<T: Scalar> Wall<T> {
         settling_noise: &Vector3<T>,
     ) -> Option<(T, T)> {
         let winding = self.winding.as_ref().filter(|winding| winding.is_sheet)?;
-        let (first, strain, terms, stiffness) = winding.sheet(at.x, at.y, at.z)?;
+        let Sheet { first, cancelling, strain, terms, stiffness } = winding.sheet(at.x, at.y, at.z)?;
         let bare = self.elastomer_derivatives(at.x, at.y, at.z);
         let rounding = T::constant(8.0) * T::rounding();
         // What the elastomer's share of an equation is off by, through rounding and through the state.
@@ -192,9 +192,11 @@ impl<T: Scalar> Wall<T> {
             (stiffness * strain, stiffness * (terms * rounding + dot(&magnitudes(&first), settling_noise)));
         for (axis, load) in [(0, Some(force)), (2, torque)] {
             let Some(load) = load else { continue };
-            let noise = (off(axis) + load.abs() * rounding) / first[axis].abs();
+            let by_load = (load - bare.gradient[axis]) / first[axis];
+            let lever = if axis == 0 { cancelling * by_load.abs() } else { T::zero() };
+            let noise = (off(axis) + (load.abs() + lever) * rounding) / first[axis].abs();
             if noise < tension.1 {
-                tension = ((load - bare.gradient[axis]) / first[axis], noise);
+                tension = (by_load, noise);
             }
         }
         Some((bare.gradient.y + first.y * tension.0, off(1) + first.y.abs() * tension.1))
@@ -283,7 +285,7 @@ impl<T: Scalar> Winding<T> {
         };
         // At exactly a quarter turn the fibers are axial: the rounding of pi/2 shall not make them twist.
         let cos = fiber.angle_rad.cos();
-        let cos = if cos.abs() <= T::epsilon() { T::zero() } else { cos };
+        let cos = if cos.abs() <= T::epsilon() { cos.without_value() } else { cos };
         Self {
             cos,
             sin: fiber.angle_rad.sin(),
@@ -294,21 +296,24 @@ impl<T: Scalar> Winding<T> {
         }
     }
 
-    /// Of a sheet whose families are strained alike: the sum of their `d I4/d(e, w, g)`, the strain `I4 - 1`, the magnitude of its
-    /// terms, and the tension per strain. `None` where the families differ.
-    fn sheet(&self, e: T, w: T, g: T) -> Option<(Vector3<T>, T, T, T)> {
+    /// `None` where the families are not strained alike.
+    fn sheet(&self, e: T, w: T, g: T) -> Option<Sheet<T>> {
         if self.families == Families::Two && g != T::zero() {
             return None;
         }
         let mut found = None;
         self.rule.for_each(w, |x, weight| {
             let strain = self.strain(&Ring::new(e, w, x), g, x.sqrt(), self.cos);
-            let one = strain.first;
-            let first = match self.families {
-                Families::One => one,
-                Families::Two => Vector3::new(one.x + one.x, one.y + one.y, T::zero()),
+            let both = T::constant(2.0);
+            let (first, cancelling) = match self.families {
+                Families::One => (strain.first, strain.cancelling),
+                Families::Two => {
+                    let sum = Vector3::new(both * strain.first.x, both * strain.first.y, T::zero());
+                    (sum, both * strain.cancelling)
+                }
             };
-            found = Some((first, strain.value, strain.terms, weight * self.modulus_ratio));
+            let (strain, terms) = (strain.value, strain.terms);
+            found = Some(Sheet { first, cancelling, strain, terms, stiffness: weight * self.modulus_ratio });
         });
         found
     }
@@ -358,6 +363,18 @@ impl<T: Scalar> Winding<T> {
         sum.gradient += first * (stiffness * strain.value);
         sum.hessian += strain.second * (stiffness * strain.value) + outer(&first) * stiffness;
     }
+}
+
+/// A sheet whose families are strained alike.
+struct Sheet<T> {
+    /// Sum of the families' `d I4/d(e, w, g)`, and the larger of the two parts that make up its first component.
+    first: Vector3<T>,
+    cancelling: T,
+    /// `I4 - 1` and the magnitude of its terms.
+    strain: T,
+    terms: T,
+    /// Tension per strain.
+    stiffness: T,
 }
 
 /// `I4 - 1` of one family at one radius, the magnitude of its terms, and its derivatives by `(e, w, g)`.

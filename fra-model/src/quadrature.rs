@@ -16,8 +16,8 @@ const GAUSS_4: [(f64, f64); 2] =
 
 const NODES: usize = 2 * GAUSS_8.len();
 
-/// Largest span of `ln X` one panel covers: a radius ratio of 2.
-const PANEL_SPAN: f64 = 1.386_294_361_119_890_6;
+/// Largest span of `ln X` one panel covers: at large twists the integrands grow as the fourth power of `X`.
+const PANEL_SPAN: f64 = 0.7;
 
 /// Widest panel as a share of its distance in `ln X` from a pole: eight nodes then are exact to the last digit of a double.
 const SHARE_OF_DISTANCE: f64 = 0.45;
