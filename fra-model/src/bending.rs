@@ -7,32 +7,10 @@
 //! volume inside a winding that keeps its radius. This replaces eqs. (10)-(13) of the paper, whose stretch (12) does not vary
 //! around the section and whose balance leaves out the pressure carried through the wall.
 
-use crate::jet::Jet;
-use crate::parameters::{ActuatorParameters, InvalidParameter, Material, require};
-use crate::quadrature::WallRule;
+use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::real::{Real, epsilon, real};
+use crate::section::{Bent, Section};
 use crate::solution::{Load, Solution, State, Status, Target};
-
-/// Cosine and sine of the angles `pi (2j+1)/32`, j = 0..8: with their mirror images the midpoint rule of 16 angles on half a turn,
-/// which converges faster than any power for the smooth periodic integrand.
-const FINE_ANGLES: [(f64, f64); 8] = [
-    (0.995_184_726_672_196_9, 0.098_017_140_329_560_6),
-    (0.956_940_335_732_208_9, 0.290_284_677_254_462_33),
-    (0.881_921_264_348_355, 0.471_396_736_825_997_64),
-    (0.773_010_453_362_737, 0.634_393_284_163_645_5),
-    (0.634_393_284_163_645_5, 0.773_010_453_362_737),
-    (0.471_396_736_825_997_64, 0.881_921_264_348_355),
-    (0.290_284_677_254_462_33, 0.956_940_335_732_208_9),
-    (0.098_017_140_329_560_6, 0.995_184_726_672_196_9),
-];
-
-/// The same for 8 angles: enough for single precision.
-const COARSE_ANGLES: [(f64, f64); 4] = [
-    (0.980_785_280_403_230_4, 0.195_090_322_016_128_25),
-    (0.831_469_612_302_545_2, 0.555_570_233_019_602_2),
-    (0.555_570_233_019_602_2, 0.831_469_612_302_545_2),
-    (0.195_090_322_016_128_25, 0.980_785_280_403_230_4),
-];
 
 /// Longest step of `k` relative to `k + 0.1`, and the largest `k` looked at.
 const LONGEST_STEP: f64 = 0.5;
@@ -43,73 +21,30 @@ const REFINE_STEPS: u32 = 100;
 /// A bending actuator, ready to solve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bender<T: Real> {
-    outer_radius_m: T,
-    length_m: T,
-    shear_modulus_pa: T,
-    /// `rho_i = R_i/R_o` and `rho_f = R_f/R_o`.
-    inner: T,
-    winding: T,
-    /// `psi'(J)/mu1 = 1/2 + a J + b J^2`.
-    a: T,
-    b: T,
-    /// Whether the restoring moment can fall with the curvature.
-    softens: bool,
-    /// Rules over `rho^2` from `rho_i^2` to 1.
-    fine: WallRule<T>,
-    coarse: WallRule<T>,
-    /// Bends up to which the coarse rules are as good as the scalar can tell.
-    coarse_until: T,
-}
-
-/// Restoring moment `dU/dkappa / (mu1 R_o^3)` and its slope at one curvature.
-#[derive(Clone, Copy)]
-struct Bent<T> {
-    k: T,
-    moment: T,
-    slope: T,
+    section: Section<T>,
 }
 
 impl<T: Real> Bender<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
-        let outer = parameters.outer_radius_m;
-        let mu1 = parameters.material.shear_modulus_pa();
-        let (a, b) = match parameters.material {
-            Material::NeoHookean { .. } => (T::zero(), T::zero()),
-            Material::Yeoh { c_pa } => (real::<T>(2.0) * c_pa[1] / mu1, real::<T>(3.0) * c_pa[2] / mu1),
-        };
-        let inner = parameters.inner_radius_m / outer;
-        let single = epsilon::<T>() > real::<T>(1e-9);
-        Self {
-            outer_radius_m: outer,
-            length_m: parameters.length_m,
-            shear_modulus_pa: mu1,
-            inner,
-            winding: parameters.fiber.map_or(T::one(), |fiber| (fiber.radius_m / outer).min(T::one())),
-            a,
-            b,
-            softens: a < T::zero() || b < T::zero(),
-            fine: WallRule::new(inner * inner, T::one()),
-            coarse: WallRule::coarse(inner * inner, T::one()),
-            coarse_until: if single { real(0.5) } else { T::zero() },
-        }
+        Self { section: Section::new(parameters) }
     }
 
     /// The bend at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
-        let wanted = pressure_pa / self.shear_modulus_pa * self.lever() + self.load_moment(load);
+        let wanted = pressure_pa / self.section.shear_modulus_pa() * self.section.lever() + self.load_moment(load);
         let mut iterations = 0;
         // A line that cannot shorten and a winding that cannot push do not bend backwards.
         if wanted < T::zero() {
             let straight = self.bent(T::zero(), &mut iterations);
             return self.solution(Status::NoSolution, straight, load, Some(straight), iterations);
         }
-        let from = start.map_or(T::zero(), |state| self.curvature(state.bend_angle_rad));
+        let from = start.map_or(T::zero(), |state| self.section.curvature(state.bend_angle_rad));
         // Only a stiffening wall has one bend for every moment, so that any start leads to it.
-        let begin = self.bent(if self.softens { T::zero() } else { from.max(T::zero()) }, &mut iterations);
+        let begin = self.bent(if self.section.softens() { T::zero() } else { from.max(T::zero()) }, &mut iterations);
         let mut solution = self.reach(begin, wanted, load, &mut iterations);
         solution.iterations = iterations;
         if solution.status == Status::Solved {
-            solution.residual = (solution.state.pressure_pa - pressure_pa).abs() / self.shear_modulus_pa;
+            solution.residual = (solution.state.pressure_pa - pressure_pa).abs() / self.section.shear_modulus_pa();
             solution.state.pressure_pa = pressure_pa;
         }
         solution
@@ -119,14 +54,14 @@ impl<T: Real> Bender<T> {
     pub(crate) fn inverse(&self, target: Target<T>, load: &Load<T>) -> Result<Solution<T>, InvalidParameter<T>> {
         let Target::BendAngle(angle) = target else { return Err(not_a_bend(target)) };
         require(angle.is_finite() && angle >= T::zero(), "bend_angle_rad", angle, "finite and >= 0")?;
-        let k = self.curvature(angle);
+        let k = self.section.curvature(angle);
         let mut iterations = 0;
         let bent = self.bent(k, &mut iterations);
         if !bent.moment.is_finite() || !bent.slope.is_finite() || k > real::<T>(LARGEST_CURVATURE) {
             let straight = self.bent(T::zero(), &mut iterations);
             return Ok(self.solution(Status::NoSolution, straight, load, None, iterations));
         }
-        if self.softens {
+        if self.section.softens() {
             let straight = self.bent(T::zero(), &mut iterations);
             if let Some(limit) = self.limit_before(straight, k, &mut iterations) {
                 return Ok(self.solution(Status::NoSolution, limit, load, Some(limit), iterations));
@@ -138,21 +73,16 @@ impl<T: Real> Bender<T> {
     /// Straight, without pressure.
     pub(crate) fn rest(&self) -> State<T> {
         let mut iterations = 0;
-        self.state(self.bent(T::zero(), &mut iterations), &Load::none())
-    }
-
-    /// `d(volume)/d(kappa)` per length, in units of `R_o^3`.
-    fn lever(&self) -> T {
-        T::pi() * self.winding * self.winding
+        self.section.state(&self.bent(T::zero(), &mut iterations), T::zero())
     }
 
     fn load_moment(&self, load: &Load<T>) -> T {
-        let r = self.outer_radius_m;
-        (load.torque_nm + load.force_n * r) / (self.shear_modulus_pa * r * r * r)
+        self.section.load_moment(load.force_n, load.torque_nm)
     }
 
-    fn curvature(&self, bend_angle_rad: T) -> T {
-        bend_angle_rad * self.outer_radius_m / self.length_m
+    fn bent(&self, k: T, iterations: &mut u32) -> Bent<T> {
+        *iterations += 1;
+        self.section.bent(k)
     }
 
     /// Raises the curvature from `begin` until the moment is `wanted`, or to the limit point before it.
@@ -232,127 +162,18 @@ impl<T: Real> Bender<T> {
         limit: Option<Bent<T>>,
         iterations: u32,
     ) -> Solution<T> {
-        let limit_pressure_pa = limit.map(|limit| self.pressure(limit, load));
-        Solution { status, state: self.state(bent, load), limit_pressure_pa, residual: T::zero(), iterations }
-    }
-
-    fn pressure(&self, bent: Bent<T>, load: &Load<T>) -> T {
-        (bent.moment - self.load_moment(load)) / self.lever() * self.shear_modulus_pa
-    }
-
-    fn state(&self, bent: Bent<T>, load: &Load<T>) -> State<T> {
-        let one = T::one();
-        let r = self.outer_radius_m;
-        let centre_stretch = one + bent.k;
-        // Areas per undeformed length in units of pi R_o^2; sections of mean area follow by dividing by the centre stretch.
-        let within_winding = self.winding * self.winding * centre_stretch;
-        let lumen = within_winding - (self.winding * self.winding - self.inner * self.inner);
-        let section = lumen + one - self.inner * self.inner;
-        let pressure_slope = bent.slope / self.lever() * self.shear_modulus_pa;
-        let volume_scale = T::pi() * r * r * self.length_m;
-        State {
-            pressure_pa: self.pressure(bent, load),
-            axial_stretch: centre_stretch,
-            axial_strain: bent.k,
-            inner_radius_m: r * (lumen / centre_stretch).sqrt(),
-            outer_radius_m: r * (section / centre_stretch).sqrt(),
-            twist_rad: T::zero(),
-            bend_angle_rad: bent.k * self.length_m / r,
-            volume_m3: volume_scale * lumen,
-            volume_strain: bent.k * (self.winding / self.inner) * (self.winding / self.inner),
-            compliance_m3_per_pa: volume_scale * self.winding * self.winding / pressure_slope,
+        let limit_pressure_pa = limit.map(|limit| self.section.pressure(&limit, self.load_moment(load)));
+        Solution {
+            status,
+            state: self.section.state(&bent, self.load_moment(load)),
+            limit_pressure_pa,
+            residual: T::zero(),
+            iterations,
         }
-    }
-
-    /// Integrates the restoring moment over the section.
-    fn bent(&self, k: T, iterations: &mut u32) -> Bent<T> {
-        *iterations += 1;
-        let mut sum = Jet::constant(T::zero());
-        let (coarse, fine) = (COARSE_ANGLES.map(constants::<T>), FINE_ANGLES.map(constants::<T>));
-        let (radial, angles): (_, &[_]) =
-            if k < self.coarse_until { (&self.coarse, &coarse) } else { (&self.fine, &fine) };
-        radial.for_each(T::zero(), |rho_squared, weight| {
-            let rho = rho_squared.sqrt();
-            for &(cos, sin) in angles {
-                for cos in [cos, -cos] {
-                    sum = sum + Jet::constant(weight) * self.moment_density(k, rho, cos, sin);
-                }
-            }
-        });
-        // dA = d(rho^2)/2 dphi; two mirror images of each angle, both halves of the section.
-        let scale =
-            T::pi() * if angles.len() == FINE_ANGLES.len() { real::<T>(1.0 / 16.0) } else { real::<T>(1.0 / 8.0) };
-        Bent { k, moment: sum.value * scale, slope: sum.slope * scale }
-    }
-
-    /// `psi'(J)/mu1 dJ/dk` at one point of the section, with its slope in `k`.
-    fn moment_density(&self, k: T, rho: T, cos: T, sin: T) -> Jet<T> {
-        let c = Jet::constant;
-        let (one, two, three) = (c(T::one()), c(real::<T>(2.0)), c(real::<T>(3.0)));
-        let radius = self.deformed_radius(k, rho, cos);
-        let g_value = self.inward_shift(radius, cos);
-        let stretch_value = T::one() + k * (T::one() - radius * cos);
-        let k = Jet::new(k, T::one());
-        let r = Jet::new(radius, g_value / (radius * stretch_value));
-        let (rho, cos, sin, winding) = (c(rho), c(cos), c(sin), c(self.winding));
-
-        let r2 = r * r;
-        let reach = winding * winding * winding - r2 * r;
-        let shift = (winding * winding - r2) / two - cos * reach / three;
-        let h = one - r * cos;
-        let stretch = one + k * h;
-        let r_k = shift / (r * stretch);
-        let stretch_k = h - k * cos * r_k;
-        // Shear of the section: r_f = (1/R) dr/dphi_c times R.
-        let lean = k * sin * reach / (three * r * stretch);
-        let lean_k =
-            sin * reach / (three * r * stretch) - k * sin * r * r_k / stretch - lean * (r_k / r + stretch_k / stretch);
-
-        let eta = two * k * shift / (rho * rho);
-        let eps = k * h * (two + k * h);
-        let (p, q) = (one + eta, one + eps);
-        let pq = p * q;
-        let invariant = (eta * eta + eta * eps + eps * eps + eta * eps * (eta + eps)) / pq + lean * lean / (rho * rho);
-        let by_radius = (eta * (two + eta) * q + eps) / pq * (r_k / r);
-        let by_stretch = (eps * (two + eps) * p + eta) / pq * (stretch_k / stretch);
-        let by_lean = lean * lean_k / (rho * rho);
-        let invariant_k = two * (by_radius + by_stretch + by_lean);
-        let stiffness = c(real::<T>(0.5)) + invariant * (c(self.a) + c(self.b) * invariant);
-        stiffness * invariant_k
-    }
-
-    /// `G = (rho_f^2 - r^2)/2 - cos (rho_f^3 - r^3)/3`, so that `r^2 = rho^2 + 2 k G(r)`.
-    fn inward_shift(&self, r: T, cos: T) -> T {
-        let f = self.winding;
-        (f * f - r * r) * real::<T>(0.5) - cos * (f * f * f - r * r * r) / real::<T>(3.0)
-    }
-
-    /// Where the material radius `rho` goes: the root of the isochoric map, by Newton in `r^2`, in which it is nearly linear. Its
-    /// slope `1 + k h` is at least one.
-    fn deformed_radius(&self, k: T, rho: T, cos: T) -> T {
-        let square = rho * rho;
-        let (mut r2, mut r) = (square, rho);
-        for _ in 0..60 {
-            let rest = square + real::<T>(2.0) * k * self.inward_shift(r, cos) - r2;
-            let step = rest / (T::one() + k * (T::one() - r * cos));
-            // The root is positive; a step beyond zero is cut short.
-            let next = (r2 + step).max(r2 * real::<T>(0.25));
-            let settled = (next - r2).abs() <= epsilon::<T>() * next;
-            (r2, r) = (next, next.sqrt());
-            if settled {
-                break;
-            }
-        }
-        r
     }
 }
 
-/// A cosine and sine in the scalar: converted while they are still constants of the source.
-fn constants<T: Real>((cos, sin): (f64, f64)) -> (T, T) {
-    (real(cos), real(sin))
-}
-
-fn not_a_bend<T: Real>(target: Target<T>) -> InvalidParameter<T> {
+pub(crate) fn not_a_bend<T: Real>(target: Target<T>) -> InvalidParameter<T> {
     let (field, value) = match target {
         Target::AxialStretch(value) => ("axial_stretch", value),
         Target::OuterRadius(value) => ("outer_radius_m", value),

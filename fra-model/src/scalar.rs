@@ -25,6 +25,9 @@ pub(crate) trait Scalar:
     + MulAssign
     + DivAssign
 {
+    /// How many derivatives it carries along.
+    const ORDER: u32 = 0;
+
     /// A constant of the source.
     fn constant(value: f64) -> Self;
     /// The smallest relative change of the float underneath: how exact an answer can be.
@@ -46,6 +49,11 @@ pub(crate) trait Scalar:
 
     fn min(self, other: Self) -> Self {
         if other < self { other } else { self }
+    }
+
+    /// Zero; derivatives stay what they are.
+    fn without_value(self) -> Self {
+        Self::zero()
     }
 
     fn zero() -> Self {

@@ -75,9 +75,9 @@ pub struct State<T> {
     pub compliance_m3_per_pa: T,
 }
 
-impl<T: Real> State<T> {
+impl<T: Copy> State<T> {
     /// Combines states field by field: interpolation, means, conversions.
-    pub fn combine<const N: usize, U: Real>(states: [&Self; N], mut f: impl FnMut([T; N]) -> U) -> State<U> {
+    pub fn combine<const N: usize, U>(states: [&Self; N], mut f: impl FnMut([T; N]) -> U) -> State<U> {
         let mut field = |value: fn(&Self) -> T| f(states.map(value));
         State {
             pressure_pa: field(|s| s.pressure_pa),

@@ -1,0 +1,148 @@
+//! What an equilibrium depends on, one number at a time.
+
+use crate::jet::Jet;
+use crate::parameters::{ActuatorParameters, Material, Motion, Placement};
+use crate::scalar::Scalar;
+use crate::solution::Load;
+
+/// One of the numbers that an equilibrium depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// `R_i`, m.
+    InnerRadius,
+    /// `R_o`, m. A stated winding radius stays what it is; a bending actuator without one is wound at `R_o`.
+    OuterRadius,
+    /// `L`, m.
+    Length,
+    /// `mu`, Pa, of a neo-Hookean wall.
+    ShearModulus,
+    /// `C1`, Pa, of a Yeoh wall.
+    YeohC1,
+    /// `C2`, Pa.
+    YeohC2,
+    /// `C3`, Pa.
+    YeohC3,
+    /// Fiber angle, rad, of a straight actuator.
+    FiberAngle,
+    /// Fiber modulus `mu2`, Pa, of a straight actuator.
+    FiberModulus,
+    /// Thickness of a sheet, m.
+    SheetThickness,
+    /// `R_f`, m, of a sheet or a layer, or of a bending actuator with a stated winding.
+    WindingRadius,
+    /// Gauge pressure, Pa.
+    Pressure,
+    /// Axial force `N_ext`, N.
+    Force,
+    /// Torque `M_ext`, N m; on a bending actuator the bending moment.
+    Torque,
+}
+
+impl Parameter {
+    /// All of them; [`Actuator::inputs`](crate::Actuator::inputs) are those of one actuator.
+    pub const ALL: [Self; 14] = [
+        Self::InnerRadius,
+        Self::OuterRadius,
+        Self::Length,
+        Self::ShearModulus,
+        Self::YeohC1,
+        Self::YeohC2,
+        Self::YeohC3,
+        Self::FiberAngle,
+        Self::FiberModulus,
+        Self::SheetThickness,
+        Self::WindingRadius,
+        Self::Pressure,
+        Self::Force,
+        Self::Torque,
+    ];
+
+    /// Name of its field in [`ActuatorParameters`], [`Material`], [`Fiber`](crate::Fiber), [`State`](crate::State) or in the messages about a
+    /// [`Load`].
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::InnerRadius => "inner_radius_m",
+            Self::OuterRadius => "outer_radius_m",
+            Self::Length => "length_m",
+            Self::ShearModulus => "shear_modulus_pa",
+            Self::YeohC1 => "c_pa[0]",
+            Self::YeohC2 => "c_pa[1]",
+            Self::YeohC3 => "c_pa[2]",
+            Self::FiberAngle => "angle_rad",
+            Self::FiberModulus => "modulus_pa",
+            Self::SheetThickness => "thickness_m",
+            Self::WindingRadius => "radius_m",
+            Self::Pressure => "pressure_pa",
+            Self::Force => "external_force_n",
+            Self::Torque => "external_torque_nm",
+        }
+    }
+}
+
+/// Everything an equilibrium depends on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inputs<T> {
+    pub(super) parameters: ActuatorParameters<T>,
+    pub(super) pressure_pa: T,
+    pub(super) force_n: T,
+    pub(super) torque_nm: T,
+}
+
+impl<T: Copy> Inputs<T> {
+    pub(super) fn new(parameters: &ActuatorParameters<T>, pressure_pa: T, load: &Load<T>) -> Self {
+        Self { parameters: *parameters, pressure_pa, force_n: load.force_n, torque_nm: load.torque_nm }
+    }
+
+    /// The value of one input; `None` where the equilibria do not depend on it.
+    pub(super) fn get(&self, parameter: Parameter) -> Option<T> {
+        let mut copy = *self;
+        copy.place(parameter).map(|place| *place)
+    }
+
+    fn place(&mut self, parameter: Parameter) -> Option<&mut T> {
+        let p = &mut self.parameters;
+        let bends = p.motion == Motion::Bending;
+        let placement = p.fiber.as_ref().map(|fiber| fiber.placement);
+        let fiber = p.fiber.as_mut();
+        match (parameter, &mut p.material) {
+            (Parameter::InnerRadius, _) => Some(&mut p.inner_radius_m),
+            (Parameter::OuterRadius, _) => Some(&mut p.outer_radius_m),
+            (Parameter::Length, _) => Some(&mut p.length_m),
+            (Parameter::ShearModulus, Material::NeoHookean { shear_modulus_pa }) => Some(shear_modulus_pa),
+            (Parameter::YeohC1, Material::Yeoh { c_pa }) => Some(&mut c_pa[0]),
+            (Parameter::YeohC2, Material::Yeoh { c_pa }) => Some(&mut c_pa[1]),
+            (Parameter::YeohC3, Material::Yeoh { c_pa }) => Some(&mut c_pa[2]),
+            (Parameter::FiberAngle, _) => fiber.filter(|_| !bends).map(|fiber| &mut fiber.angle_rad),
+            (Parameter::FiberModulus, _) => fiber.filter(|_| !bends).map(|fiber| &mut fiber.modulus_pa),
+            (Parameter::SheetThickness, _) => {
+                fiber.filter(|_| !bends && placement == Some(Placement::Sheet)).map(|fiber| &mut fiber.thickness_m)
+            }
+            (Parameter::WindingRadius, _) => {
+                fiber.filter(|_| bends || placement != Some(Placement::Smeared)).map(|fiber| &mut fiber.radius_m)
+            }
+            (Parameter::Pressure, _) => Some(&mut self.pressure_pa),
+            (Parameter::Force, _) => Some(&mut self.force_n),
+            (Parameter::Torque, _) => Some(&mut self.torque_nm),
+            _ => None,
+        }
+    }
+
+    /// The same inputs in another scalar.
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> Inputs<U> {
+        Inputs {
+            parameters: self.parameters.map(&f),
+            pressure_pa: f(self.pressure_pa),
+            force_n: f(self.force_n),
+            torque_nm: f(self.torque_nm),
+        }
+    }
+}
+
+impl<T: Scalar> Inputs<T> {
+    /// The inputs as jets whose variable is one of them; `None` where the equilibria do not depend on it.
+    pub(super) fn varied(&self, parameter: Parameter) -> Option<Inputs<Jet<T>>> {
+        let mut jets = self.map(Jet::fixed);
+        jets.place(parameter)?.slope = T::one();
+        Some(jets)
+    }
+}
