@@ -1,6 +1,6 @@
 //! Answers as the line of a table.
 
-use fra_model::{Actuator, Held, InvalidParameter, Solution, State, Status};
+use fra_model::{Actuator, Held, InvalidParameter, NoDerivative, Solution, State, Status};
 use nalgebra::Isometry3;
 
 /// One answer in the form in which it is printed and compared.
@@ -78,6 +78,18 @@ impl<A: Answer> Answer for Option<A> {
 impl<A: Answer> Answer for Result<A, InvalidParameter<f32>> {
     fn note(&self) -> Note {
         self.as_ref().map_or_else(|refused| Note::of(refused.field, 0, [refused.value]), Answer::note)
+    }
+}
+
+impl Answer for f32 {
+    fn note(&self) -> Note {
+        Note::of("-", 0, [*self])
+    }
+}
+
+impl<A: Answer> Answer for Result<A, NoDerivative<f32>> {
+    fn note(&self) -> Note {
+        self.as_ref().map_or_else(|_| Note::of("no derivative", 0, []), Answer::note)
     }
 }
 

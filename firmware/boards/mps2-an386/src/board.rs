@@ -4,14 +4,25 @@
 
 use core::fmt::Arguments;
 use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::exception;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio;
 
-/// The counter has 24 bits.
-const COUNTER: u32 = 0x00ff_ffff;
+/// The system timer counts from here to zero, 24 bits.
+const LARGEST: u32 = 0x00ff_ffff;
+
+/// How often the timer went through zero since it was last asked to begin.
+static ROUNDS: AtomicU32 = AtomicU32::new(0);
+
+/// A dozen instructions in sixteen million counts.
+#[exception]
+fn SysTick() {
+    ROUNDS.fetch_add(1, Ordering::Relaxed);
+}
 
 /// The system timer, which counts the processor's clock downwards.
 pub(crate) struct Counter {
@@ -23,9 +34,10 @@ impl Counter {
     pub(crate) fn start() -> Option<Self> {
         let mut timer = cortex_m::Peripherals::take()?.SYST;
         timer.set_clock_source(SystClkSource::Core);
-        timer.set_reload(COUNTER);
+        timer.set_reload(LARGEST);
         timer.clear_current();
         timer.enable_counter();
+        timer.enable_interrupt();
         Some(Self { timer })
     }
 
@@ -35,15 +47,18 @@ impl Counter {
         self.timer.clear_current();
         // The first count loads the counter.
         while SYST::get_current() == 0 {}
-        let _ = self.timer.has_wrapped();
+        ROUNDS.store(0, Ordering::Relaxed);
         SYST::get_current()
     }
 
-    /// Counts since it began; `None` where there were more than the counter holds.
+    /// Counts since it began, modulo 2^32.
     #[inline(always)]
-    pub(crate) fn end(&mut self, begin: u32) -> Option<u32> {
+    pub(crate) fn end(&self, begin: u32) -> u32 {
         let now = SYST::get_current();
-        (!self.timer.has_wrapped()).then(|| begin - now)
+        let rounds = ROUNDS.load(Ordering::Relaxed);
+        // At zero the round is over and the next has not begun.
+        let left = if now == 0 { LARGEST + 1 } else { now };
+        (rounds << LARGEST.count_ones()).wrapping_add(begin).wrapping_sub(left)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use fra_model::{Actuator, Link, Load, Motion, Segment, Solution, Status, tip_pose};
+use fra_model::{Actuator, Link, Load, Motion, Parameter, Segment, Solution, State, Status, tip_pose};
 use nalgebra::Isometry3;
 
 use crate::Desk;
@@ -56,12 +56,26 @@ fn put(desk: &mut impl Desk, case: &Case) -> bool {
             return false;
         }
     }
+    let slopes = derivatives(desk, case, actuator, &cold.state);
     let segment = Segment::of_bundle(parameters.motion, parameters.length_m, CIRCLE_RADIUS_M, &cold.state);
     if let Some(segment) = segment {
         desk.put("pose of a module", name, || black_box(segment).pose());
     }
     let solved = |solution: &Solution<f32>| solution.status == Status::Solved;
-    solved(&cold) && solved(&near) && answers.iter().all(|answer| answer.as_ref().is_ok_and(solved))
+    slopes && solved(&cold) && solved(&near) && answers.iter().all(|answer| answer.as_ref().is_ok_and(solved))
+}
+
+/// What an equilibrium depends on; whether the model says it.
+fn derivatives(desk: &mut impl Desk, case: &Case, actuator: &Actuator<f32>, state: &State<f32>) -> bool {
+    let (name, none, radius) = (case.name, Load::none(), Parameter::OuterRadius);
+    let forward = desk.put("derivative by a radius", name, || {
+        black_box(actuator).sensitivity(black_box(state), &none, black_box(radius))
+    });
+    let inverse = desk.put("derivative of the pressure by a radius", name, || {
+        black_box(actuator).inverse_sensitivity(black_box(state), &none, case.target(state), black_box(radius))
+    });
+    let condition = desk.put("condition", name, || black_box(actuator).condition(black_box(state), &none));
+    forward.is_ok() && inverse.is_ok() && condition.is_ok()
 }
 
 /// The pose of a limb of three modules.
