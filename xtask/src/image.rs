@@ -37,24 +37,29 @@ pub(crate) enum Counts {
 /// The first step that fails.
 pub(crate) fn check(counts: Counts) -> Result<(), Trouble> {
     let toolchain = Toolchain::find().map_err(Trouble::Missing)?;
+    let image = built(&toolchain).map_err(Trouble::Failed)?;
+    println!("xtask: no double precision in the model's image");
     emulator::find().map_err(Trouble::Missing)?;
-    examine(&toolchain, counts).map_err(Trouble::Failed)
+    emulated(&image, &toolchain, counts).map_err(Trouble::Failed)
 }
 
-fn examine(toolchain: &Toolchain, counts: Counts) -> Result<(), String> {
+/// Builds the images and looks at their symbols; the model's image.
+fn built(toolchain: &Toolchain) -> Result<PathBuf, String> {
     let folder = build(toolchain)?;
-    let image = folder.join("model");
-    let found = double_precision(&folder.join("double"))?;
-    if found.is_empty() {
+    if double_precision(&folder.join("double"))?.is_empty() {
         return Err("the check for double precision finds none in the image made for it to be found in".to_owned());
     }
+    let image = folder.join("model");
     let found = double_precision(&image)?;
-    if !found.is_empty() {
-        return Err(format!("the model computes in double precision, in software:\n  {}", found.join("\n  ")));
+    if found.is_empty() {
+        return Ok(image);
     }
-    println!("xtask: no double precision in the model's image");
-    let rows = table::read(&emulator::run(&image)?)?;
-    let rows = counts::converted(rows)?;
+    Err(format!("the model computes in double precision, in software:\n  {}", found.join("\n  ")))
+}
+
+/// Compares what the image answers, and what that costs.
+fn emulated(image: &Path, toolchain: &Toolchain, counts: Counts) -> Result<(), String> {
+    let rows = counts::converted(table::read(&emulator::run(image)?)?)?;
     compare(&rows, &answers_here()?)?;
     println!("xtask: the emulated Cortex-M4F gives the same bits as this computer, {} answers", rows.len());
     counts::report(&rows, &toolchain.version, counts)

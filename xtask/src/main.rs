@@ -93,7 +93,9 @@ fn tests(tally: &mut Tally) -> Result<(), u8> {
 fn image_where_possible() -> Result<(), u8> {
     match image::check(Counts::Compare) {
         Err(Trouble::Missing(cure)) if std::env::var_os("CI").is_none_or(|ci| ci.is_empty()) => {
-            println!("xtask: skipped the image of the model (`cargo xtask model-image`): {cure}");
+            println!(
+                "xtask: skipped of the model's image (`cargo xtask model-image`) what needs a missing tool: {cure}"
+            );
             Ok(())
         }
         other => told(other),
