@@ -1,9 +1,9 @@
 //! What each message of the host does, and its answer.
 
 use softlimb_protocol::{
-    Ack, Arrival, Command, CommandCode, Compatibility, ConfigChannel, ConfigSystem, DeviceState, Heartbeat,
-    HeartbeatReply, Hello, HelloReply, HostMessage, MAX_CHANNELS, Message, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH,
-    Setpoint,
+    Ack, Arrival, Command, CommandCode, Compatibility, ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume,
+    DeviceState, Heartbeat, HeartbeatReply, Hello, HelloReply, HostMessage, MAX_CHANNELS, Message, PROTOCOL_VERSION,
+    ResultCode, SCHEMA_HASH, Setpoint,
 };
 
 use crate::config::{ActiveConfig, ConfigError, StagedConfig, StagingError};
@@ -76,6 +76,10 @@ impl Controller {
             HostMessage::ConfigSystem(part) => self.stage(|staged| staged.add_system(part), ConfigSystem::field_number),
             HostMessage::ConfigChannel(part) => {
                 self.stage(|staged| staged.add_channel(part), ConfigChannel::field_number)
+            }
+            HostMessage::ConfigVolume(part) => self.stage(|staged| staged.add_volume(part), ConfigVolume::field_number),
+            HostMessage::ConfigInverse(part) => {
+                self.stage(|staged| staged.add_inverse(part), ConfigInverse::field_number)
             }
             HostMessage::ConfigCommit(commit) => self.commit(now_us, commit.config_hash),
             HostMessage::Command(command) => self.command(now_us, command),

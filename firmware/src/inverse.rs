@@ -1,6 +1,7 @@
-//! From a setpoint to a chamber pressure, by the model of the actuator, started from the last solution.
+//! From a setpoint to a chamber pressure: by the channel's tables where the host sent some, else by the model of the actuator,
+//! started from the last solution.
 
-use fra_model::{InvalidParameter, Load, Solution, State, Status};
+use fra_model::{InvalidParameter, Load, NotFinite, Solution, State, Status, VolumeTable};
 
 use crate::config::ChannelConfig;
 use crate::gas::Chamber;
@@ -23,10 +24,27 @@ pub struct InverseStatus {
     pub failed: bool,
 }
 
+/// The chamber at the pressure that was last aimed at.
+#[derive(Clone, Copy, Debug)]
+struct Air {
+    pressure_pa: f32,
+    volume_m3: f32,
+    compliance_m3_per_pa: f32,
+}
+
+impl From<&State<f32>> for Air {
+    fn from(state: &State<f32>) -> Self {
+        let State { pressure_pa, volume_m3, compliance_m3_per_pa, .. } = *state;
+        Self { pressure_pa, volume_m3, compliance_m3_per_pa }
+    }
+}
+
 /// The inverse model of one channel and its warm start.
 #[derive(Clone, Copy, Debug)]
 pub struct Inverse {
+    /// The last solution of the model; none where tables stand in for it.
     warm: Option<State<f32>>,
+    air: Option<Air>,
     failures: u8,
     status: InverseStatus,
 }
@@ -34,45 +52,41 @@ pub struct Inverse {
 impl Inverse {
     /// Nothing solved yet.
     pub const fn new() -> Self {
-        Self { warm: None, failures: 0, status: InverseStatus { limited: false, failed: false } }
+        Self { warm: None, air: None, failures: 0, status: InverseStatus { limited: false, failed: false } }
     }
 
-    /// Gauge pressure for a setpoint in SI units, Pa, within what the channel allows. Where the model finds none, the last good
-    /// pressure; `None` if there is none yet.
+    /// Gauge pressure for a setpoint in SI units, Pa, within what the channel allows. Where there is none, the last good pressure;
+    /// `None` if there is none yet.
     pub fn pressure_pa(&mut self, config: &ChannelConfig, setpoint: f32) -> Option<f32> {
-        let solution = match config.target(setpoint) {
-            Some(target) => config.actuator.inverse_near(&self.start(config), target, &Load::none(), ITERATIONS_MAX),
-            None => {
-                let wanted_pa = setpoint.clamp(0.0, config.reference_max_pa());
-                config.actuator.forward_from(&self.start(config), wanted_pa, &Load::none())
-            }
+        let last_pa = self.air.map(|air| air.pressure_pa.clamp(0.0, config.reference_max_pa()));
+        let found = match &config.volume_table {
+            Some(volume) => self.by_table(config, volume, setpoint),
+            None => self.by_model(config, setpoint),
         };
-        let solved = self.keep(solution);
-        self.failures = if solved.is_some() { 0 } else { self.failures.saturating_add(1) };
-        let wanted_pa = match config.target(setpoint) {
-            Some(_) => solved.or(self.warm)?.pressure_pa,
-            None if solved.is_none() => self.warm?.pressure_pa,
-            None => setpoint,
-        };
-        let allowed_pa = wanted_pa.clamp(0.0, config.reference_max_pa());
-        self.status =
-            InverseStatus { limited: (allowed_pa - wanted_pa).abs() > LIMITED_BY_PA, failed: solved.is_none() };
+        self.failures = if found.is_some() { 0 } else { self.failures.saturating_add(1) };
+        let (allowed_pa, excess_pa) = found.or(last_pa.map(|last_pa| (last_pa, 0.0)))?;
+        self.status = InverseStatus { limited: excess_pa > LIMITED_BY_PA, failed: found.is_none() };
         Some(allowed_pa)
     }
 
     /// Follows the pressure without a setpoint, so that volume and compliance stay right.
     pub fn follow_pressure(&mut self, config: &ChannelConfig, pressure_pa: f32) {
-        let solution = config.actuator.forward_from(&self.start(config), pressure_pa.max(0.0), &Load::none());
-        self.keep(solution);
+        match &config.volume_table {
+            Some(volume) => self.take(volume, pressure_pa),
+            None => {
+                let wanted_pa = pressure_pa.max(0.0);
+                self.keep(config.actuator.forward_from(&self.start(config), wanted_pa, &Load::none()));
+            }
+        }
     }
 
     /// Air volume of the channel about the last solution.
     pub fn chamber(&self, config: &ChannelConfig) -> Chamber {
-        let state = self.start(config);
+        let air = self.air.unwrap_or(Air::from(&config.rest));
         Chamber {
-            pressure_pa: state.pressure_pa,
-            volume_m3: state.volume_m3 + config.dead_volume_m3,
-            compliance_m3_per_pa: state.compliance_m3_per_pa.max(0.0),
+            pressure_pa: air.pressure_pa,
+            volume_m3: air.volume_m3 + config.dead_volume_m3,
+            compliance_m3_per_pa: air.compliance_m3_per_pa.max(0.0),
             rest_volume_m3: config.rest.volume_m3 + config.dead_volume_m3,
             dead_volume_m3: config.dead_volume_m3,
         }
@@ -83,7 +97,7 @@ impl Inverse {
         self.status
     }
 
-    /// Whether the model failed three times in a row.
+    /// Whether no pressure was found three times in a row.
     pub fn is_at_fault(&self) -> bool {
         self.failures >= FAILURES_MAX
     }
@@ -94,8 +108,42 @@ impl Inverse {
         self.status = InverseStatus::default();
     }
 
+    /// The pressure for a setpoint and by how much its limits changed it, Pa, without any iteration.
+    fn by_table(&mut self, config: &ChannelConfig, volume: &VolumeTable<f32>, setpoint: f32) -> Option<(f32, f32)> {
+        let (wanted_pa, beyond_pa) = look_up(config, setpoint).ok()?;
+        let allowed_pa = wanted_pa.clamp(0.0, config.reference_max_pa());
+        self.take(volume, allowed_pa);
+        Some((allowed_pa, (wanted_pa - allowed_pa).abs() + beyond_pa))
+    }
+
+    /// The same by the model.
+    fn by_model(&mut self, config: &ChannelConfig, setpoint: f32) -> Option<(f32, f32)> {
+        let start = self.start(config);
+        let highest_pa = config.reference_max_pa();
+        let wanted_pa = match config.target(setpoint) {
+            Some(target) => {
+                self.keep(config.actuator.inverse_near(&start, target, &Load::none(), ITERATIONS_MAX))?.pressure_pa
+            }
+            None => {
+                let within_pa = setpoint.clamp(0.0, highest_pa);
+                self.keep(config.actuator.forward_from(&start, within_pa, &Load::none()))?;
+                setpoint
+            }
+        };
+        let allowed_pa = wanted_pa.clamp(0.0, highest_pa);
+        Some((allowed_pa, (wanted_pa - allowed_pa).abs()))
+    }
+
     fn start(&self, config: &ChannelConfig) -> State<f32> {
         self.warm.unwrap_or(config.rest)
+    }
+
+    /// Keeps the chamber that a table gives at a pressure; nothing at a pressure that is no number.
+    fn take(&mut self, table: &VolumeTable<f32>, pressure_pa: f32) {
+        if let Ok(found) = table.lookup(pressure_pa) {
+            let (volume_m3, compliance_m3_per_pa) = (found.volume_m3, found.compliance_m3_per_pa);
+            self.air = Some(Air { pressure_pa: pressure_pa.max(0.0), volume_m3, compliance_m3_per_pa });
+        }
     }
 
     /// Keeps a solution that can be used as the next warm start.
@@ -106,9 +154,24 @@ impl Inverse {
             && state.pressure_pa.is_finite()
             && state.volume_m3.is_finite()
             && state.compliance_m3_per_pa.is_finite();
-        let solved = usable.then_some(state);
-        self.warm = solved.or(self.warm);
-        solved
+        if usable {
+            self.warm = Some(state);
+            self.air = Some(Air::from(&state));
+        }
+        usable.then_some(state)
+    }
+}
+
+/// The pressure a setpoint asks for, and how far beyond its end an inverse table would have to go for it, Pa: in proportion to its
+/// range, since it does not say more.
+fn look_up(config: &ChannelConfig, setpoint: f32) -> Result<(f32, f32), NotFinite> {
+    match &config.inverse_table {
+        Some(table) => {
+            let found = table.lookup(setpoint)?;
+            Ok((found.pressure_pa, found.beyond * table.pressure_max_pa()))
+        }
+        None if setpoint.is_finite() => Ok((setpoint, 0.0)),
+        None => Err(NotFinite),
     }
 }
 

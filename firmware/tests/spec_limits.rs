@@ -45,6 +45,26 @@ trait Numbers: Clone + Into<HostMessage> {
     fn get(&self, field: &str) -> f64;
     fn is_real(field: &str) -> bool;
     fn number(field: &str) -> u32;
+    /// What has to be sent before it.
+    fn before() -> Vec<HostMessage> {
+        let base = ConfigChannel {
+            motion: MotionKind::Twisting.into(),
+            pressure_max_pa: 1e6,
+            ..channel(0, SetpointKind::Twist)
+        };
+        match Self::NUMBERS.get(1) {
+            Some(&"pressure_max_pa") => vec![base.into()],
+            Some(&"steps") => vec![base.into(), volume().into()],
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// The volume of the actuator at rest, whatever the pressure.
+fn volume() -> ConfigVolume {
+    let rest_m3 = std::f32::consts::PI * 15e-3 * 15e-3 * 0.1132;
+    let coefficients_m3 = List::from_slice(&[rest_m3]).unwrap();
+    ConfigVolume { session: SESSION, channel: 0, pressure_max_pa: 1e6, coefficients_m3 }
 }
 
 numbers! {
@@ -60,6 +80,8 @@ numbers! {
         fiber_modulus_pa, fiber_thickness_m, fiber_radius_m, pressure_max_pa, dead_volume_m3, setpoint_min,
         setpoint_max,
     }
+    ConfigVolume { channel, pressure_max_pa }
+    ConfigInverse { channel, steps, setpoint_from, setpoint_to, pressure_max_pa }
 }
 
 /// One row of the table.
@@ -107,6 +129,9 @@ fn accepts<M: Numbers>(base: &M, field: &str, value: f64) -> Option<bool> {
     let mut bench = Bench::new();
     bench.hello();
     bench.request(&ConfigBegin { session: SESSION, channels: 1 }.into());
+    for part in M::before() {
+        assert_eq!(bench.request(&part).result, ResultCode::Ok);
+    }
     let ack = bench.request(&message.into());
     match ack.result.known() {
         Some(ResultCode::Ok) => Some(true),
@@ -120,7 +145,9 @@ fn check<M: Numbers>(name: &str, base: &M) {
     let rows = limits_of(name);
     assert_eq!(rows.iter().map(|row| row.field.as_str()).collect::<Vec<_>>(), M::NUMBERS, "{name}");
     let layout = HostMessage::LAYOUT.iter().find(|layout| layout.name == name).expect("a message of the host");
-    let is_number = |field: &&FieldLayout| field.name != "session" && !field.wire_type.starts_with("Code");
+    let is_number = |field: &&FieldLayout| {
+        field.name != "session" && !field.wire_type.starts_with("Code") && !field.wire_type.starts_with("List")
+    };
     assert_eq!(layout.fields.iter().filter(is_number).count(), M::NUMBERS.len(), "{name}: every number has a row");
     for Limits { field, lowest, highest, also } in rows {
         let ((low, low_open), (high, high_open)) = (bound(base, &lowest), bound(base, &highest));
@@ -162,6 +189,22 @@ fn the_limits_of_the_system_are_those_of_the_table() {
 #[test]
 fn the_limits_of_a_channel_are_those_of_the_table() {
     check("ConfigChannel", &channel(0, SetpointKind::Pressure));
+}
+
+#[test]
+fn the_limits_of_tables_are_those_of_the_table() {
+    check("ConfigVolume", &volume());
+    let rising = ConfigInverse {
+        session: SESSION,
+        channel: 0,
+        argument: TableArgument::Linear.into(),
+        steps: 1024,
+        setpoint_from: 0.0,
+        setpoint_to: 1.0,
+        pressure_max_pa: 1e6,
+        coefficients_pa: List::from_slice(&[1.0, 1.0]).unwrap(),
+    };
+    check("ConfigInverse", &rising);
 }
 
 #[test]

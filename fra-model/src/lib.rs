@@ -42,6 +42,7 @@ mod scalar;
 mod section;
 mod sensitivity;
 mod solution;
+mod table;
 mod tube;
 mod two;
 
@@ -52,3 +53,6 @@ pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Mate
 pub use real::Real;
 pub use sensitivity::{NoDerivative, Parameter};
 pub use solution::{Load, Solution, State, Status, Target};
+pub use table::{
+    Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable,
+};

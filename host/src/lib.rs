@@ -2,7 +2,7 @@
 //!
 //! The rooms, in the order a datum passes them: [`scene`] reads the file, [`design`] builds the limb, [`motion`] plans its
 //! setpoints, [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
-//! the actuator model alone; [`cli`] is the command line.
+//! the actuator model alone; [`table`] turns it into what a device looks up; [`cli`] is the command line.
 
 pub mod cli;
 pub mod design;
@@ -14,3 +14,4 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod simulate;
+pub mod table;

@@ -1,7 +1,7 @@
 //! The name of a configuration.
 
 use crate::crc::{crc32c, crc32c_digest};
-use crate::message::{ConfigBegin, ConfigChannel, ConfigSystem};
+use crate::message::{ConfigBegin, ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume};
 use crate::wire::{Wire, Writer};
 
 /// Bytes of the session number, with which every payload of an upload begins and which the hash leaves out.
@@ -12,6 +12,8 @@ const _: () = {
     assert!(matches!(ConfigBegin::field_number("session"), Some(0)));
     assert!(matches!(ConfigSystem::field_number("session"), Some(0)));
     assert!(matches!(ConfigChannel::field_number("session"), Some(0)));
+    assert!(matches!(ConfigVolume::field_number("session"), Some(0)));
+    assert!(matches!(ConfigInverse::field_number("session"), Some(0)));
 };
 
 /// CRC-32C over the payloads of an upload without their session numbers, in the order of arrival: equal settings have equal
@@ -41,6 +43,16 @@ impl ConfigHash {
 
     /// Adds one channel.
     pub fn add_channel(&mut self, message: &ConfigChannel) {
+        self.add(message);
+    }
+
+    /// Adds a channel's volume table.
+    pub fn add_volume(&mut self, message: &ConfigVolume) {
+        self.add(message);
+    }
+
+    /// Adds a channel's inverse table.
+    pub fn add_inverse(&mut self, message: &ConfigInverse) {
         self.add(message);
     }
 

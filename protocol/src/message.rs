@@ -102,6 +102,14 @@ interface! {
             Smeared = 2,
         }
 
+        /// The variable in which the pressure of an inverse table is a polynomial.
+        TableArgument {
+            /// The share of the way from the first setpoint to the last.
+            Linear = 0,
+            /// The square root of that share.
+            Root = 1,
+        }
+
         /// What the host asks for in a Command.
         CommandCode {
             /// Follow the buffered setpoints from the given time on.
@@ -341,6 +349,38 @@ interface! {
             time_us: u64,
             /// One value per configured channel, in the unit of its setpoint.
             values: List<i32>,
+        }
+
+        /// Volume of the channel that was sent last, as a table; the device solves its model where there is none.
+        0x09 ConfigVolume Reliable {
+            /// Session.
+            session: u16,
+            /// Channel, from 0.
+            channel: u8,
+            /// Gauge pressure at which the table ends, Pa; it begins at 0.
+            pressure_max_pa: f32,
+            /// Chebyshev coefficients of the actuator's volume over the pressure, m3, from the constant one; at most 17.
+            coefficients_m3: List<f32>,
+        }
+
+        /// Pressure for a setpoint of the channel that was sent last, as a table; the device solves its model where there is none.
+        0x0a ConfigInverse Reliable {
+            /// Session.
+            session: u16,
+            /// Channel, from 0.
+            channel: u8,
+            /// What the polynomial is a function of.
+            argument: Code<TableArgument>,
+            /// Steps that the argument is rounded to.
+            steps: u16,
+            /// Setpoint at gauge pressure 0, SI units.
+            setpoint_from: f32,
+            /// Setpoint at `pressure_max_pa`, SI units; above or below `setpoint_from`.
+            setpoint_to: f32,
+            /// Gauge pressure at which the table ends, Pa.
+            pressure_max_pa: f32,
+            /// Chebyshev coefficients of the pressure over the argument, Pa, from the constant one; at most 17.
+            coefficients_pa: List<f32>,
         }
     }
 

@@ -29,6 +29,10 @@ fn number(value: f32) -> Value {
     }
 }
 
+fn numbers(values: &[f32]) -> Vec<Value> {
+    values.iter().copied().map(number).collect()
+}
+
 fn host_fields(message: &HostMessage) -> (&'static str, Value) {
     match message {
         HostMessage::Hello(m) => (
@@ -39,6 +43,21 @@ fn host_fields(message: &HostMessage) -> (&'static str, Value) {
         HostMessage::ConfigBegin(m) => ("ConfigBegin", json!({ "session": m.session, "channels": m.channels })),
         HostMessage::ConfigSystem(m) => ("ConfigSystem", system_fields(m)),
         HostMessage::ConfigChannel(m) => ("ConfigChannel", channel_fields(m)),
+        HostMessage::ConfigVolume(m) => (
+            "ConfigVolume",
+            json!({
+                "session": m.session, "channel": m.channel, "pressure_max_pa": number(m.pressure_max_pa),
+                "coefficients_m3": numbers(&m.coefficients_m3),
+            }),
+        ),
+        HostMessage::ConfigInverse(m) => (
+            "ConfigInverse",
+            json!({
+                "session": m.session, "channel": m.channel, "argument": m.argument.raw(), "steps": m.steps,
+                "setpoint_from": number(m.setpoint_from), "setpoint_to": number(m.setpoint_to),
+                "pressure_max_pa": number(m.pressure_max_pa), "coefficients_pa": numbers(&m.coefficients_pa),
+            }),
+        ),
         HostMessage::ConfigCommit(m) => ("ConfigCommit", json!({ "session": m.session, "config_hash": m.config_hash })),
         HostMessage::Command(m) => {
             ("Command", json!({ "session": m.session, "code": m.code.raw(), "time_us": m.time_us }))
@@ -237,6 +256,8 @@ fn hashes_of_the_transcript_are_ours() {
             HostMessage::ConfigBegin(begin) => hash = Some(ConfigHash::begin(begin)),
             HostMessage::ConfigSystem(system) => hash.as_mut().unwrap().add_system(system),
             HostMessage::ConfigChannel(channel) => hash.as_mut().unwrap().add_channel(channel),
+            HostMessage::ConfigVolume(volume) => hash.as_mut().unwrap().add_volume(volume),
+            HostMessage::ConfigInverse(inverse) => hash.as_mut().unwrap().add_inverse(inverse),
             HostMessage::ConfigCommit(commit) => {
                 assert_eq!(hash.unwrap().value(), commit.config_hash);
                 commits += 1;

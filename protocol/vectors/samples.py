@@ -18,6 +18,13 @@ CHANNEL = {
     "fiber_angle_rad": 0.0523598776, "fiber_modulus_pa": 2.5e9, "fiber_thickness_m": 1e-4, "fiber_radius_m": 0.0085,
     "pressure_max_pa": 150_000.0, "dead_volume_m3": 6e-6, "setpoint_min": 0, "setpoint_max": 3_141_593,
 }
+VOLUME = {
+    "session": 7, "channel": 0, "pressure_max_pa": 147_000.0, "coefficients_m3": [2.4e-5, 2.5e-6, -1.25e-7],
+}
+INVERSE = {
+    "session": 7, "channel": 0, "argument": 0, "steps": 32_768, "setpoint_from": 0.0, "setpoint_to": 3.0,
+    "pressure_max_pa": 147_000.0, "coefficients_pa": [75_000.0, 73_500.0, -1500.0],
+}
 HELLO = {"protocol_version": 1, "schema_hash": 0x01234567, "session": 7}
 REPLY = {
     "protocol_version": 1, "schema_hash": 0x01234567, "session": 7, "firmware_major": 0, "firmware_minor": 1,
@@ -40,6 +47,8 @@ TYPICAL = {
     "ConfigChannel": CHANNEL,
     "ConfigCommit": {"session": 7, "config_hash": 0xDEADBEEF},
     "Command": {"session": 7, "code": 0, "time_us": 1_500_000},
+    "ConfigVolume": VOLUME,
+    "ConfigInverse": INVERSE,
     "Setpoint": {"session": 7, "index": 0, "time_us": 1_500_000, "values": [0, 1_570_796]},
     "HelloReply": REPLY,
     "Ack": ACK,
@@ -69,6 +78,11 @@ def variants():
         yield f"ConfigChannel, {name}", "ConfigChannel", 3, CHANNEL | {"channel": motion, "motion": motion}
     yield "ConfigChannel, Yeoh, extreme setpoints", "ConfigChannel", 3, CHANNEL | {
         "law": 1, "c_pa_2": -120.5, "c_pa_3": 3.25, "setpoint_min": -(2**31), "setpoint_max": 2**31 - 1}
+    yield "ConfigVolume, 27 coefficients, of which the device takes 17", "ConfigVolume", 4, VOLUME | {
+        "channel": 26, "coefficients_m3": [float(k) for k in range(27)]}
+    yield "ConfigInverse, root, falling setpoints, one coefficient", "ConfigInverse", 5, INVERSE | {
+        "argument": 1, "setpoint_from": -0.0, "setpoint_to": -1.5, "coefficients_pa": [float("nan")]}
+    yield "ConfigInverse, argument of a later version", "ConfigInverse", 6, INVERSE | {"argument": 9, "steps": 65_535}
     for code, name in enumerate(("start", "hold", "vent", "emergency stop", "clear faults", "flush")):
         yield f"Command, {name}", "Command", 40 + code, {"session": 7, "code": code, "time_us": 0}
     yield "Command of a later version", "Command", 50, {"session": 7, "code": 200, "time_us": 0}
@@ -100,6 +114,8 @@ def session(schema_hash):
         ("ConfigBegin", {"session": 7, "channels": 2}),
         ("ConfigSystem", SYSTEM),
         ("ConfigChannel", CHANNEL),
+        ("ConfigVolume", VOLUME),
+        ("ConfigInverse", INVERSE),
         ("ConfigChannel", CHANNEL | {"channel": 1}),
     ]
     # Without the session, the first two bytes of each payload.
@@ -120,8 +136,8 @@ def session(schema_hash):
     yield answer("Setpoint", 0, 63)
     yield "Setpoint", 1, TYPICAL["Setpoint"] | {"index": 1, "time_us": 1_520_000}
     yield answer("Setpoint", 1, 62)
-    yield "Command", 6, TYPICAL["Command"]
-    yield answer("Command", 6, 62)
+    yield "Command", 8, TYPICAL["Command"]
+    yield answer("Command", 8, 62)
     yield "Heartbeat", 2, TYPICAL["Heartbeat"]
     yield "HeartbeatReply", next(device_seq), TYPICAL["HeartbeatReply"] | {"free_knots": 62}
     yield "Telemetry", next(device_seq), TELEMETRY

@@ -19,6 +19,9 @@ HOST = {
     0x06: ("ConfigCommit", "session:H config_hash:I"),
     0x07: ("Command", "session:H code:B time_us:Q"),
     0x08: ("Setpoint", "session:H index:I time_us:Q values:list:i"),
+    0x09: ("ConfigVolume", "session:H channel:B pressure_max_pa:f coefficients_m3:list:f"),
+    0x0a: ("ConfigInverse", "session:H channel:B argument:B steps:H setpoint_from:f setpoint_to:f pressure_max_pa:f "
+           "coefficients_pa:list:f"),
 }
 DEVICE = {
     0x81: ("HelloReply", "protocol_version:H schema_hash:I session:H firmware_major:B firmware_minor:B firmware_patch:B "
@@ -72,8 +75,8 @@ def payload(fields, values):
     out = b""
     for name, form in single(fields):
         value = values[name]
-        if form == "list:i":
-            out += bytes([len(value)]) + b"".join(struct.pack("<i", element) for element in value)
+        if form in ("list:i", "list:f"):
+            out += bytes([len(value)]) + b"".join(struct.pack("<" + form[-1], element) for element in value)
         elif form == "list:sample":
             out += bytes([len(value)]) + b"".join(payload(SAMPLE, element) for element in value)
         else:
@@ -101,15 +104,21 @@ def frame(raw_body):
     return b"\0" + cobs(raw_body) + b"\0"
 
 
+def binary32(value):
+    """A number as binary32 keeps it, what is not a number as text."""
+    value = struct.unpack("<f", struct.pack("<f", value))[0]
+    return str(value) if value != value or value in (float("inf"), float("-inf")) else value
+
+
 def shown(fields, values):
-    """The values as a reader gets them back: binary32 rounded, what is not a number as text."""
+    """The values as a reader gets them back."""
     out = {}
     for name, form in single(fields):
         value = values[name]
         if form == "f":
-            value = struct.unpack("<f", struct.pack("<f", value))[0]
-            if value != value or value in (float("inf"), float("-inf")):
-                value = str(value)
+            value = binary32(value)
+        elif form == "list:f":
+            value = [binary32(element) for element in value]
         out[name] = value
     return out
 

@@ -86,8 +86,12 @@ pub(crate) fn run(
             Knot { time_us, values: subjects.iter().enumerate().map(value).collect() }
         })
         .collect();
-    let configuration =
-        DeviceConfiguration { system: system(), channels: subjects.iter().map(Subject::channel).collect() };
+    let configuration = DeviceConfiguration {
+        system: system(),
+        channels: subjects.iter().map(Subject::channel).collect(),
+        volumes: Vec::new(),
+        inverses: Vec::new(),
+    };
     let mut device = Watched::new(SimulatedMcu::new(&SimSettings::new(plant)).expect("sound settings"));
     let mut faults = Vec::new();
     let outcome = stream(&mut device, &configuration, &knots, &StreamOptions::new(1), |device, event| match event {

@@ -1,11 +1,14 @@
 //! One channel's part of the configuration.
 
 use fra_model::{
-    Actuator, ActuatorParameters, Families, Fiber, InvalidParameter, Load, Material, Motion, Placement, State, Target,
+    Actuator, ActuatorParameters, Families, Fiber, InvalidParameter, InverseTable, Load, Material, Motion, Placement,
+    State, Target, VolumeTable,
 };
-use softlimb_protocol::{ConfigChannel, FiberPlacement, MaterialLaw, MotionKind, SetpointKind};
+use softlimb_protocol::{
+    ConfigChannel, ConfigInverse, ConfigVolume, FiberPlacement, MaterialLaw, MotionKind, SetpointKind,
+};
 
-use super::{ConfigError, known, within};
+use super::{ConfigError, StagingError, known, tables, within};
 
 /// The reference keeps this distance from the pressure limit, Pa, at which the channel is vented.
 const REFERENCE_MARGIN_PA: f32 = 3_000.0;
@@ -25,12 +28,47 @@ pub struct ChannelConfig {
     pub pressure_max_pa: f32,
     /// Air volume of fittings and line, m3.
     pub dead_volume_m3: f32,
+    /// Its volume over the pressure, where the host sent a table; else the model is solved for it.
+    pub volume_table: Option<VolumeTable<f32>>,
+    /// Its pressure over the setpoint, where the host sent a table; else the model is solved for it. Only beside a volume table.
+    pub inverse_table: Option<InverseTable<f32>>,
 }
 
 impl ChannelConfig {
     /// Highest gauge pressure that the loop may aim at, Pa.
     pub fn reference_max_pa(&self) -> f32 {
         self.pressure_max_pa - REFERENCE_MARGIN_PA.min(0.1 * self.pressure_max_pa)
+    }
+
+    /// Takes the volume table, once.
+    ///
+    /// # Errors
+    /// [`StagingError`]; the channel is as before.
+    pub(super) fn set_volume(&mut self, wire: &ConfigVolume) -> Result<(), StagingError> {
+        if self.volume_table.is_some() {
+            return Err(StagingError::Mismatch);
+        }
+        self.volume_table = Some(tables::volume(self, wire)?);
+        Ok(())
+    }
+
+    /// Takes the inverse table, once, behind the volume table.
+    ///
+    /// # Errors
+    /// [`StagingError`]; the channel is as before.
+    pub(super) fn set_inverse(&mut self, wire: &ConfigInverse) -> Result<(), StagingError> {
+        let has_no_use = self.setpoint_kind == SetpointKind::Pressure;
+        if self.volume_table.is_none() || self.inverse_table.is_some() || has_no_use {
+            return Err(StagingError::Mismatch);
+        }
+        self.inverse_table = Some(tables::inverse(self, wire)?);
+        Ok(())
+    }
+
+    /// Whether the device can do without its model, or has it for everything: a volume alone is enough for a pressure only.
+    pub(super) fn has_all_tables_or_none(&self) -> bool {
+        let needs_inverse = self.volume_table.is_some() && self.setpoint_kind != SetpointKind::Pressure;
+        self.inverse_table.is_some() == needs_inverse
     }
 
     /// The deformation behind a setpoint in SI units; `None` for a pressure.
@@ -56,6 +94,8 @@ impl TryFrom<&ConfigChannel> for ChannelConfig {
             setpoint_range: (wire.setpoint_min, wire.setpoint_max),
             pressure_max_pa: within("pressure_max_pa", wire.pressure_max_pa, 1e3..=1e6)?,
             dead_volume_m3: within("dead_volume_m3", wire.dead_volume_m3, 0.0..=1e-2)?,
+            volume_table: None,
+            inverse_table: None,
         })
     }
 }

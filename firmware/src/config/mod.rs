@@ -3,6 +3,7 @@
 mod channel;
 mod staging;
 mod system;
+mod tables;
 
 pub use channel::ChannelConfig;
 pub use staging::{StagedConfig, StagingError};

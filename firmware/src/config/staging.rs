@@ -1,7 +1,9 @@
 //! A configuration upload in progress. Nothing of it is in force before the commit.
 
 use heapless::Vec;
-use softlimb_protocol::{ConfigBegin, ConfigChannel, ConfigHash, ConfigSystem, MAX_CHANNELS};
+use softlimb_protocol::{
+    ConfigBegin, ConfigChannel, ConfigHash, ConfigInverse, ConfigSystem, ConfigVolume, MAX_CHANNELS,
+};
 
 use super::{ActiveConfig, ChannelConfig, ConfigError, SystemConfig, within};
 
@@ -83,6 +85,34 @@ impl StagedConfig {
         Ok(())
     }
 
+    /// Takes the volume table of the last channel, once.
+    ///
+    /// # Errors
+    /// [`StagingError`]; nothing of the part is kept.
+    pub fn add_volume(&mut self, wire: &ConfigVolume) -> Result<(), StagingError> {
+        self.last_channel(wire.channel)?.set_volume(wire)?;
+        self.hash.add_volume(wire);
+        Ok(())
+    }
+
+    /// Takes the inverse table of the last channel, once, behind its volume table.
+    ///
+    /// # Errors
+    /// [`StagingError`]; nothing of the part is kept.
+    pub fn add_inverse(&mut self, wire: &ConfigInverse) -> Result<(), StagingError> {
+        self.last_channel(wire.channel)?.set_inverse(wire)?;
+        self.hash.add_inverse(wire);
+        Ok(())
+    }
+
+    /// The channel that came last, if that is the one a table names.
+    fn last_channel(&mut self, number: u8) -> Result<&mut ChannelConfig, StagingError> {
+        // At most 27 channels are kept.
+        let last = (self.channels.len() as u8).checked_sub(1).ok_or(StagingError::Mismatch)?;
+        within("channel", number, last..=last)?;
+        self.channels.last_mut().ok_or(StagingError::Mismatch)
+    }
+
     /// Puts the upload in the place of `active`, as a whole, if it is complete, has the host's hash, and its parts fit together.
     /// The channels change places instead of being copied: they are too large for a small stack.
     ///
@@ -92,7 +122,8 @@ impl StagedConfig {
         let system = self.system.ok_or(StagingError::Mismatch)?;
         let complete = self.channels.len() == usize::from(self.count);
         let measurable = self.channels.iter().all(|channel| channel.pressure_max_pa <= system.sensor_max_pa);
-        if !complete || !measurable || self.hash.value() != config_hash {
+        let tabulated = self.channels.iter().all(ChannelConfig::has_all_tables_or_none);
+        if !complete || !measurable || !tabulated || self.hash.value() != config_hash {
             return Err(StagingError::Mismatch);
         }
         let active = active.get_or_insert_with(|| ActiveConfig { system, channels: Vec::new(), hash: config_hash });

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{Failure, Outcome};
 use crate::design::Limb;
-use crate::motion::{self, Plan};
+use crate::motion::{self, ModuleInverse, Plan};
 use crate::scene::{self, Scene};
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
@@ -26,11 +26,12 @@ impl Check {
         let scene = scene::load(&self.scene)?;
         let limb = Limb::new(&scene)?;
         let plan = motion::plan(&scene, &limb)?;
+        let inverses = motion::inverses(&scene, &limb)?;
         let highest = highest_pressures(&plan);
         if self.json {
-            super::say(&report(&scene, &limb, &plan, &highest).to_string())?;
+            super::say(&report(&scene, &limb, &plan, &highest, &inverses).to_string())?;
         } else {
-            super::say(&table(&scene, &limb, &plan, &highest))?;
+            super::say(&table(&scene, &limb, &plan, &highest, &inverses))?;
         }
         Ok(Outcome::Done)
     }
@@ -48,10 +49,23 @@ fn highest_pressures(plan: &Plan) -> Vec<f64> {
     })
 }
 
-fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) -> serde_json::Value {
-    let modules: Vec<_> = limb.modules().iter().zip(highest).map(|(module, pressure)| {
-        json!({"name": module.name, "highest_pressure_pa": pressure, "pressure_max_pa": module.pressure_max_pa})
-    }).collect();
+fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> serde_json::Value {
+    let modules: Vec<_> = limb
+        .modules()
+        .iter()
+        .zip(highest)
+        .zip(inverses)
+        .map(|((module, pressure), inverse)| {
+            json!({
+                "name": module.name,
+                "highest_pressure_pa": pressure,
+                "pressure_max_pa": module.pressure_max_pa,
+                "tables": inverse.tables().is_some(),
+                "inverse_error": inverse.error(),
+                "no_tables_because": inverse.reason().map(|reason| reason.to_string()),
+            })
+        })
+        .collect();
     json!({
         "scene": scene.name(),
         "channels": scene.channels(),
@@ -62,7 +76,7 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) -> serde_jso
     })
 }
 
-fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) -> String {
+fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> String {
     let heading = format!(
         "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
         scene.name(),
@@ -73,9 +87,9 @@ fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64]) -> String {
         plan.phases.len(),
         plan.duration_us() as f64 * 1e-6,
     );
-    let modules = limb.modules().iter().zip(highest).map(|(module, pressure)| {
+    let modules = limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| {
         let (highest_kpa, allowed_kpa) = (pressure * 1e-3, module.pressure_max_pa * 1e-3);
-        format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa", module.name)
+        format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa, by {inverse}", module.name)
     });
     std::iter::once(heading).chain(modules).collect::<Vec<_>>().join("\n")
 }

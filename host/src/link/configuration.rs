@@ -1,20 +1,25 @@
 //! A configuration on its way to the device.
 
 use softlimb_protocol::{
-    ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, ConfigSystem, HostMessage, MAX_CHANNELS,
+    ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, ConfigInverse, ConfigSystem, ConfigVolume, HostMessage,
+    MAX_CHANNELS,
 };
 
 use super::error::LinkError;
 
 /// Everything a device has to know before it can run.
 ///
-/// Session and channel numbers are filled in on upload, whatever they are here.
+/// Sessions, and the numbers of the channels, are filled in on upload, whatever they are here; a table names its channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceConfiguration {
     /// What all channels share.
     pub system: ConfigSystem,
     /// The channels in order; 1 to 27.
     pub channels: Vec<ConfigChannel>,
+    /// Tables of volumes; channels without one have their model solved.
+    pub volumes: Vec<ConfigVolume>,
+    /// Tables of pressures; only beside one of the volume.
+    pub inverses: Vec<ConfigInverse>,
 }
 
 impl DeviceConfiguration {
@@ -37,6 +42,16 @@ impl DeviceConfiguration {
             let channel = ConfigChannel { session, channel: number, ..channel.clone() };
             hash.add_channel(&channel);
             messages.push(channel.into());
+            for volume in self.volumes.iter().filter(|table| table.channel == number) {
+                let volume = ConfigVolume { session, ..volume.clone() };
+                hash.add_volume(&volume);
+                messages.push(volume.into());
+            }
+            for inverse in self.inverses.iter().filter(|table| table.channel == number) {
+                let inverse = ConfigInverse { session, ..inverse.clone() };
+                hash.add_inverse(&inverse);
+                messages.push(inverse.into());
+            }
         }
         messages.push(ConfigCommit { session, config_hash: hash.value() }.into());
         Ok((messages, hash.value()))

@@ -4,7 +4,8 @@ use std::fmt;
 use std::io;
 
 use softlimb_protocol::{
-    Ack, Code, DeviceState, FaultCode, HostMessage, Message, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH,
+    Ack, Code, ConfigChannel, ConfigInverse, ConfigVolume, DeviceState, FaultCode, HostMessage, Message,
+    PROTOCOL_VERSION, ResultCode, SCHEMA_HASH,
 };
 
 use super::device::FirmwareVersion;
@@ -245,7 +246,9 @@ fn layout(message_type: u8) -> Option<&'static softlimb_protocol::MessageLayout>
 
 fn channel_of(message: &HostMessage) -> String {
     match message {
-        HostMessage::ConfigChannel(part) => format!(" on channel {}", part.channel),
+        HostMessage::ConfigChannel(ConfigChannel { channel, .. })
+        | HostMessage::ConfigVolume(ConfigVolume { channel, .. })
+        | HostMessage::ConfigInverse(ConfigInverse { channel, .. }) => format!(" on channel {channel}"),
         _ => String::new(),
     }
 }

@@ -1,8 +1,11 @@
 //! What the device is told before a run: limits, valves, sensors, and one actuator per channel.
 
 use fra_model::{ActuatorParameters, Families, Material, Motion, Placement};
-use softlimb_protocol::{ConfigChannel, ConfigSystem, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind};
+use softlimb_protocol::{
+    ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind,
+};
 
+use super::inverses::ModuleInverse;
 use super::wire::{to_wire, wire_kind};
 use crate::design::{Limb, LimbModule};
 use crate::link::DeviceConfiguration;
@@ -11,11 +14,26 @@ use crate::scene::{Line, LinkLoss, Scene};
 /// Room left beyond the limits of setpoints for the rounding to wire units, wire units.
 const SETPOINT_MARGIN: i32 = 2;
 
-/// The configuration a scene asks for. The device models its actuators from the scene's nominal values.
-pub fn configuration(scene: &Scene, limb: &Limb) -> DeviceConfiguration {
+/// The configuration a scene asks for, with the tables of its modules. The device models its actuators from the scene's nominal
+/// values.
+pub fn configuration(scene: &Scene, inverses: &[ModuleInverse], limb: &Limb) -> DeviceConfiguration {
     let channels =
         limb.modules().iter().flat_map(|module| module.channels.clone().map(move |c| channel(scene, module, c)));
-    DeviceConfiguration { system: system(scene), channels: channels.collect() }
+    let (mut volumes, mut all_inverses) = (Vec::new(), Vec::new());
+    for (module, inverse) in limb.modules().iter().zip(inverses) {
+        for number in module.channels.clone().map(wire_number) {
+            if let Some((volume, inverse)) = inverse.messages() {
+                volumes.push(ConfigVolume { channel: number, ..volume });
+                all_inverses.extend(inverse.map(|inverse| ConfigInverse { channel: number, ..inverse }));
+            }
+        }
+    }
+    DeviceConfiguration { system: system(scene), channels: channels.collect(), volumes, inverses: all_inverses }
+}
+
+/// A channel's number on the wire; there are at most 27.
+fn wire_number(channel: usize) -> u8 {
+    u8::try_from(channel).unwrap_or(u8::MAX)
 }
 
 fn system(scene: &Scene) -> ConfigSystem {
@@ -60,7 +78,7 @@ fn channel(scene: &Scene, module: &LimbModule, channel: usize) -> ConfigChannel 
     let (least, most) = setpoint_limits(module);
     ConfigChannel {
         session: 0,
-        channel: u8::try_from(channel).unwrap_or(u8::MAX),
+        channel: wire_number(channel),
         motion: motion_kind(actuator.motion).into(),
         setpoint_kind: wire_kind(module.kind).into(),
         law: law.into(),

@@ -2,11 +2,13 @@
 
 mod configuration;
 mod inverse_kinematics;
+mod inverses;
 mod plan;
 mod profile;
 mod wire;
 
 pub use configuration::configuration;
 pub use inverse_kinematics::{Reach, solve_tip};
+pub use inverses::{ModuleInverse, inverses};
 pub use plan::{Plan, PlannedPhase, plan};
 pub use wire::wire_kind;

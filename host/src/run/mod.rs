@@ -67,7 +67,7 @@ pub fn run(
 ) -> Result<RunFiles, RunError> {
     let limb = Limb::new(scene)?;
     let plan = motion::plan(scene, &limb)?;
-    let configuration = motion::configuration(scene, &limb);
+    let configuration = motion::configuration(scene, &motion::inverses(scene, &limb)?, &limb);
     let knots = wire_knots(&limb, &plan);
     let mut device = Observed::new(SimulatedMcu::new(&simulate::settings(scene, &limb, options.seed))?);
     fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;

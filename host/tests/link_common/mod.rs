@@ -61,7 +61,7 @@ pub fn configuration(channels: usize) -> DeviceConfiguration {
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
     };
-    DeviceConfiguration { system, channels: vec![channel(); channels] }
+    DeviceConfiguration { system, channels: vec![channel(); channels], volumes: Vec::new(), inverses: Vec::new() }
 }
 
 fn channel() -> ConfigChannel {

@@ -125,6 +125,30 @@ fn config_channel() -> impl Strategy<Value = HostMessage> {
     )
 }
 
+fn config_tables() -> impl Strategy<Value = HostMessage> {
+    let volume = (any::<(u16, u8)>(), number(), list(number())).prop_map(
+        |((session, channel), pressure_max_pa, coefficients_m3)| {
+            ConfigVolume { session, channel, pressure_max_pa, coefficients_m3 }.into()
+        },
+    );
+    let inverse = (any::<(u16, u8, u16)>(), code(), vec(number(), 3), list(number())).prop_map(
+        |((session, channel, steps), argument, f, coefficients_pa)| {
+            ConfigInverse {
+                session,
+                channel,
+                argument,
+                steps,
+                setpoint_from: f[0],
+                setpoint_to: f[1],
+                pressure_max_pa: f[2],
+                coefficients_pa,
+            }
+            .into()
+        },
+    );
+    prop_oneof![volume, inverse]
+}
+
 /// Any message to the device.
 pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
     let hello = any::<(u16, u32, u16)>()
@@ -136,7 +160,7 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         (any::<(u16, u64)>(), code()).prop_map(|((session, time_us), code)| Command { session, code, time_us }.into());
     let setpoint = (any::<(u16, u32, u64)>(), list(any::<i32>()))
         .prop_map(|((session, index, time_us), values)| Setpoint { session, index, time_us, values }.into());
-    prop_oneof![hello, heartbeat, begin, config_system(), config_channel(), commit, command, setpoint]
+    prop_oneof![hello, heartbeat, begin, config_system(), config_channel(), config_tables(), commit, command, setpoint]
 }
 
 fn hello_reply() -> impl Strategy<Value = DeviceMessage> {

@@ -1,6 +1,6 @@
 //! Limits and settings of the controller.
 
-use crate::scene::data::{Controller, Limits, LinkLoss};
+use crate::scene::data::{Controller, InverseChoice, Limits, LinkLoss};
 use crate::scene::error::{Problem, quoted};
 use crate::scene::reader::Reader;
 use crate::scene::schema::{self, Nested, Quantity, Section, controller as keys};
@@ -62,6 +62,9 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
         let hold = time(reader, &keys::HOLD_TIME, 1);
         let link_loss = reader.choice(&keys::LINK_LOSS, &[LinkLoss::HoldThenRamp, LinkLoss::Hold, LinkLoss::Vent]);
         let vent_ramp = reader.quantity(&keys::VENT_RAMP);
+        let inverses = [InverseChoice::Auto, InverseChoice::Table, InverseChoice::Model];
+        let inverse = reader.choice(&keys::INVERSE, &inverses);
+        let inverse_error = reader.quantity(&keys::INVERSE_ERROR);
         Some(Controller {
             knot_period_us: knot?,
             control_period_us: control?,
@@ -70,6 +73,8 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
             hold_time_us: hold?,
             link_loss: *link_loss?,
             vent_ramp_pa_per_s: *vent_ramp?,
+            inverse: *inverse?,
+            inverse_error: *inverse_error?,
         })
     })
 }

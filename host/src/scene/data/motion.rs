@@ -106,6 +106,17 @@ pub enum LinkLoss {
     Vent,
 }
 
+/// How the controller finds the pressure for a deformation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InverseChoice {
+    /// In tables where their verified error is within the bound, by the model elsewhere.
+    Auto,
+    /// In tables, or not at all.
+    Table,
+    /// By the model.
+    Model,
+}
+
 /// Settings of the pressure controller.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -124,4 +135,8 @@ pub struct Controller {
     pub link_loss: LinkLoss,
     /// Rate at which pressures ramp down, Pa/s; > 0.
     pub vent_ramp_pa_per_s: f64,
+    /// How the controller finds the pressure for a deformation.
+    pub inverse: InverseChoice,
+    /// Largest error of an inverse table, as a share of the highest pressure; > 0.
+    pub inverse_error: f64,
 }

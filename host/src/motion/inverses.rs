@@ -1,0 +1,124 @@
+//! How the controller finds the pressures of each module: in verified tables, or by its model.
+
+use std::fmt;
+
+use fra_model::Argument;
+use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
+
+use crate::design::{Limb, LimbModule};
+use crate::scene::{InverseChoice, Scene, SceneError};
+use crate::table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
+
+/// How the channels of one module find their pressures.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModuleInverse {
+    /// In these tables.
+    Table(DeviceTables),
+    /// By solving the model: there are no tables for a reason, or the scene does not want any.
+    Model(Option<NoTable>),
+}
+
+impl ModuleInverse {
+    /// The tables, where they are used.
+    pub fn tables(&self) -> Option<&DeviceTables> {
+        match self {
+            Self::Table(tables) => Some(tables),
+            Self::Model(_) => None,
+        }
+    }
+
+    /// The verified error of the inverse table, as a share of the module's highest pressure; none where there is no such table.
+    pub fn error(&self) -> Option<f64> {
+        self.tables()?.inverse.as_ref().map(|inverse| inverse.error)
+    }
+
+    /// Why there are no tables, where the scene would take some.
+    pub fn reason(&self) -> Option<NoTable> {
+        match self {
+            Self::Table(_) => None,
+            Self::Model(reason) => *reason,
+        }
+    }
+
+    /// The tables as they are sent, for channel 0.
+    pub(super) fn messages(&self) -> Option<(ConfigVolume, Option<ConfigInverse>)> {
+        let tables = self.tables()?;
+        let inverse = match &tables.inverse {
+            Some(fit) => Some(inverse_message(fit)?),
+            None => None,
+        };
+        Some((volume_message(&tables.volume)?, inverse))
+    }
+}
+
+impl fmt::Display for ModuleInverse {
+    /// Behind "by", as in "by table within 3.5e-5 of full scale".
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self, self.error()) {
+            (Self::Table(_), Some(error)) => write!(f, "table within {error:.1e} of full scale"),
+            (Self::Table(_), None) => f.write_str("pressure"),
+            (Self::Model(Some(reason)), _) => write!(f, "model: {reason}"),
+            (Self::Model(None), _) => f.write_str("model"),
+        }
+    }
+}
+
+/// Builds and verifies the tables that a scene wants.
+///
+/// # Errors
+/// A diagnostic at a module whose tables do not keep the error that the scene allows, where it wants tables and nothing else.
+pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneError> {
+    let (controller, ambient) = (scene.controller(), &scene.plant().ambient);
+    let of_module = |(index, module): (usize, &LimbModule)| {
+        if controller.inverse == InverseChoice::Model {
+            return Ok(ModuleInverse::Model(None));
+        }
+        match device_tables(&Subject::of(module), controller.inverse_error, ambient.pressure_pa) {
+            Ok(tables) => Ok(ModuleInverse::Table(tables)),
+            Err(reason) if controller.inverse == InverseChoice::Table => Err(refused(scene, index, &reason)),
+            Err(reason) => Ok(ModuleInverse::Model(Some(reason))),
+        }
+    };
+    limb.modules().iter().enumerate().map(of_module).collect()
+}
+
+fn refused(scene: &Scene, module: usize, reason: &NoTable) -> SceneError {
+    let module = &scene.modules()[module];
+    let help = match reason {
+        NoTable::Inverse { least: Some(least), .. } => format!(
+            "set `inverse_error` in [controller] to \"{:.4} %\" or more, or `inverse = \"auto\"` to let the device solve its model",
+            least * 100.0 * 1.001
+        ),
+        _ => "set `inverse = \"auto\"` in [controller] to let the device solve its model, or lower the module's \
+              `pressure_max`"
+            .into(),
+    };
+    let title = format!("there is no inverse table for the module `{}`", *module.name);
+    scene.diagnostic(module.span, &title, &reason.to_string(), Some(&help))
+}
+
+fn volume_message(fit: &VolumeFit) -> Option<ConfigVolume> {
+    Some(ConfigVolume {
+        session: 0,
+        channel: 0,
+        pressure_max_pa: fit.pressure_max_pa,
+        coefficients_m3: List::from_slice(&fit.coefficients_m3).ok()?,
+    })
+}
+
+fn inverse_message(fit: &InverseFit) -> Option<ConfigInverse> {
+    let argument = match fit.argument {
+        Argument::Linear => TableArgument::Linear,
+        Argument::Root => TableArgument::Root,
+    };
+    Some(ConfigInverse {
+        session: 0,
+        channel: 0,
+        argument: argument.into(),
+        steps: fit.steps,
+        setpoint_from: fit.from,
+        setpoint_to: fit.to,
+        pressure_max_pa: fit.pressure_max_pa,
+        coefficients_pa: List::from_slice(&fit.coefficients_pa).ok()?,
+    })
+}
