@@ -41,6 +41,7 @@ mod refine;
 mod scalar;
 mod section;
 mod sensitivity;
+mod series;
 mod solution;
 mod table;
 mod tube;
@@ -52,6 +53,7 @@ pub use limb::{Link, Segment, tip_pose};
 pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement};
 pub use real::Real;
 pub use sensitivity::{NoDerivative, Parameter};
+pub use series::{InvalidSeries, Series, SeriesLimit, SeriesSolution, SeriesState, SeriesTarget};
 pub use solution::{Load, Solution, State, Status, Target};
 pub use table::{
     Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable,
