@@ -110,7 +110,7 @@ impl<T: Real> Actuator<T> {
     /// use fra_model::*;
     /// let actuator = Actuator::new(&ActuatorParameters {
     ///     motion: Motion::Expansion,
-    ///     inner_radius_m: 6e-3,
+    ///     inner_radius_m: 6e-3_f64,
     ///     outer_radius_m: 8e-3,
     ///     length_m: 0.1,
     ///     material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
