@@ -108,6 +108,23 @@ impl<T: Scalar> WallRule<T> {
         }
     }
 
+    /// Calls `f(X, weight)` at nodes that crowd towards the end, beyond which a singularity lies at this distance in `ln X`.
+    pub(crate) fn for_each_towards_end(&self, distance: T, mut f: impl FnMut(T, T)) {
+        let (mut distance, mut to, mut left) = (distance, self.from * self.span.exp(), self.span);
+        for round in 0..GRADED_PANELS {
+            let widest = (distance * T::constant(SHARE_OF_DISTANCE)).min(T::constant(PANEL_SPAN));
+            let last = round + 1 == GRADED_PANELS || left <= widest;
+            let width = if last { left } else { widest };
+            to *= (-width).exp();
+            panel(&self.half_rule, self.pairs, to, width).for_each(|(x, weight)| f(x, weight));
+            if last {
+                return;
+            }
+            left -= width;
+            distance += width;
+        }
+    }
+
     fn for_each_graded(&self, distance: T, mut f: impl FnMut(T, T)) {
         let (mut distance, mut from, mut left) = (distance, self.from, self.span);
         for round in 0..GRADED_PANELS {

@@ -29,6 +29,12 @@ const COARSE_ANGLES: [(f64, f64); 4] = [
     (0.195_090_322_016_128_25, 0.980_785_280_403_230_4),
 ];
 
+/// Bends `k` up to which 16, 32 and 64 angles are enough for a double: the integrand's strip of analyticity narrows as `sqrt(2/k)`.
+const ANGLES_UNTIL: [f64; 3] = [1.0, 4.0, 16.0];
+
+/// Bends up to which equal panels are enough.
+const UNGRADED_UNTIL: f64 = 0.4;
+
 /// Most of Newton's steps to find where a point of the section goes.
 const RADIUS_STEPS: u32 = 60;
 
@@ -145,16 +151,23 @@ impl<T: Scalar> Section<T> {
 
     /// Integrates the restoring moment over the section.
     pub(crate) fn bent(&self, k: T) -> Bent<T> {
+        let [few, some, many] = ANGLES_UNTIL.map(T::constant);
         if k < self.coarse_until {
-            self.integrated(k, &self.coarse, COARSE_ANGLES.map(constants))
+            self.integrated(k, COARSE_ANGLES.map(constants))
+        } else if k < few {
+            self.integrated(k, FINE_ANGLES.map(constants))
+        } else if k < some {
+            self.integrated(k, equal_angles::<T, 16>())
+        } else if k < many {
+            self.integrated(k, equal_angles::<T, 32>())
         } else {
-            self.integrated(k, &self.fine, FINE_ANGLES.map(constants))
+            self.integrated(k, equal_angles::<T, 64>())
         }
     }
 
-    fn integrated<const N: usize>(&self, k: T, radial: &WallRule<T>, angles: [(T, T); N]) -> Bent<T> {
+    fn integrated<const N: usize>(&self, k: T, angles: [(T, T); N]) -> Bent<T> {
         let mut sum = Jet::fixed(T::zero());
-        radial.for_each(T::zero(), |rho_squared, weight| {
+        self.for_each_radius(k, |rho_squared, weight| {
             let rho = rho_squared.sqrt();
             for (cos, sin) in angles {
                 for cos in [cos, -cos] {
@@ -165,6 +178,20 @@ impl<T: Scalar> Section<T> {
         // dA = d(rho^2)/2 dphi; two mirror images of each angle, both halves of the section.
         let scale = T::constant(core::f64::consts::PI / (2 * N) as f64);
         Bent { k, moment: sum.value * scale, slope: sum.slope * scale }
+    }
+
+    /// Calls `f(rho^2, weight)` at the nodes over the wall that a bend takes.
+    fn for_each_radius(&self, k: T, f: impl FnMut(T, T)) {
+        if k < self.coarse_until {
+            return self.coarse.for_each(T::zero(), f);
+        }
+        if k < T::constant(UNGRADED_UNTIL) {
+            return self.fine.for_each(T::zero(), f);
+        }
+        // Opposite the inextensible line the map folds beyond the outer face, where d(rho^2)/d(r^2) = 1 + k h vanishes: at r = 1 + 1/k.
+        let r = T::one() + T::one() / k;
+        let fold = r * r - T::constant(2.0) * k * self.inward_shift(r, T::one());
+        self.fine.for_each_towards_end(fold.ln(), f);
     }
 
     /// `psi'(J)/mu1 dJ/dk` at one point of the section, with its slope in `k`.
@@ -233,6 +260,17 @@ impl<T: Scalar> Section<T> {
 }
 
 /// One direction of a table in the scalar: converted while it is still a constant of the source.
+/// Cosine and sine of the first half of `2 N` equal angles on half a turn, `pi (2j+1)/(4 N)`.
+fn equal_angles<T: Scalar, const N: usize>() -> [(T, T); N] {
+    let half_step = T::constant(core::f64::consts::PI / (4 * N) as f64);
+    let mut odd = -T::one();
+    core::array::from_fn(|_| {
+        odd += T::constant(2.0);
+        let angle = odd * half_step;
+        (angle.cos(), angle.sin())
+    })
+}
+
 fn constants<T: Scalar>((cos, sin): (f64, f64)) -> (T, T) {
     (T::constant(cos), T::constant(sin))
 }
