@@ -30,12 +30,16 @@ impl<T: Real> Chebyshev<T> {
         Ok(Self { constant, rest, degree: others.len() })
     }
 
+    fn used(&self) -> &[T] {
+        self.rest.get(..self.degree).unwrap_or(&self.rest)
+    }
+
     /// `f(t)` by Clenshaw's recurrence.
     #[inline]
     pub(crate) fn at(&self, t: T) -> T {
         let twice_x = real::<T>(4.0) * t - real::<T>(2.0);
         let (mut b, mut older) = (T::zero(), T::zero());
-        for &c in self.rest.iter().take(self.degree).rev() {
+        for &c in self.used().iter().rev() {
             (b, older) = (twice_x * b + (c - older), b);
         }
         twice_x * real::<T>(0.5) * b + (self.constant - older)
@@ -48,7 +52,7 @@ impl<T: Real> Chebyshev<T> {
         let twice_x = real::<T>(4.0) * t - two;
         let (mut b, mut older) = (T::zero(), T::zero());
         let (mut slope, mut older_slope) = (T::zero(), T::zero());
-        for &c in self.rest.iter().take(self.degree).rev() {
+        for &c in self.used().iter().rev() {
             (slope, older_slope) = (two * b + twice_x * slope - older_slope, slope);
             (b, older) = (twice_x * b + (c - older), b);
         }

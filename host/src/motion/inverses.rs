@@ -87,7 +87,7 @@ fn refused(scene: &Scene, module: usize, reason: &NoTable) -> SceneError {
     let help = match reason {
         NoTable::Inverse { least: Some(least), .. } => format!(
             "set `inverse_error` in [controller] to \"{:.4} %\" or more, or `inverse = \"auto\"` to let the device solve its model",
-            least * 100.0 * 1.001
+            (least * 1e6).ceil() * 1e-4
         ),
         _ => "set `inverse = \"auto\"` in [controller] to let the device solve its model, or lower the module's \
               `pressure_max`"

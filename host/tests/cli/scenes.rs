@@ -63,5 +63,9 @@ fn a_sound_scene_is_checked_without_writing() {
     assert!((json["duration_s"].as_f64().unwrap() - 1.2).abs() < 1e-9, "{json}");
     let highest_pa = json["modules"][0]["highest_pressure_pa"].as_f64().unwrap();
     assert!(highest_pa > 5e3 && highest_pa < 100e3, "{json}");
+    // It says how the device will find the pressures, and how well.
+    assert!(answer.out.contains(", by table within ") && answer.out.contains("of full scale"), "{}", answer.out);
+    let error = json["modules"][0]["inverse_error"].as_f64().unwrap();
+    assert!(json["modules"][0]["tables"] == true && error > 0.0 && error <= 1e-4, "{json}");
     assert_eq!(desk.content(), ["scene.toml"]);
 }

@@ -1,6 +1,6 @@
 //! Answers as the line of a table.
 
-use fra_model::{Actuator, Held, InvalidParameter, NoDerivative, Solution, State, Status};
+use fra_model::{Actuator, Held, InvalidParameter, Lookup, NoDerivative, NotFinite, Solution, State, Status, Volume};
 use nalgebra::Isometry3;
 
 /// One answer in the form in which it is printed and compared.
@@ -52,6 +52,20 @@ impl Answer for Held<f32> {
     fn note(&self) -> Note {
         let loads = [self.force_n, self.torque_nm].into_iter().chain(self.by_pressure);
         Note::of(name(self.status), self.iterations, loads.chain(self.stiffness.into_iter().flatten()))
+    }
+}
+
+impl Answer for Result<Lookup<f32>, NotFinite> {
+    fn note(&self) -> Note {
+        self.as_ref()
+            .map_or_else(|_| Note::of("none", 0, []), |found| Note::of("-", 0, [found.pressure_pa, found.beyond]))
+    }
+}
+
+impl Answer for Result<Volume<f32>, NotFinite> {
+    fn note(&self) -> Note {
+        let numbers = |found: &Volume<f32>| [found.volume_m3, found.compliance_m3_per_pa];
+        self.as_ref().map_or_else(|_| Note::of("none", 0, []), |found| Note::of("-", 0, numbers(found)))
     }
 }
 

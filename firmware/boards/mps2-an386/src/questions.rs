@@ -2,7 +2,10 @@
 
 use core::hint::black_box;
 
-use fra_model::{Actuator, Link, Load, Motion, Parameter, Segment, Solution, State, Status, tip_pose};
+use fra_model::{
+    Actuator, Argument, InverseTable, Link, Load, Motion, Parameter, Segment, Solution, State, Status,
+    TABLE_COEFFICIENTS, TableParameters, VolumeTable, tip_pose,
+};
 use nalgebra::Isometry3;
 
 use crate::Desk;
@@ -19,7 +22,8 @@ const CIRCLE_RADIUS_M: f32 = 0.03;
 pub(crate) fn put_all(desk: &mut impl Desk) -> bool {
     let answered = CASES.each_ref().map(|case| put(desk, case));
     limb(desk);
-    answered.into_iter().all(|well| well)
+    let tabulated = TABLES.map(|(name, argument, count)| table(desk, name, argument, count));
+    answered.into_iter().chain(tabulated).all(|well| well)
 }
 
 /// The solvers of one actuator.
@@ -87,4 +91,34 @@ fn limb(desk: &mut impl Desk) {
     };
     let links = [link(0.0, 0.0, 0.0), link(1.1, 0.0, 3.0), link(0.0, 0.7, 0.0)];
     desk.put("pose of a tip", "three modules", || tip_pose(&Isometry3::identity(), black_box(links)));
+}
+
+/// Tables with their coefficients: of the degree that most actuators need, and of the highest one.
+const TABLES: [(&str, Argument, usize); 3] = [
+    ("degree 5", Argument::Linear, 6),
+    ("degree 16", Argument::Linear, TABLE_COEFFICIENTS),
+    ("degree 16, of a root", Argument::Root, TABLE_COEFFICIENTS),
+];
+
+/// The lookups that stand in for a solver: a bend between 0 and 3 rad up to 97 kPa, with all coefficients in use.
+fn table(desk: &mut impl Desk, name: &str, argument: Argument, count: usize) -> bool {
+    const PRESSURE_MAX_PA: f32 = 97e3;
+    let half = 0.5 * PRESSURE_MAX_PA;
+    let mut pressures = [0.25; TABLE_COEFFICIENTS];
+    let mut volumes = [1e-9; TABLE_COEFFICIENTS];
+    pressures[..2].copy_from_slice(&[half, half]);
+    volumes[..2].copy_from_slice(&[90e-6, 15e-6]);
+    let inverse = InverseTable::new(&TableParameters {
+        from: 0.0,
+        to: 3.0,
+        argument,
+        steps: 32_768,
+        pressure_max_pa: PRESSURE_MAX_PA,
+        coefficients: &pressures[..count],
+    });
+    let volume = VolumeTable::new(PRESSURE_MAX_PA, &volumes[..count]);
+    let (Ok(inverse), Ok(volume)) = (inverse, volume) else { return false };
+    let found = desk.put("inverse, table", name, || black_box(&inverse).lookup(black_box(1.234)));
+    let air = desk.put("volume, table", name, || black_box(&volume).lookup(black_box(40e3)));
+    found.is_ok() && air.is_ok()
 }
