@@ -27,7 +27,7 @@ const YEOH: Material<f32> = Material::Yeoh { c_pa: [0.11e6, 2.0e3, 30.0] };
 const DEGREE: f32 = core::f32::consts::PI / 180.0;
 
 /// A sheet of aramid thread; the same as in the scenes.
-const fn sheet(degrees: f32, families: Families) -> Option<Fiber<f32>> {
+pub(crate) const fn sheet(degrees: f32, families: Families) -> Option<Fiber<f32>> {
     Some(Fiber {
         angle_rad: degrees * DEGREE,
         families,

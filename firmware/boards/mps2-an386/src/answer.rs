@@ -1,6 +1,8 @@
 //! Answers as the line of a table.
 
-use fra_model::{Actuator, Held, InvalidParameter, Lookup, NoDerivative, NotFinite, Solution, State, Status, Volume};
+use fra_model::{
+    Actuator, Held, InvalidParameter, Lookup, NoDerivative, NotFinite, SeriesSolution, Solution, State, Status, Volume,
+};
 use nalgebra::Isometry3;
 
 /// One answer in the form in which it is printed and compared.
@@ -48,24 +50,20 @@ impl Answer for Solution<f32> {
     }
 }
 
+impl Answer for SeriesSolution<f32> {
+    fn note(&self) -> Note {
+        let state = &self.state;
+        let shape = [state.length_m, state.extension_m, state.twist_rad, state.bend_angle_rad];
+        let volume = [state.volume_m3, state.volume_change_m3, state.compliance_m3_per_pa, self.residual];
+        let numbers = [state.pressure_pa].into_iter().chain(shape).chain(volume);
+        Note::of(name(self.status), self.iterations, numbers)
+    }
+}
+
 impl Answer for Held<f32> {
     fn note(&self) -> Note {
         let loads = [self.force_n, self.torque_nm].into_iter().chain(self.by_pressure);
         Note::of(name(self.status), self.iterations, loads.chain(self.stiffness.into_iter().flatten()))
-    }
-}
-
-impl Answer for Result<Lookup<f32>, NotFinite> {
-    fn note(&self) -> Note {
-        self.as_ref()
-            .map_or_else(|_| Note::of("none", 0, []), |found| Note::of("-", 0, [found.pressure_pa, found.beyond]))
-    }
-}
-
-impl Answer for Result<Volume<f32>, NotFinite> {
-    fn note(&self) -> Note {
-        let numbers = |found: &Volume<f32>| [found.volume_m3, found.compliance_m3_per_pa];
-        self.as_ref().map_or_else(|_| Note::of("none", 0, []), |found| Note::of("-", 0, numbers(found)))
     }
 }
 
@@ -95,9 +93,32 @@ impl<A: Answer> Answer for Result<A, InvalidParameter<f32>> {
     }
 }
 
+/// A count as an answer.
+pub(crate) struct Count(pub(crate) usize);
+
+impl Answer for Count {
+    fn note(&self) -> Note {
+        let count = u16::try_from(self.0).unwrap_or(u16::MAX);
+        Note::of("-", 0, [f32::from(count)])
+    }
+}
+
 impl Answer for f32 {
     fn note(&self) -> Note {
         Note::of("-", 0, [*self])
+    }
+}
+
+impl Answer for Result<Lookup<f32>, NotFinite> {
+    fn note(&self) -> Note {
+        self.map_or_else(|_| Note::of("not finite", 0, []), |found| Note::of("-", 0, [found.pressure_pa, found.beyond]))
+    }
+}
+
+impl Answer for Result<Volume<f32>, NotFinite> {
+    fn note(&self) -> Note {
+        let numbers = |found: Volume<f32>| [found.volume_m3, found.compliance_m3_per_pa];
+        self.map_or_else(|_| Note::of("not finite", 0, []), |found| Note::of("-", 0, numbers(found)))
     }
 }
 

@@ -11,6 +11,8 @@ mod answer;
 #[cfg(target_os = "none")]
 mod board;
 mod questions;
+mod series;
+mod tables;
 
 use answer::Answer;
 
@@ -22,7 +24,8 @@ trait Desk {
 
 /// Puts every question; whether each was answered.
 fn put_all(desk: &mut impl Desk) -> bool {
-    questions::put_all(desk)
+    let solved = [questions::put_all(desk), series::put_all(desk), tables::put_all(desk)];
+    solved.into_iter().all(|well| well)
 }
 
 #[cfg(target_os = "none")]

@@ -2,14 +2,12 @@
 
 use core::hint::black_box;
 
-use fra_model::{
-    Actuator, Argument, InverseTable, Link, Load, Motion, Parameter, Segment, Solution, State, Status,
-    TABLE_COEFFICIENTS, TableParameters, VolumeTable, tip_pose,
-};
+use fra_model::{Actuator, Link, Load, Motion, Parameter, Segment, State, Status, tip_pose};
 use nalgebra::Isometry3;
 
 use crate::Desk;
 use crate::actuators::{CASES, Case};
+use crate::answer::Count;
 
 /// A warm start is this share of the pressure away.
 const NEAR: f32 = 0.98;
@@ -22,51 +20,74 @@ const CIRCLE_RADIUS_M: f32 = 0.03;
 pub(crate) fn put_all(desk: &mut impl Desk) -> bool {
     let answered = CASES.each_ref().map(|case| put(desk, case));
     limb(desk);
-    let tabulated = TABLES.map(|(name, argument, count)| table(desk, name, argument, count));
-    answered.into_iter().chain(tabulated).all(|well| well)
+    answered.into_iter().all(|well| well)
 }
 
-/// The solvers of one actuator.
+/// All about one actuator; whether it could be solved.
 fn put(desk: &mut impl Desk, case: &Case) -> bool {
     let name = case.name;
-    let (pressure_pa, none) = (case.pressure_pa, Load::none());
+    let checked = desk.put("check", name, || black_box(&case.parameters).check());
+    desk.put("shear modulus", name, || black_box(&case.parameters.material).shear_modulus_pa());
     let built = desk.put("new", name, || Actuator::new(black_box(&case.parameters)));
     let Ok(actuator) = &built else { return false };
     desk.put("rest", name, || black_box(actuator).rest());
-    let cold = desk.put("forward, cold", name, || black_box(actuator).forward(black_box(pressure_pa), &none));
-    let near = actuator.forward(NEAR * pressure_pa, &none);
+    let none = Load::none();
+    let cold = desk
+        .put("forward, cold", name, || black_box(actuator).forward(black_box(case.pressure_pa), &none))
+        .map(|solution| solution.state);
+    let near = actuator.forward(NEAR * case.pressure_pa, &none).map(|solution| solution.state);
     let (Ok(cold), Ok(near)) = (cold, near) else { return false };
-    let (start, target) = (near.state, case.target(&cold.state));
+    desk.put("mean of two states", name, || {
+        State::combine([black_box(&near), black_box(&cold)], |[one, other]| 0.5 * (one + other))
+    });
+    let solved = solvers(desk, case, actuator, (&cold, &near));
+    let held = case.parameters.motion == Motion::Bending || held(desk, case, actuator, &cold);
+    let slopes = derivatives(desk, case, actuator, &cold);
+    shape(desk, case, actuator, &cold);
+    checked.is_ok() && solved && held && slopes
+}
+
+/// The solvers on the way to a state, from nothing and from a state near it; whether all arrive.
+fn solvers(
+    desk: &mut impl Desk,
+    case: &Case,
+    actuator: &Actuator<f32>,
+    (cold, near): (&State<f32>, &State<f32>),
+) -> bool {
+    let (name, none, target, pressure_pa) = (case.name, Load::none(), case.target(cold), case.pressure_pa);
+    let search = actuator.by_search();
     let answers = [
         desk.put("forward, warm", name, || {
-            black_box(actuator).forward_from(black_box(&start), black_box(pressure_pa), &none)
+            black_box(actuator).forward_from(black_box(near), black_box(pressure_pa), &none)
         }),
         desk.put("inverse, cold", name, || black_box(actuator).inverse(black_box(target), &none)),
-        desk.put("inverse, warm", name, || {
-            black_box(actuator).inverse_from(black_box(&start), black_box(target), &none)
-        }),
+        desk.put("inverse, warm", name, || black_box(actuator).inverse_from(black_box(near), black_box(target), &none)),
         desk.put("inverse, warm, within a budget", name, || {
-            black_box(actuator).inverse_near(black_box(&start), black_box(target), &none, BUDGET)
+            black_box(actuator).inverse_near(black_box(near), black_box(target), &none, BUDGET)
         }),
+        desk.put("inverse, by search", name, || black_box(&search).inverse(black_box(target), &none)),
     ];
-    let parameters = &case.parameters;
-    if parameters.motion != Motion::Bending {
-        let ends = (cold.state.axial_stretch, cold.state.twist_rad);
-        let held = desk.put("held", name, || {
-            let (stretch, twist) = black_box(ends);
-            black_box(actuator).held(black_box(pressure_pa), stretch, twist)
-        });
-        if !held.is_ok_and(|held| held.status == Status::Solved) {
-            return false;
-        }
-    }
-    let slopes = derivatives(desk, case, actuator, &cold.state);
-    let segment = Segment::of_bundle(parameters.motion, parameters.length_m, CIRCLE_RADIUS_M, &cold.state);
+    answers.iter().all(|answer| answer.as_ref().is_ok_and(|solution| solution.status == Status::Solved))
+}
+
+/// The loads that hold a state.
+fn held(desk: &mut impl Desk, case: &Case, actuator: &Actuator<f32>, state: &State<f32>) -> bool {
+    let ends = (state.axial_stretch, state.twist_rad);
+    let held = desk.put("held", case.name, || {
+        let (stretch, twist) = black_box(ends);
+        black_box(actuator).held(black_box(case.pressure_pa), stretch, twist)
+    });
+    held.is_ok_and(|held| held.status == Status::Solved)
+}
+
+/// The centre line of a bundle of such actuators, where it has one.
+fn shape(desk: &mut impl Desk, case: &Case, actuator: &Actuator<f32>, state: &State<f32>) {
+    let parameters = actuator.parameters();
+    let segment = Segment::of_bundle(parameters.motion, parameters.length_m, CIRCLE_RADIUS_M, state);
     if let Some(segment) = segment {
-        desk.put("pose of a module", name, || black_box(segment).pose());
+        desk.put("pose of a module", case.name, || black_box(segment).pose());
+        desk.put("pose within a module", case.name, || black_box(segment).pose_at(black_box(0.3)));
     }
-    let solved = |solution: &Solution<f32>| solution.status == Status::Solved;
-    slopes && solved(&cold) && solved(&near) && answers.iter().all(|answer| answer.as_ref().is_ok_and(solved))
 }
 
 /// What an equilibrium depends on; whether the model says it.
@@ -79,7 +100,8 @@ fn derivatives(desk: &mut impl Desk, case: &Case, actuator: &Actuator<f32>, stat
         black_box(actuator).inverse_sensitivity(black_box(state), &none, case.target(state), black_box(radius))
     });
     let condition = desk.put("condition", name, || black_box(actuator).condition(black_box(state), &none));
-    forward.is_ok() && inverse.is_ok() && condition.is_ok()
+    let inputs = desk.put("number of inputs", name, || Count(black_box(actuator).inputs().count()));
+    forward.is_ok() && inputs.0 > 0 && inverse.is_ok() && condition.is_ok()
 }
 
 /// The pose of a limb of three modules.
@@ -90,35 +112,6 @@ fn limb(desk: &mut impl Desk) {
         rigid_length_m: 0.015,
     };
     let links = [link(0.0, 0.0, 0.0), link(1.1, 0.0, 3.0), link(0.0, 0.7, 0.0)];
+    desk.put("pose within a link", "bending", || black_box(links[1]).pose_at(black_box(0.3)));
     desk.put("pose of a tip", "three modules", || tip_pose(&Isometry3::identity(), black_box(links)));
-}
-
-/// Tables with their coefficients: of the degree that most actuators need, and of the highest one.
-const TABLES: [(&str, Argument, usize); 3] = [
-    ("degree 5", Argument::Linear, 6),
-    ("degree 16", Argument::Linear, TABLE_COEFFICIENTS),
-    ("degree 16, of a root", Argument::Root, TABLE_COEFFICIENTS),
-];
-
-/// The lookups that stand in for a solver: a bend between 0 and 3 rad up to 97 kPa, with all coefficients in use.
-fn table(desk: &mut impl Desk, name: &str, argument: Argument, count: usize) -> bool {
-    const PRESSURE_MAX_PA: f32 = 97e3;
-    let half = 0.5 * PRESSURE_MAX_PA;
-    let mut pressures = [0.25; TABLE_COEFFICIENTS];
-    let mut volumes = [1e-9; TABLE_COEFFICIENTS];
-    pressures[..2].copy_from_slice(&[half, half]);
-    volumes[..2].copy_from_slice(&[90e-6, 15e-6]);
-    let inverse = InverseTable::new(&TableParameters {
-        from: 0.0,
-        to: 3.0,
-        argument,
-        steps: 32_768,
-        pressure_max_pa: PRESSURE_MAX_PA,
-        coefficients: &pressures[..count],
-    });
-    let volume = VolumeTable::new(PRESSURE_MAX_PA, &volumes[..count]);
-    let (Ok(inverse), Ok(volume)) = (inverse, volume) else { return false };
-    let found = desk.put("inverse, table", name, || black_box(&inverse).lookup(black_box(1.234)));
-    let air = desk.put("volume, table", name, || black_box(&volume).lookup(black_box(40e3)));
-    found.is_ok() && air.is_ok()
 }
