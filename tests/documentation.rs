@@ -46,14 +46,16 @@ fn block<'a>(document: &'a str, mark: &str) -> &'a str {
 }
 
 #[test]
-fn the_example_of_the_batch_interface_is_what_it_answers() {
+fn the_examples_of_the_batch_interface_are_what_it_answers() {
     let document = read("docs/eval-batch.md");
-    let mut output = Vec::new();
-    batch(block(&document, "jsonl in").as_bytes(), &mut output, Scalar::F64).expect("in memory");
-    let found = String::from_utf8(output).expect("UTF-8");
-    let shown = block(&document, "jsonl out");
-    let compared = |text: &str| text.lines().map(without_effort).collect::<Vec<_>>();
-    assert_eq!(compared(shown), compared(&found));
+    for (asked, answered) in [("jsonl in", "jsonl out"), ("jsonl series in", "jsonl series out")] {
+        let mut output = Vec::new();
+        batch(block(&document, asked).as_bytes(), &mut output, Scalar::F64).expect("in memory");
+        let found = String::from_utf8(output).expect("UTF-8");
+        let shown = block(&document, answered);
+        let compared = |text: &str| text.lines().map(without_effort).collect::<Vec<_>>();
+        assert_eq!(compared(shown), compared(&found));
+    }
 }
 
 /// A line without the values of `residual` and `iterations`: how hard the solver worked is its own business.

@@ -6,12 +6,14 @@ use std::io::{self, BufRead, Write};
 
 use fra_model::{Actuator, InvalidParameter, Load, Real, Solution, State, Status};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::complaint;
 use super::convert;
 use super::object::Object;
 use super::request::{Case, Question, Request};
+use super::series::{SeriesAnswer, SeriesRequest};
 
 /// The precision a batch is computed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +22,14 @@ pub enum Scalar {
     F64,
     /// Single precision, as on the MCU.
     F32,
+}
+
+/// One line of output.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Reply {
+    Actuator(Answer),
+    Series(SeriesAnswer),
 }
 
 #[derive(Serialize)]
@@ -52,7 +62,7 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
             continue;
         }
         let answer = answer(&line, scalar).unwrap_or_else(|(id, message)| {
-            Answer::without_state(id, "invalid", Some(format!("line {}: {message}", index + 1)))
+            Reply::Actuator(Answer::without_state(id, "invalid", Some(format!("line {}: {message}", index + 1))))
         });
         serde_json::to_writer(&mut output, &answer)?;
         output.write_all(b"\n")?;
@@ -60,9 +70,31 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
     output.flush()
 }
 
-fn answer(line: &[u8], scalar: Scalar) -> Result<Answer, (Value, String)> {
-    let Object(request) =
-        serde_json::from_slice::<Object<Request>>(line).map_err(|error| (id_of(line), complaint::plain(&error)))?;
+/// An answer, or the `id` and what is wrong.
+type Answered<T> = Result<T, (Value, String)>;
+
+fn answer(line: &[u8], scalar: Scalar) -> Answered<Reply> {
+    if is_about_a_series(line) {
+        series(line, scalar).map(Reply::Series)
+    } else {
+        actuator(line, scalar).map(Reply::Actuator)
+    }
+}
+
+fn is_about_a_series(line: &[u8]) -> bool {
+    const FIELD: &[u8] = b"\"segments\"";
+    // Most lines do not hold the word, and need not be read twice.
+    line.windows(FIELD.len()).any(|part| part == FIELD)
+        && serde_json::from_slice::<Value>(line).is_ok_and(|value| value.get("segments").is_some())
+}
+
+fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
+    let Object(request) = serde_json::from_slice(line).map_err(|error| (id_of(line), complaint::plain(&error)))?;
+    Ok(request)
+}
+
+fn actuator(line: &[u8], scalar: Scalar) -> Answered<Answer> {
+    let request: Request = parsed(line)?;
     let case = request.case().map_err(|message| (request.id.clone(), message))?;
     let solved = match scalar {
         Scalar::F64 => solve::<f64>(&case),
@@ -74,6 +106,15 @@ fn answer(line: &[u8], scalar: Scalar) -> Result<Answer, (Value, String)> {
     }
 }
 
+fn series(line: &[u8], scalar: Scalar) -> Answered<SeriesAnswer> {
+    let request: SeriesRequest = parsed(line)?;
+    let answered = request.case().and_then(|case| match scalar {
+        Scalar::F64 => case.answer::<f64>(request.id.clone()),
+        Scalar::F32 => case.answer::<f32>(request.id.clone()),
+    });
+    answered.map_err(|message| (request.id, message))
+}
+
 /// The `id` of a line that is JSON but no request, so that its answer can be told from others.
 fn id_of(line: &[u8]) -> Value {
     let parsed = serde_json::from_slice::<Value>(line).ok();
@@ -81,11 +122,7 @@ fn id_of(line: &[u8]) -> Value {
 }
 
 fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {
-    let wide = |error: InvalidParameter<T>| InvalidParameter {
-        field: error.field,
-        value: convert::wide(error.value),
-        allowed: error.allowed,
-    };
+    let wide = convert::invalid::<T>;
     // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
     Actuator::new(&case.parameters).map_err(as_written)?;
     let actuator = Actuator::<T>::new(&convert::parameters(&case.parameters)).map_err(wide)?;
@@ -105,7 +142,7 @@ fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {
 }
 
 /// The fiber angle is asked for in degrees.
-fn as_written(error: InvalidParameter<f64>) -> InvalidParameter<f64> {
+pub(super) fn as_written(error: InvalidParameter<f64>) -> InvalidParameter<f64> {
     match error.field {
         "angle_rad" => InvalidParameter {
             field: "fiber.angle_deg",
@@ -113,6 +150,15 @@ fn as_written(error: InvalidParameter<f64>) -> InvalidParameter<f64> {
             allowed: "-90 to 90, from the hoop",
         },
         _ => error,
+    }
+}
+
+/// A status in the words of the interface.
+pub(super) fn word(status: Status) -> &'static str {
+    match status {
+        Status::Solved => "ok",
+        Status::NoSolution => "no_solution",
+        Status::NotConverged => "not_converged",
     }
 }
 
@@ -135,12 +181,7 @@ impl Answer {
     }
 
     fn of(id: Value, solution: &Solution<f64>) -> Self {
-        let status = match solution.status {
-            Status::Solved => "ok",
-            Status::NoSolution => "no_solution",
-            Status::NotConverged => "not_converged",
-        };
-        let blank = Self::without_state(id, status, None);
+        let blank = Self::without_state(id, word(solution.status), None);
         let common = Self {
             limit_pressure_pa: solution.limit_pressure_pa,
             residual: Some(solution.residual),

@@ -3,7 +3,7 @@
 use serde_json::error::Category;
 
 /// Words of the parser, and what a reader who knows JSON and `docs/eval-batch.md` calls them.
-const WORDS: [(&str, &str); 9] = [
+const WORDS: [(&str, &str); 10] = [
     ("expected ident", "expected value"),
     ("unknown variant", "unknown value"),
     ("invalid type: sequence", "invalid type: array"),
@@ -11,6 +11,7 @@ const WORDS: [(&str, &str); 9] = [
     ("floating point", "number"),
     ("expected variant identifier", "expected a string"),
     ("expected f64", "expected a number"),
+    ("expected a sequence", "expected an array"),
     ("expected u8", "expected 1 or 2"),
     ("EOF while parsing", "the line ends within"),
 ];

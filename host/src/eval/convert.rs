@@ -1,6 +1,6 @@
 //! The model's types in another precision.
 
-use fra_model::{ActuatorParameters, Fiber, Load, Material, Real, State, Target};
+use fra_model::{ActuatorParameters, Fiber, InvalidParameter, Load, Material, Real, SeriesTarget, State, Target};
 use nalgebra::{convert, try_convert};
 
 /// The parameters rounded to another scalar.
@@ -48,4 +48,16 @@ pub(super) fn wide<T: Real>(value: T) -> f64 {
 
 pub(super) fn state<T: Real>(state: &State<T>) -> State<f64> {
     State::combine([state], |[value]| wide(value))
+}
+
+pub(super) fn series_target<T: Real>(target: SeriesTarget<f64>) -> SeriesTarget<T> {
+    match target {
+        SeriesTarget::Extension(v) => SeriesTarget::Extension(convert(v)),
+        SeriesTarget::Twist(v) => SeriesTarget::Twist(convert(v)),
+        SeriesTarget::BendAngle(v) => SeriesTarget::BendAngle(convert(v)),
+    }
+}
+
+pub(super) fn invalid<T: Real>(error: InvalidParameter<T>) -> InvalidParameter<f64> {
+    InvalidParameter { field: error.field, value: wide(error.value), allowed: error.allowed }
 }

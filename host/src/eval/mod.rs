@@ -6,6 +6,7 @@ mod convert;
 mod curve;
 mod object;
 mod request;
+mod series;
 
 pub use batch::{Scalar, batch};
 pub use curve::{Curve, CurvePoint, curves};

@@ -28,7 +28,7 @@ pub(super) struct Request {
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
-enum MotionName {
+pub(super) enum MotionName {
     Extension,
     Expansion,
     Bending,
@@ -37,7 +37,7 @@ enum MotionName {
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
-enum Problem {
+pub(super) enum Problem {
     Forward,
     Inverse,
 }
@@ -51,7 +51,7 @@ enum Law {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct MaterialSpec {
+pub(super) struct MaterialSpec {
     law: Law,
     shear_modulus_pa: Option<f64>,
     c_pa: Option<[f64; 3]>,
@@ -68,7 +68,7 @@ enum PlacementName {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct FiberSpec {
+pub(super) struct FiberSpec {
     angle_deg: Option<f64>,
     families: Option<u8>,
     modulus_pa: Option<f64>,
@@ -94,32 +94,27 @@ struct TargetSpec {
 }
 
 /// A number; `null` is none.
-fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+pub(super) fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     f64::deserialize(deserializer).map(Some)
 }
 
-/// What is asked of an actuator.
-pub(super) enum Question {
+/// What is asked.
+pub(super) enum Question<T> {
     Forward { pressure_pa: f64 },
-    Inverse { target: Target<f64> },
+    Inverse { target: T },
 }
 
 /// A request in the terms of the model.
 pub(super) struct Case {
     pub(super) parameters: ActuatorParameters<f64>,
-    pub(super) question: Question,
+    pub(super) question: Question<Target<f64>>,
     pub(super) load: Load<f64>,
 }
 
 impl Request {
     /// The case, or what the request leaves out or has too much of. Values are the model's to check.
     pub(super) fn case(&self) -> Result<Case, String> {
-        let motion = match self.motion {
-            MotionName::Extension => Motion::Extension,
-            MotionName::Expansion => Motion::Expansion,
-            MotionName::Bending => Motion::Bending,
-            MotionName::Twisting => Motion::Twisting,
-        };
+        let motion = self.motion.motion();
         let material = self.material.0.material()?;
         let fiber = self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?;
         Ok(Case {
@@ -131,28 +126,58 @@ impl Request {
                 material,
                 fiber,
             },
-            question: self.question()?,
-            load: Load {
-                force_n: self.external_force_n.unwrap_or(0.0),
-                torque_nm: self.external_torque_nm.unwrap_or(0.0),
-            },
+            question: self.problem.question(self.pressure_pa, self.target.as_ref(), TargetSpec::target)?,
+            load: load(self.external_force_n, self.external_torque_nm),
         })
     }
+}
 
-    fn question(&self) -> Result<Question, String> {
-        match (self.problem, self.pressure_pa, &self.target) {
-            (Problem::Forward, Some(pressure_pa), None) => Ok(Question::Forward { pressure_pa }),
-            (Problem::Inverse, None, Some(target)) => Ok(Question::Inverse { target: target.0.target()? }),
-            (Problem::Forward, None, _) => Err("a forward problem needs `pressure_pa`".into()),
-            (Problem::Inverse, _, None) => Err("an inverse problem needs `target`".into()),
-            (Problem::Forward, Some(_), Some(_)) => Err("a forward problem takes no `target`".into()),
-            (Problem::Inverse, Some(_), Some(_)) => Err("an inverse problem takes no `pressure_pa`".into()),
+impl MotionName {
+    pub(super) fn motion(self) -> Motion {
+        match self {
+            Self::Extension => Motion::Extension,
+            Self::Expansion => Motion::Expansion,
+            Self::Bending => Motion::Bending,
+            Self::Twisting => Motion::Twisting,
         }
     }
 }
 
+impl Problem {
+    /// What is asked, or what the fields leave out or have too much of.
+    pub(super) fn question<S, T>(
+        self,
+        pressure_pa: Option<f64>,
+        target: Option<&Object<S>>,
+        read: impl Fn(&S) -> Result<T, String>,
+    ) -> Result<Question<T>, String> {
+        match (self, pressure_pa, target) {
+            (Self::Forward, Some(pressure_pa), None) => Ok(Question::Forward { pressure_pa }),
+            (Self::Inverse, None, Some(Object(target))) => Ok(Question::Inverse { target: read(target)? }),
+            (Self::Forward, None, _) => Err("a forward problem needs `pressure_pa`".into()),
+            (Self::Inverse, _, None) => Err("an inverse problem needs `target`".into()),
+            (Self::Forward, Some(_), Some(_)) => Err("a forward problem takes no `target`".into()),
+            (Self::Inverse, Some(_), Some(_)) => Err("an inverse problem takes no `pressure_pa`".into()),
+        }
+    }
+}
+
+/// Loads that are not stated are none.
+pub(super) fn load(force_n: Option<f64>, torque_nm: Option<f64>) -> Load<f64> {
+    Load { force_n: force_n.unwrap_or(0.0), torque_nm: torque_nm.unwrap_or(0.0) }
+}
+
+/// The one target given.
+pub(super) fn only<T>(fields: impl IntoIterator<Item = Option<T>>) -> Result<T, String> {
+    let mut given = fields.into_iter().flatten();
+    match (given.next(), given.next()) {
+        (Some(target), None) => Ok(target),
+        _ => Err("`target` must have exactly one field".into()),
+    }
+}
+
 impl MaterialSpec {
-    fn material(&self) -> Result<Material<f64>, String> {
+    pub(super) fn material(&self) -> Result<Material<f64>, String> {
         match (self.law, self.shear_modulus_pa, self.c_pa) {
             (Law::NeoHookean, Some(shear_modulus_pa), None) => Ok(Material::NeoHookean { shear_modulus_pa }),
             (Law::Yeoh, None, Some(c_pa)) => Ok(Material::Yeoh { c_pa }),
@@ -165,7 +190,7 @@ impl MaterialSpec {
 }
 
 impl FiberSpec {
-    fn fiber(&self, motion: Motion, outer_radius_m: f64) -> Result<Fiber<f64>, String> {
+    pub(super) fn fiber(&self, motion: Motion, outer_radius_m: f64) -> Result<Fiber<f64>, String> {
         // A bending actuator's winding only keeps its radius.
         let bending = motion == Motion::Bending;
         let needed = |value: Option<f64>, name: &str, needed: bool| match value {
@@ -198,17 +223,12 @@ impl FiberSpec {
 
 impl TargetSpec {
     fn target(&self) -> Result<Target<f64>, String> {
-        let fields = [
+        only([
             self.axial_stretch.map(Target::AxialStretch),
             self.outer_radius_m.map(Target::OuterRadius),
             self.inner_radius_m.map(Target::InnerRadius),
             self.twist_rad.map(Target::Twist),
             self.bend_angle_rad.map(Target::BendAngle),
-        ];
-        let mut given = fields.into_iter().flatten();
-        match (given.next(), given.next()) {
-            (Some(target), None) => Ok(target),
-            _ => Err("`target` must have exactly one field".into()),
-        }
+        ])
     }
 }

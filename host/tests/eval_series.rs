@@ -1,0 +1,223 @@
+//! Segments in series through the batch interface.
+
+use fra_model::{
+    Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Series, SeriesTarget,
+};
+use serde_json::{Value, json};
+use softlimb::eval::{Scalar, batch};
+
+fn ask(line: &Value, scalar: Scalar) -> Value {
+    let mut out = Vec::new();
+    batch(line.to_string().as_bytes(), &mut out, scalar).expect("in memory");
+    serde_json::from_slice(&out).expect("JSON")
+}
+
+fn bender() -> Value {
+    json!({"motion": "bending", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3, "length_m": 0.05,
+        "material": {"law": "neo-hookean", "shear_modulus_pa": 0.2e6}, "bend_direction_deg": 90})
+}
+
+fn twister() -> Value {
+    json!({"motion": "twisting", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3, "length_m": 0.06,
+        "material": {"law": "yeoh", "c_pa": [86.56e3, 13.805e3, -1466.1]},
+        "fiber": {"angle_deg": 30, "families": 1, "modulus_pa": 50e6, "thickness_m": 0.2e-3}})
+}
+
+fn expander() -> Value {
+    json!({"motion": "expansion", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3, "length_m": 0.04,
+        "material": {"law": "neo-hookean", "shear_modulus_pa": 0.2226e6},
+        "fiber": {"angle_deg": 90, "families": 2, "modulus_pa": 361e6, "thickness_m": 0.178e-3}})
+}
+
+fn forward(segments: Value, pressure_pa: f64) -> Value {
+    json!({"id": "s", "problem": "forward", "segments": segments, "pressure_pa": pressure_pa})
+}
+
+fn inverse(segments: Value, target: Value) -> Value {
+    json!({"id": "s", "problem": "inverse", "segments": segments, "target": target})
+}
+
+fn number(answer: &Value, field: &str) -> f64 {
+    answer[field].as_f64().unwrap_or_else(|| panic!("{field} in {answer}"))
+}
+
+/// The same segments in the terms of the model.
+fn actuators() -> [Actuator<f64>; 2] {
+    let bender = ActuatorParameters {
+        motion: Motion::Bending,
+        inner_radius_m: 6e-3,
+        outer_radius_m: 8e-3,
+        length_m: 0.05,
+        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+        fiber: None,
+    };
+    let twister = ActuatorParameters {
+        motion: Motion::Twisting,
+        length_m: 0.06,
+        material: Material::Yeoh { c_pa: [86.56e3, 13.805e3, -1466.1] },
+        fiber: Some(Fiber {
+            angle_rad: 30_f64.to_radians(),
+            families: Families::One,
+            modulus_pa: 50e6,
+            placement: Placement::Sheet,
+            thickness_m: 0.2e-3,
+            radius_m: 8e-3,
+        }),
+        ..bender
+    };
+    [bender, twister].map(|p| Actuator::new(&p).expect("valid"))
+}
+
+#[test]
+fn sums_segments_and_tip_are_those_of_the_model() {
+    let segments = actuators();
+    let series = Series::new(&segments).unwrap();
+    let mut states = vec![];
+    let expected = series.forward_each(30e3, &Load::none(), |_, s| states.push(s.state)).unwrap();
+    let answer = ask(&forward(json!([bender(), twister()]), 30e3), Scalar::F64);
+    assert_eq!((&answer["id"], &answer["status"]), (&json!("s"), &json!("ok")));
+    for (field, expected) in [
+        ("pressure_pa", 30e3),
+        ("length_m", expected.state.length_m),
+        ("extension_m", expected.state.extension_m),
+        ("twist_rad", expected.state.twist_rad),
+        ("bend_angle_rad", expected.state.bend_angle_rad),
+        ("volume_m3", expected.state.volume_m3),
+    ] {
+        assert_eq!(number(&answer, field), expected, "{field}");
+    }
+    for (answer, state) in answer["segments"].as_array().unwrap().iter().zip(&states) {
+        assert_eq!(number(answer, "axial_stretch"), state.axial_stretch);
+        assert_eq!(number(answer, "outer_radius_m"), state.outer_radius_m);
+    }
+    // The bend turns towards y, and the twisted segment goes on along its end.
+    let (phi, arc, line) = (states[0].bend_angle_rad, 0.05 * states[0].axial_stretch, 0.06 * states[1].axial_stretch);
+    let radius = arc / phi;
+    let tip: Vec<f64> = answer["tip_position_m"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    let place = [0.0, radius * (1.0 - phi.cos()) + line * phi.sin(), radius * phi.sin() + line * phi.cos()];
+    for (found, expected) in tip.iter().zip(place) {
+        assert!((found - expected).abs() < 1e-15, "{tip:?} against {place:?}");
+    }
+    // Half angles: -phi about x, then the twist about the new z.
+    let ((bend_s, bend_c), (twist_s, twist_c)) = ((-phi / 2.0).sin_cos(), (states[1].twist_rad / 2.0).sin_cos());
+    let turn: Vec<f64> =
+        answer["tip_quaternion_wxyz"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    let expected = [bend_c * twist_c, bend_s * twist_c, -bend_s * twist_s, bend_c * twist_s];
+    let sign = (turn[0] * expected[0]).signum();
+    for (found, expected) in turn.iter().zip(expected) {
+        assert!((found * sign - expected).abs() < 1e-14, "{turn:?} against {expected:?}");
+    }
+}
+
+#[test]
+fn targets_lead_back_through_text() {
+    let segments = json!([bender(), twister(), bender()]);
+    let there = ask(&forward(segments.clone(), 25e3), Scalar::F64);
+    for field in ["extension_m", "twist_rad", "bend_angle_rad"] {
+        let mut target = json!({});
+        target[field] = there[field].clone();
+        let back = ask(&inverse(segments.clone(), target), Scalar::F64);
+        assert_eq!(back["status"], "ok", "{back}");
+        assert!((number(&back, "pressure_pa") / 25e3 - 1.0).abs() < 1e-12, "{back}");
+    }
+    let single = ask(&forward(segments, 25e3), Scalar::F32);
+    let bend = number(&single, "bend_angle_rad");
+    assert_eq!(f64::from(bend as f32), bend);
+    assert!((bend / number(&there, "bend_angle_rad") - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn the_limit_names_its_segment() {
+    let answer = ask(&forward(json!([twister(), expander()]), 90e3), Scalar::F64);
+    assert_eq!((&answer["status"], &answer["limit_segment"]), (&json!("no_solution"), &json!(1)));
+    // 63.5 kPa: tabulated for this expansion actuator.
+    assert!((number(&answer, "limit_pressure_pa") / 63.5e3 - 1.0).abs() < 0.02);
+    assert!(answer["pressure_pa"].is_null() && answer["tip_position_m"].is_null());
+    assert_eq!(answer["segments"], json!([]));
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_segment() {
+    let with = |mut base: Value, key: &str, value: Value| {
+        base[key] = value;
+        base
+    };
+    let two = |second: Value| forward(json!([twister(), second]), 1e4);
+    let bend = json!({"bend_angle_rad": 0.125});
+    let cases = [
+        (forward(json!([]), 1e4), "line 1: a series needs at least one segment"),
+        (forward(json!(null), 1e4), "invalid type: null, expected an array"),
+        (forward(json!([3]), 1e4), "expected an object"),
+        (
+            two(with(bender(), "outer_radius_m", json!(9e-3))),
+            "segment 1: outer_radius_m = 0.009 is not allowed: that of the first",
+        ),
+        (two(with(bender(), "length_m", json!(-1))), "segment 1: length_m = -1 is not allowed: finite and > 0"),
+        (two(with(bender(), "stiffness", json!(1))), "unknown field `stiffness`"),
+        (two(with(bender(), "material", json!({"law": "yeoh"}))), "segment 1: `material.c_pa` is missing"),
+        (
+            two(with(
+                expander(),
+                "fiber",
+                json!({"angle_deg": 100, "families": 2, "modulus_pa": 1, "thickness_m": 1e-4}),
+            )),
+            "segment 1: fiber.angle_deg = 100",
+        ),
+        (with(two(bender()), "motion", json!("bending")), "unknown field `motion`"),
+        (
+            with(two(bender()), "external_force_n", json!(1)),
+            "external_force_n = 1 is not allowed: zero where straight and bending",
+        ),
+        (with(two(bender()), "target", bend.clone()), "a forward problem takes no `target`"),
+        (
+            inverse(json!([twister()]), bend.clone()),
+            "bend_angle_rad = 0.125 is not allowed: a target of series with a bending segment",
+        ),
+        (inverse(json!([bender()]), json!({"axial_stretch": 1.1})), "unknown field `axial_stretch`"),
+        (inverse(json!([bender()]), json!({})), "`target` must have exactly one field"),
+        (json!({"id": 1, "segments": [bender()], "target": bend}), "missing field `problem`"),
+    ];
+    for (line, expected) in cases {
+        for scalar in [Scalar::F64, Scalar::F32] {
+            let answer = ask(&line, scalar);
+            assert_eq!((&answer["status"], &answer["id"]), (&json!("invalid"), &line["id"]), "{line}");
+            assert!(answer["message"].as_str().unwrap().contains(expected), "{expected}: {answer}");
+        }
+    }
+    let twice = format!("{{\"problem\":\"forward\",\"segments\":[],\"segments\":[{}],\"pressure_pa\":1}}", bender());
+    let mut out = Vec::new();
+    batch(twice.as_bytes(), &mut out, Scalar::F64).unwrap();
+    assert!(String::from_utf8(out).unwrap().contains("duplicate field `segments`"));
+}
+
+/// An `id` may hold anything, the word included.
+#[test]
+fn an_id_does_not_make_a_series() {
+    let mut question = bender();
+    question.as_object_mut().unwrap().remove("bend_direction_deg");
+    question["id"] = json!({"segments": [1]});
+    question["problem"] = json!("forward");
+    question["pressure_pa"] = json!(1e4);
+    let answer = ask(&question, Scalar::F64);
+    assert_eq!((&answer["status"], &answer["id"]), (&json!("ok"), &question["id"]));
+    assert!(answer["axial_stretch"].is_number());
+}
+
+/// `SeriesTarget` of the model and targets of the interface are the same three.
+#[test]
+fn every_target_of_the_model_can_be_asked_for() {
+    for (target, field) in [
+        (SeriesTarget::Extension(1e-3), "extension_m"),
+        (SeriesTarget::Twist(-0.1), "twist_rad"),
+        (SeriesTarget::BendAngle(0.2), "bend_angle_rad"),
+    ] {
+        let segments = actuators();
+        let expected = Series::new(&segments).unwrap().inverse(target, &Load::none()).unwrap();
+        let (SeriesTarget::Extension(value) | SeriesTarget::Twist(value) | SeriesTarget::BendAngle(value)) = target;
+        let mut asked = json!({});
+        asked[field] = json!(value);
+        let answer = ask(&inverse(json!([bender(), twister()]), asked), Scalar::F64);
+        assert_eq!(number(&answer, "pressure_pa"), expected.state.pressure_pa);
+        assert!((number(&answer, field) / value - 1.0).abs() < 1e-12);
+    }
+}
