@@ -148,6 +148,14 @@ impl<T: Real> Actuator<T> {
         }
     }
 
+    /// The tube of a straight actuator.
+    pub(crate) fn tube(&self) -> Option<&Tube<T>> {
+        match &self.body {
+            Body::Straight(tube) => Some(tube),
+            Body::Bending(_) => None,
+        }
+    }
+
     fn solve_forward(
         &self,
         start: Option<&State<T>>,

@@ -24,6 +24,7 @@
 #![no_std]
 
 mod actuator;
+mod batch;
 mod bending;
 mod branch;
 mod direct;
@@ -48,6 +49,8 @@ mod tube;
 mod two;
 
 pub use actuator::Actuator;
+pub use batch::forward_many;
+pub use direct::{Arithmetic, LANES, Lanes, atanh_series};
 pub use held::Held;
 pub use limb::{Link, Segment, tip_pose};
 pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement};

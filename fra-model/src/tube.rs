@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::branch::{Found, LARGEST_PRESSURE, Point};
-use crate::direct::Direct;
+use crate::direct::{Direct, Equilibrium};
 use crate::energy::Wall;
 use crate::goal::Goal;
 use crate::held::{Held, hold};
@@ -186,13 +186,7 @@ impl<T: Real> Tube<T> {
     /// Goes the direct way where that is certified, else asks the branch.
     fn solve(&self, question: &Question<T>) -> Solution<T> {
         if let Some(found) = self.direct.as_ref().and_then(|direct| direct.answer(question)) {
-            return Solution {
-                status: Status::Solved,
-                state: self.state_at(&found.at, found.pressure, found.slope),
-                limit_pressure_pa: None,
-                residual: found.residual,
-                iterations: found.evaluations,
-            };
+            return self.solved(&found);
         }
         let Answer { found, iterations } = question.answer(&self.wall);
         let (status, point, limit) = match found {
@@ -205,6 +199,36 @@ impl<T: Real> Tube<T> {
         Solution { status, state, limit_pressure_pa: limit, residual: point.residual, iterations }
     }
 
+    /// The direct way, if it has one, and the pressure in its unit.
+    pub(crate) fn direct(&self) -> Option<(&Direct<T>, T)> {
+        self.direct.as_ref().map(|direct| (direct, self.shear_modulus_pa))
+    }
+
+    /// The answer of the direct way.
+    #[inline]
+    pub(crate) fn solved(&self, found: &Equilibrium<T>) -> Solution<T> {
+        let (one, volume) = (T::one(), self.rest_volume());
+        let (e, w, g) = (found.at.x, found.at.y, found.at.z);
+        let state = State {
+            pressure_pa: found.pressure * self.shear_modulus_pa,
+            axial_stretch: one + e,
+            axial_strain: e,
+            inner_radius_m: self.inner_radius_m * found.radii.0,
+            outer_radius_m: self.outer_radius_m * found.radii.1,
+            twist_rad: g * self.length_m / self.inner_radius_m,
+            bend_angle_rad: T::zero(),
+            volume_m3: volume * (one + w),
+            volume_strain: w,
+            compliance_m3_per_pa: volume * found.volume_rate / self.shear_modulus_pa,
+        };
+        let (residual, iterations) = (found.residual, found.evaluations);
+        Solution { status: Status::Solved, state, limit_pressure_pa: None, residual, iterations }
+    }
+
+    fn rest_volume(&self) -> T {
+        T::pi() * self.inner_radius_m * self.inner_radius_m * self.length_m
+    }
+
     fn state(&self, point: &Point<T>) -> State<T> {
         self.state_at(&point.at, point.pressure, point.slope)
     }
@@ -215,7 +239,7 @@ impl<T: Real> Tube<T> {
         let (e, w, g) = (at.x, at.y, at.z);
         let lambda = one + e;
         let x_outer = self.wall.x_outer;
-        let rest_volume = T::pi() * self.inner_radius_m * self.inner_radius_m * self.length_m;
+        let rest_volume = self.rest_volume();
         State {
             pressure_pa: pressure * self.shear_modulus_pa,
             axial_stretch: lambda,

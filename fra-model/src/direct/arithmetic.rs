@@ -7,7 +7,7 @@ use crate::real::{Real, epsilon, real};
 /// The arithmetic of the direct kernel: that of a float, or of several actuators side by side.
 ///
 /// Every [`Real`] has it; a vector type of several floats gets the kernel by implementing it.
-pub(crate) trait Arithmetic:
+pub trait Arithmetic:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// A constant of the source; `self` only tells the type.
@@ -16,33 +16,54 @@ pub(crate) trait Arithmetic:
     /// `atanh(s)/s` from `s^2`. Vectors may leave `s^2 > ATANH_REACH` to the caller to discard.
     fn atanh_over(self, s2: Self) -> Self;
 
-    /// The smaller one; not a number if either is not.
+    /// The magnitude.
+    fn magnitude(self) -> Self;
+
+    /// The square root.
+    fn root(self) -> Self;
+
+    /// The smaller one; either where one is not a number.
     fn least(self, other: Self) -> Self;
 }
 
-/// `s^2` up to which the polynomial of [`atanh_series`] has the digits of an `f64`.
-pub(crate) const ATANH_REACH: f64 = 0.0297;
+/// `s^2` up to which [`atanh_series`] has the digits of an `f64`.
+pub(super) const ATANH_REACH: f64 = 0.09;
+/// `s^2` up to which the shorter series below have their digits.
+const SHORT_REACH: f64 = 0.0297;
 
-/// `atanh(s)/s = 1 + s^2/3 + s^4/5 + ...`, for `s^2` up to [`ATANH_REACH`]. The last coefficient stands for the rest of the series.
+/// `atanh(s)/s = 1 + s^2/3 + s^4/5 + ...` from `s^2` up to 0.09, to the digits of an `f64`.
+///
+/// The last coefficient stands for the rest of the series, here and below.
 #[inline(always)]
-pub(crate) fn atanh_series<S: Arithmetic>(s2: S) -> S {
-    let k = |value: f64| s2.of(value);
+pub fn atanh_series<S: Arithmetic>(s2: S) -> S {
     let s4 = s2 * s2;
     let s8 = s4 * s4;
-    let a = k(1.0) + s2 * k(1.0 / 3.0);
-    let b = k(1.0 / 5.0) + s2 * k(1.0 / 7.0);
-    let c = k(1.0 / 9.0) + s2 * k(1.0 / 11.0);
-    let d = k(1.0 / 13.0) + s2 * k(1.0 / 15.0);
-    let e = k(1.0 / 17.0) + s2 * k(1.0 / 18.6);
-    (a + s4 * b) + s8 * ((c + s4 * d) + s8 * e)
+    let c = pair(s2, 17.0, 19.0) + s4 * pair(s2, 21.0, 23.0);
+    let low = pair(s2, 1.0, 3.0) + s4 * pair(s2, 5.0, 7.0);
+    let middle = pair(s2, 9.0, 11.0) + s4 * pair(s2, 13.0, 15.0);
+    low + s8 * (middle + s8 * (c + s8 * pair(s2, 25.0, 24.882_62)))
 }
 
-/// The same to the digits of an `f32`.
+/// The same up to 0.0297.
 #[inline(always)]
 fn atanh_series_short<S: Arithmetic>(s2: S) -> S {
-    let k = |value: f64| s2.of(value);
     let s4 = s2 * s2;
-    (k(1.0) + s2 * k(1.0 / 3.0)) + s4 * ((k(1.0 / 5.0) + s2 * k(1.0 / 7.0)) + s4 * k(1.0 / 8.9))
+    let s8 = s4 * s4;
+    let low = pair(s2, 1.0, 3.0) + s4 * pair(s2, 5.0, 7.0);
+    let high = pair(s2, 9.0, 11.0) + s4 * pair(s2, 13.0, 15.0);
+    low + s8 * (high + s8 * s2.of(1.0 / 16.578_959))
+}
+
+/// The same up to 0.0297, to the digits of an `f32`.
+#[inline(always)]
+fn atanh_series_single<S: Arithmetic>(s2: S) -> S {
+    pair(s2, 1.0, 3.0) + s2 * s2 * pair(s2, 5.0, 6.849_191_1)
+}
+
+/// `1/a + s2/b`.
+#[inline(always)]
+fn pair<S: Arithmetic>(s2: S, a: f64, b: f64) -> S {
+    s2.of(1.0 / a) + s2 * s2.of(1.0 / b)
 }
 
 impl<T: Real> Arithmetic for T {
@@ -53,17 +74,26 @@ impl<T: Real> Arithmetic for T {
 
     #[inline(always)]
     fn atanh_over(self, s2: Self) -> Self {
-        if s2 <= real(ATANH_REACH) {
+        if s2 <= real(SHORT_REACH) {
             let single = epsilon::<T>() > real::<T>(1e-9);
-            return if single { atanh_series_short(s2) } else { atanh_series(s2) };
+            return if single { atanh_series_single(s2) } else { atanh_series_short(s2) };
         }
         atanh_by_logarithm(self)
     }
 
     #[inline(always)]
+    fn magnitude(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
     fn least(self, other: Self) -> Self {
-        // The negation keeps what is not a number.
-        if other >= self { self } else { other }
+        if self < other { self } else { other }
     }
 }
 

@@ -26,6 +26,8 @@ pub(crate) struct Constants<S> {
     pub(crate) per_x_fiber: S,
     /// Sine of the fiber angle times `R_f/R_i`.
     pub(crate) sin_rho: S,
+    /// `2 s^2 - c^2`, which vanishes at the neutral angle.
+    pub(crate) neutral: S,
     /// Cosine of the fiber angle and the square of its sine.
     pub(crate) cos: S,
     /// See `cos`.
@@ -74,10 +76,48 @@ impl<S: Arithmetic> Unknowns<S> {
         }
     }
 
+    /// Radii over their undeformed values: `sqrt((X + w)/(X lambda))` inside and outside.
+    #[inline(always)]
+    pub(crate) fn radii(&self, x_outer: S) -> (S, S) {
+        let one = self.e.of(1.0);
+        let lambda = one + self.e;
+        (((one + self.w) / lambda).root(), ((x_outer + self.w) / (lambda * x_outer)).root())
+    }
+
     /// `self factor`.
     #[inline(always)]
     pub(crate) fn times(self, factor: S) -> Self {
         Self { e: self.e * factor, w: self.w * factor, g: self.g * factor, tension: self.tension * factor }
+    }
+}
+
+/// What makes a twist rate and a tension comparable with a strain.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Norm<S> {
+    pub(crate) twist: S,
+    pub(crate) tension: S,
+}
+
+impl<S: Arithmetic> Norm<S> {
+    #[inline(always)]
+    fn parts<const TWIST: bool>(&self, x: &Unknowns<S>) -> (S, S) {
+        let strain = x.e.magnitude() + x.w.magnitude();
+        let strain = if TWIST { strain + x.g.magnitude() * self.twist } else { strain };
+        (strain, x.tension.magnitude() * self.tension)
+    }
+
+    /// The size of a state or a step.
+    #[inline(always)]
+    pub(crate) fn size<const TWIST: bool>(&self, x: &Unknowns<S>) -> S {
+        let (strain, tension) = self.parts::<TWIST>(x);
+        strain + tension
+    }
+
+    /// Numerator and denominator of the contraction factor of a step. A tension that dominates must not hide what the strains do.
+    #[inline(always)]
+    pub(crate) fn contraction<const TWIST: bool>(&self, first: &Unknowns<S>, second: &Unknowns<S>) -> (S, S) {
+        let (first, second) = (self.parts::<TWIST>(first), self.size::<TWIST>(second));
+        (second, first.0 + first.1.least(first.0))
     }
 }
 
@@ -88,11 +128,16 @@ pub(crate) struct Linearised<S, const TWIST: bool> {
     pub(crate) left: Unknowns<S>,
     at: Unknowns<S>,
     il: S,
+    /// Square of the argument of the logarithm's series.
+    pub(crate) s2: S,
     // Elastomer.
     m: S,
     m_w: S,
     m_ww: S,
-    m_www: S,
+    log_w: S,
+    ii: S,
+    io: S,
+    spread: S,
     // Sheet.
     p: S,
     hoop: S,
@@ -121,20 +166,19 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
         let Unknowns { e, w, g, tension } = at;
         let k = |value: f64| e.of(value);
         let (half, one, two, three) = (k(0.5), k(1.0), k(2.0), k(3.0));
-        let lambda = one + e;
-        let (il, ii, io) = (one / lambda, one / (one + w), one / (c.x_outer + w));
+        let (il, ii, io) = (one / (one + e), one / (one + w), one / (c.x_outer + w));
         let il2 = il * il;
 
         // The elastomer.
         let wd = w * c.d;
         let s = wd / (two * (c.x_outer + w) + wd);
-        let log = two * s * s.atanh_over(s * s);
+        let s2 = s * s;
+        let log = two * s * s.atanh_over(s2);
         let log_w = c.d * ii * io;
         let w_log = w * log;
         let s_w = log + w * log_w;
         let spread = ii + c.x_outer * io;
         let m_ww = log_w * spread;
-        let m_www = -(log_w * ((ii + io) * spread + ii * ii + c.x_outer * io * io));
         let (mut m_rest, mut m_w) = (w_log, s_w);
         let q = c.d * (half * (c.x_outer + one) + w);
         if TWIST {
@@ -146,20 +190,24 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
         let u_e = il2 * (c.d * e * (three + e * (three + e)) - half * m_rest);
         let u_w = half * il * m_w;
 
-        // The sheet.
-        let eps = e * (two + e);
-        let eta = (w * c.per_x_fiber - e) * il;
+        // The sheet, in forms that keep their digits where the strains are small and where the angle is neutral.
+        let cos2 = c.cos * c.cos;
+        let w_f = w * c.per_x_fiber;
+        let eta = (w_f - e) * il;
         let p = one + eta;
+        let (p_e, p_w) = (-(p * il), il * c.per_x_fiber);
         let mut hoop = c.cos;
-        let mut h = c.cos * c.cos * eta + c.sin2 * eps;
+        let mut hoop2 = cos2;
+        let mut h = cos2 * w_f * il + e * (c.neutral + e * (cos2 * il + c.sin2));
+        let mut h_e = c.neutral + two * c.sin2 * e + cos2 * (e - eta) * il;
         if TWIST {
             let shear = c.sin_rho * g;
             hoop = hoop + shear;
-            h = h + p * shear * (c.cos + hoop);
+            let turned = shear * (c.cos + hoop);
+            hoop2 = hoop2 + turned;
+            h = h + p * turned;
+            h_e = h_e + turned * p_e;
         }
-        let hoop2 = hoop * hoop;
-        let (p_e, p_w) = (-(p * il), il * c.per_x_fiber);
-        let h_e = hoop2 * p_e + two * c.sin2 * lambda;
         let h_w = hoop2 * p_w;
 
         // Second derivatives.
@@ -171,10 +219,14 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
             left: Unknowns { e: u_e + tension * h_e, w: u_w + tension * h_w, g: zero, tension: h },
             at,
             il,
+            s2,
             m,
             m_w,
             m_ww,
-            m_www,
+            log_w,
+            ii,
+            io,
+            spread,
             p,
             hoop,
             h: Unknowns { e: h_e, w: h_w, g: zero, tension: zero },
@@ -263,7 +315,9 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
         let (dw2, p_w) = (d.w * d.w, il * c.per_x_fiber);
 
         let (mut dm, mut ddm) = (m_w * d.w, self.m_ww * dw2);
-        let (mut dm_w, mut ddm_w) = (self.m_ww * d.w, self.m_www * dw2);
+        let (ii, io) = (self.ii, self.io);
+        let m_www = -(self.log_w * ((ii + io) * self.spread + ii * ii + c.x_outer * io * io));
+        let (mut dm_w, mut ddm_w) = (self.m_ww * d.w, m_www * dw2);
         let hoop2 = hoop * hoop;
         let p_e = -(p * il);
         let p1 = p_w * d.w + p_e * d.e;
@@ -306,9 +360,21 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
         }
     }
 
-    /// `scale h - compliance T`, of which the tension equation wants zero, negated.
+    /// What the equations lack at a pressure and under loads.
     #[inline(always)]
-    pub(crate) fn tension_rest(&self, c: &Constants<S>) -> S {
-        c.compliance * self.at.tension - c.scale * self.left.tension
+    pub(crate) fn rest(&self, c: &Constants<S>, force: S, pressure: S, torque: S) -> Rest<S> {
+        Rest {
+            e: force - self.left.e,
+            w: pressure - self.left.w,
+            g: if TWIST { torque - self.left.g } else { force.of(0.0) },
+            tension: c.compliance * self.at.tension - c.scale * self.left.tension,
+        }
+    }
+
+    /// Change of the state with the pressure.
+    #[inline(always)]
+    pub(crate) fn rate(&self, c: &Constants<S>) -> Unknowns<S> {
+        let zero = c.scale.of(0.0);
+        self.solve(c, Rest { e: zero, w: c.scale.of(1.0), g: zero, tension: zero })
     }
 }

@@ -6,7 +6,12 @@
 
 mod arithmetic;
 mod kernel;
+mod lanes;
 mod path;
+
+pub use arithmetic::{Arithmetic, atanh_series};
+pub(crate) use lanes::forward as forward_lanes;
+pub use lanes::{LANES, Lanes};
 
 use nalgebra::Vector3;
 
@@ -14,7 +19,7 @@ use crate::goal::Goal;
 use crate::parameters::{ActuatorParameters, Families, Material, Placement};
 use crate::question::{Question, Way};
 use crate::real::{Real, epsilon, real};
-use kernel::{Constants, Linearised, Rest, Unknowns};
+use kernel::{Constants, Linearised, Norm, Rest, Unknowns};
 use path::{CONTRACTION, Path, Stand, part, weighted};
 
 /// A tube with closed forms, ready to be solved directly.
@@ -22,7 +27,7 @@ use path::{CONTRACTION, Path, Stand, part, weighted};
 pub(crate) struct Direct<T> {
     constants: Constants<T>,
     families: Option<Families>,
-    norm: (T, T),
+    norm: Norm<T>,
     /// The branch at rest: first and second order in the pressure, and their contraction factor.
     rate: Unknowns<T>,
     curve: Unknowns<T>,
@@ -33,9 +38,11 @@ pub(crate) struct Direct<T> {
 pub(crate) struct Equilibrium<T> {
     /// `(e, w, g)`.
     pub(crate) at: Vector3<T>,
-    /// `P/mu1` and `d(P/mu1)/dw` along the branch.
+    /// Inner and outer radius over their undeformed values.
+    pub(crate) radii: (T, T),
+    /// `P/mu1` and `dw/d(P/mu1)`.
     pub(crate) pressure: T,
-    pub(crate) slope: T,
+    pub(crate) volume_rate: T,
     /// Largest residual of the equations one Newton step before.
     pub(crate) residual: T,
     pub(crate) evaluations: u32,
@@ -50,9 +57,13 @@ impl<T: Real> Direct<T> {
         let x_outer = ratio * ratio;
         let mut constants = Constants {
             x_outer,
-            d: x_outer - one,
+            // A thin wall keeps its digits.
+            d: (parameters.outer_radius_m - parameters.inner_radius_m)
+                * (parameters.outer_radius_m + parameters.inner_radius_m)
+                / (parameters.inner_radius_m * parameters.inner_radius_m),
             per_x_fiber: one,
             sin_rho: zero,
+            neutral: zero,
             cos: zero,
             sin2: zero,
             compliance: one,
@@ -69,7 +80,9 @@ impl<T: Real> Direct<T> {
             let cos = crate::scalar::Scalar::cos(fiber.angle_rad);
             constants.cos = if cos.abs() <= epsilon::<T>() { zero } else { cos };
             constants.sin2 = sin * sin;
-            constants.sin_rho = sin * radius;
+            constants.neutral = neutral(fiber.angle_rad);
+            // Two families twist only under torque.
+            constants.sin_rho = if fiber.families == Families::One { sin * radius } else { zero };
             constants.per_x_fiber = one / (radius * radius);
             let families = if fiber.families == Families::Two { real::<T>(2.0) } else { one };
             let area = real::<T>(2.0) * radius * fiber.thickness_m / parameters.inner_radius_m;
@@ -81,7 +94,7 @@ impl<T: Real> Direct<T> {
         let direct = Self {
             constants,
             families: fiber.map(|fiber| fiber.families),
-            norm: (ratio, one / constants.d),
+            norm: Norm { twist: ratio, tension: one / constants.d },
             rate: rest,
             curve: rest,
             contraction: zero,
@@ -97,7 +110,7 @@ impl<T: Real> Direct<T> {
         let c = &self.constants;
         let path = self.path::<TWIST>(T::zero(), T::zero());
         let lin = Linearised::<T, TWIST>::new(c, self.rate);
-        let rate = path.rate(&lin);
+        let rate = lin.rate(c);
         let curve = lin.solve(c, lin.curvature(c, rate));
         let contraction = path.contraction(&rate, &curve);
         Self { rate, curve, contraction, ..self }
@@ -107,7 +120,14 @@ impl<T: Real> Direct<T> {
         Path { constants: &self.constants, force, torque, norm: self.norm }
     }
 
+    /// Whether a pressure is within the first step from rest.
+    #[inline]
+    pub(crate) fn is_one_step_to(&self, pressure: T) -> bool {
+        self.contraction * pressure.abs() <= real(CONTRACTION)
+    }
+
     /// The answer to a question, if the way to it is certified.
+    #[inline(always)]
     pub(crate) fn answer(&self, question: &Question<T>) -> Option<Equilibrium<T>> {
         // Under torque the two families carry different tensions.
         if question.twists && self.families == Some(Families::Two) {
@@ -116,6 +136,7 @@ impl<T: Real> Direct<T> {
         if question.twists { self.solve::<true>(question) } else { self.solve::<false>(question) }
     }
 
+    #[inline(always)]
     fn solve<const TWIST: bool>(&self, question: &Question<T>) -> Option<Equilibrium<T>> {
         let Question { force, torque, goal, .. } = question;
         let path = self.path::<TWIST>(*force, *torque);
@@ -133,8 +154,9 @@ impl<T: Real> Direct<T> {
         };
         (lies_right && end.pressure.abs() <= question.within).then_some(())?;
         let at = Vector3::new(end.at.e, end.at.w, end.at.g);
-        let slope = T::one() / end.rate.w;
-        Some(Equilibrium { at, pressure: end.pressure, slope, residual: end.residual, evaluations: end.evaluations })
+        let radii = end.at.radii(self.constants.x_outer);
+        let path::End { pressure, volume_rate, residual, evaluations, .. } = end;
+        Some(Equilibrium { at, radii, pressure, volume_rate, residual, evaluations })
     }
 
     /// A state given from outside; its tension follows from its strain.
@@ -170,12 +192,15 @@ impl<T: Real> Direct<T> {
         let first = rate.times(change);
         // To second order the deformation is met by a little less or more pressure.
         let bent = if arrived { -bend * change } else { T::zero() };
-        let at = first.plus(curve.times(change * change)).plus(rate.times(bent));
+        // The series is nearly geometric, for the branch ends in a limit point: its rest is about this much of the second term.
+        let ratio = if arrived { curve.w * change / rate.w } else { T::zero() };
+        let at = first.plus(curve.times(change * change / (T::one() - ratio))).plus(rate.times(bent));
         Some(Stand { at, pressure: Some(change), arrived, last: path.size(&first), along })
     }
 
     /// Rest under the load, to second order.
     #[cold]
+    #[inline(never)]
     fn under_load<const TWIST: bool>(&self, path: &Path<'_, T, TWIST>) -> Option<Stand<T>> {
         let (c, zero) = (&self.constants, T::zero());
         let rest = Unknowns { e: zero, w: zero, g: zero, tension: zero };
@@ -191,3 +216,12 @@ impl<T: Real> Direct<T> {
 
 /// Evaluations after which a way that is not certified is given up.
 const EVALUATIONS: u32 = 25;
+
+/// `2 sin^2 - cos^2` of a fiber angle: three times the product of the sines of its sum with and its difference from the neutral angle,
+/// which is taken in two parts.
+fn neutral<T: Real>(angle_rad: T) -> T {
+    let (high, low) = (real::<T>(0.615_479_707_717_895_5), real::<T>(9.524_918_332_549_646e-10));
+    let angle = angle_rad.abs();
+    let (sum, difference) = ((angle + high) + low, (angle - high) - low);
+    real::<T>(3.0) * crate::scalar::Scalar::sin(sum) * crate::scalar::Scalar::sin(difference)
+}

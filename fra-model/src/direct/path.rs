@@ -5,14 +5,14 @@
 //! it is at most 1/4, every pressure in between has one solution nearby, and these solutions form one curve, hence one branch. Where it
 //! is larger, the step goes only as far as it is not. What the next state says of its own correction checks the estimate.
 
-use super::kernel::{Constants, Linearised, Rest, Unknowns};
+use super::kernel::{Constants, Linearised, Norm, Rest, Unknowns};
 use crate::goal::Goal;
 use crate::real::{Real, epsilon, real};
 
 /// Largest contraction factor of a step.
 pub(super) const CONTRACTION: f64 = 0.25;
 /// Largest share of the last step that a correction after it may have.
-const CORRECTION: f64 = 0.25;
+pub(super) const CORRECTION: f64 = 0.25;
 /// Shortest step, as a share of what is left to go.
 const SHORTEST: f64 = 0.02;
 /// Most that the stiffness against pressure may change in one step.
@@ -24,8 +24,7 @@ pub(super) struct Path<'a, T, const TWIST: bool> {
     /// External force and torque.
     pub(super) force: T,
     pub(super) torque: T,
-    /// What makes a twist rate and a tension comparable with a strain.
-    pub(super) norm: (T, T),
+    pub(super) norm: Norm<T>,
 }
 
 /// Where a way stands before an evaluation.
@@ -41,22 +40,23 @@ pub(super) struct Stand<T> {
     pub(super) along: Option<T>,
 }
 
-/// An equilibrium and its change with the pressure.
+/// An equilibrium.
 pub(super) struct End<T> {
     pub(super) at: Unknowns<T>,
-    pub(super) rate: Unknowns<T>,
+    pub(super) volume_rate: T,
     pub(super) pressure: T,
     pub(super) residual: T,
     pub(super) evaluations: u32,
 }
 
-/// A step: Newton's correction `d` and the next term `b`.
+/// Newton's step towards a goal.
 struct Step<T> {
     first: Unknowns<T>,
-    second: Unknowns<T>,
     /// Change of the pressure.
     pressure: T,
-    contraction: T,
+    /// Change of the state with the pressure, and that of the measured deformation.
+    rate: Unknowns<T>,
+    along: Option<T>,
 }
 
 pub(super) fn weighted<T: Real>(weights: &nalgebra::Vector3<T>, x: &Unknowns<T>) -> T {
@@ -64,112 +64,114 @@ pub(super) fn weighted<T: Real>(weights: &nalgebra::Vector3<T>, x: &Unknowns<T>)
 }
 
 impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
-    fn norm(&self, x: &Unknowns<T>) -> (T, T) {
-        let strain = x.e.abs() + x.w.abs();
-        let strain = if TWIST { strain + x.g.abs() * self.norm.0 } else { strain };
-        (strain, x.tension.abs() * self.norm.1)
-    }
-
-    /// The contraction factor of a step. A tension that dominates must not hide what the strains do.
+    /// The contraction factor of a step.
+    #[inline(always)]
     pub(super) fn contraction(&self, first: &Unknowns<T>, second: &Unknowns<T>) -> T {
-        let (first, second) = (self.norm(first), self.norm(second));
-        (second.0 + second.1) / (first.0 + first.1.min(first.0))
+        let (over, under) = self.norm.contraction::<TWIST>(first, second);
+        over / under
     }
 
+    #[inline(always)]
     pub(super) fn size(&self, x: &Unknowns<T>) -> T {
-        let (strain, tension) = self.norm(x);
-        strain + tension
+        self.norm.size::<TWIST>(x)
     }
 
     /// What the equations lack at a state, at a pressure.
+    #[inline(always)]
     fn rest(&self, lin: &Linearised<T, TWIST>, pressure: T) -> Rest<T> {
-        Rest {
-            e: self.force - lin.left.e,
-            w: pressure - lin.left.w,
-            g: if TWIST { self.torque - lin.left.g } else { T::zero() },
-            tension: lin.tension_rest(self.constants),
-        }
-    }
-
-    pub(super) fn rate(&self, lin: &Linearised<T, TWIST>) -> Unknowns<T> {
-        let zero = T::zero();
-        lin.solve(self.constants, Rest { e: zero, w: T::one(), g: zero, tension: zero })
+        lin.rest(self.constants, self.force, pressure, self.torque)
     }
 
     /// The way from a state onwards, to the state that meets the goal.
+    #[inline(always)]
     pub(super) fn follow(&self, mut stand: Stand<T>, goal: &Goal<T>, spent: u32, budget: u32) -> Option<End<T>> {
-        let mut evaluations = spent;
         let c = self.constants;
+        let mut evaluations = spent;
         while evaluations < budget {
             evaluations += 1;
             let at = stand.at;
             let inside = at.e > -T::one() && at.w > -T::one();
             let lin = Linearised::<T, TWIST>::new(c, inside.then_some(at)?);
             (lin.stability > T::zero()).then_some(())?;
-            let step = self.whole_step(&lin, &mut stand, goal)?;
-            let size = self.size(&step.first);
+            let step = self.whole_step(&lin, &stand, goal)?;
+            let (size, end) = (self.size(&step.first), at.plus(step.first));
             let settled = size <= stand.last * real(CORRECTION);
-            let end = at.plus(step.first);
-            if size <= tolerance::<T>() * self.size(&end) && settled {
+            let whole = self.size(&end);
+            if size <= tolerance::<T>() * whole && settled {
                 return Some(self.end(&lin, goal, end, step.pressure, evaluations));
             }
-            let near = if stand.arrived { settled } else { self.is_near(&lin, &stand) };
-            if !near {
-                return None;
+            if stand.arrived {
+                // What Newton's step leaves over is below the tolerance: the second term would not be worth its price.
+                let last_but_one = size * size <= tolerance::<T>() * whole * whole;
+                settled.then_some(())?;
+                let at = if last_but_one { end } else { end.plus(self.second(&lin, goal, &step).0) };
+                stand = Stand { at, last: size, along: step.along, ..stand };
+                continue;
             }
-            if step.contraction <= real(CONTRACTION) {
-                let at = end.plus(step.second);
-                stand = Stand { at, arrived: true, last: size, ..stand };
-            } else if stand.arrived {
-                return None;
+            self.is_near(&lin, &stand).then_some(())?;
+            let (second, contraction) = self.second(&lin, goal, &step);
+            stand.along = step.along;
+            stand = if contraction <= real(CONTRACTION) {
+                Stand { at: end.plus(second), arrived: true, last: size, ..stand }
             } else {
-                stand = self.part_of_step(&lin, stand, &step)?;
-            }
+                self.part_of_step(&lin, stand, &step, contraction)?
+            };
         }
         None
     }
 
-    /// The step that meets the goal.
+    /// The step that meets the goal to first order.
     #[inline(always)]
-    fn whole_step(&self, lin: &Linearised<T, TWIST>, stand: &mut Stand<T>, goal: &Goal<T>) -> Option<Step<T>> {
+    fn whole_step(&self, lin: &Linearised<T, TWIST>, stand: &Stand<T>, goal: &Goal<T>) -> Option<Step<T>> {
         let c = self.constants;
         match goal {
             Goal::Pressure(wanted) => {
                 let first = lin.solve(c, self.rest(lin, *wanted));
-                let second = lin.solve(c, lin.curvature(c, first));
-                let contraction = self.contraction(&first, &second);
-                Some(Step { first, second, pressure: *wanted - lin.left.w, contraction })
+                Some(Step { first, pressure: *wanted - lin.left.w, rate: first, along: None })
             }
             Goal::Deformation { weights, value, .. } => {
                 let base = lin.solve(c, self.rest(lin, lin.left.w));
-                let rate = self.rate(lin);
+                let rate = lin.rate(c);
                 let along = weighted(weights, &rate);
-                if !stand.along.is_none_or(|before| is_monotone(before, along)) {
-                    return None;
-                }
-                stand.along = Some(along);
+                stand.along.is_none_or(|before| is_monotone(before, along)).then_some(())?;
                 let change = (*value - weighted(weights, &stand.at) - weighted(weights, &base)) / along;
-                let first = base.plus(rate.times(change));
-                let free = lin.solve(c, lin.curvature(c, first));
-                let bend = weighted(weights, &free);
-                let second = free.plus(rate.times(-(bend / along)));
-                let contraction = self.contraction(&first, &second);
-                // A correction as small as rounding says nothing about the curve.
-                let bent = if stand.arrived { T::zero() } else { (bend / (along * change)).abs() };
-                Some(Step { first, second, pressure: change, contraction: contraction.max(bent) })
+                Some(Step { first: base.plus(rate.times(change)), pressure: change, rate, along: Some(along) })
             }
+        }
+    }
+
+    /// The second term of a step, and the contraction factor: that of the state, and for a deformation also that of what is measured.
+    #[inline(always)]
+    fn second(&self, lin: &Linearised<T, TWIST>, goal: &Goal<T>, step: &Step<T>) -> (Unknowns<T>, T) {
+        let c = self.constants;
+        let free = lin.solve(c, lin.curvature(c, step.first));
+        match (goal, step.along) {
+            (Goal::Deformation { weights, .. }, Some(along)) => {
+                let bend = weighted(weights, &free) / along;
+                let second = free.plus(step.rate.times(-bend));
+                let contraction = self.contraction(&step.first, &second);
+                (second, contraction.max((bend / step.pressure).abs()))
+            }
+            _ => (free, self.contraction(&step.first, &free)),
         }
     }
 
     /// As much of a step as the contraction factor allows.
     #[cold]
-    fn part_of_step(&self, lin: &Linearised<T, TWIST>, stand: Stand<T>, step: &Step<T>) -> Option<Stand<T>> {
+    #[inline(never)]
+    fn part_of_step(
+        &self,
+        lin: &Linearised<T, TWIST>,
+        stand: Stand<T>,
+        step: &Step<T>,
+        contraction: T,
+    ) -> Option<Stand<T>> {
         let c = self.constants;
-        let share = part(step.contraction)?;
+        let share = part(contraction)?;
         let from = stand.pressure.unwrap_or(lin.left.w);
         let change = (lin.left.w + step.pressure - from) * share;
         let base = lin.solve(c, self.rest(lin, from));
-        let first = base.plus(self.rate(lin).times(change));
+        let first = base.plus(lin.rate(c).times(change));
         let second = lin.solve(c, lin.curvature(c, first));
         (self.contraction(&first, &second) <= real(CONTRACTION)).then_some(())?;
         let at = stand.at.plus(first).plus(second);
@@ -178,12 +180,14 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
 
     /// Whether the state is as near its equilibrium as the last step promised.
     #[cold]
+    #[inline(never)]
     fn is_near(&self, lin: &Linearised<T, TWIST>, stand: &Stand<T>) -> bool {
         let Some(pressure) = stand.pressure else { return true };
         let base = lin.solve(self.constants, self.rest(lin, pressure));
         self.size(&base) <= stand.last * real(CORRECTION)
     }
 
+    #[inline(always)]
     fn end(&self, lin: &Linearised<T, TWIST>, goal: &Goal<T>, at: Unknowns<T>, change: T, evaluations: u32) -> End<T> {
         let rest = self.rest(lin, lin.left.w);
         let loads = rest.e.abs().max(rest.g.abs());
@@ -191,7 +195,7 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
             Goal::Pressure(wanted) => (*wanted, loads.max(change.abs())),
             Goal::Deformation { .. } => (lin.left.w + change, loads),
         };
-        End { at, rate: self.rate(lin), pressure, residual, evaluations }
+        End { at, volume_rate: lin.rate(self.constants).w, pressure, residual, evaluations }
     }
 }
 
@@ -208,7 +212,7 @@ fn is_monotone<T: Real>(before: T, after: T) -> bool {
 }
 
 /// A correction that is followed by one below rounding.
-fn tolerance<T: Real>() -> T {
+pub(super) fn tolerance<T: Real>() -> T {
     let single = epsilon::<T>() > real::<T>(1e-9);
     if single { real(1e-4) } else { real(1e-9) }
 }

@@ -1,0 +1,154 @@
+//! Times of the solvers of straight tubes, one line per case: `name nanoseconds-per-answer`.
+//!
+//! `speed.py` writes the actuators to a file, names it in `SPEED_SAMPLE`, compares the answers left in `SPEED_ANSWERS` with its own
+//! and prints ratios. Without them, a small sample of its own serves to see that it runs.
+
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::time::Instant;
+
+use fra_model::*;
+
+/// Runs of which the fastest counts.
+const RUNS: u32 = 15;
+
+struct Case {
+    actuator: Actuator<f64>,
+    pressure_pa: f64,
+}
+
+fn parameters(columns: &[f64], families: Families) -> ActuatorParameters<f64> {
+    let &[inner_radius_m, outer_radius_m, angle_rad, thickness_m, mu1, mu2, _] = columns else {
+        panic!("seven columns: {columns:?}")
+    };
+    ActuatorParameters {
+        motion: Motion::Extension,
+        inner_radius_m,
+        outer_radius_m,
+        length_m: 0.1,
+        material: Material::NeoHookean { shear_modulus_pa: mu1 },
+        fiber: Some(Fiber {
+            angle_rad,
+            families,
+            modulus_pa: mu2,
+            placement: Placement::Sheet,
+            thickness_m,
+            radius_m: outer_radius_m,
+        }),
+    }
+}
+
+fn single(p: &ActuatorParameters<f64>) -> ActuatorParameters<f32> {
+    let fiber = p.fiber.expect("wound");
+    ActuatorParameters {
+        motion: p.motion,
+        inner_radius_m: p.inner_radius_m as f32,
+        outer_radius_m: p.outer_radius_m as f32,
+        length_m: p.length_m as f32,
+        material: Material::NeoHookean { shear_modulus_pa: p.material.shear_modulus_pa() as f32 },
+        fiber: Some(Fiber {
+            angle_rad: fiber.angle_rad as f32,
+            families: fiber.families,
+            modulus_pa: fiber.modulus_pa as f32,
+            placement: fiber.placement,
+            thickness_m: fiber.thickness_m as f32,
+            radius_m: fiber.radius_m as f32,
+        }),
+    }
+}
+
+fn sample() -> Vec<Vec<f64>> {
+    let own =
+        || (1..40).map(|i| format!("6e-3,{},{},2e-4,2e5,2e7,2e4\n", 7e-3 + 1e-4 * f64::from(i), 0.03 * f64::from(i)));
+    let text = match std::env::var("SPEED_SAMPLE") {
+        Ok(path) => std::fs::read_to_string(path).expect("a readable sample"),
+        Err(_) => own().collect(),
+    };
+    text.lines().map(|line| line.split(',').map(|n| n.trim().parse().expect("a number")).collect()).collect()
+}
+
+/// Prints the fastest time per item of some runs over all of them.
+fn time<I>(name: &str, items: &[I], mut f: impl FnMut(&I)) {
+    let mut best = f64::INFINITY;
+    for _ in 0..RUNS {
+        let start = Instant::now();
+        items.iter().for_each(&mut f);
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    println!("{name} {:.1}", best * 1e9 / items.len() as f64);
+}
+
+fn build(rows: &[Vec<f64>], families: Families) -> Vec<Case> {
+    rows.iter()
+        .map(|row| Case { actuator: Actuator::new(&parameters(row, families)).expect("valid"), pressure_pa: row[6] })
+        .collect()
+}
+
+fn main() {
+    let rows = sample();
+    let none = Load::none();
+    for (name, families) in [("two", Families::Two), ("one", Families::One)] {
+        let cases = build(&rows, families);
+        time(&format!("forward_cold_{name}"), &cases, |c| {
+            black_box(c.actuator.forward(black_box(c.pressure_pa), &none)).expect("finite");
+        });
+        time(&format!("build_and_forward_{name}"), &rows, |row| {
+            let actuator = Actuator::new(&parameters(row, families)).expect("valid");
+            black_box(actuator.forward(black_box(row[6]), &none)).expect("finite");
+        });
+        let solved: Vec<_> = cases.iter().map(|c| c.actuator.forward(c.pressure_pa, &none).expect("finite")).collect();
+        let evaluations: u32 = solved.iter().map(|s| s.iterations).sum();
+        println!("evaluations_{name} {:.3}", f64::from(evaluations) / solved.len() as f64);
+        let search: Vec<_> = cases.iter().map(|c| c.actuator.by_search()).collect();
+        let few: Vec<_> = (0..rows.len().min(200)).collect();
+        time(&format!("forward_search_{name}"), &few, |&i| {
+            black_box(search[i].forward(cases[i].pressure_pa, &none)).expect("finite");
+        });
+        inverses(name, &cases, &solved);
+        if let (Ok(path), "two") = (std::env::var("SPEED_ANSWERS"), name) {
+            let mut text = String::new();
+            for s in &solved {
+                let solved = u8::from(s.status == Status::Solved);
+                writeln!(text, "{:e},{:e},{solved}", s.state.axial_stretch, s.state.inner_radius_m).expect("text");
+            }
+            std::fs::write(path, text).expect("a place for the answers");
+        }
+    }
+}
+
+/// Inverse problems: the outer radius or the stretch that a pressure above has made.
+fn inverses(name: &str, cases: &[Case], solved: &[Solution<f64>]) {
+    let none = Load::none();
+    let target = |s: &State<f64>| {
+        if s.axial_strain > 0.0 { Target::AxialStretch(s.axial_stretch) } else { Target::OuterRadius(s.outer_radius_m) }
+    };
+    let pairs: Vec<_> = cases.iter().zip(solved).map(|(c, s)| (c.actuator, target(&s.state))).collect();
+    time(&format!("inverse_cold_{name}"), &pairs, |(actuator, target)| {
+        black_box(actuator.inverse(black_box(*target), &none)).expect("finite");
+    });
+    let near: Vec<_> = cases
+        .iter()
+        .zip(&pairs)
+        .map(|(c, (actuator, target))| {
+            let start = actuator.forward(c.pressure_pa * 0.99, &none).expect("finite").state;
+            let actuator = Actuator::new(&single(actuator.parameters())).expect("valid");
+            let target = match *target {
+                Target::AxialStretch(v) => Target::AxialStretch(v as f32),
+                Target::OuterRadius(v) => Target::OuterRadius(v as f32),
+                _ => unreachable!("only these two are made"),
+            };
+            (actuator, target, State::combine([&start], |[v]: [f64; 1]| v as f32))
+        })
+        .collect();
+    let load = Load::none();
+    time(&format!("inverse_near_f32_{name}"), &near, |(actuator, target, start)| {
+        black_box(actuator.inverse_near(start, black_box(*target), &load, 200)).expect("finite");
+    });
+    let forward: Vec<_> = near.iter().zip(cases).map(|((actuator, ..), c)| (*actuator, c.pressure_pa as f32)).collect();
+    time(&format!("forward_cold_f32_{name}"), &forward, |(actuator, pressure)| {
+        black_box(actuator.forward(black_box(*pressure), &load)).expect("finite");
+    });
+    let evaluations: u32 =
+        near.iter().map(|(a, t, s)| a.inverse_near(s, *t, &load, 200).expect("finite").iterations).sum();
+    println!("evaluations_inverse_near_f32_{name} {:.3}", f64::from(evaluations) / near.len() as f64);
+}
