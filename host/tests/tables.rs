@@ -3,7 +3,7 @@
 use fra_model::*;
 use softlimb::design::StateCurve;
 use softlimb::scene::SetpointKind;
-use softlimb::table::{DenseTable, DeviceTables, NoTable, Subject, Verified, device_tables, verify};
+use softlimb::table::{DenseTable, DeviceTables, NoTable, Subject, Verified, device_tables, inverse_of_degree, verify};
 
 const ATMOSPHERE_PA: f64 = 101_325.0;
 
@@ -220,4 +220,93 @@ fn what_cannot_be_tabulated_says_why() {
     let wide = actuator(Motion::Expansion, 90.0, Families::Two, 361e6);
     let reason = refused(&wide, SetpointKind::OuterRadius, 97e3, BUDGET);
     assert!(matches!(reason, NoTable::Volume { .. }), "{reason:?}");
+}
+
+#[test]
+fn the_error_falls_with_the_degree_to_that_of_the_grid() {
+    let (_, actuator, kind, pressure_max_pa) = smooth().remove(4);
+    let curve = StateCurve::new(&actuator, pressure_max_pa);
+    let subject = Subject { actuator: &actuator, kind, curve: &curve };
+    let exact = DenseTable::new(&subject, Argument::Linear, 256).unwrap();
+    let errors: Vec<f64> =
+        (1..=16).map(|degree| inverse_of_degree(&subject, &exact, degree).map_or(f64::NAN, |fit| fit.error)).collect();
+    println!("{errors:?}");
+    assert!(errors[..6].windows(2).all(|pair| pair[1] < pair[0]), "{errors:?}");
+    // Half a step of 32 768 where the pressure rises fastest, and single precision.
+    let steepest = (1..=1000)
+        .map(|k| exact.pressure_pa(f64::from(k) / 1000.0 * exact.range().1).unwrap())
+        .scan(0.0, |before, now| Some(now - std::mem::replace(before, now)))
+        .fold(0.0, f64::max)
+        * 1000.0
+        / pressure_max_pa;
+    let floor = 0.5 * steepest / 32_768.0;
+    assert!(errors[15] > 0.9 * floor && errors[15] < floor + 2e-6, "{:e} {floor:e}", errors[15]);
+}
+
+/// A number of the sequence between two bounds.
+fn between(numbers: &mut impl Iterator<Item = f64>, low: f64, high: f64) -> f64 {
+    low + (high - low) * numbers.next().unwrap()
+}
+
+#[test]
+fn random_actuators_have_a_table_that_holds_or_a_reason() {
+    // Fractional parts of the multiples of sqrt 2, sqrt 3 and so on are equally distributed in as many dimensions.
+    let roots = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0].map(f64::sqrt);
+    let (mut tables, mut reasons) = (0, std::collections::BTreeMap::<String, u32>::new());
+    for index in 1..=80_u32 {
+        let mut numbers = roots.into_iter().map(|root| (root * f64::from(index)).fract());
+        let inner_radius_m = between(&mut numbers, 3e-3, 15e-3);
+        let outer_radius_m = inner_radius_m * between(&mut numbers, 1.1, 1.8);
+        let shear_modulus_pa = 10f64.powf(between(&mut numbers, 4.7, 5.7));
+        let modulus_pa = shear_modulus_pa * 10f64.powf(between(&mut numbers, 1.0, 4.0));
+        let angle_rad = between(&mut numbers, 1.0, 89.0_f64).to_radians();
+        let pressure_max_pa = shear_modulus_pa * between(&mut numbers, 0.05, 0.6);
+        let (motion, kind, families) = match index % 4 {
+            0 => (Motion::Extension, SetpointKind::AxialStretch, Families::Two),
+            1 => (Motion::Expansion, SetpointKind::OuterRadius, Families::Two),
+            2 => (Motion::Bending, SetpointKind::BendAngle, Families::Two),
+            _ => (Motion::Twisting, SetpointKind::Twist, Families::One),
+        };
+        let fiber = Fiber {
+            angle_rad,
+            families,
+            modulus_pa,
+            placement: Placement::Sheet,
+            thickness_m: 0.2e-3,
+            radius_m: outer_radius_m,
+        };
+        let parameters = ActuatorParameters {
+            motion,
+            inner_radius_m,
+            outer_radius_m,
+            length_m: 0.15,
+            material: Material::NeoHookean { shear_modulus_pa },
+            fiber: Some(fiber),
+        };
+        let actuator = Actuator::new(&parameters).unwrap();
+        let curve = StateCurve::new(&actuator, pressure_max_pa);
+        let subject = Subject { actuator: &actuator, kind, curve: &curve };
+        let fit = match device_tables(&subject, BUDGET, ATMOSPHERE_PA) {
+            Ok(found) => found.inverse.unwrap(),
+            Err(reason) => {
+                let name = format!("{reason:?}");
+                *reasons.entry(name.split([' ', '{']).next().unwrap().into()).or_default() += 1;
+                continue;
+            }
+        };
+        tables += 1;
+        let table = fit.table().unwrap();
+        let highest_pa = f64::from(fit.pressure_max_pa);
+        for share in shares(40) {
+            let setpoint = (f64::from(fit.from) + share * f64::from(fit.to - fit.from)) as f32;
+            let found = f64::from(table.lookup(setpoint).unwrap().pressure_pa);
+            let exact =
+                actuator.inverse_from(&curve.at(found), target(kind, f64::from(setpoint)), &Load::none()).unwrap();
+            assert_eq!(exact.status, Status::Solved, "{parameters:?} at {setpoint}");
+            let error = (found - exact.state.pressure_pa).abs() / highest_pa;
+            assert!(error <= fit.error * 1.000_1, "{parameters:?} at {setpoint}: {error:e} {:e}", fit.error);
+        }
+    }
+    println!("{tables} of 80 have tables; the others: {reasons:?}");
+    assert!(tables >= 40, "{tables}: {reasons:?}");
 }

@@ -117,37 +117,51 @@ fn dense(subject: &Subject, argument: Argument, budget: f64) -> Result<DenseTabl
 /// The lowest degree on the finest grid that keeps the budget; else the least error of a table that rises.
 fn fit(subject: &Subject, exact: &DenseTable, budget: f64) -> Result<InverseFit, Option<f64>> {
     let highest_pa = subject.curve.pressure_max_pa();
-    let (from, to) = exact.range();
-    let at = |u: f64| {
-        let share = if exact.argument() == Argument::Root { u * u } else { u };
-        exact.pressure_pa(from + (to - from) * share).unwrap_or(f64::NAN)
-    };
-    let series = coefficients(at);
+    let series = series(exact);
     let mut least: Option<f64> = None;
     for count in 2..=TABLE_COEFFICIENTS {
         // What is cut off bounds the error from above, but not from below by much: most degrees need no closer look.
         if count < TABLE_COEFFICIENTS && tail(&series, count) > 4.0 * budget * highest_pa {
             continue;
         }
-        for steps in STEPS {
-            let candidate = InverseFit {
-                from: from as f32,
-                to: to as f32,
-                argument: exact.argument(),
-                steps,
-                pressure_max_pa: highest_pa as f32,
-                coefficients_pa: rounded(&series, count),
-                error: 0.0,
-            };
-            let Some(verified) = verify(&candidate, exact) else { continue };
-            if verified.rises {
-                if verified.error <= budget {
-                    return Ok(InverseFit { error: verified.error, ..candidate });
-                }
-                least = Some(least.map_or(verified.error, |least| least.min(verified.error)));
-                break;
-            }
+        let Some(fit) = rising(subject, exact, &rounded(&series, count)) else { continue };
+        if fit.error <= budget {
+            return Ok(fit);
         }
+        least = Some(least.map_or(fit.error, |least| least.min(fit.error)));
     }
     Err(least)
+}
+
+/// The inverse table of one degree (1 to 16), whatever its error, with that error verified; `None` where it rises on no grid.
+pub fn inverse_of_degree(subject: &Subject, exact: &DenseTable, degree: usize) -> Option<InverseFit> {
+    let count = (degree + 1).clamp(2, TABLE_COEFFICIENTS);
+    rising(subject, exact, &rounded(&series(exact), count))
+}
+
+/// Coefficients of the pressure over the argument of the dense table.
+fn series(exact: &DenseTable) -> Vec<f64> {
+    let (from, to) = exact.range();
+    coefficients(|u| {
+        let share = if exact.argument() == Argument::Root { u * u } else { u };
+        exact.pressure_pa(from + (to - from) * share).unwrap_or(f64::NAN)
+    })
+}
+
+/// The table with these coefficients on the finest grid on which it rises.
+fn rising(subject: &Subject, exact: &DenseTable, coefficients_pa: &[f32]) -> Option<InverseFit> {
+    let (from, to) = exact.range();
+    STEPS.into_iter().find_map(|steps| {
+        let fit = InverseFit {
+            from: from as f32,
+            to: to as f32,
+            argument: exact.argument(),
+            steps,
+            pressure_max_pa: subject.curve.pressure_max_pa() as f32,
+            coefficients_pa: coefficients_pa.to_vec(),
+            error: 0.0,
+        };
+        let verified = verify(&fit, exact)?;
+        verified.rises.then_some(InverseFit { error: verified.error, ..fit })
+    })
 }

@@ -12,7 +12,7 @@ mod verify;
 use std::fmt;
 
 pub use dense::DenseTable;
-pub use device::{DeviceTables, InverseFit, VolumeFit, device_tables};
+pub use device::{DeviceTables, InverseFit, VolumeFit, device_tables, inverse_of_degree};
 pub use subject::Subject;
 pub use verify::{AIR_ERROR_MAX, Verified, verify};
 
