@@ -52,7 +52,7 @@ impl Run {
         } else {
             super::say(&summary.table())?;
         }
-        eprintln!("log:    {}\nreport: {}", files.log.display(), files.report.display());
+        super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
         let outcome = judge(&summary);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
     }
@@ -72,7 +72,7 @@ pub(super) fn judge(summary: &Summary) -> Outcome {
     for channel in &summary.limited_channels {
         warnings.push(format!("the device limited the reference of channel {channel}"));
     }
-    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.iter().for_each(|warning| super::note(&format!("warning: {warning}")));
     if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
 }
 

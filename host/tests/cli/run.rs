@@ -159,7 +159,9 @@ fn a_report_never_replaces_its_log() {
         desk.softlimb(line).failed(1, &["would replace the log", "--out"]);
         assert_eq!(desk.content(), before, "{line}");
     }
-    for name in ["results/run.mcap", "log.html"] {
+    desk.put("half.html.partial", &log);
+    desk.softlimb("report half.html.partial --out half.html").done();
+    for name in ["results/run.mcap", "log.html", "half.html.partial"] {
         assert!(std::fs::read(desk.path(name)).unwrap() == log, "{name} was changed");
     }
 }
