@@ -259,7 +259,6 @@ impl<T: Scalar> Section<T> {
     }
 }
 
-/// One direction of a table in the scalar: converted while it is still a constant of the source.
 /// Cosine and sine of the first half of `2 N` equal angles on half a turn, `pi (2j+1)/(4 N)`.
 fn equal_angles<T: Scalar, const N: usize>() -> [(T, T); N] {
     let half_step = T::constant(core::f64::consts::PI / (4 * N) as f64);
@@ -271,6 +270,7 @@ fn equal_angles<T: Scalar, const N: usize>() -> [(T, T); N] {
     })
 }
 
+/// One direction of a table in the scalar: converted while it is still a constant of the source.
 fn constants<T: Scalar>((cos, sin): (f64, f64)) -> (T, T) {
     (T::constant(cos), T::constant(sin))
 }

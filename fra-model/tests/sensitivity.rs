@@ -106,7 +106,7 @@ fn straight_cases() -> Vec<Case> {
     cases
 }
 
-/// Bends of both laws, with a stated winding and without, with loads.
+/// Bends of both laws, with a stated winding and without, with loads; slight ones and several turns.
 fn bent_cases() -> Vec<Case> {
     let mut cases = vec![];
     for material in [neo_hookean(0.2e6), DRAGONSKIN_30] {
@@ -118,6 +118,12 @@ fn bent_cases() -> Vec<Case> {
             cases.push(Case::new(p, pressure_pa, force_n, torque_nm));
         }
     }
+    // Rolled up: several turns.
+    for pressure_pa in [80e3, 150e3] {
+        let p = tube(Motion::Bending, 5.0, 6.0, neo_hookean(0.1e6));
+        cases.insert(1, Case::new(p, pressure_pa, 0.0, 0.0));
+    }
+    assert!(cases[1].state.bend_angle_rad > 20.0);
     cases
 }
 
