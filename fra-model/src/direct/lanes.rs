@@ -11,7 +11,7 @@ use super::{Direct, Equilibrium};
 use crate::real::Real;
 
 /// Most values side by side.
-pub const LANES: usize = 16;
+pub const LANES: usize = 8;
 
 /// Arithmetic on several floats at once.
 pub trait Lanes<T>: Arithmetic {

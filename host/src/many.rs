@@ -1,0 +1,199 @@
+//! The forward problem of many actuators at once, on the vector units and the processors that are there.
+
+use std::num::NonZero;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::thread;
+
+use fra_model::{Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Solution, atanh_series, forward_many};
+use pulp::{Arch, Simd, WithSimd};
+
+/// Fewest actuators that are worth a thread.
+const SHARE: usize = 2048;
+
+/// The equilibria of actuators, each at its own gauge pressure, Pa, without external load, written to `solutions`.
+///
+/// The answers are those of [`Actuator::forward`] of each, up to rounding.
+///
+/// # Panics
+/// When the slices differ in length.
+///
+/// # Errors
+/// [`InvalidParameter`] when a pressure is not finite.
+pub fn forward(
+    actuators: &[Actuator<f64>],
+    pressures_pa: &[f64],
+    solutions: &mut [Solution<f64>],
+) -> Result<(), InvalidParameter<f64>> {
+    assert_eq!((actuators.len(), actuators.len()), (pressures_pa.len(), solutions.len()), "one of each per actuator");
+    let threads = thread::available_parallelism().map_or(1, NonZero::get).min(actuators.len() / SHARE).max(1);
+    if threads == 1 {
+        return Batch { actuators, pressures_pa, solutions }.run();
+    }
+    let share = actuators.len().div_ceil(threads).next_multiple_of(LANES);
+    let parts = actuators.chunks(share).zip(pressures_pa.chunks(share)).zip(solutions.chunks_mut(share));
+    thread::scope(|scope| {
+        let running: Vec<_> = parts
+            .map(|((actuators, pressures_pa), solutions)| {
+                scope.spawn(move || Batch { actuators, pressures_pa, solutions }.run())
+            })
+            .collect();
+        running.into_iter().try_for_each(|part| part.join().expect("the solver does not panic"))
+    })
+}
+
+struct Batch<'a> {
+    actuators: &'a [Actuator<f64>],
+    pressures_pa: &'a [f64],
+    solutions: &'a mut [Solution<f64>],
+}
+
+impl Batch<'_> {
+    fn run(self) -> Result<(), InvalidParameter<f64>> {
+        Arch::new().dispatch(self)
+    }
+}
+
+impl WithSimd for Batch<'_> {
+    type Output = Result<(), InvalidParameter<f64>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        forward_many(Vector::of(simd, 0.0), self.actuators, self.pressures_pa, self.solutions)
+    }
+}
+
+/// A vector register of the processor.
+#[derive(Clone, Copy)]
+struct Vector<S: Simd> {
+    simd: S,
+    values: S::f64s,
+}
+
+impl<S: Simd> Vector<S> {
+    #[inline(always)]
+    fn of(simd: S, value: f64) -> Self {
+        Self { simd, values: simd.splat_f64s(value) }
+    }
+}
+
+/// A method of one instruction.
+macro_rules! instruction {
+    ($method:ident, $name:ident $(, $other:ident)?) => {
+        #[inline(always)]
+        fn $method(self $(, $other: Self)?) -> Self {
+            Self { simd: self.simd, values: self.simd.$name(self.values $(, $other.values)?) }
+        }
+    };
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $name:ident) => {
+        impl<S: Simd> $trait for Vector<S> {
+            type Output = Self;
+            instruction!($method, $name, other);
+        }
+    };
+}
+
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
+
+impl<S: Simd> Neg for Vector<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::of(self.simd, 0.0) - self
+    }
+}
+
+impl<S: Simd> Arithmetic for Vector<S> {
+    instruction!(root, sqrt_f64s);
+    instruction!(least, min_f64s, other);
+
+    #[inline(always)]
+    fn of(self, value: f64) -> Self {
+        Self::of(self.simd, value)
+    }
+
+    #[inline(always)]
+    fn atanh_over(self, s2: Self) -> Self {
+        atanh_series(s2)
+    }
+
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        let other = -self;
+        Self { simd: self.simd, values: self.simd.max_f64s(self.values, other.values) }
+    }
+}
+
+impl<S: Simd> Lanes<f64> for Vector<S> {
+    const COUNT: usize = S::F64_LANES;
+
+    #[inline(always)]
+    fn load(self, values: &[f64; LANES]) -> Self {
+        Self { simd: self.simd, values: S::as_simd_f64s(values).0[0] }
+    }
+
+    #[inline(always)]
+    fn store(self, values: &mut [f64; LANES]) {
+        S::as_mut_simd_f64s(values).0[0] = self.values;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Status};
+
+    fn actuator(i: usize) -> Actuator<f64> {
+        let share = i as f64 / 10_000.0;
+        let families = if i.is_multiple_of(3) { Families::One } else { Families::Two };
+        let fiber = Fiber {
+            angle_rad: 1.5 * (share * 7.0).fract(),
+            families,
+            modulus_pa: 1e5 * 1e4_f64.powf((share * 31.0).fract()),
+            placement: if i.is_multiple_of(50) { Placement::Layer } else { Placement::Sheet },
+            thickness_m: 2e-4,
+            radius_m: 7.5e-3,
+        };
+        let motion = if i.is_multiple_of(101) { Motion::Bending } else { Motion::Extension };
+        Actuator::new(&ActuatorParameters {
+            motion,
+            inner_radius_m: 6e-3,
+            outer_radius_m: 7.6e-3 + 4e-3 * share,
+            length_m: 0.1,
+            material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+            fiber: Some(fiber),
+        })
+        .expect("valid")
+    }
+
+    #[test]
+    fn a_batch_is_answered_as_one_by_one() {
+        let actuators: Vec<_> = (0..5000).map(actuator).collect();
+        let pressures_pa: Vec<_> = (0..5000).map(|i| -1e4 + 17.0 * f64::from(i)).collect();
+        let one_by_one: Vec<_> = actuators
+            .iter()
+            .zip(&pressures_pa)
+            .map(|(actuator, pressure_pa)| actuator.forward(*pressure_pa, &Load::none()).expect("finite"))
+            .collect();
+        let mut solutions = vec![one_by_one[0]; 5000];
+        forward(&actuators, &pressures_pa, &mut solutions).expect("finite");
+        for (a, b) in solutions.iter().zip(&one_by_one) {
+            assert_eq!((a.status, a.state.pressure_pa), (b.status, b.state.pressure_pa));
+            let off = (a.state.volume_strain - b.state.volume_strain).abs();
+            assert!(a.status != Status::Solved || off <= 1e-10 * b.state.volume_strain.abs(), "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn a_pressure_that_is_no_number_is_refused() {
+        let actuators = [actuator(1), actuator(2)];
+        let blank = actuators[0].forward(0.0, &Load::none()).expect("finite");
+        let error = forward(&actuators, &[1e3, f64::NAN], &mut [blank; 2]).expect_err("not finite");
+        assert_eq!(error.field, "pressure_pa");
+    }
+}
