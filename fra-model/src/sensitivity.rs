@@ -5,7 +5,7 @@
 //! that carries its derivative, and so are the conversions between the units of the model and those of the user. Nothing is a
 //! difference of nearby solutions.
 //!
-//! All of it is computed with twice the digits: stiff fibers make `H` ill conditioned in the scalar itself.
+//! Straight tubes are computed with twice the digits: stiff fibers make `H` ill conditioned in the scalar itself.
 
 mod bent;
 mod inputs;
@@ -196,11 +196,11 @@ impl<T: Real> Actuator<T> {
 
     fn point(&self, state: &State<T>, load: &Load<T>) -> Result<Point<T>, NoDerivative<T>> {
         load.check()?;
-        let inputs = Inputs::new(self.parameters(), state.pressure_pa, load).map(Two::from);
+        let inputs = Inputs::new(self.parameters(), state.pressure_pa, load);
         Ok(match self.parameters().motion {
             Motion::Bending => Point::Bent(BentPoint::new(inputs, state)?),
             Motion::Extension | Motion::Expansion | Motion::Twisting => {
-                Point::Straight(StraightPoint::new(inputs, state)?)
+                Point::Straight(StraightPoint::new(inputs.map(Two::from), state)?)
             }
         })
     }
@@ -211,10 +211,10 @@ fn largest<T: Real>(deformation: [T; 3]) -> T {
 }
 
 /// The slopes of a state, rounded; `None` where one is not finite.
-fn slopes<T: Real>(state: &State<Slope<T>>) -> Option<State<T>> {
+fn slopes<S: Scalar, T: Real>(state: &State<Jet<S>>, round: impl Fn(S) -> T) -> Option<State<T>> {
     let mut finite = true;
     let slopes = State::combine([state], |[field]| {
-        let slope = field.slope.round();
+        let slope = round(field.slope);
         finite &= Scalar::is_finite(slope);
         slope
     });

@@ -1,4 +1,4 @@
-//! Derivatives of a bend.
+//! Derivatives of a bend, in plain arithmetic: it has no stiff fibers whose rounding would be magnified.
 
 use crate::bending::not_a_bend;
 use crate::jet::Jet;
@@ -6,18 +6,17 @@ use crate::real::{Real, epsilon, real};
 use crate::scalar::Scalar;
 use crate::section::Section;
 use crate::solution::{State, Target};
-use crate::two::Two;
 
 use super::inputs::{Inputs, Parameter};
-use super::{Change, Held, NoDerivative, Slope, slopes};
+use super::{Change, Held, NoDerivative, slopes};
 
 /// What the pressure may be off by, as a share of it or of what it changes with the bend.
 const MOST_OFF: f64 = 0.01;
 
 /// A bend in balance, `P lever + load moment = dU/dk`.
 pub(super) struct BentPoint<T: Real> {
-    inputs: Inputs<Two<T>>,
-    k: Two<T>,
+    inputs: Inputs<T>,
+    k: T,
     bend_angle_rad: T,
     /// Whether the derivatives at constant pressure are infinite.
     at_limit: bool,
@@ -32,19 +31,19 @@ fn balance<S: Scalar>(inputs: &Inputs<S>, k: S) -> (State<S>, S) {
 }
 
 impl<T: Real> BentPoint<T> {
-    pub(super) fn new(inputs: Inputs<Two<T>>, state: &State<T>) -> Result<Self, NoDerivative<T>> {
-        let k = Two::from(state.axial_strain);
-        let forwards = k >= Two::zero();
+    pub(super) fn new(inputs: Inputs<T>, state: &State<T>) -> Result<Self, NoDerivative<T>> {
+        let k = state.axial_strain;
+        let forwards = k >= T::zero();
         if !forwards {
             return Err(NoDerivative::NotAnEquilibrium);
         }
         let (balanced, slope) = balance(&inputs.map(Jet::fixed), Jet::variable(k));
         let error = (balanced.pressure_pa.value - inputs.pressure_pa).abs();
         let scale = inputs.pressure_pa.abs() + slope.value.abs() * k;
-        let rounding = Two::from(real::<T>(4.0) * epsilon::<T>());
+        let rounding = real::<T>(4.0) * epsilon::<T>();
         let noise = inputs.parameters.material.shear_modulus_pa() * rounding;
         // The negation also refuses a NaN.
-        let balanced_by_it = error <= Two::constant(MOST_OFF) * scale + noise;
+        let balanced_by_it = error <= real::<T>(MOST_OFF) * scale + noise;
         if !balanced_by_it {
             return Err(NoDerivative::NotAnEquilibrium);
         }
@@ -69,10 +68,10 @@ impl<T: Real> BentPoint<T> {
             }
             Held::Target(other) => return Err(NoDerivative::Invalid(not_a_bend(other))),
         };
-        let (changed, _): (State<Slope<T>>, _) = balance(&inputs, Jet::new(self.k, dk));
-        let state = slopes(&changed).ok_or(NoDerivative::AtLimit)?;
+        let (changed, _) = balance(&inputs, Jet::new(self.k, dk));
+        let state = slopes(&changed, |slope| slope).ok_or(NoDerivative::AtLimit)?;
         let state = match held {
-            Held::Pressure => State { pressure_pa: inputs.pressure_pa.slope.round(), ..state },
+            Held::Pressure => State { pressure_pa: inputs.pressure_pa.slope, ..state },
             Held::Target(_) => State { bend_angle_rad: T::zero(), ..state },
         };
         Ok(Change { state, deformation: [state.bend_angle_rad, T::zero(), T::zero()] })

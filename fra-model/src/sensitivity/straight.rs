@@ -228,7 +228,7 @@ impl<T: Real> StraightPoint<T> {
         }
         let at = along(&self.at, &by);
         let slope = Block { hessian: units.derivatives(&at).hessian, twists }.slope();
-        let state = slopes(&units.state(&at, slope)).ok_or(NoDerivative::AtLimit)?;
+        let state = slopes(&units.state(&at, slope), Two::round).ok_or(NoDerivative::AtLimit)?;
         Ok(Change { state, deformation: [by.x.round(), by.y.round(), by.z.round()] })
     }
 
