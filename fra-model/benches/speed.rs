@@ -116,13 +116,16 @@ fn main() {
     }
 }
 
-/// Inverse problems: the outer radius or the stretch that a pressure above has made.
+/// Inverse problems: what a pressure has done in the direction the winding is made for, the stretch below the neutral angle and the
+/// outer radius above it.
 fn inverses(name: &str, cases: &[Case], solved: &[Solution<f64>]) {
     let none = Load::none();
-    let target = |s: &State<f64>| {
-        if s.axial_strain > 0.0 { Target::AxialStretch(s.axial_stretch) } else { Target::OuterRadius(s.outer_radius_m) }
+    let target = |actuator: &Actuator<f64>, s: &State<f64>| {
+        let angle_rad = actuator.parameters().fiber.map_or(0.0, |fiber| fiber.angle_rad);
+        let lengthens = angle_rad < 0.5_f64.sqrt().atan();
+        if lengthens { Target::AxialStretch(s.axial_stretch) } else { Target::OuterRadius(s.outer_radius_m) }
     };
-    let pairs: Vec<_> = cases.iter().zip(solved).map(|(c, s)| (c.actuator, target(&s.state))).collect();
+    let pairs: Vec<_> = cases.iter().zip(solved).map(|(c, s)| (c.actuator, target(&c.actuator, &s.state))).collect();
     time(&format!("inverse_cold_{name}"), &pairs, |(actuator, target)| {
         black_box(actuator.inverse(black_box(*target), &none)).expect("finite");
     });

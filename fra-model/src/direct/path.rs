@@ -108,7 +108,9 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
                 stand = Stand { at, last: size, along: step.along, ..stand };
                 continue;
             }
-            self.is_near(&lin, &stand).then_some(())?;
+            if let Some(pressure) = stand.pressure {
+                self.is_near(&lin, pressure, stand.last).then_some(())?;
+            }
             let (second, contraction) = self.second(&lin, goal, &step);
             stand.along = step.along;
             stand = if contraction <= real(CONTRACTION) {
@@ -178,13 +180,12 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
         Some(Stand { at, pressure: Some(from + change), last: self.size(&first), ..stand })
     }
 
-    /// Whether the state is as near its equilibrium as the last step promised.
+    /// Whether the state is as near its equilibrium at a pressure as the last step promised.
     #[cold]
     #[inline(never)]
-    fn is_near(&self, lin: &Linearised<T, TWIST>, stand: &Stand<T>) -> bool {
-        let Some(pressure) = stand.pressure else { return true };
+    fn is_near(&self, lin: &Linearised<T, TWIST>, pressure: T, last: T) -> bool {
         let base = lin.solve(self.constants, self.rest(lin, pressure));
-        self.size(&base) <= stand.last * real(CORRECTION)
+        self.size(&base) <= last * real(CORRECTION)
     }
 
     #[inline(always)]
