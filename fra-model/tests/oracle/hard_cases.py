@@ -14,7 +14,8 @@ from decimal import Decimal as D, localcontext
 from multiprocessing import Pool
 
 import bend as section
-from equilibrium import FINE, ROUGH, Path, Tube, newton, solve
+from equilibrium import ROUGH, Tube, newton, solve
+from path import Path
 
 COLUMNS = (
     "group case scalar kind motion inner outer length material c1 c2 c3 placement families angle mu2 thickness winding "

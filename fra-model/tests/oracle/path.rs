@@ -161,7 +161,7 @@ impl<'a> Follower<'a> {
     }
 
     /// Follows the path from a stable point while `go_on`; the last point is the extremum where the path turns.
-    pub(crate) fn follow(&self, start: Point, go_on: impl Fn(&Point) -> bool) -> Path {
+    pub(crate) fn follow(&self, start: Point, go_on: &dyn Fn(&Point) -> bool) -> Path {
         let mut points = vec![start];
         let mut step = FIRST_STEP;
         while let Some(&here) = points.last() {
@@ -178,8 +178,8 @@ impl<'a> Follower<'a> {
                 continue;
             };
             if next.tangent[3] * here.tangent[3] <= 0.0 {
-                points.push(self.finely().refine(&here, step, |p| p.tangent[3] * here.tangent[3] > 0.0));
-                return Path { points, end: End::Fold };
+                let last = self.finely().refine(&here, step, |p| p.tangent[3] * here.tangent[3] > 0.0);
+                return self.ended(points, last, End::Fold, go_on);
             }
             if !next.stable {
                 // Two branches that almost cross: only a short step can tell them apart.
@@ -187,8 +187,8 @@ impl<'a> Follower<'a> {
                     step *= 0.25;
                     continue;
                 }
-                points.push(self.finely().refine(&here, step, |p| p.stable));
-                return Path { points, end: End::Crossing };
+                let last = self.finely().refine(&here, step, |p| p.stable);
+                return self.ended(points, last, End::Crossing, go_on);
             }
             points.push(next);
             step = (2.0 * step).min(LONGEST_STEP);
@@ -196,16 +196,36 @@ impl<'a> Follower<'a> {
         Path { points, end: End::Stuck }
     }
 
-    /// The last point that is `good` on the way from `from`, whose neighbour a `step` ahead is not.
-    fn refine(&self, from: &Point, step: f64, good: impl Fn(&Point) -> bool) -> Point {
-        let (mut last, mut step) = (*from, step);
-        while step > 1e-9 {
-            match self.next(&last, step, EXACTLY).filter(&good) {
-                Some(next) => last = next,
-                None => step *= 0.5,
+    /// The path up to `last`, or, where the fine quadrature does not confirm that it ends there, followed with that one.
+    fn ended(&self, mut points: Vec<Point>, last: Option<Point>, end: End, go_on: &dyn Fn(&Point) -> bool) -> Path {
+        let end = match (last, points.pop()) {
+            (Some(last), Some(before)) => {
+                points.extend([before, last]);
+                end
+            }
+            (None, Some(before)) if !std::ptr::eq(self.rule, self.fine) => {
+                let rest = self.finely().follow(before, go_on);
+                points.extend(rest.points);
+                rest.end
+            }
+            _ => End::Stuck,
+        };
+        Path { points, end }
+    }
+
+    /// The last point that is `good` on the way from `from`, whose neighbour a `step` ahead is not; `None` where none is bad.
+    fn refine(&self, from: &Point, step: f64, good: impl Fn(&Point) -> bool) -> Option<Point> {
+        let (mut last, mut length, mut gone) = (*from, step, 0.0);
+        while length > 1e-9 {
+            match self.next(&last, length, EXACTLY).filter(&good) {
+                Some(next) => (last, gone) = (next, gone + length),
+                None => length *= 0.5,
+            }
+            if gone > 3.0 * step {
+                return None;
             }
         }
-        last
+        Some(last)
     }
 
     /// The point a distance `step` along the tangent of `from`.
@@ -290,7 +310,11 @@ fn as_predicted(a: &Point, b: &Point) -> bool {
     let length = dot(&way, &a.tangent);
     let off: f64 = (0..3).map(|i| (way[i] - a.tangent[i] * length).powi(2)).sum();
     let predicted: f64 = (0..3).map(|i| (a.tangent[i] * length).powi(2)).sum();
-    off.sqrt() <= FARTHEST_OFF * predicted.sqrt() + 1e-10
+    // A parameter that does not rise as its slopes say may have an extremum in between.
+    let (from, to) = (a.tangent[3], unscaled(a, b)[3]);
+    let bulge = (way[3] - 0.5 * (from + to) * length).abs();
+    let gentle = from * to <= 0.0 || bulge <= FARTHEST_OFF * length * from.abs().min(to.abs()) + 1e-12;
+    gentle && off.sqrt() <= FARTHEST_OFF * predicted.sqrt() + 1e-10
 }
 
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {

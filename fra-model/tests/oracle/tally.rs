@@ -148,9 +148,11 @@ impl Tally {
 
 /// The verdict on an answer that cannot be looked at further.
 pub(crate) fn unusable<T: Scalar>(solution: &Solution<T>) -> Option<Verdict> {
+    let limit = solution.status == Status::NoSolution;
     let mut finite = solution.residual.exact().is_finite();
     State::combine([&solution.state], |[value]| {
-        finite &= value.exact().is_finite();
+        // At a limit point the compliance is infinite.
+        finite &= value.exact().is_finite() || (limit && !value.exact().is_nan());
         value
     });
     let unusable = (!finite).then_some(Verdict::NotFinite);
