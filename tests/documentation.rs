@@ -19,7 +19,14 @@ fn read(file: &str) -> String {
 
 #[test]
 fn files_and_tests_named_in_the_documentation_exist() {
-    for document in ["CONTRIBUTING.md", "docs/eval-batch.md", "docs/model.md", "docs/paper-map.md", "docs/speed.md"] {
+    for document in [
+        "CONTRIBUTING.md",
+        "docs/accuracy.md",
+        "docs/eval-batch.md",
+        "docs/model.md",
+        "docs/paper-map.md",
+        "docs/speed.md",
+    ] {
         let text = read(document);
         for (file, name) in citations::cited(&text) {
             assert!(root().join(file).is_file(), "{document} names {file}, which does not exist");

@@ -2,8 +2,9 @@
 //!
 //! The rooms, in the order a datum passes them: [`scene`] reads the file, [`design`] builds the limb, [`motion`] plans its
 //! setpoints, [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
-//! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`cli`] is the command line.
+//! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`bench`] measures it; [`cli`] is the command line.
 
+pub mod bench;
 pub mod cli;
 pub mod design;
 pub mod eval;

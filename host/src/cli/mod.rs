@@ -3,6 +3,7 @@
 //! Results go to standard output, talk to standard error. Exit codes: 0 done, 1 failed, 2 the command line is wrong,
 //! 3 done with warnings.
 
+mod bench;
 mod check;
 mod eval;
 mod failure;
@@ -42,6 +43,7 @@ enum Verb {
     Eval(eval::Eval),
     Run(run::Run),
     Report(report::Report),
+    Bench(bench::Bench),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -60,6 +62,7 @@ pub fn main() -> ExitCode {
         Verb::Eval(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
+        Verb::Bench(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

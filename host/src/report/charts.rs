@@ -129,8 +129,8 @@ fn over_time(log: &RunLog, title: String, label: &str, area: [f64; 2], series: V
     Chart {
         title,
         area,
-        x: Axis { label: "time, s".into(), range },
-        y: Axis { label: label.to_owned(), range: span(values) },
+        x: Axis { label: "time, s".into(), range, decades: false },
+        y: Axis { label: label.to_owned(), range: span(values), decades: false },
         series,
         bands: bands(log),
         marks: Vec::new(),

@@ -4,7 +4,7 @@
 //! is read or written, nothing is printed.
 
 mod charts;
-mod figure;
+pub(crate) mod figure;
 mod page;
 mod rows;
 mod stats;

@@ -59,6 +59,7 @@ fn view(
     let axis = |side: usize| Axis {
         label: format!("{}, mm", ["x", "y", "z"][axes[side]]),
         range: layout.filled(side, extents[side]),
+        decades: false,
     };
     let seen = |point: &[f64; 3]| axes.map(|axis| point[axis] * 1e3);
     let mut series = shape_series(shapes, seen);

@@ -1,4 +1,4 @@
-//! Line charts as SVG, made for the report: colors come from the page's style sheet,
+//! Charts as SVG, made for the report: colors come from the page's style sheet,
 //! so one drawing serves light, dark and paper; missing values are gaps; nothing that
 //! is not a finite number reaches the text.
 
@@ -6,11 +6,11 @@ mod scale;
 mod svg;
 mod thin;
 
-pub(super) use scale::span;
+pub(crate) use scale::span;
 
 /// Color of a line, resolved by the page's style sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Color {
+pub(crate) enum Color {
     /// As the text.
     Ink,
     /// For what stays in the background.
@@ -23,11 +23,13 @@ pub(super) enum Color {
     Third,
     /// Fourth of the distinguishable colors.
     Fourth,
+    /// Fifth of the distinguishable colors.
+    Fifth,
 }
 
 impl Color {
     /// The colors that tell lines apart, repeating.
-    pub(super) fn nth(index: usize) -> Self {
+    pub(crate) fn nth(index: usize) -> Self {
         [Self::First, Self::Second, Self::Third, Self::Fourth][index % 4]
     }
 
@@ -40,19 +42,24 @@ impl Color {
             Self::Second => "c2",
             Self::Third => "c3",
             Self::Fourth => "c4",
+            Self::Fifth => "c5",
         }
     }
 }
 
 /// Stroke of a line: a second sign beside the color.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stroke {
+pub(crate) enum Stroke {
     /// What was measured or happened.
     Solid,
     /// What was asked for.
     Dashed,
     /// What a model says.
     Dotted,
+    /// Marks without a line: filled ...
+    Dots,
+    /// ... and open.
+    Rings,
 }
 
 impl Stroke {
@@ -62,69 +69,73 @@ impl Stroke {
             Self::Solid => "solid",
             Self::Dashed => "dashed",
             Self::Dotted => "dotted",
+            Self::Dots => "dots",
+            Self::Rings => "rings",
         }
     }
 }
 
 /// One line of a chart.
 #[derive(Debug, Clone)]
-pub(super) struct Series {
+pub(crate) struct Series {
     /// Entry in the legend; none when empty.
-    pub(super) label: String,
+    pub(crate) label: String,
     /// Color.
-    pub(super) color: Color,
+    pub(crate) color: Color,
     /// Stroke.
-    pub(super) stroke: Stroke,
+    pub(crate) stroke: Stroke,
     /// Points in the units of the axes; a point that is not finite makes a gap.
-    pub(super) points: Vec<[f64; 2]>,
+    pub(crate) points: Vec<[f64; 2]>,
 }
 
 /// One axis.
 #[derive(Debug, Clone)]
-pub(super) struct Axis {
+pub(crate) struct Axis {
     /// Quantity and unit.
-    pub(super) label: String,
+    pub(crate) label: String,
     /// Ends, ascending.
-    pub(super) range: [f64; 2],
+    pub(crate) range: [f64; 2],
+    /// Whether the values are exponents of ten, and the ticks powers.
+    pub(crate) decades: bool,
 }
 
 /// A stretch of the horizontal axis that is set off and named.
 #[derive(Debug, Clone)]
-pub(super) struct Band {
+pub(crate) struct Band {
     /// Ends in the unit of the axis.
-    pub(super) range: [f64; 2],
+    pub(crate) range: [f64; 2],
     /// Name, shown above where it fits.
-    pub(super) label: String,
+    pub(crate) label: String,
     /// True for every second one.
-    pub(super) shaded: bool,
+    pub(crate) shaded: bool,
 }
 
 /// A word at a point.
 #[derive(Debug, Clone)]
-pub(super) struct Note {
+pub(crate) struct Note {
     /// The point, in the units of the axes.
-    pub(super) at: [f64; 2],
+    pub(crate) at: [f64; 2],
     /// The word.
-    pub(super) text: String,
+    pub(crate) text: String,
 }
 
 /// A chart. [`svg`](Chart::svg) draws it.
 #[derive(Debug, Clone)]
-pub(super) struct Chart {
+pub(crate) struct Chart {
     /// What the chart shows, as a heading and for screen readers.
-    pub(super) title: String,
+    pub(crate) title: String,
     /// Width and height of the area between the axes, px.
-    pub(super) area: [f64; 2],
+    pub(crate) area: [f64; 2],
     /// Horizontal axis.
-    pub(super) x: Axis,
+    pub(crate) x: Axis,
     /// Vertical axis.
-    pub(super) y: Axis,
+    pub(crate) y: Axis,
     /// Lines, the last on top.
-    pub(super) series: Vec<Series>,
+    pub(crate) series: Vec<Series>,
     /// Bands behind the lines.
-    pub(super) bands: Vec<Band>,
+    pub(crate) bands: Vec<Band>,
     /// Vertical marks across the chart, in the unit of the horizontal axis.
-    pub(super) marks: Vec<f64>,
+    pub(crate) marks: Vec<f64>,
     /// Words beside the lines.
-    pub(super) notes: Vec<Note>,
+    pub(crate) notes: Vec<Note>,
 }

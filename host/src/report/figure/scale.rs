@@ -2,7 +2,7 @@
 
 /// Smallest interval that holds all finite values, widened by a twentieth on both
 /// sides; an interval of some width also for one value or none.
-pub(in crate::report) fn span(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+pub(crate) fn span(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let [low, high] =
         finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
@@ -54,6 +54,21 @@ impl Scale {
             .map(|value| (value, label(value, decimals)))
             .collect()
     }
+
+    /// Ticks at whole exponents of ten, at least `spacing_px` apart, labelled as powers.
+    pub(super) fn decades(&self, spacing_px: f64) -> Vec<(f64, String)> {
+        let [low, high] = self.values;
+        let per_decade = (self.pixels[1] - self.pixels[0]).abs() / (high - low);
+        let step = (spacing_px / per_decade).ceil().max(1.0);
+        let (first, last) = ((low / step).ceil(), (high / step).floor());
+        if !(0.0..1e3).contains(&(last - first)) {
+            return Vec::new();
+        }
+        (0..=(last - first) as u32)
+            .map(|index| (first + f64::from(index)) * step + 0.0)
+            .map(|exponent| (exponent, format!("1e{exponent:.0}")))
+            .collect()
+    }
 }
 
 /// Smallest of 1, 2, 5 times a power of ten that is not below `rough`.
@@ -85,6 +100,17 @@ mod tests {
         assert_eq!(labels([-0.13, 0.31]), ["-0.1", "0.0", "0.1", "0.2", "0.3"]);
         assert_eq!(labels([0.98, 1.33]), ["1.0", "1.1", "1.2", "1.3"]);
         assert_eq!(labels([0.0, 10.0]), ["0", "2", "4", "6", "8", "10"]);
+    }
+
+    #[test]
+    fn decades_are_whole_and_far_enough_apart() {
+        let labels = |range, spacing| {
+            let ticks = Scale::new(range, [0.0, 100.0]).decades(spacing);
+            ticks.into_iter().map(|(_, label)| label).collect::<Vec<_>>()
+        };
+        assert_eq!(labels([-3.0, 1.0], 20.0), ["1e-3", "1e-2", "1e-1", "1e0", "1e1"]);
+        assert_eq!(labels([-3.5, 1.0], 40.0), ["1e-2", "1e0"]);
+        assert!(labels([-1e9, 1e9], 1e-9).is_empty());
     }
 
     #[test]

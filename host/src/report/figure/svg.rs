@@ -2,7 +2,7 @@
 
 use super::scale::Scale;
 use super::thin::thin;
-use super::{Axis, Band, Chart, Series};
+use super::{Axis, Band, Chart, Series, Stroke};
 use std::fmt::Write;
 
 /// Room left of the area for tick labels and the axis label, px.
@@ -21,7 +21,7 @@ const SAMPLE: f64 = 34.0;
 
 impl Chart {
     /// The chart as an `svg` element of its own width that a page can stretch.
-    pub(in crate::report) fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let legend = legend_rows(&self.series, self.area[0]);
         let named = self.bands.iter().any(|band| !band.label.is_empty());
         let top = ROW * (1.0 + legend.len() as f64 + f64::from(u8::from(named))) + 6.0;
@@ -104,7 +104,8 @@ impl Frame {
 
     fn draw_axes(&self, svg: &mut String, x: &Axis, y: &Axis) {
         let Self { left, right, top, bottom, .. } = *self;
-        for (value, label) in self.x.ticks(((right - left) / 8.0).clamp(48.0, 90.0)) {
+        let spacing = ((right - left) / 8.0).clamp(48.0, 90.0);
+        for (value, label) in if x.decades { self.x.decades(spacing) } else { self.x.ticks(spacing) } {
             let at = self.x.pixel(value);
             let _ = writeln!(
                 svg,
@@ -113,7 +114,7 @@ impl Frame {
                 bottom + 14.0
             );
         }
-        for (value, label) in self.y.ticks(38.0) {
+        for (value, label) in if y.decades { self.y.decades(30.0) } else { self.y.ticks(38.0) } {
             let at = self.y.pixel(value);
             let _ = writeln!(
                 svg,
@@ -143,6 +144,12 @@ impl Frame {
     }
 
     fn draw_series(&self, svg: &mut String, series: &Series) {
+        if matches!(series.stroke, Stroke::Dots | Stroke::Rings) {
+            for &point in series.points.iter().filter(|point| point.iter().all(|value| value.is_finite())) {
+                draw_dot(svg, series, self.pixel(point));
+            }
+            return;
+        }
         // What is not finite must stay so on the way: the scale clamps infinities.
         let pixels = series.points.iter().map(|&point| match point.iter().all(|value| value.is_finite()) {
             true => self.pixel(point),
@@ -162,6 +169,10 @@ impl Frame {
             let _ = writeln!(svg, "<path class=\"{}\" d=\"{path}\"/>", classes(series));
         }
     }
+}
+
+fn draw_dot(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
+    let _ = writeln!(svg, "<circle class=\"{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.2\"/>", classes(series));
 }
 
 fn classes(series: &Series) -> String {
@@ -191,11 +202,14 @@ fn draw_legend(svg: &mut String, rows: &[Vec<&Series>]) {
     for row in rows {
         let mut x = LEFT;
         for entry in row {
+            if matches!(entry.stroke, Stroke::Dots | Stroke::Rings) {
+                draw_dot(svg, entry, [x + 11.0, y - 3.5]);
+            } else {
+                let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22\"/>", classes(entry), y - 3.5);
+            }
             let _ = writeln!(
                 svg,
-                "<path class=\"{}\" d=\"M{x:.1} {:.1}h22\"/><text class=\"legend\" x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
-                classes(entry),
-                y - 3.5,
+                "<text class=\"legend\" x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
                 x + 27.0,
                 escape(&entry.label)
             );
