@@ -12,22 +12,20 @@ use crate::energy::{Derivatives, Wall};
 use crate::goal::Goal;
 use crate::scalar::{Scalar, dot, largest, magnitudes};
 
-/// Smallest step of the load relative to what is applied, and to all of it.
-const SMALLEST_SHARE: f64 = 1e-6;
-/// Most Newton iterations to settle at one volume.
-const SETTLE_ITERATIONS: u32 = 40;
+/// Most Newton iterations to settle at one volume, or under one load.
+pub(crate) const SETTLE_ITERATIONS: u32 = 40;
 /// Most steps to refine a root between two states.
 const REFINE_STEPS: u32 = 100;
 /// Newton's steps may grow this long: stiff fibers make narrow curved valleys.
 const ERRATIC_ITERATIONS: u32 = 8;
 /// Newton's steps may stop shrinking only below this many units in the last place.
-const STALL: f64 = 1e4;
+pub(crate) const STALL: f64 = 1e4;
 /// Where rounding hides the root in more than this share of the volume's change, there is no answer.
 const COARSEST: f64 = 1e-3;
-/// Where rounding may be more than this share of the pressure, and of its change with the volume, a step cannot be checked.
-const BLINDING: f64 = 0.03;
+/// Where the rounding of plain arithmetic may be more than this share of what a step changes, the step cannot be checked.
+pub(crate) const BLINDING: f64 = 0.03;
 /// Farther than any step.
-const FAR: f64 = 1e30;
+pub(crate) const FAR: f64 = 1e30;
 /// Longest step in `ln(1 + w)`.
 const LONGEST_STEP: f64 = 0.25;
 /// The branch is followed within these bounds of `1 + w` and of `P/mu1`.
@@ -107,63 +105,6 @@ pub(crate) struct Branch<'a, T> {
 }
 
 impl<T: Scalar> Branch<'_, T> {
-    /// The state at zero pressure under the external load, reached from the unloaded one by raising the load.
-    pub(crate) fn at_rest(&self, iterations: &mut u32) -> Found<T> {
-        let mut at = Vector3::repeat(T::zero());
-        let mut share = T::zero();
-        let mut step = T::one();
-        let unloaded = self.force == T::zero() && self.torque == T::zero();
-        while share < T::one() && !unloaded {
-            let next = (share + step).min(T::one());
-            match self.equilibrate(at, next, iterations) {
-                Some(state) => {
-                    (at, share) = (state, next);
-                    step *= T::constant(2.0);
-                }
-                None => step *= T::constant(0.25),
-            }
-            if step < T::constant(SMALLEST_SHARE) * share.max(T::constant(SMALLEST_SHARE)) {
-                return Found::Limit(self.point(at));
-            }
-        }
-        Found::Root(self.point(at))
-    }
-
-    /// Newton at zero pressure under a share of the load. Only short moves over stable states are accepted, and only where the first one
-    /// is a good prediction of where they lead: a fold of the path would have bent it away.
-    fn equilibrate(&self, start: Vector3<T>, share: T, iterations: &mut u32) -> Option<Vector3<T>> {
-        let mut at = start;
-        let (mut predicted, mut last) = (T::constant(FAR), T::constant(FAR));
-        for round in 0..SETTLE_ITERATIONS {
-            *iterations += 1;
-            let d = self.wall.derivatives(at.x, at.y, at.z);
-            let (force, torque) = (self.force * share, self.torque * share);
-            let (de, dg) = self.solve_loads(&d, force - d.gradient.x, torque - d.gradient.z)?;
-            let (e_w, g_w) = self.solve_loads(&d, -d.hessian[(0, 1)], -d.hessian[(2, 1)])?;
-            let (ew, gw) = (d.hessian[(0, 1)], d.hessian[(2, 1)]);
-            let slope = positive(d.hessian[(1, 1)] + ew * e_w + gw * g_w)?;
-            let dw = -(d.gradient.y + ew * de + gw * dg) / slope;
-            let move_by = Vector3::new(de + e_w * dw, dw, dg + g_w * dw);
-            at += move_by;
-            let (moved, size) = (largest(&(at - start)), largest(&move_by));
-            if !(move_by.x.is_finite() && move_by.y.is_finite() && move_by.z.is_finite()) || moved > T::constant(0.3) {
-                return None;
-            }
-            let noise = largest(&self.settling_noise(&d, at)?) + gradient_noise(&d, at).y / slope;
-            let rounding = size <= (T::constant(STALL) * T::rounding() * largest(&at)).max(noise);
-            if size <= T::epsilon() * largest(&at) || (size >= last * T::constant(0.5) && rounding) {
-                return Some(at);
-            }
-            if round == 0 {
-                predicted = size;
-            } else if size > predicted * T::constant(0.25) {
-                return None;
-            }
-            last = size;
-        }
-        None
-    }
-
     /// The state at `w`, settled from a guess of `(e, g)`; `None` when Newton fails or the state is not stable at fixed volume.
     fn settle(&self, guess: Vector3<T>, iterations: &mut u32) -> Option<Point<T>> {
         let mut at = guess;
@@ -196,7 +137,7 @@ impl<T: Scalar> Branch<'_, T> {
     }
 
     /// Solves the `(e, g)` block for two right sides; `None` unless it is positive definite.
-    fn solve_loads(&self, d: &Derivatives<T>, by_e: T, by_g: T) -> Option<(T, T)> {
+    pub(crate) fn solve_loads(&self, d: &Derivatives<T>, by_e: T, by_g: T) -> Option<(T, T)> {
         let (ee, eg, gg) = (d.hessian[(0, 0)], d.hessian[(0, 2)], d.hessian[(2, 2)]);
         let ee = positive(ee)?;
         if !self.twists {
@@ -225,7 +166,7 @@ impl<T: Scalar> Branch<'_, T> {
     }
 
     /// Error of `(e, g)` left by the rounding of the load equations.
-    fn settling_noise(&self, d: &Derivatives<T>, at: Vector3<T>) -> Option<Vector3<T>> {
+    pub(crate) fn settling_noise(&self, d: &Derivatives<T>, at: Vector3<T>) -> Option<Vector3<T>> {
         let noise = gradient_noise(d, at);
         let (by_force, by_torque) =
             (self.solve_loads(d, noise.x, T::zero())?, self.solve_loads(d, T::zero(), noise.z)?);
@@ -233,7 +174,7 @@ impl<T: Scalar> Branch<'_, T> {
     }
 
     /// A state known to be an equilibrium; falls back to a flat tangent where the block is singular.
-    fn point(&self, at: Vector3<T>) -> Point<T> {
+    pub(crate) fn point(&self, at: Vector3<T>) -> Point<T> {
         self.stable_point(at).unwrap_or_else(|| Point {
             at,
             tangent: Vector3::new(T::zero(), T::one(), T::zero()),
@@ -305,7 +246,7 @@ impl<T: Scalar> Branch<'_, T> {
             }
             last_wanted = size;
             let change = (here.slope * (T::one() + here.at.y)).max(here.pressure.abs());
-            if here.pressure_noise > T::constant(BLINDING) * change {
+            if is_plain::<T>() && here.pressure_noise > T::constant(BLINDING) * change {
                 return Found::Failed(here);
             }
             let mut dw = stride(&here, wanted, outwards, step);
@@ -441,7 +382,7 @@ fn stride<T: Scalar>(here: &Point<T>, wanted: T, outwards: bool, longest: T) -> 
 }
 
 /// What one rounding of each coordinate and of each term does to the gradient, with a margin.
-fn gradient_noise<T: Scalar>(d: &Derivatives<T>, at: Vector3<T>) -> Vector3<T> {
+pub(crate) fn gradient_noise<T: Scalar>(d: &Derivatives<T>, at: Vector3<T>) -> Vector3<T> {
     let reach = magnitudes(&at);
     let row = |axis: usize| dot(&magnitudes(&d.hessian.column(axis).into_owned()), &reach);
     (Vector3::new(row(0), row(1), row(2)) + d.magnitude) * (T::constant(8.0) * T::rounding())
@@ -452,8 +393,13 @@ fn is_tolerable<T: Scalar>(change: T, here: &Point<T>) -> bool {
     change.abs() <= T::constant(COARSEST) * here.at.y.abs()
 }
 
+/// Whether the arithmetic has no more digits than the answers. What rounding does to more digits is estimated far too high.
+pub(crate) fn is_plain<T: Scalar>() -> bool {
+    T::rounding() >= T::epsilon()
+}
+
 /// The number where it is positive; this refuses a NaN, too.
-fn positive<T: Scalar>(x: T) -> Option<T> {
+pub(crate) fn positive<T: Scalar>(x: T) -> Option<T> {
     (x > T::zero()).then_some(x)
 }
 

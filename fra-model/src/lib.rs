@@ -34,6 +34,7 @@ mod goal;
 mod held;
 mod jet;
 mod limb;
+mod load_path;
 mod parameters;
 mod quadrature;
 mod question;

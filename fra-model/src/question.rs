@@ -75,7 +75,12 @@ impl<T: Real> Question<T> {
         let refine = |point: &Point<T>, wanted| refined(wall, self.force, torque, wanted, point);
         match found {
             Found::Root(point) => refine(&point, Wanted::Goal(self.goal)).map(Found::Root),
-            Found::Limit(point) => refine(&point, Wanted::Volume).filter(is_limit).map(Found::Limit),
+            Found::Limit(point) => {
+                // Rounding may have hidden that the goal is just met before the limit.
+                let side = |point: &Point<T>| self.goal.measure(point).0 > T::zero();
+                let same_side = |refined: &Point<T>| is_limit(refined) && side(refined) == side(&point);
+                refine(&point, Wanted::Volume).filter(same_side).map(Found::Limit)
+            }
             Found::Unreached(_) | Found::Failed(_) => None,
         }
     }
