@@ -13,7 +13,7 @@ use crate::real::{Real, epsilon, real};
 use crate::solution::{Load, Solution, State, Status, Target};
 
 /// Newton iterations that no search of a whole branch needs.
-const WHOLE_BRANCH: u32 = 100_000;
+const WHOLE_BRANCH: u32 = 1_000_000;
 
 /// A straight tube, ready to solve.
 #[derive(Clone, Copy, Debug)]

@@ -40,13 +40,11 @@ fn sweep<T: Scalar>() -> Tally {
 }
 
 #[test]
-#[ignore = "two load paths with a fold are jumped over: actuators 7183 and 14628"]
 fn every_answer_in_double_precision_is_on_its_branch() {
     sweep::<f64>().check(f64::NAME);
 }
 
 #[test]
-#[ignore = "two load paths with a fold are jumped over, actuators 7183 and 14628; 18359 does not converge beyond its limit"]
 fn every_answer_in_single_precision_is_on_its_branch() {
     sweep::<f32>().check(f32::NAME);
 }
