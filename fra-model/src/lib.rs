@@ -59,6 +59,4 @@ pub use real::Real;
 pub use sensitivity::{NoDerivative, Parameter};
 pub use series::{InvalidSeries, Series, SeriesLimit, SeriesSolution, SeriesState, SeriesTarget};
 pub use solution::{Load, Solution, State, Status, Target};
-pub use table::{
-    Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable,
-};
+pub use table::{Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable};
