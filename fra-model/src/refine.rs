@@ -15,8 +15,8 @@ use crate::two::Two;
 
 /// Most corrections: the first usually does, near a limit point it takes several.
 const CORRECTIONS: u32 = 12;
-/// Rounding, in units in the last place and as estimated with a margin, that is left as it is.
-const TOLERATED: f64 = 48.0;
+/// Rounding, in units in the last place and as estimated (some hundred times too high as a rule), that is left as it is.
+const TOLERATED: f64 = 600.0;
 
 /// Which of the equilibria under a load is meant.
 #[derive(Clone, Copy, Debug)]
