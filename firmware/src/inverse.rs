@@ -75,7 +75,8 @@ impl Inverse {
             Some(volume) => self.take(volume, pressure_pa),
             None => {
                 let wanted_pa = pressure_pa.max(0.0);
-                self.keep(config.actuator.forward_from(&self.start(config), wanted_pa, &Load::none()));
+                let start = self.start(config);
+                self.keep(config.actuator.forward_near(&start, wanted_pa, &Load::none(), ITERATIONS_MAX));
             }
         }
     }
@@ -126,7 +127,7 @@ impl Inverse {
             }
             None => {
                 let within_pa = setpoint.clamp(0.0, highest_pa);
-                self.keep(config.actuator.forward_from(&start, within_pa, &Load::none()))?;
+                self.keep(config.actuator.forward_near(&start, within_pa, &Load::none(), ITERATIONS_MAX))?;
                 setpoint
             }
         };

@@ -21,6 +21,7 @@ pub fn forward_many<T: Real, V: Lanes<T>>(
     pressures_pa: &[T],
     solutions: &mut [Solution<T>],
 ) -> Result<(), InvalidParameter<T>> {
+    const { assert!(V::COUNT >= 1 && V::COUNT <= LANES, "one to eight lanes") };
     let count = actuators.len().min(pressures_pa.len()).min(solutions.len());
     let mut batch = Batch { token, actuators, pressures_pa, solutions };
     // Those that take several steps go together, so that the others need not wait for them.

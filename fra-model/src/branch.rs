@@ -81,6 +81,13 @@ pub(crate) enum Found<T> {
 }
 
 impl<T> Found<T> {
+    /// Where the search ended.
+    pub(crate) fn point(self) -> Point<T> {
+        match self {
+            Self::Root(point) | Self::Limit(point) | Self::Unreached(point) | Self::Failed(point) => point,
+        }
+    }
+
     pub(crate) fn map<U>(self, f: impl Fn(Point<T>) -> Point<U>) -> Found<U> {
         match self {
             Self::Root(point) => Found::Root(f(point)),
@@ -254,6 +261,9 @@ impl<T: Scalar> Branch<'_, T> {
                 if let Some(there) = self.step(&here, dw, iterations) {
                     break there;
                 }
+                if *iterations >= self.budget {
+                    return Found::Failed(here);
+                }
                 dw *= T::constant(0.5);
                 step = (dw / (T::one() + here.at.y)).abs();
                 if step < T::constant(64.0) * T::rounding() {
@@ -360,7 +370,9 @@ impl<T: Scalar> Branch<'_, T> {
             if value == T::zero() || (newton - nearest.at.y).abs() <= tolerance || !inside(w) || width <= tolerance {
                 return Found::Root(nearest);
             }
-            let Some(next) = self.advance_part(&nearest, w, iterations) else { return Found::Failed(nearest) };
+            let within = *iterations < self.budget;
+            let next = if within { self.advance_part(&nearest, w, iterations) } else { None };
+            let Some(next) = next else { return Found::Failed(nearest) };
             let next_value = measure(&next).0;
             if (next_value > T::zero()) == (low_value > T::zero()) {
                 (low, low_value) = (next, next_value);

@@ -12,6 +12,8 @@ use crate::two::Two;
 
 /// One evaluation with twice the digits costs about this many plain ones.
 const COST_OF_TWO: u32 = 16;
+/// Fewest evaluations with twice the digits that are worth a beginning.
+const LEAST_OF_TWO: u32 = 60;
 
 /// Largest `d ln P/d ln V` taken for that of a limit point.
 const SLOPE_OF_A_LIMIT: f64 = 1e-2;
@@ -58,21 +60,23 @@ impl<T: Real> Question<T> {
         if !wall.is_too_stiff_for_plain_arithmetic() {
             let plain = self.search(wall);
             spent = plain.iterations;
-            let settled = self.settled(wall, plain.found);
+            let settled = self.settled(wall, plain.found, &mut spent);
             if settled.is_some() || spent >= self.budget {
-                return Answer { found: settled.unwrap_or(plain.found), iterations: spent };
+                return Answer { found: settled.unwrap_or(Found::Failed(plain.found.point())), iterations: spent };
             }
         }
-        let budget = (self.budget - spent) / COST_OF_TWO;
+        let budget = ((self.budget - spent) / COST_OF_TWO).max(LEAST_OF_TWO);
         let exact = Question { budget, ..self.map(Two::from) }.search(&wall.of_two());
         let found = exact.found.map(|point| point.map(Two::round));
-        Answer { found: self.settled(wall, found).unwrap_or(found), iterations: spent + exact.iterations }
+        spent += exact.iterations;
+        let settled = self.settled(wall, found, &mut spent);
+        Answer { found: settled.unwrap_or(found), iterations: spent }
     }
 
     /// The outcome without the rounding of plain arithmetic; `None` where that leaves it in doubt.
-    fn settled(&self, wall: &Wall<T>, found: Found<T>) -> Option<Found<T>> {
+    fn settled(&self, wall: &Wall<T>, found: Found<T>, spent: &mut u32) -> Option<Found<T>> {
         let torque = self.twists.then_some(self.torque);
-        let refine = |point: &Point<T>, wanted| refined(wall, self.force, torque, wanted, point);
+        let mut refine = |point: &Point<T>, wanted| refined(wall, self.force, torque, wanted, point, spent);
         match found {
             Found::Root(point) => refine(&point, Wanted::Goal(self.goal)).map(Found::Root),
             Found::Limit(point) => {

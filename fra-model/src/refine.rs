@@ -15,7 +15,7 @@ use crate::two::Two;
 
 /// Most corrections: the first usually does, near a limit point it takes several.
 const CORRECTIONS: u32 = 12;
-/// Rounding, in units in the last place and as estimated (some hundred times too high as a rule), that is left as it is.
+/// Rounding, in units in the last place and as estimated from the magnitudes of all terms, that is left as it is.
 const TOLERATED: f64 = 600.0;
 
 /// Which of the equilibria under a load is meant.
@@ -35,6 +35,7 @@ pub(crate) fn refined<T: Real>(
     torque: Option<T>,
     wanted: Wanted<T>,
     point: &Point<T>,
+    iterations: &mut u32,
 ) -> Option<Point<T>> {
     if is_exact_enough(point) {
         return Some(*point);
@@ -43,6 +44,7 @@ pub(crate) fn refined<T: Real>(
     let mut at = point.at.map(Two::from);
     let mut last = T::max_value()?;
     for _ in 0..CORRECTIONS {
+        *iterations += 1;
         let local = Local::new(&wall.derivatives(at.x, at.y, at.z), force, torque)?;
         let correction = local.correction(&at, wanted);
         let size = correction.map(|c| c.round().abs()).amax();

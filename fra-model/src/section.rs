@@ -188,7 +188,7 @@ impl<T: Scalar> Section<T> {
         if k < T::constant(UNGRADED_UNTIL) {
             return self.fine.for_each(T::zero(), f);
         }
-        // Opposite the inextensible line the map folds beyond the outer face, where d(rho^2)/d(r^2) = 1 + k h vanishes: at r = 1 + 1/k.
+        // On the side of the inextensible line the map folds beyond the outer face, where d(rho^2)/d(r^2) = 1 + k h vanishes: at r = 1 + 1/k.
         let r = T::one() + T::one() / k;
         let fold = r * r - T::constant(2.0) * k * self.inward_shift(r, T::one());
         self.fine.for_each_towards_end(fold.ln(), f);

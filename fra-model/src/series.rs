@@ -215,7 +215,8 @@ impl<'a, T: Real> Series<'a, T> {
 
     /// The first gauge pressure, on raising it from zero, at which the series reaches a target, and the state there.
     ///
-    /// Vacuum is not looked at. The load is that of [`forward`](Self::forward).
+    /// Vacuum is not looked at. The load is that of [`forward`](Self::forward); a load that leaves no equilibrium without pressure, as one
+    /// that would bend a bending segment backwards, leaves none for the search to begin with: no solution.
     ///
     /// # Errors
     /// [`InvalidParameter`] when the target is out of its range or of a kind that no segment moves in, the load is not finite, or the

@@ -44,7 +44,17 @@ impl<T: Real> Tube<T> {
         let question = self.question(Goal::Pressure(pressure_pa / self.shear_modulus_pa), load);
         let warm = start.map(|start| self.solve(&self.from(start, question)));
         let warm = warm.filter(|warm| warm.status == Status::Solved);
-        let mut solution = warm.unwrap_or_else(|| self.solve(&question));
+        self.at_pressure(pressure_pa, warm.unwrap_or_else(|| self.solve(&question)))
+    }
+
+    /// The equilibrium at a gauge pressure next to an earlier state, with bounded work.
+    pub(crate) fn forward_near(&self, start: &State<T>, pressure_pa: T, load: &Load<T>, budget: u32) -> Solution<T> {
+        let question = self.question(Goal::Pressure(pressure_pa / self.shear_modulus_pa), load);
+        self.at_pressure(pressure_pa, self.solve(&self.from(start, Question { budget, ..question })))
+    }
+
+    /// A solution with exactly the pressure that was asked for.
+    fn at_pressure(&self, pressure_pa: T, mut solution: Solution<T>) -> Solution<T> {
         if solution.status == Status::Solved {
             let error = (solution.state.pressure_pa - pressure_pa).abs() / self.shear_modulus_pa;
             solution.residual = solution.residual.max(error);

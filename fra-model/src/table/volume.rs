@@ -30,12 +30,12 @@ impl<T: Real> VolumeTable<T> {
     /// The Chebyshev series with `coefficients`, m3, over gauge pressures from zero to `pressure_max_pa`, Pa.
     ///
     /// # Errors
-    /// [`InvalidParameter`] unless the pressure is finite and positive, there are 1 to 17 coefficients within 1 m3, and the volume at
+    /// [`InvalidParameter`] unless the pressure is finite and at least 1 Pa, there are 1 to 17 coefficients within 1 m3, and the volume at
     /// rest is positive.
     pub fn new(pressure_max_pa: T, coefficients: &[T]) -> Result<Self, InvalidParameter<T>> {
         let scale = T::one() / pressure_max_pa;
-        let ranged = pressure_max_pa.is_finite() && pressure_max_pa > T::zero() && scale.is_finite();
-        require(ranged, "pressure_max_pa", pressure_max_pa, "finite and > 0")?;
+        let ranged = pressure_max_pa.is_finite() && pressure_max_pa >= T::one();
+        require(ranged, "pressure_max_pa", pressure_max_pa, "finite and at least 1 Pa")?;
         let polynomial = Chebyshev::new(coefficients, real(LARGEST_M3))?;
         let rest_m3 = polynomial.at(T::zero());
         require(rest_m3 > T::zero(), "coefficients", rest_m3, "a positive volume at rest")?;

@@ -142,6 +142,9 @@ impl Tally {
         println!("not asked: {}", self.skipped);
         self.failures.iter().for_each(|failure| println!("{failure}"));
         let shown = self.failures.iter().take(20).map(String::as_str).collect::<Vec<_>>().join("\n");
+        let answered: usize = all.counts.iter().sum();
+        let asked = answered + self.skipped;
+        assert!(answered > 90_000 && self.skipped * 20 < asked, "only {answered} of {asked} questions were asked");
         assert!(self.failures.is_empty(), "{} answers in {scalar} fail:\n{shown}", self.failures.len());
     }
 }

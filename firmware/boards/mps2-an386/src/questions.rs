@@ -60,6 +60,9 @@ fn solvers(
         desk.put("forward, warm", name, || {
             black_box(actuator).forward_from(black_box(near), black_box(pressure_pa), &none)
         }),
+        desk.put("forward, warm, within a budget", name, || {
+            black_box(actuator).forward_near(black_box(near), black_box(pressure_pa), &none, BUDGET)
+        }),
         desk.put("inverse, cold", name, || black_box(actuator).inverse(black_box(target), &none)),
         desk.put("inverse, warm", name, || black_box(actuator).inverse_from(black_box(near), black_box(target), &none)),
         desk.put("inverse, warm, within a budget", name, || {

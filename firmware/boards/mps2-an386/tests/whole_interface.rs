@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+/// What only a processor with vector registers has a use for.
+const HOST_ONLY: [&str; 2] = ["forward_many", "atanh_series"];
+
 /// The text of all Rust files below a folder.
 fn source(folder: &Path) -> String {
     let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
@@ -38,7 +41,8 @@ fn every_public_function_of_the_model_is_in_the_image() {
     let (model, image) = (source(&here.join("../../../fra-model/src")), source(&here.join("src")));
     let functions = public_functions(&model);
     assert!(functions.len() > 30, "only {} functions were found", functions.len());
-    let missing: Vec<_> = functions.into_iter().filter(|name| !is_called(name, &image)).collect();
+    let unused = |name: &&str| !is_called(name, &image) && !HOST_ONLY.contains(name);
+    let missing: Vec<_> = functions.into_iter().filter(unused).collect();
     assert!(missing.is_empty(), "put a question for each of these into `src/`: {missing:?}");
 }
 
