@@ -1,7 +1,7 @@
 """Ratios of speed between the solvers of this workspace and the same equations solved in Python, measured side by side.
 
-    python3 -m venv /tmp/venv && /tmp/venv/bin/pip install numpy scipy
-    /tmp/venv/bin/python fra-model/benches/speed.py
+    python3 -m venv .venv && .venv/bin/pip install numpy scipy
+    .venv/bin/python fra-model/benches/speed.py
 
 Runs `cargo bench` of fra-model and softlimb on a sample of actuators, the solvers of `speed_baselines.py` on the same ones, compares the
 answers, and prints a table. Every time is the fastest of several runs; Python and Rust take turns. Nothing else should be running.

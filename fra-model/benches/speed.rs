@@ -39,22 +39,7 @@ fn parameters(columns: &[f64], families: Families) -> ActuatorParameters<f64> {
 }
 
 fn single(p: &ActuatorParameters<f64>) -> ActuatorParameters<f32> {
-    let fiber = p.fiber.expect("wound");
-    ActuatorParameters {
-        motion: p.motion,
-        inner_radius_m: p.inner_radius_m as f32,
-        outer_radius_m: p.outer_radius_m as f32,
-        length_m: p.length_m as f32,
-        material: Material::NeoHookean { shear_modulus_pa: p.material.shear_modulus_pa() as f32 },
-        fiber: Some(Fiber {
-            angle_rad: fiber.angle_rad as f32,
-            families: fiber.families,
-            modulus_pa: fiber.modulus_pa as f32,
-            placement: fiber.placement,
-            thickness_m: fiber.thickness_m as f32,
-            radius_m: fiber.radius_m as f32,
-        }),
-    }
+    p.map(|value| value as f32)
 }
 
 fn sample() -> Vec<Vec<f64>> {

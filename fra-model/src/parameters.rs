@@ -142,8 +142,8 @@ impl<T: Real> Material<T> {
 }
 
 impl<T: Copy> ActuatorParameters<T> {
-    /// The same parameters in another scalar.
-    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U) -> ActuatorParameters<U> {
+    /// The same parameters in another scalar, each value carried over by `f`. They are not checked again.
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> ActuatorParameters<U> {
         ActuatorParameters {
             motion: self.motion,
             inner_radius_m: f(self.inner_radius_m),

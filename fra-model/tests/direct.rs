@@ -214,26 +214,11 @@ fn single_precision_loses_only_what_the_problem_magnifies() {
     }
     errors.sort_by(f64::total_cmp);
     let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);
-    assert!(errors.len() > 3500 && median < 2e-7 && worst < 1e-4, "{} {median} {worst}", errors.len());
+    assert!(errors.len() > 3500 && median < 2e-7 && worst < 2e-5, "{} {median} {worst}", errors.len());
 }
 
 fn widened(p: &ActuatorParameters<f32>) -> ActuatorParameters<f64> {
-    let fiber = p.fiber.map(|f| Fiber {
-        angle_rad: f.angle_rad.into(),
-        families: f.families,
-        modulus_pa: f.modulus_pa.into(),
-        placement: f.placement,
-        thickness_m: f.thickness_m.into(),
-        radius_m: f.radius_m.into(),
-    });
-    ActuatorParameters {
-        motion: p.motion,
-        inner_radius_m: p.inner_radius_m.into(),
-        outer_radius_m: p.outer_radius_m.into(),
-        length_m: p.length_m.into(),
-        material: neo_hookean(p.material.shear_modulus_pa().into()),
-        fiber,
-    }
+    p.map(f64::from)
 }
 
 /// A float and nothing else: the plainest lanes.

@@ -57,26 +57,7 @@ pub(crate) fn solve_loaded(parameters: &ActuatorParameters<f64>, pressure_pa: f6
 
 /// The same actuator in single precision.
 pub(crate) fn single(p: &ActuatorParameters<f64>) -> ActuatorParameters<f32> {
-    ActuatorParameters {
-        motion: p.motion,
-        inner_radius_m: p.inner_radius_m as f32,
-        outer_radius_m: p.outer_radius_m as f32,
-        length_m: p.length_m as f32,
-        material: match p.material {
-            Material::NeoHookean { shear_modulus_pa } => {
-                Material::NeoHookean { shear_modulus_pa: shear_modulus_pa as f32 }
-            }
-            Material::Yeoh { c_pa } => Material::Yeoh { c_pa: c_pa.map(|c| c as f32) },
-        },
-        fiber: p.fiber.map(|f| Fiber {
-            angle_rad: f.angle_rad as f32,
-            families: f.families,
-            modulus_pa: f.modulus_pa as f32,
-            placement: f.placement,
-            thickness_m: f.thickness_m as f32,
-            radius_m: f.radius_m as f32,
-        }),
-    }
+    p.map(|value| value as f32)
 }
 
 pub(crate) fn relative(a: f64, b: f64) -> f64 {

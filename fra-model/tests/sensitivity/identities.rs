@@ -256,25 +256,10 @@ fn single_precision_has_its_digits() {
 }
 
 fn widened(p: &ActuatorParameters<f32>) -> ActuatorParameters<f64> {
-    ActuatorParameters {
-        motion: p.motion,
-        inner_radius_m: p.inner_radius_m.into(),
-        outer_radius_m: p.outer_radius_m.into(),
-        length_m: p.length_m.into(),
-        material: match p.material {
-            Material::NeoHookean { shear_modulus_pa } => {
-                Material::NeoHookean { shear_modulus_pa: shear_modulus_pa.into() }
-            }
-            Material::Yeoh { c_pa } => Material::Yeoh { c_pa: c_pa.map(f64::from) },
-        },
-        fiber: p.fiber.map(|fiber| Fiber {
-            // The single-precision quarter turn is a little more than one.
-            angle_rad: f64::from(fiber.angle_rad).clamp(-FRAC_PI_2, FRAC_PI_2),
-            families: fiber.families,
-            modulus_pa: fiber.modulus_pa.into(),
-            placement: fiber.placement,
-            thickness_m: fiber.thickness_m.into(),
-            radius_m: fiber.radius_m.into(),
-        }),
+    let mut wide = p.map(f64::from);
+    if let Some(fiber) = &mut wide.fiber {
+        // The single-precision quarter turn is a little more than one.
+        fiber.angle_rad = fiber.angle_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
     }
+    wide
 }

@@ -1,30 +1,11 @@
 //! The model's types in another precision.
 
-use fra_model::{ActuatorParameters, Fiber, InvalidParameter, Load, Material, Real, SeriesTarget, State, Target};
+use fra_model::{ActuatorParameters, InvalidParameter, Load, Real, SeriesTarget, State, Target};
 use nalgebra::{convert, try_convert};
 
 /// The parameters rounded to another scalar.
 pub(super) fn parameters<T: Real>(p: &ActuatorParameters<f64>) -> ActuatorParameters<T> {
-    ActuatorParameters {
-        motion: p.motion,
-        inner_radius_m: convert(p.inner_radius_m),
-        outer_radius_m: convert(p.outer_radius_m),
-        length_m: convert(p.length_m),
-        material: match p.material {
-            Material::NeoHookean { shear_modulus_pa } => {
-                Material::NeoHookean { shear_modulus_pa: convert(shear_modulus_pa) }
-            }
-            Material::Yeoh { c_pa } => Material::Yeoh { c_pa: c_pa.map(convert) },
-        },
-        fiber: p.fiber.map(|f| Fiber {
-            angle_rad: convert(f.angle_rad),
-            families: f.families,
-            modulus_pa: convert(f.modulus_pa),
-            placement: f.placement,
-            thickness_m: convert(f.thickness_m),
-            radius_m: convert(f.radius_m),
-        }),
-    }
+    p.map(convert)
 }
 
 pub(super) fn load<T: Real>(load: &Load<f64>) -> Load<T> {
