@@ -1,0 +1,71 @@
+//! Finite elements of the wall's half-plane: what the ends and the pitch of a thread do, which no uniform section knows.
+//!
+//! The wall is a body of revolution that may twist: unknowns are the change of the radius, the turn about the axis and the shift along
+//! it, as functions of radius and axial place, in nine-node rectangles with three discontinuous pressures each, exactly
+//! incompressible. `docs/validation.md` has the results; its mid-length rates are those of the thick-walled tube, which is one of the tests.
+
+mod band;
+mod body;
+mod element;
+mod end_length;
+mod mesh;
+mod shape;
+mod thread;
+mod wall;
+
+use fra_model::InvalidParameter;
+use thiserror::Error;
+
+pub use end_length::{EndLength, end_length};
+pub use thread::{Thread, ThreadSheet, thread_sheet};
+
+/// Why there is no calibration.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum MeridianError {
+    /// A parameter is out of its range.
+    #[error(transparent)]
+    Invalid(#[from] InvalidParameter<f64>),
+    /// The wall has no equilibrium at the pressure.
+    #[error("no equilibrium at {pressure_pa} Pa: the last one found is at {last_pa} Pa")]
+    NoEquilibrium {
+        /// The pressure asked for, gauge Pa.
+        pressure_pa: f64,
+        /// The last pressure with an equilibrium, gauge Pa.
+        last_pa: f64,
+    },
+    /// The wall hardly deforms in the motion asked about, so that a share of it says nothing.
+    #[error("the motion is too small to tell end effects from rounding: {motion} at {pressure_pa} Pa")]
+    NoMotion {
+        /// The strain or the twist rate times the inner radius, at mid-length.
+        motion: f64,
+        /// The pressure, gauge Pa.
+        pressure_pa: f64,
+    },
+}
+
+/// Requires a finite positive value.
+fn positive(field: &'static str, value: f64) -> Result<(), InvalidParameter<f64>> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(InvalidParameter { field, value, allowed: "finite and > 0" })
+    }
+}
+
+/// `count` equal parts between two places, both ends included.
+fn parts(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
+    (0..=count).map(move |k| from + (to - from) * k as f64 / count as f64)
+}
+
+/// Corners across a wall with a line at an edge, in parts not longer than the wall over `count`.
+fn across(outer: f64, edge: Option<f64>, count: usize) -> Vec<f64> {
+    let most = (outer - 1.0) / count as f64;
+    let mut corners = vec![1.0];
+    let edge = edge.filter(|edge| *edge > 1.0 + 1e-9 && *edge < outer - 1e-9);
+    for to in edge.into_iter().chain([outer]) {
+        let from = corners[corners.len() - 1];
+        let number = ((to - from) / most * (1.0 - 1e-12)).ceil().max(1.0) as usize;
+        corners.extend(parts(from, to, number).skip(1));
+    }
+    corners
+}
