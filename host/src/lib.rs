@@ -10,6 +10,7 @@ pub mod design;
 pub mod eval;
 pub mod link;
 pub mod many;
+mod marked;
 pub mod meridian;
 pub mod motion;
 pub mod record;

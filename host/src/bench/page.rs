@@ -3,27 +3,19 @@
 use std::fmt::Write;
 
 use super::report::{Report, Row, figure, significant};
+use crate::marked;
 
 /// The lines a page's tables stand between.
 pub const PLACE: [&str; 2] = ["<!-- written by softlimb bench accuracy -->", "<!-- end -->"];
 
 /// Whether a document has a place for the tables.
 pub fn has_place(document: &str) -> bool {
-    split(document).is_some()
+    marked::has_place(document, PLACE)
 }
 
 /// A document with its tables replaced by those of a report; `None` where it has no place for them.
 pub fn refreshed(document: &str, report: &Report) -> Option<String> {
-    let [begin, end] = PLACE;
-    let [before, after] = split(document)?;
-    Some(format!("{before}{begin}\n{}{end}{after}", page(report)))
-}
-
-/// What stands before and after the tables.
-fn split(document: &str) -> Option<[&str; 2]> {
-    let [begin, end] = PLACE;
-    let (before, rest) = document.split_once(begin)?;
-    Some([before, rest.split_once(end)?.1])
+    marked::replaced(document, PLACE, &page(report))
 }
 
 /// The tables of a report in Markdown, one for each problem and motion, both scalars side by side.

@@ -1,7 +1,7 @@
 //! Error against cost as a picture: one chart for each motion and problem, both axes in powers of ten.
 
 use super::report::{Report, Row};
-use crate::report::figure::{Axis, Chart, Color, Note, Series, Stroke};
+use crate::report::figure::{Axis, Chart, Color, Note, Series, Stroke, sheet};
 
 /// Area of one chart, px, and the room it takes with its frame.
 const AREA: [f64; 2] = [470.0, 300.0];
@@ -31,22 +31,15 @@ pub fn picture(report: &Report) -> String {
     let cost = |row: &Row| if counted { row.cost.counted().0 } else { row.cost.time };
     let label = if counted { "instructions of one answer" } else { "time of one answer over that of the baseline" };
     let ranges = [range(report.rows.iter().filter_map(cost)), range(report.rows.iter().map(error))];
-    let [width, height] = [2.0 * ROOM[0], 4.0 * ROOM[1] + 24.0];
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-         height=\"{height:.0}\">\n<style>{STYLE}</style>\n<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n\
-         <text class=\"legend\" x=\"62\" y=\"16\">{CAPTION}</text>\n"
-    );
-    for (row, motion) in ["extension", "expansion", "twisting", "bending"].into_iter().enumerate() {
-        for (column, problem) in ["forward", "inverse"].into_iter().enumerate() {
+    let rows = ["extension", "expansion", "twisting", "bending"].map(|motion| {
+        let of_motion = |problem| {
             let here = |line: &&Row| line.names[0] == problem && line.names[2] == motion;
             let lines: Vec<&Row> = report.rows.iter().filter(here).collect();
-            let chart = chart(format!("{motion}, {problem}"), &lines, &cost, label, ranges).svg();
-            let place = format!("<svg x=\"{}\" y=\"{}\" ", column as f64 * ROOM[0], row as f64 * ROOM[1] + 24.0);
-            svg.push_str(&chart.replacen("<svg ", &place, 1));
-        }
-    }
-    svg + "</svg>\n"
+            chart(format!("{motion}, {problem}"), &lines, &cost, label, ranges)
+        };
+        ["forward", "inverse"].map(of_motion).to_vec()
+    });
+    sheet(&rows, ROOM, CAPTION)
 }
 
 fn error(row: &Row) -> f64 {
@@ -161,30 +154,3 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 const CAPTION: &str = "Largest relative error over the set against the cost of one answer. Dots: double precision; rings: single. \
                        A mark is named by its nodes, degree, Newton steps or start.";
-
-const STYLE: &str = "
-:root { --page: #ffffff; --ink: #1b1f24; --soft: #59626d; --grid: #e6e9ed; --c1: #0072b2; --c2: #d55e00; --c3: #009e73; --c4: #aa4499;
-  --c5: #997700; }
-@media (prefers-color-scheme: dark) { :root { --page: #14171b; --ink: #e4e7eb; --soft: #a0a8b2; --grid: #2a2f36; --c1: #56b4e9;
-  --c2: #f0883e; --c3: #2ec79a; --c4: #d98cc6; --c5: #e0c04c; } }
-.page { fill: var(--page); }
-text { fill: var(--ink); font: 11.5px system-ui, sans-serif; }
-.title { font-size: 13px; font-weight: 600; }
-.label, .tick-x { text-anchor: middle; }
-.tick-y { text-anchor: end; }
-.tick-x, .tick-y { fill: var(--soft); }
-.note { font-size: 9.5px; paint-order: stroke; stroke: var(--page); stroke-width: 2.5px; }
-path { fill: none; }
-.axis { stroke: var(--soft); }
-.grid { stroke: var(--grid); }
-.line { stroke-width: 1.4; stroke-linejoin: round; stroke-linecap: round; }
-.dotted { stroke-dasharray: 1 4; }
-.ink { stroke: var(--ink); fill: var(--ink); }
-.faint { stroke: var(--soft); fill: var(--soft); }
-.c1 { stroke: var(--c1); fill: var(--c1); }
-.c2 { stroke: var(--c2); fill: var(--c2); }
-.c3 { stroke: var(--c3); fill: var(--c3); }
-.c4 { stroke: var(--c4); fill: var(--c4); }
-.c5 { stroke: var(--c5); fill: var(--c5); }
-path.line, .rings { fill: none; }
-";

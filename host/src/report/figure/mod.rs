@@ -3,10 +3,12 @@
 //! is not a finite number reaches the text.
 
 mod scale;
+mod sheet;
 mod svg;
 mod thin;
 
 pub(crate) use scale::span;
+pub(crate) use sheet::sheet;
 
 /// Color of a line, resolved by the page's style sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
