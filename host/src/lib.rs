@@ -17,5 +17,6 @@ pub mod record;
 pub mod report;
 pub mod run;
 pub mod scene;
+pub mod section;
 pub mod simulate;
 pub mod table;

@@ -1,0 +1,285 @@
+//! One column of elements from the lumen to the outer surface: its points, and its matrix.
+
+use super::build::{Build, Limit};
+use super::front::Front;
+use super::grid::Grid;
+use super::lumen::Lumen;
+use super::model::{Border, Form, State};
+use super::response::Elastomer;
+use super::shape::{GAUSS_2, GAUSS_3, Shape, quadratics};
+use super::spot::{Local, Spot, Sums, V3};
+
+/// What is computed once about a column.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    /// Directions of a node's displacements on the three lines: outwards, around, along.
+    pub(super) frames: [[V3; 3]; 3],
+    pub(super) spots: Vec<Spot>,
+    /// First of its spots among those of all columns.
+    pub(super) first_spot: usize,
+    /// Weights of the three lines in the mean over the surface in whose middle the axis is.
+    pub(super) mean: [f64; 3],
+}
+
+impl Column {
+    pub(super) fn new(build: &Build, grid: &Grid, column: usize, first_spot: usize) -> Self {
+        let angles: [f64; 3] = std::array::from_fn(|line| grid.angles[2 * column + line]);
+        let frames = angles.map(|angle| {
+            let (sin, cos) = angle.sin_cos();
+            [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]
+        });
+        let mut spots = Vec::new();
+        for element in 0..grid.rings() {
+            let fibers = build.winding.map(|(_, fibers)| fibers);
+            let filled = grid.filled_from.is_some_and(|from| element >= from);
+            let places = places(grid, &angles, element);
+            for ((xi, u), (eta, v)) in GAUSS_3.iter().flat_map(|a| GAUSS_3.iter().map(move |b| (*a, *b))) {
+                let mut spot = wall_spot(&places, element, xi, eta);
+                spot.weight *= u * v * grid.multiplicity();
+                spot.fibers = fibers.filter(|_| filled);
+                spots.push(spot);
+            }
+        }
+        if let (Some(node), Some((_, fibers))) = (grid.sheet, build.winding) {
+            spots.extend(surface_spots(grid, &angles, node, Some(fibers)));
+        }
+        spots.extend(limiting_spots(build, grid, &angles, column));
+        let length = (angles[2] - angles[0]) * grid.multiplicity();
+        Self { frames, spots, first_spot, mean: [length / 6.0, length * 4.0 / 6.0, length / 6.0] }
+    }
+
+    /// Places of the nodes of an element.
+    fn places(&self, grid: &Grid, form: &Form, column: usize, element: usize) -> [V3; 9] {
+        std::array::from_fn(|node| {
+            let at = form.node(grid, 2 * column + node / 3, 2 * element + node % 3);
+            let frame = &self.frames[node / 3];
+            std::array::from_fn(|axis| (0..grid.dofs()).map(|dof| at[dof] * frame[dof][axis]).sum())
+        })
+    }
+
+    /// Calls `f(element, local, spots)` for every element with its spots.
+    fn for_each_element(&self, grid: &Grid, column: usize, form: &Form, mut f: impl FnMut(usize, &Local)) {
+        for element in 0..grid.rings() {
+            let places = self.places(grid, form, column, element);
+            let pressure = form.pressures[column * grid.rings() + element];
+            let strain = &form.strain;
+            f(element, &Local { dofs: grid.dofs(), frames: &self.frames, places: &places, strain, pressure });
+        }
+    }
+
+    /// The tensions that the fibers' strains mean after a change, to first order in it.
+    pub(super) fn tensions_after(
+        &self,
+        grid: &Grid,
+        column: usize,
+        form: &Form,
+        times: f64,
+        change: &Form,
+    ) -> Vec<[f64; 2]> {
+        let mut tensions = vec![[0.0; 2]; self.spots.len()];
+        self.for_each_element(grid, column, form, |element, local| {
+            let moved = self.places(grid, change, column, element);
+            for (tension, spot) in tensions.iter_mut().zip(&self.spots) {
+                if let (true, Some(fibers)) = (spot.element == element, &spot.fibers) {
+                    let (strain, slope) =
+                        (local.fiber_strains(spot), local.fiber_strain_changes(spot, &moved, &change.strain));
+                    *tension =
+                        std::array::from_fn(|family| fibers.stiffness * (strain[family] + times * slope[family]));
+                }
+            }
+        });
+        tensions
+    }
+
+    /// Energy without the derivatives, and the enclosed volume.
+    pub(super) fn potential(&self, grid: &Grid, column: usize, form: &Form, elastomer: Elastomer) -> (f64, f64) {
+        let (mut energy, mut volume) = (0.0, 0.0);
+        self.for_each_element(grid, column, form, |element, local| {
+            energy += self.spots_of(element).map(|(_, spot)| local.energy(elastomer, spot)).sum::<f64>();
+            if element == 0 {
+                volume += grid.multiplicity() * Lumen::of(local).volume;
+            }
+        });
+        (energy, volume)
+    }
+
+    fn spots_of(&self, element: usize) -> impl Iterator<Item = (usize, &Spot)> {
+        self.spots.iter().enumerate().filter(move |(_, spot)| spot.element == element)
+    }
+
+    /// Puts the column's matrix and right-hand sides together, and adds up energy and volume.
+    pub(super) fn assemble(
+        &self,
+        grid: &Grid,
+        column: usize,
+        state: &State,
+        elastomer: Elastomer,
+        front: &mut Front,
+    ) -> (f64, f64) {
+        front.clear();
+        let border = Border::of(grid, self.border_start(grid));
+        let (mut energy, mut volume) = (0.0, 0.0);
+        self.for_each_element(grid, column, &state.form, |element, local| {
+            let mut sums = Sums::none();
+            for (index, spot) in self.spots_of(element) {
+                local.add(elastomer, spot, &state.tensions[self.first_spot + index], &mut sums);
+            }
+            energy += sums.energy;
+            let variables = self.variables(grid, element, &border);
+            if element == 0 {
+                volume += self.add_lumen(grid, local, state.pressure, &variables, &border, &mut sums, front);
+            }
+            let pressures: [usize; 3] = std::array::from_fn(|mode| self.pressure_start(grid) + 3 * element + mode);
+            scatter(&sums, &variables, &pressures, &border, front);
+        });
+        self.add_means(grid, &border, front);
+        (energy, volume)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn add_lumen(
+        &self,
+        grid: &Grid,
+        local: &Local,
+        pressure: f64,
+        variables: &[usize],
+        border: &Border,
+        sums: &mut Sums,
+        front: &mut Front,
+    ) -> f64 {
+        let lumen = Lumen::of(local);
+        let times = grid.multiplicity();
+        for (i, &variable) in variables.iter().enumerate() {
+            front.add(border.by_pressure, variable, times * lumen.gradient[i]);
+            sums.gradient[i] -= pressure * times * lumen.gradient[i];
+            for j in 0..=i {
+                sums.hessian[i][j] -= pressure * times * lumen.hessian[i][j];
+            }
+        }
+        times * lumen.volume
+    }
+
+    /// The means over the surface in whose middle the axis is, one row for each.
+    fn add_means(&self, grid: &Grid, border: &Border, front: &mut Front) {
+        for line in 0..3 {
+            for dof in 0..grid.dofs() {
+                let variable = self.node_start(grid, line) + grid.axis_surface * grid.dofs() + dof;
+                for (row, direction) in border.means(grid).iter().enumerate() {
+                    let along = direction.component(&self.frames[line], dof);
+                    front.add(border.gauge + row, variable, self.mean[line] * along);
+                }
+            }
+        }
+    }
+
+    /// First variable of a line of nodes: the middle one comes first, then the pressures, the left and the right line.
+    pub(super) fn node_start(&self, grid: &Grid, line: usize) -> usize {
+        let nodes = grid.radii.len() * grid.dofs();
+        let pressures = 3 * grid.rings();
+        [nodes + pressures, 0, 2 * nodes + pressures][line]
+    }
+
+    pub(super) fn pressure_start(&self, grid: &Grid) -> usize {
+        grid.radii.len() * grid.dofs()
+    }
+
+    pub(super) fn border_start(&self, grid: &Grid) -> usize {
+        3 * grid.radii.len() * grid.dofs() + 3 * grid.rings()
+    }
+
+    /// Where the displacements of an element and the strains are in the column.
+    fn variables(&self, grid: &Grid, element: usize, border: &Border) -> Vec<usize> {
+        let dofs = grid.dofs();
+        let of_node = |node: usize| self.node_start(grid, node / 3) + (2 * element + node % 3) * dofs;
+        let displacements = (0..9 * dofs).map(|local| of_node(local / dofs) + local % dofs);
+        displacements.chain((0..4).map(|strain| border.strain + strain)).collect()
+    }
+}
+
+/// Adds an element's sums to its column; the right-hand side is minus the gradient.
+fn scatter(sums: &Sums, variables: &[usize], pressures: &[usize; 3], border: &Border, front: &mut Front) {
+    for (i, &row) in variables.iter().enumerate() {
+        front.add(border.residual, row, -sums.gradient[i]);
+        for (j, &column) in variables[..=i].iter().enumerate() {
+            front.add(row, column, sums.hessian[i][j]);
+        }
+        for (mode, &pressure) in pressures.iter().enumerate() {
+            front.add(pressure, row, sums.coupling[i][mode]);
+        }
+    }
+    for (mode, &pressure) in pressures.iter().enumerate() {
+        front.add(border.residual, pressure, -sums.pressure_gradient[mode]);
+    }
+}
+
+/// Undeformed places of an element's nodes.
+fn places(grid: &Grid, angles: &[f64; 3], element: usize) -> [[f64; 2]; 9] {
+    std::array::from_fn(|node| {
+        let (sin, cos) = angles[node / 3].sin_cos();
+        let radius = grid.radii[2 * element + node % 3];
+        [radius * cos, radius * sin]
+    })
+}
+
+/// A point of the wall, its weight being the area per `d xi d eta`.
+fn wall_spot(places: &[[f64; 2]; 9], element: usize, xi: f64, eta: f64) -> Spot {
+    let Shape { n, slopes } = Shape::at(xi, eta);
+    let (mut x, mut by_xi, mut by_eta) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+    for node in 0..9 {
+        for axis in 0..2 {
+            x[axis] += n[node] * places[node][axis];
+            by_xi[axis] += slopes[node][0] * places[node][axis];
+            by_eta[axis] += slopes[node][1] * places[node][axis];
+        }
+    }
+    let area = by_xi[0] * by_eta[1] - by_xi[1] * by_eta[0];
+    let radius = x[0].hypot(x[1]);
+    let (outwards, around) = ([x[0] / radius, x[1] / radius], [-x[1] / radius, x[0] / radius]);
+    // Slopes by xi and eta times the inverse Jacobian, along a direction of the section.
+    let along = |slope: [f64; 2], direction: [f64; 2]| {
+        let xi = direction[0] * by_eta[1] - direction[1] * by_eta[0];
+        let eta = direction[1] * by_xi[0] - direction[0] * by_xi[1];
+        (slope[0] * xi + slope[1] * eta) / area
+    };
+    let slopes = slopes.map(|slope| [along(slope, outwards), along(slope, around)]);
+    Spot { element, weight: area, n, slopes, pressure: Some([1.0, xi, eta]), fibers: None }
+}
+
+/// Points on a surface of nodes. Two for each element: with three, a stiff fiber surface would be too stiff to curve.
+fn surface_spots(grid: &Grid, angles: &[f64; 3], node: usize, fibers: Option<super::build::Fibers>) -> Vec<Spot> {
+    let (element, offset) = if node == 0 { (0, 0) } else { ((node - 1) / 2, 2) };
+    let places = places(grid, angles, element);
+    let spot = |(eta, weight): (f64, f64)| {
+        let (values, derivatives) = quadratics(eta);
+        let (mut n, mut slopes, mut tangent) = ([0.0; 9], [[0.0; 2]; 9], [0.0; 2]);
+        for line in 0..3 {
+            let at = 3 * line + offset;
+            (n[at], slopes[at][1]) = (values[line], derivatives[line]);
+            tangent[0] += derivatives[line] * places[at][0];
+            tangent[1] += derivatives[line] * places[at][1];
+        }
+        let length = tangent[0].hypot(tangent[1]);
+        slopes.iter_mut().for_each(|slope| slope[1] /= length);
+        Spot { element, weight: weight * length * grid.multiplicity(), n, slopes, pressure: None, fibers }
+    };
+    GAUSS_2.into_iter().map(spot).collect()
+}
+
+/// The strain-limiting line or the strip's share of a column.
+fn limiting_spots(build: &Build, grid: &Grid, angles: &[f64; 3], column: usize) -> Vec<Spot> {
+    let outermost = grid.radii.len() - 1;
+    match build.limit {
+        Some(Limit::Line(fibers)) if column == 0 => {
+            let mut n = [0.0; 9];
+            n[2] = 1.0;
+            let (element, slopes) = (grid.rings() - 1, [[0.0; 2]; 9]);
+            vec![Spot { element, weight: 1.0, n, slopes, pressure: None, fibers: Some(fibers) }]
+        }
+        Some(Limit::Strip { fibers, .. }) => {
+            let last = grid.closed() && column + grid.strip_columns >= grid.columns();
+            let under = column < grid.strip_columns || last;
+            if under { surface_spots(grid, angles, outermost, Some(fibers)) } else { Vec::new() }
+        }
+        _ => Vec::new(),
+    }
+}

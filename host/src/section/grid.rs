@@ -1,0 +1,154 @@
+//! The mesh of a section: rings and columns of nine-node elements.
+
+use std::f64::consts::PI;
+
+use super::build::{Build, Limit, Part, Wound};
+
+/// Columns around a turn that the wedge is one of: the section of its edges departs from circles by less than 1e-9.
+const WEDGES: f64 = 256.0;
+
+/// Elements of the wedge for one of the other parts.
+const WEDGE_RINGS: usize = 2;
+
+/// Node positions of one mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    pub(super) part: Part,
+    /// Radii of the nodes outwards: two for each element and one more.
+    pub(super) radii: Vec<f64>,
+    /// Angles of the lines of nodes: two for each column and one more.
+    pub(super) angles: Vec<f64>,
+    /// Index of the nodes on the winding, if it is a sheet, and on the surface in whose middle the axis is.
+    pub(super) sheet: Option<usize>,
+    pub(super) axis_surface: usize,
+    /// First element of a winding that fills the wall from a radius.
+    pub(super) filled_from: Option<usize>,
+    /// Columns from either end that carry the strip.
+    pub(super) strip_columns: usize,
+}
+
+impl Grid {
+    /// The mesh of a number of elements through the wall and around half a turn, each cut into `refine` in both directions.
+    pub(super) fn new(build: &Build, part: Part, radial: usize, around: usize, refine: usize) -> Self {
+        let radial = if part == Part::Wedge { WEDGE_RINGS * radial } else { radial };
+        let inside = match build.winding {
+            Some((Wound::Sheet(radius) | Wound::From(radius), _)) if radius > 1.0 && radius < build.outer => {
+                Some(radius)
+            }
+            _ => None,
+        };
+        let (radii, split) = radii(build.outer, inside, radial, refine);
+        let last = radii.len() - 1;
+        let node_at = |radius: f64| {
+            if radius <= 1.0 {
+                0
+            } else if radius < build.outer {
+                2 * split
+            } else {
+                last
+            }
+        };
+        let (sheet, filled_from) = match build.winding {
+            Some((Wound::Sheet(radius), _)) => (Some(node_at(radius)), None),
+            Some((Wound::From(radius), _)) => (None, Some(node_at(radius) / 2)),
+            None => (None, None),
+        };
+        let axis_surface = node_at(build.axis_surface());
+        let (angles, strip_columns) = angles(build, part, around, refine);
+        Self { part, radii, angles, sheet, axis_surface, filled_from, strip_columns }
+    }
+
+    /// Elements through the wall.
+    pub(super) fn rings(&self) -> usize {
+        self.radii.len() / 2
+    }
+
+    /// Columns of elements.
+    pub(super) fn columns(&self) -> usize {
+        self.angles.len() / 2
+    }
+
+    /// Displacements of a node: two, or three where the section warps.
+    pub(super) fn dofs(&self) -> usize {
+        if self.part == Part::Ring { 3 } else { 2 }
+    }
+
+    /// Whether the last line of nodes is the first one again.
+    pub(super) fn closed(&self) -> bool {
+        self.part != Part::Half
+    }
+
+    /// Lines of nodes that are not the same.
+    pub(super) fn lines(&self) -> usize {
+        self.angles.len() - usize::from(self.closed())
+    }
+
+    /// How often the part fits into the section.
+    pub(super) fn multiplicity(&self) -> f64 {
+        match self.part {
+            Part::Wedge => WEDGES,
+            Part::Half => 2.0,
+            Part::Ring => 1.0,
+        }
+    }
+
+    /// Which of stretch, two bends and twist are free.
+    pub(super) fn free(&self) -> [bool; 4] {
+        match self.part {
+            Part::Wedge => [true, false, false, true],
+            Part::Half => [true, true, false, false],
+            Part::Ring => [true; 4],
+        }
+    }
+}
+
+/// Geometric steps, with a mesh line at `inside`; also how many elements lie within it.
+fn radii(outer: f64, inside: Option<f64>, elements: usize, refine: usize) -> (Vec<f64>, usize) {
+    let Some(middle) = inside else { return (steps(&[1.0, outer], &[refine * elements]), refine * elements) };
+    let share = middle.ln() / outer.ln();
+    let within = ((elements as f64 * share).round() as usize).clamp(1, elements.max(2) - 1);
+    let beyond = elements.saturating_sub(within).max(1);
+    (steps(&[1.0, middle, outer], &[refine * within, refine * beyond]), refine * within)
+}
+
+fn steps(ends: &[f64], elements: &[usize]) -> Vec<f64> {
+    let mut radii = vec![ends[0]];
+    for (zone, &count) in ends.windows(2).zip(elements) {
+        let ratio = zone[1] / zone[0];
+        for element in 1..=count {
+            let before = radii[radii.len() - 1];
+            let next = if element == count { zone[1] } else { zone[0] * ratio.powf(element as f64 / count as f64) };
+            radii.extend([0.5 * (before + next), next]);
+        }
+    }
+    radii
+}
+
+/// Angles of the lines and the columns under half of the strip.
+fn angles(build: &Build, part: Part, around: usize, refine: usize) -> (Vec<f64>, usize) {
+    if part == Part::Wedge {
+        let width = 2.0 * PI / WEDGES;
+        return (vec![0.0, 0.5 * width, width], 0);
+    }
+    let (ends, strip_columns) = half_turn(build, around, refine);
+    let mut lines = vec![0.0];
+    for pair in ends.windows(2) {
+        lines.extend([0.5 * (pair[0] + pair[1]), pair[1]]);
+    }
+    if part == Part::Ring {
+        let mirrored: Vec<f64> = lines.iter().rev().skip(1).map(|angle| 2.0 * PI - angle).collect();
+        lines.extend(mirrored);
+    }
+    (lines, strip_columns)
+}
+
+/// Ends of the columns on half a turn.
+fn half_turn(build: &Build, around: usize, refine: usize) -> (Vec<f64>, usize) {
+    let even = |from: f64, to: f64, n: usize| (0..n).map(move |i| from + (to - from) * i as f64 / n as f64);
+    let Some(Limit::Strip { half_angle, .. }) = build.limit else {
+        return (even(0.0, PI, refine * around).chain([PI]).collect(), 0);
+    };
+    let under = ((around as f64 * half_angle / PI).round() as usize).clamp(1, around - 1);
+    let (under, around) = (refine * under, refine * around);
+    (even(0.0, half_angle, under).chain(even(half_angle, PI, around - under)).chain([PI]).collect(), under)
+}
