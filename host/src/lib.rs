@@ -8,6 +8,7 @@ pub mod bench;
 pub mod cli;
 pub mod design;
 pub mod eval;
+pub mod fem;
 pub mod link;
 pub mod many;
 mod marked;

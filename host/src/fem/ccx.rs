@@ -1,0 +1,222 @@
+//! Starts CalculiX on a deck, watches it, and says in plain words how it ended.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use super::dat::{Progress, progress};
+use super::error::{at, require};
+use super::files::{Scratch, make_folder};
+use super::{Deck, FemError};
+
+/// How often the run is looked at.
+const PAUSE: Duration = Duration::from_millis(50);
+/// CalculiX's exit code for whatever it calls an error, divergence included.
+const STOPPED: i32 = 201;
+
+/// How CalculiX is run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Runner {
+    /// The program; a bare name is looked up in `PATH`.
+    pub ccx: PathBuf,
+    /// Seconds after which a run is ended; what had converged by then stands. 0.1 to 1e6.
+    pub timeout_s: f64,
+    /// Threads it may use, 1 to 64. Debian's package gains nothing from more than one.
+    pub threads: u32,
+    /// Where to keep deck and output; a temporary folder that goes away where there is none.
+    pub keep: Option<PathBuf>,
+}
+
+impl Default for Runner {
+    fn default() -> Self {
+        Self { ccx: PathBuf::from("ccx"), timeout_s: 1800.0, threads: 1, keep: None }
+    }
+}
+
+impl Runner {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`FemError::Invalid`].
+    pub fn check(&self) -> Result<(), FemError> {
+        let timeout = self.timeout_s;
+        require((0.1..=1e6).contains(&timeout), "timeout_s", timeout, "0.1 to 1e6")?;
+        require((1..=64).contains(&self.threads), "threads", f64::from(self.threads), "1 to 64")
+    }
+}
+
+/// How a run ended of which something can be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// At the end of the load.
+    Finished,
+    /// Before it: CalculiX gave up. What converged before stands.
+    Diverged {
+        /// Why, in plain words.
+        diagnosis: String,
+        /// Whether an iterate overstretched a fiber, which smaller increments cure.
+        overstretched: bool,
+    },
+    /// Before it: the time was up. What converged before stands.
+    TimedOut,
+}
+
+/// What a run leaves.
+pub(crate) struct Raw {
+    pub(crate) end: End,
+    /// The `.dat` file.
+    pub(crate) dat: String,
+    pub(crate) progress: Progress,
+    /// Seconds at which each step was seen to be done.
+    pub(crate) step_seconds: Vec<f64>,
+    pub(crate) seconds: f64,
+}
+
+/// A process that is ended when nobody waits for it any more.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // Either may fail when it has ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Runs a deck. `clock` tells seconds from any beginning; `watch` is told the progress.
+pub(crate) fn drive(
+    runner: &Runner,
+    deck: &Deck,
+    clock: &dyn Fn() -> f64,
+    watch: &mut dyn FnMut(Progress),
+) -> Result<Raw, FemError> {
+    runner.check()?;
+    let scratch = Scratch::new()?;
+    let folder = runner.keep.as_deref().unwrap_or(scratch.path());
+    make_folder(folder)?;
+    forget(folder, deck)?;
+    deck.write(folder)?;
+    let begin = clock();
+    let mut running = Running(start(runner, folder, deck.name())?);
+    let (mut step_seconds, mut timed_out) = (Vec::new(), false);
+    let status = loop {
+        let ended = running.0.try_wait().map_err(|source| FemError::Program { program: runner.ccx.clone(), source })?;
+        let seconds = clock() - begin;
+        let reached = progress(&text(&folder.join(format!("{}.sta", deck.name())))?);
+        while (step_seconds.len() as f64) < (reached.time + 1e-6).floor() {
+            step_seconds.push(seconds);
+        }
+        watch(reached);
+        match ended {
+            Some(status) => break Some(status),
+            None if seconds > runner.timeout_s => {
+                timed_out = true;
+                break None;
+            }
+            None => thread::sleep(PAUSE),
+        }
+    };
+    drop(running);
+    let seconds = clock() - begin;
+    let read = |kind: &str| text(&folder.join(format!("{}.{kind}", deck.name())));
+    let reached = progress(&read("sta")?);
+    let end = match status {
+        _ if timed_out => End::TimedOut,
+        Some(status) => end(status, &text(&folder.join(LOG))?, &reached)?,
+        None => End::TimedOut,
+    };
+    Ok(Raw { end, dat: read("dat")?, progress: reached, step_seconds, seconds })
+}
+
+/// What CalculiX prints goes here.
+const LOG: &str = "ccx.log";
+
+/// Removes what an earlier run left, which could be taken for this run's.
+fn forget(folder: &Path, deck: &Deck) -> Result<(), FemError> {
+    for kind in ["dat", "sta", "cvg", "frd"] {
+        let path = folder.join(format!("{}.{kind}", deck.name()));
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(at("write", &path)(error)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn start(runner: &Runner, folder: &Path, name: &str) -> Result<Child, FemError> {
+    let path = folder.join(LOG);
+    let log = File::create(&path).map_err(at("create", &path))?;
+    let errors = log.try_clone().map_err(at("create", &path))?;
+    let threads = runner.threads.to_string();
+    let mut command = Command::new(&runner.ccx);
+    command.args(["-i", name]).current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(errors);
+    command.env("OMP_NUM_THREADS", &threads).env("CCX_NPROC_STIFFNESS", &threads);
+    command.spawn().map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => FemError::Missing { program: runner.ccx.clone() },
+        _ => FemError::Program { program: runner.ccx.clone(), source },
+    })
+}
+
+/// The text of a file, empty where there is none. What is not text becomes signs that no number has.
+fn text(path: &Path) -> Result<String, FemError> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(String::new()),
+        Err(error) => Err(at("read", path)(error)),
+    }
+}
+
+/// How the run ended, by exit code and what was printed.
+fn end(status: ExitStatus, log: &str, reached: &Progress) -> Result<End, FemError> {
+    let Some(code) = status.code() else {
+        let reached = format!("{:.2} steps", reached.time);
+        return Err(FemError::Killed { signal: signal(status), reached });
+    };
+    let found = WORDS.iter().find(|(words, _)| log.contains(words));
+    let last = || log.lines().rev().find(|line| line.contains("*ERROR")).unwrap_or("no reason is given").trim();
+    let overstretched = log.contains(OVERSTRETCHED);
+    match (code, found) {
+        (0, None) => Ok(End::Finished),
+        // A full disk does not always show in the exit code.
+        (0, Some((words, diagnosis))) if *words == DISK_FULL => {
+            Err(FemError::Failed { code, diagnosis: (*diagnosis).to_owned() })
+        }
+        (0, Some(_)) => Ok(End::Finished),
+        (STOPPED, Some((words, diagnosis))) if *words != DISK_FULL => {
+            Ok(End::Diverged { diagnosis: (*diagnosis).to_owned(), overstretched })
+        }
+        (_, Some((_, diagnosis))) => Err(FemError::Failed { code, diagnosis: (*diagnosis).to_owned() }),
+        (STOPPED, None) if reached.increments > 0 => {
+            Ok(End::Diverged { diagnosis: format!("CalculiX gave up: {}", last()), overstretched })
+        }
+        (_, None) => Err(FemError::Failed { code, diagnosis: last().to_owned() }),
+    }
+}
+
+const DISK_FULL: &str = "No space left on device";
+const OVERSTRETCHED: &str = "fiber extension is too large";
+
+/// What CalculiX prints, and what it means; the first that is found counts.
+const WORDS: [(&str, &str); 5] = [
+    (DISK_FULL, "the disk is full: free some space, or set TMPDIR to a folder on another disk"),
+    (OVERSTRETCHED, "an iterate overstretched a fiber, where CalculiX stops without trying a smaller increment"),
+    (
+        "increment size smaller than minimum",
+        "no equilibrium was found however small the increment: a limit point or a buckle is near, or the mesh is too coarse",
+    ),
+    ("max. # of increments reached", "the increments allowed were used up: it crept, as it does near a limit point"),
+    ("nonpositive jacobian", "an element turned inside out: use smaller increments or a finer mesh"),
+];
+
+#[cfg(unix)]
+fn signal(status: ExitStatus) -> i32 {
+    std::os::unix::process::ExitStatusExt::signal(&status).unwrap_or(0)
+}
+
+#[cfg(not(unix))]
+fn signal(_: ExitStatus) -> i32 {
+    0
+}

@@ -1,0 +1,106 @@
+//! Why a deck was not written or a run gave nothing, in words for whoever asked.
+
+use std::io;
+use std::path::PathBuf;
+
+use fra_model::InvalidParameter;
+
+/// What can go wrong with a deck and its run. A point that did not converge is none of it: it has a status of its own.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FemError {
+    /// An option or a value derived from it is out of range.
+    #[error("{field} = {value} is not allowed: {allowed}")]
+    Invalid {
+        /// The option, as in [`Options`](super::Options), [`Subject`](super::Subject) or [`Runner`](super::Runner).
+        field: &'static str,
+        /// The value found.
+        value: f64,
+        /// What is accepted.
+        allowed: String,
+    },
+    /// The actuator's parameters are refused by the model.
+    #[error(transparent)]
+    Parameters(#[from] InvalidParameter<f64>),
+    /// A file or folder could not be used.
+    #[error("cannot {doing} {}: {}", path.display(), explained(source))]
+    File {
+        /// `read`, `write`, `create`.
+        doing: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// There is no such program.
+    #[error(
+        "CalculiX is not installed: there is no program `{}`. Debian, Ubuntu: apt-get install calculix-ccx. Elsewhere name it with \
+         --ccx PATH", program.display()
+    )]
+    Missing {
+        /// The program asked for.
+        program: PathBuf,
+    },
+    /// The program could not be started or waited for.
+    #[error("cannot run {}: {source}", program.display())]
+    Program {
+        /// The program.
+        program: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// A signal ended the run. Nothing it wrote is used.
+    #[error(
+        "CalculiX was killed by signal {signal} at {reached} of the load{}: nothing of this run is used",
+        if *signal == 9 { " (signal 9 is often the system running out of memory)" } else { "" }
+    )]
+    Killed {
+        /// The signal.
+        signal: i32,
+        /// The share of the load it had reached, in words.
+        reached: String,
+    },
+    /// The run ended in a way that is neither success nor divergence. Nothing it wrote is used.
+    #[error("CalculiX failed with exit code {code}: {diagnosis}")]
+    Failed {
+        /// Its exit code.
+        code: i32,
+        /// What its output says, in plain words.
+        diagnosis: String,
+    },
+    /// A file of the run is not what CalculiX writes, or ends in the middle.
+    #[error("{file}, line {line}: {what}: nothing of this run is used")]
+    Garbage {
+        /// Name of the file.
+        file: &'static str,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        what: String,
+    },
+}
+
+/// The operating system's words, with what to do where it is clear.
+fn explained(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            format!("{error}: free some space, or set TMPDIR to a folder on another disk")
+        }
+        _ => error.to_string(),
+    }
+}
+
+/// `Err` that names the field unless `accepted`.
+pub(super) fn require(
+    accepted: bool,
+    field: &'static str,
+    value: f64,
+    allowed: impl Into<String>,
+) -> Result<(), FemError> {
+    if accepted { Ok(()) } else { Err(FemError::Invalid { field, value, allowed: allowed.into() }) }
+}
+
+/// Turns an error of the operating system into one that names the file.
+pub(super) fn at<'a>(doing: &'static str, path: &'a std::path::Path) -> impl FnOnce(io::Error) -> FemError + 'a {
+    move |source| FemError::File { doing, path: path.to_owned(), source }
+}
