@@ -83,10 +83,12 @@ def table(times):
     rows = [
         ("fsolve and adaptive quadrature", "one forward solve", "fsolve", "forward_cold_two"),
         ("numpy, quadrature", "one forward solve", "numpy_quadrature", "forward_cold_two"),
+        ("numpy, quadrature", "one forward solve, actuators from memory", "numpy_quadrature", "forward_from_memory_two"),
         ("numpy, closed forms", "one forward solve", "numpy_closed", "forward_cold_two"),
         ("numpy, quadrature", "one build and forward solve", "numpy_quadrature", "build_and_forward_two"),
         ("numpy, quadrature", "batch of forward solves", "numpy_quadrature", "forward_batch_two"),
         ("numpy, closed forms", "batch of forward solves", "numpy_closed", "forward_batch_two"),
+        ("numpy, quadrature", "batch, not prepared", "numpy_quadrature", "forward_batch_as_they_come_two"),
         ("search along the branch", "one forward solve", "forward_search_two", "forward_cold_two"),
         ("one family, forward", "two families, forward", "forward_cold_one", "forward_cold_two"),
         ("one family, inverse", "two families, inverse", "inverse_cold_one", "inverse_cold_two"),

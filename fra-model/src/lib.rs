@@ -44,13 +44,14 @@ mod scalar;
 mod section;
 mod sensitivity;
 mod series;
+mod size;
 mod solution;
 mod table;
 mod tube;
 mod two;
 
 pub use actuator::Actuator;
-pub use batch::forward_many;
+pub use batch::{Prepared, forward_many};
 pub use direct::{Arithmetic, LANES, Lanes, atanh_series};
 pub use held::Held;
 pub use limb::{Link, Segment, tip_pose};

@@ -10,6 +10,7 @@ use crate::held::{Held, hold};
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::question::{Answer, Question, Way};
 use crate::real::{Real, epsilon, real};
+use crate::size::Size;
 use crate::solution::{Load, Solution, State, Status, Target};
 
 /// Newton iterations that no search of a whole branch needs.
@@ -25,22 +26,46 @@ pub(crate) struct Tube<T: Real> {
     outer_radius_m: T,
     length_m: T,
     shear_modulus_pa: T,
+    size: Size<T>,
 }
 
 impl<T: Real> Tube<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
+        let wall = Wall::new(parameters);
+        let (radius, length) = (parameters.inner_radius_m, parameters.length_m);
+        let size = Size {
+            inner_radius_m: radius,
+            outer_radius_m: parameters.outer_radius_m,
+            x_outer: wall.x_outer,
+            twist_rad: length / radius,
+            volume_m3: T::pi() * radius * radius * length,
+            per_shear_modulus: T::one() / parameters.material.shear_modulus_pa(),
+        };
         Self {
-            wall: Wall::new(parameters),
+            wall,
             direct: Direct::new(parameters),
             inner_radius_m: parameters.inner_radius_m,
             outer_radius_m: parameters.outer_radius_m,
             length_m: parameters.length_m,
             shear_modulus_pa: parameters.material.shear_modulus_pa(),
+            size,
         }
     }
 
     /// The equilibrium at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
+        let unloaded = load.force_n == T::zero() && load.torque_nm == T::zero();
+        if let (None, true, Some(direct)) = (start, unloaded, &self.direct)
+            && let Some(found) = direct.pressed(pressure_pa * self.size.per_shear_modulus)
+        {
+            return self.solved(&found, pressure_pa);
+        }
+        self.forward_in_general(start, pressure_pa, load)
+    }
+
+    /// The same where the way from rest without load does not lead.
+    #[inline(never)]
+    fn forward_in_general(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
         let question = self.question(Goal::Pressure(pressure_pa / self.shear_modulus_pa), load);
         let warm = start.map(|start| self.solve(&self.from(start, question)));
         let warm = warm.filter(|warm| warm.status == Status::Solved);
@@ -196,7 +221,7 @@ impl<T: Real> Tube<T> {
     /// Goes the direct way where that is certified, else asks the branch.
     fn solve(&self, question: &Question<T>) -> Solution<T> {
         if let Some(found) = self.direct.as_ref().and_then(|direct| direct.answer(question)) {
-            return self.solved(&found);
+            return self.solved(&found, found.pressure * self.shear_modulus_pa);
         }
         let Answer { found, iterations } = question.answer(&self.wall);
         let (status, point, limit) = match found {
@@ -209,34 +234,41 @@ impl<T: Real> Tube<T> {
         Solution { status, state, limit_pressure_pa: limit, residual: point.residual, iterations }
     }
 
-    /// The direct way, if it has one, and the pressure in its unit.
-    pub(crate) fn direct(&self) -> Option<(&Direct<T>, T)> {
-        self.direct.as_ref().map(|direct| (direct, self.shear_modulus_pa))
+    /// The direct way, if it has one.
+    pub(crate) fn direct(&self) -> Option<&Direct<T>> {
+        self.direct.as_ref()
     }
 
-    /// The answer of the direct way.
-    #[inline]
-    pub(crate) fn solved(&self, found: &Equilibrium<T>) -> Solution<T> {
-        let (one, volume) = (T::one(), self.rest_volume());
-        let (e, w, g) = (found.at.x, found.at.y, found.at.z);
-        let state = State {
-            pressure_pa: found.pressure * self.shear_modulus_pa,
-            axial_stretch: one + e,
+    /// What makes dimensions of strains.
+    pub(crate) fn size(&self) -> Size<T> {
+        self.size
+    }
+
+    /// The answer of the direct way, at a pressure.
+    #[inline(always)]
+    pub(crate) fn solved(&self, found: &Equilibrium<T>, pressure_pa: T) -> Solution<T> {
+        let Equilibrium { e, w, g, volume_rate, residual, evaluations, .. } = *found;
+        let state = self.stretched(e, w, g, volume_rate, pressure_pa);
+        Solution { status: Status::Solved, state, limit_pressure_pa: None, residual, iterations: evaluations }
+    }
+
+    /// The state at `(e, w, g)` with `dw/d(P/mu1)`.
+    #[inline(always)]
+    fn stretched(&self, e: T, w: T, g: T, volume_rate: T, pressure_pa: T) -> State<T> {
+        let [axial_stretch, inner_radius_m, outer_radius_m, twist_rad, volume_m3, compliance_m3_per_pa] =
+            self.size.of_state(e, w, g, volume_rate);
+        State {
+            pressure_pa,
+            axial_stretch,
             axial_strain: e,
-            inner_radius_m: self.inner_radius_m * found.radii.0,
-            outer_radius_m: self.outer_radius_m * found.radii.1,
-            twist_rad: g * self.length_m / self.inner_radius_m,
+            inner_radius_m,
+            outer_radius_m,
+            twist_rad,
             bend_angle_rad: T::zero(),
-            volume_m3: volume * (one + w),
+            volume_m3,
             volume_strain: w,
-            compliance_m3_per_pa: volume * found.volume_rate / self.shear_modulus_pa,
-        };
-        let (residual, iterations) = (found.residual, found.evaluations);
-        Solution { status: Status::Solved, state, limit_pressure_pa: None, residual, iterations }
-    }
-
-    fn rest_volume(&self) -> T {
-        T::pi() * self.inner_radius_m * self.inner_radius_m * self.length_m
+            compliance_m3_per_pa,
+        }
     }
 
     fn state(&self, point: &Point<T>) -> State<T> {
@@ -245,23 +277,7 @@ impl<T: Real> Tube<T> {
 
     /// The state at `(e, w, g)` with `P/mu1` and `d(P/mu1)/dw`.
     fn state_at(&self, at: &Vector3<T>, pressure: T, slope: T) -> State<T> {
-        let one = T::one();
-        let (e, w, g) = (at.x, at.y, at.z);
-        let lambda = one + e;
-        let x_outer = self.wall.x_outer;
-        let rest_volume = self.rest_volume();
-        State {
-            pressure_pa: pressure * self.shear_modulus_pa,
-            axial_stretch: lambda,
-            axial_strain: e,
-            inner_radius_m: self.inner_radius_m * ((one + w) / lambda).sqrt(),
-            outer_radius_m: self.outer_radius_m * ((x_outer + w) / (lambda * x_outer)).sqrt(),
-            twist_rad: g * self.length_m / self.inner_radius_m,
-            bend_angle_rad: T::zero(),
-            volume_m3: rest_volume * (one + w),
-            volume_strain: w,
-            compliance_m3_per_pa: rest_volume / (self.shear_modulus_pa * slope),
-        }
+        self.stretched(at.x, at.y, at.z, T::one() / slope, pressure * self.shear_modulus_pa)
     }
 
     fn coordinates(&self, state: &State<T>) -> Vector3<T> {

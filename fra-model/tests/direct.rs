@@ -104,7 +104,7 @@ fn forward_answers_are_those_of_the_search() {
                 // Close below a limit point rounding is magnified by the compliance.
                 assert!(difference(&a.state, &b.state) < 1e-9, "{}", name());
                 let compliance = relative(a.state.compliance_m3_per_pa, b.state.compliance_m3_per_pa);
-                assert!(compliance < 1e-6, "{compliance} {}", name());
+                assert!(compliance < 1e-8, "{compliance} {}", name());
                 solved += 1.0;
                 direct += f64::from(u8::from(is_direct(&a, &b)));
             }
@@ -190,6 +190,46 @@ fn the_direct_way_ends_before_a_limit_point() {
                 assert!(below.state.volume_strain < beyond.state.volume_strain);
             }
         }
+    }
+}
+
+/// The states differ by rounding alone, which the condition number magnifies; the compliance by little more.
+#[test]
+fn answers_differ_from_those_of_the_search_by_rounding() {
+    for families in [Families::Two, Families::One] {
+        let mut random = Random(6);
+        let mut compared = 0;
+        for _ in 0..400 {
+            let case = case(&mut random, families, false);
+            let a = case.direct.forward(case.pressure_pa, &case.load).unwrap();
+            let b = case.search.forward(case.pressure_pa, &case.load).unwrap();
+            if b.status != Status::Solved || !is_direct(&a, &b) {
+                continue;
+            }
+            let name = || format!("{:?} {}\n{a:?}\n{b:?}", case.direct.parameters(), case.pressure_pa);
+            let condition = case.direct.condition(&b.state, &case.load).unwrap();
+            let off = difference(&a.state, &b.state);
+            assert!(off <= 4.0 * f64::EPSILON * condition, "{off} {condition} {}", name());
+            let slope = relative(a.state.compliance_m3_per_pa, b.state.compliance_m3_per_pa);
+            assert!(slope <= 1e-9 + 10.0 * f64::EPSILON * condition, "{slope} {condition} {}", name());
+            compare_in_single_precision(&case, condition);
+            compared += 1;
+        }
+        assert!(compared > 250, "{compared}");
+    }
+}
+
+/// In single precision the search itself is off for stiff fibers: the same numbers in double precision are the reference.
+fn compare_in_single_precision(case: &Case, condition: f64) {
+    let narrow = single(case.direct.parameters());
+    let pressure = case.pressure_pa as f32;
+    let (Ok(one), Ok(wide)) = (Actuator::new(&narrow), Actuator::new(&widened(&narrow))) else { return };
+    let a = one.forward(pressure, &Load::none()).unwrap();
+    let b = wide.by_search().forward(pressure.into(), &Load::none()).unwrap();
+    if a.status == Status::Solved && b.status == Status::Solved {
+        let slope = relative(a.state.compliance_m3_per_pa.into(), b.state.compliance_m3_per_pa);
+        let rounding = f64::from(f32::EPSILON) * condition;
+        assert!(slope <= 1e-5 + 10.0 * rounding, "{slope} {condition} {narrow:?}\n{a:?}\n{b:?}");
     }
 }
 
@@ -294,5 +334,11 @@ fn many_at_once_are_answered_as_one_by_one() {
             assert!(a.status != Status::Solved || off < 1e-9, "{off} {:?}\n{a:?}\n{b:?}", case.direct.parameters());
         }
         assert!(forward_many(Single(0.0), &actuators[..1], &[f64::NAN], &mut solutions).is_err());
+        // Few of those that are solved need the search.
+        let direct = solutions.iter().zip(&cases).filter(|(a, case)| {
+            let b = case.search.forward(case.pressure_pa, &Load::none()).unwrap();
+            a.status == Status::Solved && is_direct(a, &b)
+        });
+        assert!(direct.count() > 4000);
     }
 }

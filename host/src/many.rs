@@ -4,7 +4,7 @@ use std::num::NonZero;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::thread;
 
-use fra_model::{Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Solution, atanh_series, forward_many};
+use fra_model::{Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Prepared, Solution, atanh_series, forward_many};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Fewest actuators that are worth a thread.
@@ -12,7 +12,8 @@ const SHARE: usize = 2048;
 
 /// The equilibria of actuators, each at its own gauge pressure, Pa, without external load, written to `solutions`.
 ///
-/// The answers are those of [`Actuator::forward`] of each, up to rounding.
+/// The answers are those of [`Actuator::forward`] of each, up to rounding. For several pressures of the same actuators, [`Many`] is
+/// faster.
 ///
 /// # Panics
 /// When the slices differ in length.
@@ -24,33 +25,86 @@ pub fn forward(
     pressures_pa: &[f64],
     solutions: &mut [Solution<f64>],
 ) -> Result<(), InvalidParameter<f64>> {
-    assert_eq!((actuators.len(), actuators.len()), (pressures_pa.len(), solutions.len()), "one of each per actuator");
-    let threads = thread::available_parallelism().map_or(1, NonZero::get).min(actuators.len() / SHARE).max(1);
-    if threads == 1 {
-        return Batch { actuators, pressures_pa, solutions }.run();
-    }
-    let share = actuators.len().div_ceil(threads).next_multiple_of(LANES);
-    let parts = actuators.chunks(share).zip(pressures_pa.chunks(share)).zip(solutions.chunks_mut(share));
-    thread::scope(|scope| {
-        let running: Vec<_> = parts
-            .map(|((actuators, pressures_pa), solutions)| {
-                scope.spawn(move || Batch { actuators, pressures_pa, solutions }.run())
-            })
-            .collect();
-        running.into_iter().try_for_each(|part| part.join().expect("the solver does not panic"))
+    in_shares(LANES, actuators, pressures_pa, solutions, |_, actuators, pressures_pa, solutions| {
+        Arch::new().dispatch(Batch { prepared: None, actuators, pressures_pa, solutions })
     })
 }
 
+/// Actuators laid out to be solved side by side at any number of pressures.
+#[derive(Debug)]
+pub struct Many<'a> {
+    actuators: &'a [Actuator<f64>],
+    lanes: usize,
+    groups: Vec<Prepared<f64>>,
+}
+
+impl<'a> Many<'a> {
+    /// Lays the actuators out for the vector units that are there.
+    pub fn new(actuators: &'a [Actuator<f64>]) -> Self {
+        let lanes = Arch::new().dispatch(Width);
+        Self { actuators, lanes, groups: actuators.chunks(lanes).map(Prepared::new).collect() }
+    }
+
+    /// [`forward`] of the actuators.
+    ///
+    /// # Panics
+    /// When there are not as many pressures or solutions as actuators.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] when a pressure is not finite.
+    pub fn forward(&self, pressures_pa: &[f64], solutions: &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>> {
+        in_shares(self.lanes, self.actuators, pressures_pa, solutions, |from, actuators, pressures_pa, solutions| {
+            let groups = from / self.lanes..(from + actuators.len()).div_ceil(self.lanes);
+            Arch::new().dispatch(Batch { prepared: Some(&self.groups[groups]), actuators, pressures_pa, solutions })
+        })
+    }
+}
+
+/// Runs `solve` on shares of the slices, which begin at multiples of `group`, one per processor where they are worth it; it is told
+/// where its share begins.
+fn in_shares(
+    group: usize,
+    actuators: &[Actuator<f64>],
+    pressures_pa: &[f64],
+    solutions: &mut [Solution<f64>],
+    solve: impl Fn(usize, &[Actuator<f64>], &[f64], &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>> + Sync,
+) -> Result<(), InvalidParameter<f64>> {
+    assert_eq!((actuators.len(), actuators.len()), (pressures_pa.len(), solutions.len()), "one of each per actuator");
+    let threads = thread::available_parallelism().map_or(1, NonZero::get).min(actuators.len() / SHARE).max(1);
+    let share = actuators.len().div_ceil(threads).next_multiple_of(group).max(group);
+    let mut parts =
+        actuators.chunks(share).zip(pressures_pa.chunks(share)).zip(solutions.chunks_mut(share)).enumerate();
+    let Some((_, ((own, own_pressures), own_solutions))) = parts.next() else { return Ok(()) };
+    let solve = &solve;
+    thread::scope(|scope| {
+        let others: Vec<_> = parts
+            .map(|(i, ((actuators, pressures_pa), solutions))| {
+                scope.spawn(move || solve(i * share, actuators, pressures_pa, solutions))
+            })
+            .collect();
+        let own = solve(0, own, own_pressures, own_solutions);
+        others.into_iter().fold(own, |all, part| all.and(part.join().expect("the solver does not panic")))
+    })
+}
+
+/// The lanes of the widest vectors there are.
+struct Width;
+
+impl WithSimd for Width {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        S::F64_LANES.clamp(1, LANES)
+    }
+}
+
 struct Batch<'a> {
+    /// The actuators in groups of as many as there are lanes, where they are laid out already.
+    prepared: Option<&'a [Prepared<f64>]>,
     actuators: &'a [Actuator<f64>],
     pressures_pa: &'a [f64],
     solutions: &'a mut [Solution<f64>],
-}
-
-impl Batch<'_> {
-    fn run(self) -> Result<(), InvalidParameter<f64>> {
-        Arch::new().dispatch(self)
-    }
 }
 
 impl WithSimd for Batch<'_> {
@@ -58,7 +112,15 @@ impl WithSimd for Batch<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        forward_many(Vector::of(simd, 0.0), self.actuators, self.pressures_pa, self.solutions)
+        let Self { prepared, actuators, pressures_pa, solutions } = self;
+        let token = Vector::of(simd, 0.0);
+        let Some(prepared) = prepared else { return forward_many(token, actuators, pressures_pa, solutions) };
+        let lanes = S::F64_LANES.clamp(1, LANES);
+        let groups = actuators.chunks(lanes).zip(pressures_pa.chunks(lanes)).zip(solutions.chunks_mut(lanes));
+        for (group, ((actuators, pressures_pa), solutions)) in prepared.iter().zip(groups) {
+            group.forward(token, actuators, pressures_pa, solutions)?;
+        }
+        Ok(())
     }
 }
 
@@ -123,6 +185,11 @@ impl<S: Simd> Arithmetic for Vector<S> {
     }
 
     #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Self { simd: self.simd, values: self.simd.mul_add_e_f64s(a.values, b.values, self.values) }
+    }
+
+    #[inline(always)]
     fn magnitude(self) -> Self {
         let other = -self;
         Self { simd: self.simd, values: self.simd.max_f64s(self.values, other.values) }
@@ -171,6 +238,21 @@ mod tests {
         .expect("valid")
     }
 
+    fn assert_equal(many: &[Solution<f64>], one_by_one: &[Solution<f64>]) {
+        for (a, b) in many.iter().zip(one_by_one) {
+            assert_eq!((a.status, a.state.pressure_pa), (b.status, b.state.pressure_pa));
+            let pairs = [
+                (a.state.volume_strain, b.state.volume_strain),
+                (a.state.outer_radius_m, b.state.outer_radius_m),
+                (a.state.twist_rad, b.state.twist_rad),
+                (a.state.compliance_m3_per_pa, b.state.compliance_m3_per_pa),
+            ];
+            for (x, y) in pairs {
+                assert!(a.status != Status::Solved || (x - y).abs() <= 1e-9 * y.abs(), "{a:?} {b:?}");
+            }
+        }
+    }
+
     #[test]
     fn a_batch_is_answered_as_one_by_one() {
         let actuators: Vec<_> = (0..5000).map(actuator).collect();
@@ -182,10 +264,11 @@ mod tests {
             .collect();
         let mut solutions = vec![one_by_one[0]; 5000];
         forward(&actuators, &pressures_pa, &mut solutions).expect("finite");
-        for (a, b) in solutions.iter().zip(&one_by_one) {
-            assert_eq!((a.status, a.state.pressure_pa), (b.status, b.state.pressure_pa));
-            let off = (a.state.volume_strain - b.state.volume_strain).abs();
-            assert!(a.status != Status::Solved || off <= 1e-10 * b.state.volume_strain.abs(), "{a:?} {b:?}");
+        assert_equal(&solutions, &one_by_one);
+        for count in [5000, 4097, 1, 0] {
+            let mut solutions = vec![one_by_one[0]; count];
+            Many::new(&actuators[..count]).forward(&pressures_pa[..count], &mut solutions).expect("finite");
+            assert_equal(&solutions, &one_by_one[..count]);
         }
     }
 

@@ -22,6 +22,12 @@ pub trait Arithmetic:
     /// The square root.
     fn root(self) -> Self;
 
+    /// `self + a b`, rounded once where that is not slower.
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+
     /// The smaller one; either where one is not a number.
     fn least(self, other: Self) -> Self;
 }
@@ -38,10 +44,9 @@ const SHORT_REACH: f64 = 0.0297;
 pub fn atanh_series<S: Arithmetic>(s2: S) -> S {
     let s4 = s2 * s2;
     let s8 = s4 * s4;
-    let c = pair(s2, 17.0, 19.0) + s4 * pair(s2, 21.0, 23.0);
-    let low = pair(s2, 1.0, 3.0) + s4 * pair(s2, 5.0, 7.0);
-    let middle = pair(s2, 9.0, 11.0) + s4 * pair(s2, 13.0, 15.0);
-    low + s8 * (middle + s8 * (c + s8 * pair(s2, 25.0, 24.882_62)))
+    let four = |a, b, c, d| pair(s2, a, b).plus_product(s4, pair(s2, c, d));
+    let last = four(17.0, 19.0, 21.0, 23.0).plus_product(s8, pair(s2, 25.0, 24.882_62));
+    four(1.0, 3.0, 5.0, 7.0).plus_product(s8, four(9.0, 11.0, 13.0, 15.0).plus_product(s8, last))
 }
 
 /// The same up to 0.0297.
@@ -63,7 +68,7 @@ fn atanh_series_single<S: Arithmetic>(s2: S) -> S {
 /// `1/a + s2/b`.
 #[inline(always)]
 fn pair<S: Arithmetic>(s2: S, a: f64, b: f64) -> S {
-    s2.of(1.0 / a) + s2 * s2.of(1.0 / b)
+    s2.of(1.0 / a).plus_product(s2, s2.of(1.0 / b))
 }
 
 impl<T: Real> Arithmetic for T {

@@ -76,12 +76,15 @@ impl<S: Arithmetic> Unknowns<S> {
         }
     }
 
-    /// Radii over their undeformed values: `sqrt((X + w)/(X lambda))` inside and outside.
+    /// `self + other factor`.
     #[inline(always)]
-    pub(crate) fn radii(&self, x_outer: S) -> (S, S) {
-        let one = self.e.of(1.0);
-        let lambda = one + self.e;
-        (((one + self.w) / lambda).root(), ((x_outer + self.w) / (lambda * x_outer)).root())
+    pub(crate) fn plus_times(self, other: &Self, factor: S) -> Self {
+        Self {
+            e: self.e.plus_product(other.e, factor),
+            w: self.w.plus_product(other.w, factor),
+            g: self.g.plus_product(other.g, factor),
+            tension: self.tension.plus_product(other.tension, factor),
+        }
     }
 
     /// `self factor`.
@@ -121,6 +124,17 @@ impl<S: Arithmetic> Norm<S> {
     }
 }
 
+/// The adjugate of the matrix of `e`, `w` and the tension, whose last row is `scale` times the last column.
+#[derive(Clone, Copy, Debug)]
+struct Adjugate<S> {
+    ee: S,
+    ew: S,
+    ww: S,
+    eh: S,
+    wh: S,
+    hh: S,
+}
+
 /// The left sides of the equations at a state, and their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Linearised<S, const TWIST: bool> {
@@ -140,7 +154,9 @@ pub(crate) struct Linearised<S, const TWIST: bool> {
     spread: S,
     // Sheet.
     p: S,
+    p_w: S,
     hoop: S,
+    hoop2: S,
     h: Unknowns<S>,
     // `u_xx + T h_xx` without and with the twist eliminated.
     a_ee: S,
@@ -152,8 +168,8 @@ pub(crate) struct Linearised<S, const TWIST: bool> {
     h_e: S,
     h_w: S,
     compliance: S,
-    adjugate_h: (S, S),
-    determinant: S,
+    /// The adjugate matrix, and the inverse of the determinant.
+    adjugate: Adjugate<S>,
     inverse: S,
     /// Positive where the state is stable under pressure and dead load.
     pub(crate) stability: S,
@@ -211,12 +227,14 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
         let h_w = hoop2 * p_w;
 
         // Second derivatives.
-        let a_ee = il2 * il * m + c.d + tension * (two * (hoop2 * p * il2 + c.sin2));
-        let a_ew = -(half * il2 * m_w + tension * h_w * il);
-        let a_ww = half * il * m_ww;
         let zero = k(0.0);
+        let left = Unknowns { e: u_e + tension * h_e, w: u_w + tension * h_w, g: zero, tension: h };
+        let a_ee = il2 * il * m + c.d + tension * (two * (c.sin2 - hoop2 * p_e * il));
+        // All of the pressure is inverse to lambda.
+        let a_ew = -(left.w * il);
+        let a_ww = half * il * m_ww;
         let mut sum = Self {
-            left: Unknowns { e: u_e + tension * h_e, w: u_w + tension * h_w, g: zero, tension: h },
+            left,
             at,
             il,
             s2,
@@ -228,7 +246,9 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
             io,
             spread,
             p,
+            p_w,
             hoop,
+            hoop2,
             h: Unknowns { e: h_e, w: h_w, g: zero, tension: zero },
             a_ee,
             a_ew,
@@ -239,8 +259,7 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
             h_e,
             h_w,
             compliance: c.compliance,
-            adjugate_h: (zero, zero),
-            determinant: zero,
+            adjugate: Adjugate { ee: zero, ew: zero, ww: zero, eh: zero, wh: zero, hh: zero },
             inverse: zero,
             stability: zero,
         };
@@ -271,12 +290,20 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
     fn factor(mut self, scale: S, stability_gg: S) -> Self {
         let one = scale.of(1.0);
         let Self { a_ee, a_ew, a_ww, h_e, h_w, compliance, .. } = self;
-        let adjugate_h = (a_ww * h_e - a_ew * h_w, a_ee * h_w - a_ew * h_e);
-        self.determinant = a_ee * a_ww - a_ew * a_ew;
-        let bordered = compliance * self.determinant + scale * (h_e * adjugate_h.0 + h_w * adjugate_h.1);
-        self.adjugate_h = adjugate_h;
+        let (eh, wh) = (a_ww * h_e - a_ew * h_w, a_ee * h_w - a_ew * h_e);
+        let determinant = a_ee * a_ww - a_ew * a_ew;
+        let (sh_e, sh_w) = (scale * h_e, scale * h_w);
+        let bordered = compliance * determinant + (sh_e * eh + sh_w * wh);
+        self.adjugate = Adjugate {
+            ee: compliance * a_ww + sh_w * h_w,
+            ew: -(compliance * a_ew + sh_e * h_w),
+            ww: compliance * a_ee + sh_e * h_e,
+            eh,
+            wh,
+            hh: -determinant,
+        };
         self.inverse = one / bordered;
-        self.stability = stability_gg.least(bordered).least(compliance * a_ee + scale * h_e * h_e);
+        self.stability = stability_gg.least(bordered).least(self.adjugate.ww);
         self
     }
 
@@ -290,13 +317,10 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
             w = w - self.a_wg * i;
             tension = tension - c.scale * self.h.g * i;
         }
-        let (adj_e, adj_w) = (self.a_ww * e - self.a_ew * w, self.a_ee * w - self.a_ew * e);
-        let across = c.scale * (self.h_e * w - self.h_w * e);
-        let (ah_e, ah_w) = self.adjugate_h;
-        let (i, soft) = (self.inverse, self.compliance);
-        let de = (soft * adj_e - self.h_w * across + ah_e * tension) * i;
-        let dw = (soft * adj_w + self.h_e * across + ah_w * tension) * i;
-        let dt = (c.scale * (ah_e * e + ah_w * w) - tension * self.determinant) * i;
+        let (a, i) = (&self.adjugate, self.inverse);
+        let de = (a.ee * e).plus_product(a.ew, w).plus_product(a.eh, tension) * i;
+        let dw = (a.ew * e).plus_product(a.ww, w).plus_product(a.wh, tension) * i;
+        let dt = (a.hh * tension).plus_product(c.scale, (a.eh * e).plus_product(a.wh, w)) * i;
         let mut dg = rest.g.of(0.0);
         if TWIST {
             dg = (rest.g - self.a_eg * de - self.a_wg * dw - self.h.g * dt) * self.inverse_gg;
@@ -307,56 +331,64 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
     /// Half the second derivative of the left sides along a direction, negated: what a step in that direction leaves over.
     #[inline(always)]
     pub(crate) fn curvature(&self, c: &Constants<S>, d: Unknowns<S>) -> Rest<S> {
+        let bend = self.bend(c, d);
+        Rest { tension: c.scale * bend.tension, ..bend }
+    }
+
+    /// The same with the fourth equation divided by `scale`: the equations are then derivatives of one function.
+    #[inline(always)]
+    fn bend(&self, c: &Constants<S>, d: Unknowns<S>) -> Rest<S> {
         let k = |value: f64| d.e.of(value);
-        let (half, two) = (k(0.5), k(2.0));
-        let Self { il, p, hoop, m_w, .. } = *self;
+        let (half, two, four) = (k(0.5), k(2.0), k(4.0));
+        let Self { il, ii, io, p, p_w, m_w, m_ww, .. } = *self;
+        let tension = self.at.tension;
         // r = d ln lambda makes every power of 1/lambda a factor.
         let r = d.e * il;
-        let (dw2, p_w) = (d.w * d.w, il * c.per_x_fiber);
 
-        let (mut dm, mut ddm) = (m_w * d.w, self.m_ww * dw2);
-        let (ii, io) = (self.ii, self.io);
+        // The elastomer: M and its derivative by w, to first and second order.
         let m_www = -(self.log_w * ((ii + io) * self.spread + ii * ii + c.x_outer * io * io));
-        let (mut dm_w, mut ddm_w) = (self.m_ww * d.w, m_www * dw2);
-        let hoop2 = hoop * hoop;
-        let p_e = -(p * il);
-        let p1 = p_w * d.w + p_e * d.e;
-        let p2 = -(two * r * p1);
-        let dp_e = -(il * (p1 + p_e * d.e));
-        let ddp_e = two * il * r * (two * p1 - p * r);
-        let dp_w = -(p_w * r);
-        let (mut h_e1, mut h_w1) = (hoop2 * dp_e + two * c.sin2 * d.e, hoop2 * dp_w);
-        let (mut h_e2, mut h_w2) = (hoop2 * ddp_e, -(two * hoop2 * dp_w * r));
-        let mut h2 = hoop2 * p2 + two * c.sin2 * d.e * d.e;
+        let (mut dm, mut dm_w, mut ddm_w) = (m_w * d.w, m_ww * d.w, m_www * d.w * d.w);
+        let mut ddm = dm_w * d.w;
+
+        // The sheet: p to first order, and how its share in the axial force changes.
+        let (stretch, shrink) = (p_w * d.w, p * r);
+        let dp = stretch - shrink;
+        let dp_e = -(il * (dp - shrink));
+        let tightened = tension * r;
+        let slack = tightened - d.tension;
+        let mut sheet_e = self.hoop2 * (il * tightened * dp - slack * dp_e) + two * c.sin2 * d.e * d.tension;
+        let mut sheet_w = self.h.w * r * slack;
+        let mut sheet_h = c.sin2 * d.e * d.e - self.hoop2 * r * dp;
         let mut twist = k(0.0);
         if TWIST {
             let (g, dg) = (self.at.g, d.g);
-            let (q, dg2) = (c.d * (half * (c.x_outer + k(1.0)) + self.at.w), dg * dg);
-            let gdg = g * dg;
+            let (q, gdg) = (c.d * (half * (c.x_outer + k(1.0)) + self.at.w), g * dg);
+            let dg2 = dg * dg;
+            let widened = two * c.d * gdg;
             dm = dm + two * gdg * q;
-            ddm = ddm + two * q * dg2 + k(4.0) * c.d * gdg * d.w;
-            dm_w = dm_w + two * c.d * gdg;
+            ddm = ddm + two * (q * dg2 + widened * d.w);
+            dm_w = dm_w + widened;
             ddm_w = ddm_w + two * c.d * dg2;
-            let (k1, k2) = (two * hoop * c.sin_rho, two * c.sin_rho * c.sin_rho);
-            let (k1dg, k2dg) = (k1 * dg, k2 * dg);
-            h2 = h2 + two * p1 * k1dg + p * k2dg * dg;
-            h_e1 = h_e1 + k1dg * p_e;
-            h_w1 = h_w1 + k1dg * p_w;
-            h_e2 = h_e2 + k2dg * dg * p_e + two * k1dg * dp_e;
-            h_w2 = h_w2 + k2dg * dg * p_w + two * k1dg * dp_w;
-            let (h_g1, h_g2) = (p1 * k1 + p * k2dg, p2 * k1 + two * p1 * k2dg);
+            // The square of the hoop to first order, and half of its second.
+            let turn = two * c.sin_rho;
+            let (wound, rewound) = (turn * self.hoop * dg, c.sin_rho * c.sin_rho * dg2);
+            let pull = tension * rewound + d.tension * wound;
+            sheet_e = sheet_e + tension * wound * dp_e - p * il * pull;
+            sheet_w = sheet_w + p_w * (pull - tightened * wound);
+            sheet_h = sheet_h + dp * wound + p * rewound;
+            let hoop_rate = turn * self.hoop;
+            let (h_g1, h_g2) =
+                (dp * hoop_rate + p * turn * c.sin_rho * dg, dp * (turn * c.sin_rho * dg - r * hoop_rate));
             let gq1 = q * dg + g * c.d * d.w;
-            let elastomer = two * il * (c.d * d.w * dg - r * (gq1 - g * q * r));
-            twist = -(half * (elastomer + self.at.tension * h_g2) + d.tension * h_g1);
+            let elastomer = il * (c.d * d.w * dg - r * (gq1 - g * q * r));
+            twist = -(elastomer + tension * h_g2 + d.tension * h_g1);
         }
-        let il2 = il * il;
-        let u_e2 = -(half * il2 * (ddm - r * (k(4.0) * dm - k(6.0) * self.m * r)));
-        let u_w2 = half * il * (ddm_w - two * r * (dm_w - m_w * r));
+        let quarter = k(0.25) * il;
         Rest {
-            e: -(half * (u_e2 + self.at.tension * h_e2) + d.tension * h_e1),
-            w: -(half * (u_w2 + self.at.tension * h_w2) + d.tension * h_w1),
+            e: quarter * il * (ddm - r * (four * dm - k(6.0) * self.m * r)) - sheet_e,
+            w: -(quarter * (ddm_w - two * r * (dm_w - m_w * r)) + sheet_w),
             g: twist,
-            tension: -(half * c.scale * h2),
+            tension: -sheet_h,
         }
     }
 
@@ -371,10 +403,30 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
         }
     }
 
-    /// Change of the state with the pressure.
+    /// Change of the state with the pressure: [`solve`](Self::solve) for a rest of one in the second equation.
     #[inline(always)]
     pub(crate) fn rate(&self, c: &Constants<S>) -> Unknowns<S> {
-        let zero = c.scale.of(0.0);
-        self.solve(c, Rest { e: zero, w: c.scale.of(1.0), g: zero, tension: zero })
+        let (a, i) = (&self.adjugate, self.inverse);
+        let (e, w, tension) = (a.ew * i, a.ww * i, c.scale * a.wh * i);
+        let mut g = c.scale.of(0.0);
+        if TWIST {
+            g = -((self.a_eg * e + self.a_wg * w + self.h.g * tension) * self.inverse_gg);
+        }
+        Unknowns { e, w, g, tension }
+    }
+
+    /// Change of the volume with the pressure a small step away, to first order in the step.
+    ///
+    /// The rate is `b A^-1 b` with the symmetric matrix `A` of the second derivatives of one function, so it changes by the third
+    /// derivatives twice along the rate and once along the step, negated.
+    #[inline(always)]
+    pub(crate) fn volume_rate_after(&self, c: &Constants<S>, step: &Unknowns<S>) -> S {
+        let rate = self.rate(c);
+        let bend = self.bend(c, rate);
+        let mut change = bend.e * step.e + bend.w * step.w + bend.tension * step.tension;
+        if TWIST {
+            change = change + bend.g * step.g;
+        }
+        rate.w + change + change
     }
 }

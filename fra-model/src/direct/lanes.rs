@@ -1,14 +1,12 @@
 //! The direct way for several actuators side by side: the same steps for all, and a look afterwards at which were certified.
 
-use core::marker::PhantomData;
-
-use nalgebra::Vector3;
-
+use super::Direct;
 use super::arithmetic::{ATANH_REACH, Arithmetic};
+use super::expansion::{Expansion, ORDERS};
+use super::forward::{REACH, limits};
 use super::kernel::{Constants, Linearised, Norm, Rest, Unknowns};
-use super::path::{CONTRACTION, CORRECTION, tolerance};
-use super::{Direct, Equilibrium};
-use crate::real::Real;
+use super::path::{CONTRACTION, CORRECTION, SHARE, tolerance};
+use crate::real::{Real, epsilon};
 
 /// Most values side by side.
 pub const LANES: usize = 8;
@@ -25,239 +23,228 @@ pub trait Lanes<T>: Arithmetic {
     fn store(self, values: &mut [T; LANES]);
 }
 
-/// Most steps before the last one.
-const MOST_PARTS: u32 = 4;
-/// Evaluations that every lane gets after the last step.
-const EVALUATIONS: u32 = 3;
+/// A number of each of several actuators.
+pub(crate) type Column<T> = [T; LANES];
 
-/// Loads one field of every lane.
-macro_rules! gather {
-    ($token:expr, $lanes:expr, $direct:ident => $value:expr) => {
-        $token.load(&$lanes.map(|$direct| $value))
+/// Rounds of corrections that every lane gets.
+const ROUNDS: u32 = 3;
+
+/// What the direct way has of each actuator.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Columns<T> {
+    constants: Constants<Column<T>>,
+    norm: Norm<Column<T>>,
+    expansion: Expansion<Column<T>>,
+    /// Whether the twist rate is an unknown.
+    twists: bool,
+}
+
+/// The equilibria at pressures `P/mu1`. Those are certified whose `margin` is at least zero.
+pub(crate) struct Arrival<V> {
+    pub(crate) at: Unknowns<V>,
+    pub(crate) volume_rate: V,
+    pub(crate) residual: V,
+    pub(crate) margin: V,
+    pub(crate) evaluations: u32,
+}
+
+/// The same field of every lane.
+macro_rules! columns {
+    ($lanes:expr, $name:ident { $($field:ident),* }, $direct:ident => $value:expr) => {
+        $name { $($field: $lanes.map(|$direct| $value.$field)),* }
     };
 }
 
-/// The equilibria at pressures `P/mu1` without load; `None` for the lanes whose way is not certified.
-#[inline(always)]
-pub(crate) fn forward<T: Real, V: Lanes<T>>(
-    token: V,
-    lanes: [&Direct<T>; LANES],
-    pressures: &[T; LANES],
-    found: &mut [Option<Equilibrium<T>>; LANES],
-) {
-    if lanes.iter().any(|direct| direct.twists_by_itself()) {
-        solve::<T, V, true>(token, lanes, pressures, found);
-    } else {
-        solve::<T, V, false>(token, lanes, pressures, found);
+/// Every field as a vector.
+macro_rules! vectors {
+    ($token:expr, $columns:expr, $name:ident { $($field:ident),* }) => {
+        $name { $($field: $token.load(&$columns.$field)),* }
+    };
+}
+
+impl<T: Real> Columns<T> {
+    pub(crate) fn new(lanes: [&Direct<T>; LANES]) -> Self {
+        let term = |n: usize| columns!(lanes, Unknowns { e, w, g, tension }, a => a.expansion.terms[n]);
+        Self {
+            constants: columns!(
+                lanes,
+                Constants { x_outer, d, per_x_fiber, sin_rho, neutral, cos, sin2, compliance, scale },
+                a => a.constants
+            ),
+            norm: columns!(lanes, Norm { twist, tension }, a => a.norm),
+            expansion: Expansion {
+                unit: lanes.map(|a| a.expansion.unit),
+                contraction: lanes.map(|a| a.expansion.contraction),
+                size: lanes.map(|a| a.expansion.size),
+                terms: core::array::from_fn(term),
+            },
+            twists: lanes.iter().any(|direct| direct.twists_by_itself()),
+        }
+    }
+
+    /// The equilibria at pressures `P/mu1` without load.
+    #[inline(always)]
+    pub(crate) fn forward<V: Lanes<T>>(&self, pressure: V) -> Arrival<V> {
+        if self.twists { self.solve::<V, true>(pressure) } else { self.solve::<V, false>(pressure) }
+    }
+
+    #[inline(always)]
+    fn solve<V: Lanes<T>, const TWIST: bool>(&self, pressure: V) -> Arrival<V> {
+        let expansion = &self.expansion;
+        let mut terms = [Unknowns { e: pressure, w: pressure, g: pressure, tension: pressure }; ORDERS];
+        for (term, columns) in terms.iter_mut().zip(&expansion.terms) {
+            let zero = pressure.of(0.0);
+            *term = Unknowns {
+                e: pressure.load(&columns.e),
+                w: pressure.load(&columns.w),
+                g: if TWIST { pressure.load(&columns.g) } else { zero },
+                tension: pressure.load(&columns.tension),
+            };
+        }
+        let expansion = Expansion {
+            unit: pressure.load(&expansion.unit),
+            contraction: pressure.load(&expansion.contraction),
+            size: pressure.load(&expansion.size),
+            terms,
+        };
+        let constants = vectors!(
+            pressure,
+            self.constants,
+            Constants { x_outer, d, per_x_fiber, sin_rho, neutral, cos, sin2, compliance, scale }
+        );
+        let norm = vectors!(pressure, self.norm, Norm { twist, tension });
+        let digits = [tolerance::<T>(), epsilon::<T>()].map(|digits| pressure.load(&[digits; LANES]));
+        let way = Way {
+            c: &constants,
+            norm,
+            pressure,
+            tolerance: digits[0],
+            epsilon: digits[1],
+            limits: limits::<T>().map(|v| pressure.of(v)),
+        };
+        way.rise::<T, TWIST>(&expansion)
     }
 }
 
-#[inline(always)]
-fn solve<T: Real, V: Lanes<T>, const TWIST: bool>(
-    token: V,
-    lanes: [&Direct<T>; LANES],
-    pressures: &[T; LANES],
-    found: &mut [Option<Equilibrium<T>>; LANES],
-) {
-    let zero = token.of(0.0);
-    let c = Constants {
-        x_outer: gather!(token, lanes, a => a.constants.x_outer),
-        d: gather!(token, lanes, a => a.constants.d),
-        per_x_fiber: gather!(token, lanes, a => a.constants.per_x_fiber),
-        sin_rho: if TWIST { gather!(token, lanes, a => a.constants.sin_rho) } else { zero },
-        neutral: gather!(token, lanes, a => a.constants.neutral),
-        cos: gather!(token, lanes, a => a.constants.cos),
-        sin2: gather!(token, lanes, a => a.constants.sin2),
-        compliance: gather!(token, lanes, a => a.constants.compliance),
-        scale: gather!(token, lanes, a => a.constants.scale),
-    };
-    let norm =
-        Norm { twist: gather!(token, lanes, a => a.norm.twist), tension: gather!(token, lanes, a => a.norm.tension) };
-    let rate = Unknowns {
-        e: gather!(token, lanes, a => a.rate.e),
-        w: gather!(token, lanes, a => a.rate.w),
-        g: if TWIST { gather!(token, lanes, a => a.rate.g) } else { zero },
-        tension: gather!(token, lanes, a => a.rate.tension),
-    };
-    let curve = Unknowns {
-        e: gather!(token, lanes, a => a.curve.e),
-        w: gather!(token, lanes, a => a.curve.w),
-        g: if TWIST { gather!(token, lanes, a => a.curve.g) } else { zero },
-        tension: gather!(token, lanes, a => a.curve.tension),
-    };
-    let pressure = token.load(pressures);
-    let contraction = gather!(token, lanes, a => a.contraction);
-    let tolerance = token.load(&[tolerance::<T>(); LANES]);
-    let in_parts = (0..LANES).any(|i| !lanes[i].is_one_step_to(pressures[i]));
-    let end = Way { c: &c, norm, pressure, tolerance, scalar: PhantomData }.follow::<TWIST>(
-        &rate,
-        &curve,
-        contraction,
-        in_parts,
-    );
-    unpack(&end, pressures, found);
-}
-
-/// A pressure and what it acts on.
-struct Way<'a, T, V> {
+/// Pressures and what they act on.
+struct Way<'a, V> {
     c: &'a Constants<V>,
     norm: Norm<V>,
     pressure: V,
     tolerance: V,
-    scalar: PhantomData<T>,
-}
-
-/// Where the lanes have arrived. Those are certified whose `margin` is positive.
-struct Arrival<V> {
-    at: Unknowns<V>,
-    radii: (V, V),
-    volume_rate: V,
-    residual: V,
-    margin: V,
-    evaluations: u32,
+    epsilon: V,
+    /// Of the last correction: its length as a share of the state, and its contraction factor.
+    limits: [V; 2],
 }
 
 /// A state on the way: what the last step left to be checked.
+#[derive(Clone, Copy)]
 struct Stage<V> {
     at: Unknowns<V>,
-    /// The pressure it belongs to.
-    part: V,
     last: V,
     margin: V,
 }
 
-impl<T: Real, V: Lanes<T>> Way<'_, T, V> {
-    /// From rest to the pressure; `in_parts` where some lanes take two steps.
+#[inline(always)]
+fn has<T: Real, V: Lanes<T>>(values: V, what: impl Fn(T) -> bool) -> bool {
+    let mut stored = [T::zero(); LANES];
+    values.store(&mut stored);
+    stored.iter().take(V::COUNT).any(|value| what(*value))
+}
+
+impl<V: Arithmetic> Way<'_, V> {
     #[inline(always)]
-    fn follow<const TWIST: bool>(
-        &self,
-        rate: &Unknowns<V>,
-        curve: &Unknowns<V>,
-        contraction: V,
-        in_parts: bool,
-    ) -> Arrival<V> {
-        let Self { c, norm, pressure, .. } = *self;
-        let (one, allowed) = (pressure.of(1.0), pressure.of(CONTRACTION));
-        // A little less than what is allowed, so that rounding does not refuse it.
-        let share = if in_parts {
-            (pressure.of(0.99 * CONTRACTION) / (contraction * pressure.magnitude())).least(one)
-        } else {
-            one
+    fn rise<T: Real, const TWIST: bool>(&self, expansion: &Expansion<V>) -> Arrival<V>
+    where
+        V: Lanes<T>,
+    {
+        let z = self.pressure * expansion.unit;
+        let contraction = expansion.contraction * z.magnitude();
+        let mut stage = Stage {
+            at: expansion.sum::<TWIST>(z),
+            last: expansion.size * z.magnitude(),
+            margin: z.of(REACH) - contraction,
         };
-        let part = pressure * share;
-        let first = rate.times(part);
-        let ratio = curve.w * part / rate.w;
-        let at = first.plus(curve.times(part * part / (one - ratio)));
-        let margin = allowed - contraction * part.magnitude();
-        let mut stage = Stage { at, part, last: norm.size::<TWIST>(&first), margin };
-        let mut parts = 0;
-        while parts < MOST_PARTS && in_parts && !self.has_arrived(&stage) {
-            stage = self.go_on::<TWIST>(stage);
-            parts += 1;
+        let mut evaluations = 0;
+        let beyond = contraction - z.of(CONTRACTION);
+        if has::<T, V>(beyond, |beyond| beyond > T::zero()) {
+            let share = (z.of(SHARE * CONTRACTION) / contraction).least(z.of(1.0));
+            // One where a lane takes two steps, else zero: a first step that is all of the way may be as long as `CONTRACTION` says.
+            let turns = (beyond.least(z.of(0.0)) / beyond).least(z.of(1.0));
+            let turns = z.of(1.0) - turns;
+            self.turn::<TWIST>(&mut stage, expansion, z, share, turns);
+            evaluations += 1;
         }
-        for round in 1..EVALUATIONS {
-            let (lin, rest) = self.look::<TWIST>(&mut stage);
-            let step = self.correct::<TWIST>(&mut stage, &lin, rest);
-            if round == 1 {
-                stage.at = stage.at.plus(lin.solve(c, lin.curvature(c, step)));
+        loop {
+            evaluations += 1;
+            let (lin, rest) = self.look::<TWIST>(&mut stage, self.pressure);
+            let first = lin.solve(self.c, rest);
+            let left = lin.curvature(self.c, first);
+            let second = lin.solve(self.c, left);
+            let step = first.plus(second);
+            let open = self.correct::<TWIST>(&mut stage, &first, &second, &step);
+            let is_open = has::<T, V>(open, |open| open < T::zero());
+            if !is_open || evaluations > ROUNDS {
+                let leave = left.e.magnitude() + left.w.magnitude();
+                let leave = if TWIST { leave + left.g.magnitude() } else { leave };
+                let rounding = self.pressure.magnitude() * self.epsilon;
+                return Arrival {
+                    at: stage.at,
+                    volume_rate: lin.volume_rate_after(self.c, &step),
+                    residual: leave * z.of(4e-3) + rounding,
+                    margin: stage.margin.least(open),
+                    evaluations,
+                };
             }
-        }
-        let (lin, rest) = self.look::<TWIST>(&mut stage);
-        self.correct::<TWIST>(&mut stage, &lin, rest);
-        // A lane that has not arrived has its last correction from there, which is not small.
-        let settled = norm.size::<TWIST>(&stage.at) * self.tolerance - stage.last;
-        Arrival {
-            at: stage.at,
-            radii: stage.at.radii(c.x_outer),
-            volume_rate: lin.rate(c).w,
-            residual: rest.e.magnitude() + rest.w.magnitude() + rest.g.magnitude(),
-            margin: stage.margin.least(settled),
-            evaluations: EVALUATIONS + parts,
         }
     }
 
-    /// The equations at a stage.
+    /// The equations at the state of a stage, which must be in their domain and stable.
     #[inline(always)]
-    fn look<const TWIST: bool>(&self, stage: &mut Stage<V>) -> (Linearised<V, TWIST>, Rest<V>) {
-        let (at, one, zero) = (stage.at, self.pressure.of(1.0), self.pressure.of(0.0));
+    fn look<const TWIST: bool>(&self, stage: &mut Stage<V>, pressure: V) -> (Linearised<V, TWIST>, Rest<V>) {
+        let (at, one, zero) = (stage.at, pressure.of(1.0), pressure.of(0.0));
         let lin = Linearised::<V, TWIST>::new(self.c, at);
         let inside = (one + at.e).least(one + at.w).least(one.of(ATANH_REACH) - lin.s2);
         stage.margin = stage.margin.least(lin.stability).least(inside);
-        let rest = lin.rest(self.c, zero, self.pressure, zero);
+        let rest = lin.rest(self.c, zero, pressure, zero);
         (lin, rest)
     }
 
-    /// Newton's correction, which must be short against the last step.
+    /// A correction, which must be short against the last step; negative where it was not the last.
     #[inline(always)]
     fn correct<const TWIST: bool>(
         &self,
         stage: &mut Stage<V>,
-        lin: &Linearised<V, TWIST>,
-        rest: Rest<V>,
-    ) -> Unknowns<V> {
-        let step = lin.solve(self.c, rest);
-        let size = self.norm.size::<TWIST>(&step);
-        stage.at = stage.at.plus(step);
+        first: &Unknowns<V>,
+        second: &Unknowns<V>,
+        step: &Unknowns<V>,
+    ) -> V {
+        let (size, turn) = (self.norm.size::<TWIST>(first), self.norm.size::<TWIST>(second));
+        stage.at = stage.at.plus(*step);
+        let whole = self.norm.size::<TWIST>(&stage.at);
         // Below the tolerance, rounding decides.
-        let allowed = stage.last * size.of(CORRECTION) + self.norm.size::<TWIST>(&stage.at) * self.tolerance;
+        let allowed = stage.last * size.of(CORRECTION) + whole * self.tolerance;
         stage.margin = stage.margin.least(allowed - size);
         stage.last = size;
-        step
+        let [short, curved] = self.limits;
+        let left = size * whole * self.epsilon * size.of(0.125) - turn * turn;
+        (whole * short - size).least(size * curved - turn).least(left)
     }
 
-    /// Whether every lane is at its whole pressure.
+    /// The certificate of two steps: one to a share of the pressure, and from there to the whole.
     #[inline(always)]
-    fn has_arrived(&self, stage: &Stage<V>) -> bool {
-        let mut left = [T::zero(); LANES];
-        (self.pressure - stage.part).store(&mut left);
-        left.iter().all(|left| *left == T::zero())
-    }
-
-    /// From the equilibrium at a part of the pressure towards the whole.
-    #[inline(always)]
-    fn go_on<const TWIST: bool>(&self, mut stage: Stage<V>) -> Stage<V> {
-        let (c, norm, one) = (self.c, &self.norm, self.pressure.of(1.0));
-        let (lin, rest) = self.look::<TWIST>(&mut stage);
+    fn turn<const TWIST: bool>(&self, stage: &mut Stage<V>, expansion: &Expansion<V>, z: V, share: V, turns: V) {
+        let (c, norm, one) = (self.c, &self.norm, z.of(1.0));
+        let mut halfway = Stage { at: expansion.sum::<TWIST>(z * share), ..*stage };
+        let (lin, rest) = self.look::<TWIST>(&mut halfway, self.pressure);
         let whole = lin.solve(c, rest);
-        let (rate, left) = (lin.rate(c), self.pressure - stage.part);
-        let near = whole.plus(rate.times(-left));
-        let off = norm.size::<TWIST>(&near);
+        let off = whole.plus(lin.rate(c).times(self.pressure * (share - one)));
         let second = lin.solve(c, lin.curvature(c, whole));
         let (over, under) = norm.contraction::<TWIST>(&whole, &second);
-        let share = (under * one.of(0.99 * CONTRACTION) / over).least(one);
-        let step = near.plus(rate.times(left * share));
-        let allowed = stage.last * one.of(CORRECTION) + norm.size::<TWIST>(&stage.at) * self.tolerance;
-        Stage {
-            at: stage.at.plus(step).plus(second.times(share * share)),
-            // Exactly the whole where the share is.
-            part: self.pressure - left * (one - share),
-            last: norm.size::<TWIST>(&step),
-            margin: stage.margin.least(allowed - off),
-        }
-    }
-}
-
-#[inline(always)]
-fn unpack<T: Real, V: Lanes<T>>(end: &Arrival<V>, pressures: &[T; LANES], found: &mut [Option<Equilibrium<T>>; LANES]) {
-    let spread = |value: V| {
-        let mut to = [T::zero(); LANES];
-        value.store(&mut to);
-        to
-    };
-    let (e, w, g) = (spread(end.at.e), spread(end.at.w), spread(end.at.g));
-    let (inner, outer) = (spread(end.radii.0), spread(end.radii.1));
-    let (volume_rate, residual, margin) = (spread(end.volume_rate), spread(end.residual), spread(end.margin));
-    for i in 0..V::COUNT {
-        let finite = e[i].is_finite() && w[i].is_finite() && g[i].is_finite() && volume_rate[i].is_finite();
-        if finite && margin[i] > T::zero() {
-            found[i] = Some(Equilibrium {
-                at: Vector3::new(e[i], w[i], g[i]),
-                radii: (inner[i], outer[i]),
-                pressure: pressures[i],
-                volume_rate: volume_rate[i],
-                residual: residual[i],
-                evaluations: end.evaluations,
-            });
-        }
+        let near = stage.last * share * z.of(CORRECTION) - norm.size::<TWIST>(&off);
+        stage.last = stage.last * (one - turns) + norm.size::<TWIST>(&whole) * turns;
+        let aside = stage.at.plus_times(&halfway.at.plus(whole).plus(second), -one);
+        let beside = stage.last * z.of(CORRECTION) - norm.size::<TWIST>(&aside);
+        stage.margin = halfway.margin.least(near).least(beside).least(under * z.of(CONTRACTION) - over);
     }
 }

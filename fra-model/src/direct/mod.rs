@@ -1,16 +1,18 @@
 //! The direct way to an equilibrium of the tubes that have closed forms: a neo-Hookean wall, bare or wound with a sheet.
 //!
 //! Newton's method from rest or from an earlier state, on equations that a stiff winding does not make more nonlinear, with a
-//! certificate that the answer is connected to its start. It answers in two or three evaluations, or not at all: then the
-//! branch is searched.
+//! certificate that the answer is connected to its start. From rest it starts at the sum of the power series of the branch, and answers
+//! in one evaluation or two; or not at all: then the branch is searched.
 
 mod arithmetic;
+mod expansion;
+mod forward;
 mod kernel;
 mod lanes;
 mod path;
 
 pub use arithmetic::{Arithmetic, atanh_series};
-pub(crate) use lanes::forward as forward_lanes;
+pub(crate) use lanes::{Column, Columns};
 pub use lanes::{LANES, Lanes};
 
 use nalgebra::Vector3;
@@ -19,6 +21,7 @@ use crate::goal::Goal;
 use crate::parameters::{ActuatorParameters, Families, Material, Placement};
 use crate::question::{Question, Way};
 use crate::real::{Real, epsilon, real};
+use expansion::Expansion;
 use kernel::{Constants, Linearised, Norm, Rest, Unknowns};
 use path::{CONTRACTION, Path, Stand, part, weighted};
 
@@ -28,22 +31,20 @@ pub(crate) struct Direct<T> {
     constants: Constants<T>,
     families: Option<Families>,
     norm: Norm<T>,
-    /// The branch at rest: first and second order in the pressure, and their contraction factor.
-    rate: Unknowns<T>,
-    curve: Unknowns<T>,
-    contraction: T,
+    /// The branch at rest.
+    expansion: Expansion<T>,
 }
 
 /// An equilibrium, in the units of the model.
 pub(crate) struct Equilibrium<T> {
-    /// `(e, w, g)`.
-    pub(crate) at: Vector3<T>,
-    /// Inner and outer radius over their undeformed values.
-    pub(crate) radii: (T, T),
+    /// Axial strain, relative change of the lumen's volume, twist rate.
+    pub(crate) e: T,
+    pub(crate) w: T,
+    pub(crate) g: T,
     /// `P/mu1` and `dw/d(P/mu1)`.
     pub(crate) pressure: T,
     pub(crate) volume_rate: T,
-    /// Largest residual of the equations one Newton step before.
+    /// About the largest residual of the equations.
     pub(crate) residual: T,
     pub(crate) evaluations: u32,
 }
@@ -81,7 +82,6 @@ impl<T: Real> Direct<T> {
             constants.cos = if cos.abs() <= epsilon::<T>() { zero } else { cos };
             constants.sin2 = sin * sin;
             constants.neutral = neutral(fiber.angle_rad);
-            // Two families twist only under torque.
             constants.sin_rho = if fiber.families == Families::One { sin * radius } else { zero };
             constants.per_x_fiber = one / (radius * radius);
             let families = if fiber.families == Families::Two { real::<T>(2.0) } else { one };
@@ -90,40 +90,23 @@ impl<T: Real> Direct<T> {
             (constants.compliance, constants.scale) =
                 if stiffness > one { (one / stiffness, one) } else { (one, stiffness) };
         }
+        let families = fiber.map(|fiber| fiber.families);
+        let norm = Norm { twist: ratio, tension: one / constants.d };
         let rest = Unknowns { e: zero, w: zero, g: zero, tension: zero };
-        let direct = Self {
-            constants,
-            families: fiber.map(|fiber| fiber.families),
-            norm: Norm { twist: ratio, tension: one / constants.d },
-            rate: rest,
-            curve: rest,
-            contraction: zero,
+        let expansion = if twists(families) {
+            Expansion::new(&constants, &norm, &Linearised::<T, true>::new(&constants, rest))
+        } else {
+            Expansion::new(&constants, &norm, &Linearised::<T, false>::new(&constants, rest))
         };
-        Some(if direct.twists_by_itself() { direct.with_rest::<true>() } else { direct.with_rest::<false>() })
+        Some(Self { constants, families, norm, expansion })
     }
 
     fn twists_by_itself(&self) -> bool {
-        self.families == Some(Families::One)
-    }
-
-    fn with_rest<const TWIST: bool>(self) -> Self {
-        let c = &self.constants;
-        let path = self.path::<TWIST>(T::zero(), T::zero());
-        let lin = Linearised::<T, TWIST>::new(c, self.rate);
-        let rate = lin.rate(c);
-        let curve = lin.solve(c, lin.curvature(c, rate));
-        let contraction = path.contraction(&rate, &curve);
-        Self { rate, curve, contraction, ..self }
+        twists(self.families)
     }
 
     fn path<const TWIST: bool>(&self, force: T, torque: T) -> Path<'_, T, TWIST> {
         Path { constants: &self.constants, force, torque, norm: self.norm }
-    }
-
-    /// Whether a pressure is within the first step from rest.
-    #[inline]
-    pub(crate) fn is_one_step_to(&self, pressure: T) -> bool {
-        self.contraction * pressure.abs() <= real(CONTRACTION)
     }
 
     /// The answer to a question, if the way to it is certified.
@@ -143,7 +126,7 @@ impl<T: Real> Direct<T> {
         let unloaded = *force == T::zero() && *torque == T::zero();
         let (stand, spent) = match question.start {
             Some(start) => (self.earlier(&start), 0),
-            None if unloaded => (self.leave_rest::<TWIST>(&path, goal)?, 0),
+            None if unloaded => (self.leave_rest::<TWIST>(goal)?, 0),
             None => (self.under_load::<TWIST>(&path)?, 1),
         };
         let end = path.follow(stand, goal, spent, question.budget.min(EVALUATIONS))?;
@@ -153,10 +136,13 @@ impl<T: Real> Direct<T> {
             Way::Inwards => end.pressure < T::zero(),
         };
         (lies_right && end.pressure.abs() <= question.within).then_some(())?;
-        let at = Vector3::new(end.at.e, end.at.w, end.at.g);
-        let radii = end.at.radii(self.constants.x_outer);
-        let path::End { pressure, volume_rate, residual, evaluations, .. } = end;
-        Some(Equilibrium { at, radii, pressure, volume_rate, residual, evaluations })
+        Some(self.equilibrium(end))
+    }
+
+    #[inline(always)]
+    fn equilibrium(&self, end: path::End<T>) -> Equilibrium<T> {
+        let path::End { at: Unknowns { e, w, g, .. }, pressure, volume_rate, residual, evaluations } = end;
+        Equilibrium { e, w, g, pressure, volume_rate, residual, evaluations }
     }
 
     /// A state given from outside; its tension follows from its strain.
@@ -174,28 +160,30 @@ impl<T: Real> Direct<T> {
 
     /// The first step from rest, without load.
     #[inline(always)]
-    fn leave_rest<const TWIST: bool>(&self, path: &Path<'_, T, TWIST>, goal: &Goal<T>) -> Option<Stand<T>> {
-        let Self { rate, curve, .. } = self;
-        let (mut change, along, bend) = match goal {
-            Goal::Pressure(wanted) => (*wanted, None, T::zero()),
+    fn leave_rest<const TWIST: bool>(&self, goal: &Goal<T>) -> Option<Stand<T>> {
+        let Expansion { unit, contraction, size, terms: [rate, curve, ..], .. } = &self.expansion;
+        let (mut z, along, bend) = match goal {
+            Goal::Pressure(wanted) => (*wanted * *unit, None, T::zero()),
             Goal::Deformation { weights, value, .. } => {
                 let along = weighted(weights, rate);
-                let change = *value / along;
-                (change, Some(along), weighted(weights, curve) * change / along)
+                let z = *value / along;
+                (z, Some(along), weighted(weights, curve) * z / along)
             }
         };
-        let contraction = (self.contraction * change.abs()).max(bend.abs());
+        let contraction = (*contraction * z.abs()).max(bend.abs());
         let arrived = contraction <= real(CONTRACTION);
         if !arrived {
-            change *= part(contraction)?;
+            z *= part(contraction)?;
         }
-        let first = rate.times(change);
-        // To second order the deformation is met by a little less or more pressure.
-        let bent = if arrived { -bend * change } else { T::zero() };
-        // The series is nearly geometric, for the branch ends in a limit point: its rest is about this much of the second term.
-        let ratio = if arrived { curve.w * change / rate.w } else { T::zero() };
-        let at = first.plus(curve.times(change * change / (T::one() - ratio))).plus(rate.times(bent));
-        Some(Stand { at, pressure: Some(change), arrived, last: path.size(&first), along })
+        let (mut at, last) = (self.expansion.at::<TWIST>(z), *size * z.abs());
+        if let (true, Goal::Deformation { weights, value, .. }) = (arrived, goal) {
+            // The series reversed to second order, and a step of Newton's method on the whole of it.
+            z *= T::one() - bend + (bend + bend) * bend;
+            let slope = self.expansion.slope::<TWIST>(z);
+            at = self.expansion.at::<TWIST>(z);
+            at = at.plus(slope.times((*value - weighted(weights, &at)) / weighted(weights, &slope)));
+        }
+        Some(Stand { at, pressure: Some(z / *unit), arrived, last, along: along.map(|along| along * *unit) })
     }
 
     /// Rest under the load, to second order.
@@ -212,6 +200,11 @@ impl<T: Real> Direct<T> {
         let at = first.plus(second);
         Some(Stand { at, pressure: Some(zero), arrived: false, last: path.size(&first), along: None })
     }
+}
+
+/// Two families twist only under torque.
+fn twists(families: Option<Families>) -> bool {
+    families == Some(Families::One)
 }
 
 /// Evaluations after which a way that is not certified is given up.

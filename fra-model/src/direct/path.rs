@@ -13,6 +13,8 @@ use crate::real::{Real, epsilon, real};
 pub(super) const CONTRACTION: f64 = 0.25;
 /// Largest share of the last step that a correction after it may have.
 pub(super) const CORRECTION: f64 = 0.25;
+/// Share of the largest contraction factor that a step takes which cannot go all the way.
+pub(super) const SHARE: f64 = 0.8;
 /// Shortest step, as a share of what is left to go.
 const SHORTEST: f64 = 0.02;
 /// Most that the stiffness against pressure may change in one step.
@@ -78,7 +80,7 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
 
     /// What the equations lack at a state, at a pressure.
     #[inline(always)]
-    fn rest(&self, lin: &Linearised<T, TWIST>, pressure: T) -> Rest<T> {
+    pub(super) fn rest(&self, lin: &Linearised<T, TWIST>, pressure: T) -> Rest<T> {
         lin.rest(self.constants, self.force, pressure, self.torque)
     }
 
@@ -98,7 +100,7 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
             let settled = size <= stand.last * real(CORRECTION);
             let whole = self.size(&end);
             if size <= tolerance::<T>() * whole && settled {
-                return Some(self.end(&lin, goal, end, step.pressure, evaluations));
+                return Some(self.end(&lin, goal, end, &step, evaluations));
             }
             if stand.arrived {
                 // What Newton's step leaves over is below the tolerance: the second term would not be worth its price.
@@ -189,20 +191,27 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
     }
 
     #[inline(always)]
-    fn end(&self, lin: &Linearised<T, TWIST>, goal: &Goal<T>, at: Unknowns<T>, change: T, evaluations: u32) -> End<T> {
+    fn end(
+        &self,
+        lin: &Linearised<T, TWIST>,
+        goal: &Goal<T>,
+        at: Unknowns<T>,
+        step: &Step<T>,
+        evaluations: u32,
+    ) -> End<T> {
         let rest = self.rest(lin, lin.left.w);
         let loads = rest.e.abs().max(rest.g.abs());
         let (pressure, residual) = match goal {
-            Goal::Pressure(wanted) => (*wanted, loads.max(change.abs())),
-            Goal::Deformation { .. } => (lin.left.w + change, loads),
+            Goal::Pressure(wanted) => (*wanted, loads.max(step.pressure.abs())),
+            Goal::Deformation { .. } => (lin.left.w + step.pressure, loads),
         };
-        End { at, volume_rate: lin.rate(self.constants).w, pressure, residual, evaluations }
+        End { at, volume_rate: lin.volume_rate_after(self.constants, &step.first), pressure, residual, evaluations }
     }
 }
 
 /// The share of a step that a contraction factor allows; `None` where that is too small to be worth it.
 pub(super) fn part<T: Real>(contraction: T) -> Option<T> {
-    let share = real::<T>(0.8 * CONTRACTION) / contraction;
+    let share = real::<T>(SHARE * CONTRACTION) / contraction;
     (share >= real(SHORTEST)).then_some(share)
 }
 

@@ -1,0 +1,153 @@
+//! From rest to a pressure, without load: the series, and a correction of third order.
+
+use super::expansion::Expansion;
+use super::kernel::{Linearised, Unknowns};
+use super::path::{CONTRACTION, CORRECTION, End, Path, part};
+use super::{Direct, Equilibrium};
+use crate::real::{Real, epsilon, real};
+
+/// Corrections after which a state that has not settled is given up.
+const CORRECTIONS: u32 = 5;
+/// Largest contraction factor from rest to the pressure at which the series is worth a trial.
+pub(super) const REACH: f64 = 0.45;
+
+/// Largest contraction factor of a last correction: its square is what the compliance loses.
+const CURVED: f64 = 1e-5;
+const CURVED_SINGLE: f64 = 1e-3;
+/// Largest last correction, as a share of the state: its third power is below rounding.
+const SHORT: f64 = 5e-6;
+const SHORT_SINGLE: f64 = 1.5e-3;
+
+/// Where a way stands: a state at the end of a certified step of a given size.
+struct Close<T> {
+    at: Unknowns<T>,
+    last: T,
+    evaluations: u32,
+}
+
+impl<T: Real> Direct<T> {
+    /// The equilibrium at a pressure, if it is certified in one step from rest or in two.
+    #[inline(always)]
+    pub(crate) fn pressed(&self, pressure: T) -> Option<Equilibrium<T>> {
+        let end = if self.twists_by_itself() { self.rise::<true>(pressure) } else { self.rise::<false>(pressure) };
+        Some(self.equilibrium(end?))
+    }
+
+    #[inline(always)]
+    fn rise<const TWIST: bool>(&self, pressure: T) -> Option<End<T>> {
+        let Expansion { unit, size, contraction, .. } = self.expansion;
+        let z = pressure * unit;
+        let path = self.path::<TWIST>(T::zero(), T::zero());
+        let at = self.expansion.at::<TWIST>(z);
+        let contraction = contraction * z.abs();
+        let mut close = Close { at, last: size * z.abs(), evaluations: 0 };
+        if contraction > real(CONTRACTION) {
+            close = self.turn::<TWIST>(&path, z, close, part(contraction)?, pressure)?;
+        }
+        match path.correct(&close, pressure) {
+            Corrected::Settled(end) => Some(end),
+            Corrected::Close(close) => path.settle(close, pressure),
+            Corrected::Lost => None,
+        }
+    }
+
+    /// The certificate of two steps: one to a share of the pressure, and from there to the whole.
+    ///
+    /// Where the second one leads is looked for at the sum of the series, which is nearer to it than that step, and must be near where
+    /// the step ends.
+    #[inline(always)]
+    fn turn<const TWIST: bool>(
+        &self,
+        path: &Path<'_, T, TWIST>,
+        z: T,
+        mut close: Close<T>,
+        share: T,
+        pressure: T,
+    ) -> Option<Close<T>> {
+        let c = path.constants;
+        (self.expansion.contraction * z.abs() <= real(REACH)).then_some(())?;
+        let halfway = self.expansion.at::<TWIST>(z * share);
+        let lin = path.look(halfway)?;
+        let whole = lin.solve(c, path.rest(&lin, pressure));
+        let off = whole.plus(lin.rate(c).times(pressure * (share - T::one())));
+        let second = lin.solve(c, lin.curvature(c, whole));
+        let is_near = path.size(&off) <= close.last * share * real(CORRECTION);
+        (is_near & (path.contraction(&whole, &second) <= real(CONTRACTION))).then_some(())?;
+        close.last = path.size(&whole);
+        let aside = close.at.plus_times(&halfway.plus(whole).plus(second), -T::one());
+        (path.size(&aside) <= close.last * real(CORRECTION)).then_some(())?;
+        close.evaluations += 1;
+        Some(close)
+    }
+}
+
+/// What a correction has led to.
+enum Corrected<T> {
+    Settled(End<T>),
+    Close(Close<T>),
+    /// The correction is too large for the step before it.
+    Lost,
+}
+
+impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
+    /// The equations at a state that is in their domain and stable.
+    #[inline(always)]
+    fn look(&self, at: Unknowns<T>) -> Option<Linearised<T, TWIST>> {
+        let inside = at.e > -T::one() && at.w > -T::one();
+        let lin = Linearised::<T, TWIST>::new(self.constants, inside.then_some(at)?);
+        (lin.stability > T::zero()).then_some(lin)
+    }
+
+    /// One correction of two terms.
+    #[inline(always)]
+    fn correct(&self, from: &Close<T>, pressure: T) -> Corrected<T> {
+        let c = self.constants;
+        let Some(lin) = self.look(from.at) else { return Corrected::Lost };
+        let first = lin.solve(c, self.rest(&lin, pressure));
+        let left = lin.curvature(c, first);
+        let second = lin.solve(c, left);
+        let step = first.plus(second);
+        let (at, last, evaluations) = (from.at.plus(step), self.size(&first), from.evaluations + 1);
+        let is_short = last <= from.last * real(CORRECTION);
+        if !is_short {
+            return Corrected::Lost;
+        }
+        if !is_last(last, self.size(&second), self.size(&at)) {
+            return Corrected::Close(Close { at, last, evaluations });
+        }
+        // What the second term leaves over is at least as much smaller than what the first one does.
+        let leave = left.e.abs() + left.w.abs();
+        let leave = if TWIST { leave + left.g.abs() } else { leave };
+        let residual = leave * real(4.0 * CURVED_SINGLE) + (pressure.abs() + self.force.abs()) * epsilon();
+        let volume_rate = lin.volume_rate_after(c, &step);
+        Corrected::Settled(End { at, volume_rate, pressure, residual, evaluations })
+    }
+
+    /// As many more corrections as it takes.
+    #[inline(never)]
+    fn settle(&self, mut close: Close<T>, pressure: T) -> Option<End<T>> {
+        while close.evaluations < CORRECTIONS {
+            match self.correct(&close, pressure) {
+                Corrected::Settled(end) => return Some(end),
+                Corrected::Close(next) => close = next,
+                Corrected::Lost => return None,
+            }
+        }
+        None
+    }
+}
+
+/// Whether what two terms of a correction leave over is below rounding.
+#[inline(always)]
+fn is_last<T: Real>(first: T, second: T, whole: T) -> bool {
+    let [short, curved] = limits::<T>();
+    let negligible = epsilon::<T>() * real(0.125);
+    (first <= whole * real(short)) & (second <= first * real(curved)) & (second * second <= first * whole * negligible)
+}
+
+/// `SHORT` and `CURVED` of a scalar.
+#[inline(always)]
+pub(super) fn limits<T: Real>() -> [f64; 2] {
+    let single = epsilon::<T>() > real::<T>(1e-9);
+    if single { [SHORT_SINGLE, CURVED_SINGLE] } else { [SHORT, CURVED] }
+}

@@ -1,0 +1,62 @@
+//! From strains to lengths, angles and volumes of a straight tube.
+
+use crate::direct::{Arithmetic, LANES, Lanes};
+
+/// What makes dimensions of strains: of one tube, or of several side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Size<S> {
+    pub(crate) inner_radius_m: S,
+    pub(crate) outer_radius_m: S,
+    /// `(R_o/R_i)^2`.
+    pub(crate) x_outer: S,
+    /// Twist, rad, for a twist rate of one: `L/R_i`.
+    pub(crate) twist_rad: S,
+    /// Volume of the lumen at rest.
+    pub(crate) volume_m3: S,
+    /// `1/mu1`, 1/Pa.
+    pub(crate) per_shear_modulus: S,
+}
+
+impl<S: Arithmetic> Size<S> {
+    /// Stretch, inner and outer radius, m, twist, rad, volume, m3, and compliance, m3/Pa, of a state `(e, w, g)` with `dw/d(P/mu1)`.
+    #[inline(always)]
+    pub(crate) fn of_state(&self, e: S, w: S, g: S, volume_rate: S) -> [S; 6] {
+        let one = e.of(1.0);
+        let (stretch, widened) = (one + e, one + w);
+        [
+            stretch,
+            self.inner_radius_m * (widened / stretch).root(),
+            self.outer_radius_m * ((self.x_outer + w) / (stretch * self.x_outer)).root(),
+            g * self.twist_rad,
+            self.volume_m3 * widened,
+            self.volume_m3 * volume_rate * self.per_shear_modulus,
+        ]
+    }
+}
+
+impl<T: Copy> Size<[T; LANES]> {
+    /// Those of several tubes.
+    pub(crate) fn columns(tubes: &[Size<T>; LANES]) -> Self {
+        Self {
+            inner_radius_m: tubes.map(|tube| tube.inner_radius_m),
+            outer_radius_m: tubes.map(|tube| tube.outer_radius_m),
+            x_outer: tubes.map(|tube| tube.x_outer),
+            twist_rad: tubes.map(|tube| tube.twist_rad),
+            volume_m3: tubes.map(|tube| tube.volume_m3),
+            per_shear_modulus: tubes.map(|tube| tube.per_shear_modulus),
+        }
+    }
+
+    /// The same as vectors.
+    #[inline(always)]
+    pub(crate) fn vectors<V: Lanes<T>>(&self, token: V) -> Size<V> {
+        Size {
+            inner_radius_m: token.load(&self.inner_radius_m),
+            outer_radius_m: token.load(&self.outer_radius_m),
+            x_outer: token.load(&self.x_outer),
+            twist_rad: token.load(&self.twist_rad),
+            volume_m3: token.load(&self.volume_m3),
+            per_shear_modulus: token.load(&self.per_shear_modulus),
+        }
+    }
+}
