@@ -12,7 +12,8 @@ use serde_json::Value;
 use super::complaint;
 use super::convert;
 use super::object::Object;
-use super::request::{Case, Question, Request};
+use super::request::{Case, Model, Question, Request};
+use super::section_fe::{self, Discretisation, Found};
 use super::series::{SeriesAnswer, SeriesRequest};
 
 /// The precision a batch is computed in.
@@ -46,6 +47,8 @@ struct Answer {
     limit_pressure_pa: Option<f64>,
     residual: Option<f64>,
     iterations: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    discretisation_error: Option<Discretisation>,
     #[serde(skip_serializing_if = "Option::is_none")]
     message: Option<String>,
 }
@@ -96,13 +99,24 @@ fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
 fn actuator(line: &[u8], scalar: Scalar) -> Answered<Answer> {
     let request: Request = parsed(line)?;
     let case = request.case().map_err(|message| (request.id.clone(), message))?;
-    let solved = match scalar {
-        Scalar::F64 => solve::<f64>(&case),
-        Scalar::F32 => solve::<f32>(&case),
+    let solved = match (case.model, scalar) {
+        (Model::Analytic, Scalar::F64) => solve::<f64>(&case).map_err(|error| error.to_string()),
+        (Model::Analytic, Scalar::F32) => solve::<f32>(&case).map_err(|error| error.to_string()),
+        (Model::SectionFe, Scalar::F64) => return by_section(request.id, &case),
+        (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
     };
     match solved {
         Ok(solution) => Ok(Answer::of(request.id, &solution)),
-        Err(error) => Err((request.id, error.to_string())),
+        Err(message) => Err((request.id, message)),
+    }
+}
+
+fn by_section(id: Value, case: &Case) -> Answered<Answer> {
+    // Checked first in the unit it is written in, as for the other model.
+    let checked = Actuator::new(&case.parameters).map_err(|error| as_written(error).to_string());
+    match checked.and_then(|_| section_fe::solve(case)) {
+        Ok(found) => Ok(Answer::found(id, &found)),
+        Err(message) => Err((id, message)),
     }
 }
 
@@ -176,6 +190,7 @@ impl Answer {
             limit_pressure_pa: None,
             residual: None,
             iterations: 0,
+            discretisation_error: None,
             message,
         }
     }
@@ -189,6 +204,13 @@ impl Answer {
             ..blank
         };
         if solution.status == Status::Solved { common.with(&solution.state) } else { common }
+    }
+
+    fn found(id: Value, found: &Found) -> Self {
+        let blank = Self::without_state(id, word(found.status), None);
+        let Found { limit_pressure_pa, iterations, error, .. } = *found;
+        let common = Self { limit_pressure_pa, iterations, discretisation_error: error, ..blank };
+        found.state.iter().fold(common, Self::with)
     }
 
     fn with(self, state: &State<f64>) -> Self {

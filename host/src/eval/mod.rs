@@ -6,6 +6,7 @@ mod convert;
 mod curve;
 mod object;
 mod request;
+mod section_fe;
 mod series;
 
 pub use batch::{Scalar, batch};

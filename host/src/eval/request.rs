@@ -13,6 +13,8 @@ pub(super) struct Request {
     /// Copied to the answer.
     #[serde(default)]
     pub(super) id: Value,
+    #[serde(default)]
+    model: Model,
     motion: MotionName,
     problem: Problem,
     inner_radius_m: f64,
@@ -24,6 +26,17 @@ pub(super) struct Request {
     target: Option<Object<TargetSpec>>,
     external_force_n: Option<f64>,
     external_torque_nm: Option<f64>,
+}
+
+/// What answers.
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+pub(super) enum Model {
+    /// The equations of the tube and of the bending section.
+    #[default]
+    Analytic,
+    /// Finite elements of the section.
+    SectionFe,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -106,6 +119,7 @@ pub(super) enum Question<T> {
 
 /// A request in the terms of the model.
 pub(super) struct Case {
+    pub(super) model: Model,
     pub(super) parameters: ActuatorParameters<f64>,
     pub(super) question: Question<Target<f64>>,
     pub(super) load: Load<f64>,
@@ -118,6 +132,7 @@ impl Request {
         let material = self.material.0.material()?;
         let fiber = self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?;
         Ok(Case {
+            model: self.model,
             parameters: ActuatorParameters {
                 motion,
                 inner_radius_m: self.inner_radius_m,
