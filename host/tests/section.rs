@@ -2,6 +2,8 @@
 
 #[path = "section/bending.rs"]
 mod bending;
+#[path = "section/calibrate.rs"]
+mod calibrate;
 #[path = "section/cases.rs"]
 mod cases;
 #[path = "section/convergence.rs"]

@@ -121,6 +121,11 @@ pub enum Outcome {
     },
     /// The branch ends before the load is applied, without pressure.
     LoadNotCarried,
+    /// The iteration stopped without showing that the branch ends.
+    NotConverged {
+        /// How far it got, gauge Pa.
+        reached_pressure_pa: f64,
+    },
 }
 
 /// The answer to one pressure.

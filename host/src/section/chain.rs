@@ -73,9 +73,9 @@ impl Chain {
     }
 
     /// The tensions that belong to the fibers' strains after a change, to first order in it.
-    pub(super) fn tensions_after(&self, form: &Form, times: f64, change: &Form) -> Vec<[f64; 2]> {
+    pub(super) fn tensions_after(&self, form: &Form, change: &Form) -> Vec<[f64; 2]> {
         let columns = self.columns.iter().enumerate();
-        columns.flat_map(|(index, column)| column.tensions_after(&self.grid, index, form, times, change)).collect()
+        columns.flat_map(|(index, column)| column.tensions_after(&self.grid, index, form, change)).collect()
     }
 
     /// Energy (of the Lagrangian with the pressure modes) and enclosed volume.

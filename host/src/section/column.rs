@@ -68,14 +68,7 @@ impl Column {
     }
 
     /// The tensions that the fibers' strains mean after a change, to first order in it.
-    pub(super) fn tensions_after(
-        &self,
-        grid: &Grid,
-        column: usize,
-        form: &Form,
-        times: f64,
-        change: &Form,
-    ) -> Vec<[f64; 2]> {
+    pub(super) fn tensions_after(&self, grid: &Grid, column: usize, form: &Form, change: &Form) -> Vec<[f64; 2]> {
         let mut tensions = vec![[0.0; 2]; self.spots.len()];
         self.for_each_element(grid, column, form, |element, local| {
             let moved = self.places(grid, change, column, element);
@@ -83,8 +76,7 @@ impl Column {
                 if let (true, Some(fibers)) = (spot.element == element, &spot.fibers) {
                     let (strain, slope) =
                         (local.fiber_strains(spot), local.fiber_strain_changes(spot, &moved, &change.strain));
-                    *tension =
-                        std::array::from_fn(|family| fibers.stiffness * (strain[family] + times * slope[family]));
+                    *tension = std::array::from_fn(|family| fibers.stiffness * (strain[family] + slope[family]));
                 }
             }
         });

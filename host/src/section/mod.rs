@@ -25,6 +25,7 @@
 
 mod answer;
 mod build;
+mod calibrate;
 mod chain;
 mod column;
 mod error;
@@ -43,6 +44,7 @@ mod tests;
 use fra_model::ActuatorParameters;
 
 pub use answer::{Answer, Effort, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
+pub use calibrate::{BendPolynomial, Calibration};
 pub use error::SectionError;
 pub use options::{EndLoad, Limiter, Mesh, Options, Symmetry, Winding};
 
@@ -123,6 +125,9 @@ impl Section {
                     Outcome::NoEquilibrium { limit_pressure_pa: pressure * self.build.modulus_pa }
                 }
                 Reached::EndOfLoad => Outcome::LoadNotCarried,
+                Reached::Stuck { pressure } => {
+                    Outcome::NotConverged { reached_pressure_pa: pressure * self.build.modulus_pa }
+                }
             };
         }
         let effort = Effort::of(path.work, unknowns);

@@ -1,7 +1,9 @@
-//! From rest to a pressure: Newton's method, and the steps in which load and pressure are raised.
+//! From rest to a pressure: the steps in which load and pressure are raised.
 //!
 //! A step is taken back where Newton's method does not settle, where it settles far from what the tangent predicted (another branch), or
 //! where the equilibrium it finds is unstable. When steps have become short, the branch has ended: there is no equilibrium beyond.
+
+use std::f64::consts::PI;
 
 use super::chain::{Chain, Linear};
 use super::model::{Form, State};
@@ -13,7 +15,7 @@ const NEWTON_STEPS: u32 = 12;
 const FAR: f64 = 1e2;
 /// Growth of the changes from one iteration to the next that is still taken for one on its way.
 const GROWTH: f64 = 4.0;
-/// How far from its prediction a step may end, relative to its length.
+/// How far from its prediction by the tangent a step may end, relative to its length.
 const STRAY: f64 = 0.6;
 /// Shortest step of the pressure, in units of the pressure asked for, and of the load.
 const SHORTEST: f64 = 1e-4;
@@ -23,6 +25,8 @@ const SHORTEST: f64 = 1e-4;
 pub(super) struct Point {
     pub(super) state: State,
     pub(super) linear: Linear,
+    /// Change of the fibers' tensions by the pressure.
+    tensions_by_pressure: Vec<[f64; 2]>,
 }
 
 /// Where a path led.
@@ -35,6 +39,18 @@ pub(super) enum Reached {
     },
     /// The branch ends before the load is applied at zero pressure.
     EndOfLoad,
+    /// The iteration does not get beyond this pressure, and it does not show why.
+    Stuck {
+        pressure: f64,
+    },
+}
+
+/// Why a step was taken back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refusal {
+    Unsettled,
+    Strayed,
+    Unstable,
 }
 
 /// Work done so far.
@@ -51,46 +67,55 @@ pub(super) struct Path<'a> {
     chain: &'a mut Chain,
     load: [f64; 4],
     here: Option<Point>,
-    /// Where the branch is known to end.
-    end: Option<f64>,
+    /// The equilibrium before, at another pressure.
+    before: Option<Point>,
+    /// What everything beyond is answered with.
+    end: Option<Reached>,
     pub(super) work: Work,
 }
 
 impl<'a> Path<'a> {
     pub(super) fn new(chain: &'a mut Chain, load: [f64; 4]) -> Self {
-        Self { chain, load, here: None, end: None, work: Work::default() }
+        Self { chain, load, here: None, before: None, end: None, work: Work::default() }
     }
 
     /// The equilibrium at a pressure that is not lower than the last one.
     pub(super) fn to(&mut self, pressure: f64) -> Reached {
-        if self.here.is_none() {
+        if self.here.is_none() && self.end.is_none() {
             match self.apply_load() {
-                Some(point) => self.here = Some(point),
-                None => return Reached::EndOfLoad,
+                Ok(point) => self.here = Some(point),
+                Err(end) => self.end = Some(end),
             }
         }
-        if let Some(end) = self.end {
-            return Reached::End { pressure: end };
+        match (&self.end, self.here.take()) {
+            (None, Some(here)) => self.raise(here, pressure),
+            (end, here) => {
+                let end = end.clone().unwrap_or(Reached::EndOfLoad);
+                self.here = here;
+                end
+            }
         }
-        let Some(mut here) = self.here.take() else { return Reached::EndOfLoad };
+    }
+
+    /// Raises the pressure in steps, the first all the way.
+    fn raise(&mut self, mut here: Point, pressure: f64) -> Reached {
         let mut step = pressure - here.state.pressure;
         while here.state.pressure < pressure {
             let left = pressure - here.state.pressure;
             let target = if step >= 0.999 * left { pressure } else { here.state.pressure + step };
             match self.advance(&here, target) {
-                Some(next) => {
+                Ok(next) => {
                     self.work.increments += 1;
-                    here = next;
+                    self.before = Some(std::mem::replace(&mut here, next));
                     step *= 2.0;
                 }
-                None => {
+                Err(refusal) => {
                     self.work.rejected += 1;
                     step = 0.5 * (target - here.state.pressure);
                     if step < SHORTEST * pressure {
-                        let end = here.state.pressure + step;
-                        self.end = Some(end);
-                        self.here = Some(here);
-                        return Reached::End { pressure: end };
+                        let end = self.end_at(&here, 2.0 * step, refusal);
+                        self.end = Some(end.clone());
+                        return end;
                     }
                 }
             }
@@ -100,78 +125,157 @@ impl<'a> Path<'a> {
         reached
     }
 
-    /// From rest to the load, without pressure.
-    fn apply_load(&mut self) -> Option<Point> {
-        let rest = self.chain.rest();
-        let (mut here, mut share, mut step) = (self.settle(rest, &[0.0; 4])?, 0.0, 1.0);
-        if self.load == [0.0; 4] {
-            return Some(here);
+    /// Why there is nothing within `gap` above an equilibrium. The slope of the pressure falls linearly in the volume near a limit point,
+    /// which tells where the pressure is highest; a branch can also lose its stability without that.
+    fn end_at(&self, here: &Point, gap: f64, refusal: Refusal) -> Reached {
+        let from = here.state.pressure;
+        let slope = |point: &Point| point.linear.compliance.recip();
+        let fall = self
+            .before
+            .as_ref()
+            .map(|before| (slope(before) - slope(here)) / (here.linear.volume - before.linear.volume));
+        let more = fall.filter(|fall| *fall > 0.0).map(|fall| 0.5 * slope(here) * slope(here) / fall);
+        match more.filter(|more| *more <= 2.0 * gap) {
+            Some(more) => Reached::End { pressure: from + more.min(gap) },
+            None if refusal == Refusal::Unstable => Reached::End { pressure: from + 0.5 * gap },
+            None => Reached::Stuck { pressure: from },
         }
-        while share < 1.0 {
+    }
+
+    /// From rest to the load, without pressure.
+    fn apply_load(&mut self) -> Result<Point, Reached> {
+        let (rest, stuck) = (self.chain.rest(), |_| Reached::Stuck { pressure: 0.0 });
+        let (mut here, mut share, mut step) = (self.settle(rest, &[0.0; 4]).map_err(stuck)?, 0.0, 1.0);
+        // Shares of the load and the squared stiffness against it, which near a limit point falls linearly.
+        let mut passed: Vec<[f64; 2]> = Vec::new();
+        while share < 1.0 && self.load != [0.0; 4] {
             let to = f64::min(share + step, 1.0);
-            let load = self.load.map(|component| to * component);
-            match self.settle(here.state.clone(), &load) {
-                Some(next) => {
+            let (stiffness, advanced) = self.advance_load(&here, share, to);
+            if passed.last().is_none_or(|last| last[0] < share) {
+                passed.push([share, stiffness * stiffness]);
+            }
+            match advanced {
+                Ok(next) => {
                     self.work.increments += 1;
                     (here, share, step) = (next, to, 2.0 * step);
                 }
-                None => {
+                Err(refusal) => {
                     self.work.rejected += 1;
                     step *= 0.5;
                     if step < SHORTEST {
-                        return None;
+                        let ends = refusal == Refusal::Unstable || vanishes_within(&passed, 8.0 * step);
+                        return Err(if ends { Reached::EndOfLoad } else { Reached::Stuck { pressure: 0.0 } });
                     }
                 }
             }
         }
-        Some(here)
+        Ok(here)
     }
 
-    /// One step of the pressure, or nothing if it does not stay on the branch.
-    fn advance(&mut self, here: &Point, pressure: f64) -> Option<Point> {
-        let rise = pressure - here.state.pressure;
+    /// One step of the load from a share of it to another; the first of Newton's steps is the prediction. Also the stiffness against the
+    /// load where the step begins.
+    fn advance_load(&mut self, here: &Point, from: f64, to: f64) -> (f64, Result<Point, Refusal>) {
+        let load = self.load.map(|component| to * component);
+        self.work.newton += 1;
+        let Ok(linear) = self.chain.solve(&here.state, &load) else { return (f64::NAN, Err(Refusal::Unsettled)) };
+        let work: f64 = self.load.iter().zip(&linear.step.strain).map(|(force, strain)| force * strain).sum();
+        let stiffness = (to - from) / work;
         let mut state = here.state.clone();
-        self.step(&mut state, rise, &here.linear.by_pressure);
+        self.step(&mut state, &linear.step);
+        let predicted = signature(&state.form, here.linear.volume);
+        let settled = self.settle(state, &load);
+        let near = |next: &Point| {
+            let ends = [&here.state.form, &next.state.form].map(|form| signature(form, here.linear.volume));
+            distance(&ends[1], &predicted) <= STRAY * distance(&ends[1], &ends[0])
+        };
+        (stiffness, settled.and_then(|next| if near(&next) { Ok(next) } else { Err(Refusal::Strayed) }))
+    }
+
+    /// One step of the pressure.
+    fn advance(&mut self, here: &Point, pressure: f64) -> Result<Point, Refusal> {
+        let rise = pressure - here.state.pressure;
+        let tangent = |change: &Form, volume: f64| {
+            let mut form = here.state.form.clone();
+            form.add(rise, change);
+            signature(&form, here.linear.volume + rise * volume)
+        };
+        let predicted = tangent(&here.linear.by_pressure, here.linear.compliance);
+        let mut state = self.extrapolated(here, rise);
         state.pressure = pressure;
-        let predicted = self.signature(&state.form, here.linear.volume + rise * here.linear.compliance);
         let load = self.load;
         let next = self.settle(state, &load)?;
-        let from = self.signature(&here.state.form, here.linear.volume);
-        let to = self.signature(&next.state.form, next.linear.volume);
-        (distance(&to, &predicted) <= STRAY * distance(&to, &from)).then_some(next)
+        let from = signature(&here.state.form, here.linear.volume);
+        let to = signature(&next.state.form, next.linear.volume);
+        let near = distance(&to, &predicted) <= STRAY * distance(&to, &from);
+        if near { Ok(next) } else { Err(Refusal::Strayed) }
     }
 
-    /// Strains and volume: what shows whether two states are near.
-    fn signature(&self, form: &Form, volume: f64) -> [f64; 5] {
-        let [stretch, first, second, twist] = form.strain;
-        [stretch, first, second, twist, volume / std::f64::consts::PI]
+    /// The state after a rise of the pressure by the tangent here and, to second order, by that at the equilibrium before. The tensions
+    /// follow their own tangents: those of stiff fibers are not what strains extrapolated to second order mean.
+    fn extrapolated(&self, here: &Point, rise: f64) -> State {
+        let before = self
+            .before
+            .as_ref()
+            .map(|before| (before, 0.5 * rise * rise / (here.state.pressure - before.state.pressure)));
+        // Not where the steps grow so much that the second order would do harm.
+        let (before, times) = before.filter(|(_, times)| *times <= 1.5 * rise).unwrap_or((here, 0.0));
+        let mut state = here.state.clone();
+        for (point, times) in [(here, rise + times), (before, -times)] {
+            state.form.add(times, &point.linear.by_pressure);
+            for (tension, slope) in state.tensions.iter_mut().zip(&point.tensions_by_pressure) {
+                (0..2).for_each(|family| tension[family] += times * slope[family]);
+            }
+        }
+        state
     }
 
-    /// Newton's method at constant pressure.
-    fn settle(&mut self, mut state: State, load: &[f64; 4]) -> Option<Point> {
+    /// Newton's method at constant pressure and load.
+    fn settle(&mut self, mut state: State, load: &[f64; 4]) -> Result<Point, Refusal> {
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
             self.work.newton += 1;
-            let linear = self.chain.solve(&state, load).ok()?;
+            let linear = self.chain.solve(&state, load).map_err(|_| Refusal::Unsettled)?;
             let change = linear.step.largest();
             if change.is_nan() || change > f64::min(FAR, GROWTH * before) {
-                return None;
+                return Err(Refusal::Unsettled);
             }
             before = change;
-            let step = linear.step.clone();
-            self.step(&mut state, 1.0, &step);
+            self.step(&mut state, &linear.step);
             if change < SETTLED {
-                return (linear.instabilities == 0).then_some(Point { state, linear });
+                let stable = linear.instabilities == 0;
+                return if stable { Ok(self.point(state, linear)) } else { Err(Refusal::Unstable) };
             }
         }
-        None
+        Err(Refusal::Unsettled)
+    }
+
+    fn point(&self, state: State, linear: Linear) -> Point {
+        let still = self.chain.tensions_after(&state.form, &Form::none(&self.chain.grid));
+        let mut slopes = self.chain.tensions_after(&state.form, &linear.by_pressure);
+        for (slope, still) in slopes.iter_mut().zip(still) {
+            (0..2).for_each(|family| slope[family] -= still[family]);
+        }
+        Point { state, linear, tensions_by_pressure: slopes }
     }
 
     /// Moves on, and carries the tensions along the tangent of the fibers' strains.
-    fn step(&self, state: &mut State, times: f64, change: &Form) {
-        state.tensions = self.chain.tensions_after(&state.form, times, change);
-        state.form.add(times, change);
+    fn step(&self, state: &mut State, change: &Form) {
+        state.tensions = self.chain.tensions_after(&state.form, change);
+        state.form.add(1.0, change);
     }
+}
+
+/// Whether the line through the last two of (argument, value) falls to zero within `gap` of the last.
+fn vanishes_within(passed: &[[f64; 2]], gap: f64) -> bool {
+    let [.., before, last] = passed else { return false };
+    let more = last[1] * (last[0] - before[0]) / (before[1] - last[1]);
+    (0.0..=gap).contains(&more)
+}
+
+/// Strains and volume: what shows whether two states are near.
+fn signature(form: &Form, volume: f64) -> [f64; 5] {
+    let [stretch, first, second, twist] = form.strain;
+    [stretch, first, second, twist, volume / PI]
 }
 
 fn distance(a: &[f64; 5], b: &[f64; 5]) -> f64 {

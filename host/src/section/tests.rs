@@ -121,7 +121,7 @@ fn moved(form: &Form, by: &[f64], times: f64) -> Form {
 
 /// The tensions that belong to the fibers' strains.
 fn tensions(chain: &Chain, form: &Form) -> Vec<[f64; 2]> {
-    chain.tensions_after(form, 0.0, &Form::none(&chain.grid))
+    chain.tensions_after(form, &Form::none(&chain.grid))
 }
 
 /// Somewhere off equilibrium, at a pressure of a tenth.
