@@ -25,6 +25,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/eval-batch.md",
         "docs/model.md",
         "docs/paper-map.md",
+        "docs/section-fe.md",
         "docs/speed.md",
     ] {
         let text = read(document);
