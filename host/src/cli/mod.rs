@@ -7,6 +7,7 @@ mod bench;
 mod check;
 mod eval;
 mod failure;
+mod fem;
 mod report;
 mod run;
 
@@ -44,6 +45,7 @@ enum Verb {
     Run(run::Run),
     Report(report::Report),
     Bench(bench::Bench),
+    Fem(fem::Fem),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -63,6 +65,7 @@ pub fn main() -> ExitCode {
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Bench(verb) => verb.run(),
+        Verb::Fem(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -6,9 +6,9 @@
 use std::fmt::{Display, Write};
 
 use super::mesh::{Element, Kind, Part};
-use super::model::{Elastomer, Model};
 use super::options::pressures;
-use super::{FemError, files};
+use super::parts::Elastomer;
+use super::{FemError, Model, files};
 
 /// Elements are numbered from here where they are trusses.
 const TRUSSES_FROM: usize = 1_000_000;
@@ -184,11 +184,11 @@ fn lumen_name(side: u8) -> String {
 }
 
 fn ties(model: &Model, text: &mut Text) {
-    if model.ties.is_empty() {
+    if model.ties.all.is_empty() {
         return;
     }
     text.line("*EQUATION");
-    for tie in &model.ties {
+    for tie in &model.ties.all {
         let dependent = (tie.dependent.0, tie.dependent.1, -1.0);
         let terms: Vec<_> = std::iter::once(dependent)
             .chain(tie.terms.iter().copied())
@@ -200,9 +200,10 @@ fn ties(model: &Model, text: &mut Text) {
 }
 
 fn materials(model: &Model, text: &mut Text) {
+    let all = &model.elastomers;
     let has = |part: Part| model.mesh.elements.iter().any(|element| element.part == part);
     for (part, name, elastomer) in
-        [(Part::Wall, "WALL", model.wall), (Part::Cap, "CAP", model.cap), (Part::Plate, "PLATE", model.cap)]
+        [(Part::Wall, "WALL", all.wall), (Part::Cap, "CAP", all.cap), (Part::Plate, "PLATE", all.cap)]
     {
         if has(part) {
             hyperelastic(name, &elastomer, text);
@@ -276,7 +277,7 @@ fn fibers(model: &Model, program: Program, text: &mut Text) {
     // A fiber and its opposite are one; the axial part is taken as positive.
     let hoop = if sin < 0.0 { -cos } else { cos };
     let families: &[f64] = if model.plan.two_families { &[1.0, -1.0] } else { &[1.0] };
-    let matrix = [model.matrix.c[0], 2.0 / model.matrix.bulk];
+    let matrix = [model.elastomers.layer.c[0], 2.0 / model.elastomers.layer.bulk];
     match program {
         Program::Calculix => {
             text.line("*MATERIAL, NAME=ELASTIC_FIBER_LAYER");

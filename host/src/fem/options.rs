@@ -122,7 +122,7 @@ impl Options {
         count("along", self.along, 4, 800)?;
         let even = |field, value: Option<u32>| {
             let n = value.unwrap_or(0);
-            require(n % 2 == 0, field, f64::from(n), "an even number")
+            require(n.is_multiple_of(2), field, f64::from(n), "an even number")
         };
         even("around", self.around)?;
         even("along", self.along)?;

@@ -215,7 +215,7 @@ fn around(options: &Options, symmetry: Symmetry, winding: Option<&Winding>) -> R
 fn along(options: &Options, [inner, outer, length]: [f64; 3], winding: Option<&Winding>) -> u32 {
     options.along.unwrap_or_else(|| {
         let plain = f64::max(outer - inner, 0.4 * outer);
-        let size = winding.map_or(plain, |winding| plain.min(0.25 * winding.axial_spacing_mm()));
+        let size = winding.map_or(plain, |winding| plain.min(0.5 * winding.axial_spacing_mm()));
         2 * (0.5 * length / size).ceil().clamp(4.0, 400.0) as u32
     })
 }

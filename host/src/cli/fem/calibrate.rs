@@ -1,0 +1,177 @@
+//! `softlimb fem calibrate`: what the cheaper models carry from finite elements.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fra_model::{Families, Motion, Placement};
+use serde_json::{Value, json};
+
+use super::super::{Failure, Outcome};
+use crate::design::{Limb, LimbModule};
+use crate::meridian::{EndLength, MeridianError, Thread, ThreadSheet, end_length, thread_sheet};
+use crate::scene;
+use crate::section::{Calibration, Options, Section};
+
+/// Lowest pressure of a bending polynomial, as a share of the highest.
+const LOWEST: f64 = 0.05;
+/// Pressure at which a thread is compared with a sheet, as a share of the highest: what it is worth hardly depends on it, and at high
+/// pressures the wall creases at the edges of the thread.
+const MODERATE: f64 = 0.3;
+
+/// What finite elements say that the cheaper models carry: bending polynomial, end length, and the sheet a thread is worth
+#[derive(Args)]
+#[command(after_help = "Example: softlimb fem calibrate scenes/pick-and-place-a.toml --thread 772,3,0.178")]
+pub(super) struct Calibrate {
+    /// The scene whose actuators are calibrated
+    scene: PathBuf,
+    /// Only this module
+    #[arg(long, value_name = "NAME")]
+    module: Option<String>,
+    /// The thread that winds the actuators: `E A` in N, distance of its turns in mm, width in mm
+    #[arg(long, value_name = "N,MM,MM", value_delimiter = ',', num_args = 1)]
+    thread: Vec<f64>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is found of one module.
+struct Found<'a> {
+    module: &'a LimbModule,
+    bending: Option<Calibration>,
+    ends: Result<EndLength, MeridianError>,
+    sheet: Option<Result<ThreadSheet, MeridianError>>,
+}
+
+impl Calibrate {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let thread = self.thread()?;
+        let limb = Limb::new(&scene::load(&self.scene)?)?;
+        let wanted = |module: &&LimbModule| self.module.as_ref().is_none_or(|name| *name == module.name);
+        let modules: Vec<_> = limb.modules().iter().filter(wanted).collect();
+        if modules.is_empty() {
+            let names: Vec<_> = limb.modules().iter().map(|module| module.name.as_str()).collect();
+            let asked = self.module.as_deref().unwrap_or_default();
+            return Err(Failure::new(format!("there is no module \"{asked}\": one of {}", names.join(", "))));
+        }
+        let found = modules.into_iter().map(|module| find(module, thread.as_ref())).collect::<Result<Vec<_>, _>>()?;
+        if self.json {
+            let modules: Vec<_> = found.iter().map(as_json).collect();
+            super::super::say(&json!({ "modules": modules }).to_string())?;
+        } else {
+            let modules: Vec<_> = found.iter().map(words).collect();
+            super::super::say(&modules.join("\n"))?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    fn thread(&self) -> Result<Option<Thread>, Failure> {
+        match self.thread[..] {
+            [] => Ok(None),
+            [stiffness_n, spacing, width] => {
+                Ok(Some(Thread { stiffness_n, spacing_m: spacing * 1e-3, width_m: width * 1e-3 }))
+            }
+            _ => Err(Failure::new(format!(
+                "--thread has {} values: three are wanted, E A in N, spacing in mm, width in mm",
+                self.thread.len()
+            ))),
+        }
+    }
+}
+
+fn find<'a>(module: &'a LimbModule, thread: Option<&Thread>) -> Result<Found<'a>, Failure> {
+    let named = |error: &dyn std::fmt::Display| Failure::new(format!("module {}: {error}", module.name));
+    let (parameters, highest_pa) = (module.actuator.parameters(), module.pressure_max_pa);
+    let bending = (module.motion == Motion::Bending).then(|| {
+        let section = Section::new(parameters, &Options::default())?;
+        section.calibrate([LOWEST * highest_pa, highest_pa])
+    });
+    let hooped = parameters.fiber.is_none_or(|fiber| fiber.placement == Placement::Sheet);
+    let sheet = thread.filter(|_| hooped).map(|thread| thread_sheet(parameters, thread, MODERATE * highest_pa));
+    if let Some(Err(error @ MeridianError::Invalid(_))) = &sheet {
+        return Err(Failure::new(format!("--thread: {error}")));
+    }
+    Ok(Found {
+        module,
+        bending: bending.transpose().map_err(|error| named(&error))?,
+        ends: end_length(parameters, highest_pa),
+        sheet,
+    })
+}
+
+fn words(found: &Found) -> String {
+    let Found { module, bending, ends, sheet } = found;
+    let mut text = format!("{} ({:.0} kPa)\n", module.name, module.pressure_max_pa * 1e-3);
+    if let Some(calibration) = bending {
+        let [a, b, c] = by_angle(calibration, module);
+        text += &format!(
+            "  bending: P = {a:.2} phi {b:+.2} phi^2 {c:+.2} phi^3 Pa, phi in rad; from {:.0} kPa on it errs by {:.2} % of the bend at most\n",
+            calibration.pressures_pa[0] * 1e-3,
+            100.0 * calibration.verified_error,
+        );
+    }
+    match ends {
+        Ok(EndLength { axial_m, twist_m, error_m, .. }) => {
+            for (name, delta) in [("length and bend", axial_m), ("twist", twist_m)] {
+                if let Some(delta) = delta {
+                    text +=
+                        &format!("  ends: each takes {:.2} +- {:.2} mm out of {name}\n", delta * 1e3, error_m * 1e3);
+                }
+            }
+        }
+        Err(error) => text += &format!("  ends: {error}\n"),
+    }
+    match sheet {
+        Some(Ok(sheet)) => {
+            text += &format!(
+                "  thread: worth a sheet of {:.1} N/mm, not the {:.1} N/mm of threads without distance: {:.1} % less strain",
+                sheet.effective_n_per_m * 1e-3,
+                sheet.ideal_n_per_m * 1e-3,
+                100.0 * (1.0 - sheet.strains[0] / sheet.strains[1]),
+            );
+            text += &modulus(module, sheet).map_or_else(String::new, |(modulus_pa, thickness_m)| {
+                format!("; modulus = \"{:.4} MPa\" with thickness = \"{} mm\"", modulus_pa * 1e-6, thickness_m * 1e3)
+            });
+            text.push('\n');
+        }
+        Some(Err(error)) => text += &format!("  thread: {error}\n"),
+        None => {}
+    }
+    text
+}
+
+/// Coefficients of the polynomial for the bend angle of the module's length.
+fn by_angle(calibration: &Calibration, module: &LimbModule) -> [f64; 3] {
+    let length_m = module.actuator.parameters().length_m;
+    let [a, b, c] = calibration.polynomial.coefficients;
+    [a / length_m, b / length_m.powi(2), c / length_m.powi(3)]
+}
+
+/// Modulus of a winding of the scene that is worth the thread, and its thickness.
+fn modulus(module: &LimbModule, sheet: &ThreadSheet) -> Option<(f64, f64)> {
+    let fiber = module.actuator.parameters().fiber.filter(|fiber| fiber.thickness_m > 0.0)?;
+    let families = if fiber.families == Families::Two { 2.0 } else { 1.0 };
+    Some((sheet.effective_n_per_m / (families * fiber.thickness_m), fiber.thickness_m))
+}
+
+fn as_json(found: &Found) -> Value {
+    let Found { module, bending, ends, sheet } = found;
+    let sheet = sheet.as_ref().and_then(|sheet| sheet.as_ref().ok());
+    json!({
+        "module": module.name,
+        "pressure_max_pa": module.pressure_max_pa,
+        "bending": bending.as_ref().map(|calibration| json!({
+            "coefficients_pa": by_angle(calibration, module),
+            "pressures_pa": calibration.pressures_pa,
+            "verified_error": calibration.verified_error,
+            "mesh_error": calibration.mesh_error,
+        })),
+        "ends": ends.as_ref().ok().map(|ends| json!({
+            "axial_m": ends.axial_m, "twist_m": ends.twist_m, "error_m": ends.error_m,
+        })),
+        "thread": sheet.map(|sheet| json!({
+            "effective_n_per_m": sheet.effective_n_per_m, "ideal_n_per_m": sheet.ideal_n_per_m, "error": sheet.error,
+            "modulus_pa": modulus(module, sheet).map(|(modulus_pa, _)| modulus_pa),
+        })),
+    })
+}

@@ -1,0 +1,188 @@
+//! `softlimb fem compare`: the analytic model beside finite elements.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+
+use super::super::{Failure, Outcome};
+use crate::design::Limb;
+use crate::fem::{self, End, Runner, Subject};
+use crate::scene;
+use crate::validation::{self, Case, Comparison, Quantity, Solid};
+
+/// Pressure against deformation: analytic model, finite elements of the section, and CalculiX side by side
+#[derive(Args)]
+#[command(
+    after_help = "Without a scene the published set is compared: four motions, two sizes, two materials. All of it:\n  \
+                  softlimb fem compare --calculix --tsv tests/golden/validation.tsv --svg docs/validation.svg --page docs/validation.md"
+)]
+pub(super) struct Compare {
+    /// The scene whose actuators are compared, up to each one's highest pressure
+    scene: Option<PathBuf>,
+    /// Only cases whose name contains this
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    only: String,
+    /// Run CalculiX too: seconds to minutes for each actuator
+    #[arg(long)]
+    calculix: bool,
+    /// The CalculiX program
+    #[arg(long, value_name = "PROGRAM", default_value = "ccx", requires = "calculix")]
+    ccx: PathBuf,
+    /// Seconds after which a CalculiX run is ended
+    #[arg(long, value_name = "SECONDS", default_value_t = 1800.0, requires = "calculix")]
+    timeout: f64,
+    /// Print the comparison as JSON
+    #[arg(long)]
+    json: bool,
+    /// Write the comparison as tab-separated values
+    #[arg(long, value_name = "FILE")]
+    tsv: Option<PathBuf>,
+    /// Write the picture
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Replace the table in a page, such as docs/validation.md
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+}
+
+/// Steps of the pressure for a scene's actuators.
+const STEPS: usize = 6;
+
+/// What was compared, and the seconds it took.
+#[derive(Default)]
+struct Done {
+    comparison: Comparison,
+    /// Of each case: the section's curve, and CalculiX.
+    seconds: Vec<(String, f64, Option<f64>)>,
+    warnings: Vec<String>,
+}
+
+impl Compare {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let page = self.page.as_deref().map(read_page).transpose()?;
+        let cases: Vec<Case> = self.cases()?.into_iter().filter(|case| case.name.contains(&self.only)).collect();
+        if cases.is_empty() {
+            return Err(Failure::new(format!("no case has \"{}\" in its name", self.only)));
+        }
+        let done = self.compare(&cases)?;
+        done.warnings.iter().for_each(|warning| super::super::note(&format!("warning: {warning}")));
+        let Done { comparison, seconds, .. } = &done;
+        if self.json {
+            super::super::say(&as_json(comparison).to_string())?;
+        } else {
+            super::super::say(&comparison.table())?;
+            super::super::say(&times(seconds))?;
+        }
+        // Picture and page show what the file says, to the digit.
+        let comparison = &Comparison::from_tsv(&comparison.tsv()).map_err(Failure::new)?;
+        let picture = || validation::picture(comparison);
+        for (file, text) in [(&self.tsv, comparison.tsv()), (&self.svg, picture())] {
+            file.as_deref().map_or(Ok(()), |file| write(file, &text))?;
+        }
+        if let (Some(file), Some(text)) = (&self.page, page) {
+            validation::refreshed(&text, comparison).map_or(Ok(()), |text| write(file, &text))?;
+        }
+        Ok(if done.warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+    }
+
+    fn cases(&self) -> Result<Vec<Case>, Failure> {
+        let Some(scene) = &self.scene else { return Ok(validation::cases()) };
+        let limb = Limb::new(&scene::load(scene)?)?;
+        let case = |module: &crate::design::LimbModule| Case {
+            name: module.name.clone(),
+            parameters: *module.actuator.parameters(),
+            pressures_pa: (1..=STEPS).map(|k| module.pressure_max_pa * k as f64 / STEPS as f64).collect(),
+        };
+        Ok(limb.modules().iter().map(case).collect())
+    }
+
+    fn compare(&self, cases: &[Case]) -> Result<Done, Failure> {
+        let bar = ProgressBar::new(1000 * cases.len() as u64);
+        let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed}  {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let mut done = Done::default();
+        for (index, case) in cases.iter().enumerate() {
+            bar.set_message(case.name.clone());
+            let mut solid_seconds = None;
+            let solid = if self.calculix {
+                let share = |share: f64| bar.set_position((1000.0 * (index as f64 + share)) as u64);
+                let (solid, seconds) = self.solid(case, &share, &mut done.warnings)?;
+                solid_seconds = Some(seconds);
+                solid
+            } else {
+                Solid::new()
+            };
+            let named = |error| Failure::new(format!("{}: {error}", case.name));
+            let begin = Instant::now();
+            validation::section_curve(case).map_err(named)?;
+            done.seconds.push((case.name.clone(), begin.elapsed().as_secs_f64(), solid_seconds));
+            done.comparison.rows.extend(validation::compare(case, &solid).map_err(named)?);
+        }
+        bar.finish_and_clear();
+        Ok(done)
+    }
+
+    /// What CalculiX says of a case, and its seconds. A run that ends early is a warning, and its converged part stands.
+    fn solid(&self, case: &Case, share: &dyn Fn(f64), warnings: &mut Vec<String>) -> Result<(Solid, f64), Failure> {
+        let runner = Runner { ccx: self.ccx.clone(), timeout_s: self.timeout, ..Runner::default() };
+        let begin = Instant::now();
+        let clock = || begin.elapsed().as_secs_f64();
+        let options = fem::Options::default();
+        let subject = Subject::single(case.parameters);
+        let run =
+            fem::run(&subject, &options, &case.pressures_pa, &runner, &clock, &mut |progress| share(progress.share))
+                .map_err(|error| Failure::new(format!("{}: {error}", case.name)))?;
+        match &run.end {
+            End::Finished => {}
+            End::Diverged { diagnosis, .. } => warnings.push(format!("{}: {diagnosis}", case.name)),
+            End::TimedOut => warnings.push(format!("{}: CalculiX took more than {} s", case.name, self.timeout)),
+        }
+        let quantity = Quantity::of(case.parameters.motion);
+        let value = |point: &fem::Point| point.middle.map(|rates| quantity.of_rates(&rates, case.parameters.length_m));
+        Ok((run.points.iter().map(value).collect(), run.seconds))
+    }
+}
+
+/// The section's times beside those of CalculiX.
+fn times(seconds: &[(String, f64, Option<f64>)]) -> String {
+    let mut text = String::from("section, ms   CalculiX, s    ratio\n");
+    for (name, section, solid) in seconds {
+        let (solid, ratio) = match solid {
+            Some(solid) => (format!("{solid:.1}"), format!("{:.0}", solid / section)),
+            None => ("-".to_owned(), "-".to_owned()),
+        };
+        text += &format!("{:>11.0} {solid:>13} {ratio:>8}   {name}\n", section * 1e3);
+    }
+    text
+}
+
+fn as_json(comparison: &Comparison) -> serde_json::Value {
+    let rows = comparison.rows.iter().map(|row| {
+        json!({
+            "case": row.case, "quantity": row.quantity.label(), "rest": row.rest, "pressure_kpa": row.pressure_kpa,
+            "analytic": row.analytic, "calibrated": row.calibrated, "section": row.section.map(|[value, _]| value),
+            "section_error": row.section.map(|[_, error]| error), "calculix": row.solid,
+            "analytic_difference": row.difference(row.analytic), "calculix_difference": row.difference(row.solid),
+        })
+    });
+    json!({ "rows": rows.collect::<Vec<_>>() })
+}
+
+fn read_page(file: &Path) -> Result<String, Failure> {
+    let text = fs::read_to_string(file).map_err(|error| Failure::file("read", file, &error))?;
+    if validation::has_place(&text) {
+        return Ok(text);
+    }
+    let [begin, end] = validation::PLACE;
+    Err(Failure::new(format!("{} has no place for the table: a line `{begin}` and one `{end}`", file.display())))
+}
+
+fn write(file: &Path, text: &str) -> Result<(), Failure> {
+    fem::write_whole(file, text).map_err(|error| Failure::new(&error))?;
+    super::super::note(&format!("wrote {}", file.display()));
+    Ok(())
+}

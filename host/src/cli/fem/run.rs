@@ -1,0 +1,122 @@
+//! `softlimb fem run`: run CalculiX and show what it found.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+
+use super::subject::{Arguments, Asked, describe};
+use crate::cli::{Failure, Outcome, note, say};
+use crate::fem::{self, End, Model, Options, PointStatus, Runner};
+
+/// Run CalculiX on an actuator or a bundle, and show pressure against deformation
+#[derive(Args)]
+#[command(after_help = "Needs CalculiX (Debian, Ubuntu: apt-get install calculix-ccx).\n\
+                  Example: softlimb fem run scenes/pick-and-place-a.toml --module shoulder --pressure-kpa 60")]
+pub(super) struct Run {
+    #[command(flatten)]
+    arguments: Arguments,
+    /// The program
+    #[arg(long, value_name = "PATH", default_value = "ccx")]
+    ccx: PathBuf,
+    /// End the run after so many seconds, 0.1 to 1000000; what had converged by then stands
+    #[arg(long, value_name = "SECONDS", default_value_t = Runner::default().timeout_s)]
+    timeout_s: f64,
+    /// Threads CalculiX may use, 1 to 64
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: u32,
+    /// Keep deck and output of CalculiX in this folder
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
+    /// Write the deformed meshes for ParaView to this folder
+    #[arg(long, value_name = "DIR")]
+    vtu: Option<PathBuf>,
+    /// Write the figures as tab-separated values
+    #[arg(long, value_name = "FILE")]
+    tsv: Option<PathBuf>,
+    /// Print the figures as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Run {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let Asked { name, subject, options, pressures_pa } = self.arguments.read()?;
+        let options = Options { all_nodes: self.vtu.is_some(), ..options };
+        note(&describe(&Model::new(&subject, &options)?));
+        let runner =
+            Runner { ccx: self.ccx.clone(), timeout_s: self.timeout_s, threads: self.threads, keep: self.keep.clone() };
+        let bar = bar();
+        let begin = Instant::now();
+        let clock = || begin.elapsed().as_secs_f64();
+        let found = fem::run(&subject, &options, &pressures_pa, &runner, &clock, &mut |now| {
+            bar.set_position((1e3 * now.share) as u64);
+            bar.set_message(format!("{} increments, {} iterations", now.increments, now.iterations));
+        });
+        bar.finish_and_clear();
+        let found = found?;
+        if let Some(file) = &self.tsv {
+            fem::write_whole(file, &found.tsv())?;
+            note(&format!("wrote {}", file.display()));
+        }
+        if let Some(folder) = &self.vtu {
+            note(&format!("wrote {}", found.write_vtu(folder, &name)?.display()));
+        }
+        say(&if self.json { figures(&name, &found).to_string() } else { found.table() })?;
+        judge(&found)
+    }
+}
+
+/// Failed where nothing converged, done with warnings where something is missing or doubtful.
+fn judge(run: &fem::Run) -> Result<Outcome, Failure> {
+    let mut warnings: Vec<String> = run.model.warnings().to_vec();
+    match &run.end {
+        End::Finished => {}
+        End::Diverged { diagnosis, .. } => {
+            warnings.push(format!("CalculiX stopped before the end of the load: {diagnosis}"))
+        }
+        End::TimedOut => warnings.push("the time was up before the end of the load".to_owned()),
+    }
+    if run.points.iter().any(|point| matches!(point.status, PointStatus::BeyondJump { .. })) {
+        warnings.push("pressures behind an abrupt growth have no figures; try smaller increments".to_owned());
+    }
+    if run.points.iter().all(|point| point.middle.is_none()) {
+        return Err(Failure::new(format!("no pressure was reached: {}", warnings.join("; "))));
+    }
+    warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    Ok(if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::new(1000);
+    let style = ProgressStyle::with_template("ccx [{bar:40}] {percent:>3} %  {elapsed_precise}  {msg}");
+    bar.set_style(style.map_or_else(|_| ProgressStyle::default_bar(), |style| style.progress_chars("=> ")));
+    bar
+}
+
+fn figures(name: &str, run: &fem::Run) -> Value {
+    let points = run.points.iter().map(|point| {
+        json!({
+            "pressure_pa": point.pressure_pa, "status": point.status.word(), "seconds": point.seconds,
+            "middle": point.middle.map(|middle| json!({
+                "axial_stretch": middle.axial_stretch, "outer_radius_m": middle.outer_radius_m,
+                "inner_radius_m": middle.inner_radius_m, "twist_rate_rad_per_m": middle.twist_rate_rad_per_m,
+                "bend_rate_rad_per_m": middle.bend_rate_rad_per_m,
+            })),
+            "ends": point.ends.map(|ends| json!({
+                "axial_stretch": ends.axial_stretch, "twist_rad": ends.twist_rad, "bend_angle_rad": ends.bend_angle_rad,
+            })),
+        })
+    });
+    let end = match &run.end {
+        End::Finished => "finished",
+        End::Diverged { .. } => "diverged",
+        End::TimedOut => "timed_out",
+    };
+    json!({
+        "name": name, "end": end, "seconds": run.seconds, "increments": run.increments, "iterations": run.iterations,
+        "nodes": run.model.nodes(), "thread_spacing_m": run.model.thread_spacing_m(), "points": points.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,138 @@
+//! Which actuator of a scene becomes a model, and how.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::super::Failure;
+use crate::fem::{FiberModel, Model, Options, Subject, SymmetryUse};
+use crate::scene::{self, Module, Scene};
+
+/// Arguments that `export` and `run` share.
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// The scene file
+    scene: PathBuf,
+    /// The module whose actuator is modelled [default: the first]
+    #[arg(long, value_name = "NAME")]
+    module: Option<String>,
+    /// Model all actuators of the module side by side, with the connector that joins their ends
+    #[arg(long)]
+    bundle: bool,
+    /// Highest gauge pressure, kPa [default: the module's]
+    #[arg(long, value_name = "KPA")]
+    pressure_kpa: Option<f64>,
+    /// Number of pressures, evenly up to the highest
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=200))]
+    points: u16,
+    /// Fibers as a material or as threads
+    #[arg(long, value_enum, default_value_t = Fibers::Smeared)]
+    fibers: Fibers,
+    /// Thickness of the layer that stands for a sheet of fibers, mm [default: a fiftieth of the wall, at most 0.05]
+    #[arg(long, value_name = "MM", conflicts_with = "spacing_mm")]
+    layer_mm: Option<f64>,
+    /// Distance between neighbouring threads of one family, mm; the nearest that whole threads permit is taken [default: 3/4 of the wall]
+    #[arg(long, value_name = "MM")]
+    spacing_mm: Option<f64>,
+    /// Elements through the wall, 1 to 12 [default: 2]
+    #[arg(long, value_name = "N")]
+    radial: Option<u32>,
+    /// Elements around the circle, 8 to 96, even [default: 24]
+    #[arg(long, value_name = "N")]
+    around: Option<u32>,
+    /// Elements along the whole length, 4 to 800, even [default: by wall, radius and threads]
+    #[arg(long, value_name = "N")]
+    along: Option<u32>,
+    /// Model the whole actuator where symmetry would allow a part
+    #[arg(long)]
+    whole: bool,
+    /// Bulk modulus over shear modulus, 100 to 10000
+    #[arg(long, value_name = "RATIO", default_value_t = Options::default().bulk_ratio)]
+    bulk_ratio: f64,
+    /// Largest share of the load in one increment, 0.001 to 0.5 [default: 0.05 for twisting, else 0.1]
+    #[arg(long, value_name = "SHARE")]
+    increment: Option<f64>,
+    /// Refuse meshes of more nodes than this, 100 to 400000
+    #[arg(long, value_name = "N", default_value_t = Options::default().nodes_max)]
+    nodes_max: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Fibers {
+    /// A material with fiber directions
+    Smeared,
+    /// Trusses along the threads
+    Threads,
+}
+
+/// What the arguments mean.
+pub(super) struct Asked {
+    /// `<scene>-<module>`.
+    pub(super) name: String,
+    pub(super) subject: Subject,
+    pub(super) options: Options,
+    pub(super) pressures_pa: Vec<f64>,
+}
+
+impl Arguments {
+    pub(super) fn read(&self) -> Result<Asked, Failure> {
+        let scene = scene::load(&self.scene)?;
+        let module = self.module(&scene)?;
+        let single = Subject::single(module.actuator());
+        let bundle = Subject { actuators: module.actuators, circle_radius_m: module.circle_radius_m, ..single };
+        let highest = self.pressure_kpa.map_or(*module.pressure_max_pa, |kpa| kpa * 1e3);
+        let points = u32::from(self.points);
+        let pressures_pa = (1..=points).map(|n| highest * f64::from(n) / f64::from(points)).collect();
+        let part = if self.bundle { "-bundle" } else { "" };
+        Ok(Asked {
+            name: format!("{}-{}{part}", scene.name(), file_name(&module.name)),
+            subject: if self.bundle { bundle } else { single },
+            options: self.options(),
+            pressures_pa,
+        })
+    }
+
+    fn module<'a>(&self, scene: &'a Scene) -> Result<&'a Module, Failure> {
+        let Some(name) = &self.module else { return Ok(&scene.modules()[0]) };
+        let known = || scene.modules().iter().map(|module| module.name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = scene.modules().iter().find(|module| *module.name == *name);
+        found.ok_or_else(|| Failure::new(format!("the scene has no module `{name}`, only {}", known())))
+    }
+
+    fn options(&self) -> Options {
+        let metres = |mm: Option<f64>| mm.map(|mm| mm * 1e-3);
+        Options {
+            fibers: match (self.fibers, self.spacing_mm) {
+                (Fibers::Smeared, None) => FiberModel::Smeared { layer_m: metres(self.layer_mm) },
+                _ => FiberModel::Threads { spacing_m: metres(self.spacing_mm) },
+            },
+            symmetry: if self.whole { SymmetryUse::Whole } else { SymmetryUse::Auto },
+            radial: self.radial,
+            around: self.around,
+            along: self.along,
+            bulk_ratio: self.bulk_ratio,
+            increment: self.increment,
+            nodes_max: self.nodes_max,
+            all_nodes: false,
+        }
+    }
+}
+
+/// A name as part of a file's: letters, digits, `-`, `_`; anything else becomes `_`.
+fn file_name(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    name.chars().map(plain).collect()
+}
+
+/// What a model is, in a line.
+pub(super) fn describe(model: &Model) -> String {
+    use crate::fem::Around;
+    let around = match model.symmetry().around {
+        Around::Whole => "all around".to_owned(),
+        Around::Half => "half the section".to_owned(),
+        Around::Sector(count) => format!("a sector of 1/{count}"),
+    };
+    let length = if model.symmetry().half_length { "half the length" } else { "the whole length" };
+    let threads = model.thread_spacing_m().map_or(String::new(), |m| format!(", threads {:.3} mm apart", m * 1e3));
+    format!("{} nodes, {} elements: {around}, {length}{threads}", model.nodes(), model.mesh().elements.len())
+}
