@@ -82,10 +82,29 @@ pub(super) struct Local<'a> {
     pub(super) pressure: V3,
 }
 
-/// Stress of the fibers: as their strain says, and as the iteration carries it (see [`Fibers`] and the module on Newton's method).
+/// Place and deformation gradient at a spot.
 struct Kinematics {
     y: V3,
     f: [V3; 3],
+}
+
+/// Adds the work of a stress on every column up to the row's own. In a plane the axial shear and what leaves the plane are zero.
+#[inline]
+fn add_row(row: &mut [f64], stress: &[V3; 3], columns: &[[f64; LOCAL]; 9]) {
+    let [[a, b, c], [d, e, f], [g, h, i]] = *stress;
+    if [c, f, g, h] == [0.0; 4] {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry += a * columns[0][j] + b * columns[1][j] + d * columns[3][j] + e * columns[4][j] + i * columns[8][j];
+        }
+        return;
+    }
+    for (j, entry) in row.iter_mut().enumerate() {
+        *entry += a * columns[0][j]
+            + b * columns[1][j]
+            + c * columns[2][j]
+            + (d * columns[3][j] + e * columns[4][j] + f * columns[5][j])
+            + (g * columns[6][j] + h * columns[7][j] + i * columns[8][j]);
+    }
 }
 
 impl Local<'_> {
@@ -151,16 +170,16 @@ impl Local<'_> {
         response.scale(spot.weight);
         sums.energy += response.energy;
         let displacements = 9 * self.dofs;
-        for (row, (index, df)) in columns.iter().enumerate() {
-            sums.gradient[*index] += response.work(df);
-            let stress = response.stress_change(df);
-            for (other, df) in &columns[..=row] {
-                sums.hessian[*index][*other] +=
-                    dot(&stress[0], &df[0]) + dot(&stress[1], &df[1]) + dot(&stress[2], &df[2]);
+        for row in 0..displacements + 4 {
+            let df: [V3; 3] = std::array::from_fn(|column| std::array::from_fn(|axis| columns[3 * column + axis][row]));
+            if df == [[0.0; 3]; 3] {
+                continue;
             }
+            sums.gradient[row] += response.work(&df);
+            add_row(&mut sums.hessian[row][..=row], &response.stress_change(&df), &columns);
             if let Some(modes) = &spot.pressure {
-                let change = response.volume_change(df);
-                sums.coupling[*index].iter_mut().zip(modes).for_each(|(sum, mode)| *sum -= mode * change);
+                let change = response.volume_change(&df);
+                sums.coupling[row].iter_mut().zip(modes).for_each(|(sum, mode)| *sum -= mode * change);
             }
         }
         if let Some(modes) = &spot.pressure {
@@ -170,24 +189,26 @@ impl Local<'_> {
         self.add_mixed(spot, &response.carried_axial, displacements, sums);
     }
 
-    /// `dF` by every displacement that moves this spot, and by the strains.
-    fn columns(&self, spot: &Spot, y: &V3) -> Vec<(usize, [V3; 3])> {
-        let mut columns = Vec::with_capacity(LOCAL);
+    /// The nine components of `dF`, each by every displacement and strain.
+    fn columns(&self, spot: &Spot, y: &V3) -> [[f64; LOCAL]; 9] {
+        let mut columns = [[0.0; LOCAL]; 9];
         for node in 0..9 {
             let (n, [outwards, around]) = (spot.n[node], spot.slopes[node]);
-            if n == 0.0 && outwards == 0.0 && around == 0.0 {
-                continue;
-            }
             for (axis, direction) in self.frames[node / 3][..self.dofs].iter().enumerate() {
-                let scaled = |factor: f64| direction.map(|entry| factor * entry);
-                let df = [scaled(outwards), scaled(around), along(self.strain, &scaled(n), 0.0)];
-                columns.push((self.dofs * node + axis, df));
+                let index = self.dofs * node + axis;
+                let axial = along(self.strain, direction, 0.0);
+                for component in 0..3 {
+                    columns[component][index] = outwards * direction[component];
+                    columns[3 + component][index] = around * direction[component];
+                    columns[6 + component][index] = n * axial[component];
+                }
             }
         }
-        let none = [0.0; 3];
         let by_strain = [[0.0, 0.0, 1.0], [y[2], 0.0, -y[0]], [0.0, y[2], -y[1]], [-y[1], y[0], 0.0]];
         for (strain, change) in by_strain.into_iter().enumerate() {
-            columns.push((9 * self.dofs + strain, [none, none, change]));
+            for component in 0..3 {
+                columns[6 + component][9 * self.dofs + strain] = change[component];
+            }
         }
         columns
     }

@@ -358,3 +358,29 @@ fn fronts_count_negative_eigenvalues_and_solve() {
         }
     }
 }
+
+/// Which section of the helix is looked at does not matter: moving all places along the screw motion works on nothing.
+#[test]
+fn sliding_along_the_helix_changes_neither_energy_nor_volume() {
+    for chain in &all_kinds() {
+        let mut state = somewhere(chain, 41);
+        state.form.strain = [1.1, 0.3, -0.2, 0.5];
+        state.tensions = tensions(chain, &state.form);
+        let [l0, k1, k2, tau] = state.form.strain;
+        let grid = &chain.grid;
+        let slide = state.form.places.chunks(3).enumerate().flat_map(|(node, place)| {
+            let (sin, cos) = grid.angles[node / grid.radii.len()].sin_cos();
+            let (x, y, z) = (cos * place[0] - sin * place[1], sin * place[0] + cos * place[1], place[2]);
+            let along = [k1 * z - tau * y, tau * x + k2 * z, l0 - k1 * x - k2 * y];
+            [cos * along[0] + sin * along[1], -sin * along[0] + cos * along[1], along[2]]
+        });
+        let sum = dense(chain, &state);
+        let [mut energy, mut volume, mut size] = [0.0; 3];
+        for (unknown, change) in slide.enumerate() {
+            energy += sum.gradient[unknown] * change;
+            volume += sum.by_volume[unknown] * change;
+            size += (sum.gradient[unknown] * change).abs();
+        }
+        assert!(energy.abs() < 1e-13 * size && volume.abs() < 1e-13 * size, "{energy:e} {volume:e} {size:e}");
+    }
+}

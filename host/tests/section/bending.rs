@@ -58,6 +58,15 @@ fn a_crosswise_winding_under_a_cover_with_a_strip_bends_as_another_program_says(
     assert!((rate / 7.35 - 1.0).abs() < 2e-3, "{rate}");
 }
 
+/// Families of 5 degrees in the outer 0.4 mm, 1000 times the shear modulus, and a line: 9.548 rad/m by the same program on a coarser mesh.
+#[test]
+fn a_layer_with_a_line_bends_as_another_program_says() {
+    let parameters = wound(tube(Motion::Bending, 6.0, 8.0, SOFT), 5.0, Placement::Layer, 1000.0, 7.6);
+    let rate = at(&parameters, &Options::default(), 40e3).state.bend_rates_rad_per_m[0];
+    println!("{rate}");
+    assert!((rate / 9.548 - 1.0).abs() < 3e-3, "{rate}");
+}
+
 #[test]
 fn a_stiff_strip_comes_to_be_the_line() {
     let parameters = tube(Motion::Bending, 6.0, 8.0, SOFT);
