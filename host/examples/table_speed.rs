@@ -98,7 +98,7 @@ fn counted_volume(table: &VolumeTable<f32>, pressure_pa: f32) -> Result<Volume<f
 
 fn tables(case: &Case) -> Result<(DeviceTables, DenseTable), Box<dyn std::error::Error>> {
     let curve = StateCurve::new(&case.actuator, case.pressure_max_pa);
-    let subject = Subject { actuator: &case.actuator, kind: case.kind, curve: &curve };
+    let subject = Subject::new(&case.actuator, case.kind, &curve);
     let tables = device_tables(&subject, BUDGET, ATMOSPHERE_PA).map_err(|reason| reason.to_string())?;
     let argument = tables.inverse.as_ref().map_or(Argument::Linear, |fit| fit.argument);
     let dense = DenseTable::new(&subject, argument, 1024).map_err(|reason| reason.to_string())?;

@@ -7,7 +7,8 @@ use softlimb::motion::{self, ModuleInverse};
 use softlimb::report;
 use softlimb::run::{RunOptions, run};
 use softlimb::scene::{InverseChoice, Scene, SceneError, load, parse};
-use softlimb::table::NoTable;
+use softlimb::section::{EndLoad, Options, Section};
+use softlimb::table::{InverseFit, NoTable};
 use softlimb_protocol::TableArgument;
 
 /// A finger that bends, one that lengthens and one whose setpoint is a pressure: 4 channels.
@@ -113,6 +114,30 @@ fn the_scenes_of_the_repository_need_no_solver_on_the_device() {
             }
         }
     }
+}
+
+/// The table of a finger built from its section's finite elements gives the bend that these elements have at its pressures.
+#[test]
+fn a_table_can_carry_the_finite_elements_of_the_section() {
+    let scene = hand("bending = \"section-fe\"");
+    let limb = Limb::new(&scene).unwrap();
+    let all = inverses(&scene).unwrap();
+    let ModuleInverse::Section(tables, calibration) = &all[0] else { panic!("{}", all[0]) };
+    assert!(calibration.verified_error < 5e-3, "{calibration:?}");
+    assert!(matches!(all[1], ModuleInverse::Table(_)) && matches!(all[2], ModuleInverse::Table(_)));
+    let parameters = limb.modules()[0].actuator.parameters();
+    let section = Section::new(parameters, &Options::default()).unwrap();
+    let table = tables.inverse.as_ref().and_then(InverseFit::table).unwrap();
+    for angle_deg in [10.0, 33.0, 61.0, 90.0_f64] {
+        let angle = angle_deg.to_radians();
+        let pressure_pa = f64::from(table.lookup(angle as f32).unwrap().pressure_pa);
+        let curve = section.curve(&[pressure_pa], &EndLoad::default()).unwrap();
+        let bend = curve.answers[0].equilibrium().unwrap().state.bend_rates_rad_per_m[0] * parameters.length_m;
+        assert!((bend / angle - 1.0).abs() < 5e-3, "{angle_deg}: {bend}");
+    }
+    let error = parse(&format!("{HAND}\n[controller]\nbending = \"section-fe\"\ninverse = \"model\"\n"), "hand.toml")
+        .unwrap_err();
+    assert!(error.render(false).contains("`bending = \"section-fe\"` needs tables"), "{}", error.render(false));
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn shares(count: u32) -> impl Iterator<Item = f64> {
 fn with_tables(check: impl Fn(&str, &Subject, &DeviceTables)) {
     for (name, actuator, kind, pressure_max_pa) in smooth() {
         let curve = StateCurve::new(&actuator, pressure_max_pa);
-        let subject = Subject { actuator: &actuator, kind, curve: &curve };
+        let subject = Subject::new(&actuator, kind, &curve);
         let tables = device_tables(&subject, BUDGET, ATMOSPHERE_PA).unwrap_or_else(|reason| panic!("{name}: {reason}"));
         check(name, &subject, &tables);
     }
@@ -129,7 +129,7 @@ fn volumes_and_compliances_are_the_models() {
 fn the_dense_table_is_the_model_to_a_billionth() {
     for (name, actuator, kind, pressure_max_pa) in smooth() {
         let curve = StateCurve::new(&actuator, pressure_max_pa);
-        let subject = Subject { actuator: &actuator, kind, curve: &curve };
+        let subject = Subject::new(&actuator, kind, &curve);
         let table = DenseTable::new(&subject, Argument::Linear, 1024).unwrap();
         let (from, to) = table.range();
         let mut most = 0.0_f64;
@@ -153,7 +153,7 @@ fn the_dense_table_is_the_model_to_a_billionth() {
 fn at_the_neutral_angle_the_pressure_is_a_function_of_the_root() {
     let neutral = actuator(Motion::Extension, 0.5_f64.sqrt().atan().to_degrees(), Families::Two, 361e6);
     let curve = StateCurve::new(&neutral, 97e3);
-    let subject = Subject { actuator: &neutral, kind: SetpointKind::AxialStretch, curve: &curve };
+    let subject = Subject::new(&neutral, SetpointKind::AxialStretch, &curve);
     let fit = device_tables(&subject, BUDGET, ATMOSPHERE_PA).unwrap().inverse.unwrap();
     assert_eq!(fit.argument, Argument::Root);
     let table = fit.table().unwrap();
@@ -171,7 +171,7 @@ fn at_the_neutral_angle_the_pressure_is_a_function_of_the_root() {
 fn a_wrong_table_is_found_out() {
     let (_, actuator, kind, pressure_max_pa) = smooth().remove(0);
     let curve = StateCurve::new(&actuator, pressure_max_pa);
-    let subject = Subject { actuator: &actuator, kind, curve: &curve };
+    let subject = Subject::new(&actuator, kind, &curve);
     let exact = DenseTable::new(&subject, Argument::Linear, 256).unwrap();
     let good = device_tables(&subject, BUDGET, ATMOSPHERE_PA).unwrap().inverse.unwrap();
     let again = verify(&good, &exact).unwrap();
@@ -200,7 +200,7 @@ fn a_wrong_table_is_found_out() {
 fn what_cannot_be_tabulated_says_why() {
     let refused = |actuator: &Actuator<f64>, kind, pressure_max_pa, budget| {
         let curve = StateCurve::new(actuator, pressure_max_pa);
-        device_tables(&Subject { actuator, kind, curve: &curve }, budget, ATMOSPHERE_PA).expect_err("this has no table")
+        device_tables(&Subject::new(actuator, kind, &curve), budget, ATMOSPHERE_PA).expect_err("this has no table")
     };
     // Beyond the neutral angle the stretch falls at first; stiff at large strain, a soft winding lets it turn.
     let turning = actuator(Motion::Extension, 35.5, Families::Two, 1e6);
@@ -226,7 +226,7 @@ fn what_cannot_be_tabulated_says_why() {
 fn the_error_falls_with_the_degree_to_that_of_the_grid() {
     let (_, actuator, kind, pressure_max_pa) = smooth().remove(4);
     let curve = StateCurve::new(&actuator, pressure_max_pa);
-    let subject = Subject { actuator: &actuator, kind, curve: &curve };
+    let subject = Subject::new(&actuator, kind, &curve);
     let exact = DenseTable::new(&subject, Argument::Linear, 256).unwrap();
     let errors: Vec<f64> =
         (1..=16).map(|degree| inverse_of_degree(&subject, &exact, degree).map_or(f64::NAN, |fit| fit.error)).collect();
@@ -285,7 +285,7 @@ fn random_actuators_have_a_table_that_holds_or_a_reason() {
         };
         let actuator = Actuator::new(&parameters).unwrap();
         let curve = StateCurve::new(&actuator, pressure_max_pa);
-        let subject = Subject { actuator: &actuator, kind, curve: &curve };
+        let subject = Subject::new(&actuator, kind, &curve);
         let fit = match device_tables(&subject, BUDGET, ATMOSPHERE_PA) {
             Ok(found) => found.inverse.unwrap(),
             Err(reason) => {

@@ -6,7 +6,8 @@ use fra_model::Argument;
 use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
 use crate::design::{Limb, LimbModule};
-use crate::scene::{InverseChoice, Scene, SceneError};
+use crate::scene::{BendingModel, InverseChoice, Scene, SceneError, SetpointKind};
+use crate::section::{Calibration, Options, Section, SectionError};
 use crate::table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 
 /// How the channels of one module find their pressures.
@@ -14,6 +15,8 @@ use crate::table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device
 pub enum ModuleInverse {
     /// In these tables.
     Table(DeviceTables),
+    /// In these tables, the inverse one built from a cubic of the section's finite elements.
+    Section(DeviceTables, Calibration),
     /// By solving the model: there are no tables for a reason, or the scene does not want any.
     Model(Option<NoTable>),
 }
@@ -22,7 +25,7 @@ impl ModuleInverse {
     /// The tables, where they are used.
     pub fn tables(&self) -> Option<&DeviceTables> {
         match self {
-            Self::Table(tables) => Some(tables),
+            Self::Table(tables) | Self::Section(tables, _) => Some(tables),
             Self::Model(_) => None,
         }
     }
@@ -35,7 +38,7 @@ impl ModuleInverse {
     /// Why there are no tables, where the scene would take some.
     pub fn reason(&self) -> Option<NoTable> {
         match self {
-            Self::Table(_) => None,
+            Self::Table(_) | Self::Section(..) => None,
             Self::Model(reason) => *reason,
         }
     }
@@ -56,7 +59,14 @@ impl fmt::Display for ModuleInverse {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self, self.error()) {
             (Self::Table(_), Some(error)) => write!(f, "table within {error:.1e} of full scale"),
-            (Self::Table(_), None) => f.write_str("pressure"),
+            (Self::Section(_, calibration), Some(error)) => {
+                let cubic = 100.0 * calibration.verified_error;
+                write!(
+                    f,
+                    "table within {error:.1e} of full scale, from finite elements within {cubic:.2} % of the bend"
+                )
+            }
+            (Self::Table(_) | Self::Section(..), None) => f.write_str("pressure"),
             (Self::Model(Some(reason)), _) => write!(f, "model: {reason}"),
             (Self::Model(None), _) => f.write_str("model"),
         }
@@ -73,13 +83,41 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
         if controller.inverse == InverseChoice::Model {
             return Ok(ModuleInverse::Model(None));
         }
-        match device_tables(&Subject::of(module), controller.inverse_error, ambient.pressure_pa) {
-            Ok(tables) => Ok(ModuleInverse::Table(tables)),
-            Err(reason) if controller.inverse == InverseChoice::Table => Err(refused(scene, index, &reason)),
-            Err(reason) => Ok(ModuleInverse::Model(Some(reason))),
+        let wanted = controller.bending == BendingModel::SectionFe && module.kind == SetpointKind::BendAngle;
+        let calibration =
+            wanted.then(|| calibration(module).map_err(|error| no_cubic(scene, index, &error))).transpose()?;
+        let bend = calibration.map(|calibration| calibration.polynomial);
+        let subject = Subject { bend, ..Subject::of(module) };
+        match (device_tables(&subject, controller.inverse_error, ambient.pressure_pa), calibration) {
+            (Ok(tables), None) => Ok(ModuleInverse::Table(tables)),
+            (Ok(tables), Some(calibration)) => Ok(ModuleInverse::Section(tables, calibration)),
+            (Err(reason), calibration) if controller.inverse == InverseChoice::Table || calibration.is_some() => {
+                Err(refused(scene, index, &reason))
+            }
+            (Err(reason), _) => Ok(ModuleInverse::Model(Some(reason))),
         }
     };
     limb.modules().iter().enumerate().map(of_module).collect()
+}
+
+/// Lowest pressure that a cubic is fitted to, as a share of the highest.
+const CUBIC_FROM: f64 = 0.05;
+
+/// The cubic of a bending module's section.
+fn calibration(module: &LimbModule) -> Result<Calibration, SectionError> {
+    let highest_pa = module.curve.pressure_max_pa();
+    Section::new(module.actuator.parameters(), &Options::default())?.calibrate([CUBIC_FROM * highest_pa, highest_pa])
+}
+
+fn no_cubic(scene: &Scene, module: usize, error: &SectionError) -> SceneError {
+    let module = &scene.modules()[module];
+    let title = format!("the finite elements give no bending table for the module `{}`", *module.name);
+    scene.diagnostic(
+        module.span,
+        &title,
+        &error.to_string(),
+        Some("leave out `bending = \"section-fe\"` in [controller]"),
+    )
 }
 
 fn refused(scene: &Scene, module: usize, reason: &NoTable) -> SceneError {

@@ -29,8 +29,8 @@ mod value;
 use std::path::Path;
 
 pub use data::{
-    Ambient, Chamber, Controller, EndEffector, Goal, InverseChoice, Limb, Limits, Line, LinkLoss, Module, Phase, Plant,
-    Scene, Sensor, SetpointKind, Spread, Supply, Target, Valve,
+    Ambient, BendingModel, Chamber, Controller, EndEffector, Goal, InverseChoice, Limb, Limits, Line, LinkLoss, Module,
+    Phase, Plant, Scene, Sensor, SetpointKind, Spread, Supply, Target, Valve,
 };
 pub use error::{Problems, SceneError, Unreadable};
 pub use reference::reference;

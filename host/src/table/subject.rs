@@ -5,6 +5,7 @@ use fra_model::{Actuator, Load, State, Status, Target};
 use super::NoTable;
 use crate::design::{LimbModule, StateCurve, measure};
 use crate::scene::SetpointKind;
+use crate::section::BendPolynomial;
 
 /// Newton steps from the interpolated curve to the model itself; two or three do.
 const NEWTON_STEPS: usize = 12;
@@ -18,12 +19,25 @@ pub struct Subject<'a> {
     pub kind: SetpointKind,
     /// Its states from zero to the highest pressure of the table.
     pub curve: &'a StateCurve,
+    /// The bend in place of the actuator's own, if its setpoints are bend angles.
+    pub bend: Option<BendPolynomial>,
 }
 
 impl<'a> Subject<'a> {
     /// The actuators of a module.
     pub fn of(module: &'a LimbModule) -> Self {
-        Self { actuator: &module.actuator, kind: module.kind, curve: &module.curve }
+        Self::new(&module.actuator, module.kind, &module.curve)
+    }
+
+    /// An actuator by its own model.
+    pub fn new(actuator: &'a Actuator<f64>, kind: SetpointKind, curve: &'a StateCurve) -> Self {
+        Self { actuator, kind, curve, bend: None }
+    }
+
+    /// The polynomial in place of the model, and the length it bends.
+    fn polynomial(&self) -> Option<(BendPolynomial, f64)> {
+        let bend = self.bend.filter(|_| self.kind == SetpointKind::BendAngle)?;
+        Some((bend, self.actuator.parameters().length_m))
     }
 
     /// The quantity without pressure and at the highest one.
@@ -31,6 +45,9 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// [`NoTable::NotMonotone`] unless it runs from one to the other without turning back; [`NoTable::NotSolved`] without any pressure.
     pub fn range(&self) -> Result<(f64, f64), NoTable> {
+        if let Some((bend, length_m)) = self.polynomial() {
+            return Ok((0.0, bend.bend_rate_rad_per_m(self.curve.pressure_max_pa()) * length_m));
+        }
         let values: Vec<f64> = self.curve.states().iter().map(|state| measure(self.kind, state)).collect();
         let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
             return Err(NoTable::NotSolved { pressure_pa: 0.0 });
@@ -50,6 +67,9 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// [`NoTable::NotSolved`].
     pub fn value_at(&self, pressure_pa: f64) -> Result<f64, NoTable> {
+        if let Some((bend, length_m)) = self.polynomial() {
+            return Ok(bend.bend_rate_rad_per_m(pressure_pa) * length_m);
+        }
         let start: State<f64> = self.curve.at(pressure_pa);
         match self.actuator.forward_from(&start, pressure_pa, &Load::none()) {
             Ok(solution) if solution.status == Status::Solved => Ok(measure(self.kind, &solution.state)),
@@ -64,6 +84,9 @@ impl<'a> Subject<'a> {
     /// [`NoTable::NotSolved`].
     pub fn pressure_at(&self, value: f64) -> Result<f64, NoTable> {
         let highest_pa = self.curve.pressure_max_pa();
+        if let Some((bend, length_m)) = self.polynomial() {
+            return Ok(bend.pressure_pa(value / length_m).clamp(0.0, highest_pa));
+        }
         if self.kind == SetpointKind::BendAngle {
             return match self.actuator.inverse(Target::BendAngle(value), &Load::none()) {
                 Ok(found) if found.status == Status::Solved => Ok(found.state.pressure_pa.clamp(0.0, highest_pa)),

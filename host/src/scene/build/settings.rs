@@ -1,6 +1,6 @@
 //! Limits and settings of the controller.
 
-use crate::scene::data::{Controller, InverseChoice, Limits, LinkLoss};
+use crate::scene::data::{BendingModel, Controller, InverseChoice, Limits, LinkLoss};
 use crate::scene::error::{Problem, quoted};
 use crate::scene::reader::Reader;
 use crate::scene::schema::{self, Nested, Quantity, Section, controller as keys};
@@ -65,6 +65,17 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
         let inverses = [InverseChoice::Auto, InverseChoice::Table, InverseChoice::Model];
         let inverse = reader.choice(&keys::INVERSE, &inverses);
         let inverse_error = reader.quantity(&keys::INVERSE_ERROR);
+        let bending = reader.choice(&keys::BENDING, &[BendingModel::Analytic, BendingModel::SectionFe]);
+        if let (Some(bending), Some(inverse)) = (&bending, &inverse)
+            && (**bending, **inverse) == (BendingModel::SectionFe, InverseChoice::Model)
+        {
+            let problem = Problem::at(
+                bending.span,
+                "`bending = \"section-fe\"` needs tables",
+                "the device solves the analytic model",
+            );
+            return reader.log().note(problem.help("leave out `inverse = \"model\"`"));
+        }
         Some(Controller {
             knot_period_us: knot?,
             control_period_us: control?,
@@ -74,6 +85,7 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
             link_loss: *link_loss?,
             vent_ramp_pa_per_s: *vent_ramp?,
             inverse: *inverse?,
+            bending: *bending?,
             inverse_error: *inverse_error?,
         })
     })

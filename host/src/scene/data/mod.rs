@@ -5,7 +5,7 @@ mod motion;
 mod plant;
 
 pub use limb::{EndEffector, Limb, Module};
-pub use motion::{Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target};
+pub use motion::{BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target};
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
 
 use super::error::{Problem, Problems, SceneError};

@@ -117,6 +117,15 @@ pub enum InverseChoice {
     Model,
 }
 
+/// Which model the inverse tables of bending modules are built from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BendingModel {
+    /// The analytic one.
+    Analytic,
+    /// A cubic fitted to the finite elements of the section.
+    SectionFe,
+}
+
 /// Settings of the pressure controller.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -137,6 +146,8 @@ pub struct Controller {
     pub vent_ramp_pa_per_s: f64,
     /// How the controller finds the pressure for a deformation.
     pub inverse: InverseChoice,
+    /// Which model the inverse tables of bending modules are built from.
+    pub bending: BendingModel,
     /// Largest error of an inverse table, as a share of the highest pressure; > 0.
     pub inverse_error: f64,
 }

@@ -45,5 +45,6 @@ section! {
     LINK_LOSS: Choice { name: "link_loss", words: &["hold-then-ramp", "hold", "vent"], presence: Default("hold-then-ramp") } = "What happens when the link is lost: hold and then ramp down, hold, or vent at once.";
     VENT_RAMP: Quantity { name: "vent_ramp", unit: Unit::KPA_PER_S, min: 0.1, max: 1000.0, presence: Default(20.0) } = "Rate at which pressures ramp down.";
     INVERSE: Choice { name: "inverse", words: &["auto", "table", "model"], presence: Default("auto") } = "How the controller finds the pressure for a deformation: `table` looks it up in tables that the host builds and compares with the model, `model` solves the model in each control period, `auto` takes tables where they keep `inverse_error` and the model elsewhere. With `table`, a module whose tables do not keep it is an error.";
+    BENDING: Choice { name: "bending", words: &["analytic", "section-fe"], presence: Default("analytic") } = "Which model the inverse tables of bending modules are built from: `section-fe` takes a cubic fitted to the finite elements of the section. Not with `inverse = \"model\"`.";
     INVERSE_ERROR: Quantity { name: "inverse_error", unit: Unit::PERCENT, min: 1e-4, max: 1.0, presence: Default(0.01) } = "Largest error of such a table, as a share of the highest pressure of its module.";
 }
