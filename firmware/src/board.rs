@@ -20,6 +20,11 @@ pub trait Board {
     /// Bytes that the link can take now.
     fn link_room(&self) -> usize;
 
+    /// The most that the stack has held since the start, bytes; 0 where it is not measured.
+    fn stack_used(&self) -> u16 {
+        0
+    }
+
     /// Sends bytes; never more than [`Self::link_room`].
     fn write_link(&mut self, bytes: &[u8]);
 }
@@ -27,6 +32,7 @@ pub trait Board {
 /// One turn of the device: control first, then the link.
 pub fn turn<B: Board>(controller: &mut Controller, board: &mut B) -> TickOutputs {
     let inputs = board.inputs();
+    controller.set_stack_used(board.stack_used());
     let outputs = controller.tick(&inputs);
     board.apply(&outputs);
     let mut chunk = [0; CHUNK];

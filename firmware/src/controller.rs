@@ -22,6 +22,8 @@ const PUMP_BAND: f32 = 0.1;
 pub struct BootInfo {
     /// Why the device started.
     pub cause: BootCause,
+    /// Where it stopped before: line of the source or address of the instruction, by the cause; 0 where that is unknown.
+    pub detail: u32,
 }
 
 /// What a tick reads.
@@ -79,6 +81,7 @@ pub struct Controller {
     pub(crate) supply_high: Lasting,
     pub(crate) tick_count: u32,
     pub(crate) telemetry_due_us: u64,
+    pub(crate) stack_used: u16,
 }
 
 impl Controller {
@@ -108,7 +111,18 @@ impl Controller {
             supply_high: Lasting::new(),
             tick_count: 0,
             telemetry_due_us: 0,
+            stack_used: 0,
         }
+    }
+
+    /// Takes why the device started, where that is known only after the controller was placed in memory.
+    pub fn set_boot(&mut self, boot: BootInfo) {
+        self.boot = boot;
+    }
+
+    /// Takes the most that the stack has held since the start, bytes, for the telemetry; 0 where it is not measured.
+    pub fn set_stack_used(&mut self, stack_used: u16) {
+        self.stack_used = stack_used;
     }
 
     /// What the device is doing.

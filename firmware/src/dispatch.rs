@@ -130,6 +130,7 @@ impl Controller {
             firmware_minor: version(env!("CARGO_PKG_VERSION_MINOR")),
             firmware_patch: version(env!("CARGO_PKG_VERSION_PATCH")),
             boot_cause: self.boot.cause.into(),
+            boot_detail: self.boot.detail,
             state: self.state.into(),
             channels_max: MAX_CHANNELS as u8,
             knots_capacity: KNOTS as u16,

@@ -8,7 +8,7 @@
 //! use softlimb_firmware::{AdcCode, BootInfo, Controller, TickInputs, TickOutputs};
 //! use softlimb_protocol::{BootCause, DeviceState};
 //!
-//! let mut controller = Controller::new(BootInfo { cause: BootCause::PowerOn });
+//! let mut controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 });
 //! let inputs = TickInputs { now_us: 1_000, pressure: [AdcCode(410); 27], supply: AdcCode(2_000), emergency_stop: false };
 //! assert_eq!(controller.tick(&inputs), TickOutputs::SAFE);
 //! assert_eq!(controller.state(), DeviceState::Idle);

@@ -45,6 +45,7 @@ impl Controller {
             free_knots: self.queue.free(),
             next_index: self.queue.next_index(),
             ticks_late: self.ticks.late(),
+            stack_used: self.stack_used,
             channels: List::try_from_iter(samples).ok()?,
         })
     }

@@ -56,7 +56,7 @@ fn a_slow_link_delays_bytes_and_loses_none() {
         bytes.extend(frame(2, &Heartbeat { session: SESSION, host_time_us: number }.into()));
     }
     let mut board = Slow { now_us: 0, incoming: bytes.into(), outgoing: Vec::new(), room: 0, applied: Vec::new() };
-    let mut controller = Controller::new(BootInfo { cause: BootCause::PowerOn });
+    let mut controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 });
     for _ in 0..60 {
         turn(&mut controller, &mut board);
     }

@@ -32,6 +32,7 @@ fn reply(protocol_version: u16, schema_hash: u32) -> HelloReply {
         firmware_minor: 1,
         firmware_patch: 4,
         boot_cause: BootCause::PowerOn.into(),
+        boot_detail: 0,
         state: DeviceState::Idle.into(),
         channels_max: 9,
         knots_capacity: 64,

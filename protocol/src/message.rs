@@ -44,6 +44,10 @@ interface! {
             Watchdog = 3,
             /// The supply voltage dipped.
             BrownOut = 4,
+            /// The program found itself in a state that it cannot be in; `boot_detail` is the line of its source.
+            Panic = 5,
+            /// The processor met an instruction or address that it cannot serve; `boot_detail` is the address of the instruction.
+            HardFault = 6,
         }
 
         /// What the device does when the link is lost and its buffer is empty.
@@ -402,6 +406,8 @@ interface! {
             firmware_patch: u8,
             /// Why the device last started.
             boot_cause: Code<BootCause>,
+            /// Where it stopped before it started, by the cause; 0 where that is unknown.
+            boot_detail: u32,
             /// Present state.
             state: Code<DeviceState>,
             /// Channels of this device.
@@ -460,6 +466,8 @@ interface! {
             next_index: u32,
             /// Control ticks that came late; stays at 65535.
             ticks_late: u16,
+            /// The most that the stack has held since the start, bytes; 0 where it is not measured.
+            stack_used: u16,
             /// One sample per configured channel.
             channels: List<ChannelSample>,
         }

@@ -37,6 +37,7 @@ fn hello_reply(session: u16) -> DeviceMessage {
         firmware_minor: 1,
         firmware_patch: 0,
         boot_cause: BootCause::PowerOn.into(),
+        boot_detail: 0,
         state: DeviceState::Idle.into(),
         channels_max: 27,
         knots_capacity: 64,

@@ -154,6 +154,7 @@ fn reply_fields(m: &HelloReply) -> Value {
         "firmware_minor": m.firmware_minor,
         "firmware_patch": m.firmware_patch,
         "boot_cause": m.boot_cause.raw(),
+        "boot_detail": m.boot_detail,
         "state": m.state.raw(),
         "channels_max": m.channels_max,
         "knots_capacity": m.knots_capacity,
@@ -177,6 +178,7 @@ fn telemetry_fields(m: &Telemetry) -> Value {
         "free_knots": m.free_knots,
         "next_index": m.next_index,
         "ticks_late": m.ticks_late,
+        "stack_used": m.stack_used,
         "channels": m.channels.iter().map(sample).collect::<Vec<_>>(),
     })
 }

@@ -28,13 +28,13 @@ INVERSE = {
 HELLO = {"protocol_version": 1, "schema_hash": 0x01234567, "session": 7}
 REPLY = {
     "protocol_version": 1, "schema_hash": 0x01234567, "session": 7, "firmware_major": 0, "firmware_minor": 1,
-    "firmware_patch": 0, "boot_cause": 0, "state": 0, "channels_max": 27, "knots_capacity": 64, "tick_us": 1000,
+    "firmware_patch": 0, "boot_cause": 0, "boot_detail": 0, "state": 0, "channels_max": 27, "knots_capacity": 64, "tick_us": 1000,
     "config_hash": 0, "mcu_time_us": 1_234_567,
 }
 ACK = {"ref_type": 3, "ref_seq": 1, "result": 0, "detail": 0, "free_knots": 64, "mcu_time_us": 1_240_000}
 TELEMETRY = {
     "time_us": 2_000_000, "state": 2, "fault_bits": 0, "supply_10pa": 20_000, "free_knots": 63, "next_index": 1,
-    "ticks_late": 0, "channels": [
+    "ticks_late": 0, "stack_used": 2056, "channels": [
         {"pressure_10pa": 1000, "reference_10pa": 1010, "duty": 12, "status": 0},
         {"pressure_10pa": 0, "reference_10pa": 0, "duty": -127, "status": 5},
     ],
@@ -95,7 +95,7 @@ def variants():
         yield f"Ack, result {result}", "Ack", result, ACK | {"result": result, "detail": 10 * result}
     yield "Telemetry, 27 channels, all bits set", "Telemetry", 9, {
         "time_us": 2**64 - 1, "state": 5, "fault_bits": 65535, "supply_10pa": 65535, "free_knots": 65535,
-        "next_index": 2**32 - 1, "ticks_late": 65535, "channels": [FULL_SAMPLE] * 27}
+        "next_index": 2**32 - 1, "ticks_late": 65535, "stack_used": 65535, "channels": [FULL_SAMPLE] * 27}
     for code in range(1, 10):
         yield f"Fault, code {code}", "Fault", code, {"time_us": 5, "channel": 255, "code": code, "value": -(2**31) + code}
 

@@ -25,10 +25,10 @@ HOST = {
 }
 DEVICE = {
     0x81: ("HelloReply", "protocol_version:H schema_hash:I session:H firmware_major:B firmware_minor:B firmware_patch:B "
-           "boot_cause:B state:B channels_max:B knots_capacity:H tick_us:I config_hash:I mcu_time_us:Q"),
+           "boot_cause:B boot_detail:I state:B channels_max:B knots_capacity:H tick_us:I config_hash:I mcu_time_us:Q"),
     0x82: ("Ack", "ref_type:B ref_seq:H result:B detail:I free_knots:H mcu_time_us:Q"),
     0x83: ("HeartbeatReply", "host_time_us:Q mcu_time_us:Q state:B free_knots:H"),
-    0x84: ("Telemetry", "time_us:Q state:B fault_bits:H supply_10pa:H free_knots:H next_index:I ticks_late:H "
+    0x84: ("Telemetry", "time_us:Q state:B fault_bits:H supply_10pa:H free_knots:H next_index:I ticks_late:H stack_used:H "
            "channels:list:sample"),
     0x85: ("Fault", "time_us:Q channel:B code:B value:i"),
 }

@@ -33,7 +33,7 @@ impl SimulatedMcu {
         let line = |place| Line::new(settings.baud, settings.line_faults, Noise::new(settings.seed, place));
         let clocks = Clocks::new(settings.clock_offset_us, settings.clock_drift_ppm);
         Ok(Self {
-            controller: Box::new(Controller::new(BootInfo { cause: BootCause::PowerOn })),
+            controller: Box::new(Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 })),
             board: SimulatedBoard::new(Plant::new(&settings.plant)?, line(0), line(1), clocks),
             now_us: 0,
         })

@@ -34,7 +34,7 @@ impl Bench {
     /// A device that was just switched on, limb empty, supply full.
     pub(crate) fn new() -> Self {
         Self {
-            controller: Controller::new(BootInfo { cause: BootCause::PowerOn }),
+            controller: Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 }),
             now_us: 1_000_000,
             pressure_pa: [0.0; MAX_CHANNELS],
             supply_pa: rig::SUPPLY_PA,

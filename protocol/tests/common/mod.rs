@@ -165,7 +165,7 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
 
 fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
     let versions = any::<(u16, u32, u16, [u8; 3])>();
-    let limits = any::<(u8, u16, u32, u32, u64)>();
+    let limits = any::<(u8, u16, u32, u32, u64, u32)>();
     (versions, limits, code(), code()).prop_map(|(v, l, boot_cause, state)| {
         HelloReply {
             protocol_version: v.0,
@@ -175,6 +175,7 @@ fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
             firmware_minor: v.3[1],
             firmware_patch: v.3[2],
             boot_cause,
+            boot_detail: l.5,
             state,
             channels_max: l.0,
             knots_capacity: l.1,
@@ -187,7 +188,7 @@ fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
 }
 
 fn telemetry() -> impl Strategy<Value = DeviceMessage> {
-    let numbers = any::<(u64, u16, u16, u16, u32, u16)>();
+    let numbers = any::<(u64, u16, u16, u16, u32, u16, u16)>();
     (numbers, code(), list(sample())).prop_map(|(n, state, channels)| {
         Telemetry {
             time_us: n.0,
@@ -197,6 +198,7 @@ fn telemetry() -> impl Strategy<Value = DeviceMessage> {
             free_knots: n.3,
             next_index: n.4,
             ticks_late: n.5,
+            stack_used: n.6,
             channels,
         }
         .into()

@@ -1,0 +1,60 @@
+//! The controller of the limb on an emulated processor, in lock-step with whoever started the emulator: time, samples and the link's
+//! bytes come over its standard input, coil times and bytes go back over its standard output, once a tick.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod fault;
+
+#[cfg(not(target_os = "none"))]
+fn main() -> std::process::ExitCode {
+    eprintln!("this program runs in an emulator: `cargo xtask firmware` builds it for one");
+    std::process::ExitCode::FAILURE
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use softlimb_firmware::{BootInfo, Controller, turn};
+    use softlimb_image_stm32f4::hardware::host::{Gone, Streams};
+    use softlimb_protocol::BootCause;
+
+    use crate::board::LockStep;
+    use crate::fault::leave;
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let boot = BootInfo { cause: BootCause::PowerOn, detail: 0 };
+        let (controller, board) = (
+            cortex_m::singleton!(: Controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 })),
+            cortex_m::singleton!(: LockStep = LockStep::new()),
+        );
+        let outcome = match (controller, board, cortex_m::Peripherals::take(), Streams::open()) {
+            (Some(controller), Some(board), Some(core), Ok(streams)) => {
+                controller.set_boot(boot);
+                let mut timer = core.SYST;
+                board.begin(&mut timer);
+                run(controller, board, &streams, &mut timer)
+            }
+            _ => Err(Gone),
+        };
+        leave(outcome.is_ok())
+    }
+
+    /// Ticks until the other side has enough.
+    fn run(
+        controller: &mut Controller,
+        board: &mut LockStep,
+        streams: &Streams,
+        timer: &mut cortex_m::peripheral::SYST,
+    ) -> Result<(), Gone> {
+        while board.ask(streams)? {
+            timer.clear_current();
+            timer.enable_counter();
+            turn(controller, board);
+            board.note_cost(timer);
+            board.answer(streams)?;
+        }
+        Ok(())
+    }
+}

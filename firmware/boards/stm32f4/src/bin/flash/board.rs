@@ -1,0 +1,100 @@
+//! The controller's surroundings on the chip.
+
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
+
+use heapless::spsc::{Consumer, Producer};
+use softlimb_firmware::{AdcCode, Board, TICK_US, TickInputs, TickOutputs};
+use softlimb_image_stm32f4::hardware::coils::COILS;
+use softlimb_image_stm32f4::hardware::{converter, ports};
+use softlimb_image_stm32f4::pins::{CHANNELS, EMERGENCY_STOP};
+use softlimb_image_stm32f4::schedule::{PumpDensity, schedule};
+use softlimb_protocol::MAX_CHANNELS;
+
+/// Bytes from the host that can wait, and one: 11 ms of the line.
+pub(crate) const INCOMING: usize = 1024;
+
+/// Bytes to the host that can wait, and one: 3 ms of the line.
+pub(crate) const OUTGOING: usize = 257;
+
+/// What has happened so far, for whoever watches; all wrap.
+pub(crate) struct Counts {
+    pub(crate) ticks: AtomicU32,
+    pub(crate) slots: AtomicU32,
+    pub(crate) turns: AtomicU32,
+    pub(crate) link: AtomicU32,
+    pub(crate) stack_used: AtomicU16,
+}
+
+pub(crate) static COUNTS: Counts = Counts {
+    ticks: AtomicU32::new(0),
+    slots: AtomicU32::new(0),
+    turns: AtomicU32::new(0),
+    link: AtomicU32::new(0),
+    stack_used: AtomicU16::new(0),
+};
+
+/// Pins, converter and link of the chip.
+pub(crate) struct FlashedBoard {
+    incoming: Consumer<'static, u8>,
+    outgoing: Producer<'static, u8>,
+    pump: PumpDensity,
+    /// Without exact time nothing may move: no sensor is believed, and the device does not become ready.
+    is_time_exact: bool,
+    ticks: u32,
+    now_ticks: u64,
+}
+
+impl FlashedBoard {
+    pub(crate) fn new(incoming: Consumer<'static, u8>, outgoing: Producer<'static, u8>, is_time_exact: bool) -> Self {
+        Self { incoming, outgoing, pump: PumpDensity::new(), is_time_exact, ticks: 0, now_ticks: 0 }
+    }
+}
+
+impl Board for FlashedBoard {
+    fn inputs(&mut self) -> TickInputs {
+        let ticks = COUNTS.ticks.load(Ordering::Relaxed);
+        self.now_ticks += u64::from(ticks.wrapping_sub(self.ticks));
+        self.ticks = ticks;
+        let [channels @ .., supply] = converter::take().map(|code| AdcCode(if self.is_time_exact { code } else { 0 }));
+        let mut pressure = [AdcCode(0); MAX_CHANNELS];
+        let _: &[AdcCode; CHANNELS] = &channels;
+        for (place, code) in pressure.iter_mut().zip(channels) {
+            *place = code;
+        }
+        TickInputs {
+            now_us: self.now_ticks * u64::from(TICK_US),
+            pressure,
+            supply,
+            emergency_stop: ports::is_high(EMERGENCY_STOP),
+        }
+    }
+
+    fn apply(&mut self, outputs: &TickOutputs) {
+        COILS.put(&schedule(outputs, &mut self.pump));
+    }
+
+    fn read_link(&mut self, into: &mut [u8]) -> usize {
+        let mut count = 0;
+        for place in into {
+            let Some(byte) = self.incoming.dequeue() else { break };
+            *place = byte;
+            count += 1;
+        }
+        count
+    }
+
+    fn link_room(&self) -> usize {
+        self.outgoing.capacity() - self.outgoing.len()
+    }
+
+    fn write_link(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            // There is room: the caller asked.
+            let _ = self.outgoing.enqueue(byte);
+        }
+    }
+
+    fn stack_used(&self) -> u16 {
+        COUNTS.stack_used.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,157 @@
+//! The image that is flashed: the controller of the limb on an STM32F4. On a computer with an operating system the same program prints
+//! the table of its pins.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod fault;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    print!("{}", softlimb_image_stm32f4::pins::Table);
+}
+
+/// Priorities: the link's bytes (3) before the schedule of the coils (2) before the controller (1) before watching over it (0).
+#[cfg(target_os = "none")]
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+mod app {
+    use core::sync::atomic::Ordering;
+
+    use heapless::spsc::{Consumer, Producer, Queue};
+    use softlimb_firmware::{BootInfo, Controller};
+    use softlimb_image_stm32f4::hardware::coils::COILS;
+    use softlimb_image_stm32f4::hardware::{clocks, converter, crash, ports, stack};
+    use softlimb_image_stm32f4::health::{Counters, Health};
+    use softlimb_image_stm32f4::record::{ResetFlags, boot_info};
+    use softlimb_image_stm32f4::schedule::SLOTS;
+    use softlimb_protocol::BootCause;
+    use stm32f4xx_hal::pac::{self, USART2};
+    use stm32f4xx_hal::prelude::*;
+    use stm32f4xx_hal::serial::{Rx, Serial, Tx, config::Config};
+    use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+    use crate::board::{COUNTS, FlashedBoard, INCOMING, OUTGOING};
+
+    /// Speed of the link, bits a second.
+    const BAUD: u32 = 921_600;
+    /// Slots of the schedule a second.
+    const SLOTS_PER_S: u32 = 10_000;
+    /// Nominal; the watchdog's own oscillator makes 68 to 188 ms of it.
+    const WATCHDOG_MS: u32 = 100;
+    /// Wakes of the lowest task between two looks at the stack.
+    const WAKES_PER_LOOK: u32 = 1_000;
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        watchdog: IndependentWatchdog,
+        transmitter: Tx<USART2>,
+        receiver: Rx<USART2>,
+        received: Producer<'static, u8>,
+        to_send: Consumer<'static, u8>,
+        board: FlashedBoard,
+        boot: Option<BootInfo>,
+    }
+
+    #[init(local = [incoming: Queue<u8, INCOMING> = Queue::new(), outgoing: Queue<u8, OUTGOING> = Queue::new()])]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let device = context.device;
+        // Before the clocks, so that nothing on the way can last.
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.start(WATCHDOG_MS.millis());
+        stack::paint();
+        let flags = ResetFlags(device.RCC.csr().read().bits());
+        device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
+        let boot = boot_info(crash::take(), flags);
+        let (mut rcc, source) = clocks::start(device.RCC, &device.DBGMCU);
+        let port = device.GPIOA.split(&mut rcc);
+        let pins = (port.pa2, port.pa3);
+        let serial = Serial::new(device.USART2, pins, Config::default().baudrate(BAUD.bps()), &mut rcc);
+        ports::set_up();
+        converter::start(&device.ADC1, &device.ADC_COMMON, &device.DMA2, &mut rcc);
+        let Ok(serial) = serial else { crash::stop(softlimb_image_stm32f4::record::Crash::Panic { line: line!() }) };
+        let (transmitter, mut receiver) = serial.split();
+        receiver.listen();
+        let mut timer = context.core.SYST;
+        timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
+        timer.set_reload(clocks::PROCESSOR_HZ / SLOTS_PER_S - 1);
+        timer.clear_current();
+        timer.enable_counter();
+        timer.enable_interrupt();
+        let (received, incoming) = context.local.incoming.split();
+        let (outgoing, to_send) = context.local.outgoing.split();
+        let board = FlashedBoard::new(incoming, outgoing, source.is_exact());
+        (Shared {}, Local { watchdog, transmitter, receiver, received, to_send, board, boot: Some(boot) })
+    }
+
+    /// Every 100 us: the coils, and every tenth time the controller.
+    #[task(binds = SysTick, priority = 2, local = [slot: usize = SLOTS - 1])]
+    fn slot(context: slot::Context) {
+        let slot = context.local.slot;
+        *slot = if *slot + 1 < SLOTS { *slot + 1 } else { 0 };
+        if *slot == 0 {
+            COILS.begin_tick();
+            COUNTS.ticks.fetch_add(1, Ordering::Relaxed);
+            rtic::pend(pac::Interrupt::EXTI0);
+        }
+        ports::apply(&COILS.words(*slot));
+        COUNTS.slots.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Every millisecond: one turn of the controller.
+    #[task(binds = EXTI0, priority = 1, local = [
+        board, boot,
+        controller: Controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 }),
+    ])]
+    fn turn(context: turn::Context) {
+        let controller = context.local.controller;
+        if let Some(boot) = context.local.boot.take() {
+            controller.set_boot(boot);
+        }
+        softlimb_firmware::turn(controller, context.local.board);
+        COUNTS.turns.fetch_add(1, Ordering::Relaxed);
+        rtic::pend(pac::Interrupt::USART2);
+    }
+
+    /// At every byte received, while there are bytes to send, and once a turn.
+    #[task(binds = USART2, priority = 3, local = [transmitter, receiver, received, to_send])]
+    fn link(context: link::Context) {
+        let link::LocalResources { transmitter, receiver, received, to_send, .. } = context.local;
+        // A byte that arrived hurt, or that finds no place, is missed by the checksum of its frame. Reading clears what was wrong.
+        if let Ok(byte) = receiver.read() {
+            let _ = received.enqueue(byte);
+        }
+        // As many as there is room for: one or two in the chip, all in an emulator that has no interrupt for it.
+        while let Some(&byte) = to_send.peek()
+            && transmitter.write(byte).is_ok()
+        {
+            to_send.dequeue();
+        }
+        if to_send.ready() {
+            transmitter.listen()
+        } else {
+            transmitter.unlisten()
+        }
+        COUNTS.link.fetch_add(1, Ordering::Relaxed);
+    }
+
+    #[idle(local = [watchdog, health: Health = Health::new(), wakes: u32 = 0])]
+    fn idle(context: idle::Context) -> ! {
+        let idle::LocalResources { watchdog, health, wakes, .. } = context.local;
+        loop {
+            let count = |counter: &core::sync::atomic::AtomicU32| counter.load(Ordering::Relaxed);
+            let now = Counters { slots: count(&COUNTS.slots), turns: count(&COUNTS.turns), link: count(&COUNTS.link) };
+            if health.is_time_to_feed(now) {
+                watchdog.feed();
+            }
+            if *wakes % WAKES_PER_LOOK == 0 {
+                COUNTS.stack_used.store(stack::used(), Ordering::Relaxed);
+            }
+            *wakes = wakes.wrapping_add(1);
+            cortex_m::asm::wfi();
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What the co-simulated controller and whoever simulates its surroundings tell each other each tick.
+//!
+//! One question, one answer, little-endian, each a fixed part and the link's bytes behind it. Both sides wait for each other, so that
+//! nothing depends on how long either takes.
+
+use softlimb_firmware::{AdcCode, TickInputs, TickOutputs, ValvePulse};
+use softlimb_protocol::MAX_CHANNELS;
+
+/// The most bytes of the link in one question; more wait for the next tick.
+pub const RECEIVED_MAX: usize = 2048;
+
+/// The most bytes of the link in one answer.
+pub const SENT_MAX: usize = 256;
+
+/// Length of the fixed part of a question, bytes.
+pub const QUESTION_LEN: usize = 8 + 1 + 2 + 2 + 2 * (MAX_CHANNELS + 1);
+
+/// Length of the fixed part of an answer, bytes.
+pub const ANSWER_LEN: usize = 4 + 4 * MAX_CHANNELS + 1 + 1 + 2;
+
+const STOP_PRESSED: u8 = 1;
+const LAST: u8 = 2;
+
+/// What a tick begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Question {
+    /// Time and samples.
+    pub inputs: TickInputs,
+    /// Bytes that the link takes, at most [`SENT_MAX`].
+    pub room: u16,
+    /// Bytes of the link that follow, at most [`RECEIVED_MAX`].
+    pub received: u16,
+    /// There is no tick: the emulation ends.
+    pub last: bool,
+}
+
+/// What a tick ends with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// Counts of the processor's timer that the turn has taken.
+    pub cost: u32,
+    /// Coil times.
+    pub outputs: TickOutputs,
+    /// Bytes of the link that follow, at most the room for them.
+    pub sent: u16,
+}
+
+impl Question {
+    /// The fixed part.
+    #[must_use]
+    pub fn encode(&self) -> [u8; QUESTION_LEN] {
+        let mut bytes = [0; QUESTION_LEN];
+        let mut writer = Writer(bytes.iter_mut());
+        let flags = u8::from(self.inputs.emergency_stop) * STOP_PRESSED + u8::from(self.last) * LAST;
+        writer.put(self.inputs.now_us.to_le_bytes());
+        writer.put([flags]);
+        writer.put(self.room.to_le_bytes());
+        writer.put(self.received.to_le_bytes());
+        for code in self.inputs.pressure {
+            writer.put(code.0.to_le_bytes());
+        }
+        writer.put(self.inputs.supply.0.to_le_bytes());
+        bytes
+    }
+
+    /// The question behind a fixed part. Every sequence of bytes is one.
+    #[must_use]
+    pub fn decode(bytes: &[u8; QUESTION_LEN]) -> Self {
+        let mut reader = Reader(bytes.iter());
+        let now_us = u64::from_le_bytes(reader.take());
+        let [flags] = reader.take();
+        let (room, received) = (u16::from_le_bytes(reader.take()), u16::from_le_bytes(reader.take()));
+        let mut pressure = [AdcCode(0); MAX_CHANNELS];
+        for code in &mut pressure {
+            *code = AdcCode(u16::from_le_bytes(reader.take()));
+        }
+        let supply = AdcCode(u16::from_le_bytes(reader.take()));
+        let inputs = TickInputs { now_us, pressure, supply, emergency_stop: flags & STOP_PRESSED != 0 };
+        Self { inputs, room, received, last: flags & LAST != 0 }
+    }
+}
+
+impl Answer {
+    /// The fixed part.
+    #[must_use]
+    pub fn encode(&self) -> [u8; ANSWER_LEN] {
+        let mut bytes = [0; ANSWER_LEN];
+        let mut writer = Writer(bytes.iter_mut());
+        writer.put(self.cost.to_le_bytes());
+        for pulse in self.outputs.valves {
+            writer.put(pulse.fill_us.to_le_bytes());
+            writer.put(pulse.vent_us.to_le_bytes());
+        }
+        writer.put([u8::from(self.outputs.supply_open), self.outputs.pump_duty]);
+        writer.put(self.sent.to_le_bytes());
+        bytes
+    }
+
+    /// The answer behind a fixed part. Every sequence of bytes is one.
+    #[must_use]
+    pub fn decode(bytes: &[u8; ANSWER_LEN]) -> Self {
+        let mut reader = Reader(bytes.iter());
+        let cost = u32::from_le_bytes(reader.take());
+        let mut valves = [ValvePulse::CLOSED; MAX_CHANNELS];
+        for pulse in &mut valves {
+            let (fill_us, vent_us) = (u16::from_le_bytes(reader.take()), u16::from_le_bytes(reader.take()));
+            *pulse = ValvePulse { fill_us, vent_us };
+        }
+        let [supply, pump_duty] = reader.take();
+        let outputs = TickOutputs { valves, supply_open: supply != 0, pump_duty };
+        Self { cost, outputs, sent: u16::from_le_bytes(reader.take()) }
+    }
+}
+
+struct Writer<'a>(core::slice::IterMut<'a, u8>);
+
+impl Writer<'_> {
+    fn put<const N: usize>(&mut self, bytes: [u8; N]) {
+        for (byte, place) in bytes.into_iter().zip(self.0.by_ref()) {
+            *place = byte;
+        }
+    }
+}
+
+struct Reader<'a>(core::slice::Iter<'a, u8>);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> [u8; N] {
+        let mut bytes = [0; N];
+        for place in &mut bytes {
+            *place = self.0.next().copied().unwrap_or(0);
+        }
+        bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn questions_and_answers_come_back_whole() {
+        let mut pressure = [AdcCode(0); MAX_CHANNELS];
+        let mut valves = [ValvePulse::CLOSED; MAX_CHANNELS];
+        for (number, (code, pulse)) in (1..).zip(pressure.iter_mut().zip(&mut valves)) {
+            (*code, *pulse) = (AdcCode(257 * number), ValvePulse { fill_us: 3 * number, vent_us: 1_000 - number });
+        }
+        for (emergency_stop, last) in [(false, false), (true, false), (false, true), (true, true)] {
+            let inputs = TickInputs { now_us: u64::MAX - 7, pressure, supply: AdcCode(0xabcd), emergency_stop };
+            let question = Question { inputs, room: 0x1234, received: 0x0567, last };
+            assert_eq!(Question::decode(&question.encode()), question);
+            let outputs = TickOutputs { valves, supply_open: last, pump_duty: 200 };
+            let answer = Answer { cost: 0x89ab_cdef, outputs, sent: 0x00fe };
+            assert_eq!(Answer::decode(&answer.encode()), answer);
+        }
+    }
+
+    #[test]
+    fn the_last_byte_of_each_part_is_in_use() {
+        let inputs = TickInputs {
+            now_us: 0,
+            pressure: [AdcCode(0); MAX_CHANNELS],
+            supply: AdcCode(0xff00),
+            emergency_stop: false,
+        };
+        assert_eq!(Question { inputs, room: 0, received: 0, last: false }.encode().last(), Some(&0xff));
+        assert_eq!(Answer { cost: 0, outputs: TickOutputs::SAFE, sent: 0xff00 }.encode().last(), Some(&0xff));
+    }
+}

@@ -1,0 +1,12 @@
+//! Everything of the image for STM32F4 that needs no register: pins, the schedule of the coils, when the watchdog is fed, what is
+//! remembered over a reset. It runs, and is tested, on any computer; what touches the chip is in `hardware`, which only the chip has.
+#![cfg_attr(not(test), no_std)]
+
+pub mod exchange;
+pub mod health;
+pub mod pins;
+pub mod record;
+pub mod schedule;
+
+#[cfg(target_os = "none")]
+pub mod hardware;
