@@ -21,3 +21,4 @@ pub mod scene;
 pub mod section;
 pub mod simulate;
 pub mod table;
+pub mod validation;

@@ -1,5 +1,7 @@
-//! `softlimb fem`: three-dimensional finite elements.
+//! `softlimb fem`: finite elements.
 
+mod calibrate;
+mod compare;
 mod export;
 mod run;
 mod subject;
@@ -9,10 +11,10 @@ use clap::{Args, Subcommand};
 use super::{Failure, Outcome};
 use crate::fem::FemError;
 
-/// Finite elements in three dimensions: write decks for CalculiX and Abaqus, run CalculiX
+/// Finite elements: write decks for CalculiX and Abaqus, run CalculiX, compare with the model, calibrate it
 #[derive(Args)]
 #[command(after_help = "Examples:\n  softlimb fem export scenes/single-bending.toml --fibers threads\n  \
-                  softlimb fem run scenes/pick-and-place-a.toml --module shoulder --pressure-kpa 60")]
+                  softlimb fem run scenes/pick-and-place-a.toml --module shoulder --pressure-kpa 60\n  softlimb fem compare scenes/pick-and-place-a.toml")]
 pub(super) struct Fem {
     #[command(subcommand)]
     what: What,
@@ -22,6 +24,8 @@ pub(super) struct Fem {
 enum What {
     Export(export::Export),
     Run(run::Run),
+    Compare(compare::Compare),
+    Calibrate(calibrate::Calibrate),
 }
 
 impl Fem {
@@ -29,6 +33,8 @@ impl Fem {
         match &self.what {
             What::Export(export) => export.run(),
             What::Run(run) => run.run(),
+            What::Compare(compare) => compare.run(),
+            What::Calibrate(calibrate) => calibrate.run(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `softlimb fem compare`: the analytic model beside finite elements.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -10,7 +11,7 @@ use serde_json::json;
 
 use super::super::{Failure, Outcome};
 use crate::design::Limb;
-use crate::fem::{self, End, Runner, Subject};
+use crate::fem::{self, End, FemError, Runner, Subject};
 use crate::scene;
 use crate::validation::{self, Case, Comparison, Quantity, Solid};
 
@@ -38,7 +39,8 @@ pub(super) struct Compare {
     /// Print the comparison as JSON
     #[arg(long)]
     json: bool,
-    /// Write the comparison as tab-separated values
+    /// Write the comparison as tab-separated values. Without a scene, cases that are left out and what CalculiX said of the same
+    /// pressures before stay as the file has them
     #[arg(long, value_name = "FILE")]
     tsv: Option<PathBuf>,
     /// Write the picture
@@ -68,7 +70,11 @@ impl Compare {
         if cases.is_empty() {
             return Err(Failure::new(format!("no case has \"{}\" in its name", self.only)));
         }
-        let done = self.compare(&cases)?;
+        let recorded = self.tsv.as_deref().map(recorded).transpose()?.unwrap_or_default();
+        let mut done = self.compare(&cases)?;
+        if self.scene.is_none() {
+            done.comparison = done.comparison.onto(&recorded);
+        }
         done.warnings.iter().for_each(|warning| super::super::note(&format!("warning: {warning}")));
         let Done { comparison, seconds, .. } = &done;
         if self.json {
@@ -111,7 +117,7 @@ impl Compare {
             let solid = if self.calculix {
                 let share = |share: f64| bar.set_position((1000.0 * (index as f64 + share)) as u64);
                 let (solid, seconds) = self.solid(case, &share, &mut done.warnings)?;
-                solid_seconds = Some(seconds);
+                solid_seconds = seconds;
                 solid
             } else {
                 Solid::new()
@@ -126,16 +132,26 @@ impl Compare {
         Ok(done)
     }
 
-    /// What CalculiX says of a case, and its seconds. A run that ends early is a warning, and its converged part stands.
-    fn solid(&self, case: &Case, share: &dyn Fn(f64), warnings: &mut Vec<String>) -> Result<(Solid, f64), Failure> {
+    /// What CalculiX says of a case, and its seconds. A run that fails or ends early is a warning, and its converged part stands.
+    fn solid(
+        &self,
+        case: &Case,
+        share: &dyn Fn(f64),
+        warnings: &mut Vec<String>,
+    ) -> Result<(Solid, Option<f64>), Failure> {
         let runner = Runner { ccx: self.ccx.clone(), timeout_s: self.timeout, ..Runner::default() };
         let begin = Instant::now();
         let clock = || begin.elapsed().as_secs_f64();
-        let options = fem::Options::default();
-        let subject = Subject::single(case.parameters);
-        let run =
-            fem::run(&subject, &options, &case.pressures_pa, &runner, &clock, &mut |progress| share(progress.share))
-                .map_err(|error| Failure::new(format!("{}: {error}", case.name)))?;
+        let (subject, options) = (Subject::single(case.parameters), fem::Options::default());
+        let mut progress = |progress: fem::RunProgress| share(progress.share);
+        let run = match fem::run(&subject, &options, &case.pressures_pa, &runner, &clock, &mut progress) {
+            Ok(run) => run,
+            Err(error @ (FemError::Missing { .. } | FemError::Invalid { .. })) => return Err(Failure::new(error)),
+            Err(error) => {
+                warnings.push(format!("{}: {error}", case.name));
+                return Ok((Solid::new(), None));
+            }
+        };
         match &run.end {
             End::Finished => {}
             End::Diverged { diagnosis, .. } => warnings.push(format!("{}: {diagnosis}", case.name)),
@@ -143,7 +159,7 @@ impl Compare {
         }
         let quantity = Quantity::of(case.parameters.motion);
         let value = |point: &fem::Point| point.middle.map(|rates| quantity.of_rates(&rates, case.parameters.length_m));
-        Ok((run.points.iter().map(value).collect(), run.seconds))
+        Ok((run.points.iter().map(value).collect(), Some(run.seconds)))
     }
 }
 
@@ -170,6 +186,15 @@ fn as_json(comparison: &Comparison) -> serde_json::Value {
         })
     });
     json!({ "rows": rows.collect::<Vec<_>>() })
+}
+
+/// The comparison that a file holds already; none if there is no such file.
+fn recorded(file: &Path) -> Result<Comparison, Failure> {
+    match fs::read_to_string(file) {
+        Ok(text) => Comparison::from_tsv(&text).map_err(|error| Failure::file("use", file, &error)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(Comparison::default()),
+        Err(error) => Err(Failure::file("read", file, &error)),
+    }
 }
 
 fn read_page(file: &Path) -> Result<String, Failure> {
