@@ -19,3 +19,16 @@ mod fake;
 #[cfg(unix)]
 #[path = "fem/runner.rs"]
 mod runner;
+
+use fra_model::{ActuatorParameters, Families, Motion};
+use sample::wound;
+
+/// Every single motion with the winding it is made for.
+pub(crate) fn motions() -> [ActuatorParameters<f64>; 4] {
+    [
+        wound(Motion::Extension, 3.0, Families::Two),
+        wound(Motion::Expansion, 80.0, Families::Two),
+        wound(Motion::Bending, 3.0, Families::Two),
+        wound(Motion::Twisting, 30.0, Families::One),
+    ]
+}

@@ -147,16 +147,20 @@ fn forget(folder: &Path, deck: &Deck) -> Result<(), FemError> {
 }
 
 fn start(runner: &Runner, folder: &Path, name: &str) -> Result<Child, FemError> {
+    let failed = |source| FemError::Program { program: runner.ccx.clone(), source };
     let path = folder.join(LOG);
     let log = File::create(&path).map_err(at("create", &path))?;
     let errors = log.try_clone().map_err(at("create", &path))?;
     let threads = runner.threads.to_string();
-    let mut command = Command::new(&runner.ccx);
+    // The program starts in its own folder, from which a path of ours would lead elsewhere.
+    let is_path = runner.ccx.components().count() > 1;
+    let program = if is_path { std::path::absolute(&runner.ccx).map_err(failed)? } else { runner.ccx.clone() };
+    let mut command = Command::new(program);
     command.args(["-i", name]).current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(errors);
     command.env("OMP_NUM_THREADS", &threads).env("CCX_NPROC_STIFFNESS", &threads);
     command.spawn().map_err(|source| match source.kind() {
         io::ErrorKind::NotFound => FemError::Missing { program: runner.ccx.clone() },
-        _ => FemError::Program { program: runner.ccx.clone(), source },
+        _ => failed(source),
     })
 }
 
@@ -199,14 +203,14 @@ fn end(status: ExitStatus, log: &str, reached: &Progress) -> Result<End, FemErro
 const DISK_FULL: &str = "No space left on device";
 const OVERSTRETCHED: &str = "fiber extension is too large";
 
+const NO_EQUILIBRIUM: &str = "no equilibrium was found however small the increment: a limit point or a buckle is near, or the mesh is too coarse";
+
 /// What CalculiX prints, and what it means; the first that is found counts.
-const WORDS: [(&str, &str); 5] = [
+const WORDS: [(&str, &str); 6] = [
     (DISK_FULL, "the disk is full: free some space, or set TMPDIR to a folder on another disk"),
     (OVERSTRETCHED, "an iterate overstretched a fiber, where CalculiX stops without trying a smaller increment"),
-    (
-        "increment size smaller than minimum",
-        "no equilibrium was found however small the increment: a limit point or a buckle is near, or the mesh is too coarse",
-    ),
+    ("increment size smaller than minimum", NO_EQUILIBRIUM),
+    ("too many cutbacks", NO_EQUILIBRIUM),
     ("max. # of increments reached", "the increments allowed were used up: it crept, as it does near a limit point"),
     ("nonpositive jacobian", "an element turned inside out: use smaller increments or a finer mesh"),
 ];

@@ -7,12 +7,14 @@
 //! This room knows nothing of scenes, reads no clock and prints nothing. It is independent of the model's equations: of `fra-model` it uses
 //! the parameters alone, so that it can judge them.
 
+mod cards;
 mod ccx;
 mod dat;
 mod deck;
 mod error;
 mod files;
 mod gauge;
+mod layers;
 mod mesh;
 mod model;
 mod options;

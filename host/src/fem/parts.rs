@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 use fra_model::Material;
 
 use super::gauge::{Gauges, Ring, Section};
+use super::layers::Smeared;
 use super::mesh::Mesh;
 use super::mesh::plate::Plate;
 use super::mesh::tube::Tube;
-use super::plan::{Around, Plan, Smeared};
+use super::plan::{Around, Plan};
 use super::threads::cuts;
 use super::ties::Ties;
 use super::{Options, Subject};

@@ -93,3 +93,11 @@ fn a_run_that_gives_nothing_fails_and_writes_no_file() {
     assert!(answer.err.contains("error: "), "{}", answer.err);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{}", answer.err);
 }
+
+#[test]
+fn a_relative_path_to_the_program_is_meant_from_where_the_user_is() {
+    let fake = Fake::new("echo ' *ERROR reading: it was started'; exit 201");
+    let line = format!("fem run {} --ccx ./ccx", scene("single-bending.toml").display());
+    let answer = softlimb(fake.folder.path(), &line);
+    assert!(answer.err.contains("it was started"), "{}", answer.err);
+}

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use fra_model::{ActuatorParameters, Families, Material, Motion, Placement};
 use softlimb::fem::{Around, Deck, FiberModel, Model, Options, Subject, SymmetryUse};
 
-use crate::sample::{motions, plain, wound};
+use crate::motions;
+use crate::sample::{plain, wound};
 
 const PRESSURES: [f64; 2] = [20e3, 40e3];
 

@@ -49,21 +49,25 @@ impl Fake {
         self.run_with(Runner::default())
     }
 
-    /// Runs it with a clock that advances ten seconds at each look.
     pub(crate) fn run_with(&self, runner: Runner) -> Result<Run, FemError> {
+        self.run_for(runner, Options::default())
+    }
+
+    /// Runs it with a clock that advances ten seconds at each look.
+    pub(crate) fn run_for(&self, runner: Runner, options: Options) -> Result<Run, FemError> {
         let runner = Runner { ccx: self.path("ccx"), ..runner };
         let time = std::cell::Cell::new(0.0);
         let clock = || {
             time.set(time.get() + 10.0);
             time.get()
         };
-        run(&subject(), &Options::default(), &PRESSURES, &runner, &clock, &mut |_| {})
+        run(&subject(), &options, &PRESSURES, &runner, &clock, &mut |_| {})
     }
 }
 
 /// Nodes that the deck asks to be printed, with their places in mm.
-fn gauges() -> Vec<(usize, [f64; 3])> {
-    let model = Model::new(&subject(), &Options::default()).unwrap();
+fn printed(options: &Options) -> Vec<(usize, [f64; 3])> {
+    let model = Model::new(&subject(), options).unwrap();
     let text = Deck::new(&model, "actuator", &PRESSURES).unwrap().model;
     let set = text.split_once("*NSET, NSET=GAUGES\n").unwrap().1;
     let set = set.split_once('*').unwrap().0;
@@ -73,7 +77,17 @@ fn gauges() -> Vec<(usize, [f64; 3])> {
 
 /// A `.dat` file of an even deformation: radii grow to `swelling(t)`, lengths to `stretch(t)` times theirs.
 pub(crate) fn dat(times: &[f64], swelling: impl Fn(f64) -> f64, stretch: impl Fn(f64) -> f64) -> String {
-    let nodes = gauges();
+    dat_for(&Options::default(), times, swelling, stretch)
+}
+
+/// The same with the nodes that some options print.
+pub(crate) fn dat_for(
+    options: &Options,
+    times: &[f64],
+    swelling: impl Fn(f64) -> f64,
+    stretch: impl Fn(f64) -> f64,
+) -> String {
+    let nodes = printed(options);
     assert!(nodes.len() >= 12);
     let mut text = String::new();
     for &time in times {

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use fra_model::{Families, Motion};
 use softlimb::fem::{Around, FemError, FiberModel, Model, Options, Part, Subject, SymmetryUse};
 
-use crate::sample::{motions, plain, wound};
+use crate::motions;
+use crate::sample::{plain, wound};
 
 const THREADS: FiberModel = FiberModel::Threads { spacing_m: None };
 const WHOLE: Options = Options {

@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use softlimb::fem::{End, FemError, PointStatus, Run, Runner, write_whole};
+use softlimb::fem::{End, FemError, Options, PointStatus, Run, Runner, write_whole};
 
-use crate::fake::{Fake, dat, good, is_running};
+use crate::fake::{Fake, dat, dat_for, good, is_running};
 
 const COPY: &str = "cp \"$HERE/out.dat\" actuator.dat; cp \"$HERE/out.sta\" actuator.sta 2> /dev/null || true";
 
@@ -182,4 +182,40 @@ fn a_file_that_cannot_be_written_leaves_nothing_behind() {
     let text = write_whole(&place, "text").unwrap_err().to_string();
     assert!(text.contains("cannot write") && text.contains("there"), "{text}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a part is left");
+}
+
+/// The numbers between the tags of a data array whose head has `name`.
+fn array(text: &str, name: &str) -> Vec<f64> {
+    let rest = text.split_once(name).unwrap_or_else(|| panic!("no {name}")).1;
+    let body = rest.split_once('>').unwrap().1.split_once('<').unwrap().0;
+    body.split_whitespace().map(|word| word.parse().unwrap()).collect()
+}
+
+#[test]
+fn deformed_meshes_are_written_for_each_pressure() {
+    let options = Options { all_nodes: true, ..Options::default() };
+    let out = dat_for(&options, &[1.0, 2.0], |t| 1.0 + 0.05 * t, |t| 1.0 + 0.1 * t);
+    let run = Fake::new(COPY).with("out.dat", out).run_for(Runner::default(), options).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let list = fs::read_to_string(run.write_vtu(&folder.path().join("vtu"), "tube").unwrap()).unwrap();
+    assert!(
+        list.contains("timestep=\"20\" file=\"tube-001.vtu\"")
+            && list.contains("timestep=\"30\" file=\"tube-002.vtu\"")
+    );
+    let text = fs::read_to_string(folder.path().join("vtu/tube-002.vtu")).unwrap();
+    let mesh = run.model.mesh();
+    let points = array(&text, "<Points>\n<DataArray");
+    assert_eq!(points.len(), 3 * mesh.nodes.len());
+    for (point, rest) in points.chunks(3).zip(&mesh.nodes) {
+        let expected = [1.1 * rest[0], 1.1 * rest[1], 1.2 * rest[2]];
+        assert!((0..3).all(|n| (point[n] - expected[n]).abs() < 1e-5), "{point:?} {rest:?}");
+    }
+    let ends = array(&text, "Name=\"offsets");
+    let nodes = array(&text, "Name=\"connectivity");
+    assert_eq!((ends.len(), *ends.last().unwrap() as usize), (mesh.elements.len(), nodes.len()));
+    let first: Vec<f64> = mesh.elements[0].nodes.iter().map(|node| *node as f64).collect();
+    assert_eq!((array(&text, "Name=\"types")[0], &nodes[..20]), (25.0, &first[..]));
+    // Gauges alone are not enough for a picture.
+    let run = Fake::new(COPY).with("out.dat", good(&[1.0, 2.0])).run().unwrap();
+    assert!(run.write_vtu(folder.path(), "tube").unwrap_err().to_string().contains("all_nodes"));
 }

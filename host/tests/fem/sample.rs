@@ -26,13 +26,3 @@ pub(crate) fn plain(motion: Motion) -> ActuatorParameters<f64> {
         fiber: None,
     }
 }
-
-/// Every single motion with the winding it is made for.
-pub(crate) fn motions() -> [ActuatorParameters<f64>; 4] {
-    [
-        wound(Motion::Extension, 3.0, Families::Two),
-        wound(Motion::Expansion, 80.0, Families::Two),
-        wound(Motion::Bending, 3.0, Families::Two),
-        wound(Motion::Twisting, 30.0, Families::One),
-    ]
-}

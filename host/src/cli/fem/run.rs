@@ -57,6 +57,10 @@ impl Run {
         });
         bar.finish_and_clear();
         let found = found?;
+        let warnings = warnings(&found);
+        if found.points.iter().all(|point| point.middle.is_none()) {
+            return Err(Failure::new(format!("no pressure was reached: {}", warnings.join("; "))));
+        }
         if let Some(file) = &self.tsv {
             fem::write_whole(file, &found.tsv())?;
             note(&format!("wrote {}", file.display()));
@@ -65,13 +69,14 @@ impl Run {
             note(&format!("wrote {}", found.write_vtu(folder, &name)?.display()));
         }
         say(&if self.json { figures(&name, &found).to_string() } else { found.table() })?;
-        judge(&found)
+        warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+        Ok(if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
 }
 
-/// Failed where nothing converged, done with warnings where something is missing or doubtful.
-fn judge(run: &fem::Run) -> Result<Outcome, Failure> {
-    let mut warnings: Vec<String> = run.model.warnings().to_vec();
+/// What is missing or doubtful.
+fn warnings(run: &fem::Run) -> Vec<String> {
+    let mut warnings = run.model.warnings().to_vec();
     match &run.end {
         End::Finished => {}
         End::Diverged { diagnosis, .. } => {
@@ -82,11 +87,7 @@ fn judge(run: &fem::Run) -> Result<Outcome, Failure> {
     if run.points.iter().any(|point| matches!(point.status, PointStatus::BeyondJump { .. })) {
         warnings.push("pressures behind an abrupt growth have no figures; try smaller increments".to_owned());
     }
-    if run.points.iter().all(|point| point.middle.is_none()) {
-        return Err(Failure::new(format!("no pressure was reached: {}", warnings.join("; "))));
-    }
-    warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
-    Ok(if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+    warnings
 }
 
 fn bar() -> ProgressBar {
