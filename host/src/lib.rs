@@ -3,6 +3,8 @@
 //! The rooms, in the order a datum passes them: [`scene`] reads the file, [`design`] builds the limb, [`motion`] plans its
 //! setpoints, [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
 //! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`bench`] measures it; [`cli`] is the command line.
+//! Finite elements judge it: [`section`] of the section, [`meridian`] of ends and threads, [`fem`] in three dimensions by CalculiX; [`validation`] puts
+//! them side by side.
 
 pub mod bench;
 pub mod cli;

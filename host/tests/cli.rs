@@ -6,6 +6,8 @@ mod desk;
 mod eval;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/finite_elements.rs"]
+mod finite_elements;
 #[path = "cli/output.rs"]
 mod output;
 #[path = "cli/run.rs"]

@@ -69,7 +69,7 @@ impl Calibrate {
         match self.thread[..] {
             [] => Ok(None),
             [stiffness_n, spacing, width] => {
-                Ok(Some(Thread { stiffness_n, spacing_m: spacing * 1e-3, width_m: width * 1e-3 }))
+                Ok(Some(Thread { stiffness_n, spacing_m: spacing / 1e3, width_m: width / 1e3 }))
             }
             _ => Err(Failure::new(format!(
                 "--thread has {} values: three are wanted, E A in N, spacing in mm, width in mm",

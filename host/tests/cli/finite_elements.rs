@@ -1,0 +1,97 @@
+//! `softlimb fem compare` and `fem calibrate`.
+
+use crate::desk::Desk;
+
+/// A program that is killed at once, in place of CalculiX.
+fn killed(desk: &Desk) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    desk.put("draft", "#!/bin/sh\nkill -9 $$\n");
+    std::fs::set_permissions(desk.path("draft"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    // Written under another name: nobody else may have it open for writing when it is started.
+    std::fs::copy(desk.path("draft"), desk.path("killed")).unwrap();
+    desk.path("killed").display().to_string()
+}
+
+#[test]
+fn a_scene_is_compared() {
+    let desk = Desk::with_scene("small", "small");
+    let done = desk.softlimb("fem compare scene.toml --json");
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    let rows = done.json()["rows"].as_array().unwrap().clone();
+    assert_eq!(rows.len(), 6);
+    for row in &rows {
+        assert_eq!(row["case"], "finger");
+        assert!(row["analytic_difference"].as_f64().unwrap().abs() < 0.03, "{row}");
+        assert!(row["calculix"].is_null(), "{row}");
+    }
+    let table = desk.softlimb("fem compare scene.toml --svg picture.svg").out;
+    assert!(table.starts_with("finger: bend angle, deg\n"), "{table}");
+    assert!(std::fs::read_to_string(desk.path("picture.svg")).unwrap().starts_with("<svg "));
+}
+
+#[test]
+fn a_run_of_calculix_that_fails_costs_its_column_only() {
+    let desk = Desk::with_scene("small", "small");
+    let program = killed(&desk);
+    let done = desk.softlimb(&format!("fem compare scene.toml --calculix --ccx {program}"));
+    assert_eq!(done.code, Some(3), "{}", done.err);
+    assert!(done.err.contains("warning: finger: CalculiX was killed by signal 9"), "{}", done.err);
+    assert!(done.out.contains("finger: bend angle, deg"), "{}", done.out);
+    let missing = desk.softlimb("fem compare scene.toml --calculix --ccx no-such-program");
+    assert_eq!(missing.code, Some(1));
+    assert!(missing.err.contains("apt-get install calculix-ccx"), "{}", missing.err);
+}
+
+#[test]
+fn a_record_keeps_what_is_not_asked() {
+    let desk = Desk::new();
+    let done = desk.softlimb("fem compare --only extension --tsv all.tsv");
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    let first = std::fs::read_to_string(desk.path("all.tsv")).unwrap();
+    desk.softlimb("fem compare --only twisting --tsv all.tsv");
+    let both = std::fs::read_to_string(desk.path("all.tsv")).unwrap();
+    assert!(both.starts_with(&first) && both.lines().count() == first.lines().count() + 24, "{both}");
+    desk.put("all.tsv", "not a record\n");
+    let wrong = desk.softlimb("fem compare --only extension --tsv all.tsv");
+    assert_eq!(wrong.code, Some(1));
+    assert!(wrong.err.contains("line 1 of the comparison"), "{}", wrong.err);
+    assert_eq!(std::fs::read_to_string(desk.path("all.tsv")).unwrap(), "not a record\n");
+}
+
+#[test]
+fn a_page_without_a_place_and_an_unknown_case_are_refused() {
+    let desk = Desk::new();
+    desk.put("page.md", "# Nothing\n");
+    let done = desk.softlimb("fem compare --page page.md");
+    assert_eq!(done.code, Some(1));
+    assert!(done.err.contains("page.md has no place for the table"), "{}", done.err);
+    let done = desk.softlimb("fem compare --only hovering");
+    assert!(done.code == Some(1) && done.err.contains("no case has \"hovering\" in its name"), "{}", done.err);
+}
+
+#[test]
+fn a_scene_is_calibrated() {
+    let desk = Desk::with_scene("small", "small");
+    let done = desk.softlimb("fem calibrate scene.toml --thread 772,3,0.18 --json");
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    let module = &done.json()["modules"][0];
+    assert!(module["bending"]["verified_error"].as_f64().unwrap() < 5e-3, "{module}");
+    // A winding on the surface: 0.2 to 0.3 walls of 4 mm.
+    let axial_m = module["ends"]["axial_m"].as_f64().unwrap();
+    assert!((0.8e-3..1.25e-3).contains(&axial_m), "{module}");
+    let [effective, ideal] = ["effective_n_per_m", "ideal_n_per_m"].map(|key| module["thread"][key].as_f64().unwrap());
+    assert!(effective < 0.5 * ideal && (ideal - 772.0 / 0.012).abs() < 1e-6 * ideal, "{module}");
+}
+
+#[test]
+fn a_calibration_that_makes_no_sense_is_refused() {
+    let desk = Desk::with_scene("small", "small");
+    for (arguments, word) in [
+        ("--thread 772,3", "--thread has 2 values"),
+        ("--thread 772,0.1,0.18", "width_m = 0.00018 is not allowed: less than the spacing"),
+        ("--module toe", "there is no module \"toe\": one of finger"),
+    ] {
+        let done = desk.softlimb(&format!("fem calibrate scene.toml {arguments}"));
+        assert!(done.code == Some(1) && done.err.contains(word), "{word}: {}", done.err);
+    }
+}
