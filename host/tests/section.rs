@@ -16,3 +16,5 @@ mod misuse;
 mod stiffness;
 #[path = "section/straight.rs"]
 mod straight;
+#[path = "section/sweep.rs"]
+mod sweep;

@@ -113,15 +113,17 @@ impl Build {
 
     /// Error of the finer of two meshes in units of the difference between them, when elements are halved.
     ///
-    /// Without anything singular errors fall as the fourth power of the element size. At the edge of a strip, and where a line sits on a
-    /// fiber surface, they fall about as its first power. A line on bare elastomer is a concentrated load, which sinks in by as much again
-    /// with every halving: there is no limit, and what is given is what ten more halvings would change.
+    /// Without anything singular errors fall as the fourth power of the element size. At the edges of a strip they do so at first and more
+    /// slowly in the end, for which the second power is taken; where a line sits on a fiber surface, it is the first. A line on bare
+    /// elastomer is a concentrated load, which sinks in by as much again with every halving: there is no limit, and what is given is what ten
+    /// more halvings would change.
     pub(super) fn error_factor(&self) -> f64 {
         let on_surface = matches!(self.winding, Some((Wound::Sheet(radius), _)) if radius >= self.outer);
         match self.limit {
             None => 1.0 / 15.0,
             Some(Limit::Line(_)) if !on_surface => 10.0,
-            Some(_) => 1.0,
+            Some(Limit::Line(_)) => 1.0,
+            Some(Limit::Strip { .. }) => 1.0 / 3.0,
         }
     }
 
@@ -144,17 +146,15 @@ fn winding(
     options: &Options,
     outer: f64,
 ) -> Result<Option<(Wound, Fibers)>, SectionError> {
-    let ideal = Fibers::one(INEXTENSIBLE, [1.0, 0.0]);
-    let fiber = parameters.fiber.filter(|fiber| fiber.modulus_pa > 0.0 || options.winding == Winding::Ideal);
-    let Some(fiber) = fiber else {
-        let wound = parameters.motion == Motion::Bending || options.winding == Winding::Ideal;
-        return Ok(wound.then_some((Wound::Sheet(outer), ideal)));
-    };
-    let radius = (fiber.radius_m / parameters.inner_radius_m).clamp(1.0, outer);
-    if options.winding == Winding::Ideal {
-        return Ok(Some((Wound::Sheet(radius), ideal)));
+    let stiff = |fiber: &Fiber<f64>| fiber.modulus_pa > 0.0;
+    let radius = |fiber: &Fiber<f64>| (fiber.radius_m / parameters.inner_radius_m).clamp(1.0, outer);
+    let bends_unstated = parameters.motion == Motion::Bending && !parameters.fiber.as_ref().is_some_and(stiff);
+    if options.winding == Winding::Ideal || bends_unstated {
+        let radius = parameters.fiber.as_ref().map_or(outer, radius);
+        return Ok(Some((Wound::Sheet(radius), Fibers::one(INEXTENSIBLE, [1.0, 0.0]))));
     }
-    stated(parameters, &fiber, radius).map(Some)
+    let fiber = parameters.fiber.filter(stiff);
+    fiber.map(|fiber| stated(parameters, &fiber, radius(&fiber))).transpose()
 }
 
 /// The winding with the modulus it has. [`ActuatorParameters::check`] leaves out what bending does not use.

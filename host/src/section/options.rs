@@ -42,7 +42,7 @@ pub enum Limiter {
 /// Which winding is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Winding {
-    /// The one that the parameters state, with its modulus. A bending actuator without one has the ideal winding at its outer radius.
+    /// The one that the parameters state, with its modulus. A bending actuator without one, or with one of no modulus, has the ideal one.
     Stated,
     /// Hoops that keep their length, at the stated winding radius or else at the outer one: that of [`fra_model`]'s bending model.
     Ideal,

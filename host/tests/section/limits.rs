@@ -1,7 +1,7 @@
 //! Ends of branches, and fibers however stiff.
 
 use fra_model::{Actuator, Load, Material, Motion, Placement};
-use softlimb::section::{EndLoad, Limiter, Options, Outcome};
+use softlimb::section::{EndLoad, Limiter, Options, Outcome, Symmetry};
 
 use crate::cases::{DRAGON_SKIN, SOFT, at, curve, tube, wound};
 
@@ -77,6 +77,22 @@ fn a_load_that_is_not_carried_is_said_so() {
     for share in [1.01, 1.5, 20.0] {
         assert_eq!(pulled(share), Outcome::LoadNotCarried, "{share}");
     }
+}
+
+/// Pulled without pressure, a tube would shrink, and a stiff hoop winding is compressed. A surface that cannot bend folds then, at the
+/// shortest wave there is: the whole section shows it in its eigenvalues, although Newton's method finds the round state.
+#[test]
+fn a_compressed_winding_folds() {
+    let parameters = wound(tube(Motion::Extension, 6.0, 8.0, SOFT), 0.0, Placement::Sheet, 1e4, 8.0);
+    let pulled = |symmetry, pressure, force_n| {
+        let options = Options { symmetry, ..Options::default() };
+        let load = EndLoad { force_n, ..EndLoad::default() };
+        curve(&parameters, &options, &[pressure], &load).answers[0].outcome
+    };
+    assert!(matches!(pulled(Symmetry::Exploit, 0.0, 3.0), Outcome::Equilibrium(_)));
+    assert_eq!(pulled(Symmetry::Ignore, 0.0, 3.0), Outcome::LoadNotCarried);
+    // Not where the pressure keeps the winding in tension.
+    assert!(matches!(pulled(Symmetry::Ignore, 20e3, 0.0), Outcome::Equilibrium(_)));
 }
 
 /// `mu2 t` up to 1e6 times what the wall has, from zero load.
