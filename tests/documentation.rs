@@ -23,6 +23,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "CONTRIBUTING.md",
         "docs/accuracy.md",
         "docs/eval-batch.md",
+        "docs/fem-decks.md",
         "docs/model.md",
         "docs/paper-map.md",
         "docs/section-fe.md",
