@@ -88,7 +88,7 @@ fn a_calibration_that_makes_no_sense_is_refused() {
     let desk = Desk::with_scene("small", "small");
     for (arguments, word) in [
         ("--thread 772,3", "--thread has 2 values"),
-        ("--thread 772,0.1,0.18", "width_m = 0.00018 is not allowed: less than the spacing"),
+        ("--thread 772,0.1,0.18", "is not allowed: less than the spacing"),
         ("--module toe", "there is no module \"toe\": one of finger"),
     ] {
         let done = desk.softlimb(&format!("fem calibrate scene.toml {arguments}"));
