@@ -31,6 +31,7 @@ mod column;
 mod error;
 mod front;
 mod grid;
+mod load;
 mod lumen;
 mod model;
 mod options;
@@ -38,6 +39,7 @@ mod path;
 mod response;
 mod shape;
 mod spot;
+mod spots;
 #[cfg(test)]
 mod tests;
 

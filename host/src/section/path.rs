@@ -16,9 +16,9 @@ const FAR: f64 = 1e2;
 /// Growth of the changes from one iteration to the next that is still taken for one on its way.
 const GROWTH: f64 = 4.0;
 /// How far from its prediction by the tangent a step may end, relative to its length.
-const STRAY: f64 = 0.6;
+pub(super) const STRAY: f64 = 0.6;
 /// Shortest step of the pressure, in units of the pressure asked for, and of the load.
-const SHORTEST: f64 = 1e-4;
+pub(super) const SHORTEST: f64 = 1e-4;
 
 /// An equilibrium and the linear system at it.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ pub(super) enum Reached {
 
 /// Why a step was taken back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Refusal {
+pub(super) enum Refusal {
     Unsettled,
     Strayed,
     Unstable,
@@ -64,8 +64,8 @@ pub(super) struct Work {
 /// A section under a load, led through rising pressures.
 #[derive(Debug)]
 pub(super) struct Path<'a> {
-    chain: &'a mut Chain,
-    load: [f64; 4],
+    pub(super) chain: &'a mut Chain,
+    pub(super) load: [f64; 4],
     here: Option<Point>,
     /// The equilibrium before, at another pressure.
     before: Option<Point>,
@@ -142,55 +142,6 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// From rest to the load, without pressure.
-    fn apply_load(&mut self) -> Result<Point, Reached> {
-        let (rest, stuck) = (self.chain.rest(), |_| Reached::Stuck { pressure: 0.0 });
-        let (mut here, mut share, mut step) = (self.settle(rest, &[0.0; 4]).map_err(stuck)?, 0.0, 1.0);
-        // Shares of the load and the squared stiffness against it, which near a limit point falls linearly.
-        let mut passed: Vec<[f64; 2]> = Vec::new();
-        while share < 1.0 && self.load != [0.0; 4] {
-            let to = f64::min(share + step, 1.0);
-            let (stiffness, advanced) = self.advance_load(&here, share, to);
-            if passed.last().is_none_or(|last| last[0] < share) {
-                passed.push([share, stiffness * stiffness]);
-            }
-            match advanced {
-                Ok(next) => {
-                    self.work.increments += 1;
-                    (here, share, step) = (next, to, 2.0 * step);
-                }
-                Err(refusal) => {
-                    self.work.rejected += 1;
-                    step *= 0.5;
-                    if step < SHORTEST {
-                        let ends = refusal == Refusal::Unstable || vanishes_within(&passed, 8.0 * step);
-                        return Err(if ends { Reached::EndOfLoad } else { Reached::Stuck { pressure: 0.0 } });
-                    }
-                }
-            }
-        }
-        Ok(here)
-    }
-
-    /// One step of the load from a share of it to another; the first of Newton's steps is the prediction. Also the stiffness against the
-    /// load where the step begins.
-    fn advance_load(&mut self, here: &Point, from: f64, to: f64) -> (f64, Result<Point, Refusal>) {
-        let load = self.load.map(|component| to * component);
-        self.work.newton += 1;
-        let Ok(linear) = self.chain.solve(&here.state, &load) else { return (f64::NAN, Err(Refusal::Unsettled)) };
-        let work: f64 = self.load.iter().zip(&linear.step.strain).map(|(force, strain)| force * strain).sum();
-        let stiffness = (to - from) / work;
-        let mut state = here.state.clone();
-        self.step(&mut state, &linear.step);
-        let predicted = signature(&state.form, here.linear.volume);
-        let settled = self.settle(state, &load);
-        let near = |next: &Point| {
-            let ends = [&here.state.form, &next.state.form].map(|form| signature(form, here.linear.volume));
-            distance(&ends[1], &predicted) <= STRAY * distance(&ends[1], &ends[0])
-        };
-        (stiffness, settled.and_then(|next| if near(&next) { Ok(next) } else { Err(Refusal::Strayed) }))
-    }
-
     /// One step of the pressure.
     fn advance(&mut self, here: &Point, pressure: f64) -> Result<Point, Refusal> {
         let rise = pressure - here.state.pressure;
@@ -230,7 +181,7 @@ impl<'a> Path<'a> {
     }
 
     /// Newton's method at constant pressure and load.
-    fn settle(&mut self, mut state: State, load: &[f64; 4]) -> Result<Point, Refusal> {
+    pub(super) fn settle(&mut self, mut state: State, load: &[f64; 4]) -> Result<Point, Refusal> {
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
             self.work.newton += 1;
@@ -259,25 +210,18 @@ impl<'a> Path<'a> {
     }
 
     /// Moves on, and carries the tensions along the tangent of the fibers' strains.
-    fn step(&self, state: &mut State, change: &Form) {
+    pub(super) fn step(&self, state: &mut State, change: &Form) {
         state.tensions = self.chain.tensions_after(&state.form, change);
         state.form.add(1.0, change);
     }
 }
 
-/// Whether the line through the last two of (argument, value) falls to zero within `gap` of the last.
-fn vanishes_within(passed: &[[f64; 2]], gap: f64) -> bool {
-    let [.., before, last] = passed else { return false };
-    let more = last[1] * (last[0] - before[0]) / (before[1] - last[1]);
-    (0.0..=gap).contains(&more)
-}
-
 /// Strains and volume: what shows whether two states are near.
-fn signature(form: &Form, volume: f64) -> [f64; 5] {
+pub(super) fn signature(form: &Form, volume: f64) -> [f64; 5] {
     let [stretch, first, second, twist] = form.strain;
     [stretch, first, second, twist, volume / PI]
 }
 
-fn distance(a: &[f64; 5], b: &[f64; 5]) -> f64 {
+pub(super) fn distance(a: &[f64; 5], b: &[f64; 5]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
