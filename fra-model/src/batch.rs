@@ -1,7 +1,10 @@
 //! Many actuators at once.
 
+use core::array;
+use core::ops::Range;
+
 use crate::actuator::Actuator;
-use crate::direct::{Column, Columns, LANES, Lanes};
+use crate::direct::{Column, Columns, Direct, LANES, Lanes};
 use crate::parameters::InvalidParameter;
 use crate::real::Real;
 use crate::size::Size;
@@ -15,9 +18,10 @@ pub struct Prepared<T: Real> {
     tubes: Option<Tubes<T>>,
 }
 
-/// The straight tubes among the actuators; the lanes of others, and lanes to spare, repeat one of them.
+/// The straight tubes among the actuators. The lanes of others, and lanes to spare, hold some tube whose answer nobody looks at.
 #[derive(Clone, Copy, Debug)]
 struct Tubes<T: Real> {
+    /// Which lanes hold the actuator of their place.
     has: [bool; LANES],
     direct: Columns<T>,
     size: Size<Column<T>>,
@@ -26,104 +30,126 @@ struct Tubes<T: Real> {
 impl<T: Real> Prepared<T> {
     /// Lays out the first [`LANES`] actuators, or as many as there are.
     pub fn new(actuators: &[Actuator<T>]) -> Self {
-        let tube = |i: usize| actuators.get(i).and_then(Actuator::tube).and_then(|tube| Some((tube, tube.direct()?)));
-        let Some((first, direct)) = (0..LANES).find_map(tube) else { return Self { tubes: None } };
-        let lanes: [Option<_>; LANES] = core::array::from_fn(tube);
-        let direct = Columns::new(lanes.map(|lane| lane.map_or(direct, |(_, direct)| direct)));
-        let sizes = lanes.map(|lane| lane.map_or(first, |(tube, _): (&Tube<T>, _)| tube).size());
-        Self { tubes: Some(Tubes { has: lanes.map(|lane| lane.is_some()), direct, size: Size::columns(&sizes) }) }
+        let mut new = Self { tubes: None };
+        new.lay_out(actuators);
+        new
     }
 
-    /// The equilibria of the actuators it was prepared from, each at its own gauge pressure, Pa, without external load:
-    /// [`Actuator::forward`] of each.
-    ///
-    /// They are solved side by side by the vector arithmetic that `token` is a value of; those it cannot answer for are solved one by
-    /// one. Solves as many as the shortest slice has, at most [`LANES`].
-    ///
-    /// # Errors
-    /// [`InvalidParameter`] of a pressure that is not finite; the solutions are then of no use.
+    /// The same in the place of others.
     #[inline(always)]
-    pub fn forward<V: Lanes<T>>(
-        &self,
-        token: V,
-        actuators: &[Actuator<T>],
-        pressures_pa: &[T],
-        solutions: &mut [Solution<T>],
-    ) -> Result<(), InvalidParameter<T>> {
-        const { assert!(V::COUNT >= 1 && V::COUNT <= LANES, "one to eight lanes") };
-        let count = actuators.len().min(pressures_pa.len()).min(solutions.len()).min(LANES);
-        let mut answered = [false; LANES];
-        if let Some(tubes) = &self.tubes {
-            tubes.forward(token, &pressures_pa[..count], &mut solutions[..count], &mut answered);
+    fn lay_out(&mut self, actuators: &[Actuator<T>]) {
+        if let Some(tubes) = &mut self.tubes {
+            tubes.has = [false; LANES];
+            tubes.direct.clear();
         }
-        for i in 0..count {
-            if !answered[i] {
-                one(&actuators[i], pressures_pa[i], &mut solutions[i])?;
-            }
+        for (lane, actuator) in actuators.iter().enumerate().take(LANES) {
+            let Some(tube) = actuator.tube() else { continue };
+            let Some(direct) = tube.direct() else { continue };
+            let tubes = self.tubes.get_or_insert_with(|| Tubes::new(tube, direct));
+            tubes.has[lane] = true;
+            tubes.direct.set(lane..lane + 1, direct);
+            tubes.size.set(lane, &tube.size());
         }
-        Ok(())
     }
-}
-
-#[cold]
-#[inline(never)]
-fn one<T: Real>(actuator: &Actuator<T>, pressure_pa: T, solution: &mut Solution<T>) -> Result<(), InvalidParameter<T>> {
-    *solution = actuator.forward(pressure_pa, &Load::none())?;
-    Ok(())
 }
 
 impl<T: Real> Tubes<T> {
-    /// Solves as many as the vectors have lanes; says which it has answers for.
+    #[cold]
+    fn new(tube: &Tube<T>, direct: &Direct<T>) -> Self {
+        Self { has: [false; LANES], direct: Columns::new(direct), size: Size::columns(&tube.size()) }
+    }
+
+    /// Solves as many as the vectors have lanes; where `ONCE`, those alone that take one step and one correction.
     #[inline(always)]
-    fn forward<V: Lanes<T>>(
-        &self,
-        token: V,
-        pressures_pa: &[T],
-        solutions: &mut [Solution<T>],
-        answered: &mut [bool; LANES],
-    ) {
-        let mut pressures = [T::zero(); LANES];
-        pressures[..pressures_pa.len()].copy_from_slice(pressures_pa);
+    fn forward<V: Lanes<T>, const ONCE: bool>(&self, token: V, pressures_pa: &[T; LANES]) -> Answers<T> {
         let size = self.size.vectors(token);
-        let end = self.direct.forward(token.load(&pressures) * size.per_shear_modulus);
-        let spread = |value: V| {
-            let mut to = [T::zero(); LANES];
-            value.store(&mut to);
-            to
+        let end = self.direct.forward::<V, ONCE>(token.load(pressures_pa) * size.per_shear_modulus);
+        let sizes = size.of_state(end.at.e, end.at.w, end.at.g, end.volume_rate);
+        let none = [T::zero(); LANES];
+        let mut answers = Answers {
+            strains: [none; 2],
+            sizes: [none; 6],
+            residual: none,
+            margin: none,
+            evaluations: end.evaluations,
         };
-        let (e, w, margin) = (spread(end.at.e), spread(end.at.w), spread(end.margin));
-        let [stretch, inner, outer, twist, volume, compliance] =
-            size.of_state(end.at.e, end.at.w, end.at.g, end.volume_rate).map(spread);
-        let residual = spread(end.residual);
-        for (i, solution) in solutions.iter_mut().enumerate().take(V::COUNT) {
-            if !(self.has[i] && margin[i] >= T::zero() && compliance[i].is_finite() && pressures[i].is_finite()) {
-                continue;
-            }
-            answered[i] = true;
-            *solution = Solution {
-                status: Status::Solved,
-                state: State {
-                    pressure_pa: pressures[i],
-                    axial_stretch: stretch[i],
-                    axial_strain: e[i],
-                    inner_radius_m: inner[i],
-                    outer_radius_m: outer[i],
-                    twist_rad: twist[i],
-                    bend_angle_rad: T::zero(),
-                    volume_m3: volume[i],
-                    volume_strain: w[i],
-                    compliance_m3_per_pa: compliance[i],
-                },
-                limit_pressure_pa: None,
-                residual: residual[i],
-                iterations: end.evaluations,
-            };
+        end.at.e.store(&mut answers.strains[0]);
+        end.at.w.store(&mut answers.strains[1]);
+        for (to, value) in answers.sizes.iter_mut().zip(&sizes) {
+            value.store(to);
         }
+        end.residual.store(&mut answers.residual);
+        end.margin.store(&mut answers.margin);
+        answers
     }
 }
 
-/// The equilibria of actuators, each at its own gauge pressure, Pa, without external load: [`Actuator::forward`] of each, by
-/// [`Prepared`]. Solves as many as the shortest slice has.
+/// What became of several actuators.
+struct Answers<T> {
+    /// Axial strain and relative change of the volume.
+    strains: [Column<T>; 2],
+    /// As [`Size::of_state`] has them.
+    sizes: [Column<T>; 6],
+    residual: Column<T>,
+    /// Those are answers where it is not negative.
+    margin: Column<T>,
+    evaluations: u32,
+}
+
+impl<T: Real> Answers<T> {
+    /// That of one lane, if it has one.
+    #[inline(always)]
+    fn of(&self, i: usize, pressure_pa: T) -> Option<Solution<T>> {
+        let [stretch, inner, outer, twist, volume, compliance] = &self.sizes;
+        let certified = (self.margin[i] >= T::zero()) & compliance[i].is_finite() & pressure_pa.is_finite();
+        let state = State {
+            pressure_pa,
+            axial_stretch: stretch[i],
+            axial_strain: self.strains[0][i],
+            inner_radius_m: inner[i],
+            outer_radius_m: outer[i],
+            twist_rad: twist[i],
+            bend_angle_rad: T::zero(),
+            volume_m3: volume[i],
+            volume_strain: self.strains[1][i],
+            compliance_m3_per_pa: compliance[i],
+        };
+        certified.then_some(Solution {
+            status: Status::Solved,
+            state,
+            limit_pressure_pa: None,
+            residual: self.residual[i],
+            iterations: self.evaluations,
+        })
+    }
+}
+
+/// The equilibria of actuators, each at its own gauge pressure, Pa, without external load: [`Actuator::forward`] of each. Solves as many
+/// as the shortest slice has.
+///
+/// `groups` are [`Prepared`] from the actuators, [`Lanes::COUNT`] at a time. They are solved side by side by the vector arithmetic that
+/// `token` is a value of. Most take one correction, and are not kept waiting by their neighbours: those that take more are collected
+/// from several groups and solved side by side as well, and what is then left, one by one.
+///
+/// # Errors
+/// [`InvalidParameter`] of a pressure that is not finite; the solutions are then of no use.
+#[inline(always)]
+pub fn forward_prepared<T: Real, V: Lanes<T>>(
+    token: V,
+    groups: &[Prepared<T>],
+    actuators: &[Actuator<T>],
+    pressures_pa: &[T],
+    solutions: &mut [Solution<T>],
+) -> Result<(), InvalidParameter<T>> {
+    let count = actuators.len().min(pressures_pa.len()).min(solutions.len());
+    let mut batch = Batch { actuators, pressures_pa, waiting: None, numbers: [0; LANES], count: 0 };
+    for (group, from) in groups.iter().zip((0..count).step_by(V::COUNT)) {
+        batch.solve(token, group, from..count.min(from + V::COUNT), solutions)?;
+    }
+    batch.finish(token, solutions)
+}
+
+/// [`forward_prepared`] of actuators that are laid out on the way.
 ///
 /// # Errors
 /// [`InvalidParameter`] of a pressure that is not finite; the solutions are then of no use.
@@ -134,9 +160,106 @@ pub fn forward_many<T: Real, V: Lanes<T>>(
     pressures_pa: &[T],
     solutions: &mut [Solution<T>],
 ) -> Result<(), InvalidParameter<T>> {
-    let groups = actuators.chunks(V::COUNT).zip(pressures_pa.chunks(V::COUNT)).zip(solutions.chunks_mut(V::COUNT));
-    for ((actuators, pressures_pa), solutions) in groups {
-        Prepared::new(actuators).forward(token, actuators, pressures_pa, solutions)?;
+    let count = actuators.len().min(pressures_pa.len()).min(solutions.len());
+    let mut batch = Batch { actuators, pressures_pa, waiting: None, numbers: [0; LANES], count: 0 };
+    let mut group = Prepared { tubes: None };
+    for from in (0..count).step_by(V::COUNT) {
+        let range = from..count.min(from + V::COUNT);
+        group.lay_out(&actuators[range.clone()]);
+        batch.solve(token, &group, range, solutions)?;
     }
-    Ok(())
+    batch.finish(token, solutions)
+}
+
+/// A batch, and those of it that wait to be solved side by side because they take more than one correction.
+struct Batch<'a, T: Real> {
+    actuators: &'a [Actuator<T>],
+    pressures_pa: &'a [T],
+    waiting: Option<Tubes<T>>,
+    /// What numbers they have, and how many they are.
+    numbers: [usize; LANES],
+    count: usize,
+}
+
+impl<T: Real> Batch<'_, T> {
+    /// One correction for a group.
+    #[inline(always)]
+    fn solve<V: Lanes<T>>(
+        &mut self,
+        token: V,
+        group: &Prepared<T>,
+        range: Range<usize>,
+        solutions: &mut [Solution<T>],
+    ) -> Result<(), InvalidParameter<T>> {
+        const { assert!(V::COUNT >= 1 && V::COUNT <= LANES, "one to eight lanes") };
+        let Some(tubes) = &group.tubes else { return range.into_iter().try_for_each(|i| self.one(i, solutions)) };
+        let own = &self.pressures_pa[range.clone()];
+        let some = || array::from_fn(|lane| own.get(lane).copied().unwrap_or(T::zero()));
+        let pressures = own.first_chunk().copied().unwrap_or_else(some);
+        let answers = tubes.forward::<V, true>(token, &pressures);
+        let mut is_left = [false; LANES];
+        for (lane, solution) in solutions[range.clone()].iter_mut().enumerate() {
+            match answers.of(lane, pressures[lane]) {
+                Some(answer) if tubes.has[lane] => *solution = answer,
+                _ => is_left[lane] = true,
+            }
+        }
+        for (lane, number) in range.enumerate().filter(|(lane, _)| is_left[*lane]) {
+            if tubes.has[lane] {
+                self.wait(token, tubes, lane, number, solutions)?;
+            } else {
+                self.one(number, solutions)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Has a lane wait until there are as many as the vectors have lanes.
+    #[inline(always)]
+    fn wait<V: Lanes<T>>(
+        &mut self,
+        token: V,
+        from: &Tubes<T>,
+        lane: usize,
+        number: usize,
+        solutions: &mut [Solution<T>],
+    ) -> Result<(), InvalidParameter<T>> {
+        // The lanes to spare hold what is there.
+        let waiting = self.waiting.get_or_insert(*from);
+        if self.count == 0 {
+            waiting.direct.clear();
+        }
+        waiting.direct.copy(self.count, &from.direct, lane);
+        waiting.size.set(self.count, &from.size.lane(lane));
+        self.numbers[self.count] = number;
+        self.count += 1;
+        if self.count < V::COUNT { Ok(()) } else { self.finish(token, solutions) }
+    }
+
+    /// Solves those that wait side by side, and one by one where that does not answer.
+    #[inline(always)]
+    fn finish<V: Lanes<T>>(&mut self, token: V, solutions: &mut [Solution<T>]) -> Result<(), InvalidParameter<T>> {
+        let Some(waiting) = &self.waiting else { return Ok(()) };
+        let numbers = self.numbers;
+        let mut pressures = [T::zero(); LANES];
+        for (pressure, number) in pressures.iter_mut().zip(&numbers[..self.count]) {
+            *pressure = self.pressures_pa[*number];
+        }
+        let answers = waiting.forward::<V, false>(token, &pressures);
+        for (lane, &number) in numbers[..self.count].iter().enumerate() {
+            match answers.of(lane, pressures[lane]) {
+                Some(answer) => solutions[number] = answer,
+                None => self.one(number, solutions)?,
+            }
+        }
+        self.count = 0;
+        Ok(())
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn one(&self, i: usize, solutions: &mut [Solution<T>]) -> Result<(), InvalidParameter<T>> {
+        solutions[i] = self.actuators[i].forward(self.pressures_pa[i], &Load::none())?;
+        Ok(())
+    }
 }

@@ -51,7 +51,7 @@ mod tube;
 mod two;
 
 pub use actuator::Actuator;
-pub use batch::{Prepared, forward_many};
+pub use batch::{Prepared, forward_many, forward_prepared};
 pub use direct::{Arithmetic, LANES, Lanes, atanh_series};
 pub use held::Held;
 pub use limb::{Link, Segment, tip_pose};

@@ -35,15 +35,39 @@ impl<S: Arithmetic> Size<S> {
 }
 
 impl<T: Copy> Size<[T; LANES]> {
-    /// Those of several tubes.
-    pub(crate) fn columns(tubes: &[Size<T>; LANES]) -> Self {
+    /// The same tube in every lane.
+    pub(crate) fn columns(tube: &Size<T>) -> Self {
         Self {
-            inner_radius_m: tubes.map(|tube| tube.inner_radius_m),
-            outer_radius_m: tubes.map(|tube| tube.outer_radius_m),
-            x_outer: tubes.map(|tube| tube.x_outer),
-            twist_rad: tubes.map(|tube| tube.twist_rad),
-            volume_m3: tubes.map(|tube| tube.volume_m3),
-            per_shear_modulus: tubes.map(|tube| tube.per_shear_modulus),
+            inner_radius_m: [tube.inner_radius_m; LANES],
+            outer_radius_m: [tube.outer_radius_m; LANES],
+            x_outer: [tube.x_outer; LANES],
+            twist_rad: [tube.twist_rad; LANES],
+            volume_m3: [tube.volume_m3; LANES],
+            per_shear_modulus: [tube.per_shear_modulus; LANES],
+        }
+    }
+
+    /// Puts a tube in a lane.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, tube: &Size<T>) {
+        self.inner_radius_m[lane] = tube.inner_radius_m;
+        self.outer_radius_m[lane] = tube.outer_radius_m;
+        self.x_outer[lane] = tube.x_outer;
+        self.twist_rad[lane] = tube.twist_rad;
+        self.volume_m3[lane] = tube.volume_m3;
+        self.per_shear_modulus[lane] = tube.per_shear_modulus;
+    }
+
+    /// The tube of a lane.
+    #[inline(always)]
+    pub(crate) fn lane(&self, lane: usize) -> Size<T> {
+        Size {
+            inner_radius_m: self.inner_radius_m[lane],
+            outer_radius_m: self.outer_radius_m[lane],
+            x_outer: self.x_outer[lane],
+            twist_rad: self.twist_rad[lane],
+            volume_m3: self.volume_m3[lane],
+            per_shear_modulus: self.per_shear_modulus[lane],
         }
     }
 

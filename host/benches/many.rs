@@ -9,7 +9,7 @@ use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, M
 use softlimb::many::{self, Many};
 
 /// Runs of which the fastest counts.
-const RUNS: u32 = 40;
+const RUNS: u32 = 200;
 /// Actuators at once: the number that suits the caches best counts, as it does for the solvers this is compared with.
 const PIECES: [usize; 3] = [4096, 8192, 16384];
 

@@ -2,13 +2,19 @@
 
 use std::num::NonZero;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::{Mutex, OnceLock};
 use std::thread;
 
-use fra_model::{Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Prepared, Solution, atanh_series, forward_many};
+use fra_model::{
+    Actuator, Arithmetic, InvalidParameter, LANES, Lanes, Prepared, Solution, atanh_series, forward_many,
+    forward_prepared,
+};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Fewest actuators that are worth a thread.
 const SHARE: usize = 2048;
+/// Actuators that a thread takes at a time.
+const PIECE: usize = 512;
 
 /// The equilibria of actuators, each at its own gauge pressure, Pa, without external load, written to `solutions`.
 ///
@@ -19,7 +25,7 @@ const SHARE: usize = 2048;
 /// When the slices differ in length.
 ///
 /// # Errors
-/// [`InvalidParameter`] when a pressure is not finite.
+/// [`InvalidParameter`] when a pressure is not finite; the solutions are then of no use.
 pub fn forward(
     actuators: &[Actuator<f64>],
     pressures_pa: &[f64],
@@ -60,8 +66,14 @@ impl<'a> Many<'a> {
     }
 }
 
-/// Runs `solve` on shares of the slices, which begin at multiples of `group`, one per processor where they are worth it; it is told
-/// where its share begins.
+/// Asked once: to find out takes as long as to solve hundreds of actuators.
+fn processors() -> usize {
+    static PROCESSORS: OnceLock<usize> = OnceLock::new();
+    *PROCESSORS.get_or_init(|| thread::available_parallelism().map_or(1, NonZero::get))
+}
+
+/// Runs `solve` on pieces of the slices, which begin at multiples of `group`, on as many processors as they are worth, each of which takes
+/// a piece when it is done with one; it is told where its piece begins.
 fn in_shares(
     group: usize,
     actuators: &[Actuator<f64>],
@@ -70,21 +82,28 @@ fn in_shares(
     solve: impl Fn(usize, &[Actuator<f64>], &[f64], &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>> + Sync,
 ) -> Result<(), InvalidParameter<f64>> {
     assert_eq!((actuators.len(), actuators.len()), (pressures_pa.len(), solutions.len()), "one of each per actuator");
-    let threads = thread::available_parallelism().map_or(1, NonZero::get).min(actuators.len() / SHARE).max(1);
-    let share = actuators.len().div_ceil(threads).next_multiple_of(group).max(group);
-    let mut parts =
-        actuators.chunks(share).zip(pressures_pa.chunks(share)).zip(solutions.chunks_mut(share)).enumerate();
-    let Some((_, ((own, own_pressures), own_solutions))) = parts.next() else { return Ok(()) };
-    let solve = &solve;
-    thread::scope(|scope| {
-        let others: Vec<_> = parts
-            .map(|(i, ((actuators, pressures_pa), solutions))| {
-                scope.spawn(move || solve(i * share, actuators, pressures_pa, solutions))
-            })
-            .collect();
-        let own = solve(0, own, own_pressures, own_solutions);
-        others.into_iter().fold(own, |all, part| all.and(part.join().expect("the solver does not panic")))
-    })
+    let threads = processors().min(actuators.len() / SHARE).max(1);
+    let share = if threads > 1 { PIECE } else { actuators.len() };
+    let share = share.next_multiple_of(group).max(group);
+    let pieces = actuators.chunks(share).zip(pressures_pa.chunks(share)).zip(solutions.chunks_mut(share));
+    let pieces = Mutex::new(pieces.enumerate());
+    // The error of the first piece that has one: pieces are taken in turn, so none before it is left out.
+    let work = || {
+        loop {
+            let piece = pieces.lock().expect("no panic while it is held").next();
+            let Some((i, ((actuators, pressures_pa), solutions))) = piece else { return None };
+            if let Err(error) = solve(i * share, actuators, pressures_pa, solutions) {
+                return Some((i, error));
+            }
+        }
+    };
+    let errors = thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+        let own = work();
+        let others = others.into_iter().map(|other| other.join().expect("the solver does not panic"));
+        others.chain([own]).flatten().collect::<Vec<_>>()
+    });
+    errors.into_iter().min_by_key(|(i, _)| *i).map_or(Ok(()), |(_, error)| Err(error))
 }
 
 /// The lanes of the widest vectors there are.
@@ -115,12 +134,7 @@ impl WithSimd for Batch<'_> {
         let Self { prepared, actuators, pressures_pa, solutions } = self;
         let token = Vector::of(simd, 0.0);
         let Some(prepared) = prepared else { return forward_many(token, actuators, pressures_pa, solutions) };
-        let lanes = S::F64_LANES.clamp(1, LANES);
-        let groups = actuators.chunks(lanes).zip(pressures_pa.chunks(lanes)).zip(solutions.chunks_mut(lanes));
-        for (group, ((actuators, pressures_pa), solutions)) in prepared.iter().zip(groups) {
-            group.forward(token, actuators, pressures_pa, solutions)?;
-        }
-        Ok(())
+        forward_prepared(token, prepared, actuators, pressures_pa, solutions)
     }
 }
 
@@ -278,5 +292,17 @@ mod tests {
         let blank = actuators[0].forward(0.0, &Load::none()).expect("finite");
         let error = forward(&actuators, &[1e3, f64::NAN], &mut [blank; 2]).expect_err("not finite");
         assert_eq!(error.field, "pressure_pa");
+    }
+    #[test]
+    fn of_several_refusals_the_first_piece_has_the_say() {
+        let actuators: Vec<_> = (0..5000).map(actuator).collect();
+        let blank = actuators[0].forward(0.0, &Load::none()).expect("finite");
+        let mut pressures_pa = vec![1e3; 5000];
+        (pressures_pa[2 * PIECE + 3], pressures_pa[3 * PIECE]) = (f64::INFINITY, f64::NAN);
+        let many = Many::new(&actuators);
+        for _ in 0..20 {
+            let error = many.forward(&pressures_pa, &mut vec![blank; 5000]).expect_err("not finite");
+            assert_eq!((error.field, error.value), ("pressure_pa", f64::INFINITY));
+        }
     }
 }

@@ -48,11 +48,9 @@ pub(crate) struct Arrival<V> {
     pub(crate) evaluations: u32,
 }
 
-/// The same field of every lane.
-macro_rules! columns {
-    ($lanes:expr, $name:ident { $($field:ident),* }, $direct:ident => $value:expr) => {
-        $name { $($field: $lanes.map(|$direct| $value.$field)),* }
-    };
+/// Each of the named fields, and the same field of another.
+macro_rules! pairs {
+    ($f:ident, $to:expr, $from:expr, { $($field:ident),* }) => { $($f(&mut $to.$field, &$from.$field);)* };
 }
 
 /// Every field as a vector.
@@ -63,33 +61,79 @@ macro_rules! vectors {
 }
 
 impl<T: Real> Columns<T> {
-    pub(crate) fn new(lanes: [&Direct<T>; LANES]) -> Self {
-        let term = |n: usize| columns!(lanes, Unknowns { e, w, g, tension }, a => a.expansion.terms[n]);
-        Self {
-            constants: columns!(
-                lanes,
-                Constants { x_outer, d, per_x_fiber, sin_rho, neutral, cos, sin2, compliance, scale },
-                a => a.constants
-            ),
-            norm: columns!(lanes, Norm { twist, tension }, a => a.norm),
-            expansion: Expansion {
-                unit: lanes.map(|a| a.expansion.unit),
-                contraction: lanes.map(|a| a.expansion.contraction),
-                size: lanes.map(|a| a.expansion.size),
-                terms: core::array::from_fn(term),
+    /// The same actuator in every lane.
+    pub(crate) fn new(direct: &Direct<T>) -> Self {
+        let zero = [T::zero(); LANES];
+        let none = Unknowns { e: zero, w: zero, g: zero, tension: zero };
+        let mut new = Self {
+            constants: Constants {
+                x_outer: zero,
+                d: zero,
+                per_x_fiber: zero,
+                sin_rho: zero,
+                neutral: zero,
+                cos: zero,
+                sin2: zero,
+                compliance: zero,
+                scale: zero,
             },
-            twists: lanes.iter().any(|direct| direct.twists_by_itself()),
+            norm: Norm { twist: zero, tension: zero },
+            expansion: Expansion { unit: zero, contraction: zero, size: zero, terms: [none; ORDERS] },
+            twists: false,
+        };
+        new.set(0..LANES, direct);
+        new
+    }
+
+    /// Puts an actuator in some lanes.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lanes: core::ops::Range<usize>, direct: &Direct<T>) {
+        self.twists |= direct.twists_by_itself();
+        self.pairs(&direct.constants, &direct.norm, &direct.expansion, |to, from| to[lanes.clone()].fill(*from));
+    }
+
+    /// Puts a lane of others in a lane.
+    #[inline(always)]
+    pub(crate) fn copy(&mut self, lane: usize, from: &Self, from_lane: usize) {
+        self.twists |= from.twists;
+        self.pairs(&from.constants, &from.norm, &from.expansion, |to, from| to[lane] = from[from_lane]);
+    }
+
+    /// No lane counts any more for whether the twist rate is an unknown.
+    pub(crate) fn clear(&mut self) {
+        self.twists = false;
+    }
+
+    /// Every column with its counterpart.
+    #[inline(always)]
+    fn pairs<S>(
+        &mut self,
+        constants: &Constants<S>,
+        norm: &Norm<S>,
+        expansion: &Expansion<S>,
+        mut f: impl FnMut(&mut Column<T>, &S),
+    ) {
+        pairs!(
+            f,
+            self.constants,
+            constants,
+            { x_outer, d, per_x_fiber, sin_rho, neutral, cos, sin2, compliance, scale }
+        );
+        pairs!(f, self.norm, norm, { twist, tension });
+        pairs!(f, self.expansion, expansion, { unit, contraction, size });
+        for (to, from) in self.expansion.terms.iter_mut().zip(&expansion.terms) {
+            pairs!(f, to, from, { e, w, g, tension });
         }
     }
 
-    /// The equilibria at pressures `P/mu1` without load.
+    /// The equilibria at pressures `P/mu1` without load; where `ONCE`, those alone that take one step and one correction.
     #[inline(always)]
-    pub(crate) fn forward<V: Lanes<T>>(&self, pressure: V) -> Arrival<V> {
-        if self.twists { self.solve::<V, true>(pressure) } else { self.solve::<V, false>(pressure) }
+    pub(crate) fn forward<V: Lanes<T>, const ONCE: bool>(&self, pressure: V) -> Arrival<V> {
+        if self.twists { self.solve::<V, true, ONCE>(pressure) } else { self.solve::<V, false, ONCE>(pressure) }
     }
 
     #[inline(always)]
-    fn solve<V: Lanes<T>, const TWIST: bool>(&self, pressure: V) -> Arrival<V> {
+    fn solve<V: Lanes<T>, const TWIST: bool, const ONCE: bool>(&self, pressure: V) -> Arrival<V> {
         let expansion = &self.expansion;
         let mut terms = [Unknowns { e: pressure, w: pressure, g: pressure, tension: pressure }; ORDERS];
         for (term, columns) in terms.iter_mut().zip(&expansion.terms) {
@@ -122,7 +166,7 @@ impl<T: Real> Columns<T> {
             epsilon: digits[1],
             limits: limits::<T>().map(|v| pressure.of(v)),
         };
-        way.rise::<T, TWIST>(&expansion)
+        if ONCE { way.rise_once::<TWIST>(&expansion) } else { way.rise::<T, TWIST>(&expansion) }
     }
 }
 
@@ -145,6 +189,16 @@ struct Stage<V> {
     margin: V,
 }
 
+/// A correction that was made.
+struct Round<V, const TWIST: bool> {
+    lin: Linearised<V, TWIST>,
+    /// What its first term left over.
+    left: Rest<V>,
+    step: Unknowns<V>,
+    /// Negative where it was not the last.
+    open: V,
+}
+
 #[inline(always)]
 fn has<T: Real, V: Lanes<T>>(values: V, what: impl Fn(T) -> bool) -> bool {
     let mut stored = [T::zero(); LANES];
@@ -153,6 +207,23 @@ fn has<T: Real, V: Lanes<T>>(values: V, what: impl Fn(T) -> bool) -> bool {
 }
 
 impl<V: Arithmetic> Way<'_, V> {
+    /// The sum of the series, at the end of a step of a contraction factor that the caller has to look at.
+    #[inline(always)]
+    fn leave<const TWIST: bool>(&self, expansion: &Expansion<V>, z: V, margin: V) -> Stage<V> {
+        Stage { at: expansion.sum::<TWIST>(z), last: expansion.size * z.magnitude(), margin }
+    }
+
+    /// One step and one correction.
+    #[inline(always)]
+    fn rise_once<const TWIST: bool>(&self, expansion: &Expansion<V>) -> Arrival<V> {
+        let z = self.pressure * expansion.unit;
+        let margin = z.of(CONTRACTION) - expansion.contraction * z.magnitude();
+        let mut stage = self.leave::<TWIST>(expansion, z, margin);
+        let round = self.round::<TWIST>(&mut stage);
+        self.arrive(stage, &round, 1)
+    }
+
+    /// As many as it takes.
     #[inline(always)]
     fn rise<T: Real, const TWIST: bool>(&self, expansion: &Expansion<V>) -> Arrival<V>
     where
@@ -160,11 +231,7 @@ impl<V: Arithmetic> Way<'_, V> {
     {
         let z = self.pressure * expansion.unit;
         let contraction = expansion.contraction * z.magnitude();
-        let mut stage = Stage {
-            at: expansion.sum::<TWIST>(z),
-            last: expansion.size * z.magnitude(),
-            margin: z.of(REACH) - contraction,
-        };
+        let mut stage = self.leave::<TWIST>(expansion, z, z.of(REACH) - contraction);
         let mut evaluations = 0;
         let beyond = contraction - z.of(CONTRACTION);
         if has::<T, V>(beyond, |beyond| beyond > T::zero()) {
@@ -177,25 +244,39 @@ impl<V: Arithmetic> Way<'_, V> {
         }
         loop {
             evaluations += 1;
-            let (lin, rest) = self.look::<TWIST>(&mut stage, self.pressure);
-            let first = lin.solve(self.c, rest);
-            let left = lin.curvature(self.c, first);
-            let second = lin.solve(self.c, left);
-            let step = first.plus(second);
-            let open = self.correct::<TWIST>(&mut stage, &first, &second, &step);
-            let is_open = has::<T, V>(open, |open| open < T::zero());
+            let round = self.round::<TWIST>(&mut stage);
+            let is_open = has::<T, V>(round.open, |open| open < T::zero());
             if !is_open || evaluations > ROUNDS {
-                let leave = left.e.magnitude() + left.w.magnitude();
-                let leave = if TWIST { leave + left.g.magnitude() } else { leave };
-                let rounding = self.pressure.magnitude() * self.epsilon;
-                return Arrival {
-                    at: stage.at,
-                    volume_rate: lin.volume_rate_after(self.c, &step),
-                    residual: leave * z.of(4e-3) + rounding,
-                    margin: stage.margin.least(open),
-                    evaluations,
-                };
+                return self.arrive(stage, &round, evaluations);
             }
+        }
+    }
+
+    /// One correction of two terms.
+    #[inline(always)]
+    fn round<const TWIST: bool>(&self, stage: &mut Stage<V>) -> Round<V, TWIST> {
+        let (lin, rest) = self.look::<TWIST>(stage, self.pressure);
+        let first = lin.solve(self.c, rest);
+        let left = lin.curvature(self.c, first);
+        let second = lin.solve(self.c, left);
+        let step = first.plus(second);
+        let open = self.correct::<TWIST>(stage, &first, &second, &step);
+        Round { lin, left, step, open }
+    }
+
+    /// After the last correction.
+    #[inline(always)]
+    fn arrive<const TWIST: bool>(&self, stage: Stage<V>, round: &Round<V, TWIST>, evaluations: u32) -> Arrival<V> {
+        let Round { lin, left, step, open } = round;
+        let leave = left.e.magnitude() + left.w.magnitude();
+        let leave = if TWIST { leave + left.g.magnitude() } else { leave };
+        let rounding = self.pressure.magnitude() * self.epsilon;
+        Arrival {
+            at: stage.at,
+            volume_rate: lin.volume_rate_after(self.c, step),
+            residual: leave * leave.of(4e-3) + rounding,
+            margin: stage.margin.least(*open),
+            evaluations,
         }
     }
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// What only a processor with vector registers has a use for.
-const HOST_ONLY: [&str; 2] = ["forward_many", "atanh_series"];
+const HOST_ONLY: [&str; 3] = ["forward_many", "forward_prepared", "atanh_series"];
 
 /// The text of all Rust files below a folder.
 fn source(folder: &Path) -> String {
