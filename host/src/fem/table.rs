@@ -61,17 +61,23 @@ impl Run {
                     point.pressure_pa * 1e-3,
                     middle.axial_stretch,
                     middle.outer_radius_m * 1e3,
-                    middle.twist_rate_rad_per_m.to_degrees(),
-                    middle.bend_rate_rad_per_m.to_degrees(),
+                    degrees(middle.twist_rate_rad_per_m),
+                    degrees(middle.bend_rate_rad_per_m),
                     ends.axial_stretch,
-                    ends.twist_rad.to_degrees(),
-                    ends.bend_angle_rad.to_degrees(),
+                    degrees(ends.twist_rad),
+                    degrees(ends.bend_angle_rad),
                 ),
                 _ => writeln!(text, "{:13.3} {}", point.pressure_pa * 1e-3, why(point)),
             };
         }
         text
     }
+}
+
+/// Degrees; what the table's digits do not show is zero, and not a zero with a sign.
+fn degrees(angle_rad: f64) -> f64 {
+    let degrees = angle_rad.to_degrees();
+    if degrees.abs() < 5e-4 { 0.0 } else { degrees }
 }
 
 /// Why a point has no figures.
