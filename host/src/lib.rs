@@ -16,6 +16,7 @@ pub mod many;
 mod marked;
 pub mod meridian;
 pub mod motion;
+mod quadrilateral;
 pub mod record;
 pub mod report;
 pub mod run;

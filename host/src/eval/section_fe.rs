@@ -4,7 +4,7 @@ use fra_model::{Actuator, State, Status, Target};
 use serde::Serialize;
 
 use super::request::{Case, Question};
-use crate::section::{Answer, EndLoad, Equilibrium, Options, Outcome, Section, SectionError, Winding};
+use crate::section::{Answer, EndLoad, Equilibrium, Options, Outcome, Section, SectionError};
 
 /// Steps of the search for a pressure.
 const STEPS: usize = 30;
@@ -40,10 +40,7 @@ struct Asked<'a> {
 
 /// Answers a case.
 pub(super) fn solve(case: &Case) -> Result<Found, String> {
-    let fiber = case.parameters.fiber.as_ref();
-    // A winding of bending actuators without a modulus keeps its radius.
-    let winding = if fiber.is_some_and(|fiber| fiber.modulus_pa == 0.0) { Winding::Ideal } else { Winding::Stated };
-    let section = Section::new(&case.parameters, &Options { winding, ..Options::default() }).map_err(plain)?;
+    let section = Section::new(&case.parameters, &Options::default()).map_err(plain)?;
     let load = EndLoad::of(&case.load, case.parameters.motion);
     let mut asked = Asked { section, case, load, iterations: 0 };
     match case.question {

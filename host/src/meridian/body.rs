@@ -5,8 +5,8 @@ use fra_model::Families;
 use super::band::Band;
 use super::element::{ALL, Element, Share};
 use super::mesh::{EndOfWall, FIELDS, Mesh, Numbers};
-use super::shape::quadratics;
 use super::wall::{Wall, Winding};
+use crate::quadrilateral::quadratics;
 
 /// Newton steps for one increment of the pressure.
 const NEWTON_STEPS: u32 = 25;

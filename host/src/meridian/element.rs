@@ -1,8 +1,8 @@
 //! What one element adds to the equations.
 
 use super::mesh::{FIELDS, NODES, PRESSURES};
-use super::shape::{GAUSS_3, Shape, quadratics};
 use super::wall::{Energy, Gradient, PARTS, RR, RZ, TR, TT, TZ, Wall, Winding, ZR, ZZ, determinant};
+use crate::quadrilateral::{GAUSS_3, Shape, quadratics};
 
 /// Unknowns of the nodes of an element, and all its unknowns.
 const MOVES: usize = NODES * FIELDS;

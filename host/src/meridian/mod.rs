@@ -9,7 +9,6 @@ mod body;
 mod element;
 mod end_length;
 mod mesh;
-mod shape;
 mod thread;
 mod wall;
 

@@ -6,9 +6,9 @@ use super::grid::Grid;
 use super::lumen::Lumen;
 use super::model::{Border, Form, State};
 use super::response::Elastomer;
-use super::shape::GAUSS_3;
 use super::spot::{Local, Spot, Sums, V3};
 use super::spots::{limiting_spots, places, surface_spots, wall_spot};
+use crate::quadrilateral::GAUSS_3;
 
 /// What is computed once about a column.
 #[derive(Clone, Debug)]

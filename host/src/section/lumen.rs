@@ -4,8 +4,8 @@
 //! `V = int [ (l0 e3 x y)/2 - |y|^2 w/2 ] . dy` per reference length, whatever surface it bounds, because the motion's velocity
 //! `l0 e3 + w x y` is the curl of the integrand. The caps' share is in the dependence on `l0` and `w`.
 
-use super::shape::{GAUSS_3, quadratics};
 use super::spot::{LOCAL, Local, V3, dot};
+use crate::quadrilateral::{GAUSS_3, quadratics};
 
 /// Enclosed volume of one element's inner face with its derivatives by displacements and strains.
 pub(super) struct Lumen {

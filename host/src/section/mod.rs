@@ -37,7 +37,6 @@ mod model;
 mod options;
 mod path;
 mod response;
-mod shape;
 mod spot;
 mod spots;
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use super::build::{Build, Fibers, Limit};
 use super::grid::Grid;
-use super::shape::{GAUSS_2, Shape, quadratics};
 use super::spot::Spot;
+use crate::quadrilateral::{GAUSS_2, Shape, quadratics};
 
 /// Undeformed places of an element's nodes.
 pub(super) fn places(grid: &Grid, angles: &[f64; 3], element: usize) -> [[f64; 2]; 9] {

@@ -1,24 +1,25 @@
-//! Shape functions of the nine-node quadrilateral and Gauss points.
+//! Shape functions of the nine-node quadrilateral and Gauss points, for all finite elements in two dimensions.
 
-/// Gauss-Legendre nodes and weights on `-1..1`, three of them.
-pub(super) const GAUSS_3: [(f64, f64); 3] =
+/// Gauss-Legendre nodes and weights on `-1..1`, three and two of them.
+pub(crate) const GAUSS_3: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+pub(crate) const GAUSS_2: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
 
 /// The three quadratics that are one at `-1`, `0` and `1` in turn, and their slopes.
-pub(super) fn quadratics(x: f64) -> ([f64; 3], [f64; 3]) {
+pub(crate) fn quadratics(x: f64) -> ([f64; 3], [f64; 3]) {
     ([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], [x - 0.5, -2.0 * x, x + 0.5])
 }
 
 /// Shape functions at one point: node `3 j + i` is the `i`-th outwards on the `j`-th line around.
-pub(super) struct Shape {
+pub(crate) struct Shape {
     /// Values.
-    pub(super) n: [f64; 9],
+    pub(crate) n: [f64; 9],
     /// Derivatives outwards (`xi`) and around (`eta`).
-    pub(super) slopes: [[f64; 2]; 9],
+    pub(crate) slopes: [[f64; 2]; 9],
 }
 
 impl Shape {
-    pub(super) fn at(xi: f64, eta: f64) -> Self {
+    pub(crate) fn at(xi: f64, eta: f64) -> Self {
         let ((a, da), (b, db)) = (quadratics(xi), quadratics(eta));
         let n = std::array::from_fn(|node| a[node % 3] * b[node / 3]);
         let slopes = std::array::from_fn(|node| [da[node % 3] * b[node / 3], a[node % 3] * db[node / 3]]);
