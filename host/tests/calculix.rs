@@ -13,6 +13,7 @@ use std::time::Instant;
 use fra_model::{Actuator, ActuatorParameters, Families, Load, Material, Motion};
 use sample::{plain, wound};
 use softlimb::fem::{self, End, FiberModel, Options, PointStatus, Rates, Run, Runner, Subject};
+use softlimb::meridian::{Thread, thread_sheet};
 use softlimb::section::{EndLoad, Section};
 
 /// One run at a time: each wants a core and memory of its own.
@@ -155,6 +156,29 @@ fn threads_close_to_each_other_do_what_the_sheet_does() {
     let found = middle(rings, threads(1.0), &[20e3])[0];
     let exact = thick_wall(rings, 20e3);
     hold("rings, axial strain", found.axial_stretch - 1.0, exact.axial_stretch - 1.0, 3e-2);
+}
+
+/// Rings three quarters of the wall apart, between which the wall bulges, against the strain that one period of wall and thread has by
+/// finite elements of the half-plane.
+#[test]
+fn distant_rings_do_what_the_period_of_a_thread_says() {
+    if !is_installed() {
+        return;
+    }
+    let rings = ActuatorParameters {
+        outer_radius_m: 8.5e-3,
+        length_m: 40e-3,
+        ..wound(Motion::Extension, 0.0, Families::One)
+    };
+    let fibers = FiberModel::Threads { spacing_m: Some(1.5e-3) };
+    let run = run(Subject::single(rings), Options { fibers, increment: Some(0.25), ..Options::default() }, &[20e3]);
+    let found = run.points[0].middle.expect("converged");
+    let spacing_m = run.model.thread_spacing_m().expect("threads");
+    let fiber = rings.fiber.expect("wound");
+    let stiffness_n = 4.0 * fiber.modulus_pa * fiber.thickness_m * spacing_m;
+    let thread = Thread { stiffness_n, spacing_m, width_m: 0.18e-3 };
+    let sheet = thread_sheet(&rings, &thread, 20e3).expect("an equilibrium");
+    hold("distant rings, axial strain", found.axial_stretch - 1.0, sheet.strains[0], 3e-2);
 }
 
 #[test]
