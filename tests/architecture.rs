@@ -22,6 +22,7 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb", "softlimb-protocol"),
     ("softlimb", "fra-model"),
     ("softlimb-sim", "softlimb-firmware"),
+    ("softlimb-sim", "softlimb-image-stm32f4"),
     ("softlimb-sim", "softlimb-plant"),
     ("softlimb-sim", "softlimb-protocol"),
     ("softlimb-firmware", "softlimb-protocol"),

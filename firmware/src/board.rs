@@ -30,7 +30,7 @@ pub trait Board {
 }
 
 /// One turn of the device: control first, then the link.
-pub fn turn<B: Board>(controller: &mut Controller, board: &mut B) -> TickOutputs {
+pub fn turn<B: Board + ?Sized>(controller: &mut Controller, board: &mut B) -> TickOutputs {
     let inputs = board.inputs();
     controller.set_stack_used(board.stack_used());
     let outputs = controller.tick(&inputs);

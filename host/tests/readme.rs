@@ -1,7 +1,7 @@
 //! The README shows what its first command prints. After a change that is meant to change it:
 //! `UPDATE_README=1 cargo test -p softlimb --test readme`.
 
-use softlimb::run::{RunOptions, run};
+use softlimb::run::{Mcu, RunOptions, run};
 use softlimb::{report, scene};
 use std::sync::atomic::AtomicBool;
 
@@ -21,7 +21,7 @@ fn the_table_of_the_readme_is_the_table_of_the_run() {
     let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a block of output");
     let scene = scene::load(repository("scenes/pick-and-place-a.toml")).unwrap();
     let out = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed: scene.seed(), out: out.path().join("run") };
+    let options = RunOptions { seed: scene.seed(), out: out.path().join("run"), mcu: Mcu::Here };
     let files = run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap();
     let table = report::summary(&files.run).table();
     if std::env::var_os("UPDATE_README").is_some() {

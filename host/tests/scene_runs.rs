@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use softlimb::design::Limb;
-use softlimb::run::{RunError, RunOptions, run};
+use softlimb::run::{Mcu, RunError, RunOptions, run};
 use softlimb::scene::{Scene, parse, reference};
 use softlimb::simulate::settings;
 use softlimb_sim::SimulatedMcu;
@@ -61,7 +61,7 @@ fn the_device_takes_the_ends_of_every_range() {
     assert!(scenes.len() >= 10, "{}", scenes.len());
     for (said, scene) in scenes {
         let out = tempfile::tempdir().unwrap();
-        let options = RunOptions { seed: 1, out: out.path().join("run") };
+        let options = RunOptions { seed: 1, out: out.path().join("run"), mcu: Mcu::Here };
         let ended = run(&scene, &options, &AtomicBool::new(false), |_| ());
         // The slowest ramp takes longer to vent than a run waits for; that is no refusal.
         let began = match &ended {

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use softlimb::design::Limb;
 use softlimb::motion::{self, ModuleInverse};
 use softlimb::report;
-use softlimb::run::{RunOptions, run};
+use softlimb::run::{Mcu, RunOptions, run};
 use softlimb::scene::{InverseChoice, Scene, SceneError, load, parse};
 use softlimb::section::{EndLoad, Options, Section};
 use softlimb::table::{InverseFit, NoTable};
@@ -165,7 +165,7 @@ fn a_table_that_errs_more_than_the_scene_allows_is_not_sent() {
     // A run that is refused leaves nothing behind.
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results");
-    let options = RunOptions { seed: 1, out: out.clone() };
+    let options = RunOptions { seed: 1, out: out.clone(), mcu: Mcu::Here };
     assert!(run(&scene, &options, &AtomicBool::new(false), |_| ()).is_err());
     assert!(!out.exists());
 }
@@ -174,7 +174,7 @@ fn a_table_that_errs_more_than_the_scene_allows_is_not_sent() {
 fn a_run_by_tables_is_the_run_by_the_model() {
     let reached = |controller: &str| {
         let folder = tempfile::tempdir().unwrap();
-        let options = RunOptions { seed: 1, out: folder.path().to_owned() };
+        let options = RunOptions { seed: 1, out: folder.path().to_owned(), mcu: Mcu::Here };
         let files = run(&hand(controller), &options, &AtomicBool::new(false), |_| ()).unwrap();
         let summary = report::summary(&files.run);
         // At rest at the end of the move: on the way there the upload, which is longer with tables, shifts the periods of the

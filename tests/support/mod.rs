@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use softlimb::report::{self, Summary};
-use softlimb::run::{self, RunFiles, RunOptions};
+use softlimb::run::{self, Mcu, RunFiles, RunOptions};
 use softlimb::scene::{self, Scene};
 use tempfile::TempDir;
 
@@ -66,8 +66,12 @@ impl Ran {
 }
 
 pub(crate) fn run(scene: &Scene, seed: u64) -> Ran {
+    run_on(Mcu::Here, scene, seed)
+}
+
+pub(crate) fn run_on(mcu: Mcu, scene: &Scene, seed: u64) -> Ran {
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed, out: folder.path().to_owned() };
+    let options = RunOptions { seed, out: folder.path().to_owned(), mcu };
     let files = run::run(scene, &options, &AtomicBool::new(false), |_| ())
         .unwrap_or_else(|error| panic!("{}, seed {seed}: {error}", scene.name()));
     let summary = report::summary(&files.run);

@@ -1,7 +1,7 @@
 //! Cargo as a child process, at the root of the workspace.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 
 /// One call of Cargo, not yet started.
@@ -28,6 +28,12 @@ impl Cargo {
     pub(crate) fn has(component: &str) -> bool {
         let mut probe = Self::quiet(&[component, "--version"]);
         probe.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+    }
+
+    /// With a variable of the environment.
+    pub(crate) fn with(mut self, name: &str, value: &Path) -> Self {
+        self.command.env(name, value);
+        self
     }
 
     /// Runs to the end; the exit code where it is not 0.

@@ -1,21 +1,79 @@
-//! The names in the symbol table of an ELF file: 32 bits, little-endian, as Arm's linkers write it.
+//! Symbols and contents of an ELF file: 32 bits, little-endian, as Arm's linkers write it.
 
 /// Type of the section that holds the symbols.
 const SYMBOL_TABLE: usize = 2;
 const SYMBOL_BYTES: usize = 16;
+
+/// Kind of a segment that is loaded.
+const LOAD: usize = 1;
+
+/// A part of the image in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Segment<'a> {
+    /// Where it is while the program runs.
+    pub(crate) address: usize,
+    /// Where its bytes are before that.
+    pub(crate) load_address: usize,
+    /// What is loaded.
+    pub(crate) bytes: &'a [u8],
+    /// Its length in memory, what is loaded and what is not.
+    pub(crate) length: usize,
+}
 
 /// Names of all symbols.
 ///
 /// # Errors
 /// What is wrong with the file, or that its symbols were stripped.
 pub(crate) fn symbols(file: &[u8]) -> Result<Vec<String>, String> {
-    if file.get(..6) != Some(&b"\x7fELF\x01\x01"[..]) {
-        return Err("no ELF file of 32 bits, little-endian".to_owned());
+    Ok(all(file)?.into_iter().map(|(name, _)| name).collect())
+}
+
+/// Value of a symbol, where there is one of this name.
+///
+/// # Errors
+/// As [`symbols`].
+pub(crate) fn value(file: &[u8], wanted: &str) -> Result<Option<usize>, String> {
+    Ok(all(file)?.into_iter().find(|(name, _)| name == wanted).map(|(_, value)| value))
+}
+
+/// All segments that are loaded.
+///
+/// # Errors
+/// What is wrong with the file.
+pub(crate) fn segments(file: &[u8]) -> Result<Vec<Segment<'_>>, String> {
+    check(file)?;
+    loaded(file).ok_or_else(|| "its segments are broken".to_owned())
+}
+
+fn loaded(file: &[u8]) -> Option<Vec<Segment<'_>>> {
+    let (table, size, count) = (word(file, 0x1c)?, half(file, 0x2a)?, half(file, 0x2c)?);
+    let mut segments = Vec::new();
+    for index in 0..count {
+        let at = table.checked_add(index.checked_mul(size)?)?;
+        if word(file, at)? != LOAD {
+            continue;
+        }
+        let [start, address, load_address, length, in_memory] =
+            [4, 8, 0xc, 0x10, 0x14].map(|offset| word(file, at + offset));
+        let (start, length) = (start?, length?);
+        let bytes = file.get(start..start.checked_add(length)?)?;
+        segments.push(Segment { address: address?, load_address: load_address?, bytes, length: in_memory? });
     }
+    Some(segments)
+}
+
+fn check(file: &[u8]) -> Result<(), String> {
+    let is_one = file.get(..6) == Some(&b"\x7fELF\x01\x01"[..]);
+    if is_one { Ok(()) } else { Err("no ELF file of 32 bits, little-endian".to_owned()) }
+}
+
+/// Names and values of all symbols.
+fn all(file: &[u8]) -> Result<Vec<(String, usize)>, String> {
+    check(file)?;
     names(file).ok_or_else(|| "its symbol table is missing or broken".to_owned())
 }
 
-fn names(file: &[u8]) -> Option<Vec<String>> {
+fn names(file: &[u8]) -> Option<Vec<(String, usize)>> {
     let (table, size, count) = (word(file, 0x20)?, half(file, 0x2e)?, half(file, 0x30)?);
     let header = |index: usize| -> Option<usize> {
         let at = table.checked_add(index.checked_mul(size)?)?;
@@ -27,7 +85,8 @@ fn names(file: &[u8]) -> Option<Vec<String>> {
             continue;
         }
         let (symbols, text) = (section(file, at)?, section(file, header(word(file, at + 0x18)?)?)?);
-        return symbols.chunks_exact(SYMBOL_BYTES).map(|symbol| name(text, word(symbol, 0)?)).collect();
+        let named = |symbol: &[u8]| Some((name(text, word(symbol, 0)?)?, word(symbol, 4)?));
+        return symbols.chunks_exact(SYMBOL_BYTES).map(named).collect();
     }
     None
 }
@@ -56,7 +115,7 @@ fn half(bytes: &[u8], at: usize) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::symbols;
+    use super::{Segment, segments, symbols, value};
 
     /// A file of three sections: none, the symbols, their names.
     fn file() -> Vec<u8> {
@@ -66,7 +125,8 @@ mod tests {
         let symbols_at = file.len();
         for name in names {
             file.extend(name.to_le_bytes());
-            file.extend([0; 12]);
+            file.extend((100 * name).to_le_bytes());
+            file.extend([0; 8]);
         }
         let text_at = file.len();
         file.extend(text);
@@ -84,8 +144,27 @@ mod tests {
     }
 
     #[test]
-    fn names_are_read() {
+    fn names_and_values_are_read() {
         assert_eq!(symbols(&file()).unwrap(), ["", "main", "__aeabi_dmul"]);
+        assert_eq!(value(&file(), "main"), Ok(Some(100)));
+        assert_eq!(value(&file(), "main2"), Ok(None));
+    }
+
+    #[test]
+    fn segments_that_are_loaded_are_read() {
+        let mut file = b"\x7fELF\x01\x01".to_vec();
+        file.resize(52, 0);
+        (file[0x1c], file[0x2a], file[0x2c]) = (52, 32, 2);
+        for (kind, start, length) in [(4_u32, 0_u32, 9_u32), (1, 116, 3)] {
+            let words = [kind, start, 0x2000_0000, 0x0800_0000, length, 8, 0, 0];
+            file.extend(words.into_iter().flat_map(u32::to_le_bytes));
+        }
+        file.extend([7, 8, 9]);
+        let segment = Segment { address: 0x2000_0000, load_address: 0x0800_0000, bytes: &[7, 8, 9], length: 8 };
+        assert_eq!(segments(&file), Ok(vec![segment]));
+        for length in 0..file.len() {
+            assert!(segments(&file[..length]).is_err(), "{length} bytes");
+        }
     }
 
     #[test]

@@ -52,6 +52,11 @@ impl Toolchain {
         (installed || source).then_some(Self { cargo, rustc, version, from_source: !installed, linker })
     }
 
+    /// Where the compiler and the source of its library are.
+    pub(crate) fn sysroot(&self) -> Option<PathBuf> {
+        answer(&self.rustc, "--print=sysroot").map(PathBuf::from)
+    }
+
     /// `cargo build` of a package for the target into a folder, with the profile for images.
     pub(crate) fn build(&self, package: &str, folder: &Path) -> Command {
         let mut command = Command::new(&self.cargo);

@@ -1,4 +1,7 @@
-//! Why a simulated device could not be built.
+//! Why a simulated device could not be built, or an emulated one does not run.
+
+use std::io;
+use std::path::PathBuf;
 
 use softlimb_plant::PlantError;
 
@@ -29,4 +32,44 @@ pub enum SimError {
     /// The plant refuses its settings.
     #[error(transparent)]
     Plant(#[from] PlantError),
+}
+
+/// Why an emulated processor does not run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EmulatorError {
+    /// The emulator is not installed.
+    #[error(
+        "qemu-system-arm is not installed:\n  \
+         Debian, Ubuntu: apt-get install qemu-system-arm      Fedora: dnf install qemu-system-arm\n  \
+         macOS:          brew install qemu"
+    )]
+    NotInstalled,
+    /// The image cannot be read.
+    #[error("cannot read the image {}: {source}; `cargo xtask firmware --board f405` builds it", path.display())]
+    NoImage {
+        /// The image.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The file is no image of the kind that is needed.
+    #[error("{} is no such image: {reason}", path.display())]
+    PoorImage {
+        /// The image.
+        path: PathBuf,
+        /// What it lacks.
+        reason: String,
+    },
+    /// The emulator ended or stopped to answer.
+    #[error("the emulator does not answer any more: {0}")]
+    Gone(#[from] io::Error),
+    /// The emulator says something else than it must.
+    #[error("the emulator answers `{answer}` to `{question}`")]
+    Strange {
+        /// What it was asked.
+        question: String,
+        /// What it said.
+        answer: String,
+    },
 }

@@ -26,13 +26,14 @@
 
 mod board;
 mod clock;
+pub mod emulated;
 mod error;
 mod line;
 mod mcu;
 mod noise;
 mod settings;
 
-pub use error::SimError;
-pub use mcu::SimulatedMcu;
+pub use error::{EmulatorError, SimError};
+pub use mcu::{Here, Processor, SimulatedMcu, here};
 pub use settings::{LineFaults, SimSettings};
 pub use softlimb_plant as plant;

@@ -1,22 +1,63 @@
 //! The simulated MCU as its host sees it.
 
-use softlimb_firmware::{BootInfo, Controller, turn};
+use softlimb_firmware::{Board, BootInfo, Controller, turn};
 use softlimb_plant::{ChannelFault, Plant, PlantError, Truth};
 use softlimb_protocol::{BootCause, MAX_CHANNELS};
 
 use crate::board::SimulatedBoard;
 use crate::clock::Clocks;
-use crate::error::SimError;
+use crate::error::{EmulatorError, SimError};
 use crate::line::Line;
 use crate::noise::Noise;
 use crate::settings::{LineFaults, SimSettings};
 
+/// What runs the controller.
+pub trait Processor {
+    /// One turn of the device: samples in, coil times out, bytes both ways.
+    ///
+    /// # Errors
+    /// [`EmulatorError`] where the processor is emulated and the emulator fails: it will not run again.
+    fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError>;
+
+    /// What the device's clock shows at its first tick, us.
+    fn first_tick_us(&self) -> u64 {
+        0
+    }
+}
+
+/// The controller on this very computer.
+pub type Here = Box<Controller>;
+
+/// The controller on this very computer, switched on.
+pub fn here() -> Here {
+    Box::new(Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 }))
+}
+
+impl Processor for Here {
+    fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
+        turn(self, board);
+        Ok(())
+    }
+}
+
+impl Processor for Box<dyn Processor> {
+    fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
+        self.as_mut().turn(board)
+    }
+
+    fn first_tick_us(&self) -> u64 {
+        self.as_ref().first_tick_us()
+    }
+}
+
 /// Controller, plant and line in virtual time. All times are the host's, in us from 0, unless the name says device.
 #[derive(Debug)]
-pub struct SimulatedMcu {
-    controller: Box<Controller>,
+pub struct SimulatedMcu<P = Here> {
+    processor: P,
     board: SimulatedBoard,
     now_us: u64,
+    failure: Option<EmulatorError>,
+    has_failed: bool,
 }
 
 impl SimulatedMcu {
@@ -25,17 +66,35 @@ impl SimulatedMcu {
     /// # Errors
     /// [`SimError`] names the first setting that is not accepted.
     pub fn new(settings: &SimSettings) -> Result<Self, SimError> {
+        Self::with_processor(settings, here())
+    }
+
+    /// The controller, for tests: a real host sees it only through the link.
+    pub fn controller(&self) -> &Controller {
+        &self.processor
+    }
+}
+
+impl<P: Processor> SimulatedMcu<P> {
+    /// A device with the given processor that is switched on at host time 0 with an empty limb.
+    ///
+    /// # Errors
+    /// [`SimError`] names the first setting that is not accepted.
+    pub fn with_processor(settings: &SimSettings, processor: P) -> Result<Self, SimError> {
         settings.check()?;
         let channels = settings.plant.channels.len();
         if channels > MAX_CHANNELS {
             return Err(SimError::TooManyChannels { channels, max: MAX_CHANNELS });
         }
         let line = |place| Line::new(settings.baud, settings.line_faults, Noise::new(settings.seed, place));
-        let clocks = Clocks::new(settings.clock_offset_us, settings.clock_drift_ppm);
+        let offset_us = settings.clock_offset_us + processor.first_tick_us();
+        let clocks = Clocks::new(offset_us, settings.clock_drift_ppm);
         Ok(Self {
-            controller: Box::new(Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 })),
+            processor,
             board: SimulatedBoard::new(Plant::new(&settings.plant)?, line(0), line(1), clocks),
             now_us: 0,
+            failure: None,
+            has_failed: false,
         })
     }
 
@@ -54,10 +113,14 @@ impl SimulatedMcu {
         self.board.clocks.device_us(self.board.tick)
     }
 
-    /// Lets time pass up to `host_us`, with every tick on the way. A time in the past changes nothing.
+    /// Lets time pass up to `host_us`, with every tick on the way. A time in the past changes nothing. A processor that has failed
+    /// leaves its outputs as they were and is silent.
     pub fn advance_to(&mut self, host_us: u64) {
         while self.next_tick_us() <= host_us {
-            turn(&mut self.controller, &mut self.board);
+            if !self.has_failed {
+                self.failure = self.processor.turn(&mut self.board).err();
+                self.has_failed = self.failure.is_some();
+            }
             self.board.finish_tick();
         }
         self.now_us = self.now_us.max(host_us);
@@ -84,9 +147,24 @@ impl SimulatedMcu {
         self.board.plant.truth()
     }
 
-    /// The controller, for tests: a real host sees it only through the link.
-    pub fn controller(&self) -> &Controller {
-        &self.controller
+    /// Why the processor does not run any more, if it does not.
+    pub fn failure(&self) -> Option<&EmulatorError> {
+        self.failure.as_ref()
+    }
+
+    /// The same, to be kept; the device stays silent.
+    pub fn take_failure(&mut self) -> Option<EmulatorError> {
+        self.failure.take()
+    }
+
+    /// The processor.
+    pub fn processor(&self) -> &P {
+        &self.processor
+    }
+
+    /// The processor, to be meddled with.
+    pub fn processor_mut(&mut self) -> &mut P {
+        &mut self.processor
     }
 
     /// Presses or releases the emergency stop.

@@ -4,12 +4,12 @@ use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome};
 use crate::report::{self, Miss, Summary};
-use crate::run::{self, Progress, RunError, RunOptions};
+use crate::run::{self, Mcu, Progress, RunError, RunOptions};
 use crate::scene;
 
 /// Run a scene: check, plan, stream to the simulated MCU, record, report
@@ -25,17 +25,44 @@ pub(super) struct Run {
     /// Seed of everything random in the plant [default: the scene's]
     #[arg(long)]
     seed: Option<u64>,
+    /// What runs the controller
+    #[arg(long, value_enum, default_value_t = Device::Simulated)]
+    mcu: Device,
+    /// The image for an emulated device [default: where `cargo xtask firmware` puts it]
+    #[arg(long, value_name = "FILE")]
+    image: Option<PathBuf>,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
 }
 
+/// What runs the controller.
+#[derive(Clone, Copy, ValueEnum)]
+enum Device {
+    /// This computer
+    Simulated,
+    /// The twin of the flashed image in qemu-system-arm, in lock-step
+    Cosim,
+    /// The flashed image in qemu-system-arm, through its serial port
+    Qemu,
+}
+
 impl Run {
+    fn mcu(&self) -> Mcu {
+        let image = |name: &str| self.image.clone().unwrap_or_else(|| PathBuf::from("target/firmware").join(name));
+        match self.mcu {
+            Device::Simulated => Mcu::Here,
+            Device::Cosim => Mcu::LockStep(image("softlimb-cosim.elf")),
+            Device::Qemu => Mcu::Flashed(image("softlimb-stm32f405.elf")),
+        }
+    }
+
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
         let options = RunOptions {
             seed: self.seed.unwrap_or(scene.seed()),
             out: self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name())),
+            mcu: self.mcu(),
         };
         let bar = Bar::new();
         let cancel = AtomicBool::new(false);

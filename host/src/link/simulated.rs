@@ -2,11 +2,11 @@
 
 use std::io;
 
-use softlimb_sim::SimulatedMcu;
+use softlimb_sim::{Processor, SimulatedMcu};
 
 use super::transport::Transport;
 
-impl Transport for SimulatedMcu {
+impl<P: Processor> Transport for SimulatedMcu<P> {
     fn now_us(&self) -> u64 {
         SimulatedMcu::now_us(self)
     }

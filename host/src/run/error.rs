@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use softlimb_sim::SimError;
+use softlimb_sim::{EmulatorError, SimError};
 
 use super::RunFiles;
 use crate::link::LinkError;
@@ -20,6 +20,9 @@ pub enum RunError {
     /// The simulated device cannot be built.
     #[error("the simulated device cannot be built: {0}")]
     Simulation(#[from] SimError),
+    /// The emulated processor does not run, or not any more.
+    #[error(transparent)]
+    Emulator(#[from] EmulatorError),
     /// The run did not begin.
     #[error("{0}")]
     Link(Box<LinkError>),

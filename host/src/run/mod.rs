@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use softlimb_sim::SimulatedMcu;
+use softlimb_sim::emulated::{Flashed, LockStep};
+use softlimb_sim::{Processor, SimulatedMcu, here};
 
 use crate::design::Limb;
 use crate::link::{self, Event, Knot, LinkStatistics, StreamOptions};
@@ -34,6 +35,30 @@ pub struct RunOptions {
     pub seed: u64,
     /// The folder that takes `run.mcap` and `run.html`.
     pub out: PathBuf,
+    /// What runs the controller.
+    pub mcu: Mcu,
+}
+
+/// What runs the controller.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Mcu {
+    /// This computer, in the same process.
+    #[default]
+    Here,
+    /// The twin image in an emulator, in lock-step: the bits of [`Mcu::Here`], from the processor of the device.
+    LockStep(PathBuf),
+    /// The image that is flashed, in an emulator, through its serial port.
+    Flashed(PathBuf),
+}
+
+impl Mcu {
+    fn start(&self) -> Result<Box<dyn Processor>, RunError> {
+        Ok(match self {
+            Self::Here => Box::new(here()),
+            Self::LockStep(image) => Box::new(LockStep::start(image)?),
+            Self::Flashed(image) => Box::new(Flashed::start(image, None)?),
+        })
+    }
 }
 
 /// How far a run is.
@@ -70,7 +95,8 @@ pub fn run(
     let plan = motion::plan(scene, &limb)?;
     let configuration = motion::configuration(scene, &motion::inverses(scene, &limb)?, &limb);
     let knots = wire_knots(&limb, &plan);
-    let mut device = Observed::new(SimulatedMcu::new(&simulate::settings(scene, &limb, options.seed))?);
+    let settings = simulate::settings(scene, &limb, options.seed);
+    let mut device = Observed::new(SimulatedMcu::with_processor(&settings, options.mcu.start()?)?);
     fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;
     let path = options.out.join("run.mcap");
 
@@ -91,6 +117,9 @@ pub fn run(
     });
     let link = assemble::link_summary(&recording.statistics, device.traffic());
     let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
+    if let Some(failure) = device.take_failure() {
+        return Err(failure.into());
+    }
     match (ended, logged) {
         (Ok(_), true) => finish_report(&path),
         (Ok(_), false) => Err(RunError::NotRecorded),

@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 use std::io;
 
-use softlimb_sim::SimulatedMcu;
 use softlimb_sim::plant::Truth;
+use softlimb_sim::{EmulatorError, Processor, SimulatedMcu};
 
 use crate::link::Transport;
 
@@ -13,7 +13,7 @@ const MEMORY: usize = 256;
 
 /// A simulated device whose truth is kept at every tick, so that a message that arrives later meets the truth of its own time.
 pub(super) struct Observed {
-    device: SimulatedMcu,
+    device: SimulatedMcu<Box<dyn Processor>>,
     seen: VecDeque<(u64, Truth)>,
     traffic: Traffic,
 }
@@ -26,8 +26,13 @@ pub(super) struct Traffic {
 }
 
 impl Observed {
-    pub(super) fn new(device: SimulatedMcu) -> Self {
+    pub(super) fn new(device: SimulatedMcu<Box<dyn Processor>>) -> Self {
         Self { device, seen: VecDeque::with_capacity(MEMORY), traffic: Traffic::default() }
+    }
+
+    /// Why the device does not run any more, if it does not.
+    pub(super) fn take_failure(&mut self) -> Option<EmulatorError> {
+        self.device.take_failure()
     }
 
     /// What has passed the link so far.

@@ -24,17 +24,13 @@ mod image {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        let boot = BootInfo { cause: BootCause::PowerOn, detail: 0 };
-        let (controller, board) = (
-            cortex_m::singleton!(: Controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 })),
-            cortex_m::singleton!(: LockStep = LockStep::new()),
-        );
-        let outcome = match (controller, board, cortex_m::Peripherals::take(), Streams::open()) {
-            (Some(controller), Some(board), Some(core), Ok(streams)) => {
-                controller.set_boot(boot);
+        static mut CONTROLLER: Controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 });
+        static mut BOARD: LockStep = LockStep::new();
+        let outcome = match (cortex_m::Peripherals::take(), Streams::open()) {
+            (Some(core), Ok(streams)) => {
                 let mut timer = core.SYST;
-                board.begin(&mut timer);
-                run(controller, board, &streams, &mut timer)
+                BOARD.begin(&mut timer);
+                run(CONTROLLER, BOARD, &streams, &mut timer)
             }
             _ => Err(Gone),
         };

@@ -20,7 +20,7 @@ mod app {
 
     use heapless::spsc::{Consumer, Producer, Queue};
     use softlimb_firmware::{BootInfo, Controller};
-    use softlimb_image_stm32f4::hardware::coils::COILS;
+    use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
     use softlimb_image_stm32f4::hardware::{clocks, converter, crash, ports, stack};
     use softlimb_image_stm32f4::health::{Counters, Health};
     use softlimb_image_stm32f4::record::{ResetFlags, boot_info};
@@ -54,6 +54,7 @@ mod app {
         to_send: Consumer<'static, u8>,
         board: FlashedBoard,
         boot: Option<BootInfo>,
+        source: clocks::Source,
     }
 
     #[init(local = [incoming: Queue<u8, INCOMING> = Queue::new(), outgoing: Queue<u8, OUTGOING> = Queue::new()])]
@@ -84,7 +85,7 @@ mod app {
         let (received, incoming) = context.local.incoming.split();
         let (outgoing, to_send) = context.local.outgoing.split();
         let board = FlashedBoard::new(incoming, outgoing, source.is_exact());
-        (Shared {}, Local { watchdog, transmitter, receiver, received, to_send, board, boot: Some(boot) })
+        (Shared {}, Local { watchdog, transmitter, receiver, received, to_send, board, boot: Some(boot), source })
     }
 
     /// Every 100 us: the coils, and every tenth time the controller.
@@ -95,6 +96,7 @@ mod app {
         if *slot == 0 {
             COILS.begin_tick();
             COUNTS.ticks.fetch_add(1, Ordering::Relaxed);
+            tick_begins();
             rtic::pend(pac::Interrupt::EXTI0);
         }
         ports::apply(&COILS.words(*slot));
@@ -138,9 +140,9 @@ mod app {
         COUNTS.link.fetch_add(1, Ordering::Relaxed);
     }
 
-    #[idle(local = [watchdog, health: Health = Health::new(), wakes: u32 = 0])]
+    #[idle(local = [watchdog, source, health: Health = Health::new(), wakes: u32 = 0])]
     fn idle(context: idle::Context) -> ! {
-        let idle::LocalResources { watchdog, health, wakes, .. } = context.local;
+        let idle::LocalResources { watchdog, source, health, wakes, .. } = context.local;
         loop {
             let count = |counter: &core::sync::atomic::AtomicU32| counter.load(Ordering::Relaxed);
             let now = Counters { slots: count(&COUNTS.slots), turns: count(&COUNTS.turns), link: count(&COUNTS.link) };
@@ -151,7 +153,10 @@ mod app {
                 COUNTS.stack_used.store(stack::used(), Ordering::Relaxed);
             }
             *wakes = wakes.wrapping_add(1);
-            cortex_m::asm::wfi();
+            // Waking an emulator takes longer than the sleep.
+            if *source != clocks::Source::Emulator {
+                cortex_m::asm::wfi();
+            }
         }
     }
 }

@@ -1,0 +1,186 @@
+//! The file that is flashed, on an emulated chip, tick by tick.
+//!
+//! The emulator stops where a tick begins. There the codes of the sensors are put where the converter would have put
+//! them, what the ports are told in this tick becomes of the valves, and the link's bytes go to and from the serial port. Nothing in
+//! the image knows of it. Time in the emulator passes only in between, however busy this computer is.
+
+use std::io::{self, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::process::Stdio;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+
+use softlimb_firmware::Board;
+
+use super::qemu::{Qemu, image};
+use super::remote::{Remote, connect};
+use super::{elf, pins};
+use crate::error::EmulatorError;
+use crate::mcu::Processor;
+
+/// As for the twin: an instruction takes 2^3 ns of the emulated time, and nothing waits for this computer's clock.
+const PACE: &str = "shift=3,sleep=off";
+
+/// Where every tick begins: an instruction that does nothing, and the length of it.
+const TICK: &str = "tick_begins";
+const NOTHING_LEN: u32 = 2;
+
+/// A function that uses the stack.
+const TURN: &str = "EXTI0";
+
+/// The device's clock counts ticks, and its first turn comes with the first of them.
+const FIRST_TICK_US: u64 = 1_000;
+
+/// Number of the register.
+const STACK_POINTER: u32 = 13;
+
+/// An address that no instruction can be fetched from.
+const NOWHERE: u32 = 0xf000_0000;
+
+/// A way to make the program stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halt {
+    /// It goes where there is no program.
+    HardFault,
+    /// It finds itself in a state that it cannot be in.
+    Panic,
+    /// Its stack leaves the memory.
+    StackOverflow,
+}
+
+/// The emulated chip.
+#[derive(Debug)]
+pub struct Flashed {
+    remote: Remote,
+    serial: UnixStream,
+    /// What the device has sent.
+    received: Receiver<Vec<u8>>,
+    /// Where to go on; `None` for where it is.
+    next: Option<u32>,
+    tick: u32,
+    turn: u32,
+    samples: u32,
+    coils: u32,
+    stack_end: u32,
+    panic: Result<u32, String>,
+    /// Ended when this goes.
+    _qemu: Qemu,
+}
+
+impl Flashed {
+    /// Starts the emulator with the image and runs it up to its first tick. A `trace` takes every access to the ports.
+    ///
+    /// # Errors
+    /// [`EmulatorError`]: no emulator, no image, an image of something else.
+    pub fn start(path: &Path, trace: Option<&Path>) -> Result<Self, EmulatorError> {
+        let file = image(path)?;
+        let address = |name: &str| {
+            elf::address(&file, name).map_err(|reason| EmulatorError::PoorImage { path: path.to_owned(), reason })
+        };
+        let [tick, turn, samples, coils, stack_end] = [TICK, TURN, "SAMPLES", "COILS", "_stack_end"].map(address);
+        let tick = tick?;
+        let qemu = Qemu::start(path, |folder| arguments(folder, trace), (Stdio::null(), Stdio::null()))?;
+        let mut remote = Remote::connect(&qemu.folder().join("debug"))?;
+        let serial = connect(&qemu.folder().join("serial"))?;
+        let received = listen(serial.try_clone()?);
+        remote.stop_at(tick)?;
+        remote.resume(None)?;
+        let panic = elf::address(&file, "rust_begin_unwind");
+        let next = Some(tick + NOTHING_LEN);
+        Ok(Self {
+            remote,
+            serial,
+            received,
+            next,
+            tick,
+            turn: turn?,
+            samples: samples?,
+            coils: coils?,
+            stack_end: stack_end?,
+            panic,
+            _qemu: qemu,
+        })
+    }
+
+    /// Makes the program stop in its next turn.
+    ///
+    /// # Errors
+    /// [`EmulatorError`]; also where the image has no place for it.
+    pub fn halt(&mut self, halt: Halt) -> Result<(), EmulatorError> {
+        self.next = Some(match halt {
+            Halt::HardFault => NOWHERE,
+            Halt::StackOverflow => {
+                self.remote.set_register(STACK_POINTER, self.stack_end + 8)?;
+                self.turn
+            }
+            Halt::Panic => self.panic.clone().map_err(io::Error::other)?,
+        });
+        Ok(())
+    }
+
+    fn put_samples(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
+        let inputs = board.inputs();
+        if inputs.emergency_stop {
+            return Err(io::Error::other("the emulator has no input for the emergency stop; send the command").into());
+        }
+        let channels = inputs.pressure.iter().take(pins::CHANNELS_OF_BOARD);
+        let codes: Vec<u8> = channels.chain([&inputs.supply]).flat_map(|code| code.0.to_le_bytes()).collect();
+        self.remote.write(self.samples, &codes)
+    }
+
+    fn send(&mut self, board: &mut dyn Board) -> io::Result<()> {
+        let mut bytes = [0; 256];
+        loop {
+            let count = board.read_link(&mut bytes);
+            if count == 0 {
+                return Ok(());
+            }
+            // The emulator takes what it is given in its own time, but takes it.
+            self.serial.write_all(bytes.get(..count).unwrap_or(&bytes))?;
+        }
+    }
+}
+
+impl Processor for Flashed {
+    fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
+        self.put_samples(board)?;
+        let coils = self.remote.read(self.coils, pins::COILS_LEN)?;
+        let slots = pins::active(&coils).ok_or_else(|| io::Error::other("the schedule of the coils is broken"))?;
+        board.apply(&pins::outputs(&slots));
+        self.send(board)?;
+        self.remote.resume(self.next.replace(self.tick + NOTHING_LEN))?;
+        self.received.try_iter().for_each(|bytes| board.write_link(&bytes));
+        Ok(())
+    }
+
+    fn first_tick_us(&self) -> u64 {
+        FIRST_TICK_US
+    }
+}
+
+/// Takes what the device sends when it sends it: the emulator waits for whoever does not, after some hundred bytes.
+fn listen(mut serial: UnixStream) -> Receiver<Vec<u8>> {
+    let (sender, receiver) = channel();
+    thread::spawn(move || {
+        let mut bytes = [0; 1024];
+        // Ends with the emulator, or with the one who asked.
+        while let Ok(count @ 1..) = serial.read(&mut bytes) {
+            if sender.send(bytes.get(..count).unwrap_or(&bytes).to_vec()).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
+}
+
+fn arguments(folder: &Path, trace: Option<&Path>) -> Vec<String> {
+    let socket = |name: &str| format!("unix:{},server=on,wait=off", folder.join(name).display());
+    let (serial, debug) = (socket("serial"), socket("debug"));
+    let mut arguments: Vec<String> =
+        ["-serial", "null", "-serial", &serial, "-gdb", &debug, "-S", "-icount", PACE].map(str::to_owned).to_vec();
+    if let Some(trace) = trace {
+        arguments.extend(["-d".to_owned(), "unimp".to_owned(), "-D".to_owned(), trace.display().to_string()]);
+    }
+    arguments
+}

@@ -1,0 +1,140 @@
+//! The twin image: the controller on an emulated processor, asked and answering once a tick.
+
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::process::{ChildStdin, ChildStdout, Stdio};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::thread;
+use std::time::Duration;
+
+use softlimb_firmware::{AdcCode, Board, TickInputs};
+use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, Question, RECEIVED_MAX, SENT_MAX};
+use softlimb_protocol::MAX_CHANNELS;
+
+use super::qemu::{Qemu, image};
+use crate::error::EmulatorError;
+use crate::mcu::Processor;
+
+/// An instruction takes 2^3 ns of the emulated time, and nothing waits for this computer's clock.
+const PACE: &str = "shift=3,sleep=off";
+
+/// Counts of the processor's timer in a thousand instructions: 168 MHz times 8 ns.
+const COUNTS_PER_1000: u64 = 1344;
+
+/// A turn takes a fraction of a millisecond; an image that takes this long hangs.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// What the turns so far have cost, instructions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// The dearest turn.
+    pub worst: u64,
+    /// All together.
+    pub total: u64,
+    /// Turns.
+    pub turns: u64,
+}
+
+/// The emulated twin.
+#[derive(Debug)]
+pub struct LockStep {
+    to_image: ChildStdin,
+    from_image: ChildStdout,
+    progress: Arc<AtomicU64>,
+    cost: Cost,
+    /// Shared with the one who ends an image that hangs. Ended when this goes.
+    _qemu: Arc<Mutex<Qemu>>,
+}
+
+impl LockStep {
+    /// Starts the emulator with the twin image.
+    ///
+    /// # Errors
+    /// [`EmulatorError`]: no emulator, no image.
+    pub fn start(path: &Path) -> Result<Self, EmulatorError> {
+        let _ = image(path)?;
+        let arguments = |_: &Path| {
+            let words = ["-serial", "null", "-semihosting-config", "enable=on,target=native", "-icount", PACE];
+            words.map(str::to_owned).to_vec()
+        };
+        let mut qemu = Qemu::start(path, arguments, (Stdio::piped(), Stdio::piped()))?;
+        let (to_image, from_image) = qemu.take_streams()?;
+        let (qemu, progress) = (Arc::new(Mutex::new(qemu)), Arc::new(AtomicU64::new(0)));
+        watch(Arc::downgrade(&qemu), Arc::clone(&progress));
+        Ok(Self { to_image, from_image, progress, cost: Cost::default(), _qemu: qemu })
+    }
+
+    /// What the turns so far have cost.
+    #[must_use]
+    pub fn cost(&self) -> Cost {
+        self.cost
+    }
+
+    fn note_cost(&mut self, counts: u32) {
+        let instructions = u64::from(counts) * 1000 / COUNTS_PER_1000;
+        let Cost { worst, total, turns } = self.cost;
+        self.cost = Cost { worst: worst.max(instructions), total: total + instructions, turns: turns + 1 };
+    }
+
+    fn ask(&mut self, question: &Question, received: &[u8]) -> io::Result<()> {
+        let mut bytes = question.encode().to_vec();
+        bytes.extend(received);
+        self.progress.fetch_add(1, Ordering::Relaxed);
+        self.to_image.write_all(&bytes)?;
+        self.to_image.flush()
+    }
+
+    fn listen(&mut self) -> io::Result<(Answer, Vec<u8>)> {
+        let mut fixed = [0; ANSWER_LEN];
+        self.from_image.read_exact(&mut fixed)?;
+        let answer = Answer::decode(&fixed);
+        let mut sent = vec![0; usize::from(answer.sent)];
+        self.from_image.read_exact(&mut sent)?;
+        self.progress.fetch_add(1, Ordering::Relaxed);
+        Ok((answer, sent))
+    }
+}
+
+impl Processor for LockStep {
+    fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
+        let inputs = board.inputs();
+        let mut received = [0; RECEIVED_MAX];
+        let count = board.read_link(&mut received);
+        let room = board.link_room().min(SENT_MAX) as u16;
+        let question = Question { inputs, room, received: count as u16, last: false };
+        self.ask(&question, received.get(..count).unwrap_or(&received))?;
+        let (answer, sent) = self.listen()?;
+        self.note_cost(answer.cost);
+        board.apply(&answer.outputs);
+        board.write_link(&sent);
+        Ok(())
+    }
+}
+
+impl Drop for LockStep {
+    fn drop(&mut self) {
+        let inputs =
+            TickInputs { now_us: 0, pressure: [AdcCode(0); MAX_CHANNELS], supply: AdcCode(0), emergency_stop: false };
+        // An image that is gone already needs no farewell.
+        let _ = self.ask(&Question { inputs, room: 0, received: 0, last: true }, &[]);
+    }
+}
+
+/// Ends an emulator that makes no progress between a question and its answer, so that whoever waits for it sees its end.
+fn watch(qemu: Weak<Mutex<Qemu>>, progress: Arc<AtomicU64>) {
+    thread::spawn(move || {
+        let mut seen = 0;
+        loop {
+            thread::sleep(PATIENCE);
+            let Some(qemu) = qemu.upgrade() else { return };
+            let now = progress.load(Ordering::Relaxed);
+            // Odd between a question and its answer.
+            if now == seen && now % 2 == 1 {
+                qemu.lock().unwrap_or_else(PoisonError::into_inner).kill();
+                return;
+            }
+            seen = now;
+        }
+    });
+}

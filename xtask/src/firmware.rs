@@ -1,0 +1,119 @@
+//! The images for the board: built, looked at, written in the forms that tools take.
+
+mod flash;
+mod forms;
+mod inspect;
+mod sizes;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::cargo::{root, target_folder};
+use crate::image::Trouble;
+use crate::toolchain::{TARGET, Toolchain};
+
+pub(crate) use flash::flash;
+
+const PACKAGE: &str = "softlimb-image-stm32f4";
+/// What is flashed, and its twin for the emulator.
+const FLASHED: &str = "softlimb-stm32f4";
+const TWIN: &str = "softlimb-cosim";
+
+/// A board that there is an image for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Board {
+    /// NUCLEO-F446RE.
+    F446,
+    /// Boards with an STM32F405RG; the one that the emulator has.
+    F405,
+}
+
+impl Board {
+    /// The board of an argument.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        match name {
+            "f446" => Some(Self::F446),
+            "f405" => Some(Self::F405),
+            _ => None,
+        }
+    }
+
+    fn feature(self) -> &'static str {
+        match self {
+            Self::F446 => "f446",
+            Self::F405 => "f405",
+        }
+    }
+}
+
+/// What to do with the sizes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sizes {
+    /// Compare them with the recorded ones.
+    Compare,
+    /// Record them.
+    Record,
+}
+
+/// The files of an image.
+pub(crate) struct Files {
+    pub(crate) elf: PathBuf,
+    pub(crate) bin: PathBuf,
+}
+
+/// The folder that the files are put into.
+pub(crate) fn folder() -> PathBuf {
+    target_folder().join("firmware")
+}
+
+/// Builds the image of a board and its twin, looks at them and writes their files.
+///
+/// # Errors
+/// No toolchain; an image that does not build, holds what it must not, or is larger than recorded.
+pub(crate) fn build(board: Board, what: Sizes) -> Result<Files, Trouble> {
+    let toolchain = Toolchain::find().map_err(Trouble::Missing)?;
+    let built = built(&toolchain, board).map_err(Trouble::Failed)?;
+    let files =
+        written(&built.join(FLASHED), &format!("softlimb-stm32{}", board.feature())).map_err(Trouble::Failed)?;
+    written(&built.join(TWIN), TWIN).map_err(Trouble::Failed)?;
+    let elf = fs::read(&files.elf).map_err(|error| Trouble::Failed(format!("{}: {error}", files.elf.display())))?;
+    inspect::check(&elf, &places(&toolchain)).map_err(Trouble::Failed)?;
+    sizes::report(board.feature(), &elf, &toolchain.version, what).map_err(Trouble::Failed)?;
+    Ok(files)
+}
+
+/// The folder of what Cargo has built.
+fn built(toolchain: &Toolchain, board: Board) -> Result<PathBuf, String> {
+    let folder = folder();
+    println!("xtask: {PACKAGE} for {}, {}", board.feature(), toolchain.version);
+    let mut command = toolchain.build(PACKAGE, &folder);
+    command.args(["--no-default-features", "--features", board.feature()]).current_dir(root());
+    // Where something is on this computer is nothing that an image should hold, or depend on.
+    let renamed: Vec<String> =
+        places(toolchain).iter().map(|(place, name)| format!("--remap-path-prefix={place}={name}")).collect();
+    command.env("CARGO_ENCODED_RUSTFLAGS", renamed.join("\x1f"));
+    let status = command.status().map_err(|error| format!("cannot run cargo: {error}"))?;
+    if status.success() { Ok(folder.join(TARGET).join("firmware")) } else { Err("the image does not build".to_owned()) }
+}
+
+/// Places on this computer whose names could come into an image, and what they are called instead.
+fn places(toolchain: &Toolchain) -> Vec<(String, &'static str)> {
+    let home = std::env::home_dir();
+    let cargo_home = std::env::var_os("CARGO_HOME").map(PathBuf::from).or_else(|| Some(home?.join(".cargo")));
+    let places = [(Some(root()), "softlimb"), (cargo_home, "cargo"), (toolchain.sysroot(), "rust")];
+    places.into_iter().filter_map(|(place, name)| Some((place?.to_str()?.to_owned(), name))).collect()
+}
+
+/// Copies an image under its name and writes it in the other forms.
+fn written(image: &Path, name: &str) -> Result<Files, String> {
+    let to_text = |error: std::io::Error| format!("{}: {error}", image.display());
+    let elf = fs::read(image).map_err(to_text)?;
+    let binary = forms::binary(&elf)?;
+    let path = |extension: &str| folder().join(format!("{name}.{extension}"));
+    let files = Files { elf: path("elf"), bin: path("bin") };
+    fs::write(&files.elf, &elf).map_err(to_text)?;
+    fs::write(&files.bin, &binary.bytes).map_err(to_text)?;
+    fs::write(path("hex"), forms::hex(&binary)).map_err(to_text)?;
+    println!("xtask: {}, .bin and .hex; hash of the .bin {:016x}", files.elf.display(), forms::hash(&binary.bytes));
+    Ok(files)
+}
