@@ -24,6 +24,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/accuracy.md",
         "docs/eval-batch.md",
         "docs/fem-decks.md",
+        "docs/hardware.md",
         "docs/model.md",
         "docs/paper-map.md",
         "docs/section-fe.md",
@@ -47,6 +48,14 @@ fn tests_of_the_model_named_without_their_file_exist() {
     for name in citations::bare_names(&document) {
         assert!(tests.contains(&format!("fn {name}(")), "docs/model.md names {name}, which is no test of the model");
     }
+}
+
+#[test]
+fn the_table_of_the_pins_is_that_of_the_code() {
+    let table = softlimb_image_stm32f4::pins::Table.to_string();
+    let document = read("docs/hardware.md");
+    let home = "`cargo run -p softlimb-image-stm32f4 --bin softlimb-stm32f4` prints this table";
+    assert!(document.contains(&table), "docs/hardware.md has another table of the pins; {home}:\n{table}");
 }
 
 /// The lines between ```` ```<mark> ```` and the next fence.

@@ -41,6 +41,10 @@ impl SimulatedBoard {
         self.tick += 1;
     }
 
+    pub(crate) fn outputs(&self) -> TickOutputs {
+        self.outputs
+    }
+
     fn now_ns(&self) -> u64 {
         self.clocks.host_us(self.tick) * 1_000
     }

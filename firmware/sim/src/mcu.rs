@@ -1,6 +1,6 @@
 //! The simulated MCU as its host sees it.
 
-use softlimb_firmware::{Board, BootInfo, Controller, turn};
+use softlimb_firmware::{Board, BootInfo, Controller, TickOutputs, turn};
 use softlimb_plant::{ChannelFault, Plant, PlantError, Truth};
 use softlimb_protocol::{BootCause, MAX_CHANNELS};
 
@@ -145,6 +145,11 @@ impl<P: Processor> SimulatedMcu<P> {
     /// What is really going on, air used included, at [`device_time_us`](Self::device_time_us).
     pub fn truth(&self) -> Truth {
         self.board.plant.truth()
+    }
+
+    /// What the valves, the supply and the pump were told in the latest tick.
+    pub fn outputs(&self) -> TickOutputs {
+        self.board.outputs()
     }
 
     /// Why the processor does not run any more, if it does not.

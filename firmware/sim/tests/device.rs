@@ -32,8 +32,8 @@ fn a_hello_takes_its_time_on_the_wire_and_is_answered_at_a_tick() {
     host.mcu.advance_to(19_000);
     host.mcu.read(&mut answer);
     assert_eq!(answer, []);
-    // The reply has 2 + 1 + 3 + 32 + 4 bytes, 43.75 ms.
-    host.wait(43_000);
+    // The reply has 2 + 1 + 3 + 36 + 4 bytes, 47.92 ms.
+    host.wait(47_000);
     assert!(host.heard.is_empty());
     host.wait(1_000);
     let DeviceMessage::HelloReply(reply) = &host.heard[0].1 else { panic!("{:?}", host.heard) };

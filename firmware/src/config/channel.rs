@@ -111,7 +111,8 @@ fn target(kind: SetpointKind, setpoint: f32) -> Option<Target<f32>> {
     }
 }
 
-/// The model must know the deformation at both ends of the range; whether it can be reached shows at run time.
+/// The model must know the deformation at both ends of the range; whether it can be reached shows at run time. One iteration says as
+/// much as all of them, and a device that solves for long looks dead to its watchdog.
 fn check_target(
     actuator: &Actuator<f32>,
     kind: SetpointKind,
@@ -121,7 +122,10 @@ fn check_target(
     let Some(target) = target(kind, kind.from_wire(setpoint)) else {
         return Ok(());
     };
-    actuator.inverse(target, &Load::none()).map(|_| ()).map_err(|_| ConfigError::OutOfRange { field })
+    actuator
+        .inverse_near(&actuator.rest(), target, &Load::none(), 1)
+        .map(|_| ())
+        .map_err(|_| ConfigError::OutOfRange { field })
 }
 
 fn parameters(wire: &ConfigChannel) -> Result<ActuatorParameters<f32>, ConfigError> {

@@ -32,7 +32,8 @@ const TURN: &str = "EXTI0";
 /// The device's clock counts ticks, and its first turn comes with the first of them.
 const FIRST_TICK_US: u64 = 1_000;
 
-/// Number of the register.
+/// Numbers of registers.
+const FIRST_ARGUMENT: u32 = 0;
 const STACK_POINTER: u32 = 13;
 
 /// An address that no instruction can be fetched from.
@@ -44,7 +45,10 @@ pub enum Halt {
     /// It goes where there is no program.
     HardFault,
     /// It finds itself in a state that it cannot be in.
-    Panic,
+    Panic {
+        /// In this line of its source.
+        line: u32,
+    },
     /// Its stack leaves the memory.
     StackOverflow,
 }
@@ -114,9 +118,22 @@ impl Flashed {
                 self.remote.set_register(STACK_POINTER, self.stack_end + 8)?;
                 self.turn
             }
-            Halt::Panic => self.panic.clone().map_err(io::Error::other)?,
+            Halt::Panic { line } => {
+                let address = self.panic.clone().map_err(io::Error::other)?;
+                self.put_panic(line)?;
+                address
+            }
         });
         Ok(())
+    }
+
+    /// What a panic tells its handler, at the end of the stack that nothing uses. The compiler may hand over the place in the source, or
+    /// what points to it in one of two orders: these words are all of that.
+    fn put_panic(&mut self, line: u32) -> Result<(), EmulatorError> {
+        let place = self.stack_end + 16;
+        let words = [place, place, line, 0, 0, 0, line, 0].map(u32::to_le_bytes);
+        self.remote.write(self.stack_end, &words.concat())?;
+        self.remote.set_register(FIRST_ARGUMENT, self.stack_end)
     }
 
     fn put_samples(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {

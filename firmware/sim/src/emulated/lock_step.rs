@@ -71,6 +71,11 @@ impl LockStep {
         self.cost
     }
 
+    /// The same, and begins anew.
+    pub fn take_cost(&mut self) -> Cost {
+        std::mem::take(&mut self.cost)
+    }
+
     fn note_cost(&mut self, counts: u32) {
         let instructions = u64::from(counts) * 1000 / COUNTS_PER_1000;
         let Cost { worst, total, turns } = self.cost;

@@ -37,7 +37,10 @@ impl Remote {
     pub(super) fn connect(path: &Path) -> Result<Self, EmulatorError> {
         let stream = connect(path)?;
         stream.set_read_timeout(Some(PATIENCE))?;
-        Ok(Self { stream, pending: Vec::new() })
+        let mut remote = Self { stream, pending: Vec::new() };
+        // Registers can be set one by one once somebody has asked what they are; the answer is known.
+        remote.ask("qXfer:features:read:target.xml:0,ffb")?;
+        Ok(remote)
     }
 
     /// Stops the processor whenever it comes to an address.

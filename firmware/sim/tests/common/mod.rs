@@ -4,12 +4,13 @@
 use fra_model::{ActuatorParameters, Material, Motion};
 use softlimb_plant::{ChannelSettings, PlantSettings};
 use softlimb_protocol::*;
-use softlimb_sim::{SimSettings, SimulatedMcu};
+use softlimb_sim::{Here, Processor, SimSettings, SimulatedMcu};
 
 pub const SESSION: u16 = 0x51AB;
 
-/// Time given to every message and its answer, us.
+/// Time given to every message and its answer, us; an emulated serial port may take longer, up to the second.
 const ANSWER_US: u64 = 8_000;
+const ANSWER_MAX_US: u64 = 400_000;
 
 /// `channels` bending actuators of about 80 mL on a pump and a reservoir.
 pub fn settings(channels: usize) -> SimSettings {
@@ -24,8 +25,8 @@ pub fn settings(channels: usize) -> SimSettings {
     SimSettings::new(PlantSettings::new(3, vec![ChannelSettings::new(actuator); channels]))
 }
 
-pub struct Host {
-    pub mcu: SimulatedMcu,
+pub struct Host<P = Here> {
+    pub mcu: SimulatedMcu<P>,
     /// All messages of the device, with the host time at which they were read.
     pub heard: Vec<(u64, DeviceMessage)>,
     /// All bytes of the device.
@@ -36,7 +37,12 @@ pub struct Host {
 
 impl Host {
     pub fn new(settings: &SimSettings) -> Self {
-        let mcu = SimulatedMcu::new(settings).expect("good settings");
+        Self::on(SimulatedMcu::new(settings).expect("good settings"))
+    }
+}
+
+impl<P: Processor> Host<P> {
+    pub fn on(mcu: SimulatedMcu<P>) -> Self {
         Self { mcu, heard: Vec::new(), bytes: Vec::new(), decoder: Decoder::new(), seq: 0 }
     }
 
@@ -64,18 +70,36 @@ impl Host {
 
     /// Sends a message and wants it applied.
     pub fn demand(&mut self, message: impl Into<HostMessage>) {
-        let (seq, before) = (self.seq, self.heard.len());
+        let result = self.ask(message);
+        assert_eq!(result, Some(ResultCode::Ok), "{:?}", self.mcu.failure());
+    }
+
+    /// Sends a message; what the device says to it.
+    pub fn ask(&mut self, message: impl Into<HostMessage>) -> Option<ResultCode> {
+        let (seq, before, began_us) = (self.seq, self.heard.len(), self.mcu.now_us());
         self.send(message);
         self.wait(ANSWER_US);
-        let applied = self.heard[before..].iter().any(|(_, message)| match message {
-            DeviceMessage::Ack(ack) => ack.ref_seq == seq && ack.result == ResultCode::Ok,
-            _ => false,
-        });
-        assert!(applied, "{:?}", &self.heard[before..]);
+        loop {
+            let answer = self.heard[before..].iter().find_map(|(_, message)| match message {
+                DeviceMessage::Ack(ack) if ack.ref_seq == seq => Some(ack.result.known()),
+                _ => None,
+            });
+            if answer.is_some() || self.mcu.now_us() > began_us + ANSWER_MAX_US {
+                return answer.flatten();
+            }
+            self.wait(1_000);
+        }
     }
 
     /// Opens a session, configures `channels` pressure channels, waits until the device is ready.
     pub fn get_ready(&mut self, channels: usize, kind: SetpointKind) {
+        self.configure(channels, kind);
+        self.wait(60_000);
+        assert_eq!(self.telemetry().last().map(|telemetry| telemetry.state), Some(DeviceState::Ready.into()));
+    }
+
+    /// Opens a session and configures `channels` pressure channels.
+    pub fn configure(&mut self, channels: usize, kind: SetpointKind) {
         self.demand(Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION });
         let begin = ConfigBegin { session: SESSION, channels: channels as u8 };
         let mut hash = ConfigHash::begin(&begin);
@@ -87,8 +111,6 @@ impl Host {
             self.demand(config_channel(channel, kind));
         }
         self.demand(ConfigCommit { session: SESSION, config_hash: hash.value() });
-        self.wait(60_000);
-        assert_eq!(self.mcu.controller().state(), DeviceState::Ready);
     }
 
     pub fn setpoint(&mut self, index: u32, time_us: u64, values: &[i32]) {

@@ -1,0 +1,151 @@
+//! What holds for every device alike: the controller in this process, its twin on an emulated processor, the flashed file on an
+//! emulated chip.
+
+#[path = "support/devices.rs"]
+mod devices;
+#[path = "../firmware/sim/tests/common/mod.rs"]
+mod host;
+
+use devices::devices;
+use host::{Host, SESSION, settings};
+use softlimb_firmware::{TickOutputs, ValvePulse};
+use softlimb_protocol::*;
+use softlimb_sim::plant::ChannelFault;
+use softlimb_sim::{Processor, SimulatedMcu};
+
+/// The board has nine channels.
+const CHANNELS: usize = 9;
+
+type Device = Host<Box<dyn Processor>>;
+
+/// Runs a check on every device, each with the same plant of nine actuators.
+fn on_every_device(test: &str, check: impl Fn(&str, &mut Device)) {
+    for (name, start) in devices(test) {
+        let mcu = SimulatedMcu::with_processor(&settings(CHANNELS), start()).expect("good settings");
+        let mut host = Host::on(mcu);
+        check(name, &mut host);
+        assert!(host.mcu.failure().is_none(), "{name}: {:?}", host.mcu.failure());
+    }
+}
+
+fn hello() -> Hello {
+    Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION }
+}
+
+fn state(host: &Device) -> Option<DeviceState> {
+    host.telemetry().last().and_then(|telemetry| telemetry.state.known())
+}
+
+/// Lets time pass with a sign of life every 50 ms.
+fn live(host: &mut Device, us: u64) {
+    for _ in 0..us / 50_000 {
+        host.send(Heartbeat { session: SESSION, host_time_us: host.mcu.now_us() });
+        host.wait(50_000);
+    }
+}
+
+#[test]
+fn a_device_that_is_switched_on_answers_within_100_ms() {
+    on_every_device("a_device_that_is_switched_on_answers_within_100_ms", |name, host| {
+        host.send(hello());
+        while host.heard.is_empty() && host.mcu.now_us() < 100_000 {
+            host.wait(1_000);
+        }
+        let reply = host.heard.iter().find_map(|(_, message)| match message {
+            DeviceMessage::HelloReply(reply) => Some(reply),
+            _ => None,
+        });
+        let reply = reply.unwrap_or_else(|| panic!("{name} is silent"));
+        assert_eq!((reply.boot_cause.known(), reply.boot_detail), (Some(BootCause::PowerOn), 0), "{name}");
+        assert_eq!((reply.state.known(), reply.config_hash), (Some(DeviceState::Idle), 0), "{name}");
+        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{name}");
+    });
+}
+
+#[test]
+fn without_a_sensor_nothing_can_be_started() {
+    on_every_device("without_a_sensor_nothing_can_be_started", |name, host| {
+        host.mcu.inject(4, ChannelFault::SensorOpen).expect("a channel");
+        host.configure(CHANNELS, SetpointKind::Pressure);
+        live(host, 500_000);
+        assert_eq!(state(host), Some(DeviceState::Idle), "{name}");
+        let start = Command { session: SESSION, code: CommandCode::Start.into(), time_us: 0 };
+        assert_eq!(host.ask(start), Some(ResultCode::WrongState), "{name}");
+        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{name}");
+    });
+}
+
+#[test]
+fn a_pressure_is_reached_and_held() {
+    on_every_device("a_pressure_is_reached_and_held", |name, host| {
+        host.get_ready(CHANNELS, SetpointKind::Pressure);
+        live(host, 1_000_000);
+        let device_us = host.telemetry().last().expect("telemetry").time_us;
+        let start_us = device_us + 400_000;
+        for index in 0..20 {
+            // A second up, a second held.
+            let value = 6_000 * (1 + i32::try_from(index).expect("few")).min(10);
+            let time_us = start_us + 100_000 * u64::from(index) + 1_000;
+            host.setpoint(index, time_us, &[value; CHANNELS]);
+            host.wait(2_000);
+        }
+        host.demand(Command { session: SESSION, code: CommandCode::Start.into(), time_us: start_us });
+        live(host, 2_200_000);
+        let last = host.telemetry().filter(|telemetry| telemetry.state == DeviceState::Running).last();
+        let last = last.unwrap_or_else(|| panic!("{name} did not run"));
+        for sample in last.channels.iter() {
+            // Up to the controller's smallest pulse, twice.
+            let error = i32::from(sample.pressure_10pa) - i32::from(sample.reference_10pa);
+            assert!(error.abs() < 150 && sample.reference_10pa > 5_900, "{name}: {sample:?}");
+        }
+        assert_eq!(last.ticks_late, 0, "{name}");
+    });
+}
+
+#[test]
+fn an_emergency_stop_opens_every_vent_within_a_tick() {
+    on_every_device("an_emergency_stop_opens_every_vent_within_a_tick", |name, host| {
+        host.get_ready(CHANNELS, SetpointKind::Pressure);
+        host.send(Command { session: SESSION, code: CommandCode::EmergencyStop.into(), time_us: 0 });
+        let vents =
+            |outputs: &TickOutputs| outputs.valves.iter().filter(|pulse| **pulse == ValvePulse::VENTING).count();
+        while vents(&host.mcu.outputs()) < CHANNELS && host.mcu.now_us() < 1_500_000 {
+            host.wait(1_000);
+        }
+        let vented_us = host.mcu.device_time_us() - 1_000;
+        assert!(!host.mcu.outputs().supply_open && host.mcu.outputs().pump_duty == 0, "{name}");
+        live(host, 50_000);
+        let fault_us = host.heard.iter().find_map(|(_, message)| match message {
+            DeviceMessage::Fault(fault) if fault.code == FaultCode::EmergencyStop => Some(fault.time_us),
+            _ => None,
+        });
+        let fault_us = fault_us.unwrap_or_else(|| panic!("{name} tells of no fault"));
+        assert!(vented_us.saturating_sub(fault_us) <= 1_000, "{name}: {fault_us} us, vented at {vented_us} us");
+    });
+}
+
+#[test]
+fn a_flood_of_garbage_delays_no_tick() {
+    on_every_device("a_flood_of_garbage_delays_no_tick", |name, host| {
+        host.get_ready(CHANNELS, SetpointKind::Pressure);
+        let before = host.telemetry().count();
+        let mut word = 0x2545_f491_u32;
+        for _ in 0..500 {
+            // As much as the line carries: 92 bytes a millisecond.
+            let garbage: Vec<u8> = std::iter::repeat_with(|| {
+                word ^= word << 13;
+                word ^= word >> 17;
+                word ^= word << 5;
+                word as u8
+            })
+            .take(92)
+            .collect();
+            host.mcu.write(&garbage);
+            host.wait(1_000);
+        }
+        let times: Vec<u64> = host.telemetry().skip(before).map(|telemetry| telemetry.time_us).collect();
+        assert!(times.len() > 45, "{name}: {} messages", times.len());
+        assert!(times.windows(2).all(|pair| pair[1] - pair[0] == 10_000), "{name}: {times:?}");
+        assert_eq!(host.telemetry().last().map(|telemetry| telemetry.ticks_late), Some(0), "{name}");
+    });
+}

@@ -1,0 +1,61 @@
+//! The images in the emulator: bit for bit as here, as good as here, and what happens when they cannot go on.
+
+#[path = "emulated/crash.rs"]
+mod crash;
+#[path = "support/devices.rs"]
+mod devices;
+mod support;
+#[path = "emulated/trace.rs"]
+mod trace;
+#[path = "emulated/turns.rs"]
+mod turns;
+
+use devices::Images;
+use softlimb::run::Mcu;
+use support::{Ran, run_on, scene_with};
+
+const SCENE: &str = "pick-and-place-a";
+
+/// Name of the record that only a finished log has; it holds the time that the run took.
+const END: &[u8] = b"softlimb.end";
+/// What a metadata record has before its name: opcode, length of the record, length of the name.
+const BEFORE_NAME: usize = 1 + 8 + 4;
+
+/// Everything that the log says but the time that the run took.
+fn said(ran: &Ran) -> Vec<u8> {
+    let mut log = std::fs::read(&ran.files.log).unwrap();
+    let at = log.windows(END.len()).position(|window| window == END).expect("a finished log");
+    log.truncate(at - BEFORE_NAME);
+    log
+}
+
+#[test]
+fn the_twin_gives_the_bits_that_the_controller_gives_here() {
+    let Some(images) = Images::find("the_twin_gives_the_bits_that_the_controller_gives_here") else { return };
+    let scene = scene_with(SCENE, "");
+    let here = said(&run_on(Mcu::Here, &scene, 1));
+    for round in 0..10 {
+        let ran = run_on(Mcu::LockStep(images.twin()), &scene, 1);
+        assert!(said(&ran) == here, "round {round}: the logs differ");
+        if round == 0 {
+            let speed = ran.files.run.wall_s.map_or(0.0, |wall_s| ran.files.run.samples.len() as f64 * 0.02 / wall_s);
+            println!("the twin runs the scene at {speed:.1} times real time");
+        }
+    }
+}
+
+#[test]
+fn the_flashed_image_tracks_as_well_as_the_controller_here() {
+    let Some(images) = Images::find("the_flashed_image_tracks_as_well_as_the_controller_here") else { return };
+    let scene = scene_with(SCENE, "");
+    let here = run_on(Mcu::Here, &scene, 1);
+    let flashed = run_on(Mcu::Flashed(images.flashed()), &scene, 1);
+    assert!(flashed.summary.faults.is_empty(), "{:?}", flashed.summary.faults);
+    let (rmse, reference) = (tip_rmse_mm(&flashed), tip_rmse_mm(&here));
+    println!("RMSE of the tip: {rmse:.2} mm flashed, {reference:.2} mm here");
+    assert!((rmse - reference).abs() < 0.05 * reference, "{rmse} mm, here {reference} mm");
+}
+
+fn tip_rmse_mm(ran: &Ran) -> f64 {
+    1e3 * ran.summary.tip.error_m.as_ref().expect("the limb is observed").rmse
+}

@@ -1,0 +1,66 @@
+//! When the program on the chip cannot go on: everything off, it starts anew, and says why it stopped.
+
+#[path = "../../firmware/sim/tests/common/mod.rs"]
+pub(crate) mod host;
+
+use softlimb_firmware::TickOutputs;
+use softlimb_protocol::*;
+use softlimb_sim::SimulatedMcu;
+use softlimb_sim::emulated::{Flashed, Halt};
+
+use crate::devices::Images;
+use host::{Host, SESSION, settings};
+
+const CHANNELS: usize = 9;
+
+/// A device that fills all its channels.
+pub(crate) fn filling(flashed: Flashed) -> Host<Flashed> {
+    let mut host = Host::on(SimulatedMcu::with_processor(&settings(CHANNELS), flashed).expect("good settings"));
+    host.get_ready(CHANNELS, SetpointKind::Pressure);
+    let start_us = host.telemetry().last().expect("telemetry").time_us + 100_000;
+    for index in 0..10 {
+        host.setpoint(index, start_us + 50_000 * u64::from(index) + 1_000, &[100_000; CHANNELS]);
+        host.wait(2_000);
+    }
+    host.demand(Command { session: SESSION, code: CommandCode::Start.into(), time_us: start_us });
+    let fills = |host: &Host<Flashed>| host.mcu.outputs().valves.iter().filter(|pulse| pulse.fill_us > 0).count();
+    let mut waits = 0;
+    while fills(&host) < CHANNELS {
+        host.wait(1_000);
+        waits += 1;
+        assert!(waits < 300, "{} of {CHANNELS} fill", fills(&host));
+    }
+    host
+}
+
+/// What the next Hello says: why and where it stopped.
+fn reason(host: &mut Host<Flashed>) -> (Option<BootCause>, u32) {
+    let before = host.heard.len();
+    host.demand(Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION + 1 });
+    let reply = host.heard[before..].iter().find_map(|(_, message)| match message {
+        DeviceMessage::HelloReply(reply) => Some((reply.boot_cause.known(), reply.boot_detail)),
+        _ => None,
+    });
+    reply.expect("a reply")
+}
+
+#[test]
+fn a_crash_switches_everything_off_and_is_told_at_the_next_hello() {
+    let Some(images) = Images::find("a_crash_switches_everything_off_and_is_told_at_the_next_hello") else { return };
+    let cases = [
+        (Halt::HardFault, BootCause::HardFault, 0xf000_0000),
+        (Halt::Panic { line: 4711 }, BootCause::Panic, 4711),
+        // Without a stack nobody knows where it was.
+        (Halt::StackOverflow, BootCause::HardFault, 0),
+    ];
+    for (halt, cause, detail) in cases {
+        let mut host = filling(Flashed::start(&images.flashed(), None).expect("the image starts"));
+        host.mcu.processor_mut().halt(halt).expect("the emulator takes it");
+        // One tick in which it happens; what the next is told is what the new start has left.
+        host.wait(2_000);
+        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{halt:?}");
+        assert_eq!(reason(&mut host), (Some(cause), detail), "{halt:?}");
+        host.wait(500_000);
+        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{halt:?}: nothing moves by itself");
+    }
+}
