@@ -29,6 +29,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/paper-map.md",
         "docs/section-fe.md",
         "docs/speed.md",
+        "docs/validation.md",
     ] {
         let text = read(document);
         for (file, name) in citations::cited(&text) {

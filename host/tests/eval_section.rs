@@ -60,6 +60,34 @@ fn an_inverse_leads_back() {
     assert!((number(&forward, "bend_angle_rad") - 0.6).abs() < 1e-9);
 }
 
+/// A target that the actuator has at rest takes no pressure.
+#[test]
+fn an_inverse_of_rest_is_no_pressure() {
+    let fiber = json!({"angle_deg": 30, "families": 1, "modulus_pa": 5e7, "thickness_m": 2e-4});
+    for (motion, target) in [
+        ("bending", json!({"bend_angle_rad": 0})),
+        ("twisting", json!({"twist_rad": 0})),
+        ("extension", json!({"axial_stretch": 1})),
+        ("expansion", json!({"outer_radius_m": 8e-3})),
+    ] {
+        let question = with(tube(motion, "inverse"), "target", target);
+        let question = if motion == "bending" { question } else { with(question, "fiber", fiber.clone()) };
+        let answer = ask(&question);
+        assert_eq!(answer["status"], "ok", "{motion}: {answer}");
+        assert!(number(&answer, "pressure_pa").abs() < 1e-3, "{motion}: {answer}");
+    }
+}
+
+/// A radius next to the limit point, which the secant may overstep.
+#[test]
+fn an_inverse_next_to_a_limit_point_is_found() {
+    for radius_m in [8.5e-3, 9e-3, 9.4e-3] {
+        let answer = ask(&with(tube("expansion", "inverse"), "target", json!({"outer_radius_m": radius_m})));
+        assert_eq!(answer["status"], "ok", "{radius_m}: {answer}");
+        assert!((number(&answer, "outer_radius_m") - radius_m).abs() < 1e-9, "{answer}");
+    }
+}
+
 #[test]
 fn beyond_the_limit_point_there_is_no_number() {
     // 0.75 mu ln(R_o/R_i) = 43.15 kPa.
@@ -79,6 +107,10 @@ fn what_the_section_cannot_be_asked_is_refused() {
     let single = with(tube("bending", "forward"), "pressure_pa", json!(1e4));
     assert!(message(ask_as(&single, Scalar::F32)).contains("single precision"));
     assert!(message(ask(&with(single.clone(), "model", json!("shell")))).contains("unknown value"));
-    assert!(message(ask(&with(single.clone(), "pressure_pa", json!(-1e3)))).contains("pressure_pa = -1000 is not allowed"));
-    assert!(message(ask(&with(single, "outer_radius_m", json!(5e-3)))).contains("outer_radius_m = 0.005 is not allowed"));
+    assert!(
+        message(ask(&with(single.clone(), "pressure_pa", json!(-1e3)))).contains("pressure_pa = -1000 is not allowed")
+    );
+    assert!(
+        message(ask(&with(single, "outer_radius_m", json!(5e-3)))).contains("outer_radius_m = 0.005 is not allowed")
+    );
 }

@@ -8,8 +8,10 @@ use crate::section::{Answer, EndLoad, Equilibrium, Options, Outcome, Section, Se
 
 /// Steps of the search for a pressure.
 const STEPS: usize = 30;
-/// Relative change of the pressure at which the search ends, far below the error of discretisation.
-const TOLERANCE: f64 = 1e-10;
+/// How close to the target the search ends, relative: far below the error of discretisation.
+const TOLERANCE: f64 = 1e-11;
+/// Smaller angles are compared with this, rad.
+const LEAST_ANGLE_RAD: f64 = 1e-3;
 
 /// Error of discretisation of an answer, in its own units.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -63,7 +65,7 @@ impl Asked<'_> {
         curve.answers.first().copied().ok_or_else(|| "the model gave no answer".into())
     }
 
-    /// The pressure that reaches a target, from that of the analytic model by the secant method.
+    /// The pressure that reaches a target: from that of the analytic model by the secant method, below what is known to have no answer.
     fn reach(&mut self, target: Target<f64>) -> Result<Found, String> {
         let actuator = Actuator::new(&self.case.parameters).map_err(|error| error.to_string())?;
         let first = actuator.inverse(target, &self.case.load).map_err(|error| error.to_string())?;
@@ -71,23 +73,31 @@ impl Asked<'_> {
             return Ok(self.nothing(Status::NoSolution, first.limit_pressure_pa));
         }
         let mut before = (0.0, self.at(0.0)?);
-        let mut now = (first.state.pressure_pa, self.at(first.state.pressure_pa)?);
+        let mut pressure_pa = first.state.pressure_pa;
+        let mut beyond: Option<Answer> = None;
         for _ in 0..STEPS {
-            let (Some(old), Some(new)) = (self.miss(&before.1, target), self.miss(&now.1, target)) else {
-                return Ok(self.nothing(Status::NoSolution, limit(&now.1)));
+            let answer = self.at(pressure_pa)?;
+            let Some(miss) = self.miss(&answer, target) else {
+                beyond = Some(answer);
+                pressure_pa = 0.5 * (before.0 + pressure_pa);
+                continue;
             };
-            let step = if new == 0.0 { 0.0 } else { new * (now.0 - before.0) / (new - old) };
-            let next = now.0 - step;
-            if step.abs() <= TOLERANCE * now.0.abs() {
-                return Ok(self.found(&now.1));
+            if miss.abs() <= TOLERANCE * size(target) {
+                return Ok(self.found(&answer));
             }
-            if !next.is_finite() || next < 0.0 {
-                return Ok(self.nothing(Status::NoSolution, None));
+            let Some(old) = self.miss(&before.1, target) else { return Ok(self.found(&before.1)) };
+            let next = pressure_pa - miss * (pressure_pa - before.0) / (miss - old);
+            match next {
+                // Two answers that do not differ.
+                _ if !next.is_finite() => return Ok(self.nothing(Status::NotConverged, None)),
+                _ if next < 0.0 => return Ok(self.nothing(Status::NoSolution, None)),
+                _ => {}
             }
-            before = now;
-            now = (next, self.at(next)?);
+            before = (pressure_pa, answer);
+            let limit_pa = beyond.map_or(f64::INFINITY, |beyond| beyond.pressure_pa);
+            pressure_pa = if next < limit_pa { next } else { 0.5 * (pressure_pa + limit_pa) };
         }
-        Ok(self.nothing(Status::NotConverged, None))
+        Ok(beyond.map_or_else(|| self.nothing(Status::NotConverged, None), |answer| self.found(&answer)))
     }
 
     /// How far an answer is beyond a target.
@@ -104,7 +114,7 @@ impl Asked<'_> {
 
     fn found(&self, answer: &Answer) -> Found {
         let length_m = self.case.parameters.length_m;
-        let Some(equilibrium) = answer.equilibrium() else { return self.nothing(Status::NoSolution, limit(answer)) };
+        let Some(equilibrium) = answer.equilibrium() else { return self.nothing(status(answer), limit(answer)) };
         Found {
             state: Some(equilibrium.state.over(length_m)),
             error: discretisation(equilibrium, length_m),
@@ -114,6 +124,23 @@ impl Asked<'_> {
 
     fn nothing(&self, status: Status, limit_pressure_pa: Option<f64>) -> Found {
         Found { status, state: None, error: None, limit_pressure_pa, iterations: self.iterations }
+    }
+}
+
+/// Whether there is an equilibrium, and if not whether that is known.
+fn status(answer: &Answer) -> Status {
+    match answer.outcome {
+        Outcome::Equilibrium(_) => Status::Solved,
+        Outcome::NotConverged { .. } => Status::NotConverged,
+        Outcome::NoEquilibrium { .. } | Outcome::LoadNotCarried => Status::NoSolution,
+    }
+}
+
+/// What a miss is compared with.
+fn size(target: Target<f64>) -> f64 {
+    match target {
+        Target::AxialStretch(value) | Target::OuterRadius(value) | Target::InnerRadius(value) => value,
+        Target::Twist(value) | Target::BendAngle(value) => value.abs().max(LEAST_ANGLE_RAD),
     }
 }
 

@@ -11,8 +11,10 @@ use crate::quadrilateral::quadratics;
 /// Newton steps for one increment of the pressure.
 const NEWTON_STEPS: u32 = 25;
 /// First increment as a share of the pressure, and the smallest one to go on with.
-const FIRST_PART: f64 = 0.25;
+const FIRST_PART: f64 = 0.05;
 const LEAST_PART: f64 = 1e-4;
+/// Most that the growth of the lumen per pressure may grow from one increment to the next: more is another branch, or the way there.
+const LARGEST_GROWTH: f64 = 2.5;
 /// Largest change of a deformation gradient in one Newton step.
 const LARGEST_CHANGE: f64 = 0.3;
 /// A correction of the deformation gradient below this is rounding.
@@ -45,13 +47,16 @@ impl Body {
         let band_twists = self.band.is_some_and(|(.., winding)| winding.families == Families::One);
         let numbers = self.mesh.numbers(self.end, band_twists || self.wall.twists());
         let mut values = vec![0.0; numbers.count];
-        let (mut done, mut part) = (0.0, FIRST_PART);
+        let (mut done, mut part, mut before) = (0.0, FIRST_PART, f64::INFINITY);
         while done < 1.0 {
             let next = f64::min(done + part, 1.0);
-            match self.newton(&numbers, &values, pressure * next) {
+            let rate = |found: &[f64]| (self.lumen(&numbers, found) - self.lumen(&numbers, &values)) / (next - done);
+            let on_branch = |found: &Vec<f64>| (0.0..=LARGEST_GROWTH * before).contains(&rate(found));
+            match self.newton(&numbers, &values, pressure * next).filter(on_branch) {
                 Some(found) => {
+                    before = rate(&found);
                     (values, done) = (found, next);
-                    part *= 1.5;
+                    part *= 2.0;
                 }
                 None if part < LEAST_PART => return Err(NoEquilibrium { last: pressure * done }),
                 None => part *= 0.4,
@@ -73,6 +78,11 @@ impl Body {
             }
         }
         None
+    }
+
+    fn lumen(&self, numbers: &Numbers, values: &[f64]) -> f64 {
+        let along = 0..self.mesh.elements()[1];
+        along.map(|j| self.element([0, j], &local(numbers, [0, j], values)).lumen()).sum()
     }
 
     fn largest_change(&self, numbers: &Numbers, step: &[f64]) -> f64 {
@@ -120,8 +130,11 @@ impl Body {
         let sheet = self.wall.sheet.map(|(radius, winding)| (radius, f64::INFINITY, winding));
         for (radius, end, winding) in sheet.iter().chain(&self.band) {
             let is_covered = self.mesh.places[at[1] + 1] <= end * (1.0 + 1e-12);
-            if is_covered && (self.mesh.radii[at[0] + 1] - radius).abs() < 1e-9 {
-                element.add_sheet(winding, &mut share);
+            let is_at = |place: f64| is_covered && (place - radius).abs() < 1e-9;
+            if is_at(self.mesh.radii[at[0] + 1]) {
+                element.add_sheet(1.0, winding, &mut share);
+            } else if at[0] == 0 && is_at(self.mesh.radii[0]) {
+                element.add_sheet(-1.0, winding, &mut share);
             }
         }
         if at[0] == 0 {
@@ -141,10 +154,11 @@ impl Shaped {
         [self.values[self.numbers.shift], self.numbers.turn.map_or(0.0, |turn| self.values[turn])]
     }
 
-    /// Axial strain and twist rate at the plane of symmetry.
-    pub(super) fn middle(&self, mesh: &Mesh) -> [f64; 2] {
+    /// Axial strain, twist rate and hoop strain of the outer surface at the plane of symmetry.
+    pub(super) fn middle(&self, mesh: &Mesh) -> [f64; 3] {
         let values = local(&self.numbers, [mesh.radii.len() - 2, 0], &self.values);
         let slopes = quadratics(-1.0).1.map(|slope| slope * 2.0 / (mesh.places[1] - mesh.places[0]));
-        [2, 1].map(|field| (0..3).map(|k| slopes[k] * values[(3 * k + 2) * FIELDS + field]).sum())
+        let rate = |field: usize| (0..3).map(|k| slopes[k] * values[(3 * k + 2) * FIELDS + field]).sum();
+        [rate(2), rate(1), values[2 * FIELDS] / mesh.radii[mesh.radii.len() - 1]]
     }
 }

@@ -61,14 +61,33 @@ impl Element<'_> {
         Some(())
     }
 
-    /// Adds fibers on the outer side.
-    pub(super) fn add_sheet(&self, winding: &Winding, share: &mut Share) {
+    /// Adds fibers on the inner (`xi = -1`) or the outer side (`xi = 1`).
+    pub(super) fn add_sheet(&self, xi: f64, winding: &Winding, share: &mut Share) {
+        let radius = self.inner + 0.5 * self.width * (1.0 + xi);
         for (eta, along) in GAUSS_3 {
-            let point = self.point(1.0, eta);
+            let point = self.point(xi, eta);
             let mut energy = Energy::NONE;
             winding.add_to(&mut energy, &point.f);
-            self.add(&point, &energy, along * 0.5 * self.height * (self.inner + self.width), share);
+            self.add(&point, &energy, along * 0.5 * self.height * radius, share);
         }
+    }
+
+    /// The lumen's volume along the inner side, divided by a full turn.
+    pub(super) fn lumen(&self) -> f64 {
+        let mut volume = 0.0;
+        for (eta, along) in GAUSS_3 {
+            let (r, dz) = self.inner_side(eta);
+            volume += along * 0.5 * r * r * dz;
+        }
+        volume
+    }
+
+    /// Radius of the inner side, and its axial place over `eta`.
+    fn inner_side(&self, eta: f64) -> (f64, f64) {
+        let (n, slopes) = quadratics(eta);
+        let r = self.inner + (0..3).map(|k| n[k] * self.values[3 * k * FIELDS]).sum::<f64>();
+        let dz = 0.5 * self.height + (0..3).map(|k| slopes[k] * self.values[3 * k * FIELDS + 2]).sum::<f64>();
+        (r, dz)
     }
 
     /// Adds the potential `-P int r^2/2 dz` of a lumen on the inner side. A rigid cap adds nothing to it.
@@ -77,9 +96,7 @@ impl Element<'_> {
         let axial = |k: usize| 3 * k * FIELDS + 2;
         for (eta, along) in GAUSS_3 {
             let (n, slopes) = quadratics(eta);
-            let r = self.inner + (0..3).map(|k| n[k] * self.values[radial(k)]).sum::<f64>();
-            // dz over d eta.
-            let dz = 0.5 * self.height + (0..3).map(|k| slopes[k] * self.values[axial(k)]).sum::<f64>();
+            let (r, dz) = self.inner_side(eta);
             let factor = -pressure * along;
             for a in 0..3 {
                 share.first[radial(a)] += factor * r * dz * n[a];
@@ -180,7 +197,8 @@ mod tests {
             let element = Element { inner: 1.0, width: 0.3, height: 0.4, values };
             let mut share = Share::NONE;
             element.add_wall(&wall, &mut share).expect("not inside out");
-            element.add_sheet(&winding, &mut share);
+            element.add_sheet(-1.0, &winding, &mut share);
+            element.add_sheet(1.0, &winding, &mut share);
             element.add_lumen(0.3, &mut share);
             share
         };

@@ -14,23 +14,32 @@ const GROWTH: f64 = 1.25;
 /// Longest element towards the middle, in inner radii, unless there would be more elements than this.
 const LONGEST: f64 = 0.5;
 const MOST: f64 = 200.0;
-/// Smallest motion at mid-length that an end length is a share of.
-const LEAST_MOTION: f64 = 1e-6;
+/// Smallest part of the largest strain at mid-length that a motion must be to have an end length.
+const LEAST_SHARE: f64 = 0.2;
 /// Modulus of the winding of a bending actuator over that of its wall: it keeps its radius.
 const STIFF: f64 = 1e4;
 
 /// The length at each end that does not take part: an actuator of length `L` between bonded caps moves as one of length `L - 2 delta`
 /// does without them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EndLength {
-    /// `delta` of the change of length, m; none where there is next to no such change. Also that of a bend.
-    pub axial_m: Option<f64>,
-    /// `delta` of the twist, m; none where nothing twists.
-    pub twist_m: Option<f64>,
-    /// What a finer mesh changes, m.
+pub struct Delta {
+    /// `delta`, m.
+    pub delta_m: f64,
+    /// What a mesh of half the size changes of it, m.
     pub error_m: f64,
-    /// Axial strain at mid-length, and twist rate there, rad/m.
-    pub middle: [f64; 2],
+}
+
+/// The end lengths of an actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndLength {
+    /// That of the change of length, and of a bend; none where the actuator hardly changes its length.
+    pub axial: Option<Delta>,
+    /// That of the twist; none where the actuator hardly twists.
+    pub twist: Option<Delta>,
+    /// Axial strain at mid-length.
+    pub axial_strain: f64,
+    /// Twist rate at mid-length, rad/m.
+    pub twist_rate_rad_per_m: f64,
 }
 
 /// The end lengths of an actuator at a gauge pressure, Pa.
@@ -46,17 +55,16 @@ pub fn end_length(parameters: &ActuatorParameters<f64>, pressure_pa: f64) -> Res
     let coarse = lengths(&tube, pressure_pa, ACROSS)?;
     let fine = lengths(&tube, pressure_pa, 2 * ACROSS)?;
     let unit = tube.inner_radius_m;
-    let differences = fine.delta.iter().zip(&coarse.delta).filter_map(|(a, b)| Some((a.as_ref()? - b.as_ref()?).abs()));
-    let [strain, turn] = fine.middle;
-    if strain.abs() < LEAST_MOTION && turn.abs() < LEAST_MOTION {
-        return Err(MeridianError::NoMotion { motion: strain.abs().max(turn.abs()), pressure_pa });
+    let [axial_strain, twist_rate, hoop_strain] = fine.middle;
+    let delta = |motion: usize| {
+        let (fine, coarse) = (fine.delta[motion]?, coarse.delta[motion]?);
+        Some(Delta { delta_m: fine * unit, error_m: (fine - coarse).abs() * unit })
+    };
+    let (axial, twist) = (delta(0), delta(1));
+    if axial.is_none() && twist.is_none() {
+        return Err(MeridianError::NoMotion { axial_strain, hoop_strain });
     }
-    Ok(EndLength {
-        axial_m: fine.delta[0].map(|delta| delta * unit),
-        twist_m: fine.delta[1].map(|delta| delta * unit),
-        error_m: differences.fold(0.0, f64::max) * unit,
-        middle: [strain, turn / unit],
-    })
+    Ok(EndLength { axial, twist, axial_strain, twist_rate_rad_per_m: twist_rate / unit })
 }
 
 /// The tube whose ends are those of an actuator.
@@ -78,7 +86,7 @@ fn straight(parameters: &ActuatorParameters<f64>) -> ActuatorParameters<f64> {
 
 struct Lengths {
     delta: [Option<f64>; 2],
-    middle: [f64; 2],
+    middle: [f64; 3],
 }
 
 fn lengths(tube: &ActuatorParameters<f64>, pressure_pa: f64, count: usize) -> Result<Lengths, MeridianError> {
@@ -91,9 +99,13 @@ fn lengths(tube: &ActuatorParameters<f64>, pressure_pa: f64, count: usize) -> Re
     let shaped: Shaped = body
         .inflate(pressure_pa / modulus)
         .map_err(|none| MeridianError::NoEquilibrium { pressure_pa, last_pa: none.last * modulus })?;
-    let ([shift, turn], [strain, rate]) = (shaped.end(), shaped.middle(&body.mesh));
-    let delta = |motion: f64, rate: f64| (rate.abs() >= LEAST_MOTION).then(|| half - motion / rate);
-    Ok(Lengths { delta: [delta(shift, strain), delta(turn, rate)], middle: [strain, rate] })
+    let ([shift, turn], middle) = (shaped.end(), shaped.middle(&body.mesh));
+    let [strain, rate, hoop] = middle;
+    // A shear of the outer surface compares with a strain.
+    let shear = rate * outer;
+    let largest = strain.abs().max(hoop.abs()).max(shear.abs());
+    let delta = |motion: f64, rate: f64, size: f64| (size.abs() >= LEAST_SHARE * largest).then(|| half - motion / rate);
+    Ok(Lengths { delta: [delta(shift, strain, strain), delta(turn, rate, shear)], middle })
 }
 
 /// Corners along half a tube, close together at the end.

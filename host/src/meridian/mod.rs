@@ -15,7 +15,7 @@ mod wall;
 use fra_model::InvalidParameter;
 use thiserror::Error;
 
-pub use end_length::{EndLength, end_length};
+pub use end_length::{Delta, EndLength, end_length};
 pub use thread::{Thread, ThreadSheet, thread_sheet};
 
 /// Why there is no calibration.
@@ -32,13 +32,31 @@ pub enum MeridianError {
         /// The last pressure with an equilibrium, gauge Pa.
         last_pa: f64,
     },
-    /// The wall hardly deforms in the motion asked about, so that a share of it says nothing.
-    #[error("the motion is too small to tell end effects from rounding: {motion} at {pressure_pa} Pa")]
+    /// The actuator neither lengthens nor twists by much, so that a share of that says nothing.
+    #[error(
+        "it neither lengthens nor twists by much: axial strain {axial_strain:.1e} beside a hoop strain of {hoop_strain:.1e}"
+    )]
     NoMotion {
-        /// The strain or the twist rate times the inner radius, at mid-length.
-        motion: f64,
-        /// The pressure, gauge Pa.
-        pressure_pa: f64,
+        /// Axial strain at mid-length.
+        axial_strain: f64,
+        /// Hoop strain of the outer surface there.
+        hoop_strain: f64,
+    },
+    /// No sheet does what the thread does.
+    #[error("no sheet is worth the thread: it gives a strain of {strain:.3e}, sheets give {least:.3e} to {most:.3e}")]
+    NotMatched {
+        /// Axial strain with the thread.
+        strain: f64,
+        /// The least that a sheet gives.
+        least: f64,
+        /// The most, by a sheet that does not yield.
+        most: f64,
+    },
+    /// Two meshes differ too much.
+    #[error("two meshes differ by {:.0} % of the sheet that the thread is worth", 100.0 * error)]
+    TooCoarse {
+        /// By how much, as a share.
+        error: f64,
     },
 }
 

@@ -13,6 +13,10 @@ const ACROSS: usize = 3;
 const ON_THREAD: usize = 1;
 /// Growth of the elements away from the thread.
 const GROWTH: f64 = 1.4;
+/// Largest difference of two meshes that an answer may have, as a share.
+const LARGEST_ERROR: f64 = 0.1;
+/// Least change of the strain, as a share, with a sheet of a tenth more stiffness that a stiffness can be read from.
+const LEAST_CHANGE: f64 = 1e-6;
 /// Range of sheet moduli searched, over the wall's shear modulus, for a sheet as thick as a tenth of the wall.
 const MODULI: [f64; 2] = [1e-3, 1e7];
 
@@ -34,10 +38,12 @@ pub struct ThreadSheet {
     pub ideal_n_per_m: f64,
     /// `km` of the sheet that lengthens as much as the thread at the pressure, N/m.
     pub effective_n_per_m: f64,
-    /// What a finer mesh changes of it, as a share.
+    /// What a mesh of half the size changes of it, as a share.
     pub error: f64,
-    /// Axial strain with the thread, and with the ideal sheet.
-    pub strains: [f64; 2],
+    /// Axial strain with the thread.
+    pub strain: f64,
+    /// Axial strain with the ideal sheet.
+    pub ideal_strain: f64,
 }
 
 /// The sheet worth a hoop thread on a tube of the parameters' wall, at their winding radius, at a gauge pressure, Pa. Modulus, angle and
@@ -68,12 +74,11 @@ pub fn thread_sheet(
     let [of_coarse, of_fine] = [coarse, fine].map(|strain| matching(&tube, strain, pressure_pa));
     let (of_coarse, of_fine) = (of_coarse?, of_fine?);
     let by_sheet = sheet_strain(&tube, ideal_n_per_m, pressure_pa)?;
-    Ok(ThreadSheet {
-        ideal_n_per_m,
-        effective_n_per_m: of_fine,
-        error: (of_fine / of_coarse - 1.0).abs(),
-        strains: [fine, by_sheet],
-    })
+    let error = (of_fine / of_coarse - 1.0).abs();
+    if error > LARGEST_ERROR {
+        return Err(MeridianError::TooCoarse { error });
+    }
+    Ok(ThreadSheet { ideal_n_per_m, effective_n_per_m: of_fine, error, strain: fine, ideal_strain: by_sheet })
 }
 
 /// The axial strain of one period.
@@ -142,6 +147,7 @@ fn refined(corners: Vec<f64>, place: f64, finest: f64) -> Vec<f64> {
 fn matching(tube: &ActuatorParameters<f64>, strain: f64, pressure_pa: f64) -> Result<f64, MeridianError> {
     let unit = tube.material.shear_modulus_pa() * 0.1 * (tube.outer_radius_m - tube.inner_radius_m);
     let [mut low, mut high] = MODULI.map(|modulus| (modulus * unit).ln());
+    let most = sheet_strain(tube, high.exp(), pressure_pa)?;
     // A stiffer sheet keeps the radius, so that more of the pressure lengthens the tube.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -152,7 +158,17 @@ fn matching(tube: &ActuatorParameters<f64>, strain: f64, pressure_pa: f64) -> Re
         };
         if below { low = middle } else { high = middle }
     }
-    Ok((0.5 * (low + high)).exp())
+    let found = (0.5 * (low + high)).exp();
+    // The softest sheet may be beyond its limit point: then there is no least strain but that of rest.
+    let least = sheet_strain(tube, MODULI[0] * unit, pressure_pa).unwrap_or(0.0);
+    let [here, stiffer] = [found, 1.1 * found].map(|per_area| sheet_strain(tube, per_area, pressure_pa));
+    let is_read = match (here, stiffer) {
+        (Ok(here), Ok(stiffer)) => {
+            (here - strain).abs() <= 1e-6 * strain.abs() && (stiffer - here).abs() >= LEAST_CHANGE * strain.abs()
+        }
+        _ => false,
+    };
+    if is_read { Ok(found) } else { Err(MeridianError::NotMatched { strain, least, most }) }
 }
 
 /// Axial strain of a tube with a hoop sheet of a stiffness, by the thick-walled model.

@@ -7,7 +7,7 @@ use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
 use crate::design::{Limb, LimbModule};
 use crate::scene::{BendingModel, InverseChoice, Scene, SceneError, SetpointKind};
-use crate::section::{Calibration, Options, Section, SectionError};
+use crate::section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
 use crate::table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 
 /// How the channels of one module find their pressures.
@@ -84,8 +84,7 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
             return Ok(ModuleInverse::Model(None));
         }
         let wanted = controller.bending == BendingModel::SectionFe && module.kind == SetpointKind::BendAngle;
-        let calibration =
-            wanted.then(|| calibration(module).map_err(|error| no_cubic(scene, index, &error))).transpose()?;
+        let calibration = wanted.then(|| cubic(scene, index, module)).transpose()?;
         let bend = calibration.map(|calibration| calibration.polynomial);
         let subject = Subject { bend, ..Subject::of(module) };
         match (device_tables(&subject, controller.inverse_error, ambient.pressure_pa), calibration) {
@@ -100,24 +99,31 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
     limb.modules().iter().enumerate().map(of_module).collect()
 }
 
-/// Lowest pressure that a cubic is fitted to, as a share of the highest.
-const CUBIC_FROM: f64 = 0.05;
+/// Largest error of a cubic that a device carries, as a share of the bend.
+const CUBIC_ERROR_MAX: f64 = 0.01;
 
 /// The cubic of a bending module's section.
 fn calibration(module: &LimbModule) -> Result<Calibration, SectionError> {
     let highest_pa = module.curve.pressure_max_pa();
-    Section::new(module.actuator.parameters(), &Options::default())?.calibrate([CUBIC_FROM * highest_pa, highest_pa])
+    Section::new(module.actuator.parameters(), &Options::default())?
+        .calibrate([CALIBRATED_FROM * highest_pa, highest_pa])
 }
 
-fn no_cubic(scene: &Scene, module: usize, error: &SectionError) -> SceneError {
+/// The cubic of a module, if it is good enough for a device.
+fn cubic(scene: &Scene, index: usize, module: &LimbModule) -> Result<Calibration, SceneError> {
+    let found = calibration(module).map_err(|error| no_cubic(scene, index, &error.to_string()))?;
+    let error = found.verified_error.max(found.mesh_error);
+    if error <= CUBIC_ERROR_MAX {
+        return Ok(found);
+    }
+    let (found, most) = (100.0 * error, 100.0 * CUBIC_ERROR_MAX);
+    Err(no_cubic(scene, index, &format!("the cubic errs by {found:.1} % of the bend, more than {most} %")))
+}
+
+fn no_cubic(scene: &Scene, module: usize, reason: &str) -> SceneError {
     let module = &scene.modules()[module];
     let title = format!("the finite elements give no bending table for the module `{}`", *module.name);
-    scene.diagnostic(
-        module.span,
-        &title,
-        &error.to_string(),
-        Some("leave out `bending = \"section-fe\"` in [controller]"),
-    )
+    scene.diagnostic(module.span, &title, reason, Some("leave out `bending = \"section-fe\"` in [controller]"))
 }
 
 fn refused(scene: &Scene, module: usize, reason: &NoTable) -> SceneError {

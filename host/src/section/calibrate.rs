@@ -5,10 +5,13 @@ use super::error::SectionError;
 use super::options::EndLoad;
 use super::{Section, error::require};
 
+/// Lowest pressure of a polynomial that serves up to a highest one, as a share of that.
+pub const CALIBRATED_FROM: f64 = 0.05;
+
 /// Pressures the polynomial is fitted to.
 const FITTED: usize = 8;
-/// Pressures it is verified at: between and beside the fitted ones.
-const VERIFIED: usize = 15;
+/// Pressures it is verified at: both ends, and others than the fitted ones between them.
+const VERIFIED: usize = 16;
 /// Rounds in which large errors are given more weight, so that the largest becomes small.
 const ROUNDS: usize = 40;
 

@@ -45,7 +45,7 @@ mod tests;
 use fra_model::ActuatorParameters;
 
 pub use answer::{Answer, Effort, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
-pub use calibrate::{BendPolynomial, Calibration};
+pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};
 pub use error::SectionError;
 pub use options::{EndLoad, Limiter, Mesh, Options, Symmetry, Winding};
 

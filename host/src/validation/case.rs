@@ -3,6 +3,7 @@
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement, State};
 
 use crate::fem::Rates;
+use crate::section::ErrorEstimate;
 
 /// One actuator and the pressures it is compared at.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +25,7 @@ pub enum Quantity {
     Radius,
     /// Bend angle, deg.
     Bend,
-    /// Twist, deg, its sign left out.
+    /// Twist, deg; negative for fibers at a positive angle under pressure.
     Twist,
 }
 
@@ -106,7 +107,7 @@ impl Quantity {
             Self::Stretch => state.axial_stretch,
             Self::Radius => state.outer_radius_m * 1e3,
             Self::Bend => state.bend_angle_rad.to_degrees(),
-            Self::Twist => state.twist_rad.to_degrees().abs(),
+            Self::Twist => state.twist_rad.to_degrees(),
         }
     }
 
@@ -116,7 +117,17 @@ impl Quantity {
             Self::Stretch => rates.axial_stretch,
             Self::Radius => rates.outer_radius_m * 1e3,
             Self::Bend => (rates.bend_rate_rad_per_m * length_m).to_degrees(),
-            Self::Twist => (rates.twist_rate_rad_per_m * length_m).to_degrees().abs(),
+            Self::Twist => (rates.twist_rate_rad_per_m * length_m).to_degrees(),
+        }
+    }
+
+    /// Its error in an estimate of the section, over the length of an actuator, m.
+    pub fn of_error(self, error: &ErrorEstimate, length_m: f64) -> f64 {
+        match self {
+            Self::Stretch => error.axial_strain,
+            Self::Radius => error.outer_radius_m * 1e3,
+            Self::Bend => (error.bend_rates_rad_per_m[0] * length_m).to_degrees(),
+            Self::Twist => (error.twist_rate_rad_per_m * length_m).to_degrees(),
         }
     }
 

@@ -3,7 +3,7 @@
 use fra_model::{Actuator, Load, Motion, Status};
 
 use super::case::{Case, Quantity};
-use crate::section::{Curve, EndLoad, Options, Section, SectionError};
+use crate::section::{BendPolynomial, Curve, EndLoad, Options, Section, SectionError};
 
 /// What a three-dimensional model says of a case: the quantity at each of its pressures, `None` where it gave up before.
 pub type Solid = Vec<Option<f64>>;
@@ -23,8 +23,10 @@ pub struct Row {
     pub analytic: Option<f64>,
     /// By the bending polynomial fitted to the section.
     pub calibrated: Option<f64>,
-    /// By finite elements of the section, and its error of discretisation.
-    pub section: Option<[f64; 2]>,
+    /// By finite elements of the section.
+    pub section: Option<f64>,
+    /// Error of discretisation of that; `None` where the coarser of the two meshes has no equilibrium.
+    pub section_error: Option<f64>,
     /// By CalculiX.
     pub solid: Option<f64>,
 }
@@ -37,10 +39,11 @@ pub struct Comparison {
 }
 
 impl Row {
-    /// How far a value is from that of the section, as a share of the motion; `None` where one is missing.
+    /// How far a value is from that of the section, as a share of the motion; `None` where one is missing or nothing moves.
     pub fn difference(&self, value: Option<f64>) -> Option<f64> {
-        let [section, _] = self.section?;
-        Some((value? - section) / (section - self.rest))
+        let section = self.section?;
+        let motion = section - self.rest;
+        (motion != 0.0).then(|| value.map(|value| (value - section) / motion)).flatten()
     }
 }
 
@@ -73,34 +76,20 @@ pub fn section_curve(case: &Case) -> Result<Curve, SectionError> {
     Section::new(&case.parameters, &Options::default())?.curve(&case.pressures_pa, &EndLoad::default())
 }
 
-/// Asks the analytic model and the section about a case, and joins what a three-dimensional model has said of it.
+/// Asks the analytic model about a case, and joins what the section and a three-dimensional model have said of it. Where the section gives no
+/// bending polynomial, that stays empty.
 ///
 /// # Errors
 /// [`SectionError`] of a case that is no actuator.
-pub fn compare(case: &Case, solid: &Solid) -> Result<Vec<Row>, SectionError> {
+pub fn compare(case: &Case, curve: &Curve, solid: &Solid) -> Result<Vec<Row>, SectionError> {
     let (parameters, length_m) = (&case.parameters, case.parameters.length_m);
     let quantity = Quantity::of(parameters.motion);
     let actuator = Actuator::new(parameters)?;
-    let curve = section_curve(case)?;
-    let polynomial = match (parameters.motion, &case.pressures_pa[..]) {
-        (Motion::Bending, [lowest, .., highest]) => {
-            let section = Section::new(parameters, &Options::default())?;
-            Some(section.calibrate([*lowest, *highest])?.polynomial)
-        }
-        _ => None,
-    };
+    let polynomial = polynomial(case)?;
     let mut rows = Vec::new();
     for (index, answer) in curve.answers.iter().enumerate() {
         let analytic = actuator.forward(answer.pressure_pa, &Load::none())?;
-        let section = answer.equilibrium().map(|equilibrium| {
-            let error = equilibrium.error.map_or(f64::NAN, |error| match quantity {
-                Quantity::Stretch => error.axial_strain,
-                Quantity::Radius => error.outer_radius_m * 1e3,
-                Quantity::Bend => (error.bend_rates_rad_per_m[0] * length_m).to_degrees(),
-                Quantity::Twist => (error.twist_rate_rad_per_m * length_m).to_degrees(),
-            });
-            [quantity.value(&equilibrium.state.over(length_m)), error]
-        });
+        let equilibrium = answer.equilibrium();
         rows.push(Row {
             case: case.name.clone(),
             quantity,
@@ -108,9 +97,22 @@ pub fn compare(case: &Case, solid: &Solid) -> Result<Vec<Row>, SectionError> {
             pressure_kpa: answer.pressure_pa * 1e-3,
             analytic: (analytic.status == Status::Solved).then(|| quantity.value(&analytic.state)),
             calibrated: polynomial.map(|curve| (curve.bend_rate_rad_per_m(answer.pressure_pa) * length_m).to_degrees()),
-            section,
+            section: equilibrium.map(|equilibrium| quantity.value(&equilibrium.state.over(length_m))),
+            section_error: equilibrium.and_then(|found| found.error).map(|error| quantity.of_error(&error, length_m)),
             solid: solid.get(index).copied().flatten(),
         });
     }
     Ok(rows)
+}
+
+/// The bending polynomial over the pressures of a case; `None` for other motions and where there is none.
+fn polynomial(case: &Case) -> Result<Option<BendPolynomial>, SectionError> {
+    let (Motion::Bending, [lowest, .., highest]) = (case.parameters.motion, &case.pressures_pa[..]) else {
+        return Ok(None);
+    };
+    match Section::new(&case.parameters, &Options::default())?.calibrate([*lowest, *highest]) {
+        Ok(calibration) => Ok(Some(calibration.polynomial)),
+        Err(SectionError::NoBend { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }

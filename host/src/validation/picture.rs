@@ -32,7 +32,7 @@ fn chart(comparison: &Comparison, quantity: Quantity, title: &str) -> Chart {
         line.insert(0, [0.0, rows[0].rest]);
         let label = rows[0].case.split_once(", ").map_or_else(|| rows[0].case.clone(), |(_, rest)| rest.to_owned());
         series.push(Series { label, color, stroke: Stroke::Solid, points: line });
-        let section = points(&|row| row.section.map(|[value, _]| value));
+        let section = points(&|row| row.section);
         series.push(Series { label: String::new(), color, stroke: Stroke::Dots, points: section });
         series.push(Series { label: String::new(), color, stroke: Stroke::Rings, points: points(&|row| row.solid) });
     }

@@ -34,8 +34,8 @@ impl Comparison {
                     row.pressure_kpa,
                     figure(row.analytic),
                     figure(row.calibrated),
-                    figure(row.section.map(|[value, _]| value)),
-                    row.section.map_or_else(|| "-".into(), |[_, error]| format!("{error:.0e}")),
+                    figure(row.section),
+                    row.section_error.map_or_else(|| "-".into(), |error| format!("{error:.0e}")),
                     figure(row.solid),
                     percent(row.difference(row.analytic)),
                     percent(row.difference(row.solid)),
@@ -59,7 +59,7 @@ fn line(rows: &[Row]) -> Line {
             largest(&|row| row.difference(row.analytic)),
             largest(&|row| row.difference(row.calibrated)),
             largest(&|row| row.difference(row.solid)),
-            largest(&|row| row.section.map(|[value, error]| error / (value - row.rest).abs())),
+            largest(&|row| row.difference(Some(row.section? + row.section_error?)).map(f64::abs)),
         ],
     }
 }

@@ -22,7 +22,7 @@ impl Comparison {
         let figure = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.7}"));
         let mut text = format!("{HEADING}\n");
         for row in &self.rows {
-            let error = row.section.map_or_else(|| "-".to_owned(), |[_, error]| format!("{error:.1e}"));
+            let error = row.section_error.map_or_else(|| "-".to_owned(), |error| format!("{error:.1e}"));
             let _ = writeln!(
                 text,
                 "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{error}\t{}",
@@ -32,7 +32,7 @@ impl Comparison {
                 row.pressure_kpa,
                 figure(row.analytic),
                 figure(row.calibrated),
-                figure(row.section.map(|[value, _]| value)),
+                figure(row.section),
                 figure(row.solid),
             );
         }
@@ -57,7 +57,8 @@ impl Comparison {
 fn row(line: &str) -> Option<Row> {
     let cells: Vec<&str> = line.split('\t').collect();
     let [case, quantity, rest, pressure, analytic, calibrated, section, error, solid] = cells[..] else { return None };
-    let number = |cell: &str| if cell == "-" { Some(None) } else { cell.parse::<f64>().ok().map(Some) };
+    let finite = |cell: &str| cell.parse::<f64>().ok().filter(|value| value.is_finite());
+    let number = |cell: &str| if cell == "-" { Some(None) } else { finite(cell).map(Some) };
     Some(Row {
         case: case.to_owned(),
         quantity: QUANTITIES.into_iter().find(|known| known.label() == quantity)?,
@@ -65,7 +66,8 @@ fn row(line: &str) -> Option<Row> {
         pressure_kpa: number(pressure)??,
         analytic: number(analytic)?,
         calibrated: number(calibrated)?,
-        section: number(section)?.zip(number(error)?).map(|(value, error)| [value, error]),
+        section: number(section)?,
+        section_error: number(error)?,
         solid: number(solid)?,
     })
 }
@@ -82,10 +84,18 @@ mod tests {
             pressure_kpa: 10.0,
             analytic: Some(12.9),
             calibrated: Some(12.84),
-            section: Some([12.85, 1e-3]),
+            section: Some(12.85),
+            section_error: Some(1e-3),
             solid: None,
         };
-        let beyond = Row { pressure_kpa: 20.0, analytic: None, calibrated: None, section: None, ..row.clone() };
+        let beyond = Row {
+            pressure_kpa: 20.0,
+            analytic: None,
+            calibrated: None,
+            section: None,
+            section_error: None,
+            ..row.clone()
+        };
         Comparison { rows: vec![row, beyond] }
     }
 
@@ -115,5 +125,6 @@ mod tests {
         let error = Comparison::from_tsv(&text).expect_err("no number");
         assert!(error.to_string().starts_with("line 3 of the comparison"), "{error}");
         assert!(Comparison::from_tsv("case\n").is_err());
+        assert!(Comparison::from_tsv(&sample().tsv().replace("12.8400000", "NaN")).is_err());
     }
 }

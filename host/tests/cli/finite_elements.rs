@@ -77,10 +77,28 @@ fn a_scene_is_calibrated() {
     let module = &done.json()["modules"][0];
     assert!(module["bending"]["verified_error"].as_f64().unwrap() < 5e-3, "{module}");
     // A winding on the surface: 0.2 to 0.3 walls of 4 mm.
-    let axial_m = module["ends"]["axial_m"].as_f64().unwrap();
+    let axial_m = module["ends"]["axial"]["delta_m"].as_f64().unwrap();
     assert!((0.8e-3..1.25e-3).contains(&axial_m), "{module}");
     let [effective, ideal] = ["effective_n_per_m", "ideal_n_per_m"].map(|key| module["thread"][key].as_f64().unwrap());
     assert!(effective < 0.5 * ideal && (ideal - 772.0 / 0.012).abs() < 1e-6 * ideal, "{module}");
+}
+
+/// What one module cannot be told keeps the rest, and the reason is given.
+#[test]
+fn what_cannot_be_calibrated_is_said() {
+    let winding =
+        "[windings.net]\nangle = \"60 deg\"\nfamilies = 2\nmodulus = \"1 MPa\"\nthickness = \"0.1 mm\"\n\n[limb]";
+    let desk = Desk::with_scene("[limb]", winding);
+    desk.put(
+        "scene.toml",
+        std::fs::read_to_string(desk.path("scene.toml"))
+            .unwrap()
+            .replace("material =", "winding = \"net\"\nmaterial ="),
+    );
+    let done = desk.softlimb("fem calibrate scene.toml --thread 772,3,0.18 --json");
+    assert_eq!(done.code, Some(3), "{}", done.err);
+    let module = &done.json()["modules"][0];
+    assert!(module["thread"]["error"].as_str().unwrap().contains("the winding is at 60 deg"), "{module}");
 }
 
 #[test]

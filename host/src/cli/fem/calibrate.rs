@@ -8,12 +8,12 @@ use serde_json::{Value, json};
 
 use super::super::{Failure, Outcome};
 use crate::design::{Limb, LimbModule};
-use crate::meridian::{EndLength, MeridianError, Thread, ThreadSheet, end_length, thread_sheet};
+use crate::meridian::{Delta, EndLength, MeridianError, Thread, ThreadSheet, end_length, thread_sheet};
 use crate::scene;
-use crate::section::{Calibration, Options, Section};
+use crate::section::{CALIBRATED_FROM, Calibration, Options, Section};
 
-/// Lowest pressure of a bending polynomial, as a share of the highest.
-const LOWEST: f64 = 0.05;
+/// Largest angle from the hoop, rad, up to which turns of thread are as good as rings.
+const HOOP_RAD: f64 = 0.175;
 /// Pressure at which a thread is compared with a sheet, as a share of the highest: what it is worth hardly depends on it, and at high
 /// pressures the wall creases at the edges of the thread.
 const MODERATE: f64 = 0.3;
@@ -35,12 +35,12 @@ pub(super) struct Calibrate {
     json: bool,
 }
 
-/// What is found of one module.
+/// What is found of one module, or why it is not.
 struct Found<'a> {
     module: &'a LimbModule,
-    bending: Option<Calibration>,
-    ends: Result<EndLength, MeridianError>,
-    sheet: Option<Result<ThreadSheet, MeridianError>>,
+    bending: Option<Result<Calibration, String>>,
+    ends: Result<EndLength, String>,
+    sheet: Option<Result<ThreadSheet, String>>,
 }
 
 impl Calibrate {
@@ -62,7 +62,11 @@ impl Calibrate {
             let modules: Vec<_> = found.iter().map(words).collect();
             super::super::say(&modules.join("\n"))?;
         }
-        Ok(Outcome::Done)
+        let whole = |found: &Found| {
+            let bending = found.bending.as_ref().is_none_or(Result::is_ok);
+            bending && found.ends.is_ok() && found.sheet.as_ref().is_none_or(Result::is_ok)
+        };
+        Ok(if found.iter().all(whole) { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
 
     fn thread(&self) -> Result<Option<Thread>, Failure> {
@@ -80,46 +84,61 @@ impl Calibrate {
 }
 
 fn find<'a>(module: &'a LimbModule, thread: Option<&Thread>) -> Result<Found<'a>, Failure> {
-    let named = |error: &dyn std::fmt::Display| Failure::new(format!("module {}: {error}", module.name));
     let (parameters, highest_pa) = (module.actuator.parameters(), module.pressure_max_pa);
-    let bending = (module.motion == Motion::Bending).then(|| {
-        let section = Section::new(parameters, &Options::default())?;
-        section.calibrate([LOWEST * highest_pa, highest_pa])
-    });
-    let hooped = parameters.fiber.is_none_or(|fiber| fiber.placement == Placement::Sheet);
-    let sheet = thread.filter(|_| hooped).map(|thread| thread_sheet(parameters, thread, MODERATE * highest_pa));
-    if let Some(Err(error @ MeridianError::Invalid(_))) = &sheet {
-        return Err(Failure::new(format!("--thread: {error}")));
+    let calibrate =
+        || Section::new(parameters, &Options::default())?.calibrate([CALIBRATED_FROM * highest_pa, highest_pa]);
+    let bending = (module.motion == Motion::Bending).then(|| calibrate().map_err(|error| error.to_string()));
+    let sheet = match thread.map(|thread| (thread, not_hooped(module))) {
+        None => None,
+        Some((_, Some(reason))) => Some(Err(reason)),
+        Some((thread, None)) => match thread_sheet(parameters, thread, MODERATE * highest_pa) {
+            Err(error @ MeridianError::Invalid(_)) => return Err(Failure::new(format!("--thread: {error}"))),
+            found => Some(found.map_err(|error| error.to_string())),
+        },
+    };
+    let ends = end_length(parameters, highest_pa).map_err(|error| error.to_string());
+    Ok(Found { module, bending, ends, sheet })
+}
+
+/// Why a module's winding is none of rings of thread.
+fn not_hooped(module: &LimbModule) -> Option<String> {
+    let fiber = module.actuator.parameters().fiber?;
+    let angle = fiber.angle_rad.abs();
+    if angle > HOOP_RAD {
+        let (angle, most) = (angle.to_degrees(), HOOP_RAD.to_degrees());
+        return Some(format!(
+            "the winding is at {angle:.0} deg; threads are taken as rings up to {most:.0} deg from the hoop"
+        ));
     }
-    Ok(Found {
-        module,
-        bending: bending.transpose().map_err(|error| named(&error))?,
-        ends: end_length(parameters, highest_pa),
-        sheet,
-    })
+    (fiber.placement != Placement::Sheet).then(|| "the winding is no sheet".to_owned())
 }
 
 fn words(found: &Found) -> String {
     let Found { module, bending, ends, sheet } = found;
     let mut text = format!("{} ({:.0} kPa)\n", module.name, module.pressure_max_pa * 1e-3);
-    if let Some(calibration) = bending {
-        let [a, b, c] = by_angle(calibration, module);
-        text += &format!(
-            "  bending: P = {a:.2} phi {b:+.2} phi^2 {c:+.2} phi^3 Pa, phi in rad; from {:.0} kPa on it errs by {:.2} % of the bend at most\n",
-            calibration.pressures_pa[0] * 1e-3,
-            100.0 * calibration.verified_error,
-        );
+    match bending {
+        Some(Ok(calibration)) => {
+            let [a, b, c] = by_angle(calibration, module);
+            text += &format!(
+                "  bending: P = {a:.2} phi {b:+.2} phi^2 {c:+.2} phi^3 Pa, phi in rad; from {:.0} kPa on it errs by {:.2} % of the bend at most\n",
+                calibration.pressures_pa[0] * 1e-3,
+                100.0 * calibration.verified_error,
+            );
+        }
+        Some(Err(reason)) => text += &format!("  bending: {reason}\n"),
+        None => {}
     }
     match ends {
-        Ok(EndLength { axial_m, twist_m, error_m, .. }) => {
-            for (name, delta) in [("length and bend", axial_m), ("twist", twist_m)] {
-                if let Some(delta) = delta {
+        Ok(EndLength { axial, twist, .. }) => {
+            let bends = if module.motion == Motion::Bending { "the bend" } else { "the change of length" };
+            for (name, delta) in [(bends, axial), ("the twist", twist)] {
+                if let Some(Delta { delta_m, error_m }) = delta {
                     text +=
-                        &format!("  ends: each takes {:.2} +- {:.2} mm out of {name}\n", delta * 1e3, error_m * 1e3);
+                        &format!("  ends: each takes {:.2} +- {:.2} mm out of {name}\n", delta_m * 1e3, error_m * 1e3);
                 }
             }
         }
-        Err(error) => text += &format!("  ends: {error}\n"),
+        Err(reason) => text += &format!("  ends: {reason}\n"),
     }
     match sheet {
         Some(Ok(sheet)) => {
@@ -127,14 +146,14 @@ fn words(found: &Found) -> String {
                 "  thread: worth a sheet of {:.1} N/mm, not the {:.1} N/mm of threads without distance: {:.1} % less strain",
                 sheet.effective_n_per_m * 1e-3,
                 sheet.ideal_n_per_m * 1e-3,
-                100.0 * (1.0 - sheet.strains[0] / sheet.strains[1]),
+                100.0 * (1.0 - sheet.strain / sheet.ideal_strain),
             );
             text += &modulus(module, sheet).map_or_else(String::new, |(modulus_pa, thickness_m)| {
                 format!("; modulus = \"{:.4} MPa\" with thickness = \"{} mm\"", modulus_pa * 1e-6, thickness_m * 1e3)
             });
             text.push('\n');
         }
-        Some(Err(error)) => text += &format!("  thread: {error}\n"),
+        Some(Err(reason)) => text += &format!("  thread: {reason}\n"),
         None => {}
     }
     text
@@ -155,23 +174,30 @@ fn modulus(module: &LimbModule, sheet: &ThreadSheet) -> Option<(f64, f64)> {
 }
 
 fn as_json(found: &Found) -> Value {
-    let Found { module, bending, ends, sheet } = found;
-    let sheet = sheet.as_ref().and_then(|sheet| sheet.as_ref().ok());
-    json!({
-        "module": module.name,
-        "pressure_max_pa": module.pressure_max_pa,
-        "bending": bending.as_ref().map(|calibration| json!({
+    let Found { module, ends, sheet, .. } = found;
+    let delta =
+        |delta: &Option<Delta>| delta.map(|delta| json!({ "delta_m": delta.delta_m, "error_m": delta.error_m }));
+    let or_reason = |found: Result<Value, &String>| found.unwrap_or_else(|reason| json!({ "error": reason }));
+    let bending = |calibration: &Calibration| {
+        json!({
             "coefficients_pa": by_angle(calibration, module),
             "pressures_pa": calibration.pressures_pa,
             "verified_error": calibration.verified_error,
             "mesh_error": calibration.mesh_error,
-        })),
-        "ends": ends.as_ref().ok().map(|ends| json!({
-            "axial_m": ends.axial_m, "twist_m": ends.twist_m, "error_m": ends.error_m,
-        })),
-        "thread": sheet.map(|sheet| json!({
+        })
+    };
+    let sheet_value = |sheet: &ThreadSheet| {
+        json!({
             "effective_n_per_m": sheet.effective_n_per_m, "ideal_n_per_m": sheet.ideal_n_per_m, "error": sheet.error,
+            "strain": sheet.strain, "ideal_strain": sheet.ideal_strain,
             "modulus_pa": modulus(module, sheet).map(|(modulus_pa, _)| modulus_pa),
-        })),
+        })
+    };
+    json!({
+        "module": module.name,
+        "pressure_max_pa": module.pressure_max_pa,
+        "bending": found.bending.as_ref().map(|found| or_reason(found.as_ref().map(bending))),
+        "ends": or_reason(ends.as_ref().map(|ends| json!({ "axial": delta(&ends.axial), "twist": delta(&ends.twist) }))),
+        "thread": sheet.as_ref().map(|found| or_reason(found.as_ref().map(sheet_value))),
     })
 }

@@ -71,10 +71,7 @@ impl Compare {
             return Err(Failure::new(format!("no case has \"{}\" in its name", self.only)));
         }
         let recorded = self.tsv.as_deref().map(recorded).transpose()?.unwrap_or_default();
-        let mut done = self.compare(&cases)?;
-        if self.scene.is_none() {
-            done.comparison = done.comparison.onto(&recorded);
-        }
+        let done = self.compare(&cases, &recorded)?;
         done.warnings.iter().for_each(|warning| super::super::note(&format!("warning: {warning}")));
         let Done { comparison, seconds, .. } = &done;
         if self.json {
@@ -86,8 +83,9 @@ impl Compare {
         // Picture and page show what the file says, to the digit.
         let comparison = &Comparison::from_tsv(&comparison.tsv()).map_err(Failure::new)?;
         let picture = || validation::picture(comparison);
-        for (file, text) in [(&self.tsv, comparison.tsv()), (&self.svg, picture())] {
-            file.as_deref().map_or(Ok(()), |file| write(file, &text))?;
+        self.svg.as_deref().map_or(Ok(()), |file| write(file, &picture()))?;
+        if let Some(file) = &self.tsv {
+            super::super::note(&format!("wrote {}", file.display()));
         }
         if let (Some(file), Some(text)) = (&self.page, page) {
             validation::refreshed(&text, comparison).map_or(Ok(()), |text| write(file, &text))?;
@@ -106,27 +104,30 @@ impl Compare {
         Ok(limb.modules().iter().map(case).collect())
     }
 
-    fn compare(&self, cases: &[Case]) -> Result<Done, Failure> {
+    /// Compares every case. What is done is in the file after each.
+    fn compare(&self, cases: &[Case], recorded: &Comparison) -> Result<Done, Failure> {
         let bar = ProgressBar::new(1000 * cases.len() as u64);
         let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed}  {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         let mut done = Done::default();
+        let mut new = Comparison::default();
         for (index, case) in cases.iter().enumerate() {
             bar.set_message(case.name.clone());
-            let mut solid_seconds = None;
-            let solid = if self.calculix {
-                let share = |share: f64| bar.set_position((1000.0 * (index as f64 + share)) as u64);
-                let (solid, seconds) = self.solid(case, &share, &mut done.warnings)?;
-                solid_seconds = seconds;
-                solid
-            } else {
-                Solid::new()
-            };
             let named = |error| Failure::new(format!("{}: {error}", case.name));
             let begin = Instant::now();
-            validation::section_curve(case).map_err(named)?;
-            done.seconds.push((case.name.clone(), begin.elapsed().as_secs_f64(), solid_seconds));
-            done.comparison.rows.extend(validation::compare(case, &solid).map_err(named)?);
+            let curve = validation::section_curve(case).map_err(named)?;
+            let seconds = begin.elapsed().as_secs_f64();
+            let share = |share: f64| bar.set_position((1000.0 * (index as f64 + share)) as u64);
+            let (solid, solid_seconds) = match self.calculix {
+                true => self.solid(case, &share, &mut done.warnings)?,
+                false => (Solid::new(), None),
+            };
+            done.seconds.push((case.name.clone(), seconds, solid_seconds));
+            new.rows.extend(validation::compare(case, &curve, &solid).map_err(named)?);
+            done.comparison = if self.scene.is_none() { new.clone().onto(recorded) } else { new.clone() };
+            if let Some(file) = &self.tsv {
+                fem::write_whole(file, &done.comparison.tsv()).map_err(|error| Failure::new(&error))?;
+            }
         }
         bar.finish_and_clear();
         Ok(done)
@@ -180,8 +181,7 @@ fn as_json(comparison: &Comparison) -> serde_json::Value {
     let rows = comparison.rows.iter().map(|row| {
         json!({
             "case": row.case, "quantity": row.quantity.label(), "rest": row.rest, "pressure_kpa": row.pressure_kpa,
-            "analytic": row.analytic, "calibrated": row.calibrated, "section": row.section.map(|[value, _]| value),
-            "section_error": row.section.map(|[_, error]| error), "calculix": row.solid,
+            "analytic": row.analytic, "calibrated": row.calibrated, "section": row.section, "section_error": row.section_error, "calculix": row.solid,
             "analytic_difference": row.difference(row.analytic), "calculix_difference": row.difference(row.solid),
         })
     });
