@@ -91,7 +91,7 @@ fn in_shares(
     let work = || {
         loop {
             let piece = pieces.lock().expect("no panic while it is held").next();
-            let Some((i, ((actuators, pressures_pa), solutions))) = piece else { return None };
+            let (i, ((actuators, pressures_pa), solutions)) = piece?;
             if let Err(error) = solve(i * share, actuators, pressures_pa, solutions) {
                 return Some((i, error));
             }
