@@ -11,9 +11,11 @@ use super::{FemError, Model, files};
 
 /// Elements are numbered from here where they are trusses.
 const TRUSSES_FROM: usize = 1_000_000;
-/// Smallest increment of a step, and most increments.
+/// Smallest increment of a step.
 const SMALLEST_INCREMENT: f64 = 1e-5;
-const INCREMENTS_MAX: usize = 1000;
+/// Most increments of a step: at least so many, and so many times as many as the largest that is allowed would need.
+const INCREMENTS: f64 = 1000.0;
+const SPARE: f64 = 4.0;
 
 /// The three files of a deck.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -172,7 +174,9 @@ fn main_file(model: &Model, name: &str, pressures_pa: &[f64], program: Program) 
 
 fn step(model: &Model, pressure_mpa: f64, largest: f64, first: bool, program: Program, text: &mut Text) {
     let start = if first { 0.5 * largest } else { largest };
-    text.line(format_args!("*STEP, NLGEOM, INC={INCREMENTS_MAX}"));
+    // Ten digits are exact enough for a count, and keep 0.001 from asking for one more.
+    let most = (SPARE / largest - 1e-6).ceil().max(INCREMENTS);
+    text.line(format_args!("*STEP, NLGEOM, INC={most}"));
     text.line("*STATIC");
     text.line(reals(&[start, 1.0, SMALLEST_INCREMENT.min(0.1 * largest), largest]));
     text.line("*DLOAD");

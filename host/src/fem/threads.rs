@@ -27,13 +27,14 @@ pub(crate) struct Winding {
 const RING: f64 = 1e-4;
 
 impl Winding {
-    /// The winding of an angle, rad, on a radius and length, mm, whose spacing is nearest to the one wanted, mm. With `mirrored` there is
-    /// a second family at the opposite angle.
+    /// The winding of an angle, rad, on a radius and length, mm, whose spacing is nearest to the one wanted, mm; of rings there is an even
+    /// number. With `mirrored` there is a second family at the opposite angle.
     pub(crate) fn nearest(angle: f64, radius: f64, length: f64, wanted: f64, mirrored: bool) -> Self {
         let rings = angle.abs() < RING;
         // Threads side by side share the circumference, rings the length.
         let room = if rings { length } else { TAU * radius * angle.abs().sin() };
-        let count = (room / wanted).round().max(1.0);
+        // Rings are as many on either side of the middle, so that none lies in it, where half of the length is modelled.
+        let count = if rings { 2.0 * (0.5 * room / wanted).round().max(1.0) } else { (room / wanted).round().max(1.0) };
         Self { count: count as u32, spacing_mm: room / count, angle, radius, length, mirrored }
     }
 
