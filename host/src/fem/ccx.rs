@@ -75,15 +75,42 @@ pub(crate) struct Raw {
     pub(crate) seconds: f64,
 }
 
-/// A process that is ended when nobody waits for it any more.
-struct Running(Child);
+/// A process that is ended when nobody waits for it any more, or when this one is ended.
+struct Running {
+    child: Child,
+    guard: Option<Child>,
+}
+
+impl Running {
+    fn new(child: Child) -> Self {
+        let guard = guard(child.id());
+        Self { child, guard }
+    }
+}
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Either may fail when it has ended by itself.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+        // The guard first, so that it has no chance of ending another process of the same number. All may fail where there is
+        // nothing left to end.
+        for child in self.guard.iter_mut().chain([&mut self.child]) {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
     }
+}
+
+/// A shell that waits for its input to end, which it does with this process, however that ends, and then ends the other. Where there is no
+/// shell nobody guards.
+#[cfg(unix)]
+fn guard(id: u32) -> Option<Child> {
+    let mut command = Command::new("/bin/sh");
+    command.args(["-c", "read -r _; kill -9 \"$0\"", &id.to_string()]);
+    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()
+}
+
+#[cfg(not(unix))]
+fn guard(_: u32) -> Option<Child> {
+    None
 }
 
 /// Runs a deck. `clock` tells seconds from any beginning; `watch` is told the progress.
@@ -100,10 +127,11 @@ pub(crate) fn drive(
     forget(folder, deck)?;
     deck.write(folder)?;
     let begin = clock();
-    let mut running = Running(start(runner, folder, deck.name())?);
+    let mut running = Running::new(start(runner, folder, deck.name(), scratch.lock())?);
     let (mut step_seconds, mut timed_out) = (Vec::new(), false);
     let status = loop {
-        let ended = running.0.try_wait().map_err(|source| FemError::Program { program: runner.ccx.clone(), source })?;
+        let ended =
+            running.child.try_wait().map_err(|source| FemError::Program { program: runner.ccx.clone(), source })?;
         let seconds = clock() - begin;
         let reached = progress(&text(&folder.join(format!("{}.sta", deck.name())))?);
         while (step_seconds.len() as f64) < (reached.time + 1e-6).floor() {
@@ -146,7 +174,8 @@ fn forget(folder: &Path, deck: &Deck) -> Result<(), FemError> {
     Ok(())
 }
 
-fn start(runner: &Runner, folder: &Path, name: &str) -> Result<Child, FemError> {
+/// Starts the program in a folder. It has `lock` open as long as it runs, as the input that it does not read.
+fn start(runner: &Runner, folder: &Path, name: &str, lock: io::Result<File>) -> Result<Child, FemError> {
     let failed = |source| FemError::Program { program: runner.ccx.clone(), source };
     let path = folder.join(LOG);
     let log = File::create(&path).map_err(at("create", &path))?;
@@ -156,7 +185,8 @@ fn start(runner: &Runner, folder: &Path, name: &str) -> Result<Child, FemError> 
     let is_path = runner.ccx.components().count() > 1;
     let program = if is_path { std::path::absolute(&runner.ccx).map_err(failed)? } else { runner.ccx.clone() };
     let mut command = Command::new(program);
-    command.args(["-i", name]).current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(errors);
+    command.args(["-i", name]).current_dir(folder).stdout(log).stderr(errors);
+    command.stdin(lock.map_or_else(|_| Stdio::null(), Stdio::from));
     command.env("OMP_NUM_THREADS", &threads).env("CCX_NPROC_STIFFNESS", &threads);
     command.spawn().map_err(|source| match source.kind() {
         io::ErrorKind::NotFound => FemError::Missing { program: runner.ccx.clone() },
