@@ -8,17 +8,28 @@ use crate::scene::SceneError;
 #[derive(Debug)]
 pub(crate) struct Failure {
     text: String,
+    wrong_line: bool,
 }
 
 impl Failure {
     /// A failure explained by `text`, without `error:` in front.
     pub(crate) fn new(text: impl std::fmt::Display) -> Self {
-        Self { text: format!("error: {text}") }
+        Self { text: format!("error: {text}"), wrong_line: false }
+    }
+
+    /// What the command line asks for contradicts itself, whatever the files say.
+    pub(crate) fn wrong_line(text: impl std::fmt::Display) -> Self {
+        Self { wrong_line: true, ..Self::new(text) }
     }
 
     /// Something could not be done to a file.
     pub(crate) fn file(doing: &str, path: &Path, error: &dyn std::fmt::Display) -> Self {
         Self::new(format!("cannot {doing} {}: {error}", path.display()))
+    }
+
+    /// The exit code it ends the program with.
+    pub(super) fn code(&self) -> u8 {
+        if self.wrong_line { 2 } else { 1 }
     }
 
     pub(super) fn print(&self) {
@@ -28,6 +39,6 @@ impl Failure {
 
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
-        Self { text: error.render(super::colour()) }
+        Self { text: error.render(super::colour()), wrong_line: false }
     }
 }

@@ -5,6 +5,7 @@ mod compare;
 mod export;
 mod run;
 mod subject;
+mod values;
 
 use clap::{Args, Subcommand};
 

@@ -72,7 +72,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::DoneWithWarnings) => ExitCode::from(3),
         Err(failure) => {
             failure.print();
-            ExitCode::FAILURE
+            ExitCode::from(failure.code())
         }
     }
 }

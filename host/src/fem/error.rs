@@ -12,12 +12,26 @@ pub enum FemError {
     /// An option or a value derived from it is out of range.
     #[error("{field} = {value} is not allowed: {allowed}")]
     Invalid {
-        /// The option, as in [`Options`](super::Options), [`Subject`](super::Subject) or [`Runner`](super::Runner).
+        /// The option, as in [`Options`](super::Options), [`Subject`](super::Subject) or [`Runner`](super::Runner); `layer_mm` and
+        /// `spacing_mm` are their lengths in mm.
         field: &'static str,
         /// The value found.
         value: f64,
         /// What is accepted.
         allowed: String,
+    },
+    /// Threads are asked for, and the winding fills a layer or the wall.
+    #[error("fibers as threads want a winding that is placed as a sheet")]
+    NoSheet,
+    /// The mesh would have more nodes than the options allow.
+    #[error(
+        "the mesh would have about {nodes} nodes, and nodes_max allows {allowed}: make it coarser with radial, around and along, or allow more"
+    )]
+    TooFine {
+        /// An estimate, right to a tenth.
+        nodes: usize,
+        /// The most that are allowed.
+        allowed: u32,
     },
     /// The actuator's parameters are refused by the model.
     #[error(transparent)]
@@ -68,12 +82,15 @@ pub enum FemError {
         /// What its output says, in plain words.
         diagnosis: String,
     },
+    /// CalculiX ended as if all were well, and there is no output.
+    #[error("CalculiX says that it is done, but wrote no .dat file, or an empty one: there is nothing to use")]
+    NoOutput,
     /// A file of the run is not what CalculiX writes, or ends in the middle.
-    #[error("{file}, line {line}: {what}: nothing of this run is used")]
+    #[error("{file}{}: {what}: nothing of this run is used", if *line == 0 { String::new() } else { format!(", line {line}") })]
     Garbage {
         /// Name of the file.
         file: &'static str,
-        /// The line, from 1.
+        /// The line, from 1; 0 where no line is to blame.
         line: usize,
         /// What is wrong with it.
         what: String,

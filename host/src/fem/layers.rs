@@ -85,9 +85,9 @@ fn layer_thickness(options: &Options, wall: f64) -> Result<f64, FemError> {
     let thickness = layer_m.map_or_else(|| f64::min(0.05, 0.02 * wall), |m| m * 1e3);
     require(
         thickness >= 1e-3 * wall && thickness <= 0.5 * wall,
-        "layer_m",
-        thickness * 1e-3,
-        format!("{:.3e} to {:.3e} m, a thousandth to one half of the wall", wall * 1e-6, wall * 5e-4),
+        "layer_mm",
+        thickness,
+        format!("{:.4} to {:.4} mm, a thousandth to one half of the wall", 1e-3 * wall, 0.5 * wall),
     )?;
     Ok(thickness)
 }

@@ -5,7 +5,6 @@ use std::ops::Range;
 use super::gauge::Gauges;
 use super::mesh::tube::Tube;
 use super::mesh::{Face, Mesh};
-use super::options::range;
 use super::parts::{Elastomers, Hold, Trusses, connect, gauges, holds, places, trusses, warnings};
 use super::plan::{Around, Plan, Symmetry};
 use super::ties::Ties;
@@ -34,12 +33,13 @@ impl Model {
     /// Builds the model of one actuator or of a bundle.
     ///
     /// # Errors
-    /// [`FemError::Invalid`] or [`FemError::Parameters`] with field, value and range; also for more nodes than the options allow.
+    /// [`FemError::Invalid`] or [`FemError::Parameters`] with field, value and range; [`FemError::NoSheet`]; [`FemError::TooFine`].
     pub fn new(subject: &Subject, options: &Options) -> Result<Self, FemError> {
         let plan = Plan::new(subject, options)?;
         let estimate = plan.grid.nodes_estimate() * usize::from(subject.actuators);
-        let what = "nodes of the mesh (estimate; coarser with radial, around, along, or allow more with nodes_max)";
-        range(what, estimate as f64, 1.0, f64::from(options.nodes_max))?;
+        if estimate > options.nodes_max as usize {
+            return Err(FemError::TooFine { nodes: estimate, allowed: options.nodes_max });
+        }
         let overlay = plan.smeared.is_some_and(|smeared| smeared.overlay);
         let (mut mesh, mut ties, mut ranges) = (Mesh::default(), Ties::default(), Vec::new());
         let places = places(subject);

@@ -1,6 +1,6 @@
 //! What a user says about a deck: which actuators, which fibers, how fine.
 
-use fra_model::{ActuatorParameters, Placement};
+use fra_model::{ActuatorParameters, Fiber, Placement};
 
 use super::FemError;
 use super::error::require;
@@ -28,7 +28,8 @@ impl Subject {
     /// [`FemError::Parameters`] or [`FemError::Invalid`] with field, value and range.
     pub fn check(&self) -> Result<(), FemError> {
         self.parameters.check()?;
-        if let Some(fiber) = self.parameters.fiber.filter(|fiber| fiber.placement == Placement::Sheet) {
+        let sheet = |fiber: &Fiber<f64>| fiber.placement == Placement::Sheet && fiber.modulus_pa > 0.0;
+        if let Some(fiber) = self.parameters.fiber.filter(sheet) {
             let thickness = fiber.thickness_m;
             require(thickness.is_finite() && thickness > 0.0, "thickness_m", thickness, "finite and > 0")?;
         }
@@ -130,10 +131,10 @@ impl Options {
         range("bulk_ratio", self.bulk_ratio, 100.0, 10_000.0)?;
         range("increment", self.increment.unwrap_or(0.1), 0.001, 0.5)?;
         let (field, length) = match self.fibers {
-            FiberModel::Smeared { layer_m } => ("layer_m", layer_m),
-            FiberModel::Threads { spacing_m } => ("spacing_m", spacing_m),
+            FiberModel::Smeared { layer_m } => ("layer_mm", layer_m),
+            FiberModel::Threads { spacing_m } => ("spacing_mm", spacing_m),
         };
-        length.map_or(Ok(()), |m| require(m.is_finite() && m > 0.0, field, m, "finite and > 0"))
+        length.map_or(Ok(()), |m| require(m.is_finite() && m > 0.0, field, 1e3 * m, "finite and > 0"))
     }
 }
 

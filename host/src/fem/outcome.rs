@@ -92,6 +92,9 @@ pub(crate) fn reduce(model: Model, pressures_pa: &[f64], raw: &Raw, inner_radius
         (End::TimedOut, _) | (_, None) => {}
         (_, Some(line)) => return garbage(line, "it ends in the middle of a block".to_owned()),
     }
+    if raw.end == End::Finished && raw.dat.trim().is_empty() {
+        return Err(FemError::NoOutput);
+    }
     if raw.end == End::Finished && last < wanted - 1e-6 {
         return garbage(
             raw.dat.lines().count(),

@@ -125,21 +125,24 @@ impl Plan {
     }
 }
 
-/// The winding that is modelled: the stated one if it has any stiffness, for bending else an ideal one along the hoop.
+/// The winding that is modelled: the stated one if it has any stiffness, for bending else an ideal one along the hoop, at the radius that
+/// is stated or on the outer face.
 fn wound(p: &ActuatorParameters<f64>) -> Option<Wound> {
     let mu = p.material.shear_modulus_pa() * 1e-6;
-    match p.fiber {
-        Some(fiber) => (fiber.modulus_pa > 0.0).then(|| Wound {
+    let [inner, outer] = [p.inner_radius_m * 1e3, p.outer_radius_m * 1e3];
+    let radius = p.fiber.map_or(outer, |fiber| (fiber.radius_m * 1e3).clamp(inner, outer));
+    match p.fiber.filter(|fiber| fiber.modulus_pa > 0.0) {
+        Some(fiber) => Some(Wound {
             angle: fiber.angle_rad,
             two: fiber.families == Families::Two,
             modulus: fiber.modulus_pa * 1e-6,
             thickness: fiber.thickness_m * 1e3,
             placement: fiber.placement,
-            radius: (fiber.radius_m * 1e3).clamp(p.inner_radius_m * 1e3, p.outer_radius_m * 1e3),
+            radius,
         }),
         None if p.motion == Motion::Bending => {
-            let wall = (p.outer_radius_m - p.inner_radius_m) * 1e3;
-            let (radius, thickness) = (p.outer_radius_m * 1e3, 0.1 * wall);
+            let wall = outer - inner;
+            let thickness = 0.1 * wall;
             let modulus = IDEAL * mu * wall / thickness;
             Some(Wound { angle: 0.0, two: false, modulus, thickness, placement: Placement::Sheet, radius })
         }
@@ -151,10 +154,12 @@ fn wound(p: &ActuatorParameters<f64>) -> Option<Wound> {
 fn winding(wound: &Wound, options: &Options, wall: f64, length: f64) -> Result<Option<Winding>, FemError> {
     let FiberModel::Threads { spacing_m } = options.fibers else { return Ok(None) };
     let sheet = wound.placement == Placement::Sheet;
-    require(sheet, "spacing_m", spacing_m.unwrap_or(0.0), "threads want a winding that is placed as a sheet")?;
+    if !sheet {
+        return Err(FemError::NoSheet);
+    }
     let wanted = spacing_m.map_or(0.75 * wall, |m| m * 1e3);
     let room = length.min(TAU * wound.radius);
-    let allowed = format!("{:.3e} to {room:.3e} mm", room / 500.0);
+    let allowed = format!("{:.4} to {room:.4} mm", room / 500.0);
     require(wanted >= room / 500.0 && wanted <= room, "spacing_mm", wanted, allowed)?;
     Ok(Some(Winding::nearest(wound.angle, wound.radius, length, wanted, wound.two)))
 }

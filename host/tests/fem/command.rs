@@ -1,9 +1,12 @@
 //! `softlimb fem` as its user meets it.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, SystemTime};
 
-use crate::fake::Fake;
+use crate::fake::{Fake, is_running};
 
 struct Answer {
     code: Option<i32>,
@@ -13,6 +16,13 @@ struct Answer {
 
 fn scene(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name)
+}
+
+/// The program with its temporary files in a folder of the test's.
+fn softlimb_in(temporary: &Path, folder: &Path, line: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb"));
+    command.args(line.split_whitespace()).current_dir(folder).env("TMPDIR", temporary);
+    command
 }
 
 fn softlimb(folder: &Path, line: &str) -> Answer {
@@ -58,17 +68,29 @@ fn export_of_a_bundle_has_all_its_actuators() {
 fn wrong_wishes_are_failures_with_reasons_and_leave_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scene("single-bending.toml");
-    for (options, words) in [
-        ("--module tail", vec!["no module `tail`", "only"]),
-        ("--radial 99", vec!["radial = 99", "1 to 12"]),
-        ("--nodes-max 200", vec!["nodes of the mesh (estimate", "1 to 200"]),
-        ("--pressure-kpa -5", vec!["pressure_pa", "rise from zero"]),
-        ("--bulk-ratio 1e9", vec!["bulk_ratio", "100 to 10000"]),
+    for (options, code, words) in [
+        // Wrong whatever the scene.
+        ("--radial 99", 2, vec!["--radial", "1..=12"]),
+        ("--around 13", 2, vec!["--around", "13 is not an even number of 8 to 96"]),
+        ("--along 900", 2, vec!["--along", "900 is not an even number of 4 to 800"]),
+        ("--nodes-max 20", 2, vec!["--nodes-max", "100..=400000"]),
+        ("--pressure-kpa -5", 2, vec!["--pressure-kpa", "-5 is not above 0 and at most 100000"]),
+        ("--bulk-ratio 1e9", 2, vec!["--bulk-ratio", "1000000000 is not in 100 to 10000"]),
+        ("--increment NaN", 2, vec!["--increment", "NaN is not in 0.001 to 0.5"]),
+        ("--layer-mm 0", 2, vec!["--layer-mm", "0 is not above 0"]),
+        ("--spacing-mm x", 2, vec!["--spacing-mm", "invalid float"]),
+        ("--layer-mm 0.1 --spacing-mm 2", 2, vec!["--layer-mm is for smeared fibers", "with --spacing-mm"]),
+        ("--fibers smeared --spacing-mm 2", 2, vec!["--spacing-mm is for threads", "with --fibers smeared"]),
+        ("--fibers threads --layer-mm 0.1", 2, vec!["--layer-mm is for smeared fibers", "with --fibers threads"]),
+        // Wrong for this one.
+        ("--module tail", 1, vec!["no module `tail`", "only"]),
+        ("--nodes-max 200", 1, vec!["about", "nodes, and --nodes-max allows 200", "--radial, --around and --along"]),
+        ("--layer-mm 99.3", 1, vec!["--layer-mm 99.3 is not allowed", " mm, a thousandth to one half of the wall"]),
+        ("--spacing-mm 999.7", 1, vec!["--spacing-mm 999.7 is not allowed", " mm"]),
     ] {
         let answer = softlimb(folder.path(), &format!("fem export {} {options}", scene.display()));
-        assert!(matches!(answer.code, Some(1 | 2)), "{options}: {}", answer.err);
-        let wrong_line = answer.code == Some(2);
-        assert!(wrong_line || words.iter().all(|word| answer.err.contains(word)), "{options}: {}", answer.err);
+        assert_eq!(answer.code, Some(code), "{options}: {}", answer.err);
+        assert!(words.iter().all(|word| answer.err.contains(word)), "{options}: {}", answer.err);
         assert_eq!((answer.out.as_str(), std::fs::read_dir(folder.path()).unwrap().count()), ("", 0), "{options}");
     }
 }
@@ -92,6 +114,72 @@ fn a_run_that_gives_nothing_fails_and_writes_no_file() {
     assert_eq!((answer.code, answer.out.as_str()), (Some(1), ""), "{}", answer.err);
     assert!(answer.err.contains("error: "), "{}", answer.err);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{}", answer.err);
+}
+
+#[test]
+fn a_run_that_ends_before_its_first_pressure_says_how_far_it_came_and_why() {
+    let scene = scene("single-bending.toml");
+    let options = "--fibers threads --spacing-mm 4 --around 8 --along 8";
+    // The gauges that such a run prints are those of the deck that it is given: none has moved.
+    let fake = Fake::new(
+        "awk -v RS='*' '/^NSET, NSET=GAUGES/ { gsub(/[^0-9]+/, \" \"); n = split($0, node, \" \");
+           print \"\\n displacements (vx,vy,vz) for set GAUGES and time  0.9990000E+00\\n\";
+           for (i = 1; i <= n; i++) print node[i], \"0.0E+00 0.0E+00 0.0E+00\" }' actuator-model.inc > actuator.dat
+         echo ' *ERROR: too many cutbacks'; exit 201",
+    );
+    let line = format!(
+        "fem run {} {options} --pressure-kpa 10 --points 1 --ccx {}",
+        scene.display(),
+        fake.path("ccx").display()
+    );
+    let answer = softlimb(fake.folder.path(), &line);
+    assert_eq!((answer.code, answer.out.as_str()), (Some(1), ""), "{}", answer.err);
+    let error = answer.err.lines().find(|line| line.starts_with("error: ")).expect("an error");
+    assert!(error.contains("ended at 9.990 kPa, before the first pressure asked for, 10.000 kPa"), "{error}");
+    assert!(error.contains("no equilibrium") && !error.contains("no pressure was reached"), "{error}");
+    // What is said of the mesh is no cause.
+    assert!(!error.contains("threads"), "{error}");
+}
+
+/// A folder such as a run leaves behind: its lock, as old as told.
+fn left_behind(parent: &Path, name: &str, age_s: u64) -> File {
+    std::fs::create_dir(parent.join(name)).unwrap();
+    let lock = File::create(parent.join(name).join("lock")).unwrap();
+    lock.set_modified(SystemTime::now() - Duration::from_secs(age_s)).unwrap();
+    lock
+}
+
+#[test]
+fn a_run_removes_what_killed_ones_left() {
+    let temporary = tempfile::tempdir().unwrap();
+    let names = ["softlimb-fem-1-0", "softlimb-fem-1-1", "softlimb-fem-1-2", "another-1-3"];
+    let locks: Vec<File> =
+        names.iter().zip([3600, 3600, 0, 3600]).map(|(name, age)| left_behind(temporary.path(), name, age)).collect();
+    // One is old and somebody works in it, one may not be locked yet, one is somebody else's.
+    locks[1].lock().unwrap();
+    let fake = Fake::new("exit 201");
+    let line = format!("fem run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
+    let answer = softlimb_in(temporary.path(), fake.folder.path(), &line).output().unwrap();
+    assert_eq!(answer.status.code(), Some(1));
+    let left: Vec<bool> = names.iter().map(|name| temporary.path().join(name).is_dir()).collect();
+    assert_eq!(left, [false, true, true, true]);
+    assert_eq!(std::fs::read_dir(temporary.path()).unwrap().count(), 3);
+}
+
+#[test]
+fn calculix_ends_with_the_run_that_is_killed() {
+    let temporary = tempfile::tempdir().unwrap();
+    let fake = Fake::new("echo $$ > \"$HERE/draft-id\"; mv \"$HERE/draft-id\" \"$HERE/id\"; exec sleep 600");
+    let line = format!("fem run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
+    let mut run = softlimb_in(temporary.path(), fake.folder.path(), &line);
+    let mut run = run.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let wait_for = |done: &dyn Fn() -> bool| (0..1200).any(|_| done() || (sleep(Duration::from_millis(50)), false).1);
+    assert!(wait_for(&|| fake.path("id").is_file()), "it was not started");
+    let id = std::fs::read_to_string(fake.path("id")).unwrap();
+    assert!(is_running(&id));
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(wait_for(&|| !is_running(&id)), "it still runs");
 }
 
 #[test]

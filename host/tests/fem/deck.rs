@@ -178,16 +178,24 @@ fn threads_have_the_length_of_their_winding() {
 
 #[test]
 fn rings_and_lengthwise_threads_are_wound_too() {
-    for (motion, angle) in [(Motion::Extension, 0.0), (Motion::Expansion, 90.0)] {
-        let model = Model::new(&Subject::single(wound(motion, angle, Families::One)), &threads(2.0)).unwrap();
+    // Of rings 1.5 mm apart 27 would be nearest to 40 mm: an odd number, the middle one in the plane of symmetry.
+    let cases = [
+        (Motion::Extension, 0.0, 60.0, 2.0),
+        (Motion::Extension, 0.0, 40.0, 1.5),
+        (Motion::Expansion, 90.0, 60.0, 2.0),
+    ];
+    for (motion, angle, length, wish) in cases {
+        let parameters = ActuatorParameters { length_m: 1e-3 * length, ..wound(motion, angle, Families::One) };
+        let model = Model::new(&Subject::single(parameters), &threads(wish)).unwrap();
+        assert!(model.symmetry().half_length);
         let deck = read(&Deck::new(&model, "part", &PRESSURES).unwrap().model);
         let share = match model.symmetry().around {
             Around::Sector(count) => 0.5 / f64::from(count),
             other => panic!("{other:?}"),
         };
-        let wanted = std::f64::consts::TAU * 8.0 * 60.0 * share / (model.thread_spacing_m().unwrap() * 1e3);
+        let wanted = std::f64::consts::TAU * 8.0 * length * share / (model.thread_spacing_m().unwrap() * 1e3);
         let off = thread_length(&deck).0 / wanted - 1.0;
-        assert!((-8e-4..1e-6).contains(&off), "{motion:?}: {off}");
+        assert!((-8e-4..1e-6).contains(&off), "{motion:?} {length}: {off}");
     }
 }
 
@@ -228,6 +236,48 @@ fn both_programs_get_the_same_fibers_on_their_own_cards() {
         assert_eq!(text.matches("*STEP, NLGEOM").count(), 2);
     }
     assert!(!deck.abaqus.contains("USER MATERIAL") && !deck.calculix.contains("ANISOTROPIC"));
+}
+
+#[test]
+fn a_winding_of_no_modulus_bends_as_an_ideal_one_at_its_radius() {
+    let stated = |motion, radius_m| {
+        let mut parameters = wound(motion, 30.0, Families::Two);
+        if let Some(fiber) = &mut parameters.fiber {
+            (fiber.modulus_pa, fiber.radius_m) = (0.0, radius_m);
+            // Bending alone has no use for it.
+            fiber.thickness_m = if motion == Motion::Bending { 0.0 } else { fiber.thickness_m };
+        }
+        deck(&Subject::single(parameters), &Options::default())
+    };
+    for (radius_m, low) in [(8e-3, 7.98), (7e-3, 6.98)] {
+        let deck = stated(Motion::Bending, radius_m);
+        let constants: Vec<f64> =
+            block(&deck.calculix, "*USER MATERIAL, CONSTANTS=6").iter().flat_map(|line| numbers(line)).collect();
+        // Along the hoop, mu2 t = 1000 mu1 wall, in a layer of a fiftieth of the wall.
+        assert_eq!(constants[2..4], [0.0, 1.0]);
+        assert!((constants[4] / (1000.0 * 0.2 * 2.0 / 0.04) - 1.0).abs() < 1e-9, "{constants:?}");
+        let read = read(&deck.model);
+        let layer = &read.elements[&("C3D20R".to_owned(), "LAYER_1".to_owned())];
+        let radii: Vec<f64> =
+            layer.values().flatten().map(|node| read.nodes[node][0].hypot(read.nodes[node][1])).collect();
+        let ends = [radii.iter().copied().fold(f64::INFINITY, f64::min), radii.iter().copied().fold(0.0, f64::max)];
+        assert!((ends[0] - low).abs() < 1e-6 && (ends[1] - low - 0.04).abs() < 1e-6, "{radius_m}: {ends:?}");
+    }
+    // Other motions need no ideal winding: none is there.
+    assert!(!stated(Motion::Extension, 7e-3).calculix.contains("USER MATERIAL"));
+}
+
+#[test]
+fn increments_as_small_as_allowed_are_as_many_as_they_need() {
+    for (share, least) in [(0.1, 1000.0), (0.001, 4000.0)] {
+        let options = Options { increment: Some(share), ..Options::default() };
+        let model = Model::new(&Subject::single(plain(Motion::Expansion)), &options).unwrap();
+        let deck = Deck::new(&model, "part", &[20e3]).unwrap();
+        for text in [deck.calculix, deck.abaqus] {
+            let card = text.lines().find_map(|line| line.strip_prefix("*STEP, NLGEOM, INC=")).expect("a step");
+            assert_eq!(card.parse::<f64>().unwrap(), least, "{share}");
+        }
+    }
 }
 
 #[test]

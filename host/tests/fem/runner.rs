@@ -1,6 +1,9 @@
 //! How runs are judged that go well, badly, or nowhere. Scripts stand for CalculiX.
 
 use std::fs;
+use std::os::unix::fs::{FileTypeExt, symlink};
+use std::path::Path;
+use std::process::Command;
 
 use softlimb::fem::{End, FemError, Options, PointStatus, Run, Runner, write_whole};
 
@@ -93,8 +96,7 @@ fn half_written_and_foreign_output_is_no_result() {
     for (out, words) in [
         (whole.as_bytes()[..whole.len() - 40].to_vec(), "ends in the middle of a block"),
         (good(&[1.0]).into_bytes(), "printed up to step 1.000 of 2"),
-        (Vec::new(), "printed up to step 0.000 of 2"),
-        (vec![0xff; 4096], "middle of a block"),
+        (vec![0xff; 4096], "printed up to step 0.000 of 2"),
         ([whole.as_bytes(), b"\xff\xfe\x00 and so on\n"].concat(), "is no displacement"),
         (whole.replacen("E-", "E-O", 1).into_bytes(), "is no displacement"),
         (good(&[1.0, 1.5, 1.2, 2.0]).into_bytes(), "not after the one before"),
@@ -103,11 +105,19 @@ fn half_written_and_foreign_output_is_no_result() {
         match fake.run() {
             Err(error @ FemError::Garbage { .. }) => {
                 let text = error.to_string();
-                assert!(text.contains(words) || out == vec![0xff; 4096], "{words}: {text}");
+                assert!(text.contains(words), "{words}: {text}");
                 assert!(text.contains(".dat file, line") && text.contains("nothing of this run is used"), "{text}");
             }
             other => panic!("{words}: {:?}", other.map(|run| statuses(&run))),
         }
+    }
+}
+
+#[test]
+fn no_output_is_said_to_be_none() {
+    for fake in [Fake::new("exit 0"), Fake::new(COPY).with("out.dat", "")] {
+        let text = message(&fake);
+        assert!(text.contains("wrote no .dat file") && !text.contains("line"), "{text}");
     }
 }
 
@@ -128,7 +138,7 @@ fn what_an_earlier_run_left_is_not_taken_for_this_one_s() {
     fs::write(kept.path().join("actuator.sta"), "1 1 1 4 2.0 1.0 1.0\n").unwrap();
     let runner = Runner { keep: Some(kept.path().to_owned()), ..Runner::default() };
     let run = Fake::new("exit 0").run_with(runner);
-    assert!(matches!(run, Err(FemError::Garbage { .. })));
+    assert!(matches!(run, Err(FemError::NoOutput)));
     assert!(kept.path().join("actuator.inp").is_file(), "the deck is kept");
 }
 
@@ -182,6 +192,44 @@ fn a_file_that_cannot_be_written_leaves_nothing_behind() {
     let text = write_whole(&place, "text").unwrap_err().to_string();
     assert!(text.contains("cannot write") && text.contains("there"), "{text}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a part is left");
+}
+
+#[test]
+fn a_link_stays_a_link_to_the_file_that_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("elsewhere")).unwrap();
+    fs::write(at("elsewhere/there"), "before").unwrap();
+    for name in ["there", "not yet"] {
+        symlink(Path::new("elsewhere").join(name), at("first")).unwrap();
+        symlink("first", at("second")).unwrap();
+        write_whole(&at("second"), "text").unwrap();
+        for link in ["first", "second"] {
+            assert!(fs::symlink_metadata(at(link)).unwrap().is_symlink(), "{link}");
+            fs::remove_file(at(link)).unwrap();
+        }
+        assert_eq!(fs::read_to_string(at("elsewhere").join(name)).unwrap(), "text");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(fs::read_dir(at("elsewhere")).unwrap().count(), 2, "a part is left");
+    symlink("round", at("round")).unwrap();
+    assert!(write_whole(&at("round"), "text").is_err());
+}
+
+#[test]
+fn a_pipe_gets_the_text_and_stays_a_pipe() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || fs::read_to_string(pipe).unwrap()
+    });
+    write_whole(&pipe, "text").unwrap();
+    assert_eq!(reader.join().unwrap(), "text");
+    assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+    write_whole(Path::new("/dev/null"), "text").unwrap();
+    assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
 }
 
 /// The numbers between the tags of a data array whose head has `name`.

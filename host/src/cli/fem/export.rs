@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::subject::{Arguments, Asked, describe};
+use super::subject::{Arguments, Asked, describe, told};
 use crate::cli::{Failure, Outcome, note, say};
 use crate::fem::{Deck, Model};
 
@@ -25,7 +25,7 @@ pub(super) struct Export {
 impl Export {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let Asked { name, subject, options, pressures_pa } = self.arguments.read()?;
-        let model = Model::new(&subject, &options)?;
+        let model = Model::new(&subject, &options).map_err(told)?;
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join("fem"));
         let deck = Deck::new(&model, &name, &pressures_pa)?;
         deck.write(&out)?;

@@ -7,7 +7,8 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::subject::{Arguments, Asked, describe};
+use super::subject::{Arguments, Asked, describe, told};
+use super::values::within;
 use crate::cli::{Failure, Outcome, note, say};
 use crate::fem::{self, End, Model, Options, PointStatus, Runner};
 
@@ -22,10 +23,11 @@ pub(super) struct Run {
     #[arg(long, value_name = "PATH", default_value = "ccx")]
     ccx: PathBuf,
     /// End the run after so many seconds, 0.1 to 1000000; what had converged by then stands
-    #[arg(long, value_name = "SECONDS", default_value_t = Runner::default().timeout_s)]
+    #[arg(long, value_name = "SECONDS", default_value_t = Runner::default().timeout_s, allow_negative_numbers = true,
+        value_parser = |text: &str| within(text, 0.1..=1e6))]
     timeout_s: f64,
     /// Threads CalculiX may use, 1 to 64
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     threads: u32,
     /// Keep deck and output of CalculiX in this folder
     #[arg(long, value_name = "DIR")]
@@ -45,7 +47,7 @@ impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let Asked { name, subject, options, pressures_pa } = self.arguments.read()?;
         let options = Options { all_nodes: self.vtu.is_some(), ..options };
-        note(&describe(&Model::new(&subject, &options)?));
+        note(&describe(&Model::new(&subject, &options).map_err(told)?));
         let runner =
             Runner { ccx: self.ccx.clone(), timeout_s: self.timeout_s, threads: self.threads, keep: self.keep.clone() };
         let bar = bar();
@@ -59,7 +61,7 @@ impl Run {
         let found = found?;
         let warnings = warnings(&found);
         if found.points.iter().all(|point| point.middle.is_none()) {
-            return Err(Failure::new(format!("no pressure was reached: {}", warnings.join("; "))));
+            return Err(nothing(&found));
         }
         if let Some(file) = &self.tsv {
             fem::write_whole(file, &found.tsv())?;
@@ -74,16 +76,43 @@ impl Run {
     }
 }
 
+/// Why a run has no figures: how far it came, and what ended it.
+fn nothing(run: &fem::Run) -> Failure {
+    let first = run.points[0];
+    let kpa = |pa: f64| format!("{:.3} kPa", 1e-3 * pa);
+    let asked = format!("the first pressure asked for, {}", kpa(first.pressure_pa));
+    let found = match first.status {
+        PointStatus::NotReached { reached_pa } if reached_pa > 0.0 => {
+            format!(
+                "the run ended at {}, before {asked} (more --points have figures on the way there)",
+                kpa(reached_pa)
+            )
+        }
+        PointStatus::BeyondJump { between_pa: [low, high] } => {
+            format!(
+                "the lumen grew abruptly between {} and {}, before {asked}: a limit point is near",
+                kpa(low),
+                kpa(high)
+            )
+        }
+        _ => "no increment converged".to_owned(),
+    };
+    Failure::new(cause(run).map_or(found.clone(), |cause| format!("{found}: {cause}")))
+}
+
+/// What ended a run before the end of the load.
+fn cause(run: &fem::Run) -> Option<String> {
+    match &run.end {
+        End::Finished => None,
+        End::Diverged { diagnosis, .. } => Some(format!("CalculiX stopped before the end of the load: {diagnosis}")),
+        End::TimedOut => Some("the time was up before the end of the load".to_owned()),
+    }
+}
+
 /// What is missing or doubtful.
 fn warnings(run: &fem::Run) -> Vec<String> {
     let mut warnings = run.model.warnings().to_vec();
-    match &run.end {
-        End::Finished => {}
-        End::Diverged { diagnosis, .. } => {
-            warnings.push(format!("CalculiX stopped before the end of the load: {diagnosis}"))
-        }
-        End::TimedOut => warnings.push("the time was up before the end of the load".to_owned()),
-    }
+    warnings.extend(cause(run));
     if run.points.iter().any(|point| matches!(point.status, PointStatus::BeyondJump { .. })) {
         warnings.push("pressures behind an abrupt growth have no figures; try smaller increments".to_owned());
     }

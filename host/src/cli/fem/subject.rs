@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::super::Failure;
-use crate::fem::{FiberModel, Model, Options, Subject, SymmetryUse};
+use super::values::{even, positive, within};
+use crate::fem::{FemError, FiberModel, Model, Options, Subject, SymmetryUse};
 use crate::scene::{self, Module, Scene};
 
 /// Arguments that `export` and `run` share.
@@ -19,41 +20,43 @@ pub(super) struct Arguments {
     /// Model all actuators of the module side by side, with the connector that joins their ends
     #[arg(long)]
     bundle: bool,
-    /// Highest gauge pressure, kPa [default: the module's]
-    #[arg(long, value_name = "KPA")]
+    /// Highest gauge pressure, kPa, above 0 and at most 100000 [default: the module's]
+    #[arg(long, value_name = "KPA", allow_negative_numbers = true, value_parser = |text: &str| positive(text, 1e5))]
     pressure_kpa: Option<f64>,
     /// Number of pressures, evenly up to the highest
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=200))]
     points: u16,
-    /// Fibers as a material or as threads
-    #[arg(long, value_enum, default_value_t = Fibers::Smeared)]
-    fibers: Fibers,
-    /// Thickness of the layer that stands for a sheet of fibers, mm [default: a fiftieth of the wall, at most 0.05]
-    #[arg(long, value_name = "MM", conflicts_with = "spacing_mm")]
+    /// Fibers as a material or as threads [default: threads with --spacing-mm, else smeared]
+    #[arg(long, value_enum)]
+    fibers: Option<Fibers>,
+    /// Thickness of the layer that stands for a sheet of smeared fibers, mm [default: a fiftieth of the wall, at most 0.05]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| positive(text, 1e3))]
     layer_mm: Option<f64>,
     /// Distance between neighbouring threads of one family, mm; the nearest that whole threads permit is taken [default: 3/4 of the wall]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| positive(text, 1e4))]
     spacing_mm: Option<f64>,
     /// Elements through the wall, 1 to 12 [default: 2]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=12))]
     radial: Option<u32>,
     /// Elements around the circle, 8 to 96, even [default: 24]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| even(text, 8..=96))]
     around: Option<u32>,
     /// Elements along the whole length, 4 to 800, even [default: by wall, radius and threads]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| even(text, 4..=800))]
     along: Option<u32>,
     /// Model the whole actuator where symmetry would allow a part
     #[arg(long)]
     whole: bool,
     /// Bulk modulus over shear modulus, 100 to 10000
-    #[arg(long, value_name = "RATIO", default_value_t = Options::default().bulk_ratio)]
+    #[arg(long, value_name = "RATIO", default_value_t = Options::default().bulk_ratio, allow_negative_numbers = true,
+        value_parser = |text: &str| within(text, 100.0..=1e4))]
     bulk_ratio: f64,
     /// Largest share of the load in one increment, 0.001 to 0.5 [default: 0.05 for twisting, else 0.1]
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = |text: &str| within(text, 0.001..=0.5))]
     increment: Option<f64>,
     /// Refuse meshes of more nodes than this, 100 to 400000
-    #[arg(long, value_name = "N", default_value_t = Options::default().nodes_max)]
+    #[arg(long, value_name = "N", default_value_t = Options::default().nodes_max,
+        value_parser = clap::value_parser!(u32).range(100..=400_000))]
     nodes_max: u32,
 }
 
@@ -76,6 +79,7 @@ pub(super) struct Asked {
 
 impl Arguments {
     pub(super) fn read(&self) -> Result<Asked, Failure> {
+        let fibers = self.fibers()?;
         let scene = scene::load(&self.scene)?;
         let module = self.module(&scene)?;
         let single = Subject::single(module.actuator());
@@ -87,7 +91,7 @@ impl Arguments {
         Ok(Asked {
             name: format!("{}-{}{part}", scene.name(), file_name(&module.name)),
             subject: if self.bundle { bundle } else { single },
-            options: self.options(),
+            options: self.options(fibers),
             pressures_pa,
         })
     }
@@ -99,13 +103,26 @@ impl Arguments {
         found.ok_or_else(|| Failure::new(format!("the scene has no module `{name}`, only {}", known())))
     }
 
-    fn options(&self) -> Options {
+    /// How fibers are modelled: a layer has no threads, threads have no layer.
+    fn fibers(&self) -> Result<FiberModel, Failure> {
         let metres = |mm: Option<f64>| mm.map(|mm| mm * 1e-3);
+        let refused = |what: &str, fibers: &str, other: &str| {
+            Err(Failure::wrong_line(format!("{what} is for {fibers}: it cannot be used with {other}")))
+        };
+        match (self.fibers, self.layer_mm, self.spacing_mm) {
+            (_, Some(_), Some(_)) => refused("--layer-mm", "smeared fibers", "--spacing-mm"),
+            (Some(Fibers::Smeared), _, Some(_)) => refused("--spacing-mm", "threads", "--fibers smeared"),
+            (Some(Fibers::Threads), Some(_), _) => refused("--layer-mm", "smeared fibers", "--fibers threads"),
+            (Some(Fibers::Threads), ..) | (None, _, Some(_)) => {
+                Ok(FiberModel::Threads { spacing_m: metres(self.spacing_mm) })
+            }
+            _ => Ok(FiberModel::Smeared { layer_m: metres(self.layer_mm) }),
+        }
+    }
+
+    fn options(&self, fibers: FiberModel) -> Options {
         Options {
-            fibers: match (self.fibers, self.spacing_mm) {
-                (Fibers::Smeared, None) => FiberModel::Smeared { layer_m: metres(self.layer_mm) },
-                _ => FiberModel::Threads { spacing_m: metres(self.spacing_mm) },
-            },
+            fibers,
             symmetry: if self.whole { SymmetryUse::Whole } else { SymmetryUse::Auto },
             radial: self.radial,
             around: self.around,
@@ -115,6 +132,23 @@ impl Arguments {
             nodes_max: self.nodes_max,
             all_nodes: false,
         }
+    }
+}
+
+/// A refusal in the words of the command line.
+pub(super) fn told(error: FemError) -> Failure {
+    match &error {
+        FemError::Invalid { field: field @ ("layer_mm" | "spacing_mm"), value, allowed } => {
+            // The lengths have been through metres.
+            let mm = (value * 1e9).round() / 1e9;
+            Failure::new(format!("--{} {mm} is not allowed: {allowed}", field.replace('_', "-")))
+        }
+        FemError::TooFine { nodes, allowed } => Failure::new(format!(
+            "the mesh would have about {nodes} nodes, and --nodes-max allows {allowed}: make it coarser with --radial, --around and \
+             --along, or allow more"
+        )),
+        FemError::NoSheet => Failure::new(format!("--fibers threads: {error}")),
+        _ => Failure::new(error),
     }
 }
 
