@@ -13,6 +13,7 @@ use std::thread;
 
 use softlimb_firmware::Board;
 
+use super::halt::Halt;
 use super::qemu::{Qemu, image};
 use super::remote::{Remote, connect};
 use super::{elf, pins};
@@ -38,20 +39,6 @@ const STACK_POINTER: u32 = 13;
 
 /// An address that no instruction can be fetched from.
 const NOWHERE: u32 = 0xf000_0000;
-
-/// A way to make the program stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Halt {
-    /// It goes where there is no program.
-    HardFault,
-    /// It finds itself in a state that it cannot be in.
-    Panic {
-        /// In this line of its source.
-        line: u32,
-    },
-    /// Its stack leaves the memory.
-    StackOverflow,
-}
 
 /// The emulated chip.
 #[derive(Debug)]

@@ -4,13 +4,22 @@
 //! here. [`Flashed`] runs the very file that is flashed, and reaches it where a board would: at its serial port, at the memory that
 //! its converter fills, and at what it tells its ports.
 
+#[cfg(unix)]
 mod elf;
+#[cfg(unix)]
 mod flashed;
+#[cfg(not(unix))]
+#[path = "unreachable.rs"]
+mod flashed;
+mod halt;
 mod lock_step;
+#[cfg(unix)]
 mod pins;
 mod qemu;
+#[cfg(unix)]
 mod remote;
 
-pub use flashed::{Flashed, Halt};
+pub use flashed::Flashed;
+pub use halt::Halt;
 pub use lock_step::{Cost, LockStep};
 pub use qemu::is_installed;

@@ -61,6 +61,7 @@ impl Qemu {
         }
     }
 
+    #[cfg(unix)]
     pub(super) fn folder(&self) -> &Path {
         &self.folder
     }

@@ -1,0 +1,15 @@
+//! Ways in which the program on a chip ends.
+
+/// A way to make the program stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halt {
+    /// It goes where there is no program.
+    HardFault,
+    /// It finds itself in a state that it cannot be in.
+    Panic {
+        /// In this line of its source.
+        line: u32,
+    },
+    /// Its stack leaves the memory.
+    StackOverflow,
+}
