@@ -23,6 +23,8 @@ pub(super) struct Expansion<S> {
     pub(super) size: S,
     /// The coefficients.
     pub(super) terms: [Unknowns<S>; ORDERS],
+    /// What each coefficient after the last is of the two before it.
+    pub(super) tail: [S; 2],
 }
 
 /// Orders that a scalar has a use for.
@@ -59,7 +61,8 @@ impl<T: Real> Expansion<T> {
         for (n, term) in terms.iter_mut().enumerate().take(orders::<T>()) {
             *term = products.term(n + 1);
         }
-        Self { unit, contraction, size: norm.size::<TWIST>(&first), terms }
+        let tail = if orders::<T>() > SINGLE_ORDERS { tail::<T, TWIST>(norm, &terms) } else { [zero; 2] };
+        Self { unit, contraction, size: norm.size::<TWIST>(&first), terms, tail }
     }
 
     /// The state at a value of the variable.
@@ -90,6 +93,41 @@ impl<S: Arithmetic> Expansion<S> {
         let high = lower::<S, TWIST>(&terms[4..8], z).plus_times(&last, z4);
         lower::<S, TWIST>(&terms[..4], z).plus_times(&high, z4).times(z)
     }
+
+    /// About what the terms after the last order sum up to: with `x_(n+2) = a x_(n+1) + b x_n`, shares of the last two.
+    #[inline(always)]
+    pub(super) fn beyond<const TWIST: bool>(&self, z: S) -> Unknowns<S> {
+        let (one, [a, b], z2) = (z.of(1.0), self.tail, z * z);
+        let z4 = z2 * z2;
+        let (bz2, z9) = (b * z2, z * (z4 * z4));
+        let next = bz2 + a * z;
+        let sum = self.terms[8].times(bz2).plus_times(&self.terms[9], next * z).times(z9 / (one - next));
+        if TWIST { sum } else { Unknowns { g: z.of(0.0), ..sum } }
+    }
+}
+
+/// `(a, b)` that come closest to `x_(n+2) = a x_(n+1) + b x_n` at the end of the series: the two singularities nearest to rest, which
+/// all unknowns have in common, make it so.
+fn tail<T: Real, const TWIST: bool>(norm: &Norm<T>, terms: &[Unknowns<T>; ORDERS]) -> [T; 2] {
+    let zero = T::zero();
+    let (mut aa, mut ab, mut bb, mut ra, mut rb) = (zero, zero, zero, zero, zero);
+    for n in [ORDERS - 1, ORDERS - 2] {
+        let mut take = |x: T, a: T, b: T| {
+            (aa, ab, bb) = (aa + a * a, ab + a * b, bb + b * b);
+            (ra, rb) = (ra + x * a, rb + x * b);
+        };
+        let (x, a, b) = (&terms[n], &terms[n - 1], &terms[n - 2]);
+        take(x.e, a.e, b.e);
+        take(x.w, a.w, b.w);
+        take(x.tension * norm.tension, a.tension * norm.tension, b.tension * norm.tension);
+        if TWIST {
+            take(x.g * norm.twist, a.g * norm.twist, b.g * norm.twist);
+        }
+    }
+    let some = (aa + bb) * real(1e-9);
+    let (aa, bb) = (aa + some, bb + some);
+    let determinant = aa * bb - ab * ab;
+    if determinant > zero { [(ra * bb - rb * ab) / determinant, (rb * aa - ra * ab) / determinant] } else { [zero; 2] }
 }
 
 /// `x_1 + x_2 z + x_3 z^2 + x_4 z^3`.

@@ -11,12 +11,19 @@ const CORRECTIONS: u32 = 5;
 /// Largest contraction factor from rest to the pressure at which the series is worth a trial.
 pub(super) const REACH: f64 = 0.45;
 
+/// Contraction factor from rest above which what is beyond the last order of the series matters.
+const FAR: f64 = 0.17;
+
 /// Largest contraction factor of a last correction: its square is what the compliance loses.
 const CURVED: f64 = 1e-5;
 const CURVED_SINGLE: f64 = 1e-3;
 /// Largest last correction, as a share of the state: its third power is below rounding.
 const SHORT: f64 = 5e-6;
 const SHORT_SINGLE: f64 = 1.5e-3;
+
+/// A correction that is so small a share of the state needs no second term, and the compliance none for it.
+const TINY: f64 = 2e-11;
+const TINY_SINGLE: f64 = 2e-7;
 
 /// Where a way stands: a state at the end of a certified step of a given size.
 struct Close<T> {
@@ -38,8 +45,13 @@ impl<T: Real> Direct<T> {
         let Expansion { unit, size, contraction, .. } = self.expansion;
         let z = pressure * unit;
         let path = self.path::<TWIST>(T::zero(), T::zero());
-        let at = self.expansion.at::<TWIST>(z);
+        let mut at = self.expansion.at::<TWIST>(z);
         let contraction = contraction * z.abs();
+        // In single precision the orders that are left out are looked after by the correction.
+        let single = epsilon::<T>() > real::<T>(1e-9);
+        if !single && contraction > real(FAR) {
+            at = at.plus(self.expansion.beyond::<TWIST>(z));
+        }
         let mut close = Close { at, last: size * z.abs(), evaluations: 0 };
         if contraction > real(CONTRACTION) {
             close = self.turn::<TWIST>(&path, z, close, part(contraction)?, pressure)?;
@@ -103,22 +115,31 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
     fn correct(&self, from: &Close<T>, pressure: T) -> Corrected<T> {
         let c = self.constants;
         let Some(lin) = self.look(from.at) else { return Corrected::Lost };
-        let first = lin.solve(c, self.rest(&lin, pressure));
-        let left = lin.curvature(c, first);
-        let second = lin.solve(c, left);
-        let step = first.plus(second);
-        let (at, last, evaluations) = (from.at.plus(step), self.size(&first), from.evaluations + 1);
+        let rest = self.rest(&lin, pressure);
+        let first = lin.solve(c, rest);
+        let (last, evaluations) = (self.size(&first), from.evaluations + 1);
         let is_short = last <= from.last * real(CORRECTION);
         if !is_short {
             return Corrected::Lost;
         }
+        let rounding = (pressure.abs() + self.force.abs()) * epsilon();
+        if last <= from.last * tiny::<T>() {
+            // The step before it was certified: the contraction factor of this one is as much less as it is shorter.
+            let at = from.at.plus(first);
+            let residual = (rest.e.abs() + rest.w.abs() + rest.g.abs()) * tiny::<T>() + rounding;
+            return Corrected::Settled(End { at, volume_rate: lin.rate(c).w, pressure, residual, evaluations });
+        }
+        let left = lin.curvature(c, first);
+        let second = lin.solve(c, left);
+        let step = first.plus(second);
+        let at = from.at.plus(step);
         if !is_last(last, self.size(&second), self.size(&at)) {
             return Corrected::Close(Close { at, last, evaluations });
         }
         // What the second term leaves over is at least as much smaller than what the first one does.
         let leave = left.e.abs() + left.w.abs();
         let leave = if TWIST { leave + left.g.abs() } else { leave };
-        let residual = leave * real(4.0 * CURVED_SINGLE) + (pressure.abs() + self.force.abs()) * epsilon();
+        let residual = leave * real(4.0 * CURVED_SINGLE) + rounding;
         let volume_rate = lin.volume_rate_after(c, &step);
         Corrected::Settled(End { at, volume_rate, pressure, residual, evaluations })
     }
@@ -143,6 +164,13 @@ fn is_last<T: Real>(first: T, second: T, whole: T) -> bool {
     let [short, curved] = limits::<T>();
     let negligible = epsilon::<T>() * real(0.125);
     (first <= whole * real(short)) & (second <= first * real(curved)) & (second * second <= first * whole * negligible)
+}
+
+/// `TINY` of a scalar.
+#[inline(always)]
+fn tiny<T: Real>() -> T {
+    let single = epsilon::<T>() > real::<T>(1e-9);
+    if single { real(TINY_SINGLE) } else { real(TINY) }
 }
 
 /// `SHORT` and `CURVED` of a scalar.

@@ -78,7 +78,7 @@ impl<T: Real> Columns<T> {
                 scale: zero,
             },
             norm: Norm { twist: zero, tension: zero },
-            expansion: Expansion { unit: zero, contraction: zero, size: zero, terms: [none; ORDERS] },
+            expansion: Expansion { unit: zero, contraction: zero, size: zero, terms: [none; ORDERS], tail: [zero; 2] },
             twists: false,
         };
         new.set(0..LANES, direct);
@@ -124,6 +124,9 @@ impl<T: Real> Columns<T> {
         for (to, from) in self.expansion.terms.iter_mut().zip(&expansion.terms) {
             pairs!(f, to, from, { e, w, g, tension });
         }
+        for (to, from) in self.expansion.tail.iter_mut().zip(&expansion.tail) {
+            f(to, from);
+        }
     }
 
     /// The equilibria at pressures `P/mu1` without load; where `ONCE`, those alone that take one step and one correction.
@@ -150,6 +153,7 @@ impl<T: Real> Columns<T> {
             contraction: pressure.load(&expansion.contraction),
             size: pressure.load(&expansion.size),
             terms,
+            tail: [pressure.load(&expansion.tail[0]), pressure.load(&expansion.tail[1])],
         };
         let constants = vectors!(
             pressure,
@@ -210,7 +214,8 @@ impl<V: Arithmetic> Way<'_, V> {
     /// The sum of the series, at the end of a step of a contraction factor that the caller has to look at.
     #[inline(always)]
     fn leave<const TWIST: bool>(&self, expansion: &Expansion<V>, z: V, margin: V) -> Stage<V> {
-        Stage { at: expansion.sum::<TWIST>(z), last: expansion.size * z.magnitude(), margin }
+        let at = expansion.sum::<TWIST>(z).plus(expansion.beyond::<TWIST>(z));
+        Stage { at, last: expansion.size * z.magnitude(), margin }
     }
 
     /// One step and one correction.
