@@ -17,6 +17,9 @@ mod command;
 #[path = "fem/fake.rs"]
 mod fake;
 #[cfg(unix)]
+#[path = "fem/files.rs"]
+mod files;
+#[cfg(unix)]
 #[path = "fem/runner.rs"]
 mod runner;
 

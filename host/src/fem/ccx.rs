@@ -10,6 +10,7 @@ use std::time::Duration;
 use super::dat::{Progress, progress};
 use super::error::{at, require};
 use super::files::{Scratch, make_folder};
+use super::guard::Running;
 use super::{Deck, FemError};
 
 /// How often the run is looked at.
@@ -75,44 +76,6 @@ pub(crate) struct Raw {
     pub(crate) seconds: f64,
 }
 
-/// A process that is ended when nobody waits for it any more, or when this one is ended.
-struct Running {
-    child: Child,
-    guard: Option<Child>,
-}
-
-impl Running {
-    fn new(child: Child) -> Self {
-        let guard = guard(child.id());
-        Self { child, guard }
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        // The guard first, so that it has no chance of ending another process of the same number. All may fail where there is
-        // nothing left to end.
-        for child in self.guard.iter_mut().chain([&mut self.child]) {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-    }
-}
-
-/// A shell that waits for its input to end, which it does with this process, however that ends, and then ends the other. Where there is no
-/// shell nobody guards.
-#[cfg(unix)]
-fn guard(id: u32) -> Option<Child> {
-    let mut command = Command::new("/bin/sh");
-    command.args(["-c", "read -r _; kill -9 \"$0\"", &id.to_string()]);
-    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()
-}
-
-#[cfg(not(unix))]
-fn guard(_: u32) -> Option<Child> {
-    None
-}
-
 /// Runs a deck. `clock` tells seconds from any beginning; `watch` is told the progress.
 pub(crate) fn drive(
     runner: &Runner,
@@ -130,8 +93,7 @@ pub(crate) fn drive(
     let mut running = Running::new(start(runner, folder, deck.name(), scratch.lock())?);
     let (mut step_seconds, mut timed_out) = (Vec::new(), false);
     let status = loop {
-        let ended =
-            running.child.try_wait().map_err(|source| FemError::Program { program: runner.ccx.clone(), source })?;
+        let ended = running.try_wait().map_err(|source| FemError::Program { program: runner.ccx.clone(), source })?;
         let seconds = clock() - begin;
         let reached = progress(&text(&folder.join(format!("{}.sta", deck.name())))?);
         while (step_seconds.len() as f64) < (reached.time + 1e-6).floor() {

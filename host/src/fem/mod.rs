@@ -14,6 +14,7 @@ mod deck;
 mod error;
 mod files;
 mod gauge;
+mod guard;
 mod layers;
 mod mesh;
 mod model;
