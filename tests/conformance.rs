@@ -6,17 +6,33 @@ mod devices;
 #[path = "../firmware/sim/tests/common/mod.rs"]
 mod host;
 
-use devices::devices;
+use devices::Images;
 use host::{Host, SESSION, settings};
 use softlimb_firmware::{TickOutputs, ValvePulse};
 use softlimb_protocol::*;
+use softlimb_sim::emulated::{Flashed, LockStep};
 use softlimb_sim::plant::ChannelFault;
-use softlimb_sim::{Processor, SimulatedMcu};
+use softlimb_sim::{Processor, SimulatedMcu, here};
 
 /// The board has nine channels.
 const CHANNELS: usize = 9;
 
 type Device = Host<Box<dyn Processor>>;
+
+/// A way to switch a device on.
+type Start = Box<dyn Fn() -> Box<dyn Processor>>;
+
+/// All devices there are, with their names.
+fn devices(test: &str) -> Vec<(&'static str, Start)> {
+    let mut devices: Vec<(&'static str, Start)> = vec![("here", Box::new(|| Box::new(here())))];
+    if let Some(images) = Images::find(test) {
+        let (twin, flashed) = (images.twin(), images.flashed());
+        devices.push(("twin", Box::new(move || Box::new(LockStep::start(&twin).expect("the twin starts")))));
+        devices
+            .push(("flashed", Box::new(move || Box::new(Flashed::start(&flashed, None).expect("the image starts")))));
+    }
+    devices
+}
 
 /// Runs a check on every device, each with the same plant of nine actuators.
 fn on_every_device(test: &str, check: impl Fn(&str, &mut Device)) {

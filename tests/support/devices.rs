@@ -1,10 +1,9 @@
-//! Every device that the same tests hold for: the controller here, its twin in lock-step, and the file that is flashed.
+//! The images that tests run in an emulator: the controller's twin in lock-step, and the file that is flashed.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use softlimb_sim::emulated::{Flashed, LockStep, is_installed};
-use softlimb_sim::{Processor, here};
+use softlimb_sim::emulated::is_installed;
 
 /// Where `cargo xtask test` puts the images.
 const IMAGES: &str = "SOFTLIMB_IMAGES";
@@ -39,19 +38,4 @@ impl Images {
     pub(crate) fn flashed(&self) -> PathBuf {
         self.folder.join("softlimb-stm32f405.elf")
     }
-}
-
-/// A way to switch a device on.
-type Start = Box<dyn Fn() -> Box<dyn Processor>>;
-
-/// All devices there are, with their names.
-pub(crate) fn devices(test: &str) -> Vec<(&'static str, Start)> {
-    let mut devices: Vec<(&'static str, Start)> = vec![("here", Box::new(|| Box::new(here())))];
-    if let Some(images) = Images::find(test) {
-        let (twin, flashed) = (images.twin(), images.flashed());
-        devices.push(("twin", Box::new(move || Box::new(LockStep::start(&twin).expect("the twin starts")))));
-        devices
-            .push(("flashed", Box::new(move || Box::new(Flashed::start(&flashed, None).expect("the image starts")))));
-    }
-    devices
 }
