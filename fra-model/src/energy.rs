@@ -10,6 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::direct::Direct;
 use crate::parameters::{ActuatorParameters, Families, Fiber, Material, Placement};
 use crate::quadrature::WallRule;
 use crate::real::{Real, real};
@@ -78,13 +79,10 @@ impl<T: Scalar> Ring<T> {
 /// The elastomer of the wall.
 #[derive(Clone, Copy, Debug)]
 enum Elastomer<T> {
-    NeoHookean,
+    /// With the way around the search, if there is one: no other elastomer has it, nor has this one a rule to keep.
+    NeoHookean(Option<Direct<T>>),
     /// `2 C2/mu1` and `3 C3/mu1`: `psi' = 1/2 + a J + b J^2`.
-    Yeoh {
-        a: T,
-        b: T,
-        rule: WallRule<T>,
-    },
+    Yeoh { a: T, b: T, rule: WallRule<T> },
 }
 
 /// The winding: `cos` and `sin` of its angle, `mu2/mu1`, families and where it sits.
@@ -114,7 +112,7 @@ impl<T: Scalar> Wall<T> {
         let x_outer = ratio * ratio;
         let mu1 = parameters.material.shear_modulus_pa();
         let elastomer = match parameters.material {
-            Material::NeoHookean { .. } => Elastomer::NeoHookean,
+            Material::NeoHookean { .. } => Elastomer::NeoHookean(None),
             Material::Yeoh { c_pa } => Elastomer::Yeoh {
                 a: T::constant(2.0) * c_pa[1] / mu1,
                 b: T::constant(3.0) * c_pa[2] / mu1,
@@ -124,6 +122,22 @@ impl<T: Scalar> Wall<T> {
         let winding = parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > T::zero());
         let winding = winding.map(|fiber| Winding::new(fiber, parameters.inner_radius_m, x_outer, mu1));
         Self { parameters: *parameters, x_outer, elastomer, winding }
+    }
+
+    /// The same wall with a way around the search, or without one.
+    pub(crate) fn with_direct(mut self, direct: Option<Direct<T>>) -> Self {
+        if let Elastomer::NeoHookean(kept) = &mut self.elastomer {
+            *kept = direct;
+        }
+        self
+    }
+
+    /// The way around the search, if the wall has one.
+    pub(crate) fn direct(&self) -> Option<&Direct<T>> {
+        match &self.elastomer {
+            Elastomer::NeoHookean(direct) => direct.as_ref(),
+            Elastomer::Yeoh { .. } => None,
+        }
     }
 
     /// `true` when the tube can twist without an external torque.
@@ -142,7 +156,7 @@ impl<T: Scalar> Wall<T> {
 
     fn elastomer_derivatives(&self, e: T, w: T, g: T) -> Derivatives<T> {
         let mut sum = match &self.elastomer {
-            Elastomer::NeoHookean => neo_hookean(e, w, g, self.x_outer),
+            Elastomer::NeoHookean(_) => neo_hookean(e, w, g, self.x_outer),
             Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
         };
         // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.

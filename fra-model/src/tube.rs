@@ -20,8 +20,6 @@ const WHOLE_BRANCH: u32 = 1_000_000;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tube<T: Real> {
     wall: Wall<T>,
-    /// The way around the search, for the walls that have one.
-    direct: Option<Direct<T>>,
     inner_radius_m: T,
     outer_radius_m: T,
     length_m: T,
@@ -31,7 +29,7 @@ pub(crate) struct Tube<T: Real> {
 
 impl<T: Real> Tube<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
-        let wall = Wall::new(parameters);
+        let wall = Wall::new(parameters).with_direct(Direct::new(parameters));
         let (radius, length) = (parameters.inner_radius_m, parameters.length_m);
         let size = Size {
             inner_radius_m: radius,
@@ -43,7 +41,6 @@ impl<T: Real> Tube<T> {
         };
         Self {
             wall,
-            direct: Direct::new(parameters),
             inner_radius_m: parameters.inner_radius_m,
             outer_radius_m: parameters.outer_radius_m,
             length_m: parameters.length_m,
@@ -55,7 +52,7 @@ impl<T: Real> Tube<T> {
     /// The equilibrium at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
         let unloaded = load.force_n == T::zero() && load.torque_nm == T::zero();
-        if let (None, true, Some(direct)) = (start, unloaded, &self.direct)
+        if let (None, true, Some(direct)) = (start, unloaded, self.direct())
             && let Some(found) = direct.pressed(pressure_pa * self.size.per_shear_modulus)
         {
             return self.solved(&found, pressure_pa);
@@ -215,12 +212,12 @@ impl<T: Real> Tube<T> {
 
     /// The same tube without the direct way: every question goes to the branch.
     pub(crate) fn by_search(self) -> Self {
-        Self { direct: None, ..self }
+        Self { wall: self.wall.with_direct(None), ..self }
     }
 
     /// Goes the direct way where that is certified, else asks the branch.
     fn solve(&self, question: &Question<T>) -> Solution<T> {
-        if let Some(found) = self.direct.as_ref().and_then(|direct| direct.answer(question)) {
+        if let Some(found) = self.direct().and_then(|direct| direct.answer(question)) {
             return self.solved(&found, found.pressure * self.shear_modulus_pa);
         }
         let Answer { found, iterations } = question.answer(&self.wall);
@@ -236,7 +233,7 @@ impl<T: Real> Tube<T> {
 
     /// The direct way, if it has one.
     pub(crate) fn direct(&self) -> Option<&Direct<T>> {
-        self.direct.as_ref()
+        self.wall.direct()
     }
 
     /// What makes dimensions of strains.
