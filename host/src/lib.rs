@@ -11,6 +11,8 @@ pub mod cli;
 pub mod design;
 pub mod eval;
 pub mod fem;
+#[cfg(test)]
+mod hyper_dual;
 pub mod link;
 pub mod many;
 mod marked;

@@ -184,38 +184,4 @@ impl Element<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::wall::tests::anything;
-    use super::*;
-
-    /// Tangent against differences of the residual, at values without symmetry.
-    #[test]
-    fn the_tangent_is_the_derivative_of_the_residual() {
-        let (wall, winding) = anything();
-        let start: [f64; ALL] = std::array::from_fn(|i| 0.04 * (i as f64 * 1.7).sin());
-        let at = |values: &[f64; ALL]| {
-            let element = Element { inner: 1.0, width: 0.3, height: 0.4, values };
-            let mut share = Share::NONE;
-            element.add_wall(&wall, &mut share).expect("not inside out");
-            element.add_sheet(-1.0, &winding, &mut share);
-            element.add_sheet(1.0, &winding, &mut share);
-            element.add_lumen(0.3, &mut share);
-            share
-        };
-        let here = at(&start);
-        let step = 1e-6;
-        for j in 0..ALL {
-            let moved = |by: f64| {
-                let mut values = start;
-                values[j] += by;
-                at(&values).first
-            };
-            let (plus, minus) = (moved(step), moved(-step));
-            for i in 0..ALL {
-                let slope = (plus[i] - minus[i]) / (2.0 * step);
-                assert!((slope - here.second[i][j]).abs() < 1e-7, "{i} {j}: {slope} {}", here.second[i][j]);
-                assert!((here.second[i][j] - here.second[j][i]).abs() < 1e-13, "{i} {j}");
-            }
-        }
-    }
-}
+mod tests;

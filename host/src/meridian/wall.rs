@@ -170,6 +170,7 @@ impl Winding {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::hyper_dual::HyperDual;
 
     /// A wall and a sheet with everything there is.
     pub(in super::super) fn anything() -> (Wall, Winding) {
@@ -177,29 +178,50 @@ pub(super) mod tests {
         (Wall { yeoh: [0.5, 0.07, -0.01], layer: Some((0.0, winding)), sheet: None }, winding)
     }
 
-    /// The derivatives against differences of the value, at a state without symmetry.
-    #[test]
-    fn derivatives_are_those_of_the_value() {
-        let f: Gradient = [1.1, 0.2, -0.3, 0.9, 0.25, -0.15, 1.2];
-        let energy = |f: &Gradient| {
-            let mut energy = anything().0.energy(1.0, f);
-            energy.add_pressure(0.7, f);
-            energy
+    /// Where directions of tests start.
+    pub(in super::super) const DIRECTIONS: [f64; 3] = [0.3, 1.9, 4.4];
+
+    /// Energy per volume with the constraint, written out again for any gradient, which is given as rows.
+    pub(in super::super) fn second_energy(wall: &Wall, pressure: HyperDual, f: &[[HyperDual; 3]; 3]) -> HyperDual {
+        let [c1, c2, c3] = wall.yeoh;
+        let x = f.iter().flatten().map(|entry| entry.squared()).sum::<HyperDual>() - 3.0;
+        let minor = |i: usize, j: usize| f[1][i] * f[2][j] - f[1][j] * f[2][i];
+        let volume = f[0][0] * minor(1, 2) + f[0][1] * minor(2, 0) + f[0][2] * minor(0, 1);
+        let fibers = wall.layer.map_or(HyperDual::default(), |(_, winding)| second_fibers(&winding, f));
+        x * c1 + x.squared() * c2 + x * x * x * c3 + fibers - pressure * (volume - 1.0)
+    }
+
+    /// `modulus/2 (I4 - 1)^2` for every family.
+    pub(in super::super) fn second_fibers(winding: &Winding, f: &[[HyperDual; 3]; 3]) -> HyperDual {
+        let Winding { modulus, cos, sin, families } = *winding;
+        let signs: &[f64] = if families == Families::Two { &[1.0, -1.0] } else { &[1.0] };
+        let strain = |sign: f64| {
+            f.map(|row| (row[1] * cos + row[2] * (sign * sin)).squared()).into_iter().sum::<HyperDual>() - 1.0
         };
-        let at = energy(&f);
-        let step = 1e-5;
-        for i in 0..PARTS {
-            let moved = |by: f64| {
-                let mut f = f;
-                f[i] += by;
-                energy(&f)
-            };
-            let (plus, minus) = (moved(step), moved(-step));
-            let slope = (plus.value - minus.value) / (2.0 * step);
-            assert!((slope - at.first[i]).abs() < 1e-8, "{i}: {slope} {}", at.first[i]);
-            for j in 0..PARTS {
-                let slope = (plus.first[j] - minus.first[j]) / (2.0 * step);
-                assert!((slope - at.second[i][j]).abs() < 1e-8, "{i} {j}: {slope} {}", at.second[i][j]);
+        signs.iter().map(|sign| strain(*sign).squared() * (0.5 * modulus)).sum()
+    }
+
+    /// Value, slopes and second derivatives by the seven parts, with one family and with two, at a state without symmetry.
+    #[test]
+    fn derivatives_are_those_of_the_value_by_hyper_dual_numbers() {
+        let parts: Gradient = [1.1, 0.2, -0.3, 0.9, 0.25, -0.15, 1.2];
+        for families in [Families::One, Families::Two] {
+            let (mut wall, winding) = anything();
+            wall.layer = Some((0.0, Winding { families, ..winding }));
+            let mut found = wall.energy(1.0, &parts);
+            found.add_pressure(0.7, &parts);
+            for i in 0..PARTS {
+                for j in 0..PARTS {
+                    let one = |at: usize, k: usize| f64::from(u8::from(at == k));
+                    let part = |k: usize| HyperDual::moving(parts[k], [one(i, k), one(j, k)]);
+                    let none = HyperDual::default();
+                    let rows = [[part(RR), none, part(RZ)], [part(TR), part(TT), part(TZ)], [part(ZR), none, part(ZZ)]];
+                    let exact = second_energy(&wall, HyperDual::from(0.7), &rows);
+                    assert!((found.value - exact.value).abs() < 1e-14, "{} {exact:?}", found.value);
+                    assert!((found.first[i] - exact.first[0]).abs() < 1e-13, "{i}: {} {exact:?}", found.first[i]);
+                    let second = found.second[i][j];
+                    assert!((second - exact.second).abs() < 1e-13, "{i} {j}: {second} {exact:?}");
+                }
             }
         }
     }

@@ -1,5 +1,8 @@
 //! The parts of the solver against what they are derivatives, factors or solutions of.
 
+mod derivatives;
+mod potential;
+
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
 use nalgebra::{DMatrix, DVector};
 
@@ -141,66 +144,6 @@ fn all_kinds() -> [Chain; 3] {
         chain(&parameters(YEOH, Some(Placement::Layer)), Limiter::None, Part::Ring),
         chain(&parameters(SOFT, Some(Placement::Smeared)), strip, Part::Ring),
     ]
-}
-
-/// A central difference of two widths, extrapolated to none: exact up to the fourth order.
-fn slope(f: impl Fn(f64) -> f64, width: f64) -> f64 {
-    let central = |h: f64| (f(h) - f(-h)) / (2.0 * h);
-    (4.0 * central(width / 2.0) - central(width)) / 3.0
-}
-
-#[test]
-fn the_gradient_is_that_of_the_potential() {
-    for (kind, chain) in all_kinds().iter().enumerate() {
-        let state = somewhere(chain, 7);
-        let gradient = dense(chain, &state).gradient;
-        let mut numbers = Numbers(11);
-        for _ in 0..5 {
-            let direction: Vec<f64> = flat(&state.form).iter().map(|_| numbers.next()).collect();
-            let along: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
-            let potential = |t: f64| {
-                let (energy, volume) = chain.potential(&moved(&state.form, &direction, t));
-                energy - state.pressure * volume
-            };
-            let difference = slope(potential, 2e-4);
-            assert!((along - difference).abs() <= 1e-8 * (1.0 + along.abs()), "kind {kind}: {along} {difference}");
-        }
-    }
-}
-
-#[test]
-fn the_volume_has_the_gradient_that_the_pressure_works_with() {
-    let chain = &all_kinds()[0];
-    let state = somewhere(chain, 3);
-    let gradient = dense(chain, &state).by_volume;
-    let mut numbers = Numbers(5);
-    let direction: Vec<f64> = flat(&state.form).iter().map(|_| numbers.next()).collect();
-    let along: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
-    let difference = slope(|t| chain.potential(&moved(&state.form, &direction, t)).1, 1e-2);
-    assert!((along - difference).abs() <= 1e-9 * (1.0 + along.abs()), "{along} {difference}");
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_the_gradient() {
-    for (kind, chain) in all_kinds().iter().enumerate() {
-        let state = somewhere(chain, 13);
-        let matrix = dense(chain, &state).matrix;
-        assert!((&matrix - matrix.transpose()).amax() <= 1e-13 * matrix.amax(), "not symmetric");
-        let mut numbers = Numbers(17);
-        for _ in 0..3 {
-            let direction: Vec<f64> = flat(&state.form).iter().map(|_| numbers.next()).collect();
-            let gradient = |t: f64| {
-                let form = moved(&state.form, &direction, t);
-                dense(chain, &State { tensions: tensions(chain, &form), form, pressure: state.pressure }).gradient
-            };
-            let (width, unknowns) = (1e-4, direction.len());
-            let central = |h: f64| (gradient(h) - gradient(-h)) / (2.0 * h);
-            let difference = (4.0 * central(width / 2.0) - central(width)) / 3.0;
-            let along = matrix.columns(0, unknowns) * DVector::from_vec(direction);
-            let error = (along.rows(0, unknowns) - difference.rows(0, unknowns)).amax();
-            assert!(error <= 1e-8 * along.amax(), "kind {kind}: {error:e} of {:e}", along.amax());
-        }
-    }
 }
 
 /// Displacements around at the plane of symmetry of half a section.
