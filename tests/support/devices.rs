@@ -8,7 +8,7 @@ use softlimb_sim::emulated::is_installed;
 /// Where `cargo xtask test` puts the images.
 const IMAGES: &str = "SOFTLIMB_IMAGES";
 
-const CURE: &str = "run `cargo xtask test`, which builds the images; it needs `rustup target add thumbv7em-none-eabihf`, or on Debian \
+const CURE: &str = "run `cargo xtask test`, which builds the images and installs what that needs where it may; by hand: `rustup target add thumbv7em-none-eabihf`, or on Debian \
                     `apt-get install rustc-web cargo-web rust-web-src lld`, and `apt-get install qemu-system-arm`";
 
 /// The images for the emulator.
@@ -27,7 +27,7 @@ impl Images {
         let is_required = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty());
         assert!(!is_required, "{test} cannot run: {CURE}");
         // Not by the macro, whose output a test that passes does not show.
-        let _ = writeln!(std::io::stderr(), "skipped: {test} in an emulator; {CURE}");
+        let _ = writeln!(std::io::stderr(), "skipped: {test}; {CURE}");
         None
     }
 

@@ -42,9 +42,9 @@ impl Cargo {
         code(status)
     }
 
-    /// Starts with standard output held back for the caller.
+    /// Starts with standard output and standard error held back for the caller.
     pub(crate) fn start(mut self) -> Result<Child, u8> {
-        self.command.stdout(Stdio::piped()).spawn().map_err(|error| not_started(&error))
+        self.command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().map_err(|error| not_started(&error))
     }
 }
 

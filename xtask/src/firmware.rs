@@ -14,7 +14,8 @@ use crate::toolchain::{TARGET, Toolchain};
 
 pub(crate) use flash::flash;
 
-const PACKAGE: &str = "softlimb-image-stm32f4";
+/// The package of the images for boards.
+pub(crate) const PACKAGE: &str = "softlimb-image-stm32f4";
 /// What is flashed, and its twin for the emulator.
 const FLASHED: &str = "softlimb-stm32f4";
 const TWIN: &str = "softlimb-cosim";

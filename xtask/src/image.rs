@@ -10,9 +10,12 @@ use crate::cargo::{Cargo, root, target_folder};
 use crate::double::is_double;
 use crate::table::{self, Row};
 use crate::toolchain::{TARGET, Toolchain};
-use crate::{elf, emulator};
+use crate::{elf, emulator, firmware};
 
 const PACKAGE: &str = "softlimb-image-mps2-an386";
+
+/// What to do where the toolchain for the microcontroller cannot lint.
+const NO_CLIPPY: &str = "install clippy (`rustup component add clippy`, Debian: apt-get install rust-web-clippy) for";
 
 /// Why the check did not end well.
 pub(crate) enum Trouble {
@@ -36,11 +39,34 @@ pub(crate) enum Counts {
 /// # Errors
 /// The first step that fails.
 pub(crate) fn check(counts: Counts) -> Result<(), Trouble> {
-    let toolchain = Toolchain::find().map_err(Trouble::Missing)?;
+    let emulator = emulator::find();
+    let toolchain = Toolchain::find().map_err(|cure| {
+        let cures = [Some(cure), emulator.clone().err()];
+        Trouble::Missing(cures.into_iter().flatten().collect::<Vec<_>>().join("\n"))
+    })?;
     let image = built(&toolchain).map_err(Trouble::Failed)?;
     println!("xtask: no double precision in the model's image");
-    emulator::find().map_err(Trouble::Missing)?;
+    emulator.map_err(Trouble::Missing)?;
     emulated(&image, &toolchain, counts).map_err(Trouble::Failed)
+}
+
+/// Lints what is compiled for microcontrollers only, by the toolchain that compiles it.
+///
+/// # Errors
+/// A warning; that toolchain has no clippy.
+pub(crate) fn lint() -> Result<(), Trouble> {
+    let toolchain = Toolchain::find().map_err(Trouble::Missing)?;
+    for package in [PACKAGE, firmware::PACKAGE] {
+        let command = toolchain.lint(package, &target_folder().join("lint"));
+        let mut command = command.ok_or_else(|| Trouble::Missing(format!("{NO_CLIPPY} {}", toolchain.version)))?;
+        println!("xtask: clippy of {package} for {TARGET}, {}", toolchain.version);
+        command.args(["--", "-D", "warnings"]).current_dir(root());
+        let status = command.status().map_err(|error| Trouble::Failed(format!("cannot run cargo-clippy: {error}")))?;
+        if !status.success() {
+            return Err(Trouble::Failed(format!("warnings in {package}")));
+        }
+    }
+    Ok(())
 }
 
 /// Builds the images and looks at their symbols; the model's image.

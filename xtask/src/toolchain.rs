@@ -3,7 +3,7 @@
 use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Cortex-M4 with its unit for single precision.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
@@ -16,7 +16,7 @@ no installed toolchain builds for thumbv7em-none-eabihf. Install one:
 
 /// A Cargo that can build for the target.
 pub(crate) struct Toolchain {
-    cargo: OsString,
+    cargo: PathBuf,
     rustc: PathBuf,
     /// `rustc 1.96.0 (...)`.
     pub(crate) version: String,
@@ -27,19 +27,22 @@ pub(crate) struct Toolchain {
 }
 
 impl Toolchain {
-    /// The first that will do: the one that runs now with the target installed; the same with the source of the standard library;
-    /// the system's with that source, as Debian packages it.
+    /// The first that will do, with the target installed or with the source of the standard library: the one that runs now, then those
+    /// in the folders of PATH, Debian's among them.
     ///
     /// # Errors
     /// What to install.
     pub(crate) fn find() -> Result<Self, String> {
-        let cargo = env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
-        let own = env::var_os("RUSTC").map_or_else(|| PathBuf::from("rustc"), PathBuf::from);
-        let candidates = [(cargo, own), (OsString::from("/usr/bin/cargo"), PathBuf::from("/usr/bin/rustc"))];
-        candidates.into_iter().find_map(|(cargo, rustc)| Self::of(cargo, rustc)).ok_or_else(|| CURE.to_owned())
+        let named =
+            |variable: &str, name: &str| PathBuf::from(env::var_os(variable).unwrap_or_else(|| OsString::from(name)));
+        let own = (named("CARGO", "cargo"), named("RUSTC", "rustc"));
+        let pairs = folders().into_iter().map(|folder| (program(&folder, "cargo"), program(&folder, "rustc")));
+        let pairs = pairs.filter(|(cargo, rustc)| cargo.is_file() && rustc.is_file());
+        let found = std::iter::once(own).chain(pairs).find_map(|(cargo, rustc)| Self::of(cargo, rustc));
+        found.ok_or_else(|| CURE.to_owned())
     }
 
-    fn of(cargo: OsString, rustc: PathBuf) -> Option<Self> {
+    fn of(cargo: PathBuf, rustc: PathBuf) -> Option<Self> {
         let version = answer(&rustc, "--version")?;
         if !is_new_enough(&version) {
             return None;
@@ -60,7 +63,32 @@ impl Toolchain {
     /// `cargo build` of a package for the target into a folder, with the profile for images.
     pub(crate) fn build(&self, package: &str, folder: &Path) -> Command {
         let mut command = Command::new(&self.cargo);
-        command.args(["build", "--package", package, "--profile", "firmware", "--target", TARGET, "--target-dir"]);
+        command.arg("build");
+        self.aim(command, package, folder)
+    }
+
+    /// `cargo clippy` in the same way, where this toolchain has one; another's does not know its library.
+    pub(crate) fn lint(&self, package: &str, folder: &Path) -> Option<Command> {
+        let clippy = program(self.cargo.parent()?, "cargo-clippy");
+        let runs = |program: &Path| {
+            let probe = Command::new(program)
+                .args(["clippy", "--version"])
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .status();
+            probe.is_ok_and(|status| status.success())
+        };
+        if !runs(&clippy) {
+            return None;
+        }
+        let mut command = Command::new(clippy);
+        command.arg("clippy").env("CARGO", &self.cargo);
+        Some(self.aim(command, package, folder))
+    }
+
+    /// A package, the target, a folder and what this toolchain needs for them.
+    fn aim(&self, mut command: Command, package: &str, folder: &Path) -> Command {
+        command.args(["--package", package, "--profile", "firmware", "--target", TARGET, "--target-dir"]);
         command.arg(folder).env("RUSTC", &self.rustc);
         // Flags for this computer are none for the microcontroller.
         command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
@@ -96,9 +124,18 @@ fn has_linker(host_library: &Path) -> bool {
     ["bin/rust-lld", "bin/rust-lld.exe"].iter().any(|name| host_library.join(name).is_file())
 }
 
+/// The folders in which programs are looked for.
+fn folders() -> Vec<PathBuf> {
+    env::var_os("PATH").map(|path| env::split_paths(&path).collect()).unwrap_or_default()
+}
+
+fn program(folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("{name}{}", env::consts::EXE_SUFFIX))
+}
+
 /// `ld.lld` of the system, also under a name with its version.
 fn system_linker() -> Option<PathBuf> {
-    let folders: Vec<PathBuf> = env::split_paths(&env::var_os("PATH")?).collect();
+    let folders = folders();
     let named = |name: &str| folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
     named("ld.lld").or_else(|| (14..40).rev().find_map(|version| named(&format!("ld.lld-{version}"))))
 }

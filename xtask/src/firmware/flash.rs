@@ -5,35 +5,67 @@ use std::process::{Command, Stdio};
 use super::{Board, Files, Sizes, build};
 use crate::image::Trouble;
 
-/// What to do where nothing is connected.
-const CURE: &str = "\
-no debugger and no chip in its loader was found. Either
-  connect the board by its debugger (NUCLEO: the USB plug) and install probe-rs: https://probe.rs, `cargo install probe-rs-tools`
+/// What to do where nothing that writes is installed.
+const INSTALL: &str = "\
+nothing that writes a chip is installed. Either
+  install probe-rs and connect the board by its debugger (NUCLEO: the USB plug): https://probe.rs, `cargo install probe-rs-tools`
 or
-  connect its USB plug with BOOT0 held high while it starts, and install dfu-util:
-  Debian, Ubuntu: apt-get install dfu-util      Fedora: dnf install dfu-util      macOS: brew install dfu-util
+  install dfu-util and connect the board's own USB plug, with BOOT0 held high while it starts:
+  Debian, Ubuntu: apt-get install dfu-util      Fedora: dnf install dfu-util      macOS: brew install dfu-util";
+
+/// What to do where `probe-rs` sees nothing, and where `dfu-util` does.
+const NO_DEBUGGER: &str = "probe-rs finds no debugger: connect the board by it (NUCLEO: the USB plug)";
+const NO_LOADER: &str =
+    "dfu-util finds no chip in its loader: connect the board's own USB plug, with BOOT0 held high while it starts";
+
+/// What holds for both.
+const CARE: &str = "\
 Cut the supply of the valves first: while it is written, the chip's pins are not the program's.
 On Linux the user needs access to the device: see https://probe.rs/docs/getting-started/probe-setup";
 
 /// The chip's loader on the USB.
 const LOADER: &str = "0483:df11";
 
+/// What can write into the chip that is connected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    Debugger,
+    Loader,
+}
+
 /// Builds the image of a board and writes it into the chip that is connected.
 ///
 /// # Errors
-/// Nothing is connected, or what writes fails.
+/// Nothing is connected, which is known before anything is built, or what writes fails.
 pub(crate) fn flash(board: Board) -> Result<(), Trouble> {
+    let list = [answer("probe-rs", &["list"]), answer("dfu-util", &["--list"])];
+    let way = way(list.each_ref().map(Option::as_deref)).map_err(Trouble::Missing)?;
     let Files { elf, bin } = build(board, Sizes::Compare)?;
     let (elf, bin) = (elf.display().to_string(), bin.display().to_string());
-    if answer("probe-rs", &["list"]).is_some_and(|text| has_probe(&text)) {
-        run("probe-rs", &["download", "--verify", "--connect-under-reset", "--chip", chip(board), &elf])?;
-        return run("probe-rs", &["reset", "--chip", chip(board)]);
+    match way {
+        Way::Debugger => {
+            run("probe-rs", &["download", "--verify", "--connect-under-reset", "--chip", chip(board), &elf])?;
+            run("probe-rs", &["reset", "--chip", chip(board)])
+        }
+        Way::Loader => {
+            let place = "0x08000000:leave";
+            run("dfu-util", &["--device", LOADER, "--alt", "0", "--dfuse-address", place, "--download", &bin])
+        }
     }
-    if answer("dfu-util", &["--list"]).is_some_and(|text| text.contains(LOADER)) {
-        let place = "0x08000000:leave";
-        return run("dfu-util", &["--device", LOADER, "--alt", "0", "--dfuse-address", place, "--download", &bin]);
+}
+
+/// What writes, by what `probe-rs list` and `dfu-util --list` say; none where they are not installed.
+fn way([probes, loaders]: [Option<&str>; 2]) -> Result<Way, String> {
+    if probes.is_some_and(has_probe) {
+        return Ok(Way::Debugger);
     }
-    Err(Trouble::Missing(CURE.to_owned()))
+    if loaders.is_some_and(|text| text.contains(LOADER)) {
+        return Ok(Way::Loader);
+    }
+    let seen = [probes.map(|_| NO_DEBUGGER), loaders.map(|_| NO_LOADER)];
+    let seen: Vec<&str> = seen.into_iter().flatten().collect();
+    let advice = if seen.is_empty() { INSTALL.to_owned() } else { seen.join("\nor\n") };
+    Err(format!("{advice}\n{CARE}"))
 }
 
 fn chip(board: Board) -> &'static str {
@@ -65,11 +97,28 @@ fn run(program: &str, arguments: &[&str]) -> Result<(), Trouble> {
 
 #[cfg(test)]
 mod tests {
-    use super::has_probe;
+    use super::*;
+
+    const PROBE: &str = "The following debug probes were found:\n[0]: STLink V2-1 -- 0483:374b:066EFF (ST-LINK)\n";
+    const NO_PROBE: &str = "No debug probes were found.\n";
+    const DFU: &str = "Found DFU: [0483:df11] ver=2200, devnum=5, cfg=1, intf=0, path=\"1-1\", alt=0\n";
 
     #[test]
-    fn a_probe_is_told_from_none() {
-        assert!(has_probe("The following debug probes were found:\n[0]: STLink V2-1 -- 0483:374b:066EFF (ST-LINK)\n"));
-        assert!(!has_probe("No debug probes were found.\n"));
+    fn a_debugger_comes_before_a_loader_and_either_before_advice() {
+        assert_eq!(way([Some(PROBE), Some(DFU)]), Ok(Way::Debugger));
+        assert_eq!(way([Some(PROBE), None]), Ok(Way::Debugger));
+        assert_eq!(way([Some(NO_PROBE), Some(DFU)]), Ok(Way::Loader));
+        assert_eq!(way([None, Some(DFU)]), Ok(Way::Loader));
+    }
+
+    #[test]
+    fn advice_is_about_what_is_missing() {
+        let advice = |lists| way(lists).unwrap_err();
+        let (neither, probe_rs, dfu_util) =
+            (advice([None, None]), advice([Some(NO_PROBE), None]), advice([None, Some("")]));
+        assert!(neither.contains("cargo install probe-rs-tools") && neither.contains("apt-get install dfu-util"));
+        assert!(probe_rs.contains(NO_DEBUGGER) && !probe_rs.contains(NO_LOADER) && !probe_rs.contains("install"));
+        assert!(dfu_util.contains(NO_LOADER) && !dfu_util.contains(NO_DEBUGGER));
+        assert!([neither, probe_rs, dfu_util].iter().all(|text| text.contains("Cut the supply")));
     }
 }

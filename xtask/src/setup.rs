@@ -1,0 +1,191 @@
+//! What the tests need beside Rust: what is there, what could be installed, and installing it where that is possible.
+
+use std::process::{Command, Stdio};
+
+use crate::emulator;
+use crate::toolchain::Toolchain;
+
+/// Something that tests need, of which a Rust toolchain knows nothing.
+#[derive(Debug, PartialEq, Eq)]
+struct Part {
+    /// Packages of Debian and what descends from it.
+    packages: &'static [&'static str],
+    /// What it is for.
+    why: &'static str,
+    /// Where there is no `apt-get`.
+    elsewhere: &'static str,
+}
+
+const PARTS: [Part; 3] = [
+    Part {
+        packages: &["rustc-web", "cargo-web", "rust-web-src", "lld"],
+        why: "a compiler for thumbv7em-none-eabihf: images for the microcontroller",
+        elsewhere: "`rustup target add thumbv7em-none-eabihf`",
+    },
+    Part {
+        packages: &["qemu-system-arm"],
+        why: "the emulator that those images run in",
+        elsewhere: "qemu: https://www.qemu.org/download, `dnf install qemu-system-arm`, `brew install qemu`",
+    },
+    Part {
+        packages: &["calculix-ccx"],
+        why: "CalculiX, which solves the finite element decks",
+        elsewhere: "CalculiX: http://www.calculix.de, `dnf install calculix`",
+    },
+];
+
+/// What may be done about a part that is not there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Means {
+    /// There is `apt-get`, and the right to use it.
+    Apt,
+    /// There is `apt-get`, for somebody else.
+    AptOfRoot,
+    /// There is no `apt-get`.
+    None,
+    /// Nothing may be installed.
+    Forbidden,
+}
+
+/// What is to be done.
+#[derive(Debug, PartialEq, Eq)]
+enum Step {
+    /// To install these parts, each by itself, so that one which cannot be had costs no other.
+    Install(Vec<&'static Part>),
+    /// To name these parts and go on.
+    Name(Vec<&'static Part>, Means),
+}
+
+/// Makes what the tests need available where that is possible, saying so before; else names it.
+pub(crate) fn prepare(may_install: bool) {
+    match step(present(), means(may_install)) {
+        Step::Install(parts) if parts.is_empty() => {}
+        Step::Install(parts) => {
+            print!("{}", announcement(&parts));
+            install(&parts);
+        }
+        Step::Name(parts, means) => print!("{}", advice(&parts, means)),
+    }
+}
+
+/// Which of the parts are there.
+fn present() -> [bool; 3] {
+    // It prints its version and a failure; that it runs is enough.
+    let ccx = Command::new("ccx").arg("-v").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+    [Toolchain::find().is_ok(), emulator::find().is_ok(), ccx]
+}
+
+fn means(may_install: bool) -> Means {
+    let apt = Command::new("apt-get").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    match apt.is_ok_and(|status| status.success()) {
+        _ if !may_install => Means::Forbidden,
+        false => Means::None,
+        true if is_root() => Means::Apt,
+        true => Means::AptOfRoot,
+    }
+}
+
+/// Whether this process may do everything, by the system's own word.
+fn is_root() -> bool {
+    let id = Command::new("id").arg("-u").stderr(Stdio::null()).output();
+    id.is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+}
+
+/// What to do by what is there and what may be done.
+fn step(present: [bool; 3], means: Means) -> Step {
+    let lacking: Vec<_> = PARTS.iter().zip(present).filter_map(|(part, there)| (!there).then_some(part)).collect();
+    if lacking.is_empty() || means == Means::Apt { Step::Install(lacking) } else { Step::Name(lacking, means) }
+}
+
+/// What is about to be installed, and why.
+fn announcement(parts: &[&Part]) -> String {
+    let lines: String = parts.iter().map(|part| line(&part.packages.join(" "), part)).collect();
+    format!("xtask: tests need what is not here; about to install by apt-get (not with --no-install):\n{lines}")
+}
+
+/// What somebody else has to install.
+fn advice(parts: &[&Part], means: Means) -> String {
+    let apt = |part: &Part| format!("apt-get install {}", part.packages.join(" "));
+    let how = |part: &Part| match means {
+        Means::None => part.elsewhere.to_owned(),
+        Means::Apt | Means::AptOfRoot => apt(part),
+        Means::Forbidden => format!("{}; where there is no apt-get {}", apt(part), part.elsewhere),
+    };
+    let lines: String = parts.iter().map(|part| line(&how(part), part)).collect();
+    let title = match means {
+        Means::AptOfRoot => "this is not root, which could install it; the tests that need it are skipped",
+        _ => "the tests that need it are skipped",
+    };
+    format!("xtask: some tests need what is not here; {title}:\n{lines}")
+}
+
+fn line(how: &str, part: &Part) -> String {
+    format!("  {how}\n      {}\n", part.why)
+}
+
+/// Installs; where that fails, the step that needs the part says what it lacks.
+fn install(parts: &[&Part]) {
+    apt(&["-qq", "update"]);
+    for part in parts {
+        let options = ["-qq", "--yes", "--no-install-recommends", "install"];
+        apt(&[&options, part.packages].concat());
+    }
+}
+
+fn apt(arguments: &[&str]) {
+    println!("xtask: apt-get {}", arguments.join(" "));
+    let mut command = Command::new("apt-get");
+    command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive").stdin(Stdio::null()).stdout(Stdio::null());
+    if !command.status().is_ok_and(|status| status.success()) {
+        println!("xtask: apt-get did not succeed; going on without");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn packages(step: &Step) -> Vec<&'static str> {
+        let (Step::Install(parts) | Step::Name(parts, _)) = step;
+        parts.iter().flat_map(|part| part.packages).copied().collect()
+    }
+
+    #[test]
+    fn what_is_there_is_not_installed_again() {
+        for means in [Means::Apt, Means::AptOfRoot, Means::None, Means::Forbidden] {
+            assert_eq!(step([true; 3], means), Step::Install(Vec::new()), "{means:?}: nothing to do, nothing to say");
+        }
+        assert_eq!(packages(&step([true, false, true], Means::Apt)), ["qemu-system-arm"]);
+        assert_eq!(packages(&step([true, true, false], Means::Apt)), ["calculix-ccx"]);
+        let compiler = step([false, true, true], Means::Apt);
+        assert_eq!(packages(&compiler), ["rustc-web", "cargo-web", "rust-web-src", "lld"]);
+    }
+
+    #[test]
+    fn only_root_with_apt_installs() {
+        for present in [[false; 3], [true, false, false], [false, true, false]] {
+            assert!(matches!(step(present, Means::Apt), Step::Install(_)));
+            for means in [Means::AptOfRoot, Means::None, Means::Forbidden] {
+                let named = step(present, means);
+                assert!(matches!(named, Step::Name(_, told) if told == means), "{present:?}, {means:?}");
+                assert_eq!(packages(&named), packages(&step(present, Means::Apt)));
+            }
+        }
+    }
+
+    #[test]
+    fn what_and_why_is_said_before() {
+        let parts: Vec<&Part> = PARTS.iter().collect();
+        let (told, elsewhere) = (announcement(&parts), advice(&parts, Means::None));
+        for part in parts {
+            assert!(told.contains(&part.packages.join(" ")) && told.contains(part.why), "{told}");
+            assert!(elsewhere.contains(part.elsewhere) && elsewhere.contains(part.why), "{elsewhere}");
+        }
+        assert!(told.contains("--no-install") && elsewhere.contains("skipped"));
+    }
+
+    #[test]
+    fn nothing_may_mean_nothing() {
+        assert_eq!(means(false), Means::Forbidden);
+    }
+}
