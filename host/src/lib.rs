@@ -4,11 +4,12 @@
 //! setpoints, [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
 //! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`bench`] measures it; [`cli`] is the command line.
 //! Finite elements judge it: [`section`] of the section, [`meridian`] of ends and threads, [`fem`] in three dimensions by CalculiX; [`validation`] puts
-//! them side by side.
+//! them side by side. [`range`] is what they refuse numbers with.
 
 pub mod bench;
 pub mod cli;
 pub mod design;
+mod elastomer;
 pub mod eval;
 pub mod fem;
 #[cfg(test)]
@@ -19,11 +20,13 @@ mod marked;
 pub mod meridian;
 pub mod motion;
 mod quadrilateral;
+pub mod range;
 pub mod record;
 pub mod report;
 pub mod run;
 pub mod scene;
 pub mod section;
 pub mod simulate;
+mod spacing;
 pub mod table;
 pub mod validation;

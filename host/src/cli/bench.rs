@@ -1,13 +1,13 @@
 //! `softlimb bench`: measure the model.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
+use super::kept::{Kept, read, write};
 use super::{Failure, Outcome};
 use crate::bench::{self, Report, Settings};
 
@@ -45,18 +45,8 @@ struct Accuracy {
     /// Add the counts of a microcontroller, as `cargo xtask model-image --record` writes them
     #[arg(long, value_name = "FILE")]
     mcu: Option<PathBuf>,
-    /// Print the table as JSON
-    #[arg(long)]
-    json: bool,
-    /// Write the table as tab-separated values
-    #[arg(long, value_name = "FILE")]
-    tsv: Option<PathBuf>,
-    /// Write the picture
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-    /// Replace the tables in a page, such as docs/accuracy.md
-    #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
+    #[command(flatten)]
+    kept: Kept,
     /// Do the work that is counted, once
     #[arg(long, hide = true)]
     workload: bool,
@@ -75,7 +65,7 @@ impl Accuracy {
         if self.workload {
             return self.work();
         }
-        let page = self.page.as_deref().map(Page::read).transpose()?;
+        let page = self.kept.page(bench::PLACE)?;
         let mcu = self.mcu.as_deref().map(|file| read(file).map(|table| (file, table))).transpose()?;
         if let Some((file, table)) = &mcu {
             bench::join(&mut Report::default(), table).map_err(|error| Failure::file("use", file, &error))?;
@@ -87,21 +77,12 @@ impl Accuracy {
         if let Some((file, table)) = mcu {
             bench::join(&mut report, &table).map_err(|error| Failure::file("use", file, &error))?;
         }
-        if self.json {
-            super::say(&table(&report).to_string())?;
-        } else {
-            super::say(&report.table())?;
-        }
+        self.kept.show(|| table(&report), || report.table())?;
         // Picture and page show what the file says, to the digit.
         let report = Report::from_tsv(&report.tsv()).map_err(Failure::new)?;
-        for (file, text) in [(&self.tsv, report.tsv()), (&self.svg, bench::picture(&report))] {
-            if let Some(file) = file {
-                write(file, &text)?;
-            }
-        }
-        if let Some(page) = page {
-            page.refresh(&report)?;
-        }
+        self.kept.tsv.as_deref().map_or(Ok(()), |file| write(file, &report.tsv()))?;
+        self.kept.draw(|| bench::picture(&report))?;
+        page.map_or(Ok(()), |page| page.write(bench::refreshed(&page.text, &report)))?;
         Ok(outcome)
     }
 
@@ -146,41 +127,6 @@ impl Accuracy {
         super::say(&lines.join("\n"))?;
         Ok(Outcome::Done)
     }
-}
-
-/// A page whose tables are to be replaced, read before the work begins.
-struct Page<'a> {
-    file: &'a Path,
-    text: String,
-}
-
-impl<'a> Page<'a> {
-    fn read(file: &'a Path) -> Result<Self, Failure> {
-        let text = read(file)?;
-        if !bench::has_place(&text) {
-            let file = file.display();
-            return Err(Failure::new(format!(
-                "{file} has no place for the tables: a line `{}` and one `{}`",
-                bench::PLACE[0],
-                bench::PLACE[1]
-            )));
-        }
-        Ok(Self { file, text })
-    }
-
-    fn refresh(&self, report: &Report) -> Result<(), Failure> {
-        bench::refreshed(&self.text, report).map_or(Ok(()), |text| write(self.file, &text))
-    }
-}
-
-fn read(file: &Path) -> Result<String, Failure> {
-    fs::read_to_string(file).map_err(|error| Failure::file("read", file, &error))
-}
-
-fn write(file: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(file, text).map_err(|error| Failure::file("write", file, &error))?;
-    super::note(&format!("wrote {}", file.display()));
-    Ok(())
 }
 
 fn table(report: &Report) -> serde_json::Value {

@@ -27,6 +27,7 @@ impl Check {
         let limb = Limb::new(&scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let inverses = motion::inverses(&scene, &limb)?;
+        motion::check_goals(&scene, &limb, &plan, &inverses)?;
         let highest = highest_pressures(&plan);
         if self.json {
             super::say(&report(&scene, &limb, &plan, &highest, &inverses).to_string())?;

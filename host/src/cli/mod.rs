@@ -8,6 +8,7 @@ mod check;
 mod eval;
 mod failure;
 mod fem;
+mod kept;
 mod report;
 mod run;
 

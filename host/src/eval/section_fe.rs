@@ -61,7 +61,7 @@ fn plain(error: SectionError) -> String {
 impl Asked<'_> {
     fn at(&mut self, pressure_pa: f64) -> Result<Answer, String> {
         let curve = self.section.curve(&[pressure_pa], &self.load).map_err(plain)?;
-        self.iterations += curve.effort.newton_iterations;
+        self.iterations += curve.effort.newton_iterations + curve.coarse_effort.newton_iterations;
         curve.answers.first().copied().ok_or_else(|| "the model gave no answer".into())
     }
 

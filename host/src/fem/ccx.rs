@@ -8,10 +8,11 @@ use std::thread;
 use std::time::Duration;
 
 use super::dat::{Progress, progress};
-use super::error::{at, require};
+use super::error::at;
 use super::files::{Scratch, make_folder};
 use super::guard::Running;
 use super::{Deck, FemError};
+use crate::range::require;
 
 /// How often the run is looked at.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -45,7 +46,8 @@ impl Runner {
     pub fn check(&self) -> Result<(), FemError> {
         let timeout = self.timeout_s;
         require((0.1..=1e6).contains(&timeout), "timeout_s", timeout, "0.1 to 1e6")?;
-        require((1..=64).contains(&self.threads), "threads", f64::from(self.threads), "1 to 64")
+        require((1..=64).contains(&self.threads), "threads", f64::from(self.threads), "1 to 64")?;
+        Ok(())
     }
 }
 

@@ -5,21 +5,16 @@ use std::path::PathBuf;
 
 use fra_model::InvalidParameter;
 
+use crate::range::OutOfRange;
+
 /// What can go wrong with a deck and its run. A point that did not converge is none of it: it has a status of its own.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FemError {
-    /// An option or a value derived from it is out of range.
-    #[error("{field} = {value} is not allowed: {allowed}")]
-    Invalid {
-        /// The option, as in [`Options`](super::Options), [`Subject`](super::Subject) or [`Runner`](super::Runner); `layer_mm` and
-        /// `spacing_mm` are their lengths in mm.
-        field: &'static str,
-        /// The value found.
-        value: f64,
-        /// What is accepted.
-        allowed: String,
-    },
+    /// An option or a value derived from it is out of range; fields are those of [`Options`](super::Options), [`Subject`](super::Subject) or
+    /// [`Runner`](super::Runner); `layer_mm` and `spacing_mm` are their lengths in mm.
+    #[error(transparent)]
+    Invalid(#[from] OutOfRange),
     /// Threads are asked for, and the winding fills a layer or the wall.
     #[error("fibers as threads want a winding that is placed as a sheet")]
     NoSheet,
@@ -105,16 +100,6 @@ fn explained(error: &io::Error) -> String {
         }
         _ => error.to_string(),
     }
-}
-
-/// `Err` that names the field unless `accepted`.
-pub(super) fn require(
-    accepted: bool,
-    field: &'static str,
-    value: f64,
-    allowed: impl Into<String>,
-) -> Result<(), FemError> {
-    if accepted { Ok(()) } else { Err(FemError::Invalid { field, value, allowed: allowed.into() }) }
 }
 
 /// Turns an error of the operating system into one that names the file.

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use fra_model::{ActuatorParameters, Material, Placement};
 
-use super::error::require;
-use super::mesh::grid::evenly;
 use super::plan::Wound;
 use super::{FemError, FiberModel, Options};
+use crate::range::require;
+use crate::spacing::evenly;
 
 /// Fibers as a material, per family.
 #[derive(Clone, Copy, Debug, PartialEq)]

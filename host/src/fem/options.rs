@@ -3,7 +3,7 @@
 use fra_model::{ActuatorParameters, Fiber, Placement};
 
 use super::FemError;
-use super::error::require;
+use crate::range::{OutOfRange, positive, require};
 
 /// What is modelled: one actuator, or a bundle of equal ones between two connectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,8 @@ impl Subject {
         require(radius.is_finite() && radius >= 0.0, "circle_radius_m", radius, "finite and >= 0")?;
         let least = self.parameters.outer_radius_m / (std::f64::consts::PI / count).sin();
         let apart = self.actuators == 1 || radius >= least * (1.0 - 1e-9);
-        require(apart, "circle_radius_m", radius, format!("at least {least:.6} m for {count} actuators side by side"))
+        require(apart, "circle_radius_m", radius, format!("at least {least:.6} m for {count} actuators side by side"))?;
+        Ok(())
     }
 }
 
@@ -134,16 +135,16 @@ impl Options {
             FiberModel::Smeared { layer_m } => ("layer_mm", layer_m),
             FiberModel::Threads { spacing_m } => ("spacing_mm", spacing_m),
         };
-        length.map_or(Ok(()), |m| require(m.is_finite() && m > 0.0, field, 1e3 * m, "finite and > 0"))
+        Ok(length.map_or(Ok(()), |m| positive(field, 1e3 * m))?)
     }
 }
 
-fn count(field: &'static str, value: Option<u32>, least: u32, most: u32) -> Result<(), FemError> {
+fn count(field: &'static str, value: Option<u32>, least: u32, most: u32) -> Result<(), OutOfRange> {
     range(field, f64::from(value.unwrap_or(least)), f64::from(least), f64::from(most))
 }
 
 /// `Err` unless `least <= value <= most`.
-pub(super) fn range(field: &'static str, value: f64, least: f64, most: f64) -> Result<(), FemError> {
+pub(super) fn range(field: &'static str, value: f64, least: f64, most: f64) -> Result<(), OutOfRange> {
     require((least..=most).contains(&value), field, value, format!("{least} to {most}"))
 }
 

@@ -4,11 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use fra_model::{ActuatorParameters, Families, Motion, Placement};
 
-use super::error::require;
 use super::layers::{Smeared, nearest, radial};
-use super::mesh::grid::{Grid, evenly};
+use super::mesh::grid::Grid;
 use super::threads::{Winding, is_mirror_image, repeats};
 use super::{FemError, FiberModel, Options, Subject, SymmetryUse};
+use crate::range::require;
+use crate::spacing::evenly;
 
 /// Surface stiffness `mu2 t` of a winding that none is stated for, in units of shear modulus and wall: as good as inextensible.
 const IDEAL: f64 = 1000.0;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::gauge::Displacements;
 use super::mesh::{Kind, Part};
 use super::{FemError, Model, Run, make_folder, write_whole};
+use crate::range::require;
 
 /// Types of cells: line, quadratic brick, quadratic wedge. Their nodes are in the order of a deck.
 const LINE: u8 = 3;
@@ -19,7 +20,7 @@ impl Run {
     /// # Errors
     /// [`FemError::File`]; [`FemError::Invalid`] where the run has printed its gauges alone.
     pub fn write_vtu(&self, folder: &Path, name: &str) -> Result<PathBuf, FemError> {
-        super::error::require(self.model.all_nodes, "all_nodes", 0.0, "all nodes must be printed to draw a mesh")?;
+        require(self.model.all_nodes, "all_nodes", 0.0, "all nodes must be printed to draw a mesh")?;
         make_folder(folder)?;
         let pressures = self.points.iter().filter(|point| point.middle.is_some()).map(|point| point.pressure_pa);
         let mut list = String::from("<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");

@@ -5,7 +5,8 @@ use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Motion, Placement
 use super::body::{Body, Shaped};
 use super::mesh::{EndOfWall, Mesh};
 use super::wall::Wall;
-use super::{MeridianError, across, positive};
+use super::{MeridianError, across};
+use crate::range::positive;
 
 /// Elements across the wall, of the coarser of two meshes.
 const ACROSS: usize = 3;

@@ -18,12 +18,15 @@ use thiserror::Error;
 pub use end_length::{Delta, EndLength, end_length};
 pub use thread::{Thread, ThreadSheet, thread_sheet};
 
+use crate::range::OutOfRange;
+use crate::spacing::evenly;
+
 /// Why there is no calibration.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum MeridianError {
     /// A parameter is out of its range.
     #[error(transparent)]
-    Invalid(#[from] InvalidParameter<f64>),
+    Invalid(#[from] OutOfRange),
     /// The wall has no equilibrium at the pressure.
     #[error("no equilibrium at {pressure_pa} Pa: the last one found is at {last_pa} Pa")]
     NoEquilibrium {
@@ -60,18 +63,10 @@ pub enum MeridianError {
     },
 }
 
-/// Requires a finite positive value.
-fn positive(field: &'static str, value: f64) -> Result<(), InvalidParameter<f64>> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(InvalidParameter { field, value, allowed: "finite and > 0" })
+impl From<InvalidParameter<f64>> for MeridianError {
+    fn from(error: InvalidParameter<f64>) -> Self {
+        Self::Invalid(error.into())
     }
-}
-
-/// `count` equal parts between two places, both ends included.
-fn parts(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
-    (0..=count).map(move |k| from + (to - from) * k as f64 / count as f64)
 }
 
 /// Corners across a wall with a line at an edge, in parts not longer than the wall over `count`.
@@ -82,7 +77,7 @@ fn across(outer: f64, edge: Option<f64>, count: usize) -> Vec<f64> {
     for to in edge.into_iter().chain([outer]) {
         let from = corners[corners.len() - 1];
         let number = ((to - from) / most * (1.0 - 1e-12)).ceil().max(1.0) as usize;
-        corners.extend(parts(from, to, number).skip(1));
+        corners.extend(evenly(from, to, number).skip(1));
     }
     corners
 }

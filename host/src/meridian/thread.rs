@@ -1,11 +1,13 @@
 //! What a wound thread of some pitch is worth as a sheet.
 
-use fra_model::{Actuator, ActuatorParameters, Families, Fiber, InvalidParameter, Load, Motion, Placement, Status};
+use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Motion, Placement, Status};
 
 use super::body::Body;
 use super::mesh::{EndOfWall, Mesh};
 use super::wall::{Wall, Winding};
-use super::{MeridianError, across, parts, positive};
+use super::{MeridianError, across};
+use crate::range::{positive, require};
+use crate::spacing::evenly;
 
 /// Elements across the wall, of the coarser of two meshes.
 const ACROSS: usize = 3;
@@ -63,10 +65,7 @@ pub fn thread_sheet(
     positive("stiffness_n", thread.stiffness_n)?;
     positive("spacing_m", thread.spacing_m)?;
     positive("width_m", thread.width_m)?;
-    if thread.width_m >= thread.spacing_m {
-        let (field, value) = ("width_m", thread.width_m);
-        return Err(InvalidParameter { field, value, allowed: "less than the spacing" }.into());
-    }
+    require(thread.width_m < thread.spacing_m, "width_m", thread.width_m, "less than the spacing")?;
     let tube = ActuatorParameters { motion: Motion::Extension, ..*parameters };
     let ideal_n_per_m = thread.stiffness_n / (4.0 * thread.spacing_m);
     let coarse = strain(&tube, thread, pressure_pa, 1)?;
@@ -94,7 +93,7 @@ fn strain(
     let (half, edge) = (0.5 * thread.spacing_m / unit, 0.5 * thread.width_m / unit);
     // The radius of a thread within the wall is a mesh line, and the elements get small towards it.
     let radii = refined(across(outer, Some(radius), ACROSS * finer), radius, edge / (ON_THREAD * finer) as f64);
-    let mut places: Vec<f64> = parts(0.0, edge, ON_THREAD * finer).collect();
+    let mut places: Vec<f64> = evenly(0.0, edge, ON_THREAD * finer).collect();
     places.extend(growing(edge, half, edge / (ON_THREAD * finer) as f64).into_iter().skip(1));
     let per_area = thread.stiffness_n / (4.0 * thread.width_m) / (modulus * unit);
     let winding = Winding { modulus: per_area, cos: 1.0, sin: 0.0, families: Families::Two };

@@ -1,6 +1,8 @@
 //! The strain energy at a point of the wall and its derivatives, without dimension.
 
-use fra_model::{ActuatorParameters, Families, Fiber, Material, Placement};
+use fra_model::{ActuatorParameters, Families, Fiber, Placement};
+
+use crate::elastomer::Elastomer;
 
 /// Parts of the deformation gradient in the directions (radial, hoop, axial) that an axisymmetric deformation with torsion has:
 /// `F_rR, F_rZ, F_tR, F_tT, F_tZ, F_zR, F_zZ`.
@@ -86,8 +88,7 @@ pub(super) fn determinant(f: &Gradient) -> (f64, Gradient) {
 /// What a wall is made of, moduli in units of the small-strain shear modulus, lengths of the inner radius.
 #[derive(Clone, Debug)]
 pub(super) struct Wall {
-    /// `C1, C2, C3`.
-    yeoh: [f64; 3],
+    elastomer: Elastomer,
     /// Fibers within the wall from a radius on.
     layer: Option<(f64, Winding)>,
     /// Fibers on a surface: its radius; the modulus is per area.
@@ -106,16 +107,12 @@ pub(super) struct Winding {
 impl Wall {
     pub(super) fn new(parameters: &ActuatorParameters<f64>) -> Self {
         let unit = parameters.material.shear_modulus_pa();
-        let c = match parameters.material {
-            Material::NeoHookean { shear_modulus_pa } => [0.5 * shear_modulus_pa, 0.0, 0.0],
-            Material::Yeoh { c_pa } => c_pa,
-        };
         let fiber = parameters.fiber.filter(|fiber| fiber.modulus_pa > 0.0);
         let winding = |fiber: &Fiber<f64>, modulus: f64| {
             let (sin, cos) = fiber.angle_rad.sin_cos();
             Winding { modulus, cos, sin, families: fiber.families }
         };
-        let mut wall = Self { yeoh: c.map(|c| c / unit), layer: None, sheet: None };
+        let mut wall = Self { elastomer: Elastomer::of(&parameters.material), layer: None, sheet: None };
         if let Some(fiber) = &fiber {
             let (modulus, radius) = (fiber.modulus_pa / unit, fiber.radius_m / parameters.inner_radius_m);
             match fiber.placement {
@@ -144,9 +141,7 @@ impl Wall {
     /// The energy per volume of the wall at a radius, the constraint left out.
     pub(super) fn energy(&self, radius: f64, f: &Gradient) -> Energy {
         let mut energy = Energy::NONE;
-        let [c1, c2, c3] = self.yeoh;
-        let x = f.iter().map(|part| part * part).sum::<f64>() - 3.0;
-        let w = [x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * c3 * x), 2.0 * c2 + 6.0 * c3 * x];
+        let w = self.elastomer.at(f.iter().map(|part| part * part).sum::<f64>() - 3.0);
         let twice = f.map(|part| 2.0 * part);
         let mut identity = [[0.0; PARTS]; PARTS];
         (0..PARTS).for_each(|i| identity[i][i] = 2.0);
@@ -175,7 +170,7 @@ pub(super) mod tests {
     /// A wall and a sheet with everything there is.
     pub(in super::super) fn anything() -> (Wall, Winding) {
         let winding = Winding { modulus: 3.0, cos: 0.8, sin: 0.6, families: Families::One };
-        (Wall { yeoh: [0.5, 0.07, -0.01], layer: Some((0.0, winding)), sheet: None }, winding)
+        (Wall { elastomer: Elastomer { c: [0.5, 0.07, -0.01] }, layer: Some((0.0, winding)), sheet: None }, winding)
     }
 
     /// Where directions of tests start.
@@ -183,7 +178,7 @@ pub(super) mod tests {
 
     /// Energy per volume with the constraint, written out again for any gradient, which is given as rows.
     pub(in super::super) fn second_energy(wall: &Wall, pressure: HyperDual, f: &[[HyperDual; 3]; 3]) -> HyperDual {
-        let [c1, c2, c3] = wall.yeoh;
+        let [c1, c2, c3] = wall.elastomer.c;
         let x = f.iter().flatten().map(|entry| entry.squared()).sum::<HyperDual>() - 3.0;
         let minor = |i: usize, j: usize| f[1][i] * f[2][j] - f[1][j] * f[2][i];
         let volume = f[0][0] * minor(1, 2) + f[0][1] * minor(2, 0) + f[0][2] * minor(0, 1);

@@ -5,8 +5,9 @@ use std::fmt;
 use fra_model::Argument;
 use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
+use super::plan::{Plan, in_units};
 use crate::design::{Limb, LimbModule};
-use crate::scene::{BendingModel, InverseChoice, Scene, SceneError, SetpointKind};
+use crate::scene::{BendingModel, Goal, InverseChoice, Scene, SceneError, SetpointKind};
 use crate::section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
 use crate::table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 
@@ -98,6 +99,42 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
     };
     limb.modules().iter().enumerate().map(of_module).collect()
 }
+
+/// Holds every goal of a plan to the bends that the cubics reach: the plan itself knows the analytic model alone, and a device would stop
+/// at the end of its table without a word.
+///
+/// # Errors
+/// A diagnostic at the first target or way-point that bends a module further than its cubic does at the highest pressure the device follows.
+pub fn check_goals(scene: &Scene, limb: &Limb, plan: &Plan, inverses: &[ModuleInverse]) -> Result<(), SceneError> {
+    for (phase, planned) in scene.phases().iter().zip(&plan.phases) {
+        for (index, (module, inverse)) in limb.modules().iter().zip(inverses).enumerate() {
+            let ModuleInverse::Section(_, calibration) = inverse else { continue };
+            let (value, highest_pa) = (planned.values[index], module.curve.pressure_max_pa());
+            let length_m = module.actuator.parameters().length_m;
+            let most = calibration.polynomial.bend_rate_rad_per_m(highest_pa) * length_m;
+            if value <= most * (1.0 + GOAL_ROUNDING) {
+                continue;
+            }
+            let span = match &phase.goal {
+                Goal::Targets(targets) => targets.iter().find(|target| target.module == index).map(|t| t.value.span),
+                Goal::Tip(tip) => Some(tip.span),
+            };
+            let (asked, most) = (in_units(module.kind, value), in_units(module.kind, most));
+            let label = format!(
+                "`{}` is to bend by {asked}; by finite elements it bends by {most} at {:.2} kPa",
+                module.name,
+                1e-3 * highest_pa
+            );
+            let help = format!("ask for {most} at most, or raise the module's `pressure_max`");
+            let title = "this goal is out of the reach that finite elements give the module";
+            return Err(scene.diagnostic(span.unwrap_or(phase.span), title, &label, Some(&help)));
+        }
+    }
+    Ok(())
+}
+
+/// Share by which a goal at the very end of a table may be beyond it.
+const GOAL_ROUNDING: f64 = 1e-9;
 
 /// Largest error of a cubic that a device carries, as a share of the bend.
 const CUBIC_ERROR_MAX: f64 = 0.01;

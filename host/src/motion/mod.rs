@@ -9,6 +9,6 @@ mod wire;
 
 pub use configuration::configuration;
 pub use inverse_kinematics::{Reach, solve_tip};
-pub use inverses::{ModuleInverse, inverses};
+pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use plan::{Plan, PlannedPhase, plan};
 pub use wire::wire_kind;

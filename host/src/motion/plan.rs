@@ -215,7 +215,8 @@ fn check_target(scene: &Scene, module: &LimbModule, value: f64, span: Span) -> R
     Err(scene.diagnostic(span, "this target is out of the module's reach", &refusal.label(module), Some(&help)))
 }
 
-fn in_units(kind: SetpointKind, value: f64) -> String {
+/// A setpoint as people read it.
+pub(super) fn in_units(kind: SetpointKind, value: f64) -> String {
     match kind {
         SetpointKind::Pressure => format!("{:.2} kPa", value * 1e-3),
         SetpointKind::AxialStretch => format!("{value:.4}"),

@@ -93,7 +93,9 @@ pub fn run(
 ) -> Result<RunFiles, RunError> {
     let limb = Limb::new(scene)?;
     let plan = motion::plan(scene, &limb)?;
-    let configuration = motion::configuration(scene, &motion::inverses(scene, &limb)?, &limb);
+    let inverses = motion::inverses(scene, &limb)?;
+    motion::check_goals(scene, &limb, &plan, &inverses)?;
+    let configuration = motion::configuration(scene, &inverses, &limb);
     let knots = wire_knots(&limb, &plan);
     let settings = simulate::settings(scene, &limb, options.seed);
     let mut device = Observed::new(SimulatedMcu::with_processor(&settings, options.mcu.start()?)?);

@@ -147,7 +147,7 @@ impl Answer {
     }
 }
 
-/// Work done for a curve on the finer mesh.
+/// Work done for a curve on one of its two meshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Steps of load and pressure that were taken.

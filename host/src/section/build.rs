@@ -1,9 +1,11 @@
 //! One actuator in units of its inner radius and its shear modulus, ready to be meshed.
 
-use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
+use fra_model::{ActuatorParameters, Families, Fiber, Motion, Placement};
 
-use super::error::{SectionError, require};
+use super::error::SectionError;
 use super::options::{EndLoad, Limiter, Options, Winding};
+use crate::elastomer::Elastomer;
+use crate::range::{positive, require};
 
 /// Stiffness of what keeps its length, in units of `mu1 R_i` for a surface and `mu1 R_i^2` for a line. Its strain is the inverse of
 /// this times a pressure in units of `mu1`.
@@ -57,9 +59,7 @@ pub(super) enum Part {
 #[derive(Clone, Debug)]
 pub(super) struct Build {
     pub(super) outer: f64,
-    /// `2 W'(I1) = 1 + a J + b J^2` with `J = I1 - 3`.
-    pub(super) a: f64,
-    pub(super) b: f64,
+    pub(super) elastomer: Elastomer,
     pub(super) winding: Option<(Wound, Fibers)>,
     pub(super) limit: Option<Limit>,
     /// `R_i`, m, and `mu1`, Pa.
@@ -73,10 +73,6 @@ impl Build {
         parameters.check()?;
         options.check()?;
         let (radius_m, modulus_pa) = (parameters.inner_radius_m, parameters.material.shear_modulus_pa());
-        let (a, b) = match parameters.material {
-            Material::NeoHookean { .. } => (0.0, 0.0),
-            Material::Yeoh { c_pa } => (4.0 * c_pa[1] / modulus_pa, 6.0 * c_pa[2] / modulus_pa),
-        };
         let outer = parameters.outer_radius_m / radius_m;
         let winding = winding(parameters, options, outer)?;
         let twists = winding.is_some_and(|(_, fibers)| fibers.families == 1 && is_oblique(fibers.directions[0]));
@@ -89,7 +85,7 @@ impl Build {
                 Some(Limit::Strip { half_angle: half_angle_rad, fibers })
             }
         };
-        Ok(Self { outer, a, b, winding, limit, radius_m, modulus_pa, twists })
+        Ok(Self { outer, elastomer: Elastomer::of(&parameters.material), winding, limit, radius_m, modulus_pa, twists })
     }
 
     /// The least part of the section that shows everything a load can do.
@@ -168,7 +164,7 @@ fn stated(
     let (wound, stiffness) = match fiber.placement {
         Placement::Sheet => {
             let thickness = fiber.thickness_m;
-            require(thickness.is_finite() && thickness > 0.0, "thickness_m", thickness, "finite and > 0")?;
+            positive("thickness_m", thickness)?;
             (Wound::Sheet(radius), ratio * thickness / parameters.inner_radius_m)
         }
         Placement::Layer => {

@@ -1,9 +1,10 @@
 //! The bend of one actuator as a polynomial that a microcontroller carries in place of the section model.
 
+use super::Section;
 use super::answer::Outcome;
 use super::error::SectionError;
 use super::options::EndLoad;
-use super::{Section, error::require};
+use crate::range::{positive, require};
 
 /// Lowest pressure of a polynomial that serves up to a highest one, as a share of that.
 pub const CALIBRATED_FROM: f64 = 0.05;
@@ -82,7 +83,7 @@ impl Section {
     /// equilibrium.
     pub fn calibrate(&self, pressures_pa: [f64; 2]) -> Result<Calibration, SectionError> {
         let [low, high] = pressures_pa;
-        require(low.is_finite() && low > 0.0, "pressures_pa[0]", low, "finite and > 0")?;
+        positive("pressures_pa[0]", low)?;
         require(high.is_finite() && high >= 1.5 * low, "pressures_pa[1]", high, "at least 1.5 times pressures_pa[0]")?;
         let fitted = self.samples(&nodes(low, high, FITTED))?;
         // A finer set of other nodes, with both ends.

@@ -9,7 +9,7 @@ use super::column::Column;
 use super::front::{Front, Singular};
 use super::grid::Grid;
 use super::model::{Border, Form, State, springs};
-use super::response::Elastomer;
+use crate::elastomer::Elastomer;
 
 /// A meshed section with room for its matrices.
 #[derive(Clone, Debug)]
@@ -62,8 +62,7 @@ impl Chain {
         let last = Front::new(nodes + with_last + border, nodes + with_last + border - 6);
         let free = grid.free().iter().filter(|free| **free).count();
         let strains = Front::new(free + 2, free);
-        let elastomer = Elastomer { a: build.a, b: build.b };
-        Self { grid, elastomer, columns, condensed, lines, last, strains }
+        Self { grid, elastomer: build.elastomer, columns, condensed, lines, last, strains }
     }
 
     /// The undeformed state.

@@ -5,9 +5,9 @@ use super::front::Front;
 use super::grid::Grid;
 use super::lumen::Lumen;
 use super::model::{Border, Form, State};
-use super::response::Elastomer;
 use super::spot::{Local, Spot, Sums, V3};
 use super::spots::{limiting_spots, places, surface_spots, wall_spot};
+use crate::elastomer::Elastomer;
 use crate::quadrilateral::GAUSS_3;
 
 /// What is computed once about a column.

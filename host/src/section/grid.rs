@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::build::{Build, Limit, Part, Wound};
+use crate::spacing::evenly;
 
 /// Columns around a turn that the wedge is one of: the section of its edges departs from circles by less than 1e-9.
 const WEDGES: f64 = 256.0;
@@ -144,11 +145,10 @@ fn angles(build: &Build, part: Part, around: usize, refine: usize) -> (Vec<f64>,
 
 /// Ends of the columns on half a turn.
 fn half_turn(build: &Build, around: usize, refine: usize) -> (Vec<f64>, usize) {
-    let even = |from: f64, to: f64, n: usize| (0..n).map(move |i| from + (to - from) * i as f64 / n as f64);
     let Some(Limit::Strip { half_angle, .. }) = build.limit else {
-        return (even(0.0, PI, refine * around).chain([PI]).collect(), 0);
+        return (evenly(0.0, PI, refine * around).collect(), 0);
     };
     let under = ((around as f64 * half_angle / PI).round() as usize).clamp(1, around - 1);
     let (under, around) = (refine * under, refine * around);
-    (even(0.0, half_angle, under).chain(even(half_angle, PI, around - under)).chain([PI]).collect(), under)
+    (evenly(0.0, half_angle, under).chain(evenly(half_angle, PI, around - under).skip(1)).collect(), under)
 }

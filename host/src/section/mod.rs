@@ -51,9 +51,10 @@ pub use options::{EndLoad, Limiter, Mesh, Options, Symmetry, Winding};
 
 use build::{Build, Part};
 use chain::Chain;
-use error::require;
 use grid::Grid;
 use path::{Path, Point, Reached};
+
+use crate::range::require;
 
 /// Highest pressure, in units of the shear modulus.
 const PRESSURE_MAX: f64 = 100.0;
@@ -70,8 +71,10 @@ pub struct Section {
 pub struct Curve {
     /// One answer for each pressure, in the order asked.
     pub answers: Vec<Answer>,
-    /// The work on the finer mesh.
+    /// The work on the finer mesh, whose answers they are.
     pub effort: Effort,
+    /// The work on the coarser one, for their errors.
+    pub coarse_effort: Effort,
 }
 
 impl Section {
@@ -94,13 +97,13 @@ impl Section {
             let allowed = (0.0..=PRESSURE_MAX * modulus).contains(&pressure);
             require(allowed, "pressures_pa", pressure, "0 to 100 times the shear modulus")?;
         }
-        let (coarse, _) = self.on_mesh(1, pressures_pa, load);
+        let (coarse, coarse_effort) = self.on_mesh(1, pressures_pa, load);
         let (fine, effort) = self.on_mesh(2, pressures_pa, load);
         let answers = pressures_pa.iter().zip(fine).zip(coarse);
         let factor = self.build.error_factor();
         let answers = answers
             .map(|((&pressure_pa, fine), coarse)| Answer { pressure_pa, outcome: with_error(fine, &coarse, factor) });
-        Ok(Curve { answers: answers.collect(), effort })
+        Ok(Curve { answers: answers.collect(), effort, coarse_effort })
     }
 
     /// The outcomes on one of the two meshes, without an estimate of the error.

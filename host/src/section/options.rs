@@ -2,7 +2,8 @@
 
 use fra_model::{Load, Motion};
 
-use super::error::{SectionError, require};
+use super::error::SectionError;
+use crate::range::{positive, require};
 
 /// Most elements in either direction.
 const MESH_MAX: usize = 128;
@@ -90,7 +91,7 @@ impl Options {
         if let Some(Limiter::Strip { half_angle_rad: angle, stiffness_n_per_m: stiffness }) = self.limiter {
             let right = std::f64::consts::FRAC_PI_2;
             require((0.01..=right).contains(&angle), "half_angle_rad", angle, "0.01 to pi/2")?;
-            require(stiffness.is_finite() && stiffness > 0.0, "stiffness_n_per_m", stiffness, "finite and > 0")?;
+            positive("stiffness_n_per_m", stiffness)?;
         }
         Ok(())
     }

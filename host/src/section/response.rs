@@ -2,21 +2,7 @@
 
 use super::build::{Direction, Fibers};
 use super::spot::{Spot, V3, cross, dot};
-
-/// The elastomer: `2 W'(I1) = 1 + a J + b J^2`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Elastomer {
-    pub(super) a: f64,
-    pub(super) b: f64,
-}
-
-impl Elastomer {
-    /// `W`, `2 W'` and `4 W''` at `J = I1 - 3`.
-    pub(super) fn at(&self, j: f64) -> (f64, f64, f64) {
-        let energy = 0.5 * j * (1.0 + j * (self.a / 2.0 + j * self.b / 3.0));
-        (energy, 1.0 + j * (self.a + j * self.b), 2.0 * (self.a + 2.0 * self.b * j))
-    }
-}
+use crate::elastomer::Elastomer;
 
 /// `I4`, the squared stretch along a direction.
 pub(super) fn squared_stretch(f: &[V3; 3], direction: Direction) -> f64 {
@@ -77,10 +63,11 @@ impl<'a> Response<'a> {
     fn add_wall(&mut self, elastomer: Elastomer) {
         let f = self.f;
         let squares: f64 = f.iter().map(|column| dot(column, column)).sum();
-        let (energy, isotropic, stiffening) = elastomer.at(squares - 3.0);
+        let [energy, slope, curvature] = elastomer.at(squares - 3.0);
         self.cofactor = [cross(&f[1], &f[2]), cross(&f[2], &f[0]), cross(&f[0], &f[1])];
         self.volume_excess = dot(&f[2], &self.cofactor[2]) - 1.0;
-        (self.isotropic, self.stiffening) = (isotropic, stiffening);
+        let isotropic = 2.0 * slope;
+        (self.isotropic, self.stiffening) = (isotropic, 4.0 * curvature);
         self.energy = energy - self.pressure * self.volume_excess;
         for (column, stress) in self.stress.iter_mut().enumerate() {
             *stress =

@@ -6,7 +6,8 @@
 //! `F = [dy/dR, dy/(R dTheta), a]`, `a = (k1 y3 - tau y2, tau y1 + k2 y3, l0 - k1 y1 - k2 y2)`.
 
 use super::build::Fibers;
-use super::response::{Elastomer, Response, squared_stretch, stretched};
+use super::response::{Response, squared_stretch, stretched};
+use crate::elastomer::Elastomer;
 
 /// Vectors of three.
 pub(super) type V3 = [f64; 3];
@@ -150,7 +151,7 @@ impl Local<'_> {
         if let Some(modes) = &spot.pressure {
             let squares: f64 = f.iter().map(|column| dot(column, column)).sum();
             let volume = dot(&f[2], &cross(&f[0], &f[1]));
-            energy += elastomer.at(squares - 3.0).0 - dot(modes, &self.pressure) * (volume - 1.0);
+            energy += elastomer.at(squares - 3.0)[0] - dot(modes, &self.pressure) * (volume - 1.0);
         }
         if let Some(fibers) = &spot.fibers {
             for direction in &fibers.directions[..fibers.families] {

@@ -56,6 +56,8 @@ struct Dense {
     /// Gradient of the potential and of the volume.
     gradient: DVector<f64>,
     by_volume: DVector<f64>,
+    /// Energy less the work of the constraint, and enclosed volume.
+    sums: [f64; 2],
     /// First pressure, strain and multiplier.
     pressures: usize,
     strains: usize,
@@ -72,6 +74,7 @@ fn dense(chain: &Chain, state: &State) -> Dense {
         matrix: DMatrix::zeros(size, size),
         gradient: DVector::zeros(size),
         by_volume: DVector::zeros(size),
+        sums: [0.0; 2],
         pressures,
         strains,
         means: strains + 4,
@@ -79,7 +82,8 @@ fn dense(chain: &Chain, state: &State) -> Dense {
     for (index, column) in chain.columns.iter().enumerate() {
         let start = column.border_start(grid);
         let mut front = Front::new(start + Border::len(grid), 0);
-        column.assemble(grid, index, state, chain.elastomer, &mut front);
+        let (energy, volume) = column.assemble(grid, index, state, chain.elastomer, &mut front);
+        sum.sums = [sum.sums[0] + energy, sum.sums[1] + volume];
         let border = Border::of(grid, start);
         let place = |variable: usize| {
             if variable >= border.strain {

@@ -2,14 +2,14 @@
 
 use crate::desk::Desk;
 
-/// A program that is killed at once, in place of CalculiX.
-fn killed(desk: &Desk) -> String {
+/// A shell script in place of CalculiX.
+fn in_place(desk: &Desk, script: &str) -> String {
     use std::os::unix::fs::PermissionsExt;
-    desk.put("draft", "#!/bin/sh\nkill -9 $$\n");
+    desk.put("draft", format!("#!/bin/sh\n{script}\n"));
     std::fs::set_permissions(desk.path("draft"), std::fs::Permissions::from_mode(0o755)).unwrap();
     // Written under another name: nobody else may have it open for writing when it is started.
-    std::fs::copy(desk.path("draft"), desk.path("killed")).unwrap();
-    desk.path("killed").display().to_string()
+    std::fs::copy(desk.path("draft"), desk.path("program")).unwrap();
+    desk.path("program").display().to_string()
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn a_scene_is_compared() {
 #[test]
 fn a_run_of_calculix_that_fails_costs_its_column_only() {
     let desk = Desk::with_scene("small", "small");
-    let program = killed(&desk);
+    let program = in_place(&desk, "kill -9 $$");
     let done = desk.softlimb(&format!("fem compare scene.toml --calculix --ccx {program}"));
     assert_eq!(done.code, Some(3), "{}", done.err);
     assert!(done.err.contains("warning: finger: CalculiX was killed by signal 9"), "{}", done.err);
@@ -40,6 +40,23 @@ fn a_run_of_calculix_that_fails_costs_its_column_only() {
     let missing = desk.softlimb("fem compare scene.toml --calculix --ccx no-such-program");
     assert_eq!(missing.code, Some(1));
     assert!(missing.err.contains("apt-get install calculix-ccx"), "{}", missing.err);
+}
+
+#[test]
+fn run_and_compare_end_calculix_by_the_same_option() {
+    let desk = Desk::with_scene("small", "small");
+    let program = in_place(&desk, "exec sleep 60");
+    for verb in ["run", "compare --calculix"] {
+        for seconds in ["0", "-1", "nan", "soon"] {
+            let done = desk.softlimb(&format!("fem {verb} scene.toml --timeout-s {seconds}"));
+            assert_eq!(done.code, Some(2), "{verb} {seconds}: {}", done.err);
+            assert!(done.err.contains("--timeout-s"), "{verb} {seconds}: {}", done.err);
+        }
+        let done = desk.softlimb(&format!("fem {verb} scene.toml --ccx {program} --timeout-s 0.3"));
+        let expected = if verb == "run" { (1, "the time was up") } else { (3, "took more than 0.3 s") };
+        assert_eq!(done.code, Some(expected.0), "{verb}: {}", done.err);
+        assert!(done.err.contains(expected.1), "{verb}: {}", done.err);
+    }
 }
 
 #[test]

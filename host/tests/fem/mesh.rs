@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use fra_model::{Families, Motion};
 use softlimb::fem::{Around, FemError, FiberModel, Model, Options, Part, Subject, SymmetryUse};
+use softlimb::range::OutOfRange;
 
 use crate::motions;
 use crate::sample::{plain, wound};
@@ -137,7 +138,10 @@ fn absurd_wishes_are_refused_with_field_value_and_range() {
     }
     let mut short = subject;
     short.parameters.length_m = 5e-3;
-    assert!(matches!(Model::new(&short, &base), Err(FemError::Invalid { field: "length_m / outer_radius_m", .. })));
+    assert!(matches!(
+        Model::new(&short, &base),
+        Err(FemError::Invalid(OutOfRange { field: "length_m / outer_radius_m", .. }))
+    ));
     let mut inside_out = subject;
     inside_out.parameters.inner_radius_m = 9e-3;
     assert!(matches!(Model::new(&inside_out, &base), Err(FemError::Parameters(_))));

@@ -9,7 +9,9 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use super::super::{Failure, Outcome};
+use super::super::kept::Kept;
+use super::super::{Failure, Outcome, note};
+use super::values::seconds;
 use crate::design::Limb;
 use crate::fem::{self, End, FemError, Runner, Subject};
 use crate::scene;
@@ -18,7 +20,8 @@ use crate::validation::{self, Case, Comparison, Quantity, Solid};
 /// Pressure against deformation: analytic model, finite elements of the section, and CalculiX side by side
 #[derive(Args)]
 #[command(
-    after_help = "Without a scene the published set is compared: four motions, two sizes, two materials. All of it:\n  \
+    after_help = "Without a scene the published set is compared: four motions, two sizes, two materials. The file of --tsv then keeps the \
+                  cases that are left out, and what CalculiX said of the same pressures before. All of it:\n  \
                   softlimb fem compare --calculix --tsv tests/golden/validation.tsv --svg docs/validation.svg --page docs/validation.md"
 )]
 pub(super) struct Compare {
@@ -33,22 +36,12 @@ pub(super) struct Compare {
     /// The CalculiX program
     #[arg(long, value_name = "PROGRAM", default_value = "ccx", requires = "calculix")]
     ccx: PathBuf,
-    /// Seconds after which a CalculiX run is ended
-    #[arg(long, value_name = "SECONDS", default_value_t = 1800.0, requires = "calculix")]
-    timeout: f64,
-    /// Print the comparison as JSON
-    #[arg(long)]
-    json: bool,
-    /// Write the comparison as tab-separated values. Without a scene, cases that are left out and what CalculiX said of the same
-    /// pressures before stay as the file has them
-    #[arg(long, value_name = "FILE")]
-    tsv: Option<PathBuf>,
-    /// Write the picture
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-    /// Replace the table in a page, such as docs/validation.md
-    #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
+    /// End each CalculiX run after so many seconds, 0.1 to 1000000; what had converged by then stands
+    #[arg(long, value_name = "SECONDS", default_value_t = Runner::default().timeout_s, allow_negative_numbers = true,
+        value_parser = seconds, requires = "calculix")]
+    timeout_s: f64,
+    #[command(flatten)]
+    kept: Kept,
 }
 
 /// Steps of the pressure for a scene's actuators.
@@ -65,31 +58,23 @@ struct Done {
 
 impl Compare {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let page = self.page.as_deref().map(read_page).transpose()?;
+        let page = self.kept.page(validation::PLACE)?;
         let cases: Vec<Case> = self.cases()?.into_iter().filter(|case| case.name.contains(&self.only)).collect();
         if cases.is_empty() {
             return Err(Failure::new(format!("no case has \"{}\" in its name", self.only)));
         }
-        let recorded = self.tsv.as_deref().map(recorded).transpose()?.unwrap_or_default();
+        let recorded = self.kept.tsv.as_deref().map(recorded).transpose()?.unwrap_or_default();
         let done = self.compare(&cases, &recorded)?;
-        done.warnings.iter().for_each(|warning| super::super::note(&format!("warning: {warning}")));
+        done.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
         let Done { comparison, seconds, .. } = &done;
-        if self.json {
-            super::super::say(&as_json(comparison).to_string())?;
-        } else {
-            super::super::say(&comparison.table())?;
-            super::super::say(&times(seconds))?;
-        }
+        self.kept.show(|| as_json(comparison), || format!("{}\n{}", comparison.table().trim_end(), times(seconds)))?;
         // Picture and page show what the file says, to the digit.
         let comparison = &Comparison::from_tsv(&comparison.tsv()).map_err(Failure::new)?;
-        let picture = || validation::picture(comparison);
-        self.svg.as_deref().map_or(Ok(()), |file| write(file, &picture()))?;
-        if let Some(file) = &self.tsv {
-            super::super::note(&format!("wrote {}", file.display()));
+        self.kept.draw(|| validation::picture(comparison))?;
+        if let Some(file) = &self.kept.tsv {
+            note(&format!("wrote {}", file.display()));
         }
-        if let (Some(file), Some(text)) = (&self.page, page) {
-            validation::refreshed(&text, comparison).map_or(Ok(()), |text| write(file, &text))?;
-        }
+        page.map_or(Ok(()), |page| page.write(validation::refreshed(&page.text, comparison)))?;
         Ok(if done.warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
 
@@ -125,7 +110,7 @@ impl Compare {
             done.seconds.push((case.name.clone(), seconds, solid_seconds));
             new.rows.extend(validation::compare(case, &curve, &solid).map_err(named)?);
             done.comparison = if self.scene.is_none() { new.clone().onto(recorded) } else { new.clone() };
-            if let Some(file) = &self.tsv {
+            if let Some(file) = &self.kept.tsv {
                 fem::write_whole(file, &done.comparison.tsv()).map_err(|error| Failure::new(&error))?;
             }
         }
@@ -140,14 +125,14 @@ impl Compare {
         share: &dyn Fn(f64),
         warnings: &mut Vec<String>,
     ) -> Result<(Solid, Option<f64>), Failure> {
-        let runner = Runner { ccx: self.ccx.clone(), timeout_s: self.timeout, ..Runner::default() };
+        let runner = Runner { ccx: self.ccx.clone(), timeout_s: self.timeout_s, ..Runner::default() };
         let begin = Instant::now();
         let clock = || begin.elapsed().as_secs_f64();
         let (subject, options) = (Subject::single(case.parameters), fem::Options::default());
         let mut progress = |progress: fem::RunProgress| share(progress.share);
         let run = match fem::run(&subject, &options, &case.pressures_pa, &runner, &clock, &mut progress) {
             Ok(run) => run,
-            Err(error @ (FemError::Missing { .. } | FemError::Invalid { .. })) => return Err(Failure::new(error)),
+            Err(error @ (FemError::Missing { .. } | FemError::Invalid(_))) => return Err(Failure::new(error)),
             Err(error) => {
                 warnings.push(format!("{}: {error}", case.name));
                 return Ok((Solid::new(), None));
@@ -156,7 +141,7 @@ impl Compare {
         match &run.end {
             End::Finished => {}
             End::Diverged { diagnosis, .. } => warnings.push(format!("{}: {diagnosis}", case.name)),
-            End::TimedOut => warnings.push(format!("{}: CalculiX took more than {} s", case.name, self.timeout)),
+            End::TimedOut => warnings.push(format!("{}: CalculiX took more than {} s", case.name, self.timeout_s)),
         }
         let quantity = Quantity::of(case.parameters.motion);
         let value = |point: &fem::Point| point.middle.map(|rates| quantity.of_rates(&rates, case.parameters.length_m));
@@ -195,19 +180,4 @@ fn recorded(file: &Path) -> Result<Comparison, Failure> {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(Comparison::default()),
         Err(error) => Err(Failure::file("read", file, &error)),
     }
-}
-
-fn read_page(file: &Path) -> Result<String, Failure> {
-    let text = fs::read_to_string(file).map_err(|error| Failure::file("read", file, &error))?;
-    if validation::has_place(&text) {
-        return Ok(text);
-    }
-    let [begin, end] = validation::PLACE;
-    Err(Failure::new(format!("{} has no place for the table: a line `{begin}` and one `{end}`", file.display())))
-}
-
-fn write(file: &Path, text: &str) -> Result<(), Failure> {
-    fem::write_whole(file, text).map_err(|error| Failure::new(&error))?;
-    super::super::note(&format!("wrote {}", file.display()));
-    Ok(())
 }

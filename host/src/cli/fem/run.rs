@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::subject::{Arguments, Asked, describe, told};
-use super::values::within;
+use super::values::seconds;
 use crate::cli::{Failure, Outcome, note, say};
 use crate::fem::{self, End, Model, Options, PointStatus, Runner};
 
@@ -24,7 +24,7 @@ pub(super) struct Run {
     ccx: PathBuf,
     /// End the run after so many seconds, 0.1 to 1000000; what had converged by then stands
     #[arg(long, value_name = "SECONDS", default_value_t = Runner::default().timeout_s, allow_negative_numbers = true,
-        value_parser = |text: &str| within(text, 0.1..=1e6))]
+        value_parser = seconds)]
     timeout_s: f64,
     /// Threads CalculiX may use, 1 to 64
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use super::super::Failure;
 use super::values::{even, positive, within};
 use crate::fem::{FemError, FiberModel, Model, Options, Subject, SymmetryUse};
+use crate::range::OutOfRange;
 use crate::scene::{self, Module, Scene};
 
 /// Arguments that `export` and `run` share.
@@ -138,7 +139,7 @@ impl Arguments {
 /// A refusal in the words of the command line.
 pub(super) fn told(error: FemError) -> Failure {
     match &error {
-        FemError::Invalid { field: field @ ("layer_mm" | "spacing_mm"), value, allowed } => {
+        FemError::Invalid(OutOfRange { field: field @ ("layer_mm" | "spacing_mm"), value, allowed }) => {
             // The lengths have been through metres.
             let mm = (value * 1e9).round() / 1e9;
             Failure::new(format!("--{} {mm} is not allowed: {allowed}", field.replace('_', "-")))

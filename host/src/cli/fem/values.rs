@@ -9,6 +9,11 @@ pub(super) fn within(text: &str, range: RangeInclusive<f64>) -> Result<f64, Stri
     if range.contains(&number) { Ok(number) } else { Err(format!("{number} is not in {low} to {high}")) }
 }
 
+/// Reads the seconds after which CalculiX is ended.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    within(text, 0.1..=1e6)
+}
+
 /// Reads a number above zero and up to `most`.
 pub(super) fn positive(text: &str, most: f64) -> Result<f64, String> {
     let number = text.parse::<f64>().map_err(|error| error.to_string())?;

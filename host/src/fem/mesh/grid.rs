@@ -59,8 +59,3 @@ fn midpoint(lines: &[f64], index: usize) -> f64 {
     let (low, high) = (lines[index / 2], lines[index.div_ceil(2)]);
     0.5 * (low + high)
 }
-
-/// `count` equal intervals from `from` to `to`, both included.
-pub(crate) fn evenly(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
-    (0..=count).map(move |n| from + (to - from) * n as f64 / count as f64)
-}

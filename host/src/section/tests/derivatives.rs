@@ -113,13 +113,15 @@ fn value_gradient_and_tangent_are_those_of_the_potential_by_hyper_dual_numbers()
     let mut numbers = Numbers(43);
     for (index, case) in cases().into_iter().enumerate() {
         let probe = Probe::new(case, 47 + index as u64);
-        let Dense { matrix, gradient, by_volume, .. } = dense(&probe.chain, &probe.state);
+        let Dense { matrix, gradient, by_volume, sums, .. } = dense(&probe.chain, &probe.state);
         let (energy, volume) = probe.chain.potential(&probe.state.form);
         for _ in 0..4 {
             let (u, v) = (probe.direction(&mut numbers), probe.direction(&mut numbers));
             let [potential, lumen] = probe.second([&u, &v]);
-            close("potential", index, energy - probe.state.pressure * volume, potential.value, 1e-12);
-            close("volume", index, volume, lumen.value, 1e-12);
+            for [energy, volume] in [[energy, volume], sums] {
+                close("potential", index, energy - probe.state.pressure * volume, potential.value, 1e-12);
+                close("volume", index, volume, lumen.value, 1e-12);
+            }
             let dot = |g: &DVector<f64>| g.iter().zip(&u).map(|(g, u)| g * u).sum::<f64>();
             close("slope", index, dot(&gradient), potential.first[0], 1e-11);
             close("slope of the volume", index, dot(&by_volume), lumen.first[0], 1e-11);
