@@ -163,6 +163,33 @@ fn threads_close_to_each_other_do_what_the_sheet_does() {
     hold("rings, axial strain", found.axial_stretch - 1.0, exact.axial_stretch - 1.0, 3e-2);
 }
 
+/// Two families that cross, two thirds of the wall apart on its very surface, against the sheet by the section finite elements.
+#[test]
+fn a_double_helix_of_threads_does_what_the_sheet_does() {
+    if !is_installed() {
+        return;
+    }
+    let crossing = ActuatorParameters { length_m: 40e-3, ..wound(Motion::Extension, 3.0, Families::Two) };
+    let options = Options {
+        fibers: FiberModel::Threads { spacing_m: Some(1.31e-3) },
+        around: Some(16),
+        increment: Some(0.25),
+        ..Options::default()
+    };
+    let pressures_pa = [20e3];
+    let run = run(Subject::single(crossing), options, &pressures_pa);
+    assert_eq!(run.end, End::Finished);
+    let spacing_m = run.model.thread_spacing_m().expect("threads");
+    println!("  {:.3} mm apart", 1e3 * spacing_m);
+    assert!(spacing_m <= 0.75 * 2e-3, "{spacing_m}");
+    let section = Section::new(&crossing, &Default::default()).unwrap();
+    let curve = section.curve(&pressures_pa, &EndLoad::default()).unwrap();
+    for (point, answer) in run.points.iter().zip(&curve.answers) {
+        let (found, state) = (point.middle.expect("converged"), answer.equilibrium().expect("an equilibrium").state);
+        hold("double helix, axial strain", found.axial_stretch - 1.0, state.axial_stretch - 1.0, 3e-2);
+    }
+}
+
 /// Rings three quarters of the wall apart, between which the wall bulges, against the strain that one period of wall and thread has by
 /// finite elements of the half-plane.
 #[test]

@@ -1,5 +1,7 @@
 //! Starts CalculiX on a deck, watches it, and says in plain words how it ended.
 
+mod guard;
+
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,9 +12,9 @@ use std::time::Duration;
 use super::dat::{Progress, progress};
 use super::error::at;
 use super::files::{Scratch, make_folder};
-use super::guard::Running;
 use super::{Deck, FemError};
 use crate::range::require;
+use guard::Running;
 
 /// How often the run is looked at.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -76,6 +78,8 @@ pub(crate) struct Raw {
     /// Seconds at which each step was seen to be done.
     pub(crate) step_seconds: Vec<f64>,
     pub(crate) seconds: f64,
+    /// Whether the disk was full when it had ended. CalculiX does not always notice.
+    pub(crate) disk_is_full: bool,
 }
 
 /// Runs a deck. `clock` tells seconds from any beginning; `watch` is told the progress.
@@ -113,14 +117,26 @@ pub(crate) fn drive(
     };
     drop(running);
     let seconds = clock() - begin;
+    let disk_is_full = is_full(folder);
     let read = |kind: &str| text(&folder.join(format!("{}.{kind}", deck.name())));
     let reached = progress(&read("sta")?);
     let end = match status {
         _ if timed_out => End::TimedOut,
-        Some(status) => end(status, &text(&folder.join(LOG))?, &reached)?,
+        Some(status) => {
+            end(status, &text(&folder.join(LOG))?, &reached).map_err(|error| error.blaming(disk_is_full))?
+        }
         None => End::TimedOut,
     };
-    Ok(Raw { end, dat: read("dat")?, progress: reached, step_seconds, seconds })
+    Ok(Raw { end, dat: read("dat")?, progress: reached, step_seconds, seconds, disk_is_full })
+}
+
+/// Whether a folder has no room for another line or two of output.
+fn is_full(folder: &Path) -> bool {
+    let path = folder.join("room");
+    let room = fs::write(&path, [b' '; 1 << 16]);
+    // There may be nothing to remove.
+    let _ = fs::remove_file(&path);
+    room.is_err_and(|error| matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded))
 }
 
 /// What CalculiX prints goes here.

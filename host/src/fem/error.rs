@@ -77,6 +77,11 @@ pub enum FemError {
         /// What its output says, in plain words.
         diagnosis: String,
     },
+    /// The disk was full when CalculiX had ended, and what it wrote is not whole.
+    #[error(
+        "the disk is full: nothing of this run is used. Free some space, or set TMPDIR to a folder on another disk"
+    )]
+    DiskFull,
     /// CalculiX ended as if all were well, and there is no output.
     #[error("CalculiX says that it is done, but wrote no .dat file, or an empty one: there is nothing to use")]
     NoOutput,
@@ -92,6 +97,16 @@ pub enum FemError {
     },
 }
 
+impl FemError {
+    /// What a full disk explains, if it was full; anything else as it is.
+    pub(super) fn blaming(self, disk_is_full: bool) -> Self {
+        match self {
+            Self::Failed { .. } | Self::NoOutput | Self::Garbage { .. } if disk_is_full => Self::DiskFull,
+            error => error,
+        }
+    }
+}
+
 /// The operating system's words, with what to do where it is clear.
 fn explained(error: &io::Error) -> String {
     match error.kind() {
@@ -105,4 +120,16 @@ fn explained(error: &io::Error) -> String {
 /// Turns an error of the operating system into one that names the file.
 pub(super) fn at<'a>(doing: &'static str, path: &'a std::path::Path) -> impl FnOnce(io::Error) -> FemError + 'a {
     move |source| FemError::File { doing, path: path.to_owned(), source }
+}
+
+#[test]
+fn a_full_disk_explains_output_that_is_not_whole_and_nothing_else() {
+    let torn = || FemError::Garbage { file: "the .dat file", line: 3, what: "it ends".to_owned() };
+    let failed = || FemError::Failed { code: 201, diagnosis: "no reason is given".to_owned() };
+    for error in [torn(), failed(), FemError::NoOutput] {
+        assert!(error.blaming(true).to_string().starts_with("the disk is full"));
+    }
+    assert!(matches!(torn().blaming(false), FemError::Garbage { .. }));
+    let killed = FemError::Killed { signal: 9, reached: "1 step".to_owned() };
+    assert!(matches!(killed.blaming(true), FemError::Killed { .. }));
 }

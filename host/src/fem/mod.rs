@@ -14,7 +14,6 @@ mod deck;
 mod error;
 mod files;
 mod gauge;
-mod guard;
 mod layers;
 mod mesh;
 mod model;

@@ -52,7 +52,8 @@ pub fn run(
             options.increment = Some((0.5 * model.increment()).max(SMALLEST_SHARE));
             continue;
         }
-        let mut run = reduce(model, pressures_pa, &raw, subject.parameters.inner_radius_m)?;
+        let reduced = reduce(model, pressures_pa, &raw, subject.parameters.inner_radius_m);
+        let mut run = reduced.map_err(|error| error.blaming(raw.disk_is_full))?;
         run.seconds += spent;
         run.points.iter_mut().for_each(|point| point.seconds = point.seconds.map(|seconds| seconds + spent));
         return Ok(run);

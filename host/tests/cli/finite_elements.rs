@@ -26,6 +26,7 @@ fn a_scene_is_compared() {
     }
     let table = desk.softlimb("fem compare scene.toml --svg picture.svg").out;
     assert!(table.starts_with("finger: bend angle, deg\n"), "{table}");
+    assert!(table.lines().last().is_some_and(|line| line.starts_with("a curve takes the section ")), "{table}");
     assert!(std::fs::read_to_string(desk.path("picture.svg")).unwrap().starts_with("<svg "));
 }
 

@@ -116,17 +116,36 @@ fn a_run_that_gives_nothing_fails_and_writes_no_file() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{}", answer.err);
 }
 
+/// A script that leaves the gauges of the deck that it is given as they are, at one time, and then goes on.
+fn at_rest(time: &str, then: &str) -> Fake {
+    Fake::new(&format!(
+        "awk -v RS='*' '/^NSET, NSET=GAUGES/ {{ gsub(/[^0-9]+/, \" \"); n = split($0, node, \" \");
+           print \"\\n displacements (vx,vy,vz) for set GAUGES and time  {time}\\n\";
+           for (i = 1; i <= n; i++) print node[i], \"0.0E+00 0.0E+00 0.0E+00\" }}' actuator-model.inc > actuator.dat
+         {then}"
+    ))
+}
+
+/// What took minutes is shown before a file is tried.
+#[test]
+fn figures_are_shown_even_if_their_file_cannot_be_written() {
+    let fake = at_rest("0.1000000E+01", "exit 0");
+    let line = format!(
+        "fem run {} --pressure-kpa 10 --points 1 --tsv none/figures.tsv --ccx {}",
+        scene("single-bending.toml").display(),
+        fake.path("ccx").display()
+    );
+    let answer = softlimb(fake.folder.path(), &line);
+    assert_eq!(answer.code, Some(1), "{}", answer.err);
+    assert!(answer.out.contains("10.000    1.00000"), "{}", answer.out);
+    assert!(answer.err.contains("cannot write none/figures.tsv"), "{}", answer.err);
+}
+
 #[test]
 fn a_run_that_ends_before_its_first_pressure_says_how_far_it_came_and_why() {
     let scene = scene("single-bending.toml");
     let options = "--fibers threads --spacing-mm 4 --around 8 --along 8";
-    // The gauges that such a run prints are those of the deck that it is given: none has moved.
-    let fake = Fake::new(
-        "awk -v RS='*' '/^NSET, NSET=GAUGES/ { gsub(/[^0-9]+/, \" \"); n = split($0, node, \" \");
-           print \"\\n displacements (vx,vy,vz) for set GAUGES and time  0.9990000E+00\\n\";
-           for (i = 1; i <= n; i++) print node[i], \"0.0E+00 0.0E+00 0.0E+00\" }' actuator-model.inc > actuator.dat
-         echo ' *ERROR: too many cutbacks'; exit 201",
-    );
+    let fake = at_rest("0.9990000E+00", "echo ' *ERROR: too many cutbacks'; exit 201");
     let line = format!(
         "fem run {} {options} --pressure-kpa 10 --points 1 --ccx {}",
         scene.display(),

@@ -149,7 +149,7 @@ impl Compare {
     }
 }
 
-/// The section's times beside those of CalculiX.
+/// The section's times beside those of CalculiX, and their ranges.
 fn times(seconds: &[(String, f64, Option<f64>)]) -> String {
     let mut text = String::from("section, ms   CalculiX, s    ratio\n");
     for (name, section, solid) in seconds {
@@ -159,7 +159,19 @@ fn times(seconds: &[(String, f64, Option<f64>)]) -> String {
         };
         text += &format!("{:>11.0} {solid:>13} {ratio:>8}   {name}\n", section * 1e3);
     }
-    text
+    let [least, most] = range(seconds.iter().map(|(_, section, _)| section * 1e3));
+    text += &format!("a curve takes the section {least:.0} to {most:.0} ms");
+    let ratios = || seconds.iter().filter_map(|(_, section, solid)| Some((*solid)? / section));
+    if ratios().count() > 0 {
+        let [least, most] = range(ratios());
+        text += &format!(", and CalculiX {least:.0} to {most:.0} times as long");
+    }
+    text + "\n"
+}
+
+/// The least and the most of some numbers.
+fn range(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], n| [least.min(n), most.max(n)])
 }
 
 fn as_json(comparison: &Comparison) -> serde_json::Value {

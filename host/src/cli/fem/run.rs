@@ -63,6 +63,9 @@ impl Run {
         if found.points.iter().all(|point| point.middle.is_none()) {
             return Err(nothing(&found));
         }
+        // Before any file that may not be written: the figures took their time.
+        say(&if self.json { figures(&name, &found).to_string() } else { found.table() })?;
+        warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
         if let Some(file) = &self.tsv {
             fem::write_whole(file, &found.tsv())?;
             note(&format!("wrote {}", file.display()));
@@ -70,8 +73,6 @@ impl Run {
         if let Some(folder) = &self.vtu {
             note(&format!("wrote {}", found.write_vtu(folder, &name)?.display()));
         }
-        say(&if self.json { figures(&name, &found).to_string() } else { found.table() })?;
-        warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
         Ok(if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
 }
