@@ -29,6 +29,8 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-firmware", "fra-model"),
     ("softlimb-plant", "fra-model"),
     ("softlimb-image-mps2-an386", "fra-model"),
+    ("softlimb-image-mps2-an386", "softlimb-firmware"),
+    ("softlimb-image-mps2-an386", "softlimb-protocol"),
     ("softlimb-image-stm32f4", "softlimb-firmware"),
     ("softlimb-image-stm32f4", "softlimb-protocol"),
 ];

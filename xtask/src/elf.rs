@@ -1,5 +1,7 @@
 //! Symbols and contents of an ELF file: 32 bits, little-endian, as Arm's linkers write it.
 
+use std::ops::Range;
+
 /// Type of the section that holds the symbols.
 const SYMBOL_TABLE: usize = 2;
 const SYMBOL_BYTES: usize = 16;
@@ -25,7 +27,7 @@ pub(crate) struct Segment<'a> {
 /// # Errors
 /// What is wrong with the file, or that its symbols were stripped.
 pub(crate) fn symbols(file: &[u8]) -> Result<Vec<String>, String> {
-    Ok(all(file)?.into_iter().map(|(name, _)| name).collect())
+    Ok(all(file)?.into_iter().map(|symbol| symbol.name).collect())
 }
 
 /// Value of a symbol, where there is one of this name.
@@ -33,7 +35,33 @@ pub(crate) fn symbols(file: &[u8]) -> Result<Vec<String>, String> {
 /// # Errors
 /// As [`symbols`].
 pub(crate) fn value(file: &[u8], wanted: &str) -> Result<Option<usize>, String> {
-    Ok(all(file)?.into_iter().find(|(name, _)| name == wanted).map(|(_, value)| value))
+    Ok(all(file)?.into_iter().find(|symbol| symbol.name == wanted).map(|symbol| symbol.value))
+}
+
+/// Addresses of the code of the one function that has this in its name, which a compiler adds to.
+///
+/// # Errors
+/// As [`symbols`]; no such function, or several.
+pub(crate) fn code(file: &[u8], part: &str) -> Result<Range<usize>, String> {
+    let found: Vec<Symbol> =
+        all(file)?.into_iter().filter(|symbol| symbol.name.contains(part) && symbol.length > 0).collect();
+    let [Symbol { value, length, .. }] = found[..] else {
+        return Err(format!("{} functions are called `{part}`", found.len()));
+    };
+    // The lowest bit says which instructions the code has.
+    Ok(value & !1..(value & !1) + length)
+}
+
+/// The file without its table of sections, and so without symbols; the program is the same.
+#[must_use]
+pub(crate) fn anonymous(file: &[u8]) -> Vec<u8> {
+    let mut file = file.to_vec();
+    for field in [0x20..0x24, 0x30..0x34] {
+        if let Some(bytes) = file.get_mut(field) {
+            bytes.fill(0);
+        }
+    }
+    file
 }
 
 /// All segments that are loaded.
@@ -67,13 +95,20 @@ fn check(file: &[u8]) -> Result<(), String> {
     if is_one { Ok(()) } else { Err("no ELF file of 32 bits, little-endian".to_owned()) }
 }
 
-/// Names and values of all symbols.
-fn all(file: &[u8]) -> Result<Vec<(String, usize)>, String> {
+/// A name in the file.
+struct Symbol {
+    name: String,
+    value: usize,
+    length: usize,
+}
+
+/// All symbols.
+fn all(file: &[u8]) -> Result<Vec<Symbol>, String> {
     check(file)?;
     names(file).ok_or_else(|| "its symbol table is missing or broken".to_owned())
 }
 
-fn names(file: &[u8]) -> Option<Vec<(String, usize)>> {
+fn names(file: &[u8]) -> Option<Vec<Symbol>> {
     let (table, size, count) = (word(file, 0x20)?, half(file, 0x2e)?, half(file, 0x30)?);
     let header = |index: usize| -> Option<usize> {
         let at = table.checked_add(index.checked_mul(size)?)?;
@@ -85,7 +120,10 @@ fn names(file: &[u8]) -> Option<Vec<(String, usize)>> {
             continue;
         }
         let (symbols, text) = (section(file, at)?, section(file, header(word(file, at + 0x18)?)?)?);
-        let named = |symbol: &[u8]| Some((name(text, word(symbol, 0)?)?, word(symbol, 4)?));
+        let named = |symbol: &[u8]| {
+            let name = name(text, word(symbol, 0)?)?;
+            Some(Symbol { name, value: word(symbol, 4)?, length: word(symbol, 8)? })
+        };
         return symbols.chunks_exact(SYMBOL_BYTES).map(named).collect();
     }
     None
@@ -115,7 +153,7 @@ fn half(bytes: &[u8], at: usize) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Segment, segments, symbols, value};
+    use super::{Segment, anonymous, code, segments, symbols, value};
 
     /// A file of three sections: none, the symbols, their names.
     fn file() -> Vec<u8> {
@@ -125,8 +163,9 @@ mod tests {
         let symbols_at = file.len();
         for name in names {
             file.extend(name.to_le_bytes());
-            file.extend((100 * name).to_le_bytes());
-            file.extend([0; 8]);
+            file.extend((100 * name + 1).to_le_bytes());
+            file.extend((2 * name).to_le_bytes());
+            file.extend([0; 4]);
         }
         let text_at = file.len();
         file.extend(text);
@@ -146,8 +185,16 @@ mod tests {
     #[test]
     fn names_and_values_are_read() {
         assert_eq!(symbols(&file()).unwrap(), ["", "main", "__aeabi_dmul"]);
-        assert_eq!(value(&file(), "main"), Ok(Some(100)));
+        assert_eq!(value(&file(), "main"), Ok(Some(101)));
         assert_eq!(value(&file(), "main2"), Ok(None));
+    }
+
+    #[test]
+    fn the_code_of_a_function_is_found_by_a_part_of_its_name() {
+        assert_eq!(code(&file(), "ai"), Ok(100..102));
+        assert_eq!(code(&file(), "dmul"), Ok(600..612));
+        assert!(code(&file(), "m").is_err() && code(&file(), "x").is_err());
+        assert!(symbols(&anonymous(&file())).is_err());
     }
 
     #[test]

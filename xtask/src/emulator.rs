@@ -2,7 +2,7 @@
 
 use std::io::Read;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::Duration;
 
@@ -21,9 +21,9 @@ const SHIFT: &str = "shift=8,sleep=off";
 const COUNTS: i64 = 32;
 const INSTRUCTIONS: i64 = 5;
 
-/// A run takes less than a second; an image that hangs is ended.
+/// A run takes seconds; an image that hangs is ended.
 const PAUSE: Duration = Duration::from_millis(50);
-const PAUSES_MAX: u32 = 1200;
+const PAUSES_MAX: u32 = 12_000;
 
 /// Finds the emulator.
 ///
@@ -44,41 +44,66 @@ pub(crate) fn counts(instructions: i64) -> i64 {
     instructions * COUNTS / INSTRUCTIONS
 }
 
-/// What the image prints.
+/// What the image prints, and what `listen` makes of the emulator's account of every instruction.
 ///
 /// # Errors
-/// The emulator does not start, the image hangs or leaves with a failure.
-pub(crate) fn run(image: &Path) -> Result<String, String> {
+/// The emulator does not start, the image hangs or leaves with a failure; those of `listen`.
+pub(crate) fn run<T: Send>(
+    image: &Path,
+    listen: impl FnOnce(ChildStderr) -> Result<T, String> + Send,
+) -> Result<(String, T), String> {
     let mut child = Command::new(EMULATOR)
         .args(["-machine", "mps2-an386", "-display", "none", "-monitor", "none", "-serial", "null"])
-        .args(["-semihosting-config", "enable=on,target=native", "-icount", SHIFT, "-kernel"])
+        .args(["-semihosting-config", "enable=on,target=native", "-icount", SHIFT, "-d", "exec,nochain"])
+        .args(one_by_one()?)
+        .arg("-kernel")
         .arg(image)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
         .spawn()
         .map_err(|error| format!("cannot run {EMULATOR}: {error}"))?;
-    let output = child.stdout.take();
-    let reader = thread::spawn(move || {
-        let mut text = String::new();
-        output.map(|mut output| output.read_to_string(&mut text)).transpose().map(|_| text)
+    let (Some(mut output), Some(told)) = (child.stdout.take(), child.stderr.take()) else {
+        return Err(format!("{EMULATOR} has no output"));
+    };
+    let (status, text, heard) = thread::scope(|scope| {
+        let reader = scope.spawn(move || {
+            let mut text = String::new();
+            output.read_to_string(&mut text).map(|_| text).map_err(|error| error.to_string())
+        });
+        let listener = scope.spawn(move || listen(told));
+        let status = wait(&mut child);
+        let ended = |_| "a reader of the emulator's output failed".to_owned();
+        (status, reader.join().map_err(ended).flatten(), listener.join().map_err(ended).flatten())
     });
-    let mut pauses = 0;
-    let status = loop {
+    let (status, text) = (status?, text?);
+    if status.success() {
+        Ok((text, heard?))
+    } else {
+        Err(format!("the image failed in the emulator; it printed\n{text}"))
+    }
+}
+
+/// Waits for the emulator, or ends it.
+fn wait(child: &mut Child) -> Result<ExitStatus, String> {
+    for _ in 0..PAUSES_MAX {
         match child.try_wait().map_err(|error| error.to_string())? {
-            Some(status) => break status,
-            None if pauses == PAUSES_MAX => {
-                // Either may fail when it has just ended by itself.
-                let _ = child.kill();
-                let _ = child.wait();
-                return Err("the image hangs in the emulator".to_owned());
-            }
+            Some(status) => return Ok(status),
             None => thread::sleep(PAUSE),
         }
-        pauses += 1;
-    };
-    let text = reader.join().map_err(|_| "the reader of the emulator's output failed".to_owned())?;
-    let text = text.map_err(|error| error.to_string())?;
-    if status.success() { Ok(text) } else { Err(format!("the image failed in the emulator; it printed\n{text}")) }
+    }
+    // Either may fail when it has just ended by itself.
+    let _ = child.kill();
+    let _ = child.wait();
+    Err("the image hangs in the emulator".to_owned())
+}
+
+/// The option by which the emulator takes one instruction at a time, which has got another name.
+fn one_by_one() -> Result<&'static [&'static str], String> {
+    let help = Command::new(EMULATOR).arg("--help").stderr(Stdio::null()).output();
+    let help = help.map_err(|error| format!("cannot run {EMULATOR}: {error}"))?;
+    let has_old = String::from_utf8_lossy(&help.stdout).lines().any(|line| line.starts_with("-singlestep"));
+    Ok(if has_old { &["-singlestep"] } else { &["-accel", "tcg,one-insn-per-tb=on"] })
 }
 
 #[cfg(test)]

@@ -1,6 +1,10 @@
-//! The image of the model for a microcontroller: what must not be in it, whether it answers as this computer does, what it costs.
+//! The model and the controller on a microcontroller: what must not be in their images, whether they answer as this computer does, what
+//! each answer costs.
 
 mod counts;
+mod limits;
+mod thumb;
+mod trace;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,6 +17,9 @@ use crate::toolchain::{TARGET, Toolchain};
 use crate::{elf, emulator, firmware};
 
 const PACKAGE: &str = "softlimb-image-mps2-an386";
+
+/// Its programs that answer: the model, and the controller.
+const IMAGES: [&str; 2] = ["model", "device"];
 
 /// What to do where the toolchain for the microcontroller cannot lint.
 const NO_CLIPPY: &str = "install clippy (`rustup component add clippy`, Debian: apt-get install rust-web-clippy) for";
@@ -44,10 +51,10 @@ pub(crate) fn check(counts: Counts) -> Result<(), Trouble> {
         let cures = [Some(cure), emulator.clone().err()];
         Trouble::Missing(cures.into_iter().flatten().collect::<Vec<_>>().join("\n"))
     })?;
-    let image = built(&toolchain).map_err(Trouble::Failed)?;
-    println!("xtask: no double precision in the model's image");
+    let images = built(&toolchain).map_err(Trouble::Failed)?;
+    println!("xtask: no double precision in the images of the model and of the controller");
     emulator.map_err(Trouble::Missing)?;
-    emulated(&image, &toolchain, counts).map_err(Trouble::Failed)
+    emulated(&images, &toolchain, counts).map_err(Trouble::Failed)
 }
 
 /// Lints what is compiled for microcontrollers only, by the toolchain that compiles it.
@@ -69,26 +76,49 @@ pub(crate) fn lint() -> Result<(), Trouble> {
     Ok(())
 }
 
-/// Builds the images and looks at their symbols; the model's image.
-fn built(toolchain: &Toolchain) -> Result<PathBuf, String> {
+/// Builds the images and looks at their symbols; those that answer.
+fn built(toolchain: &Toolchain) -> Result<[PathBuf; 2], String> {
     let folder = build(toolchain)?;
     if double_precision(&folder.join("double"))?.is_empty() {
         return Err("the check for double precision finds none in the image made for it to be found in".to_owned());
     }
-    let image = folder.join("model");
-    let found = double_precision(&image)?;
-    if found.is_empty() {
-        return Ok(image);
+    let images = IMAGES.map(|name| folder.join(name));
+    for image in &images {
+        let found = double_precision(image)?;
+        if !found.is_empty() {
+            let name = image.display();
+            return Err(format!("{name} computes in double precision, in software:\n  {}", found.join("\n  ")));
+        }
     }
-    Err(format!("the model computes in double precision, in software:\n  {}", found.join("\n  ")))
+    Ok(images)
 }
 
-/// Compares what the image answers, and what that costs.
-fn emulated(image: &Path, toolchain: &Toolchain, counts: Counts) -> Result<(), String> {
-    let rows = counts::converted(table::read(&emulator::run(image)?)?)?;
-    compare(&rows, &answers_here()?)?;
-    println!("xtask: the emulated Cortex-M4F gives the same bits as this computer, {} answers", rows.len());
-    counts::report(&rows, &toolchain.version, counts)
+/// Compares what the images answer, and what that costs.
+fn emulated(images: &[PathBuf], toolchain: &Toolchain, counts: Counts) -> Result<(), String> {
+    let mut rows = Vec::new();
+    for (image, name) in images.iter().zip(IMAGES) {
+        let found = counts::converted(traced(image)?)?;
+        compare(&found, &answers_here(name)?)?;
+        println!(
+            "xtask: {name}: the emulated Cortex-M4F gives the same bits as this computer, {} answers",
+            found.len()
+        );
+        rows.extend(table::worst(found));
+    }
+    counts::report(&rows, &toolchain.version, counts)?;
+    limits::check(&rows)
+}
+
+/// What an image answers, with what each answer cost by the board's timer and by the emulator's account of every instruction.
+fn traced(image: &Path) -> Result<Vec<Row>, String> {
+    let named = |error: std::io::Error| format!("{}: {error}", image.display());
+    let file = fs::read(image).map_err(named)?;
+    // Names of functions would make up most of the account.
+    let anonymous = image.with_extension("anonymous");
+    fs::write(&anonymous, elf::anonymous(&file)).map_err(named)?;
+    let meter = trace::Meter::new(&file)?;
+    let (text, stretches) = emulator::run(&anonymous, |told| meter.read(told))?;
+    counts::with_stretches(table::read(&text)?, &stretches)
 }
 
 /// Builds all images of the package; the folder they are in.
@@ -115,18 +145,18 @@ fn double_precision(image: &Path) -> Result<Vec<String>, String> {
 }
 
 /// The same questions answered by the same program on this computer.
-fn answers_here() -> Result<Vec<Row>, String> {
-    let mut command = Cargo::quiet(&["run", "--quiet", "--package", PACKAGE, "--bin", "model"]);
+fn answers_here(name: &str) -> Result<Vec<Row>, String> {
+    let mut command = Cargo::quiet(&["run", "--quiet", "--package", PACKAGE, "--bin", name]);
     let output = command.stderr(Stdio::inherit()).output().map_err(|error| format!("cannot run cargo: {error}"))?;
     if !output.status.success() {
-        return Err("the model does not answer on this computer".to_owned());
+        return Err(format!("`{name}` does not answer on this computer"));
     }
     table::read(&String::from_utf8_lossy(&output.stdout))
 }
 
 /// Whether two tables have the same answers, bit by bit.
 fn compare(emulated: &[Row], here: &[Row]) -> Result<(), String> {
-    let answer = |row: &Row| Row { cost: None, ..row.clone() };
+    let answer = |row: &Row| Row { cost: None, cycles: None, ..row.clone() };
     if emulated.len() != here.len() || here.is_empty() {
         return Err(format!("{} answers in the emulator, {} on this computer", emulated.len(), here.len()));
     }

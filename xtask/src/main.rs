@@ -27,8 +27,9 @@ Usage: cargo xtask <command>
   test         formatting, lints, every test of the workspace, the images in the emulator; what CI runs. What it needs beside
                Rust it names, and installs by apt-get where it may; with --no-install it installs nothing
   lint         formatting and lints alone
-  model-image  builds the model for a microcontroller, looks for double precision in it, runs it in an emulator: the same
-               bits as here, as many instructions as recorded; with --record it records them
+  model-image  builds the model and the controller for a microcontroller, looks for double precision in them, runs them in an
+               emulator: the same bits as here, as many instructions and estimated cycles as recorded, and no more than a
+               device has for them; with --record it records them
   firmware     builds the image for a board, --board f446 (NUCLEO-F446RE, the default) or f405, as .elf, .bin and .hex, and its
                twin for the emulator; says how large it is, compared with what is recorded, and that nothing is in it that
                must not be; with --record it records the sizes

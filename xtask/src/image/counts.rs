@@ -3,13 +3,14 @@
 use std::fs;
 
 use super::Counts;
+use super::trace::Stretch;
 use crate::cargo::root;
 use crate::emulator::{counts, instructions};
 use crate::table::Row;
 
 /// The record, from the root of the workspace.
 const RECORD: &str = "firmware/boards/mps2-an386/counts.tsv";
-const HEADER: &str = "question\tactuator\tinstructions\titerations\tstatus";
+const HEADER: &str = "question\tactuator\tinstructions\tcycles\titerations\tstatus";
 
 /// A question may cost this much more or less than recorded, in per cent: what a change elsewhere does to the layout of the code.
 const MARGIN: i64 = 5;
@@ -17,25 +18,61 @@ const MARGIN: i64 = 5;
 /// Questions whose cost is known beforehand: nothing, and loops of two instructions a round.
 const NOTHING: &str = "nothing";
 const LOOPS: [(&str, i64); 2] = [("1000 rounds", 2000), ("51000 rounds", 102_000)];
+/// The compiler may put this many instructions between where the timer is read and where a stretch begins or ends.
+const BETWEEN: i64 = 8;
+/// A subtraction, and a branch back.
+const CYCLES_OF_TWO: i64 = 1 + 3;
+
+/// The rows with the cycles of their stretches.
+///
+/// # Errors
+/// The stretches are not of these rows: there are more or fewer, or one has another number of instructions than the timer says.
+pub(super) fn with_stretches(mut rows: Vec<Row>, stretches: &[Stretch]) -> Result<Vec<Row>, String> {
+    let (Some(first), Some(nothing)) = (rows.first().and_then(|row| row.cost), stretches.first()) else {
+        return Err("the image counts nothing".to_owned());
+    };
+    if rows.len() != stretches.len() {
+        return Err(format!("{} answers, but {} stretches of the program", rows.len(), stretches.len()));
+    }
+    for (row, stretch) in rows.iter_mut().zip(stretches) {
+        let timed = row.cost.map(|cost| instructions(cost - first));
+        let traced = stretch.instructions - nothing.instructions;
+        if timed.is_none_or(|timed| (timed - traced).abs() > BETWEEN) {
+            let name = row.name();
+            return Err(format!("{name:?}: {timed:?} instructions by the timer, {traced} by the emulator's account"));
+        }
+        row.cycles = Some(stretch.cycles);
+    }
+    Ok(rows)
+}
 
 /// The rows with instructions in place of counts, without those that calibrate.
 ///
 /// # Errors
 /// A loop of known length does not cost what it must.
 pub(super) fn converted(rows: Vec<Row>) -> Result<Vec<Row>, String> {
-    let cost = |question: &str| {
-        let row = rows.iter().find(|row| row.question == question).and_then(|row| row.cost);
-        row.ok_or_else(|| format!("the image does not count `{question}`"))
+    let of = |question: &str| {
+        let row = rows.iter().find(|row| row.question == question);
+        let costs = row.and_then(|row| row.cost.zip(row.cycles));
+        costs.ok_or_else(|| format!("the image does not count `{question}`"))
     };
-    let nothing = cost(NOTHING)?;
+    let nothing = of(NOTHING)?;
     let [(short, few), (long, many)] = LOOPS;
-    let (found, expected) = (cost(long)? - cost(short)?, counts(many - few));
+    let (short, long) = (of(short)?, of(long)?);
+    let (found, expected) =
+        ((long.0 - short.0, long.1 - short.1), (counts(many - few), CYCLES_OF_TWO * (many - few) / 2));
     if found != expected {
-        return Err(format!("{} instructions take {found} counts of the timer, not {expected}", many - few));
+        return Err(format!(
+            "{} instructions take {found:?} counts of the timer and cycles, not {expected:?}",
+            many - few
+        ));
     }
     let calibrates = |question: &str| question == NOTHING || LOOPS.iter().any(|(name, _)| *name == question);
-    let rows = rows.into_iter().filter(|row| !calibrates(&row.question));
-    Ok(rows.map(|row| Row { cost: row.cost.map(|counted| instructions(counted - nothing)), ..row }).collect())
+    let costs = |row: &Row| Some((instructions(row.cost? - nothing.0), row.cycles? - nothing.1));
+    let rows = rows.iter().filter(|row| !calibrates(&row.question));
+    Ok(rows
+        .map(|row| Row { cost: costs(row).map(|cost| cost.0), cycles: costs(row).map(|cost| cost.1), ..row.clone() })
+        .collect())
 }
 
 /// Prints the table; compares it with the record, or records it.
@@ -63,18 +100,21 @@ pub(super) fn report(rows: &[Row], compiler: &str, what: Counts) -> Result<(), S
 }
 
 fn print(rows: &[Row]) {
-    println!("{:>12}  {:>10}  question, actuator", "instructions", "iterations");
+    println!("{:>12}  {:>9}  {:>10}  question, actuator", "instructions", "cycles", "iterations");
     for row in rows {
-        let cost = row.cost.map_or_else(|| "-".to_owned(), |cost| cost.to_string());
-        println!("{cost:>12}  {:>10}  {}, {}", row.iterations, row.question, row.actuator);
+        let [cost, cycles] =
+            [row.cost, row.cycles].map(|cost| cost.map_or_else(|| "-".to_owned(), |cost| cost.to_string()));
+        println!("{cost:>12}  {cycles:>9}  {:>10}  {}, {}", row.iterations, row.question, row.actuator);
     }
 }
 
 fn record(rows: &[Row], compiler: &str) -> String {
-    let mut text = format!("# Cortex-M4F, f32; {compiler}; made by `cargo xtask model-image --record`\n{HEADER}\n");
+    let mut text = format!(
+        "# Cortex-M4F, f32; cycles by an estimate, memory without waits; {compiler}; made by `cargo xtask model-image --record`\n{HEADER}\n"
+    );
     for row in rows {
-        let cost = row.cost.unwrap_or_default();
-        text += &format!("{}\t{}\t{cost}\t{}\t{}\n", row.question, row.actuator, row.iterations, row.status);
+        let [cost, cycles] = [row.cost, row.cycles].map(Option::unwrap_or_default);
+        text += &format!("{}\t{}\t{cost}\t{cycles}\t{}\t{}\n", row.question, row.actuator, row.iterations, row.status);
     }
     text
 }
@@ -100,10 +140,12 @@ fn verdict(rows: &[Row], compiler: &str, recorded: &str) -> Verdict {
     }
     let mut other = Vec::new();
     for (row, fields) in rows.iter().zip(&recorded_rows) {
-        let before = fields.get(2).and_then(|cost| cost.parse::<i64>().ok());
-        let (Some(before), Some(now)) = (before, row.cost) else { return Verdict::OtherQuestions };
-        if (now - before).abs() * 100 > before * MARGIN {
-            other.push(format!("{}, {}: {now}, recorded {before}", row.question, row.actuator));
+        for (what, now, field) in [("instructions", row.cost, 2), ("cycles", row.cycles, 3)] {
+            let before = fields.get(field).and_then(|cost| cost.parse::<i64>().ok());
+            let (Some(before), Some(now)) = (before, now) else { return Verdict::OtherQuestions };
+            if (now - before).abs() * 100 > before * MARGIN {
+                other.push(format!("{}, {}: {now} {what}, recorded {before}", row.question, row.actuator));
+            }
         }
     }
     if other.is_empty() { Verdict::Same } else { Verdict::Costs(other) }
@@ -111,39 +153,57 @@ fn verdict(rows: &[Row], compiler: &str, recorded: &str) -> Verdict {
 
 #[cfg(test)]
 mod tests {
-    use super::{Verdict, converted, record, verdict};
+    use super::*;
     use crate::table::read;
 
     /// Lines of an image whose timer counts 6.4 an instruction, 7 of them for nothing.
-    fn image(long: i64, held: i64) -> String {
-        format!(
+    fn image(long: i64, held: i64) -> Vec<Row> {
+        let text = format!(
             "nothing\t-\t7\t0\t-\t0\t0\n1000 rounds\t-\t12807\t0\t-\t0\t0\n51000 rounds\t-\t{long}\t0\t-\t0\t0\n\
              held\tbending\t{held}\t3\tsolved\t1\t2\n"
-        )
+        );
+        read(&text).unwrap()
+    }
+
+    /// Stretches of the same, two cycles an instruction, four instructions and five cycles for nothing.
+    fn stretches(held: i64) -> [Stretch; 4] {
+        let stretch = |instructions| Stretch { instructions: instructions + 4, cycles: 2 * instructions + 5 };
+        [0, 2000, 102_000, held].map(stretch)
+    }
+
+    fn rows(long: i64, held: i64) -> Result<Vec<Row>, String> {
+        converted(with_stretches(image(long, 7 + held * 64 / 10), &stretches(held))?)
     }
 
     #[test]
     fn counts_become_instructions_if_the_loop_is_as_long_as_it_is() {
-        let rows = converted(read(&image(652_807, 647)).unwrap()).unwrap();
-        assert_eq!(
-            rows.iter().map(|row| (row.name(), row.cost)).collect::<Vec<_>>(),
-            [(("held", "bending"), Some(100))]
-        );
-        assert!(converted(read(&image(652_808, 647)).unwrap()).is_err());
-        assert!(converted(read("held\tbending\t647\t3\tsolved\t1\t2\n").unwrap()).is_err());
+        let found = rows(652_807, 100).unwrap();
+        let told: Vec<_> = found.iter().map(|row| (row.name(), row.cost, row.cycles)).collect();
+        assert_eq!(told, [(("held", "bending"), Some(100), Some(200))]);
+        assert!(converted(image(652_807, 647)).is_err(), "no cycles");
+        assert!(rows(652_817, 100).is_err(), "a longer loop");
+    }
+
+    #[test]
+    fn timer_and_account_have_to_agree() {
+        assert!(with_stretches(image(652_807, 647), &stretches(108)).is_ok());
+        assert!(with_stretches(image(652_807, 647), &stretches(109)).is_err());
+        assert!(with_stretches(image(652_807, 647), &stretches(100)[..3]).is_err());
+        assert!(with_stretches(Vec::new(), &[]).is_err());
     }
 
     #[test]
     fn other_costs_than_recorded_are_refused() {
-        let rows = |held| converted(read(&image(652_807, held)).unwrap()).unwrap();
-        let recorded = record(&rows(6407), "rustc 1.96.0");
-        assert_eq!(verdict(&rows(6407), "rustc 1.96.0", &recorded), Verdict::Same);
-        assert_eq!(verdict(&rows(6663), "rustc 1.96.0", &recorded), Verdict::Same);
-        assert_eq!(verdict(&rows(6407), "rustc 1.97.0", &recorded), Verdict::OtherCompiler);
+        let rows = |held| rows(652_807, held).unwrap();
+        let recorded = record(&rows(1000), "rustc 1.96.0");
+        assert_eq!(verdict(&rows(1000), "rustc 1.96.0", &recorded), Verdict::Same);
+        assert_eq!(verdict(&rows(1050), "rustc 1.96.0", &recorded), Verdict::Same);
+        assert_eq!(verdict(&rows(1000), "rustc 1.97.0", &recorded), Verdict::OtherCompiler);
         assert_eq!(verdict(&[], "rustc 1.96.0", &recorded), Verdict::OtherQuestions);
-        for (counts, cost) in [(6791, 1060), (6023, 940)] {
-            let costs = Verdict::Costs(vec![format!("held, bending: {cost}, recorded 1000")]);
-            assert_eq!(verdict(&rows(counts), "rustc 1.96.0", &recorded), costs);
+        for cost in [1060, 940] {
+            let told = [format!("{cost} instructions, recorded 1000"), format!("{} cycles, recorded 2000", 2 * cost)];
+            let costs = Verdict::Costs(told.map(|told| format!("held, bending: {told}")).to_vec());
+            assert_eq!(verdict(&rows(cost), "rustc 1.96.0", &recorded), costs);
         }
     }
 }

@@ -17,7 +17,7 @@ pub(crate) struct Note {
 
 impl Note {
     /// An answer that is the given numbers, the first of which stands for it.
-    fn of(status: &'static str, iterations: u32, numbers: impl IntoIterator<Item = f32>) -> Self {
+    pub(crate) fn of(status: &'static str, iterations: u32, numbers: impl IntoIterator<Item = f32>) -> Self {
         let mut numbers = numbers.into_iter().map(f32::to_bits).peekable();
         let value = numbers.peek().copied().unwrap_or(0);
         // Fowler, Noll, Vo, over words in place of bytes.
@@ -90,16 +90,6 @@ impl<A: Answer> Answer for Option<A> {
 impl<A: Answer> Answer for Result<A, InvalidParameter<f32>> {
     fn note(&self) -> Note {
         self.as_ref().map_or_else(|refused| Note::of(refused.field, 0, [refused.value]), Answer::note)
-    }
-}
-
-/// A count as an answer.
-pub(crate) struct Count(pub(crate) usize);
-
-impl Answer for Count {
-    fn note(&self) -> Note {
-        let count = u16::try_from(self.0).unwrap_or(u16::MAX);
-        Note::of("-", 0, [f32::from(count)])
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each image uses a part of it")]
 
 use core::fmt::Arguments;
+use core::hint::black_box;
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -60,6 +61,19 @@ impl Counter {
         let left = if now == 0 { LARGEST + 1 } else { now };
         (rounds << LARGEST.count_ones()).wrapping_add(begin).wrapping_sub(left)
     }
+}
+
+/// A place that a trace of the program passes just before a stretch that is counted. Two such places have different bodies, or the linker
+/// would make one of them.
+#[inline(never)]
+pub(crate) fn stretch_begins() {
+    black_box(1_u32);
+}
+
+/// The same just after it.
+#[inline(never)]
+pub(crate) fn stretch_ends() {
+    black_box(2_u32);
 }
 
 /// Prints on the terminal of the emulator; an emulator without one is told nothing.

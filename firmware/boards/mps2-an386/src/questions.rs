@@ -7,7 +7,7 @@ use nalgebra::Isometry3;
 
 use crate::Desk;
 use crate::actuators::{CASES, Case};
-use crate::answer::Count;
+use crate::answer::{Answer, Note};
 
 /// A warm start is this share of the pressure away.
 const NEAR: f32 = 0.98;
@@ -15,6 +15,16 @@ const NEAR: f32 = 0.98;
 const BUDGET: u32 = 20;
 /// From the axis of a limb to those of its actuators, m.
 const CIRCLE_RADIUS_M: f32 = 0.03;
+
+/// A count as an answer.
+struct Count(usize);
+
+impl Answer for Count {
+    fn note(&self) -> Note {
+        let count = u16::try_from(self.0).unwrap_or(u16::MAX);
+        Note::of("-", 0, [f32::from(count)])
+    }
+}
 
 /// Puts all questions; whether each had the answer it must have: that there is a solution.
 pub(crate) fn put_all(desk: &mut impl Desk) -> bool {

@@ -1,4 +1,4 @@
-//! Hands the linker the memory map of the board; nothing on a computer with an operating system.
+//! Hands the linker the memory map in the folder of an image; nothing on a computer with an operating system.
 
 use std::path::Path;
 use std::{env, fs};
