@@ -4,6 +4,8 @@
 mod crash;
 #[path = "support/devices.rs"]
 mod devices;
+#[path = "emulated/endurance.rs"]
+mod endurance;
 mod support;
 #[path = "emulated/trace.rs"]
 mod trace;

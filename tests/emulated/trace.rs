@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use softlimb_image_stm32f4::pins::{OUTPUTS, PORTS};
+use softlimb_image_stm32f4::pins::{FILL, OUTPUTS, PORTS, PUMP, SUPPLY, VENT};
 use softlimb_image_stm32f4::schedule::OFF;
 use softlimb_sim::emulated::{Flashed, Halt};
 
@@ -37,12 +37,17 @@ fn writes(trace: &Path) -> Vec<Write> {
     text.lines().filter_map(write).collect()
 }
 
+/// Runs the flashed image with a trace of its ports.
+fn traced(images: &Images, trace: &Path) -> Flashed {
+    Flashed::start(&images.flashed(), Some(trace)).expect("the image starts")
+}
+
 #[test]
-fn outputs_are_low_before_they_are_outputs_and_off_after_a_fault() {
-    let Some(images) = Images::find("outputs_are_low_before_they_are_outputs_and_off_after_a_fault") else { return };
+fn outputs_are_low_before_they_are_outputs() {
+    let Some(images) = Images::find("outputs_are_low_before_they_are_outputs") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let trace = folder.path().join("trace");
-    let flashed = Flashed::start(&images.flashed(), Some(&trace)).expect("the image starts");
+    let _flashed = traced(&images, &trace);
     let start = writes(&trace);
     for (port, mask) in OUTPUTS.into_iter().enumerate() {
         let of_port: Vec<_> = start.iter().filter(|write| write.port == port).collect();
@@ -54,15 +59,27 @@ fn outputs_are_low_before_they_are_outputs_and_off_after_a_fault() {
         assert!(!told.is_empty(), "port {port} is told nothing before");
         assert!(told.iter().all(|write| write.value == OFF[port]), "port {port}: {told:x?}");
     }
+}
 
-    let mut host = filling(flashed);
-    let before = writes(&trace);
-    let lit = before.iter().rev().find(|write| write.port == 2 && write.offset == SET_RESET).expect("a schedule");
-    assert!(lit.value & u32::from(OUTPUTS[2]) != 0, "port C is on before: {lit:x?}");
-    host.mcu.processor_mut().halt(Halt::HardFault).expect("the emulator takes it");
-    host.wait(1_000);
-    let after = writes(&trace);
-    let first: Vec<_> = after[before.len()..].iter().take(PORTS).copied().collect();
-    let off = (0..PORTS).map(|port| Write { port, offset: SET_RESET, value: OFF[port] });
-    assert_eq!(first, off.collect::<Vec<_>>(), "the first that the ports hear after the fault");
+#[test]
+fn every_coil_is_let_go_within_a_tick_of_a_crash() {
+    let Some(images) = Images::find("every_coil_is_let_go_within_a_tick_of_a_crash") else { return };
+    for halt in [Halt::HardFault, Halt::Panic { line: 4711 }, Halt::StackOverflow] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let trace = folder.path().join("trace");
+        let mut host = filling(traced(&images, &trace));
+        let before = writes(&trace);
+        let lit = before.iter().rev().find(|write| write.port == 2 && write.offset == SET_RESET).expect("a schedule");
+        assert!(lit.value & u32::from(OUTPUTS[2]) != 0, "{halt:?}: port C is on before: {lit:x?}");
+        host.mcu.processor_mut().halt(halt).expect("the emulator takes it");
+        host.wait(1_000);
+        let after = &writes(&trace)[before.len()..];
+        let off: Vec<_> = (0..PORTS).map(|port| Write { port, offset: SET_RESET, value: OFF[port] }).collect();
+        assert_eq!(after.get(..PORTS), Some(&off[..]), "{halt:?}: the first that the ports hear");
+        for pin in VENT.into_iter().chain(FILL).chain([SUPPLY, PUMP]) {
+            assert!(OFF[pin.port as usize] >> 16 & u32::from(pin.bit()) != 0, "{pin:?} is told to be low");
+        }
+        let on = after.iter().filter(|write| write.offset == SET_RESET && write.value & 0xffff != 0);
+        assert_eq!(on.count(), 0, "{halt:?}: nothing is switched on again");
+    }
 }

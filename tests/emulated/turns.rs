@@ -1,7 +1,7 @@
 //! What a turn of the controller costs on the processor of the device.
 
 use softlimb::design::Limb;
-use softlimb::link::{self, Event, Knot, StreamOptions};
+use softlimb::link::{self, DeviceConfiguration, Event, Knot, StreamOptions};
 use softlimb::{motion, simulate};
 use softlimb_protocol::{Command, CommandCode, DeviceState, Heartbeat, SetpointKind};
 use softlimb_sim::SimulatedMcu;
@@ -11,17 +11,21 @@ use crate::crash::host::{Host, SESSION, settings};
 use crate::devices::Images;
 use crate::support::scene_with;
 
+/// Channels of the board.
 const CHANNELS: usize = 9;
 
 /// Cycles of the processor in a tick of 1 ms.
-const TICK: u64 = 168_000;
+pub(crate) const TICK: u64 = 168_000;
 
 /// Cycles that a turn should leave to everything else: it takes no more of its tick than this.
 const SHARE: u64 = 50_000;
 
-/// Cycles of an instruction, more than any mix of these programs takes: 1.7 to 2.0 by the tables of the Cortex-M4 for the kernel of the
-/// model, whose roots and quotients take 14 each.
-const CYCLES: u64 = 2;
+/// Cycles of an instruction, more than turns take on average: 1.5 to 1.6 by `firmware/boards/mps2-an386/counts.tsv`, which also has 1.9 for
+/// solvers of the wound tube.
+pub(crate) const CYCLES: u64 = 2;
+
+/// The same, in tenths, where bent walls are integrated: 2.4.
+const TENTHS_BENDING: u64 = 25;
 
 #[test]
 fn turns_that_solve_the_model_end_within_their_tick() {
@@ -49,12 +53,11 @@ fn turns_that_solve_the_model_end_within_their_tick() {
     assert!(host.telemetry().any(|telemetry| telemetry.state == DeviceState::Running), "it ran");
     let cost = host.mcu.processor().cost();
     println!("turns with the model solved for every channel: {cost:?}");
-    assert!(cost.turns > 1_000 && CYCLES * cost.worst < TICK, "{cost:?}");
+    assert!(cost.turns > 1_000 && TENTHS_BENDING * cost.worst < 10 * TICK, "{cost:?}");
 }
 
-#[test]
-fn turns_of_a_scene_leave_two_thirds_of_their_tick() {
-    let Some(images) = Images::find("turns_of_a_scene_leave_two_thirds_of_their_tick") else { return };
+/// The twin with the plant of a scene, the scene's configuration, and its knots.
+pub(crate) fn with_scene(images: &Images) -> (SimulatedMcu<LockStep>, DeviceConfiguration, Vec<Knot>) {
     let scene = scene_with("pick-and-place-a", "");
     let limb = Limb::new(&scene).expect("a limb");
     let plan = motion::plan(&scene, &limb).expect("a plan");
@@ -64,10 +67,17 @@ fn turns_of_a_scene_leave_two_thirds_of_their_tick() {
         limb.modules().iter().zip(values).flat_map(|(module, value)| module.channels.clone().map(|_| *value)).collect()
     };
     let rows = plan.knots().iter().zip(0..);
-    let knots: Vec<Knot> =
+    let knots =
         rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us, values: row(values) }).collect();
     let twin = LockStep::start(&images.twin()).expect("the twin starts");
-    let mut device = SimulatedMcu::with_processor(&simulate::settings(&scene, &limb, 1), twin).expect("good settings");
+    let device = SimulatedMcu::with_processor(&simulate::settings(&scene, &limb, 1), twin).expect("good settings");
+    (device, configuration, knots)
+}
+
+#[test]
+fn turns_of_a_scene_leave_two_thirds_of_their_tick() {
+    let Some(images) = Images::find("turns_of_a_scene_leave_two_thirds_of_their_tick") else { return };
+    let (mut device, configuration, knots) = with_scene(&images);
     link::stream(&mut device, &configuration, &knots, &StreamOptions::new(7), |device, event| {
         if matches!(event, Event::Configured { .. }) {
             let cost = device.processor_mut().take_cost();
