@@ -59,7 +59,7 @@ impl<T: Real> Tubes<T> {
         Self { has: [false; LANES], direct: Columns::new(direct), size: Size::columns(&tube.size()) }
     }
 
-    /// Solves as many as the vectors have lanes; where `ONCE`, those alone that take one step and one correction.
+    /// Solves as many as the vectors have lanes; where `ONCE`, those alone that take one correction.
     #[inline(always)]
     fn forward<V: Lanes<T>, const ONCE: bool>(&self, token: V, pressures_pa: &[T; LANES]) -> Answers<T> {
         let size = self.size.vectors(token);

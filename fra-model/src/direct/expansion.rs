@@ -5,6 +5,7 @@
 
 use super::arithmetic::Arithmetic;
 use super::kernel::{Constants, Linearised, Norm, Rest, Unknowns};
+use super::path::{CONTRACTION, CORRECTION, Path, SHARE};
 use crate::real::{Real, epsilon, real};
 
 /// Orders of the series in double precision.
@@ -19,13 +20,20 @@ pub(super) struct Expansion<S> {
     pub(super) unit: S,
     /// Contraction factor of a step from rest, over `|z|`: 1, but for a branch without curvature.
     pub(super) contraction: S,
-    /// The size of the first term over `|z|`.
-    pub(super) size: S,
+    /// Largest `z` to which certified steps lead.
+    pub(super) reach: S,
+    /// No step that leads to `z` is shorter than this times `|z|`.
+    pub(super) short: S,
     /// The coefficients.
     pub(super) terms: [Unknowns<S>; ORDERS],
     /// What each coefficient after the last is of the two before it.
     pub(super) tail: [S; 2],
 }
+
+/// The contraction factor from rest, in one step, up to which the series is worth a trial.
+const REACH: f64 = 0.45;
+/// Certified steps after the first.
+const STEPS: u32 = 2;
 
 /// Orders that a scalar has a use for.
 fn orders<T: Real>() -> usize {
@@ -62,7 +70,61 @@ impl<T: Real> Expansion<T> {
             *term = products.term(n + 1);
         }
         let tail = if orders::<T>() > SINGLE_ORDERS { tail::<T, TWIST>(norm, &terms) } else { [zero; 2] };
-        Self { unit, contraction, size: norm.size::<TWIST>(&first), terms, tail }
+        let (reach, short) = (real::<T>(CONTRACTION) / contraction, norm.size::<TWIST>(&first));
+        let mut new = Self { unit, contraction, reach, short, terms, tail };
+        if is_curved {
+            new.certify(&Path::<T, TWIST> { constants: c, force: zero, torque: zero, norm: *norm });
+        }
+        new
+    }
+
+    /// Certifies steps towards pressure after the first, as long as the series stays with them.
+    ///
+    /// Each begins before the one before it ends, so that none is short, and may be as long as the contraction factor at its beginning
+    /// says.
+    #[inline(always)]
+    fn certify<const TWIST: bool>(&mut self, path: &Path<'_, T, TWIST>) {
+        let (mut from, mut step) = (T::zero(), self.reach);
+        for _ in 0..STEPS {
+            let next = from + step * real(SHARE);
+            let Some((longest, size)) = self.step::<TWIST>(path, next, self.short * (next - from)) else { return };
+            // What is beyond the end of the step before it takes this one.
+            self.short = self.short.min(size * (T::one() - next / self.reach));
+            self.reach = (next + longest).min(real(REACH));
+            (from, step) = (next, longest);
+            if self.reach >= real(REACH) {
+                return;
+            }
+        }
+    }
+
+    /// How far a step from a value of the variable may go, and its size over its length; `None` where the sum of the series is not near
+    /// an equilibrium there, or not near where the step leads.
+    #[inline(always)]
+    fn step<const TWIST: bool>(&self, path: &Path<'_, T, TWIST>, z: T, last: T) -> Option<(T, T)> {
+        let c = path.constants;
+        let at = self.at::<TWIST>(z);
+        let lin = path.look(at)?;
+        let off = lin.solve(c, path.rest(&lin, z / self.unit));
+        (path.size(&off) <= last * real(CORRECTION)).then_some(())?;
+        let rate = lin.rate(c).times(T::one() / self.unit);
+        let curve = lin.solve(c, lin.curvature(c, rate));
+        let longest = (real::<T>(CONTRACTION) / path.contraction(&rate, &curve)).min(real::<T>(REACH) - z);
+        let size = path.size(&rate);
+        for share in [0.5, 1.0] {
+            let length = longest * real(share);
+            let end = at.plus(off).plus(rate.plus_times(&curve, length).times(length));
+            let aside = self.extrapolated::<TWIST>(z + length).plus_times(&end, -T::one());
+            (path.size(&aside) <= size * length * real(CORRECTION)).then_some(())?;
+        }
+        Some((longest, size))
+    }
+
+    /// The state at a value of the variable, with what is beyond the last order where there are enough of them to tell.
+    #[inline(always)]
+    pub(super) fn extrapolated<const TWIST: bool>(&self, z: T) -> Unknowns<T> {
+        let at = self.at::<TWIST>(z);
+        if orders::<T>() > SINGLE_ORDERS { at.plus(self.beyond::<TWIST>(z)) } else { at }
     }
 
     /// The state at a value of the variable.

@@ -2,20 +2,17 @@
 
 use super::expansion::Expansion;
 use super::kernel::{Linearised, Unknowns};
-use super::path::{CONTRACTION, CORRECTION, End, Path, part};
+use super::path::{CONTRACTION, CORRECTION, End, Path};
 use super::{Direct, Equilibrium};
 use crate::real::{Real, epsilon, real};
 
 /// Corrections after which a state that has not settled is given up.
 const CORRECTIONS: u32 = 5;
-/// Largest contraction factor from rest to the pressure at which the series is worth a trial.
-pub(super) const REACH: f64 = 0.45;
-
 /// Contraction factor from rest above which what is beyond the last order of the series matters.
 const FAR: f64 = 0.17;
 
 /// Largest contraction factor of a last correction: its square is what the compliance loses.
-const CURVED: f64 = 1e-5;
+const CURVED: f64 = 3e-7;
 const CURVED_SINGLE: f64 = 1e-3;
 /// Largest last correction, as a share of the state: its third power is below rounding.
 const SHORT: f64 = 5e-6;
@@ -33,7 +30,7 @@ struct Close<T> {
 }
 
 impl<T: Real> Direct<T> {
-    /// The equilibrium at a pressure, if it is certified in one step from rest or in two.
+    /// The equilibrium at a pressure, if the steps from rest to it are certified.
     #[inline(always)]
     pub(crate) fn pressed(&self, pressure: T) -> Option<Equilibrium<T>> {
         let end = if self.twists_by_itself() { self.rise::<true>(pressure) } else { self.rise::<false>(pressure) };
@@ -42,54 +39,18 @@ impl<T: Real> Direct<T> {
 
     #[inline(always)]
     fn rise<const TWIST: bool>(&self, pressure: T) -> Option<End<T>> {
-        let Expansion { unit, size, contraction, .. } = self.expansion;
+        let Expansion { unit, contraction, reach, short, .. } = self.expansion;
         let z = pressure * unit;
+        (z <= reach && -z * contraction <= real(CONTRACTION)).then_some(())?;
         let path = self.path::<TWIST>(T::zero(), T::zero());
-        let mut at = self.expansion.at::<TWIST>(z);
-        let contraction = contraction * z.abs();
-        // In single precision the orders that are left out are looked after by the correction.
-        let single = epsilon::<T>() > real::<T>(1e-9);
-        if !single && contraction > real(FAR) {
-            at = at.plus(self.expansion.beyond::<TWIST>(z));
-        }
-        let mut close = Close { at, last: size * z.abs(), evaluations: 0 };
-        if contraction > real(CONTRACTION) {
-            close = self.turn::<TWIST>(&path, z, close, part(contraction)?, pressure)?;
-        }
+        let is_far = z.abs() * contraction > real(FAR);
+        let at = if is_far { self.expansion.extrapolated::<TWIST>(z) } else { self.expansion.at::<TWIST>(z) };
+        let close = Close { at, last: short * z.abs(), evaluations: 0 };
         match path.correct(&close, pressure) {
             Corrected::Settled(end) => Some(end),
             Corrected::Close(close) => path.settle(close, pressure),
             Corrected::Lost => None,
         }
-    }
-
-    /// The certificate of two steps: one to a share of the pressure, and from there to the whole.
-    ///
-    /// Where the second one leads is looked for at the sum of the series, which is nearer to it than that step, and must be near where
-    /// the step ends.
-    #[inline(always)]
-    fn turn<const TWIST: bool>(
-        &self,
-        path: &Path<'_, T, TWIST>,
-        z: T,
-        mut close: Close<T>,
-        share: T,
-        pressure: T,
-    ) -> Option<Close<T>> {
-        let c = path.constants;
-        (self.expansion.contraction * z.abs() <= real(REACH)).then_some(())?;
-        let halfway = self.expansion.at::<TWIST>(z * share);
-        let lin = path.look(halfway)?;
-        let whole = lin.solve(c, path.rest(&lin, pressure));
-        let off = whole.plus(lin.rate(c).times(pressure * (share - T::one())));
-        let second = lin.solve(c, lin.curvature(c, whole));
-        let is_near = path.size(&off) <= close.last * share * real(CORRECTION);
-        (is_near & (path.contraction(&whole, &second) <= real(CONTRACTION))).then_some(())?;
-        close.last = path.size(&whole);
-        let aside = close.at.plus_times(&halfway.plus(whole).plus(second), -T::one());
-        (path.size(&aside) <= close.last * real(CORRECTION)).then_some(())?;
-        close.evaluations += 1;
-        Some(close)
     }
 }
 
@@ -104,7 +65,7 @@ enum Corrected<T> {
 impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
     /// The equations at a state that is in their domain and stable.
     #[inline(always)]
-    fn look(&self, at: Unknowns<T>) -> Option<Linearised<T, TWIST>> {
+    pub(super) fn look(&self, at: Unknowns<T>) -> Option<Linearised<T, TWIST>> {
         let inside = at.e > -T::one() && at.w > -T::one();
         let lin = Linearised::<T, TWIST>::new(self.constants, inside.then_some(at)?);
         (lin.stability > T::zero()).then_some(lin)
@@ -123,9 +84,9 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
             return Corrected::Lost;
         }
         let rounding = (pressure.abs() + self.force.abs()) * epsilon();
-        if last <= from.last * tiny::<T>() {
+        let at = from.at.plus(first);
+        if last <= from.last.min(self.norm.strain::<TWIST>(&at)) * tiny::<T>() {
             // The step before it was certified: the contraction factor of this one is as much less as it is shorter.
-            let at = from.at.plus(first);
             let residual = (rest.e.abs() + rest.w.abs() + rest.g.abs()) * tiny::<T>() + rounding;
             return Corrected::Settled(End { at, volume_rate: lin.rate(c).w, pressure, residual, evaluations });
         }
@@ -133,7 +94,7 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
         let second = lin.solve(c, left);
         let step = first.plus(second);
         let at = from.at.plus(step);
-        if !is_last(last, self.size(&second), self.size(&at)) {
+        if !self.is_last(&first, &second, self.size(&at)) {
             return Corrected::Close(Close { at, last, evaluations });
         }
         // What the second term leaves over is at least as much smaller than what the first one does.
@@ -142,6 +103,15 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
         let residual = leave * real(4.0 * CURVED_SINGLE) + rounding;
         let volume_rate = lin.volume_rate_after(c, &step);
         Corrected::Settled(End { at, volume_rate, pressure, residual, evaluations })
+    }
+
+    /// Whether what two terms of a correction leave over is below rounding.
+    #[inline(always)]
+    fn is_last(&self, first: &Unknowns<T>, second: &Unknowns<T>, whole: T) -> bool {
+        let [short, curved] = limits::<T>();
+        let negligible = epsilon::<T>() * real(0.125);
+        let (size, (turn, strain)) = (self.size(first), self.norm.contraction::<TWIST>(first, second));
+        (size <= whole * real(short)) & (turn <= strain * real(curved)) & (turn * turn <= size * whole * negligible)
     }
 
     /// As many more corrections as it takes.
@@ -156,14 +126,6 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
         }
         None
     }
-}
-
-/// Whether what two terms of a correction leave over is below rounding.
-#[inline(always)]
-fn is_last<T: Real>(first: T, second: T, whole: T) -> bool {
-    let [short, curved] = limits::<T>();
-    let negligible = epsilon::<T>() * real(0.125);
-    (first <= whole * real(short)) & (second <= first * real(curved)) & (second * second <= first * whole * negligible)
 }
 
 /// `TINY` of a scalar.

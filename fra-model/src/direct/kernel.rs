@@ -116,11 +116,17 @@ impl<S: Arithmetic> Norm<S> {
         strain + tension
     }
 
-    /// Numerator and denominator of the contraction factor of a step. A tension that dominates must not hide what the strains do.
+    /// The same, where a tension that dominates does not hide what the strains do.
+    #[inline(always)]
+    pub(crate) fn strain<const TWIST: bool>(&self, x: &Unknowns<S>) -> S {
+        let (strain, tension) = self.parts::<TWIST>(x);
+        strain + tension.least(strain)
+    }
+
+    /// Numerator and denominator of the contraction factor of a step.
     #[inline(always)]
     pub(crate) fn contraction<const TWIST: bool>(&self, first: &Unknowns<S>, second: &Unknowns<S>) -> (S, S) {
-        let (first, second) = (self.parts::<TWIST>(first), self.size::<TWIST>(second));
-        (second, first.0 + first.1.least(first.0))
+        (self.size::<TWIST>(second), self.strain::<TWIST>(first))
     }
 }
 

@@ -3,9 +3,9 @@
 use super::Direct;
 use super::arithmetic::{ATANH_REACH, Arithmetic};
 use super::expansion::{Expansion, ORDERS};
-use super::forward::{REACH, limits};
+use super::forward::limits;
 use super::kernel::{Constants, Linearised, Norm, Rest, Unknowns};
-use super::path::{CONTRACTION, CORRECTION, SHARE, tolerance};
+use super::path::{CONTRACTION, CORRECTION, tolerance};
 use crate::real::{Real, epsilon};
 
 /// Most values side by side.
@@ -78,7 +78,14 @@ impl<T: Real> Columns<T> {
                 scale: zero,
             },
             norm: Norm { twist: zero, tension: zero },
-            expansion: Expansion { unit: zero, contraction: zero, size: zero, terms: [none; ORDERS], tail: [zero; 2] },
+            expansion: Expansion {
+                unit: zero,
+                contraction: zero,
+                reach: zero,
+                short: zero,
+                terms: [none; ORDERS],
+                tail: [zero; 2],
+            },
             twists: false,
         };
         new.set(0..LANES, direct);
@@ -120,7 +127,7 @@ impl<T: Real> Columns<T> {
             { x_outer, d, per_x_fiber, sin_rho, neutral, cos, sin2, compliance, scale }
         );
         pairs!(f, self.norm, norm, { twist, tension });
-        pairs!(f, self.expansion, expansion, { unit, contraction, size });
+        pairs!(f, self.expansion, expansion, { unit, contraction, reach, short });
         for (to, from) in self.expansion.terms.iter_mut().zip(&expansion.terms) {
             pairs!(f, to, from, { e, w, g, tension });
         }
@@ -129,7 +136,7 @@ impl<T: Real> Columns<T> {
         }
     }
 
-    /// The equilibria at pressures `P/mu1` without load; where `ONCE`, those alone that take one step and one correction.
+    /// The equilibria at pressures `P/mu1` without load; where `ONCE`, those alone that take one correction.
     #[inline(always)]
     pub(crate) fn forward<V: Lanes<T>, const ONCE: bool>(&self, pressure: V) -> Arrival<V> {
         if self.twists { self.solve::<V, true, ONCE>(pressure) } else { self.solve::<V, false, ONCE>(pressure) }
@@ -151,7 +158,8 @@ impl<T: Real> Columns<T> {
         let expansion = Expansion {
             unit: pressure.load(&expansion.unit),
             contraction: pressure.load(&expansion.contraction),
-            size: pressure.load(&expansion.size),
+            reach: pressure.load(&expansion.reach),
+            short: pressure.load(&expansion.short),
             terms,
             tail: [pressure.load(&expansion.tail[0]), pressure.load(&expansion.tail[1])],
         };
@@ -194,11 +202,10 @@ struct Stage<V> {
 }
 
 /// A correction that was made.
-struct Round<V, const TWIST: bool> {
-    lin: Linearised<V, TWIST>,
+struct Round<V> {
     /// What its first term left over.
     left: Rest<V>,
-    step: Unknowns<V>,
+    volume_rate: V,
     /// Negative where it was not the last.
     open: V,
 }
@@ -211,21 +218,21 @@ fn has<T: Real, V: Lanes<T>>(values: V, what: impl Fn(T) -> bool) -> bool {
 }
 
 impl<V: Arithmetic> Way<'_, V> {
-    /// The sum of the series, at the end of a step of a contraction factor that the caller has to look at.
+    /// The sum of the series, where the steps to it are certified.
     #[inline(always)]
-    fn leave<const TWIST: bool>(&self, expansion: &Expansion<V>, z: V, margin: V) -> Stage<V> {
+    fn leave<const TWIST: bool>(&self, expansion: &Expansion<V>) -> Stage<V> {
+        let z = self.pressure * expansion.unit;
         let at = expansion.sum::<TWIST>(z).plus(expansion.beyond::<TWIST>(z));
-        Stage { at, last: expansion.size * z.magnitude(), margin }
+        let margin = (expansion.reach - z).least(z.of(CONTRACTION).plus_product(z, expansion.contraction));
+        Stage { at, last: expansion.short * z.magnitude(), margin }
     }
 
-    /// One step and one correction.
+    /// One correction.
     #[inline(always)]
     fn rise_once<const TWIST: bool>(&self, expansion: &Expansion<V>) -> Arrival<V> {
-        let z = self.pressure * expansion.unit;
-        let margin = z.of(CONTRACTION) - expansion.contraction * z.magnitude();
-        let mut stage = self.leave::<TWIST>(expansion, z, margin);
+        let mut stage = self.leave::<TWIST>(expansion);
         let round = self.round::<TWIST>(&mut stage);
-        self.arrive(stage, &round, 1)
+        self.arrive::<TWIST>(stage, round, 1)
     }
 
     /// As many as it takes.
@@ -234,53 +241,42 @@ impl<V: Arithmetic> Way<'_, V> {
     where
         V: Lanes<T>,
     {
-        let z = self.pressure * expansion.unit;
-        let contraction = expansion.contraction * z.magnitude();
-        let mut stage = self.leave::<TWIST>(expansion, z, z.of(REACH) - contraction);
+        let mut stage = self.leave::<TWIST>(expansion);
         let mut evaluations = 0;
-        let beyond = contraction - z.of(CONTRACTION);
-        if has::<T, V>(beyond, |beyond| beyond > T::zero()) {
-            let share = (z.of(SHARE * CONTRACTION) / contraction).least(z.of(1.0));
-            // One where a lane takes two steps, else zero: a first step that is all of the way may be as long as `CONTRACTION` says.
-            let turns = (beyond.least(z.of(0.0)) / beyond).least(z.of(1.0));
-            let turns = z.of(1.0) - turns;
-            self.turn::<TWIST>(&mut stage, expansion, z, share, turns);
-            evaluations += 1;
-        }
         loop {
             evaluations += 1;
             let round = self.round::<TWIST>(&mut stage);
             let is_open = has::<T, V>(round.open, |open| open < T::zero());
-            if !is_open || evaluations > ROUNDS {
-                return self.arrive(stage, &round, evaluations);
+            if !is_open || evaluations >= ROUNDS {
+                return self.arrive::<TWIST>(stage, round, evaluations);
             }
         }
     }
 
     /// One correction of two terms.
     #[inline(always)]
-    fn round<const TWIST: bool>(&self, stage: &mut Stage<V>) -> Round<V, TWIST> {
+    fn round<const TWIST: bool>(&self, stage: &mut Stage<V>) -> Round<V> {
         let (lin, rest) = self.look::<TWIST>(stage, self.pressure);
         let first = lin.solve(self.c, rest);
         let left = lin.curvature(self.c, first);
         let second = lin.solve(self.c, left);
         let step = first.plus(second);
         let open = self.correct::<TWIST>(stage, &first, &second, &step);
-        Round { lin, left, step, open }
+        Round { left, volume_rate: lin.volume_rate_after(self.c, &step), open }
     }
 
     /// After the last correction.
     #[inline(always)]
-    fn arrive<const TWIST: bool>(&self, stage: Stage<V>, round: &Round<V, TWIST>, evaluations: u32) -> Arrival<V> {
-        let Round { lin, left, step, open } = round;
+    fn arrive<const TWIST: bool>(&self, stage: Stage<V>, round: Round<V>, evaluations: u32) -> Arrival<V> {
+        let Round { left, volume_rate, open } = round;
         let leave = left.e.magnitude() + left.w.magnitude();
         let leave = if TWIST { leave + left.g.magnitude() } else { leave };
         let rounding = self.pressure.magnitude() * self.epsilon;
         Arrival {
             at: stage.at,
-            volume_rate: lin.volume_rate_after(self.c, step),
+            volume_rate,
             residual: leave * leave.of(4e-3) + rounding,
-            margin: stage.margin.least(*open),
+            margin: stage.margin.least(open),
             evaluations,
         }
     }
@@ -305,7 +301,7 @@ impl<V: Arithmetic> Way<'_, V> {
         second: &Unknowns<V>,
         step: &Unknowns<V>,
     ) -> V {
-        let (size, turn) = (self.norm.size::<TWIST>(first), self.norm.size::<TWIST>(second));
+        let (size, (turn, strain)) = (self.norm.size::<TWIST>(first), self.norm.contraction::<TWIST>(first, second));
         stage.at = stage.at.plus(*step);
         let whole = self.norm.size::<TWIST>(&stage.at);
         // Below the tolerance, rounding decides.
@@ -314,23 +310,6 @@ impl<V: Arithmetic> Way<'_, V> {
         stage.last = size;
         let [short, curved] = self.limits;
         let left = size * whole * self.epsilon * size.of(0.125) - turn * turn;
-        (whole * short - size).least(size * curved - turn).least(left)
-    }
-
-    /// The certificate of two steps: one to a share of the pressure, and from there to the whole.
-    #[inline(always)]
-    fn turn<const TWIST: bool>(&self, stage: &mut Stage<V>, expansion: &Expansion<V>, z: V, share: V, turns: V) {
-        let (c, norm, one) = (self.c, &self.norm, z.of(1.0));
-        let mut halfway = Stage { at: expansion.sum::<TWIST>(z * share), ..*stage };
-        let (lin, rest) = self.look::<TWIST>(&mut halfway, self.pressure);
-        let whole = lin.solve(c, rest);
-        let off = whole.plus(lin.rate(c).times(self.pressure * (share - one)));
-        let second = lin.solve(c, lin.curvature(c, whole));
-        let (over, under) = norm.contraction::<TWIST>(&whole, &second);
-        let near = stage.last * share * z.of(CORRECTION) - norm.size::<TWIST>(&off);
-        stage.last = stage.last * (one - turns) + norm.size::<TWIST>(&whole) * turns;
-        let aside = stage.at.plus_times(&halfway.at.plus(whole).plus(second), -one);
-        let beside = stage.last * z.of(CORRECTION) - norm.size::<TWIST>(&aside);
-        stage.margin = halfway.margin.least(near).least(beside).least(under * z.of(CONTRACTION) - over);
+        (whole * short - size).least(strain * curved - turn).least(left)
     }
 }

@@ -1,8 +1,8 @@
 //! The direct way to an equilibrium of the tubes that have closed forms: a neo-Hookean wall, bare or wound with a sheet.
 //!
 //! Newton's method from rest or from an earlier state, on equations that a stiff winding does not make more nonlinear, with a
-//! certificate that the answer is connected to its start. From rest it starts at the sum of the power series of the branch, and answers
-//! in one evaluation or two; or not at all: then the branch is searched.
+//! certificate that the answer is connected to its start. From rest it starts at the sum of the power series of the branch, as far as
+//! steps to it are certified, and mostly answers in one evaluation; or not at all: then the branch is searched.
 
 mod arithmetic;
 mod expansion;
@@ -161,7 +161,7 @@ impl<T: Real> Direct<T> {
     /// The first step from rest, without load.
     #[inline(always)]
     fn leave_rest<const TWIST: bool>(&self, goal: &Goal<T>) -> Option<Stand<T>> {
-        let Expansion { unit, contraction, size, terms: [rate, curve, ..], .. } = &self.expansion;
+        let Expansion { unit, contraction, terms: [rate, curve, ..], .. } = &self.expansion;
         let (mut z, along, bend) = match goal {
             Goal::Pressure(wanted) => (*wanted * *unit, None, T::zero()),
             Goal::Deformation { weights, value, .. } => {
@@ -175,7 +175,7 @@ impl<T: Real> Direct<T> {
         if !arrived {
             z *= part(contraction)?;
         }
-        let (mut at, last) = (self.expansion.at::<TWIST>(z), *size * z.abs());
+        let (mut at, last) = (self.expansion.at::<TWIST>(z), self.norm.size::<TWIST>(rate) * z.abs());
         if let (true, Goal::Deformation { weights, value, .. }) = (arrived, goal) {
             // The series reversed to second order, and a step of Newton's method on the whole of it.
             z *= T::one() - bend + (bend + bend) * bend;
