@@ -1,18 +1,20 @@
 //! What the controller needs of a board, real or simulated.
 
+use softlimb_protocol::MAX_CHANNELS;
+
 use crate::controller::{Controller, TickInputs, TickOutputs};
 
 /// Bytes moved to or from the link at once.
 const CHUNK: usize = 64;
 
-/// Pins, converters, clock and link of one device. Nothing here blocks or fails: a board reports what it cannot do as a sample out of
+/// Pins, converters, clock and link of one device of `N` channels. Nothing here blocks or fails: a board reports what it cannot do as a sample out of
 /// the plausible band or as no bytes.
-pub trait Board {
+pub trait Board<const N: usize = MAX_CHANNELS> {
     /// Time and samples for the tick that begins now.
-    fn inputs(&mut self) -> TickInputs;
+    fn inputs(&mut self) -> TickInputs<N>;
 
     /// Applies what the tick decided, from its start on.
-    fn apply(&mut self, outputs: &TickOutputs);
+    fn apply(&mut self, outputs: &TickOutputs<N>);
 
     /// Moves received bytes to `into`; returns how many.
     fn read_link(&mut self, into: &mut [u8]) -> usize;
@@ -30,7 +32,7 @@ pub trait Board {
 }
 
 /// One turn of the device: control first, then the link.
-pub fn turn<B: Board + ?Sized>(controller: &mut Controller, board: &mut B) -> TickOutputs {
+pub fn turn<const N: usize, B: Board<N> + ?Sized>(controller: &mut Controller<N>, board: &mut B) -> TickOutputs<N> {
     let inputs = board.inputs();
     controller.set_stack_used(board.stack_used());
     let outputs = controller.tick(&inputs);

@@ -143,10 +143,9 @@ impl Channel {
         self.inverse.forgive();
     }
 
-    /// Forgets the actuator, as a new configuration does; the sensor and its zero stay unless `new_sensor`.
-    pub(crate) fn reconfigure(&mut self, new_sensor: bool) {
-        let sensor = if new_sensor { Sensor::new() } else { self.sensor };
-        *self = Self { sensor, ..Self::new() };
+    /// Forgets the actuator, as a new configuration does; the sensor and its zero stay.
+    pub(crate) fn reconfigure(&mut self) {
+        *self = Self { sensor: self.sensor, ..Self::new() };
     }
 
     /// A new state begins: valves closed, nothing tracked, a ramp down from the beginning.

@@ -2,6 +2,7 @@
 //!
 //! One tick: sense, supervise (`supervise.rs`), drive the channels, report. Messages act between ticks (`dispatch.rs`).
 
+use heapless::Vec;
 use softlimb_protocol::{BootCause, Decoder, DeviceState, FaultCode, HostMessage, MAX_CHANNELS, SeqDedup};
 
 use crate::channel::{Channel, Task, TickContext};
@@ -28,11 +29,11 @@ pub struct BootInfo {
 
 /// What a tick reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TickInputs {
+pub struct TickInputs<const N: usize = MAX_CHANNELS> {
     /// Time since start, us.
     pub now_us: u64,
     /// Samples of the channel sensors.
-    pub pressure: [AdcCode; MAX_CHANNELS],
+    pub pressure: [AdcCode; N],
     /// Sample of the supply sensor.
     pub supply: AdcCode,
     /// The emergency stop is pressed.
@@ -41,31 +42,32 @@ pub struct TickInputs {
 
 /// What a tick decides, from its start to the start of the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TickOutputs {
+pub struct TickOutputs<const N: usize = MAX_CHANNELS> {
     /// Coil times.
-    pub valves: [ValvePulse; MAX_CHANNELS],
+    pub valves: [ValvePulse; N],
     /// The supply valve is energized.
     pub supply_open: bool,
     /// Pump speed, `0..=255` of full.
     pub pump_duty: u8,
 }
 
-impl TickOutputs {
+impl<const N: usize> TickOutputs<N> {
     /// Everything off: no valve energized, pressure kept, supply cut.
-    pub const SAFE: Self = Self { valves: [ValvePulse::CLOSED; MAX_CHANNELS], supply_open: false, pump_duty: 0 };
+    pub const SAFE: Self = Self { valves: [ValvePulse::CLOSED; N], supply_open: false, pump_duty: 0 };
 }
 
-/// The controller of up to 27 channels.
+/// The controller of up to `N` channels, at most 27: as many as the board has. Nothing but the number depends on it.
 #[derive(Debug)]
-pub struct Controller {
+pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) boot: BootInfo,
     pub(crate) state: DeviceState,
-    pub(crate) config: Option<ActiveConfig>,
-    pub(crate) staged: Option<StagedConfig>,
-    pub(crate) channels: [Channel; MAX_CHANNELS],
+    pub(crate) config: Option<ActiveConfig<N>>,
+    pub(crate) staged: StagedConfig<N>,
+    /// As many as the configuration has.
+    pub(crate) channels: Vec<Channel, N>,
     pub(crate) zeroed: bool,
     pub(crate) supply: Sensor,
-    pub(crate) queue: KnotQueue,
+    pub(crate) queue: KnotQueue<N>,
     pub(crate) start_us: Option<u64>,
     pub(crate) faults: Faults,
     pub(crate) stop_requested: bool,
@@ -84,15 +86,16 @@ pub struct Controller {
     pub(crate) stack_used: u16,
 }
 
-impl Controller {
+impl<const N: usize> Controller<N> {
     /// Idle, without configuration, valves closed.
     pub const fn new(boot: BootInfo) -> Self {
+        const { assert!(N >= 1 && N <= MAX_CHANNELS, "one to 27 channels") };
         Self {
             boot,
             state: DeviceState::Idle,
             config: None,
-            staged: None,
-            channels: [Channel::new(); MAX_CHANNELS],
+            staged: StagedConfig::new(),
+            channels: Vec::new(),
             zeroed: false,
             supply: Sensor::new(),
             queue: KnotQueue::new(),
@@ -136,17 +139,17 @@ impl Controller {
     }
 
     /// The configuration in force.
-    pub fn config(&self) -> Option<&ActiveConfig> {
+    pub fn config(&self) -> Option<&ActiveConfig<N>> {
         self.config.as_ref()
     }
 
-    /// One channel, from 0.
+    /// One channel of the configuration, from 0.
     pub fn channel(&self, index: usize) -> Option<&Channel> {
         self.channels.get(index)
     }
 
     /// The setpoint buffer.
-    pub fn queue(&self) -> &KnotQueue {
+    pub fn queue(&self) -> &KnotQueue<N> {
         &self.queue
     }
 
@@ -170,7 +173,7 @@ impl Controller {
     }
 
     /// One control tick; call it every millisecond.
-    pub fn tick(&mut self, inputs: &TickInputs) -> TickOutputs {
+    pub fn tick(&mut self, inputs: &TickInputs<N>) -> TickOutputs<N> {
         let now_us = inputs.now_us;
         self.sense(inputs);
         self.supervise(inputs);
@@ -180,7 +183,7 @@ impl Controller {
         outputs
     }
 
-    fn sense(&mut self, inputs: &TickInputs) {
+    fn sense(&mut self, inputs: &TickInputs<N>) {
         let Some(config) = &self.config else { return };
         self.supply.sample(&config.system.supply_sensor, inputs.supply);
         let context =
@@ -190,12 +193,12 @@ impl Controller {
         }
     }
 
-    fn drive(&mut self, now_us: u64) -> TickOutputs {
+    fn drive(&mut self, now_us: u64) -> TickOutputs<N> {
         let mut outputs = TickOutputs::SAFE;
         let Some(config) = &self.config else {
             // A reset may have left air in the limb: the emergency stop works without a configuration too.
             if self.faults.contains(FaultCode::EmergencyStop) {
-                outputs.valves = [ValvePulse::VENTING; MAX_CHANNELS];
+                outputs.valves = [ValvePulse::VENTING; N];
             }
             return outputs;
         };
@@ -232,7 +235,7 @@ impl Controller {
         }
     }
 
-    fn drive_supply(&self, config: &ActiveConfig) -> (bool, u8) {
+    fn drive_supply(&self, config: &ActiveConfig<N>) -> (bool, u8) {
         let stopped = matches!(self.state, DeviceState::Idle | DeviceState::Venting);
         if stopped || self.faults.cuts_supply() || self.supply.is_implausible() {
             return (false, 0);
@@ -246,8 +249,8 @@ impl Controller {
 }
 
 /// Value of a channel's setpoint now and one control period later, SI units.
-fn setpoints(
-    queue: &KnotQueue,
+fn setpoints<const N: usize>(
+    queue: &KnotQueue<N>,
     config: &crate::config::ChannelConfig,
     index: usize,
     context: &TickContext,

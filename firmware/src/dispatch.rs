@@ -2,10 +2,11 @@
 
 use softlimb_protocol::{
     Ack, Arrival, Command, CommandCode, Compatibility, ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume,
-    DeviceState, Heartbeat, HeartbeatReply, Hello, HelloReply, HostMessage, MAX_CHANNELS, Message, PROTOCOL_VERSION,
-    ResultCode, SCHEMA_HASH, Setpoint,
+    DeviceState, Heartbeat, HeartbeatReply, Hello, HelloReply, HostMessage, Message, PROTOCOL_VERSION, ResultCode,
+    SCHEMA_HASH, Setpoint,
 };
 
+use crate::channel::Channel;
 use crate::config::{ActiveConfig, ConfigError, StagedConfig, StagingError};
 use crate::controller::Controller;
 use crate::queue::{KNOTS, Refusal};
@@ -18,7 +19,7 @@ type Answer = (ResultCode, u32);
 const OK: Answer = (ResultCode::Ok, 0);
 const WRONG_STATE: Answer = (ResultCode::WrongState, 0);
 
-impl Controller {
+impl<const N: usize> Controller<N> {
     /// Applies one message and queues its answer.
     pub(crate) fn dispatch(&mut self, now_us: u64, seq: u16, message: &HostMessage) {
         if self.link.is_owner(message.session()) {
@@ -66,11 +67,8 @@ impl Controller {
         match message {
             HostMessage::Hello(hello) => self.hello(now_us, hello),
             HostMessage::Heartbeat(_) => OK,
-            HostMessage::ConfigBegin(begin) => match StagedConfig::begin(begin) {
-                Ok(staged) => {
-                    self.staged = Some(staged);
-                    OK
-                }
+            HostMessage::ConfigBegin(begin) => match self.staged.begin(begin) {
+                Ok(()) => OK,
                 Err(error) => refused_field(error, softlimb_protocol::ConfigBegin::field_number),
             },
             HostMessage::ConfigSystem(part) => self.stage(|staged| staged.add_system(part), ConfigSystem::field_number),
@@ -113,7 +111,7 @@ impl Controller {
         }
         if is_new {
             // What another host has begun does not go on under this one.
-            self.staged = None;
+            self.staged.forget();
             self.start_us = None;
         }
         self.reply_hello(now_us, hello);
@@ -132,7 +130,7 @@ impl Controller {
             boot_cause: self.boot.cause.into(),
             boot_detail: self.boot.detail,
             state: self.state.into(),
-            channels_max: MAX_CHANNELS as u8,
+            channels_max: N as u8,
             knots_capacity: KNOTS as u16,
             tick_us: TICK_US,
             config_hash: self.config.as_ref().map_or(0, |config| config.hash),
@@ -153,13 +151,13 @@ impl Controller {
 
     fn stage(
         &mut self,
-        add: impl FnOnce(&mut StagedConfig) -> Result<(), StagingError>,
+        add: impl FnOnce(&mut StagedConfig<N>) -> Result<(), StagingError>,
         field_number: fn(&str) -> Option<u32>,
     ) -> Answer {
-        match self.staged.as_mut().ok_or(StagingError::NotBegun).and_then(add) {
+        match add(&mut self.staged) {
             Ok(()) => OK,
             Err(StagingError::Field(error)) => refused_field(error, field_number),
-            Err(StagingError::NotBegun | StagingError::Mismatch) => (ResultCode::ConfigMismatch, 0),
+            Err(error) => mismatch(error),
         }
     }
 
@@ -168,17 +166,22 @@ impl Controller {
         if !matches!(self.state, DeviceState::Idle | DeviceState::Ready) {
             return WRONG_STATE;
         }
-        let sensors = |config: &ActiveConfig| (config.system.sensor, config.channels.len());
+        let sensors = |config: &ActiveConfig<N>| (config.system.sensor, config.channels.len());
         let before = self.config.as_ref().map(sensors);
-        let Some(Ok(())) = self.staged.as_mut().map(|staged| staged.commit(config_hash, &mut self.config)) else {
-            return (ResultCode::ConfigMismatch, 0);
-        };
+        if let Err(error) = self.staged.commit(config_hash, &mut self.config) {
+            return mismatch(error);
+        }
         // The zero belongs to the sensor: the same sensors keep theirs, whatever the pressure now.
         let same_sensors = before == self.config.as_ref().map(sensors);
-        self.channels.iter_mut().for_each(|channel| channel.reconfigure(!same_sensors));
+        if !same_sensors {
+            self.channels.clear();
+        }
+        self.channels.iter_mut().for_each(Channel::reconfigure);
+        let count = self.config.as_ref().map_or(0, |config| config.channels.len());
+        while self.channels.len() < count && self.channels.push(Channel::new()).is_ok() {}
         self.zeroed &= same_sensors;
         self.telemetry_due_us = now_us;
-        self.staged = None;
+        self.staged.forget();
         self.start_us = None;
         self.queue.flush();
         self.apply(now_us, Event::Reconfigured);
@@ -261,6 +264,14 @@ impl Controller {
             Err(Refusal::Late) => (ResultCode::Late, 0),
             Err(Refusal::TooManyValues) => (ResultCode::WrongChannelCount, config.channels.len() as u32),
         }
+    }
+}
+
+/// Why an upload as a whole is refused.
+fn mismatch(error: StagingError) -> Answer {
+    match error {
+        StagingError::TablesMissing { channel } => (ResultCode::TablesMissing, u32::from(channel)),
+        _ => (ResultCode::ConfigMismatch, 0),
     }
 }
 

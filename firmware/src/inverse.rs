@@ -1,13 +1,10 @@
 //! From a setpoint to a chamber pressure: by the channel's tables where the host sent some, else by the model of the actuator,
-//! started from the last solution.
+//! followed from the last solution.
 
-use fra_model::{InvalidParameter, Load, NotFinite, Solution, State, Status, VolumeTable};
+use fra_model::{InvalidParameter, NotFinite, State, Tracker, VolumeTable};
 
-use crate::config::ChannelConfig;
+use crate::config::{ChannelConfig, Source};
 use crate::gas::Chamber;
-
-/// Newton iterations of one inverse: from one setpoint to the next it needs a few, from rest to the end of the stroke some tens.
-const ITERATIONS_MAX: u32 = 120;
 
 /// Failures in a row after which the channel is at fault.
 const FAILURES_MAX: u8 = 3;
@@ -59,9 +56,10 @@ impl Inverse {
     /// `None` if there is none yet.
     pub fn pressure_pa(&mut self, config: &ChannelConfig, setpoint: f32) -> Option<f32> {
         let last_pa = self.air.map(|air| air.pressure_pa.clamp(0.0, config.reference_max_pa()));
-        let found = match &config.volume_table {
-            Some(volume) => self.by_table(config, volume, setpoint),
-            None => self.by_model(config, setpoint),
+        let found = match &config.source {
+            Source::Volume(volume) | Source::Tables(volume, _) => self.by_table(config, volume, setpoint),
+            Source::Model(tracker) => self.by_model(config, tracker, setpoint),
+            Source::Nothing => None,
         };
         self.failures = if found.is_some() { 0 } else { self.failures.saturating_add(1) };
         let (allowed_pa, excess_pa) = found.or(last_pa.map(|last_pa| (last_pa, 0.0)))?;
@@ -71,24 +69,24 @@ impl Inverse {
 
     /// Follows the pressure without a setpoint, so that volume and compliance stay right.
     pub fn follow_pressure(&mut self, config: &ChannelConfig, pressure_pa: f32) {
-        match &config.volume_table {
-            Some(volume) => self.take(volume, pressure_pa),
-            None => {
-                let wanted_pa = pressure_pa.max(0.0);
-                let start = self.start(config);
-                self.keep(config.actuator.forward_near(&start, wanted_pa, &Load::none(), ITERATIONS_MAX));
+        match &config.source {
+            Source::Volume(volume) | Source::Tables(volume, _) => self.take(volume, pressure_pa),
+            Source::Model(tracker) => {
+                let start = self.start(tracker);
+                self.keep(tracker.forward(&start, pressure_pa.max(0.0)));
             }
+            Source::Nothing => {}
         }
     }
 
     /// Air volume of the channel about the last solution.
     pub fn chamber(&self, config: &ChannelConfig) -> Chamber {
-        let air = self.air.unwrap_or(Air::from(&config.rest));
+        let air = self.air.unwrap_or_else(|| at_rest(config));
         Chamber {
             pressure_pa: air.pressure_pa,
             volume_m3: air.volume_m3 + config.dead_volume_m3,
             compliance_m3_per_pa: air.compliance_m3_per_pa.max(0.0),
-            rest_volume_m3: config.rest.volume_m3 + config.dead_volume_m3,
+            rest_volume_m3: config.rest_volume_m3 + config.dead_volume_m3,
             dead_volume_m3: config.dead_volume_m3,
         }
     }
@@ -118,16 +116,14 @@ impl Inverse {
     }
 
     /// The same by the model.
-    fn by_model(&mut self, config: &ChannelConfig, setpoint: f32) -> Option<(f32, f32)> {
-        let start = self.start(config);
+    fn by_model(&mut self, config: &ChannelConfig, tracker: &Tracker<f32>, setpoint: f32) -> Option<(f32, f32)> {
+        let start = self.start(tracker);
         let highest_pa = config.reference_max_pa();
         let wanted_pa = match config.target(setpoint) {
-            Some(target) => {
-                self.keep(config.actuator.inverse_near(&start, target, &Load::none(), ITERATIONS_MAX))?.pressure_pa
-            }
+            Some(target) => self.keep(tracker.inverse(&start, target))?.pressure_pa,
             None => {
                 let within_pa = setpoint.clamp(0.0, highest_pa);
-                self.keep(config.actuator.forward_near(&start, within_pa, &Load::none(), ITERATIONS_MAX))?;
+                self.keep(tracker.forward(&start, within_pa))?;
                 setpoint
             }
         };
@@ -135,8 +131,8 @@ impl Inverse {
         Some((allowed_pa, (wanted_pa - allowed_pa).abs()))
     }
 
-    fn start(&self, config: &ChannelConfig) -> State<f32> {
-        self.warm.unwrap_or(config.rest)
+    fn start(&self, tracker: &Tracker<f32>) -> State<f32> {
+        self.warm.unwrap_or_else(|| tracker.rest())
     }
 
     /// Keeps the chamber that a table gives at a pressure; nothing at a pressure that is no number.
@@ -148,25 +144,31 @@ impl Inverse {
     }
 
     /// Keeps a solution that can be used as the next warm start.
-    fn keep(&mut self, solution: Result<Solution<f32>, InvalidParameter<f32>>) -> Option<State<f32>> {
-        let solution = solution.ok()?;
-        let state = solution.state;
-        let usable = solution.status == Status::Solved
-            && state.pressure_pa.is_finite()
-            && state.volume_m3.is_finite()
-            && state.compliance_m3_per_pa.is_finite();
-        if usable {
-            self.warm = Some(state);
-            self.air = Some(Air::from(&state));
-        }
-        usable.then_some(state)
+    fn keep(&mut self, solution: Result<Option<State<f32>>, InvalidParameter<f32>>) -> Option<State<f32>> {
+        let state = solution.ok()??;
+        self.warm = Some(state);
+        self.air = Some(Air::from(&state));
+        Some(state)
     }
+}
+
+/// The chamber without pressure.
+#[cold]
+fn at_rest(config: &ChannelConfig) -> Air {
+    let compliance_m3_per_pa = match &config.source {
+        Source::Model(tracker) => tracker.rest().compliance_m3_per_pa,
+        source => source
+            .volume_table()
+            .and_then(|volume| volume.lookup(0.0).ok())
+            .map_or(0.0, |found| found.compliance_m3_per_pa),
+    };
+    Air { pressure_pa: 0.0, volume_m3: config.rest_volume_m3, compliance_m3_per_pa }
 }
 
 /// The pressure a setpoint asks for, and how far beyond its end an inverse table would have to go for it, Pa: in proportion to its
 /// range, since it does not say more.
 fn look_up(config: &ChannelConfig, setpoint: f32) -> Result<(f32, f32), NotFinite> {
-    match &config.inverse_table {
+    match config.source.inverse_table() {
         Some(table) => {
             let found = table.lookup(setpoint)?;
             Ok((found.pressure_pa, found.beyond * table.pressure_max_pa()))

@@ -45,7 +45,7 @@ mod valve;
 pub use adapt::{Adaptation, Effect};
 pub use board::{Board, turn};
 pub use channel::Channel;
-pub use config::{ActiveConfig, ChannelConfig, ConfigError, StagedConfig, StagingError, SystemConfig};
+pub use config::{ActiveConfig, ChannelConfig, ConfigError, Source, StagedConfig, StagingError, SystemConfig};
 pub use controller::{BootInfo, Controller, TickInputs, TickOutputs};
 pub use duty::Duty;
 pub use faults::{Faults, Occurrence, Reaction, VentScope, reaction};

@@ -8,9 +8,9 @@ pub const KNOTS: usize = 64;
 
 /// One knot: what all channels should be at one time.
 #[derive(Clone, Debug, PartialEq)]
-struct Knot {
+struct Knot<const N: usize> {
     time_us: u64,
-    values: Vec<i32, MAX_CHANNELS>,
+    values: Vec<i32, N>,
 }
 
 /// Why a knot was not accepted. Nothing of a refused knot is kept.
@@ -44,15 +44,15 @@ impl core::error::Error for Refusal {}
 
 /// The buffer.
 #[derive(Clone, Debug)]
-pub struct KnotQueue {
-    knots: Deque<Knot, KNOTS>,
+pub struct KnotQueue<const N: usize = MAX_CHANNELS> {
+    knots: Deque<Knot<N>, KNOTS>,
     /// The knot passed last: the left end of the interpolation.
-    passed: Option<Knot>,
+    passed: Option<Knot<N>>,
     next_index: u32,
     last_time_us: u64,
 }
 
-impl KnotQueue {
+impl<const N: usize> KnotQueue<N> {
     /// Empty; the next index is 0.
     pub const fn new() -> Self {
         Self { knots: Deque::new(), passed: None, next_index: 0, last_time_us: 0 }
@@ -81,7 +81,10 @@ impl KnotQueue {
 
     /// Drops everything; the next index is 0.
     pub fn flush(&mut self) {
-        *self = Self::new();
+        self.knots.clear();
+        self.passed = None;
+        self.next_index = 0;
+        self.last_time_us = 0;
     }
 
     /// Forgets the knot passed last: nothing is interpolated from before a pause.
@@ -131,13 +134,13 @@ impl KnotQueue {
     }
 }
 
-impl Default for KnotQueue {
+impl<const N: usize> Default for KnotQueue<N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-fn interpolate(before: &Knot, after: &Knot, channel: usize, time_us: u64) -> Option<f32> {
+fn interpolate<const N: usize>(before: &Knot<N>, after: &Knot<N>, channel: usize, time_us: u64) -> Option<f32> {
     let (from, to) = (*before.values.get(channel)? as f32, *after.values.get(channel)? as f32);
     let span = after.time_us.saturating_sub(before.time_us).max(1) as f32;
     let share = time_us.saturating_sub(before.time_us) as f32 / span;
@@ -201,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_full_buffer_refuses_and_keeps_what_it_has() {
-        let mut queue = KnotQueue::new();
+        let mut queue = KnotQueue::<1>::new();
         for index in 0..KNOTS as u32 {
             queue.push(0, index, 1_000 + u64::from(index), &[index as i32]).unwrap();
         }

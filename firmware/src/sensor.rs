@@ -54,14 +54,14 @@ pub struct Sensor {
     raw_pa: f32,
     step_pa: f32,
     zero_pa: f32,
-    implausible: bool,
+    plausible: bool,
     against: u8,
 }
 
 impl Sensor {
     /// A sensor nobody has read yet: implausible until three good samples.
     pub const fn new() -> Self {
-        Self { raw_pa: 0.0, step_pa: 0.0, zero_pa: 0.0, implausible: true, against: 0 }
+        Self { raw_pa: 0.0, step_pa: 0.0, zero_pa: 0.0, plausible: false, against: 0 }
     }
 
     /// Takes one sample. A sample outside the band leaves the pressure at its last good value.
@@ -72,13 +72,13 @@ impl Sensor {
             self.raw_pa = scale.pressure_pa(code);
         }
         self.step_pa = self.raw_pa - before_pa;
-        if plausible == self.implausible {
+        if plausible != self.plausible {
             self.against += 1;
         } else {
             self.against = 0;
         }
         if self.against >= DEBOUNCE_SAMPLES {
-            self.implausible = !self.implausible;
+            self.plausible = plausible;
             self.against = 0;
         }
     }
@@ -100,7 +100,7 @@ impl Sensor {
 
     /// Whether three samples in a row left the band and no three came back.
     pub fn is_implausible(&self) -> bool {
-        self.implausible
+        !self.plausible
     }
 
     /// Sets the offset that is subtracted from now on, Pa.

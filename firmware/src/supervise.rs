@@ -8,8 +8,8 @@ use crate::faults::{Occurrence, VentScope, reaction};
 use crate::safety::{SUPPLY_HIGH_TICKS, SUPPLY_LOW_TICKS};
 use crate::state::{Event, next};
 
-impl Controller {
-    pub(crate) fn supervise(&mut self, inputs: &TickInputs) {
+impl<const N: usize> Controller<N> {
+    pub(crate) fn supervise(&mut self, inputs: &TickInputs<N>) {
         let now_us = inputs.now_us;
         self.stop_pressed = inputs.emergency_stop;
         if inputs.emergency_stop || core::mem::take(&mut self.stop_requested) {

@@ -5,7 +5,7 @@ use softlimb_protocol::{ChannelSample, ChannelStatus, Fault, List, Telemetry};
 use crate::channel::Channel;
 use crate::controller::Controller;
 
-impl Controller {
+impl<const N: usize> Controller<N> {
     /// Queues untold faults and, when it is due, a telemetry message.
     pub(crate) fn report(&mut self, now_us: u64) {
         while let Some(&occurrence) = self.faults.untold() {

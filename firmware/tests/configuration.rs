@@ -207,7 +207,7 @@ fn a_running_device_is_not_reconfigured() {
 
 #[test]
 fn the_controller_fits_a_small_microcontroller() {
-    let size = size_of::<softlimb_firmware::Controller>();
-    println!("Controller: {size} bytes");
-    assert!(size < 64 * 1024, "{size}");
+    let size = size_of::<softlimb_firmware::Controller<9>>();
+    println!("Controller of nine channels: {size} bytes");
+    assert!(size < 16 * 1024, "{size}");
 }

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{Bench, SESSION, channel, system};
-use fra_model::{Actuator, ActuatorParameters, Load, Material, Motion};
-use softlimb_firmware::{ChannelConfig, Inverse};
+use common::{Bench, SESSION, channel, straight, system};
+use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Target};
+use softlimb_firmware::{ChannelConfig, Inverse, InverseStatus, Source};
 use softlimb_protocol::*;
 
 /// Highest pressure of the table, gauge Pa; the channel's reference stops at 147 kPa.
@@ -72,19 +72,9 @@ fn with_tables() -> ChannelConfig {
 }
 
 #[test]
-fn a_table_is_followed_and_the_model_is_not() {
+fn a_table_is_followed() {
     let tables = with_tables();
-    let model = config(&[channel(0, SetpointKind::BendAngle).into()]);
-    let (mut by_table, mut by_model) = (Inverse::new(), Inverse::new());
-    let actuator = Actuator::new(&ActuatorParameters {
-        motion: Motion::Bending,
-        inner_radius_m: 15e-3,
-        outer_radius_m: 20e-3,
-        length_m: 0.1132,
-        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
-        fiber: None,
-    })
-    .unwrap();
+    let mut by_table = Inverse::new();
     for bend_rad in [0.0_f32, 0.3, 0.75, 1.5] {
         let pressure_pa = by_table.pressure_pa(&tables, bend_rad).unwrap();
         assert!((pressure_pa - TOP_PA * bend_rad / 3.0).abs() <= TOP_PA / 65_536.0 * 1.01, "{bend_rad}: {pressure_pa}");
@@ -92,14 +82,81 @@ fn a_table_is_followed_and_the_model_is_not() {
         let wanted_m3 = rest_m3() * (1.0 + 0.5 * pressure_pa / TOP_PA) + tables.dead_volume_m3;
         assert!((air.volume_m3 / wanted_m3 - 1.0).abs() < 1e-6 && air.pressure_pa == pressure_pa);
         assert!((air.compliance_m3_per_pa / (0.5 * rest_m3() / TOP_PA) - 1.0).abs() < 1e-6);
-        // The channel without tables has the model's answer, which is another one.
-        let modelled_pa = by_model.pressure_pa(&model, bend_rad).unwrap();
-        let bends = actuator.forward(f64::from(modelled_pa), &Load::none()).unwrap().state.bend_angle_rad;
-        assert!((bends - f64::from(bend_rad)).abs() < 1e-4, "{bend_rad}: {bends}");
     }
     by_table.follow_pressure(&tables, 0.5 * TOP_PA);
     let air = by_table.chamber(&tables);
     assert!((air.volume_m3 / (1.25 * rest_m3() + tables.dead_volume_m3) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn without_tables_the_model_of_a_tube_with_closed_forms_is_followed() {
+    let model = config(&[straight(0).into()]);
+    assert!(model.source.volume_table().is_none());
+    let actuator = Actuator::new(&ActuatorParameters {
+        motion: Motion::Extension,
+        inner_radius_m: 15e-3,
+        outer_radius_m: 20e-3,
+        length_m: 0.1132,
+        material: Material::NeoHookean { shear_modulus_pa: 0.4e6 },
+        fiber: Some(Fiber {
+            angle_rad: 0.05,
+            families: Families::Two,
+            modulus_pa: 361e6,
+            placement: Placement::Sheet,
+            thickness_m: 0.178e-3,
+            radius_m: 20e-3,
+        }),
+    })
+    .unwrap()
+    .by_search();
+    let rest = Inverse::new().chamber(&model);
+    assert!((rest.volume_m3 / (rest_m3() + model.dead_volume_m3) - 1.0).abs() < 1e-6 && rest.pressure_pa == 0.0);
+    let mut solver = Inverse::new();
+    // Up, back to rest, and up again.
+    for stretch in [1.0_f32, 1.01, 1.02, 1.05, 1.08, 1.03, 1.0, 1.04] {
+        let pressure_pa = solver.pressure_pa(&model, stretch).unwrap();
+        let exact = actuator.inverse(Target::AxialStretch(f64::from(stretch)), &Load::none()).unwrap().state;
+        assert!((f64::from(pressure_pa) - exact.pressure_pa).abs() < 10.0, "{stretch}: {pressure_pa}");
+        let air = solver.chamber(&model);
+        let volume_m3 = f64::from(air.volume_m3 - model.dead_volume_m3);
+        assert!((volume_m3 / exact.volume_m3 - 1.0).abs() < 1e-4, "{stretch}: {volume_m3}");
+        assert!((f64::from(air.compliance_m3_per_pa) / exact.compliance_m3_per_pa - 1.0).abs() < 1e-3, "{stretch}");
+        assert_eq!(solver.status(), InverseStatus::default(), "{stretch}");
+    }
+    solver.follow_pressure(&model, 20e3);
+    let exact = actuator.forward(20e3, &Load::none()).unwrap().state;
+    let volume_m3 = f64::from(solver.chamber(&model).volume_m3 - model.dead_volume_m3);
+    assert!((volume_m3 / exact.volume_m3 - 1.0).abs() < 1e-4, "{volume_m3}");
+    // No pressure makes it shorter than at rest by that much: the last good one stands, and after three the channel is at fault.
+    for count in 1..=3 {
+        solver.pressure_pa(&model, 0.2).unwrap();
+        assert!(solver.status().failed);
+        assert_eq!(solver.is_at_fault(), count == 3);
+    }
+}
+
+#[test]
+fn an_actuator_whose_model_the_device_does_not_solve_needs_tables() {
+    let yeoh = || ConfigChannel { law: MaterialLaw::Yeoh.into(), c_pa_2: 9.5e3, ..straight(1) };
+    let smeared = || ConfigChannel { placement: FiberPlacement::Smeared.into(), ..straight(1) };
+    let bending = || channel(1, SetpointKind::BendAngle);
+    let pressed = || channel(1, SetpointKind::Pressure);
+    for lacking in [yeoh(), smeared(), bending(), pressed()] {
+        let (bench, acks) = answers(2, &[straight(0).into(), lacking.clone().into()]);
+        let (last, parts) = acks.split_last().unwrap();
+        assert!(parts.iter().all(|ack| ack.result == ResultCode::Ok), "{lacking:?}");
+        assert_eq!((last.result.known(), last.detail), (Some(ResultCode::TablesMissing), 1), "{lacking:?}");
+        assert!(bench.controller.config().is_none());
+    }
+    let volume = ConfigVolume { channel: 1, ..volume() };
+    let inverse = ConfigInverse { channel: 1, setpoint_from: 1.0, setpoint_to: 1.2, ..inverse() };
+    for parts in [
+        vec![straight(0).into(), yeoh().into(), volume.clone().into(), inverse.into()],
+        vec![straight(0).into(), pressed().into(), volume.into()],
+    ] {
+        let (_, acks) = answers(2, &parts);
+        assert!(acks.iter().all(|ack| ack.result == ResultCode::Ok), "{acks:?}");
+    }
 }
 
 #[test]
@@ -249,21 +306,22 @@ fn tables_out_of_place_are_refused_and_the_upload_goes_on() {
 #[test]
 fn the_hash_names_the_tables() {
     let hash = |parts: &[HostMessage]| answers(1, parts).0.controller.config().unwrap().hash;
-    let one = || HostMessage::from(channel(0, SetpointKind::BendAngle));
-    let other = ConfigInverse { steps: 16_384, ..inverse() };
+    let one = || HostMessage::from(straight(0));
+    let of_steps =
+        |steps| HostMessage::from(ConfigInverse { steps, setpoint_from: 1.0, setpoint_to: 1.2, ..inverse() });
     let hashes = [
         hash(&[one()]),
-        hash(&[one(), volume().into(), inverse().into()]),
-        hash(&[one(), volume().into(), other.into()]),
+        hash(&[one(), volume().into(), of_steps(32_768)]),
+        hash(&[one(), volume().into(), of_steps(16_384)]),
     ];
     assert!(hashes[0] != hashes[1] && hashes[1] != hashes[2] && hashes[0] != hashes[2], "{hashes:x?}");
 }
 
 #[test]
 fn a_new_configuration_without_tables_brings_the_model_back() {
-    let (mut bench, _) = answers(1, &[channel(0, SetpointKind::BendAngle).into(), volume().into(), inverse().into()]);
-    assert!(bench.controller.config().unwrap().channels[0].inverse_table.is_some());
-    bench.configure(&system(), &[channel(0, SetpointKind::BendAngle)]);
-    let config = bench.controller.config().unwrap().channels[0];
-    assert!(config.inverse_table.is_none() && config.volume_table.is_none());
+    let stretched = ConfigInverse { setpoint_from: 1.0, setpoint_to: 1.2, ..inverse() };
+    let (mut bench, _) = answers(1, &[straight(0).into(), volume().into(), stretched.into()]);
+    assert!(matches!(bench.controller.config().unwrap().channels[0].source, Source::Tables(..)));
+    bench.configure(&system(), &[straight(0)]);
+    assert!(matches!(bench.controller.config().unwrap().channels[0].source, Source::Model(_)));
 }

@@ -97,8 +97,8 @@ fn quarter_turns<T: Real>(angle: T) -> (T, T, u32) {
 fn series<T: Real>(high: T, low: T) -> (T, T) {
     let z = high * high;
     let (odd, even) = if is_single::<T>() {
-        let odd = horner(z, [2.755_731_922_398_589e-6, -1.984_126_984_126_984e-4, 1.0 / 120.0, -1.0 / 6.0]);
-        let even = horner(z, [-2.755_731_922_398_589e-7, 2.480_158_730_158_73e-5, -1.0 / 720.0, 1.0 / 24.0]);
+        let odd = four(z, [2.755_731_922_398_589e-6, -1.984_126_984_126_984e-4, 1.0 / 120.0, -1.0 / 6.0]);
+        let even = four(z, [-2.755_731_922_398_589e-7, 2.480_158_730_158_73e-5, -1.0 / 720.0, 1.0 / 24.0]);
         (odd, even)
     } else {
         let odd = horner(
@@ -140,6 +140,12 @@ fn series<T: Real>(high: T, low: T) -> (T, T) {
 #[inline(always)]
 fn horner<T: Real, const N: usize>(z: T, coefficients: [f64; N]) -> T {
     coefficients.map(real::<T>).into_iter().fold(T::zero(), |sum, coefficient| sum * z + coefficient)
+}
+
+/// The same of four coefficients without a loop: in a small program the constants of one would be converted while it runs.
+#[inline(always)]
+fn four<T: Real>(z: T, [a, b, c, d]: [f64; 4]) -> T {
+    ((real::<T>(a) * z + real(b)) * z + real(c)) * z + real(d)
 }
 
 fn is_single<T: Real>() -> bool {

@@ -47,6 +47,7 @@ mod series;
 mod size;
 mod solution;
 mod table;
+mod tracker;
 mod tube;
 mod two;
 
@@ -61,3 +62,4 @@ pub use sensitivity::{NoDerivative, Parameter};
 pub use series::{InvalidSeries, Series, SeriesLimit, SeriesSolution, SeriesState, SeriesTarget};
 pub use solution::{Load, Solution, State, Status, Target};
 pub use table::{Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable};
+pub use tracker::Tracker;

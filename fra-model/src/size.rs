@@ -1,6 +1,9 @@
 //! From strains to lengths, angles and volumes of a straight tube.
 
 use crate::direct::{Arithmetic, LANES, Lanes};
+use crate::parameters::ActuatorParameters;
+use crate::real::Real;
+use crate::solution::State;
 
 /// What makes dimensions of strains: of one tube, or of several side by side.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +34,40 @@ impl<S: Arithmetic> Size<S> {
             self.volume_m3 * widened,
             self.volume_m3 * volume_rate * self.per_shear_modulus,
         ]
+    }
+}
+
+impl<T: Real> Size<T> {
+    /// That of a tube with `(R_o/R_i)^2`.
+    pub(crate) fn of_tube(parameters: &ActuatorParameters<T>, x_outer: T) -> Self {
+        let (radius, length) = (parameters.inner_radius_m, parameters.length_m);
+        Self {
+            inner_radius_m: radius,
+            outer_radius_m: parameters.outer_radius_m,
+            x_outer,
+            twist_rad: length / radius,
+            volume_m3: T::pi() * radius * radius * length,
+            per_shear_modulus: T::one() / parameters.material.shear_modulus_pa(),
+        }
+    }
+
+    /// The state at `(e, w, g)` with `dw/d(P/mu1)`.
+    #[inline(always)]
+    pub(crate) fn state(&self, e: T, w: T, g: T, volume_rate: T, pressure_pa: T) -> State<T> {
+        let [axial_stretch, inner_radius_m, outer_radius_m, twist_rad, volume_m3, compliance_m3_per_pa] =
+            self.of_state(e, w, g, volume_rate);
+        State {
+            pressure_pa,
+            axial_stretch,
+            axial_strain: e,
+            inner_radius_m,
+            outer_radius_m,
+            twist_rad,
+            bend_angle_rad: T::zero(),
+            volume_m3,
+            volume_strain: w,
+            compliance_m3_per_pa,
+        }
     }
 }
 

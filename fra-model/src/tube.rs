@@ -21,7 +21,6 @@ const WHOLE_BRANCH: u32 = 1_000_000;
 pub(crate) struct Tube<T: Real> {
     wall: Wall<T>,
     inner_radius_m: T,
-    outer_radius_m: T,
     length_m: T,
     shear_modulus_pa: T,
     size: Size<T>,
@@ -30,19 +29,10 @@ pub(crate) struct Tube<T: Real> {
 impl<T: Real> Tube<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
         let wall = Wall::new(parameters).with_direct(Direct::new(parameters));
-        let (radius, length) = (parameters.inner_radius_m, parameters.length_m);
-        let size = Size {
-            inner_radius_m: radius,
-            outer_radius_m: parameters.outer_radius_m,
-            x_outer: wall.x_outer,
-            twist_rad: length / radius,
-            volume_m3: T::pi() * radius * radius * length,
-            per_shear_modulus: T::one() / parameters.material.shear_modulus_pa(),
-        };
+        let size = Size::of_tube(parameters, wall.x_outer);
         Self {
             wall,
             inner_radius_m: parameters.inner_radius_m,
-            outer_radius_m: parameters.outer_radius_m,
             length_m: parameters.length_m,
             shear_modulus_pa: parameters.material.shear_modulus_pa(),
             size,
@@ -175,39 +165,7 @@ impl<T: Real> Tube<T> {
     }
 
     fn goal(&self, target: Target<T>) -> Result<Goal<T>, InvalidParameter<T>> {
-        let one = T::one();
-        let positive = |field, v: T| require(v.is_finite() && v > T::zero(), field, v, "finite and > 0");
-        // (r/R)^2 = (w + X)/(lambda X) = t  <=>  w/X - t e = t - 1
-        let radius = |r: T, undeformed: T, x: T| {
-            let excess = (r - undeformed) * (r + undeformed) / (undeformed * undeformed);
-            let weights = Vector3::new(-(one + excess), one / x, T::zero());
-            Goal::Deformation { weights, value: excess, last_digit: epsilon::<T>() * (one + excess) }
-        };
-        match target {
-            Target::AxialStretch(stretch) => {
-                positive("axial_stretch", stretch)?;
-                let last_digit = epsilon::<T>() * stretch;
-                Ok(Goal::Deformation { weights: Vector3::x(), value: stretch - one, last_digit })
-            }
-            Target::OuterRadius(r) => {
-                positive("outer_radius_m", r)?;
-                Ok(radius(r, self.outer_radius_m, self.wall.x_outer))
-            }
-            Target::InnerRadius(r) => {
-                positive("inner_radius_m", r)?;
-                Ok(radius(r, self.inner_radius_m, one))
-            }
-            Target::Twist(twist) => {
-                require(twist.is_finite(), "twist_rad", twist, "finite")?;
-                let value = twist * self.inner_radius_m / self.length_m;
-                Ok(Goal::Deformation { weights: Vector3::z(), value, last_digit: epsilon::<T>() * value.abs() })
-            }
-            Target::BendAngle(angle) => Err(InvalidParameter {
-                field: "bend_angle_rad",
-                value: angle,
-                allowed: "a target of bending actuators only",
-            }),
-        }
+        goal(&self.size, self.length_m, target)
     }
 
     /// The same tube without the direct way: every question goes to the branch.
@@ -252,20 +210,7 @@ impl<T: Real> Tube<T> {
     /// The state at `(e, w, g)` with `dw/d(P/mu1)`.
     #[inline(always)]
     fn stretched(&self, e: T, w: T, g: T, volume_rate: T, pressure_pa: T) -> State<T> {
-        let [axial_stretch, inner_radius_m, outer_radius_m, twist_rad, volume_m3, compliance_m3_per_pa] =
-            self.size.of_state(e, w, g, volume_rate);
-        State {
-            pressure_pa,
-            axial_stretch,
-            axial_strain: e,
-            inner_radius_m,
-            outer_radius_m,
-            twist_rad,
-            bend_angle_rad: T::zero(),
-            volume_m3,
-            volume_strain: w,
-            compliance_m3_per_pa,
-        }
+        self.size.state(e, w, g, volume_rate, pressure_pa)
     }
 
     fn state(&self, point: &Point<T>) -> State<T> {
@@ -278,6 +223,48 @@ impl<T: Real> Tube<T> {
     }
 
     fn coordinates(&self, state: &State<T>) -> Vector3<T> {
-        Vector3::new(state.axial_strain, state.volume_strain, state.twist_rad * self.inner_radius_m / self.length_m)
+        coordinates(&self.size, self.length_m, state)
     }
+}
+
+/// A target of a straight tube of a size and a length as a goal.
+pub(crate) fn goal<T: Real>(size: &Size<T>, length_m: T, target: Target<T>) -> Result<Goal<T>, InvalidParameter<T>> {
+    let one = T::one();
+    let positive = |field, v: T| require(v.is_finite() && v > T::zero(), field, v, "finite and > 0");
+    // (r/R)^2 = (w + X)/(lambda X) = t  <=>  w/X - t e = t - 1
+    let radius = |r: T, undeformed: T, x: T| {
+        let excess = (r - undeformed) * (r + undeformed) / (undeformed * undeformed);
+        let weights = Vector3::new(-(one + excess), one / x, T::zero());
+        Goal::Deformation { weights, value: excess, last_digit: epsilon::<T>() * (one + excess) }
+    };
+    match target {
+        Target::AxialStretch(stretch) => {
+            positive("axial_stretch", stretch)?;
+            let last_digit = epsilon::<T>() * stretch;
+            Ok(Goal::Deformation { weights: Vector3::x(), value: stretch - one, last_digit })
+        }
+        Target::OuterRadius(r) => {
+            positive("outer_radius_m", r)?;
+            Ok(radius(r, size.outer_radius_m, size.x_outer))
+        }
+        Target::InnerRadius(r) => {
+            positive("inner_radius_m", r)?;
+            Ok(radius(r, size.inner_radius_m, one))
+        }
+        Target::Twist(twist) => {
+            require(twist.is_finite(), "twist_rad", twist, "finite")?;
+            let value = twist * size.inner_radius_m / length_m;
+            Ok(Goal::Deformation { weights: Vector3::z(), value, last_digit: epsilon::<T>() * value.abs() })
+        }
+        Target::BendAngle(angle) => Err(InvalidParameter {
+            field: "bend_angle_rad",
+            value: angle,
+            allowed: "a target of bending actuators only",
+        }),
+    }
+}
+
+/// `(e, w, g)` of a state of a straight tube.
+pub(crate) fn coordinates<T: Real>(size: &Size<T>, length_m: T, state: &State<T>) -> Vector3<T> {
+    Vector3::new(state.axial_strain, state.volume_strain, state.twist_rad * size.inner_radius_m / length_m)
 }

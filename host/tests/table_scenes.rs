@@ -64,6 +64,15 @@ fn hand(controller: &str) -> Scene {
         .unwrap_or_else(|e| panic!("{}", e.render(false)))
 }
 
+/// The same with tubes that lengthen in place of those that bend: the device solves the model of them all.
+fn straight(controller: &str) -> Scene {
+    let text = HAND
+        .replace("motion = \"bending\"", "motion = \"extension\"\nwinding = \"hoop\"")
+        .replace("bend_angle = \"60 deg\"", "axial_stretch = 1.1");
+    parse(&format!("{text}\n[controller]\n{controller}\n"), "straight.toml")
+        .unwrap_or_else(|e| panic!("{}", e.render(false)))
+}
+
 fn inverses(scene: &Scene) -> Result<Vec<ModuleInverse>, SceneError> {
     motion::inverses(scene, &Limb::new(scene)?)
 }
@@ -98,7 +107,8 @@ fn every_channel_is_sent_the_tables_of_its_module() {
     for (inverse, needed) in inverses.iter().zip([true, true, false]) {
         assert_eq!(inverse.error().is_some_and(|error| error > 0.0 && error <= 1e-4), needed, "{inverse:?}");
     }
-    let by_model = hand("inverse = \"model\"");
+    let by_model = straight("inverse = \"model\"");
+    let limb = Limb::new(&by_model).unwrap();
     let by_model = motion::configuration(&by_model, &self::inverses(&by_model).unwrap(), &limb);
     assert!(by_model.volumes.is_empty() && by_model.inverses.is_empty());
 }
@@ -181,11 +191,12 @@ fn a_goal_beyond_the_finite_elements_is_refused_where_it_is_written() {
 fn a_table_that_errs_more_than_the_scene_allows_is_not_sent() {
     let scene = hand("inverse = \"table\"\ninverse_error = \"0.0001 %\"");
     let error = inverses(&scene).unwrap_err().render(false);
-    for word in
-        ["no inverse table for the module `finger`", "more than 1.0e-6", "`inverse_error`", "inverse = \"auto\""]
-    {
+    for word in ["no inverse table for the module `finger`", "more than 1.0e-6", "`inverse_error`"] {
         assert!(error.contains(word), "{word}: {error}");
     }
+    assert!(!error.contains("inverse = \"auto\""), "the device does not solve what bends: {error}");
+    let tubes = inverses(&straight("inverse = \"table\"\ninverse_error = \"0.0001 %\"")).unwrap_err().render(false);
+    assert!(tubes.contains("or `inverse = \"auto\"`"), "{tubes}");
     // What the help says is enough is enough.
     let said = error.split("`inverse_error` in [controller] to \"").nth(1).unwrap().split('"').next().unwrap();
     let eased = hand(&format!("inverse = \"table\"\ninverse_error = \"{said}\""));
@@ -194,7 +205,7 @@ fn a_table_that_errs_more_than_the_scene_allows_is_not_sent() {
         Err(error) => assert!(error.render(false).contains("module `arm`"), "{}", error.render(false)),
     }
     // Left to itself the device solves its model.
-    let auto = inverses(&hand("inverse_error = \"0.0001 %\"")).unwrap();
+    let auto = inverses(&straight("inverse_error = \"0.0001 %\"")).unwrap();
     assert!(
         matches!(auto[0].reason(), Some(NoTable::Inverse { least: Some(_), budget }) if (budget - 1e-6).abs() < 1e-18)
     );
@@ -208,11 +219,38 @@ fn a_table_that_errs_more_than_the_scene_allows_is_not_sent() {
 }
 
 #[test]
+fn a_module_that_the_device_does_not_solve_needs_tables_within_the_budget() {
+    let error = inverses(&hand("inverse = \"model\"")).unwrap_err().render(false);
+    for word in
+        ["hand.toml", "the device needs tables for the module `finger`", "straight", "leave out `inverse = \"model\"`"]
+    {
+        assert!(error.contains(word), "{word}: {error}");
+    }
+    let error = inverses(&hand("inverse_error = \"0.0001 %\"")).unwrap_err().render(false);
+    for word in ["tables for the module `finger`", "more than 1.0e-6", "without tables", "set `inverse_error`"] {
+        assert!(error.contains(word), "{word}: {error}");
+    }
+    // At the neutral angle a tube lengthens with the square of the pressure: at rest no pressure is the next.
+    let neutral = HAND.replace("angle = \"3 deg\"", "angle = \"35.26438968 deg\"").replace("1.15", "1.0005");
+    let neutral = neutral.replace("motion = \"bending\"", "motion = \"extension\"\nwinding = \"hoop\"");
+    let neutral = neutral.replace("bend_angle = \"60 deg\"", "axial_stretch = 1.0005");
+    let neutral = parse(&format!("{neutral}\n[controller]\ninverse = \"model\"\n"), "neutral.toml");
+    let neutral = neutral.unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let limb = Limb::new(&neutral).unwrap();
+    let plan = motion::plan(&neutral, &limb).unwrap();
+    let checked = motion::check_goals(&neutral, &limb, &plan, &inverses(&neutral).unwrap());
+    let error = checked.unwrap_err().render(false);
+    for word in ["tables for the module `finger`", "the device loses its way"] {
+        assert!(error.contains(word), "{word}: {error}");
+    }
+}
+
+#[test]
 fn a_run_by_tables_is_the_run_by_the_model() {
     let reached = |controller: &str| {
         let folder = tempfile::tempdir().unwrap();
         let options = RunOptions { seed: 1, out: folder.path().to_owned(), mcu: Mcu::Here };
-        let files = run(&hand(controller), &options, &AtomicBool::new(false), |_| ()).unwrap();
+        let files = run(&straight(controller), &options, &AtomicBool::new(false), |_| ()).unwrap();
         let summary = report::summary(&files.run);
         // At rest at the end of the move: on the way there the upload, which is longer with tables, shifts the periods of the
         // controller against the knots.

@@ -28,6 +28,9 @@ pub struct ConfigHash {
 }
 
 impl ConfigHash {
+    /// The name of nothing, before an upload begins.
+    pub const NONE: Self = Self { crc: 0 };
+
     /// Starts over, as an upload does.
     #[must_use]
     pub fn begin(message: &ConfigBegin) -> Self {

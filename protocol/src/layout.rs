@@ -52,12 +52,12 @@ pub struct CodeLayout {
     pub members: &'static [(&'static str, u8, &'static str)],
 }
 
-/// Position of the field called `name`, counted from 0.
-pub(crate) const fn position(fields: &[FieldLayout], name: &str) -> Option<u32> {
-    let mut rest = fields;
+/// Position of the field called `name` among all, counted from 0.
+pub(crate) const fn position(names: &[&str], name: &str) -> Option<u32> {
+    let mut rest = names;
     let mut number = 0;
     while let [field, others @ ..] = rest {
-        if same(field.name.as_bytes(), name.as_bytes()) {
+        if same(field.as_bytes(), name.as_bytes()) {
             return Some(number);
         }
         number += 1;

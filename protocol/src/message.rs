@@ -154,6 +154,8 @@ interface! {
             UnknownCode = 9,
             /// The number of values is not the number of channels; detail is the number of channels.
             WrongChannelCount = 10,
+            /// A channel has no tables, and the device does not solve the model of its actuator; detail is the channel.
+            TablesMissing = 11,
         }
 
         /// What went wrong on the device; bit `code - 1` of the fault bits in Telemetry.

@@ -1,12 +1,20 @@
 //! The actuators of the bench, and what the device is told about them.
 
-use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, State, Target};
+use fra_model::{
+    Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, State, Target, Tracker,
+};
+use softlimb::design::StateCurve;
+use softlimb::motion::ModuleInverse;
+use softlimb::{scene, table};
 use softlimb_protocol::{
-    ConfigChannel, ConfigSystem, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind, SetpointKind,
+    ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind,
+    SetpointKind,
 };
 
 /// Gauge pressure above which a channel is vented, Pa.
 pub(crate) const PRESSURE_MAX_PA: f64 = 100e3;
+/// Gauge pressure that tables reach, Pa: more than any of the trajectories takes.
+const TABULATED_PA: f64 = 70e3;
 /// Sonic conductance of 1 m of 2.5 mm tube, m3/(s Pa): `0.029 d^2/sqrt(L/d^1.25 + 510)`.
 const LINE_CONDUCTANCE: f32 = 3.78e-9;
 /// Fittings, and the section of that tube times its length, m3.
@@ -75,6 +83,18 @@ impl Subject {
         self.actuator().inverse(target, &Load::none()).unwrap().state.pressure_pa
     }
 
+    /// The tables of an actuator whose model the device does not solve, for channel 0.
+    pub(crate) fn tables(&self) -> Option<(ConfigVolume, Option<ConfigInverse>)> {
+        if Tracker::new(&self.parameters).expect("a sound actuator").is_some() {
+            return None;
+        }
+        let (actuator, kind) = (self.actuator(), in_scene(self.kind));
+        let curve = StateCurve::new(&actuator, TABULATED_PA);
+        let subject = table::Subject::new(&actuator, kind, &curve);
+        let tables = table::device_tables(&subject, 1e-4, 101_325.0).unwrap_or_else(|reason| panic!("{reason}"));
+        ModuleInverse::Table(tables).messages()
+    }
+
     /// What the device is told.
     pub(crate) fn channel(&self) -> ConfigChannel {
         let p = &self.parameters;
@@ -107,6 +127,18 @@ impl Subject {
             setpoint_min: ends[0].min(ends[1]),
             setpoint_max: ends[0].max(ends[1]),
         }
+    }
+}
+
+/// The scene's word for the kind of a setpoint.
+fn in_scene(kind: SetpointKind) -> scene::SetpointKind {
+    match kind {
+        SetpointKind::Pressure => scene::SetpointKind::Pressure,
+        SetpointKind::AxialStretch => scene::SetpointKind::AxialStretch,
+        SetpointKind::OuterRadius => scene::SetpointKind::OuterRadius,
+        SetpointKind::InnerRadius => scene::SetpointKind::InnerRadius,
+        SetpointKind::Twist => scene::SetpointKind::Twist,
+        SetpointKind::BendAngle => scene::SetpointKind::BendAngle,
     }
 }
 

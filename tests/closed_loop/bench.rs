@@ -5,7 +5,7 @@ use std::io;
 
 use fra_model::State;
 use softlimb::link::{DeviceConfiguration, Event, Knot, StreamOptions, Transport, stream};
-use softlimb_protocol::Fault;
+use softlimb_protocol::{ConfigInverse, ConfigVolume, Fault};
 use softlimb_sim::plant::{ChannelSettings, PlantSettings, Spread, Supply, Truth};
 use softlimb_sim::{SimSettings, SimulatedMcu};
 
@@ -86,12 +86,18 @@ pub(crate) fn run(
             Knot { time_us, values: subjects.iter().enumerate().map(value).collect() }
         })
         .collect();
-    let configuration = DeviceConfiguration {
+    let mut configuration = DeviceConfiguration {
         system: system(),
         channels: subjects.iter().map(Subject::channel).collect(),
         volumes: Vec::new(),
         inverses: Vec::new(),
     };
+    for (channel, subject) in (0..).zip(subjects) {
+        if let Some((volume, inverse)) = subject.tables() {
+            configuration.volumes.push(ConfigVolume { channel, ..volume });
+            configuration.inverses.extend(inverse.map(|inverse| ConfigInverse { channel, ..inverse }));
+        }
+    }
     let mut device = Watched::new(SimulatedMcu::new(&SimSettings::new(plant)).expect("sound settings"));
     let mut faults = Vec::new();
     let outcome = stream(&mut device, &configuration, &knots, &StreamOptions::new(1), |device, event| match event {

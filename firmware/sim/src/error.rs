@@ -21,7 +21,7 @@ pub enum SimError {
         /// Highest value accepted.
         high: f64,
     },
-    /// More channels than the controller drives.
+    /// More channels than the controller of this device drives.
     #[error("the plant has {channels} channels, the controller drives at most {max}")]
     TooManyChannels {
         /// Channels of the plant.

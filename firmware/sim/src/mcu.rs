@@ -19,6 +19,11 @@ pub trait Processor {
     /// [`EmulatorError`] where the processor is emulated and the emulator fails: it will not run again.
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError>;
 
+    /// The most channels that it drives.
+    fn channels_max(&self) -> usize {
+        MAX_CHANNELS
+    }
+
     /// What the device's clock shows at its first tick, us.
     fn first_tick_us(&self) -> u64 {
         0
@@ -35,7 +40,7 @@ pub fn here() -> Here {
 
 impl Processor for Here {
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
-        turn(self, board);
+        turn(self.as_mut(), board);
         Ok(())
     }
 }
@@ -47,6 +52,10 @@ impl Processor for Box<dyn Processor> {
 
     fn first_tick_us(&self) -> u64 {
         self.as_ref().first_tick_us()
+    }
+
+    fn channels_max(&self) -> usize {
+        self.as_ref().channels_max()
     }
 }
 
@@ -82,9 +91,9 @@ impl<P: Processor> SimulatedMcu<P> {
     /// [`SimError`] names the first setting that is not accepted.
     pub fn with_processor(settings: &SimSettings, processor: P) -> Result<Self, SimError> {
         settings.check()?;
-        let channels = settings.plant.channels.len();
-        if channels > MAX_CHANNELS {
-            return Err(SimError::TooManyChannels { channels, max: MAX_CHANNELS });
+        let (channels, max) = (settings.plant.channels.len(), processor.channels_max());
+        if channels > max {
+            return Err(SimError::TooManyChannels { channels, max });
         }
         let line = |place| Line::new(settings.baud, settings.line_faults, Noise::new(settings.seed, place));
         let offset_us = settings.clock_offset_us + processor.first_tick_us();

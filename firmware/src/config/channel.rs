@@ -1,8 +1,8 @@
 //! One channel's part of the configuration.
 
 use fra_model::{
-    Actuator, ActuatorParameters, Families, Fiber, InvalidParameter, InverseTable, Load, Material, Motion, Placement,
-    State, Target, VolumeTable,
+    ActuatorParameters, Families, Fiber, InvalidParameter, InverseTable, Material, Motion, Placement, Target, Tracker,
+    VolumeTable,
 };
 use softlimb_protocol::{
     ConfigChannel, ConfigInverse, ConfigVolume, FiberPlacement, MaterialLaw, MotionKind, SetpointKind,
@@ -16,10 +16,10 @@ const REFERENCE_MARGIN_PA: f32 = 3_000.0;
 /// An actuator with its limits and the meaning of its setpoint.
 #[derive(Clone, Copy, Debug)]
 pub struct ChannelConfig {
-    /// The actuator's model, ready to solve.
-    pub actuator: Actuator<f32>,
-    /// Its state without pressure.
-    pub rest: State<f32>,
+    /// Where its pressures come from.
+    pub source: Source,
+    /// Volume of the lumen without pressure, m3.
+    pub rest_volume_m3: f32,
     /// Meaning of the setpoint.
     pub setpoint_kind: SetpointKind,
     /// Lowest and highest setpoint, in the unit of the setpoint.
@@ -28,10 +28,37 @@ pub struct ChannelConfig {
     pub pressure_max_pa: f32,
     /// Air volume of fittings and line, m3.
     pub dead_volume_m3: f32,
-    /// Its volume over the pressure, where the host sent a table; else the model is solved for it.
-    pub volume_table: Option<VolumeTable<f32>>,
-    /// Its pressure over the setpoint, where the host sent a table; else the model is solved for it. Only beside a volume table.
-    pub inverse_table: Option<InverseTable<f32>>,
+}
+
+/// How a channel finds pressures and volumes.
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    /// Not at all: the device does not solve the model of this actuator, and the host has sent no tables yet.
+    Nothing,
+    /// By the model of a tube with closed forms, where the host sent no tables.
+    Model(Tracker<f32>),
+    /// The volume in a table; the setpoint is the pressure.
+    Volume(VolumeTable<f32>),
+    /// Volume and pressure in tables.
+    Tables(VolumeTable<f32>, InverseTable<f32>),
+}
+
+impl Source {
+    /// The volume over the pressure, where the host sent a table.
+    pub fn volume_table(&self) -> Option<&VolumeTable<f32>> {
+        match self {
+            Self::Volume(volume) | Self::Tables(volume, _) => Some(volume),
+            Self::Nothing | Self::Model(_) => None,
+        }
+    }
+
+    /// The pressure over the setpoint, where the host sent a table.
+    pub fn inverse_table(&self) -> Option<&InverseTable<f32>> {
+        match self {
+            Self::Tables(_, inverse) => Some(inverse),
+            _ => None,
+        }
+    }
 }
 
 impl ChannelConfig {
@@ -45,10 +72,10 @@ impl ChannelConfig {
     /// # Errors
     /// [`StagingError`]; the channel is as before.
     pub(super) fn set_volume(&mut self, wire: &ConfigVolume) -> Result<(), StagingError> {
-        if self.volume_table.is_some() {
+        if self.source.volume_table().is_some() {
             return Err(StagingError::Mismatch);
         }
-        self.volume_table = Some(tables::volume(self, wire)?);
+        self.source = Source::Volume(tables::volume(self, wire)?);
         Ok(())
     }
 
@@ -57,18 +84,23 @@ impl ChannelConfig {
     /// # Errors
     /// [`StagingError`]; the channel is as before.
     pub(super) fn set_inverse(&mut self, wire: &ConfigInverse) -> Result<(), StagingError> {
-        let has_no_use = self.setpoint_kind == SetpointKind::Pressure;
-        if self.volume_table.is_none() || self.inverse_table.is_some() || has_no_use {
-            return Err(StagingError::Mismatch);
+        match self.source {
+            Source::Volume(volume) if self.setpoint_kind != SetpointKind::Pressure => {
+                self.source = Source::Tables(volume, tables::inverse(self, wire)?);
+                Ok(())
+            }
+            _ => Err(StagingError::Mismatch),
         }
-        self.inverse_table = Some(tables::inverse(self, wire)?);
-        Ok(())
     }
 
     /// Whether the device can do without its model, or has it for everything: a volume alone is enough for a pressure only.
     pub(super) fn has_all_tables_or_none(&self) -> bool {
-        let needs_inverse = self.volume_table.is_some() && self.setpoint_kind != SetpointKind::Pressure;
-        self.inverse_table.is_some() == needs_inverse
+        self.setpoint_kind == SetpointKind::Pressure || !matches!(self.source, Source::Volume(_))
+    }
+
+    /// Whether the device needs tables and has none.
+    pub(super) fn lacks_tables(&self) -> bool {
+        matches!(self.source, Source::Nothing)
     }
 
     /// The deformation behind a setpoint in SI units; `None` for a pressure.
@@ -81,21 +113,20 @@ impl TryFrom<&ConfigChannel> for ChannelConfig {
     type Error = ConfigError;
 
     fn try_from(wire: &ConfigChannel) -> Result<Self, ConfigError> {
-        let actuator =
-            Actuator::new(&parameters(wire)?).map_err(|error| ConfigError::OutOfRange { field: wire_field(&error) })?;
+        let parameters = parameters(wire)?;
+        let model = Tracker::new(&parameters).map_err(|error| ConfigError::OutOfRange { field: wire_field(&error) })?;
         let setpoint_kind = known("setpoint_kind", wire.setpoint_kind)?;
         within("setpoint_max", wire.setpoint_max, wire.setpoint_min..=i32::MAX)?;
-        check_target(&actuator, setpoint_kind, wire.setpoint_min, "setpoint_min")?;
-        check_target(&actuator, setpoint_kind, wire.setpoint_max, "setpoint_max")?;
+        check_setpoint(parameters.motion, setpoint_kind, wire.setpoint_min, "setpoint_min")?;
+        check_setpoint(parameters.motion, setpoint_kind, wire.setpoint_max, "setpoint_max")?;
+        let ActuatorParameters { inner_radius_m, length_m, .. } = parameters;
         Ok(Self {
-            actuator,
-            rest: actuator.rest(),
+            source: model.map_or(Source::Nothing, Source::Model),
+            rest_volume_m3: core::f32::consts::PI * inner_radius_m * inner_radius_m * length_m,
             setpoint_kind,
             setpoint_range: (wire.setpoint_min, wire.setpoint_max),
             pressure_max_pa: within("pressure_max_pa", wire.pressure_max_pa, 1e3..=1e6)?,
             dead_volume_m3: within("dead_volume_m3", wire.dead_volume_m3, 0.0..=1e-2)?,
-            volume_table: None,
-            inverse_table: None,
         })
     }
 }
@@ -111,21 +142,15 @@ fn target(kind: SetpointKind, setpoint: f32) -> Option<Target<f32>> {
     }
 }
 
-/// The model must know the deformation at both ends of the range; whether it can be reached shows at run time. One iteration says as
-/// much as all of them, and a device that solves for long looks dead to its watchdog.
-fn check_target(
-    actuator: &Actuator<f32>,
-    kind: SetpointKind,
-    setpoint: i32,
-    field: &'static str,
-) -> Result<(), ConfigError> {
-    let Some(target) = target(kind, kind.from_wire(setpoint)) else {
-        return Ok(());
-    };
-    actuator
-        .inverse_near(&actuator.rest(), target, &Load::none(), 1)
-        .map(|_| ())
-        .map_err(|_| ConfigError::OutOfRange { field })
+/// A deformation must be one of the motion at both ends of the range; whether it can be reached shows at run time.
+fn check_setpoint(motion: Motion, kind: SetpointKind, setpoint: i32, field: &'static str) -> Result<(), ConfigError> {
+    let is_of_motion =
+        kind == SetpointKind::Pressure || (kind == SetpointKind::BendAngle) == (motion == Motion::Bending);
+    if is_of_motion && tables::is_in_domain(kind, kind.from_wire(setpoint)) {
+        Ok(())
+    } else {
+        Err(ConfigError::OutOfRange { field })
+    }
 }
 
 fn parameters(wire: &ConfigChannel) -> Result<ActuatorParameters<f32>, ConfigError> {

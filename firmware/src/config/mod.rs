@@ -5,7 +5,7 @@ mod staging;
 mod system;
 mod tables;
 
-pub use channel::ChannelConfig;
+pub use channel::{ChannelConfig, Source};
 pub use staging::{StagedConfig, StagingError};
 pub use system::SystemConfig;
 
@@ -14,11 +14,11 @@ use softlimb_protocol::MAX_CHANNELS;
 
 /// What the controller runs on. Everything in it was checked; nothing is checked again.
 #[derive(Clone, Debug)]
-pub struct ActiveConfig {
+pub struct ActiveConfig<const N: usize = MAX_CHANNELS> {
     /// What all channels share.
     pub system: SystemConfig,
-    /// The channels, `1..=27`.
-    pub channels: Vec<ChannelConfig, MAX_CHANNELS>,
+    /// The channels, `1..=N`.
+    pub channels: Vec<ChannelConfig, N>,
     /// CRC-32C that names this configuration.
     pub hash: u32,
 }

@@ -16,6 +16,11 @@ pub enum StagingError {
     NotBegun,
     /// Parts are missing, came twice, do not fit together, or the hash differs.
     Mismatch,
+    /// A channel has no tables, and its actuator is none whose model the device solves.
+    TablesMissing {
+        /// The channel, from 0.
+        channel: u8,
+    },
 }
 
 impl From<ConfigError> for StagingError {
@@ -30,6 +35,9 @@ impl core::fmt::Display for StagingError {
             Self::Field(error) => error.fmt(f),
             Self::NotBegun => f.write_str("no configuration upload was begun"),
             Self::Mismatch => f.write_str("the upload is incomplete or differs from its hash"),
+            Self::TablesMissing { channel } => {
+                write!(f, "channel {channel} has no tables, and the device does not solve the model of its actuator")
+            }
         }
     }
 }
@@ -38,21 +46,39 @@ impl core::error::Error for StagingError {}
 
 /// The parts that have arrived, each checked.
 #[derive(Clone, Debug)]
-pub struct StagedConfig {
+pub struct StagedConfig<const N: usize = MAX_CHANNELS> {
     count: u8,
     hash: ConfigHash,
     system: Option<SystemConfig>,
-    channels: Vec<ChannelConfig, MAX_CHANNELS>,
+    channels: Vec<ChannelConfig, N>,
 }
 
-impl StagedConfig {
-    /// Begins an upload.
+impl<const N: usize> StagedConfig<N> {
+    /// No upload was begun.
+    pub const fn new() -> Self {
+        Self { count: 0, hash: ConfigHash::NONE, system: None, channels: Vec::new() }
+    }
+
+    /// Begins an upload; forgets the one before.
     ///
     /// # Errors
-    /// [`ConfigError`] unless the number of channels is `1..=27`.
-    pub fn begin(wire: &ConfigBegin) -> Result<Self, ConfigError> {
-        let count = within("channels", wire.channels, 1..=MAX_CHANNELS as u8)?;
-        Ok(Self { count, hash: ConfigHash::begin(wire), system: None, channels: Vec::new() })
+    /// [`ConfigError`] unless the number of channels is `1..=N`; the upload so far is kept.
+    pub fn begin(&mut self, wire: &ConfigBegin) -> Result<(), ConfigError> {
+        let count = within("channels", wire.channels, 1..=N as u8)?;
+        self.forget();
+        (self.count, self.hash) = (count, ConfigHash::begin(wire));
+        Ok(())
+    }
+
+    /// Forgets what has arrived.
+    pub fn forget(&mut self) {
+        (self.count, self.system) = (0, None);
+        self.channels.clear();
+    }
+
+    /// Nothing can be added to an upload that was not begun.
+    fn begun(&self) -> Result<(), StagingError> {
+        if self.count > 0 { Ok(()) } else { Err(StagingError::NotBegun) }
     }
 
     /// Takes the system part, once.
@@ -60,6 +86,7 @@ impl StagedConfig {
     /// # Errors
     /// [`StagingError`]; nothing of the part is kept.
     pub fn add_system(&mut self, wire: &ConfigSystem) -> Result<(), StagingError> {
+        self.begun()?;
         if self.system.is_some() {
             return Err(StagingError::Mismatch);
         }
@@ -73,6 +100,7 @@ impl StagedConfig {
     /// # Errors
     /// [`StagingError`]; nothing of the part is kept.
     pub fn add_channel(&mut self, wire: &ConfigChannel) -> Result<(), StagingError> {
+        self.begun()?;
         // At most 27 channels are kept.
         let next = self.channels.len() as u8;
         if next >= self.count {
@@ -107,6 +135,7 @@ impl StagedConfig {
 
     /// The channel that came last, if that is the one a table names.
     fn last_channel(&mut self, number: u8) -> Result<&mut ChannelConfig, StagingError> {
+        self.begun()?;
         // At most 27 channels are kept.
         let last = (self.channels.len() as u8).checked_sub(1).ok_or(StagingError::Mismatch)?;
         within("channel", number, last..=last)?;
@@ -117,8 +146,9 @@ impl StagedConfig {
     /// The channels change places instead of being copied: they are too large for a small stack.
     ///
     /// # Errors
-    /// [`StagingError::Mismatch`]; `active` and the upload are as before.
-    pub fn commit(&mut self, config_hash: u32, active: &mut Option<ActiveConfig>) -> Result<(), StagingError> {
+    /// [`StagingError`]; `active` and the upload are as before.
+    pub fn commit(&mut self, config_hash: u32, active: &mut Option<ActiveConfig<N>>) -> Result<(), StagingError> {
+        self.begun()?;
         let system = self.system.ok_or(StagingError::Mismatch)?;
         let complete = self.channels.len() == usize::from(self.count);
         let measurable = self.channels.iter().all(|channel| channel.pressure_max_pa <= system.sensor_max_pa);
@@ -126,10 +156,19 @@ impl StagedConfig {
         if !complete || !measurable || !tabulated || self.hash.value() != config_hash {
             return Err(StagingError::Mismatch);
         }
+        if let Some(channel) = self.channels.iter().position(ChannelConfig::lacks_tables) {
+            return Err(StagingError::TablesMissing { channel: channel as u8 });
+        }
         let active = active.get_or_insert_with(|| ActiveConfig { system, channels: Vec::new(), hash: config_hash });
         active.system = system;
         active.hash = config_hash;
         core::mem::swap(&mut active.channels, &mut self.channels);
         Ok(())
+    }
+}
+
+impl<const N: usize> Default for StagedConfig<N> {
+    fn default() -> Self {
+        Self::new()
     }
 }

@@ -1,6 +1,6 @@
 //! The part of the configuration that all channels share.
 
-use softlimb_protocol::{ConfigSystem, LinkLossPolicy};
+use softlimb_protocol::{Code, ConfigSystem, LinkLossPolicy};
 
 use super::{ConfigError, known, within};
 use crate::flow::Orifice;
@@ -20,8 +20,8 @@ pub struct SystemConfig {
     pub link_timeout_us: u32,
     /// Time from holding to ramping down, us.
     pub hold_time_us: u32,
-    /// Reaction to link loss.
-    pub link_loss_policy: LinkLossPolicy,
+    /// Reaction to link loss; one that is known.
+    pub link_loss_policy: Code<LinkLossPolicy>,
     /// Slope of the ramp down, Pa/s.
     pub vent_ramp_pa_per_s: f32,
     /// Lowest supply pressure for running, gauge Pa.
@@ -60,7 +60,7 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
             control_period_ticks: control_period(wire.control_period_us)?,
             link_timeout_us: within("link_timeout_us", wire.link_timeout_us, 10 * TICK_US..=10_000_000)?,
             hold_time_us: within("hold_time_us", wire.hold_time_us, 0..=600_000_000)?,
-            link_loss_policy: known("link_loss_policy", wire.link_loss_policy)?,
+            link_loss_policy: known("link_loss_policy", wire.link_loss_policy)?.into(),
             vent_ramp_pa_per_s: within("vent_ramp_pa_per_s", wire.vent_ramp_pa_per_s, 100.0..=1e6)?,
             supply_min_pa,
             supply_max_pa: within("supply_max_pa", wire.supply_max_pa, supply_min_pa + 100.0..=supply_sensor_max_pa)?,

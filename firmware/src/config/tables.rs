@@ -20,7 +20,7 @@ pub(super) fn volume(channel: &ChannelConfig, wire: &ConfigVolume) -> Result<Vol
     let wrong = ConfigError::OutOfRange { field: "coefficients_m3" };
     let table = VolumeTable::new(pressure_max_pa, &wire.coefficients_m3).map_err(|_| wrong)?;
     let rest_m3 = table.lookup(0.0).map_err(|_| wrong)?.volume_m3;
-    let modelled_m3 = channel.rest.volume_m3;
+    let modelled_m3 = channel.rest_volume_m3;
     if (rest_m3 - modelled_m3).abs() <= REST_VOLUME_SHARE * modelled_m3 { Ok(table) } else { Err(wrong) }
 }
 
@@ -48,12 +48,16 @@ pub(super) fn inverse(channel: &ChannelConfig, wire: &ConfigInverse) -> Result<I
 
 /// A setpoint that its kind can have.
 fn setpoint(field: &'static str, kind: SetpointKind, value: f32) -> Result<f32, ConfigError> {
-    let in_domain = match kind {
+    if is_in_domain(kind, value) { within(field, value, -1e6..=1e6) } else { Err(ConfigError::OutOfRange { field }) }
+}
+
+/// Whether a kind has a setpoint, in SI units.
+pub(super) fn is_in_domain(kind: SetpointKind, value: f32) -> bool {
+    match kind {
         SetpointKind::AxialStretch | SetpointKind::OuterRadius | SetpointKind::InnerRadius => value > 0.0,
         SetpointKind::BendAngle => value >= 0.0,
         SetpointKind::Twist | SetpointKind::Pressure => true,
-    };
-    if in_domain { within(field, value, -1e6..=1e6) } else { Err(ConfigError::OutOfRange { field }) }
+    }
 }
 
 /// Whether the pressure does not fall from the first setpoint to the last, as far as a few checks tell.

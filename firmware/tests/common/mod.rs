@@ -3,6 +3,8 @@
 
 pub(crate) mod rig;
 pub(crate) mod spec;
+#[path = "../../sim/tests/common/tables.rs"]
+pub(crate) mod tables;
 
 use softlimb_firmware::{AdcCode, BootInfo, Controller, TICK_US, TickInputs, TickOutputs};
 use softlimb_protocol::*;
@@ -195,15 +197,14 @@ pub(crate) fn frame(seq: u16, message: &HostMessage) -> Vec<u8> {
     bytes[..len].to_vec()
 }
 
-/// The messages of a configuration upload.
+/// The messages of a configuration upload, with the tables of channels that bend.
 pub(crate) fn upload(system: &ConfigSystem, channels: &[ConfigChannel]) -> Vec<HostMessage> {
     let begin = ConfigBegin { session: SESSION, channels: channels.len() as u8 };
     let mut hash = ConfigHash::begin(&begin);
     hash.add_system(system);
     let mut messages = vec![begin.into(), system.clone().into()];
     for channel in channels {
-        hash.add_channel(channel);
-        messages.push(channel.clone().into());
+        messages.extend(tables::parts(channel, &mut hash));
     }
     messages.push(ConfigCommit { session: SESSION, config_hash: hash.value() }.into());
     messages
@@ -272,4 +273,20 @@ pub(crate) fn channel(index: usize, kind: SetpointKind) -> ConfigChannel {
 
 pub(crate) fn channels(kinds: &[SetpointKind]) -> Vec<ConfigChannel> {
     kinds.iter().enumerate().map(|(index, &kind)| channel(index, kind)).collect()
+}
+
+/// A tube of the same size that lengthens: the device solves its model.
+pub(crate) fn straight(index: usize) -> ConfigChannel {
+    ConfigChannel {
+        motion: MotionKind::Extension.into(),
+        families: 2,
+        c_pa_1: 0.4e6,
+        fiber_angle_rad: 0.05,
+        fiber_modulus_pa: 361e6,
+        fiber_thickness_m: 0.178e-3,
+        fiber_radius_m: 20e-3,
+        setpoint_max: 1_500_000,
+        setpoint_min: 900_000,
+        ..channel(index, SetpointKind::AxialStretch)
+    }
 }

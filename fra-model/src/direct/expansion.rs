@@ -73,7 +73,7 @@ impl<T: Real> Expansion<T> {
         let (reach, short) = (real::<T>(CONTRACTION) / contraction, norm.size::<TWIST>(&first));
         let mut new = Self { unit, contraction, reach, short, terms, tail };
         if is_curved {
-            new.certify(&Path::<T, TWIST> { constants: c, force: zero, torque: zero, norm: *norm });
+            new.certify(&Path::<T, TWIST> { constants: c, force: zero, torque: zero, norm: *norm, floor: zero });
         }
         new
     }

@@ -3,7 +3,7 @@
 use super::expansion::Expansion;
 use super::kernel::{Linearised, Unknowns};
 use super::path::{CONTRACTION, CORRECTION, End, Path};
-use super::{Direct, Equilibrium};
+use super::{Direct, Equilibrium, equilibrium};
 use crate::real::{Real, epsilon, real};
 
 /// Corrections after which a state that has not settled is given up.
@@ -34,7 +34,7 @@ impl<T: Real> Direct<T> {
     #[inline(always)]
     pub(crate) fn pressed(&self, pressure: T) -> Option<Equilibrium<T>> {
         let end = if self.twists_by_itself() { self.rise::<true>(pressure) } else { self.rise::<false>(pressure) };
-        Some(self.equilibrium(end?))
+        Some(equilibrium(end?))
     }
 
     #[inline(always)]

@@ -17,13 +17,14 @@ pub use lanes::{LANES, Lanes};
 
 use nalgebra::Vector3;
 
+use crate::branch::LARGEST_PRESSURE;
 use crate::goal::Goal;
 use crate::parameters::{ActuatorParameters, Families, Material, Placement};
 use crate::question::{Question, Way};
 use crate::real::{Real, epsilon, real};
 use expansion::Expansion;
 use kernel::{Constants, Linearised, Norm, Rest, Unknowns};
-use path::{CONTRACTION, Path, Stand, part, weighted};
+use path::{CONTRACTION, Path, Stand, part, tolerance, weighted};
 
 /// A tube with closed forms, ready to be solved directly.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +34,14 @@ pub(crate) struct Direct<T> {
     norm: Norm<T>,
     /// The branch at rest.
     expansion: Expansion<T>,
+}
+
+/// The same without the way from rest: for questions next to a known state alone, in a third of the memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near<T> {
+    constants: Constants<T>,
+    families: Option<Families>,
+    norm: Norm<T>,
 }
 
 /// An equilibrium, in the units of the model.
@@ -49,7 +58,7 @@ pub(crate) struct Equilibrium<T> {
     pub(crate) evaluations: u32,
 }
 
-impl<T: Real> Direct<T> {
+impl<T: Real> Near<T> {
     /// `None` for a wall without closed forms.
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Option<Self> {
         let Material::NeoHookean { shear_modulus_pa } = parameters.material else { return None };
@@ -92,6 +101,33 @@ impl<T: Real> Direct<T> {
         }
         let families = fiber.map(|fiber| fiber.families);
         let norm = Norm { twist: ratio, tension: one / constants.d };
+        Some(Self { constants, families, norm })
+    }
+
+    /// `(R_o/R_i)^2`.
+    pub(crate) fn x_outer(&self) -> T {
+        self.constants.x_outer
+    }
+
+    /// The unloaded equilibrium that meets a goal, if the way to it from the state `(e, w, g)` is certified.
+    pub(crate) fn answer(&self, start: &Vector3<T>, goal: &Goal<T>) -> Option<Equilibrium<T>> {
+        if twists(self.families) { self.solve::<true>(start, goal) } else { self.solve::<false>(start, goal) }
+    }
+
+    fn solve<const TWIST: bool>(&self, start: &Vector3<T>, goal: &Goal<T>) -> Option<Equilibrium<T>> {
+        let zero = T::zero();
+        let (constants, norm, floor) = (&self.constants, self.norm, tolerance());
+        let path = Path::<T, TWIST> { constants, force: zero, torque: zero, norm, floor };
+        let end = path.follow(earlier(&self.constants, start), goal, 0, EVALUATIONS)?;
+        (end.pressure.abs() <= real(LARGEST_PRESSURE)).then(|| equilibrium(end))
+    }
+}
+
+impl<T: Real> Direct<T> {
+    /// `None` for a wall without closed forms.
+    pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Option<Self> {
+        let Near { constants, families, norm } = Near::new(parameters)?;
+        let zero = T::zero();
         let rest = Unknowns { e: zero, w: zero, g: zero, tension: zero };
         let expansion = if twists(families) {
             Expansion::new(&constants, &norm, &Linearised::<T, true>::new(&constants, rest))
@@ -106,7 +142,7 @@ impl<T: Real> Direct<T> {
     }
 
     fn path<const TWIST: bool>(&self, force: T, torque: T) -> Path<'_, T, TWIST> {
-        Path { constants: &self.constants, force, torque, norm: self.norm }
+        Path { constants: &self.constants, force, torque, norm: self.norm, floor: T::zero() }
     }
 
     /// The answer to a question, if the way to it is certified.
@@ -125,7 +161,7 @@ impl<T: Real> Direct<T> {
         let path = self.path::<TWIST>(*force, *torque);
         let unloaded = *force == T::zero() && *torque == T::zero();
         let (stand, spent) = match question.start {
-            Some(start) => (self.earlier(&start), 0),
+            Some(start) => (earlier(&self.constants, &start), 0),
             None if unloaded => (self.leave_rest::<TWIST>(goal)?, 0),
             None => (self.under_load::<TWIST>(&path)?, 1),
         };
@@ -136,26 +172,7 @@ impl<T: Real> Direct<T> {
             Way::Inwards => end.pressure < T::zero(),
         };
         (lies_right && end.pressure.abs() <= question.within).then_some(())?;
-        Some(self.equilibrium(end))
-    }
-
-    #[inline(always)]
-    fn equilibrium(&self, end: path::End<T>) -> Equilibrium<T> {
-        let path::End { at: Unknowns { e, w, g, .. }, pressure, volume_rate, residual, evaluations } = end;
-        Equilibrium { e, w, g, pressure, volume_rate, residual, evaluations }
-    }
-
-    /// A state given from outside; its tension follows from its strain.
-    fn earlier(&self, start: &Vector3<T>) -> Stand<T> {
-        let Constants { per_x_fiber, cos, sin2, sin_rho, scale, compliance, .. } = self.constants;
-        let (e, w, g) = (start.x, start.y, start.z);
-        let (one, two) = (T::one(), real::<T>(2.0));
-        let eta = (w * per_x_fiber - e) / (one + e);
-        let shear = g * sin_rho;
-        let strain = cos * cos * eta + (one + eta) * shear * (cos + cos + shear) + sin2 * e * (two + e);
-        let tension = strain * scale / compliance;
-        let last = T::max_value().unwrap_or(one);
-        Stand { at: Unknowns { e, w, g, tension }, pressure: None, arrived: false, last, along: None }
+        Some(equilibrium(end))
     }
 
     /// The first step from rest, without load.
@@ -200,6 +217,25 @@ impl<T: Real> Direct<T> {
         let at = first.plus(second);
         Some(Stand { at, pressure: Some(zero), arrived: false, last: path.size(&first), along: None })
     }
+}
+
+#[inline(always)]
+fn equilibrium<T>(end: path::End<T>) -> Equilibrium<T> {
+    let path::End { at: Unknowns { e, w, g, .. }, pressure, volume_rate, residual, evaluations } = end;
+    Equilibrium { e, w, g, pressure, volume_rate, residual, evaluations }
+}
+
+/// A state given from outside; its tension follows from its strain.
+fn earlier<T: Real>(constants: &Constants<T>, start: &Vector3<T>) -> Stand<T> {
+    let Constants { per_x_fiber, cos, sin2, sin_rho, scale, compliance, .. } = *constants;
+    let (e, w, g) = (start.x, start.y, start.z);
+    let (one, two) = (T::one(), real::<T>(2.0));
+    let eta = (w * per_x_fiber - e) / (one + e);
+    let shear = g * sin_rho;
+    let strain = cos * cos * eta + (one + eta) * shear * (cos + cos + shear) + sin2 * e * (two + e);
+    let tension = strain * scale / compliance;
+    let last = T::max_value().unwrap_or(one);
+    Stand { at: Unknowns { e, w, g, tension }, pressure: None, arrived: false, last, along: None }
 }
 
 /// Two families twist only under torque.

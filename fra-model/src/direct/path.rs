@@ -27,6 +27,8 @@ pub(super) struct Path<'a, T, const TWIST: bool> {
     pub(super) force: T,
     pub(super) torque: T,
     pub(super) norm: Norm<T>,
+    /// A size of a state below which a correction is compared with this in its place: zero where every digit of a tiny state counts.
+    pub(super) floor: T,
 }
 
 /// Where a way stands before an evaluation.
@@ -99,7 +101,7 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
             let (size, end) = (self.size(&step.first), at.plus(step.first));
             let settled = size <= stand.last * real(CORRECTION);
             let whole = self.size(&end);
-            if size <= tolerance::<T>() * whole && settled {
+            if size <= tolerance::<T>() * (whole + self.floor) && settled {
                 return Some(self.end(&lin, goal, end, &step, evaluations));
             }
             if stand.arrived {

@@ -228,6 +228,9 @@ impl LinkError {
             }
             Some(ResultCode::WrongState) => "not allowed in its present state".to_owned(),
             Some(ResultCode::ConfigMismatch) => "the upload is incomplete or was damaged".to_owned(),
+            Some(ResultCode::TablesMissing) => {
+                format!("channel {detail} has no tables, and the device does not solve the model of its actuator")
+            }
             Some(ResultCode::Late) => "the time has passed".to_owned(),
             _ => format!("result {:?}, detail {}", ack.result, ack.detail),
         };

@@ -5,6 +5,7 @@ use std::fmt;
 use fra_model::Argument;
 use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
+use super::follow::{NotFollowed, follow, has_model};
 use super::plan::{Plan, in_units};
 use crate::design::{Limb, LimbModule};
 use crate::scene::{BendingModel, Goal, InverseChoice, Scene, SceneError, SetpointKind};
@@ -18,7 +19,8 @@ pub enum ModuleInverse {
     Table(DeviceTables),
     /// In these tables, the inverse one built from a cubic of the section's finite elements.
     Section(DeviceTables, Calibration),
-    /// By solving the model: there are no tables for a reason, or the scene does not want any.
+    /// By solving the model, which the device does for straight tubes with closed forms: there are no tables for a reason, or the scene
+    /// does not want any.
     Model(Option<NoTable>),
 }
 
@@ -44,8 +46,8 @@ impl ModuleInverse {
         }
     }
 
-    /// The tables as they are sent, for channel 0.
-    pub(super) fn messages(&self) -> Option<(ConfigVolume, Option<ConfigInverse>)> {
+    /// The tables as they are sent, for channel 0; none where there are none.
+    pub fn messages(&self) -> Option<(ConfigVolume, Option<ConfigInverse>)> {
         let tables = self.tables()?;
         let inverse = match &tables.inverse {
             Some(fit) => Some(inverse_message(fit)?),
@@ -77,12 +79,13 @@ impl fmt::Display for ModuleInverse {
 /// Builds and verifies the tables that a scene wants.
 ///
 /// # Errors
-/// A diagnostic at a module whose tables do not keep the error that the scene allows, where it wants tables and nothing else.
+/// A diagnostic at a module whose tables do not keep the error that the scene allows, where it wants tables and nothing else or the
+/// device does not solve the module's model.
 pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneError> {
     let (controller, ambient) = (scene.controller(), &scene.plant().ambient);
     let of_module = |(index, module): (usize, &LimbModule)| {
         if controller.inverse == InverseChoice::Model {
-            return Ok(ModuleInverse::Model(None));
+            return by_model(scene, module, index, None);
         }
         let wanted = controller.bending == BendingModel::SectionFe && module.kind == SetpointKind::BendAngle;
         let calibration = wanted.then(|| cubic(scene, index, module)).transpose()?;
@@ -92,20 +95,26 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
             (Ok(tables), None) => Ok(ModuleInverse::Table(tables)),
             (Ok(tables), Some(calibration)) => Ok(ModuleInverse::Section(tables, calibration)),
             (Err(reason), calibration) if controller.inverse == InverseChoice::Table || calibration.is_some() => {
-                Err(refused(scene, index, &reason))
+                Err(refused(scene, index, &reason, has_model(module)))
             }
-            (Err(reason), _) => Ok(ModuleInverse::Model(Some(reason))),
+            (Err(reason), _) => by_model(scene, module, index, Some(reason)),
         }
     };
     limb.modules().iter().enumerate().map(of_module).collect()
 }
 
-/// Holds every goal of a plan to the bends that the cubics reach: the plan itself knows the analytic model alone, and a device would stop
-/// at the end of its table without a word.
+/// Goes through a plan as the device does where it solves the model, and holds every goal to the bends that the cubics reach: the plan
+/// itself knows the analytic model alone, and a device would stop at the end of its table without a word.
 ///
 /// # Errors
-/// A diagnostic at the first target or way-point that bends a module further than its cubic does at the highest pressure the device follows.
+/// A diagnostic at a module whose model the device does not follow, or at the first target or way-point that bends a module further than
+/// its cubic does at the highest pressure the device follows.
 pub fn check_goals(scene: &Scene, limb: &Limb, plan: &Plan, inverses: &[ModuleInverse]) -> Result<(), SceneError> {
+    for (index, (module, inverse)) in limb.modules().iter().zip(inverses).enumerate() {
+        if let ModuleInverse::Model(reason) = inverse {
+            follow(module, index, plan).map_err(|why| not_followed(scene, index, why, *reason))?;
+        }
+    }
     for (phase, planned) in scene.phases().iter().zip(&plan.phases) {
         for (index, (module, inverse)) in limb.modules().iter().zip(inverses).enumerate() {
             let ModuleInverse::Section(_, calibration) = inverse else { continue };
@@ -136,6 +145,42 @@ pub fn check_goals(scene: &Scene, limb: &Limb, plan: &Plan, inverses: &[ModuleIn
 /// Share by which a goal at the very end of a table may be beyond it.
 const GOAL_ROUNDING: f64 = 1e-9;
 
+/// The model of the device in place of tables, where it has one.
+fn by_model(
+    scene: &Scene,
+    module: &LimbModule,
+    index: usize,
+    reason: Option<NoTable>,
+) -> Result<ModuleInverse, SceneError> {
+    if has_model(module) {
+        Ok(ModuleInverse::Model(reason))
+    } else {
+        Err(not_followed(scene, index, NotFollowed::NoClosedForms, reason))
+    }
+}
+
+fn not_followed(scene: &Scene, module: usize, why: NotFollowed, reason: Option<NoTable>) -> SceneError {
+    let module = &scene.modules()[module];
+    let title = format!("the device needs tables for the module `{}`", *module.name);
+    let (label, help) = match reason {
+        Some(reason) => (format!("{reason}; and without tables {why}"), help(&reason)),
+        None => {
+            (why.to_string(), "leave out `inverse = \"model\"` in [controller]: the device is then sent tables".into())
+        }
+    };
+    scene.diagnostic(module.span, &title, &label, Some(&help))
+}
+
+/// What makes a table possible.
+fn help(reason: &NoTable) -> String {
+    match reason {
+        NoTable::Inverse { least: Some(least), .. } => {
+            format!("set `inverse_error` in [controller] to \"{:.4} %\" or more", (least * 1e6).ceil() * 1e-4)
+        }
+        _ => "lower the module's `pressure_max`".into(),
+    }
+}
+
 /// Largest error of a cubic that a device carries, as a share of the bend.
 const CUBIC_ERROR_MAX: f64 = 0.01;
 
@@ -163,17 +208,10 @@ fn no_cubic(scene: &Scene, module: usize, reason: &str) -> SceneError {
     scene.diagnostic(module.span, &title, reason, Some("leave out `bending = \"section-fe\"` in [controller]"))
 }
 
-fn refused(scene: &Scene, module: usize, reason: &NoTable) -> SceneError {
+fn refused(scene: &Scene, module: usize, reason: &NoTable, has_model: bool) -> SceneError {
     let module = &scene.modules()[module];
-    let help = match reason {
-        NoTable::Inverse { least: Some(least), .. } => format!(
-            "set `inverse_error` in [controller] to \"{:.4} %\" or more, or `inverse = \"auto\"` to let the device solve its model",
-            (least * 1e6).ceil() * 1e-4
-        ),
-        _ => "set `inverse = \"auto\"` in [controller] to let the device solve its model, or lower the module's \
-              `pressure_max`"
-            .into(),
-    };
+    let or = if has_model { ", or `inverse = \"auto\"` to let the device solve its model" } else { "" };
+    let help = format!("{}{or}", help(reason));
     let title = format!("there is no inverse table for the module `{}`", *module.name);
     scene.diagnostic(module.span, &title, &reason.to_string(), Some(&help))
 }

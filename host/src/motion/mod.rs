@@ -1,6 +1,7 @@
 //! From the phases of a scene to the setpoints that are streamed: targets, way-points, timing, and what the device is told.
 
 mod configuration;
+mod follow;
 mod inverse_kinematics;
 mod inverses;
 mod plan;

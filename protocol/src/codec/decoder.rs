@@ -59,6 +59,9 @@ impl LinkCounters {
     }
 }
 
+/// More bytes than a body has.
+const TOO_MANY: usize = MAX_BODY_LEN + 1;
+
 /// Eats bytes one by one and yields the messages of one direction.
 ///
 /// Whatever came before, the frame after the next delimiter is decoded as if the decoder were new.
@@ -66,8 +69,8 @@ impl LinkCounters {
 pub struct Decoder<M> {
     cobs: DecoderState,
     body: [u8; MAX_BODY_LEN],
-    /// Decoded bytes of the frame in progress; `None` once they exceed the body.
-    len: Option<usize>,
+    /// Decoded bytes of the frame in progress; `TOO_MANY` once they exceed the body.
+    len: usize,
     counters: LinkCounters,
     direction: PhantomData<fn() -> M>,
 }
@@ -79,7 +82,7 @@ impl<M> Decoder<M> {
         Self {
             cobs: DecoderState::Idle,
             body: [0; MAX_BODY_LEN],
-            len: Some(0),
+            len: 0,
             counters: LinkCounters {
                 accepted: 0,
                 malformed: 0,
@@ -101,11 +104,13 @@ impl<M> Decoder<M> {
 
     /// Stores one decoded byte.
     fn store(&mut self, byte: u8) {
-        let place = self.len.and_then(|len| self.body.get_mut(len));
-        self.len = place.and_then(|place| {
-            *place = byte;
-            self.len.map(|len| len + 1)
-        });
+        match self.body.get_mut(self.len) {
+            Some(place) => {
+                *place = byte;
+                self.len += 1;
+            }
+            None => self.len = TOO_MANY,
+        }
     }
 }
 
@@ -121,16 +126,17 @@ impl<M: Message> Decoder<M> {
             Ok(DecodeResult::DataComplete) => self.finish(),
             Ok(DecodeResult::NoData | DecodeResult::DataStart) => return None,
             // Only a delimiter inside a piece is an error, so the COBS state is already between frames.
-            Err(_) => Err(self.len.map_or(FrameError::Oversize, |_| FrameError::Malformed)),
+            Err(_) if self.len == TOO_MANY => Err(FrameError::Oversize),
+            Err(_) => Err(FrameError::Malformed),
         };
-        self.len = Some(0);
+        self.len = 0;
         self.counters.count(&outcome);
         Some(outcome)
     }
 
     /// Checks and reads the collected body.
     fn finish(&self) -> Result<Frame<M>, FrameError> {
-        let len = self.len.ok_or(FrameError::Oversize)?;
+        let len = self.len;
         let body = self.body.get(..len).ok_or(FrameError::Oversize)?;
         let (message_type, seq, payload, received) = split_body(body).ok_or(FrameError::TooShort)?;
         let checked = body.get(..len - CRC_LEN).ok_or(FrameError::TooShort)?;

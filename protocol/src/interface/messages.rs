@@ -27,10 +27,13 @@ macro_rules! record {
                 },
             )+];
 
+            /// The names alone: a device that numbers its fields has no use for their meanings.
+            const NAMES: &'static [&'static str] = &[$( stringify!($field), )+];
+
             /// Position of a field in the message, counted from 0: the `detail` of an [`Ack`] that refuses its value.
             #[must_use]
             pub const fn field_number(name: &str) -> Option<u32> {
-                position(Self::FIELDS, name)
+                position(Self::NAMES, name)
             }
         }
 

@@ -13,6 +13,10 @@ const HEADER: &str = "board\tflash\tram\tstack";
 /// An image may be this much larger or smaller than recorded, in per cent.
 const MARGIN: usize = 2;
 
+/// What an image may take, bytes: of flash, and of memory for variables and stack together.
+const FLASH_MAX: usize = 64 * 1024;
+const RAM_MAX: usize = 32 * 1024;
+
 /// The chip's memory for variables begins here.
 const RAM: usize = 0x2000_0000;
 
@@ -37,16 +41,28 @@ fn size(file: &[u8]) -> Result<Size, String> {
     })
 }
 
+/// What is too large about an image.
+fn excess(size: Size) -> Option<String> {
+    let memory = size.ram + size.stack;
+    let over = |what: &str, found: usize, most: usize| format!("{found} bytes of {what}, more than {most}");
+    (size.flash > FLASH_MAX)
+        .then(|| over("flash", size.flash, FLASH_MAX))
+        .or_else(|| (memory > RAM_MAX).then(|| over("memory for variables and stack", memory, RAM_MAX)))
+}
+
 /// Prints the size; compares it with the record, or records it.
 ///
 /// # Errors
-/// Another size than recorded with the same compiler.
+/// An image that is too large for a small chip; another size than recorded with the same compiler.
 pub(super) fn report(board: &str, file: &[u8], compiler: &str, what: Sizes) -> Result<(), String> {
     let size = size(file)?;
     println!(
         "xtask: {board}: {} bytes of flash, {} of variables, {} set aside for the stack",
         size.flash, size.ram, size.stack
     );
+    if let Some(excess) = excess(size) {
+        return Err(format!("{board} takes {excess}"));
+    }
     let path = root().join(RECORD);
     let recorded = fs::read_to_string(&path).unwrap_or_default();
     if what == Sizes::Record {
@@ -100,7 +116,15 @@ fn verdict(recorded: &str, board: &str, size: Size, compiler: &str) -> Verdict {
 
 #[cfg(test)]
 mod tests {
-    use super::{Size, Verdict, verdict, with};
+    use super::{FLASH_MAX, RAM_MAX, Size, Verdict, excess, verdict, with};
+
+    #[test]
+    fn an_image_must_fit_a_small_chip() {
+        let size = Size { flash: FLASH_MAX, ram: RAM_MAX - 4096, stack: 4096 };
+        assert_eq!(excess(size), None);
+        assert_eq!(excess(Size { flash: 65_537, ..size }).as_deref(), Some("65537 bytes of flash, more than 65536"));
+        assert!(excess(Size { stack: 4100, ..size }).is_some_and(|text| text.contains("variables and stack")));
+    }
 
     #[test]
     fn sizes_are_compared_with_the_board_s_line() {

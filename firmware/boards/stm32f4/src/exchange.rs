@@ -3,8 +3,9 @@
 //! One question, one answer, little-endian, each a fixed part and the link's bytes behind it. Both sides wait for each other, so that
 //! nothing depends on how long either takes.
 
-use softlimb_firmware::{AdcCode, TickInputs, TickOutputs, ValvePulse};
-use softlimb_protocol::MAX_CHANNELS;
+use softlimb_firmware::{AdcCode, ValvePulse};
+
+use crate::pins::{CHANNELS, TickInputs, TickOutputs};
 
 /// The most bytes of the link in one question; more wait for the next tick.
 pub const RECEIVED_MAX: usize = 2048;
@@ -13,10 +14,10 @@ pub const RECEIVED_MAX: usize = 2048;
 pub const SENT_MAX: usize = 256;
 
 /// Length of the fixed part of a question, bytes.
-pub const QUESTION_LEN: usize = 8 + 1 + 2 + 2 + 2 * (MAX_CHANNELS + 1);
+pub const QUESTION_LEN: usize = 8 + 1 + 2 + 2 + 2 * (CHANNELS + 1);
 
 /// Length of the fixed part of an answer, bytes.
-pub const ANSWER_LEN: usize = 4 + 4 * MAX_CHANNELS + 1 + 1 + 2;
+pub const ANSWER_LEN: usize = 4 + 4 * CHANNELS + 1 + 1 + 2;
 
 const STOP_PRESSED: u8 = 1;
 const LAST: u8 = 2;
@@ -70,7 +71,7 @@ impl Question {
         let now_us = u64::from_le_bytes(reader.take());
         let [flags] = reader.take();
         let (room, received) = (u16::from_le_bytes(reader.take()), u16::from_le_bytes(reader.take()));
-        let mut pressure = [AdcCode(0); MAX_CHANNELS];
+        let mut pressure = [AdcCode(0); CHANNELS];
         for code in &mut pressure {
             *code = AdcCode(u16::from_le_bytes(reader.take()));
         }
@@ -101,7 +102,7 @@ impl Answer {
     pub fn decode(bytes: &[u8; ANSWER_LEN]) -> Self {
         let mut reader = Reader(bytes.iter());
         let cost = u32::from_le_bytes(reader.take());
-        let mut valves = [ValvePulse::CLOSED; MAX_CHANNELS];
+        let mut valves = [ValvePulse::CLOSED; CHANNELS];
         for pulse in &mut valves {
             let (fill_us, vent_us) = (u16::from_le_bytes(reader.take()), u16::from_le_bytes(reader.take()));
             *pulse = ValvePulse { fill_us, vent_us };
@@ -140,8 +141,8 @@ mod tests {
 
     #[test]
     fn questions_and_answers_come_back_whole() {
-        let mut pressure = [AdcCode(0); MAX_CHANNELS];
-        let mut valves = [ValvePulse::CLOSED; MAX_CHANNELS];
+        let mut pressure = [AdcCode(0); CHANNELS];
+        let mut valves = [ValvePulse::CLOSED; CHANNELS];
         for (number, (code, pulse)) in (1..).zip(pressure.iter_mut().zip(&mut valves)) {
             (*code, *pulse) = (AdcCode(257 * number), ValvePulse { fill_us: 3 * number, vent_us: 1_000 - number });
         }
@@ -157,12 +158,8 @@ mod tests {
 
     #[test]
     fn the_last_byte_of_each_part_is_in_use() {
-        let inputs = TickInputs {
-            now_us: 0,
-            pressure: [AdcCode(0); MAX_CHANNELS],
-            supply: AdcCode(0xff00),
-            emergency_stop: false,
-        };
+        let inputs =
+            TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0xff00), emergency_stop: false };
         assert_eq!(Question { inputs, room: 0, received: 0, last: false }.encode().last(), Some(&0xff));
         assert_eq!(Answer { cost: 0, outputs: TickOutputs::SAFE, sent: 0xff00 }.encode().last(), Some(&0xff));
     }

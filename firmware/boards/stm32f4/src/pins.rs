@@ -5,6 +5,15 @@ use core::fmt;
 /// Channels of the board: as many as it has sensors and pairs of valves.
 pub const CHANNELS: usize = 9;
 
+/// The controller of this board.
+pub type Controller = softlimb_firmware::Controller<CHANNELS>;
+
+/// What its tick reads.
+pub type TickInputs = softlimb_firmware::TickInputs<CHANNELS>;
+
+/// What its tick decides.
+pub type TickOutputs = softlimb_firmware::TickOutputs<CHANNELS>;
+
 /// Converter inputs: the channels' sensors and the supply's.
 pub const SENSORS: usize = CHANNELS + 1;
 

@@ -3,9 +3,7 @@
 //! Outputs decided in one tick are applied from the start of the next: always one tick later, whatever the computation took. Times are
 //! rounded to the grid. Only the last tick of a pulse has one that is not on it, so that a whole pulse is off by 50 us at most.
 
-use softlimb_firmware::TickOutputs;
-
-use crate::pins::{CHANNELS, FILL, OUTPUTS, PORTS, PUMP, Pin, SUPPLY, VENT};
+use crate::pins::{FILL, OUTPUTS, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT};
 
 /// Slots in a tick.
 pub const SLOTS: usize = 10;
@@ -66,7 +64,7 @@ pub fn schedule(outputs: &TickOutputs, pump: &mut PumpDensity) -> [Words; SLOTS]
             }
         };
         let pairs = FILL.into_iter().zip(VENT);
-        for (pulse, (fill, vent)) in outputs.valves.iter().take(CHANNELS).zip(pairs) {
+        for (pulse, (fill, vent)) in outputs.valves.iter().zip(pairs) {
             // A fill and a vent at once would blow the supply off.
             if slot < slots_of(pulse.vent_us) {
                 energize(vent);

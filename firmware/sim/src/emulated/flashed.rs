@@ -12,7 +12,9 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 
 use softlimb_firmware::Board;
+use softlimb_image_stm32f4::pins::CHANNELS;
 
+use super::channels::widened;
 use super::halt::Halt;
 use super::qemu::{Qemu, image};
 use super::remote::{Remote, connect};
@@ -128,7 +130,7 @@ impl Flashed {
         if inputs.emergency_stop {
             return Err(io::Error::other("the emulator has no input for the emergency stop; send the command").into());
         }
-        let channels = inputs.pressure.iter().take(pins::CHANNELS_OF_BOARD);
+        let channels = inputs.pressure.iter().take(CHANNELS);
         let codes: Vec<u8> = channels.chain([&inputs.supply]).flat_map(|code| code.0.to_le_bytes()).collect();
         self.remote.write(self.samples, &codes)
     }
@@ -151,7 +153,7 @@ impl Processor for Flashed {
         self.put_samples(board)?;
         let coils = self.remote.read(self.coils, pins::COILS_LEN)?;
         let slots = pins::active(&coils).ok_or_else(|| io::Error::other("the schedule of the coils is broken"))?;
-        board.apply(&pins::outputs(&slots));
+        board.apply(&widened(&pins::outputs(&slots)));
         self.send(board)?;
         self.remote.resume(self.next.replace(self.tick + NOTHING_LEN))?;
         self.received.try_iter().for_each(|bytes| board.write_link(&bytes));
@@ -160,6 +162,10 @@ impl Processor for Flashed {
 
     fn first_tick_us(&self) -> u64 {
         FIRST_TICK_US
+    }
+
+    fn channels_max(&self) -> usize {
+        CHANNELS
     }
 }
 

@@ -8,10 +8,11 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
 use std::time::Duration;
 
-use softlimb_firmware::{AdcCode, Board, TickInputs};
+use softlimb_firmware::{AdcCode, Board};
 use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, Question, RECEIVED_MAX, SENT_MAX};
-use softlimb_protocol::MAX_CHANNELS;
+use softlimb_image_stm32f4::pins::{CHANNELS, TickInputs};
 
+use super::channels::{narrowed, widened};
 use super::qemu::{Qemu, image};
 use crate::error::EmulatorError;
 use crate::mcu::Processor;
@@ -103,7 +104,7 @@ impl LockStep {
 
 impl Processor for LockStep {
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
-        let inputs = board.inputs();
+        let inputs = narrowed(&board.inputs());
         let mut received = [0; RECEIVED_MAX];
         let count = board.read_link(&mut received);
         let room = board.link_room().min(SENT_MAX) as u16;
@@ -111,16 +112,20 @@ impl Processor for LockStep {
         self.ask(&question, received.get(..count).unwrap_or(&received))?;
         let (answer, sent) = self.listen()?;
         self.note_cost(answer.cost);
-        board.apply(&answer.outputs);
+        board.apply(&widened(&answer.outputs));
         board.write_link(&sent);
         Ok(())
+    }
+
+    fn channels_max(&self) -> usize {
+        CHANNELS
     }
 }
 
 impl Drop for LockStep {
     fn drop(&mut self) {
         let inputs =
-            TickInputs { now_us: 0, pressure: [AdcCode(0); MAX_CHANNELS], supply: AdcCode(0), emergency_stop: false };
+            TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0), emergency_stop: false };
         // An image that is gone already needs no farewell.
         let _ = self.ask(&Question { inputs, room: 0, received: 0, last: true }, &[]);
     }

@@ -4,6 +4,7 @@
 //! here. [`Flashed`] runs the very file that is flashed, and reaches it where a board would: at its serial port, at the memory that
 //! its converter fills, and at what it tells its ports.
 
+mod channels;
 #[cfg(unix)]
 mod elf;
 #[cfg(unix)]

@@ -1,7 +1,7 @@
 //! What the ports of the board are told, as what becomes of the valves: the way back from `schedule`.
 
-use softlimb_firmware::{TickOutputs, ValvePulse};
-use softlimb_image_stm32f4::pins::{CHANNELS, FILL, PORTS, PUMP, Pin, SUPPLY, VENT};
+use softlimb_firmware::ValvePulse;
+use softlimb_image_stm32f4::pins::{FILL, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT};
 use softlimb_image_stm32f4::schedule::{SLOT_US, SLOTS, Words};
 
 /// Coil times and pump of a tick whose slots are these. A coil counts from the start of the tick for as many slots as it is on.
@@ -36,9 +36,6 @@ pub(super) fn active(coils: &[u8]) -> Option<[Words; SLOTS]> {
     Some(slots)
 }
 
-/// Channels that the board has.
-pub(super) const CHANNELS_OF_BOARD: usize = CHANNELS;
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,7 +44,7 @@ mod tests {
     #[test]
     fn what_is_scheduled_is_what_the_valves_get_to_the_slot() {
         let mut wanted = TickOutputs { supply_open: true, pump_duty: 255, ..TickOutputs::SAFE };
-        for (number, pulse) in (0..).zip(wanted.valves.iter_mut().take(CHANNELS)) {
+        for (number, pulse) in (0..).zip(&mut wanted.valves) {
             let time_us = 100 * number;
             *pulse = if number % 2 == 0 {
                 ValvePulse { fill_us: time_us, vent_us: 0 }
@@ -56,7 +53,8 @@ mod tests {
             };
         }
         assert_eq!(outputs(&schedule(&wanted, &mut PumpDensity::new())), wanted);
-        assert_eq!(outputs(&schedule(&TickOutputs::SAFE, &mut PumpDensity::new())), TickOutputs::SAFE);
+        let safe = TickOutputs::SAFE;
+        assert_eq!(outputs(&schedule(&safe, &mut PumpDensity::new())), safe);
     }
 
     #[test]

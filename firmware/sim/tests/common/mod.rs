@@ -1,6 +1,8 @@
 //! A host without cares around the simulated device: says what it is told to, hears everything.
 #![allow(dead_code, unreachable_pub, reason = "each user takes its own part")]
 
+mod tables;
+
 use fra_model::{ActuatorParameters, Material, Motion};
 use softlimb_plant::{ChannelSettings, PlantSettings};
 use softlimb_protocol::*;
@@ -107,8 +109,9 @@ impl<P: Processor> Host<P> {
         self.demand(begin);
         self.demand(system());
         for channel in 0..channels {
-            hash.add_channel(&config_channel(channel, kind));
-            self.demand(config_channel(channel, kind));
+            for part in tables::parts(&config_channel(channel, kind), &mut hash) {
+                self.demand(part);
+            }
         }
         self.demand(ConfigCommit { session: SESSION, config_hash: hash.value() });
     }
@@ -152,7 +155,22 @@ pub fn system() -> ConfigSystem {
     }
 }
 
+/// A bending actuator; where its stretch is asked for, a wound tube of the same size that lengthens.
 pub fn config_channel(channel: usize, kind: SetpointKind) -> ConfigChannel {
+    if kind == SetpointKind::AxialStretch {
+        return ConfigChannel {
+            motion: MotionKind::Extension.into(),
+            setpoint_kind: kind.into(),
+            families: 2,
+            fiber_angle_rad: 0.05,
+            fiber_modulus_pa: 361e6,
+            fiber_thickness_m: 0.178e-3,
+            fiber_radius_m: 20e-3,
+            setpoint_min: 999_000,
+            setpoint_max: 1_200_000,
+            ..config_channel(channel, SetpointKind::Pressure)
+        };
+    }
     ConfigChannel {
         session: SESSION,
         channel: channel as u8,

@@ -2,9 +2,10 @@
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
-use softlimb_firmware::{Board, TickInputs, TickOutputs};
+use softlimb_firmware::Board;
 use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, QUESTION_LEN, Question, RECEIVED_MAX, SENT_MAX};
 use softlimb_image_stm32f4::hardware::host::{Gone, Streams};
+use softlimb_image_stm32f4::pins::{CHANNELS, TickInputs, TickOutputs};
 
 /// The processor's timer counts from here to zero.
 const LARGEST: u32 = 0x00ff_ffff;
@@ -77,7 +78,7 @@ impl LockStep {
     }
 }
 
-impl Board for LockStep {
+impl Board<CHANNELS> for LockStep {
     fn inputs(&mut self) -> TickInputs {
         Question::decode(&self.question).inputs
     }

@@ -15,8 +15,9 @@ fn main() -> std::process::ExitCode {
 
 #[cfg(target_os = "none")]
 mod image {
-    use softlimb_firmware::{BootInfo, Controller, turn};
+    use softlimb_firmware::{BootInfo, turn};
     use softlimb_image_stm32f4::hardware::host::{Gone, Streams};
+    use softlimb_image_stm32f4::pins::Controller;
     use softlimb_protocol::BootCause;
 
     use crate::board::LockStep;

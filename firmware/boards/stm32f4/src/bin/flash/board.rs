@@ -3,12 +3,11 @@
 use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 
 use heapless::spsc::{Consumer, Producer};
-use softlimb_firmware::{AdcCode, Board, TICK_US, TickInputs, TickOutputs};
+use softlimb_firmware::{AdcCode, Board, TICK_US};
 use softlimb_image_stm32f4::hardware::coils::COILS;
 use softlimb_image_stm32f4::hardware::{converter, ports};
-use softlimb_image_stm32f4::pins::{CHANNELS, EMERGENCY_STOP};
+use softlimb_image_stm32f4::pins::{CHANNELS, EMERGENCY_STOP, TickInputs, TickOutputs};
 use softlimb_image_stm32f4::schedule::{PumpDensity, schedule};
-use softlimb_protocol::MAX_CHANNELS;
 
 /// Bytes from the host that can wait, and one: 11 ms of the line.
 pub(crate) const INCOMING: usize = 1024;
@@ -50,17 +49,12 @@ impl FlashedBoard {
     }
 }
 
-impl Board for FlashedBoard {
+impl Board<CHANNELS> for FlashedBoard {
     fn inputs(&mut self) -> TickInputs {
         let ticks = COUNTS.ticks.load(Ordering::Relaxed);
         self.now_ticks += u64::from(ticks.wrapping_sub(self.ticks));
         self.ticks = ticks;
-        let [channels @ .., supply] = converter::take().map(|code| AdcCode(if self.is_time_exact { code } else { 0 }));
-        let mut pressure = [AdcCode(0); MAX_CHANNELS];
-        let _: &[AdcCode; CHANNELS] = &channels;
-        for (place, code) in pressure.iter_mut().zip(channels) {
-            *place = code;
-        }
+        let [pressure @ .., supply] = converter::take().map(|code| AdcCode(if self.is_time_exact { code } else { 0 }));
         TickInputs {
             now_us: self.now_ticks * u64::from(TICK_US),
             pressure,

@@ -19,10 +19,11 @@ mod app {
     use core::sync::atomic::Ordering;
 
     use heapless::spsc::{Consumer, Producer, Queue};
-    use softlimb_firmware::{BootInfo, Controller};
+    use softlimb_firmware::BootInfo;
     use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
     use softlimb_image_stm32f4::hardware::{clocks, converter, crash, ports, stack};
     use softlimb_image_stm32f4::health::{Counters, Health};
+    use softlimb_image_stm32f4::pins::Controller;
     use softlimb_image_stm32f4::record::{ResetFlags, boot_info};
     use softlimb_image_stm32f4::schedule::SLOTS;
     use softlimb_protocol::BootCause;

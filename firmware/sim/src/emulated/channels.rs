@@ -1,0 +1,20 @@
+//! Between the channels of the simulation and those that the board has.
+
+use softlimb_firmware::{AdcCode, TickInputs, TickOutputs};
+use softlimb_image_stm32f4::pins::{self, CHANNELS};
+
+/// The part of the inputs that the board has channels for.
+pub(super) fn narrowed(inputs: &TickInputs) -> pins::TickInputs {
+    let TickInputs { now_us, pressure: all, supply, emergency_stop } = *inputs;
+    let mut pressure = [AdcCode(0); CHANNELS];
+    pressure.iter_mut().zip(all).for_each(|(place, code)| *place = code);
+    pins::TickInputs { now_us, pressure, supply, emergency_stop }
+}
+
+/// The outputs of the board, and nothing on the channels that it has not.
+pub(super) fn widened(outputs: &pins::TickOutputs) -> TickOutputs {
+    let pins::TickOutputs { valves: some, supply_open, pump_duty } = *outputs;
+    let mut all = TickOutputs { supply_open, pump_duty, ..TickOutputs::SAFE };
+    all.valves.iter_mut().zip(some).for_each(|(place, pulse)| *place = pulse);
+    all
+}
