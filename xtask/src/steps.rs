@@ -16,7 +16,8 @@ const IMAGES: &str = "SOFTLIMB_IMAGES";
 /// Formatting and lints, as far as their components are installed; the exit code of the first that fails.
 pub(crate) fn lint(tally: &mut Tally) -> Result<(), u8> {
     step(tally, "fmt", &["fmt", "--all", "--check"])?;
-    step(tally, "clippy", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
+    step(tally, "clippy", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])?;
+    lint_images(tally)
 }
 
 fn step(tally: &mut Tally, component: &str, arguments: &[&str]) -> Result<(), u8> {
@@ -41,7 +42,6 @@ fn all(tally: &mut Tally) -> Result<(), u8> {
     lint(tally)?;
     let images = where_possible(tally, "images for the board", images)?;
     tests(tally, images.as_deref())?;
-    lint_images(tally)?;
     where_possible(tally, "`cargo xtask model-image`", || image::check(Counts::Compare)).map(drop)
 }
 

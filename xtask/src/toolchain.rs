@@ -1,7 +1,6 @@
 //! A way to build for the microcontroller with what is installed.
 
 use std::env;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -33,9 +32,12 @@ impl Toolchain {
     /// # Errors
     /// What to install.
     pub(crate) fn find() -> Result<Self, String> {
-        let named =
-            |variable: &str, name: &str| PathBuf::from(env::var_os(variable).unwrap_or_else(|| OsString::from(name)));
-        let own = (named("CARGO", "cargo"), named("RUSTC", "rustc"));
+        let named = |variable: &str| env::var_os(variable).map(PathBuf::from);
+        let cargo = named("CARGO").unwrap_or_else(|| PathBuf::from("cargo"));
+        // Beside a Cargo that is named by its folder is its own compiler.
+        let beside = cargo.parent().map(|folder| program(folder, "rustc")).filter(|rustc| rustc.is_file());
+        let rustc = named("RUSTC").or(beside).unwrap_or_else(|| PathBuf::from("rustc"));
+        let own = (cargo, rustc);
         let pairs = folders().into_iter().map(|folder| (program(&folder, "cargo"), program(&folder, "rustc")));
         let pairs = pairs.filter(|(cargo, rustc)| cargo.is_file() && rustc.is_file());
         let found = std::iter::once(own).chain(pairs).find_map(|(cargo, rustc)| Self::of(cargo, rustc));
