@@ -42,7 +42,7 @@ fn read(port: usize, offset: usize) -> u32 {
 pub fn set_up() {
     let clocks = CLOCKS as *mut u32;
     // SAFETY: the register exists; only bits of ports are added, and no interrupt is enabled yet.
-    unsafe { write_volatile(clocks, read_volatile(clocks) | (1 << PORTS) - 1) };
+    unsafe { write_volatile(clocks, read_volatile(clocks) | ((1 << PORTS) - 1)) };
     apply(&OFF);
     for (port, mask) in OUTPUTS.into_iter().enumerate() {
         let pins = || (0..16).filter(move |pin| mask & 1 << pin != 0);
