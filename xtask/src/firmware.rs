@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cargo::{root, target_folder};
 use crate::image::Trouble;
-use crate::toolchain::{TARGET, Toolchain};
+use crate::toolchain::{PROFILE, TARGET, Toolchain};
 
 pub(crate) use flash::flash;
 
@@ -87,14 +87,14 @@ pub(crate) fn build(board: Board, what: Sizes) -> Result<Files, Trouble> {
 fn built(toolchain: &Toolchain, board: Board) -> Result<PathBuf, String> {
     let folder = folder();
     println!("xtask: {PACKAGE} for {}, {}", board.feature(), toolchain.version);
-    let mut command = toolchain.build(PACKAGE, &folder);
+    let mut command = toolchain.build(PACKAGE, PROFILE, &folder);
     command.args(["--no-default-features", "--features", board.feature()]).current_dir(root());
     // Where something is on this computer is nothing that an image should hold, or depend on.
     let renamed: Vec<String> =
         places(toolchain).iter().map(|(place, name)| format!("--remap-path-prefix={place}={name}")).collect();
     command.env("CARGO_ENCODED_RUSTFLAGS", renamed.join("\x1f"));
     let status = command.status().map_err(|error| format!("cannot run cargo: {error}"))?;
-    if status.success() { Ok(folder.join(TARGET).join("firmware")) } else { Err("the image does not build".to_owned()) }
+    if status.success() { Ok(folder.join(TARGET).join(PROFILE)) } else { Err("the image does not build".to_owned()) }
 }
 
 /// Places on this computer whose names could come into an image, and what they are called instead.

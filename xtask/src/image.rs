@@ -13,13 +13,16 @@ use std::process::Stdio;
 use crate::cargo::{Cargo, root, target_folder};
 use crate::double::is_double;
 use crate::table::{self, Row};
-use crate::toolchain::{TARGET, Toolchain};
+use crate::toolchain::{PROFILE, TARGET, Toolchain};
 use crate::{elf, emulator, firmware};
 
 const PACKAGE: &str = "softlimb-image-mps2-an386";
 
 /// Its programs that answer: the model, and the controller.
 const IMAGES: [&str; 2] = ["model", "device"];
+
+/// The profile that compiles the controller as it is compiled for a board: what is generic in it is compiled with the program.
+const AS_FLASHED: &str = "as-flashed";
 
 /// What to do where the toolchain for the microcontroller cannot lint.
 const NO_CLIPPY: &str = "install clippy (`rustup component add clippy`, Debian: apt-get install rust-web-clippy) for";
@@ -78,11 +81,11 @@ pub(crate) fn lint() -> Result<(), Trouble> {
 
 /// Builds the images and looks at their symbols; those that answer.
 fn built(toolchain: &Toolchain) -> Result<[PathBuf; 2], String> {
-    let folder = build(toolchain)?;
+    let folder = build(toolchain, PROFILE, &["model", "double"])?;
     if double_precision(&folder.join("double"))?.is_empty() {
         return Err("the check for double precision finds none in the image made for it to be found in".to_owned());
     }
-    let images = IMAGES.map(|name| folder.join(name));
+    let images = [folder.join("model"), build(toolchain, AS_FLASHED, &["device"])?.join("device")];
     for image in &images {
         let found = double_precision(image)?;
         if !found.is_empty() {
@@ -121,13 +124,14 @@ fn traced(image: &Path) -> Result<Vec<Row>, String> {
     counts::with_stretches(table::read(&text)?, &stretches)
 }
 
-/// Builds all images of the package; the folder they are in.
-fn build(toolchain: &Toolchain) -> Result<PathBuf, String> {
+/// Builds programs of the package with a profile; the folder they are in.
+fn build(toolchain: &Toolchain, profile: &str, programs: &[&str]) -> Result<PathBuf, String> {
     let folder = target_folder().join("image");
-    println!("xtask: {PACKAGE} for {TARGET}, {}", toolchain.version);
-    let status = toolchain.build(PACKAGE, &folder).current_dir(root()).status();
-    let status = status.map_err(|error| format!("cannot run cargo: {error}"))?;
-    if status.success() { Ok(folder.join(TARGET).join("firmware")) } else { Err("the image does not build".to_owned()) }
+    println!("xtask: {} of {PACKAGE} for {TARGET}, {}", programs.join(", "), toolchain.version);
+    let mut command = toolchain.build(PACKAGE, profile, &folder);
+    command.args(programs.iter().flat_map(|program| ["--bin", program])).current_dir(root());
+    let status = command.status().map_err(|error| format!("cannot run cargo: {error}"))?;
+    if status.success() { Ok(folder.join(TARGET).join(profile)) } else { Err("the image does not build".to_owned()) }
 }
 
 /// Routines of double precision in an image that has a beginning, sorted.

@@ -7,6 +7,9 @@ use std::process::{Command, Stdio};
 /// Cortex-M4 with its unit for single precision.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The profile of images.
+pub(crate) const PROFILE: &str = "firmware";
+
 /// What to do where there is none.
 const CURE: &str = "\
 no installed toolchain builds for thumbv7em-none-eabihf. Install one:
@@ -62,11 +65,11 @@ impl Toolchain {
         answer(&self.rustc, "--print=sysroot").map(PathBuf::from)
     }
 
-    /// `cargo build` of a package for the target into a folder, with the profile for images.
-    pub(crate) fn build(&self, package: &str, folder: &Path) -> Command {
+    /// `cargo build` of a package for the target into a folder, with a profile for images.
+    pub(crate) fn build(&self, package: &str, profile: &str, folder: &Path) -> Command {
         let mut command = Command::new(&self.cargo);
         command.arg("build");
-        self.aim(command, package, folder)
+        self.aim(command, package, profile, folder)
     }
 
     /// `cargo clippy` in the same way, where this toolchain has one; another's does not know its library.
@@ -85,12 +88,12 @@ impl Toolchain {
         }
         let mut command = Command::new(clippy);
         command.arg("clippy").env("CARGO", &self.cargo);
-        Some(self.aim(command, package, folder))
+        Some(self.aim(command, package, PROFILE, folder))
     }
 
     /// A package, the target, a folder and what this toolchain needs for them.
-    fn aim(&self, mut command: Command, package: &str, folder: &Path) -> Command {
-        command.args(["--package", package, "--profile", "firmware", "--target", TARGET, "--target-dir"]);
+    fn aim(&self, mut command: Command, package: &str, profile: &str, folder: &Path) -> Command {
+        command.args(["--package", package, "--profile", profile, "--target", TARGET, "--target-dir"]);
         command.arg(folder).env("RUSTC", &self.rustc);
         // Flags for this computer are none for the microcontroller.
         command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");

@@ -1,7 +1,8 @@
 //! Answers as the line of a table.
 
 use fra_model::{
-    Actuator, Held, InvalidParameter, Lookup, NoDerivative, NotFinite, SeriesSolution, Solution, State, Status, Volume,
+    Actuator, Held, InvalidParameter, Lookup, NoDerivative, NotFinite, SeriesSolution, Solution, State, Status,
+    Tracker, Volume,
 };
 use nalgebra::Isometry3;
 
@@ -72,6 +73,12 @@ impl Answer for Isometry3<f32> {
         let place = &self.translation.vector;
         let turn = &self.rotation.coords;
         Note::of("-", 0, [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w])
+    }
+}
+
+impl Answer for Tracker<f32> {
+    fn note(&self) -> Note {
+        self.rest().note()
     }
 }
 

@@ -4,12 +4,14 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+mod actuators;
 mod answer;
 #[cfg(target_os = "none")]
 mod board;
 mod desk;
 mod frames;
 mod rig;
+mod tracked;
 mod turns;
 mod upload;
 
@@ -17,7 +19,7 @@ use desk::Desk;
 
 /// Puts every question; whether each was answered.
 fn put_all(desk: &mut impl Desk) -> bool {
-    let answered = [frames::put_all(desk), turns::put_all(desk)];
+    let answered = [frames::put_all(desk), tracked::put_all(desk), turns::put_all(desk)];
     answered.into_iter().all(|well| well)
 }
 

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use fra_model::{Actuator, Link, Load, Motion, Parameter, Segment, State, Status, tip_pose};
+use fra_model::{Actuator, Link, Load, Motion, Parameter, Segment, State, Status, Tracker, tip_pose};
 use nalgebra::Isometry3;
 
 use crate::Desk;
@@ -50,7 +50,7 @@ fn put(desk: &mut impl Desk, case: &Case) -> bool {
     desk.put("mean of two states", name, || {
         State::combine([black_box(&near), black_box(&cold)], |[one, other]| 0.5 * (one + other))
     });
-    let solved = solvers(desk, case, actuator, (&cold, &near));
+    let solved = solvers(desk, case, actuator, (&cold, &near)) && tracked(desk, case, (&cold, &near));
     let held = case.parameters.motion == Motion::Bending || held(desk, case, actuator, &cold);
     let slopes = derivatives(desk, case, actuator, &cold);
     shape(desk, case, actuator, &cold);
@@ -81,6 +81,19 @@ fn solvers(
         desk.put("inverse, by search", name, || black_box(&search).inverse(black_box(target), &none)),
     ];
     answers.iter().all(|answer| answer.as_ref().is_ok_and(|solution| solution.status == Status::Solved))
+}
+
+/// The same by what a device has of the model, where it has it; whether that arrives.
+fn tracked(desk: &mut impl Desk, case: &Case, (cold, near): (&State<f32>, &State<f32>)) -> bool {
+    let (name, target, pressure_pa) = (case.name, case.target(cold), case.pressure_pa);
+    let built = desk.put("new, tracker", name, || Tracker::new(black_box(&case.parameters)));
+    let Ok(Some(tracker)) = built else { return built.is_ok() };
+    desk.put("rest, tracker", name, || black_box(&tracker).rest());
+    let forward =
+        desk.put("forward, tracker", name, || black_box(&tracker).forward(black_box(near), black_box(pressure_pa)));
+    let inverse =
+        desk.put("inverse, tracker", name, || black_box(&tracker).inverse(black_box(near), black_box(target)));
+    [forward, inverse].iter().all(|found| matches!(found, Ok(Some(_))))
 }
 
 /// The loads that hold a state.

@@ -1,9 +1,12 @@
 //! A device with sensors that rise while a valve fills and fall while one vents, and a host at its link.
 
-use softlimb_firmware::{AdcCode, Board, BootInfo, Controller, TICK_US, TickInputs, TickOutputs, turn};
+use softlimb_firmware::{AdcCode, Board, BootInfo, Controller, TICK_US, TickInputs, turn};
 use softlimb_protocol::*;
 
 use crate::upload::CHANNELS;
+
+/// What a tick decides.
+pub(crate) type TickOutputs = softlimb_firmware::TickOutputs<CHANNELS>;
 
 /// Codes of a sensor without pressure, and of the supply's at 200 kPa.
 const EMPTY: i32 = 410;
@@ -19,7 +22,7 @@ pub(crate) const LINE: usize = 92;
 
 /// The device and what is around it.
 pub(crate) struct Rig {
-    controller: Controller,
+    controller: Controller<CHANNELS>,
     surroundings: Surroundings,
     sequence: u16,
     decoder: Decoder<DeviceMessage>,
@@ -119,12 +122,9 @@ impl Rig {
     }
 }
 
-impl Board for Surroundings {
-    fn inputs(&mut self) -> TickInputs {
-        let mut pressure = [AdcCode(EMPTY as u16); MAX_CHANNELS];
-        for (place, level) in pressure.iter_mut().zip(self.levels) {
-            *place = AdcCode((level / PARTS) as u16);
-        }
+impl Board<CHANNELS> for Surroundings {
+    fn inputs(&mut self) -> TickInputs<CHANNELS> {
+        let pressure = self.levels.map(|level| AdcCode((level / PARTS) as u16));
         TickInputs { now_us: self.now_us, pressure, supply: AdcCode(SUPPLY as u16), emergency_stop: false }
     }
 

@@ -1,11 +1,11 @@
 //! Questions to the controller: turns of nine channels that follow a trajectory.
 
-use softlimb_firmware::{TICK_US, TickOutputs, ValvePulse};
+use softlimb_firmware::{TICK_US, ValvePulse};
 use softlimb_protocol::{Command, DeviceState};
 
 use crate::Desk;
 use crate::answer::{Answer, Note};
-use crate::rig::{LINE, Rig};
+use crate::rig::{LINE, Rig, TickOutputs};
 use crate::upload::{Way, configuration, knot, start};
 
 /// Time from knot to knot, us, and knots that are sent ahead.
