@@ -17,7 +17,10 @@ pub(super) fn address(file: &[u8], name: &str) -> Result<u32, String> {
 
 fn find(file: &[u8], wanted: &str) -> Option<u32> {
     let (table, size, count) = (word(file, 0x20)? as usize, half(file, 0x2e)?, half(file, 0x30)?);
-    let header = |index: usize| file.get(table.checked_add(index.checked_mul(size)?)?..);
+    let header = |index: usize| {
+        let start = table.checked_add(index.checked_mul(size)?)?;
+        file.get(start..start.checked_add(size)?)
+    };
     let symbols = (0..count).filter_map(header).find(|header| word(header, 4) == Some(SYMBOL_TABLE))?;
     let names = section(file, header(word(symbols, 0x18)? as usize)?)?;
     let named = |symbol: &[u8]| word(symbol, 0).and_then(|at| name(names, at as usize));
