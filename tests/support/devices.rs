@@ -8,8 +8,9 @@ use softlimb_sim::emulated::is_installed;
 /// Where `cargo xtask test` puts the images.
 const IMAGES: &str = "SOFTLIMB_IMAGES";
 
-const CURE: &str = "run `cargo xtask test`, which builds the images and installs what that needs where it may; by hand: `rustup target add thumbv7em-none-eabihf`, or on Debian \
-                    `apt-get install rustc-web cargo-web rust-web-src lld`, and `apt-get install qemu-system-arm`";
+const CURE: &str = "run `cargo xtask test`, which builds the images and installs what that needs where it may; by hand: \
+                    `rustup target add thumbv7em-none-eabihf`, or on Debian `apt-get install rustc-web cargo-web rust-web-src lld`, \
+                    and `apt-get install qemu-system-arm`";
 
 /// The images for the emulator.
 pub(crate) struct Images {
