@@ -1,6 +1,9 @@
 //! A rig for the link: a simulated device with a few actuators, its configuration, and trajectories.
 #![allow(dead_code, unreachable_pub, reason = "each test binary uses its own part")]
 
+#[path = "../../../firmware/sim/tests/common/tables.rs"]
+mod tables;
+
 use fra_model::{ActuatorParameters, Material, Motion};
 use softlimb::link::{DeviceConfiguration, Event, Knot};
 use softlimb_protocol::*;
@@ -61,7 +64,9 @@ pub fn configuration(channels: usize) -> DeviceConfiguration {
         supply_sensor_max_pa: 689_476.0,
         adc_full_scale: 4095,
     };
-    DeviceConfiguration { system, channels: vec![channel(); channels], volumes: Vec::new(), inverses: Vec::new() }
+    let (volume, _) = tables::tables(&channel()).expect("it bends");
+    let volumes = (0..).take(channels).map(|channel| ConfigVolume { channel, ..volume.clone() }).collect();
+    DeviceConfiguration { system, channels: vec![channel(); channels], volumes, inverses: Vec::new() }
 }
 
 fn channel() -> ConfigChannel {
