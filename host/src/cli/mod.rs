@@ -5,6 +5,7 @@
 
 mod bench;
 mod check;
+mod design;
 mod eval;
 mod failure;
 mod fem;
@@ -42,6 +43,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Check(check::Check),
+    Design(design::Design),
     Eval(eval::Eval),
     Run(run::Run),
     Report(report::Report),
@@ -62,6 +64,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.verb {
         Verb::Check(verb) => verb.run(),
+        Verb::Design(verb) => verb.run(),
         Verb::Eval(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),

@@ -1,6 +1,8 @@
-//! From a scene to the limb it describes: solvable actuators, kinematics, and what each module can reach.
+//! From a scene to the limb it describes: solvable actuators, kinematics, and what each module can reach. And from a task to a limb:
+//! [`fit`] finds geometry and pressures for given deformations.
 
 mod curve;
+pub mod fit;
 mod limb;
 
 pub use curve::StateCurve;

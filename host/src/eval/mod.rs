@@ -4,7 +4,7 @@ mod batch;
 mod complaint;
 mod convert;
 mod curve;
-mod object;
+pub(crate) mod object;
 mod request;
 mod section_fe;
 mod series;

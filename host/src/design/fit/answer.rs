@@ -1,0 +1,239 @@
+//! The answer to a design problem, and how far it can be trusted.
+
+use fra_model::{Load, Motion};
+use serde::Serialize;
+
+use super::actuator::{Candidate, Counts};
+use super::problem::{Goal, Problem, Segment};
+use super::search::{self, Effort, Found, Starts};
+
+/// An objective below this share of `sum w q^2` is reached: differences below 1e-9 of what was asked.
+const REACHED: f64 = 1e-18;
+/// A variable as near to a bound, as a share of the bounds' distance, is on it.
+const ON_BOUND: f64 = 1e-9;
+
+/// Why there is no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DesignError {
+    /// Nowhere within the bounds has the model an equilibrium.
+    #[error("segment `{segment}`: the model has no equilibrium anywhere within the bounds that was looked at")]
+    NoEquilibrium {
+        /// Its name; of several on one supply line the first.
+        segment: String,
+    },
+    /// The equilibria found are not found again from rest.
+    #[error("segment `{segment}`, phase {phase}: the pressure found has no equilibrium from rest")]
+    NotConfirmed {
+        /// Its name.
+        segment: String,
+        /// From 1.
+        phase: usize,
+    },
+}
+
+/// The four terms of eq. (14), each weighted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Terms {
+    /// Lengths of extending segments.
+    pub length: f64,
+    /// Outer radii of expanding segments.
+    pub outer_radius: f64,
+    /// Bend angles of bending segments.
+    pub bend_angle: f64,
+    /// Twists of twisting segments.
+    pub twist: f64,
+}
+
+/// One phase of one segment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PhaseAnswer {
+    /// Gauge pressure, Pa.
+    pub pressure_pa: f64,
+    /// What was asked for, m or rad; `None` where nothing was.
+    pub target: Option<f64>,
+    /// What the model has at that pressure, from rest, m or rad.
+    pub found: f64,
+    /// `found - target`, m or rad; 0 where nothing was asked for.
+    pub residual: f64,
+    /// Weighted square of the residual.
+    pub term: f64,
+    /// Which end of the pressure range it is at: `"rest"`, `"pressure_max_pa"`, `"limit_margin"`, or none.
+    pub bound: Option<&'static str>,
+}
+
+/// One segment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SegmentAnswer {
+    /// Its name.
+    pub name: String,
+    /// `R_i`, m.
+    pub inner_radius_m: f64,
+    /// `R_o`, m.
+    pub outer_radius_m: f64,
+    /// `R_o - R_i`, m.
+    pub wall_m: f64,
+    /// `L`, m.
+    pub length_m: f64,
+    /// Fiber angle from the hoop, deg; 0 for bending.
+    pub angle_deg: f64,
+    /// The highest pressure this geometry may be given, Pa: that of the problem, or the margin below its limit point.
+    pub pressure_cap_pa: f64,
+    /// The phases.
+    pub phases: Vec<PhaseAnswer>,
+    /// Bounds of the geometry that the answer is on, as `"wall_m min"`.
+    pub active_bounds: Vec<String>,
+    /// The largest condition number of a phase (`Actuator::condition`): a relative error of every parameter changes the deformation by at
+    /// most that many times as much. `None` where no phase has a pressure or a derivative does not exist.
+    pub condition: Option<f64>,
+    /// Descents of the search for this segment; on one supply line of that for all.
+    pub starts: Starts,
+}
+
+/// A design.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// `"reached"`: nothing is left of the objective, which cannot be less; `"best_found"`: the least of all descents.
+    pub status: &'static str,
+    /// Eq. (14), from the forward model at the answer's geometry and pressures.
+    pub objective: f64,
+    /// Its terms.
+    pub terms: Terms,
+    /// Whether one pressure served all segments.
+    pub shared_pressure: bool,
+    /// The segments.
+    pub segments: Vec<SegmentAnswer>,
+    /// The seed of the starts.
+    pub seed: u64,
+    /// What the answer has cost, its confirmation included.
+    pub cost: Counts,
+}
+
+/// Geometry and pressures as a search has found them.
+pub struct Design {
+    parts: Vec<Found>,
+    counts: Counts,
+    seed: u64,
+}
+
+/// Searches for the best design.
+///
+/// # Errors
+/// [`DesignError::NoEquilibrium`].
+pub fn search(problem: &Problem, effort: &Effort) -> Result<Design, DesignError> {
+    let mut counts = Counts::default();
+    let mut parts = Vec::new();
+    if problem.shared_pressure {
+        let nowhere = || DesignError::NoEquilibrium { segment: problem.segments[0].name.clone() };
+        let found = search::shared(problem, effort).ok_or_else(nowhere)?;
+        return Ok(Design { counts: found.counts, parts: apart(problem, &found), seed: effort.seed });
+    }
+    for (index, segment) in problem.segments.iter().enumerate() {
+        let nowhere = || DesignError::NoEquilibrium { segment: segment.name.clone() };
+        let found = search::separate(segment, index, effort).ok_or_else(nowhere)?;
+        counts += found.counts;
+        parts.push(found);
+    }
+    Ok(Design { parts, counts, seed: effort.seed })
+}
+
+/// Searches for the best design, asks the forward model from rest what it does, and how sensitive it is.
+///
+/// # Errors
+/// [`DesignError`] where the model has no equilibrium to offer.
+pub fn solve(problem: &Problem, effort: &Effort) -> Result<Answer, DesignError> {
+    let design = search(problem, effort)?;
+    confirm(problem, &design.parts, design.counts, design.seed)
+}
+
+/// The answer for all segments, segment by segment.
+fn apart(problem: &Problem, found: &Found) -> Vec<Found> {
+    let mut first = 0;
+    let mut part = |segment: &Segment| {
+        let place = found.place[first..first + segment.dimensions()].to_vec();
+        first += segment.dimensions();
+        Found { place, pressures_pa: found.pressures_pa.clone(), starts: found.starts, counts: Counts::default() }
+    };
+    problem.segments.iter().map(&mut part).collect()
+}
+
+/// Asks the forward model from rest what the design does.
+pub(super) fn confirm(
+    problem: &Problem,
+    parts: &[Found],
+    mut counts: Counts,
+    seed: u64,
+) -> Result<Answer, DesignError> {
+    let mut segments = Vec::new();
+    let (mut terms, mut scale) = (Terms::default(), 0.0);
+    for (segment, found) in problem.segments.iter().zip(parts) {
+        let answer = confirm_segment(segment, found, &mut counts)?;
+        let term = match segment.motion {
+            Motion::Extension => &mut terms.length,
+            Motion::Expansion => &mut terms.outer_radius,
+            Motion::Bending => &mut terms.bend_angle,
+            Motion::Twisting => &mut terms.twist,
+        };
+        *term += answer.phases.iter().map(|phase| phase.term).sum::<f64>();
+        scale += segment.goals.iter().flatten().map(|goal| goal.weight * goal.value.powi(2)).sum::<f64>();
+        segments.push(answer);
+    }
+    let objective = terms.length + terms.outer_radius + terms.bend_angle + terms.twist;
+    let status = if objective <= REACHED * scale { "reached" } else { "best_found" };
+    let shared_pressure = problem.shared_pressure;
+    Ok(Answer { status, objective, terms, shared_pressure, segments, seed, cost: counts })
+}
+
+fn confirm_segment(segment: &Segment, found: &Found, counts: &mut Counts) -> Result<SegmentAnswer, DesignError> {
+    let nowhere = || DesignError::NoEquilibrium { segment: segment.name.clone() };
+    let candidate = Candidate::new(segment, &found.place).ok_or_else(nowhere)?;
+    let cap = candidate.cap(counts).ok_or_else(nowhere)?;
+    let mut condition: Option<f64> = None;
+    let mut phases = Vec::new();
+    for (phase, (goal, pressure_pa)) in segment.goals.iter().zip(&found.pressures_pa).enumerate() {
+        let none = || DesignError::NotConfirmed { segment: segment.name.clone(), phase: phase + 1 };
+        let state = candidate.at(*pressure_pa, counts).ok_or_else(none)?;
+        if *pressure_pa > 0.0
+            && let Ok(value) = candidate.actuator.condition(&state, &Load::none())
+        {
+            condition = Some(condition.map_or(value, |most| most.max(value)));
+        }
+        let bound = match *pressure_pa {
+            p if p <= 0.0 => Some("rest"),
+            p if p < cap.pressure_pa * (1.0 - ON_BOUND) => None,
+            _ => Some(if cap.limit.is_some() { "limit_margin" } else { "pressure_max_pa" }),
+        };
+        phases.push(phase_answer(goal.as_ref(), *pressure_pa, candidate.measure(&state), bound));
+    }
+    let geometry = candidate.geometry;
+    Ok(SegmentAnswer {
+        name: segment.name.clone(),
+        inner_radius_m: geometry.inner_radius_m,
+        outer_radius_m: geometry.outer_radius_m,
+        wall_m: geometry.outer_radius_m - geometry.inner_radius_m,
+        length_m: geometry.length_m,
+        angle_deg: geometry.angle_rad.to_degrees(),
+        pressure_cap_pa: cap.pressure_pa,
+        phases,
+        active_bounds: active_bounds(segment, &found.place),
+        condition,
+        starts: found.starts,
+    })
+}
+
+fn phase_answer(goal: Option<&Goal>, pressure_pa: f64, found: f64, bound: Option<&'static str>) -> PhaseAnswer {
+    let residual = goal.map_or(0.0, |goal| found - goal.value);
+    let term = goal.map_or(0.0, |goal| goal.weight * residual * residual);
+    PhaseAnswer { pressure_pa, target: goal.map(|goal| goal.value), found, residual, term, bound }
+}
+
+fn active_bounds(segment: &Segment, place: &[f64]) -> Vec<String> {
+    let named = |index: usize| {
+        let end = match place[index] {
+            x if segment.axis(index)[1] == 0.0 || x <= ON_BOUND => "min",
+            x if x >= 1.0 - ON_BOUND => "max",
+            _ => return None,
+        };
+        Some(format!("{} {end}", segment.axis_name(index)))
+    };
+    (0..segment.dimensions()).filter_map(named).collect()
+}
