@@ -91,7 +91,7 @@ fn is_about_a_series(line: &[u8]) -> bool {
         && serde_json::from_slice::<Value>(line).is_ok_and(|value| value.get("segments").is_some())
 }
 
-fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
+pub(super) fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
     let Object(request) = serde_json::from_slice(line).map_err(|error| (id_of(line), complaint::plain(&error)))?;
     Ok(request)
 }

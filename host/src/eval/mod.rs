@@ -8,6 +8,8 @@ pub(crate) mod object;
 mod request;
 mod section_fe;
 mod series;
+mod single;
 
 pub use batch::{Scalar, batch};
 pub use curve::{Curve, CurvePoint, curves};
+pub use single::actuator;

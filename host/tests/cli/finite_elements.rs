@@ -131,3 +131,40 @@ fn a_calibration_that_makes_no_sense_is_refused() {
         assert!(done.code == Some(1) && done.err.contains(word), "{word}: {}", done.err);
     }
 }
+
+const FINGER: &str = r#"{"motion":"extension","problem":"forward","inner_radius_m":0.006,"outer_radius_m":0.008,"length_m":0.1,
+"material":{"law":"neo-hookean","shear_modulus_pa":2e5},
+"fiber":{"angle_deg":3,"families":2,"modulus_pa":3.61e8,"thickness_m":0.000178},"pressure_pa":4e4}"#;
+
+#[test]
+fn an_actuator_needs_no_scene() {
+    let desk = Desk::with_scene("small", "small");
+    desk.put("finger.json", FINGER);
+    let done = desk.softlimb("fem export finger.json --out decks --points 2");
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    let deck = std::fs::read_to_string(desk.path("decks/finger.inp")).unwrap();
+    // The last step ends at the pressure of the file, in MPa.
+    assert_eq!(deck.matches("*STEP").count(), 2, "{deck}");
+    let load = deck.lines().rfind(|line| line.starts_with("LUMEN")).and_then(|line| line.rsplit(',').next());
+    assert_eq!(load.and_then(|mpa| mpa.trim().parse().ok()), Some(0.04), "{deck}");
+    for (from, to, expected) in [
+        (
+            "\"pressure_pa\":4e4",
+            "\"pressure_pa\":-1",
+            "finger.json: pressure_pa = -1 is not allowed here: finite and > 0",
+        ),
+        ("\"outer_radius_m\":0.008", "\"outer_radius_m\":0.004", "outer_radius_m = 0.004 is not allowed"),
+        ("\"angle_deg\":3", "\"angle_deg\":93", "fiber.angle_deg = 93 is not allowed"),
+        ("\"motion\"", "\"moton\"", "unknown field `moton`"),
+        ("\"pressure_pa\"", "\"external_force_n\":1,\"pressure_pa\"", "external_force_n = 1 is not allowed here: 0"),
+    ] {
+        assert!(FINGER.contains(from));
+        desk.put("finger.json", FINGER.replace(from, to));
+        let done = desk.softlimb("fem export finger.json --out refused");
+        assert_eq!(done.code, Some(1), "{}", done.err);
+        assert!(done.err.contains(expected), "{expected}: {}", done.err);
+        assert!(!desk.path("refused").exists());
+    }
+    let done = desk.softlimb("fem export finger.json --bundle");
+    assert_eq!(done.code, Some(2), "{}", done.err);
+}

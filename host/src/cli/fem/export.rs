@@ -12,7 +12,8 @@ use crate::fem::{Deck, Model};
 #[derive(Args)]
 #[command(
     after_help = "Writes NAME.inp (CalculiX: ccx NAME), NAME-abaqus.inp (Abaqus) and NAME-model.inc, which both include.\n\
-                        Example: softlimb fem export scenes/pick-and-place-a.toml --module elbow --bundle"
+                  Examples:\n  softlimb fem export scenes/pick-and-place-a.toml --module elbow --bundle\n  \
+                  softlimb fem export finger.json --fibers threads"
 )]
 pub(super) struct Export {
     #[command(flatten)]

@@ -1,11 +1,13 @@
-//! Which actuator of a scene becomes a model, and how.
+//! Which actuator becomes a model, and how.
 
+use std::fs;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use super::super::Failure;
 use super::values::{even, positive, within};
+use crate::eval;
 use crate::fem::{FemError, FiberModel, Model, Options, Subject, SymmetryUse};
 use crate::range::OutOfRange;
 use crate::scene::{self, Module, Scene};
@@ -13,8 +15,9 @@ use crate::scene::{self, Module, Scene};
 /// Arguments that `export` and `run` share.
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// The scene file
-    scene: PathBuf,
+    /// The scene file; or NAME.json with one actuator and its highest pressure: a forward question as `eval --batch` takes it
+    #[arg(value_name = "SCENE|ACTUATOR")]
+    file: PathBuf,
     /// The module whose actuator is modelled [default: the first]
     #[arg(long, value_name = "NAME")]
     module: Option<String>,
@@ -71,7 +74,7 @@ enum Fibers {
 
 /// What the arguments mean.
 pub(super) struct Asked {
-    /// `<scene>-<module>`.
+    /// `<scene>-<module>`, or the name of the actuator's file.
     pub(super) name: String,
     pub(super) subject: Subject,
     pub(super) options: Options,
@@ -81,20 +84,36 @@ pub(super) struct Asked {
 impl Arguments {
     pub(super) fn read(&self) -> Result<Asked, Failure> {
         let fibers = self.fibers()?;
-        let scene = scene::load(&self.scene)?;
+        let is_actuator = self.file.extension().is_some_and(|extension| extension == "json");
+        let (name, subject, pressure_max_pa) = if is_actuator { self.of_file()? } else { self.of_scene()? };
+        let highest = self.pressure_kpa.map_or(pressure_max_pa, |kpa| kpa * 1e3);
+        let points = u32::from(self.points);
+        let pressures_pa = (1..=points).map(|n| highest * f64::from(n) / f64::from(points)).collect();
+        Ok(Asked { name, subject, options: self.options(fibers), pressures_pa })
+    }
+
+    /// Name, subject and highest pressure, of a scene's module.
+    fn of_scene(&self) -> Result<(String, Subject, f64), Failure> {
+        let scene = scene::load(&self.file)?;
         let module = self.module(&scene)?;
         let single = Subject::single(module.actuator());
         let bundle = Subject { actuators: module.actuators, circle_radius_m: module.circle_radius_m, ..single };
-        let highest = self.pressure_kpa.map_or(*module.pressure_max_pa, |kpa| kpa * 1e3);
-        let points = u32::from(self.points);
-        let pressures_pa = (1..=points).map(|n| highest * f64::from(n) / f64::from(points)).collect();
-        let part = if self.bundle { "-bundle" } else { "" };
-        Ok(Asked {
-            name: format!("{}-{}{part}", scene.name(), file_name(&module.name)),
-            subject: if self.bundle { bundle } else { single },
-            options: self.options(fibers),
-            pressures_pa,
-        })
+        let (subject, part) = if self.bundle { (bundle, "-bundle") } else { (single, "") };
+        Ok((format!("{}-{}{part}", scene.name(), file_name(&module.name)), subject, *module.pressure_max_pa))
+    }
+
+    /// The same of an actuator alone.
+    fn of_file(&self) -> Result<(String, Subject, f64), Failure> {
+        if self.bundle || self.module.is_some() {
+            return Err(Failure::wrong_line(
+                "--module and --bundle are for a scene: an actuator's file has one actuator",
+            ));
+        }
+        let told = |problem: String| Failure::new(format!("{}: {problem}", self.file.display()));
+        let json = fs::read(&self.file).map_err(|error| told(error.to_string()))?;
+        let (parameters, pressure_max_pa) = eval::actuator(&json).map_err(told)?;
+        let name = file_name(&self.file.file_stem().unwrap_or_default().to_string_lossy());
+        Ok((name, Subject::single(parameters), pressure_max_pa))
     }
 
     fn module<'a>(&self, scene: &'a Scene) -> Result<&'a Module, Failure> {
