@@ -15,13 +15,21 @@ use crate::tube::{coordinates, goal};
 ///
 /// ```
 /// use fra_model::*;
+/// let fiber = Fiber {
+///     angle_rad: 0.05,
+///     families: Families::Two,
+///     modulus_pa: 0.36e9,
+///     placement: Placement::Sheet,
+///     thickness_m: 0.18e-3,
+///     radius_m: 8e-3,
+/// };
 /// let parameters = ActuatorParameters {
 ///     motion: Motion::Extension,
 ///     inner_radius_m: 6e-3,
 ///     outer_radius_m: 8e-3,
 ///     length_m: 0.1,
 ///     material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
-///     fiber: None,
+///     fiber: Some(fiber),
 /// };
 /// let tracker = Tracker::new(&parameters)?.expect("a tube with closed forms");
 /// let state = tracker.inverse(&tracker.rest(), Target::AxialStretch(1.01))?.expect("it is near");
