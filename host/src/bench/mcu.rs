@@ -1,6 +1,6 @@
-//! Instruction counts of a microcontroller, from the table that `cargo xtask model-image --record` writes.
+//! Instructions and cycles of a microcontroller, from the table that `cargo xtask model-image --record` writes.
 
-use super::report::{Report, Row};
+use super::report::{McuCost, Report, Row};
 
 /// The names of that table for ours.
 const QUESTIONS: [(&str, &str); 5] = [
@@ -10,13 +10,13 @@ const QUESTIONS: [(&str, &str); 5] = [
     ("inverse_from, sheet", "inverse, warm"),
     ("inverse_near, sheet", "inverse, warm, within a budget"),
 ];
-const HEADING: &str = "question\tactuator\tinstructions\t";
+const HEADING: &str = "question\tactuator\tinstructions\tcycles\t";
 
 /// A table that is not as the image's recorder writes it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum McuError {
     /// The names of its columns are missing.
-    #[error("no line of columns that begins with `question`, `actuator`, `instructions`")]
+    #[error("no line of columns that begins with `question`, `actuator`, `instructions`, `cycles`")]
     NoColumns,
     /// A line that is none of the table.
     #[error("line {line} is not as `cargo xtask model-image --record` writes it")]
@@ -32,20 +32,14 @@ pub enum McuError {
 /// # Errors
 /// [`McuError`] where the table is none; the report is then unchanged.
 pub fn join(report: &mut Report, table: &str) -> Result<(), McuError> {
-    let mut counts: Vec<[&str; 3]> = Vec::new();
+    let mut counts: Vec<([&str; 2], McuCost)> = Vec::new();
     let mut begun = false;
     for (index, line) in table.lines().enumerate().filter(|(_, line)| !line.starts_with('#')) {
         if !begun {
             begun = line.starts_with(HEADING);
             continue;
         }
-        let mut cells = line.split('\t');
-        let count = (cells.next(), cells.next(), cells.next());
-        let (Some(question), Some(actuator), Some(count)) = count else {
-            return Err(McuError::Line { line: index + 1 });
-        };
-        count.parse::<u64>().map_err(|_| McuError::Line { line: index + 1 })?;
-        counts.push([question, actuator, count]);
+        counts.push(read(line).ok_or(McuError::Line { line: index + 1 })?);
     }
     if !begun {
         return Err(McuError::NoColumns);
@@ -56,7 +50,15 @@ pub fn join(report: &mut Report, table: &str) -> Result<(), McuError> {
     Ok(())
 }
 
-fn find(counts: &[[&str; 3]], row: &Row) -> Option<f64> {
+/// Question, actuator and cost of a line.
+fn read(line: &str) -> Option<([&str; 2], McuCost)> {
+    let mut cells = line.split('\t');
+    let name = [cells.next()?, cells.next()?];
+    let mut count = || cells.next()?.parse::<u32>().ok().map(f64::from);
+    Some((name, McuCost { instructions: count()?, cycles: count()? }))
+}
+
+fn find(counts: &[([&str; 2], McuCost)], row: &Row) -> Option<McuCost> {
     let [_, method, motion, scalar] = &row.names;
     if scalar != "f32" {
         return None;
@@ -68,20 +70,19 @@ fn find(counts: &[[&str; 3]], row: &Row) -> Option<f64> {
             (*asked, if motion == "bending" { motion.clone() } else { format!("{motion}, sheet") })
         }
     };
-    let [.., count] = counts.iter().find(|[question, actuator, _]| *question == asked && *actuator == of)?;
-    count.parse().ok()
+    counts.iter().find(|(name, _)| *name == [asked, of.as_str()]).map(|(_, cost)| *cost)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const TABLE: &str = "# Cortex-M4F\nquestion\tactuator\tinstructions\titerations\tstatus\n\
-                         forward, cold\textension, sheet\t1240\t2\tsolved\ninverse, warm\tbending\t15204\t1\tsolved\n\
-                         inverse, table\tdegree 16\t146\t0\t-\n";
+    const TABLE: &str = "# Cortex-M4F\nquestion\tactuator\tinstructions\tcycles\titerations\tstatus\n\
+                         forward, cold\textension, sheet\t1240\t2360\t2\tsolved\ninverse, warm\tbending\t15204\t37000\t1\tsolved\n\
+                         inverse, table\tdegree 16\t146\t242\t0\t-\n";
 
     fn report() -> Report {
-        let line = |names: &str| format!("{names}\t4\t4\t1.0e-7\t1.0e-8\t2.00\t1.0\t-\t-\t-\n");
+        let line = |names: &str| format!("{names}\t4\t4\t1.0e-7\t1.0e-8\t2.00\t1.0\t-\t-\t-\t-\n");
         let names = [
             "inverse\ttable, degree 16\ttwisting\tf32",
             "forward\tforward, sheet\textension\tf32",
@@ -96,8 +97,8 @@ mod tests {
         let mut report = report();
         join(&mut report, TABLE).unwrap();
         assert_eq!(
-            report.rows.iter().map(|row| row.cost.mcu).collect::<Vec<_>>(),
-            [Some(146.0), Some(1240.0), None, Some(15204.0)]
+            report.rows.iter().map(|row| row.cost.emulated()).collect::<Vec<_>>(),
+            [(Some(146.0), Some(242.0)), (Some(1240.0), Some(2360.0)), (None, None), (Some(15204.0), Some(37000.0))]
         );
     }
 

@@ -28,7 +28,7 @@ pub use measure::Accuracy;
 pub use page::{PLACE, has_place, page, refreshed};
 pub use picture::picture;
 pub use reference::Doubt;
-pub use report::{Cost, Report, Row};
+pub use report::{Cost, McuCost, Report, Row};
 pub use set::{Sample, samples};
 pub use tsv::TsvError;
 

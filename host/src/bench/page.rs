@@ -32,8 +32,8 @@ pub fn page(report: &Report) -> String {
         let _ = write!(
             text,
             "\n### {problem}, {motion}\n\n\
-             | method | n | f64: max error | median | time | instructions | flops | f32: max error | median | time | instructions | flops | MCU |\n\
-             | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
+             | method | n | f64: max error | median | time | instructions | flops | f32: max error | median | time | instructions | flops | MCU | cycles |\n\
+             | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
         );
         let here = |row: &&Row| row.names[0] == problem && row.names[2] == motion;
         let rows: Vec<&Row> = report.rows.iter().filter(here).collect();
@@ -49,8 +49,9 @@ pub fn page(report: &Report) -> String {
             let asked = double.or(single).map_or(0, |row| row.accuracy.asked);
             let cells =
                 [double, single].map(|row| row.map_or_else(|| "- | - | - | - | -".to_owned(), |row| cells(row)));
-            let mcu = figure(single.and_then(|row| row.cost.mcu), 0);
-            let _ = writeln!(text, "| {method} | {asked} | {} | {mcu} |", cells.join(" | "));
+            let (mcu, cycles) = single.map_or((None, None), |row| row.cost.emulated());
+            let (mcu, cycles) = (figure(mcu, 0), figure(cycles, 0));
+            let _ = writeln!(text, "| {method} | {asked} | {} | {mcu} | {cycles} |", cells.join(" | "));
         }
     }
     text.push('\n');

@@ -13,8 +13,17 @@ pub struct Cost {
     pub time: Option<f64>,
     /// Counts on this machine.
     pub count: Option<Count>,
-    /// Instructions of a Cortex-M4F for one actuator of the motion, wound with a sheet, see [`mcu`](super::mcu).
-    pub mcu: Option<f64>,
+    /// That of a Cortex-M4F for one actuator of the motion, wound with a sheet, see [`mcu`](super::mcu).
+    pub mcu: Option<McuCost>,
+}
+
+/// What an answer costs a microcontroller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct McuCost {
+    /// Instructions, counted in an emulator.
+    pub instructions: f64,
+    /// Cycles, estimated from them, each with the weight of its kind.
+    pub cycles: f64,
 }
 
 /// One line: a method for a motion in a scalar.
@@ -53,7 +62,7 @@ impl Report {
         let mut text = self.heading() + "\n\n";
         let _ = writeln!(
             text,
-            "{:<8} {:<22} {:<10} {:<4} {:>5} {:>5} {:>9} {:>9} {:>6} {:>8} {:>9} {:>8} {:>7}",
+            "{:<8} {:<22} {:<10} {:<4} {:>5} {:>5} {:>9} {:>9} {:>6} {:>8} {:>9} {:>8} {:>7} {:>7}",
             "problem",
             "method",
             "motion",
@@ -66,20 +75,23 @@ impl Report {
             "time",
             "instr",
             "flops",
-            "MCU"
+            "MCU",
+            "cycles"
         );
         for row in &self.rows {
             let [problem, method, motion, scalar] = &row.names;
             let Accuracy { asked, solved, max_error, median_error, steps } = row.accuracy;
             let (instructions, flops) = row.cost.counted();
+            let (mcu, cycles) = row.cost.emulated();
             let _ = writeln!(
                 text,
                 "{problem:<8} {method:<22} {motion:<10} {scalar:<4} {asked:>5} {solved:>5} {max_error:>9.1e} {median_error:>9.1e} \
-                 {steps:>6.1} {:>8} {:>9} {:>8} {:>7}",
+                 {steps:>6.1} {:>8} {:>9} {:>8} {:>7} {:>7}",
                 significant(row.cost.time),
                 figure(instructions, 0),
                 figure(flops, 0),
-                figure(row.cost.mcu, 0),
+                figure(mcu, 0),
+                figure(cycles, 0),
             );
         }
         text
@@ -100,6 +112,11 @@ impl Cost {
     /// Instructions and operations.
     pub fn counted(&self) -> (Option<f64>, Option<f64>) {
         (self.count.map(|count| count.instructions), self.count.and_then(|count| count.flops))
+    }
+
+    /// Instructions and cycles of the microcontroller.
+    pub fn emulated(&self) -> (Option<f64>, Option<f64>) {
+        (self.mcu.map(|mcu| mcu.instructions), self.mcu.map(|mcu| mcu.cycles))
     }
 }
 

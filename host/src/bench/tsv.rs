@@ -5,10 +5,9 @@ use std::fmt::Write;
 use super::callgrind::Count;
 use super::measure::Accuracy;
 use super::reference::Doubt;
-use super::report::{Cost, Report, Row, figure, significant};
+use super::report::{Cost, McuCost, Report, Row, figure, significant};
 
-const HEADING: &str =
-    "problem\tmethod\tmotion\tscalar\tasked\tfound\tmax error\tmedian error\tsteps\ttime\tinstructions\tflops\tmcu";
+const HEADING: &str = "problem\tmethod\tmotion\tscalar\tasked\tfound\tmax error\tmedian error\tsteps\ttime\tinstructions\tflops\tmcu\tcycles";
 const SET: [&str; 6] = ["seed", "actuators", "answered", "residual", "last step", "quadrature"];
 /// Name of the line that holds the counts of the polynomial.
 const POLYNOMIAL: &str = "polynomial of degree 8";
@@ -39,14 +38,16 @@ impl Report {
         for row in &self.rows {
             let Accuracy { asked, solved, max_error, median_error, steps } = row.accuracy;
             let (instructions, flops) = row.cost.counted();
+            let (mcu, cycles) = row.cost.emulated();
             let _ = writeln!(
                 text,
-                "{}\t{asked}\t{solved}\t{max_error:.2e}\t{median_error:.2e}\t{steps:.2}\t{}\t{}\t{}\t{}",
+                "{}\t{asked}\t{solved}\t{max_error:.2e}\t{median_error:.2e}\t{steps:.2}\t{}\t{}\t{}\t{}\t{}",
                 row.names.join("\t"),
                 significant(row.cost.time),
                 figure(instructions, 0),
                 figure(flops, 0),
-                figure(row.cost.mcu, 0),
+                figure(mcu, 0),
+                figure(cycles, 0),
             );
         }
         text
@@ -93,7 +94,7 @@ impl Report {
 
 fn row(entry: usize, line: &str) -> Option<Row> {
     let cells: Vec<_> = line.split('\t').collect();
-    let [problem, method, motion, scalar, asked, solved, max, median, steps, time, instructions, flops, mcu] =
+    let [problem, method, motion, scalar, asked, solved, max, median, steps, time, instructions, flops, mcu, cycles] =
         cells[..]
     else {
         return None;
@@ -107,8 +108,13 @@ fn row(entry: usize, line: &str) -> Option<Row> {
     };
     let flops = optional(flops)?;
     let count = optional(instructions)?.map(|instructions| Count { instructions, flops });
+    let mcu = match (optional(mcu)?, optional(cycles)?) {
+        (Some(instructions), Some(cycles)) => Some(McuCost { instructions, cycles }),
+        (None, None) => None,
+        _ => return None,
+    };
     let names = [problem, method, motion, scalar].map(str::to_owned);
-    Some(Row { entry, names, accuracy, cost: Cost { time: optional(time)?, count, mcu: optional(mcu)? } })
+    Some(Row { entry, names, accuracy, cost: Cost { time: optional(time)?, count, mcu } })
 }
 
 /// A figure or a dash.
@@ -126,8 +132,8 @@ mod tests {
                     # polynomial of degree 8\t24.0\t16.0\n"
             .to_owned()
             + HEADING
-            + "\nforward\tforward\textension\tf64\t10\t9\t1.20e-15\t1.00e-16\t5.25\t1.0\t4000\t900\t-\n\
-               inverse\tB0\tbending\tf32\t10\t10\t1.90e0\t4.00e-1\t0.00\t0.010\t-\t-\t1300\n";
+            + "\nforward\tforward\textension\tf64\t10\t9\t1.20e-15\t1.00e-16\t5.25\t1.0\t4000\t900\t-\t-\n\
+               inverse\tB0\tbending\tf32\t10\t10\t1.90e0\t4.00e-1\t0.00\t0.010\t-\t-\t1300\t2500\n";
         let report = Report::from_tsv(&text).expect("a table");
         assert_eq!((report.rows.len(), report.asked, report.rows[1].cost.count), (2, 40, None));
         assert_eq!(report.tsv(), text);

@@ -133,11 +133,12 @@ fn table(report: &Report) -> serde_json::Value {
     let rows = report.rows.iter().map(|row| {
         let [problem, method, motion, scalar] = &row.names;
         let (accuracy, (instructions, flops)) = (&row.accuracy, row.cost.counted());
+        let (mcu, cycles) = row.cost.emulated();
         json!({
             "problem": problem, "method": method, "motion": motion, "scalar": scalar,
             "asked": accuracy.asked, "found": accuracy.solved,
             "max_error": accuracy.max_error, "median_error": accuracy.median_error, "steps": accuracy.steps,
-            "time_ratio": row.cost.time, "instructions": instructions, "flops": flops, "mcu_instructions": row.cost.mcu,
+            "time_ratio": row.cost.time, "instructions": instructions, "flops": flops, "mcu_instructions": mcu, "mcu_cycles": cycles,
         })
     });
     json!({
