@@ -202,7 +202,7 @@ fn a_stiff_winding_at_the_neutral_angle_keeps_the_digits_of_its_compliance() {
     let mut p = wound(p, 0.0, Families::Two, 137_044_823.790_661_87, Placement::Sheet, 3.253_431_308_104_583e-2);
     p.fiber.as_mut().unwrap().angle_rad = 0.615_479_708_670_387_4;
     let state = Actuator::new(&p).unwrap().forward(936.052_720_895_769_3, &Load::none()).unwrap().state;
-    let (compliance, volume_strain) = (8.861_152_773_168_474e-14, 2.132_386_182_810_561_8e-4);
+    let (compliance, volume_strain) = (8.861_152_773_168_474e-14, 2.132_386_182_810_562e-4);
     println!(
         "{:e} {:e}",
         relative(state.compliance_m3_per_pa, compliance),
