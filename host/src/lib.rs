@@ -1,7 +1,7 @@
 //! softlimb on the host: from a scene file to a recorded and reported run.
 //!
 //! The rooms, in the order a datum passes them: [`scene`] reads the file, [`design`] builds the limb, [`motion`] plans its
-//! setpoints, [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
+//! setpoints past what stands in the way ([`obstacle`]), [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
 //! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`bench`] measures it; [`cli`] is the command line.
 //! Finite elements judge it: [`section`] of the section, [`meridian`] of ends and threads, [`fem`] in three dimensions by CalculiX; [`validation`] puts
 //! them side by side. [`range`] is what they refuse numbers with.
@@ -19,6 +19,7 @@ pub mod many;
 mod marked;
 pub mod meridian;
 pub mod motion;
+pub mod obstacle;
 mod quadrilateral;
 pub mod range;
 pub mod record;
