@@ -19,6 +19,7 @@ mod data;
 mod error;
 mod quantity;
 mod reader;
+mod redesign;
 mod reference;
 mod schema;
 mod source;
@@ -33,6 +34,7 @@ pub use data::{
     Phase, Plant, Scene, Sensor, SetpointKind, Spread, Supply, Target, Valve,
 };
 pub use error::{Problems, SceneError, Unreadable};
+pub use redesign::{Redesign, RedesignedTarget, redesigned};
 pub use reference::reference;
 pub use source::{Located, SCENE_BYTES_MAX, Span};
 

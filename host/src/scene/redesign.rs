@@ -1,0 +1,160 @@
+//! A scene with other modules: the text of its author, with the sizes that a design found.
+
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, Value, value};
+
+use super::data::{Scene, SetpointKind};
+use super::schema::{module, phase, scene, target, winding};
+
+/// What a design says about one module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Redesign {
+    /// Name of the module. A module of that name keeps what is not said here; otherwise all is said here.
+    pub name: String,
+    /// Word of the motion, as in a scene.
+    pub motion: &'static str,
+    /// Number of actuators and radius of the circle they stand on, m.
+    pub bundle: (u8, f64),
+    /// Rotation about the limb's axis, rad.
+    pub mount_angle_rad: f64,
+    /// Inner and outer radius at rest, m.
+    pub radii_m: [f64; 2],
+    /// Length at rest, m.
+    pub length_m: f64,
+    /// A name from `[materials]`; `None` keeps that of the module.
+    pub material: Option<String>,
+    /// The winding that is copied, `None` for the module's own, and the angle of the copy, rad from the hoop; no winding at all for
+    /// a bending module that is wound along the hoop.
+    pub winding: Option<(Option<String>, f64)>,
+    /// Highest gauge pressure, Pa; `None` keeps what holds.
+    pub pressure_max_pa: Option<f64>,
+}
+
+/// A setpoint of a phase: index of the module, the quantity, and its value in SI units.
+pub type RedesignedTarget = (usize, SetpointKind, f64);
+
+/// Digits behind the point of millimetres, degrees and kilopascals: a nanometre, and less than a device resolves.
+const DIGITS: usize = 6;
+
+/// The text of a scene with these modules, and with these targets in place of the goals of its phases, if there are any: one list for
+/// each phase. Comments and everything else stay.
+///
+/// The text is that of a scene that was read, so there is always an answer; whether it is a scene again is for
+/// [`parse`](super::parse) to say.
+pub fn redesigned(scene: &Scene, modules: &[Redesign], targets: Option<&[Vec<RedesignedTarget>]>) -> String {
+    let Ok(mut document) = scene.source_text().parse::<DocumentMut>() else { return scene.source_text().to_owned() };
+    let before = tables(&mut document, scene::MODULE.name);
+    let mut after = ArrayOfTables::new();
+    for (index, redesign) in modules.iter().enumerate() {
+        let own = before.iter().find(|table| named(table, &redesign.name)).cloned();
+        let mut table = own.unwrap_or_default();
+        resize(&mut table, redesign);
+        if let Some((template, angle_rad)) = &redesign.winding {
+            rewind(&mut document, &mut table, template.as_deref(), *angle_rad, index);
+        }
+        after.push(table);
+    }
+    document.insert(scene::MODULE.name, Item::ArrayOfTables(after));
+    if let Some(targets) = targets {
+        let names: Vec<&str> = modules.iter().map(|module| module.name.as_str()).collect();
+        retarget(&mut document, &names, targets);
+    }
+    document.to_string()
+}
+
+fn tables(document: &mut DocumentMut, name: &str) -> ArrayOfTables {
+    document.get(name).and_then(Item::as_array_of_tables).cloned().unwrap_or_default()
+}
+
+fn named(table: &Table, name: &str) -> bool {
+    table.get(module::NAME.name).and_then(Item::as_str) == Some(name)
+}
+
+fn resize(table: &mut Table, redesign: &Redesign) {
+    let (actuators, circle_radius_m) = redesign.bundle;
+    put(table, module::NAME.name, redesign.name.as_str().into());
+    put(table, module::MOTION.name, redesign.motion.into());
+    put(table, module::ACTUATORS.name, i64::from(actuators).into());
+    put(table, module::CIRCLE_RADIUS.name, millimetres(circle_radius_m));
+    put(table, module::MOUNT_ANGLE.name, degrees(redesign.mount_angle_rad));
+    put(table, module::INNER_RADIUS.name, millimetres(redesign.radii_m[0]));
+    put(table, module::OUTER_RADIUS.name, millimetres(redesign.radii_m[1]));
+    put(table, module::LENGTH.name, millimetres(redesign.length_m));
+    if let Some(material) = &redesign.material {
+        put(table, module::MATERIAL.name, material.as_str().into());
+    }
+    if redesign.winding.is_none() {
+        table.remove(module::WINDING.name);
+    }
+    if let Some(pressure_pa) = redesign.pressure_max_pa {
+        put(table, module::PRESSURE_MAX.name, format!("{} kPa", short(pressure_pa * 1e-3)).into());
+    }
+}
+
+/// Gives a module a winding of its own: a copy of another one with its own angle.
+fn rewind(document: &mut DocumentMut, table: &mut Table, template: Option<&str>, angle_rad: f64, index: usize) {
+    let own = table.get(module::WINDING.name).and_then(Item::as_str);
+    let Some(template) = template.or(own).map(str::to_owned) else { return };
+    let Some(windings) = document.get_mut(scene::WINDINGS.name).and_then(Item::as_table_mut) else { return };
+    let Some(mut copy) = windings.get(&template).and_then(Item::as_table).cloned() else { return };
+    put(&mut copy, winding::ANGLE.name, degrees(angle_rad));
+    let smeared = copy.get(winding::PLACEMENT.name).and_then(Item::as_str).is_some_and(|word| word != "sheet");
+    if !smeared {
+        copy.remove(winding::RADIUS.name);
+    }
+    copy.decor_mut().clear();
+    let name = (index + 1..).map(|number| format!("designed-{number}")).find(|name| !windings.contains_key(name));
+    let name = name.unwrap_or_default();
+    copy.set_position(None);
+    windings.insert(&name, Item::Table(copy));
+    put(table, module::WINDING.name, name.into());
+}
+
+fn retarget(document: &mut DocumentMut, modules: &[&str], targets: &[Vec<RedesignedTarget>]) {
+    let Some(phases) = document.get_mut(scene::PHASE.name).and_then(Item::as_array_of_tables_mut) else { return };
+    for (table, targets) in phases.iter_mut().zip(targets) {
+        let mut goals = toml_edit::InlineTable::new();
+        for (index, kind, value) in targets {
+            let (key, value) = setpoint(*kind, *value);
+            let mut goal = toml_edit::InlineTable::new();
+            goal.insert(key, value);
+            goals.insert(modules[*index], Value::InlineTable(goal));
+        }
+        table.remove(phase::TIP.name);
+        put(table, phase::TARGETS.name, Value::InlineTable(goals));
+    }
+}
+
+/// Key and value of a setpoint as a scene writes it.
+fn setpoint(kind: SetpointKind, value: f64) -> (&'static str, Value) {
+    match kind {
+        SetpointKind::Pressure => (target::PRESSURE.name, format!("{} kPa", short(value * 1e-3)).into()),
+        SetpointKind::AxialStretch => (target::AXIAL_STRETCH.name, ((value * 1e9).round() / 1e9).into()),
+        SetpointKind::OuterRadius => (target::OUTER_RADIUS.name, millimetres(value)),
+        SetpointKind::InnerRadius => (target::INNER_RADIUS.name, millimetres(value)),
+        SetpointKind::Twist => (target::TWIST.name, degrees(value)),
+        SetpointKind::BendAngle => (target::BEND_ANGLE.name, degrees(value)),
+    }
+}
+
+/// Sets a key. One that is there keeps its place and the comment behind it, unless that was said of another value.
+fn put(table: &mut Table, key: &str, new: Value) {
+    let same = table.get(key).and_then(Item::as_value).is_some_and(|old| old.to_string().trim() == new.to_string().trim());
+    if !same {
+        table.insert(key, value(new));
+    }
+}
+
+fn millimetres(metres: f64) -> Value {
+    format!("{} mm", short(metres * 1e3)).into()
+}
+
+fn degrees(radians: f64) -> Value {
+    format!("{} deg", short(radians.to_degrees())).into()
+}
+
+/// A number with as many digits as are of use.
+fn short(number: f64) -> String {
+    let text = format!("{number:.DIGITS$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.into() }
+}
