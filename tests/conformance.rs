@@ -14,6 +14,9 @@ use softlimb_sim::emulated::{Flashed, LockStep};
 use softlimb_sim::plant::ChannelFault;
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
+/// Bytes that a board keeps for the stack.
+const STACK: u16 = 8_192;
+
 /// The board has nine channels.
 const CHANNELS: usize = 9;
 
@@ -121,6 +124,7 @@ fn a_pressure_is_reached_and_held() {
         }
         assert_eq!(last.ticks_late, 0, "{name}");
         println!("{name}: {} bytes of stack used", last.stack_used);
+        assert!(last.stack_used < STACK / 2, "{name}: {} of {STACK} bytes of stack used", last.stack_used);
     });
 }
 

@@ -62,9 +62,9 @@ impl Inverse {
             Source::Nothing => None,
         };
         self.failures = if found.is_some() { 0 } else { self.failures.saturating_add(1) };
-        let (allowed_pa, excess_pa) = found.or(last_pa.map(|last_pa| (last_pa, 0.0)))?;
-        self.status = InverseStatus { limited: excess_pa > LIMITED_BY_PA, failed: found.is_none() };
-        Some(allowed_pa)
+        let limited = found.is_some_and(|(_, excess_pa)| excess_pa > LIMITED_BY_PA);
+        self.status = InverseStatus { limited, failed: found.is_none() };
+        found.map(|(allowed_pa, _)| allowed_pa).or(last_pa)
     }
 
     /// Follows the pressure without a setpoint, so that volume and compliance stay right.
@@ -131,8 +131,10 @@ impl Inverse {
         Some((allowed_pa, (wanted_pa - allowed_pa).abs()))
     }
 
+    /// Where to begin: at the last solution, or at rest if nothing was found from there the last time. Chambers that were vented meanwhile
+    /// are near rest.
     fn start(&self, tracker: &Tracker<f32>) -> State<f32> {
-        self.warm.unwrap_or_else(|| tracker.rest())
+        self.warm.filter(|_| self.failures.is_multiple_of(2)).unwrap_or_else(|| tracker.rest())
     }
 
     /// Keeps the chamber that a table gives at a pressure; nothing at a pressure that is no number.

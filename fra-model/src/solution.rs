@@ -39,6 +39,19 @@ pub enum Target<T> {
     BendAngle(T),
 }
 
+impl<T> Target<T> {
+    /// The same target in another scalar.
+    pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Target<U> {
+        match self {
+            Self::AxialStretch(value) => Target::AxialStretch(f(value)),
+            Self::OuterRadius(value) => Target::OuterRadius(f(value)),
+            Self::InnerRadius(value) => Target::InnerRadius(f(value)),
+            Self::Twist(value) => Target::Twist(f(value)),
+            Self::BendAngle(value) => Target::BendAngle(f(value)),
+        }
+    }
+}
+
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {

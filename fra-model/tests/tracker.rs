@@ -48,13 +48,7 @@ fn single(parameters: &ActuatorParameters<f64>) -> Tracker<f32> {
 }
 
 fn rounded(target: Target<f64>) -> Target<f32> {
-    match target {
-        Target::AxialStretch(value) => Target::AxialStretch(value as f32),
-        Target::OuterRadius(value) => Target::OuterRadius(value as f32),
-        Target::InnerRadius(value) => Target::InnerRadius(value as f32),
-        Target::Twist(value) => Target::Twist(value as f32),
-        Target::BendAngle(value) => Target::BendAngle(value as f32),
-    }
+    target.map(|value| value as f32)
 }
 
 #[test]

@@ -188,7 +188,7 @@ interface! {
             SENSOR_IMPLAUSIBLE = 0,
             /// The setpoint asked for a pressure beyond the channel's limits; the reference stops at them.
             REFERENCE_LIMITED = 1,
-            /// The inverse model found no pressure; the last good one is kept.
+            /// No pressure was found for the setpoint; the last good one is kept.
             INVERSE_FAILED = 2,
         }
     }
@@ -357,7 +357,7 @@ interface! {
             values: List<i32>,
         }
 
-        /// Volume of the channel that was sent last, as a table; the device solves its model where there is none.
+        /// Volume of the channel that was sent last, as a table; without it the device follows its model, if it has one of the actuator.
         0x09 ConfigVolume Reliable {
             /// Session.
             session: u16,
@@ -369,7 +369,7 @@ interface! {
             coefficients_m3: List<f32>,
         }
 
-        /// Pressure for a setpoint of the channel that was sent last, as a table; the device solves its model where there is none.
+        /// Pressure for a setpoint of the channel that was sent last, as a table; without it the device follows its model, if it has one of the actuator.
         0x0a ConfigInverse Reliable {
             /// Session.
             session: u16,

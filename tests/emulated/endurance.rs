@@ -4,7 +4,7 @@ use softlimb::link::{self, Event, Knot, StreamOptions};
 use softlimb_protocol::DeviceState;
 
 use crate::devices::Images;
-use crate::turns::{CYCLES, TICK, with_scene};
+use crate::turns::{CYCLES, SHARE, with_scene};
 
 /// Ticks of 1 ms while running.
 const TICKS: u64 = 1_000_000;
@@ -41,5 +41,5 @@ fn no_tick_of_a_million_is_missed() {
     let cost = device.processor().cost();
     println!("{told} messages of {period_us} us, {cost:?}");
     assert!((told + 1) * period_us >= TICKS * TICK_US && cost.turns >= TICKS, "{told} messages, {cost:?}");
-    assert!(CYCLES * cost.worst < TICK, "every turn ends within its tick: {cost:?}");
+    assert!(CYCLES * cost.worst <= SHARE, "a turn may take {SHARE} cycles: {cost:?}");
 }

@@ -18,7 +18,7 @@ const CHANNELS: usize = 9;
 pub(crate) const TICK: u64 = 168_000;
 
 /// Cycles that a turn should leave to everything else: it takes no more of its tick than this.
-const SHARE: u64 = 50_000;
+pub(crate) const SHARE: u64 = 50_000;
 
 /// Cycles of an instruction, more than turns take on average: 1.6 to 1.7 by `firmware/boards/mps2-an386/counts.tsv`, which also has 1.9 for
 /// solvers of the wound tube.

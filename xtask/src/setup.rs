@@ -16,7 +16,7 @@ struct Part {
     elsewhere: &'static str,
 }
 
-const PARTS: [Part; 3] = [
+const PARTS: [Part; 4] = [
     Part {
         packages: &["rustc-web", "cargo-web", "rust-web-src", "lld"],
         why: "a compiler for thumbv7em-none-eabihf: images for the microcontroller",
@@ -31,6 +31,11 @@ const PARTS: [Part; 3] = [
         packages: &["calculix-ccx"],
         why: "CalculiX, which solves the finite element decks",
         elsewhere: "CalculiX: http://www.calculix.de, `dnf install calculix`",
+    },
+    Part {
+        packages: &["valgrind", "binutils"],
+        why: "what counts the instructions of the model",
+        elsewhere: "valgrind: https://valgrind.org, `dnf install valgrind binutils`",
     },
 ];
 
@@ -69,10 +74,13 @@ pub(crate) fn prepare(may_install: bool) {
 }
 
 /// Which of the parts are there.
-fn present() -> [bool; 3] {
-    // It prints its version and a failure; that it runs is enough.
-    let ccx = Command::new("ccx").arg("-v").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
-    [Toolchain::find().is_ok(), emulator::find().is_ok(), ccx]
+fn present() -> [bool; PARTS.len()] {
+    // That they run is enough: CalculiX prints its version and ends with a failure.
+    let runs = |program: &str, option: &str| {
+        Command::new(program).arg(option).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+    };
+    let counters = runs("valgrind", "--version") && runs("objdump", "--version");
+    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters]
 }
 
 fn means(may_install: bool) -> Means {
@@ -92,7 +100,7 @@ fn is_root() -> bool {
 }
 
 /// What to do by what is there and what may be done.
-fn step(present: [bool; 3], means: Means) -> Step {
+fn step(present: [bool; PARTS.len()], means: Means) -> Step {
     let lacking: Vec<_> = PARTS.iter().zip(present).filter_map(|(part, there)| (!there).then_some(part)).collect();
     if lacking.is_empty() || means == Means::Apt { Step::Install(lacking) } else { Step::Name(lacking, means) }
 }
@@ -153,17 +161,21 @@ mod tests {
     #[test]
     fn what_is_there_is_not_installed_again() {
         for means in [Means::Apt, Means::AptOfRoot, Means::None, Means::Forbidden] {
-            assert_eq!(step([true; 3], means), Step::Install(Vec::new()), "{means:?}: nothing to do, nothing to say");
+            assert_eq!(
+                step([true; PARTS.len()], means),
+                Step::Install(Vec::new()),
+                "{means:?}: nothing to do, nothing to say"
+            );
         }
-        assert_eq!(packages(&step([true, false, true], Means::Apt)), ["qemu-system-arm"]);
-        assert_eq!(packages(&step([true, true, false], Means::Apt)), ["calculix-ccx"]);
-        let compiler = step([false, true, true], Means::Apt);
+        assert_eq!(packages(&step([true, false, true, true], Means::Apt)), ["qemu-system-arm"]);
+        assert_eq!(packages(&step([true, true, false, true], Means::Apt)), ["calculix-ccx"]);
+        let compiler = step([false, true, true, true], Means::Apt);
         assert_eq!(packages(&compiler), ["rustc-web", "cargo-web", "rust-web-src", "lld"]);
     }
 
     #[test]
     fn only_root_with_apt_installs() {
-        for present in [[false; 3], [true, false, false], [false, true, false]] {
+        for present in [[false; 4], [true, false, false, true], [false, true, false, false]] {
             assert!(matches!(step(present, Means::Apt), Step::Install(_)));
             for means in [Means::AptOfRoot, Means::None, Means::Forbidden] {
                 let named = step(present, means);

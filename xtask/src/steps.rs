@@ -22,11 +22,16 @@ pub(crate) fn lint(tally: &mut Tally) -> Result<(), u8> {
 
 fn step(tally: &mut Tally, component: &str, arguments: &[&str]) -> Result<(), u8> {
     if !Cargo::has(component) {
-        println!("xtask: skipped, `cargo {component}` is not installed");
-        tally.skip(&format!("`cargo {component}`"));
-        return Ok(());
+        let cure = format!("`cargo {component}` is not installed: `rustup component add {}`", package(component));
+        return where_possible(tally, &format!("`cargo {component}`"), || Err(Trouble::Missing(cure)))
+            .map(|_: Option<()>| ());
     }
     Cargo::announce(arguments).run()
+}
+
+/// The name under which a component of the toolchain is installed.
+fn package(component: &str) -> &str {
+    if component == "fmt" { "rustfmt" } else { component }
 }
 
 /// Everything a change must pass. The last lines printed name what was skipped and sum up the tests.
@@ -48,6 +53,7 @@ fn all(tally: &mut Tally) -> Result<(), u8> {
 /// Builds the images that tests run in the emulator; where they are.
 fn images() -> Result<PathBuf, Trouble> {
     emulator::find().map_err(Trouble::Missing)?;
+    firmware::build(Board::F446, Sizes::Compare)?;
     firmware::build(Board::F405, Sizes::Compare).map(|_| firmware::folder())
 }
 

@@ -57,9 +57,7 @@ impl Design {
         }
         Ok(Outcome::Done)
     }
-}
 
-impl Design {
     fn answer(&self, problem: &Problem) -> Result<Answer, Failure> {
         let answer = match self.method {
             Method::Projection => solve(problem, &self.effort()),

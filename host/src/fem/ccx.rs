@@ -102,7 +102,7 @@ pub(crate) fn drive(
         let ended = running.try_wait().map_err(|source| FemError::Program { program: runner.ccx.clone(), source })?;
         let seconds = clock() - begin;
         let reached = progress(&text(&folder.join(format!("{}.sta", deck.name())))?);
-        while (step_seconds.len() as f64) < (reached.time + 1e-6).floor() {
+        while step_seconds.len() < deck.steps() && (step_seconds.len() as f64) < (reached.time + 1e-6).floor() {
             step_seconds.push(seconds);
         }
         watch(reached);

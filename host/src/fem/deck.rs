@@ -21,6 +21,7 @@ const SPARE: f64 = 4.0;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Deck {
     name: String,
+    steps: usize,
     /// Mesh, ties, sets, isotropic materials: for both programs.
     pub model: String,
     /// What CalculiX is started with.
@@ -39,6 +40,7 @@ impl Deck {
         let main = |program| main_file(model, name, pressures_pa, program);
         Ok(Self {
             name: name.to_owned(),
+            steps: pressures_pa.len(),
             model: model_file(model),
             calculix: main(Program::Calculix),
             abaqus: main(Program::Abaqus),
@@ -48,6 +50,11 @@ impl Deck {
     /// Its name: that of its files.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Number of its steps: of its pressures.
+    pub(super) fn steps(&self) -> usize {
+        self.steps
     }
 
     /// Names of the files and their texts.

@@ -5,7 +5,6 @@ use std::fmt;
 use fra_model::{State, Target, Tracker};
 
 use super::plan::Plan;
-use super::wire::from_wire;
 use crate::design::LimbModule;
 
 /// Largest difference of its pressures from those of the plan, as a share of the highest: about what the valves can do.
@@ -43,18 +42,23 @@ fn tracker(module: &LimbModule) -> Option<Tracker<f32>> {
     Tracker::new(&module.actuator.parameters().map(|value| value as f32)).ok().flatten()
 }
 
-/// Goes through a plan as the device does, from rest and from knot to knot.
+/// Goes through a plan as the device does: from rest, a control period at a time, or from knot to knot where those are farther apart.
 ///
 /// # Errors
 /// [`NotFollowed`].
-pub(super) fn follow(module: &LimbModule, index: usize, plan: &Plan) -> Result<(), NotFollowed> {
+pub(super) fn follow(
+    module: &LimbModule,
+    index: usize,
+    plan: &Plan,
+    control_period_us: u64,
+) -> Result<(), NotFollowed> {
     let tracker = tracker(module).ok_or(NotFollowed::NoClosedForms)?;
     let mut here = tracker.rest();
-    for (knot, row) in (0_u64..).zip(plan.knots()) {
-        let planned =
-            plan.states_at((knot * plan.knot_period_us) as f64).get(index).map_or(0.0, |state| state.pressure_pa);
+    let step_us = control_period_us.max(plan.knot_period_us);
+    for time_us in (0..=plan.duration_us().div_ceil(step_us)).map(|step| (step * step_us) as f64) {
+        let planned = plan.states_at(time_us).get(index).map_or(0.0, |state| state.pressure_pa);
         let lost = NotFollowed::Lost { pressure_pa: planned };
-        let value = row.get(index).map_or(0.0, |value| from_wire(module.kind, *value));
+        let value = plan.values_at(time_us).get(index).copied().unwrap_or_default();
         let found = next(&tracker, &here, module.target(value), value).ok_or(lost)?;
         let off = (f64::from(found.pressure_pa) - planned).abs();
         (off <= ERROR_MAX * module.reference_max_pa).then_some(()).ok_or(lost)?;
@@ -66,11 +70,7 @@ pub(super) fn follow(module: &LimbModule, index: usize, plan: &Plan) -> Result<(
 fn next(tracker: &Tracker<f32>, here: &State<f32>, target: Option<Target<f64>>, value: f64) -> Option<State<f32>> {
     let found = match target {
         None => tracker.forward(here, value as f32),
-        Some(Target::AxialStretch(value)) => tracker.inverse(here, Target::AxialStretch(value as f32)),
-        Some(Target::OuterRadius(value)) => tracker.inverse(here, Target::OuterRadius(value as f32)),
-        Some(Target::InnerRadius(value)) => tracker.inverse(here, Target::InnerRadius(value as f32)),
-        Some(Target::Twist(value)) => tracker.inverse(here, Target::Twist(value as f32)),
-        Some(Target::BendAngle(value)) => tracker.inverse(here, Target::BendAngle(value as f32)),
+        Some(target) => tracker.inverse(here, target.map(|value| value as f32)),
     };
     found.ok().flatten()
 }

@@ -112,7 +112,8 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
 pub fn check_goals(scene: &Scene, limb: &Limb, plan: &Plan, inverses: &[ModuleInverse]) -> Result<(), SceneError> {
     for (index, (module, inverse)) in limb.modules().iter().zip(inverses).enumerate() {
         if let ModuleInverse::Model(reason) = inverse {
-            follow(module, index, plan).map_err(|why| not_followed(scene, index, why, *reason))?;
+            follow(module, index, plan, u64::from(scene.controller().control_period_us))
+                .map_err(|why| not_followed(scene, index, why, *reason))?;
         }
     }
     for (phase, planned) in scene.phases().iter().zip(&plan.phases) {

@@ -59,7 +59,7 @@ pub struct Calibration {
     pub polynomial: BendPolynomial,
     /// The pressures it was fitted to and verified at, Pa: lowest and highest.
     pub pressures_pa: [f64; 2],
-    /// Largest error of its bend rate at solves that it was not fitted to, relative to the bend rate there.
+    /// Largest error of its bend rate at sixteen solves, of which only the two ends were fitted, relative to the bend rate there.
     pub verified_error: f64,
     /// The pressure of that error, Pa.
     pub worst_pressure_pa: f64,

@@ -70,5 +70,5 @@ fn run(desk: &mut impl Desk, way: Way, name: &str) -> bool {
         let outputs = desk.put("turn, garbage on the link", name, || rig.turn());
         rig.pass(&outputs);
     }
-    well
+    well && rig.state() == DeviceState::Running && rig.is_well()
 }

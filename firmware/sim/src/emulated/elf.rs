@@ -4,7 +4,7 @@
 const SYMBOL_TABLE: u32 = 2;
 const SYMBOL_BYTES: usize = 16;
 
-/// Address of the first symbol whose name ends like this, of a function without the bit that says Thumb.
+/// Address of the first symbol of this name, plain or at the end of a mangled path, of a function without the bit that says Thumb.
 ///
 /// # Errors
 /// What is wrong with the file, or that it has no such symbol.
@@ -24,7 +24,10 @@ fn find(file: &[u8], wanted: &str) -> Option<u32> {
     let symbols = (0..count).filter_map(header).find(|header| word(header, 4) == Some(SYMBOL_TABLE))?;
     let names = section(file, header(word(symbols, 0x18)? as usize)?)?;
     let named = |symbol: &[u8]| word(symbol, 0).and_then(|at| name(names, at as usize));
-    let is_wanted = |symbol: &&[u8]| named(symbol).is_some_and(|name| name.ends_with(wanted.as_bytes()));
+    // A mangled path says the length of each name before it.
+    let mangled = format!("{}{wanted}", wanted.len());
+    let is = |name: &[u8]| name == wanted.as_bytes() || name.ends_with(mangled.as_bytes());
+    let is_wanted = |symbol: &&[u8]| named(symbol).is_some_and(is);
     let symbol = section(file, symbols)?.chunks_exact(SYMBOL_BYTES).find(is_wanted)?;
     let (value, kind) = (word(symbol, 4)?, symbol.get(12)? & 0xf);
     // Functions are type 2; their lowest bit is no part of the address.
@@ -59,13 +62,13 @@ mod tests {
         let mut file = b"\x7fELF\x01\x01".to_vec();
         file.resize(52, 0);
         let symbols_at = file.len();
-        for (name, value, kind) in [(0, 0, 0), (1, 0x2000_0004_u32, 1_u8), (7, 0x0800_0101, 2)] {
+        for (name, value, kind) in [(0, 0, 0), (1, 0x2000_0004_u32, 1_u8), (17, 0x0800_0101, 2)] {
             file.extend((name as u32).to_le_bytes());
             file.extend(value.to_le_bytes());
             file.extend([0, 0, 0, 0, kind, 0, 0, 0]);
         }
         let names_at = file.len();
-        let names = b"\0COILS\0EXTI0\0";
+        let names = b"\0_RNv4main5COILS\0EXTI0\0";
         file.extend(names);
         let sections_at = file.len();
         file.extend([0; 40]);
@@ -82,8 +85,10 @@ mod tests {
     #[test]
     fn symbols_are_found_by_name_and_functions_without_their_mode() {
         assert_eq!(address(&file(), "COILS"), Ok(0x2000_0004));
-        assert_eq!(address(&file(), "XTI0"), Ok(0x0800_0100));
-        assert_eq!(address(&file(), "OIL"), Err("it has no `OIL`".to_owned()));
+        assert_eq!(address(&file(), "EXTI0"), Ok(0x0800_0100));
+        for part in ["XTI0", "OILS", "COIL"] {
+            assert_eq!(address(&file(), part), Err(format!("it has no `{part}`")));
+        }
     }
 
     #[test]

@@ -75,7 +75,7 @@ impl Calibrate {
             [stiffness_n, spacing, width] => {
                 Ok(Some(Thread { stiffness_n, spacing_m: spacing / 1e3, width_m: width / 1e3 }))
             }
-            _ => Err(Failure::new(format!(
+            _ => Err(Failure::wrong_line(format!(
                 "--thread has {} values: three are wanted, E A in N, spacing in mm, width in mm",
                 self.thread.len()
             ))),

@@ -72,7 +72,7 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
             let problem = Problem::at(
                 bending.span,
                 "`bending = \"section-fe\"` needs tables",
-                "the device solves the analytic model",
+                "the device solves no model of what bends",
             );
             return reader.log().note(problem.help("leave out `inverse = \"model\"`"));
         }
