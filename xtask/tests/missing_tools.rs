@@ -66,7 +66,7 @@ fn root_is_told_what_will_be_installed_before_it_is() {
     // The first call only looks whether there is one.
     let asked: Vec<&str> = asked.lines().skip(1).collect();
     let install = |packages| format!("-qq --yes --no-install-recommends install {packages}");
-    let packages = ["rustc-web cargo-web rust-web-src lld", "qemu-system-arm", "calculix-ccx"];
+    let packages = ["rustc-web cargo-web rust-web-src lld", "qemu-system-arm", "calculix-ccx", "valgrind binutils"];
     assert_eq!(asked, [vec!["-qq update".to_owned()], packages.map(install).to_vec()].concat());
     let calls = printed.find("xtask: apt-get -qq update").expect("it says what it calls");
     for package in packages {
@@ -79,7 +79,8 @@ fn others_are_told_what_to_install_and_what_was_skipped() {
     for (name, options, user) in [("apt-of-others", &[][..], 1000), ("no-install", &["--no-install"], 0)] {
         let (printed, asked) = set_up(name, options, user);
         assert!(asked.lines().count() <= 1, "{name} asks for {asked}");
-        for package in ["rustc-web cargo-web rust-web-src lld", "qemu-system-arm", "calculix-ccx"] {
+        for package in ["rustc-web cargo-web rust-web-src lld", "qemu-system-arm", "calculix-ccx", "valgrind binutils"]
+        {
             assert!(printed.contains(&format!("apt-get install {package}")), "{name}:\n{printed}");
         }
         let end: Vec<&str> = printed.lines().rev().take_while(|line| !line.starts_with("xtask: ")).collect();
