@@ -2,11 +2,12 @@
 //!
 //! The rooms, in the order a datum passes them: [`scene`] reads the file, [`design`] builds the limb, [`motion`] plans its
 //! setpoints past what stands in the way ([`obstacle`]), [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
-//! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`bench`] measures it; [`cli`] is the command line.
+//! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`calibrate`] fits it to measurements; [`bench`] measures it; [`cli`] is the command line.
 //! Finite elements judge it: [`section`] of the section, [`meridian`] of ends and threads, [`fem`] in three dimensions by CalculiX; [`validation`] puts
 //! them side by side. [`range`] is what they refuse numbers with.
 
 pub mod bench;
+pub mod calibrate;
 pub mod cli;
 pub mod design;
 mod elastomer;

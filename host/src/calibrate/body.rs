@@ -1,0 +1,129 @@
+//! An actuator and the sensor that reads its pressure.
+
+use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Motion, NoDerivative, Parameter, State, Status};
+
+use super::Property;
+use crate::record::Quantity;
+
+/// One actuator, or the actuators of a module taken as equal, with the sensor of its pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name, for messages.
+    pub name: String,
+    /// The actuator.
+    pub parameters: ActuatorParameters<f64>,
+    /// What the sensor reads at no pressure, Pa.
+    pub pressure_offset_pa: f64,
+    /// What it reads for 1 Pa more; > 0.
+    pub pressure_gain: f64,
+}
+
+/// Why a body has no deformation at a pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum NoAnswer {
+    /// A parameter that the model refuses.
+    Invalid(InvalidParameter<f64>),
+    /// The branch ends before the pressure, at the limit pressure where it is known, Pa.
+    BeyondLimit(Option<f64>),
+    /// No derivative exists.
+    NoDerivative,
+}
+
+impl From<InvalidParameter<f64>> for NoAnswer {
+    fn from(error: InvalidParameter<f64>) -> Self {
+        Self::Invalid(error)
+    }
+}
+
+impl From<NoDerivative<f64>> for NoAnswer {
+    fn from(_: NoDerivative<f64>) -> Self {
+        Self::NoDerivative
+    }
+}
+
+/// A body ready to solve.
+pub(super) struct Solver<'a> {
+    body: &'a Body,
+    actuator: Actuator<f64>,
+}
+
+/// The deformation that a reading of the sensor means, and what its derivatives need.
+pub(super) struct Answer {
+    pub(super) value: f64,
+    quantity: Quantity,
+    state: State<f64>,
+    /// -1 where the bend at the opposite pressure was asked in place of a bend backwards, else 1.
+    sign: f64,
+}
+
+impl Body {
+    /// An actuator whose sensor reads the truth.
+    pub fn new(name: impl Into<String>, parameters: ActuatorParameters<f64>) -> Self {
+        Self { name: name.into(), parameters, pressure_offset_pa: 0.0, pressure_gain: 1.0 }
+    }
+
+    /// The gauge pressure, Pa, that a reading of the sensor means.
+    pub fn pressure_pa(&self, reading_pa: f64) -> f64 {
+        (reading_pa - self.pressure_offset_pa) / self.pressure_gain
+    }
+
+    /// The deformation without pressure, in the SI unit of the quantity.
+    pub fn at_rest(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::AxialStretch => 1.0,
+            Quantity::OuterRadius => self.parameters.outer_radius_m,
+            Quantity::InnerRadius => self.parameters.inner_radius_m,
+            Quantity::Twist | Quantity::BendAngle | Quantity::Pressure => 0.0,
+        }
+    }
+
+    pub(super) fn solver(&self) -> Result<Solver<'_>, NoAnswer> {
+        Ok(Solver { body: self, actuator: Actuator::new(&self.parameters)? })
+    }
+}
+
+impl Solver<'_> {
+    /// The deformation at a reading of the sensor.
+    ///
+    /// A bending actuator does not bend backwards; readings a little below zero, as noise gives them, mean the mirrored bend, so that
+    /// the mean of readings around zero means none.
+    pub(super) fn at(&self, reading_pa: f64, quantity: Quantity) -> Result<Answer, NoAnswer> {
+        let pressure_pa = self.body.pressure_pa(reading_pa);
+        let sign = if self.body.parameters.motion == Motion::Bending && pressure_pa < 0.0 { -1.0 } else { 1.0 };
+        let solution = self.actuator.forward(sign * pressure_pa, &Load::none())?;
+        if solution.status != Status::Solved {
+            return Err(NoAnswer::BeyondLimit(solution.limit_pressure_pa));
+        }
+        Ok(Answer { value: sign * measured(quantity, &solution.state), quantity, state: solution.state, sign })
+    }
+
+    /// The derivative of an answer by a property.
+    pub(super) fn slope(&self, answer: &Answer, property: Property) -> Result<f64, NoAnswer> {
+        let by = |parameter| -> Result<f64, NoAnswer> {
+            let change = self.actuator.sensitivity(&answer.state, &Load::none(), parameter)?;
+            Ok(measured(answer.quantity, &change))
+        };
+        // Two signs cancel in what the pressure does to a mirrored bend.
+        let by_reading = |factor: f64| Ok(factor * by(Parameter::Pressure)?);
+        match property {
+            Property::PressureOffset => by_reading(-1.0 / self.body.pressure_gain),
+            Property::PressureGain => by_reading(-answer.sign * answer.state.pressure_pa / self.body.pressure_gain),
+            _ => property
+                .inputs(self.body)
+                .into_iter()
+                .try_fold(0.0, |sum, (parameter, factor)| Ok(sum + answer.sign * factor * by(parameter)?)),
+        }
+    }
+}
+
+/// The quantity in a state, or its derivative in the derivative of one.
+fn measured(quantity: Quantity, state: &State<f64>) -> f64 {
+    match quantity {
+        Quantity::AxialStretch => state.axial_stretch,
+        Quantity::OuterRadius => state.outer_radius_m,
+        Quantity::InnerRadius => state.inner_radius_m,
+        Quantity::Twist => state.twist_rad,
+        Quantity::BendAngle => state.bend_angle_rad,
+        Quantity::Pressure => state.pressure_pa,
+    }
+}

@@ -1,0 +1,349 @@
+//! Parameters of actuators from pressure and deformation.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::body::{Answer, NoAnswer};
+use super::descent::{Local, descend};
+use super::estimate::{Column, Estimate, Noise, enough, judge};
+use super::{Body, Property, Refusal};
+use crate::record::Quantity;
+
+/// A pressure and the deformation it went with, at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// Which of the bodies.
+    pub body: usize,
+    /// What the pressure sensor read, Pa gauge.
+    pub reading_pa: f64,
+    /// What was measured; any quantity but the pressure.
+    pub quantity: Quantity,
+    /// Its value, in the SI unit of the quantity.
+    pub value: f64,
+    /// Standard deviation of the measurement, in the same unit; > 0.
+    pub accuracy: f64,
+}
+
+/// A property to be found, one value for all the bodies named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    /// The property.
+    pub property: Property,
+    /// The bodies, at least one.
+    pub bodies: Vec<usize>,
+}
+
+impl Unknown {
+    /// One value for a body alone.
+    pub fn of(property: Property, body: usize) -> Self {
+        Self { property, bodies: vec![body] }
+    }
+}
+
+/// How intervals are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// How large the errors of the data are taken to be.
+    pub noise: Noise,
+    /// Share of confidence intervals that hold the true value, between 0.5 and 0.9999.
+    pub confidence: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { noise: Noise::FromResiduals, confidence: 0.95 }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The unknowns, in the order they were asked for.
+    pub estimates: Vec<Estimate>,
+    /// The bodies with what was found.
+    pub bodies: Vec<Body>,
+    /// The deformation of each observation with the parameters at the start; `None` beyond a limit point.
+    pub before: Vec<Option<f64>>,
+    /// The same with what was found.
+    pub after: Vec<f64>,
+    /// Root mean square of the residuals in units of the stated accuracies; 1 where these are right.
+    pub scatter: f64,
+    /// Observations less unknowns.
+    pub freedom: usize,
+    /// Correlation of the estimates, row by row.
+    pub correlation: Vec<Vec<f64>>,
+    /// Condition number of the Jacobian, its columns made equally long.
+    pub condition: f64,
+    /// Evaluations of the residuals and their Jacobian.
+    pub steps: usize,
+}
+
+/// Finds the unknowns by least squares of the deformations, each divided by its accuracy.
+///
+/// `bodies` are where it starts. Intervals are those of the linearised model: `t sqrt((J'J)^-1)`, times the scatter of the residuals unless
+/// the accuracies are to be taken as stated.
+///
+/// ```
+/// use fra_model::*;
+/// use softlimb::calibrate::{Body, Observation, Property, Settings, Unknown, fit};
+/// use softlimb::record::Quantity;
+/// let finger = ActuatorParameters {
+///     motion: Motion::Bending,
+///     inner_radius_m: 6e-3,
+///     outer_radius_m: 8e-3,
+///     length_m: 0.1,
+///     material: Material::NeoHookean { shear_modulus_pa: 0.25e6 },
+///     fiber: None,
+/// };
+/// // The angles of docs/model.md for a modulus of 0.2 MPa.
+/// let seen = [(10e3, 12.9_f64), (30e3, 43.0), (60e3, 101.8)].map(|(reading_pa, degrees)| Observation {
+///     body: 0,
+///     reading_pa,
+///     quantity: Quantity::BendAngle,
+///     value: degrees.to_radians(),
+///     accuracy: 0.005,
+/// });
+/// let unknown = [Unknown::of(Property::ShearModulus, 0)];
+/// let found = fit(&[Body::new("finger", finger)], &seen, &unknown, &Settings::default())?;
+/// assert!((found.estimates[0].value - 0.2e6).abs() < 1e3);
+/// # Ok::<(), softlimb::calibrate::Refusal>(())
+/// ```
+///
+/// # Errors
+/// [`Refusal`], as its variants say; above all where the data cannot tell what is asked.
+pub fn fit(
+    bodies: &[Body],
+    observations: &[Observation],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Result<Fit, Refusal> {
+    check(bodies, observations, settings)?;
+    let starts = unknowns.iter().map(|unknown| start(bodies, unknown)).collect::<Result<Vec<f64>, _>>()?;
+    enough(observations.len(), unknowns.len().max(1), settings.noise)?;
+    let most_pa = observations.iter().map(|seen| seen.reading_pa.abs()).fold(0.0, f64::max);
+    let tolerances: Vec<f64> = unknowns
+        .iter()
+        .map(|unknown| unknown.property.tolerance(&bodies[unknown.bodies[0]], most_pa.max(1.0)))
+        // A fiber without stiffness or a tube without wall has no scale of its own.
+        .map(|tolerance| if tolerance > 0.0 { tolerance } else { 1.0 })
+        .collect();
+    let problem = Problem { bodies, observations, unknowns, tolerances: &tolerances };
+    let scaled = DVector::from_iterator(starts.len(), starts.iter().zip(&tolerances).map(|(value, unit)| value / unit));
+    let end =
+        descend(problem.solvable(scaled)?, |place| problem.local(place)).map_err(|error| problem.refused(error))?;
+    let fitted = problem.placed(&end.place);
+    let columns: Vec<Column> = unknowns
+        .iter()
+        .enumerate()
+        .map(|(k, unknown)| {
+            let value = end.place[k] * tolerances[k];
+            // Tolerances are those of the answer, not of a start that may be far from it.
+            let tolerance = unknown.property.tolerance(&fitted[unknown.bodies[0]], most_pa.max(1.0));
+            Column { property: unknown.property, name: name(bodies, unknown), value, tolerance }
+        })
+        .collect();
+    let mut jacobian = end.local.jacobian.clone();
+    for (k, mut column) in jacobian.column_iter_mut().enumerate() {
+        column *= columns[k].tolerance / tolerances[k];
+    }
+    let judged = judge(&columns, &end.local.residuals, &jacobian, settings.noise, settings.confidence)?;
+    if !end.settled {
+        return Err(Refusal::NotSettled { steps: end.steps });
+    }
+    let estimates = columns
+        .into_iter()
+        .zip(unknowns)
+        .enumerate()
+        .map(|(k, (column, unknown))| Estimate {
+            property: unknown.property,
+            bodies: unknown.bodies.clone(),
+            name: column.name,
+            start: starts[k],
+            value: column.value,
+            standard_deviation: judged.deviations[k],
+            interval: [-1.0, 1.0].map(|sign| column.value + sign * judged.half_widths[k]),
+        })
+        .collect();
+    let after = observations.iter().zip(&end.local.residuals).map(|(seen, r)| seen.value + r * seen.accuracy).collect();
+    let before = observations.iter().map(|seen| modelled(&bodies[seen.body], seen).ok().map(|answer| answer.value));
+    Ok(Fit {
+        estimates,
+        before: before.collect(),
+        bodies: fitted,
+        after,
+        scatter: judged.scatter,
+        freedom: judged.freedom,
+        correlation: judged.correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        condition: judged.condition,
+        steps: end.steps,
+    })
+}
+
+/// Why residuals have no value: the observation, and what the model says to it.
+type Trouble = (usize, NoAnswer);
+
+struct Problem<'a> {
+    bodies: &'a [Body],
+    observations: &'a [Observation],
+    unknowns: &'a [Unknown],
+    tolerances: &'a [f64],
+}
+
+impl Problem<'_> {
+    /// The bodies with scaled values of the unknowns.
+    fn placed(&self, place: &DVector<f64>) -> Vec<Body> {
+        let mut bodies = self.bodies.to_vec();
+        for ((unknown, value), unit) in self.unknowns.iter().zip(place).zip(self.tolerances) {
+            unknown.bodies.iter().for_each(|body| unknown.property.place(&mut bodies[*body], value * unit));
+        }
+        bodies
+    }
+
+    fn local(&self, place: &DVector<f64>) -> Result<Local, Trouble> {
+        let bodies = self.placed(place);
+        let mut solvers = Vec::with_capacity(bodies.len());
+        for (index, body) in bodies.iter().enumerate() {
+            let first = self.observations.iter().position(|seen| seen.body == index).unwrap_or(0);
+            solvers.push(body.solver().map_err(|error| (first, error))?);
+        }
+        let mut residuals = DVector::zeros(self.observations.len());
+        let mut jacobian = DMatrix::zeros(self.observations.len(), self.unknowns.len());
+        for (row, seen) in self.observations.iter().enumerate() {
+            let solver = &solvers[seen.body];
+            let answer = solver.at(seen.reading_pa, seen.quantity).map_err(|error| (row, error))?;
+            residuals[row] = (answer.value - seen.value) / seen.accuracy;
+            for (column, unknown) in self.unknowns.iter().enumerate() {
+                if unknown.bodies.contains(&seen.body) {
+                    let slope = solver.slope(&answer, unknown.property).map_err(|error| (row, error))?;
+                    jacobian[(row, column)] = slope * self.tolerances[column] / seen.accuracy;
+                }
+            }
+        }
+        Ok(Local { residuals, jacobian })
+    }
+
+    /// A place from which every observation has an answer: the start, or the start with harder walls.
+    fn solvable(&self, start: DVector<f64>) -> Result<DVector<f64>, Refusal> {
+        let first = self.local(&start);
+        let Err((_, NoAnswer::BeyondLimit(_))) = &first else {
+            return first.map(|_| start).map_err(|error| self.refused(error));
+        };
+        for factor in [1.3, 1.7, 2.5, 4.0, 8.0] {
+            let mut harder = start.clone();
+            for (value, unknown) in harder.iter_mut().zip(self.unknowns) {
+                if unknown.property.is_of_material() {
+                    *value *= factor;
+                }
+            }
+            if self.local(&harder).is_ok() {
+                return Ok(harder);
+            }
+        }
+        first.map(|_| start).map_err(|error| self.refused(error))
+    }
+
+    fn refused(&self, (row, error): Trouble) -> Refusal {
+        let seen = &self.observations[row];
+        let body = self.bodies[seen.body].name.clone();
+        match error {
+            NoAnswer::Invalid(error) => {
+                Refusal::Invalid { field: error.field, value: error.value, place: body, allowed: error.allowed }
+            }
+            NoAnswer::BeyondLimit(limit_pa) => Refusal::NoEquilibrium {
+                body,
+                reading_pa: seen.reading_pa,
+                limit_pa,
+                hint: "check the parameters of the start, or leave these points out",
+            },
+            NoAnswer::NoDerivative => Refusal::NoEquilibrium {
+                body,
+                reading_pa: seen.reading_pa,
+                limit_pa: None,
+                hint: "it is at a limit point there; leave these points out",
+            },
+        }
+    }
+}
+
+fn modelled(body: &Body, seen: &Observation) -> Result<Answer, NoAnswer> {
+    body.solver()?.at(seen.reading_pa, seen.quantity)
+}
+
+/// Name of an unknown in tables.
+fn name(bodies: &[Body], unknown: &Unknown) -> String {
+    let names: Vec<&str> = unknown.bodies.iter().map(|body| bodies[*body].name.as_str()).collect();
+    format!("{} of {}", unknown.property, names.join(", "))
+}
+
+/// The value an unknown starts with.
+fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, Refusal> {
+    let property = unknown.property;
+    let value = |index: usize| {
+        let body = &bodies[index];
+        property.value(body).ok_or_else(|| Refusal::NoSuchProperty {
+            body: body.name.clone(),
+            property,
+            because: if property.is_of_winding() {
+                "it bends, or has no winding"
+            } else {
+                "its material is neo-Hookean"
+            },
+        })
+    };
+    let known = |index: &usize| *index < bodies.len();
+    let Some(first) = unknown.bodies.first().filter(|_| unknown.bodies.iter().all(known)) else {
+        return Err(Refusal::Invalid {
+            field: "bodies",
+            value: unknown.bodies.len() as f64,
+            place: format!("the unknown {property}"),
+            allowed: "at least one, each of those given",
+        });
+    };
+    let start = value(*first)?;
+    for other in &unknown.bodies[1..] {
+        let other_value = value(*other)?;
+        if (other_value - start).abs() > 1e-9 * start.abs() {
+            return Err(Refusal::Different {
+                property,
+                first: bodies[*first].name.clone(),
+                first_value: start,
+                other: bodies[*other].name.clone(),
+                other_value,
+                unit: property.si_unit(),
+            });
+        }
+    }
+    Ok(start)
+}
+
+fn check(bodies: &[Body], observations: &[Observation], settings: &Settings) -> Result<(), Refusal> {
+    let invalid = |field, value, place: String, allowed| Err(Refusal::Invalid { field, value, place, allowed });
+    if !(0.5..=0.9999).contains(&settings.confidence) {
+        return invalid("confidence", settings.confidence, "the settings".into(), "0.5 to 0.9999");
+    }
+    for body in bodies {
+        if !(body.pressure_gain.is_finite() && body.pressure_gain > 0.0) {
+            return invalid("pressure_gain", body.pressure_gain, body.name.clone(), "finite and > 0");
+        }
+        if !body.pressure_offset_pa.is_finite() {
+            return invalid("pressure_offset_pa", body.pressure_offset_pa, body.name.clone(), "finite");
+        }
+    }
+    for (index, seen) in observations.iter().enumerate() {
+        let place = || format!("observation {}", index + 1);
+        if seen.body >= bodies.len() {
+            return invalid("body", seen.body as f64, place(), "an index of the bodies given");
+        }
+        if seen.quantity == Quantity::Pressure {
+            return invalid("quantity", seen.value, place(), "a deformation, not a pressure");
+        }
+        for (field, value) in [("reading_pa", seen.reading_pa), ("value", seen.value)] {
+            if !value.is_finite() {
+                return invalid(field, value, place(), "finite");
+            }
+        }
+        if !(seen.accuracy.is_finite() && seen.accuracy > 0.0) {
+            return invalid("accuracy", seen.accuracy, place(), "finite and > 0");
+        }
+    }
+    Ok(())
+}

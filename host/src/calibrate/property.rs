@@ -1,0 +1,193 @@
+//! What can be asked of the data, and what it means for an actuator.
+
+use std::fmt;
+
+use fra_model::{Material, Motion, Parameter, Placement};
+
+use super::Body;
+
+/// A property of an actuator or of its pressure sensor that data may determine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Property {
+    /// Shear modulus at small strain, Pa. A Yeoh wall keeps the ratios of its coefficients.
+    ShearModulus,
+    /// `C1` of a Yeoh wall, Pa.
+    YeohC1,
+    /// `C2`, Pa.
+    YeohC2,
+    /// `C3`, Pa.
+    YeohC3,
+    /// Fiber modulus `mu2`, Pa.
+    FiberModulus,
+    /// Fiber angle from the hoop, rad.
+    FiberAngle,
+    /// Thickness of the wall, m. The inner radius stays, and the winding keeps its relative place in the wall.
+    Wall,
+    /// Inner radius, m. The outer radius and that of the winding stay.
+    InnerRadius,
+    /// Length at rest, m.
+    Length,
+    /// What the pressure sensor reads at no pressure, Pa.
+    PressureOffset,
+    /// What the pressure sensor reads for 1 Pa more.
+    PressureGain,
+}
+
+impl Property {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::ShearModulus,
+        Self::YeohC1,
+        Self::YeohC2,
+        Self::YeohC3,
+        Self::FiberModulus,
+        Self::FiberAngle,
+        Self::Wall,
+        Self::InnerRadius,
+        Self::Length,
+        Self::PressureOffset,
+        Self::PressureGain,
+    ];
+
+    /// Its word on the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::ShearModulus => "shear_modulus",
+            Self::YeohC1 => "yeoh_c1",
+            Self::YeohC2 => "yeoh_c2",
+            Self::YeohC3 => "yeoh_c3",
+            Self::FiberModulus => "fiber_modulus",
+            Self::FiberAngle => "fiber_angle",
+            Self::Wall => "wall",
+            Self::InnerRadius => "inner_radius",
+            Self::Length => "length",
+            Self::PressureOffset => "pressure_offset",
+            Self::PressureGain => "pressure_gain",
+        }
+    }
+
+    /// The property of a word; `None` where there is none.
+    pub fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|property| property.word() == word)
+    }
+
+    /// SI unit; "1" for a ratio.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Self::FiberAngle => "rad",
+            Self::Wall | Self::InnerRadius | Self::Length => "m",
+            Self::PressureGain => "1",
+            _ => "Pa",
+        }
+    }
+
+    /// Whether it describes the elastomer, which all modules of a material share.
+    pub fn is_of_material(self) -> bool {
+        matches!(self, Self::ShearModulus | Self::YeohC1 | Self::YeohC2 | Self::YeohC3)
+    }
+
+    /// Whether it describes the winding.
+    pub fn is_of_winding(self) -> bool {
+        matches!(self, Self::FiberModulus | Self::FiberAngle)
+    }
+
+    /// Its value in a body; `None` where the body has no such property.
+    pub fn value(self, body: &Body) -> Option<f64> {
+        let p = &body.parameters;
+        let fiber = p.fiber.as_ref().filter(|_| p.motion != Motion::Bending);
+        match (self, p.material) {
+            (Self::ShearModulus, material) => Some(material.shear_modulus_pa()),
+            (Self::YeohC1, Material::Yeoh { c_pa }) => Some(c_pa[0]),
+            (Self::YeohC2, Material::Yeoh { c_pa }) => Some(c_pa[1]),
+            (Self::YeohC3, Material::Yeoh { c_pa }) => Some(c_pa[2]),
+            (Self::YeohC1 | Self::YeohC2 | Self::YeohC3, _) => None,
+            (Self::FiberModulus, _) => fiber.map(|fiber| fiber.modulus_pa),
+            (Self::FiberAngle, _) => fiber.map(|fiber| fiber.angle_rad),
+            (Self::Wall, _) => Some(p.outer_radius_m - p.inner_radius_m),
+            (Self::InnerRadius, _) => Some(p.inner_radius_m),
+            (Self::Length, _) => Some(p.length_m),
+            (Self::PressureOffset, _) => Some(body.pressure_offset_pa),
+            (Self::PressureGain, _) => Some(body.pressure_gain),
+        }
+    }
+
+    /// Gives it another value in a body that has it.
+    pub fn place(self, body: &mut Body, value: f64) {
+        let p = &mut body.parameters;
+        match self {
+            Self::ShearModulus => {
+                let ratio = value / p.material.shear_modulus_pa();
+                p.material = match p.material {
+                    Material::NeoHookean { .. } => Material::NeoHookean { shear_modulus_pa: value },
+                    Material::Yeoh { c_pa } => Material::Yeoh { c_pa: c_pa.map(|c| c * ratio) },
+                };
+            }
+            Self::YeohC1 | Self::YeohC2 | Self::YeohC3 => {
+                if let Material::Yeoh { c_pa } = &mut p.material {
+                    c_pa[self as usize - Self::YeohC1 as usize] = value;
+                }
+            }
+            Self::FiberModulus => p.fiber.iter_mut().for_each(|fiber| fiber.modulus_pa = value),
+            Self::FiberAngle => p.fiber.iter_mut().for_each(|fiber| fiber.angle_rad = value),
+            Self::Wall => {
+                let ratio = value / (p.outer_radius_m - p.inner_radius_m);
+                let inner = p.inner_radius_m;
+                p.outer_radius_m = inner + value;
+                p.fiber.iter_mut().for_each(|fiber| fiber.radius_m = inner + (fiber.radius_m - inner) * ratio);
+            }
+            Self::InnerRadius => p.inner_radius_m = value,
+            Self::Length => p.length_m = value,
+            Self::PressureOffset => body.pressure_offset_pa = value,
+            Self::PressureGain => body.pressure_gain = value,
+        }
+    }
+
+    /// The inputs of the model that change with it, each with its derivative; empty for what the sensor does.
+    pub(super) fn inputs(self, body: &Body) -> Vec<(Parameter, f64)> {
+        let p = &body.parameters;
+        match (self, p.material) {
+            (Self::ShearModulus, Material::NeoHookean { .. }) => vec![(Parameter::ShearModulus, 1.0)],
+            (Self::ShearModulus, Material::Yeoh { c_pa: [c1, c2, c3] }) => {
+                let modulus = 2.0 * c1;
+                vec![(Parameter::YeohC1, 0.5), (Parameter::YeohC2, c2 / modulus), (Parameter::YeohC3, c3 / modulus)]
+            }
+            (Self::YeohC1, _) => vec![(Parameter::YeohC1, 1.0)],
+            (Self::YeohC2, _) => vec![(Parameter::YeohC2, 1.0)],
+            (Self::YeohC3, _) => vec![(Parameter::YeohC3, 1.0)],
+            (Self::FiberModulus, _) => vec![(Parameter::FiberModulus, 1.0)],
+            (Self::FiberAngle, _) => vec![(Parameter::FiberAngle, 1.0)],
+            (Self::Wall, _) => {
+                let wall = p.outer_radius_m - p.inner_radius_m;
+                let wound =
+                    p.fiber.filter(|fiber| p.motion == Motion::Bending || fiber.placement != Placement::Smeared);
+                let winding = wound.map(|fiber| (Parameter::WindingRadius, (fiber.radius_m - p.inner_radius_m) / wall));
+                std::iter::once((Parameter::OuterRadius, 1.0)).chain(winding).collect()
+            }
+            (Self::InnerRadius, _) => vec![(Parameter::InnerRadius, 1.0)],
+            (Self::Length, _) => vec![(Parameter::Length, 1.0)],
+            (Self::PressureOffset | Self::PressureGain, _) => Vec::new(),
+        }
+    }
+
+    /// How well it must be known to be worth knowing: the half width of a confidence interval beyond which [`fit`](super::fit) refuses. In its unit.
+    pub(super) fn tolerance(self, body: &Body, largest_pressure_pa: f64) -> f64 {
+        let value = self.value(body).unwrap_or(0.0).abs();
+        let c1 = 0.5 * body.parameters.material.shear_modulus_pa();
+        match self {
+            // Elastomers have C2 of a tenth of C1 and C3 of a hundredth.
+            Self::YeohC2 => value.max(0.1 * c1),
+            Self::YeohC3 => value.max(0.01 * c1),
+            Self::FiberAngle => 0.1,
+            Self::PressureOffset => 0.1 * largest_pressure_pa,
+            Self::PressureGain => 0.25,
+            Self::Wall | Self::InnerRadius | Self::Length => 0.25 * value,
+            Self::ShearModulus | Self::YeohC1 | Self::FiberModulus => 0.5 * value,
+        }
+    }
+}
+
+impl fmt::Display for Property {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}

@@ -1,0 +1,149 @@
+//! Why data give no answer.
+
+use std::fmt::Write;
+
+use super::Property;
+
+/// Why a fit gives no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// There are no more points than unknowns, so that nothing is left to judge them by.
+    #[error(
+        "{unknowns} unknown{} from {points} point{}: {needed} points are the fewest, at different loads, \
+         because confidence needs one more than there are unknowns", plural(*.unknowns), plural(*.points)
+    )]
+    TooFewPoints {
+        /// How many unknowns are asked for.
+        unknowns: usize,
+        /// How many points there are.
+        points: usize,
+        /// How many it takes.
+        needed: usize,
+    },
+    /// The data cannot tell some of the unknowns.
+    #[error("{}", confusion(.names, .changes, *.moved, .advice))]
+    NotIdentified {
+        /// The unknowns that are confused, the strongest first; one alone is hardly seen by the data at all.
+        names: Vec<String>,
+        /// A change of each, in words, that the data do not see.
+        changes: Vec<String>,
+        /// What these changes together do to the deformations at most, in units of their accuracy.
+        moved: f64,
+        /// What would help.
+        advice: String,
+    },
+    /// An unknown that a body does not have.
+    #[error("{body} has no {property}: {because}")]
+    NoSuchProperty {
+        /// The body.
+        body: String,
+        /// What it does not have.
+        property: Property,
+        /// Why.
+        because: &'static str,
+    },
+    /// One unknown for bodies that differ in it.
+    #[error(
+        "one {property} for {first} and {other}, which start with different ones ({first_value} and {other_value} {unit}): fit it for each"
+    )]
+    Different {
+        /// The property.
+        property: Property,
+        /// A body.
+        first: String,
+        /// Its value.
+        first_value: f64,
+        /// Another body.
+        other: String,
+        /// Its value.
+        other_value: f64,
+        /// Unit of both.
+        unit: &'static str,
+    },
+    /// A value that is not accepted.
+    #[error("{field} = {value} of {place} is not allowed: {allowed}")]
+    Invalid {
+        /// The field, with its unit.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Where it is.
+        place: String,
+        /// What is accepted.
+        allowed: &'static str,
+    },
+    /// The model has no deformation at a pressure of the data, even with a harder wall.
+    #[error("{body} has no equilibrium at {reading_pa:.0} Pa{}: {hint}", limit(*.limit_pa))]
+    NoEquilibrium {
+        /// The body.
+        body: String,
+        /// The reading of its sensor, Pa.
+        reading_pa: f64,
+        /// Where its branch ends, Pa.
+        limit_pa: Option<f64>,
+        /// What to do.
+        hint: &'static str,
+    },
+    /// The descent did not end.
+    #[error("the fit did not settle after {steps} steps: start it nearer to the answer, or ask for fewer unknowns")]
+    NotSettled {
+        /// Steps made.
+        steps: usize,
+    },
+}
+
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
+fn limit(limit_pa: Option<f64>) -> String {
+    limit_pa.map_or(String::new(), |limit| format!(" (its limit point is at {limit:.0} Pa)"))
+}
+
+fn confusion(names: &[String], changes: &[String], moved: f64, advice: &str) -> String {
+    let mut text = match names {
+        [one] => format!("the data do not determine {one}: changing {}", changes.join(" and ")),
+        _ => format!("the data do not tell {} apart: changing {} together", names.join(" and "), changes.join(" and ")),
+    };
+    // Writing to a string cannot fail.
+    let _ = write!(text, " moves no point by more than {} of its accuracy. {advice}", share(moved));
+    text
+}
+
+fn share(moved: f64) -> String {
+    if moved < 1e-3 { format!("{moved:.1e}") } else { format!("{moved:.3}") }
+}
+
+/// What would tell confused unknowns apart.
+pub(super) fn advice(confused: &[Property]) -> String {
+    let has = |property| confused.contains(&property);
+    let modulus = has(Property::ShearModulus) || has(Property::YeohC1);
+    let text = match () {
+        () if modulus && has(Property::PressureGain) => {
+            "Only their ratio counts: measure the modulus in a tensile test, or the gain against a gauge, and fit the other."
+        }
+        () if modulus && (has(Property::Wall) || has(Property::InnerRadius)) => {
+            "A harder wall acts like a thicker one: measure the wall, or the modulus in a tensile test."
+        }
+        () if modulus && has(Property::PressureOffset) => {
+            "Points over a wider range of pressures help, and one without pressure fixes the offset."
+        }
+        () if has(Property::FiberModulus) && has(Property::FiberAngle) => {
+            "A second deformation of the same runs helps: the outer radius or the twist beside the stretch."
+        }
+        () if has(Property::YeohC2) || has(Property::YeohC3) => {
+            "Larger stretches help: the second coefficient needs a stretch of about 1.5, the third of about 2."
+        }
+        () if has(Property::FiberModulus) => {
+            "The fibers of these actuators hardly strain: an actuator that pulls at its fibers helps (angle near the neutral \
+             35 deg, higher pressure), or a tensile test of the thread."
+        }
+        () if has(Property::PressureOffset) || has(Property::PressureGain) => {
+            "Points over a wider range of pressures help, and one without pressure fixes the offset."
+        }
+        () => {
+            "More points help, at other pressures, of other deformations, or of larger ones; or fix one of the unknowns."
+        }
+    };
+    text.into()
+}
