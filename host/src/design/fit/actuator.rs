@@ -28,29 +28,29 @@ impl std::ops::AddAssign for Counts {
 
 /// The highest pressure that a geometry may be given.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cap {
-    pub(super) pressure_pa: f64,
+pub(in crate::design) struct Cap {
+    pub(in crate::design) pressure_pa: f64,
     /// The state at the limit point, where the margin to it is what bounds the pressure.
     pub(super) limit: Option<State<f64>>,
 }
 
 /// One segment at one geometry.
-pub(super) struct Candidate<'a> {
+pub(in crate::design) struct Candidate<'a> {
     pub(super) segment: &'a Segment,
-    pub(super) geometry: Geometry,
-    pub(super) actuator: Actuator<f64>,
+    pub(in crate::design) geometry: Geometry,
+    pub(in crate::design) actuator: Actuator<f64>,
 }
 
 impl<'a> Candidate<'a> {
     /// `None` where the model cannot take the geometry.
-    pub(super) fn new(segment: &'a Segment, place: &[f64]) -> Option<Self> {
+    pub(in crate::design) fn new(segment: &'a Segment, place: &[f64]) -> Option<Self> {
         let geometry = segment.geometry(place);
         let actuator = Actuator::new(&segment.parameters(&geometry)).ok()?;
         Some(Self { segment, geometry, actuator })
     }
 
     /// What eq. (14) compares.
-    pub(super) fn measure(&self, state: &State<f64>) -> f64 {
+    pub(in crate::design) fn measure(&self, state: &State<f64>) -> f64 {
         self.segment.measure(state, self.geometry.length_m)
     }
 
@@ -65,13 +65,13 @@ impl<'a> Candidate<'a> {
     }
 
     /// The state at a pressure within the cap.
-    pub(super) fn at(&self, pressure_pa: f64, counts: &mut Counts) -> Option<State<f64>> {
+    pub(in crate::design) fn at(&self, pressure_pa: f64, counts: &mut Counts) -> Option<State<f64>> {
         let solution = self.forward(None, pressure_pa, counts)?;
         (solution.status == Status::Solved).then_some(solution.state)
     }
 
     /// The state at a deformation.
-    pub(super) fn inverse(&self, value: f64, counts: &mut Counts) -> Option<State<f64>> {
+    pub(in crate::design) fn inverse(&self, value: f64, counts: &mut Counts) -> Option<State<f64>> {
         let target = self.segment.target(value, self.geometry.length_m)?;
         counts.solves += 1;
         let solution = self.actuator.inverse(target, &Load::none()).ok()?;
@@ -79,7 +79,7 @@ impl<'a> Candidate<'a> {
     }
 
     /// The highest pressure: that of the bounds, or the margin below the limit point where that is less.
-    pub(super) fn cap(&self, counts: &mut Counts) -> Option<Cap> {
+    pub(in crate::design) fn cap(&self, counts: &mut Counts) -> Option<Cap> {
         let (highest, share) = (self.segment.pressure_max_pa, 1.0 - self.segment.limit_margin);
         if self.segment.bends_without_limit() {
             return Some(Cap { pressure_pa: highest, limit: None });

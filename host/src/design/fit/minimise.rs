@@ -128,7 +128,7 @@ fn foretold_by(hessian: &DMatrix<f64>, gradient: &DVector<f64>, step: &DVector<f
 
 /// The step to the minimum of the damped model within the box, and what it foretells. Variables that the step would push out of the box
 /// are held at its faces, and the others adapted to that.
-fn bounded_step(
+pub(in crate::design) fn bounded_step(
     hessian: &DMatrix<f64>,
     gradient: &DVector<f64>,
     place: &DVector<f64>,

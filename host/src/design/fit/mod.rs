@@ -17,9 +17,12 @@ mod search;
 mod shared;
 mod swarm;
 
+pub(super) use actuator::Candidate;
 pub use actuator::Counts;
 pub use answer::{Answer, Design, DesignError, PhaseAnswer, SegmentAnswer, Terms, search, solve};
 pub use file::ProblemError;
+pub(super) use minimise::bounded_step;
 pub use problem::{Bounds, Geometry, GeometryBounds, Goal, Problem, Segment, Sizes, Winding};
+pub(super) use search::Random;
 pub use search::{Effort, Starts};
 pub use swarm::{Swarm, swarm};

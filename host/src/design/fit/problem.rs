@@ -134,7 +134,7 @@ impl Problem {
 
 impl Segment {
     /// Whether its bend rises with every pressure: walls that do not soften have no limit point (`docs/model.md`, section 5).
-    pub(super) fn bends_without_limit(&self) -> bool {
+    pub(in crate::design) fn bends_without_limit(&self) -> bool {
         let stiffens = match self.material {
             Material::NeoHookean { .. } => true,
             Material::Yeoh { c_pa } => c_pa[1] >= 0.0 && c_pa[2] >= 0.0,
@@ -148,7 +148,7 @@ impl Segment {
     }
 
     /// Least value and width of each variable.
-    pub(super) fn axis(&self, index: usize) -> Bounds {
+    pub(in crate::design) fn axis(&self, index: usize) -> Bounds {
         let [low, high] = match index {
             0 | 1 => self.bounds.sizes_m[index],
             2 => self.bounds.length_m,
@@ -167,7 +167,7 @@ impl Segment {
     }
 
     /// The geometry at a place of the unit box, whose ends are the bounds to the digit.
-    pub(super) fn geometry(&self, place: &[f64]) -> Geometry {
+    pub(in crate::design) fn geometry(&self, place: &[f64]) -> Geometry {
         let at = |index: usize| {
             let [low, width] = self.axis(index);
             if place[index] == 1.0 { self.highest(index) } else { low + place[index] * width }

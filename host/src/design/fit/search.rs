@@ -48,21 +48,21 @@ pub struct Starts {
 }
 
 /// Uniform numbers from a seed.
-pub(super) struct Random(ChaCha8Rng);
+pub(in crate::design) struct Random(ChaCha8Rng);
 
 impl Random {
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    pub(in crate::design) fn new(seed: u64, stream: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
         Self(generator)
     }
 
     /// In `0..1`.
-    pub(super) fn uniform(&mut self) -> f64 {
+    pub(in crate::design) fn uniform(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    pub(super) fn place(&mut self, width: usize) -> Vec<f64> {
+    pub(in crate::design) fn place(&mut self, width: usize) -> Vec<f64> {
         (0..width).map(|_| self.uniform()).collect()
     }
 }

@@ -1,0 +1,103 @@
+//! The centre line of one module in closed form, with its derivatives.
+//!
+//! The screw of rotation `w = (0, beta, tau)` and translation `(0, 0, l)` ends at `l V e_z`, where `V` is the left Jacobian of the
+//! rotation, `V = 1 + a [w] + b [w]^2`, `a = (1 - cos t)/t^2`, `b = (t - sin t)/t^3`, `t = |w|`. Hence the point is
+//! `l (a beta, b beta tau, 1 - b beta^2)`, and a change of the rotation by `dw` turns the end by `V dw`.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Square of the angle below which the coefficients are series.
+const SMALL: f64 = 0.04;
+
+/// One end of an arc, seen from its start, with the derivatives of both its place and its direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arc {
+    /// The end, m.
+    pub(super) point: Vector3<f64>,
+    /// Derivative of the end by length, bend and twist.
+    pub(super) by: [Vector3<f64>; 3],
+    /// Turn of the end per bend and per twist.
+    pub(super) turn: [Vector3<f64>; 2],
+    /// Direction of the end.
+    pub(super) rotation: Matrix3<f64>,
+}
+
+/// `a`, `b` and their derivatives by `t^2`.
+fn coefficients(square: f64) -> [f64; 4] {
+    let q = square;
+    if q < SMALL {
+        let series = |c: [f64; 5]| c[0] + q * (c[1] + q * (c[2] + q * (c[3] + q * c[4])));
+        return [
+            series([0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]),
+            series([1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0, 1.0 / 39_916_800.0]),
+            series([-1.0 / 24.0, 1.0 / 360.0, -1.0 / 13_440.0, 1.0 / 907_200.0, -1.0 / 95_800_320.0]),
+            series([-1.0 / 120.0, 1.0 / 2520.0, -1.0 / 120_960.0, 1.0 / 9_979_200.0, -1.0 / 1_245_404_160.0]),
+        ];
+    }
+    let t = q.sqrt();
+    let (sin, cos) = t.sin_cos();
+    let sinc = sin / t;
+    let (a, b) = ((1.0 - cos) / q, (1.0 - sinc) / q);
+    [a, b, (0.5 * sinc - a) / q, ((sinc - cos) / (2.0 * q) - b) / q]
+}
+
+/// The point of the centre line at a length, m, seen from the start, with a bend and a twist up to there, rad.
+pub(super) fn point(length: f64, bend: f64, twist: f64) -> Vector3<f64> {
+    let [a, b, ..] = coefficients(bend * bend + twist * twist);
+    length * Vector3::new(a * bend, b * bend * twist, 1.0 - b * bend * bend)
+}
+
+impl Arc {
+    pub(super) fn new(length: f64, bend: f64, twist: f64) -> Self {
+        let square = bend * bend + twist * twist;
+        let [a, b, a1, b1] = coefficients(square);
+        let along = Vector3::new(a * bend, b * bend * twist, 1.0 - b * bend * bend);
+        let by_square = Vector3::new(a1 * bend, b1 * bend * twist, -b1 * bend * bend);
+        let by_bend = Vector3::new(a, b * twist, -2.0 * b * bend) + by_square * (2.0 * bend);
+        let by_twist = Vector3::new(0.0, b * bend, 0.0) + by_square * (2.0 * twist);
+        let turn_by_bend = Vector3::new(-a * twist, 1.0 - b * twist * twist, b * bend * twist);
+        // exp[w] = 1 + sinc [w] + a [w]^2, with sinc = 1 - b t^2.
+        let cross = Vector3::new(0.0, bend, twist).cross_matrix();
+        let rotation = Matrix3::identity() + cross * (1.0 - b * square) + cross * cross * a;
+        Self {
+            point: length * along,
+            by: [along, length * by_bend, length * by_twist],
+            turn: [turn_by_bend, along],
+            rotation,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fra_model::Segment;
+
+    use super::*;
+
+    /// Differences of the kinematics of the model, which multiplies quaternions and knows none of these formulas.
+    #[test]
+    fn ends_and_derivatives_are_those_of_the_kinematics() {
+        let segment = |x: [f64; 3]| Segment { length_m: x[0], bend_angle_rad: x[1], twist_rad: x[2] }.pose();
+        for x in [[0.2, 0.0, 0.0], [0.2, 0.05, 0.1], [0.2, 0.12, 0.17], [0.3, 1.3, -0.7], [0.1, 3.0, 2.0]] {
+            let arc = Arc::new(x[0], x[1], x[2]);
+            let pose = segment(x);
+            assert!((arc.point - pose.translation.vector).norm() < 1e-15, "{x:?}");
+            assert!((point(x[0], x[1], x[2]) - arc.point).norm() < 1e-16);
+            assert!((arc.rotation - pose.rotation.to_rotation_matrix().matrix()).norm() < 1e-14, "{x:?}");
+            for i in 0..3 {
+                let h = 1e-5;
+                let moved = |step: f64| {
+                    let mut y = x;
+                    y[i] += step;
+                    segment(y)
+                };
+                let (forth, back) = (moved(h), moved(-h));
+                let slope = (forth.translation.vector - back.translation.vector) / (2.0 * h);
+                assert!((arc.by[i] - slope).norm() < 1e-9, "{x:?} {i}");
+                let turn = (forth.rotation * back.rotation.inverse()).scaled_axis() / (2.0 * h);
+                let expected = if i == 0 { Vector3::zeros() } else { arc.turn[i - 1] };
+                assert!((expected - turn).norm() < 1e-9, "{x:?} {i}");
+            }
+        }
+    }
+}

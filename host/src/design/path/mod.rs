@@ -1,0 +1,31 @@
+//! A whole limb from what its tip shall do: sizes, mount angles and pressures for way-points among obstacles, and, where it is asked for,
+//! the motions of the modules and their order.
+//!
+//! The search is kinematic. What a section can do between rest and the highest pressure it may be given is interpolated once from the model
+//! (`response.rs`, `table.rs`); after that a limb is a chain of screws whose points have closed derivatives by every variable (`arc.rs`,
+//! `chain.rs`), and squared errors of the tip and squared penetrations are bounded least squares (`objective.rs`, `descent.rs`), started
+//! again where they end badly (`search.rs`). What is found is settled and confirmed with the model itself (`realise.rs`, `confirm.rs`).
+//! `docs/design-path.md` has the equations and the figures.
+
+mod aim;
+mod arc;
+mod candidate;
+mod chain;
+mod confirm;
+mod descent;
+pub mod kinds;
+mod layout;
+mod moves;
+mod objective;
+mod order;
+mod points;
+mod realise;
+mod response;
+mod rows;
+mod search;
+mod table;
+mod task;
+
+pub use candidate::{CLEAR_M, Candidate, Figures, ModuleDesign, ModuleMotion, REACHED_M, Shortfall, WayPointAnswer};
+pub use order::{Effort, Evaluator, design};
+pub use task::{Aim, Direction, MOST_MODULES, MOST_WAY_POINTS, Obstacle, Space, Task, TaskError, WayPoint};
