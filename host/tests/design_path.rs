@@ -2,6 +2,8 @@
 //!
 //! What is expected comes from the model asked anew, from dense samples, and from symmetries of space.
 
+#[path = "design_path/choosing.rs"]
+mod choosing;
 #[path = "design_path/hard_cases.rs"]
 mod hard_cases;
 #[path = "design_path/remade.rs"]

@@ -44,7 +44,7 @@ pub struct ModuleDesign {
     pub fiber_angle_rad: f64,
     /// Direction that it bends towards, rad about the limb's axis; 0 for other motions.
     pub mount_angle_rad: f64,
-    /// The highest gauge pressure it may be given, Pa.
+    /// The highest gauge pressure that its bounds allow, with the margin to the limit point, Pa.
     pub pressure_cap_pa: f64,
     /// Mass of the elastomer of all its actuators and of its rigid parts, kg.
     pub mass_kg: f64,

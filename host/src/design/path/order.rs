@@ -67,7 +67,7 @@ impl Order<'_> {
     }
 
     /// The best limb of searches that go on until one does it or the evaluations are spent.
-    fn nearest(&self, random: &mut Random, evaluations: usize) -> Result<Candidate, TaskError> {
+    pub(super) fn nearest(&self, random: &mut Random, evaluations: usize) -> Result<Candidate, TaskError> {
         let layout = Layout::new(&self.spaces, self.task.way_points.len());
         let mut objective = Objective::new(self.task, layout, self.tables.clone(), ON_A_MOVE);
         let mut best: Option<Candidate> = None;
