@@ -3,18 +3,24 @@
 //!     cargo run --release -p softlimb --example design_path SEEDS [KINDS] [EVALUATIONS]
 //!
 //! prints objective and time for each seed, and what share of them is below some bounds. With `evaluate KIND SEED` it answers the objective
-//! for places of the unit box instead, one a line on the standard input: so that other searches can be set against this one.
+//! for places of the unit box instead, one a line on the standard input: so that other searches can be set against this one. With
+//! `choose KIND SEED` it chooses the motions and their order, of up to three modules, on two threads, and prints the limbs that nothing
+//! is better than.
 
 use std::io::{BufRead, Write};
 use std::time::Instant;
 
-use softlimb::design::path::kinds::Kind;
-use softlimb::design::path::{Effort, Evaluator, design};
+use fra_model::Motion;
+use softlimb::design::path::kinds::{Kind, space};
+use softlimb::design::path::{Choice, Choosing, Effort, Evaluator, Outcome, choose, design};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if arguments.first().is_some_and(|first| first == "evaluate") {
         return evaluate(kind(&arguments[1]), arguments[2].parse()?);
+    }
+    if arguments.first().is_some_and(|first| first == "choose") {
+        return choice(kind(&arguments[1]), arguments[2].parse()?);
     }
     let seeds: u64 = arguments.first().map_or(Ok(20), |text| text.parse())?;
     let kinds = arguments.get(1).map_or("ABCE", String::as_str);
@@ -78,6 +84,42 @@ fn evaluate(kind: Kind, seed: u64) -> Result<(), Box<dyn std::error::Error>> {
         let place = line?.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
         writeln!(out, "{:e}", evaluator.objective(&place))?;
         out.flush()?;
+    }
+    Ok(())
+}
+
+fn choice(kind: Kind, seed: u64) -> Result<(), Box<dyn std::error::Error>> {
+    let mut task = kind.pose(seed)?.task;
+    (task.moves, task.from_rest) = (true, true);
+    let kinds = [Motion::Extension, Motion::Expansion, Motion::Bending, Motion::Twisting].map(space);
+    let begin = Instant::now();
+    let observe = |choice: &Choice| {
+        eprint!("\r{} of {} orders, {:.0} s", choice.searched.len(), choice.total, begin.elapsed().as_secs_f64());
+        true
+    };
+    let choice = choose(&task, &kinds, &Choosing::default(), Choice::default(), &observe)?;
+    eprintln!();
+    let left_out = choice.searched.iter().filter(|searched| matches!(searched.outcome, Outcome::LeftOut(_))).count();
+    println!(
+        "{} {seed}: {} orders, {left_out} left out, {:.1} s on two threads",
+        kind.letter(),
+        choice.total,
+        begin.elapsed().as_secs_f64()
+    );
+    println!("tip error mm  pressure kPa  mass kg  spare clearance mm  air l  modules");
+    for limb in choice.pareto() {
+        let figures = &limb.figures;
+        let modules: Vec<String> =
+            limb.modules.iter().map(|module| format!("{:?}", module.motion).to_lowercase()).collect();
+        println!(
+            "{:12.3e}  {:12.1}  {:7.3}  {:18.2}  {:5.2}  {}",
+            figures.tip_error_rms_m * 1e3,
+            figures.pressure_max_pa * 1e-3,
+            figures.mass_kg,
+            figures.spare_clearance_m.unwrap_or(f64::NAN) * 1e3,
+            figures.air_m3 * 1e3,
+            modules.join(", ")
+        );
     }
     Ok(())
 }

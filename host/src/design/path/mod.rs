@@ -16,6 +16,7 @@ mod confirm;
 mod descent;
 pub mod kinds;
 mod layout;
+mod made;
 mod moves;
 mod objective;
 mod order;
