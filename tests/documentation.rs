@@ -25,6 +25,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/design-path.md",
         "docs/design.md",
         "docs/eval-batch.md",
+        "docs/fabrication.md",
         "docs/fem-decks.md",
         "docs/hardware.md",
         "docs/model.md",

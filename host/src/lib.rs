@@ -12,6 +12,7 @@ pub mod cli;
 pub mod design;
 mod elastomer;
 pub mod eval;
+pub mod fabricate;
 pub mod fem;
 #[cfg(test)]
 mod hyper_dual;

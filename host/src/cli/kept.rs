@@ -71,8 +71,8 @@ pub(super) fn read(file: &Path) -> Result<String, Failure> {
 }
 
 /// Writes a file, whole or not at all, and says so.
-pub(super) fn write(file: &Path, text: &str) -> Result<(), Failure> {
-    write_whole(file, text).map_err(Failure::new)?;
+pub(super) fn write(file: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), Failure> {
+    write_whole(file, content).map_err(Failure::new)?;
     note(&format!("wrote {}", file.display()));
     Ok(())
 }

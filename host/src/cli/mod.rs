@@ -7,6 +7,7 @@ mod bench;
 mod check;
 mod design;
 mod eval;
+mod fabricate;
 mod failure;
 mod fem;
 mod kept;
@@ -49,6 +50,7 @@ enum Verb {
     Report(report::Report),
     Bench(bench::Bench),
     Fem(fem::Fem),
+    Fabricate(fabricate::Fabricate),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -70,6 +72,7 @@ pub fn main() -> ExitCode {
         Verb::Report(verb) => verb.run(),
         Verb::Bench(verb) => verb.run(),
         Verb::Fem(verb) => verb.run(),
+        Verb::Fabricate(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

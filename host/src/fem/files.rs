@@ -18,13 +18,13 @@ pub fn make_folder(folder: &Path) -> Result<(), FemError> {
     fs::create_dir_all(folder).map_err(at("create", folder))
 }
 
-/// Writes a text under a temporary name next to its place, and moves it there when all of it is on the disk. A link stays one: the file it
-/// leads to is replaced. What is there and is no file, such as a pipe or a terminal, gets the text as it is.
+/// Writes a file under a temporary name next to its place, and moves it there when all of it is on the disk. A link stays one: the file it
+/// leads to is replaced. What is there and is no file, such as a pipe or a terminal, gets the content as it is.
 ///
 /// # Errors
 /// [`FemError::File`]; an earlier file of the name is then untouched.
-pub fn write_whole(path: &Path, text: &str) -> Result<(), FemError> {
-    place(path).and_then(|place| replace(&place, text)).map_err(at("write", path))
+pub fn write_whole(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), FemError> {
+    place(path).and_then(|place| replace(&place, content.as_ref())).map_err(at("write", path))
 }
 
 /// Where a text goes.
@@ -50,16 +50,16 @@ fn place(path: &Path) -> io::Result<Place> {
     }
 }
 
-fn replace(place: &Place, text: &str) -> io::Result<()> {
+fn replace(place: &Place, content: &[u8]) -> io::Result<()> {
     let path = match place {
         Place::File(path) => path,
-        Place::Stream(path) => return OpenOptions::new().append(true).open(path)?.write_all(text.as_bytes()),
+        Place::Stream(path) => return OpenOptions::new().append(true).open(path)?.write_all(content),
     };
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", process::id()));
     let part = path.with_file_name(name);
     let written = File::create(&part).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
+        file.write_all(content)?;
         file.sync_all()
     });
     let done = written.and_then(|()| fs::rename(&part, path));

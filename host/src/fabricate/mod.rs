@@ -1,0 +1,24 @@
+//! From a scene to what a workshop needs: a sheet, the paths of the thread and the parts of the mold for each actuator, and what the tip
+//! makes of the workshop's errors.
+//!
+//! [`plan`] resolves how an actuator is wound and cast, or says at the scene's line why it cannot be made. [`sheet`] writes that down,
+//! [`path`] walks along the thread, [`mold`] shapes the core and the shells. [`tolerance`] asks how far errors of wall, angle
+//! and modulus move the tip. `docs/fabrication.md` has the conventions.
+//!
+//! This room takes scenes and gives texts and meshes; it reads and writes no file.
+
+mod error;
+pub mod mold;
+pub mod path;
+mod piece;
+mod rows;
+mod settings;
+pub mod sheet;
+pub mod tolerance;
+mod winding;
+
+pub use error::FabricateError;
+pub use piece::{Copy, Piece, plan};
+pub use settings::{Settings, Thread};
+pub use tolerance::Tolerances;
+pub use winding::{Hand, Winding, Worth};
