@@ -33,7 +33,7 @@ fn a_thread_is_as_long_as_the_hypotenuse_of_its_unrolled_triangle() {
         assert!((winding.thread_m() / length - 1.0).abs() < 1e-13, "{} {length}", winding.thread_m());
         for hand in &winding.hands {
             let path = points(winding, *hand, 1e-7);
-            let last = path.iter().filter(|point| point.start == 0).next_back().unwrap();
+            let last = path.iter().rfind(|point| point.start == 0).unwrap();
             assert!((last.arc_m / length - 1.0).abs() < 1e-13);
             let chords: f64 = path.windows(2).filter(|w| w[0].start == w[1].start).map(|w| apart(&w[0], &w[1])).sum();
             let sum = chords / f64::from(winding.starts);
