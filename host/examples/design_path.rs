@@ -1,8 +1,9 @@
 //! How well limbs are found for tasks of tip way-points among obstacles.
 //!
-//!     cargo run --release -p softlimb --example design_path SEEDS [KINDS] [EVALUATIONS]
+//!     cargo run --release -p softlimb --example design_path SEEDS [KINDS] [EVALUATIONS] [moves]
 //!
-//! prints objective and time for each seed, and what share of them is below some bounds. With `evaluate KIND SEED` it answers the objective
+//! prints objective and time for each seed, and how many of them are below some bounds; with `moves` the moves from rest and
+//! from each way-point to the next keep clear too, which not every task allows. With `evaluate KIND SEED` it answers the objective
 //! for places of the unit box instead, one a line on the standard input: so that other searches can be set against this one. With
 //! `choose KIND SEED` it chooses the motions and their order, of up to three modules, on two threads, and prints the limbs that nothing
 //! is better than.
@@ -23,24 +24,26 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return choice(kind(&arguments[1]), arguments[2].parse()?);
     }
     let seeds: u64 = arguments.first().map_or(Ok(20), |text| text.parse())?;
-    let kinds = arguments.get(1).map_or("ABCE", String::as_str);
+    let kinds = arguments.get(1).map_or("ABCEH", String::as_str);
     let evaluations = arguments.get(2).map_or(Ok(Effort::default().evaluations), |text| text.parse())?;
+    let moves = arguments.get(3).is_some_and(|word| word == "moves");
     for letter in kinds.chars() {
-        table(kind(&letter.to_string()), seeds, evaluations)?;
+        table(kind(&letter.to_string()), seeds, evaluations, moves)?;
     }
     Ok(())
 }
 
 fn kind(letter: &str) -> Kind {
     let found = Kind::ALL.into_iter().find(|kind| letter.starts_with(kind.letter()));
-    found.unwrap_or_else(|| panic!("a kind of task: A, B, C or E, not {letter}"))
+    found.unwrap_or_else(|| panic!("a kind of task: A, B, C, E or H, not {letter}"))
 }
 
-fn table(kind: Kind, seeds: u64, evaluations: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn table(kind: Kind, seeds: u64, evaluations: usize, moves: bool) -> Result<(), Box<dyn std::error::Error>> {
     let mut objectives = Vec::new();
     let mut times = Vec::new();
     for seed in 0..seeds {
-        let posed = kind.pose(seed)?;
+        let mut posed = kind.pose(seed)?;
+        (posed.task.moves, posed.task.from_rest) = (moves, moves);
         let begin = Instant::now();
         let found = design(&posed.task, &posed.spaces, &Effort { seed, evaluations })?;
         let seconds = begin.elapsed().as_secs_f64();

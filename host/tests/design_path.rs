@@ -2,6 +2,8 @@
 //!
 //! What is expected comes from the model asked anew, from dense samples, and from symmetries of space.
 
+#[path = "design_path/asked.rs"]
+mod asked;
 #[path = "design_path/choosing.rs"]
 mod choosing;
 #[path = "design_path/hard_cases.rs"]
@@ -32,7 +34,7 @@ fn tasks_that_a_hidden_limb_does_are_done_to_a_micrometre() {
                 assert!((tip - point).norm() <= 1e-6, "{kind:?} {seed}: {:e} m", (tip - point).norm());
                 assert!((tip - Vector3::from(answer.tip_m)).norm() < 1e-12);
                 let least = remade.least_clearance(&links);
-                assert!(least > -5e-5, "{kind:?} {seed}: {least}");
+                assert!(least > -4e-5, "{kind:?} {seed}: {least}");
                 assert!((answer.clearance_m.unwrap() - least).abs() < 2e-4, "{:?} {least}", answer.clearance_m);
             }
             remade.within_bounds(&found);
@@ -47,7 +49,7 @@ fn moves_are_free_of_collisions_between_their_ends() {
         let mut posed = kind.pose(seed).unwrap();
         (posed.task.moves, posed.task.from_rest) = (true, true);
         posed.task.obstacles.truncate(2);
-        let found = design(&posed.task, &posed.spaces, &Effort::default()).unwrap();
+        let found = design(&posed.task, &posed.spaces, &Effort { evaluations: 2000, ..Effort::default() }).unwrap();
         let remade = Remade::new(&posed.task, &posed.spaces, &found);
         let mut least = f64::INFINITY;
         let mut before = remade.rest();
@@ -58,7 +60,7 @@ fn moves_are_free_of_collisions_between_their_ends() {
                 least_of_move = least_of_move.min(remade.least_clearance(&links));
             }
             let claimed = answer.move_clearance_m.unwrap();
-            assert!(claimed < least_of_move + 2e-5, "{kind:?} {seed}: {claimed} claimed, {least_of_move} found");
+            assert!(claimed < least_of_move + 3e-5, "{kind:?} {seed}: {claimed} claimed, {least_of_move} found");
             assert!(claimed > least_of_move - 2e-3, "{kind:?} {seed}: {claimed} claimed, {least_of_move} found");
             before = answer.deformation.clone();
             least = least.min(least_of_move);

@@ -56,7 +56,7 @@ fn figures(limb: &Candidate) -> [f64; 5] {
         error,
         figures.pressure_max_pa,
         figures.mass_kg,
-        -if spare.abs() < 2e-5 { spare.max(0.0) } else { spare },
+        -if spare.abs() < 4e-5 { spare.max(0.0) } else { spare },
         figures.air_m3,
     ]
 }

@@ -172,8 +172,8 @@ pub struct Candidate {
 
 /// A tip error that counts as none, m.
 pub const REACHED_M: f64 = 1e-6;
-/// A missing clearance that counts as none, m.
-pub const CLEAR_M: f64 = 2e-5;
+/// A missing clearance that counts as none, m; what is found keeps as much more than is required where it can.
+pub const CLEAR_M: f64 = 4e-5;
 
 impl Candidate {
     /// Whether every way-point is reached within [`REACHED_M`] (and its direction within 1e-5 rad) and every clearance kept.

@@ -77,7 +77,7 @@ fn nearest(exact: &Exact, curves: &[Curve], to: usize) -> Vec<(f64, f64)> {
     let (objective, task) = (&exact.objective, exact.objective.task);
     let line = Move { objective, place: &exact.place, curves, from: to.checked_sub(1), to };
     let found = task.obstacles.iter().filter_map(|obstacle| {
-        let distance_m = line.least(&obstacle.shape)?.clearance.distance_m;
+        let distance_m = line.nearest(&obstacle.shape, f64::INFINITY)?.clearance.distance_m;
         Some((distance_m - obstacle.clearance_m, distance_m))
     });
     found.collect()

@@ -1,4 +1,5 @@
-//! Tasks by kind and seed, to measure methods on: three modules, four to six way-points, three obstacles, and a hidden limb that does it.
+//! Tasks by kind and seed, to measure methods on: three modules, four to six way-points, three obstacles (kind H: eight, and six
+//! way-points), and a hidden limb that does it.
 //!
 //! | kind | modules from the base |
 //! | --- | --- |
@@ -6,6 +7,7 @@
 //! | B | twisting, bending, extension |
 //! | C | extension, bending, bending |
 //! | E | bending, bending, extension |
+//! | H | extension, bending, bending, hemmed in |
 
 use std::f64::consts::PI;
 
@@ -31,6 +33,8 @@ pub enum Kind {
     C,
     /// Bending, bending, extension.
     E,
+    /// Extension, bending, bending among eight obstacles.
+    H,
 }
 
 /// A task, and what its modules may be.
@@ -44,7 +48,7 @@ pub struct Posed {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 4] = [Self::A, Self::B, Self::C, Self::E];
+    pub const ALL: [Self; 5] = [Self::A, Self::B, Self::C, Self::E, Self::H];
 
     /// Its letter.
     pub fn letter(self) -> char {
@@ -53,6 +57,7 @@ impl Kind {
             Self::B => 'B',
             Self::C => 'C',
             Self::E => 'E',
+            Self::H => 'H',
         }
     }
 
@@ -61,7 +66,7 @@ impl Kind {
         match self {
             Self::A => [Motion::Extension, Motion::Bending, Motion::Extension],
             Self::B => [Motion::Twisting, Motion::Bending, Motion::Extension],
-            Self::C => [Motion::Extension, Motion::Bending, Motion::Bending],
+            Self::C | Self::H => [Motion::Extension, Motion::Bending, Motion::Bending],
             Self::E => [Motion::Bending, Motion::Bending, Motion::Extension],
         }
     }
@@ -73,7 +78,8 @@ impl Kind {
     pub fn pose(self, seed: u64) -> Result<Posed, TaskError> {
         let spaces: Vec<Space> = self.motions().map(space).to_vec();
         let mut random = Random::new(seed, 1000 + self.letter() as u64);
-        let count = 4 + (3.0 * random.uniform()) as usize;
+        let hemmed_in = self == Self::H;
+        let count = if hemmed_in { 6 } else { 4 + (3.0 * random.uniform()) as usize };
         let mut task = empty_task(count);
         let hidden: Vec<Space> =
             spaces.iter().map(|space| space.at_section(std::array::from_fn(|_| random.uniform()))).collect();
@@ -83,7 +89,7 @@ impl Kind {
         let objective = Objective::new(&task, layout, tables.iter().collect(), 0);
         let bodies: Vec<_> = (0..count).map(|index| body_and_tip(&objective, &place, index)).collect();
         task.way_points = bodies.iter().map(|(_, tip)| WayPoint::at((*tip).into())).collect();
-        task.obstacles = obstacles(&bodies, &mut random);
+        task.obstacles = obstacles(&bodies, if hemmed_in { 8 } else { 3 }, &mut random);
         Ok(Posed { task, spaces })
     }
 }
@@ -143,10 +149,10 @@ fn body_and_tip(objective: &Objective, place: &[f64], way_point: usize) -> (Body
     (chain.body(objective.task), chain.tip)
 }
 
-/// Three solids, each a few millimetres beside the hidden limb at one way-point and clear of it at all.
-fn obstacles(bodies: &[(Body, Vector3<f64>)], random: &mut Random) -> Vec<Obstacle> {
+/// Solids, each a few millimetres beside the hidden limb at one way-point and clear of it at all.
+fn obstacles(bodies: &[(Body, Vector3<f64>)], count: usize, random: &mut Random) -> Vec<Obstacle> {
     let mut obstacles: Vec<Obstacle> = Vec::new();
-    while obstacles.len() < 3 {
+    while obstacles.len() < count {
         let (body, _) = &bodies[(random.uniform() * bodies.len() as f64) as usize];
         let piece = body.pieces()[(random.uniform() * body.pieces().len() as f64) as usize];
         let mut unit = || Vector3::from_fn(|_, _| 2.0 * random.uniform() - 1.0).normalize();
@@ -155,7 +161,7 @@ fn obstacles(bodies: &[(Body, Vector3<f64>)], random: &mut Random) -> Vec<Obstac
         let gap_m = 2e-3 + 8e-3 * random.uniform();
         let center_m = piece.point_m(random.uniform()) + away * (piece.radius_m() + radius_m + gap_m);
         let half = along * 0.05;
-        let shape = match obstacles.len() {
+        let shape = match obstacles.len() % 3 {
             0 => Shape::sphere(center_m.into(), radius_m),
             1 => Shape::capsule((center_m - half).into(), (center_m + half).into(), radius_m),
             _ => Shape::cuboid(center_m.into(), [radius_m; 3], nalgebra::UnitQuaternion::from_scaled_axis(along)),

@@ -9,7 +9,7 @@ use super::table::Curve;
 use crate::obstacle::{Body, Clearance, Shape};
 
 /// Largest error of a clearance along a move, m: never more than this above the true one.
-const TOLERANCE_M: f64 = 1e-5;
+const TOLERANCE_M: f64 = 2e-5;
 /// Deformations at which speeds are asked for; they change little in between, and a tenth is added.
 const SAMPLES: usize = 9;
 const RESERVE: f64 = 1.1;
@@ -65,35 +65,35 @@ impl Move<'_, '_> {
         RESERVE * speed
     }
 
-    /// The nearest to a solid, along the move where moves count, else at its end.
-    pub(super) fn least(&self, shape: &Shape) -> Option<Nearest> {
+    /// Where it comes nearest to a solid, along the move where moves count, else at its end; `None` where it keeps `enough_m`.
+    pub(super) fn nearest(&self, shape: &Shape, enough_m: f64) -> Option<Nearest> {
+        let mut best = None;
+        improve(&mut best, self.body(1.0).nearest(shape, enough_m), 1.0);
         if self.objective.task.move_to(self.to) {
-            self.nearest(shape)
-        } else {
-            self.body(1.0).clearance(shape).map(|clearance| Nearest { clearance, share: 1.0 })
+            improve(&mut best, self.body(0.0).nearest(shape, enough_m), 0.0);
+            self.between(shape, enough_m, &mut best);
         }
+        best
     }
 
-    /// The nearest that the move comes to a solid.
-    fn nearest(&self, shape: &Shape) -> Option<Nearest> {
+    /// The same between the ends, where it is nearer than the best so far.
+    fn between(&self, shape: &Shape, enough_m: f64, best: &mut Option<Nearest>) {
         let speed = self.speed();
-        let mut best: Option<Nearest> = None;
         let mut waiting = vec![(0.5, 0.5)];
         let mut looked_at = 0;
-        for share in [0.0, 1.0] {
-            improve(&mut best, self.body(share).clearance(shape), share);
-        }
         while let Some((middle, half)) = waiting.pop() {
             looked_at += 1;
-            let clearance = self.body(middle).clearance(shape);
-            improve(&mut best, clearance, middle);
-            let least = best.map_or(f64::INFINITY, |best| best.clearance.distance_m);
-            let bound = clearance.map_or(f64::INFINITY, |c| c.distance_m) - speed * half;
-            if bound < least - TOLERANCE_M && looked_at < MOST {
+            let least = best.map_or(enough_m, |best| best.clearance.distance_m);
+            // A body that keeps as much in the middle hides nothing nearer within the interval.
+            let keeps = least - TOLERANCE_M + speed * half;
+            let Some(clearance) = self.body(middle).nearest(shape, keeps) else { continue };
+            if clearance.distance_m < least {
+                improve(best, Some(clearance), middle);
+            }
+            if looked_at < MOST {
                 waiting.extend([(middle - 0.5 * half, 0.5 * half), (middle + 0.5 * half, 0.5 * half)]);
             }
         }
-        best
     }
 }
 

@@ -55,6 +55,8 @@ pub(super) struct Objective<'a> {
     pub(super) tables: Vec<&'a Table>,
     pub(super) poses: Vec<Pose>,
     pub(super) spots: Vec<Spot>,
+    /// Distance that is kept from obstacles beyond what is required, m.
+    pub(super) spare_m: f64,
     /// Whether obstacles count.
     pub(super) obstacles: bool,
     /// The one way-point that counts, where not all do.
@@ -72,7 +74,7 @@ impl<'a> Objective<'a> {
             }
             poses.push(Pose { from: None, to, share: 1.0 });
         }
-        Self { task, layout, tables, poses, spots: Vec::new(), obstacles: true, only: None }
+        Self { task, layout, tables, poses, spots: Vec::new(), spare_m: 0.0, obstacles: true, only: None }
     }
 
     /// The responses of the sections at a place.
@@ -196,7 +198,7 @@ impl<'a> Objective<'a> {
             (On::Rigid, joint.end + joint.end_axis * ((along - 1.0) * joint.lengths()[1]))
         };
         let distance = shape.distance(&point);
-        let depth = keeps - distance.distance_m;
+        let depth = keeps + self.spare_m - distance.distance_m;
         if depth <= 0.0 {
             return;
         }

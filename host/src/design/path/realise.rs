@@ -68,7 +68,9 @@ impl<'a> Exact<'a> {
                 place[layout.share(way_point, module)] = end.place[old.share(way_point, module)];
             }
         }
-        Self { objective: Objective::new(task, layout, tables.iter().collect(), on_a_move), place }
+        let mut objective = Objective::new(task, layout, tables.iter().collect(), on_a_move);
+        objective.spare_m = CLEAR_M;
+        Self { objective, place }
     }
 
     /// Goes down, and again with the body points that turn out to be missing.
@@ -95,10 +97,8 @@ impl<'a> Exact<'a> {
             let from = to.checked_sub(1);
             let line = Move { objective, place: &self.place, curves: &curves, from, to };
             for (index, obstacle) in task.obstacles.iter().enumerate() {
-                let Some(Nearest { clearance, share }) = line.least(&obstacle.shape) else { continue };
-                if clearance.distance_m >= obstacle.clearance_m - 0.5 * CLEAR_M {
-                    continue;
-                }
+                let keeps = obstacle.clearance_m + 0.5 * CLEAR_M;
+                let Some(Nearest { clearance, share }) = line.nearest(&obstacle.shape, keeps) else { continue };
                 let known = objective.poses.iter().position(|pose| share == 1.0 && pose.to == to && pose.share == 1.0);
                 let pose = known.unwrap_or_else(|| {
                     poses.push(Pose { from, to, share });
