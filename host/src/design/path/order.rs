@@ -14,6 +14,8 @@ use crate::design::fit::Random;
 const ON_A_MOVE: usize = 3;
 /// Objective at which the search is content, mm2: less than the interpolation is good for.
 const CONTENT_MM2: f64 = 1e-4;
+/// Objective beyond which the model is not asked about an end, if there are others, mm2.
+const PROMISING_MM2: f64 = 1.0;
 /// Ends that are confirmed.
 const CONFIRMED: usize = 3;
 
@@ -75,7 +77,10 @@ impl Order<'_> {
         loop {
             let found = search(&mut objective, random, CONTENT_MM2, evaluations.saturating_sub(spent).max(1));
             spent += found.evaluations;
-            for end in found.ends.iter().take(CONFIRMED) {
+            // What is far from doing it is settled only if it is all there is.
+            let last = spent >= evaluations && best.is_none();
+            let promising = |(index, end): &(usize, &End)| end.value <= PROMISING_MM2 || (last && *index == 0);
+            for (_, end) in found.ends.iter().enumerate().take(CONFIRMED).filter(promising) {
                 let (candidate, settled) = self.confirmed(&objective.layout, end)?;
                 spent += settled;
                 if best.as_ref().is_none_or(|best| badness(&candidate) < badness(best)) {

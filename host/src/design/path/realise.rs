@@ -14,6 +14,8 @@ use super::search::End;
 use super::table::Table;
 use super::task::{Space, Task, TaskError};
 
+/// Objective that no further round brings down to nothing, mm2.
+const HOPELESS_MM2: f64 = 1.0;
 /// Rounds of descents with more body points.
 const ROUNDS: usize = 6;
 
@@ -79,8 +81,9 @@ impl<'a> Exact<'a> {
         let patience = Patience { zero: 1e-16, gain: 1e-9, evaluations: 200 };
         let mut spent = 0;
         for _ in 0..ROUNDS {
-            spent += descend(&self.objective, &mut self.place, &all, patience).1;
-            if !self.add_missing_points() {
+            let (value, evaluations) = descend(&self.objective, &mut self.place, &all, patience);
+            spent += evaluations;
+            if value > HOPELESS_MM2 || !self.add_missing_points() {
                 break;
             }
         }
