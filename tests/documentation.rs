@@ -22,6 +22,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
     for document in [
         "CONTRIBUTING.md",
         "docs/accuracy.md",
+        "docs/calibrate.md",
         "docs/design-path.md",
         "docs/design.md",
         "docs/eval-batch.md",

@@ -2,9 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::refusal::advice;
 use super::student::quantile;
-use super::{Property, Refusal};
+use super::{Property, Refusal, Settings};
 
 /// Columns of the Jacobian whose condition exceeds this are the same column, whatever the accuracy of the data.
 const MOST_CONDITION: f64 = 1e8;
@@ -39,10 +38,47 @@ pub struct Estimate {
     pub interval: [f64; 2],
 }
 
+/// A value that is no property of an actuator in a scene, as tension and creep have them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Value {
+    /// Its name, with the unit where it has one.
+    pub name: &'static str,
+    /// The value, in SI units.
+    pub value: f64,
+    /// Its standard deviation.
+    pub standard_deviation: f64,
+    /// The ends of its confidence interval.
+    pub interval: [f64; 2],
+}
+
+impl Judgement {
+    /// The unknowns with what is known of them.
+    pub(super) fn values(&self, names: &[&'static str], columns: &[Column]) -> Vec<Value> {
+        let one = |(k, column): (usize, &Column)| Value {
+            name: names[k],
+            value: column.value,
+            standard_deviation: self.deviations[k],
+            interval: [-1.0, 1.0].map(|sign| column.value + sign * self.half_widths[k]),
+        };
+        columns.iter().enumerate().map(one).collect()
+    }
+}
+
+/// How a change of an unknown is put into words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// As a share of its value.
+    Percent,
+    /// In degrees.
+    Degrees,
+    /// In kPa.
+    Kilopascals,
+}
+
 /// An unknown as the judgement sees it.
 pub(super) struct Column {
-    pub(super) property: Property,
     pub(super) name: String,
+    pub(super) shown: Shown,
     /// Value at the answer.
     pub(super) value: f64,
     /// Half width of the interval beyond which the value is not worth having.
@@ -69,9 +105,10 @@ pub(super) fn judge(
     columns: &[Column],
     residuals: &DVector<f64>,
     jacobian: &DMatrix<f64>,
-    noise: Noise,
-    confidence: f64,
+    settings: &Settings,
+    advise: impl Fn(&[usize]) -> String,
 ) -> Result<Judgement, Refusal> {
+    let Settings { noise, confidence } = *settings;
     let (points, unknowns) = jacobian.shape();
     enough(points, unknowns, noise)?;
     let freedom = points - unknowns;
@@ -91,7 +128,7 @@ pub(super) fn judge(
     let worst = (0..unknowns).map(|k| factor * spread.max(1.0) * variance(k).sqrt()).fold(0.0, f64::max);
     let told = worst <= 1.0 && condition <= MOST_CONDITION;
     if !told {
-        return Err(confused(columns, jacobian, directions.row(least).transpose()));
+        return Err(confused(columns, jacobian, directions.row(least).transpose(), advise));
     }
     let deviations: Vec<f64> =
         columns.iter().enumerate().map(|(k, column)| column.tolerance * spread * variance(k).sqrt()).collect();
@@ -125,7 +162,12 @@ fn condition(jacobian: &DMatrix<f64>) -> f64 {
 }
 
 /// The unknowns that are confused along a direction.
-fn confused(columns: &[Column], jacobian: &DMatrix<f64>, direction: DVector<f64>) -> Refusal {
+fn confused(
+    columns: &[Column],
+    jacobian: &DMatrix<f64>,
+    direction: DVector<f64>,
+    advise: impl Fn(&[usize]) -> String,
+) -> Refusal {
     let largest = direction.amax();
     let direction = direction / largest;
     let mut named: Vec<usize> = (0..columns.len()).filter(|k| direction[*k].abs() >= NAMED).collect();
@@ -133,12 +175,11 @@ fn confused(columns: &[Column], jacobian: &DMatrix<f64>, direction: DVector<f64>
     // The first of them grows.
     let sign = named.first().map_or(1.0, |first| direction[*first].signum());
     let changes = named.iter().map(|k| change(&columns[*k], sign * direction[*k])).collect();
-    let properties: Vec<Property> = named.iter().map(|k| columns[*k].property).collect();
     Refusal::NotIdentified {
         names: named.iter().map(|k| columns[*k].name.clone()).collect(),
         changes,
         moved: (jacobian * direction).amax(),
-        advice: advice(&properties),
+        advice: advise(&named),
     }
 }
 
@@ -147,10 +188,9 @@ fn change(column: &Column, share: f64) -> String {
     let by = share * column.tolerance;
     let name = &column.name;
     let relative = 100.0 * by / column.value.abs();
-    match column.property {
-        Property::FiberAngle => format!("{name} by {:+.2} deg", by.to_degrees()),
-        Property::PressureOffset => format!("{name} by {:+.2} kPa", by * 1e-3),
-        Property::YeohC2 | Property::YeohC3 => format!("{name} by {:+.3} kPa", by * 1e-3),
-        _ => format!("{name} by {relative:+.1} %"),
+    match column.shown {
+        Shown::Degrees => format!("{name} by {:+.2} deg", by.to_degrees()),
+        Shown::Kilopascals => format!("{name} by {:+.3} kPa", by * 1e-3),
+        Shown::Percent => format!("{name} by {relative:+.1} %"),
     }
 }

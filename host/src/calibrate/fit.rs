@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::body::{Answer, NoAnswer};
 use super::descent::{Local, descend};
 use super::estimate::{Column, Estimate, Noise, enough, judge};
+use super::refusal::advice;
 use super::{Body, Property, Refusal};
 use crate::record::Quantity;
 
@@ -51,6 +52,15 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self { noise: Noise::FromResiduals, confidence: 0.95 }
+    }
+}
+
+impl Settings {
+    /// Refuses a confidence that is none.
+    pub(super) fn check(&self) -> Result<(), Refusal> {
+        let (field, value, allowed) = ("confidence", self.confidence, "0.5 to 0.9999");
+        let accepted = (0.5..=0.9999).contains(&value);
+        accepted.then_some(()).ok_or(Refusal::Invalid { field, value, place: "the settings".into(), allowed })
     }
 }
 
@@ -116,7 +126,8 @@ pub fn fit(
     unknowns: &[Unknown],
     settings: &Settings,
 ) -> Result<Fit, Refusal> {
-    check(bodies, observations, settings)?;
+    settings.check()?;
+    check(bodies, observations)?;
     let starts = unknowns.iter().map(|unknown| start(bodies, unknown)).collect::<Result<Vec<f64>, _>>()?;
     enough(observations.len(), unknowns.len().max(1), settings.noise)?;
     let most_pa = observations.iter().map(|seen| seen.reading_pa.abs()).fold(0.0, f64::max);
@@ -138,14 +149,15 @@ pub fn fit(
             let value = end.place[k] * tolerances[k];
             // Tolerances are those of the answer, not of a start that may be far from it.
             let tolerance = unknown.property.tolerance(&fitted[unknown.bodies[0]], most_pa.max(1.0));
-            Column { property: unknown.property, name: name(bodies, unknown), value, tolerance }
+            Column { name: name(bodies, unknown), shown: unknown.property.shown(), value, tolerance }
         })
         .collect();
     let mut jacobian = end.local.jacobian.clone();
     for (k, mut column) in jacobian.column_iter_mut().enumerate() {
         column *= columns[k].tolerance / tolerances[k];
     }
-    let judged = judge(&columns, &end.local.residuals, &jacobian, settings.noise, settings.confidence)?;
+    let advise = |named: &[usize]| advice(&named.iter().map(|k| unknowns[*k].property).collect::<Vec<_>>());
+    let judged = judge(&columns, &end.local.residuals, &jacobian, settings, advise)?;
     if !end.settled {
         return Err(Refusal::NotSettled { steps: end.steps });
     }
@@ -315,11 +327,8 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, Refusal> {
     Ok(start)
 }
 
-fn check(bodies: &[Body], observations: &[Observation], settings: &Settings) -> Result<(), Refusal> {
+fn check(bodies: &[Body], observations: &[Observation]) -> Result<(), Refusal> {
     let invalid = |field, value, place: String, allowed| Err(Refusal::Invalid { field, value, place, allowed });
-    if !(0.5..=0.9999).contains(&settings.confidence) {
-        return invalid("confidence", settings.confidence, "the settings".into(), "0.5 to 0.9999");
-    }
     for body in bodies {
         if !(body.pressure_gain.is_finite() && body.pressure_gain > 0.0) {
             return invalid("pressure_gain", body.pressure_gain, body.name.clone(), "finite and > 0");

@@ -2,19 +2,32 @@
 //! actuators.
 //!
 //! [`fit`] finds parameters of actuators by least squares with the exact derivatives of the model, gives each its confidence interval,
-//! and refuses what the data cannot tell. Files are read and drawn elsewhere; nothing here opens one.
+//! and refuses what the data cannot tell. Files are read and drawn elsewhere; nothing here opens one. `docs/calibrate.md` has the equations.
 
 mod body;
+mod creep;
+mod csv;
 mod descent;
 mod estimate;
 mod fit;
+mod holds;
+mod picture;
+mod points;
 mod property;
 mod refusal;
+mod runs;
 mod student;
+mod tension;
 
 pub use body::Body;
-pub use estimate::{Estimate, Noise};
+pub use creep::{CreepFit, Step, fit_creep};
+pub use csv::TableError;
+pub use estimate::{Estimate, Noise, Value};
 pub use fit::{Fit, Observation, Settings, Unknown, fit};
+pub use holds::{Hold, holds};
+pub use picture::{picture, tension_picture};
+pub use points::{Point, Points};
 pub use property::Property;
 pub use refusal::Refusal;
 pub use student::quantile as student_quantile;
+pub use tension::{Law, Tension, TensionFit, fit_tension};

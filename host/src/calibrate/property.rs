@@ -5,6 +5,7 @@ use std::fmt;
 use fra_model::{Material, Motion, Parameter, Placement};
 
 use super::Body;
+use super::estimate::Shown;
 
 /// A property of an actuator or of its pressure sensor that data may determine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -166,6 +167,15 @@ impl Property {
             (Self::InnerRadius, _) => vec![(Parameter::InnerRadius, 1.0)],
             (Self::Length, _) => vec![(Parameter::Length, 1.0)],
             (Self::PressureOffset | Self::PressureGain, _) => Vec::new(),
+        }
+    }
+
+    /// How its changes are put into words.
+    pub(super) fn shown(self) -> Shown {
+        match self {
+            Self::FiberAngle => Shown::Degrees,
+            Self::PressureOffset | Self::YeohC2 | Self::YeohC3 => Shown::Kilopascals,
+            _ => Shown::Percent,
         }
     }
 

@@ -4,6 +4,7 @@
 //! 3 done with warnings.
 
 mod bench;
+mod calibrate;
 mod check;
 mod design;
 mod eval;
@@ -51,6 +52,7 @@ enum Verb {
     Bench(bench::Bench),
     Fem(fem::Fem),
     Fabricate(fabricate::Fabricate),
+    Calibrate(calibrate::Calibrate),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -73,6 +75,7 @@ pub fn main() -> ExitCode {
         Verb::Bench(verb) => verb.run(),
         Verb::Fem(verb) => verb.run(),
         Verb::Fabricate(verb) => verb.run(),
+        Verb::Calibrate(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -21,6 +21,7 @@ mod quantity;
 mod reader;
 mod redesign;
 mod reference;
+mod refit;
 mod schema;
 mod source;
 mod suggest;
@@ -36,6 +37,7 @@ pub use data::{
 pub use error::{Problems, SceneError, Unreadable};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};
 pub use reference::reference;
+pub use refit::{RewriteError, rewritten};
 pub use source::{Located, SCENE_BYTES_MAX, Span};
 
 use source::Source;

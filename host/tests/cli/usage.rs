@@ -2,7 +2,7 @@
 
 use crate::desk::Desk;
 
-const VERBS: [&str; 8] = ["check", "eval", "design", "run", "report", "bench", "fem", "fabricate"];
+const VERBS: [&str; 9] = ["check", "calibrate", "eval", "design", "run", "report", "bench", "fem", "fabricate"];
 
 #[test]
 fn help_names_every_verb_the_exit_codes_and_where_to_start() {

@@ -1,0 +1,71 @@
+//! Whether residuals look like noise or like a model that does not hold.
+
+use super::{Fit, Observation};
+
+/// Fewer points than this have no order that could be judged.
+const LEAST: usize = 12;
+/// The quantile of the normal distribution below which an order is no accident: once in 200.
+const UNLIKELY: f64 = -2.576;
+/// Residuals beyond this many standard deviations stand out.
+const FAR: f64 = 4.0;
+
+impl Fit {
+    /// The bodies whose residuals of some quantity, in the order of the pressures, change their sign too seldom for noise (the runs test of Wald and
+    /// Wolfowitz): the model does not follow these data, and intervals are narrower than they should be.
+    pub fn systematic(&self, observations: &[Observation]) -> Vec<usize> {
+        let mut found = Vec::new();
+        for (index, _) in self.bodies.iter().enumerate() {
+            let of = |k: &usize| observations[*k].body == index;
+            let all: Vec<usize> = (0..observations.len()).filter(of).collect();
+            let kinds = all.iter().map(|k| observations[*k].quantity);
+            let seldom =
+                kinds.clone().enumerate().filter(|(n, kind)| kinds.clone().position(|k| k == *kind) == Some(*n));
+            let mut groups = seldom.map(|(_, kind)| {
+                let mut of: Vec<usize> = all.iter().copied().filter(|k| observations[*k].quantity == kind).collect();
+                of.sort_by(|a, b| observations[*a].reading_pa.total_cmp(&observations[*b].reading_pa));
+                of.iter().map(|k| self.after[*k] > observations[*k].value).collect::<Vec<bool>>()
+            });
+            if groups.any(|signs| too_few_runs(&signs)) {
+                found.push(index);
+            }
+        }
+        found
+    }
+
+    /// The observations whose residuals are beyond four times the scatter of all, where there are enough to say so.
+    pub fn outliers(&self, observations: &[Observation]) -> Vec<usize> {
+        let beyond = |k: &usize| {
+            let seen = &observations[*k];
+            (self.after[*k] - seen.value).abs() > FAR * self.scatter * seen.accuracy
+        };
+        if self.freedom < LEAST { Vec::new() } else { (0..observations.len()).filter(beyond).collect() }
+    }
+}
+
+fn too_few_runs(signs: &[bool]) -> bool {
+    let above = signs.iter().filter(|sign| **sign).count() as f64;
+    let n = signs.len() as f64;
+    let below = n - above;
+    if signs.len() < LEAST || above == 0.0 || below == 0.0 {
+        return false;
+    }
+    let runs = 1.0 + signs.windows(2).filter(|pair| pair[0] != pair[1]).count() as f64;
+    let mean = 1.0 + 2.0 * above * below / n;
+    let variance = (mean - 1.0) * (mean - 2.0) / (n - 1.0);
+    (runs - mean) / variance.sqrt() < UNLIKELY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::too_few_runs;
+
+    #[test]
+    fn half_above_and_half_below_is_no_noise_and_alternation_is_none_that_is_blamed() {
+        let half: Vec<bool> = (0..20).map(|k| k < 10).collect();
+        // 2 runs where 11 are expected with a deviation of 2.18.
+        assert!(too_few_runs(&half));
+        let alternating: Vec<bool> = (0..20).map(|k| k % 2 == 0).collect();
+        assert!(!too_few_runs(&alternating));
+        assert!(!too_few_runs(&half[5..15]), "too few to judge");
+    }
+}

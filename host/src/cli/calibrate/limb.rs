@@ -1,0 +1,260 @@
+//! Pressures and deformations of the actuators of a scene, from a table or a log.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::json;
+
+use super::super::Failure;
+use super::super::kept::read;
+use super::{Calibrate, Per, Said, about};
+use crate::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
+use crate::record::{self, Quantity};
+use crate::scene::{self, Scene};
+
+/// A measurement before its accuracy is known: module, reading, quantity, value, and where it is from.
+struct Seen {
+    module: usize,
+    reading_pa: f64,
+    quantity: Quantity,
+    value: f64,
+    from: String,
+}
+
+/// The scene of a command that needs one.
+pub(super) fn loaded(scene: Option<&Path>) -> Result<Scene, Failure> {
+    match scene {
+        Some(file) => Ok(scene::load(file)?),
+        None => Err(Failure::wrong_line("which actuators? give the scene")),
+    }
+}
+
+impl Calibrate {
+    pub(super) fn read_table(&self, file: &Path) -> Result<Said, Failure> {
+        let scene = loaded(self.scene.as_deref())?;
+        let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
+        let points = Points::read(&read(file)?, &names).map_err(|error| about(file)(&error))?;
+        if points.timed {
+            let text =
+                "a column time_s makes it the response to a step: use --creep, or leave the column out of equilibria";
+            return Err(about(file)(&text));
+        }
+        let seen = points.points.into_iter().map(|point| Seen {
+            module: names.iter().position(|name| *name == point.name).unwrap_or(0),
+            reading_pa: point.reading_pa,
+            quantity: point.quantity,
+            value: point.value,
+            from: format!("line {}", point.line),
+        });
+        self.fitted(&scene, seen.collect(), file)
+    }
+
+    pub(super) fn read_log(&self, file: &Path) -> Result<Said, Failure> {
+        let log = record::read(file).map_err(Failure::new)?;
+        let scene = match &self.scene {
+            Some(scene) => scene::load(scene)?,
+            None => scene::parse(&log.info.scene_text, &format!("scene.toml of {}", file.display()))?,
+        };
+        let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
+        if names != log.info.modules.iter().map(|module| module.name.as_str()).collect::<Vec<_>>() {
+            return Err(about(file)(&format!(
+                "the log has other modules than the scene, which has {}",
+                names.join(", ")
+            )));
+        }
+        let seen: Vec<Seen> = holds(&log)
+            .into_iter()
+            .map(|hold| Seen {
+                module: hold.module,
+                reading_pa: hold.reading_pa,
+                quantity: hold.quantity,
+                value: hold.value,
+                from: format!("phase `{}`", hold.phase),
+            })
+            .collect();
+        if seen.is_empty() {
+            let text = "no hold in which a deformation was seen and the pressure stood still: give phases a hold";
+            return Err(about(file)(&text));
+        }
+        self.fitted(&scene, seen, file)
+    }
+
+    fn fitted(&self, scene: &Scene, seen: Vec<Seen>, file: &Path) -> Result<Said, Failure> {
+        let bodies: Vec<Body> =
+            scene.modules().iter().map(|module| Body::new(module.name.as_str(), module.actuator())).collect();
+        let observations = self.observations(&bodies, &seen);
+        let mut unknowns = Vec::new();
+        for property in &self.fit {
+            unknowns.extend(self.unknowns(scene, &bodies, &seen, *property).map_err(|error| about(file)(&error))?);
+        }
+        let fit = fit(&bodies, &observations, &unknowns, &self.settings()).map_err(|error| about(file)(&error))?;
+        let mut warnings: Vec<String> = fit
+            .systematic(&observations)
+            .into_iter()
+            .map(|body| {
+                let name = &bodies[body].name;
+                format!("the residuals of {name} are not random: the model does not follow these data, and the intervals are too narrow")
+            })
+            .collect();
+        warnings.extend(fit.outliers(&observations).into_iter().map(|k| {
+            format!("{} stands out: {} is beyond four times the scatter of all", seen[k].from, observations[k].value)
+        }));
+        let written = self.fit.iter().any(|p| !matches!(p, Property::PressureOffset | Property::PressureGain));
+        let wanted = fit.bodies.iter().map(|body| body.parameters).collect();
+        Ok(Said {
+            table: table(&fit, &observations, self.confidence),
+            json: json(&fit, &observations, &seen),
+            svg: picture(&fit, &observations),
+            scene: written.then(|| (scene.clone(), wanted)),
+            warnings,
+        })
+    }
+
+    /// Accuracy is a share of the largest deformation of its kind and module.
+    fn observations(&self, bodies: &[Body], seen: &[Seen]) -> Vec<Observation> {
+        let size = |of: &Seen| {
+            let rest = bodies[of.module].at_rest(of.quantity);
+            let alike = seen.iter().filter(|other| other.module == of.module && other.quantity == of.quantity);
+            let largest = alike.map(|other| (other.value - rest).abs()).fold(0.0, f64::max);
+            // Where nothing moved the accuracy is that of the undeformed size.
+            if largest > 0.0 { largest } else { rest.abs().max(1e-3) }
+        };
+        seen.iter()
+            .map(|of| Observation {
+                body: of.module,
+                reading_pa: of.reading_pa,
+                quantity: of.quantity,
+                value: of.value,
+                accuracy: self.accuracy * size(of),
+            })
+            .collect()
+    }
+
+    /// A property as unknowns: one for each part or module that there are data about.
+    fn unknowns(
+        &self,
+        scene: &Scene,
+        bodies: &[Body],
+        seen: &[Seen],
+        property: Property,
+    ) -> Result<Vec<Unknown>, String> {
+        let kind = match (self.per, property.is_of_material(), property.is_of_winding()) {
+            (Per::Part, true, _) => Some("material"),
+            (Per::Part, _, true) => Some("winding"),
+            _ => None,
+        };
+        let mut groups: Vec<(String, Unknown)> = Vec::new();
+        for (index, body) in bodies.iter().enumerate() {
+            if property.value(body).is_none() {
+                continue;
+            }
+            let name = match kind {
+                Some(kind) => scene.part_name(index, kind).unwrap_or_else(|| body.name.clone()),
+                None => body.name.clone(),
+            };
+            match groups.iter_mut().find(|(other, _)| *other == name) {
+                Some((_, unknown)) => unknown.bodies.push(index),
+                None => groups.push((name, Unknown::of(property, index))),
+            }
+        }
+        let told = |unknown: &Unknown| seen.iter().any(|of| unknown.bodies.contains(&of.module));
+        let unknowns: Vec<Unknown> = groups.into_iter().map(|(_, unknown)| unknown).filter(told).collect();
+        if unknowns.is_empty() {
+            return Err(format!("no module of these data has a {property}"));
+        }
+        Ok(unknowns)
+    }
+}
+
+/// A value in the unit that people read it in.
+fn shown(property: Property, value: f64) -> (f64, &'static str) {
+    match property {
+        Property::FiberAngle => (value.to_degrees(), "deg"),
+        Property::Wall | Property::InnerRadius | Property::Length => (value * 1e3, "mm"),
+        Property::PressureGain => (value, ""),
+        Property::PressureOffset => (value, "Pa"),
+        _ => (value * 1e-6, "MPa"),
+    }
+}
+
+fn table(fit: &Fit, observations: &[Observation], confidence: f64) -> String {
+    let interval = format!("{} % interval", 100.0 * confidence);
+    let names: Vec<String> = fit
+        .estimates
+        .iter()
+        .map(|estimate| match shown(estimate.property, 0.0).1 {
+            "" => estimate.name.clone(),
+            unit => format!("{}, {unit}", estimate.name),
+        })
+        .collect();
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    let mut text = format!("{:<width$} {:>12} {interval:>27} {:>12}\n", "", "value", "start");
+    for (name, estimate) in names.iter().zip(&fit.estimates) {
+        let in_unit = |value| shown(estimate.property, value).0;
+        let [low, high] = estimate.interval.map(in_unit);
+        let (value, start) = (in_unit(estimate.value), in_unit(estimate.start));
+        let _ = writeln!(text, "{name:<width$} {value:>12.6} {low:>12.6} to {high:>11.6} {start:>12.6}");
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<16} {:<15} {:>7} {:>14} {:>14}",
+        "module", "quantity", "points", "rms before", "rms after"
+    );
+    for (index, body) in fit.bodies.iter().enumerate() {
+        let mut done: Vec<Quantity> = Vec::new();
+        for seen in observations.iter().filter(|seen| seen.body == index) {
+            if done.contains(&seen.quantity) {
+                continue;
+            }
+            done.push(seen.quantity);
+            let of: Vec<usize> = (0..observations.len())
+                .filter(|k| observations[*k].body == index && observations[*k].quantity == seen.quantity)
+                .collect();
+            let rms = |model: &dyn Fn(usize) -> f64| {
+                let sum: f64 = of.iter().map(|k| (model(*k) - observations[*k].value).powi(2)).sum();
+                seen.quantity.display_scale() * (sum / of.len() as f64).sqrt()
+            };
+            let before = rms(&|k| fit.before[k].unwrap_or(f64::NAN));
+            let before = if before.is_finite() { format!("{before:.5}") } else { "past its limit".into() };
+            let unit = seen.quantity.display_unit();
+            let after = rms(&|k| fit.after[k]);
+            let label = seen.quantity.label();
+            let _ = writeln!(text, "{:<16} {label:<15} {:>7} {before:>14} {after:>14.5} {unit}", body.name, of.len());
+        }
+    }
+    text
+}
+
+fn json(fit: &Fit, observations: &[Observation], seen: &[Seen]) -> serde_json::Value {
+    let estimates = fit.estimates.iter().map(|estimate| {
+        let modules: Vec<&str> = estimate.bodies.iter().map(|body| fit.bodies[*body].name.as_str()).collect();
+        json!({
+            "property": estimate.property.word(),
+            "unit": estimate.property.si_unit(),
+            "modules": modules,
+            "start": estimate.start,
+            "value": estimate.value,
+            "standard_deviation": estimate.standard_deviation,
+            "interval": estimate.interval,
+        })
+    });
+    let points = observations.iter().zip(seen).enumerate().map(|(k, (observation, seen))| {
+        json!({
+            "module": fit.bodies[observation.body].name,
+            "from": seen.from,
+            "pressure_pa": observation.reading_pa,
+            "quantity": observation.quantity,
+            "measured": observation.value,
+            "before": fit.before[k],
+            "after": fit.after[k],
+        })
+    });
+    json!({
+        "estimates": estimates.collect::<Vec<_>>(),
+        "scatter": fit.scatter,
+        "degrees_of_freedom": fit.freedom,
+        "condition": fit.condition,
+        "correlation": fit.correlation,
+        "points": points.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,148 @@
+//! Tensile tests.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use fra_model::{ActuatorParameters, Material, Motion};
+use serde_json::json;
+
+use super::super::Failure;
+use super::super::kept::read;
+use super::{Calibrate, Said, about};
+use crate::calibrate::{Tension, TensionFit, fit_tension, tension_picture};
+use crate::design::Limb;
+use crate::scene::{self, Scene};
+
+impl Calibrate {
+    pub(super) fn tension(&self, file: &Path) -> Result<Said, Failure> {
+        let test = Tension::read(&read(file)?, self.section_m2).map_err(|error| about(file)(&error))?;
+        let test = self.up_to.map_or_else(|| test.clone(), |stretch| test.up_to(stretch));
+        let settings = self.settings();
+        let fit = fit_tension(&test, self.law.into(), self.accuracy, &settings).map_err(|error| about(file)(&error))?;
+        let scene = self.scene.as_ref().map(scene::load).transpose()?;
+        let mut warnings = warnings(&fit);
+        let wanted = match &scene {
+            Some(scene) => Some(self.with_material(scene, &fit, &mut warnings)?),
+            None => None,
+        };
+        Ok(Said {
+            table: table(&test, &fit, self.confidence),
+            json: json(&test, &fit),
+            svg: tension_picture(&test, &fit),
+            scene: scene.zip(wanted),
+            warnings,
+        })
+    }
+
+    /// The scene's actuators with the fitted material, and a warning where the limb stretches it further than the test did.
+    fn with_material(
+        &self,
+        scene: &Scene,
+        fit: &TensionFit,
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<ActuatorParameters<f64>>, Failure> {
+        let names: Vec<_> = (0..scene.modules().len()).filter_map(|k| scene.part_name(k, "material")).collect();
+        let name = match (&self.material, &names[..]) {
+            (Some(name), _) => name.clone(),
+            (None, [first, rest @ ..]) if rest.iter().all(|other| other == first) => first.clone(),
+            _ => {
+                return Err(Failure::wrong_line(format!(
+                    "which material? --material with one of {}",
+                    names.join(", ")
+                )));
+            }
+        };
+        if !names.contains(&name) {
+            return Err(Failure::new(format!("no module is made of `{name}`; known materials: {}", names.join(", "))));
+        }
+        let limb = Limb::new(scene)?;
+        let mut wanted = Vec::new();
+        for (index, (module, built)) in scene.modules().iter().zip(limb.modules()).enumerate() {
+            let mut actuator = module.actuator();
+            if names[index] == name {
+                actuator.material = fit.material;
+                let most =
+                    built.curve.states().iter().map(|state| largest_stretch(&actuator, state)).fold(1.0, f64::max);
+                if most > fit.tested[1] {
+                    let tested = fit.tested[1];
+                    warnings.push(format!(
+                        "module `{}` stretches its wall up to {most:.2}, and the test went to {tested:.2}: the law is a guess beyond it",
+                        *module.name
+                    ));
+                }
+            }
+            wanted.push(actuator);
+        }
+        Ok(wanted)
+    }
+}
+
+/// The largest stretch in a wall: along the tube, at the far side of a bend, or around the lumen.
+fn largest_stretch(actuator: &ActuatorParameters<f64>, state: &fra_model::State<f64>) -> f64 {
+    match actuator.motion {
+        Motion::Bending => 2.0 * state.axial_stretch - 1.0,
+        _ => state.axial_stretch.max(state.inner_radius_m / actuator.inner_radius_m),
+    }
+}
+
+fn warnings(fit: &TensionFit) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Some(stretch) = fit.softens_at {
+        warnings.push(format!(
+            "beyond a stretch of {stretch:.2} the law gives way, which rubber does not: do not use it there"
+        ));
+    }
+    warnings
+}
+
+fn table(test: &Tension, fit: &TensionFit, confidence: f64) -> String {
+    let most_pa = test.points().iter().map(|point| point[1].abs()).fold(0.0, f64::max);
+    let mut text = format!(
+        "{}, {} points, stretch {:.3} to {:.3}; residual {:.3} kPa, {:.2} % of the largest stress\n\n{:<20} {:>14} {:>27}\n",
+        fit.law.word(),
+        test.points().len(),
+        fit.tested[0],
+        fit.tested[1],
+        fit.rms_pa * 1e-3,
+        100.0 * fit.rms_pa / most_pa,
+        "MPa",
+        "value",
+        format!("{} % interval", 100.0 * confidence),
+    );
+    for value in &fit.values {
+        let [low, high] = value.interval.map(|end| end * 1e-6);
+        let name = value.name.trim_end_matches("_pa");
+        let _ = writeln!(text, "{name:<20} {:>14.7} {low:>12.7} to {high:>11.7}", value.value * 1e-6);
+    }
+    let _ = write!(text, "\n[materials.NAME]\nlaw = \"{}\"\n{}\n", fit.law.word(), coefficients(&fit.material));
+    text
+}
+
+/// The coefficients as a scene has them.
+fn coefficients(material: &Material<f64>) -> String {
+    match material {
+        Material::NeoHookean { shear_modulus_pa } => format!("shear_modulus = \"{:.7} MPa\"", shear_modulus_pa * 1e-6),
+        Material::Yeoh { c_pa } => {
+            let [c1, c2, c3] = c_pa.map(|c| c * 1e-6);
+            format!("c = [\"{c1:.8} MPa\", \"{c2:.8} MPa\", \"{c3:.8} MPa\"]")
+        }
+    }
+}
+
+fn json(test: &Tension, fit: &TensionFit) -> serde_json::Value {
+    let values = fit.values.iter().map(|value| {
+        json!({
+            "name": value.name, "value": value.value, "standard_deviation": value.standard_deviation,
+            "interval": value.interval,
+        })
+    });
+    let points = test.points().iter().zip(&fit.modelled_pa);
+    json!({
+        "law": fit.law.word(),
+        "estimates": values.collect::<Vec<_>>(),
+        "rms_pa": fit.rms_pa,
+        "tested_stretch": fit.tested,
+        "softens_at_stretch": fit.softens_at,
+        "points": points.map(|([stretch, stress], model)| json!({"stretch": stretch, "nominal_stress_pa": stress, "law_pa": model})).collect::<Vec<_>>(),
+    })
+}
