@@ -1,9 +1,8 @@
-//! From a scene to what a workshop needs: a sheet, the paths of the thread and the parts of the mold for each actuator, and what the tip
-//! makes of the workshop's errors.
+//! From a scene to what a workshop needs: a sheet, the paths of the thread, and the parts of the mold for each actuator.
 //!
 //! [`plan`] resolves how an actuator is wound and cast, or says at the scene's line why it cannot be made. [`sheet`] writes that down,
-//! [`path`] walks along the thread, [`mold`] shapes the core and the shells. [`tolerance`] asks how far errors of wall, angle
-//! and modulus move the tip. `docs/fabrication.md` has the conventions.
+//! [`path`] walks along the thread, [`mold`] shapes the core and the shells. [`tolerance`] has how far wall, angle and modulus
+//! may be off, as the sheet says it. `docs/fabrication.md` has the conventions.
 //!
 //! This room takes scenes and gives texts and meshes; it reads and writes no file.
 

@@ -1,4 +1,4 @@
-//! How far the errors of a workshop move the tip.
+//! How far finished parts may be off.
 
 use crate::range::{OutOfRange, require};
 
