@@ -1,14 +1,14 @@
 //! What designs cost and how good they are, over problems by kind and seed: `softlimb::design::fit` on one thread.
 //!
-//!     cargo run --release -p softlimb --example design_cost [SEEDS [KINDS [swarm|longer]]]
+//!     cargo run --release -p softlimb --example design_cost [SEEDS [KINDS [swarm|tune|longer]]]
 //!
-//! `swarm` runs the particle swarm on the same problems; `longer` compares with a search of twenty times as many agreeing descents from
-//! other starts.
+//! `swarm` runs the particle swarm on the same problems; `tune` runs it with several settings until 1e-8; `longer` compares with a search
+//! of twenty times as many agreeing descents from other starts.
 
 use std::time::Instant;
 
 use softlimb::design::fit::kinds::Kind;
-use softlimb::design::fit::{Effort, Swarm, search, solve, swarm};
+use softlimb::design::fit::{Effort, Faces, Problem, Progress, Swarm, search, solve, swarm};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
@@ -19,8 +19,9 @@ fn main() {
         match more.as_deref() {
             None => ours(kind, seeds),
             Some("swarm") => swarms(kind, seeds),
+            Some("tune") => tune(kind, seeds),
             Some("longer") => longer(kind, seeds),
-            Some(other) => panic!("{other}: swarm or longer"),
+            Some(other) => panic!("{other}: swarm, tune or longer"),
         }
     }
 }
@@ -59,19 +60,52 @@ fn ours(kind: Kind, seeds: u64) {
     println!("  evaluations    {}", spread(evaluations));
 }
 
+/// Runs a swarm until 1e-8; evaluations and solves to there, and what the objective was in the end.
+fn swarm_until(problem: &Problem, settings: &Swarm) -> (Option<[u64; 2]>, f64) {
+    let mut first = None;
+    let told = |progress: &Progress| {
+        let counts = progress.counts;
+        first = first.or((progress.objective <= 1e-8).then_some([counts.evaluations, counts.solves]));
+    };
+    let answer = swarm(problem, settings, told).expect("an answer");
+    (first, answer.objective)
+}
+
 fn swarms(kind: Kind, seeds: u64) {
     for seed in 0..seeds {
-        let problem = kind.problem(seed);
-        let (begin, mut first) = (Instant::now(), None);
-        let settings = Swarm { seed, ..Swarm::default() };
-        let told = |evaluations, objective| first = first.or((objective <= 1e-8).then_some(evaluations));
-        let answer = swarm(&problem, &settings, told).expect("an answer");
-        let needed = first.map_or("never".to_owned(), |evaluations| {
-            let each = problem.segments().len() * problem.phases();
-            format!("after {evaluations} evaluations, {} model solves", evaluations * each)
+        let begin = Instant::now();
+        let settings = Swarm { seed, enough: 1e-8, ..Swarm::default() };
+        let (first, objective) = swarm_until(&kind.problem(seed), &settings);
+        let needed = first.map_or("never".to_owned(), |[evaluations, solves]| {
+            format!("after {evaluations} evaluations, {solves} model solves")
         });
-        let (objective, seconds) = (answer.objective, begin.elapsed().as_secs_f64());
+        let seconds = begin.elapsed().as_secs_f64();
         println!("swarm on {} {seed}: {objective:.3e} in {seconds:.1} s, 1e-8 {needed}", kind.letter());
+    }
+}
+
+/// Settings of the swarm, one changed at a time.
+fn tune(kind: Kind, seeds: u64) {
+    let usual = Swarm::default();
+    let mut all = vec![("usual", usual)];
+    all.extend([10, 15, 20, 30, 100].map(|particles| ("particles", Swarm { particles, ..usual })));
+    all.extend([0.6, 0.65, 0.8].map(|inertia| ("inertia", Swarm { inertia, ..usual })));
+    all.extend([0.05, 0.1, 0.5].map(|fastest| ("fastest", Swarm { fastest, ..usual })));
+    all.extend([Faces::Nearest, Faces::Reflective, Faces::Random].map(|faces| ("faces", Swarm { faces, ..usual })));
+    println!("kind {}, {seeds} seeds: solved to 1e-8, and model solves to there, least / median / most", kind.letter());
+    for (what, settings) in all {
+        let run = |seed| swarm_until(&kind.problem(seed), &Swarm { seed, enough: 1e-8, ..settings }).0;
+        let mut solves: Vec<u64> = (0..seeds).filter_map(run).map(|[_, solves]| solves).collect();
+        solves.sort_unstable();
+        let at = |index: usize| solves.get(index).map_or("-".to_owned(), u64::to_string);
+        let Swarm { particles, inertia, pull, fastest, faces, .. } = settings;
+        println!(
+            "  {what:<9} {particles:>3} particles, inertia {inertia}, pull {pull}, fastest {fastest}, {faces:?}: {} of {seeds}, {} / {} / {}",
+            solves.len(),
+            at(0),
+            at(solves.len().saturating_sub(1) / 2),
+            at(solves.len().saturating_sub(1))
+        );
     }
 }
 

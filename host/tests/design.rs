@@ -4,6 +4,8 @@
 mod command;
 #[path = "design/common.rs"]
 mod common;
+#[path = "design/compare.rs"]
+mod compare;
 #[path = "design/derivatives.rs"]
 mod derivatives;
 #[path = "design/files.rs"]

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::actuator::{Candidate, Counts};
 use super::problem::{Goal, Problem, Segment};
-use super::search::{self, Effort, Found, Starts};
+use super::search::{self, Effort, Found, Progress, Starts};
 
 /// An objective below this share of `sum w q^2` is reached: differences below 1e-9 of what was asked.
 const REACHED: f64 = 1e-18;
@@ -120,20 +120,55 @@ pub struct Design {
 /// # Errors
 /// [`DesignError::NoEquilibrium`].
 pub fn search(problem: &Problem, effort: &Effort) -> Result<Design, DesignError> {
-    let mut counts = Counts::default();
+    search_watched(problem, effort, &mut |_| {})
+}
+
+/// As [`search`], and `watch` is told whenever an evaluation is better than all before. Segments with pressures of their own are
+/// searched one after another: it is told from the first evaluation of the last one on, when all have a design.
+///
+/// # Errors
+/// As [`search`].
+pub fn search_watched(
+    problem: &Problem,
+    effort: &Effort,
+    watch: &mut dyn FnMut(&Progress),
+) -> Result<Design, DesignError> {
+    let (mut counts, mut before) = (Counts::default(), 0.0);
     let mut parts = Vec::new();
     if problem.shared_pressure {
         let nowhere = || DesignError::NoEquilibrium { segment: problem.segments[0].name.clone() };
-        let found = search::shared(problem, effort).ok_or_else(nowhere)?;
+        let found = search::shared(problem, effort, watch).ok_or_else(nowhere)?;
         return Ok(Design { counts: found.counts, parts: apart(problem, &found), seed: effort.seed });
     }
     for (index, segment) in problem.segments.iter().enumerate() {
         let nowhere = || DesignError::NoEquilibrium { segment: segment.name.clone() };
-        let found = search::separate(segment, index, effort).ok_or_else(nowhere)?;
+        let last = index + 1 == problem.segments.len();
+        let mut tell = |here: &Progress| {
+            let mut all = counts;
+            all += here.counts;
+            if last {
+                watch(&Progress { objective: before + here.objective, counts: all });
+            }
+        };
+        let found = search::separate(segment, index, effort, &mut tell).ok_or_else(nowhere)?;
         counts += found.counts;
+        before += found.objective;
         parts.push(found);
     }
     Ok(Design { parts, counts, seed: effort.seed })
+}
+
+/// Searches for the best design and confirms it, as [`solve`]; `watch` as in [`search_watched`].
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_watched(
+    problem: &Problem,
+    effort: &Effort,
+    watch: &mut dyn FnMut(&Progress),
+) -> Result<Answer, DesignError> {
+    let design = search_watched(problem, effort, watch)?;
+    confirm(problem, &design.parts, design.counts, design.seed)
 }
 
 /// Searches for the best design, asks the forward model from rest what it does, and how sensitive it is.
@@ -141,8 +176,7 @@ pub fn search(problem: &Problem, effort: &Effort) -> Result<Design, DesignError>
 /// # Errors
 /// [`DesignError`] where the model has no equilibrium to offer.
 pub fn solve(problem: &Problem, effort: &Effort) -> Result<Answer, DesignError> {
-    let design = search(problem, effort)?;
-    confirm(problem, &design.parts, design.counts, design.seed)
+    solve_watched(problem, effort, &mut |_| {})
 }
 
 /// The answer for all segments, segment by segment.
@@ -151,7 +185,8 @@ fn apart(problem: &Problem, found: &Found) -> Vec<Found> {
     let mut part = |segment: &Segment| {
         let place = found.place[first..first + segment.dimensions()].to_vec();
         first += segment.dimensions();
-        Found { place, pressures_pa: found.pressures_pa.clone(), starts: found.starts, counts: Counts::default() }
+        let (pressures_pa, counts) = (found.pressures_pa.clone(), Counts::default());
+        Found { place, pressures_pa, objective: found.objective, starts: found.starts, counts }
     };
     problem.segments.iter().map(&mut part).collect()
 }

@@ -117,7 +117,8 @@ pub(super) fn minimise<L: LeastSquares>(problem: &mut L, start: &[f64], stop: St
     Some(Descent { place: place.as_slice().to_vec(), point, objective })
 }
 
-fn sum_of_squares(values: &[f64]) -> f64 {
+/// `sum r^2`.
+pub(super) fn sum_of_squares(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum()
 }
 

@@ -7,10 +7,12 @@
 
 mod actuator;
 mod answer;
+pub mod compare;
 mod file;
 pub mod kinds;
 mod locate;
 mod minimise;
+mod objective;
 mod problem;
 mod reach;
 mod search;
@@ -19,10 +21,13 @@ mod swarm;
 
 pub(super) use actuator::Candidate;
 pub use actuator::Counts;
-pub use answer::{Answer, Design, DesignError, PhaseAnswer, SegmentAnswer, Terms, search, solve};
+pub use answer::{
+    Answer, Design, DesignError, PhaseAnswer, SegmentAnswer, Terms, search, search_watched, solve, solve_watched,
+};
 pub use file::ProblemError;
 pub(super) use minimise::bounded_step;
+pub use objective::Objective;
 pub use problem::{Bounds, Geometry, GeometryBounds, Goal, Problem, Segment, Sizes, Winding};
 pub(super) use search::Random;
-pub use search::{Effort, Starts};
-pub use swarm::{Swarm, swarm};
+pub use search::{Effort, Progress, Starts};
+pub use swarm::{Faces, Swarm, swarm};

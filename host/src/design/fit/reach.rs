@@ -9,6 +9,7 @@ use fra_model::{Motion, State};
 use super::actuator::{Candidate, Cap, Counts};
 use super::minimise::LeastSquares;
 use super::problem::{Goal, Segment};
+use super::search::Counted;
 
 /// Intervals of the pressure range in which a deformation that turns back is looked for.
 const INTERVALS: usize = 16;
@@ -257,6 +258,12 @@ impl Reach<'_> {
 pub(super) struct Separate<'a> {
     pub(super) segment: &'a Segment,
     pub(super) counts: Counts,
+}
+
+impl Counted for Separate<'_> {
+    fn counts(&self) -> Counts {
+        self.counts
+    }
 }
 
 impl<'a> LeastSquares for Separate<'a> {

@@ -6,7 +6,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
 
 use super::actuator::Counts;
-use super::minimise::{Descent, LeastSquares, Stop, minimise};
+use super::minimise::{Descent, LeastSquares, Stop, minimise, sum_of_squares};
 use super::problem::{Problem, Segment};
 use super::reach::{Separate, Span};
 use super::shared::Shared;
@@ -47,6 +47,58 @@ pub struct Starts {
     pub agreeing: usize,
 }
 
+/// How far a search has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// The least objective so far.
+    pub objective: f64,
+    /// What it has cost so far.
+    pub counts: Counts,
+}
+
+/// A least-squares problem that counts what it costs.
+pub(super) trait Counted: LeastSquares {
+    fn counts(&self) -> Counts;
+}
+
+/// A problem, and somebody who is told when an evaluation is better than all before.
+struct Watched<'w, L> {
+    problem: L,
+    least: f64,
+    watch: &'w mut dyn FnMut(&Progress),
+}
+
+impl<'w, L: Counted> Watched<'w, L> {
+    fn new(problem: L, watch: &'w mut dyn FnMut(&Progress)) -> Self {
+        Self { problem, least: f64::INFINITY, watch }
+    }
+
+    fn tell(&mut self, objective: f64) {
+        if objective < self.least {
+            self.least = objective;
+            (self.watch)(&Progress { objective, counts: self.problem.counts() });
+        }
+    }
+}
+
+impl<L: Counted> LeastSquares for Watched<'_, L> {
+    type Point = L::Point;
+
+    fn at(&mut self, place: &[f64]) -> Option<L::Point> {
+        let point = self.problem.at(place)?;
+        self.tell(sum_of_squares(&self.problem.residuals(&point)));
+        Some(point)
+    }
+
+    fn residuals(&self, point: &L::Point) -> Vec<f64> {
+        self.problem.residuals(point)
+    }
+
+    fn rows(&mut self, point: &L::Point) -> Option<Vec<Vec<f64>>> {
+        self.problem.rows(point)
+    }
+}
+
 /// Uniform numbers from a seed.
 pub(in crate::design) struct Random(ChaCha8Rng);
 
@@ -72,6 +124,7 @@ pub(super) struct Found {
     /// Place of the geometry in its unit box, and of the shares behind it where there are.
     pub(super) place: Vec<f64>,
     pub(super) pressures_pa: Vec<f64>,
+    pub(super) objective: f64,
     pub(super) starts: Starts,
     pub(super) counts: Counts,
 }
@@ -87,21 +140,21 @@ fn stop(scale: f64) -> Stop {
 }
 
 /// Descends from one start after another until enough agree. `start` makes the next one.
-fn descend<L: LeastSquares>(
-    problem: &mut L,
+fn descend<L: Counted>(
+    problem: &mut Watched<L>,
     effort: &Effort,
     stop: Stop,
     mut start: impl FnMut(&mut L, usize) -> Option<Vec<f64>>,
-    spent: impl Fn(&L) -> u64,
 ) -> Option<(Descent<L::Point>, Starts)> {
     let mut best: Option<Descent<L::Point>> = None;
     let mut ends: Vec<f64> = Vec::new();
     let mut starts = Starts::default();
     for index in 0..effort.starts {
-        if index > 0 && spent(problem) >= effort.evaluations {
+        if index > 0 && problem.problem.counts().evaluations >= effort.evaluations {
             break;
         }
-        let Some(end) = start(problem, index).and_then(|place| minimise(problem, &place, stop)) else { continue };
+        let place = start(&mut problem.problem, index);
+        let Some(end) = place.and_then(|place| minimise(problem, &place, stop)) else { continue };
         ends.push(end.objective);
         if best.as_ref().is_none_or(|best| end.objective < best.objective) {
             best = Some(end);
@@ -116,47 +169,73 @@ fn descend<L: LeastSquares>(
     Some((best?, starts))
 }
 
-/// The best geometry of a segment with pressures of its own; `None` where the model answers nowhere.
-pub(super) fn separate(segment: &Segment, index: usize, effort: &Effort) -> Option<Found> {
-    let mut random = Random::new(effort.seed, index as u64);
-    let mut problem = Separate { segment, counts: Counts::default() };
+/// What a look at some geometries of a segment gives.
+enum Look {
+    /// One has every goal.
+    Exact { place: Vec<f64>, pressures_pa: Vec<f64> },
+    /// None has; the places by what is left there, the least first.
+    Ranked(Vec<Vec<f64>>),
+}
+
+/// Looks at some geometries, at a length within reach where there is one.
+fn look(problem: &mut Watched<Separate>, random: &mut Random) -> Look {
+    let segment = problem.problem.segment;
     let width = segment.dimensions();
     let mut ranked = Vec::new();
     for trial in 0..TRIALS {
         let mut place = LOOKED_AT.get(trial).map_or_else(|| random.place(width), |place| place[..width].to_vec());
-        let Some(mut span) = Span::new(segment, &place, &mut problem.counts) else { continue };
+        let counts = &mut problem.problem.counts;
+        let Some(mut span) = Span::new(segment, &place, counts) else { continue };
         if let Some(length_m) = span.better_length().filter(|_| span.estimate() > 0.0) {
             let [low, width] = segment.axis(2);
             place[2] = if width > 0.0 { (length_m - low) / width } else { 0.0 };
-            let Some(adapted) = Span::new(segment, &place, &mut problem.counts) else { continue };
+            let Some(adapted) = Span::new(segment, &place, counts) else { continue };
             span = adapted;
         }
         let estimate = span.estimate();
         if estimate == 0.0
-            && let Some(reach) = span.reach(&mut problem.counts).filter(|reach| reach.exact())
+            && let Some(reach) = span.reach(counts).filter(|reach| reach.exact())
         {
-            let pressures_pa = reach.phases.iter().map(|phase| phase.pressure_pa).collect();
-            let starts = Starts { made: 1, agreeing: 1 };
-            return Some(Found { place, pressures_pa, starts, counts: problem.counts });
+            problem.tell(0.0);
+            return Look::Exact { place, pressures_pa: reach.phases.iter().map(|phase| phase.pressure_pa).collect() };
         }
         ranked.push((estimate, place));
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Look::Ranked(ranked.into_iter().map(|(_, place)| place).collect())
+}
+
+/// The best geometry of a segment with pressures of its own; `None` where the model answers nowhere.
+pub(super) fn separate(
+    segment: &Segment,
+    index: usize,
+    effort: &Effort,
+    watch: &mut dyn FnMut(&Progress),
+) -> Option<Found> {
+    let mut random = Random::new(effort.seed, index as u64);
+    let mut problem = Watched::new(Separate { segment, counts: Counts::default() }, watch);
+    let ranked = match look(&mut problem, &mut random) {
+        Look::Exact { place, pressures_pa } => {
+            let starts = Starts { made: 1, agreeing: 1 };
+            return Some(Found { place, pressures_pa, objective: 0.0, starts, counts: problem.problem.counts });
+        }
+        Look::Ranked(ranked) => ranked,
+    };
     // The best trials first, every second start from anywhere: a basin that starts high may end low.
     let next = |_: &mut Separate, start: usize| {
         let good = start.is_multiple_of(2).then(|| ranked.get(start / 2)).flatten();
-        Some(good.map_or_else(|| random.place(width), |(_, place)| place.clone()))
+        Some(good.cloned().unwrap_or_else(|| random.place(segment.dimensions())))
     };
-    let stop = stop(scale([segment]));
-    let (end, starts) = descend(&mut problem, effort, stop, next, |problem| problem.counts.evaluations)?;
+    let (end, starts) = descend(&mut problem, effort, stop(scale([segment])), next)?;
     let pressures_pa = end.point.phases.iter().map(|phase| phase.pressure_pa).collect();
-    Some(Found { place: end.place, pressures_pa, starts, counts: problem.counts })
+    let (objective, counts) = (end.objective, problem.problem.counts);
+    Some(Found { place: end.place, pressures_pa, objective, starts, counts })
 }
 
 /// The best geometries of segments on one supply line; `None` where the model answers nowhere.
-pub(super) fn shared(problem: &Problem, effort: &Effort) -> Option<Found> {
+pub(super) fn shared(problem: &Problem, effort: &Effort, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
     let mut random = Random::new(effort.seed, 0);
-    let mut limb = Shared { problem, counts: Counts::default() };
+    let mut limb = Watched::new(Shared { problem, counts: Counts::default() }, watch);
     let next = |limb: &mut Shared, start: usize| {
         let width = limb.dimensions();
         let mut place = if start == 0 { vec![0.5; width] } else { random.place(width) };
@@ -164,7 +243,7 @@ pub(super) fn shared(problem: &Problem, effort: &Effort) -> Option<Found> {
         place.extend(shares);
         Some(place)
     };
-    let stop = stop(scale(&problem.segments));
-    let (end, starts) = descend(&mut limb, effort, stop, next, |limb| limb.counts.evaluations)?;
-    Some(Found { place: end.place, pressures_pa: end.point.pressures_pa, starts, counts: limb.counts })
+    let (end, starts) = descend(&mut limb, effort, stop(scale(&problem.segments)), next)?;
+    let (pressures_pa, objective) = (end.point.pressures_pa, end.objective);
+    Some(Found { place: end.place, pressures_pa, objective, starts, counts: limb.problem.counts })
 }

@@ -8,6 +8,7 @@ use fra_model::State;
 use super::actuator::{Candidate, Cap, Counts};
 use super::minimise::LeastSquares;
 use super::problem::{Goal, Problem};
+use super::search::Counted;
 
 /// The least squares of a limb with one pressure: the geometry of every segment, then the share of every phase.
 pub(super) struct Shared<'a> {
@@ -72,6 +73,12 @@ impl<'a> Shared<'a> {
 /// The difference of one goal, with the root of its weight.
 fn difference(goal: &Option<Goal>, found: f64) -> f64 {
     goal.map_or(0.0, |goal| goal.weight.sqrt() * (found - goal.value))
+}
+
+impl Counted for Shared<'_> {
+    fn counts(&self) -> Counts {
+        self.counts
+    }
 }
 
 impl<'a> LeastSquares for Shared<'a> {

@@ -1,19 +1,24 @@
 //! The particle swarm of the paper, over geometry and pressures at once: the method that [`search`](super::search) is compared with.
-//!
-//! Constriction coefficients of Clerc and Kennedy, velocities clamped to a fifth of the box, and particles that are reflected at its
-//! faces. A pressure is a share of the highest one of its geometry, so that no particle is ever beyond a limit point.
 
-use super::actuator::{Candidate, Counts};
+use super::actuator::Counts;
 use super::answer::{Answer, DesignError, confirm};
+use super::objective::Objective;
 use super::problem::Problem;
-use super::search::{Found, Random, Starts};
+use super::search::{Found, Progress, Random, Starts};
 
-const INERTIA: f64 = 0.7298;
-const PULL: f64 = 1.49618;
-const FASTEST: f64 = 0.2;
+/// What becomes of a particle that flies out of the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Faces {
+    /// It stays on the face that it would have crossed.
+    Nearest,
+    /// It is reflected, and its velocity turned.
+    Reflective,
+    /// That coordinate becomes any within the box.
+    Random,
+}
 
 /// How a swarm is run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swarm {
     /// Seed.
     pub seed: u64,
@@ -21,57 +26,31 @@ pub struct Swarm {
     pub particles: usize,
     /// Objectives to be evaluated, at least one for each particle.
     pub evaluations: usize,
+    /// Share of its velocity that a particle keeps, `0..1`.
+    pub inertia: f64,
+    /// Largest pull towards its own best place and towards that of the swarm, > 0.
+    pub pull: f64,
+    /// Largest velocity, as a share of the box; > 0.
+    pub fastest: f64,
+    /// What happens at the faces of the box.
+    pub faces: Faces,
+    /// An objective that is low enough to stop.
+    pub enough: f64,
 }
 
 impl Default for Swarm {
+    /// The coefficients of Clerc and Kennedy, velocities clamped to a fifth of the box.
     fn default() -> Self {
-        Self { seed: 1, particles: 50, evaluations: 30_000 }
-    }
-}
-
-struct Objective<'a> {
-    problem: &'a Problem,
-    counts: Counts,
-}
-
-impl Objective<'_> {
-    fn width(&self) -> usize {
-        let geometry: usize = self.problem.segments.iter().map(|segment| segment.dimensions()).sum();
-        let lines = if self.problem.shared_pressure { 1 } else { self.problem.segments.len() };
-        geometry + lines * self.problem.phases()
-    }
-
-    /// Splits a particle into places and pressures of the segments.
-    fn parts(&mut self, particle: &[f64]) -> Option<Vec<(Vec<f64>, Vec<f64>)>> {
-        let phases = self.problem.phases();
-        let (mut rest, mut geometries) = (particle, Vec::new());
-        for segment in &self.problem.segments {
-            let (place, others) = rest.split_at(segment.dimensions());
-            let cap = Candidate::new(segment, place)?.cap(&mut self.counts)?;
-            geometries.push((place.to_vec(), cap.pressure_pa));
-            rest = others;
+        Self {
+            seed: 1,
+            particles: 50,
+            evaluations: 30_000,
+            inertia: 0.7298,
+            pull: 1.49618,
+            fastest: 0.2,
+            faces: Faces::Reflective,
+            enough: 0.0,
         }
-        let least = geometries.iter().map(|(_, cap)| *cap).fold(f64::INFINITY, f64::min);
-        let shared = self.problem.shared_pressure;
-        let with_pressures = |(index, (place, cap)): (usize, (Vec<f64>, f64))| {
-            let (first, cap) = if shared { (0, least) } else { (index * phases, cap) };
-            (place, rest[first..first + phases].iter().map(|share| share * cap).collect())
-        };
-        Some(geometries.into_iter().enumerate().map(with_pressures).collect())
-    }
-
-    fn at(&mut self, particle: &[f64]) -> Option<f64> {
-        self.counts.evaluations += 1;
-        let mut sum = 0.0;
-        for (segment, (place, pressures)) in self.problem.segments.iter().zip(self.parts(particle)?) {
-            let candidate = Candidate::new(segment, &place)?;
-            for (goal, pressure_pa) in segment.goals.iter().zip(pressures) {
-                let Some(goal) = goal else { continue };
-                let found = candidate.measure(&candidate.at(pressure_pa, &mut self.counts)?);
-                sum += goal.weight * (found - goal.value).powi(2);
-            }
-        }
-        Some(sum)
     }
 }
 
@@ -82,28 +61,21 @@ struct Particle {
 }
 
 impl Particle {
-    fn new(width: usize, random: &mut Random, objective: &mut Objective) -> Self {
+    fn new(settings: &Swarm, random: &mut Random, objective: &mut Objective) -> Self {
+        let width = objective.width();
         let at = random.place(width);
-        let velocity = random.place(width).iter().map(|x| FASTEST * (2.0 * x - 1.0)).collect();
+        let velocity = random.place(width).iter().map(|x| settings.fastest * (2.0 * x - 1.0)).collect();
         let value = objective.at(&at).unwrap_or(f64::INFINITY);
         Self { velocity, best: (value, at.clone()), at }
     }
 
-    fn fly(&mut self, leader: &[f64], random: &mut Random, objective: &mut Objective) {
+    fn fly(&mut self, settings: &Swarm, leader: &[f64], random: &mut Random, objective: &mut Objective) {
         for (axis, leader) in leader.iter().enumerate() {
             let (x, own) = (self.at[axis], self.best.1[axis]);
-            let pull = PULL * (random.uniform() * (own - x) + random.uniform() * (leader - x));
-            let velocity = (INERTIA * self.velocity[axis] + pull).clamp(-FASTEST, FASTEST);
-            let next = x + velocity;
-            let inside = (0.0..=1.0).contains(&next);
-            self.velocity[axis] = if inside { velocity } else { -velocity };
-            self.at[axis] = if next < 0.0 {
-                -next
-            } else if next > 1.0 {
-                2.0 - next
-            } else {
-                next
-            };
+            let pull = settings.pull * (random.uniform() * (own - x) + random.uniform() * (leader - x));
+            let velocity = settings.inertia * self.velocity[axis] + pull;
+            let velocity = velocity.clamp(-settings.fastest, settings.fastest);
+            (self.at[axis], self.velocity[axis]) = settings.faces.moved(x, velocity, random);
         }
         let value = objective.at(&self.at).unwrap_or(f64::INFINITY);
         if value < self.best.0 {
@@ -112,16 +84,33 @@ impl Particle {
     }
 }
 
-/// Runs a swarm on a design problem. `round` is told of every round.
+impl Faces {
+    /// Place and velocity after a move.
+    fn moved(self, x: f64, velocity: f64, random: &mut Random) -> (f64, f64) {
+        let next = x + velocity;
+        if (0.0..=1.0).contains(&next) {
+            return (next, velocity);
+        }
+        match self {
+            Self::Nearest => (next.clamp(0.0, 1.0), velocity),
+            Self::Reflective => ((if next < 0.0 { -next } else { 2.0 - next }).clamp(0.0, 1.0), -velocity),
+            Self::Random => (random.uniform(), velocity),
+        }
+    }
+}
+
+/// Runs a swarm on a design problem. `watch` is told of every round; the solves it is told of leave out those for limit points, which
+/// another swarm may not need.
 ///
 /// # Errors
 /// As [`solve`](super::solve).
-pub fn swarm(problem: &Problem, settings: &Swarm, mut round: impl FnMut(usize, f64)) -> Result<Answer, DesignError> {
+pub fn swarm(problem: &Problem, settings: &Swarm, mut watch: impl FnMut(&Progress)) -> Result<Answer, DesignError> {
     let mut random = Random::new(settings.seed, 0);
-    let mut objective = Objective { problem, counts: Counts::default() };
+    let mut objective = Objective::new(problem);
     let width = objective.width();
     let count = settings.particles.max(1);
-    let mut particles: Vec<Particle> = (0..count).map(|_| Particle::new(width, &mut random, &mut objective)).collect();
+    let mut particles: Vec<Particle> =
+        (0..count).map(|_| Particle::new(settings, &mut random, &mut objective)).collect();
     let mut leader = (f64::INFINITY, vec![0.5; width]);
     for lap in 1.. {
         for particle in &particles {
@@ -129,16 +118,44 @@ pub fn swarm(problem: &Problem, settings: &Swarm, mut round: impl FnMut(usize, f
                 leader = particle.best.clone();
             }
         }
-        round(lap * count, leader.0);
-        if (lap + 1) * count > settings.evaluations {
+        watch(&Progress { objective: leader.0, counts: objective.counts() });
+        if (lap + 1) * count > settings.evaluations || leader.0 <= settings.enough {
             break;
         }
-        particles.iter_mut().for_each(|particle| particle.fly(&leader.1, &mut random, &mut objective));
+        particles.iter_mut().for_each(|particle| particle.fly(settings, &leader.1, &mut random, &mut objective));
     }
     let nowhere = || DesignError::NoEquilibrium { segment: problem.segments[0].name.clone() };
     let parts = objective.parts(&leader.1).ok_or_else(nowhere)?;
-    let starts = Starts { made: 1, agreeing: 1 };
-    let found = |(place, pressures_pa)| Found { place, pressures_pa, starts, counts: Counts::default() };
+    let found = |part: super::objective::Part| Found {
+        place: part.place,
+        pressures_pa: part.pressures_pa,
+        objective: leader.0,
+        starts: Starts { made: 1, agreeing: 1 },
+        counts: Counts::default(),
+    };
     let parts: Vec<Found> = parts.into_iter().map(found).collect();
-    confirm(problem, &parts, objective.counts, settings.seed)
+    let mut counts = objective.counts();
+    counts += objective.limits();
+    confirm(problem, &parts, counts, settings.seed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_move_leaves_the_box() {
+        let mut random = Random::new(1, 0);
+        for faces in [Faces::Nearest, Faces::Reflective, Faces::Random] {
+            for (x, velocity) in [(0.9, 0.2), (0.0, -1.0), (0.3, -0.4), (1.0, 3.0), (0.5, 0.1)] {
+                let (there, after) = faces.moved(x, velocity, &mut random);
+                assert!((0.0..=1.0).contains(&there), "{faces:?} {x} {velocity}: {there}");
+                assert_eq!(after.abs(), velocity.abs());
+            }
+        }
+        // 0.9 + 0.2 is as far inside when reflected as it was outside.
+        let (there, after) = Faces::Reflective.moved(0.9, 0.2, &mut random);
+        assert!((there - 0.9).abs() < 1e-15 && after == -0.2);
+        assert_eq!(Faces::Nearest.moved(0.9, 0.2, &mut random).0, 1.0);
+    }
 }
