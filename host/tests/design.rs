@@ -14,3 +14,5 @@ mod files;
 mod hard_cases;
 #[path = "design/optima.rs"]
 mod optima;
+#[path = "design/ridge.rs"]
+mod ridge;

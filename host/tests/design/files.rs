@@ -39,6 +39,11 @@ fn a_value_out_of_range_is_named_with_its_range_and_line() {
             "60000, \"limit_margin\": 0",
             "line 15: segments[0].bounds.limit_margin = 0 is not allowed: 0.001 to 0.9",
         ),
+        (
+            "0.000178",
+            "0.0031, \"placement\": \"layer\"",
+            "line 9: segments[0].fiber.thickness_m = 0.0031 is not allowed: > 0, at most 0.003, the thinnest wall",
+        ),
         ("[0.2, 0.21]", "[0.2, -0.21]", "line 17: segments[0].targets.length_m[1] = -0.21 is not allowed: > 0"),
         ("[0.2, 0.21]", "[]", "line 17: segments[0].targets.length_m = [0 items] is not allowed: 1 to 1000 phases"),
     ] {

@@ -134,3 +134,24 @@ fn fiber_angles_of_both_signs_twist_both_ways() {
     assert!((answer.objective - 1e6 * 0.04).abs() < 1e-3, "{}", answer.objective);
     assert!((objective(&problem, &answer) - answer.objective).abs() < 1e-6);
 }
+
+#[test]
+fn a_layer_as_thick_as_the_wall_is_a_smeared_winding() {
+    let with = |fiber: &str| {
+        let text = extension(&[
+            ("[0.2, 0.21]", "[0.11, 0.45]"),
+            ("[0.003, 0.005]", "[0.004, 0.004]"),
+            ("3.61e8", "3.61e6"),
+            ("0.000178", fiber),
+        ]);
+        answered(&text).1
+    };
+    let [layer, smeared] = ["0.004, \"placement\": \"layer\"", "0.004, \"placement\": \"smeared\""].map(with);
+    assert!(layer.objective > 1.0);
+    assert!((layer.objective / smeared.objective - 1.0).abs() < 1e-10, "{} {}", layer.objective, smeared.objective);
+    let [a, b] = [&layer, &smeared].map(|answer| answer.segments[0].inner_radius_m);
+    assert!((a - b).abs() < 1e-9, "{a} {b}");
+    // A layer half as thick holds half as much: less stiff, so that it reaches farther.
+    let thin = with("0.002, \"placement\": \"layer\"");
+    assert!(thin.objective < layer.objective);
+}

@@ -97,6 +97,13 @@ impl<'a> Candidate<'a> {
         }
     }
 
+    /// The margin below the limit point, whether it bounds the pressure or not; `None` where no limit point is found below `highest_pa`.
+    pub(super) fn margin(&self, highest_pa: f64, counts: &mut Counts) -> Option<Cap> {
+        let beyond = self.forward(None, highest_pa / (1.0 - self.segment.limit_margin), counts)?;
+        let limit = beyond.limit_pressure_pa.filter(|_| beyond.status != Status::Solved)?;
+        Some(Cap { pressure_pa: (1.0 - self.segment.limit_margin) * limit, limit: Some(beyond.state) })
+    }
+
     /// `dq/dP` at a pressure, m/Pa or rad/Pa.
     pub(super) fn by_pressure(&self, state: &State<f64>, counts: &mut Counts) -> Option<f64> {
         self.by(state, Parameter::Pressure, counts)

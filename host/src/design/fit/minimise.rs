@@ -6,7 +6,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-const STEPS: usize = 200;
 const LEAST_DAMPING: f64 = 1e-12;
 const MOST_DAMPING: f64 = 1e12;
 
@@ -37,6 +36,8 @@ pub(super) struct Stop {
     pub(super) zero: f64,
     /// The least relative improvement that a step must foretell.
     pub(super) relative: f64,
+    /// The most steps, those that are refused included.
+    pub(super) steps: usize,
 }
 
 /// The quadratic model at one place.
@@ -68,7 +69,7 @@ pub(super) fn minimise<L: LeastSquares>(problem: &mut L, start: &[f64], stop: St
     let (mut secant, mut with_secant) = (DMatrix::zeros(width, width), false);
     let mut damping = 1e-3;
     let mut model = None;
-    for _ in 0..STEPS {
+    for _ in 0..stop.steps {
         if objective <= stop.zero {
             break;
         }
@@ -211,7 +212,7 @@ mod tests {
         }
     }
 
-    const STOP: Stop = Stop { zero: 1e-28, relative: 1e-14 };
+    const STOP: Stop = Stop { zero: 1e-28, relative: 1e-14, steps: 200 };
 
     #[test]
     fn the_valley_of_rosenbrock_is_followed_to_its_end() {

@@ -15,6 +15,7 @@ mod minimise;
 mod objective;
 mod problem;
 mod reach;
+mod ridge;
 mod search;
 mod shared;
 mod swarm;

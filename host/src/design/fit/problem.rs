@@ -52,16 +52,27 @@ pub struct GeometryBounds {
     pub angle_rad: Bounds,
 }
 
-/// The winding of a straight segment, but for its angle and its radius, which is `R_o`.
+impl GeometryBounds {
+    /// The least wall within the bounds, m.
+    pub(super) fn thinnest_m(&self) -> f64 {
+        let [a, b] = self.sizes_m;
+        match self.sizes {
+            Sizes::InnerAndWall | Sizes::OuterAndWall => b[0],
+            Sizes::InnerAndOuter => b[0] - a[1],
+        }
+    }
+}
+
+/// The winding of a straight segment, but for its angle. It is wound at `R_o`: a sheet there, a layer from there inwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Winding {
     /// One or two families.
     pub families: Families,
     /// `mu2` of each family, Pa; >= 0.
     pub modulus_pa: f64,
-    /// A sheet or smeared.
+    /// A sheet, a layer or smeared.
     pub placement: Placement,
-    /// Thickness of a sheet, m; > 0.
+    /// Thickness of a sheet or a layer, m; > 0, that of a layer at most the thinnest wall within the bounds.
     pub thickness_m: f64,
 }
 
@@ -199,7 +210,11 @@ impl Segment {
                 modulus_pa: winding.modulus_pa,
                 placement: winding.placement,
                 thickness_m: winding.thickness_m,
-                radius_m: geometry.outer_radius_m,
+                radius_m: match winding.placement {
+                    // Rounding must not take it out of the thinnest wall.
+                    Placement::Layer => (geometry.outer_radius_m - winding.thickness_m).max(geometry.inner_radius_m),
+                    Placement::Sheet | Placement::Smeared => geometry.outer_radius_m,
+                },
             }),
         }
     }

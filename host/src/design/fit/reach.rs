@@ -70,6 +70,12 @@ impl<'a> Span<'a> {
         counts.evaluations += 1;
         let candidate = Candidate::new(segment, place)?;
         let cap = candidate.cap(counts)?;
+        Self::with_cap(candidate, cap, counts)
+    }
+
+    /// With a highest pressure that is known.
+    pub(super) fn with_cap(candidate: Candidate<'a>, cap: Cap, counts: &mut Counts) -> Option<Self> {
+        let segment = candidate.segment;
         let mut span = Self { candidate, cap, ends: None, largest: None };
         if segment.bends_without_limit() {
             // One inverse tells the same as the far dearer forward solve of a bend.

@@ -9,6 +9,7 @@ use super::actuator::Counts;
 use super::minimise::{Descent, LeastSquares, Stop, minimise, sum_of_squares};
 use super::problem::{Problem, Segment};
 use super::reach::{Separate, Span};
+use super::ridge::settle;
 use super::shared::Shared;
 
 /// Geometries that are looked at before any descent.
@@ -62,8 +63,8 @@ pub(super) trait Counted: LeastSquares {
 }
 
 /// A problem, and somebody who is told when an evaluation is better than all before.
-struct Watched<'w, L> {
-    problem: L,
+pub(super) struct Watched<'w, L> {
+    pub(super) problem: L,
     least: f64,
     watch: &'w mut dyn FnMut(&Progress),
 }
@@ -73,7 +74,8 @@ impl<'w, L: Counted> Watched<'w, L> {
         Self { problem, least: f64::INFINITY, watch }
     }
 
-    fn tell(&mut self, objective: f64) {
+    /// Of an objective that has been found.
+    pub(super) fn tell(&mut self, objective: f64) {
         if objective < self.least {
             self.least = objective;
             (self.watch)(&Progress { objective, counts: self.problem.counts() });
@@ -136,15 +138,16 @@ fn scale<'a>(segments: impl IntoIterator<Item = &'a Segment>) -> f64 {
 }
 
 fn stop(scale: f64) -> Stop {
-    Stop { zero: 1e-24 * scale, relative: 1e-16 }
+    Stop { zero: 1e-24 * scale, relative: 1e-16, steps: 200 }
 }
 
-/// Descends from one start after another until enough agree. `start` makes the next one.
+/// Descends from one start after another until enough agree. `start` makes the next one, `settle` goes on from where one ended.
 fn descend<L: Counted>(
     problem: &mut Watched<L>,
     effort: &Effort,
     stop: Stop,
     mut start: impl FnMut(&mut L, usize) -> Option<Vec<f64>>,
+    settle: impl Fn(&mut Watched<L>, Descent<L::Point>) -> Descent<L::Point>,
 ) -> Option<(Descent<L::Point>, Starts)> {
     let mut best: Option<Descent<L::Point>> = None;
     let mut ends: Vec<f64> = Vec::new();
@@ -155,6 +158,7 @@ fn descend<L: Counted>(
         }
         let place = start(&mut problem.problem, index);
         let Some(end) = place.and_then(|place| minimise(problem, &place, stop)) else { continue };
+        let end = settle(problem, end);
         ends.push(end.objective);
         if best.as_ref().is_none_or(|best| end.objective < best.objective) {
             best = Some(end);
@@ -226,7 +230,8 @@ pub(super) fn separate(
         let good = start.is_multiple_of(2).then(|| ranked.get(start / 2)).flatten();
         Some(good.cloned().unwrap_or_else(|| random.place(segment.dimensions())))
     };
-    let (end, starts) = descend(&mut problem, effort, stop(scale([segment])), next)?;
+    let stop = stop(scale([segment]));
+    let (end, starts) = descend(&mut problem, effort, stop, next, |problem, end| settle(problem, end, stop))?;
     let pressures_pa = end.point.phases.iter().map(|phase| phase.pressure_pa).collect();
     let (objective, counts) = (end.objective, problem.problem.counts);
     Some(Found { place: end.place, pressures_pa, objective, starts, counts })
@@ -243,7 +248,7 @@ pub(super) fn shared(problem: &Problem, effort: &Effort, watch: &mut dyn FnMut(&
         place.extend(shares);
         Some(place)
     };
-    let (end, starts) = descend(&mut limb, effort, stop(scale(&problem.segments)), next)?;
+    let (end, starts) = descend(&mut limb, effort, stop(scale(&problem.segments)), next, |_, end| end)?;
     let (pressures_pa, objective) = (end.point.pressures_pa, end.objective);
     Some(Found { place: end.place, pressures_pa, objective, starts, counts: limb.problem.counts })
 }
