@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::bounds::BoundsSpec;
 use super::winding::{FiberSpec, MaterialSpec};
 use super::{Refused, Weights, missing, require, superfluous};
-use crate::design::fit::problem::{GeometryBounds, Goal, MOST, Segment, Winding};
+use crate::design::fit::problem::{Goal, MOST, Segment};
 use crate::eval::object::Object;
 
 /// The share of the limit pressure that stays unused where a file does not say.
@@ -63,12 +63,14 @@ impl SegmentSpec {
         let highest = bounds.pressure_max_pa;
         require(highest > 0.0, &format!("{at}.bounds.pressure_max_pa"), highest, "> 0")?;
         let material = self.material.0.material(&format!("{at}.material"))?;
+        let wound = format!("{at}.fiber");
+        let fiber = self.fiber(motion, &wound)?;
         let geometry = bounds.geometry(motion, &format!("{at}.bounds"))?;
         let segment = Segment {
             name: self.name.clone(),
             motion,
             material,
-            winding: self.winding(motion, &format!("{at}.fiber"), &geometry)?,
+            winding: fiber.map(|fiber| fiber.winding(&wound, geometry.thinnest_m())).transpose()?,
             bounds: geometry,
             pressure_max_pa: highest,
             limit_margin: margin,
@@ -82,13 +84,14 @@ impl SegmentSpec {
         Ok(segment)
     }
 
-    fn winding(&self, motion: Motion, at: &str, bounds: &GeometryBounds) -> Result<Option<Winding>, Refused> {
+    /// What the file says of the winding, where the motion has one.
+    fn fiber(&self, motion: Motion, at: &str) -> Result<Option<&FiberSpec>, Refused> {
         if motion == Motion::Bending {
             let why = "a bending actuator is wound along the hoop at its outer radius";
             return superfluous(self.fiber.as_ref(), at.into(), why).map(|()| None);
         }
         let Object(fiber) = missing(self.fiber.as_ref(), at.into(), "a straight actuator is wound")?;
-        fiber.winding(at, bounds.thinnest_m()).map(Some)
+        Ok(Some(fiber))
     }
 
     fn goals(&self, motion: Motion, at: &str, weight: f64) -> Result<Vec<Option<Goal>>, Refused> {
