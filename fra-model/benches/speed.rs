@@ -1,4 +1,4 @@
-//! Times of the solvers of straight tubes, one line per case: `name nanoseconds-per-answer`.
+//! Times of the solvers, one line per case: `name nanoseconds-per-answer`.
 //!
 //! `speed.py` writes the actuators to a file, names it in `SPEED_SAMPLE`, compares the answers left in `SPEED_ANSWERS` with its own
 //! and prints ratios. Without them, a small sample of its own serves to see that it runs.
@@ -87,6 +87,7 @@ fn build(rows: &[Vec<f64>], families: Families) -> Vec<Case> {
 }
 
 fn main() {
+    bends();
     let rows = sample();
     let none = Load::none();
     for (name, families) in [("two", Families::Two), ("one", Families::One)] {
@@ -118,6 +119,37 @@ fn main() {
             std::fs::write(path, text).expect("a place for the answers");
         }
     }
+}
+
+/// A tube of 6/8 mm and 100 mm that bends by a quarter turn: what each question to it takes.
+fn bends() {
+    let p = ActuatorParameters {
+        motion: Motion::Bending,
+        inner_radius_m: 6e-3,
+        outer_radius_m: 8e-3,
+        length_m: 0.1,
+        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+        fiber: None,
+    };
+    let (none, target) = (Load::none(), Target::BendAngle(std::f64::consts::FRAC_PI_2));
+    let actuator = Actuator::new(&p).expect("valid");
+    let state = actuator.inverse(target, &none).expect("finite").state;
+    let times = [(); 512];
+    time("bend_build", &times, |()| {
+        black_box(Actuator::new(black_box(&p))).expect("valid");
+    });
+    time("bend_inverse", &times, |()| {
+        black_box(actuator.inverse(black_box(target), &none)).expect("finite");
+    });
+    time("bend_forward", &times, |()| {
+        black_box(actuator.forward(black_box(state.pressure_pa), &none)).expect("finite");
+    });
+    time("bend_sensitivity", &times, |()| {
+        black_box(actuator.sensitivity(black_box(&state), &none, Parameter::InnerRadius)).expect("a derivative");
+    });
+    time("bend_condition", &times, |()| {
+        black_box(actuator.condition(black_box(&state), &none)).expect("derivatives");
+    });
 }
 
 /// Inverse problems: what a pressure has done in the direction the winding is made for, the stretch below the neutral angle and the

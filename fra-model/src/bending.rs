@@ -7,10 +7,15 @@
 //! volume inside a winding that keeps its radius. This replaces eqs. (10)-(13) of the paper, whose stretch (12) does not vary
 //! around the section and whose balance leaves out the pressure carried through the wall.
 
+mod meet;
+
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::real::{Real, epsilon, real};
+use crate::scalar::Scalar;
 use crate::section::{Bent, Section};
 use crate::solution::{Load, Solution, State, Status, Target};
+
+use meet::Met;
 
 /// Longest step of `k` relative to `k + 0.1`, and the largest `k` looked at.
 const LONGEST_STEP: f64 = 0.5;
@@ -22,29 +27,41 @@ const REFINE_STEPS: u32 = 100;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bender<T: Real> {
     section: Section<T>,
+    straight: Bent<T>,
 }
 
 impl<T: Real> Bender<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
-        Self { section: Section::new(parameters) }
+        let section = Section::new(parameters);
+        Self { straight: section.bent(T::zero()), section }
     }
 
     /// The bend at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
         let wanted = pressure_pa / self.section.shear_modulus_pa() * self.section.lever() + self.load_moment(load);
-        let mut iterations = 0;
         // A line that cannot shorten and a winding that cannot push do not bend backwards.
         if wanted < T::zero() {
-            let straight = self.bent(T::zero(), &mut iterations);
-            return self.solution(Status::NoSolution, straight, load, Some(straight), iterations);
+            return self.solution(Status::NoSolution, self.straight, load, Some(self.straight), 0);
         }
-        let from = start.map_or(T::zero(), |state| self.section.curvature(state.bend_angle_rad));
-        // Only a stiffening wall has one bend for every moment, so that any start leads to it.
-        let begin = self.bent(if self.section.softens() { T::zero() } else { from.max(T::zero()) }, &mut iterations);
-        let mut solution = self.reach(begin, wanted, load, &mut iterations);
+        let mut iterations = 0;
+        let from =
+            start.map_or(T::zero(), |state| Scalar::max(self.section.curvature(state.bend_angle_rad), T::zero()));
+        // Only a moment that rises throughout has one bend for every value, so that any start leads to it.
+        let rises = !self.section.may_turn();
+        let met = if rises { self.meet(from, wanted, &mut iterations) } else { None };
+        let mut solution = match met {
+            Some(Met { bent, off }) => {
+                Solution { residual: off / self.section.lever(), ..self.solution(Status::Solved, bent, load, None, 0) }
+            }
+            None => {
+                let begin = if rises && from > T::zero() { self.bent(from, &mut iterations) } else { self.straight };
+                self.reach(begin, wanted, load, &mut iterations)
+            }
+        };
         solution.iterations = iterations;
         if solution.status == Status::Solved {
-            solution.residual = (solution.state.pressure_pa - pressure_pa).abs() / self.section.shear_modulus_pa();
+            let off = (solution.state.pressure_pa - pressure_pa).abs() / self.section.shear_modulus_pa();
+            solution.residual = Scalar::max(solution.residual, off);
             solution.state.pressure_pa = pressure_pa;
         }
         solution
@@ -58,22 +75,19 @@ impl<T: Real> Bender<T> {
         let mut iterations = 0;
         let bent = self.bent(k, &mut iterations);
         if !bent.moment.is_finite() || !bent.slope.is_finite() || k > real::<T>(LARGEST_CURVATURE) {
-            let straight = self.bent(T::zero(), &mut iterations);
-            return Ok(self.solution(Status::NoSolution, straight, load, None, iterations));
+            return Ok(self.solution(Status::NoSolution, self.straight, load, None, iterations));
         }
-        if self.section.softens() {
-            let straight = self.bent(T::zero(), &mut iterations);
-            if let Some(limit) = self.limit_before(straight, k, &mut iterations) {
-                return Ok(self.solution(Status::NoSolution, limit, load, Some(limit), iterations));
-            }
+        if self.section.may_turn()
+            && let Some(limit) = self.limit_before(self.straight, k, &mut iterations)
+        {
+            return Ok(self.solution(Status::NoSolution, limit, load, Some(limit), iterations));
         }
         Ok(self.solution(Status::Solved, bent, load, None, iterations))
     }
 
     /// Straight, without pressure.
     pub(crate) fn rest(&self) -> State<T> {
-        let mut iterations = 0;
-        self.section.state(&self.bent(T::zero(), &mut iterations), T::zero())
+        self.section.state(&self.straight, T::zero())
     }
 
     fn load_moment(&self, load: &Load<T>) -> T {

@@ -10,10 +10,6 @@ const GAUSS_8: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// Positive half of the 4-point rule.
-const GAUSS_4: [(f64, f64); 2] =
-    [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
-
 const NODES: usize = 2 * GAUSS_8.len();
 
 /// Largest span of `ln X` one panel covers: at large twists the integrands grow as the fourth power of `X`.
@@ -47,12 +43,6 @@ impl<T: Scalar> WallRule<T> {
     /// The rule of eight nodes a panel from `x_a` > 0 to `x_b` > `x_a`.
     pub(crate) fn new(x_a: T, x_b: T) -> Self {
         Self::with(GAUSS_8.map(constants), GAUSS_8.len(), x_a, x_b)
-    }
-
-    /// The rule of four nodes a panel.
-    pub(crate) fn coarse(x_a: T, x_b: T) -> Self {
-        let [a, b] = GAUSS_4.map(constants);
-        Self::with([a, b, a, b], GAUSS_4.len(), x_a, x_b)
     }
 
     fn with(half_rule: [(T, T); NODES / 2], pairs: usize, x_a: T, x_b: T) -> Self {
@@ -105,23 +95,6 @@ impl<T: Scalar> WallRule<T> {
                 f(x * scale, weight * scale);
             }
             scale *= self.panel_ratio;
-        }
-    }
-
-    /// Calls `f(X, weight)` at nodes that crowd towards the end, beyond which a singularity lies at this distance in `ln X`.
-    pub(crate) fn for_each_towards_end(&self, distance: T, mut f: impl FnMut(T, T)) {
-        let (mut distance, mut to, mut left) = (distance, self.from * self.span.exp(), self.span);
-        for round in 0..GRADED_PANELS {
-            let widest = (distance * T::constant(SHARE_OF_DISTANCE)).min(T::constant(PANEL_SPAN));
-            let last = round + 1 == GRADED_PANELS || left <= widest;
-            let width = if last { left } else { widest };
-            to *= (-width).exp();
-            panel(&self.half_rule, self.pairs, to, width).for_each(|(x, weight)| f(x, weight));
-            if last {
-                return;
-            }
-            left -= width;
-            distance += width;
         }
     }
 

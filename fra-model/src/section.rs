@@ -2,41 +2,24 @@
 //!
 //! Everything here is computed in any [`Scalar`], so that the derivatives with respect to the parameters are those of the same code.
 
+mod moment;
+mod nodes;
+#[cfg(test)]
+mod tests;
+
 use crate::jet::Jet;
 use crate::parameters::{ActuatorParameters, Material};
-use crate::quadrature::WallRule;
 use crate::scalar::Scalar;
 use crate::solution::State;
 
-/// Cosine and sine of the angles `pi (2j+1)/32`, j = 0..8: with their mirror images the midpoint rule of 16 angles on half a turn,
-/// which converges faster than any power for the smooth periodic integrand.
-const FINE_ANGLES: [(f64, f64); 8] = [
-    (0.995_184_726_672_196_9, 0.098_017_140_329_560_6),
-    (0.956_940_335_732_208_9, 0.290_284_677_254_462_33),
-    (0.881_921_264_348_355, 0.471_396_736_825_997_64),
-    (0.773_010_453_362_737, 0.634_393_284_163_645_5),
-    (0.634_393_284_163_645_5, 0.773_010_453_362_737),
-    (0.471_396_736_825_997_64, 0.881_921_264_348_355),
-    (0.290_284_677_254_462_33, 0.956_940_335_732_208_9),
-    (0.098_017_140_329_560_6, 0.995_184_726_672_196_9),
-];
+use moment::Bend;
+use nodes::{
+    ANGLES_2, ANGLES_4, ANGLES_6, ANGLES_8, ANGLES_10, ANGLES_12, ANGLES_16, Digits, Wall, angles, constants,
+    equal_angles,
+};
 
-/// The same for 8 angles: enough for single precision.
-const COARSE_ANGLES: [(f64, f64); 4] = [
-    (0.980_785_280_403_230_4, 0.195_090_322_016_128_25),
-    (0.831_469_612_302_545_2, 0.555_570_233_019_602_2),
-    (0.555_570_233_019_602_2, 0.831_469_612_302_545_2),
-    (0.195_090_322_016_128_25, 0.980_785_280_403_230_4),
-];
-
-/// Bends `k` up to which 16, 32 and 64 angles are enough for a double: the integrand's strip of analyticity narrows as `sqrt(2/k)`.
-const ANGLES_UNTIL: [f64; 3] = [1.0, 4.0, 16.0];
-
-/// Bends up to which equal panels are enough.
-const UNGRADED_UNTIL: f64 = 0.4;
-
-/// Most of Newton's steps to find where a point of the section goes.
-const RADIUS_STEPS: u32 = 60;
+/// `R_i/R_o` above which the moment of a wall that does not soften rises throughout.
+const THICK: f64 = 0.1;
 
 /// A bending actuator with its section in units of `R_o`.
 #[derive(Clone, Copy, Debug)]
@@ -50,15 +33,13 @@ pub(crate) struct Section<T> {
     /// `psi'(J)/mu1 = 1/2 + a J + b J^2`.
     a: T,
     b: T,
-    /// Rules over `rho^2` from `rho_i^2` to 1.
-    fine: WallRule<T>,
-    coarse: WallRule<T>,
-    /// Bends up to which the coarse rules are as good as the scalar can tell.
-    coarse_until: T,
+    wall: Wall<T>,
+    /// A singularity beyond the outer face, as the inverse of the `x` of `nodes.rs`.
+    beyond: T,
 }
 
 /// Restoring moment `dU/dkappa / (mu1 R_o^3)` and its slope at one curvature.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Bent<T> {
     /// `k = kappa R_o`.
     pub(crate) k: T,
@@ -76,18 +57,20 @@ impl<T: Scalar> Section<T> {
             Material::Yeoh { c_pa } => (T::constant(2.0) * c_pa[1] / mu1, T::constant(3.0) * c_pa[2] / mu1),
         };
         let inner = parameters.inner_radius_m / outer;
-        let single = T::epsilon() > T::constant(1e-9);
+        let winding = parameters.fiber.as_ref().map_or(one, |fiber| fiber.radius_m / outer);
+        // No root of zero, which has no derivative.
+        let missing = one - winding * winding * winding;
+        let wound_within = missing > T::constant(1e-6);
         Self {
             outer_radius_m: outer,
             length_m: parameters.length_m,
             shear_modulus_pa: mu1,
             inner,
-            winding: parameters.fiber.as_ref().map_or(one, |fiber| fiber.radius_m / outer),
+            winding,
             a,
             b,
-            fine: WallRule::new(inner * inner, one),
-            coarse: WallRule::coarse(inner * inner, one),
-            coarse_until: if single { T::constant(0.5) } else { zero },
+            wall: Wall::new(parameters.inner_radius_m, outer),
+            beyond: if wound_within { one + (missing * T::constant(2.0 / 3.0)).sqrt() } else { one },
         }
     }
 
@@ -95,9 +78,9 @@ impl<T: Scalar> Section<T> {
         self.shear_modulus_pa
     }
 
-    /// Whether the restoring moment can fall with the curvature.
-    pub(crate) fn softens(&self) -> bool {
-        self.a < T::zero() || self.b < T::zero()
+    /// Whether the restoring moment could fall with the curvature: in a wall that softens, or in a very thick one.
+    pub(crate) fn may_turn(&self) -> bool {
+        self.a < T::zero() || self.b < T::zero() || self.inner < T::constant(THICK)
     }
 
     /// `d(volume)/d(kappa)` per length, in units of `R_o^3`.
@@ -151,126 +134,66 @@ impl<T: Scalar> Section<T> {
 
     /// Integrates the restoring moment over the section.
     pub(crate) fn bent(&self, k: T) -> Bent<T> {
-        let [few, some, many] = ANGLES_UNTIL.map(T::constant);
-        if k < self.coarse_until {
-            self.integrated(k, COARSE_ANGLES.map(constants))
-        } else if k < few {
-            self.integrated(k, FINE_ANGLES.map(constants))
-        } else if k < some {
-            self.integrated(k, equal_angles::<T, 16>())
-        } else if k < many {
-            self.integrated(k, equal_angles::<T, 32>())
-        } else {
-            self.integrated(k, equal_angles::<T, 64>())
+        self.sampled(k, Digits::All)
+    }
+
+    /// The same to some digits, for a first guess.
+    pub(crate) fn roughly_bent(&self, k: T) -> Bent<T> {
+        self.sampled(k, Digits::Few)
+    }
+
+    fn sampled(&self, k: T, digits: Digits) -> Bent<T> {
+        match angles(self.nearness(k), digits) {
+            2 => self.integrated(k, digits, &ANGLES_2.map(constants)),
+            4 => self.integrated(k, digits, &ANGLES_4.map(constants)),
+            6 => self.integrated(k, digits, &ANGLES_6.map(constants)),
+            8 => self.integrated(k, digits, &ANGLES_8.map(constants)),
+            10 => self.integrated(k, digits, &ANGLES_10.map(constants)),
+            12 => self.integrated(k, digits, &ANGLES_12.map(constants)),
+            16 => self.integrated(k, digits, &ANGLES_16.map(constants)),
+            32 => self.integrated(k, digits, &equal_angles::<T, 16>()),
+            64 => self.integrated(k, digits, &equal_angles::<T, 32>()),
+            _ => self.integrated(k, digits, &equal_angles::<T, 64>()),
         }
     }
 
-    fn integrated<const N: usize>(&self, k: T, angles: [(T, T); N]) -> Bent<T> {
-        let mut sum = Jet::fixed(T::zero());
-        self.for_each_radius(k, |rho_squared, weight| {
-            let rho = rho_squared.sqrt();
-            for (cos, sin) in angles {
-                for cos in [cos, -cos] {
-                    sum += Jet::fixed(weight) * self.moment_density(k, rho, cos, sin);
+    /// How near the nearest singularity of the deformed radius is to the angles, 0 to about 1: at the inner face, where the radius
+    /// would shrink to nothing, or beyond the outer one, where the map folds.
+    fn nearness(&self, k: T) -> T {
+        let f2 = self.winding * self.winding;
+        let stretch = T::one() + k;
+        let lumen = f2 - (f2 - self.wall.inner2()) / stretch;
+        let within = f2 * self.winding * T::constant(2.0 / 3.0) / lumen;
+        k / stretch * Scalar::max(within, self.beyond)
+    }
+
+    fn integrated(&self, k: T, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
+        let bend = Bend::new(k, self.winding, self.a, self.b);
+        let (mut moment, mut slope, mut halves) = (T::zero(), T::zero(), T::zero());
+        angles.iter().for_each(|_| halves += T::constant(2.0));
+        self.wall.for_each(
+            k,
+            || bend.fold(),
+            digits,
+            |square, weight| {
+                let ring = bend.ring(square);
+                for &(cos, sin) in angles {
+                    let (density, curve) = bend.density(&ring, cos, sin);
+                    moment += density.sum() * weight;
+                    slope += curve.sum() * weight;
                 }
-            }
-        });
-        // dA = d(rho^2)/2 dphi; two mirror images of each angle, both halves of the section.
-        let scale = T::constant(core::f64::consts::PI / (2 * N) as f64);
-        Bent { k, moment: sum.value * scale, slope: sum.slope * scale }
-    }
-
-    /// Calls `f(rho^2, weight)` at the nodes over the wall that a bend takes.
-    fn for_each_radius(&self, k: T, f: impl FnMut(T, T)) {
-        if k < self.coarse_until {
-            return self.coarse.for_each(T::zero(), f);
-        }
-        if k < T::constant(UNGRADED_UNTIL) {
-            return self.fine.for_each(T::zero(), f);
-        }
-        // On the side of the inextensible line the map folds beyond the outer face, where d(rho^2)/d(r^2) = 1 + k h vanishes: at r = 1 + 1/k.
-        let r = T::one() + T::one() / k;
-        let fold = r * r - T::constant(2.0) * k * self.inward_shift(r, T::one());
-        self.fine.for_each_towards_end(fold.ln(), f);
-    }
-
-    /// `psi'(J)/mu1 dJ/dk` at one point of the section, with its slope in `k`.
-    fn moment_density(&self, k: T, rho: T, cos: T, sin: T) -> Jet<T> {
-        let c = Jet::fixed;
-        let (one, two, three) = (c(T::one()), c(T::constant(2.0)), c(T::constant(3.0)));
-        let radius = self.deformed_radius(k, rho, cos);
-        let g_value = self.inward_shift(radius, cos);
-        let stretch_value = T::one() + k * (T::one() - radius * cos);
-        let k = Jet::variable(k);
-        let r = Jet::new(radius, g_value / (radius * stretch_value));
-        let (rho, cos, sin, winding) = (c(rho), c(cos), c(sin), c(self.winding));
-
-        let r2 = r * r;
-        let reach = winding * winding * winding - r2 * r;
-        let shift = (winding * winding - r2) / two - cos * reach / three;
-        let h = one - r * cos;
-        let stretch = one + k * h;
-        let r_k = shift / (r * stretch);
-        let stretch_k = h - k * cos * r_k;
-        // Shear of the section: r_f = (1/R) dr/dphi_c times R.
-        let lean = k * sin * reach / (three * r * stretch);
-        let lean_k =
-            sin * reach / (three * r * stretch) - k * sin * r * r_k / stretch - lean * (r_k / r + stretch_k / stretch);
-
-        let eta = two * k * shift / (rho * rho);
-        let eps = k * h * (two + k * h);
-        let (p, q) = (one + eta, one + eps);
-        let pq = p * q;
-        let invariant = (eta * eta + eta * eps + eps * eps + eta * eps * (eta + eps)) / pq + lean * lean / (rho * rho);
-        let by_radius = (eta * (two + eta) * q + eps) / pq * (r_k / r);
-        let by_stretch = (eps * (two + eps) * p + eta) / pq * (stretch_k / stretch);
-        let by_lean = lean * lean_k / (rho * rho);
-        let invariant_k = two * (by_radius + by_stretch + by_lean);
-        let stiffness = c(T::constant(0.5)) + invariant * (c(self.a) + c(self.b) * invariant);
-        stiffness * invariant_k
-    }
-
-    /// `G = (rho_f^2 - r^2)/2 - cos (rho_f^3 - r^3)/3`, so that `r^2 = rho^2 + 2 k G(r)`.
-    fn inward_shift(&self, r: T, cos: T) -> T {
-        let f = self.winding;
-        (f * f - r * r) * T::constant(0.5) - cos * (f * f * f - r * r * r) / T::constant(3.0)
-    }
-
-    /// Where the material radius `rho` goes: the root of the isochoric map, by Newton in `r^2`, in which it is nearly linear. Its
-    /// slope `1 + k h` is at least one.
-    fn deformed_radius(&self, k: T, rho: T, cos: T) -> T {
-        let square = rho * rho;
-        let (mut r2, mut r) = (square, rho);
-        // A derivative settles one step after what it is the derivative of.
-        let mut left = T::ORDER;
-        for _ in 0..RADIUS_STEPS {
-            let rest = square + T::constant(2.0) * k * self.inward_shift(r, cos) - r2;
-            let step = rest / (T::one() + k * (T::one() - r * cos));
-            // The root is positive; a step beyond zero is cut short.
-            let next = (r2 + step).max(r2 * T::constant(0.25));
-            let settled = (next - r2).abs() <= T::epsilon() * next;
-            (r2, r) = (next, next.sqrt());
-            if settled && left == 0 {
-                break;
-            }
-            left -= u32::from(settled);
-        }
-        r
+            },
+        );
+        // dA = d(rho^2)/2 dphi, both halves of the section.
+        let scale = T::constant(core::f64::consts::PI) / halves;
+        Bent { k, moment: moment * scale, slope: slope * scale }
     }
 }
 
-/// Cosine and sine of the first half of `2 N` equal angles on half a turn, `pi (2j+1)/(4 N)`.
-fn equal_angles<T: Scalar, const N: usize>() -> [(T, T); N] {
-    let half_step = T::constant(core::f64::consts::PI / (4 * N) as f64);
-    let mut odd = -T::one();
-    core::array::from_fn(|_| {
-        odd += T::constant(2.0);
-        let angle = odd * half_step;
-        (angle.cos(), angle.sin())
-    })
-}
-
-/// One direction of a table in the scalar: converted while it is still a constant of the source.
-fn constants<T: Scalar>((cos, sin): (f64, f64)) -> (T, T) {
-    (T::constant(cos), T::constant(sin))
+impl<T: Scalar> Section<Jet<T>> {
+    /// Whether the variable of the derivatives leaves the dimensionless section as it is.
+    pub(crate) fn keeps_its_shape(&self) -> bool {
+        let fixed = |jet: Jet<T>| jet.slope == T::zero();
+        fixed(self.inner) && fixed(self.winding) && fixed(self.a) && fixed(self.b)
+    }
 }

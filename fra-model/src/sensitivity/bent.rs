@@ -4,7 +4,7 @@ use crate::bending::not_a_bend;
 use crate::jet::Jet;
 use crate::real::{Real, epsilon, real};
 use crate::scalar::Scalar;
-use crate::section::Section;
+use crate::section::{Bent, Section};
 use crate::solution::{State, Target};
 
 use super::inputs::{Inputs, Parameter};
@@ -18,16 +18,17 @@ pub(super) struct BentPoint<T: Real> {
     inputs: Inputs<T>,
     k: T,
     bend_angle_rad: T,
+    /// The moment and its slope, with their derivatives by `k`.
+    bent: Bent<Jet<T>>,
+    /// `dP/dk`.
+    pressure_slope: T,
     /// Whether the derivatives at constant pressure are infinite.
     at_limit: bool,
 }
 
-/// The pressure that balances a bend, and its slope along the branch.
-fn balance<S: Scalar>(inputs: &Inputs<S>, k: S) -> (State<S>, S) {
-    let section = Section::new(&inputs.parameters);
-    let bent = section.bent(k);
-    let state = section.state(&bent, section.load_moment(inputs.force_n, inputs.torque_nm));
-    (state, section.pressure_slope(&bent))
+/// The state of a bend with the pressure that balances it.
+fn balanced<S: Scalar>(section: &Section<S>, inputs: &Inputs<S>, bent: &Bent<S>) -> State<S> {
+    section.state(bent, section.load_moment(inputs.force_n, inputs.torque_nm))
 }
 
 impl<T: Real> BentPoint<T> {
@@ -37,8 +38,11 @@ impl<T: Real> BentPoint<T> {
         if !forwards {
             return Err(NoDerivative::NotAnEquilibrium);
         }
-        let (balanced, slope) = balance(&inputs.map(Jet::fixed), Jet::variable(k));
-        let error = (balanced.pressure_pa.value - inputs.pressure_pa).abs();
+        let fixed = inputs.map(Jet::fixed);
+        let section = Section::new(&fixed.parameters);
+        let bent = section.bent(Jet::variable(k));
+        let (found, slope) = (balanced(&section, &fixed, &bent).pressure_pa, section.pressure_slope(&bent));
+        let error = (found.value - inputs.pressure_pa).abs();
         let scale = inputs.pressure_pa.abs() + slope.value.abs() * k;
         let rounding = real::<T>(4.0) * epsilon::<T>();
         let noise = inputs.parameters.material.shear_modulus_pa() * rounding;
@@ -48,7 +52,8 @@ impl<T: Real> BentPoint<T> {
             return Err(NoDerivative::NotAnEquilibrium);
         }
         let stable = slope.value > slope.slope.abs() * k * rounding;
-        Ok(Self { inputs, k, bend_angle_rad: state.bend_angle_rad, at_limit: !stable })
+        let bend_angle_rad = state.bend_angle_rad;
+        Ok(Self { inputs, k, bend_angle_rad, bent, pressure_slope: slope.value, at_limit: !stable })
     }
 
     pub(super) fn deformation(&self) -> [T; 3] {
@@ -57,23 +62,37 @@ impl<T: Real> BentPoint<T> {
 
     pub(super) fn change(&self, of: Parameter, held: Held<T>) -> Result<Change<T>, NoDerivative<T>> {
         let inputs = self.inputs.varied(of).ok_or(NoDerivative::NotAnInput(of))?;
-        let (at_bend, slope) = balance(&inputs, Jet::fixed(self.k));
+        let section = Section::new(&inputs.parameters);
+        let still = self.while_still(&section);
+        let at_bend = balanced(&section, &inputs, &still);
         let dk = match held {
             Held::Pressure if self.at_limit => return Err(NoDerivative::AtLimit),
-            Held::Pressure => (inputs.pressure_pa.slope - at_bend.pressure_pa.slope) / slope.value,
+            Held::Pressure => (inputs.pressure_pa.slope - at_bend.pressure_pa.slope) / self.pressure_slope,
             // The angle is k L/R_o.
-            Held::Target(Target::BendAngle(_)) => {
-                let section = Section::new(&inputs.parameters);
-                -at_bend.bend_angle_rad.slope * section.curvature(Jet::one()).value
-            }
+            Held::Target(Target::BendAngle(_)) => -at_bend.bend_angle_rad.slope * section.curvature(Jet::one()).value,
             Held::Target(other) => return Err(NoDerivative::Invalid(not_a_bend(other))),
         };
-        let (changed, _) = balance(&inputs, Jet::new(self.k, dk));
-        let state = slopes(&changed, |slope| slope).ok_or(NoDerivative::AtLimit)?;
+        let by_bend = |value: Jet<T>| Jet::new(T::zero(), value.slope * dk);
+        let moved = Bent {
+            k: Jet::new(self.k, dk),
+            moment: still.moment + by_bend(self.bent.moment),
+            slope: still.slope + by_bend(self.bent.slope),
+        };
+        let state = slopes(&balanced(&section, &inputs, &moved), |slope| slope).ok_or(NoDerivative::AtLimit)?;
         let state = match held {
             Held::Pressure => State { pressure_pa: inputs.pressure_pa.slope, ..state },
             Held::Target(_) => State { bend_angle_rad: T::zero(), ..state },
         };
         Ok(Change { state, deformation: [state.bend_angle_rad, T::zero(), T::zero()] })
+    }
+
+    /// The moment and its slope with their derivatives by an input, the bend unchanged.
+    fn while_still(&self, section: &Section<Jet<T>>) -> Bent<Jet<T>> {
+        let k = Jet::fixed(self.k);
+        if section.keeps_its_shape() {
+            let [moment, slope] = [self.bent.moment, self.bent.slope].map(|jet| Jet::fixed(jet.value));
+            return Bent { k, moment, slope };
+        }
+        section.bent(k)
     }
 }
