@@ -33,6 +33,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/paper-map.md",
         "docs/section-fe.md",
         "docs/speed.md",
+        "docs/tasks.md",
         "docs/validation.md",
     ] {
         let text = read(document);

@@ -96,7 +96,7 @@ fn phases() {
     let second = "targets = { upper = { axial_stretch = 1.2 } }";
     expect(&changed(second, ""), "the phase has no goal", "[[phase]]");
     let both = format!("{second}\ntip = [0.5, 0, 0]");
-    expect(&changed(second, &both), "a phase has either `targets` or `tip`", "tip");
+    expect(&changed(second, &both), "a phase has one of `targets`, `tip` and `inside`", "tip");
     expect(&changed(second, "targets = { upper = {} }"), "the target of `upper` names no quantity", "{}");
     let two = "targets = { upper = { axial_stretch = 1.2, pressure = 1e4 } }";
     expect(&changed(second, two), "the target of `upper` names more than one quantity", "pressure");

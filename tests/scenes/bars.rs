@@ -19,15 +19,16 @@ fn every_scene_runs_without_a_fault_and_leaves_a_log_and_a_report() {
         assert_eq!(record::read(&ran.files.log).unwrap(), ran.files.run, "{name}");
         let page = std::fs::read_to_string(&ran.files.report).unwrap();
         assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"), "{name}");
-        complete(&name, &ran, scene.duration_us());
+        let end_s = ran.files.run.info.phases.last().map_or(0.0, |phase| phase.end_s());
+        complete(&name, &ran, end_s);
         within_bars(&name, &ran);
     }
 }
 
 /// Telemetry comes every 20 ms from the start to the end, without a gap, and the link lost nothing on a perfect line.
-fn complete(name: &str, ran: &Ran, duration_us: u64) {
+fn complete(name: &str, ran: &Ran, end_s: f64) {
     let times_s: Vec<f64> = ran.files.run.samples.iter().map(|sample| sample.time_s).collect();
-    assert!(times_s[0] < 0.02 && *times_s.last().unwrap() >= duration_us as f64 * 1e-6, "{name}");
+    assert!(times_s[0] < 0.02 && *times_s.last().unwrap() >= end_s - 1e-9, "{name}");
     assert!(times_s.windows(2).all(|pair| (pair[1] - pair[0] - 0.02).abs() < 1e-6), "{name}");
     let link = ran.summary.link;
     assert_eq!((link.retransmitted, link.crc_errors, link.telemetry_lost), (0, 0, 0), "{name}");
@@ -74,6 +75,13 @@ fn every_phase_ends_at_its_target() {
             let end = log.samples.iter().rfind(|sample| sample.time_s <= info.end_s() + 1e-6).unwrap();
             match &phase.goal {
                 Goal::Tip(point) => tip_arrives(&name, end, **point),
+                Goal::Inside(region) => {
+                    let inside = scene.regions()[region.value].shape.distance(&end.tip_setpoint_m.into());
+                    assert!(inside.distance_m < 2e-4, "{name}: {inside:?}");
+                }
+                Goal::Series(_) => {
+                    tip_arrives(&name, end, scene.markers().and_then(|markers| markers.last()).unwrap().tip_m);
+                }
                 Goal::Targets(targets) => {
                     for target in targets {
                         module_arrives(&name, &ran, end, target.module, *target.value);

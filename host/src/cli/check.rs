@@ -34,7 +34,8 @@ impl Check {
         } else {
             super::say(&table(&scene, &limb, &plan, &highest, &inverses))?;
         }
-        Ok(Outcome::Done)
+        plan.warnings.iter().for_each(|warning| super::note(&format!("warning: {warning}")));
+        Ok(if plan.warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
 }
 
@@ -67,6 +68,21 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
             })
         })
         .collect();
+    let phases: Vec<_> = plan
+        .phases
+        .iter()
+        .map(|phase| {
+            json!({
+                "name": phase.name,
+                "start_s": phase.start_us as f64 * 1e-6,
+                "move_s": phase.move_us as f64 * 1e-6,
+                "hold_s": phase.hold_us as f64 * 1e-6,
+                "via_points": phase.via_points,
+                "clearance_m": phase.nearest.map(|nearest| nearest.distance_m),
+                "nearest_obstacle": phase.nearest.map(|nearest| &scene.obstacles()[nearest.obstacle].name.value),
+            })
+        })
+        .collect();
     json!({
         "scene": scene.name(),
         "channels": scene.channels(),
@@ -74,6 +90,8 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
         "mass_kg": scene.mass_kg(),
         "duration_s": plan.duration_us() as f64 * 1e-6,
         "modules": modules,
+        "phases": phases,
+        "warnings": plan.warnings,
     })
 }
 
@@ -92,5 +110,27 @@ fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[M
         let (highest_kpa, allowed_kpa) = (pressure * 1e-3, module.pressure_max_pa * 1e-3);
         format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa, by {inverse}", module.name)
     });
-    std::iter::once(heading).chain(modules).collect::<Vec<_>>().join("\n")
+    std::iter::once(heading).chain(modules).chain(phase_rows(scene, plan)).collect::<Vec<_>>().join("\n")
+}
+
+/// Where there are obstacles or moves whose time the plan chose, a line a phase.
+fn phase_rows(scene: &Scene, plan: &Plan) -> Vec<String> {
+    let chosen = scene.phases().iter().any(|phase| phase.move_us.is_none());
+    if scene.obstacles().is_empty() && !chosen {
+        return Vec::new();
+    }
+    let row = |phase: &crate::motion::PlannedPhase| {
+        let mut text = format!("  phase {:<16} {:6.2} s", phase.name, phase.move_us as f64 * 1e-6);
+        if let Some(nearest) = phase.nearest {
+            let name = &scene.obstacles()[nearest.obstacle].name.value;
+            text.push_str(&format!(", at least {:.1} mm from `{name}`", nearest.distance_m * 1e3));
+        }
+        match phase.via_points {
+            0 => {}
+            1 => text.push_str(", by 1 via point"),
+            count => text.push_str(&format!(", by {count} via points")),
+        }
+        text
+    };
+    plan.phases.iter().map(row).collect()
 }

@@ -39,25 +39,78 @@ impl StateCurve {
         &self.states
     }
 
+    /// The state whose quantity has a value, the first from rest upwards; `None` where none has.
+    ///
+    /// The quantity is taken as monotone between two nodes.
+    pub fn find(&self, quantity: impl Fn(&State<f64>) -> f64, value: f64) -> Option<State<f64>> {
+        let off = |state: &State<f64>| quantity(state) - value;
+        if off(&self.states[0]) == 0.0 {
+            return Some(self.states[0]);
+        }
+        let cell = self.states.windows(2).position(|pair| off(&pair[0]) * off(&pair[1]) <= 0.0)?;
+        let (mut low, mut high) = (self.step_pa * cell as f64, self.step_pa * (cell + 1) as f64);
+        let (mut at_low, mut at_high) = (off(&self.states[cell]), off(&self.states[cell + 1]));
+        let whole = (at_high - at_low).abs();
+        // Regula falsi, with the Illinois rule against an end that stays.
+        for _ in 0..60 {
+            let pressure_pa = if at_high == at_low { low } else { low - at_low * (high - low) / (at_high - at_low) };
+            let state = self.at(pressure_pa);
+            let here = off(&state);
+            if here.abs() <= 1e-13 * whole || high - low <= 1e-12 * self.step_pa {
+                return Some(state);
+            }
+            if here * at_high <= 0.0 {
+                (low, at_low) = (high, at_high);
+            } else {
+                at_low *= 0.5;
+            }
+            (high, at_high) = (pressure_pa, here);
+        }
+        Some(self.at(high))
+    }
+
+    /// Derivative of the state by the gauge pressure, 1/Pa, of the same interpolation as [`StateCurve::at`].
+    pub fn slope_at(&self, pressure_pa: f64) -> State<f64> {
+        let (neighbours, share, ends) = self.cell(pressure_pa);
+        State::combine(neighbours, |values| cubic_slope(values, share, ends) / self.step_pa)
+    }
+
     /// The state at a gauge pressure, clamped to the curve's ends.
     pub fn at(&self, pressure_pa: f64) -> State<f64> {
+        let (neighbours, share, (at_start, at_end)) = self.cell(pressure_pa);
+        State::combine(neighbours, |values| cubic(values, share, at_start, at_end))
+    }
+
+    /// The nodes about a pressure, its share of the cell, and whether the cell is the first or the last.
+    fn cell(&self, pressure_pa: f64) -> ([&State<f64>; 4], f64, (bool, bool)) {
         let last = self.states.len() - 1;
         let position = (pressure_pa / self.step_pa).clamp(0.0, last as f64);
         let cell = (position as usize).min(last.saturating_sub(1));
-        let share = position - cell as f64;
         let node = |offset: isize| &self.states[cell.saturating_add_signed(offset).min(last)];
-        let neighbours = [node(-1), node(0), node(1), node(2)];
-        let (at_start, at_end) = (cell == 0, cell + 2 > last);
-        State::combine(neighbours, |values| cubic(values, share, at_start, at_end))
+        ([node(-1), node(0), node(1), node(2)], position - cell as f64, (cell == 0, cell + 2 > last))
     }
 }
 
 /// Cubic Hermite between the two middle values with central slopes; one-sided ones at the ends.
-fn cubic([a, b, c, d]: [f64; 4], t: f64, at_start: bool, at_end: bool) -> f64 {
-    let slope_b = if at_start { 2.0 * (c - b) - 0.5 * (if at_end { c - b } else { d - b }) } else { 0.5 * (c - a) };
-    let slope_c = if at_end { 2.0 * (c - b) - 0.5 * (if at_start { c - b } else { c - a }) } else { 0.5 * (d - b) };
+fn cubic(values: [f64; 4], t: f64, at_start: bool, at_end: bool) -> f64 {
+    let [_, b, c, _] = values;
+    let [slope_b, slope_c] = slopes(values, at_start, at_end);
     let (t2, t3) = (t * t, t * t * t);
     b * (2.0 * t3 - 3.0 * t2 + 1.0) + slope_b * (t3 - 2.0 * t2 + t) + c * (3.0 * t2 - 2.0 * t3) + slope_c * (t3 - t2)
+}
+
+/// Derivative of [`cubic`] by `t`.
+fn cubic_slope(values: [f64; 4], t: f64, (at_start, at_end): (bool, bool)) -> f64 {
+    let [_, b, c, _] = values;
+    let [slope_b, slope_c] = slopes(values, at_start, at_end);
+    let t2 = t * t;
+    6.0 * (c - b) * (t - t2) + slope_b * (3.0 * t2 - 4.0 * t + 1.0) + slope_c * (3.0 * t2 - 2.0 * t)
+}
+
+fn slopes([a, b, c, d]: [f64; 4], at_start: bool, at_end: bool) -> [f64; 2] {
+    let slope_b = if at_start { 2.0 * (c - b) - 0.5 * (if at_end { c - b } else { d - b }) } else { 0.5 * (c - a) };
+    let slope_c = if at_end { 2.0 * (c - b) - 0.5 * (if at_start { c - b } else { c - a }) } else { 0.5 * (d - b) };
+    [slope_b, slope_c]
 }
 
 /// The module's limit, or a little below the actuator's limit point where that comes first.

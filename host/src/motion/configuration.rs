@@ -111,13 +111,13 @@ fn setpoint_limits(module: &LimbModule) -> (i32, i32) {
 }
 
 /// Sonic conductance of a tube by Eckersten's formula, `0.029 d^2/sqrt(L/d^1.25 + 510)`.
-fn line_conductance_m3_per_s_pa(line: &Line) -> f64 {
+pub(super) fn line_conductance_m3_per_s_pa(line: &Line) -> f64 {
     let d = line.inner_diameter_m;
     0.029 * d * d / (line.length_m / d.powf(1.25) + 510.0).sqrt()
 }
 
 /// Air that is not in the actuator: fittings and line.
-fn dead_volume_m3(scene: &Scene) -> f64 {
+pub(super) fn dead_volume_m3(scene: &Scene) -> f64 {
     let line = &scene.plant().line;
     let section = std::f64::consts::FRAC_PI_4 * line.inner_diameter_m * line.inner_diameter_m;
     scene.plant().chamber.dead_volume_m3 + section * line.length_m

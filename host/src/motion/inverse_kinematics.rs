@@ -1,16 +1,25 @@
-//! Inverse kinematics: module setpoints that put the tip at a point.
+//! Inverse kinematics: pressures of the modules that put the tip where it shall be, the body clear of obstacles.
+//!
+//! Damped Gauss-Newton in the shares of each module's pressure range, by exact derivatives, the bounds kept by holding what would leave
+//! them. The tip counts in m, a direction as an angle times a length, a clearance that is missing as a length. The last two are one-sided and
+//! weigh more, so that what cannot be had leaves the tip off its target and not the limb in an obstacle.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+mod descent;
+mod problem;
+mod redundancy;
+
+pub use problem::{Obstruction, TipGoal, TipTask};
+
+use nalgebra::Vector3;
 
 use crate::design::Limb;
+use descent::descend;
+use problem::Problem;
 
 /// The tip counts as arrived within this distance, m.
 const ARRIVED_M: f64 = 1e-7;
 /// Distance from a target up to which it counts as reached, m.
 const REACHED_M: f64 = 1e-4;
-const ITERATIONS: usize = 200;
-/// Share of a module's pressure range by which a derivative is probed.
-const PROBE: f64 = 1e-5;
 
 /// What the limb can do about a target.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,33 +30,83 @@ pub struct Reach {
     pub tip_m: [f64; 3],
     /// Its distance from the target, m.
     pub distance_m: f64,
+    /// By how much its direction misses the tolerance, rad.
+    pub angle_rad: f64,
+    /// By how much the nearest obstacle is nearer than it may be, m.
+    pub shortfall_m: f64,
 }
 
 impl Reach {
-    /// Whether that is at the target.
+    /// Whether that is at the target, in the direction asked for and clear.
     pub fn reached(&self) -> bool {
-        self.distance_m <= REACHED_M
+        self.distance_m <= REACHED_M && self.allowed()
+    }
+
+    /// Whether direction and clearance are kept, wherever the tip is.
+    pub fn allowed(&self) -> bool {
+        self.angle_rad <= 1e-6 && self.shortfall_m <= 1e-9
+    }
+
+    fn arrived(&self) -> bool {
+        self.distance_m <= ARRIVED_M && self.allowed()
     }
 }
 
 /// The pressures nearest to `start_pa` that bring the tip to `target_m`; where the limb cannot reach it, as near as it gets.
-///
-/// Damped Gauss-Newton in the share of each module's pressure range, with the bounds kept by holding what would leave them.
-/// Other starts are tried when the first does not arrive, since the distance may have several minima.
 pub fn solve_tip(limb: &Limb, target_m: [f64; 3], start_pa: &[f64]) -> Reach {
-    let spans: Vec<f64> = limb.modules().iter().map(|module| module.curve.pressure_max_pa()).collect();
-    let first = start_pa.iter().zip(&spans).map(|(p, span)| if *span > 0.0 { p / span } else { 0.0 }).collect();
-    let mut best = descend(limb, &spans, target_m, first);
-    for start in starts(spans.len()) {
-        if best.distance_m <= ARRIVED_M {
-            break;
-        }
-        let other = descend(limb, &spans, target_m, start);
-        if other.distance_m < best.distance_m {
-            best = other;
+    let task = TipTask { goal: TipGoal::Point(target_m), aim: None, obstacles: &[], clearance_m: 0.0 };
+    solve(limb, &task, start_pa)
+}
+
+/// The pressures that do a task, as [`solutions`] prefers them; where there are none, the nearest to it that keep direction and clearance,
+/// or, where nothing found keeps those, the nearest at all.
+pub fn solve(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
+    // There is always one.
+    solutions(limb, task, start_pa).swap_remove(0)
+}
+
+/// All different solutions found from `start_pa` and from starts spread over the range. First the one that the first descent from
+/// `start_pa` arrives at, then by the distance from there in shares of the pressure ranges. Where there is none, the nearest miss alone.
+///
+/// Of a limb that can reach its target in many ways each solution is moved along them towards `start_pa`.
+pub fn solutions(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
+    let problem = Problem::new(limb, task);
+    let home = problem.shares(start_pa);
+    let first = problem.reach(&redundancy::settle(&problem, descend(&problem, home.clone()), &home));
+    let needs_more = |reach: &Reach| !reach.arrived() || !task.obstacles.is_empty();
+    let mut all = vec![first];
+    for start in starts(home.len()).take(if needs_more(&all[0]) { STARTS } else { 0 }) {
+        all.push(problem.reach(&redundancy::settle(&problem, descend(&problem, start), &home)));
+    }
+    let from_home = |reach: &Reach| distance(&problem.shares(&reach.pressures_pa), &home);
+    let mut found: Vec<Reach> = Vec::new();
+    let mut good: Vec<Reach> = all.iter().filter(|reach| reach.reached()).cloned().collect();
+    let keeps_first = all[0].reached();
+    good[usize::from(keeps_first)..].sort_by(|a, b| from_home(a).total_cmp(&from_home(b)));
+    for reach in good {
+        let shares = problem.shares(&reach.pressures_pa);
+        if found.iter().all(|known| distance(&problem.shares(&known.pressures_pa), &shares) > SAME) {
+            found.push(reach);
         }
     }
-    best
+    if found.is_empty() {
+        let badness =
+            |reach: &Reach| (!reach.allowed(), reach.distance_m + reach.shortfall_m + LEVER_M * reach.angle_rad);
+        all.sort_by(|a, b| badness(a).0.cmp(&badness(b).0).then(badness(a).1.total_cmp(&badness(b).1)));
+        found.extend(all.into_iter().take(1));
+    }
+    found
+}
+
+/// Descents beside the first.
+const STARTS: usize = 24;
+/// Distance of solutions that count as the same, in shares.
+const SAME: f64 = 1e-3;
+/// Length at which an angle counts, m: about that of a module.
+const LEVER_M: f64 = 0.2;
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 /// Points spread over the unit box: the middle, then those of a low-discrepancy (Halton) sequence.
@@ -63,67 +122,10 @@ fn starts(dimensions: usize) -> impl Iterator<Item = Vec<f64>> {
         value
     };
     let point = move |i: u32| (0..dimensions).map(|d| halton(i + (d / 9) as u32, BASES[d % 9])).collect();
-    std::iter::once(vec![0.5; dimensions]).chain((1..24).map(point))
+    std::iter::once(vec![0.5; dimensions]).chain((1..).map(point))
 }
 
-fn tip_at(limb: &Limb, spans: &[f64], shares: &[f64]) -> Vector3<f64> {
-    let states: Vec<_> =
-        limb.modules().iter().zip(spans).zip(shares).map(|((m, span), share)| m.curve.at(span * share)).collect();
-    Vector3::from(limb.tip(&states))
-}
-
-fn descend(limb: &Limb, spans: &[f64], target_m: [f64; 3], start: Vec<f64>) -> Reach {
-    let target = Vector3::from(target_m);
-    let count = spans.len();
-    let mut shares: Vec<f64> = start.into_iter().map(|share| share.clamp(0.0, 1.0)).collect();
-    let mut tip = tip_at(limb, spans, &shares);
-    let mut damping = 1e-3;
-    for _ in 0..ITERATIONS {
-        let miss = target - tip;
-        if miss.norm() <= ARRIVED_M || damping > 1e12 {
-            break;
-        }
-        let jacobian = jacobian(limb, spans, &shares);
-        let pull = jacobian.transpose() * miss;
-        // A module at an end of its range that is pulled outwards stays there.
-        let free = |i: usize| !((shares[i] <= 0.0 && pull[i] < 0.0) || (shares[i] >= 1.0 && pull[i] > 0.0));
-        let mut normal: DMatrix<f64> = jacobian.transpose() * &jacobian;
-        let scale = normal.diagonal().max().max(f64::MIN_POSITIVE);
-        for i in 0..count {
-            normal[(i, i)] += damping * scale;
-            if !free(i) {
-                normal.row_mut(i).fill(0.0);
-                normal.column_mut(i).fill(0.0);
-                normal[(i, i)] = 1.0;
-            }
-        }
-        let right = DVector::from_fn(count, |i, _| if free(i) { pull[i] } else { 0.0 });
-        let Some(step) = normal.cholesky().map(|factors| factors.solve(&right)) else { break };
-        let next: Vec<f64> = shares.iter().zip(step.iter()).map(|(s, d)| (s + d).clamp(0.0, 1.0)).collect();
-        let next_tip = tip_at(limb, spans, &next);
-        if (target - next_tip).norm() < miss.norm() {
-            (shares, tip) = (next, next_tip);
-            damping = (damping * 0.2).max(1e-15);
-        } else {
-            damping *= 10.0;
-        }
-    }
-    let pressures_pa = spans.iter().zip(&shares).map(|(span, share)| span * share).collect();
-    Reach { pressures_pa, tip_m: tip.into(), distance_m: (target - tip).norm() }
-}
-
-/// Derivative of the tip by the shares, by central differences (one-sided at the ends).
-fn jacobian(limb: &Limb, spans: &[f64], shares: &[f64]) -> DMatrix<f64> {
-    let mut matrix = DMatrix::zeros(3, shares.len());
-    let mut probe = shares.to_vec();
-    for i in 0..shares.len() {
-        let (below, above) = ((shares[i] - PROBE).max(0.0), (shares[i] + PROBE).min(1.0));
-        probe[i] = above;
-        let ahead = tip_at(limb, spans, &probe);
-        probe[i] = below;
-        let behind = tip_at(limb, spans, &probe);
-        probe[i] = shares[i];
-        matrix.set_column(i, &((ahead - behind) / (above - below)));
-    }
-    matrix
+/// Angle between two directions, rad, also where they are nearly equal or opposite.
+pub(super) fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
 }

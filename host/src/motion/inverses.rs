@@ -128,6 +128,8 @@ pub fn check_goals(scene: &Scene, limb: &Limb, plan: &Plan, inverses: &[ModuleIn
             let span = match &phase.goal {
                 Goal::Targets(targets) => targets.iter().find(|target| target.module == index).map(|t| t.value.span),
                 Goal::Tip(tip) => Some(tip.span),
+                Goal::Inside(region) => Some(region.span),
+                Goal::Series(span) => Some(*span),
             };
             let (asked, most) = (in_units(module.kind, value), in_units(module.kind, most));
             let label = format!(

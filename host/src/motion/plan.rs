@@ -1,12 +1,14 @@
 //! The setpoints of a whole run, checked against what the limb can do.
 
-use fra_model::{Load, State, Status};
+use fra_model::State;
 
-use super::inverse_kinematics::solve_tip;
-use super::profile::{PEAK_RATE, minimum_jerk};
+use super::clear::{self, Nearness};
+use super::path::Path;
+use super::refusal::state_at;
+use super::schedule::schedule;
 use super::wire::{from_wire, to_wire};
-use crate::design::{Limb, LimbModule};
-use crate::scene::{Goal, Phase, Scene, SceneError, SetpointKind, Span};
+use crate::design::Limb;
+use crate::scene::{Gripper, Scene, SceneError, SetpointKind};
 
 /// A phase on the clock of the run, with the value of every module at its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +23,13 @@ pub struct PlannedPhase {
     pub hold_us: u64,
     /// Setpoint of every module at its end.
     pub values: Vec<f64>,
+    /// What the gripper is told at the end of the move.
+    pub gripper: Option<Gripper>,
+    /// Via points that the move passes to stay clear of obstacles.
+    pub via_points: usize,
+    /// Where the body comes nearest to an obstacle from the start of the move to the end of the pause; `None` without obstacles.
+    pub nearest: Option<Nearness>,
+    pub(super) path: Path,
 }
 
 /// All setpoints of a run: one row per knot, one value per module.
@@ -30,6 +39,8 @@ pub struct Plan {
     pub knot_period_us: u64,
     /// The phases.
     pub phases: Vec<PlannedPhase>,
+    /// What the limb will not do as planned, in words: moves that are faster than valves or supply.
+    pub warnings: Vec<String>,
     kinds: Vec<SetpointKind>,
     /// Setpoints as the device gets them, in wire units.
     knots: Vec<Vec<i32>>,
@@ -81,138 +92,20 @@ impl Plan {
 /// Plans all phases of a scene.
 ///
 /// # Errors
-/// A diagnostic at the target, way-point or duration that the limb cannot follow, with the nearest value that it can.
+/// A diagnostic at the target, way-point, duration or obstacle that the limb cannot follow or keep clear of, with the nearest that it can.
 pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
-    let mut values: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
-    let start = values.clone();
-    let mut phases = Vec::new();
-    let mut start_us = 0;
-    for phase in scene.phases() {
-        let goal = goal_values(scene, limb, phase, &values)?;
-        check_rates(scene, limb, phase, &values, &goal)?;
-        let planned = PlannedPhase {
-            name: phase.name.to_string(),
-            start_us,
-            move_us: *phase.move_us,
-            hold_us: phase.hold_us,
-            values: goal.clone(),
-        };
-        start_us += planned.move_us + planned.hold_us;
-        phases.push(planned);
-        values = goal;
-    }
+    let start: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
+    let (mut phases, warnings) = schedule(scene, limb, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
     let states = states(scene, limb, &phases, &knots, knot_period_us)?;
-    Ok(Plan { knot_period_us, phases, kinds: limb.modules().iter().map(|m| m.kind).collect(), knots, states })
-}
-
-/// The value of every module at the end of a phase.
-fn goal_values(scene: &Scene, limb: &Limb, phase: &Phase, before: &[f64]) -> Result<Vec<f64>, SceneError> {
-    match &phase.goal {
-        Goal::Targets(targets) => {
-            let mut goal = before.to_vec();
-            for target in targets {
-                check_target(scene, &limb.modules()[target.module], target.value.value, target.value.span)?;
-                goal[target.module] = target.value.value;
-            }
-            Ok(goal)
-        }
-        Goal::Tip(tip) => {
-            let start: Vec<f64> = limb.modules().iter().zip(before).map(|(m, v)| pressure_near(m, *v)).collect();
-            let reach = solve_tip(limb, tip.value, &start);
-            if !reach.reached() {
-                return Err(unreachable_tip(scene, tip.span, &reach));
-            }
-            let modules = limb.modules().iter().zip(&reach.pressures_pa);
-            Ok(modules.map(|(module, pressure)| module.measure(&module.curve.at(*pressure))).collect())
-        }
-    }
-}
-
-fn pressure_near(module: &LimbModule, value: f64) -> f64 {
-    let off = |state: &&State<f64>| (module.measure(state) - value).abs();
-    let nearest = module.curve.states().iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    nearest.map_or(0.0, |state| state.pressure_pa)
-}
-
-fn unreachable_tip(scene: &Scene, span: Span, reach: &super::Reach) -> SceneError {
-    let [x, y, z] = reach.tip_m.map(|v| v * 1e3);
-    let label = format!("the nearest the tip gets is {:.1} mm away", reach.distance_m * 1e3);
-    let help = format!("the nearest reachable point is [\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]");
-    scene.diagnostic(span, "the limb cannot reach this way-point", &label, Some(&help))
-}
-
-/// The state at a setpoint, or why there is none that the module may take.
-fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> Result<State<f64>, Refusal> {
-    let none = Load::none();
-    let solution = match module.target(value) {
-        Some(target) => module.actuator.inverse_from(start, target, &none),
-        None => module.actuator.forward_from(start, value, &none),
-    };
-    let solution = solution.map_err(|error| Refusal::Invalid(error.to_string()))?;
-    match solution.status {
-        Status::Solved => {}
-        Status::NoSolution => return Err(Refusal::BeyondLimit(solution.limit_pressure_pa)),
-        Status::NotConverged => return Err(Refusal::NotConverged),
-    }
-    let pressure_pa = solution.state.pressure_pa;
-    // Rounding of a setpoint at rest may ask for a vacuum that no gauge sees.
-    if pressure_pa < -1.0 {
-        return Err(Refusal::Vacuum(pressure_pa));
-    }
-    if pressure_pa > module.reference_max_pa * (1.0 + 1e-9) {
-        return Err(Refusal::OverPressure(pressure_pa));
-    }
-    Ok(solution.state)
-}
-
-/// Why a module does not take a setpoint.
-enum Refusal {
-    Invalid(String),
-    BeyondLimit(Option<f64>),
-    NotConverged,
-    Vacuum(f64),
-    OverPressure(f64),
-}
-
-impl Refusal {
-    fn label(&self, module: &LimbModule) -> String {
-        let kpa = |pa: f64| format!("{:.2} kPa", pa * 1e-3);
-        let allowed = kpa(module.reference_max_pa);
-        let limit = kpa(module.pressure_max_pa);
-        match self {
-            Self::Invalid(message) => message.clone(),
-            Self::BeyondLimit(Some(limit)) => format!("beyond the limit point of `{}` at {}", module.name, kpa(*limit)),
-            Self::BeyondLimit(None) => format!("`{}` reaches this at no pressure", module.name),
-            Self::NotConverged => format!("the model finds no state of `{}` for this", module.name),
-            Self::Vacuum(pressure) => {
-                format!("`{}` would need {}: a vacuum, which the valves cannot make", module.name, kpa(*pressure))
-            }
-            Self::OverPressure(pressure) => {
-                format!(
-                    "`{}` would need {}; the device follows up to {allowed}, a margin below `pressure_max` of {limit}",
-                    module.name,
-                    kpa(*pressure)
-                )
-            }
-        }
-    }
-}
-
-fn check_target(scene: &Scene, module: &LimbModule, value: f64, span: Span) -> Result<(), SceneError> {
-    let refusal = match state_at(module, &module.actuator.rest(), value) {
-        Ok(_) => return Ok(()),
-        Err(refusal) => refusal,
-    };
-    let (rest, most) = module.range();
-    let help = format!(
-        "between rest and {:.2} kPa it reaches {} to {}",
-        module.curve.pressure_max_pa() * 1e-3,
-        in_units(module.kind, rest),
-        in_units(module.kind, most)
-    );
-    Err(scene.diagnostic(span, "this target is out of the module's reach", &refusal.label(module), Some(&help)))
+    let rows: Vec<Vec<f64>> = knots
+        .iter()
+        .map(|knot| limb.modules().iter().zip(knot).map(|(m, wire)| from_wire(m.kind, *wire)).collect())
+        .collect();
+    clear::prove(scene, limb, &mut phases, (&rows, &states), knot_period_us)?;
+    let kinds = limb.modules().iter().map(|m| m.kind).collect();
+    Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states })
 }
 
 /// A setpoint as people read it.
@@ -225,43 +118,14 @@ pub(super) fn in_units(kind: SetpointKind, value: f64) -> String {
     }
 }
 
-fn check_rates(scene: &Scene, limb: &Limb, phase: &Phase, from: &[f64], to: &[f64]) -> Result<(), SceneError> {
-    let limits = scene.limits();
-    let seconds = *phase.move_us as f64 * 1e-6;
-    for (module, (a, b)) in limb.modules().iter().zip(from.iter().zip(to)) {
-        let limit = match module.kind {
-            SetpointKind::AxialStretch => limits.stretch_rate_max_per_s,
-            SetpointKind::OuterRadius | SetpointKind::InnerRadius => limits.radius_rate_max_m_per_s,
-            SetpointKind::Twist | SetpointKind::BendAngle => limits.angle_rate_max_rad_per_s,
-            SetpointKind::Pressure => None,
-        };
-        let peak = PEAK_RATE * (b - a).abs() / seconds;
-        if let Some(limit) = limit.filter(|limit| peak > *limit) {
-            let label = format!(
-                "`{}` would move at up to {}/s; the limit is {}/s",
-                module.name,
-                in_units(module.kind, peak),
-                in_units(module.kind, limit)
-            );
-            let help =
-                format!("a duration of {:.2} s is enough", (seconds * peak / limit * 100.0 - 1e-6).ceil() / 100.0);
-            return Err(scene.diagnostic(phase.move_us.span, "this move is too fast", &label, Some(&help)));
-        }
-    }
-    Ok(())
-}
-
 /// Samples the moves at the knots, in wire units. The last knot is at or just behind the end of the last phase.
 fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) -> Vec<Vec<i32>> {
     let end_us = phases.last().map_or(0, |phase| phase.start_us + phase.move_us + phase.hold_us);
     let kinds: Vec<SetpointKind> = limb.modules().iter().map(|module| module.kind).collect();
     let value_at = |time_us: u64| -> Vec<i32> {
         let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
-        let before = if index == 0 { start } else { &phases[index - 1].values };
         let Some(phase) = phases.get(index) else { return to_wire_row(&kinds, start) };
-        let share = minimum_jerk((time_us - phase.start_us) as f64 / phase.move_us as f64);
-        let row: Vec<f64> = before.iter().zip(&phase.values).map(|(a, b)| a + (b - a) * share).collect();
-        to_wire_row(&kinds, &row)
+        to_wire_row(&kinds, &phase.path.at((time_us - phase.start_us) as f64))
     };
     (0..=end_us.div_ceil(period_us)).map(|knot| value_at(knot * period_us)).collect()
 }

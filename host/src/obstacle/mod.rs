@@ -8,6 +8,7 @@
 
 mod body;
 mod clearance;
+mod outline;
 mod shape;
 
 pub use body::{Body, Piece};

@@ -98,6 +98,34 @@ pub struct PhaseInfo {
     pub move_s: f64,
     /// Length of the hold that follows, s.
     pub hold_s: f64,
+    /// What the gripper is told at the end of the move, `open` or `close`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<String>,
+    /// Where the planned body comes nearest to an obstacle; `None` without obstacles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nearest: Option<NearestInfo>,
+}
+
+/// Where a planned body comes nearest to an obstacle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NearestInfo {
+    /// Name of the obstacle.
+    pub obstacle: String,
+    /// Distance of the surfaces, m.
+    pub distance_m: f64,
+    /// When, s after the start of the run.
+    pub time_s: f64,
+}
+
+/// A solid that the limb keeps clear of, or a box that its tip enters, as it is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SolidInfo {
+    /// Name in the scene file.
+    pub name: String,
+    /// True for a box that the tip enters.
+    pub region: bool,
+    /// Lines on its surface, m.
+    pub lines_m: Vec<Vec<[f64; 3]>>,
 }
 
 impl PhaseInfo {
@@ -136,6 +164,9 @@ pub struct RunInfo {
     pub modules: Vec<ModuleInfo>,
     /// Phases in order of time.
     pub phases: Vec<PhaseInfo>,
+    /// What stands around the limb.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub solids: Vec<SolidInfo>,
     /// True when the device and the limb were simulated.
     pub simulated: bool,
 }

@@ -11,7 +11,7 @@ pub(super) type Metadata = BTreeMap<String, String>;
 
 /// One entry per field, for people and other tools; the lists as JSON.
 pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
-    Metadata::from([
+    let mut metadata = Metadata::from([
         ("format".into(), super::FORMAT_VERSION.into()),
         ("scene".into(), info.scene_name.clone()),
         ("tool_version".into(), info.tool_version.clone()),
@@ -23,7 +23,11 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
         ("simulated".into(), info.simulated.to_string()),
         ("modules".into(), to_json(&info.modules)),
         ("phases".into(), to_json(&info.phases)),
-    ])
+    ]);
+    if !info.solids.is_empty() {
+        metadata.insert("solids".into(), to_json(&info.solids));
+    }
+    metadata
 }
 
 /// Link counters and wall-clock time in s, as JSON.
@@ -57,6 +61,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         start_unix_ns: fields.parse("start_unix_ns")?,
         modules: fields.json("modules")?,
         phases: fields.json("phases")?,
+        solids: if run.contains_key("solids") { fields.json("solids")? } else { Vec::new() },
         simulated: fields.parse("simulated")?,
     };
     check_modules(&info)?;

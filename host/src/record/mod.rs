@@ -18,8 +18,8 @@ mod writer;
 
 pub use error::RecordError;
 pub use log::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, PhaseInfo, Quantity, RunInfo, RunLog, Sample,
-    Shape,
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
+    RunLog, Sample, Shape, SolidInfo,
 };
 pub use reader::read;
 pub use writer::Recorder;

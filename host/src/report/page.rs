@@ -19,6 +19,8 @@ struct Page {
     deformations: Vec<String>,
     tip_views: Vec<String>,
     phases: Vec<PhaseRow>,
+    has_gripper: bool,
+    has_clearance: bool,
     error_charts: Vec<String>,
     supply: String,
     faults: Vec<String>,
@@ -35,6 +37,8 @@ struct PhaseRow {
     start: String,
     motion: String,
     hold: String,
+    gripper: String,
+    clearance: String,
 }
 
 /// A page with the summary and the figures of a run: self-contained, without scripts,
@@ -60,6 +64,8 @@ fn page(log: &RunLog) -> Page {
         deformations: charts::deformations(log),
         tip_views: charts::tip_views(log),
         phases: phases(&log.info),
+        has_gripper: log.info.phases.iter().any(|phase| phase.gripper.is_some()),
+        has_clearance: log.info.phases.iter().any(|phase| phase.nearest.is_some()),
         error_charts: charts::errors(log),
         supply: charts::supply(log),
         faults: summary.faults.iter().map(rows::fault).collect(),
@@ -76,6 +82,10 @@ fn phases(info: &RunInfo) -> Vec<PhaseRow> {
         start: format!("{:.2}", phase.start_s),
         motion: format!("{:.2}", phase.move_s),
         hold: format!("{:.2}", phase.hold_s),
+        gripper: phase.gripper.clone().unwrap_or_default(),
+        clearance: phase.nearest.as_ref().map_or(String::new(), |nearest| {
+            format!("{:.1} mm from {} at {:.2} s", nearest.distance_m * 1e3, nearest.obstacle, nearest.time_s)
+        }),
     };
     info.phases.iter().map(row).collect()
 }

@@ -9,10 +9,12 @@ use super::observed::Traffic;
 use crate::design::{Limb, LimbModule};
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::motion::Plan;
+use crate::obstacle::Shape as Shape3;
 use crate::record::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, PhaseInfo, Quantity, RunInfo, Sample, Shape,
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
+    Sample, Shape, SolidInfo,
 };
-use crate::scene::{Scene, SetpointKind};
+use crate::scene::{Gripper, Scene, SetpointKind};
 
 /// Log time between two recorded shapes of the whole limb, s.
 const SHAPE_PERIOD_S: f64 = 0.2;
@@ -141,6 +143,15 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> Ru
         start_s: phase.start_us as f64 * 1e-6,
         move_s: phase.move_us as f64 * 1e-6,
         hold_s: phase.hold_us as f64 * 1e-6,
+        gripper: phase.gripper.map(|gripper| match gripper {
+            Gripper::Open => "open".to_owned(),
+            Gripper::Close => "close".to_owned(),
+        }),
+        nearest: phase.nearest.map(|nearest| NearestInfo {
+            obstacle: scene.obstacles()[nearest.obstacle].name.value.clone(),
+            distance_m: nearest.distance_m,
+            time_s: nearest.time_us as f64 * 1e-6,
+        }),
     });
     RunInfo {
         scene_name: scene.name().into(),
@@ -154,8 +165,17 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> Ru
         start_unix_ns: 0,
         modules: modules.collect(),
         phases: phases.collect(),
+        solids: solids(scene),
         simulated: true,
     }
+}
+
+/// Obstacles and regions as they are drawn.
+fn solids(scene: &Scene) -> Vec<SolidInfo> {
+    let solid =
+        |name: &str, region, shape: &Shape3| SolidInfo { name: name.to_owned(), region, lines_m: shape.outlines() };
+    let obstacles = scene.obstacles().iter().map(|obstacle| solid(&obstacle.name.value, false, &obstacle.shape));
+    obstacles.chain(scene.regions().iter().map(|region| solid(&region.name.value, true, &region.shape))).collect()
 }
 
 fn motion_word(motion: Motion) -> &'static str {

@@ -31,8 +31,9 @@ mod value;
 use std::path::Path;
 
 pub use data::{
-    Ambient, BendingModel, Chamber, Controller, EndEffector, Goal, InverseChoice, Limb, Limits, Line, LinkLoss, Module,
-    Phase, Plant, Scene, Sensor, SetpointKind, Spread, Supply, Target, Valve,
+    Aim, Ambient, BendingModel, Bounds, Chamber, Choice, Controller, Design, EndEffector, Goal, Gripper, InverseChoice,
+    Limb, Limits, Line, LinkLoss, Marker, Module, ModuleBounds, Obstacle, Phase, Plant, Region, Scene, Sensor,
+    SetpointKind, Spread, Supply, Target, Valve,
 };
 pub use error::{Problems, SceneError, Unreadable};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};

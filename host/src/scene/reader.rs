@@ -6,10 +6,10 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{Problem, quoted};
-use super::schema::{Choice, Integer, Key, Nested, Presence, Quantity, Section, Text, Vector};
+use super::schema::{Choice, Flag, Integer, Key, Nested, Pair, Presence, Quantity, Section, Text, Vector};
 use super::source::{Located, Span};
 use super::suggest::closest;
-use super::value::{bad_name, integer_range, is_name, number_in, triple, wrong_type};
+use super::value::{bad_name, integer_range, is_name, number_in, pair, triple, wrong_type};
 
 /// A value of the scene and its place.
 pub(super) type Value<'a> = Spanned<DeValue<'a>>;
@@ -207,6 +207,37 @@ impl<'a> Reader<'a> {
         self.log.note(Problem::at(span, title, format!("not one of `{words}`")).help(help))
     }
 
+    /// One of `values`, or `None` inside if it is left out.
+    pub(super) fn maybe_choice<T: Copy>(&self, key: &Choice, values: &[T]) -> Option<Option<Located<T>>> {
+        self.value(key.name).map_or(Some(None), |_| self.choice(key, values).map(Some))
+    }
+
+    /// Yes or no.
+    pub(super) fn flag(&self, key: &Flag) -> Option<bool> {
+        match (self.value(key.name), key.presence) {
+            (Some(value), _) => match value.get_ref() {
+                DeValue::Boolean(found) => Some(*found),
+                other => self.log.note(wrong_type(value.span().into(), &quoted(key.name), "`true` or `false`", other)),
+            },
+            (None, Presence::Default(value)) => Some(value),
+            (None, _) => self.missing(key.name, ""),
+        }
+    }
+
+    /// A lower and an upper value in SI units; `None` inside if they are left out.
+    pub(super) fn pair(&self, key: &Pair) -> Option<Option<Located<[f64; 2]>>> {
+        let Some(value) = self.value(key.name) else { return Some(None) };
+        let span = value.span().into();
+        let read = |value| number_in(self.log, value, key.name, &key.unit, key.min, key.max).map(|found| *found);
+        let [low, high] = pair(self.log, value, key.name)?.map(read);
+        let (low, high) = (low?, high?);
+        if low <= high {
+            return Some(Some(Located { value: [low, high], span }));
+        }
+        let title = format!("{} needs the lower value first", quoted(key.name));
+        self.log.note(Problem::at(span, title, "the first is above the second"))
+    }
+
     /// A text; `None` inside if it may be left out and is.
     pub(super) fn maybe_text(&self, key: &Text) -> Option<Option<Located<&'a str>>> {
         let Some(value) = self.value(key.name) else {
@@ -242,6 +273,21 @@ impl<'a> Reader<'a> {
             return self.no_table(key.name, section.header, "add at least one");
         }
         items.iter().map(|item| Self::open(self.log, item, section, section.header)).collect()
+    }
+
+    /// The tables of an array of tables that may be left out, at most `most`.
+    pub(super) fn maybe_tables(&self, key: &Nested, section: &'static Section, most: usize) -> Option<Vec<Reader<'a>>> {
+        if self.value(key.name).is_none() {
+            return Some(Vec::new());
+        }
+        let tables = self.tables(key, section)?;
+        match tables.get(most) {
+            None => Some(tables),
+            Some(extra) => {
+                let title = format!("too many tables `{}`", section.header);
+                self.log.note(Problem::at(extra.span, title, format!("a scene has at most {most}")))
+            }
+        }
     }
 
     fn string(&self, value: &'a Value<'a>, name: &str) -> Option<&'a str> {

@@ -138,7 +138,8 @@ fn setpoint(kind: SetpointKind, value: f64) -> (&'static str, Value) {
 
 /// Sets a key. One that is there keeps its place and the comment behind it, unless that was said of another value.
 fn put(table: &mut Table, key: &str, new: Value) {
-    let same = table.get(key).and_then(Item::as_value).is_some_and(|old| old.to_string().trim() == new.to_string().trim());
+    let same =
+        table.get(key).and_then(Item::as_value).is_some_and(|old| old.to_string().trim() == new.to_string().trim());
     if !same {
         table.insert(key, value(new));
     }

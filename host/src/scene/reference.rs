@@ -1,6 +1,6 @@
 //! The reference page of the schema.
 
-use super::schema::{Integer, Key, Presence, SECTIONS, Section, Unit};
+use super::schema::{Integer, Key, Pair, Presence, SECTIONS, Section, Unit};
 
 const INTRODUCTION: &str = "\
 # Scene reference
@@ -50,6 +50,13 @@ fn row(key: &Key) -> String {
             let value = if key.is_name { "name" } else { "text" };
             let shown = |text: &str| if text.is_empty() { "empty".to_owned() } else { format!("`{text}`") };
             (value.to_owned(), presence(key.presence, shown), key.doc)
+        }
+        Key::Flag(key) => ("`true`, `false`".to_owned(), presence(key.presence, |on| format!("`{on}`")), key.doc),
+        Key::Pair(key) => {
+            let Pair { unit, min, max, .. } = key;
+            let value = format!("two values, {} to {}", unit.show(*min), unit.show(*max));
+            let shown = |[low, high]: [f64; 2]| format!("{} to {}", unit.show(low), unit.show(high));
+            (value, presence(key.presence, shown), key.doc)
         }
         Key::Nested(key) => (key.shape.to_owned(), presence(key.presence, str::to_owned), key.doc),
     };

@@ -73,14 +73,8 @@ impl Source {
 
     /// Reads a file of at most [`SCENE_BYTES_MAX`] bytes of UTF-8.
     pub(super) fn read(path: &Path) -> Result<Self, SceneError> {
-        let unreadable = |reason| SceneError::Unreadable { path: path.to_owned(), reason };
-        let bytes = read_bounded(path).map_err(unreadable)?;
-        let text = str::from_utf8(&bytes).map_err(|error| {
-            let offset = error.valid_up_to();
-            let line = 1 + bytes[..offset].iter().filter(|b| **b == b'\n').count();
-            unreadable(Unreadable::NotUtf8 { offset, line })
-        })?;
-        Ok(Self::new(&path.display().to_string(), text))
+        let text = read_text(path).map_err(|reason| SceneError::Unreadable { path: path.to_owned(), reason })?;
+        Ok(Self::new(&path.display().to_string(), &text))
     }
 
     /// FNV-1a of the text, 64 bits.
@@ -99,6 +93,15 @@ impl Source {
 /// The last boundary between characters at or before an offset, within the text.
 pub(super) fn boundary_before(text: &str, offset: usize) -> usize {
     (0..=offset.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
+}
+
+/// Reads a file of at most [`SCENE_BYTES_MAX`] bytes of UTF-8.
+pub(super) fn read_text(path: &Path) -> Result<String, Unreadable> {
+    String::from_utf8(read_bounded(path)?).map_err(|error| {
+        let offset = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..offset].iter().filter(|b| **b == b'\n').count();
+        Unreadable::NotUtf8 { offset, line }
+    })
 }
 
 /// Reads a file, by its size on disk first: a file of 100 MB is refused before a byte of it is read.

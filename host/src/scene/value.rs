@@ -35,6 +35,19 @@ pub(super) fn triple<'a>(log: &Log, value: &'a Value<'a>, name: &str) -> Option<
     })
 }
 
+/// The two values of an array.
+pub(super) fn pair<'a>(log: &Log, value: &'a Value<'a>, name: &str) -> Option<[&'a Value<'a>; 2]> {
+    let items: Vec<_> = match value.get_ref() {
+        DeValue::Array(items) => items.iter().collect(),
+        other => return log.note(wrong_type(value.span().into(), &quoted(name), "an array of two values", other)),
+    };
+    let count = items.len();
+    <[_; 2]>::try_from(items).ok().or_else(|| {
+        let title = format!("{} needs two values, the lower first", quoted(name));
+        log.note(Problem::at(value.span().into(), title, format!("this array has {count}")))
+    })
+}
+
 /// A number or a text with a unit as an SI value between two bounds, which are in `unit`.
 pub(super) fn number_in(
     log: &Log,

@@ -33,6 +33,8 @@ pub(crate) fn info() -> RunInfo {
         start_s: 5.0 * f64::from(index),
         move_s: 3.0,
         hold_s: 2.0,
+        gripper: None,
+        nearest: None,
     });
     RunInfo {
         scene_name: "synthetic-limb".into(),
@@ -49,6 +51,7 @@ pub(crate) fn info() -> RunInfo {
             module("distal", "extension", Quantity::AxialStretch, 6),
         ],
         phases: phases.collect(),
+        solids: Vec::new(),
         simulated: true,
     }
 }

@@ -62,7 +62,8 @@ fn view(
         decades: false,
     };
     let seen = |point: &[f64; 3]| axes.map(|axis| point[axis] * 1e3);
-    let mut series = shape_series(shapes, seen);
+    let mut series = solid_series(log, seen);
+    series.extend(shape_series(shapes, seen));
     series.push(path(log, "tip achieved", Color::Second, Stroke::Solid, |sample| {
         sample.tip_achieved_m.as_ref().map(seen)
     }));
@@ -79,6 +80,21 @@ fn view(
         marks: Vec::new(),
         notes: notes(ends, SAME_PLACE_PX / layout.px_per_mm),
     }
+}
+
+/// Obstacles and regions; only the first of each is in the legend.
+fn solid_series(log: &RunLog, seen: impl Fn(&[f64; 3]) -> [f64; 2]) -> Vec<Series> {
+    let of_kind = |region: bool, label: &str, color: Color| -> Vec<Series> {
+        let lines = log.info.solids.iter().filter(|solid| solid.region == region).flat_map(|solid| &solid.lines_m);
+        let series = |(index, line): (usize, &Vec<[f64; 3]>)| Series {
+            label: if index == 0 { label.to_owned() } else { String::new() },
+            color,
+            stroke: Stroke::Solid,
+            points: line.iter().map(&seen).collect(),
+        };
+        lines.enumerate().map(series).collect()
+    };
+    [of_kind(false, "obstacle", Color::Third), of_kind(true, "region", Color::Fourth)].concat()
 }
 
 /// The limb as asked for and as it was; only the first of each is in the legend.
@@ -137,5 +153,6 @@ fn notes(ends: impl Iterator<Item = (usize, [f64; 2])>, near_mm: f64) -> Vec<Not
 fn all_points<'a>(log: &'a RunLog, shapes: &'a [(usize, &Shape)]) -> impl Iterator<Item = [f64; 3]> + 'a {
     let tips = scheduled(log).into_iter().flat_map(|sample| [Some(sample.tip_setpoint_m), sample.tip_achieved_m]);
     let limbs = shapes.iter().flat_map(|(_, shape)| shape.setpoint.iter().chain(shape.achieved.iter().flatten()));
-    tips.flatten().chain(limbs.copied())
+    let solids = log.info.solids.iter().flat_map(|solid| solid.lines_m.iter().flatten());
+    tips.flatten().chain(limbs.copied()).chain(solids.copied())
 }

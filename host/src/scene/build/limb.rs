@@ -42,10 +42,11 @@ pub(super) fn limb(root: &Reader<'_>) -> Option<Limb> {
 }
 
 fn tool(reader: &Reader<'_>) -> Option<EndEffector> {
-    use end_effector::{LENGTH, MASS, NAME};
+    use end_effector::{LENGTH, MASS, NAME, RADIUS};
     let name = reader.text(&NAME);
+    let radius = reader.quantity(&RADIUS);
     let (length, mass) = both(reader.quantity(&LENGTH), reader.quantity(&MASS))?;
-    Some(EndEffector { name: name?.value.to_owned(), length_m: *length, mass_kg: *mass })
+    Some(EndEffector { name: name?.value.to_owned(), length_m: *length, radius_m: *radius?, mass_kg: *mass })
 }
 
 fn both<T>(a: Option<T>, b: Option<T>) -> Option<(T, T)> {
@@ -86,7 +87,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The vector scaled to length one. It is scaled by its largest component first, so that no square under- or overflows.
-fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
+pub(super) fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let largest = vector.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if largest < f64::MIN_POSITIVE {
         return None;

@@ -1,13 +1,16 @@
 //! From the text of a scene to the checked scene.
 
 mod check;
+mod design;
 mod limb;
+mod markers;
 mod module;
 mod parts;
 mod phase;
 mod plant;
 mod settings;
 mod supply;
+mod task;
 
 use toml::de::DeTable;
 
@@ -73,7 +76,11 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let controller = settings::controller(&root);
     let plant = plant::plant(&root);
     let mut drafts = module::modules(&root, &materials, &windings, limits.as_ref());
-    let phases = phase::phases(&root, &mut drafts);
+    let obstacles = task::obstacles(&root);
+    let regions = task::regions(&root);
+    let design = design::design(&root, &drafts);
+    let markers = markers::markers(&root, &source.name);
+    let phases = phase::phases(&root, &mut drafts, regions.as_deref(), markers.as_ref());
     check::channels(log, &drafts);
     check::pressures(log, &drafts, phases.as_deref(), limits.as_ref(), plant.as_ref());
     if let Some(plant) = &plant {
@@ -89,6 +96,10 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
         limb: limb?,
         modules: modules?,
         phases: phases?,
+        markers: markers?,
+        obstacles: obstacles?,
+        regions: regions?,
+        design: design?,
         limits: limits?,
         controller: controller?,
         plant: plant?,

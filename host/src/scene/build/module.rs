@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use fra_model::{Families, Fiber, Motion, Placement};
 
+use super::design::module_bounds;
 use super::parts::{Elastomer, Parts, Winding};
-use crate::scene::data::{Limits, Module, SetpointKind};
+use crate::scene::data::{Limits, Module, ModuleBounds, SetpointKind};
 use crate::scene::error::{Problem, quoted};
 use crate::scene::reader::Reader;
 use crate::scene::schema::{self, Unit, module as keys};
@@ -16,8 +17,13 @@ pub(super) struct Draft<'a> {
     pub(super) name: Option<Located<&'a str>>,
     pub(super) motion: Option<Located<Motion>>,
     pub(super) actuators: Option<Located<i64>>,
+    /// What a design may choose of it.
+    pub(super) bounds: ModuleBounds,
     pub(super) module: Option<Module>,
 }
+
+/// The motions, in the order of the schema's words.
+pub(super) const MOTIONS: [Motion; 4] = [Motion::Extension, Motion::Expansion, Motion::Bending, Motion::Twisting];
 
 pub(super) fn modules<'a>(
     root: &Reader<'a>,
@@ -56,7 +62,6 @@ fn draft<'a>(
     windings: &Parts<'a, Winding>,
     limits: Option<&Limits>,
 ) -> Draft<'a> {
-    const MOTIONS: [Motion; 4] = [Motion::Extension, Motion::Expansion, Motion::Bending, Motion::Twisting];
     let name = reader.text(&keys::NAME);
     let motion = reader.choice(&keys::MOTION, &MOTIONS);
     let actuators = reader.integer(&keys::ACTUATORS);
@@ -67,6 +72,7 @@ fn draft<'a>(
     let length = reader.quantity(&keys::LENGTH);
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
     let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, materials.find(reader.log(), name)?)));
+    let bounds = module_bounds(reader).unwrap_or_default();
     let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall));
     let pressure_max = match reader.maybe(&keys::PRESSURE_MAX) {
         Some(None) => limits.map(|limits| limits.pressure_max_pa),
@@ -93,7 +99,7 @@ fn draft<'a>(
         })
     };
     let module = module().filter(|module| model_accepts(reader, module));
-    Draft { name, motion, actuators, module }
+    Draft { name, motion, actuators, bounds, module }
 }
 
 fn wall(reader: &Reader<'_>, inner: Located<f64>, outer: Located<f64>) -> Option<(Located<f64>, Located<f64>)> {

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use fra_model::Motion;
 use toml::de::DeValue;
 
+use super::limb::unit;
 use super::module::{Draft, note_duplicate};
 use super::settings::microseconds;
-use crate::scene::data::{Goal, Phase, SetpointKind, Target};
+use crate::scene::data::{Aim, Goal, Gripper, Marker, Phase, Region, SetpointKind, Target};
 use crate::scene::error::{Problem, quoted};
 use crate::scene::reader::{Reader, Value};
 use crate::scene::schema::{self, Quantity, phase as keys, target as quantities};
@@ -29,7 +30,23 @@ const QUANTITIES: [(Quantity, SetpointKind); 6] = [
 ];
 
 /// Reads all phases, and tells every module the quantity its targets are given in.
-pub(super) fn phases(root: &Reader<'_>, drafts: &mut [Draft<'_>]) -> Option<Vec<Phase>> {
+///
+/// A scene has phases or a marker series; the latter makes two. Of regions and markers, `None` stands for a noted problem.
+pub(super) fn phases(
+    root: &Reader<'_>,
+    drafts: &mut [Draft<'_>],
+    regions: Option<&[Region]>,
+    markers: Option<&Option<Located<Vec<Marker>>>>,
+) -> Option<Vec<Phase>> {
+    if let (Some(first), Some(second)) =
+        (root.key_span(schema::scene::PHASE.name), root.key_span(schema::scene::MARKERS.name))
+    {
+        let problem = Problem::at(second, "a scene has phases or `[markers]`", "the motion is given here");
+        return root.log().note(problem.label(first, "and here"));
+    }
+    if root.value(schema::scene::MARKERS.name).is_some() {
+        return markers?.as_ref().map(series);
+    }
     let readers = root.tables(&schema::scene::PHASE, &keys::SECTION)?;
     if let Some(extra) = readers.get(PHASES_MAX) {
         let label = format!("a scene has at most {PHASES_MAX} phases");
@@ -42,7 +59,7 @@ pub(super) fn phases(root: &Reader<'_>, drafts: &mut [Draft<'_>]) -> Option<Vec<
         let name = reader.text(&keys::NAME);
         note_duplicate(reader, "phase", name, names.iter().copied());
         names.extend(name);
-        phases.push(phase(reader, name, drafts, &mut kinds));
+        phases.push(phase(reader, name, drafts, &mut kinds, regions));
     }
     for (draft, kind) in drafts.iter_mut().zip(kinds) {
         if let (Some(module), Some((kind, _))) = (&mut draft.module, kind) {
@@ -57,34 +74,92 @@ fn phase(
     name: Option<Located<&str>>,
     drafts: &[Draft<'_>],
     kinds: &mut [Option<(SetpointKind, Span)>],
+    regions: Option<&[Region]>,
 ) -> Option<Phase> {
-    let duration = reader.quantity(&keys::DURATION);
+    let duration = reader.maybe(&keys::DURATION);
     let hold = reader.quantity(&keys::HOLD);
-    let tip = reader.vector(&keys::TIP);
-    let goal = match (reader.value(keys::TARGETS.name), tip?) {
-        (Some(value), None) => Goal::Targets(targets(reader, value, drafts, kinds)?),
-        (None, Some(tip)) => Goal::Tip(tip),
-        (found, _) => return note_goals(reader, found.is_some()),
+    let gripper = reader.maybe_choice(&keys::GRIPPER, &[Gripper::Open, Gripper::Close]);
+    let (tip, inside) = (reader.vector(&keys::TIP), reader.maybe_text(&keys::INSIDE));
+    let goal = match (reader.value(keys::TARGETS.name), tip?, inside?) {
+        (Some(value), None, None) => {
+            reader.forbid(&[keys::DIRECTION.name, keys::DIRECTION_TOLERANCE.name], "with `targets`")?;
+            Goal::Targets(targets(reader, value, drafts, kinds)?)
+        }
+        (None, Some(tip), None) => Goal::Tip(tip),
+        (None, None, Some(name)) => Goal::Inside(region_named(reader, name, regions?)?),
+        (targets, tip, inside) => {
+            return note_goals(reader, targets.is_some() || tip.is_some() || inside.is_some());
+        }
     };
     Some(Phase {
         name: name?.map(str::to_owned),
-        move_us: duration?.map(microseconds),
+        move_us: duration?.map(|duration| duration.map(microseconds)),
         hold_us: microseconds(*hold?),
         goal,
+        aim: aim(reader)?,
+        gripper: gripper?.map(|gripper| *gripper),
         span: reader.span(),
     })
+}
+
+/// The direction of the end effector; the inner `None` where none is asked for.
+fn aim(reader: &Reader<'_>) -> Option<Option<Aim>> {
+    let tolerance = reader.quantity(&keys::DIRECTION_TOLERANCE)?;
+    let Some(direction) = reader.vector(&keys::DIRECTION)? else {
+        reader.forbid(&[keys::DIRECTION_TOLERANCE.name], "without `direction`")?;
+        return Some(None);
+    };
+    let Some(along) = unit(*direction) else {
+        let title = "`direction` has no direction";
+        return reader.log().note(Problem::at(direction.span, title, "its length is zero"));
+    };
+    Some(Some(Aim { direction: direction.map(|_| along), tolerance_rad: *tolerance }))
+}
+
+fn region_named(reader: &Reader<'_>, name: Located<&str>, regions: &[Region]) -> Option<Located<usize>> {
+    if let Some(index) = regions.iter().position(|region| region.name.value == name.value) {
+        return Some(name.map(|_| index));
+    }
+    let help = match closest(name.value, regions.iter().map(|region| region.name.value.as_str())) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => "define it as a `[[region]]`".to_owned(),
+    };
+    let title = format!("unknown region {}", quoted(name.value));
+    reader.log().note(Problem::at(name.span, title, "no such region").help(help))
+}
+
+/// The phases of a marker series: the way to its first position, and the series.
+fn series(markers: &Located<Vec<Marker>>) -> Vec<Phase> {
+    let span = markers.span;
+    let phase = |name: &str, move_us, goal| Phase {
+        name: Located { value: name.to_owned(), span },
+        move_us,
+        hold_us: 0,
+        goal,
+        aim: None,
+        gripper: None,
+        span,
+    };
+    let first = markers.first().map_or([0.0; 3], |marker| marker.tip_m);
+    let time_us = microseconds(markers.last().map_or(0.0, |marker| marker.time_s));
+    vec![
+        phase("approach", None, Goal::Tip(Located { value: first, span })),
+        phase("markers", Some(Located { value: time_us, span }), Goal::Series(span)),
+    ]
 }
 
 /// A phase has one goal, neither two nor none.
 fn note_goals<T>(reader: &Reader<'_>, two: bool) -> Option<T> {
     if !two {
         let title = "the phase has no goal";
-        return reader.log().note(Problem::at(reader.span(), title, "give it `targets` or `tip`"));
+        return reader.log().note(Problem::at(reader.span(), title, "give it `targets`, `tip` or `inside`"));
     }
-    let span = |name| reader.key_span(name).unwrap_or(reader.span());
-    let title = "a phase has either `targets` or `tip`";
-    let problem = Problem::at(span(keys::TIP.name), title, "this is the second goal");
-    reader.log().note(problem.label(span(keys::TARGETS.name), "this is the first"))
+    let names = [keys::TARGETS.name, keys::TIP.name, keys::INSIDE.name];
+    let mut written = names.into_iter().filter_map(|name| reader.key_span(name));
+    let (first, second) = (written.next().unwrap_or(reader.span()), written.next().unwrap_or(reader.span()));
+    let title = "a phase has one of `targets`, `tip` and `inside`";
+    let problem = Problem::at(second, title, "this is the second goal");
+    reader.log().note(problem.label(first, "this is the first"))
 }
 
 fn targets<'a>(

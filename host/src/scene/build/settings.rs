@@ -31,6 +31,7 @@ pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
     optional_table(root, &schema::scene::LIMITS, &schema::limits::SECTION, |reader| {
         use schema::limits::*;
         let pressure_max = reader.quantity(&PRESSURE_MAX);
+        let clearance = reader.quantity(&CLEARANCE);
         let supply_min = reader.quantity(&SUPPLY_MIN);
         let supply_max = reader.quantity(&SUPPLY_MAX);
         let stretch = reader.maybe(&STRETCH_RATE_MAX);
@@ -44,6 +45,7 @@ pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
         }
         Some(Limits {
             pressure_max_pa: pressure_max?,
+            clearance_m: *clearance?,
             supply_min_pa: *supply_min,
             supply_max_pa: *supply_max,
             stretch_rate_max_per_s: stretch?.map(|rate| *rate),

@@ -31,6 +31,8 @@ pub struct EndEffector {
     pub name: String,
     /// Distance from the last connector to the tip, m; >= 0.
     pub length_m: f64,
+    /// Radius about its axis, m; >= 0.
+    pub radius_m: f64,
     /// Mass, kg; >= 0.
     pub mass_kg: f64,
 }

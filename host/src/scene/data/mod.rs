@@ -1,15 +1,19 @@
 //! A scene as checked data in SI units.
 
+mod design;
 mod limb;
 mod motion;
 mod plant;
+mod task;
 
+pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
 pub use motion::{BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target};
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
+pub use task::{Aim, Gripper, Marker, Obstacle, Region};
 
 use super::error::{Problem, Problems, SceneError};
-use super::source::{Source, Span};
+use super::source::{Located, Source, Span};
 
 /// A checked scene. There is no way to have one but [`parse`](super::parse) and [`load`](super::load).
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +25,10 @@ pub struct Scene {
     pub(super) limb: Limb,
     pub(super) modules: Vec<Module>,
     pub(super) phases: Vec<Phase>,
+    pub(super) markers: Option<Located<Vec<Marker>>>,
+    pub(super) obstacles: Vec<Obstacle>,
+    pub(super) regions: Vec<Region>,
+    pub(super) design: Option<Design>,
     pub(super) limits: Limits,
     pub(super) controller: Controller,
     pub(super) plant: Plant,
@@ -52,9 +60,29 @@ impl Scene {
         &self.modules
     }
 
-    /// Phases in order of time, at least one.
+    /// Phases in order of time, at least one. A scene with a marker series has two: the way to its first position, and the series.
     pub fn phases(&self) -> &[Phase] {
         &self.phases
+    }
+
+    /// The marker series, located at the name of its file: at least two, by rising time from 0.
+    pub fn markers(&self) -> Option<&Located<Vec<Marker>>> {
+        self.markers.as_ref()
+    }
+
+    /// What the limb keeps clear of.
+    pub fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// The boxes that phases may name.
+    pub fn regions(&self) -> &[Region] {
+        &self.regions
+    }
+
+    /// What a design may choose; `None` where the scene leaves nothing open.
+    pub fn design(&self) -> Option<&Design> {
+        self.design.as_ref()
     }
 
     /// Bounds that hold for all modules.
@@ -89,9 +117,9 @@ impl Scene {
         modules + self.limb.end_effector.as_ref().map_or(0.0, |tool| tool.mass_kg)
     }
 
-    /// Time of all moves and holds, microseconds.
+    /// Time of all holds, and of the moves whose time is given, microseconds.
     pub fn duration_us(&self) -> u64 {
-        self.phases.iter().map(|phase| *phase.move_us + phase.hold_us).sum()
+        self.phases.iter().map(|phase| phase.move_us.map_or(0, |time| *time) + phase.hold_us).sum()
     }
 
     /// The text the scene was parsed from.

@@ -2,6 +2,7 @@
 
 use fra_model::Motion;
 
+use super::{Aim, Gripper};
 use crate::scene::source::{Located, Span};
 
 /// The quantity in which a module's setpoints are given.
@@ -59,6 +60,10 @@ pub enum Goal {
     Targets(Vec<Target>),
     /// The tip reaches this point, m.
     Tip(Located<[f64; 3]>),
+    /// The tip is in a region: its index in [`Scene::regions`](super::Scene::regions).
+    Inside(Located<usize>),
+    /// The tip follows the marker series, [`Scene::markers`](super::Scene::markers), from its first position on.
+    Series(Span),
 }
 
 /// A move and the pause after it.
@@ -67,12 +72,16 @@ pub enum Goal {
 pub struct Phase {
     /// Name, unique in the scene.
     pub name: Located<String>,
-    /// Time of the move, microseconds; > 0.
-    pub move_us: Located<u64>,
+    /// Time of the move, microseconds; > 0. `None`: the shortest that is feasible.
+    pub move_us: Option<Located<u64>>,
     /// Time of the pause, microseconds.
     pub hold_us: u64,
     /// What the move shall reach.
     pub goal: Goal,
+    /// How the end effector shall point at the end of the move; only with a goal of the tip.
+    pub aim: Option<Aim>,
+    /// What the gripper is told at the end of the move.
+    pub gripper: Option<Gripper>,
     /// The header of its table.
     pub span: Span,
 }
@@ -83,6 +92,8 @@ pub struct Phase {
 pub struct Limits {
     /// Largest gauge pressure in a chamber unless its module says otherwise, Pa.
     pub pressure_max_pa: Located<f64>,
+    /// Least distance of the limb from every obstacle, m; >= 0.
+    pub clearance_m: f64,
     /// Smallest gauge pressure of the supply, Pa.
     pub supply_min_pa: f64,
     /// Largest gauge pressure of the supply, Pa; > `supply_min_pa`.

@@ -1,13 +1,17 @@
 //! The schema of a scene as data. The reader checks by it and the reference page is written from it.
 
+mod choice;
 mod motion;
 mod parts;
 mod pneumatics;
+mod task;
 mod units;
 
+pub(super) use choice::{bounds, design};
 pub(super) use motion::{controller, limits, phase, target};
 pub(super) use parts::{connector, end_effector, limb, material, module, scene, winding};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, valve};
+pub(super) use task::{markers, obstacle, region};
 pub(super) use units::Unit;
 
 /// Whether a key must be written, and what holds when it is not.
@@ -80,6 +84,25 @@ pub(super) struct Nested {
     pub(super) doc: &'static str,
 }
 
+/// Yes or no.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flag {
+    pub(super) name: &'static str,
+    pub(super) presence: Presence<bool>,
+    pub(super) doc: &'static str,
+}
+
+/// A lower and an upper value with a unit, in this order; equal ones fix what they bound.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) name: &'static str,
+    pub(super) unit: Unit,
+    pub(super) min: f64,
+    pub(super) max: f64,
+    pub(super) presence: Presence<[f64; 2]>,
+    pub(super) doc: &'static str,
+}
+
 /// One key of a section.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Key {
@@ -88,6 +111,8 @@ pub(super) enum Key {
     Integer(Integer),
     Choice(Choice),
     Text(Text),
+    Flag(Flag),
+    Pair(Pair),
     Nested(Nested),
 }
 
@@ -99,6 +124,8 @@ impl Key {
             Self::Integer(key) => key.name,
             Self::Choice(key) => key.name,
             Self::Text(key) => key.name,
+            Self::Flag(key) => key.name,
+            Self::Pair(key) => key.name,
             Self::Nested(key) => key.name,
         }
     }
@@ -119,7 +146,7 @@ macro_rules! section {
      $($key:ident: $kind:ident { $($field:ident: $value:expr),* $(,)? } = $text:literal;)+) => {
         pub(in crate::scene) mod $module {
             #[allow(unused_imports)]
-            use super::super::{Choice, Integer, Key, Nested, Presence::{Default, Optional, Required}, Quantity, Section, Text, Unit, Vector};
+            use super::super::{Choice, Flag, Integer, Key, Nested, Pair, Presence::{Default, Optional, Required}, Quantity, Section, Text, Unit, Vector};
 
             $(pub(in crate::scene) const $key: $kind = $kind { $($field: $value,)* doc: $text };)+
 
@@ -134,7 +161,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 19] = [
+pub(super) const SECTIONS: [Section; 24] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -142,8 +169,13 @@ pub(super) const SECTIONS: [Section; 19] = [
     connector::SECTION,
     end_effector::SECTION,
     module::SECTION,
+    bounds::SECTION,
     phase::SECTION,
     target::SECTION,
+    obstacle::SECTION,
+    region::SECTION,
+    markers::SECTION,
+    design::SECTION,
     limits::SECTION,
     controller::SECTION,
     plant::SECTION,

@@ -3,13 +3,17 @@
 use super::section;
 
 section! {
-    /// One part of the motion: a move, then a pause. It has either `targets` or `tip`.
+    /// One part of the motion: a move, then a pause. It has one of `targets`, `tip` and `inside`.
     phase, "[[phase]]";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
-    DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Required } = "Time of the move.";
+    DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Optional("the shortest that limits, valves and supply allow, with a reserve") } = "Time of the move.";
     HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
-    TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if `tip` is given") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
-    TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("none, if `targets` is given") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
+    TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if the phase has another goal") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
+    TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("none, if the phase has another goal") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
+    INSIDE: Text { name: "inside", is_name: true, presence: Optional("none, if the phase has another goal") } = "A name from `[[region]]`: the tip is in this box at the end of the move, as near to where it was as can be.";
+    DIRECTION: Vector { name: "direction", unit: Unit::NUMBER, max: 1e6, presence: Optional("any direction") } = "`tip`, `inside`: direction of the end effector's axis at the end of the move; any length but zero.";
+    DIRECTION_TOLERANCE: Quantity { name: "direction_tolerance", unit: Unit::DEG, min: 0.01, max: 180.0, presence: Default(1.0) } = "Largest angle between the end effector's axis and `direction`.";
+    GRIPPER: Choice { name: "gripper", words: &["open", "close"], presence: Optional("no command") } = "What the gripper is told at the end of the move. The command is recorded in the log and the report; the device has no output for it.";
 }
 
 section! {
@@ -27,6 +31,7 @@ section! {
     /// Bounds that hold for all modules.
     limits, "[limits]";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Default(100.0) } = "Largest gauge pressure in a chamber.";
+    CLEARANCE: Quantity { name: "clearance", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Default(0.0) } = "Least distance of the limb's surface from every `[[obstacle]]` at all times.";
     SUPPLY_MIN: Quantity { name: "supply_min", unit: Unit::KPA, min: 0.0, max: 1000.0, presence: Default(50.0) } = "Below this supply pressure the controller faults. At least 1 kPa below `supply_max`.";
     SUPPLY_MAX: Quantity { name: "supply_max", unit: Unit::KPA, min: 1.0, max: 1000.0, presence: Default(300.0) } = "Above this supply pressure the controller faults. Its sensor must read to it.";
     STRETCH_RATE_MAX: Quantity { name: "stretch_rate_max", unit: Unit::PERCENT_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of the axial stretch.";

@@ -13,7 +13,11 @@ section! {
     WINDINGS: Nested { name: "windings", shape: "tables `[windings.NAME]`", presence: Optional("no windings") } = "Fiber windings.";
     LIMB: Nested { name: "limb", shape: "table `[limb]`", presence: Required } = "Where the limb starts, and its rigid parts.";
     MODULE: Nested { name: "module", shape: "tables `[[module]]`, 1 to 27", presence: Required } = "Modules from the base to the tip.";
-    PHASE: Nested { name: "phase", shape: "tables `[[phase]]`, 1 to 200", presence: Required } = "What the limb does, in order. It starts at rest.";
+    PHASE: Nested { name: "phase", shape: "tables `[[phase]]`, 1 to 200", presence: Optional("required without `[markers]`") } = "What the limb does, in order. It starts at rest.";
+    MARKERS: Nested { name: "markers", shape: "table `[markers]`", presence: Optional("none") } = "The motion as a series of tip positions, instead of phases.";
+    OBSTACLE: Nested { name: "obstacle", shape: "tables `[[obstacle]]`, up to 50", presence: Optional("none") } = "What the limb keeps clear of.";
+    REGION: Nested { name: "region", shape: "tables `[[region]]`, up to 50", presence: Optional("none") } = "Boxes that phases name.";
+    DESIGN: Nested { name: "design", shape: "table `[design]`", presence: Optional("nothing is left open") } = "What `softlimb design` may choose.";
     LIMITS: Nested { name: "limits", shape: "table `[limits]`", presence: Optional("the defaults below") } = "Bounds that hold for all modules.";
     CONTROLLER: Nested { name: "controller", shape: "table `[controller]`", presence: Optional("the defaults below") } = "Settings of the pressure controller.";
     PLANT: Nested { name: "plant", shape: "table `[plant]`", presence: Optional("the defaults below") } = "Pneumatics: what the controller is told, and by how much the simulated truth differs from it.";
@@ -61,6 +65,7 @@ section! {
     end_effector, "limb.end_effector";
     NAME: Text { name: "name", is_name: true, presence: Default("tool") } = "Name.";
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Required } = "Distance from the last connector to the tip.";
+    RADIUS: Quantity { name: "radius", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Default(20.0) } = "Radius of the tool about its axis, for the clearance; it ends in a ball about the tip.";
     MASS: Quantity { name: "mass", unit: Unit::KG, min: 0.0, max: 20.0, presence: Required } = "Mass.";
 }
 
@@ -78,4 +83,5 @@ section! {
     MATERIAL: Text { name: "material", is_name: true, presence: Required } = "A name from `[materials]`.";
     WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`. `twisting` needs one family.";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Optional("`pressure_max` of `[limits]`") } = "Largest gauge pressure in its chambers.";
+    BOUNDS: Nested { name: "bounds", shape: "table `[module.bounds]`", presence: Optional("those of `[design]`") } = "What `softlimb design` may choose of this module, where that differs from `[design]`.";
 }

@@ -1,0 +1,27 @@
+//! What a design may choose.
+
+use super::section;
+
+section! {
+    /// What `softlimb design` may choose. A pair is a lower and an upper value; equal ones fix what they bound, and what has no pair keeps the
+    /// module's own value.
+    design, "[design]";
+    INNER_RADIUS: Pair { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("the module's own") } = "Inner radius at rest.";
+    WALL: Pair { name: "wall", unit: Unit::MM, min: 0.1, max: 100.0, presence: Optional("the module's own") } = "Thickness of the wall at rest.";
+    LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("the module's own") } = "Length at rest.";
+    FIBER_ANGLE: Pair { name: "fiber_angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Optional("that of the module's winding") } = "Fiber angle from the hoop direction. A bending module has none.";
+    LIMIT_MARGIN: Quantity { name: "limit_margin", unit: Unit::NUMBER, min: 0.001, max: 0.9, presence: Default(0.05) } = "Share of the pressure at the limit point that is kept free.";
+    SHARED_SUPPLY_LINE: Flag { name: "shared_supply_line", presence: Default(false) } = "Whether all modules have the same pressure.";
+    MOUNT_ANGLE: Choice { name: "mount_angle", words: &["fixed", "free"], presence: Default("fixed") } = "Whether modules keep their `mount_angle` or may be turned.";
+    MODULES: Pair { name: "modules", unit: Unit::NUMBER, min: 1.0, max: 9.0, presence: Optional("as many as there are") } = "Least and greatest number of modules where their kinds and order are chosen, too.";
+    MOTIONS: Nested { name: "motions", shape: "array of `extension`, `expansion`, `bending`, `twisting`", presence: Optional("all four, where `modules` is given") } = "The kinds to choose from.";
+}
+
+section! {
+    /// What `softlimb design` may choose of one module; as in `[design]`.
+    bounds, "module.bounds";
+    INNER_RADIUS: Pair { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("that of `[design]`") } = "Inner radius at rest.";
+    WALL: Pair { name: "wall", unit: Unit::MM, min: 0.1, max: 100.0, presence: Optional("that of `[design]`") } = "Thickness of the wall at rest.";
+    LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("that of `[design]`") } = "Length at rest.";
+    FIBER_ANGLE: Pair { name: "fiber_angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Optional("that of `[design]`") } = "Fiber angle from the hoop direction.";
+}

@@ -1,0 +1,32 @@
+//! What stands around the limb, and a motion given by a measured or drawn path.
+
+use super::section;
+
+section! {
+    /// A solid that the limb keeps clear of. A `sphere` has `center` and `radius`; a `capsule`, all points within `radius` of a line, has
+    /// `from`, `to` and `radius`; a `box` has `center` and `size` and may have a `rotation`.
+    obstacle, "[[obstacle]]";
+    NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
+    SHAPE: Choice { name: "shape", words: &["sphere", "capsule", "box"], presence: Required } = "Kind of solid.";
+    CENTER: Vector { name: "center", unit: Unit::M, max: 100.0, presence: Optional("required for `sphere` and `box`") } = "Centre.";
+    RADIUS: Quantity { name: "radius", unit: Unit::MM, min: 0.1, max: 1e5, presence: Optional("required for `sphere` and `capsule`") } = "Radius.";
+    FROM: Vector { name: "from", unit: Unit::M, max: 100.0, presence: Optional("required for `capsule`") } = "One end of the line.";
+    TO: Vector { name: "to", unit: Unit::M, max: 100.0, presence: Optional("required for `capsule`") } = "The other end.";
+    SIZE: Vector { name: "size", unit: Unit::M, max: 100.0, presence: Optional("required for `box`") } = "Lengths of the edges along the box's own axes, each at least 0.1 mm.";
+    ROTATION: Vector { name: "rotation", unit: Unit::DEG, max: 360.0, presence: Default([0.0, 0.0, 0.0]) } = "`box`: turns about the scene's first, second and third axis, in this order.";
+}
+
+section! {
+    /// A box that the tip can be asked to be in.
+    region, "[[region]]";
+    NAME: Text { name: "name", is_name: true, presence: Required } = "Name; phases use it.";
+    CENTER: Vector { name: "center", unit: Unit::M, max: 100.0, presence: Required } = "Centre.";
+    SIZE: Vector { name: "size", unit: Unit::M, max: 100.0, presence: Required } = "Lengths of the edges along the box's own axes, each at least 0.1 mm.";
+    ROTATION: Vector { name: "rotation", unit: Unit::DEG, max: 360.0, presence: Default([0.0, 0.0, 0.0]) } = "Turns about the scene's first, second and third axis, in this order.";
+}
+
+section! {
+    /// Where the tip shall be when. The limb first moves to the first position; the series runs from there.
+    markers, "[markers]";
+    FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s,x_m,y_m,z_m` and 2 to 10000 rows; times rise, from any value.";
+}

@@ -1,0 +1,84 @@
+//! Plans past obstacles, judged by samples of the plan.
+
+use super::common::{planned, refused, repository, sampled_clearance, tip_after, with_phases};
+
+/// What the planner does straight: the tip's way without the post, which goes right through it.
+#[test]
+fn the_limb_goes_around_a_post_that_it_would_hit_and_keeps_clear_all_the_way() {
+    let text = repository("reach-past-post").source_text().to_owned();
+    let (scene, limb, plan) = planned(&text).unwrap();
+    let clearance = sampled_clearance(&scene, &limb, &plan);
+    assert!(clearance >= 5e-3, "{clearance}");
+    let least = plan.phases.iter().filter_map(|phase| phase.nearest).map(|near| near.distance_m).fold(1.0, f64::min);
+    assert!((clearance - least).abs() < 5e-4, "samples say {clearance}, the plan {least}");
+    assert!(plan.phases[1].via_points > 0, "straight it would hit");
+    let free = with_phases("reach-past-post", &text[text.find("[[region]]").unwrap()..text.find("[limits]").unwrap()]);
+    let (_, free_limb, free_plan) = planned(&free).unwrap();
+    assert!(sampled_clearance(&scene, &free_limb, &free_plan) < 0.0);
+    assert!(free_plan.phases.iter().all(|phase| phase.nearest.is_none() && phase.via_points == 0));
+}
+
+/// Way-point, direction and region, from the poses at the ends of the moves.
+#[test]
+fn way_point_direction_and_region_are_kept() {
+    let (scene, limb, plan) = planned(repository("reach-past-post").source_text()).unwrap();
+    let around = tip_after(&limb, &plan, 1);
+    let point = nalgebra::Vector3::new(0.719, -0.032, 0.780);
+    assert!((around.translation.vector - point).norm() < 1e-4);
+    let axis = around.rotation * nalgebra::Vector3::z();
+    let direction = nalgebra::Vector3::new(1.0, -0.25, -1.0).normalize();
+    assert!(axis.dot(&direction) >= 10.0_f64.to_radians().cos());
+    let inside = tip_after(&limb, &plan, 2).translation.vector - nalgebra::Vector3::new(0.62, 0.0, 0.75);
+    assert!(inside.x.abs() <= 0.05 && inside.y.abs() <= 0.05 && inside.z.abs() <= 0.03, "{inside}");
+    assert_eq!(scene.regions().len(), 1);
+}
+
+/// Two posts with a gap through which the tool just passes.
+#[test]
+fn a_narrow_passage_is_found() {
+    let post = |name: &str, y: f64| {
+        format!(
+            "[[obstacle]]\nname = \"{name}\"\nshape = \"capsule\"\nfrom = [0.72, {y}, 0.4]\nto = [0.72, {y}, 1.6]\nradius = \"20 mm\"\n"
+        )
+    };
+    let phases = |gap: f64| {
+        let posts = post("left", 0.5 * gap) + &post("right", -0.5 * gap);
+        let there = "[[phase]]\nname = \"there\"\ntip = [0.83, 0.0, 1.05]\n";
+        let back = "[[phase]]\nname = \"back\"\ntargets = { shoulder = { axial_stretch = 1 }, elbow = { bend_angle = \"40 deg\" }, wrist = { bend_angle = 0 } }\n";
+        with_phases("reach-past-post", &format!("{posts}{back}{there}"))
+            .replace("clearance = \"5 mm\"", "clearance = \"1 mm\"")
+    };
+    // The bundle is 88 mm thick, the posts 40 mm, and twice 1 mm is kept.
+    let (scene, limb, plan) = planned(&phases(0.133)).unwrap();
+    let clearance = sampled_clearance(&scene, &limb, &plan);
+    assert!(clearance >= 1e-3, "{clearance}");
+    assert!(refused(&phases(0.128)).contains("too near"));
+}
+
+/// The nearest feasible point that a refusal names can be planned; the way-point itself lies in the obstacle.
+#[test]
+fn a_way_point_in_an_obstacle_is_refused_with_the_nearest_that_can_be_reached() {
+    let ball = "[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [0.66, 0.0, 0.68]\nradius = \"40 mm\"\n";
+    let text = |tip: &str| with_phases("pick-and-place-a", &format!("{ball}[[phase]]\nname = \"into\"\ntip = {tip}\n"));
+    let message = refused(&text("[0.66, 0.0, 0.68]"));
+    assert!(message.contains("the limb cannot be here and clear of `ball`"), "{message}");
+    assert!(message.contains("tip = [0.66"), "the line is shown: {message}");
+    let nearest = message.split("the nearest reachable point is ").nth(1).unwrap().lines().next().unwrap();
+    // Rounded to 0.1 mm it may be as much too near.
+    let eased = text(nearest).replace("radius = \"40 mm\"", "radius = \"39.8 mm\"");
+    let (scene, limb, plan) = planned(&eased).unwrap_or_else(|error| panic!("{error}"));
+    assert!(sampled_clearance(&scene, &limb, &plan) >= 0.0);
+    // The tool's ball about the tip touches the obstacle: the tip is 60 mm from its centre.
+    let tip = tip_after(&limb, &plan, 0).translation.vector;
+    let centre = nalgebra::Vector3::new(0.66, 0.0, 0.68);
+    assert!(((tip - centre).norm() - 0.06).abs() < 1e-3, "{tip}");
+}
+
+#[test]
+fn targets_that_end_in_an_obstacle_are_refused_at_their_line() {
+    let tables = "[[obstacle]]\nname = \"floor\"\nshape = \"box\"\ncenter = [0.5, 0, 0.7]\nsize = [2, 2, 0.02]\n\
+                  [[phase]]\nname = \"down\"\ntargets = { elbow = { bend_angle = \"80 deg\" } }\n";
+    let message = refused(&with_phases("pick-and-place-a", tables));
+    assert!(message.contains("at this goal the limb is too near `floor`"), "{message}");
+    assert!(message.contains("bend_angle = \"80 deg\"") && message.contains("% far"), "{message}");
+}
