@@ -132,7 +132,11 @@ fn blocked(scene: &Scene, limb: &Limb, task: &TipTask<'_>, span: Span, free: &[R
     let name = &scene.obstacles()[widest.obstacle].name.value;
     let label = too_near(name, widest.clearance.distance_m, task.clearance_m);
     let mut help = if nearest.allowed() {
-        format!("the tip gets within {:.1} mm; {}", nearest.distance_m * 1e3, nearest_point(nearest))
+        let point = point(nearest);
+        format!(
+            "the nearest point that is clear, whatever the way there, is {point}, {:.1} mm away",
+            nearest.distance_m * 1e3
+        )
     } else {
         "nothing near it was found that is clear".to_owned()
     };
@@ -177,8 +181,13 @@ fn missed(reach: &Reach) -> String {
 }
 
 fn nearest_point(reach: &Reach) -> String {
+    format!("the nearest reachable point is {}", point(reach))
+}
+
+/// Where the tip is, as a scene says it.
+fn point(reach: &Reach) -> String {
     let [x, y, z] = reach.tip_m.map(|v| v * 1e3);
-    format!("the nearest reachable point is [\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]")
+    format!("[\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]")
 }
 
 fn direction_off(limb: &Limb, reach: &Reach, direction: [f64; 3]) -> f64 {

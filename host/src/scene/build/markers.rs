@@ -97,8 +97,8 @@ mod tests {
             [Marker { time_s: 0.0, tip_m: [0.1, 0.2, 0.3] }, Marker { time_s: 0.5, tip_m: [0.0, 0.0, -1.0] }]
         );
         let wrong = |body: &str| rows(&format!("time_s,x_m,y_m,z_m\n{body}")).unwrap_err();
-        assert_eq!(wrong("0,0,0,0\n1,0,abc,0\n"), ":3: `y_m`: \"abc\" is not a finite number");
-        assert_eq!(wrong("0,0,0,0\n1,0,nan,0\n"), ":3: `y_m`: \"nan\" is not a finite number");
+        assert_eq!(wrong("0,0,0,0\n1,0,abc,0\n"), ":3: `y_m`: `abc` is not a finite number");
+        assert_eq!(wrong("0,0,0,0\n1,0,nan,0\n"), ":3: `y_m`: `nan` is not a finite number");
         assert_eq!(wrong("0,0,0,0\n1,0,0,500\n"), ":3: `z_m`: 500 is beyond 100 m");
         assert_eq!(wrong("0,0,0\n"), ":2: 3 values, not 4");
         assert_eq!(wrong("1,0,0,0\n1,0,0,0\n"), ":3: `time_s`: 1 is not at least 1 ms after the row before");
