@@ -22,14 +22,13 @@ fn word(motion: Motion) -> &'static str {
 fn unchanged(scene: &Scene) -> Vec<Redesign> {
     let modules = scene.modules().iter().map(|module| Redesign {
         name: module.name.to_string(),
+        like: module.name.to_string(),
         motion: word(*module.motion),
         bundle: (module.actuators, module.circle_radius_m),
         mount_angle_rad: module.mount_angle_rad,
         radii_m: [*module.inner_radius_m, *module.outer_radius_m],
         length_m: *module.length_m,
-        material: None,
-        winding: module.fiber.map(|fiber| (None, fiber.angle_rad)),
-        pressure_max_pa: None,
+        winding: module.fiber.map(|fiber| fiber.angle_rad),
     });
     modules.collect()
 }
@@ -51,10 +50,9 @@ fn sizes_and_angles_are_written_and_comments_stay() {
     let scene = read(SCENE);
     let mut modules = unchanged(&scene);
     modules[0].radii_m = [8.25e-3, 12.5e-3];
-    modules[0].winding = Some((None, 31.25_f64.to_radians()));
+    modules[0].winding = Some(31.25_f64.to_radians());
     modules[1].mount_angle_rad = (-90.0_f64).to_radians();
     modules[2].length_m = 0.1875;
-    modules[2].pressure_max_pa = Some(85e3);
     let text = redesigned(&scene, &modules, None);
     let again = read(&text);
     let shoulder = again.modules()[0].actuator();
@@ -65,7 +63,6 @@ fn sizes_and_angles_are_written_and_comments_stay() {
     assert_eq!(fiber.modulus_pa, 361e6);
     assert!((again.modules()[1].mount_angle_rad + 90.0_f64.to_radians()).abs() < 1e-9);
     assert_eq!(*again.modules()[2].length_m, 0.1875);
-    assert_eq!(*again.modules()[2].pressure_max_pa, 85e3);
     assert!(text.contains("# fit to tension up to a stretch of 2"));
     assert!(text.contains("close to the angle of largest twist"));
 }
@@ -95,18 +92,17 @@ fn targets_take_the_place_of_goals() {
 #[test]
 fn another_limb_takes_the_place_of_the_old_one() {
     let scene = read(SCENE);
-    let named = |name: &str, motion, winding: Option<&str>| Redesign {
+    let named = |name: &str, like: &str, motion, winding: Option<f64>| Redesign {
         name: name.into(),
+        like: like.into(),
         motion,
         bundle: (3, 0.03),
         mount_angle_rad: 0.0,
         radii_m: [0.009, 0.013],
         length_m: 0.2,
-        material: Some("dragon-skin-30".into()),
-        winding: winding.map(|name| (Some(name.into()), 0.1)),
-        pressure_max_pa: None,
+        winding,
     };
-    let modules = [named("first", "bending", None), named("second", "extension", Some("hoop-like"))];
+    let modules = [named("first", "elbow", "bending", None), named("second", "wrist", "extension", Some(0.1))];
     let targets = vec![vec![(0, SetpointKind::BendAngle, 0.3), (1, SetpointKind::AxialStretch, 1.05)]; 4];
     let again = read(&redesigned(&scene, &modules, Some(&targets)));
     assert_eq!(again.modules().len(), 2);

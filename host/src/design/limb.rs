@@ -259,12 +259,12 @@ fn build_module(
 }
 
 /// Where a device stops its reference: 3 kPa, at most a tenth, below the limit (`protocol/SPEC.md`, ConfigChannel).
-fn reference_max_pa(pressure_max_pa: f64) -> f64 {
+pub(super) fn reference_max_pa(pressure_max_pa: f64) -> f64 {
     pressure_max_pa - f64::min(3e3, 0.1 * pressure_max_pa)
 }
 
 /// The frame whose `z` is the direction of the limb and whose `x`, towards which modules bend, is as near to `up` as can be.
-fn base_pose(position_m: [f64; 3], direction: [f64; 3], up: [f64; 3]) -> Isometry3<f64> {
+pub(super) fn base_pose(position_m: [f64; 3], direction: [f64; 3], up: [f64; 3]) -> Isometry3<f64> {
     let z = Vector3::from(direction).normalize();
     let up = Vector3::from(up);
     let x = (up - z * z.dot(&up)).normalize();

@@ -8,8 +8,10 @@ use super::schema::{module, phase, scene, target, winding};
 /// What a design says about one module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Redesign {
-    /// Name of the module. A module of that name keeps what is not said here; otherwise all is said here.
+    /// Name of the module.
     pub name: String,
+    /// Name of the scene's module that it is made like: what is not said here is as there.
+    pub like: String,
     /// Word of the motion, as in a scene.
     pub motion: &'static str,
     /// Number of actuators and radius of the circle they stand on, m.
@@ -20,13 +22,8 @@ pub struct Redesign {
     pub radii_m: [f64; 2],
     /// Length at rest, m.
     pub length_m: f64,
-    /// A name from `[materials]`; `None` keeps that of the module.
-    pub material: Option<String>,
-    /// The winding that is copied, `None` for the module's own, and the angle of the copy, rad from the hoop; no winding at all for
-    /// a bending module that is wound along the hoop.
-    pub winding: Option<(Option<String>, f64)>,
-    /// Highest gauge pressure, Pa; `None` keeps what holds.
-    pub pressure_max_pa: Option<f64>,
+    /// Angle of the winding, rad from the hoop, where the module has a winding.
+    pub winding: Option<f64>,
 }
 
 /// A setpoint of a phase: index of the module, the quantity, and its value in SI units.
@@ -45,11 +42,10 @@ pub fn redesigned(scene: &Scene, modules: &[Redesign], targets: Option<&[Vec<Red
     let before = tables(&mut document, scene::MODULE.name);
     let mut after = ArrayOfTables::new();
     for (index, redesign) in modules.iter().enumerate() {
-        let own = before.iter().find(|table| named(table, &redesign.name)).cloned();
-        let mut table = own.unwrap_or_default();
+        let mut table = before.iter().find(|table| named(table, &redesign.like)).cloned().unwrap_or_default();
         resize(&mut table, redesign);
-        if let Some((template, angle_rad)) = &redesign.winding {
-            rewind(&mut document, &mut table, template.as_deref(), *angle_rad, index);
+        if let Some(angle_rad) = redesign.winding {
+            rewind(&mut document, &mut table, angle_rad, index);
         }
         after.push(table);
     }
@@ -79,21 +75,11 @@ fn resize(table: &mut Table, redesign: &Redesign) {
     put(table, module::INNER_RADIUS.name, millimetres(redesign.radii_m[0]));
     put(table, module::OUTER_RADIUS.name, millimetres(redesign.radii_m[1]));
     put(table, module::LENGTH.name, millimetres(redesign.length_m));
-    if let Some(material) = &redesign.material {
-        put(table, module::MATERIAL.name, material.as_str().into());
-    }
-    if redesign.winding.is_none() {
-        table.remove(module::WINDING.name);
-    }
-    if let Some(pressure_pa) = redesign.pressure_max_pa {
-        put(table, module::PRESSURE_MAX.name, format!("{} kPa", short(pressure_pa * 1e-3)).into());
-    }
 }
 
 /// Gives a module a winding of its own: a copy of another one with its own angle.
-fn rewind(document: &mut DocumentMut, table: &mut Table, template: Option<&str>, angle_rad: f64, index: usize) {
-    let own = table.get(module::WINDING.name).and_then(Item::as_str);
-    let Some(template) = template.or(own).map(str::to_owned) else { return };
+fn rewind(document: &mut DocumentMut, table: &mut Table, angle_rad: f64, index: usize) {
+    let Some(template) = table.get(module::WINDING.name).and_then(Item::as_str).map(str::to_owned) else { return };
     let Some(windings) = document.get_mut(scene::WINDINGS.name).and_then(Item::as_table_mut) else { return };
     let Some(mut copy) = windings.get(&template).and_then(Item::as_table).cloned() else { return };
     put(&mut copy, winding::ANGLE.name, degrees(angle_rad));

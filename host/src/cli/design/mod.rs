@@ -2,8 +2,9 @@
 
 mod compare;
 mod problem;
+mod scene;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
 
@@ -14,11 +15,26 @@ use crate::design::fit::{Answer, Effort, Problem, Swarm, solve, swarm};
 /// Find geometry and pressures for given deformations, eq. (14) of the paper
 #[derive(Args)]
 #[command(
-    group = ArgGroup::new("question").required(true).multiple(true).args(["problem", "compare"]),
-    after_help = "Examples:\n  softlimb design --problem reach.json --json\n  softlimb design --compare --kinds AB --svg comparison.svg\n\n\
-                  The format of problems and answers: docs/design.md"
+    group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem", "compare"]),
+    after_help = "Examples:\n  softlimb design scenes/open/group-a.toml --out group-a.toml\n  softlimb design --problem reach.json --json\n  softlimb design --compare --kinds AB --svg comparison.svg\n\n\
+                  What a scene may leave open: docs/design-path.md. The format of problems and answers: docs/design.md"
 )]
 pub(super) struct Design {
+    /// The scene; with targets by eq. (14), with way-points of the tip by a search for the whole limb
+    #[arg(conflicts_with_all = ["problem", "compare"])]
+    scene: Option<PathBuf>,
+    /// Where the scene with the limb found goes [default: beside the scene, NAME-designed.toml]
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    out: Option<PathBuf>,
+    /// Which limb of the list to write, from 1, where motions and their order are chosen
+    #[arg(long, value_name = "N", requires = "scene", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pick: u32,
+    /// Keep the choice of motions and their order in this file, and go on with what it holds
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    resume: Option<PathBuf>,
+    /// Threads of the choice of motions and their order; the answer does not depend on it [default: as many as there are processors]
+    #[arg(long, value_name = "N", requires = "scene", value_parser = clap::value_parser!(u32).range(1..=64))]
+    threads: Option<u32>,
     /// The problem, a JSON file
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
@@ -66,6 +82,9 @@ impl Design {
                 "--tsv, --svg and --page are files of --compare: there is nothing to write without it",
             ));
         }
+        if let Some(file) = &self.scene {
+            return self.order(file).run(|problem| self.answer(problem));
+        }
         let problem = self.problem.as_ref().map(|file| {
             let complain = |error| Failure::new(format!("{}: {error}", file.display()));
             Problem::read(&read(file)?).map_err(complain)
@@ -74,7 +93,19 @@ impl Design {
             problem if self.compare => compare::run(self, problem),
             Some(problem) if self.evaluate => problem::evaluate(&problem),
             Some(problem) => problem::show(&self.answer(&problem)?, kept.json),
-            None => Err(Failure::new("give --problem FILE or --compare")),
+            None => Err(Failure::new("give a scene, --problem FILE or --compare")),
+        }
+    }
+
+    fn order<'a>(&'a self, file: &'a Path) -> scene::Order<'a> {
+        scene::Order {
+            file,
+            out: self.out.as_deref(),
+            json: self.kept.json,
+            seed: self.seed,
+            pick: self.pick as usize,
+            resume: self.resume.as_deref(),
+            threads: self.threads.map(|threads| threads as usize),
         }
     }
 

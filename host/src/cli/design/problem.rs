@@ -54,7 +54,7 @@ fn point(line: &str, width: usize) -> Result<Vec<f64>, String> {
 }
 
 /// The answer as text. Writing to a string cannot fail.
-fn table(answer: &Answer) -> String {
+pub(super) fn table(answer: &Answer) -> String {
     let mut text = format!("{}: objective {:.6e}\n", answer.status.replace('_', " "), answer.objective);
     let terms = &answer.terms;
     let _ = writeln!(

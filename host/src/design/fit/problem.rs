@@ -127,6 +127,11 @@ pub struct Geometry {
 }
 
 impl Problem {
+    /// A problem of segments whose numbers have been checked, each with as many goals.
+    pub(in crate::design) fn new(segments: Vec<Segment>, shared_pressure: bool) -> Self {
+        Self { segments, shared_pressure }
+    }
+
     /// The segments, from the base outwards.
     pub fn segments(&self) -> &[Segment] {
         &self.segments

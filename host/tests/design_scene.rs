@@ -1,0 +1,83 @@
+//! Designs of scenes: what is found is a scene again, which can be planned and does what was asked.
+
+use softlimb::design::Limb;
+use softlimb::design::brief::{leads_the_tip, redesigned_limb, redesigned_targets, targets, task};
+use softlimb::design::fit;
+use softlimb::design::path;
+use softlimb::motion;
+use softlimb::scene::{self, Goal, Scene};
+
+fn read(text: &str) -> Scene {
+    scene::parse(text, "designed.toml").unwrap_or_else(|error| panic!("{}\n{text}", error.render(false)))
+}
+
+/// Bounds that leave everything open that a workshop can change.
+const OPEN: &str = "
+[design]
+inner_radius = [\"8 mm\", \"12 mm\"]
+wall = [\"3.5 mm\", \"5 mm\"]
+length = [\"150 mm\", \"320 mm\"]
+fiber_angle = [\"2 deg\", \"10 deg\"]
+";
+
+#[test]
+fn targets_are_reached_by_other_sizes_and_the_scene_can_be_run() {
+    let wanted = read(&format!("{}{OPEN}", include_str!("../../scenes/pick-and-place-a.toml")));
+    assert!(!leads_the_tip(&wanted));
+    let problem = targets(&wanted).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let answer = fit::solve(&problem, &fit::Effort::default()).unwrap();
+    assert!(answer.objective < 1e-12, "{}", answer.objective);
+    let (modules, values) = redesigned_targets(&wanted, &answer);
+    let designed = read(&scene::redesigned(&wanted, &modules, Some(&values)));
+    let limb = Limb::new(&designed).unwrap();
+    motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    // Lengths and angles of the first phase: those that the author's scene has.
+    let [before, after] = [&wanted, &designed].map(|scene| {
+        let Goal::Targets(targets) = &scene.phases()[0].goal else { panic!("targets") };
+        let in_space = |target: &scene::Target| match *scene.modules()[target.module].motion {
+            fra_model::Motion::Extension => target.value.value * *scene.modules()[target.module].length_m,
+            _ => target.value.value,
+        };
+        targets.iter().map(in_space).collect::<Vec<_>>()
+    });
+    for (before, after) in before.iter().zip(&after) {
+        assert!((before - after).abs() < 1e-8, "{before:?} {after:?}");
+    }
+    assert_ne!(*wanted.modules()[0].length_m, *designed.modules()[0].length_m);
+}
+
+#[test]
+fn a_group_is_designed_and_its_scene_keeps_clear() {
+    let wanted = read(include_str!("../../scenes/open/group-a.toml"));
+    assert!(leads_the_tip(&wanted));
+    let tasked = task(&wanted).unwrap();
+    let found = path::design(&tasked.task, &tasked.spaces, &path::Effort::default()).unwrap();
+    assert!(found.does_it(), "{:?}", found.shortfall);
+    let designed = read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, &found), None));
+    let limb = Limb::new(&designed).unwrap();
+    let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    // Dense samples of what is streamed, against every obstacle.
+    for step in 0..=2000 {
+        let states = plan.states_at(plan.duration_us() as f64 * f64::from(step) / 2000.0);
+        let points = limb.backbone(&states);
+        for obstacle in designed.obstacles() {
+            for point in &points {
+                let spare = obstacle.shape.distance(&(*point).into()).distance_m;
+                assert!(spare > 0.0049, "{} at {point:?}: {spare}", *obstacle.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_design_cannot_take_is_shown_at_its_line() {
+    let text = include_str!("../../scenes/pick-and-place-a.toml")
+        .replace("circle_radius = \"30 mm\"", "circle_radius = \"17 mm\"");
+    let wide = read(&format!("{text}{OPEN}"));
+    let error = targets(&wide).unwrap_err().render(false);
+    assert!(error.contains("may overlap") && error.contains("wall = "), "{error}");
+    let mixed = include_str!("../../scenes/open/group-a.toml")
+        .replace("tip = [0.74, 0, 0.83]", "targets = { elbow = { bend_angle = \"30 deg\" } }");
+    let error = task(&read(&mixed)).unwrap_err().to_string();
+    assert!(error.contains("either for the tip or for targets"), "{error}");
+}
