@@ -36,7 +36,7 @@ fn unchanged(scene: &Scene) -> Vec<Redesign> {
 #[test]
 fn modules_as_they_are_make_the_same_limb() {
     let scene = read(SCENE);
-    let again = read(&redesigned(&scene, &unchanged(&scene), None));
+    let again = read(&redesigned(&scene, &unchanged(&scene), None).unwrap());
     for (before, after) in scene.modules().iter().zip(again.modules()) {
         assert_eq!(before.actuator(), after.actuator());
         assert_eq!(before.mount_angle_rad, after.mount_angle_rad);
@@ -53,7 +53,7 @@ fn sizes_and_angles_are_written_and_comments_stay() {
     modules[0].winding = Some(31.25_f64.to_radians());
     modules[1].mount_angle_rad = (-90.0_f64).to_radians();
     modules[2].length_m = 0.1875;
-    let text = redesigned(&scene, &modules, None);
+    let text = redesigned(&scene, &modules, None).unwrap();
     let again = read(&text);
     let shoulder = again.modules()[0].actuator();
     assert_eq!((shoulder.inner_radius_m, shoulder.outer_radius_m), (8.25e-3, 12.5e-3));
@@ -79,7 +79,7 @@ fn targets_take_the_place_of_goals() {
             ]
         })
         .collect();
-    let again = read(&redesigned(&scene, &unchanged(&scene), Some(&targets)));
+    let again = read(&redesigned(&scene, &unchanged(&scene), Some(&targets)).unwrap());
     for (index, phase) in again.phases().iter().enumerate() {
         let Goal::Targets(found) = &phase.goal else { panic!("phase {index} has no targets") };
         let values: Vec<f64> = found.iter().map(|target| target.value.value).collect();
@@ -104,9 +104,24 @@ fn another_limb_takes_the_place_of_the_old_one() {
     };
     let modules = [named("first", "elbow", "bending", None), named("second", "wrist", "extension", Some(0.1))];
     let targets = vec![vec![(0, SetpointKind::BendAngle, 0.3), (1, SetpointKind::AxialStretch, 1.05)]; 4];
-    let again = read(&redesigned(&scene, &modules, Some(&targets)));
+    let again = read(&redesigned(&scene, &modules, Some(&targets)).unwrap());
     assert_eq!(again.modules().len(), 2);
     assert_eq!(*again.modules()[0].motion, Motion::Bending);
     assert!(again.modules()[0].fiber.is_none());
     assert!(again.modules()[1].fiber.is_some_and(|fiber| (fiber.angle_rad - 0.1).abs() < 1e-9));
+}
+
+#[test]
+fn what_cannot_be_written_is_said_and_not_left_as_it_was() {
+    // Windings on one line are no tables of their own, so that there is no place for a copy.
+    let inline = "windings = { hoop-like = { angle = \"3 deg\", families = 2, modulus = \"361 MPa\", thickness = \"0.178 mm\" }, \
+                  helix = { angle = \"28 deg\", families = 1, modulus = \"361 MPa\", thickness = \"0.178 mm\" } }\n\n";
+    let (before, rest) = SCENE.split_once("[materials").unwrap();
+    let from = rest.find("[windings.hoop-like]").unwrap();
+    let to = rest.find("[limb]").unwrap();
+    let scene = read(&format!("{before}{inline}[materials{}{}", &rest[..from], &rest[to..]));
+    let mut modules = unchanged(&scene);
+    modules[0].winding = Some(0.5);
+    let error = redesigned(&scene, &modules, None).unwrap_err().to_string();
+    assert!(error.contains("fiber angle") && error.contains("shoulder"), "{error}");
 }

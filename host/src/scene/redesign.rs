@@ -2,7 +2,8 @@
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, Value, value};
 
-use super::data::{Scene, SetpointKind};
+use super::data::{Goal, Scene, SetpointKind};
+use super::refit::RewriteError;
 use super::schema::{module, phase, scene, target, winding};
 
 /// What a design says about one module.
@@ -35,10 +36,15 @@ const DIGITS: usize = 6;
 /// The text of a scene with these modules, and with these targets in place of the goals of its phases, if there are any: one list for
 /// each phase. Comments and everything else stay.
 ///
-/// The text is that of a scene that was read, so there is always an answer; whether it is a scene again is for
-/// [`parse`](super::parse) to say.
-pub fn redesigned(scene: &Scene, modules: &[Redesign], targets: Option<&[Vec<RedesignedTarget>]>) -> String {
-    let Ok(mut document) = scene.source_text().parse::<DocumentMut>() else { return scene.source_text().to_owned() };
+/// # Errors
+/// [`RewriteError`]. The text that is returned has been read again and says what was asked, to a nanometre and half a millionth of a degree.
+pub fn redesigned(
+    scene: &Scene,
+    modules: &[Redesign],
+    targets: Option<&[Vec<RedesignedTarget>]>,
+) -> Result<String, RewriteError> {
+    let unwritten = |index: usize, what| RewriteError::NotWritten { module: modules[index].name.clone(), what };
+    let mut document = scene.source_text().parse::<DocumentMut>().map_err(|_| unwritten(0, "text"))?;
     let before = tables(&mut document, scene::MODULE.name);
     let mut after = ArrayOfTables::new();
     for (index, redesign) in modules.iter().enumerate() {
@@ -54,7 +60,49 @@ pub fn redesigned(scene: &Scene, modules: &[Redesign], targets: Option<&[Vec<Red
         let names: Vec<&str> = modules.iter().map(|module| module.name.as_str()).collect();
         retarget(&mut document, &names, targets);
     }
-    document.to_string()
+    let text = document.to_string();
+    let read = super::parse(&text, scene.source_name()).map_err(RewriteError::Refused)?;
+    if read.modules().len() != modules.len() {
+        return Err(RewriteError::Modules { found: modules.len(), modules: read.modules().len() });
+    }
+    for (index, module) in modules.iter().enumerate() {
+        differs(&read, index, module).map_or(Ok(()), |what| Err(unwritten(index, what)))?;
+    }
+    let wrong = targets
+        .and_then(|targets| targets.iter().zip(read.phases()).find_map(|(wanted, phase)| missed(wanted, &phase.goal)));
+    wrong.map_or(Ok(text), |index| Err(unwritten(index, "targets")))
+}
+
+/// What of a module a scene says otherwise than was asked.
+fn differs(scene: &Scene, index: usize, wanted: &Redesign) -> Option<&'static str> {
+    let module = &scene.modules()[index];
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9;
+    // Half a millionth of a degree, which rounding takes.
+    let along = |a: f64, b: f64| (a - b).abs() <= 1e-8;
+    let [inner_m, outer_m] = wanted.radii_m;
+    let sizes =
+        [(*module.inner_radius_m, inner_m), (*module.outer_radius_m, outer_m), (*module.length_m, wanted.length_m)];
+    if !sizes.iter().all(|(a, b)| near(*a, *b)) {
+        return Some("sizes");
+    }
+    let angle_rad = module.fiber.as_ref().map(|fiber| fiber.angle_rad);
+    if wanted.winding.is_some() && !wanted.winding.zip(angle_rad).is_some_and(|(a, b)| along(a, b)) {
+        return Some("fiber angle");
+    }
+    (!along(module.mount_angle_rad, wanted.mount_angle_rad)).then_some("mount angle")
+}
+
+/// The module whose target a goal says otherwise than was asked.
+fn missed(wanted: &[RedesignedTarget], goal: &Goal) -> Option<usize> {
+    let found = |index: usize, kind: SetpointKind| match goal {
+        Goal::Targets(targets) => targets.iter().find(|target| (target.module, target.kind) == (index, kind)),
+        _ => None,
+    };
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-3_f64.max(b.abs()) * 1e-6;
+    let kept = |(index, kind, value): &RedesignedTarget| {
+        found(*index, *kind).is_some_and(|target| near(target.value.value, *value))
+    };
+    wanted.iter().find(|target| !kept(target)).map(|(index, _, _)| *index)
 }
 
 fn tables(document: &mut DocumentMut, name: &str) -> ArrayOfTables {

@@ -86,18 +86,19 @@ impl Order<'_> {
         let observe = |choice: &Choice| {
             bar.set_length(choice.total as u64);
             bar.set_position(choice.searched.len() as u64);
-            // A search that cannot be kept is still a search; that it was not kept shows below.
-            let kept = self.resume.map(|file| serde_json::to_string(choice).map(|text| write_whole(file, &text)));
-            drop(kept);
-            true
+            self.keep(choice).is_ok()
         };
         let choice = path::choose(&tasked.task, &tasked.spaces, &choosing, so_far, &observe).map_err(Failure::new)?;
         bar.finish_and_clear();
-        if let Some(file) = self.resume {
-            let text = serde_json::to_string(&choice).map_err(Failure::new)?;
-            write_whole(file, &text).map_err(Failure::new)?;
-        }
+        // What cannot be kept was not to be searched in vain: it ended after the first order.
+        self.keep(&choice)?;
         Ok(choice)
+    }
+
+    /// Keeps a choice where that is wanted.
+    fn keep(&self, choice: &Choice) -> Result<(), Failure> {
+        let Some(file) = self.resume else { return Ok(()) };
+        write_whole(file, &serde_json::to_string(choice).map_err(Failure::new)?).map_err(Failure::new)
     }
 
     fn finish(
@@ -122,7 +123,8 @@ impl Order<'_> {
         targets: Option<&[Vec<RedesignedTarget>]>,
     ) -> Result<PathBuf, Failure> {
         let file = self.out.map_or_else(|| beside(self.file), Path::to_owned);
-        write_whole(&file, &scene::redesigned(scene, modules, targets)).map_err(Failure::new)?;
+        let text = scene::redesigned(scene, modules, targets).map_err(Failure::new)?;
+        write_whole(&file, &text).map_err(Failure::new)?;
         Ok(file)
     }
 
