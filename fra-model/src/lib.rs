@@ -24,6 +24,7 @@
 #![no_std]
 
 mod actuator;
+mod allocation;
 mod batch;
 mod bending;
 mod branch;
@@ -52,6 +53,7 @@ mod tube;
 mod two;
 
 pub use actuator::Actuator;
+pub use allocation::{Allocated, Allocation, AllocationStatus};
 pub use batch::{Prepared, forward_many, forward_prepared};
 pub use direct::{Arithmetic, LANES, Lanes, atanh_series};
 pub use held::Held;

@@ -8,6 +8,7 @@
 //! Straight tubes are computed with twice the digits: stiff fibers make `H` ill conditioned in the scalar itself.
 
 mod bent;
+mod held;
 mod inputs;
 mod straight;
 

@@ -117,3 +117,52 @@ fn what_cannot_be_held_is_said() {
     let bender = Actuator::new(&tube(Motion::Bending, 6.0, 8.0, neo_hookean(0.2e6))).unwrap();
     assert_eq!(bender.held(0.0, 1.0, 0.0).unwrap_err().field, "axial_stretch");
 }
+
+/// Derivatives of the loads by every input against central differences of the loads.
+#[test]
+fn derivatives_of_the_loads_are_slopes_of_the_loads() {
+    let placements =
+        [(Placement::Sheet, Families::Two), (Placement::Layer, Families::One), (Placement::Smeared, Families::One)];
+    for (placement, families) in placements {
+        let p = wound(tube(Motion::Twisting, 9.0, 13.0, DRAGONSKIN_30), 24.0, families, 4e6, placement, 0.178);
+        let p = ActuatorParameters { fiber: p.fiber.map(|fiber| Fiber { radius_m: 11.5e-3, ..fiber }), ..p };
+        let loads = |p: &ActuatorParameters<f64>, pressure_pa: f64| {
+            let held = Actuator::new(p).unwrap().held(pressure_pa, 1.08, 0.3).unwrap();
+            [held.force_n, held.torque_nm]
+        };
+        let actuator = Actuator::new(&p).unwrap();
+        let held = actuator.held(40e3, 1.08, 0.3).unwrap();
+        type Change = fn(&mut ActuatorParameters<f64>, f64);
+        let changes: [(Parameter, f64, Change); 7] = [
+            (Parameter::InnerRadius, 9e-3, |p, h| p.inner_radius_m += h),
+            (Parameter::OuterRadius, 13e-3, |p, h| p.outer_radius_m += h),
+            (Parameter::Length, 0.1, |p, h| p.length_m += h),
+            (Parameter::FiberAngle, 0.4, |p, h| p.fiber.as_mut().unwrap().angle_rad += h),
+            (Parameter::FiberModulus, 4e6, |p, h| p.fiber.as_mut().unwrap().modulus_pa += h),
+            (Parameter::WindingRadius, 11.5e-3, |p, h| p.fiber.as_mut().unwrap().radius_m += h),
+            (Parameter::SheetThickness, 0.178e-3, |p, h| p.fiber.as_mut().unwrap().thickness_m += h),
+        ];
+        let mut asked = 0;
+        for (parameter, size, change) in changes {
+            let Ok(found) = actuator.held_sensitivity(&held, parameter) else { continue };
+            asked += 1;
+            let step = 1e-4 * size;
+            let [mut more, mut less] = [p, p];
+            change(&mut more, step);
+            change(&mut less, -step);
+            let (more, less) = (loads(&more, 40e3), loads(&less, 40e3));
+            let scale = [held.force_n, held.torque_nm].map(|x| x.abs() / size);
+            for (axis, found) in [found.force_n, found.torque_nm].into_iter().enumerate() {
+                let slope = (more[axis] - less[axis]) / (2.0 * step);
+                let most = 2e-5 * (slope.abs() + scale[axis]) + 1e-9;
+                assert!((found - slope).abs() < most, "{placement:?} {parameter:?} {axis}: {found} against {slope}");
+            }
+        }
+        assert!(asked >= 5, "{asked} derivatives");
+        let by_pressure = actuator.held_sensitivity(&held, Parameter::Pressure).unwrap();
+        assert!(relative(by_pressure.force_n, held.by_pressure[0]) < 1e-9);
+        assert!(relative(by_pressure.torque_nm, held.by_pressure[1]) < 1e-9);
+        let refused = actuator.held_sensitivity(&held, Parameter::Force).unwrap_err();
+        assert_eq!(refused, NoDerivative::NotAnInput(Parameter::Force));
+    }
+}
