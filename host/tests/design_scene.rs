@@ -46,9 +46,10 @@ fn targets_are_reached_by_other_sizes_and_the_scene_can_be_run() {
     assert_ne!(*wanted.modules()[0].length_m, *designed.modules()[0].length_m);
 }
 
-#[test]
-fn a_group_is_designed_and_its_scene_keeps_clear() {
-    let wanted = read(include_str!("../../scenes/open/group-a.toml"));
+/// Designs a group's limb and checks the plan of its scene by dense samples of what is streamed, with the thickness of the body about
+/// each: bundles, then the tool about the tip.
+fn designed_keeps_clear(text: &str) {
+    let wanted = read(text);
     assert!(leads_the_tip(&wanted));
     let tasked = task(&wanted).unwrap();
     let found = path::design(&tasked.task, &tasked.spaces, &path::Effort::default()).unwrap();
@@ -56,8 +57,8 @@ fn a_group_is_designed_and_its_scene_keeps_clear() {
     let designed = read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, &found), None).unwrap());
     let limb = Limb::new(&designed).unwrap();
     let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
-    // Dense samples of what is streamed, with the thickness of the body about each: bundles, then the tool about the tip.
     let circle_m = designed.modules()[0].circle_radius_m;
+    let mut nearest_m = vec![f64::INFINITY; designed.phases().len()];
     for step in 0..=2000 {
         let states = plan.states_at(plan.duration_us() as f64 * f64::from(step) / 2000.0);
         let points = limb.backbone(&states);
@@ -72,7 +73,37 @@ fn a_group_is_designed_and_its_scene_keeps_clear() {
                 assert!(spare >= 5e-3 - 1e-6, "{} at {point:?}: {spare}", *obstacle.name);
             }
         }
+        let tip = (*points.last().unwrap()).into();
+        for (phase, nearest_m) in designed.phases().iter().zip(&mut nearest_m) {
+            *nearest_m = nearest_m.min(off_goal(&designed, &phase.goal, tip));
+        }
     }
+    // The holds are long enough for samples to fall into each of them.
+    assert!(nearest_m.iter().all(|m| *m < 1e-4), "{nearest_m:?}");
+}
+
+/// How far a tip is from what a phase asks of it, m.
+fn off_goal(scene: &Scene, goal: &Goal, tip: nalgebra::Vector3<f64>) -> f64 {
+    match goal {
+        Goal::Tip(target) => (tip - nalgebra::Vector3::from(target.value)).norm(),
+        Goal::Inside(region) => scene.regions()[region.value].shape.distance(&tip).distance_m.max(0.0),
+        _ => panic!("a group leads the tip"),
+    }
+}
+
+#[test]
+fn group_a_is_designed_and_keeps_clear() {
+    designed_keeps_clear(include_str!("../../scenes/open/group-a.toml"));
+}
+
+#[test]
+fn group_b_is_designed_and_keeps_clear() {
+    designed_keeps_clear(include_str!("../../scenes/open/group-b.toml"));
+}
+
+#[test]
+fn group_c_is_designed_and_keeps_clear() {
+    designed_keeps_clear(include_str!("../../scenes/open/group-c.toml"));
 }
 
 #[test]

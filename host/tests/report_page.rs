@@ -193,3 +193,27 @@ fn each_phase_is_a_band_over_the_time_charts() {
     }
     assert_eq!(tip_error.matches("class=\"mark\"").count(), 1);
 }
+
+#[test]
+fn among_obstacles_each_phase_has_a_pair_of_views_to_one_scale() {
+    use softlimb::record::{NearestInfo, SolidInfo};
+    let mut run = synthetic_run::run();
+    assert!(!html(&run).contains("Among the obstacles"));
+    let line = vec![[0.1, 0.2, 0.3], [0.15, 0.2, 0.3]];
+    run.info.solids = vec![SolidInfo { name: "post".into(), region: false, lines_m: vec![line] }];
+    let time_s = run.info.phases[1].start_s;
+    run.info.phases[1].nearest = Some(NearestInfo { obstacle: "post".into(), distance_m: 0.012, time_s });
+    let page = html(&run);
+    assert_sound(&page);
+    let views: Vec<_> = drawings(&page).into_iter().filter(|svg| svg.contains(", from the ")).collect();
+    assert_eq!(views.len(), 2 * run.info.phases.len());
+    for phase in &run.info.phases {
+        assert!(views.iter().any(|svg| svg.contains(&format!("{}, from the side", phase.name))), "{}", phase.name);
+    }
+    // The limb at its nearest is drawn where it is known when that is: in one phase, from two sides.
+    assert_eq!(views.iter().filter(|svg| svg.contains("planned, nearest")).count(), 2);
+    assert!(page.contains("12.0 mm from post"), "the table says how near");
+    let scales: Vec<f64> =
+        views.iter().flat_map(|svg| [scale(svg, "tick-x", "x"), scale(svg, "tick-y", "y")]).collect();
+    assert!(scales.iter().all(|other| (other / scales[0] - 1.0).abs() < 2e-3), "{scales:?}");
+}

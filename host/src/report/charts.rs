@@ -8,7 +8,7 @@ use super::stats::distance;
 use super::summary::is_scheduled;
 use crate::record::{ChannelSample, ModuleInfo, ModuleSample, Quantity, RunLog, Sample};
 
-pub(super) use tip::tip_views;
+pub(super) use tip::{phase_views, tip_views};
 
 /// Area of a chart over time, px.
 const WIDE: [f64; 2] = [690.0, 190.0];

@@ -122,11 +122,15 @@ fn way_points_of(scene: &Scene, phase: &Phase) -> Result<Vec<WayPoint>, SceneErr
     Ok(aims.into_iter().map(|aim| WayPoint { aim, weight: 1.0, direction }).collect())
 }
 
+/// How far inside of a region a design puts the tip, m: a limb that only just touches it leaves nothing for inverse kinematics to find.
+const INSIDE_M: f64 = 1e-3;
+
 /// A region as an aim. Regions are boxes; of another solid its centre.
 fn inside(shape: &Shape) -> Aim {
     match shape {
         Shape::Box { center_m, half_m, rotation } => {
-            Aim::Inside { center_m: *center_m, half_m: *half_m, rotation: *rotation }
+            let half_m = half_m.map(|half| half - INSIDE_M.min(0.2 * half));
+            Aim::Inside { center_m: *center_m, half_m, rotation: *rotation }
         }
         Shape::Sphere { center_m, .. } => Aim::Point(*center_m),
         Shape::Capsule { from_m, to_m, .. } => Aim::Point((from_m + to_m) / 2.0),

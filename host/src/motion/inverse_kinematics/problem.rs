@@ -115,8 +115,12 @@ impl<'a> Problem<'a> {
             }
             TipGoal::Inside(shape) => {
                 let there = shape.distance(&tip);
-                let slope = velocities.iter().map(|v| there.gradient.dot(v)).collect();
-                rows.push(one_sided(there.distance_m + SPARE_M, slope, 1.0));
+                let miss = there.gradient * (there.distance_m + SPARE_M).max(0.0);
+                // The way to the nearest point inside, as if that stood still: its length falls as the distance does, and where the tip
+                // hardly moves along it the other directions still say how far a step may go.
+                let slope =
+                    |axis: usize| velocities.iter().map(|v| if miss.norm() > 0.0 { v[axis] } else { 0.0 }).collect();
+                rows.extend((0..3).map(|axis| (miss[axis], slope(axis))));
             }
         }
     }

@@ -1,8 +1,8 @@
-//! The way of the tip, seen from two sides, with the limb at the ends of the phases.
+//! The way of the tip, seen from two sides, with the limb at the ends of the phases; and each phase by itself among obstacles.
 
 use super::super::figure::{Axis, Chart, Color, Note, Series, Stroke, span};
 use super::super::summary::scheduled;
-use crate::record::{RunLog, Sample, Shape};
+use crate::record::{PhaseInfo, RunLog, Sample, Shape};
 
 /// Largest width and height of a view, px.
 const MAX_AREA: [f64; 2] = [310.0, 420.0];
@@ -10,7 +10,7 @@ const MAX_AREA: [f64; 2] = [310.0, 420.0];
 const MIN_AREA: [f64; 2] = [280.0, 160.0];
 /// Notes closer than this are one, px.
 const SAME_PLACE_PX: f64 = 12.0;
-/// A shape this far from the end of a phase does not show it, s.
+/// A shape this far from a time does not show it, s.
 const NEAR_S: f64 = 0.5;
 
 /// Side view (x, z) and front view (y, z), to one scale.
@@ -23,6 +23,47 @@ pub(in crate::report) fn tip_views(log: &RunLog) -> Vec<String> {
         view(log, &shapes, "Side view", [0, 2], [x, z], layout).svg(),
         view(log, &shapes, "Front view", [1, 2], [y, z], layout).svg(),
     ]
+}
+
+/// One phase among obstacles and regions, seen from the side and from the front: where the limb was when it began and when its move
+/// ended, and where the plan comes nearest to an obstacle. Empty for a scene without obstacles and regions.
+pub(in crate::report) fn phase_views(log: &RunLog) -> Vec<[String; 2]> {
+    if log.info.solids.is_empty() {
+        return Vec::new();
+    }
+    let all: Vec<(usize, &Shape)> = log.shapes.iter().map(|shape| (0, shape)).collect();
+    let mm = |axis: usize| all_points(log, &all).map(move |point| point[axis] * 1e3);
+    let [x, y, z] = std::array::from_fn(|axis| span(mm(axis)));
+    let layout = Layout::new(x, y, z);
+    let views = |phase: &PhaseInfo| {
+        [("side", [0, 2], [x, z]), ("front", [1, 2], [y, z])].map(|(side, axes, extents)| {
+            let title = format!("{}, from the {side}", phase.name);
+            phase_view(log, phase, &title, axes, extents, layout).svg()
+        })
+    };
+    log.info.phases.iter().map(views).collect()
+}
+
+fn phase_view(
+    log: &RunLog,
+    phase: &PhaseInfo,
+    title: &str,
+    axes: [usize; 2],
+    extents: [[f64; 2]; 2],
+    layout: Layout,
+) -> Chart {
+    let seen = |point: &[f64; 3]| axes.map(|axis| point[axis] * 1e3);
+    let limb = |label: &str, time_s: f64, color, stroke, planned: bool| {
+        let shape = nearest_shape(log, time_s)?;
+        let line = if planned { &shape.setpoint } else { shape.achieved.as_ref().unwrap_or(&shape.setpoint) };
+        Some(Series { label: label.to_owned(), color, stroke, points: line.iter().map(seen).collect() })
+    };
+    let mut series = solid_series(log, seen);
+    series.extend(limb("at the start", phase.start_s, Color::Faint, Stroke::Dashed, false));
+    let nearest = phase.nearest.as_ref();
+    series.extend(nearest.and_then(|near| limb("planned, nearest", near.time_s, Color::Second, Stroke::Dotted, true)));
+    series.extend(limb("at the end", phase.end_s(), Color::First, Stroke::Solid, false));
+    layout.chart(title, axes, extents, series, Vec::new())
 }
 
 /// Size that both views have, so that they line up.
@@ -46,6 +87,25 @@ impl Layout {
         let (middle, half) = (low / 2.0 + high / 2.0, self.area[side] / self.px_per_mm / 2.0);
         [middle - half, middle + half]
     }
+
+    /// A view along the axis that is not among `axes`, of lines in mm.
+    fn chart(
+        &self,
+        title: &str,
+        axes: [usize; 2],
+        extents: [[f64; 2]; 2],
+        mut series: Vec<Series>,
+        notes: Vec<Note>,
+    ) -> Chart {
+        let axis = |side: usize| Axis {
+            label: format!("{}, mm", ["x", "y", "z"][axes[side]]),
+            range: self.filled(side, extents[side]),
+            decades: false,
+        };
+        series.retain(|series| series.points.iter().flatten().any(|value| value.is_finite()));
+        let [x, y] = [axis(0), axis(1)];
+        Chart { title: title.to_owned(), area: self.area, x, y, series, bands: Vec::new(), marks: Vec::new(), notes }
+    }
 }
 
 fn view(
@@ -56,11 +116,6 @@ fn view(
     extents: [[f64; 2]; 2],
     layout: Layout,
 ) -> Chart {
-    let axis = |side: usize| Axis {
-        label: format!("{}, mm", ["x", "y", "z"][axes[side]]),
-        range: layout.filled(side, extents[side]),
-        decades: false,
-    };
     let seen = |point: &[f64; 3]| axes.map(|axis| point[axis] * 1e3);
     let mut series = solid_series(log, seen);
     series.extend(shape_series(shapes, seen));
@@ -68,18 +123,8 @@ fn view(
         sample.tip_achieved_m.as_ref().map(seen)
     }));
     series.push(path(log, "tip setpoint", Color::Ink, Stroke::Dashed, |sample| Some(seen(&sample.tip_setpoint_m))));
-    series.retain(|series| series.points.iter().flatten().any(|value| value.is_finite()));
     let ends = shapes.iter().filter_map(|(phase, shape)| Some((*phase, seen(shape.setpoint.last()?))));
-    Chart {
-        title: title.to_owned(),
-        area: layout.area,
-        x: axis(0),
-        y: axis(1),
-        series,
-        bands: Vec::new(),
-        marks: Vec::new(),
-        notes: notes(ends, SAME_PLACE_PX / layout.px_per_mm),
-    }
+    layout.chart(title, axes, extents, series, notes(ends, SAME_PLACE_PX / layout.px_per_mm))
 }
 
 /// Obstacles and regions; only the first of each is in the legend.
@@ -129,12 +174,14 @@ fn path(
 
 /// The shape nearest to the end of each phase, with the number of the phase from 1.
 fn shapes_at_phase_ends(log: &RunLog) -> Vec<(usize, &Shape)> {
-    let nearest = |end_s: f64| {
-        let off = |shape: &&Shape| (shape.time_s - end_s).abs();
-        log.shapes.iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|shape| off(shape) <= NEAR_S)
-    };
     let phases = (1..).zip(&log.info.phases);
-    phases.filter_map(|(number, phase)| Some((number, nearest(phase.end_s())?))).collect()
+    phases.filter_map(|(number, phase)| Some((number, nearest_shape(log, phase.end_s())?))).collect()
+}
+
+/// The shape nearest to a time; `None` where none is near enough to show it.
+fn nearest_shape(log: &RunLog, time_s: f64) -> Option<&Shape> {
+    let off = |shape: &&Shape| (shape.time_s - time_s).abs();
+    log.shapes.iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|shape| off(shape) <= NEAR_S)
 }
 
 /// Phase numbers at the tips; those at one place are one note.
