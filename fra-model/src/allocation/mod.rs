@@ -164,6 +164,11 @@ fn dot<T: Real, const R: usize>(a: &[T; R], b: &[T; R]) -> T {
     a.iter().zip(b).fold(T::zero(), |sum, (a, b)| sum + *a * *b)
 }
 
+/// A count as a number, without a double on the way.
+fn number<T: Real>(count: usize) -> T {
+    (0..count).fold(T::zero(), |sum, _| sum + T::one())
+}
+
 /// A share held to 0 to 1.
 fn within<T: Real>(share: T) -> T {
     share.max(T::zero()).min(T::one())
@@ -176,7 +181,6 @@ fn check<T: Real, const R: usize>(
     regulariser: T,
     capacity: usize,
 ) -> Result<(), InvalidParameter<T>> {
-    let number = |count: usize| real::<T>(f64::from(u32::try_from(count).unwrap_or(u32::MAX)));
     let count = columns.len();
     let fits = count >= 1 && count <= capacity.min(MOST);
     require(fits, "columns", number(count), "from 1 to the capacity, at most 32")?;

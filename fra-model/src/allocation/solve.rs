@@ -2,7 +2,7 @@
 
 use crate::real::{Real, epsilon, real};
 
-use super::{Allocated, Allocation, AllocationStatus, within};
+use super::{Allocated, Allocation, AllocationStatus, number, within};
 
 /// Most Newton steps. One or two are usual from a state near by, some ten from nothing.
 const STEPS: u32 = 400;
@@ -36,7 +36,7 @@ impl<T: Real, const R: usize, const N: usize> Allocation<T, R, N> {
             return self.answer(AllocationStatus::NotFinite, &shares, T::max_value().unwrap_or(largest), 0);
         }
         let size = T::one() + largest;
-        let tolerance = real::<T>(16.0) * epsilon::<T>() * self.number_of_pressures();
+        let tolerance = real::<T>(16.0) * epsilon::<T>() * number::<T>(self.count);
         let (mut iterations, mut projected, mut settled) = (0, 0, true);
         let start = || Place { shares, gradient: self.gradient(&shares, &linear), held: [false; N] };
         let mut place =
@@ -110,10 +110,6 @@ impl<T: Real, const R: usize, const N: usize> Allocation<T, R, N> {
             let (s, g) = (place.shares[i], place.gradient[i]);
             place.held[i] = (s <= zero && g >= zero) || (s >= one && g <= zero);
         }
-    }
-
-    fn number_of_pressures(&self) -> T {
-        self.columns[..self.count].iter().fold(T::zero(), |sum, _| sum + T::one())
     }
 
     /// `g = (WJ)^T W (w - J lower)/h`.

@@ -1,7 +1,7 @@
 //! Answers as the line of a table.
 
 use fra_model::{
-    Actuator, Held, InvalidParameter, Lookup, NoDerivative, NotFinite, SeriesSolution, Solution, State, Status,
+    Actuator, Held, InvalidParameter, Load, Lookup, NoDerivative, NotFinite, SeriesSolution, Solution, State, Status,
     Tracker, Volume,
 };
 use nalgebra::Isometry3;
@@ -58,6 +58,12 @@ impl Answer for SeriesSolution<f32> {
         let volume = [state.volume_m3, state.volume_change_m3, state.compliance_m3_per_pa, self.residual];
         let numbers = [state.pressure_pa].into_iter().chain(shape).chain(volume);
         Note::of(name(self.status), self.iterations, numbers)
+    }
+}
+
+impl Answer for Load<f32> {
+    fn note(&self) -> Note {
+        Note::of("-", 0, [self.force_n, self.torque_nm])
     }
 }
 

@@ -5,6 +5,7 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 mod actuators;
+mod allocations;
 mod answer;
 #[cfg(target_os = "none")]
 mod board;
@@ -17,7 +18,7 @@ use desk::Desk;
 
 /// Puts every question; whether each was answered.
 fn put_all(desk: &mut impl Desk) -> bool {
-    let solved = [questions::put_all(desk), series::put_all(desk), tables::put_all(desk)];
+    let solved = [questions::put_all(desk), series::put_all(desk), tables::put_all(desk), allocations::put_all(desk)];
     solved.into_iter().all(|well| well)
 }
 

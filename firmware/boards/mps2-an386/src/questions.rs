@@ -103,7 +103,11 @@ fn held(desk: &mut impl Desk, case: &Case, actuator: &Actuator<f32>, state: &Sta
         let (stretch, twist) = black_box(ends);
         black_box(actuator).held(black_box(case.pressure_pa), stretch, twist)
     });
-    held.is_ok_and(|held| held.status == Status::Solved)
+    let Ok(held) = held else { return false };
+    let slope = desk.put("derivative of the loads by a radius", case.name, || {
+        black_box(actuator).held_sensitivity(black_box(&held), black_box(Parameter::OuterRadius))
+    });
+    held.status == Status::Solved && slope.is_ok()
 }
 
 /// The centre line of a bundle of such actuators, where it has one.
