@@ -31,6 +31,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/hardware.md",
         "docs/model.md",
         "docs/paper-map.md",
+        "docs/payload.md",
         "docs/section-fe.md",
         "docs/speed.md",
         "docs/tasks.md",

@@ -31,6 +31,12 @@ const OUTPUT: &[&str] = &[
 pub(crate) const RULES: &[Rule] = &[
     Rule { words: &["toml"], within: &[], owners: &["host/src/scene"], law: "host::scene alone knows TOML" },
     Rule { words: &["mcap"], within: &[], owners: &["host/src/record"], law: "host::record alone knows MCAP" },
+    Rule {
+        words: &["clarabel"],
+        within: &[],
+        owners: &["host/src/payload"],
+        law: "host::payload alone knows the conic solver",
+    },
     Rule { words: &["serialport"], within: &[], owners: &["host/src/link"], law: "host::link alone knows ports" },
     Rule {
         words: &["clap", "indicatif"],

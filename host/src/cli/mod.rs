@@ -12,6 +12,7 @@ mod fabricate;
 mod failure;
 mod fem;
 mod kept;
+mod payload;
 mod report;
 mod run;
 
@@ -53,6 +54,7 @@ enum Verb {
     Fem(fem::Fem),
     Fabricate(fabricate::Fabricate),
     Calibrate(calibrate::Calibrate),
+    Payload(payload::Payload),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -76,6 +78,7 @@ pub fn main() -> ExitCode {
         Verb::Fem(verb) => verb.run(),
         Verb::Fabricate(verb) => verb.run(),
         Verb::Calibrate(verb) => verb.run(),
+        Verb::Payload(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -10,7 +10,7 @@ const LEAST_DAMPING: f64 = 1e-12;
 const MOST_DAMPING: f64 = 1e12;
 
 /// Residuals on the unit box.
-pub(super) trait LeastSquares {
+pub(crate) trait LeastSquares {
     /// What is known at one place.
     type Point;
     /// `None` where there is no answer.
@@ -22,22 +22,22 @@ pub(super) trait LeastSquares {
 }
 
 /// Where a descent ended.
-pub(super) struct Descent<P> {
-    pub(super) place: Vec<f64>,
-    pub(super) point: P,
+pub(crate) struct Descent<P> {
+    pub(crate) place: Vec<f64>,
+    pub(crate) point: P,
     /// `sum r^2`.
-    pub(super) objective: f64,
+    pub(crate) objective: f64,
 }
 
 /// When to be content.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stop {
+pub(crate) struct Stop {
     /// An objective that is as good as zero.
-    pub(super) zero: f64,
+    pub(crate) zero: f64,
     /// The least relative improvement that a step must foretell.
-    pub(super) relative: f64,
+    pub(crate) relative: f64,
     /// The most steps, those that are refused included.
-    pub(super) steps: usize,
+    pub(crate) steps: usize,
 }
 
 /// The quadratic model at one place.
@@ -61,7 +61,7 @@ impl Model {
 }
 
 /// Goes down from a place of the box; `None` where there is no answer at the start.
-pub(super) fn minimise<L: LeastSquares>(problem: &mut L, start: &[f64], stop: Stop) -> Option<Descent<L::Point>> {
+pub(crate) fn minimise<L: LeastSquares>(problem: &mut L, start: &[f64], stop: Stop) -> Option<Descent<L::Point>> {
     let mut point = problem.at(start)?;
     let mut place = DVector::from_column_slice(start);
     let mut objective = sum_of_squares(&problem.residuals(&point));
@@ -119,7 +119,7 @@ pub(super) fn minimise<L: LeastSquares>(problem: &mut L, start: &[f64], stop: St
 }
 
 /// `sum r^2`.
-pub(super) fn sum_of_squares(values: &[f64]) -> f64 {
+pub(crate) fn sum_of_squares(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum()
 }
 

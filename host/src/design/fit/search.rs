@@ -102,21 +102,21 @@ impl<L: Counted> LeastSquares for Watched<'_, L> {
 }
 
 /// Uniform numbers from a seed.
-pub(in crate::design) struct Random(ChaCha8Rng);
+pub(crate) struct Random(ChaCha8Rng);
 
 impl Random {
-    pub(in crate::design) fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
         Self(generator)
     }
 
     /// In `0..1`.
-    pub(in crate::design) fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    pub(in crate::design) fn place(&mut self, width: usize) -> Vec<f64> {
+    pub(crate) fn place(&mut self, width: usize) -> Vec<f64> {
         (0..width).map(|_| self.uniform()).collect()
     }
 }

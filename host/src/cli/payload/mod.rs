@@ -1,0 +1,104 @@
+//! `softlimb payload`: what a limb pushes and carries, and bundles designed for forces.
+
+mod compare;
+mod problem;
+mod report;
+mod scene;
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args, ValueEnum};
+
+use super::kept::read;
+use super::{Failure, Outcome};
+use crate::payload::fit::{Effort, ForceProblem};
+
+/// What a limb can push and carry in its poses, and bundles designed for wanted forces, eq. (18) of the paper
+#[derive(Args)]
+#[command(
+    group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem", "compare"]),
+    after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload --problem forces.json --json\n  softlimb payload --compare --kinds P1,P1u --seeds 3\n\n\
+                  Terms, limits and the format of problems: docs/payload.md"
+)]
+pub(super) struct Payload {
+    /// The scene
+    #[arg(conflicts_with_all = ["problem", "compare"])]
+    scene: Option<PathBuf>,
+    /// Direction of the load at the tip, in the scene's frame
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        requires = "scene",
+        value_delimiter = ',',
+        num_args = 1,
+        default_value = "0,0,-1",
+        allow_hyphen_values = true
+    )]
+    direction: Vec<f64>,
+    /// Rings in each module that keep its actuators together
+    #[arg(long, value_name = "N", requires = "scene", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100))]
+    spacers: u32,
+    /// Share of a bay's Euler load that the push of an actuator may reach
+    #[arg(long, value_name = "SHARE", requires = "scene", default_value_t = 0.5)]
+    buckling_share: f64,
+    /// Draw the push of four designs against pressure
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    svg: Option<PathBuf>,
+    /// The problem, a JSON file
+    #[arg(long, value_name = "FILE")]
+    problem: Option<PathBuf>,
+    /// How to search
+    #[arg(long, value_enum, default_value_t = Method::GaussNewton, requires = "problem")]
+    method: Method,
+    /// Seed of the starts after the first, which is the middle of the bounds; of the first for bfgs, with 0 for the middle
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Compare both methods: on the problem, or on problems by kind and seed
+    #[arg(long, conflicts_with = "method")]
+    compare: bool,
+    /// Kinds of problems to compare on
+    #[arg(
+        long,
+        value_name = "KINDS",
+        requires = "compare",
+        conflicts_with = "problem",
+        value_delimiter = ',',
+        default_value = "P1,P1u,P2"
+    )]
+    kinds: Vec<String>,
+    /// Seeds to compare with, from 0 on
+    #[arg(long, value_name = "N", requires = "compare", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Method {
+    /// Bounded least squares with exact derivatives
+    GaussNewton,
+    /// The paper's method: quasi-Newton with a barrier, derivatives by differences
+    Bfgs,
+}
+
+impl Payload {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        if let Some(file) = &self.scene {
+            return scene::run(self, file);
+        }
+        let problem = self.problem.as_ref().map(|file| {
+            let complain = |error| Failure::new(format!("{}: {error}", file.display()));
+            ForceProblem::read(&read(file)?).map_err(complain)
+        });
+        match problem.transpose()? {
+            problem if self.compare => compare::run(self, problem),
+            Some(problem) => problem::run(self, &problem),
+            None => Err(Failure::new("give a scene, --problem FILE or --compare")),
+        }
+    }
+
+    fn effort(&self) -> Effort {
+        Effort { seed: self.seed.unwrap_or(Effort::default().seed), ..Effort::default() }
+    }
+}

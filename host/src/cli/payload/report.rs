@@ -1,0 +1,225 @@
+//! The report of a scene as JSON and as text.
+
+use std::fmt::Write;
+
+use fra_model::Motion;
+use serde_json::{Value, json};
+
+use crate::design::Limb;
+use crate::payload::{Active, BlockedDesign, Capacity, Holding, LoadCase, Outcome as Ended};
+use crate::scene::Scene;
+
+/// A pose with its largest loads.
+pub(super) struct Pose {
+    pub(super) name: String,
+    pub(super) holding: Holding,
+    pub(super) found: Capacity,
+    /// The largest load if tubes did not buckle.
+    pub(super) unbuckled: Capacity,
+    /// The largest multiple of its own weights that the limb holds, without the load.
+    pub(super) own: Capacity,
+    /// Modules that no pressures balance, whatever the load.
+    pub(super) unbalanced: Vec<String>,
+}
+
+/// Everything that is shown.
+pub(super) struct Report<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) limb: &'a Limb,
+    pub(super) case: LoadCase,
+    pub(super) poses: Vec<Pose>,
+    pub(super) designs: Option<(String, Vec<BlockedDesign>)>,
+}
+
+impl Pose {
+    /// Whether the limb's own weight can be held.
+    pub(super) fn holds(&self) -> bool {
+        match self.found.outcome {
+            Ended::Solved => self.found.load_n >= 0.0,
+            Ended::Infeasible => false,
+            Ended::Unbounded => true,
+        }
+    }
+
+    /// The limits that hold, in words, those of one kind and module together.
+    fn limits(&self) -> Vec<String> {
+        let mut said: Vec<String> = Vec::new();
+        for active in &self.found.active {
+            let (bundle, what) = match active {
+                Active::PressureMax { bundle, .. } => (bundle, "highest pressure"),
+                Active::PressureMin { bundle, .. } => (bundle, "no pressure"),
+                Active::Push { bundle, .. } => (bundle, "buckling"),
+            };
+            let one = format!("{} {what}", self.holding.modules[*bundle].name);
+            if !said.contains(&one) {
+                said.push(one);
+            }
+        }
+        said
+    }
+
+    /// The largest push over its bay's Euler load.
+    fn buckling(&self) -> f64 {
+        let pairs = self.found.pushes_n.iter().zip(&self.holding.modules);
+        let shares = pairs
+            .flat_map(|(pushes, module)| pushes.iter().filter_map(|push| module.euler_n.map(|euler| push / euler)));
+        shares.fold(0.0, f64::max)
+    }
+
+    fn remainder(&self) -> f64 {
+        if self.found.largest_n > 0.0 { self.found.remainder_n / self.found.largest_n } else { 0.0 }
+    }
+
+    fn json(&self) -> Value {
+        let load = |found: &Capacity| (found.outcome == Ended::Solved).then_some(found.load_n);
+        let modules = self.holding.modules.iter().enumerate().map(|(index, module)| {
+            json!({
+                "name": module.name,
+                "weight_moment_nm": module.weight_moment_nm,
+                "arm_m": module.arm_m,
+                "euler_n": module.euler_n,
+                "pressures_pa": self.found.pressures_pa.get(index),
+                "pushes_n": self.found.pushes_n.get(index),
+            })
+        });
+        json!({
+            "name": self.name,
+            "tip_m": self.holding.tip_m,
+            "outcome": match self.found.outcome {
+                Ended::Solved => "solved",
+                Ended::Infeasible => "infeasible",
+                Ended::Unbounded => "unbounded",
+            },
+            "load_n": load(&self.found),
+            "certified_bound_n": load(&self.found).map(|_| self.found.bound_n),
+            "load_to_weight": load(&self.found).map(|load| load / self.holding.weight_n),
+            "load_without_buckling_n": load(&self.unbuckled),
+            "own_weights_held": load(&self.own),
+            "unbalanced_modules": self.unbalanced,
+            "push_to_euler": self.buckling(),
+            "limits": self.limits(),
+            "remainder": self.remainder(),
+            "modules": modules.collect::<Vec<_>>(),
+        })
+    }
+
+    fn row(&self) -> String {
+        let kpa = self.found.pressures_pa.iter().flatten().copied().fold(0.0, f64::max) * 1e-3;
+        let free = match self.unbuckled.outcome {
+            Ended::Solved => format!("{:.1}", self.unbuckled.load_n),
+            _ => "-".into(),
+        };
+        let own = match self.own.outcome {
+            Ended::Solved => format!("{:.2}", self.own.load_n),
+            Ended::Infeasible => "none".into(),
+            Ended::Unbounded => "any".into(),
+        };
+        let begin = |load: &str, ratio: &str| format!("{:<12} {load:>8} {ratio:>8} {free:>12} {own:>8}", self.name);
+        match self.found.outcome {
+            Ended::Solved => {
+                let load = self.found.load_n;
+                format!(
+                    "{} {kpa:>8.1} {:>8.2} {:>9.1e} {:>9.2}  {}",
+                    begin(&format!("{load:.2}"), &format!("{:.2}", load / self.holding.weight_n)),
+                    self.buckling(),
+                    self.found.bound_n - load,
+                    self.remainder() * 100.0,
+                    self.limits().join(", ")
+                )
+            }
+            Ended::Infeasible if self.unbalanced.is_empty() => {
+                format!("{}  no pressures balance the modules together", begin("none", "-"))
+            }
+            Ended::Infeasible => {
+                format!(
+                    "{}  no pressures balance {}, whatever the load",
+                    begin("none", "-"),
+                    self.unbalanced.join(", ")
+                )
+            }
+            Ended::Unbounded => format!("{}  the walls alone carry it", begin("any", "-")),
+        }
+    }
+}
+
+impl Report<'_> {
+    fn motions(&self) -> Vec<&'static str> {
+        let mut names = Vec::new();
+        for module in self.limb.modules() {
+            let name = match module.motion {
+                Motion::Extension => "extension",
+                Motion::Expansion => "expansion",
+                Motion::Bending => "bending",
+                Motion::Twisting => "twisting",
+            };
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    pub(super) fn json(&self) -> Value {
+        let designs = self.designs.iter().flat_map(|(_, designs)| designs).map(|design| {
+            json!({
+                "wanted_n": design.wanted_n,
+                "objective": design.answer.objective,
+                "actuator": design.answer.actuators.first(),
+                "push_n_by_pressure_pa": design.curve,
+                "printed_jacobian_n": design.printed_n,
+            })
+        });
+        json!({
+            "scene": self.scene.name(),
+            "mass_kg": self.scene.mass_kg(),
+            "direction": self.case.direction,
+            "spacers": self.case.spacers,
+            "buckling_share": self.case.buckling_share,
+            "structure": "soft",
+            "motions": self.motions(),
+            "poses": self.poses.iter().map(Pose::json).collect::<Vec<_>>(),
+            "designs": designs.collect::<Vec<_>>(),
+        })
+    }
+
+    /// Writing to a string cannot fail.
+    pub(super) fn table(&self) -> String {
+        let [x, y, z] = self.case.direction;
+        let mut text = format!(
+            "{}: soft; {}; {:.2} kg; load at the tip along ({x}, {y}, {z})\n",
+            self.scene.name(),
+            self.motions().join(", "),
+            self.scene.mass_kg()
+        );
+        let _ = writeln!(
+            text,
+            "{} spacers in a module; a push may reach {} of its bay's Euler load\n",
+            self.case.spacers, self.case.buckling_share
+        );
+        text.push_str("pose          load, N  /weight unbuckled, N     own highest,   push/ certified      off\n");
+        text.push_str(
+            "                                           weights      kPa    Euler    within affine,%  limits\n",
+        );
+        self.poses.iter().for_each(|pose| text.push_str(&format!("{}\n", pose.row())));
+        if let Some((name, designs)) = &self.designs {
+            let _ =
+                writeln!(text, "\n{name} held at rest length, designs by eq. (18): push by the model against pressure");
+            text.push_str("wanted, N  R_i, mm  R_o, mm  angle, deg  at kPa  push, N: a quarter, half, all of the pressure   n P pi R_i^2\n");
+            for design in designs {
+                let Some(one) = design.answer.actuators.first() else { continue };
+                let push = [5, 10, 20].map(|index: usize| format!("{:9.2}", design.curve[index][1])).join(" ");
+                let _ = writeln!(
+                    text,
+                    "{:>9.2} {:>8.3} {:>8.3} {:>11.2} {:>7.1}          {push}          {:>9.2}",
+                    design.wanted_n,
+                    one.inner_radius_m * 1e3,
+                    one.outer_radius_m * 1e3,
+                    one.angle_deg,
+                    one.pressures_pa[0] * 1e-3,
+                    design.printed_n
+                );
+            }
+        }
+        text
+    }
+}
