@@ -2,7 +2,8 @@
 
 use crate::desk::Desk;
 
-const VERBS: [&str; 9] = ["check", "calibrate", "eval", "design", "run", "report", "bench", "fem", "fabricate"];
+const VERBS: [&str; 10] =
+    ["check", "calibrate", "eval", "design", "payload", "run", "report", "bench", "fem", "fabricate"];
 
 #[test]
 fn help_names_every_verb_the_exit_codes_and_where_to_start() {

@@ -1,6 +1,7 @@
 //! Bounded Gauss-Newton from the middle of the box and from places by seed.
 //!
-//! A descent that is on its way needs some ten steps; one that is not costs less to begin anew than to wait for. The best goes on to its end.
+//! A descent that is on its way needs some ten steps; one that still is not there after three times as many costs less to begin anew than to
+//! wait for. The best goes on to its end.
 
 use super::answer::{Answer, answer};
 use super::forces::Forces;
@@ -12,7 +13,7 @@ use crate::payload::PayloadError;
 /// Objectives up to this count as zero.
 pub(super) const ZERO: f64 = 1e-20;
 /// Most steps of a descent that is not known to be the best.
-const STEPS: usize = 20;
+const STEPS: usize = 33;
 /// Objectives within this share are the same.
 const SAME: f64 = 1e-9;
 
