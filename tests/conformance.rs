@@ -151,6 +151,59 @@ fn an_emergency_stop_opens_every_vent_within_a_tick() {
 }
 
 #[test]
+fn after_a_crash_the_limb_is_emptied_before_the_device_takes_a_configuration() {
+    let test = "after_a_crash_the_limb_is_emptied_before_the_device_takes_a_configuration";
+    on_every_device(test, |name, host| {
+        host.get_ready(CHANNELS, SetpointKind::Pressure);
+        let start_us = host.telemetry().last().expect("telemetry").time_us + 200_000;
+        for index in 0..10 {
+            host.setpoint(index, start_us + 100_000 * u64::from(index) + 1_000, &[60_000; CHANNELS]);
+            host.wait(2_000);
+        }
+        host.demand(Command { session: SESSION, code: CommandCode::Start.into(), time_us: start_us });
+        live(host, 1_500_000);
+        let pressures = |host: &Device| host.mcu.truth().channels.into_iter().map(|channel| channel.pressure_pa);
+        let lowest_pa = pressures(host).fold(f64::INFINITY, f64::min);
+        assert!(lowest_pa > 50e3, "{name}: {lowest_pa} Pa");
+        host.mcu.processor_mut().crash().expect("it does");
+        // The tick in which it happens, and the first of the new start.
+        host.wait(2_000);
+        let mut open_ms = 0;
+        while is_venting(&host.mcu.outputs()) && open_ms < 6_000 {
+            host.wait(1_000);
+            open_ms += 1;
+            if open_ms == 100 {
+                let before = host.heard.len();
+                host.demand(Hello { session: SESSION + 1, ..hello() });
+                let reply = host.heard[before..].iter().find_map(|(_, message)| match message {
+                    DeviceMessage::HelloReply(reply) => Some((reply.boot_cause.known(), reply.state.known())),
+                    _ => None,
+                });
+                assert_eq!(reply, Some((Some(BootCause::HardFault), Some(DeviceState::Venting))), "{name}");
+                for code in [CommandCode::Start, CommandCode::Hold, CommandCode::Vent] {
+                    let refused = host.ask(Command { session: SESSION + 1, code: code.into(), time_us: 0 });
+                    assert_eq!(refused, Some(ResultCode::WrongState), "{name}: {code:?}");
+                }
+                let commit = host.ask(ConfigCommit { session: SESSION + 1, config_hash: 0 });
+                assert_eq!(commit, Some(ResultCode::WrongState), "{name}");
+            }
+        }
+        let highest_pa = pressures(host).fold(f64::NEG_INFINITY, f64::max);
+        println!("{name}: from {lowest_pa:.0} Pa at least to {highest_pa:.1} Pa at most");
+        assert!(highest_pa < 200.0, "{name}: {highest_pa} Pa are left");
+        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{name}: after {open_ms} ms");
+        host.get_ready(CHANNELS, SetpointKind::Pressure);
+    });
+}
+
+/// Whether the vents of all channels are open and nothing else is on.
+fn is_venting(outputs: &TickOutputs) -> bool {
+    let vents = outputs.valves.iter().take(CHANNELS).all(|pulse| *pulse == ValvePulse::VENTING);
+    let fills = outputs.valves.iter().any(|pulse| pulse.fill_us > 0);
+    vents && !fills && !outputs.supply_open && outputs.pump_duty == 0
+}
+
+#[test]
 fn a_flood_of_garbage_delays_no_tick() {
     on_every_device("a_flood_of_garbage_delays_no_tick", |name, host| {
         host.get_ready(CHANNELS, SetpointKind::Pressure);

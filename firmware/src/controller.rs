@@ -27,6 +27,14 @@ pub struct BootInfo {
     pub detail: u32,
 }
 
+impl BootInfo {
+    /// Whether the program had stopped before: what it left in the limb, nobody has regulated since.
+    #[must_use]
+    pub const fn is_after_crash(self) -> bool {
+        matches!(self.cause, BootCause::Panic | BootCause::HardFault | BootCause::Watchdog)
+    }
+}
+
 /// What a tick reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TickInputs<const N: usize = MAX_CHANNELS> {
@@ -54,6 +62,9 @@ pub struct TickOutputs<const N: usize = MAX_CHANNELS> {
 impl<const N: usize> TickOutputs<N> {
     /// Everything off: no valve energized, pressure kept, supply cut.
     pub const SAFE: Self = Self { valves: [ValvePulse::CLOSED; N], supply_open: false, pump_duty: 0 };
+
+    /// Everything off but the vents, which are open.
+    pub const VENTING: Self = Self { valves: [ValvePulse::VENTING; N], ..Self::SAFE };
 }
 
 /// The controller of up to `N` channels, at most 27: as many as the board has. Nothing but the number depends on it.
@@ -87,12 +98,13 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
 }
 
 impl<const N: usize> Controller<N> {
-    /// Idle, without configuration, valves closed.
+    /// Idle, without configuration, valves closed; after a crash Venting, with all vents open.
     pub const fn new(boot: BootInfo) -> Self {
         const { assert!(N >= 1 && N <= MAX_CHANNELS, "one to 27 channels") };
+        let is_after_crash = boot.is_after_crash();
         Self {
             boot,
-            state: DeviceState::Idle,
+            state: if is_after_crash { DeviceState::Venting } else { DeviceState::Idle },
             config: None,
             staged: StagedConfig::new(),
             channels: Vec::new(),
@@ -104,7 +116,7 @@ impl<const N: usize> Controller<N> {
             stop_requested: false,
             stop_pressed: false,
             state_since_us: 0,
-            vent_at_once: false,
+            vent_at_once: is_after_crash,
             link: Link::new(),
             decoder: Decoder::new(),
             dedup: SeqDedup::new(),
@@ -118,9 +130,13 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Takes why the device started, where that is known only after the controller was placed in memory.
+    /// Takes why the device started, where that is known only after the controller was placed in memory. Call it before the first tick.
     pub fn set_boot(&mut self, boot: BootInfo) {
         self.boot = boot;
+        if boot.is_after_crash() {
+            self.state = DeviceState::Venting;
+            self.vent_at_once = true;
+        }
     }
 
     /// Takes the most that the stack has held since the start, bytes, for the telemetry; 0 where it is not measured.
@@ -196,11 +212,9 @@ impl<const N: usize> Controller<N> {
     fn drive(&mut self, now_us: u64) -> TickOutputs<N> {
         let mut outputs = TickOutputs::SAFE;
         let Some(config) = &self.config else {
-            // A reset may have left air in the limb: the emergency stop works without a configuration too.
-            if self.faults.contains(FaultCode::EmergencyStop) {
-                outputs.valves = [ValvePulse::VENTING; N];
-            }
-            return outputs;
+            // A reset may have left air in the limb: what lets it out works without a configuration too.
+            let vents = self.state == DeviceState::Venting || self.faults.contains(FaultCode::EmergencyStop);
+            return if vents { TickOutputs::VENTING } else { outputs };
         };
         let system = &config.system;
         let context = TickContext { now_us, system, supply_pa: self.supply.pressure_pa() };

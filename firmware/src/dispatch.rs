@@ -194,6 +194,8 @@ impl<const N: usize> Controller<N> {
         };
         match code {
             CommandCode::Start => self.start(now_us, command.time_us),
+            // Without a configuration it vents after a crash, and nothing shall keep that air in.
+            CommandCode::Hold if self.config.is_none() => WRONG_STATE,
             CommandCode::Hold => self.transition(now_us, Event::Hold),
             CommandCode::Vent if self.config.is_none() => WRONG_STATE,
             CommandCode::Vent => self.transition(now_us, Event::Vent),

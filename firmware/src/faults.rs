@@ -28,7 +28,8 @@ pub struct Reaction {
     pub vents: VentScope,
 }
 
-/// The reaction to each fault. Dropping the pressure drops the payload: only danger of bursting and the emergency stop do it.
+/// The reaction to each fault. Dropping the pressure drops the payload: while the program runs, only danger of bursting and the emergency
+/// stop do it.
 pub const fn reaction(code: FaultCode) -> Reaction {
     let (latches, cuts_supply, vents) = match code {
         FaultCode::EmergencyStop => (true, true, VentScope::All),

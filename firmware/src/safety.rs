@@ -42,6 +42,11 @@ impl TickWatch {
         Self { last_us: None, last_late_us: None, late: 0 }
     }
 
+    /// Whether no tick has come yet.
+    pub(crate) fn is_first(&self) -> bool {
+        self.last_us.is_none()
+    }
+
     /// Takes the time of a tick; the distance to the last one, us, if it is the second late tick within one second.
     pub(crate) fn tick(&mut self, now_us: u64) -> Option<u64> {
         let last_us = self.last_us.replace(now_us)?;

@@ -11,12 +11,16 @@ use crate::state::{Event, next};
 impl<const N: usize> Controller<N> {
     pub(crate) fn supervise(&mut self, inputs: &TickInputs<N>) {
         let now_us = inputs.now_us;
+        if self.ticks.is_first() {
+            self.state_since_us = now_us;
+        }
         self.stop_pressed = inputs.emergency_stop;
         if inputs.emergency_stop || core::mem::take(&mut self.stop_requested) {
             self.fault(now_us, SYSTEM_CHANNEL, FaultCode::EmergencyStop, 0);
         }
         self.watch_ticks(now_us);
-        if self.state != DeviceState::Idle {
+        // What vents after a crash has no configuration to tell what the sensors mean.
+        if self.state != DeviceState::Idle && self.config.is_some() {
             self.watch_sensors(now_us);
             self.watch_pressures(now_us);
             self.watch_supply(now_us);

@@ -1,9 +1,9 @@
-//! When the program on the chip cannot go on: everything off, it starts anew, and says why it stopped.
+//! When the program on the chip cannot go on: the air goes out, it starts anew, and says why it stopped.
 
 #[path = "../../firmware/sim/tests/common/mod.rs"]
 pub(crate) mod host;
 
-use softlimb_firmware::TickOutputs;
+use softlimb_firmware::{TickOutputs, ValvePulse};
 use softlimb_protocol::*;
 use softlimb_sim::SimulatedMcu;
 use softlimb_sim::emulated::{Flashed, Halt};
@@ -33,20 +33,43 @@ pub(crate) fn filling(flashed: Flashed) -> Host<Flashed> {
     host
 }
 
-/// What the next Hello says: why and where it stopped.
-fn reason(host: &mut Host<Flashed>) -> (Option<BootCause>, u32) {
+/// Lets the channels fill up to more than a gauge pressure, Pa.
+fn fill(host: &mut Host<Flashed>, above_pa: f64) {
+    let mut waits = 0;
+    while pressures(host).any(|pressure_pa| pressure_pa < above_pa) {
+        host.send(Heartbeat { session: SESSION, host_time_us: host.mcu.now_us() });
+        host.wait(10_000);
+        waits += 1;
+        assert!(waits < 200, "{:?}", pressures(host).collect::<Vec<_>>());
+    }
+}
+
+/// Gauge pressures in the chambers, Pa.
+fn pressures(host: &Host<Flashed>) -> impl Iterator<Item = f64> + use<> {
+    host.mcu.truth().channels.into_iter().map(|channel| channel.pressure_pa)
+}
+
+/// What the next Hello says: why and where it stopped, and what it does now.
+fn reason(host: &mut Host<Flashed>) -> (Option<BootCause>, u32, Option<DeviceState>) {
     let before = host.heard.len();
     host.demand(Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION + 1 });
     let reply = host.heard[before..].iter().find_map(|(_, message)| match message {
-        DeviceMessage::HelloReply(reply) => Some((reply.boot_cause.known(), reply.boot_detail)),
+        DeviceMessage::HelloReply(reply) => Some((reply.boot_cause.known(), reply.boot_detail, reply.state.known())),
         _ => None,
     });
     reply.expect("a reply")
 }
 
+/// Outputs of the board's channels alone.
+fn venting() -> TickOutputs {
+    let mut outputs = TickOutputs::SAFE;
+    outputs.valves[..CHANNELS].fill(ValvePulse::VENTING);
+    outputs
+}
+
 #[test]
-fn a_crash_switches_everything_off_and_is_told_at_the_next_hello() {
-    let Some(images) = Images::find("a_crash_switches_everything_off_and_is_told_at_the_next_hello") else { return };
+fn a_crash_empties_the_limb_and_is_told_at_the_next_hello() {
+    let Some(images) = Images::find("a_crash_empties_the_limb_and_is_told_at_the_next_hello") else { return };
     let cases = [
         (Halt::HardFault, BootCause::HardFault, 0xf000_0000),
         (Halt::Panic { line: 4711 }, BootCause::Panic, 4711),
@@ -55,12 +78,23 @@ fn a_crash_switches_everything_off_and_is_told_at_the_next_hello() {
     ];
     for (halt, cause, detail) in cases {
         let mut host = filling(Flashed::start(&images.flashed(), None).expect("the image starts"));
+        fill(&mut host, 40e3);
         host.mcu.processor_mut().halt(halt).expect("the emulator takes it");
-        // One tick in which it happens; what the next is told is what the new start has left.
+        // The tick in which it happens; what the next is told is what the new start begins with.
         host.wait(2_000);
-        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{halt:?}");
-        assert_eq!(reason(&mut host), (Some(cause), detail), "{halt:?}");
+        assert_eq!(host.mcu.outputs(), venting(), "{halt:?}");
+        assert_eq!(reason(&mut host), (Some(cause), detail, Some(DeviceState::Venting)), "{halt:?}");
+        let mut open_ms = 0;
+        while host.mcu.outputs() == venting() && open_ms < 6_000 {
+            host.wait(1_000);
+            open_ms += 1;
+        }
+        let left_pa = pressures(&host).fold(f64::NEG_INFINITY, f64::max);
+        println!("{halt:?}: at most {left_pa:.1} Pa are left");
+        assert!(left_pa < 200.0, "{halt:?}: {left_pa} Pa are left");
+        assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{halt:?}: after {open_ms} ms");
         host.wait(500_000);
         assert_eq!(host.mcu.outputs(), TickOutputs::SAFE, "{halt:?}: nothing moves by itself");
+        host.get_ready(CHANNELS, SetpointKind::Pressure);
     }
 }

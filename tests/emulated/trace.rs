@@ -4,14 +4,19 @@ use std::fs;
 use std::path::Path;
 
 use softlimb_image_stm32f4::pins::{FILL, OUTPUTS, PORTS, PUMP, SUPPLY, VENT};
-use softlimb_image_stm32f4::schedule::OFF;
+use softlimb_image_stm32f4::schedule::{OFF, SLOTS, VENTING, Words};
 use softlimb_sim::emulated::{Flashed, Halt};
 
 use crate::crash::filling;
+use crate::crash::host::Host;
 use crate::devices::Images;
+use crate::turns::{CYCLES, TICK};
 
 const MODE: u32 = 0x00;
 const SET_RESET: u32 = 0x18;
+
+/// Instructions within which a crash reaches the ports; a tick has ten times as many.
+const SOON: usize = 8_000;
 
 /// A write to a register of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,28 +47,59 @@ fn traced(images: &Images, trace: &Path) -> Flashed {
     Flashed::start(&images.flashed(), Some(trace)).expect("the image starts")
 }
 
+/// Every port is told what its outputs shall be, and nothing else, before one of them becomes an output.
+fn assert_told_before_outputs(start: &[Write], first: &Words) {
+    for (port, mask) in OUTPUTS.into_iter().enumerate() {
+        let of_port: Vec<_> = start.iter().filter(|write| write.port == port).collect();
+        let is_output = |write: &&Write| {
+            write.offset == MODE && (0..16).any(|pin| mask & 1 << pin != 0 && write.value >> (2 * pin) & 3 == 1)
+        };
+        let becomes = of_port.iter().position(is_output).expect("they become outputs");
+        let told: Vec<_> = of_port[..becomes].iter().filter(|write| write.offset == SET_RESET).collect();
+        assert!(!told.is_empty(), "port {port} is told nothing before");
+        assert!(told.iter().all(|write| write.value == first[port]), "port {port}: {told:x?}");
+    }
+}
+
 #[test]
 fn outputs_are_low_before_they_are_outputs() {
     let Some(images) = Images::find("outputs_are_low_before_they_are_outputs") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let trace = folder.path().join("trace");
     let _flashed = traced(&images, &trace);
-    let start = writes(&trace);
-    for (port, mask) in OUTPUTS.into_iter().enumerate() {
-        let of_port: Vec<_> = start.iter().filter(|write| write.port == port).collect();
-        let is_output = |write: &&Write| {
-            write.offset == MODE && (0..16).any(|pin| mask & 1 << pin != 0 && write.value >> (2 * pin) & 3 == 1)
-        };
-        let first = of_port.iter().position(is_output).expect("they become outputs");
-        let told: Vec<_> = of_port[..first].iter().filter(|write| write.offset == SET_RESET).collect();
-        assert!(!told.is_empty(), "port {port} is told nothing before");
-        assert!(told.iter().all(|write| write.value == OFF[port]), "port {port}: {told:x?}");
-    }
+    assert_told_before_outputs(&writes(&trace), &OFF);
 }
 
 #[test]
-fn every_coil_is_let_go_within_a_tick_of_a_crash() {
-    let Some(images) = Images::find("every_coil_is_let_go_within_a_tick_of_a_crash") else { return };
+fn vents_are_high_before_they_are_outputs_again_after_a_crash() {
+    let Some(images) = Images::find("vents_are_high_before_they_are_outputs_again_after_a_crash") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let trace = folder.path().join("trace");
+    let mut host = filling(traced(&images, &trace));
+    let before = writes(&trace).len();
+    host.mcu.processor_mut().halt(Halt::HardFault).expect("the emulator takes it");
+    host.wait(1_000);
+    // The crash itself tells each port once; the rest is the new start.
+    assert_told_before_outputs(&writes(&trace)[before + PORTS..], &VENTING);
+}
+
+/// Instructions until the ports have been told as often as there are ports.
+fn instructions_until_told(host: &mut Host<Flashed>, trace: &Path, before: usize) -> usize {
+    let told = || writes(trace).iter().skip(before).filter(|write| write.offset == SET_RESET).count();
+    let length = || fs::metadata(trace).expect("the trace").len();
+    let mut seen = length();
+    for count in 1..=SOON {
+        host.mcu.processor_mut().step().expect("the emulator takes it");
+        if std::mem::replace(&mut seen, length()) != seen && told() >= PORTS {
+            return count;
+        }
+    }
+    panic!("nothing is told within {SOON} instructions")
+}
+
+#[test]
+fn vents_open_and_all_else_is_let_go_within_a_tick_of_a_crash() {
+    let Some(images) = Images::find("vents_open_and_all_else_is_let_go_within_a_tick_of_a_crash") else { return };
     for halt in [Halt::HardFault, Halt::Panic { line: 4711 }, Halt::StackOverflow] {
         let folder = tempfile::tempdir().expect("a folder");
         let trace = folder.path().join("trace");
@@ -72,14 +108,25 @@ fn every_coil_is_let_go_within_a_tick_of_a_crash() {
         let lit = before.iter().rev().find(|write| write.port == 2 && write.offset == SET_RESET).expect("a schedule");
         assert!(lit.value & u32::from(OUTPUTS[2]) != 0, "{halt:?}: port C is on before: {lit:x?}");
         host.mcu.processor_mut().halt(halt).expect("the emulator takes it");
-        host.wait(1_000);
+        let count = instructions_until_told(&mut host, &trace, before.len());
+        println!("{halt:?}: the ports are told within {count} instructions of the tick");
+        assert!(CYCLES * (count as u64) < TICK, "{halt:?}");
+        // The reset, the first tick, and five seconds of the vents.
+        host.wait(4_900_000);
         let after = &writes(&trace)[before.len()..];
-        let off: Vec<_> = (0..PORTS).map(|port| Write { port, offset: SET_RESET, value: OFF[port] }).collect();
-        assert_eq!(after.get(..PORTS), Some(&off[..]), "{halt:?}: the first that the ports hear");
-        for pin in VENT.into_iter().chain(FILL).chain([SUPPLY, PUMP]) {
-            assert!(OFF[pin.port as usize] >> 16 & u32::from(pin.bit()) != 0, "{pin:?} is told to be low");
+        let told: Vec<_> = (0..PORTS).map(|port| Write { port, offset: SET_RESET, value: VENTING[port] }).collect();
+        assert_eq!(after.get(..PORTS), Some(&told[..]), "{halt:?}: the first that the ports hear");
+        let mut heard = 0;
+        for write in after.iter().filter(|write| write.offset == SET_RESET) {
+            assert_eq!(write.value, VENTING[write.port], "{halt:?}: port {} after {heard} words", write.port);
+            heard += 1;
         }
-        let on = after.iter().filter(|write| write.offset == SET_RESET && write.value & 0xffff != 0);
-        assert_eq!(on.count(), 0, "{halt:?}: nothing is switched on again");
+        assert!(heard > 4_800 * SLOTS * PORTS, "{halt:?}: {heard} words");
+        for (pin, is_on) in VENT.map(|pin| (pin, true)).into_iter().chain(FILL.map(|pin| (pin, false))) {
+            assert_eq!(VENTING[pin.port as usize] & u32::from(pin.bit()) != 0, is_on, "{pin}");
+        }
+        for pin in FILL.into_iter().chain([SUPPLY, PUMP]) {
+            assert!(VENTING[pin.port as usize] >> 16 & u32::from(pin.bit()) != 0, "{pin} is told to be low");
+        }
     }
 }

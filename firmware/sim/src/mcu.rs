@@ -19,6 +19,12 @@ pub trait Processor {
     /// [`EmulatorError`] where the processor is emulated and the emulator fails: it will not run again.
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError>;
 
+    /// Makes the program stop by a fault of the processor: its next turn is the first of a new start.
+    ///
+    /// # Errors
+    /// [`EmulatorError`] where the processor is emulated and the emulator fails.
+    fn crash(&mut self) -> Result<(), EmulatorError>;
+
     /// The most channels that it drives.
     fn channels_max(&self) -> usize {
         MAX_CHANNELS
@@ -43,11 +49,20 @@ impl Processor for Here {
         turn(self.as_mut(), board);
         Ok(())
     }
+
+    fn crash(&mut self) -> Result<(), EmulatorError> {
+        **self = Controller::new(BootInfo { cause: BootCause::HardFault, detail: 0 });
+        Ok(())
+    }
 }
 
 impl Processor for Box<dyn Processor> {
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
         self.as_mut().turn(board)
+    }
+
+    fn crash(&mut self) -> Result<(), EmulatorError> {
+        self.as_mut().crash()
     }
 
     fn first_tick_us(&self) -> u64 {

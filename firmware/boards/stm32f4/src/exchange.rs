@@ -21,6 +21,7 @@ pub const ANSWER_LEN: usize = 4 + 4 * CHANNELS + 1 + 1 + 2;
 
 const STOP_PRESSED: u8 = 1;
 const LAST: u8 = 2;
+const AFTER_CRASH: u8 = 4;
 
 /// What a tick begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,8 @@ pub struct Question {
     pub received: u16,
     /// There is no tick: the emulation ends.
     pub last: bool,
+    /// This is the first tick, after a fault of the processor.
+    pub after_crash: bool,
 }
 
 /// What a tick ends with.
@@ -52,7 +55,9 @@ impl Question {
     pub fn encode(&self) -> [u8; QUESTION_LEN] {
         let mut bytes = [0; QUESTION_LEN];
         let mut writer = Writer(bytes.iter_mut());
-        let flags = u8::from(self.inputs.emergency_stop) * STOP_PRESSED + u8::from(self.last) * LAST;
+        let flags = u8::from(self.inputs.emergency_stop) * STOP_PRESSED
+            + u8::from(self.last) * LAST
+            + u8::from(self.after_crash) * AFTER_CRASH;
         writer.put(self.inputs.now_us.to_le_bytes());
         writer.put([flags]);
         writer.put(self.room.to_le_bytes());
@@ -77,7 +82,7 @@ impl Question {
         }
         let supply = AdcCode(u16::from_le_bytes(reader.take()));
         let inputs = TickInputs { now_us, pressure, supply, emergency_stop: flags & STOP_PRESSED != 0 };
-        Self { inputs, room, received, last: flags & LAST != 0 }
+        Self { inputs, room, received, last: flags & LAST != 0, after_crash: flags & AFTER_CRASH != 0 }
     }
 }
 
@@ -148,7 +153,8 @@ mod tests {
         }
         for (emergency_stop, last) in [(false, false), (true, false), (false, true), (true, true)] {
             let inputs = TickInputs { now_us: u64::MAX - 7, pressure, supply: AdcCode(0xabcd), emergency_stop };
-            let question = Question { inputs, room: 0x1234, received: 0x0567, last };
+            let question =
+                Question { inputs, room: 0x1234, received: 0x0567, last, after_crash: emergency_stop != last };
             assert_eq!(Question::decode(&question.encode()), question);
             let outputs = TickOutputs { valves, supply_open: last, pump_duty: 200 };
             let answer = Answer { cost: 0x89ab_cdef, outputs, sent: 0x00fe };
@@ -160,7 +166,10 @@ mod tests {
     fn the_last_byte_of_each_part_is_in_use() {
         let inputs =
             TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0xff00), emergency_stop: false };
-        assert_eq!(Question { inputs, room: 0, received: 0, last: false }.encode().last(), Some(&0xff));
+        assert_eq!(
+            Question { inputs, room: 0, received: 0, last: false, after_crash: false }.encode().last(),
+            Some(&0xff)
+        );
         assert_eq!(Answer { cost: 0, outputs: TickOutputs::SAFE, sent: 0xff00 }.encode().last(), Some(&0xff));
     }
 }

@@ -111,6 +111,18 @@ const fn in_port(pin: Pin, port: Port) -> u16 {
 /// All outputs, port by port.
 pub const OUTPUTS: [u16; PORTS] = [outputs(Port::A), outputs(Port::B), outputs(Port::C)];
 
+/// The vents of all channels, port by port.
+pub const VENTS: [u16; PORTS] = [vents(Port::A), vents(Port::B), vents(Port::C)];
+
+const fn vents(port: Port) -> u16 {
+    let (mut mask, mut channel) = (0, 0);
+    while channel < CHANNELS {
+        mask |= in_port(VENT[channel], port);
+        channel += 1;
+    }
+    mask
+}
+
 /// The table of the pins as text: one line a pin, cells of a Markdown table.
 pub struct Table;
 

@@ -3,7 +3,7 @@
 //! Outputs decided in one tick are applied from the start of the next: always one tick later, whatever the computation took. Times are
 //! rounded to the grid. Only the last tick of a pulse has one that is not on it, so that a whole pulse is off by 50 us at most.
 
-use crate::pins::{FILL, OUTPUTS, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT};
+use crate::pins::{FILL, OUTPUTS, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT, VENTS};
 
 /// Slots in a tick.
 pub const SLOTS: usize = 10;
@@ -16,6 +16,9 @@ pub type Words = [u32; PORTS];
 
 /// Everything off.
 pub const OFF: Words = words([0; PORTS]);
+
+/// All vents on and everything else off: what a program that cannot go on tells the ports.
+pub const VENTING: Words = words(VENTS);
 
 const fn words(on: [u16; PORTS]) -> Words {
     let mut words = [0; PORTS];
@@ -127,6 +130,18 @@ mod tests {
                 let (set, reset) = ((word & 0xffff) as u16, (word >> 16) as u16);
                 assert_eq!((set | reset, set & reset), (mask, 0));
             }
+        }
+    }
+
+    #[test]
+    fn a_program_that_cannot_go_on_lets_all_the_air_out_and_none_in() {
+        for vent in VENT {
+            assert!(is_on(&VENTING, vent), "{vent}");
+        }
+        let on = VENTING.iter().map(|word| (word & 0xffff).count_ones()).sum::<u32>();
+        assert_eq!(on as usize, VENT.len(), "nothing else is on");
+        for (word, mask) in VENTING.iter().zip(OUTPUTS) {
+            assert_eq!((word | word >> 16) as u16, mask, "every output is told");
         }
     }
 

@@ -125,6 +125,14 @@ impl Flashed {
         self.remote.set_register(FIRST_ARGUMENT, self.stack_end)
     }
 
+    /// One instruction further.
+    ///
+    /// # Errors
+    /// [`EmulatorError`].
+    pub fn step(&mut self) -> Result<(), EmulatorError> {
+        self.remote.step(self.next.take())
+    }
+
     fn put_samples(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
         let inputs = board.inputs();
         if inputs.emergency_stop {
@@ -158,6 +166,10 @@ impl Processor for Flashed {
         self.remote.resume(self.next.replace(self.tick + NOTHING_LEN))?;
         self.received.try_iter().for_each(|bytes| board.write_link(&bytes));
         Ok(())
+    }
+
+    fn crash(&mut self) -> Result<(), EmulatorError> {
+        self.halt(Halt::HardFault)
     }
 
     fn first_tick_us(&self) -> u64 {

@@ -1,7 +1,7 @@
 //! The twin image: the controller on an emulated processor, asked and answering once a tick.
 
 use std::io::{self, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, ChildStdout, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -44,6 +44,9 @@ pub struct LockStep {
     from_image: ChildStdout,
     progress: Arc<AtomicU64>,
     cost: Cost,
+    path: PathBuf,
+    /// The next tick is the first after a crash.
+    after_crash: bool,
     /// Shared with the one who ends an image that hangs. Ended when this goes.
     _qemu: Arc<Mutex<Qemu>>,
 }
@@ -63,7 +66,15 @@ impl LockStep {
         let (to_image, from_image) = qemu.take_streams()?;
         let (qemu, progress) = (Arc::new(Mutex::new(qemu)), Arc::new(AtomicU64::new(0)));
         watch(Arc::downgrade(&qemu), Arc::clone(&progress));
-        Ok(Self { to_image, from_image, progress, cost: Cost::default(), _qemu: qemu })
+        Ok(Self {
+            to_image,
+            from_image,
+            progress,
+            cost: Cost::default(),
+            path: path.to_owned(),
+            after_crash: false,
+            _qemu: qemu,
+        })
     }
 
     /// What the turns so far have cost.
@@ -108,12 +119,21 @@ impl Processor for LockStep {
         let mut received = [0; RECEIVED_MAX];
         let count = board.read_link(&mut received);
         let room = board.link_room().min(SENT_MAX) as u16;
-        let question = Question { inputs, room, received: count as u16, last: false };
+        let after_crash = std::mem::take(&mut self.after_crash);
+        let question = Question { inputs, room, received: count as u16, last: false, after_crash };
         self.ask(&question, received.get(..count).unwrap_or(&received))?;
         let (answer, sent) = self.listen()?;
         self.note_cost(answer.cost);
         board.apply(&widened(&answer.outputs));
         board.write_link(&sent);
+        Ok(())
+    }
+
+    /// A new processor; what the image does not remember, it is told.
+    fn crash(&mut self) -> Result<(), EmulatorError> {
+        let mut started = Self::start(&self.path)?;
+        (started.cost, started.after_crash) = (self.cost, true);
+        *self = started;
         Ok(())
     }
 
@@ -127,7 +147,7 @@ impl Drop for LockStep {
         let inputs =
             TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0), emergency_stop: false };
         // An image that is gone already needs no farewell.
-        let _ = self.ask(&Question { inputs, room: 0, received: 0, last: true }, &[]);
+        let _ = self.ask(&Question { inputs, room: 0, received: 0, last: true, after_crash: false }, &[]);
     }
 }
 

@@ -50,7 +50,16 @@ impl Remote {
 
     /// Runs to the next stop, from an address of Thumb code or from where it is: there it would stop again if it is a place to stop at.
     pub(super) fn resume(&mut self, from: Option<u32>) -> Result<(), EmulatorError> {
-        let question = from.map_or_else(|| "c".to_owned(), |address| format!("c{:x}", address | 1));
+        self.go("c", from)
+    }
+
+    /// Runs one instruction, at an address of Thumb code or where it is.
+    pub(super) fn step(&mut self, from: Option<u32>) -> Result<(), EmulatorError> {
+        self.go("s", from)
+    }
+
+    fn go(&mut self, how: &str, from: Option<u32>) -> Result<(), EmulatorError> {
+        let question = from.map_or_else(|| how.to_owned(), |address| format!("{how}{:x}", address | 1));
         let answer = self.ask(&question)?;
         if answer.starts_with("T05") { Ok(()) } else { Err(strange(&question, answer)) }
     }

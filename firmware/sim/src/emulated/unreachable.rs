@@ -32,10 +32,22 @@ impl Flashed {
     pub fn halt(&mut self, _halt: Halt) -> Result<(), EmulatorError> {
         match self.none {}
     }
+
+    /// Is never called.
+    ///
+    /// # Errors
+    /// None.
+    pub fn step(&mut self) -> Result<(), EmulatorError> {
+        match self.none {}
+    }
 }
 
 impl Processor for Flashed {
     fn turn(&mut self, _board: &mut dyn Board) -> Result<(), EmulatorError> {
+        match self.none {}
+    }
+
+    fn crash(&mut self) -> Result<(), EmulatorError> {
         match self.none {}
     }
 }

@@ -1,4 +1,6 @@
-//! The end of a program that cannot go on: everything off, remember why, start anew.
+//! The end of a program that cannot go on: let the air out, remember why, start anew.
+//!
+//! The ports come first, by constants and addresses alone: nothing in memory can be relied on by then.
 
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
@@ -8,7 +10,7 @@ use cortex_m::peripheral::SCB;
 
 use super::ports;
 use crate::record::Crash;
-use crate::schedule::OFF;
+use crate::schedule::VENTING;
 
 /// Memory that the start-up leaves alone.
 #[unsafe(link_section = ".uninit.RECORD")]
@@ -25,10 +27,16 @@ pub fn take() -> Option<Crash> {
     }
 }
 
-/// Everything off, remember, start anew. Needs a stack of some words and nothing else.
-pub fn stop(crash: Crash) -> ! {
+/// No interrupt any more, all vents on, all else off.
+#[inline(always)]
+fn let_go() {
     cortex_m::interrupt::disable();
-    ports::apply(&OFF);
+    ports::apply(&VENTING);
+}
+
+/// Lets the air out, remembers, starts anew. Needs a stack of some words and nothing else.
+pub fn stop(crash: Crash) -> ! {
+    let_go();
     // SAFETY: as above; nothing else runs any more.
     unsafe { write_volatile(addr_of_mut!(RECORD).cast::<[u32; 4]>(), crash.to_words()) };
     SCB::sys_reset()
@@ -36,11 +44,13 @@ pub fn stop(crash: Crash) -> ! {
 
 /// For the panic handler of an image.
 pub fn panicked(info: &PanicInfo<'_>) -> ! {
+    let_go();
     stop(Crash::Panic { line: info.location().map_or(0, core::panic::Location::line) })
 }
 
 /// For the fault handler of an image: `frame` is where the stack was.
 pub extern "C" fn faulted(frame: u32) -> ! {
+    let_go();
     // The sixth word that the processor puts on the stack is the address of the instruction; where there is no stack there is none.
     let (lowest, highest) = super::stack::bounds();
     let address = if (lowest..highest.saturating_sub(32)).contains(&(frame as usize)) {

@@ -3,7 +3,7 @@
 use core::ptr::{read_volatile, write_volatile};
 
 use crate::pins::{EMERGENCY_STOP, OUTPUTS, PORTS, Pin, SENSOR};
-use crate::schedule::{OFF, Words};
+use crate::schedule::Words;
 
 /// RCC_AHB1ENR, whose lowest bits are the clocks of the ports A, B, C.
 const CLOCKS: usize = 0x4002_3830;
@@ -38,12 +38,13 @@ fn read(port: usize, offset: usize) -> u32 {
     unsafe { read_volatile(register(port, offset)) }
 }
 
-/// Sets all pins of this board up: outputs are low before they become outputs. Call it once the link's pins are, before anything else.
-pub fn set_up() {
+/// Sets all pins of this board up: outputs are told what they shall be before they become outputs. Call it once the link's pins are,
+/// before anything else; where air has to go out, earlier too.
+pub fn set_up(first: &Words) {
     let clocks = CLOCKS as *mut u32;
     // SAFETY: the register exists; only bits of ports are added, and no interrupt is enabled yet.
     unsafe { write_volatile(clocks, read_volatile(clocks) | ((1 << PORTS) - 1)) };
-    apply(&OFF);
+    apply(first);
     for (port, mask) in OUTPUTS.into_iter().enumerate() {
         let pins = || (0..16).filter(move |pin| mask & 1 << pin != 0);
         pins().for_each(|pin| change(port, PULL, pin, PULL_DOWN));

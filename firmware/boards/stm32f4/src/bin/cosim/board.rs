@@ -60,6 +60,11 @@ impl LockStep {
         Ok(!question.last)
     }
 
+    /// Whether this is the first tick after a crash.
+    pub(crate) fn is_after_crash(&self) -> bool {
+        Question::decode(&self.question).after_crash
+    }
+
     /// Takes what the turn has cost, from the timer that was cleared when it began.
     pub(crate) fn note_cost(&mut self, timer: &mut SYST) {
         let left = SYST::get_current();

@@ -46,6 +46,9 @@ mod image {
         timer: &mut cortex_m::peripheral::SYST,
     ) -> Result<(), Gone> {
         while board.ask(streams)? {
+            if board.is_after_crash() {
+                controller.set_boot(BootInfo { cause: BootCause::HardFault, detail: 0 });
+            }
             timer.clear_current();
             timer.enable_counter();
             turn(controller, board);

@@ -25,7 +25,7 @@ mod app {
     use softlimb_image_stm32f4::health::{Counters, Health};
     use softlimb_image_stm32f4::pins::Controller;
     use softlimb_image_stm32f4::record::{ResetFlags, boot_info};
-    use softlimb_image_stm32f4::schedule::SLOTS;
+    use softlimb_image_stm32f4::schedule::{OFF, SLOTS, VENTING};
     use softlimb_protocol::BootCause;
     use stm32f4xx_hal::pac::{self, USART2};
     use stm32f4xx_hal::prelude::*;
@@ -64,15 +64,20 @@ mod app {
         // Before the clocks, so that nothing on the way can last.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.start(WATCHDOG_MS.millis());
-        stack::paint();
         let flags = ResetFlags(device.RCC.csr().read().bits());
         device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
         let boot = boot_info(crash::take(), flags);
+        let first = if boot.is_after_crash() { VENTING } else { OFF };
+        // The reset has let go of the vents: where they were open they shall not wait for the clocks.
+        ports::set_up(&first);
+        stack::paint();
         let (mut rcc, source) = clocks::start(device.RCC, &device.DBGMCU);
         let port = device.GPIOA.split(&mut rcc);
         let pins = (port.pa2, port.pa3);
         let serial = Serial::new(device.USART2, pins, Config::default().baudrate(BAUD.bps()), &mut rcc);
-        ports::set_up();
+        // Again: taking the link's pins has reset their port.
+        ports::set_up(&first);
+        COILS.put(&[first; SLOTS]);
         converter::start(&device.ADC1, &device.ADC_COMMON, &device.DMA2, &mut rcc);
         let Ok(serial) = serial else { crash::stop(softlimb_image_stm32f4::record::Crash::Panic { line: line!() }) };
         let (transmitter, mut receiver) = serial.split();
