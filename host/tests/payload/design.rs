@@ -25,16 +25,10 @@ fn what_some_bundle_has_is_found_for_every_seed() {
             let cost = found.evaluations + found.jacobians;
             most = most.max(found.objective);
             costs.push(cost);
-            assert!(
-                found.evaluations <= 100 && found.jacobians <= found.evaluations,
-                "{name} {seed}: {}",
-                found.evaluations
-            );
         }
         println!("{name}: at most {most:e}, evaluations and Jacobians {costs:?}");
         assert!(most <= 1e-18, "{name}: {most:e}");
-        let few = costs.iter().filter(|cost| **cost <= 100).count();
-        assert!(few + 1 >= costs.len(), "{name}: {costs:?}");
+        assert!(costs.iter().all(|cost| *cost <= 100), "{name}: {costs:?}");
     }
 }
 
