@@ -39,6 +39,8 @@ pub struct ModuleLoad {
     pub arm_m: f64,
     /// Euler load of one actuator between two spacers, both ends clamped, N; `None` for a bending module.
     pub euler_n: Option<f64>,
+    /// Whether its highest pressure is the limit point of the free actuator and not what the scene allows.
+    pub ends_at_limit_point: bool,
 }
 
 /// A limb in a pose as a question for its largest load.
@@ -94,6 +96,7 @@ pub fn held_limb(scene: &Scene, limb: &Limb, states: &[State<f64>], case: &LoadC
             weight_moment_nm: station.constant.fixed_rows::<3>(3).norm(),
             arm_m: station.per_load.fixed_rows::<3>(3).norm(),
             euler_n,
+            ends_at_limit_point: module.curve.pressure_max_pa() < module.reference_max_pa * (1.0 - 1e-9),
         });
         holding.question.bundles.push(station);
     }

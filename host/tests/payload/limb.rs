@@ -104,6 +104,27 @@ fn own_weights_are_held_in_proportion() {
     assert!(straight.unbalanced().unwrap().is_empty());
 }
 
+/// The shoulder of one family has its limit point at 118.8 kPa: where that comes first, pressures end there, and it is said.
+#[test]
+fn pressures_end_at_the_limit_point_where_that_comes_first() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/pick-and-place-b.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let raised = text.replace("pressure_max = \"100 kPa\"", "pressure_max = \"130 kPa\"");
+    assert_ne!(text, raised);
+    let ends = |text: &str| -> Vec<bool> {
+        let scene = scene::parse(text, "b.toml").unwrap();
+        let limb = Limb::new(&scene).unwrap();
+        let holding = held_limb(&scene, &limb, &rest(&limb), &CASE).unwrap();
+        let most: Vec<f64> = holding.question.bundles.iter().map(|bundle| bundle.limits_pa[0][1]).collect();
+        // As `softlimb eval --batch` says of the same tube.
+        assert!(most[0] <= 118_783.0, "{most:?}");
+        assert!(most[1] > 90e3 && most[2] > 90e3, "{most:?}");
+        holding.modules.iter().map(|module| module.ends_at_limit_point).collect()
+    };
+    assert!(ends(&text).iter().all(|ends| !ends));
+    assert_eq!(ends(&raised), [true, false, false], "the twisting shoulder");
+}
+
 #[test]
 fn load_cases_that_make_no_sense_are_refused() {
     let scene = scene_a();

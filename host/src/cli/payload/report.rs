@@ -46,6 +46,9 @@ impl Pose {
         let mut said: Vec<String> = Vec::new();
         for active in &self.found.active {
             let (bundle, what) = match active {
+                Active::PressureMax { bundle, .. } if self.holding.modules[*bundle].ends_at_limit_point => {
+                    (bundle, "limit point")
+                }
                 Active::PressureMax { bundle, .. } => (bundle, "highest pressure"),
                 Active::PressureMin { bundle, .. } => (bundle, "no pressure"),
                 Active::Push { bundle, .. } => (bundle, "buckling"),
@@ -78,6 +81,7 @@ impl Pose {
                 "weight_moment_nm": module.weight_moment_nm,
                 "arm_m": module.arm_m,
                 "euler_n": module.euler_n,
+                "ends_at_limit_point": module.ends_at_limit_point,
                 "pressures_pa": self.found.pressures_pa.get(index),
                 "pushes_n": self.found.pushes_n.get(index),
             })
@@ -110,7 +114,8 @@ impl Pose {
             _ => "-".into(),
         };
         let own = match self.own.outcome {
-            Ended::Solved => format!("{:.2}", self.own.load_n),
+            // Rounding below zero is nothing.
+            Ended::Solved => format!("{:.2}", if self.own.load_n.abs() < 5e-3 { 0.0 } else { self.own.load_n }),
             Ended::Infeasible => "none".into(),
             Ended::Unbounded => "any".into(),
         };
