@@ -110,7 +110,7 @@ pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
         let ends = [points[0][0], points[points.len() - 1][0]].map(|kpa| [kpa, design.wanted_n]);
         let label = format!("{:.0} N wanted", design.wanted_n);
         series.push(Series { label, color, stroke: Stroke::Solid, points });
-        series.push(Series { label: String::new(), color, stroke: Stroke::Dotted, points: ends.to_vec() });
+        series.push(Series { label: String::new(), color, stroke: Stroke::Dashed, points: ends.to_vec() });
     }
     let along = |axis: usize| span(series.iter().flat_map(|one| &one.points).map(|point| point[axis]));
     let (x, y) = (along(0), along(1));
@@ -124,5 +124,5 @@ pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
         marks: Vec::new(),
         notes: Vec::new(),
     };
-    sheet(&[vec![chart]], [606.0, 380.0], "Designs by eq. (18); dotted: the wanted push.")
+    sheet(&[vec![chart]], [606.0, 380.0], "Designs by eq. (18); dashed: the wanted push.")
 }

@@ -39,6 +39,7 @@ path { fill: none; }
 .axis { stroke: var(--soft); }
 .grid { stroke: var(--grid); }
 .line { stroke-width: 1.4; stroke-linejoin: round; stroke-linecap: round; }
+.dashed { stroke-dasharray: 5 4; }
 .dotted { stroke-dasharray: 1 4; }
 .ink { stroke: var(--ink); fill: var(--ink); }
 .faint { stroke: var(--soft); fill: var(--soft); }
