@@ -41,7 +41,8 @@ use crate::tube::{coordinates, goal};
 pub struct Tracker<T: Real> {
     near: Near<T>,
     size: Size<T>,
-    length_m: T,
+    /// `R_i/L`.
+    twist_rate_per_rad: T,
     shear_modulus_pa: T,
     /// That without pressure.
     compliance_m3_per_pa: T,
@@ -62,7 +63,7 @@ impl<T: Real> Tracker<T> {
             let tracker = Self {
                 size: Size::of_tube(parameters, near.x_outer()),
                 near,
-                length_m: parameters.length_m,
+                twist_rate_per_rad: parameters.inner_radius_m / parameters.length_m,
                 shear_modulus_pa: parameters.material.shear_modulus_pa(),
                 compliance_m3_per_pa: T::zero(),
             };
@@ -92,13 +93,13 @@ impl<T: Real> Tracker<T> {
     /// # Errors
     /// [`InvalidParameter`] when the target is out of its range or not one of a straight tube.
     pub fn inverse(&self, start: &State<T>, target: Target<T>) -> Result<Option<State<T>>, InvalidParameter<T>> {
-        let goal = goal(&self.size, self.length_m, target)?;
+        let goal = goal(&self.size, self.twist_rate_per_rad, target)?;
         Ok(self.answer(start, &goal))
     }
 
     fn answer(&self, start: &State<T>, goal: &Goal<T>) -> Option<State<T>> {
         let Equilibrium { e, w, g, pressure, volume_rate, .. } =
-            self.near.answer(&coordinates(&self.size, self.length_m, start), goal)?;
+            self.near.answer(&coordinates(self.twist_rate_per_rad, start), goal)?;
         let state = self.size.state(e, w, g, volume_rate, pressure * self.shear_modulus_pa);
         (state.pressure_pa.is_finite() && state.volume_m3.is_finite() && state.compliance_m3_per_pa.is_finite())
             .then_some(state)

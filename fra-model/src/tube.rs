@@ -165,7 +165,7 @@ impl<T: Real> Tube<T> {
     }
 
     fn goal(&self, target: Target<T>) -> Result<Goal<T>, InvalidParameter<T>> {
-        goal(&self.size, self.length_m, target)
+        goal(&self.size, self.twist_rate_per_rad(), target)
     }
 
     /// The same tube without the direct way: every question goes to the branch.
@@ -223,12 +223,20 @@ impl<T: Real> Tube<T> {
     }
 
     fn coordinates(&self, state: &State<T>) -> Vector3<T> {
-        coordinates(&self.size, self.length_m, state)
+        coordinates(self.twist_rate_per_rad(), state)
+    }
+
+    fn twist_rate_per_rad(&self) -> T {
+        self.inner_radius_m / self.length_m
     }
 }
 
-/// A target of a straight tube of a size and a length as a goal.
-pub(crate) fn goal<T: Real>(size: &Size<T>, length_m: T, target: Target<T>) -> Result<Goal<T>, InvalidParameter<T>> {
+/// A target of a straight tube of a size and a twist rate, `R_i/L`, for a twist of 1 rad as a goal.
+pub(crate) fn goal<T: Real>(
+    size: &Size<T>,
+    twist_rate_per_rad: T,
+    target: Target<T>,
+) -> Result<Goal<T>, InvalidParameter<T>> {
     let one = T::one();
     let positive = |field, v: T| require(v.is_finite() && v > T::zero(), field, v, "finite and > 0");
     // (r/R)^2 = (w + X)/(lambda X) = t  <=>  w/X - t e = t - 1
@@ -253,7 +261,7 @@ pub(crate) fn goal<T: Real>(size: &Size<T>, length_m: T, target: Target<T>) -> R
         }
         Target::Twist(twist) => {
             require(twist.is_finite(), "twist_rad", twist, "finite")?;
-            let value = twist * size.inner_radius_m / length_m;
+            let value = twist * twist_rate_per_rad;
             Ok(Goal::Deformation { weights: Vector3::z(), value, last_digit: epsilon::<T>() * value.abs() })
         }
         Target::BendAngle(angle) => Err(InvalidParameter {
@@ -265,6 +273,6 @@ pub(crate) fn goal<T: Real>(size: &Size<T>, length_m: T, target: Target<T>) -> R
 }
 
 /// `(e, w, g)` of a state of a straight tube.
-pub(crate) fn coordinates<T: Real>(size: &Size<T>, length_m: T, state: &State<T>) -> Vector3<T> {
-    Vector3::new(state.axial_strain, state.volume_strain, state.twist_rad * size.inner_radius_m / length_m)
+pub(crate) fn coordinates<T: Real>(twist_rate_per_rad: T, state: &State<T>) -> Vector3<T> {
+    Vector3::new(state.axial_strain, state.volume_strain, state.twist_rad * twist_rate_per_rad)
 }

@@ -94,6 +94,29 @@ fn deformations_up_and_down_need_the_pressures_that_the_search_finds() {
 }
 
 #[test]
+fn short_and_long_steps_towards_a_deformation_end_in_the_same_digits() {
+    for (name, parameters, target, top_pa) in tubes() {
+        let tracker = single(&parameters);
+        let actuator = Actuator::new(&parameters).unwrap().by_search();
+        let exactly = |pressure_pa: f64| actuator.forward(pressure_pa, &Load::none()).unwrap().state;
+        for step in [1e-3, 3e-3, 1e-2, 2e-2, 3e-2, 6e-2] {
+            let mut here = tracker.rest();
+            for tenth in 1..10 {
+                let began_pa = top_pa * f64::from(tenth) / 10.0;
+                here = tracker.forward(&here, began_pa as f32).unwrap().unwrap_or_else(|| panic!("{name}"));
+                let wanted_pa = began_pa * (1.0 + step);
+                let asked = rounded(target(&exactly(wanted_pa)));
+                let found = tracker.inverse(&here, asked).unwrap().unwrap_or_else(|| panic!("{name} at {wanted_pa}"));
+                let pressure_pa = f64::from(found.pressure_pa);
+                assert!((pressure_pa - wanted_pa).abs() < 3e-6 * top_pa, "{name} at {wanted_pa}: {pressure_pa}");
+                let off = f64::from(found.compliance_m3_per_pa) / exactly(pressure_pa).compliance_m3_per_pa - 1.0;
+                assert!(off.abs() < 4e-6, "{name} at {wanted_pa}, step {step}: compliance off by {off:e}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_direct_way_of_the_actuator_gives_the_same_bits() {
     for (name, parameters, target, top_pa) in tubes() {
         let (tracker, actuator) = (Tracker::new(&parameters).unwrap().unwrap(), Actuator::new(&parameters).unwrap());

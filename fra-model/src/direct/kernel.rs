@@ -188,12 +188,12 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
         let Unknowns { e, w, g, tension } = at;
         let k = |value: f64| e.of(value);
         let (half, one, two, three) = (k(0.5), k(1.0), k(2.0), k(3.0));
-        let (il, ii, io) = (one / (one + e), one / (one + w), one / (c.x_outer + w));
+        let wd = w * c.d;
+        let (inner, outer) = (one + w, c.x_outer + w);
+        let (s, [il, ii, io]) = wd.over_and_inverses(two * outer + wd, [one + e, inner, outer]);
         let il2 = il * il;
 
         // The elastomer.
-        let wd = w * c.d;
-        let s = wd / (two * (c.x_outer + w) + wd);
         let s2 = s * s;
         let log = two * s * s.atanh_over(s2);
         let log_w = c.d * ii * io;
@@ -316,14 +316,32 @@ impl<S: Arithmetic, const TWIST: bool> Linearised<S, TWIST> {
     /// The change of the unknowns that removes a rest, to first order.
     #[inline(always)]
     pub(crate) fn solve(&self, c: &Constants<S>, rest: Rest<S>) -> Unknowns<S> {
+        self.solve_with::<true>(c, rest)
+    }
+
+    /// The same at the pressure of the state: the second equation lacks nothing, whatever `rest` says.
+    #[inline(always)]
+    pub(crate) fn solve_at_pressure(&self, c: &Constants<S>, rest: Rest<S>) -> Unknowns<S> {
+        self.solve_with::<false>(c, rest)
+    }
+
+    #[inline(always)]
+    fn solve_with<const PRESSURE: bool>(&self, c: &Constants<S>, rest: Rest<S>) -> Unknowns<S> {
         let Rest { mut e, mut w, mut tension, .. } = rest;
         if TWIST {
             let i = self.inverse_gg * rest.g;
+            let turned = self.a_wg * i;
             e = e - self.a_eg * i;
-            w = w - self.a_wg * i;
+            w = if PRESSURE { w - turned } else { -turned };
             tension = tension - c.scale * self.h.g * i;
         }
         let (a, i) = (&self.adjugate, self.inverse);
+        if !TWIST && !PRESSURE {
+            let de = (a.ee * e).plus_product(a.eh, tension) * i;
+            let dw = (a.ew * e).plus_product(a.wh, tension) * i;
+            let dt = (a.hh * tension).plus_product(c.scale, a.eh * e) * i;
+            return Unknowns { e: de, w: dw, g: e.of(0.0), tension: dt };
+        }
         let de = (a.ee * e).plus_product(a.ew, w).plus_product(a.eh, tension) * i;
         let dw = (a.ew * e).plus_product(a.ww, w).plus_product(a.wh, tension) * i;
         let dt = (a.hh * tension).plus_product(c.scale, (a.eh * e).plus_product(a.wh, w)) * i;

@@ -32,6 +32,7 @@ pub(crate) struct Direct<T> {
     constants: Constants<T>,
     families: Option<Families>,
     norm: Norm<T>,
+    stiffness: T,
     /// The branch at rest.
     expansion: Expansion<T>,
 }
@@ -42,6 +43,8 @@ pub(crate) struct Near<T> {
     constants: Constants<T>,
     families: Option<Families>,
     norm: Norm<T>,
+    /// That of the sheet, `scale/compliance`.
+    stiffness: T,
 }
 
 /// An equilibrium, in the units of the model.
@@ -79,6 +82,7 @@ impl<T: Real> Near<T> {
             compliance: one,
             scale: zero,
         };
+        let mut stiffness = zero;
         let fiber = parameters.fiber.filter(|fiber| fiber.modulus_pa > zero);
         if let Some(fiber) = fiber {
             if fiber.placement != Placement::Sheet {
@@ -95,13 +99,13 @@ impl<T: Real> Near<T> {
             constants.per_x_fiber = one / (radius * radius);
             let families = if fiber.families == Families::Two { real::<T>(2.0) } else { one };
             let area = real::<T>(2.0) * radius * fiber.thickness_m / parameters.inner_radius_m;
-            let stiffness = families * area * (fiber.modulus_pa / shear_modulus_pa);
+            stiffness = families * area * (fiber.modulus_pa / shear_modulus_pa);
             (constants.compliance, constants.scale) =
                 if stiffness > one { (one / stiffness, one) } else { (one, stiffness) };
         }
         let families = fiber.map(|fiber| fiber.families);
         let norm = Norm { twist: ratio, tension: one / constants.d };
-        Some(Self { constants, families, norm })
+        Some(Self { constants, families, norm, stiffness })
     }
 
     /// `(R_o/R_i)^2`.
@@ -118,7 +122,7 @@ impl<T: Real> Near<T> {
         let zero = T::zero();
         let (constants, norm, floor) = (&self.constants, self.norm, tolerance());
         let path = Path::<T, TWIST> { constants, force: zero, torque: zero, norm, floor };
-        let end = path.follow(earlier(&self.constants, start), goal, 0, EVALUATIONS)?;
+        let end = path.follow(earlier(&self.constants, self.stiffness, start), goal, 0, EVALUATIONS)?;
         (end.pressure.abs() <= real(LARGEST_PRESSURE)).then(|| equilibrium(end))
     }
 }
@@ -126,7 +130,7 @@ impl<T: Real> Near<T> {
 impl<T: Real> Direct<T> {
     /// `None` for a wall without closed forms.
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Option<Self> {
-        let Near { constants, families, norm } = Near::new(parameters)?;
+        let Near { constants, families, norm, stiffness } = Near::new(parameters)?;
         let zero = T::zero();
         let rest = Unknowns { e: zero, w: zero, g: zero, tension: zero };
         let expansion = if twists(families) {
@@ -134,7 +138,7 @@ impl<T: Real> Direct<T> {
         } else {
             Expansion::new(&constants, &norm, &Linearised::<T, false>::new(&constants, rest))
         };
-        Some(Self { constants, families, norm, expansion })
+        Some(Self { constants, families, norm, stiffness, expansion })
     }
 
     fn twists_by_itself(&self) -> bool {
@@ -161,7 +165,7 @@ impl<T: Real> Direct<T> {
         let path = self.path::<TWIST>(*force, *torque);
         let unloaded = *force == T::zero() && *torque == T::zero();
         let (stand, spent) = match question.start {
-            Some(start) => (earlier(&self.constants, &start), 0),
+            Some(start) => (earlier(&self.constants, self.stiffness, &start), 0),
             None if unloaded => (self.leave_rest::<TWIST>(goal)?, 0),
             None => (self.under_load::<TWIST>(&path)?, 1),
         };
@@ -200,7 +204,14 @@ impl<T: Real> Direct<T> {
             at = self.expansion.at::<TWIST>(z);
             at = at.plus(slope.times((*value - weighted(weights, &at)) / weighted(weights, &slope)));
         }
-        Some(Stand { at, pressure: Some(z / *unit), arrived, last, along: along.map(|along| along * *unit) })
+        Some(Stand {
+            at,
+            pressure: Some(z / *unit),
+            arrived,
+            last,
+            along: along.map(|along| along * *unit),
+            plain: None,
+        })
     }
 
     /// Rest under the load, to second order.
@@ -215,7 +226,7 @@ impl<T: Real> Direct<T> {
         let second = lin.solve(c, lin.curvature(c, first));
         (path.contraction(&first, &second) <= real(CONTRACTION)).then_some(())?;
         let at = first.plus(second);
-        Some(Stand { at, pressure: Some(zero), arrived: false, last: path.size(&first), along: None })
+        Some(Stand { at, pressure: Some(zero), arrived: false, last: path.size(&first), along: None, plain: None })
     }
 }
 
@@ -226,16 +237,16 @@ fn equilibrium<T>(end: path::End<T>) -> Equilibrium<T> {
 }
 
 /// A state given from outside; its tension follows from its strain.
-fn earlier<T: Real>(constants: &Constants<T>, start: &Vector3<T>) -> Stand<T> {
-    let Constants { per_x_fiber, cos, sin2, sin_rho, scale, compliance, .. } = *constants;
+fn earlier<T: Real>(constants: &Constants<T>, stiffness: T, start: &Vector3<T>) -> Stand<T> {
+    let Constants { per_x_fiber, cos, sin2, sin_rho, .. } = *constants;
     let (e, w, g) = (start.x, start.y, start.z);
     let (one, two) = (T::one(), real::<T>(2.0));
     let eta = (w * per_x_fiber - e) / (one + e);
     let shear = g * sin_rho;
     let strain = cos * cos * eta + (one + eta) * shear * (cos + cos + shear) + sin2 * e * (two + e);
-    let tension = strain * scale / compliance;
+    let tension = strain * stiffness;
     let last = T::max_value().unwrap_or(one);
-    Stand { at: Unknowns { e, w, g, tension }, pressure: None, arrived: false, last, along: None }
+    Stand { at: Unknowns { e, w, g, tension }, pressure: None, arrived: false, last, along: None, plain: None }
 }
 
 /// Two families twist only under torque.

@@ -4,6 +4,9 @@
 //! `|b|/|d|` is Deuflhard's contraction factor of the simplified Newton iteration, half the affine-invariant Kantorovich number: where
 //! it is at most 1/4, every pressure in between has one solution nearby, and these solutions form one curve, hence one branch. Where it
 //! is larger, the step goes only as far as it is not. What the next state says of its own correction checks the estimate.
+//!
+//! In single precision a short step towards a deformation is Newton's alone: the correction after it is `b` as it turned out to be, and
+//! certifies the step where it is as much shorter. Where it is not, the way begins anew with the estimate.
 
 use super::kernel::{Constants, Linearised, Norm, Rest, Unknowns};
 use crate::goal::Goal;
@@ -19,6 +22,8 @@ pub(super) const SHARE: f64 = 0.8;
 const SHORTEST: f64 = 0.02;
 /// Most that the stiffness against pressure may change in one step.
 const STIFFNESS: f64 = 4.0;
+/// Longest step that is Newton's alone, as a share of the state, in single precision.
+const PLAIN: f64 = 1.0 / 32.0;
 
 /// A tube under a load.
 pub(super) struct Path<'a, T, const TWIST: bool> {
@@ -32,6 +37,7 @@ pub(super) struct Path<'a, T, const TWIST: bool> {
 }
 
 /// Where a way stands before an evaluation.
+#[derive(Clone, Copy)]
 pub(super) struct Stand<T> {
     pub(super) at: Unknowns<T>,
     /// The pressure whose equilibrium `at` is near, if that is known.
@@ -42,6 +48,14 @@ pub(super) struct Stand<T> {
     pub(super) last: T,
     /// Change of the measured deformation with the pressure, at the last state.
     pub(super) along: Option<T>,
+    /// Where the last step was Newton's alone, the change of the pressure that came with it.
+    pub(super) plain: Option<T>,
+}
+
+/// What an evaluation leads to.
+enum Next<T> {
+    Arrived(End<T>),
+    On(Stand<T>),
 }
 
 /// An equilibrium.
@@ -54,6 +68,7 @@ pub(super) struct End<T> {
 }
 
 /// Newton's step towards a goal.
+#[derive(Clone, Copy)]
 struct Step<T> {
     first: Unknowns<T>,
     /// Change of the pressure.
@@ -88,42 +103,59 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
 
     /// The way from a state onwards, to the state that meets the goal.
     #[inline(always)]
-    pub(super) fn follow(&self, mut stand: Stand<T>, goal: &Goal<T>, spent: u32, budget: u32) -> Option<End<T>> {
-        let c = self.constants;
-        let mut evaluations = spent;
+    pub(super) fn follow(&self, begun: Stand<T>, goal: &Goal<T>, spent: u32, budget: u32) -> Option<End<T>> {
+        let mut may_be_plain = is_single::<T>() && begun.pressure.is_none() && matches!(goal, Goal::Deformation { .. });
+        let (mut stand, mut evaluations) = (begun, spent);
         while evaluations < budget {
             evaluations += 1;
-            let at = stand.at;
-            let inside = at.e > -T::one() && at.w > -T::one();
-            let lin = Linearised::<T, TWIST>::new(c, inside.then_some(at)?);
-            (lin.stability > T::zero()).then_some(())?;
-            let step = self.whole_step(&lin, &stand, goal)?;
-            let (size, end) = (self.size(&step.first), at.plus(step.first));
-            let settled = size <= stand.last * real(CORRECTION);
-            let whole = self.size(&end);
-            if size <= tolerance::<T>() * (whole + self.floor) && settled {
-                return Some(self.end(&lin, goal, end, &step, evaluations));
-            }
-            if stand.arrived {
-                // What Newton's step leaves over is below the tolerance: the second term would not be worth its price.
-                let last_but_one = size * size <= tolerance::<T>() * whole * whole;
-                settled.then_some(())?;
-                let at = if last_but_one { end } else { end.plus(self.second(&lin, goal, &step).0) };
-                stand = Stand { at, last: size, along: step.along, ..stand };
-                continue;
-            }
-            if let Some(pressure) = stand.pressure {
-                self.is_near(&lin, pressure, stand.last).then_some(())?;
-            }
-            let (second, contraction) = self.second(&lin, goal, &step);
-            stand.along = step.along;
-            stand = if contraction <= real(CONTRACTION) {
-                Stand { at: end.plus(second), arrived: true, last: size, ..stand }
-            } else {
-                self.part_of_step(&lin, stand, &step, contraction)?
+            stand = match self.advance(&stand, goal, may_be_plain, evaluations) {
+                Some(Next::Arrived(end)) => return Some(end),
+                Some(Next::On(next)) => next,
+                None => {
+                    stand.plain?;
+                    may_be_plain = false;
+                    begun
+                }
             };
         }
         None
+    }
+
+    /// One evaluation; `None` where the way is not certified.
+    #[inline(always)]
+    fn advance(&self, stand: &Stand<T>, goal: &Goal<T>, may_be_plain: bool, evaluations: u32) -> Option<Next<T>> {
+        let at = stand.at;
+        let inside = at.e > -T::one() && at.w > -T::one();
+        let lin = Linearised::<T, TWIST>::new(self.constants, inside.then_some(at)?);
+        (lin.stability > T::zero()).then_some(())?;
+        let step = self.whole_step(&lin, stand, goal)?;
+        let (size, end) = (self.size(&step.first), at.plus(step.first));
+        let settled = size <= stand.last * real(CORRECTION) && is_less(step.pressure, stand.plain);
+        let whole = self.size(&end);
+        if size <= tolerance::<T>() * (whole + self.floor) && settled {
+            return Some(Next::Arrived(self.end(&lin, goal, end, &step, evaluations)));
+        }
+        if stand.arrived {
+            // What Newton's step leaves over is below the tolerance: the second term would not be worth its price.
+            let last_but_one = size * size <= tolerance::<T>() * whole * whole;
+            settled.then_some(())?;
+            let at = if last_but_one { end } else { end.plus(self.second(&lin, goal, &step).0) };
+            return Some(Next::On(Stand { at, last: size, along: step.along, plain: None, ..*stand }));
+        }
+        if let Some(pressure) = stand.pressure {
+            self.is_near(&{ lin }, pressure, stand.last).then_some(())?;
+        }
+        let next = Stand { at: end, arrived: true, last: size, along: step.along, ..*stand };
+        if may_be_plain && size <= whole * real(PLAIN) {
+            let last = self.norm.strain::<TWIST>(&step.first);
+            return Some(Next::On(Stand { last, plain: Some(step.pressure), ..next }));
+        }
+        let (second, contraction) = self.second(&lin, goal, &step);
+        if contraction <= real(CONTRACTION) {
+            return Some(Next::On(Stand { at: end.plus(second), ..next }));
+        }
+        // Copies, so that what is rarely asked for does not keep everything in memory.
+        self.part_of_step(&{ lin }, Stand { along: step.along, ..*stand }, &{ step }, contraction).map(Next::On)
     }
 
     /// The step that meets the goal to first order.
@@ -136,7 +168,7 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
                 Some(Step { first, pressure: *wanted - lin.left.w, rate: first, along: None })
             }
             Goal::Deformation { weights, value, .. } => {
-                let base = lin.solve(c, self.rest(lin, lin.left.w));
+                let base = lin.solve_at_pressure(c, self.rest(lin, lin.left.w));
                 let rate = lin.rate(c);
                 let along = weighted(weights, &rate);
                 stand.along.is_none_or(|before| is_monotone(before, along)).then_some(())?;
@@ -219,12 +251,20 @@ pub(super) fn part<T: Real>(contraction: T) -> Option<T> {
 
 /// Whether a deformation kept changing with the pressure in one direction.
 fn is_monotone<T: Real>(before: T, after: T) -> bool {
-    let ratio = after / before;
-    ratio * real(STIFFNESS) >= T::one() && ratio <= real(STIFFNESS)
+    let (least, most) = if before.abs() < after.abs() { (before, after) } else { (after, before) };
+    before * after > T::zero() && most.abs() <= least.abs() * real(STIFFNESS)
+}
+
+/// Whether a correction of the pressure is as much less than the change before it as certifies that, where that is to be looked at.
+fn is_less<T: Real>(correction: T, before: Option<T>) -> bool {
+    before.is_none_or(|before| correction.abs() <= before.abs() * real(CORRECTION))
 }
 
 /// A correction that is followed by one below rounding.
 pub(super) fn tolerance<T: Real>() -> T {
-    let single = epsilon::<T>() > real::<T>(1e-9);
-    if single { real(1e-4) } else { real(1e-9) }
+    if is_single::<T>() { real(1e-4) } else { real(1e-9) }
+}
+
+fn is_single<T: Real>() -> bool {
+    epsilon::<T>() > real::<T>(1e-9)
 }

@@ -3,7 +3,7 @@
 use crate::table::Row;
 
 /// By its question, however often that is asked, and the beginning of the actuator where not every one is meant. A tick has 168 000. A
-/// tube that twists has two unknowns where the others have one; a bend is looked up.
+/// bend is looked up.
 const LIMITS: [(&str, &str, i64); 7] = [
     ("turn, worst", "", 50_000),
     ("turn, garbage on the link, worst", "", 50_000),
@@ -11,7 +11,7 @@ const LIMITS: [(&str, &str, i64); 7] = [
     ("inverse, table", "", 2_500),
     ("inverse, warm, as flashed", "extension", 2_500),
     ("inverse, warm, as flashed", "expansion", 2_500),
-    ("inverse, warm, as flashed", "twisting", 3_200),
+    ("inverse, warm, as flashed", "twisting", 2_500),
 ];
 
 /// Holds every answer to its limit.
