@@ -34,8 +34,10 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/payload.md",
         "docs/section-fe.md",
         "docs/speed.md",
+        "docs/statics.md",
         "docs/tasks.md",
         "docs/validation.md",
+        "docs/workspace.md",
     ] {
         let text = read(document);
         for (file, name) in citations::cited(&text) {

@@ -15,6 +15,8 @@ mod kept;
 mod payload;
 mod report;
 mod run;
+mod statics;
+mod workspace;
 
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
@@ -55,6 +57,8 @@ enum Verb {
     Fabricate(fabricate::Fabricate),
     Calibrate(calibrate::Calibrate),
     Payload(payload::Payload),
+    Workspace(workspace::Workspace),
+    Statics(statics::Statics),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -79,6 +83,8 @@ pub fn main() -> ExitCode {
         Verb::Fabricate(verb) => verb.run(),
         Verb::Calibrate(verb) => verb.run(),
         Verb::Payload(verb) => verb.run(),
+        Verb::Workspace(verb) => verb.run(),
+        Verb::Statics(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

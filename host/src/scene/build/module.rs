@@ -71,6 +71,7 @@ fn draft<'a>(
     let circle = circle_radius(reader, actuators, outer);
     let length = reader.quantity(&keys::LENGTH);
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
+    let spacers = reader.integer(&keys::SPACERS);
     let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, materials.find(reader.log(), name)?)));
     let bounds = module_bounds(reader).unwrap_or_default();
     let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall));
@@ -87,6 +88,7 @@ fn draft<'a>(
             actuators: u8::try_from(*actuators?).ok()?,
             circle_radius_m: circle?,
             mount_angle_rad: *mount_angle?,
+            spacers: u8::try_from(*spacers?).ok()?,
             inner_radius_m: inner,
             outer_radius_m: outer,
             length_m: length?,

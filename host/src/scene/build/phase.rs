@@ -78,6 +78,7 @@ fn phase(
 ) -> Option<Phase> {
     let duration = reader.maybe(&keys::DURATION);
     let hold = reader.quantity(&keys::HOLD);
+    let payload = reader.quantity(&keys::PAYLOAD);
     let gripper = reader.maybe_choice(&keys::GRIPPER, &[Gripper::Open, Gripper::Close]);
     let (tip, inside) = (reader.vector(&keys::TIP), reader.maybe_text(&keys::INSIDE));
     let goal = match (reader.value(keys::TARGETS.name), tip?, inside?) {
@@ -95,6 +96,7 @@ fn phase(
         name: name?.map(str::to_owned),
         move_us: duration?.map(|duration| duration.map(microseconds)),
         hold_us: microseconds(*hold?),
+        payload_kg: *payload?,
         goal,
         aim: aim(reader)?,
         gripper: gripper?.map(|gripper| *gripper),
@@ -135,6 +137,7 @@ fn series(markers: &Located<Vec<Marker>>) -> Vec<Phase> {
         name: Located { value: name.to_owned(), span },
         move_us,
         hold_us: 0,
+        payload_kg: 0.0,
         goal,
         aim: None,
         gripper: None,

@@ -51,6 +51,8 @@ pub struct Module {
     pub circle_radius_m: f64,
     /// Rotation about the limb's axis, rad.
     pub mount_angle_rad: f64,
+    /// Plates between its connectors, 0 to 50.
+    pub spacers: u8,
     /// Inner radius at rest, m; > 0.
     pub inner_radius_m: Located<f64>,
     /// Outer radius at rest, m; > inner radius.

@@ -76,6 +76,8 @@ pub struct Phase {
     pub move_us: Option<Located<u64>>,
     /// Time of the pause, microseconds.
     pub hold_us: u64,
+    /// Mass that the tip carries, kg; >= 0.
+    pub payload_kg: f64,
     /// What the move shall reach.
     pub goal: Goal,
     /// How the end effector shall point at the end of the move; only with a goal of the tip.

@@ -77,6 +77,7 @@ section! {
     ACTUATORS: Integer { name: "actuators", min: 1, max: 9, presence: Default(3) } = "Actuators in parallel, evenly on a circle. Each has its own channel.";
     CIRCLE_RADIUS: Quantity { name: "circle_radius", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("0 for one actuator, else required") } = "Distance from the connector's center to each actuator's axis. The actuators must not overlap.";
     MOUNT_ANGLE: Quantity { name: "mount_angle", unit: Unit::DEG, min: -360.0, max: 360.0, presence: Default(0.0) } = "Rotation of the module about the limb's axis.";
+    SPACERS: Integer { name: "spacers", min: 0, max: 50, presence: Default(0) } = "Rigid plates that hold the actuators together, evenly between the connectors; without weight. They keep the tubes from buckling.";
     INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Inner radius at rest.";
     OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Outer radius at rest, above `inner_radius`.";
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";

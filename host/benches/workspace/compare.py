@@ -1,0 +1,149 @@
+"""The workspace of a scene in numpy beside `softlimb workspace`: the same tables, the same answers, time side by side.
+
+    python3 -m venv .venv && .venv/bin/pip install numpy
+    .venv/bin/python host/benches/workspace/compare.py [SCENE]
+
+Takes the polynomials that `softlimb workspace --json` prints, computes tips with numpy on whole arrays (in the piece size that suits the
+cache best), and compares them with the samples that the command writes. Times are the fastest of several runs on one thread; those of the
+product come from `cargo run --release --example workspace_speed`. Nothing else should be running.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+import numpy as np
+
+WORKSPACE = Path(__file__).resolve().parents[3]
+PROFILE = os.environ.get("SPEED_PROFILE", "release")
+COUNT = 200_000
+
+
+def cargo(*words):
+    command = ["cargo", "run", "--quiet", "--profile", PROFILE, "-p", "softlimb", *words]
+    return subprocess.run(command, cwd=WORKSPACE, check=True, capture_output=True, text=True).stdout
+
+
+def even(count, axes, seed=1):
+    """The samples of the product: R_d sequence with offsets of SplitMix64."""
+    root = 1.5
+    for _ in range(60):
+        root = (1 + root) ** (1 / (axes + 1))
+    mask = (1 << 64) - 1
+    offsets = []
+    for axis in range(axes):
+        z = (seed + (axis + 1) * 0x9E3779B97F4A7C15) & mask
+        z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & mask
+        z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
+        offsets.append(((z ^ (z >> 31)) >> 11) / 2.0**53)
+    steps = np.array([root ** -(axis + 1) for axis in range(axes)])
+    return (np.array(offsets) + np.arange(1, count + 1)[:, None] * steps) % 1.0
+
+
+def polynomial(powers, x):
+    total = np.full_like(x, powers[-1])
+    for power in powers[-2::-1]:
+        total = total * x + power
+    return total
+
+
+def bundle(module, shares):
+    """Stretch and bends of a bundle of springs."""
+    stretch, axial, own = module["powers"]
+    s = sx = sy = xx = xy = yy = r = rx = ry = 0.0
+    for (x, y), share in zip(module["places_m"], shares.T):
+        place = 2 * share - 1
+        l, k, b = polynomial(stretch, place), polynomial(axial, place), polynomial(own, place)
+        kx, ky, kl = k * x, k * y, k * l
+        s, sx, sy = s + k, sx + kx, sy + ky
+        xx, xy, yy = xx + kx * x + b, xy + kx * y, yy + ky * y + b
+        r, rx, ry = r + kl, rx + kl * x, ry + kl * y
+    mx, my = sx / s, sy / s
+    a, b, c = xx - mx * sx, xy - mx * sy, yy - my * sy
+    fx, fy = mx * r - rx, my * r - ry
+    scale = 1 / (a * c - b * b)
+    ux, uy = (c * fx - b * fy) * scale, (a * fy - b * fx) * scale
+    return (r + sx * ux + sy * uy) / s, ux, uy
+
+
+def carry(module, shares, x, y, z):
+    z = z + module["rigid_m"]
+    if "places_m" in module:
+        stretch, ux, uy = bundle(module, shares)
+        length, bx, by = stretch * module["length_m"], ux * module["length_m"], uy * module["length_m"]
+        twist = 0.0
+    else:
+        place = 2 * shares[:, 0] - 1
+        length, bx, twist = (polynomial(powers, place) for powers in module["powers"])
+        by = np.zeros_like(bx)
+    if module["twists"]:
+        cos, sin = np.cos(twist), np.sin(twist)
+        return cos * x - sin * y, sin * x + cos * y, z + length
+    if not module["bends"]:
+        return x, y, z + length
+    cos, sin = module["mount"]
+    x, y = cos * x + sin * y, cos * y - sin * x
+    square = bx * bx + by * by
+    angle = np.sqrt(square)
+    small = square < 1e-8
+    safe = np.where(small, 1.0, angle)
+    a = np.where(small, 1 - square / 6, np.sin(safe) / safe)
+    b = np.where(small, 0.5 - square / 24, (1 - np.cos(safe)) / np.where(small, 1.0, square))
+    along = bx * y - by * x
+    x2 = x + a * bx * z + b * (-by * along - square * x) + length * b * bx
+    y2 = y + a * by * z + b * (bx * along - square * y) + length * b * by
+    z2 = z - a * (bx * x + by * y) - b * square * z + length * a
+    return cos * x2 - sin * y2, sin * x2 + cos * y2, z2
+
+
+def tips(tables, shares):
+    x = y = z = np.zeros(len(shares))
+    end = shares.shape[1]
+    for module in reversed(tables["modules"]):
+        start = end - module["axes"]
+        x, y, z = carry(module, shares[:, start:end], x, y, z)
+        end = start
+    return np.stack([x, y, z], 1) @ np.array(tables["rotation"]).T + np.array(tables["origin_m"])
+
+
+def fastest(run, times=7):
+    best = np.inf
+    for _ in range(times):
+        start = time.perf_counter()
+        run()
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
+def main():
+    scene = sys.argv[1] if len(sys.argv) > 1 else "scenes/pick-and-place-a.toml"
+    with tempfile.TemporaryDirectory() as folder:
+        csv = f"{folder}/tips.csv"
+        out = cargo("--bin", "softlimb", "--", "workspace", scene, "--json", "--samples", "20000", "--csv", csv, "--points", "even")
+        written = np.loadtxt(csv, delimiter=",", skiprows=1)
+    answer = json.loads(out)
+    tables = answer["kinematics"]
+    axes = len(answer["axes"])
+    shares = even(COUNT, axes)
+    off = np.abs(tips(tables, shares[:20000]) - written).max()
+    print(f"largest difference of a coordinate: {off:.1e} m (the file has 1e-6 m)")
+    numpy_ns = np.inf
+    for size in (512, 1024, 2048, 4096, 16384, COUNT):
+        piece = shares[:size]
+        numpy_ns = min(numpy_ns, fastest(lambda: tips(tables, piece)) / size * 1e9)
+    own = json.loads(cargo("--example", "workspace_speed", "--", scene))
+    sample_ns = own["sample_s"] * 1e9
+    print(f"numpy, one thread     {numpy_ns:9.1f} ns a sample")
+    print(f"softlimb, one thread  {sample_ns:9.1f} ns a sample, {numpy_ns / sample_ns:.0f} times as fast")
+    print(f"softlimb, two threads {own['sample_two_threads_s'] * 1e9:9.1f} ns a sample")
+    print(f"extents               {own['extents_s'] * 1e3:9.2f} ms; tables {own['build_s'] * 1e3:.2f} ms")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,21 @@
+//! The limb under load: what its tubes are as springs, what a bundle of them is, and what the limb does under weight.
+//!
+//! A tube at its pressure is a spring by the model's own tangent ([`Tangent`]), parallel tubes are one rod ([`Bundle`]), modules in series
+//! are a chain of rods ([`Rod`]) whose potential has a minimum ([`solve`]) as long as the limb is stable. [`cheapest`] takes as
+//! many unknowns as a tolerance needs.
+
+mod bundle;
+mod load;
+mod rod;
+mod screw;
+mod solve;
+mod tier;
+mod tube;
+
+pub(crate) use bundle::positions;
+pub use bundle::{Bundle, Free};
+pub use load::{Buckling, GRAVITY_M_PER_S2, Load, LoadedLimb};
+pub use rod::{Piece, Potential, Rod, UNKNOWNS};
+pub use solve::{Bends, Lost, Shape, solve};
+pub use tier::{Answer, Tier, by_tier, cheapest, choose};
+pub use tube::Tangent;

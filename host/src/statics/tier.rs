@@ -1,0 +1,154 @@
+//! How much model a pose needs: the cheapest tier whose estimated error is within a tolerance.
+
+use nalgebra::DVector;
+
+use super::load::{Buckling, LoadedLimb};
+use super::rod::{Rod, UNKNOWNS};
+use super::solve::{Bends, Lost, Shape, solve};
+
+/// Models of a limb under load, the cheapest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Tier {
+    /// No load at all: the kinematics.
+    Kinematic,
+    /// A constant bend, twist, stretch and shear a module.
+    Constant,
+    /// Bends linear along each module.
+    Linear,
+    /// The same with two pieces a module.
+    Double,
+    /// The same with four pieces a module.
+    Fourfold,
+}
+
+impl Tier {
+    /// All of them, the cheapest first.
+    pub const ALL: [Self; 5] = [Self::Kinematic, Self::Constant, Self::Linear, Self::Double, Self::Fourfold];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kinematic => "kinematic",
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+            Self::Double => "linear, two pieces",
+            Self::Fourfold => "linear, four pieces",
+        }
+    }
+
+    /// Pieces a module, and how they bend.
+    pub fn pieces(self) -> (usize, Bends) {
+        match self {
+            Self::Kinematic | Self::Constant => (1, Bends::Constant),
+            Self::Linear => (1, Bends::Linear),
+            Self::Double => (2, Bends::Linear),
+            Self::Fourfold => (4, Bends::Linear),
+        }
+    }
+}
+
+/// A shape by one tier.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The tier.
+    pub tier: Tier,
+    /// The chain it was solved on.
+    pub rod: Rod,
+    /// The shape; that without load for the kinematics.
+    pub shape: Shape,
+    /// Distance of its tip from that of the next tier, as a share of the limb's length.
+    pub order_error: f64,
+    /// What a rod leaves out of a bundle of tubes: 25 % of the square of the buckling ratio, as a share of the length.
+    pub bundle_error: f64,
+    /// The tube that is closest to buckling.
+    pub buckling: Option<Buckling>,
+}
+
+impl Answer {
+    /// The larger of both errors, as a share of the limb's length.
+    pub fn error(&self) -> f64 {
+        self.order_error.max(self.bundle_error)
+    }
+}
+
+/// By one tier; `start` are the unknowns of an earlier answer of it.
+///
+/// # Errors
+/// [`Lost`] where the limb does not carry the load.
+pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(Rod, Shape), Lost> {
+    let (parts, bends) = tier.pieces();
+    let rod = rod.split(parts);
+    if tier == Tier::Kinematic {
+        let q = DVector::zeros(rod.unknowns());
+        let potential = rod.potential(&q, 1.0);
+        return Ok((rod, Shape { q, potential, iterations: 0, steps: 0 }));
+    }
+    let shape = solve(&rod, bends, start)?;
+    Ok((rod, shape))
+}
+
+/// The cheapest tier whose distance from the next one is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest one.
+///
+/// What a rod leaves out of a bundle is the same for all tiers and does not choose between them. The finest tier is judged by an eighth of its distance from the one before: it halves the pieces, and their error falls with the third power at least.
+///
+/// # Errors
+/// [`Lost`] where the limb does not carry the load.
+pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
+    choose(&limb.rod, tolerance, length_m, |rod, shape| limb.buckling(rod, shape))
+}
+
+/// [`cheapest`] of a rod; `buckling` names the tube that is closest to it in a shape.
+///
+/// # Errors
+/// As [`cheapest`].
+pub fn choose(
+    rod: &Rod,
+    tolerance: f64,
+    length_m: f64,
+    buckling: impl Fn(&Rod, &Shape) -> Option<Buckling>,
+) -> Result<Answer, Lost> {
+    let mut last = by_tier(rod, Tier::Kinematic, None)?;
+    for pair in Tier::ALL.windows(2) {
+        let start = begin(&last, pair[0], pair[1]);
+        let next = by_tier(rod, pair[1], start.as_ref())?;
+        let distance = (next.1.tip().translation.vector - last.1.tip().translation.vector).norm() / length_m;
+        let buckling = buckling(&next.0, &next.1);
+        let bundle_error = 0.25 * buckling.map_or(0.0, |tube| tube.ratio().powi(2));
+        let (tier, (rod, shape), order_error) = if distance <= tolerance {
+            (pair[0], last, distance)
+        } else if pair[1] == Tier::Fourfold {
+            (pair[1], next, distance / 8.0)
+        } else {
+            last = next;
+            continue;
+        };
+        return Ok(Answer { tier, rod, shape, order_error, bundle_error, buckling });
+    }
+    // The last pair has returned.
+    Err(Lost::Unstable { share: 0.0 })
+}
+
+/// Unknowns of the next tier to begin with: those of the same pieces, or the bends of a whole piece read off at the halves.
+fn begin((rod, shape): &(Rod, Shape), from: Tier, to: Tier) -> Option<DVector<f64>> {
+    let (own, next) = (from.pieces().0, to.pieces().0);
+    if from == Tier::Kinematic {
+        return None;
+    }
+    if own == next {
+        return Some(shape.q.clone());
+    }
+    let parts = next / own;
+    let mut q = Vec::with_capacity(rod.unknowns() * parts);
+    for piece in shape.q.as_slice().chunks(UNKNOWNS) {
+        for part in 0..parts {
+            let middle = (2 * part + 1) as f64 / parts as f64 - 1.0;
+            let mut own: [f64; UNKNOWNS] = std::array::from_fn(|a| piece[a]);
+            for slope in [1, 3] {
+                own[slope - 1] += piece[slope] * middle;
+                own[slope] /= parts as f64;
+            }
+            q.extend(own);
+        }
+    }
+    Some(DVector::from_vec(q))
+}

@@ -1,0 +1,105 @@
+//! One pressurised tube as a spring: its state without load, and the tangent of the model there.
+
+use fra_model::{Actuator, Load, Motion, Parameter, Solution, Status};
+
+/// By how much stiffer than the wall the inextensible line of a bending actuator is taken to be.
+pub(super) const LINE: f64 = 100.0;
+
+/// A tube at a gauge pressure without load, per unit of its length at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tangent {
+    /// Axial stretch of the line that keeps the length: the axis, or the inextensible line of a bending actuator.
+    pub stretch: f64,
+    /// Bend per length at rest, rad/m.
+    pub bend_rad_per_m: f64,
+    /// Twist per length at rest, rad/m.
+    pub twist_rad_per_m: f64,
+    /// Axial stiffness `EA`, N per unit of stretch, at constant pressure.
+    pub axial_n: f64,
+    /// Bending stiffness `EI` in the plane that a bending actuator bends in, N m2.
+    pub bending_nm2: f64,
+    /// Bending stiffness across that plane, N m2; the same for a straight actuator.
+    pub across_nm2: f64,
+    /// Torsional stiffness `GJ`, N m2.
+    pub torsion_nm2: f64,
+    /// Axial force per twist rate, N m/rad: not 0 for one family of fibers.
+    pub coupling_nm: f64,
+    /// Shear stiffness `GA`, N.
+    pub shear_n: f64,
+    /// Outer radius, m.
+    pub outer_radius_m: f64,
+}
+
+impl Tangent {
+    /// The tube at a pressure; `None` where the branch of its equilibria does not get there.
+    ///
+    /// Axial and torsional stiffness are those of the model at constant pressure ([`Actuator::held`]). A straight wall is taken to have the same axial
+    /// modulus everywhere, so that `EI = EA (r_o^2 + r_i^2)/4`. In the plane of a bending actuator `EI` is the model's own change of
+    /// moment with the bend; its line is given a hundred times the stiffness of the wall. `GA` is half of `mu A`, as of a thin round tube.
+    pub fn of(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
+        let solution = actuator.forward(pressure_pa, &Load::none()).ok()?;
+        let solved = solution.status == Status::Solved;
+        solved.then_some(())?;
+        match actuator.parameters().motion {
+            Motion::Bending => bending(actuator, &solution),
+            Motion::Extension | Motion::Expansion | Motion::Twisting => straight(actuator, &solution),
+        }
+    }
+}
+
+fn straight(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangent> {
+    let (parameters, state) = (actuator.parameters(), &solution.state);
+    let held = actuator.held(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
+    let length_m = parameters.length_m;
+    let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
+    let bending_nm2 = axial * gyration_m2(state.inner_radius_m, state.outer_radius_m);
+    Some(Tangent {
+        stretch: state.axial_stretch,
+        bend_rad_per_m: 0.0,
+        twist_rad_per_m: state.twist_rad / length_m,
+        axial_n: axial,
+        bending_nm2,
+        across_nm2: bending_nm2,
+        torsion_nm2: torsion,
+        coupling_nm: coupling,
+        shear_n: shear_n(actuator),
+        outer_radius_m: state.outer_radius_m,
+    })
+    .filter(|tangent| tangent.axial_n > 0.0 && tangent.torsion_nm2 > 0.0)
+}
+
+fn bending(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangent> {
+    let (parameters, state) = (actuator.parameters(), &solution.state);
+    let by_moment = actuator.sensitivity(state, &Load::none(), Parameter::Torque).ok()?.bend_angle_rad;
+    // The wall alone, under its hoops: no radius changes, so that its axial modulus is 4 mu.
+    let modulus_pa = 4.0 * parameters.material.shear_modulus_pa();
+    let wall_n = modulus_pa * section_m2(actuator);
+    let across_nm2 = wall_n * gyration_m2(state.inner_radius_m, state.outer_radius_m);
+    Some(Tangent {
+        stretch: state.axial_stretch,
+        bend_rad_per_m: state.bend_angle_rad / parameters.length_m,
+        twist_rad_per_m: 0.0,
+        axial_n: LINE * wall_n,
+        bending_nm2: parameters.length_m / by_moment,
+        across_nm2,
+        torsion_nm2: across_nm2 * 0.5,
+        coupling_nm: 0.0,
+        shear_n: shear_n(actuator),
+        outer_radius_m: state.outer_radius_m,
+    })
+    .filter(|tangent| tangent.bending_nm2.is_finite() && tangent.bending_nm2 > 0.0)
+}
+
+/// Mean square of the distance of the wall from a diameter, m2.
+fn gyration_m2(inner_m: f64, outer_m: f64) -> f64 {
+    0.25 * (inner_m * inner_m + outer_m * outer_m)
+}
+
+fn section_m2(actuator: &Actuator<f64>) -> f64 {
+    let (inner, outer) = (actuator.parameters().inner_radius_m, actuator.parameters().outer_radius_m);
+    std::f64::consts::PI * (outer - inner) * (outer + inner)
+}
+
+fn shear_n(actuator: &Actuator<f64>) -> f64 {
+    0.5 * actuator.parameters().material.shear_modulus_pa() * section_m2(actuator)
+}

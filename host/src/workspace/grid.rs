@@ -1,0 +1,41 @@
+//! The volume: cubes of a grid that hold a tip.
+
+use std::collections::HashSet;
+
+/// A cube's place in the grid.
+type Cube = [i32; 3];
+
+/// The cubes that hold at least one tip.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    side_m: f64,
+    cubes: HashSet<Cube>,
+}
+
+impl Grid {
+    /// The grid of cubes of a side, m, > 0, through the origin of the scene.
+    pub fn new(tips_m: &[[f64; 3]], side_m: f64) -> Self {
+        let cubes = tips_m.iter().map(|tip| tip.map(|x| (x / side_m).floor() as i32)).collect();
+        Self { side_m, cubes }
+    }
+
+    /// Number of cubes with a tip.
+    pub fn count(&self) -> usize {
+        self.cubes.len()
+    }
+
+    /// Their volume, m3. It grows with the number of samples and falls with the side: too small where a cube of the workspace has not been met
+    /// yet, too large by the cubes that its surface cuts.
+    pub fn volume_m3(&self) -> f64 {
+        self.cubes.len() as f64 * self.side_m.powi(3)
+    }
+
+    /// Centers of the squares that the cubes have seen along a coordinate (0 to 2), m, in order.
+    pub fn shadow(&self, along: usize) -> Vec<[f64; 2]> {
+        let others: Vec<usize> = (0..3).filter(|axis| *axis != along).collect();
+        let squares: HashSet<[i32; 2]> = self.cubes.iter().map(|cube| [cube[others[0]], cube[others[1]]]).collect();
+        let mut squares: Vec<[i32; 2]> = squares.into_iter().collect();
+        squares.sort_unstable();
+        squares.into_iter().map(|square| square.map(|place| (f64::from(place) + 0.5) * self.side_m)).collect()
+    }
+}

@@ -1,0 +1,24 @@
+//! Where the tip can be: the extents exactly, and a picture of all of it.
+//!
+//! A workspace is the image of a box of pressures, from none to the highest that each actuator may be given. [`Workspace`] maps the box to
+//! the tip by polynomials, [`extents`] finds how far the tip gets in each direction, [`sample`] fills the box with points of low discrepancy,
+//! [`Grid`] counts the cells they fall into. Neither collisions of the limb with itself nor obstacles are looked at.
+
+mod bundle;
+mod compare;
+mod extents;
+mod fit;
+mod grid;
+mod lanes;
+mod module;
+mod picture;
+mod sample;
+mod space;
+
+pub use compare::{Convergence, convergence};
+pub use extents::{Extents, Measure, Reach, extents};
+pub use grid::Grid;
+pub use module::ModuleTable;
+pub use picture::picture;
+pub use sample::{Points, sample};
+pub use space::{Axis, Command, NoWorkspace, Workspace};
