@@ -6,6 +6,9 @@ use super::load::{Buckling, LoadedLimb};
 use super::rod::{Rod, UNKNOWNS};
 use super::solve::{Bends, Lost, Shape, solve};
 
+/// What a tier leaves of the error of the one before, at most: strains are constant along a piece and pieces are halved.
+const LEFT: f64 = 0.25;
+
 /// Models of a limb under load, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Tier {
@@ -24,6 +27,10 @@ pub enum Tier {
 impl Tier {
     /// All of them, the cheapest first.
     pub const ALL: [Self; 5] = [Self::Kinematic, Self::Constant, Self::Linear, Self::Double, Self::Fourfold];
+
+    /// Those that a tolerance chooses from. The distance of the constant tier from the linear one is no estimate of its error where the
+    /// linear one is far off, too; each of these is much nearer to the truth than the one before.
+    pub const CHOICE: [Self; 4] = [Self::Kinematic, Self::Linear, Self::Double, Self::Fourfold];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -56,7 +63,7 @@ pub struct Answer {
     pub rod: Rod,
     /// The shape; that without load for the kinematics.
     pub shape: Shape,
-    /// Distance of its tip from that of the next tier, as a share of the limb's length.
+    /// Its error by the distance of its tip from that of the next tier, as a share of the limb's length.
     pub order_error: f64,
     /// What a rod leaves out of a bundle of tubes: 25 % of the square of the buckling ratio, as a share of the length.
     pub bundle_error: f64,
@@ -87,9 +94,10 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
     Ok((rod, shape))
 }
 
-/// The cheapest tier whose distance from the next one is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest one.
+/// The cheapest tier of [`Tier::CHOICE`] whose error is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest.
 ///
-/// What a rod leaves out of a bundle is the same for all tiers and does not choose between them. The finest tier is judged by an eighth of its distance from the one before: it halves the pieces, and their error falls with the third power at least.
+/// The error is judged by the distance from the next tier, over 3/4, since the next one leaves up to a quarter of it; that of the finest
+/// is a quarter of the error of the one before. What a rod leaves out of a bundle is the same for all tiers and does not choose between them.
 ///
 /// # Errors
 /// [`Lost`] where the limb does not carry the load.
@@ -108,16 +116,17 @@ pub fn choose(
     buckling: impl Fn(&Rod, &Shape) -> Option<Buckling>,
 ) -> Result<Answer, Lost> {
     let mut last = by_tier(rod, Tier::Kinematic, None)?;
-    for pair in Tier::ALL.windows(2) {
+    for pair in Tier::CHOICE.windows(2) {
         let start = begin(&last, pair[0], pair[1]);
         let next = by_tier(rod, pair[1], start.as_ref())?;
         let distance = (next.1.tip().translation.vector - last.1.tip().translation.vector).norm() / length_m;
+        let estimate = distance / (1.0 - LEFT);
         let buckling = buckling(&next.0, &next.1);
         let bundle_error = 0.25 * buckling.map_or(0.0, |tube| tube.ratio().powi(2));
-        let (tier, (rod, shape), order_error) = if distance <= tolerance {
-            (pair[0], last, distance)
+        let (tier, (rod, shape), order_error) = if estimate <= tolerance {
+            (pair[0], last, estimate)
         } else if pair[1] == Tier::Fourfold {
-            (pair[1], next, distance / 8.0)
+            (pair[1], next, LEFT * estimate)
         } else {
             last = next;
             continue;

@@ -2,8 +2,20 @@
 
 use crate::desk::Desk;
 
-const VERBS: [&str; 10] =
-    ["check", "calibrate", "eval", "design", "payload", "run", "report", "bench", "fem", "fabricate"];
+const VERBS: [&str; 12] = [
+    "check",
+    "calibrate",
+    "eval",
+    "design",
+    "payload",
+    "run",
+    "report",
+    "bench",
+    "fem",
+    "fabricate",
+    "workspace",
+    "statics",
+];
 
 #[test]
 fn help_names_every_verb_the_exit_codes_and_where_to_start() {
