@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Matrix4, Point3, Translation3, UnitQuaternion, Vector3, Vector4};
 
-use super::screw::{Exponential, Screw};
+use super::screw::{Exponential, Screw, Second, Wrench};
 
 /// Unknowns of a piece.
 pub const UNKNOWNS: usize = 8;
@@ -326,16 +326,17 @@ fn work(steps: &[Step], total: &mut Potential) {
     }
 }
 
-/// The second derivative of one exponential, to the first order in its screw: `([a, [X, b]] + [b, [X, a]])/12`, and that of the screw.
+/// The second derivatives of one exponential and of its screw.
 fn curvature(step: &Step, at: usize, total: &mut Potential) {
-    let inner = step.by.map(|by| step.screw.bracket(&by));
+    let seen = step.rotation.transpose();
+    let couple = step.behind.couple() + step.behind.force.cross(&step.origin);
+    let work = Wrench { couple: seen * couple, force: seen * step.behind.force };
+    let second = Second::new(&step.screw, &step.by, &work);
     for a in 0..UNKNOWNS {
         for b in a..UNKNOWNS {
-            let both = step.by[a].bracket(&inner[b]).plus(&step.by[b].bracket(&inner[a])).scaled(1.0 / 12.0);
             let [(middle_a, slope_a), (middle_b, slope_b)] = [&step.units[a], &step.units[b]];
             let own = middle_a.bracket(slope_b).plus(&middle_b.bracket(slope_a)).scaled(step.third);
-            let both = both.plus(&own);
-            let entry = step.behind.work(&both.seen(&step.rotation, &step.origin));
+            let entry = second.of(&step.by, a, b) + second.of_screw(&own);
             total.tangent[(at + a, at + b)] -= entry;
             if a != b {
                 total.tangent[(at + b, at + a)] -= entry;

@@ -51,10 +51,9 @@ fn the_tangent_is_symmetric_and_the_slope_of_the_gradient() {
             };
             let slope = (gradient(step) - gradient(-step)) / (2.0 * step);
             for row in 0..q.len() {
-                // The second derivative of an exponential is taken to the first order in its screw.
                 let size = (springs[(row, row)] * springs[(column, column)]).sqrt();
                 let off = (slope[row] - tangent[(row, column)]).abs();
-                assert!(off < 1e-2 * size, "{row} {column}: {} {}", slope[row], tangent[(row, column)]);
+                assert!(off < 1e-6 * size, "{row} {column}: {} {}", slope[row], tangent[(row, column)]);
             }
         }
     }
