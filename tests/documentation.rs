@@ -36,6 +36,7 @@ fn files_and_tests_named_in_the_documentation_exist() {
         "docs/speed.md",
         "docs/statics.md",
         "docs/tasks.md",
+        "docs/tolerance.md",
         "docs/validation.md",
         "docs/workspace.md",
     ] {

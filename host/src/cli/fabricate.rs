@@ -1,5 +1,6 @@
 //! `softlimb fabricate`: what a workshop needs to make the actuators of a scene.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -68,6 +69,12 @@ pub(super) struct Allowed {
 impl Allowed {
     pub(super) fn tolerances(&self) -> Tolerances {
         Tolerances { wall_m: self.wall * 1e-3, angle_rad: self.angle.to_radians(), modulus: self.modulus * 1e-2 }
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "walls +- {} mm, angles +- {} deg, moduli +- {} %", self.wall, self.angle, self.modulus)
     }
 }
 

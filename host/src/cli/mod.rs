@@ -16,6 +16,7 @@ mod payload;
 mod report;
 mod run;
 mod statics;
+mod tolerance;
 mod workspace;
 
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
@@ -59,6 +60,7 @@ enum Verb {
     Payload(payload::Payload),
     Workspace(workspace::Workspace),
     Statics(statics::Statics),
+    Tolerance(tolerance::Tolerance),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -85,6 +87,7 @@ pub fn main() -> ExitCode {
         Verb::Payload(verb) => verb.run(),
         Verb::Workspace(verb) => verb.run(),
         Verb::Statics(verb) => verb.run(),
+        Verb::Tolerance(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

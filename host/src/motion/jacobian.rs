@@ -1,22 +1,13 @@
 //! Exact derivatives of points and axes of the limb by the pressures of its modules.
 //!
-//! With the screw `w` of a module's centre line, `e` its first tangent and `L` its length, the end lies at
-//! `p = L (e + f1 w x e + f2 w x (w x e))`, and a change `dw` turns it by `V dw`, `V = 1 + f1 [w] + f2 [w]^2`. Both are differentiated as
-//! they stand; the change of the screw by the pressure is that of the state curve, which the poses are made from, too.
+//! The end of a module's centre line moves with its parameters as [`Arc::change`] says; their change by the pressure is that of the state
+//! curve, which the poses are made from, too.
 
 use fra_model::{Motion, Segment, State};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+use super::arc::{Arc, Twist};
 use crate::design::{Limb, LimbModule};
-
-/// What one module's pressure does to what lies behind a place.
-#[derive(Clone, Copy, Debug, Default)]
-struct Twist {
-    /// Velocity of the place itself, per Pa.
-    velocity: Vector3<f64>,
-    /// Rate of rotation, rad/Pa.
-    rotation: Vector3<f64>,
-}
 
 /// A limb at given pressures, ready for derivatives.
 pub(super) struct Differential<'a> {
@@ -118,7 +109,8 @@ fn place(
         bend_angle_rad: segment.bend_angle_rad * share,
         twist_rad: segment.twist_rad * share,
     };
-    let local = strain(&scaled(link.segment), &scaled(segment_slope(module, state, slope, &link.segment)));
+    let arc = |segment| Arc::from(&scaled(segment));
+    let local = arc(link.segment).change(&arc(segment_slope(module, state, slope, &link.segment)));
     let at = (start * link.pose_at(share)).translation.vector;
     (at, Twist { velocity: mount * local.velocity, rotation: mount * local.rotation })
 }
@@ -134,67 +126,6 @@ fn segment_slope(module: &LimbModule, state: &State<f64>, slope: &State<f64>, se
             let along = length * length * state.axial_stretch * slope.axial_stretch;
             let around = circle * circle * state.twist_rad * slope.twist_rad;
             Segment { length_m: (along - around) / segment.length_m, bend_angle_rad: 0.0, twist_rad: slope.twist_rad }
-        }
-    }
-}
-
-/// Change of a centre line's end, seen from its start, for a change of its parameters.
-fn strain(segment: &Segment<f64>, change: &Segment<f64>) -> Twist {
-    let vector = |s: &Segment<f64>| Vector3::new(0.0, s.bend_angle_rad, s.twist_rad);
-    let (w, dw, e) = (vector(segment), vector(change), Vector3::z());
-    let [f1, f2, g1, g2] = coefficients(w.norm());
-    let (we, dwe) = (w.cross(&e), dw.cross(&e));
-    let inwards = w.cross(&we);
-    let turn = w.dot(&dw);
-    let path = e + we * f1 + inwards * f2;
-    let change_of_path = dwe * f1 + we * (g1 * turn) + (dw.cross(&we) + w.cross(&dwe)) * f2 + inwards * (g2 * turn);
-    let across = w.cross(&dw);
-    Twist {
-        velocity: path * change.length_m + change_of_path * segment.length_m,
-        rotation: dw + across * f1 + w.cross(&across) * f2,
-    }
-}
-
-/// `f1 = (1 - cos t)/t^2`, `f2 = (t - sin t)/t^3`, and `f1'/t`, `f2'/t`; by series where the quotients cancel.
-fn coefficients(t: f64) -> [f64; 4] {
-    let s = t * t;
-    if t < 0.3 {
-        let series = |a: f64, b: f64, c: f64, d: f64| a + s * (b + s * (c + s * d));
-        return [
-            series(0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0),
-            series(1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0),
-            series(-1.0 / 12.0, 1.0 / 180.0, -1.0 / 6720.0, 1.0 / 453_600.0),
-            series(-1.0 / 60.0, 1.0 / 1260.0, -1.0 / 60_480.0, 1.0 / 4_989_600.0),
-        ];
-    }
-    let (sin, cos) = t.sin_cos();
-    let half = (0.5 * t).sin();
-    let f1 = 2.0 * half * half / s;
-    [f1, (t - sin) / (s * t), (sin / t - 2.0 * f1) / s, (3.0 * sin - t * (2.0 + cos)) / (s * s * t)]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Against differences of the kinematics of `fra-model`, on both sides of the series' end.
-    #[test]
-    fn strains_are_the_derivatives_of_poses() {
-        for (bend, twist) in [(0.0, 0.0), (1e-3, 0.0), (0.2, -0.21), (0.25, -0.18), (1.3, 0.7), (0.0, 3.0), (4.0, 0.0)]
-        {
-            let at = |h: f64| Segment {
-                length_m: 0.2 + 0.3 * h,
-                bend_angle_rad: bend + 1.1 * h,
-                twist_rad: twist - 0.6 * h,
-            };
-            let change = Segment { length_m: 0.3, bend_angle_rad: 1.1, twist_rad: -0.6 };
-            let found = strain(&at(0.0), &change);
-            let h = 1e-5;
-            let (before, after) = (at(-h).pose(), at(h).pose());
-            let velocity = (after.translation.vector - before.translation.vector) / (2.0 * h);
-            let rotation = (after.rotation * before.rotation.inverse()).scaled_axis() / (2.0 * h);
-            assert!((found.velocity - velocity).norm() < 1e-9, "{bend} {twist}: {} {velocity}", found.velocity);
-            assert!((found.rotation - rotation).norm() < 1e-9, "{bend} {twist}: {} {rotation}", found.rotation);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! From the phases of a scene to the setpoints that are streamed: targets, way-points, timing, and what the device is told.
 
 mod air;
+mod arc;
 mod clear;
 mod configuration;
 mod follow;
@@ -18,6 +19,7 @@ mod space;
 mod timing;
 mod wire;
 
+pub(crate) use arc::Arc;
 pub use clear::Nearness;
 pub use configuration::configuration;
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};

@@ -87,7 +87,7 @@ fn series(a: f64, b: f64) -> f64 {
 }
 
 /// The square form of one tube and its minimum. A twisted bundle is shorter than its tubes, which are helices then.
-fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> Option<(Matrix4<f64>, Vector4<f64>)> {
+pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> Option<(Matrix4<f64>, Vector4<f64>)> {
     // What turns and is not wound to turn is held by the others, as the kinematics have it.
     let (twist, coupling) =
         if motion == Motion::Twisting { (tube.twist_rad_per_m, tube.coupling_nm) } else { (0.0, 0.0) };

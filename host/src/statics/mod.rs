@@ -6,6 +6,7 @@
 
 mod bundle;
 mod load;
+mod response;
 mod rod;
 mod screw;
 mod solve;
@@ -15,6 +16,7 @@ mod tube;
 pub(crate) use bundle::positions;
 pub use bundle::{Bundle, Free};
 pub use load::{Buckling, GRAVITY_M_PER_S2, Load, LoadedLimb};
+pub(crate) use response::{responses, shape_change};
 pub use rod::{Piece, Potential, Rod, UNKNOWNS};
 pub use solve::{Bends, Lost, Shape, solve};
 pub use tier::{Answer, Tier, by_tier, cheapest, choose};

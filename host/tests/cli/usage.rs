@@ -2,7 +2,7 @@
 
 use crate::desk::Desk;
 
-const VERBS: [&str; 12] = [
+const VERBS: [&str; 13] = [
     "check",
     "calibrate",
     "eval",
@@ -15,6 +15,7 @@ const VERBS: [&str; 12] = [
     "fabricate",
     "workspace",
     "statics",
+    "tolerance",
 ];
 
 #[test]
