@@ -6,6 +6,7 @@ use super::goal::{shapes, too_near};
 use super::plan::PlannedPhase;
 use super::route::route;
 use super::space::Space;
+use super::why_not::nearest_with_way;
 use crate::design::Limb;
 use crate::obstacle::Body;
 use crate::scene::{Phase, Scene, SceneError};
@@ -124,6 +125,9 @@ pub(super) fn no_way(
     // Quarters of what is asked for: finer steps would take long and say little more.
     let widest =
         [0.75, 0.5, 0.25, 0.0].into_iter().map(|share| share * required_m).find(|m| *m < required_m && possible(*m));
-    let help = widest.map(|m| format!("with a `clearance` of \"{:.2} mm\" there is a way", m * 1e3));
+    let smaller = widest.map(|m| format!("with a `clearance` of \"{:.2} mm\" there is a way", m * 1e3));
+    let nearer = nearest_with_way(scene, limb, space, phase, from);
+    let helps: Vec<String> = smaller.into_iter().chain(nearer).collect();
+    let help = (!helps.is_empty()).then(|| helps.join("; "));
     scene.diagnostic(phase.span, "the limb finds no way to this goal that keeps clear", &label, help.as_deref())
 }

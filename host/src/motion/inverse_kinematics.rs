@@ -72,28 +72,45 @@ pub fn solve(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
 pub fn solutions(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
     let problem = Problem::new(limb, task);
     let home = problem.shares(start_pa);
-    let first = problem.reach(&redundancy::settle(&problem, descend(&problem, home.clone()), &home));
-    let needs_more = |reach: &Reach| !reach.arrived() || !task.obstacles.is_empty();
-    let mut all = vec![first];
-    for start in starts(home.len()).take(if needs_more(&all[0]) { STARTS } else { 0 }) {
-        all.push(problem.reach(&redundancy::settle(&problem, descend(&problem, start), &home)));
-    }
+    let mut all = ends(&problem, &home);
     let from_home = |reach: &Reach| distance(&problem.shares(&reach.pressures_pa), &home);
-    let mut found: Vec<Reach> = Vec::new();
     let mut good: Vec<Reach> = all.iter().filter(|reach| reach.reached()).cloned().collect();
     let keeps_first = all[0].reached();
     good[usize::from(keeps_first)..].sort_by(|a, b| from_home(a).total_cmp(&from_home(b)));
-    for reach in good {
-        let shares = problem.shares(&reach.pressures_pa);
-        if found.iter().all(|known| distance(&problem.shares(&known.pressures_pa), &shares) > SAME) {
-            found.push(reach);
-        }
-    }
+    let mut found = different(&problem, good);
     if found.is_empty() {
         let badness =
             |reach: &Reach| (!reach.allowed(), reach.distance_m + reach.shortfall_m + LEVER_M * reach.angle_rad);
         all.sort_by(|a, b| badness(a).0.cmp(&badness(b).0).then(badness(a).1.total_cmp(&badness(b).1)));
         found.extend(all.into_iter().take(1));
+    }
+    found
+}
+
+/// Where a task cannot be done: what keeps direction and clearance, the nearest to its place first.
+pub(super) fn misses(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
+    let problem = Problem::new(limb, task);
+    let mut kept: Vec<Reach> = ends(&problem, &problem.shares(start_pa)).into_iter().filter(Reach::allowed).collect();
+    kept.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+    different(&problem, kept)
+}
+
+/// Where the descents from a posture and, if that is not enough, from starts spread over the range end.
+fn ends(problem: &Problem<'_>, home: &[f64]) -> Vec<Reach> {
+    let end = |start: Vec<f64>| problem.reach(&redundancy::settle(problem, descend(problem, start), home));
+    let first = end(home.to_vec());
+    let needs_more = !first.arrived() || problem.has_obstacles();
+    std::iter::once(first).chain(starts(home.len()).take(if needs_more { STARTS } else { 0 }).map(end)).collect()
+}
+
+/// The first of those that are the same.
+fn different(problem: &Problem<'_>, all: Vec<Reach>) -> Vec<Reach> {
+    let mut found: Vec<Reach> = Vec::new();
+    for reach in all {
+        let shares = problem.shares(&reach.pressures_pa);
+        if found.iter().all(|known| distance(&problem.shares(&known.pressures_pa), &shares) > SAME) {
+            found.push(reach);
+        }
     }
     found
 }

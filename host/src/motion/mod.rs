@@ -17,6 +17,7 @@ mod route;
 mod schedule;
 mod space;
 mod timing;
+mod why_not;
 mod wire;
 
 pub(crate) use arc::Arc;

@@ -5,7 +5,7 @@ use super::goal::{goals, marker, shapes};
 use super::path::Path;
 use super::plan::{PlannedPhase, in_units};
 use super::profile::PEAK_RATE;
-use super::route::route;
+use super::route::{ranges, route};
 use super::space::Space;
 use super::timing::{Shortest, rate_max, shortest};
 use crate::design::Limb;
@@ -101,12 +101,7 @@ impl Planner<'_> {
 
     /// The way to the first goal that can be reached.
     fn way(&self, phase: &Phase, before: &[f64]) -> Result<Vec<Vec<f64>>, SceneError> {
-        let ranges: Vec<(f64, f64)> = self
-            .limb
-            .modules()
-            .iter()
-            .map(|m| (m.range().0, m.measure(&m.curve.at(m.single_valued_max_pa()))))
-            .collect();
+        let ranges = ranges(self.limb);
         let goals = goals(self.scene, self.limb, &self.space, phase, before)?;
         let straight = goals.iter().take(GOALS).find(|goal| self.space.blocked(before, goal).is_none());
         if let Some(goal) = straight {

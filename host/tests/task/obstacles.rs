@@ -55,22 +55,76 @@ fn a_narrow_passage_is_found() {
     assert!(refused(&phases(0.128)).contains("too near"));
 }
 
-/// The way-point is in the middle of a ball of 40 mm; the tool is a ball of 20 mm about the tip.
+const BALL: &str =
+    "[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [0.66, 0.0, 0.68]\nradius = \"40 mm\"\n";
+const INTO: [f64; 3] = [0.66, 0.0, 0.68];
+
+/// A bar across the plane that the limb moves in.
+fn bar(x: f64, z: f64) -> String {
+    format!(
+        "[[obstacle]]\nname = \"bar\"\nshape = \"capsule\"\nfrom = [{x}, -0.4, {z}]\nto = [{x}, 0.4, {z}]\nradius = \"20 mm\"\n"
+    )
+}
+
+fn going_to(obstacles: &str, tip_m: [f64; 3]) -> String {
+    with_phases(
+        "pick-and-place-a",
+        &format!("{obstacles}[[phase]]\nname = \"into\"\nduration = \"4 s\"\ntip = {tip_m:?}\n"),
+    )
+}
+
+/// The point that a message gives behind some words, m.
+fn point_after(message: &str, words: &str) -> nalgebra::Vector3<f64> {
+    let rest = message.split(words).nth(1).unwrap_or_else(|| panic!("no {words:?}: {message}"));
+    let numbers = rest.split(']').next().unwrap().split(['[', '"', ',']).filter_map(|part| part.strip_suffix(" mm"));
+    let point: Vec<f64> = numbers.map(|number| number.trim().parse::<f64>().unwrap() * 1e-3).collect();
+    nalgebra::Vector3::from_row_slice(&point)
+}
+
+/// What is offered can be planned as it is written, to 0.1 mm, and keeps clear; the planner reaches what is written to 0.1 mm.
+fn assert_offer(obstacles: &str, offer: nalgebra::Vector3<f64>) {
+    let (scene, limb, plan) = planned(&going_to(obstacles, offer.into())).unwrap();
+    assert!((tip_after(&limb, &plan, 0).translation.vector - offer).norm() < 2e-4);
+    assert!(sampled_clearance(&scene, &limb, &plan) > 0.0);
+}
+
+/// The way-point is in the middle of a ball of 40 mm; the tool is a ball of 20 mm about the tip. The first point found on the ball is behind
+/// it.
 #[test]
 fn a_way_point_in_an_obstacle_is_refused_with_the_nearest_that_is_clear() {
-    let ball = "[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [0.66, 0.0, 0.68]\nradius = \"40 mm\"\n";
-    let text = |tip: &str| with_phases("pick-and-place-a", &format!("{ball}[[phase]]\nname = \"into\"\ntip = {tip}\n"));
-    let message = refused(&text("[0.66, 0.0, 0.68]"));
+    let message = refused(&going_to(BALL, INTO));
     assert!(message.contains("the limb cannot be here and clear of `ball`"), "{message}");
     assert!(message.contains("tip = [0.66"), "the line is shown: {message}");
-    let nearest = message.split("the nearest point that is clear, whatever the way there, is ").nth(1).unwrap();
-    let numbers = nearest.split(']').next().unwrap().split(['[', '"', ',']).filter_map(|part| part.strip_suffix(" mm"));
-    let tip: Vec<f64> = numbers.map(|number| number.trim().parse::<f64>().unwrap() * 1e-3).collect();
-    let tip = nalgebra::Vector3::from_row_slice(&tip);
-    let centre = nalgebra::Vector3::new(0.66, 0.0, 0.68);
+    let tip = point_after(&message, "the nearest point that is clear is ");
     // Written to 0.1 mm.
-    assert!(((tip - centre).norm() - 0.06).abs() < 1e-3, "{tip}");
+    assert!(((tip - nalgebra::Vector3::from(INTO)).norm() - 0.06).abs() < 1e-3, "{tip}");
     assert!(tip.y.abs() < 1e-3, "the limb moves in a plane: {tip}");
+    assert_offer(BALL, tip);
+}
+
+/// A bar before the ball: the points on the ball are clear, but all behind the bar.
+#[test]
+fn a_point_without_a_way_is_offered_together_with_one_that_has_a_way() {
+    let obstacles = BALL.to_owned() + &bar(0.60, 0.90);
+    let message = refused(&going_to(&obstacles, INTO));
+    let behind = point_after(&message, "the nearest point that is clear is ");
+    let before = point_after(&message, "no way there was found; the nearest with a way is ");
+    let far = |point: nalgebra::Vector3<f64>| (point - nalgebra::Vector3::from(INTO)).norm();
+    assert!((far(behind) - 0.06).abs() < 1e-3 && far(before) > far(behind) + 0.01, "{behind} {before}");
+    assert_offer(&obstacles, before);
+}
+
+/// Nothing is in the way-point, and nothing leads there.
+#[test]
+fn a_clear_goal_without_a_way_is_refused_with_how_near_a_way_leads() {
+    let obstacles = bar(0.75, 0.92);
+    let message = refused(&going_to(&obstacles, INTO));
+    assert!(message.contains("the limb finds no way to this goal that keeps clear"), "{message}");
+    let offer = point_after(&message, "the nearest point that a way was found to is ");
+    // The straight limb of 0.815 m begins much farther away.
+    let far = (offer - nalgebra::Vector3::from(INTO)).norm();
+    assert!(far > 1e-3 && far < 0.4, "{offer}");
+    assert_offer(&obstacles, offer);
 }
 
 #[test]

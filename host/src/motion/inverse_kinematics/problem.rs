@@ -17,6 +17,16 @@ pub enum TipGoal<'a> {
     Inside(&'a Shape),
 }
 
+impl TipGoal<'_> {
+    /// Distance of a point from it, m; 0 inside.
+    pub(crate) fn distance_m(&self, point_m: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Point(target) => (Vector3::from(*target) - point_m).norm(),
+            Self::Inside(shape) => shape.distance(point_m).distance_m.max(0.0),
+        }
+    }
+}
+
 /// What tip and body shall do.
 #[derive(Clone, Copy, Debug)]
 pub struct TipTask<'a> {
@@ -63,6 +73,11 @@ impl<'a> Problem<'a> {
         Self { limb, task, spans: limb.modules().iter().map(|module| module.single_valued_max_pa()).collect() }
     }
 
+    /// Whether anything stands in the way.
+    pub(super) fn has_obstacles(&self) -> bool {
+        !self.task.obstacles.is_empty()
+    }
+
     /// Pressures as shares of the ranges, within them.
     pub(super) fn shares(&self, pressures_pa: &[f64]) -> Vec<f64> {
         let share = |(p, span): (&f64, &f64)| if *span > 0.0 { (p / span).clamp(0.0, 1.0) } else { 0.0 };
@@ -78,10 +93,7 @@ impl<'a> Problem<'a> {
         let pressures_pa = self.pressures(shares);
         let at = Differential::new(self.limb, &pressures_pa);
         let tip = at.tip().translation.vector;
-        let distance_m = match self.task.goal {
-            TipGoal::Point(target) => (Vector3::from(target) - tip).norm(),
-            TipGoal::Inside(shape) => shape.distance(&tip).distance_m.max(0.0),
-        };
+        let distance_m = self.task.goal.distance_m(&tip);
         let axis = at.tip().rotation * Vector3::z();
         let angle_rad = self
             .task
