@@ -91,6 +91,7 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
         "duration_s": plan.duration_us() as f64 * 1e-6,
         "modules": modules,
         "phases": phases,
+        "weight": plan.weighed().map(|weighed| json!({"model": weighed.tier.name(), "error": weighed.error})),
         "warnings": plan.warnings,
     })
 }
@@ -110,7 +111,11 @@ fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[M
         let (highest_kpa, allowed_kpa) = (pressure * 1e-3, module.pressure_max_pa * 1e-3);
         format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa, by {inverse}", module.name)
     });
-    std::iter::once(heading).chain(modules).chain(phase_rows(scene, plan)).collect::<Vec<_>>().join("\n")
+    let weight = plan.weighed().map(|weighed| {
+        let (model, error) = (weighed.tier.name(), 100.0 * weighed.error);
+        format!("  corrected for weight by the model `{model}`, which says of itself that it errs by {error:.2} % of the length")
+    });
+    std::iter::once(heading).chain(modules).chain(weight).chain(phase_rows(scene, plan)).collect::<Vec<_>>().join("\n")
 }
 
 /// Where there are obstacles or moves whose time the plan chose, a line a phase.

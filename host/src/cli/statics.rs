@@ -131,7 +131,7 @@ impl Loaded {
             stability: answer.shape.stability(&answer.rod, bends),
             buckling_ratio: answer.buckling.map_or(0.0, |tube| tube.ratio()),
             weakest: answer.buckling.map(|tube| tube.module),
-            bent_back: limb.bent_back(&answer.rod, &answer.shape),
+            bent_back: limb.bent_back(&answer.rod, &answer.shape, 1e-9),
             answer,
         }
     }

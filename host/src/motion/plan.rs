@@ -6,6 +6,7 @@ use super::clear::{self, Nearness};
 use super::path::Path;
 use super::refusal::state_at;
 use super::schedule::schedule;
+use super::weight::{self, Weighed};
 use super::wire::{from_wire, to_wire};
 use crate::design::Limb;
 use crate::scene::{Gripper, Scene, SceneError, SetpointKind};
@@ -46,6 +47,7 @@ pub struct Plan {
     knots: Vec<Vec<i32>>,
     /// The limb's states at the knots, by the model.
     states: Vec<Vec<State<f64>>>,
+    weighed: Option<Weighed>,
 }
 
 impl Plan {
@@ -81,6 +83,26 @@ impl Plan {
             .collect()
     }
 
+    /// What the plan knows of the limb's weight; `None` where its setpoints are not corrected for it.
+    pub fn weighed(&self) -> Option<&Weighed> {
+        self.weighed.as_ref()
+    }
+
+    /// Where the setpoints of a time bring the tip, m: under the limb's weight and payload where they are corrected for it.
+    pub fn tip_m(&self, limb: &Limb, time_us: f64) -> [f64; 3] {
+        let Some(weighed) = &self.weighed else { return limb.tip(&self.states_at(time_us)) };
+        let (before, after, share) = self.between(time_us);
+        between(weighed.tips_m[before], weighed.tips_m[after], share)
+    }
+
+    /// The centre line at the setpoints of a time, m; as [`Plan::tip_m`].
+    pub fn line_m(&self, limb: &Limb, time_us: f64) -> Vec<[f64; 3]> {
+        let Some(weighed) = &self.weighed else { return limb.backbone(&self.states_at(time_us)) };
+        let (before, after, share) = self.between(time_us);
+        let points = weighed.lines_m[before].iter().zip(&weighed.lines_m[after]);
+        points.map(|(a, b)| between(*a, *b, share)).collect()
+    }
+
     fn between(&self, time_us: f64) -> (usize, usize, f64) {
         let last = self.knots.len() - 1;
         let position = (time_us / self.knot_period_us as f64).clamp(0.0, last as f64);
@@ -89,13 +111,18 @@ impl Plan {
     }
 }
 
+fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| a[axis] + (b[axis] - a[axis]) * share)
+}
+
 /// Plans all phases of a scene.
 ///
 /// # Errors
-/// A diagnostic at the target, way-point, duration or obstacle that the limb cannot follow or keep clear of, with the nearest that it can.
+/// A diagnostic at the target, way-point, duration or obstacle that the limb cannot follow or keep clear of, or cannot under its weight,
+/// with the nearest that it can.
 pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
     let start: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
-    let (mut phases, warnings) = schedule(scene, limb, &start)?;
+    let (mut phases, mut warnings) = schedule(scene, limb, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
     let states = states(scene, limb, &phases, &knots, knot_period_us)?;
@@ -105,7 +132,18 @@ pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
         .collect();
     clear::prove(scene, limb, &mut phases, (&rows, &states), knot_period_us)?;
     let kinds = limb.modules().iter().map(|m| m.kind).collect();
-    Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states })
+    let Some((knots, mut weighed)) = weight::corrected(scene, limb, &mut phases, &states, knot_period_us)? else {
+        return Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: None });
+    };
+    let states = self::states(scene, limb, &phases, &knots, knot_period_us)?;
+    if let Some(most) = scene.weight().map(|weight| weight.error).filter(|most| weighed.error > *most) {
+        let [error, most] = [weighed.error, most].map(|error| 100.0 * error);
+        warnings.push(format!(
+            "the tip under weight is known to {error:.2} % of the limb's length only, by the finest model there is; `error` of [weight] is {most} %"
+        ));
+    }
+    weight::weigh(scene, limb, &phases, &states, knot_period_us, &mut weighed)?;
+    Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: Some(weighed) })
 }
 
 /// A setpoint as people read it.

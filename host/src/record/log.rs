@@ -227,14 +227,14 @@ pub struct Sample {
     pub tip_achieved_m: Option<[f64; 3]>,
 }
 
-/// A fault that the device reported.
+/// A fault that the device reported, or that was seen on the simulated limb itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FaultRecord {
     /// Time, s after the start of the run.
     pub time_s: f64,
     /// Channel, 0xFF for the whole system.
     pub channel: u8,
-    /// Fault code, as on the wire.
+    /// Fault code, as on the wire; those from 240 on are of the limb and no device has them.
     pub code: u8,
     /// Value that goes with the code.
     pub value: i32,

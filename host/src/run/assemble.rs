@@ -5,10 +5,11 @@ use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
 use softlimb_sim::plant::Truth;
 
 use super::Progress;
+use super::hanging::Hanging;
 use super::observed::Traffic;
 use crate::design::{Limb, LimbModule};
 use crate::link::{DeviceFault, LinkStatistics};
-use crate::motion::Plan;
+use crate::motion::{Carried, Nominal, OnLimb, Plan, carried, payload_kg};
 use crate::obstacle::Shape as Shape3;
 use crate::record::{
     ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
@@ -23,13 +24,26 @@ const SHAPE_PERIOD_S: f64 = 0.2;
 pub(super) struct Assembler<'a> {
     limb: &'a Limb,
     plan: &'a Plan,
+    hanging: Option<Hanging<'a>>,
+    /// What the model makes of the chamber pressures where setpoints are corrected for weight.
+    weighed: Option<(Nominal<'a>, Vec<Carried>)>,
     start_us: Option<u64>,
     next_shape_s: f64,
 }
 
+/// What is seen of the limb when a message comes.
+pub(super) struct Seen {
+    pub(super) sample: Sample,
+    pub(super) shape: Option<Shape>,
+    /// What happens to the limb itself.
+    pub(super) faults: Vec<FaultRecord>,
+}
+
 impl<'a> Assembler<'a> {
-    pub(super) fn new(limb: &'a Limb, plan: &'a Plan) -> Self {
-        Self { limb, plan, start_us: None, next_shape_s: 0.0 }
+    pub(super) fn new(scene: &'a Scene, limb: &'a Limb, plan: &'a Plan) -> Self {
+        let weighed = plan.weighed();
+        let weighed = weighed.map(|weighed| (Nominal::new(scene, limb, weighed.tier), carried(scene.phases())));
+        Self { limb, plan, hanging: Hanging::new(scene, limb, plan), weighed, start_us: None, next_shape_s: 0.0 }
     }
 
     /// The trajectory starts at a device time.
@@ -44,19 +58,34 @@ impl<'a> Assembler<'a> {
     }
 
     /// The sample of a telemetry message; `None` before the start.
-    pub(super) fn sample(&mut self, message: &Telemetry, truth: Option<&Truth>) -> Option<(Sample, Option<Shape>)> {
+    pub(super) fn sample(&mut self, message: &Telemetry, truth: Option<&Truth>) -> Option<Seen> {
         let time_us = message.time_us.checked_sub(self.start_us?)?;
         let time_s = time_us as f64 * 1e-6;
-        let planned = self.plan.states_at(time_us as f64);
         let channels = channels(message, truth);
         let modelled: Vec<State<f64>> = self.limb.modules().iter().map(|module| modelled(module, &channels)).collect();
         let achieved: Option<Vec<State<f64>>> =
             truth.map(|truth| self.limb.modules().iter().map(|module| achieved(module, truth)).collect());
         let values = self.plan.values_at(time_us as f64);
+        let (hung, faults) = match (&mut self.hanging, truth, &achieved) {
+            (Some(hanging), Some(truth), Some(states)) => {
+                let (hung, faults) = hanging.at(time_us, truth, states);
+                (Some(hung), faults)
+            }
+            _ => (None, Vec::new()),
+        };
+        // Without weight as the actuators are; with it as the limb hangs, and not at all where it has fallen.
+        let values_achieved = match &hung {
+            Some(hung) => hung.as_ref().map(|hung| hung.values.clone()),
+            None => achieved.as_ref().map(|states| measured(self.limb, states)),
+        };
+        let tip_achieved_m = match &hung {
+            Some(hung) => hung.as_ref().map(|hung| hung.tip_m),
+            None => achieved.as_ref().map(|states| self.limb.tip(states)),
+        };
         let modules = self.limb.modules().iter().enumerate().map(|(index, module)| ModuleSample {
             setpoint: values[index],
             modelled: module.measure(&modelled[index]),
-            achieved: achieved.as_ref().map(|states| module.measure(&states[index])),
+            achieved: values_achieved.as_ref().map(|values| values[index]),
         });
         let sample = Sample {
             time_s,
@@ -65,19 +94,30 @@ impl<'a> Assembler<'a> {
             supply_pa: 10.0 * f64::from(message.supply_10pa),
             channels,
             modules: modules.collect(),
-            tip_setpoint_m: self.limb.tip(&planned),
-            tip_modelled_m: self.limb.tip(&modelled),
-            tip_achieved_m: achieved.as_ref().map(|states| self.limb.tip(states)),
+            tip_setpoint_m: self.plan.tip_m(self.limb, time_us as f64),
+            tip_modelled_m: self.tip_modelled_m(time_us, &modelled),
+            tip_achieved_m,
         };
         let shape = (time_s >= self.next_shape_s).then(|| {
             self.next_shape_s += SHAPE_PERIOD_S;
             Shape {
                 time_s,
-                setpoint: self.limb.backbone(&planned),
-                achieved: achieved.as_ref().map(|states| self.limb.backbone(states)),
+                setpoint: self.plan.line_m(self.limb, time_us as f64),
+                achieved: match hung {
+                    Some(hung) => hung.map(|hung| hung.line_m),
+                    None => achieved.as_ref().map(|states| self.limb.backbone(states)),
+                },
             }
         });
-        Some((sample, shape))
+        Some(Seen { sample, shape, faults })
+    }
+
+    /// Where the model has the tip; under load where the plan has, and not at all (NaN) where the nominal limb would fall.
+    fn tip_modelled_m(&mut self, time_us: u64, states: &[State<f64>]) -> [f64; 3] {
+        let Some((nominal, carried)) = &mut self.weighed else { return self.limb.tip(states) };
+        let on = OnLimb::whole(payload_kg(carried, &self.plan.phases, time_us));
+        let pressures: Vec<f64> = states.iter().map(|state| state.pressure_pa.max(0.0)).collect();
+        nominal.at(&pressures, on).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
     }
 
     /// A fault on the clock of the run; one before the start is told at its start.
@@ -123,6 +163,10 @@ fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
         (State::combine([&sum, &shape], |[sum, value]| sum + value), count + 1.0)
     });
     State::combine([&sum], |[sum]| sum / count)
+}
+
+fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {
+    limb.modules().iter().zip(states).map(|(module, state)| module.measure(state)).collect()
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {

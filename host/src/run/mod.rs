@@ -2,6 +2,7 @@
 
 mod assemble;
 mod error;
+mod hanging;
 mod observed;
 
 use std::fs;
@@ -21,7 +22,7 @@ use crate::report;
 use crate::scene::Scene;
 use crate::simulate;
 
-use assemble::{Assembler, run_info};
+use assemble::{Assembler, Seen, run_info};
 pub use error::RunError;
 use observed::Observed;
 
@@ -104,7 +105,7 @@ pub fn run(
 
     let began = Instant::now();
     let mut recording =
-        Recording::new(run_info(scene, &limb, &plan, options.seed), Assembler::new(&limb, &plan), &path);
+        Recording::new(run_info(scene, &limb, &plan, options.seed), Assembler::new(scene, &limb, &plan), &path);
     let defaults = StreamOptions::new(SESSION);
     let heartbeat_us = defaults.heartbeat_us.min(u64::from(configuration.system.link_timeout_us) / 4);
     // The ramp down takes its time; twice that and the default is long enough.
@@ -208,11 +209,12 @@ impl<'a> Recording<'a> {
             Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
             Event::Telemetry { message, .. } => {
                 let truth = device.truth_at(message.time_us);
-                if let Some((sample, shape)) = self.assembler.sample(&message, truth.as_ref()) {
+                if let Some(Seen { sample, shape, faults }) = self.assembler.sample(&message, truth.as_ref()) {
                     let progress = self.assembler.progress(sample.time_s);
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
                         shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
+                        faults.iter().try_for_each(|fault| recorder.fault(fault))?;
                     }
                     return Ok(Some(progress));
                 }

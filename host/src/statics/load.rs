@@ -8,7 +8,7 @@ use super::bundle::Bundle;
 use super::rod::{Piece, Rod, UNKNOWNS};
 use super::solve::Shape;
 use crate::design::{Limb, LimbModule};
-use crate::scene::Scene;
+use crate::scene::{Module, Scene};
 
 /// Acceleration of gravity, m/s2, against the scene's third axis.
 pub const GRAVITY_M_PER_S2: f64 = 9.806_65;
@@ -59,19 +59,28 @@ impl LoadedLimb {
         if pressures_pa.len() != limb.channels() || bays.len() != limb.modules().len() {
             return None;
         }
-        let (mut pieces, mut bundles) = (Vec::new(), Vec::new());
-        for (index, (module, bays)) in limb.modules().iter().zip(bays).enumerate() {
-            let bundle = Bundle::new(module, &pressures_pa[module.channels.clone()], *bays)?;
-            pieces.push(piece(scene, module, index, &bundle, load));
-            bundles.push(bundle);
-        }
+        let modules = limb.modules().iter().zip(bays);
+        let bundles = modules.map(|(module, bays)| Bundle::new(module, &pressures_pa[module.channels.clone()], *bays));
+        let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
+        Some(Self::of_bundles(scene, limb, bundles.collect::<Option<_>>()?, &walls_kg, load))
+    }
+
+    /// The limb of a scene whose modules are these bundles, with walls of these masses, kg.
+    ///
+    /// # Panics
+    /// When there are not as many bundles and masses as modules.
+    pub fn of_bundles(scene: &Scene, limb: &Limb, bundles: Vec<Bundle>, walls_kg: &[f64], load: &Load) -> Self {
+        let modules = limb.modules();
+        assert_eq!((bundles.len(), walls_kg.len()), (modules.len(), modules.len()), "a bundle and a mass a module");
+        let parts = modules.iter().zip(&bundles).zip(walls_kg).enumerate();
+        let pieces = parts.map(|(index, ((module, bundle), kg))| piece(scene, module, index, (bundle, *kg), load));
         let rod = Rod {
             base: *limb.base(),
-            pieces,
+            pieces: pieces.collect(),
             gravity_m_per_s2: Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2),
             tip_force_n: Vector3::from(load.force_n),
         };
-        Some(Self { rod, bundles, motions: limb.modules().iter().map(|module| module.motion).collect() })
+        Self { rod, bundles, motions: modules.iter().map(|module| module.motion).collect() }
     }
 
     /// Tip without any load: the kinematics.
@@ -102,14 +111,15 @@ impl LoadedLimb {
         worst
     }
 
-    /// Whether a bending module is bent backwards anywhere: its lines do not shorten, so that this is beyond the model.
-    pub fn bent_back(&self, rod: &Rod, shape: &Shape) -> Option<usize> {
+    /// The first bending module that is bent backwards anywhere, by more than `by_rad_per_m`: its lines do not shorten, so that this is
+    /// beyond the model.
+    pub fn bent_back(&self, rod: &Rod, shape: &Shape, by_rad_per_m: f64) -> Option<usize> {
         let parts = rod.pieces.len() / self.bundles.len().max(1);
         let back = |index: usize| {
             let piece = &rod.pieces[index];
             let [mean, linear] = piece.differences(&shape.q.as_slice()[index * UNKNOWNS..][..UNKNOWNS]);
             self.motions[index / parts.max(1)] == fra_model::Motion::Bending
-                && piece.free[1] + mean.y - linear.y.abs() < -1e-9
+                && piece.free[1] + mean.y - linear.y.abs() < -by_rad_per_m
         };
         (0..rod.pieces.len()).find(|index| back(*index)).map(|index| index / parts.max(1))
     }
@@ -131,7 +141,7 @@ impl LoadedLimb {
     }
 }
 
-fn piece(scene: &Scene, module: &LimbModule, index: usize, bundle: &Bundle, load: &Load) -> Piece {
+fn piece(scene: &Scene, module: &LimbModule, index: usize, (bundle, wall_kg): (&Bundle, f64), load: &Load) -> Piece {
     let [connector_m, tool_m] = module.rigid_parts_m();
     let mut masses = vec![(0.5 * connector_m, scene.limb().connector_mass_kg)];
     if index + 1 == scene.modules().len() {
@@ -147,7 +157,7 @@ fn piece(scene: &Scene, module: &LimbModule, index: usize, bundle: &Bundle, load
         shear_n: bundle.shear_n,
         length_m: module.length_m(),
         mount_angle_rad: module.mount_angle_rad(),
-        kg_per_m: scene.modules()[index].elastomer_mass_kg() / module.length_m(),
+        kg_per_m: wall_kg / module.length_m(),
         rigid_m: module.rigid_length_m(),
         masses,
     }

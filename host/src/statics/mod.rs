@@ -5,16 +5,19 @@
 //! many unknowns as a tolerance needs.
 
 mod bundle;
+mod deformed;
 mod load;
 mod response;
 mod rod;
 mod screw;
 mod solve;
 mod tier;
+mod tip_response;
 mod tube;
 
 pub(crate) use bundle::positions;
 pub use bundle::{Bundle, Free};
+pub use deformed::Deformed;
 pub use load::{Buckling, GRAVITY_M_PER_S2, Load, LoadedLimb};
 pub(crate) use response::{responses, shape_change};
 pub use rod::{Piece, Potential, Rod, UNKNOWNS};

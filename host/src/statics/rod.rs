@@ -18,7 +18,7 @@ pub const UNKNOWNS: usize = 8;
 /// Those that make the bends linear.
 pub(super) const SLOPES: [usize; 2] = [1, 3];
 /// Steps of a piece; even, for Simpson's rule.
-const STEPS: usize = 4;
+pub(super) const STEPS: usize = 4;
 /// What a tube between plates shortens by when they slide: `3/5 gamma^2` of an S against `1/2 gamma^2` of a straight one.
 pub(super) const SWAY: f64 = 0.6;
 
@@ -104,8 +104,8 @@ impl Behind {
 }
 
 /// One exponential of the chain.
-struct Step {
-    screw: Screw,
+pub(super) struct Step {
+    pub(super) screw: Screw,
     /// Derivatives of the screw by the unknowns of its piece, in its own frame.
     by: [Screw; UNKNOWNS],
     /// Strain in the middle and its slope by the unknowns, and a twelfth of the cube of the step.
@@ -167,7 +167,7 @@ impl Piece {
     }
 
     /// The screws of its steps with their derivatives.
-    fn step(&self, q: &[f64], index: usize) -> Step {
+    pub(super) fn step(&self, q: &[f64], index: usize) -> Step {
         let h = self.length_m / STEPS as f64;
         let eta = (2 * index + 1) as f64 / STEPS as f64 - 1.0;
         let (middle, slope) = self.strain(q, eta);

@@ -56,11 +56,16 @@ impl Shape {
 
     /// How far the tip gives way to a small force on it, m/N: column by direction of the force.
     pub fn compliance_m_per_n(&self, rod: &Rod, bends: Bends) -> Option<Matrix3<f64>> {
-        let mut tangent = self.potential.tangent.clone();
-        hold(&mut tangent, bends);
-        let tangent = tangent.cholesky()?;
+        let tangent = self.held_tangent(bends).cholesky()?;
+        let lever = self.levers(rod, bends);
+        let given = [0, 1, 2].map(|axis: usize| tangent.solve(&lever[axis]));
+        Some(Matrix3::from_fn(|row, column| lever[row].dot(&given[column])))
+    }
+
+    /// How the tip moves along each axis with the unknowns.
+    pub(super) fn levers(&self, rod: &Rod, bends: Bends) -> [DVector<f64>; 3] {
         // A force is linear in the gradient: the difference that one newton makes is how the tip moves with the unknowns.
-        let lever = [0, 1, 2].map(|axis: usize| {
+        [0, 1, 2].map(|axis: usize| {
             let mut pushed = rod.clone();
             pushed.tip_force_n[axis] += 1.0;
             let mut lever = &self.potential.gradient - pushed.potential(&self.q, 1.0).gradient;
@@ -68,9 +73,14 @@ impl Shape {
                 release(&mut lever);
             }
             lever
-        });
-        let given = [0, 1, 2].map(|axis: usize| tangent.solve(&lever[axis]));
-        Some(Matrix3::from_fn(|row, column| lever[row].dot(&given[column])))
+        })
+    }
+
+    /// The tangent with the unknowns that are not free taken out.
+    pub(super) fn held_tangent(&self, bends: Bends) -> DMatrix<f64> {
+        let mut tangent = self.potential.tangent.clone();
+        hold(&mut tangent, bends);
+        tangent
     }
 
     /// The least eigenvalue of the tangent relative to that without load: 1 without load, 0 where the shape loses its stability.

@@ -1,6 +1,6 @@
 //! One pressurised tube as a spring: its state without load, and the tangent of the model there.
 
-use fra_model::{Actuator, Load, Motion, Parameter, Solution, Status};
+use fra_model::{Actuator, Load, Motion, Parameter, Solution, State, Status};
 
 /// By how much stiffer than the wall the inextensible line of a bending actuator is taken to be.
 pub(super) const LINE: f64 = 100.0;
@@ -44,6 +44,14 @@ impl Tangent {
             Motion::Bending => bending(actuator, &solution),
             Motion::Extension | Motion::Expansion | Motion::Twisting => straight(actuator, &solution),
         }
+    }
+}
+
+impl Tangent {
+    /// The same springs about another shape without load: that of `state`, of a tube `length_m` long at rest.
+    pub fn about(self, state: &State<f64>, length_m: f64) -> Self {
+        let (bend_rad_per_m, twist_rad_per_m) = (state.bend_angle_rad / length_m, state.twist_rad / length_m);
+        Self { stretch: state.axial_stretch, bend_rad_per_m, twist_rad_per_m, ..self }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use softlimb::design::Limb;
 use softlimb::scene::{self, Scene};
-use softlimb::statics::{Load, LoadedLimb, Tier, by_tier, cheapest};
+use softlimb::statics::{Bundle, Load, LoadedLimb, Tangent, Tier, by_tier, cheapest};
 
 fn scene(direction: &str, density: f64) -> (Scene, Limb) {
     let file = format!("{}/../scenes/pick-and-place-a.toml", env!("CARGO_MANIFEST_DIR"));
@@ -97,4 +97,22 @@ fn wrong_counts_and_pressures_are_no_limb() {
     assert!(make(&vec![0.0; channels], &[1, 1]).is_none());
     assert!(make(&vec![0.0; channels], &[1, 0, 1]).is_none());
     assert!(make(&vec![f64::NAN; channels], &[1, 1, 1]).is_none());
+}
+
+#[test]
+fn plates_lie_in_the_plane_of_the_ends_of_unequal_tubes() {
+    let (scene, limb) = scene("[0, 0, -1]", 1.0);
+    let tube = Tangent::of(&limb.modules()[0].actuator, 30e3).expect("a tube");
+    let places = [[0.03, 0.0], [-0.015, 0.026], [-0.015, -0.026]];
+    let stretches = [1.10, 1.12, 1.07];
+    let tubes = places.into_iter().zip(stretches).map(|(place, stretch)| (place, Tangent { stretch, ..tube }));
+    let bundle = Bundle::of_tubes(*scene.modules()[0].motion, tubes.collect(), 0.08).expect("a bundle");
+    // Without the tubes' own stiffness against bending, three ends and a plane through them.
+    for ([x, y], stretch) in places.into_iter().zip(stretches) {
+        let [ux, uy] = bundle.free.bend_rad_per_m.map(|bend| {
+            let arms = places.iter().map(|[x, _]| x * x).sum::<f64>() * tube.axial_n;
+            bend * (arms + 3.0 * tube.bending_nm2) / arms
+        });
+        assert!((bundle.free.stretch - ux * x - uy * y - stretch).abs() < 1e-4, "{:?}", bundle.free);
+    }
 }

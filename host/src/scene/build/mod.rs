@@ -74,6 +74,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let limb = limb::limb(&root);
     let limits = settings::limits(&root);
     let controller = settings::controller(&root);
+    let weight = settings::weight(&root);
     let plant = plant::plant(&root);
     let mut drafts = module::modules(&root, &materials, &windings, limits.as_ref());
     let obstacles = task::obstacles(&root);
@@ -102,6 +103,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
         design: design?,
         limits: limits?,
         controller: controller?,
+        weight: weight?,
         plant: plant?,
     })
 }

@@ -1,6 +1,6 @@
 //! Limits and settings of the controller.
 
-use crate::scene::data::{BendingModel, Controller, InverseChoice, Limits, LinkLoss};
+use crate::scene::data::{BendingModel, Controller, InverseChoice, Limits, LinkLoss, Weight};
 use crate::scene::error::{Problem, quoted};
 use crate::scene::reader::Reader;
 use crate::scene::schema::{self, Nested, Quantity, Section, controller as keys};
@@ -91,6 +91,16 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
             inverse_error: *inverse_error?,
         })
     })
+}
+
+/// The `[weight]` of a scene; the inner `None` where it has none.
+pub(super) fn weight(root: &Reader<'_>) -> Option<Option<Weight>> {
+    use schema::weight::*;
+    let name = schema::scene::WEIGHT.name;
+    let Some(value) = root.value(name) else { return Some(None) };
+    let reader = Reader::open(root.log(), value, &SECTION, &quoted(name))?;
+    let (simulated, compensated, error) = (reader.flag(&SIMULATED), reader.flag(&COMPENSATED), reader.quantity(&ERROR));
+    Some(Some(Weight { simulated: simulated?, compensated: compensated?, error: *error? }))
 }
 
 /// Period of the controller's tick, microseconds.

@@ -8,7 +8,9 @@ mod task;
 
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
-pub use motion::{BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target};
+pub use motion::{
+    BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, Weight,
+};
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
 pub use task::{Aim, Gripper, Marker, Obstacle, Region};
 
@@ -31,6 +33,7 @@ pub struct Scene {
     pub(super) design: Option<Design>,
     pub(super) limits: Limits,
     pub(super) controller: Controller,
+    pub(super) weight: Option<Weight>,
     pub(super) plant: Plant,
 }
 
@@ -93,6 +96,11 @@ impl Scene {
     /// Settings of the pressure controller.
     pub fn controller(&self) -> &Controller {
         &self.controller
+    }
+
+    /// What weight does in a run; `None` where the limb is taken to be without any.
+    pub fn weight(&self) -> Option<&Weight> {
+        self.weight.as_ref()
     }
 
     /// The pneumatics.

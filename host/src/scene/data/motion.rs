@@ -108,6 +108,18 @@ pub struct Limits {
     pub angle_rate_max_rad_per_s: Option<f64>,
 }
 
+/// What the limb's own weight and the payloads do in a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Weight {
+    /// Whether the simulated limb carries them.
+    pub simulated: bool,
+    /// Whether setpoints are corrected for them.
+    pub compensated: bool,
+    /// Error of the tip that the correction's statics may have, as a share of the limb's length; > 0.
+    pub error: f64,
+}
+
 /// What the controller does when the host falls silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {

@@ -8,7 +8,7 @@ mod task;
 mod units;
 
 pub(super) use choice::{bounds, design};
-pub(super) use motion::{controller, limits, phase, target};
+pub(super) use motion::{controller, limits, phase, target, weight};
 pub(super) use parts::{connector, end_effector, limb, material, module, scene, winding};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, valve};
 pub(super) use task::{markers, obstacle, region};
@@ -161,7 +161,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 24] = [
+pub(super) const SECTIONS: [Section; 25] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -178,6 +178,7 @@ pub(super) const SECTIONS: [Section; 24] = [
     design::SECTION,
     limits::SECTION,
     controller::SECTION,
+    weight::SECTION,
     plant::SECTION,
     ambient::SECTION,
     supply::SECTION,

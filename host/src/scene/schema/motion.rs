@@ -7,7 +7,7 @@ section! {
     phase, "[[phase]]";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
     DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Optional("the shortest that limits, valves and supply allow, with a reserve") } = "Time of the move.";
-    PAYLOAD: Quantity { name: "payload", unit: Unit::KG, min: 0.0, max: 100.0, presence: Default(0.0) } = "Mass that the tip carries in this phase, beside the end effector; for `softlimb statics`.";
+    PAYLOAD: Quantity { name: "payload", unit: Unit::KG, min: 0.0, max: 100.0, presence: Default(0.0) } = "Mass that the tip carries in this phase, beside the end effector; for `softlimb statics` and, with `[weight]`, for a run. Where the gripper closes at the end of the move, the mass is taken up then; where it opens, it is put down then.";
     HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
     TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if the phase has another goal") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
     TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("none, if the phase has another goal") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
@@ -38,6 +38,15 @@ section! {
     STRETCH_RATE_MAX: Quantity { name: "stretch_rate_max", unit: Unit::PERCENT_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of the axial stretch.";
     RADIUS_RATE_MAX: Quantity { name: "radius_rate_max", unit: Unit::MM_PER_S, min: 0.01, max: 1e4, presence: Optional("no bound") } = "Largest rate of a radius.";
     ANGLE_RATE_MAX: Quantity { name: "angle_rate_max", unit: Unit::DEG_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of a bend angle or twist.";
+}
+
+section! {
+    /// The limb's own weight and the `payload` of each phase. With this table, which may be empty, the simulated limb hangs under them, and its
+    /// setpoints make up for them. Gravity points against the scene's third axis.
+    weight, "[weight]";
+    SIMULATED: Flag { name: "simulated", presence: Default(true) } = "Whether the simulated limb carries its weight and the payloads, on its true actuators and spacers.";
+    COMPENSATED: Flag { name: "compensated", presence: Default(true) } = "Whether setpoints are corrected by the nominal limb's statics, so that the tip under load is where the plan has it without.";
+    ERROR: Quantity { name: "error", unit: Unit::PERCENT, min: 0.001, max: 10.0, presence: Default(0.1) } = "Error of the tip that the correction's statics may have, of the limb's length; the cheapest model that keeps it is taken.";
 }
 
 section! {

@@ -1,0 +1,61 @@
+//! What a loaded shape looks like: the deformation of each module, and the centre line.
+
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+
+use super::load::LoadedLimb;
+use super::rod::{Rod, STEPS, UNKNOWNS};
+use super::screw::Exponential;
+use super::solve::Shape;
+
+/// How a module is deformed under load, from end to end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deformed {
+    /// Mean stretch of the bundle's axis.
+    pub axial_stretch: f64,
+    /// Bend towards the module's mount angle, and across it, rad.
+    pub bend_angle_rad: [f64; 2],
+    /// Twist, rad.
+    pub twist_rad: f64,
+}
+
+impl LoadedLimb {
+    /// Deformation of each module in a shape of `rod`, which may have each module in several pieces.
+    pub fn deformed(&self, rod: &Rod, shape: &Shape) -> Vec<Deformed> {
+        let parts = (rod.pieces.len() / self.rod.pieces.len().max(1)).max(1);
+        let of_module = |(pieces, q): (&[super::Piece], &[f64])| {
+            let mut sum = Deformed::default();
+            for (piece, q) in pieces.iter().zip(q.chunks(UNKNOWNS)) {
+                let [stretch, x, y, twist] = piece.free;
+                sum.axial_stretch += (stretch + q[7]) / parts as f64;
+                // The slopes of the bends are odd along the piece.
+                sum.bend_angle_rad[0] += (x + q[2]) * piece.length_m;
+                sum.bend_angle_rad[1] += (y - q[0]) * piece.length_m;
+                sum.twist_rad += (twist + q[4]) * piece.length_m;
+            }
+            sum
+        };
+        rod.pieces.chunks(parts).zip(shape.q.as_slice().chunks(parts * UNKNOWNS)).map(of_module).collect()
+    }
+}
+
+impl Rod {
+    /// Points along the centre line of a shape from the base to the tip, m: the ends of its steps and of its rigid parts.
+    pub fn line_m(&self, shape: &Shape) -> Vec<[f64; 3]> {
+        let mut pose = self.base;
+        let mut points = vec![pose.translation.vector.into()];
+        for (piece, q) in self.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)) {
+            let mount = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), piece.mount_angle_rad);
+            pose *= mount;
+            for step in 0..STEPS {
+                pose *= Exponential::new(&piece.step(q, step).screw).pose;
+                points.push(pose.translation.vector.into());
+            }
+            pose *= mount.inverse();
+            pose *= Translation3::new(0.0, 0.0, piece.rigid_m);
+            if piece.rigid_m > 0.0 {
+                points.push((pose * Point3::origin()).coords.into());
+            }
+        }
+        points
+    }
+}
