@@ -1,7 +1,7 @@
 //! Designs of scenes: what is found is a scene again, which can be planned and does what was asked.
 
 use softlimb::design::Limb;
-use softlimb::design::brief::{leads_the_tip, redesigned_limb, redesigned_targets, targets, task};
+use softlimb::design::brief::{design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task};
 use softlimb::design::fit;
 use softlimb::design::path;
 use softlimb::motion;
@@ -80,6 +80,51 @@ fn designed_keeps_clear(text: &str) {
     }
     // The holds are long enough for samples to fall into each of them.
     assert!(nearest_m.iter().all(|m| *m < 1e-4), "{nearest_m:?}");
+}
+
+/// Two way-points on both sides of two posts: no limb of these sizes goes straight from rest to the one and on to the other.
+#[test]
+fn moves_that_cannot_be_straight_are_left_to_the_planner() {
+    let text = include_str!("../../scenes/reach-past-post.toml");
+    let post = |name: &str, y: f64| {
+        format!(
+            "[[obstacle]]\nname = \"{name}\"\nshape = \"capsule\"\nfrom = [0.72, {y}, 0.4]\nto = [0.72, {y}, 1.6]\nradius = \"15 mm\"\n"
+        )
+    };
+    let phase = |name: &str, tip: &str| format!("[[phase]]\nname = \"{name}\"\nhold = \"0.2 s\"\ntip = {tip}\n");
+    let wanted = read(&format!(
+        "{}{}{}{}{}{}\n[design]\ninner_radius = [\"9 mm\", \"11 mm\"]\nwall = [\"3.5 mm\", \"4.5 mm\"]\nlength = [\"220 mm\", \"260 mm\"]\n",
+        &text[..text.find("[[obstacle]]").unwrap()],
+        post("left", 0.075),
+        post("right", -0.075),
+        phase("between", "[0.8, 0.0, 1.02]"),
+        phase("aside", "[0.66, -0.25, 0.9]"),
+        &text[text.find("[limits]").unwrap()..],
+    ));
+    let tasked = task(&wanted).unwrap();
+    let designed = |found: &path::Candidate| {
+        read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, found), None).unwrap())
+    };
+    let planned = |found: &path::Candidate| {
+        let scene = designed(found);
+        motion::plan(&scene, &Limb::new(&scene).unwrap()).ok()
+    };
+    let via_points = |found: &path::Candidate| Some(planned(found)?.phases.iter().map(|phase| phase.via_points).sum());
+    let found = design_to_run(&tasked.task, &tasked.spaces, &path::Effort::default(), via_points).unwrap();
+    assert!(found.limb.does_it() && found.via_points.is_some_and(|count| count > 0), "{found:?}");
+    let (scene, plan) = (designed(&found.limb), planned(&found.limb).unwrap());
+    let limb = Limb::new(&scene).unwrap();
+    for step in 0..=2000 {
+        let states = plan.states_at(plan.duration_us() as f64 * f64::from(step) / 2000.0);
+        for point in limb.backbone(&states) {
+            let nearest = scene.obstacles().iter().map(|post| post.shape.distance(&point.into()).distance_m);
+            // The tool is a ball of 20 mm, all else is thicker; 5 mm are asked for.
+            assert!(nearest.fold(f64::INFINITY, f64::min) >= 25e-3 - 1e-6, "{point:?}");
+        }
+    }
+    // A planner that refuses everything leaves the answer of the search for straight moves.
+    let refused = design_to_run(&tasked.task, &tasked.spaces, &path::Effort::default(), |_| None).unwrap();
+    assert!(!refused.limb.does_it() && refused.via_points.is_none() && refused.refused > 0);
 }
 
 /// How far a tip is from what a phase asks of it, m.

@@ -94,19 +94,19 @@ impl WhyNot<'_> {
         };
         let ranges = ranges(self.limb);
         let has_way = |point: &&Reach| route(self.space, &ranges, self.before, &values(self.limb, point)).is_some();
-        let found = points.iter().take(POINTS).find(has_way);
-        if let Some(found) = found.filter(|found| found.distance_m - nearest.distance_m < SAME_M) {
-            return format!("the nearest {what} is {}", away(found.tip_m, found.distance_m));
-        }
-        let here = away(nearest.tip_m, nearest.distance_m);
+        let found = points.iter().take(POINTS).find(has_way).map(|found| (found.distance_m, found.tip_m));
         let approached = approached(self.limb, self.space, &self.task, self.before);
-        let with_way = found.map(|found| (found.distance_m, found.tip_m)).into_iter().chain(approached);
-        match with_way.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((distance_m, tip_m)) => format!(
-                "the nearest {what} is {here}, but no way there was found; the nearest with a way is {}",
-                away(tip_m, distance_m)
-            ),
-            None => format!("the nearest {what} is {here}, but no way there was found"),
+        let with_way = found.into_iter().chain(approached).min_by(|a, b| a.0.total_cmp(&b.0));
+        let here = format!("the nearest {what} is {}", away(nearest.tip_m, nearest.distance_m));
+        match with_way {
+            Some((distance_m, tip_m)) if distance_m < nearest.distance_m + SAME_M => {
+                format!("the nearest {what} is {}", away(tip_m, distance_m))
+            }
+            Some((distance_m, tip_m)) => {
+                let there = away(tip_m, distance_m);
+                format!("{here}, but no way there was found; the nearest with a way is {there}")
+            }
+            None => format!("{here}, but no way there was found"),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `softlimb design`: from target deformations to geometry and pressures.
 
 mod compare;
+mod limbs;
 mod problem;
 mod scene;
 

@@ -1,17 +1,19 @@
 //! `softlimb design SCENE`: the scene with a limb that does what it asks.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
 use indicatif::ProgressBar;
 use serde::Serialize;
 
+use super::limbs::{limb, pareto};
 use super::problem::table;
 use crate::cli::kept::read;
 use crate::cli::{Failure, Outcome, note, say};
 use crate::design::Limb;
-use crate::design::brief::{BriefError, Tasked, leads_the_tip, redesigned_limb, redesigned_targets, targets, task};
+use crate::design::brief::{
+    BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
+};
 use crate::design::fit::{Answer, Problem};
 use crate::design::path::{self, Candidate, Choice, Choosing, Effort};
 use crate::fem::write_whole;
@@ -59,8 +61,21 @@ impl Order<'_> {
         match scene.design().and_then(|design| design.choice.as_ref()) {
             None => {
                 let effort = Effort { seed: self.seed, ..Effort::default() };
-                let found = path::design(&tasked.task, &tasked.spaces, &effort).map_err(Failure::new)?;
-                self.finish(&scene, &tasked, &found, Vec::new())
+                let plan = |limb: &Candidate| self.via_points(&scene, &tasked, limb);
+                let found = design_to_run(&tasked.task, &tasked.spaces, &effort, plan).map_err(Failure::new)?;
+                let outcome = self.finish(&scene, &tasked, &found.limb, Vec::new());
+                if let Some(count) = found.via_points.filter(|count| *count > 0) {
+                    note(&format!(
+                        "moves: not all of them are straight; the planner leads them through {count} via points"
+                    ));
+                }
+                if found.refused > 0 {
+                    note(&format!(
+                        "beside it {} limbs that reach the way-points were found, for which the planner found no way",
+                        found.refused
+                    ));
+                }
+                outcome
             }
             Some(choice) => {
                 let choice = self.choose(&tasked, [choice.modules_min, choice.modules_max])?;
@@ -115,6 +130,19 @@ impl Order<'_> {
         self.judge(&file, found.does_it(), &why)
     }
 
+    /// How many via points the planner needs for a limb; `None` where it refuses it.
+    fn via_points(&self, scene: &Scene, tasked: &Tasked, limb: &Candidate) -> Option<usize> {
+        let text = scene::redesigned(scene, &redesigned_limb(scene, tasked, limb), None).ok()?;
+        // Named as the file will be: what a scene reads beside itself is looked for there.
+        let designed = scene::parse(&text, &self.file_out().display().to_string()).ok()?;
+        let plan = motion::plan(&designed, &Limb::new(&designed).ok()?).ok()?;
+        Some(plan.phases.iter().map(|phase| phase.via_points).sum())
+    }
+
+    fn file_out(&self) -> PathBuf {
+        self.out.map_or_else(|| beside(self.file), Path::to_owned)
+    }
+
     /// Writes the scene with other modules.
     fn write(
         &self,
@@ -122,7 +150,7 @@ impl Order<'_> {
         modules: &[Redesign],
         targets: Option<&[Vec<RedesignedTarget>]>,
     ) -> Result<PathBuf, Failure> {
-        let file = self.out.map_or_else(|| beside(self.file), Path::to_owned);
+        let file = self.file_out();
         let text = scene::redesigned(scene, modules, targets).map_err(Failure::new)?;
         write_whole(&file, &text).map_err(Failure::new)?;
         Ok(file)
@@ -158,88 +186,10 @@ impl Order<'_> {
     }
 }
 
-/// The limbs to pick from.
-fn pareto(list: &[&Candidate]) -> String {
-    if list.is_empty() {
-        return String::new();
-    }
-    let mut text = format!(
-        "{:>4}  {:<34} {:>10} {:>8} {:>8} {:>13} {:>7}\n",
-        "pick", "modules", "error, mm", "kPa", "kg", "clearance, mm", "air, L"
-    );
-    for (index, limb) in list.iter().enumerate() {
-        let figures = &limb.figures;
-        let names: Vec<_> = limb.modules.iter().map(|module| module.name.as_str()).collect();
-        let spare = figures.spare_clearance_m.map_or("-".into(), |spare| format!("{:.2}", spare * 1e3));
-        let _ = writeln!(
-            text,
-            "{:>4}  {:<34} {:>10.4} {:>8.1} {:>8.2} {spare:>13} {:>7.2}",
-            index + 1,
-            names.join(", "),
-            figures.tip_error_rms_m * 1e3,
-            figures.pressure_max_pa * 1e-3,
-            figures.mass_kg,
-            figures.air_m3 * 1e3
-        );
-    }
-    text + "\n"
-}
-
 /// `elbow.toml` becomes `elbow-designed.toml`.
 fn beside(scene: &Path) -> PathBuf {
     let stem = scene.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     scene.with_file_name(format!("{stem}-designed.toml"))
-}
-
-/// A limb as text. Writing to a string cannot fail.
-fn limb(found: &Candidate) -> String {
-    let mut text = String::new();
-    let figures = &found.figures;
-    let _ = writeln!(
-        text,
-        "{}: tip error {:.4} mm RMS, {:.4} mm at most; highest pressure {:.1} kPa; mass {:.2} kg; air {:.2} L",
-        if found.does_it() { "reached" } else { "nearest found" },
-        figures.tip_error_rms_m * 1e3,
-        figures.tip_error_max_m * 1e3,
-        figures.pressure_max_pa * 1e-3,
-        figures.mass_kg,
-        figures.air_m3 * 1e3
-    );
-    if let Some(spare) = figures.spare_clearance_m {
-        let _ = writeln!(text, "least clearance beyond what is asked: {:.2} mm", spare * 1e3);
-    }
-    for module in &found.modules {
-        let _ = writeln!(
-            text,
-            "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber angle {:.3} deg, mount angle {:.2} deg, up to {:.1} kPa",
-            module.name,
-            module.inner_radius_m * 1e3,
-            module.outer_radius_m * 1e3,
-            module.length_m * 1e3,
-            module.fiber_angle_rad.to_degrees(),
-            module.mount_angle_rad.to_degrees(),
-            module.pressure_cap_pa * 1e-3
-        );
-    }
-    let _ = writeln!(
-        text,
-        "\n{:>9} {:>12} {:>14} {:>14}  kPa",
-        "way-point", "error, mm", "clearance, mm", "on the way, mm"
-    );
-    for (index, point) in found.way_points.iter().enumerate() {
-        let millimetres = |value: Option<f64>| value.map_or("-".into(), |value| format!("{:.2}", value * 1e3));
-        let pressures: Vec<_> = point.pressure_pa.iter().map(|pressure| format!("{:.2}", pressure * 1e-3)).collect();
-        let _ = writeln!(
-            text,
-            "{:>9} {:>12.4} {:>14} {:>14}  {}",
-            index + 1,
-            point.tip_error_m * 1e3,
-            millimetres(point.clearance_m),
-            millimetres(point.move_clearance_m),
-            pressures.join(", ")
-        );
-    }
-    text
 }
 
 impl From<BriefError> for Failure {

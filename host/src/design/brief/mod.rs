@@ -4,11 +4,13 @@
 //! A scene whose phases have targets is eq. (14) of the paper ([`fit`](super::fit)); one whose tip shall be somewhere is a task
 //! ([`path`](super::path)). The searches know no scene, and this room no search from inside.
 
+mod attempts;
 mod error;
 mod space;
 mod targets;
 mod task;
 
+pub use attempts::{Attempt, design_to_run};
 pub use error::BriefError;
 pub use targets::{redesigned_targets, targets};
 pub use task::{Tasked, redesigned_limb, task};
