@@ -10,6 +10,8 @@ them finds is the best known, and gaps are relative to it.
     cargo build --release -p softlimb
     venv/bin/python host/benches/design/compare.py
 
+Several commands with a --first of their own share the work; the problems of a seed are the same.
+
 Kinds: A, B, C reachable; F, G as A and B with one pressure for all segments. The methods of the index are run on the first
 --others problems of each kind; on the others softlimb is compared with a search of its own with 100 descents from other starts.
 """
@@ -225,7 +227,7 @@ def main():
     warnings.filterwarnings("ignore")
     words = [word for word in arguments.methods.split(",") if word]
     others = {name: method for name, method in OTHERS.items() if not words or any(word in name for word in words)}
-    near, most, runs = {}, {}, {}
+    near, most, gaps = {}, {}, {}
     print(f"{'problem':<8} {'method':<32} {'objective':>16} {'gap':>9} {'evaluations':>12} {'s':>7}")
     for kind in arguments.kinds:
         for index in range(arguments.seeds):
@@ -246,11 +248,13 @@ def main():
                       f"{result['evaluations']:12} {result['seconds']:7.2f}", flush=True)
                 key = (kind, result["method"])
                 near[key] = near.get(key, 0) + (here <= 1e-6)
-                runs[key] = runs.get(key, 0) + 1
+                gaps.setdefault(key, []).append(here)
                 most[key] = max(most.get(key, 0), result["evaluations"])
-    print("\nwithin 1e-6 of the best known:")
+    print("\nwithin 1e-6 of the best known; gaps; most evaluations:")
     for (kind, method), count in near.items():
-        print(f"{kind} {method:<32} {count} of {runs[kind, method]}, at most {most[kind, method]} evaluations")
+        every = gaps[kind, method]
+        print(f"{kind} {method:<32} {count:3} of {len(every):<3} median {numpy.median(every):8.1e}, "
+              f"largest {max(every):8.1e} {most[kind, method]:8}")
 
 
 if __name__ == "__main__":
