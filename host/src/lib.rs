@@ -35,5 +35,6 @@ mod spacing;
 pub mod statics;
 pub mod table;
 pub mod tolerance;
+pub mod track;
 pub mod validation;
 pub mod workspace;

@@ -4,6 +4,8 @@
 mod plans;
 #[path = "weight/runs.rs"]
 mod runs;
+#[path = "weight/tracked.rs"]
+mod tracked;
 
 use std::sync::atomic::AtomicBool;
 

@@ -70,7 +70,7 @@ impl Channel {
             fill: valve(&parameters.fill),
             vent: valve(&parameters.vent),
             sensor: Sensor::new(nominal.sensor, parameters.sensor_offset_pa, parameters.sensor_gain),
-            random: Random::new(plant.seed, stream + 1),
+            random: Random::new(plant.noise_seed, stream + 1),
             broken: Broken::default(),
             intact_leak_m3_per_s_pa: nominal.leak_m3_per_s_pa,
             motion: nominal.motion,

@@ -64,8 +64,11 @@ impl Plant {
         check(settings)?;
         let channels =
             (0..settings.channels.len()).map(|index| Channel::new(settings, index)).collect::<Result<Vec<_>, _>>()?;
-        let mut random = Random::new(settings.seed, 0);
-        let (offset, gain) = calibration(&settings.supply_sensor, &settings.spread, &mut random);
+        let supply_sensor = |random: &mut Random| calibration(&settings.supply_sensor, &settings.spread, random);
+        let (offset, gain) = supply_sensor(&mut Random::new(settings.seed, 0));
+        // Noise is what follows the parameters in the stream, whichever seed these came from.
+        let mut random = Random::new(settings.noise_seed, 0);
+        supply_sensor(&mut random);
         let mut pending_faults = settings.faults.clone();
         pending_faults.sort_by_key(|fault| core::cmp::Reverse(fault.time_us));
         let mut plant = Self {

@@ -8,8 +8,10 @@ use crate::fault::TimedFault;
 /// The whole plant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantSettings {
-    /// Seed of everything random: parameter spread, valve jitter, sensor noise.
+    /// Seed of what the parts are: the true parameters.
     pub seed: u64,
+    /// Seed of what differs from run to run of the same parts: valve jitter, sensor noise.
+    pub noise_seed: u64,
     /// Absolute ambient pressure, Pa; 50e3..=120e3.
     pub atmosphere_pa: f64,
     /// Temperature of the room, walls, lines and supply air, K; 250..=330.
@@ -29,10 +31,11 @@ pub struct PlantSettings {
 }
 
 impl PlantSettings {
-    /// A nominal plant around `channels`.
+    /// A nominal plant around `channels`; `seed` decides everything random.
     pub fn new(seed: u64, channels: Vec<ChannelSettings>) -> Self {
         Self {
             seed,
+            noise_seed: seed,
             atmosphere_pa: 101_325.0,
             temperature_k: 293.15,
             step_us: 100,

@@ -28,6 +28,6 @@ pub use configuration::configuration;
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use payload::{Carried, carried, payload_kg};
-pub use plan::{Plan, PlannedPhase, plan};
+pub use plan::{Plan, PlannedPhase, plan, taught};
 pub use weight::{NoPose, Nominal, OnLimb, Pose, Weighed};
 pub use wire::wire_kind;

@@ -34,6 +34,14 @@ pub enum RunError {
         /// Log, report, and what is in them.
         files: Box<RunFiles>,
     },
+    /// There is no tip to be seen: the limb fell, or the run ended before.
+    #[error(
+        "{time_s:.2} s into the run there is no tip to be seen: the limb fell under its load, or the run ended before"
+    )]
+    NotSeen {
+        /// When, s after the start.
+        time_s: f64,
+    },
     /// The link ended well without anything to record.
     #[error("the device sent no measurements")]
     NotRecorded,

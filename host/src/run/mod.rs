@@ -3,6 +3,7 @@
 mod assemble;
 mod error;
 mod hanging;
+mod memory;
 mod observed;
 
 use std::fs;
@@ -15,7 +16,7 @@ use softlimb_sim::emulated::{Flashed, LockStep};
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
 use crate::design::Limb;
-use crate::link::{self, Event, Knot, LinkStatistics, StreamOptions};
+use crate::link::{self, DeviceConfiguration, Event, Knot, LinkStatistics, StreamOptions};
 use crate::motion::{self, Plan};
 use crate::record::{self, LinkSummary, Recorder, RunInfo, RunLog};
 use crate::report;
@@ -24,6 +25,7 @@ use crate::simulate;
 
 use assemble::{Assembler, Seen, run_info};
 pub use error::RunError;
+pub use memory::samples;
 use observed::Observed;
 
 /// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
@@ -106,13 +108,7 @@ pub fn run(
     let began = Instant::now();
     let mut recording =
         Recording::new(run_info(scene, &limb, &plan, options.seed), Assembler::new(scene, &limb, &plan), &path);
-    let defaults = StreamOptions::new(SESSION);
-    let heartbeat_us = defaults.heartbeat_us.min(u64::from(configuration.system.link_timeout_us) / 4);
-    // The ramp down takes its time; twice that and the default is long enough.
-    let highest_pa = limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
-    let ramp_us = (highest_pa / f64::from(configuration.system.vent_ramp_pa_per_s) * 1e6) as u64;
-    let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
-    let stream_options = StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, ..defaults };
+    let stream_options = stream_options(&limb, &configuration, cancel);
     let ended = link::stream(&mut device, &configuration, &knots, &stream_options, |device, event| {
         if let Some(progress) = recording.take(device, event) {
             on_progress(progress);
@@ -132,6 +128,16 @@ pub fn run(
         }
         (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
     }
+}
+
+fn stream_options<'a>(limb: &Limb, configuration: &DeviceConfiguration, cancel: &'a AtomicBool) -> StreamOptions<'a> {
+    let (defaults, system) = (StreamOptions::new(SESSION), &configuration.system);
+    let heartbeat_us = defaults.heartbeat_us.min(u64::from(system.link_timeout_us) / 4);
+    // The ramp down takes its time; twice that and the default is long enough.
+    let highest_pa = limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
+    let ramp_us = (highest_pa / f64::from(system.vent_ramp_pa_per_s) * 1e6) as u64;
+    let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
+    StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, ..defaults }
 }
 
 /// One setpoint per channel at every knot: all actuators of a module get the module's.

@@ -4,6 +4,7 @@ mod compare;
 mod problem;
 mod report;
 mod scene;
+mod track;
 
 use std::path::PathBuf;
 
@@ -17,7 +18,7 @@ use crate::payload::fit::{Effort, ForceProblem};
 #[derive(Args)]
 #[command(
     group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem", "compare"]),
-    after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload --problem forces.json --json\n  softlimb payload --compare --kinds P1,P1u --seeds 3\n\n\
+    after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload scenes/loaded/carry-hanging.toml --track 5,10,15,20\n  softlimb payload --problem forces.json --json\n  softlimb payload --compare --kinds P1,P1u --seeds 3\n\n\
                   Terms, limits and the format of problems: docs/payload.md"
 )]
 pub(super) struct Payload {
@@ -44,13 +45,23 @@ pub(super) struct Payload {
     /// Draw the push of four designs against pressure
     #[arg(long, value_name = "FILE", requires = "scene")]
     svg: Option<PathBuf>,
+    /// Run the scene with these loads at the tip, N: how far the tip is off its goals
+    #[arg(long, value_name = "N,N,...", requires = "scene", value_delimiter = ',', num_args = 1)]
+    track: Vec<f64>,
+    /// Runs of each kind that are counted
+    #[arg(long, value_name = "N", requires = "track", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100))]
+    repeats: u64,
+    /// Rehearsals that are looked at before the taught runs
+    #[arg(long, value_name = "N", requires = "track", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=100))]
+    rehearsals: u64,
     /// The problem, a JSON file
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
     /// How to search
     #[arg(long, value_enum, default_value_t = Method::GaussNewton, requires = "problem")]
     method: Method,
-    /// Seed of the starts after the first, which is the middle of the bounds; of the first for bfgs, with 0 for the middle
+    /// Seed of the starts after the first, which is the middle of the bounds; of the first for bfgs, with 0 for the middle. With --track, of
+    /// what the limb is [default: the scene's]
     #[arg(long)]
     seed: Option<u64>,
     /// Compare both methods: on the problem, or on problems by kind and seed
@@ -85,7 +96,10 @@ enum Method {
 impl Payload {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         if let Some(file) = &self.scene {
-            return scene::run(self, file);
+            return match &self.track[..] {
+                [] => scene::run(self, file),
+                loads_n => track::run(self, file, loads_n),
+            };
         }
         let problem = self.problem.as_ref().map(|file| {
             let complain = |error| Failure::new(format!("{}: {error}", file.display()));

@@ -53,18 +53,24 @@ pub(super) fn corrected(
     scene: &Scene,
     limb: &Limb,
     phases: &mut [PlannedPhase],
-    states: &[Vec<State<f64>>],
+    (states, offsets_m): (&[Vec<State<f64>>], &[Vector3<f64>]),
     period_us: u64,
 ) -> Result<Option<(Knots, Weighed)>, SceneError> {
     let Some(weight) = scene.weight().filter(|weight| weight.compensated) else { return Ok(None) };
     let carried = carried(scene.phases());
     let refusals = Refusals { scene, limb };
+    let wanted_m: Vec<Vector3<f64>> = (0_u64..)
+        .zip(states)
+        .map(|(knot, states)| Vector3::from(limb.tip(states)) + offset_m(offsets_m, phases, knot * period_us))
+        .collect();
     let mut judged =
         Judged::at_rest(scene, limb, &carried, weight.error).map_err(|why| refusals.carries_not(phases, 0, why))?;
     loop {
         let tier = judged.tier;
-        let rows = rows(limb, phases, (&carried, states, period_us), Nominal::new(scene, limb, tier), &refusals)?;
-        let ends = ends(limb, phases, (&carried, &rows, period_us), Nominal::new(scene, limb, tier), &refusals)?;
+        let rows =
+            rows(limb, phases, (&carried, (states, &wanted_m), period_us), Nominal::new(scene, limb, tier), &refusals)?;
+        let ends =
+            ends(limb, phases, offsets_m, (&carried, &rows, period_us), Nominal::new(scene, limb, tier), &refusals)?;
         for (pressures_pa, carried) in ends.iter().zip(&carried) {
             judged.look(scene, limb, pressures_pa, OnLimb::whole(carried.move_kg), weight.error);
         }
@@ -106,31 +112,31 @@ impl Judged {
 fn rows(
     limb: &Limb,
     phases: &[PlannedPhase],
-    (carried, states, period_us): (&[Carried], &[Vec<State<f64>>], u64),
+    (carried, (states, wanted_m), period_us): (&[Carried], (&[Vec<State<f64>>], &[Vector3<f64>]), u64),
     nominal: Nominal<'_>,
     refusals: &Refusals<'_>,
 ) -> Result<Vec<Vec<f64>>, SceneError> {
     let mut corrector = Corrector::new(limb, nominal);
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(states.len());
-    let mut last: Option<(&Vec<State<f64>>, OnLimb)> = None;
-    for (knot, states) in states.iter().enumerate() {
+    let mut last: Option<(&Vec<State<f64>>, &Vector3<f64>, OnLimb)> = None;
+    for (knot, (states, wanted_m)) in states.iter().zip(wanted_m).enumerate() {
         let time_us = knot as u64 * period_us;
         let on = on_limb(carried, phases, time_us);
-        if last == Some((states, on)) {
+        if last == Some((states, wanted_m, on)) {
             rows.extend(rows.last().cloned());
             continue;
         }
         let home = pressures_pa(states);
         let start: Vec<f64> = match rows.last().zip(last) {
-            Some((row, (states, _))) => {
+            Some((row, (states, ..))) => {
                 let moved = home.iter().zip(pressures_pa(states)).map(|(new, old)| new - old);
                 row.iter().zip(moved).map(|(pressure, moved)| pressure + moved).collect()
             }
             None => home.clone(),
         };
-        let found = corrector.correct(&home, &start, &Vector3::from(limb.tip(states)), (on, ON_THE_WAY_M));
+        let found = corrector.correct(&home, &start, wanted_m, (on, ON_THE_WAY_M));
         rows.push(found.map_err(|why| refusals.carries_not(phases, time_us, why))?.pressures_pa);
-        last = Some((states, on));
+        last = Some((states, wanted_m, on));
     }
     Ok(rows)
 }
@@ -139,6 +145,7 @@ fn rows(
 fn ends(
     limb: &Limb,
     phases: &[PlannedPhase],
+    offsets_m: &[Vector3<f64>],
     (carried, rows, period_us): (&[Carried], &[Vec<f64>], u64),
     nominal: Nominal<'_>,
     refusals: &Refusals<'_>,
@@ -151,7 +158,8 @@ fn ends(
         let states: Vec<State<f64>> =
             modules.map(|(module, value)| module.state_at(*value).unwrap_or_else(|| module.actuator.rest())).collect();
         let start = &rows[((end_us / period_us) as usize).min(rows.len() - 1)];
-        let (wanted, on) = (Vector3::from(limb.tip(&states)), OnLimb::whole(carried.move_kg));
+        let offset_m = offsets_m.get(index).copied().unwrap_or_default();
+        let (wanted, on) = (Vector3::from(limb.tip(&states)) + offset_m, OnLimb::whole(carried.move_kg));
         let found = corrector
             .correct(&pressures_pa(&states), start, &wanted, (on, AT_GOAL_M))
             .map_err(|why| refusals.carries_not(phases, end_us.saturating_sub(1), why))?;
@@ -213,6 +221,15 @@ fn on_limb(carried: &[Carried], phases: &[PlannedPhase], time_us: u64) -> OnLimb
         Some(before) => OnLimb::whole(before.hold_kg + (own.move_kg - before.hold_kg) * share),
         None => OnLimb { payload_kg: own.move_kg, share },
     }
+}
+
+/// By how much the tip's place is moved at a time: as the values of phases are, from one to the next with the move.
+fn offset_m(offsets_m: &[Vector3<f64>], phases: &[PlannedPhase], time_us: u64) -> Vector3<f64> {
+    let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
+    let Some(phase) = phases.get(index) else { return Vector3::zeros() };
+    let of_phase = |index: usize| offsets_m.get(index).copied().unwrap_or_default();
+    let before = index.checked_sub(1).map(of_phase).unwrap_or_default();
+    before.lerp(&of_phase(index), minimum_jerk((time_us - phase.start_us) as f64 / phase.move_us as f64))
 }
 
 fn values(limb: &Limb, pressures_pa: &[f64]) -> Vec<f64> {

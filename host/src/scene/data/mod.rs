@@ -17,6 +17,9 @@ pub use task::{Aim, Gripper, Marker, Obstacle, Region};
 use super::error::{Problem, Problems, SceneError};
 use super::source::{Located, Source, Span};
 
+/// `error` of a `[weight]` that does not say.
+const WEIGHT_ERROR: f64 = 1e-3;
+
 /// A checked scene. There is no way to have one but [`parse`](super::parse) and [`load`](super::load).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
@@ -106,6 +109,18 @@ impl Scene {
     /// The pneumatics.
     pub fn plant(&self) -> &Plant {
         &self.plant
+    }
+
+    /// The same scene with a mass on the tip in all phases, kg, 0 to 100, whatever the gripper does; the simulated limb carries its weight
+    /// and the mass, and setpoints are corrected for both or for nothing.
+    pub fn carrying(&self, payload_kg: f64, compensated: bool) -> Self {
+        let mut scene = self.clone();
+        for phase in &mut scene.phases {
+            (phase.payload_kg, phase.gripper) = (payload_kg, None);
+        }
+        let error = self.weight.map_or(WEIGHT_ERROR, |weight| weight.error);
+        scene.weight = Some(Weight { simulated: true, compensated, error });
+        scene
     }
 
     /// Number of channels, the sum of the modules' actuators, 1 to 27.

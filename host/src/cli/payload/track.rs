@@ -1,0 +1,77 @@
+//! A scene under loads: Table 4 of the paper.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::Payload;
+use crate::cli::{Failure, Outcome, say};
+use crate::scene;
+use crate::track::{Tracked, Trial, UnderLoad, track};
+
+/// Seeds of noise are far from those of parts, so that no run has noise of the seed that made its parts.
+const NOISE: u64 = 1_000;
+
+pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Outcome, Failure> {
+    if let Some(load) = loads_n.iter().find(|load| !(0.0..=500.0).contains(*load)) {
+        return Err(Failure::new(format!("--track: {load} N is not within 0 to 500 N")));
+    }
+    let scene = scene::load(file)?;
+    let trial = |load_n: f64| Trial {
+        load_n,
+        repeats: command.repeats,
+        rehearsals: command.rehearsals,
+        parts: command.seed.unwrap_or(scene.seed()),
+        noise: NOISE,
+    };
+    let rows: Vec<UnderLoad> = loads_n.iter().map(|load| track(&scene, &trial(*load))).collect::<Result<_, _>>()?;
+    if command.json {
+        let rows: Vec<_> = rows
+            .iter()
+            .map(|row| {
+                json!({
+                    "load_n": row.load_n,
+                    "time_s": row.time_s,
+                    "uncorrected": json_of(&row.uncorrected),
+                    "corrected": json_of(&row.corrected),
+                    "taught": json_of(&row.taught),
+                })
+            })
+            .collect();
+        say(&json!({"scene": scene.name(), "repeats": command.repeats, "rehearsals": command.rehearsals, "loads": rows}).to_string())?;
+        return Ok(Outcome::Done);
+    }
+    let mut lines = vec![
+        format!(
+            "{}: tip off its goals at the ends of {} phases, {} runs of the same limb; repeatability of the last place",
+            scene.name(),
+            scene.phases().len(),
+            command.repeats
+        ),
+        format!(
+            "{:>6} {:>7}  {:^26}  {:^26}  {:^26}",
+            "load",
+            "time",
+            "uncorrected",
+            "corrected by the model",
+            format!("after {} rehearsals", command.rehearsals)
+        ),
+        format!("{:>6} {:>7}  {h}  {h}  {h}", "N", "s", h = format!("{:>8} {:>8} {:>8}", "RMSE", "max", "repeat")),
+        format!("{:>6} {:>7}  {h}  {h}  {h}", "", "", h = format!("{:>8} {:>8} {:>8}", "mm", "mm", "mm")),
+    ];
+    lines.extend(rows.iter().map(|row| {
+        let parts = [&row.uncorrected, &row.corrected, &row.taught].map(cells);
+        format!("{:6.1} {:7.2}  {}", row.load_n, row.time_s, parts.join("  "))
+    }));
+    say(&lines.join("\n"))?;
+    Ok(Outcome::Done)
+}
+
+fn cells(tracked: &Tracked) -> String {
+    let [rmse, max, repeat] = [tracked.rmse_m, tracked.max_m, tracked.repeatability_m].map(|m| 1e3 * m);
+    format!("{rmse:8.2} {max:8.2} {repeat:8.2}")
+}
+
+fn json_of(tracked: &Tracked) -> serde_json::Value {
+    json!({"rmse_m": tracked.rmse_m, "max_m": tracked.max_m, "repeatability_m": tracked.repeatability_m})
+}
