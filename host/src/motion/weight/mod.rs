@@ -30,6 +30,9 @@ const REACHED_M: f64 = 1e-4;
 /// Wire values, one row a knot.
 type Knots = Vec<Vec<i32>>;
 
+/// At each knot the states without load, and where the tip shall be, m.
+type Way<'a> = (&'a [Vec<State<f64>>], &'a [Vector3<f64>]);
+
 /// What a plan knows of the loaded limb.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weighed {
@@ -112,14 +115,14 @@ impl Judged {
 fn rows(
     limb: &Limb,
     phases: &[PlannedPhase],
-    (carried, (states, wanted_m), period_us): (&[Carried], (&[Vec<State<f64>>], &[Vector3<f64>]), u64),
+    (carried, way, period_us): (&[Carried], Way<'_>, u64),
     nominal: Nominal<'_>,
     refusals: &Refusals<'_>,
 ) -> Result<Vec<Vec<f64>>, SceneError> {
     let mut corrector = Corrector::new(limb, nominal);
-    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(states.len());
-    let mut last: Option<(&Vec<State<f64>>, &Vector3<f64>, OnLimb)> = None;
-    for (knot, (states, wanted_m)) in states.iter().zip(wanted_m).enumerate() {
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(way.0.len());
+    let mut last = None;
+    for (knot, (states, wanted_m)) in way.0.iter().zip(way.1).enumerate() {
         let time_us = knot as u64 * period_us;
         let on = on_limb(carried, phases, time_us);
         if last == Some((states, wanted_m, on)) {
