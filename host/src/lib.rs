@@ -36,5 +36,6 @@ pub mod statics;
 pub mod table;
 pub mod tolerance;
 pub mod track;
+pub mod trials;
 pub mod validation;
 pub mod workspace;
