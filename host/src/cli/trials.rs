@@ -21,7 +21,7 @@ pub(super) struct Trials {
     /// The scene file
     scene: PathBuf,
     /// Runs to learn from
-    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(0..=200))]
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=200))]
     rehearsals: u32,
     /// Runs to be judged by, before and after
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=200))]
