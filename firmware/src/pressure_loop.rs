@@ -140,6 +140,8 @@ impl PressureLoop {
     /// Decides on one control period: learns from the last pulse and sets the coils.
     pub fn decide(&mut self, input: &LoopInput, reference: &Reference) {
         let sample = self.sample_kind(input.now_us);
+        let fill = self.pulse_model(input, reference, input.sensor_pa, 0);
+        self.trim.note_shortest(self.towards(Direction::Fill, &fill).shortest_effect_pa());
         let near = self.trim.is_near(reference, input.now_us);
         let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
         let pressure_pa = self.chamber_pressure_pa(input, sample, resting);

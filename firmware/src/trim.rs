@@ -15,6 +15,8 @@ const ENOUGH: u16 = 8;
 const MEMORY: u16 = 48;
 /// Error up to which there is fine setting, Pa: a shortest pulse or two.
 const NEAR_PA: f32 = 1_000.0;
+/// Effect of a shortest filling pulse up to which there is fine setting, Pa: a pair of pulses stays within the 1 kPa of a settled pressure.
+const FINE_PA: f32 = 600.0;
 /// Distance of a reading from the mean at which the pressure has moved, Pa: beyond the noise.
 const MOVED_PA: f32 = 500.0;
 /// Error that is small enough at first, Pa: half a step of a converter of 12 bits and 2 bar. By how much more is after each pair.
@@ -33,7 +35,7 @@ const SCATTER: f32 = 0.1;
 /// Share of a surprise that the bias takes.
 const BIAS_RATE: f32 = 0.3;
 /// Share of a pulse's effect that is missing where it did not open its valve.
-const MISSED: f32 = 0.6;
+const MISSED: f32 = 0.75;
 /// Control periods by which a pair runs ahead of a reference that slides.
 const AHEAD: f32 = 2.5;
 
@@ -52,6 +54,7 @@ pub(crate) struct Pair {
 /// Fine setting of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Trim {
+    possible: bool,
     reading_pa: f32,
     sum_pa: f32,
     count: u16,
@@ -66,7 +69,17 @@ pub(crate) struct Trim {
 impl Trim {
     /// Nothing read.
     pub(crate) const fn new() -> Self {
-        Self { reading_pa: 0.0, sum_pa: 0.0, count: 0, pairs: 0, age: 0, content: false, bias_pa: 0.0, wanted: None }
+        Self {
+            possible: false,
+            reading_pa: 0.0,
+            sum_pa: 0.0,
+            count: 0,
+            pairs: 0,
+            age: 0,
+            content: false,
+            bias_pa: 0.0,
+            wanted: None,
+        }
     }
 
     /// Takes a reading of a settled line, or forgets all of them where the line moves.
@@ -92,9 +105,15 @@ impl Trim {
         (self.count >= ENOUGH).then(|| self.sum_pa / f32::from(self.count))
     }
 
+    /// Takes what the shortest filling pulse does, Pa: where it takes a pressure out of what counts as settled, fine setting would do more
+    /// harm than good.
+    pub(crate) fn note_shortest(&mut self, up_pa: f32) {
+        self.possible = up_pa <= FINE_PA;
+    }
+
     /// Whether the pressure is so near to a reference at rest that it is set finely.
     pub(crate) fn is_near(&self, reference: &Reference, now_us: u64) -> bool {
-        reference.is_resting() && (self.reading_pa - reference.at(now_us)).abs() <= NEAR_PA
+        self.possible && reference.is_resting() && (self.reading_pa - reference.at(now_us)).abs() <= NEAR_PA
     }
 
     /// The reference moves: the next rest begins afresh.
@@ -208,7 +227,7 @@ mod tests {
         trim.begin(pair);
         assert_eq!(trim.learn(50e3 + 500.0), Some(Direction::Vent));
         trim.begin(pair);
-        assert_eq!(trim.learn(50e3 - 400.0), Some(Direction::Fill));
+        assert_eq!(trim.learn(50e3 - 400.0), Some(Direction::Fill), "500 Pa less than wanted");
         assert_eq!(trim.learn(50e3), None, "nothing is learned twice");
     }
 }
