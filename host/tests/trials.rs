@@ -68,8 +68,8 @@ fn a_limb_as_its_model_has_nothing_to_learn_but_its_creep() {
     let scene = read(&format!("{text}{exact}"));
     let found = trials(&scene, &settings(&scene, 0, 2), |_, _| {}).unwrap();
     let share = found.by_model.at_targets().rmse_m();
-    // What the valves leave: a fraction of a degree at an arm of 0.1 m.
-    assert!(share < 1e-3, "{share}");
+    // What the valves leave: half a shortest pulse, some 0.5 kPa, is 0.6 deg at an arm of 0.15 m.
+    assert!(share < 1.6e-3, "{share}");
     assert!(found.corrections.rows.iter().flatten().all(|value| *value == 0.0));
 }
 
