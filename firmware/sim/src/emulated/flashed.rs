@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
+use std::time::Duration;
 
 use softlimb_firmware::Board;
 use softlimb_image_stm32f4::pins::CHANNELS;
@@ -35,6 +36,10 @@ const TURN: &str = "EXTI0";
 /// The device's clock counts ticks, and its first turn comes with the first of them.
 const FIRST_TICK_US: u64 = 1_000;
 
+/// How long a byte may wait for room on the way to the emulator. A stopped one takes nothing once its port is full, so that whoever waited
+/// for ever would keep it stopped.
+const PATIENCE: Duration = Duration::from_millis(1);
+
 /// Numbers of registers.
 const FIRST_ARGUMENT: u32 = 0;
 const STACK_POINTER: u32 = 13;
@@ -47,6 +52,8 @@ const NOWHERE: u32 = 0xf000_0000;
 pub struct Flashed {
     remote: Remote,
     serial: UnixStream,
+    /// What the device is to receive as soon as there is room for it.
+    unsent: Vec<u8>,
     /// What the device has sent.
     received: Receiver<Vec<u8>>,
     /// Where to go on; `None` for where it is.
@@ -76,6 +83,7 @@ impl Flashed {
         let qemu = Qemu::start(path, |folder| arguments(folder, trace), (Stdio::null(), Stdio::null()))?;
         let mut remote = Remote::connect(&qemu.folder().join("debug"))?;
         let serial = connect(&qemu.folder().join("serial"))?;
+        serial.set_write_timeout(Some(PATIENCE))?;
         let received = listen(serial.try_clone()?);
         remote.stop_at(tick)?;
         remote.resume(None)?;
@@ -84,6 +92,7 @@ impl Flashed {
         Ok(Self {
             remote,
             serial,
+            unsent: Vec::new(),
             received,
             next,
             tick,
@@ -145,14 +154,19 @@ impl Flashed {
 
     fn send(&mut self, board: &mut dyn Board) -> io::Result<()> {
         let mut bytes = [0; 256];
-        loop {
-            let count = board.read_link(&mut bytes);
-            if count == 0 {
-                return Ok(());
-            }
-            // The emulator takes what it is given in its own time, but takes it.
-            self.serial.write_all(bytes.get(..count).unwrap_or(&bytes))?;
+        while let count @ 1.. = board.read_link(&mut bytes) {
+            self.unsent.extend(bytes.iter().take(count));
         }
+        while !self.unsent.is_empty() {
+            match self.serial.write(&self.unsent) {
+                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+                Ok(count) => drop(self.unsent.drain(..count)),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => (),
+                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => break,
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
     }
 }
 
