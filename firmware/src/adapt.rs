@@ -130,6 +130,15 @@ impl Adaptation {
         }
     }
 
+    /// A short pulse has not opened its valve.
+    pub(crate) fn missed(&mut self, direction: Direction) {
+        let learned = match direction {
+            Direction::Fill => &mut self.fill,
+            Direction::Vent => &mut self.vent,
+        };
+        learned.margin_us = (learned.margin_us + MARGIN_UP_US).min(MARGIN_MAX_US);
+    }
+
     /// A large pulse tells about the gain, a small one or none about the drift.
     fn learn_drift(&mut self, effect: &Effect, surprise_pa: f32) {
         let noise = GAIN_NOISE_PA * GAIN_NOISE_PA;

@@ -227,10 +227,11 @@ impl Channel {
     /// Decides when the sample is fit for it and half of the period is left, and cuts the pulse into ticks.
     fn pulse(&mut self, context: &TickContext, config: &ChannelConfig, may_fill: bool) -> ValvePulse {
         let pneumatics = &context.system.pneumatics;
+        self.control.listen(context.now_us, pneumatics.timing, self.sensor.pressure_pa());
         if let Some(reference) = self.reference
             && self.decision_due
             && reference.rest_us(context.now_us) >= reference.period_us / 2
-            && self.control.is_due(context.now_us, pneumatics.timing, self.sensor.step_pa())
+            && self.control.is_due(context.now_us, pneumatics.timing, self.sensor.step_pa(), &reference)
         {
             self.decision_due = false;
             let input = LoopInput {
@@ -238,6 +239,7 @@ impl Channel {
                 sensor_pa: self.pressure_pa(),
                 sensor_trusted: !self.sensor.is_implausible(),
                 supply_pa: context.supply_pa,
+                pressure_max_pa: config.pressure_max_pa,
                 may_fill,
                 chamber: &self.inverse.chamber(config),
                 pneumatics,

@@ -40,6 +40,7 @@ mod sensor;
 mod state;
 mod supervise;
 mod telemetry;
+mod trim;
 mod valve;
 
 pub use adapt::{Adaptation, Effect};

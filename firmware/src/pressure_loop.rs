@@ -9,6 +9,7 @@ use crate::gas::Chamber;
 use crate::pneumatics::Pneumatics;
 use crate::pulse::{Plan, PulseModel};
 use crate::reference::Reference;
+use crate::trim::{Pair, Trim};
 use crate::valve::{Direction, ValvePair, ValveTiming};
 
 /// Time after a valve has closed until the manifold reads the chamber's pressure, us: the line empties into the chamber. At least,
@@ -18,6 +19,12 @@ const SETTLE_MAX_US: u32 = 9_000;
 
 /// Change from one sample to the next below which a reading stands still, Pa: above the noise, below the end of a settling line.
 const STILL_PA: f32 = 250.0;
+
+/// How much longer than the shortest the pulses of a pair are.
+const BACK: f32 = 1.05;
+
+/// How far above the reference a pair may go, Pa: a pressure that is settled stays within 1 kPa.
+const ABOVE_PA: f32 = 900.0;
 
 /// What one decision is based on.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +37,8 @@ pub struct LoopInput<'a> {
     pub sensor_trusted: bool,
     /// Gauge pressure of the supply, Pa.
     pub supply_pa: f32,
+    /// Gauge pressure that is not to be exceeded, Pa.
+    pub pressure_max_pa: f32,
     /// Whether the channel may take air; a ramp down only lets it out.
     pub may_fill: bool,
     /// Volume and compliance of the chamber.
@@ -73,13 +82,14 @@ impl Sample {
 pub struct PressureLoop {
     valves: ValvePair,
     adaptation: Adaptation,
+    trim: Trim,
     last: Option<Decision>,
 }
 
 impl PressureLoop {
     /// Valves closed, nothing learned.
     pub const fn new() -> Self {
-        Self { valves: ValvePair::new(), adaptation: Adaptation::new(), last: None }
+        Self { valves: ValvePair::new(), adaptation: Adaptation::new(), trim: Trim::new(), last: None }
     }
 
     /// The coils.
@@ -98,9 +108,18 @@ impl PressureLoop {
         self.last = None;
     }
 
+    /// Takes the reading of this tick.
+    pub fn listen(&mut self, now_us: u64, timing: ValveTiming, reading_pa: f32) {
+        let settled = self.valves.direction_at(now_us).is_none() && !self.is_line_moving(now_us, timing);
+        self.trim.listen(settled.then_some(reading_pa));
+    }
+
     /// Whether the sample of this tick is fit for a decision: valves closed and line settled, or open from the last period on.
     /// `step_pa` is the change of the reading from the last sample, Pa.
-    pub fn is_due(&self, now_us: u64, timing: ValveTiming, step_pa: f32) -> bool {
+    pub fn is_due(&self, now_us: u64, timing: ValveTiming, step_pa: f32, reference: &Reference) -> bool {
+        if self.trim.is_near(reference, now_us) && self.open_since_last(now_us).is_none() {
+            return self.trim.mean_pa().is_some();
+        }
         let closed_us = self.closed_for_us(now_us, timing);
         let still = step_pa.abs() < STILL_PA;
         let settled = closed_us >= SETTLE_MAX_US || (closed_us >= SETTLE_MIN_US && still);
@@ -121,11 +140,21 @@ impl PressureLoop {
     /// Decides on one control period: learns from the last pulse and sets the coils.
     pub fn decide(&mut self, input: &LoopInput, reference: &Reference) {
         let sample = self.sample_kind(input.now_us);
-        let pressure_pa = self.chamber_pressure_pa(input, sample);
+        let fill = self.pulse_model(input, reference, input.sensor_pa, 0);
+        self.trim.note_shortest(self.towards(Direction::Fill, &fill).shortest_effect_pa());
+        let near = self.trim.is_near(reference, input.now_us);
+        let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
+        let pressure_pa = self.chamber_pressure_pa(input, sample, resting);
         self.learn(input, pressure_pa, sample);
-        let plan = self.plan(input, reference, pressure_pa, sample.direction());
+        let plan = if resting {
+            self.plan_at_rest(input, reference, pressure_pa)
+        } else {
+            self.trim.restart();
+            self.plan(input, reference, pressure_pa, sample.direction())
+        };
         match plan.direction {
             Some(direction) if plan.coil_us > 0 => self.valves.pulse(direction, input.now_us, plan.coil_us),
+            _ if self.trim.is_pairing() => {}
             _ => self.valves.close(input.now_us),
         }
         self.last = Some(Decision {
@@ -153,14 +182,14 @@ impl PressureLoop {
     }
 
     /// Gauge pressure at which the channel would come to rest, were its valves closed now, Pa.
-    fn chamber_pressure_pa(&self, input: &LoopInput, sample: Sample) -> f32 {
+    fn chamber_pressure_pa(&self, input: &LoopInput, sample: Sample, resting: bool) -> f32 {
         match (sample, &self.last) {
             (Sample::Opening(_), Some(last)) => self.reckoned_pa(last),
             (_, Some(last)) if !input.sensor_trusted => self.reckoned_pa(last),
             (Sample::Opening(direction) | Sample::Steady(direction), _) => {
                 input.pneumatics.settled_pa(direction, input.chamber, input.sensor_pa, input.supply_pa)
             }
-            (Sample::Settled, _) => input.sensor_pa,
+            (Sample::Settled, _) => self.trim.mean_pa().filter(|_| resting).unwrap_or(input.sensor_pa),
         }
     }
 
@@ -173,7 +202,11 @@ impl PressureLoop {
     /// Learns from the last pulse if both samples are measured and of one kind: behind an open valve they carry a bias.
     fn learn(&mut self, input: &LoopInput, pressure_pa: f32, sample: Sample) {
         let Some(last) = self.last.take() else { return };
-        if last.sample != sample || matches!(sample, Sample::Opening(_)) || !input.sensor_trusted {
+        if last.sample != sample
+            || matches!(sample, Sample::Opening(_))
+            || !input.sensor_trusted
+            || self.trim.is_pairing()
+        {
             return;
         }
         let duration_us = input.now_us.saturating_sub(last.at_us).max(1);
@@ -200,6 +233,46 @@ impl PressureLoop {
             None if wanted.change_pa.abs() < wanted.deadband_pa() => Plan::NOTHING,
             None => wanted.plan(false),
         }
+    }
+
+    /// The pulse while the reference rests: what is smaller than a shortest one takes two.
+    fn plan_at_rest(&mut self, input: &LoopInput, reference: &Reference, pressure_pa: f32) -> Plan {
+        if let Some(direction) = self.trim.learn(pressure_pa) {
+            self.adaptation.missed(direction);
+        }
+        let wanted = self.pulse_model(input, reference, pressure_pa, reference.rest_us(input.now_us) / 2);
+        let error_pa = wanted.change_pa;
+        let mut fill = self.towards(Direction::Fill, &wanted);
+        let least_up_pa = fill.shortest_effect_pa();
+        if self.trim.leaves(error_pa, least_up_pa, reference) {
+            return Plan::NOTHING;
+        }
+        if error_pa.abs() >= wanted.shortest_effect_pa() {
+            return wanted.plan(false);
+        }
+        let asked_pa = self.trim.asked_pa(error_pa, reference);
+        let mut vent = self.towards(Direction::Vent, &wanted);
+        fill.change_pa = (asked_pa + BACK * vent.shortest_effect_pa()).max(BACK * least_up_pa);
+        let above_pa = fill.change_pa - error_pa;
+        if above_pa > ABOVE_PA || pressure_pa + fill.change_pa > input.pressure_max_pa {
+            // As while the reference moves.
+            let least_pa = wanted.deadband_pa();
+            return if error_pa.abs() < least_pa { Plan::NOTHING } else { wanted.plan(false) };
+        }
+        vent.change_pa = asked_pa - fill.change_pa;
+        vent.pressure_pa = pressure_pa + fill.change_pa;
+        let (before_pa, up_pa, down_pa) = (pressure_pa, fill.change_pa, -vent.change_pa);
+        // The bias is what the pair does beyond what it is asked for.
+        self.trim.begin(Pair { before_pa, wanted_pa: asked_pa, up_pa, down_pa });
+        let up = fill.plan(false);
+        let down = vent.plan(false);
+        self.valves.pair(input.now_us, (Direction::Fill, up.coil_us), (Direction::Vent, down.coil_us));
+        Plan { direction: None, ..Plan::NOTHING }
+    }
+
+    fn towards<'a>(&self, direction: Direction, model: &PulseModel<'a>) -> PulseModel<'a> {
+        let (gain, margin_us) = (self.adaptation.gain(direction), self.adaptation.margin_us(direction));
+        PulseModel { direction, gain, margin_us, ..*model }
     }
 
     fn pulse_model<'a>(

@@ -65,9 +65,14 @@ impl PulseModel<'_> {
         sign * self.rate_pa_per_s(direction, self.pressure_pa + half) * time_s
     }
 
-    pub(crate) fn deadband_pa(&self) -> f32 {
+    /// What the shortest pulse does, Pa.
+    pub(crate) fn shortest_effect_pa(&self) -> f32 {
         let shortest_us = self.input.pneumatics.timing.shortest_open_us(self.margin_us);
-        (DEADBAND * self.gain * self.effect_pa(self.direction, shortest_us).abs()).max(DEADBAND_MIN_PA)
+        self.gain * self.effect_pa(self.direction, shortest_us).abs()
+    }
+
+    pub(crate) fn deadband_pa(&self) -> f32 {
+        (DEADBAND * self.shortest_effect_pa()).max(DEADBAND_MIN_PA)
     }
 
     /// Coil time until the end of the period, from a closed valve or one that is open in the wanted direction.

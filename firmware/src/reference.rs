@@ -1,5 +1,8 @@
 //! What a channel's pressure should be during one control period.
 
+/// Rate of the reference up to which it rests, Pa/s: that of what creeps.
+const RESTING_PA_PER_S: f32 = 1_500.0;
+
 /// The pressure the chamber should have: linear over the control period that begins at `start_us`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
@@ -19,6 +22,11 @@ impl Reference {
         let elapsed = time_us.saturating_sub(self.start_us).min(u64::from(self.period_us));
         let share = elapsed as f32 / self.period_us.max(1) as f32;
         self.start_pa + (self.end_pa - self.start_pa) * share
+    }
+
+    /// Whether the pressure wanted hardly changes: slowly enough to be set finely.
+    pub fn is_resting(&self) -> bool {
+        (self.end_pa - self.start_pa).abs() <= RESTING_PA_PER_S * self.period_us as f32 * 1e-6
     }
 
     /// Time from `now_us` to the end of the period, us.

@@ -70,22 +70,32 @@ impl ValveTiming {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ValvePair {
     energized: Option<(Direction, u64)>,
+    /// What follows the pulse at once, and its coil time, us.
+    next: Option<(Direction, u32)>,
     closed_at_us: u64,
 }
 
 impl ValvePair {
     /// Both coils off since the beginning of time.
     pub const fn new() -> Self {
-        Self { energized: None, closed_at_us: 0 }
+        Self { energized: None, next: None, closed_at_us: 0 }
     }
 
     /// Energizes one coil from `now_us` for `coil_us`, switching the other off.
     pub fn pulse(&mut self, direction: Direction, now_us: u64, coil_us: u32) {
         self.energized = Some((direction, now_us.saturating_add(u64::from(coil_us))));
+        self.next = None;
+    }
+
+    /// Energizes one coil from `now_us`, and the other in the tick after that; coil times in us.
+    pub fn pair(&mut self, now_us: u64, first: (Direction, u32), then: (Direction, u32)) {
+        self.pulse(first.0, now_us, first.1);
+        self.next = Some(then);
     }
 
     /// Switches both coils off.
     pub fn close(&mut self, now_us: u64) {
+        self.next = None;
         if self.energized.take().is_some() {
             self.closed_at_us = now_us;
         }
@@ -96,7 +106,7 @@ impl ValvePair {
         self.energized.filter(|&(_, until)| until > now_us).map(|(direction, _)| direction)
     }
 
-    /// When the last coil was or will be switched off, us.
+    /// When the last coil was or will be switched off, us; of a pair of pulses, when the first one's is.
     pub fn closed_at_us(&self) -> u64 {
         self.energized.map_or(self.closed_at_us, |(_, until)| until)
     }
@@ -110,6 +120,10 @@ impl ValvePair {
         if left_us == 0 {
             self.energized = None;
             self.closed_at_us = until;
+            if let Some((direction, coil_us)) = self.next.take() {
+                self.pulse(direction, now_us, coil_us);
+                return self.tick(now_us);
+            }
         }
         let coil_us = left_us.min(u64::from(TICK_US));
         ValvePulse::new(direction, u16::try_from(coil_us).unwrap_or(0))
@@ -150,6 +164,19 @@ mod tests {
         assert_eq!(ticks.iter().map(|p| p.vent_us).collect::<Vec<_>>(), [1_000, 1_000, 400, 0, 0]);
         assert!(ticks.iter().all(|p| p.fill_us == 0));
         assert_eq!(pair.closed_at_us(), 22_400);
+    }
+
+    #[test]
+    fn a_pair_energizes_one_coil_after_the_other_and_ends_with_the_second() {
+        let mut pair = ValvePair::new();
+        pair.pair(0, (Direction::Fill, 1_300), (Direction::Vent, 1_600));
+        let ticks: Vec<_> = (0..6).map(|t| pair.tick(t * 1_000)).collect();
+        let (fill, vent): (Vec<_>, Vec<_>) = ticks.iter().map(|p| (p.fill_us, p.vent_us)).unzip();
+        assert_eq!((fill, vent), (vec![1_000, 300, 0, 0, 0, 0], vec![0, 0, 1_000, 600, 0, 0]));
+        assert_eq!(pair.closed_at_us(), 3_600);
+        pair.pair(9_000, (Direction::Fill, 1_300), (Direction::Vent, 1_600));
+        pair.close(9_500);
+        assert_eq!(pair.tick(10_000), ValvePulse::CLOSED, "both are called off");
     }
 
     #[test]

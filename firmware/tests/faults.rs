@@ -16,7 +16,8 @@ fn only_fault(bench: &Bench) -> (FaultCode, u8) {
 #[test]
 fn over_pressure_vents_its_channel_in_the_second_sample_and_cuts_the_supply() {
     for channel in [0, 1, 2] {
-        let mut bench = Bench::running(3, 50_000, 50);
+        // What the converter's steps make of 50 kPa: there is nothing to correct, and so no pulse under way.
+        let mut bench = Bench::running(3, 49_943, 50);
         bench.pressure_pa[..3].fill(50e3);
         bench.ticks(45);
         bench.pressure_pa[channel] = 151e3;

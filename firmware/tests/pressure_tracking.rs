@@ -59,14 +59,16 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
                 end_pa: at(now_us + u64::from(PERIOD_US)),
             });
         }
+        control.listen(now_us, pneumatics.timing, sensor_pa);
         if let Some(wanted) = segment
-            && control.is_due(now_us, pneumatics.timing, sensor_pa - before_pa)
+            && control.is_due(now_us, pneumatics.timing, sensor_pa - before_pa, &wanted)
         {
             let chamber = chamber(wanted.end_pa);
             let input = LoopInput {
                 now_us,
                 sensor_pa,
                 sensor_trusted: true,
+                pressure_max_pa: 180e3,
                 may_fill: true,
                 supply_pa: SUPPLY_PA as f32,
                 chamber: &chamber,
@@ -200,6 +202,7 @@ fn the_direction_of_a_pulse_is_that_of_the_error() {
         let input = LoopInput {
             now_us: 1_000_000,
             sensor_pa: 50e3,
+            pressure_max_pa: 180e3,
             sensor_trusted: true,
             may_fill: true,
             supply_pa: 200e3,

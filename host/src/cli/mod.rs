@@ -17,6 +17,7 @@ mod report;
 mod run;
 mod statics;
 mod tolerance;
+mod trials;
 mod workspace;
 
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
@@ -61,6 +62,7 @@ enum Verb {
     Workspace(workspace::Workspace),
     Statics(statics::Statics),
     Tolerance(tolerance::Tolerance),
+    Trials(trials::Trials),
 }
 
 /// Parses the command line, does what it asks, and turns the outcome into an exit code.
@@ -88,6 +90,7 @@ pub fn main() -> ExitCode {
         Verb::Workspace(verb) => verb.run(),
         Verb::Statics(verb) => verb.run(),
         Verb::Tolerance(verb) => verb.run(),
+        Verb::Trials(verb) => verb.run(),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

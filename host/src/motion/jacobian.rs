@@ -129,3 +129,12 @@ fn segment_slope(module: &LimbModule, state: &State<f64>, slope: &State<f64>, se
         }
     }
 }
+
+/// How the tip moves, m/Pa, and the module's setpoint, per Pa, with the pressure of each module.
+pub(crate) fn tip_slopes(limb: &Limb, states: &[State<f64>]) -> Vec<(Vector3<f64>, f64)> {
+    let pressures_pa: Vec<f64> = states.iter().map(|state| state.pressure_pa).collect();
+    let velocities = Differential::new(limb, &pressures_pa).tip_velocities();
+    let modules = limb.modules().iter().zip(&pressures_pa);
+    let slopes = modules.map(|(module, pressure_pa)| module.measure(&module.curve.slope_at(*pressure_pa)));
+    velocities.into_iter().zip(slopes).collect()
+}

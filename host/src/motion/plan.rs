@@ -4,12 +4,13 @@ use fra_model::State;
 use nalgebra::Vector3;
 
 use super::clear::{self, Nearness};
+use super::corrections::Corrections;
 use super::path::Path;
 use super::refusal::state_at;
 use super::schedule::schedule;
 use super::weight::{self, Weighed};
 use super::wire::{from_wire, to_wire};
-use crate::design::Limb;
+use crate::design::{Limb, LimbModule};
 use crate::scene::{Gripper, Scene, SceneError, SetpointKind};
 
 /// A phase on the clock of the run, with the value of every module at its end.
@@ -102,6 +103,27 @@ impl Plan {
         let (before, after, share) = self.between(time_us);
         let points = weighed.lines_m[before].iter().zip(&weighed.lines_m[after]);
         points.map(|(a, b)| between(*a, *b, share)).collect()
+    }
+
+    /// The same phases with corrected setpoints, which end where the range of a module ends.
+    ///
+    /// # Errors
+    /// A diagnostic at the phase in which a corrected setpoint leaves what the limb can reach.
+    pub fn corrected(&self, scene: &Scene, limb: &Limb, corrections: &Corrections) -> Result<Self, SceneError> {
+        let knots = self.knots.iter().zip(0_u64..).map(|(knot, index)| {
+            let added = corrections.at((index * self.knot_period_us) as f64 * 1e-6);
+            let added = added.into_iter().chain(std::iter::repeat(0.0));
+            let modules = limb.modules().iter().zip(knot).zip(added);
+            let corrected = |module: &LimbModule, wire: i32, added: f64| {
+                let (rest, last) = module.range();
+                let value = from_wire(module.kind, wire) + added;
+                to_wire(module.kind, value.clamp(rest.min(last), rest.max(last)))
+            };
+            modules.map(|((module, wire), added)| corrected(module, *wire, added)).collect()
+        });
+        let knots: Vec<Vec<i32>> = knots.collect();
+        let states = states(scene, limb, &self.phases, &knots, self.knot_period_us)?;
+        Ok(Self { knots, states, ..self.clone() })
     }
 
     fn between(&self, time_us: f64) -> (usize, usize, f64) {

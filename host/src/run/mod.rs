@@ -3,8 +3,8 @@
 mod assemble;
 mod error;
 mod hanging;
-mod memory;
 mod observed;
+mod prepared;
 
 use std::fs;
 use std::io::Write as _;
@@ -15,21 +15,17 @@ use std::time::Instant;
 use softlimb_sim::emulated::{Flashed, LockStep};
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
-use crate::design::Limb;
-use crate::link::{self, DeviceConfiguration, Event, Knot, LinkStatistics, StreamOptions};
-use crate::motion::{self, Plan};
+use crate::link::{Event, LinkStatistics};
 use crate::record::{self, LinkSummary, Recorder, RunInfo, RunLog};
 use crate::report;
 use crate::scene::Scene;
 use crate::simulate;
 
-use assemble::{Assembler, Seen, run_info};
+use assemble::{Assembler, Seen};
 pub use error::RunError;
-pub use memory::samples;
 use observed::Observed;
-
-/// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
-const SESSION: u16 = 1;
+pub(crate) use prepared::Prepared;
+pub use prepared::samples;
 
 /// What is run and where it goes.
 #[derive(Clone, Debug)]
@@ -94,22 +90,15 @@ pub fn run(
     cancel: &AtomicBool,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let limb = Limb::new(scene)?;
-    let plan = motion::plan(scene, &limb)?;
-    let inverses = motion::inverses(scene, &limb)?;
-    motion::check_goals(scene, &limb, &plan, &inverses)?;
-    let configuration = motion::configuration(scene, &inverses, &limb);
-    let knots = wire_knots(&limb, &plan);
-    let settings = simulate::settings(scene, &limb, options.seed);
+    let prepared = Prepared::new(scene)?;
+    let settings = simulate::settings(scene, prepared.limb(), options.seed);
     let mut device = Observed::new(SimulatedMcu::with_processor(&settings, options.mcu.start()?)?);
     fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;
     let path = options.out.join("run.mcap");
 
     let began = Instant::now();
-    let mut recording =
-        Recording::new(run_info(scene, &limb, &plan, options.seed), Assembler::new(scene, &limb, &plan), &path);
-    let stream_options = stream_options(&limb, &configuration, cancel);
-    let ended = link::stream(&mut device, &configuration, &knots, &stream_options, |device, event| {
+    let mut recording = Recording::new(prepared.info(options.seed), prepared.assembler(), &path);
+    let ended = prepared.stream(&mut device, cancel, |device, event| {
         if let Some(progress) = recording.take(device, event) {
             on_progress(progress);
         }
@@ -128,25 +117,6 @@ pub fn run(
         }
         (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
     }
-}
-
-fn stream_options<'a>(limb: &Limb, configuration: &DeviceConfiguration, cancel: &'a AtomicBool) -> StreamOptions<'a> {
-    let (defaults, system) = (StreamOptions::new(SESSION), &configuration.system);
-    let heartbeat_us = defaults.heartbeat_us.min(u64::from(system.link_timeout_us) / 4);
-    // The ramp down takes its time; twice that and the default is long enough.
-    let highest_pa = limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
-    let ramp_us = (highest_pa / f64::from(system.vent_ramp_pa_per_s) * 1e6) as u64;
-    let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
-    StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, ..defaults }
-}
-
-/// One setpoint per channel at every knot: all actuators of a module get the module's.
-fn wire_knots(limb: &Limb, plan: &Plan) -> Vec<Knot> {
-    let row = |values: &Vec<i32>| -> Vec<i32> {
-        limb.modules().iter().zip(values).flat_map(|(module, value)| module.channels.clone().map(|_| *value)).collect()
-    };
-    let rows = plan.knots().iter().zip(0..);
-    rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us, values: row(values) }).collect()
 }
 
 /// Reads the log back, so that the report shows what the log holds and nothing else.

@@ -38,7 +38,8 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
             },
         },
         // What a device follows a setpoint to, so that what is found can be run.
-        pressure_max_pa: reference_max_pa(*module.pressure_max_pa),
+        pressure_max_pa: (1.0 - scene.design().map_or(0.0, |design| design.pressure_reserve))
+            * reference_max_pa(*module.pressure_max_pa),
         limit_margin: scene.design().map_or(LIMIT_MARGIN, |design| design.limit_margin),
         goals: Vec::new(),
     })

@@ -19,6 +19,7 @@ pub(super) fn design(root: &Reader<'_>, drafts: &[Draft<'_>]) -> Option<Option<D
         [keys::INNER_RADIUS, keys::WALL, keys::LENGTH, keys::FIBER_ANGLE].map(|key| reader.pair(&key));
     let limit_margin = reader.quantity(&keys::LIMIT_MARGIN);
     let shared_supply_line = reader.flag(&keys::SHARED_SUPPLY_LINE);
+    let pressure_reserve = reader.quantity(&keys::PRESSURE_RESERVE);
     let mount_angle_free = reader.choice(&keys::MOUNT_ANGLE, &[false, true]);
     let choice = choice(&reader);
     let common = ModuleBounds { inner_radius_m: inner?, wall_m: wall?, length_m: length?, fiber_angle_rad: angle? };
@@ -27,6 +28,7 @@ pub(super) fn design(root: &Reader<'_>, drafts: &[Draft<'_>]) -> Option<Option<D
         modules: drafts.iter().map(|draft| draft.bounds.or(&common)).collect(),
         limit_margin: *limit_margin?,
         shared_supply_line: shared_supply_line?,
+        pressure_reserve: *pressure_reserve?,
         mount_angle_free: *mount_angle_free?,
         choice: choice?,
     }))

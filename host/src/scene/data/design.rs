@@ -17,6 +17,8 @@ pub struct Design {
     pub modules: Vec<ModuleBounds>,
     /// Share of the pressure at the limit point that is kept free, 0.001 to 0.9.
     pub limit_margin: f64,
+    /// Share of the highest pressure a device follows that is kept free; 0..=0.5.
+    pub pressure_reserve: f64,
     /// Whether all modules have the same pressure.
     pub shared_supply_line: bool,
     /// Whether modules may be turned about the limb's axis.

@@ -11,6 +11,7 @@ section! {
     LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("the module's own") } = "Length at rest.";
     FIBER_ANGLE: Pair { name: "fiber_angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Optional("that of the module's winding") } = "Fiber angle from the hoop direction. A bending module has none.";
     LIMIT_MARGIN: Quantity { name: "limit_margin", unit: Unit::NUMBER, min: 0.001, max: 0.9, presence: Default(0.05) } = "Share of the pressure at the limit point that is kept free.";
+    PRESSURE_RESERVE: Quantity { name: "pressure_reserve", unit: Unit::PERCENT, min: 0.0, max: 50.0, presence: Default(0.0) } = "Share of the highest pressure that a device follows which is kept free, for a limb that turns out stiffer than its model.";
     SHARED_SUPPLY_LINE: Flag { name: "shared_supply_line", presence: Default(false) } = "Whether all modules have the same pressure.";
     MOUNT_ANGLE: Choice { name: "mount_angle", words: &["fixed", "free"], presence: Default("fixed") } = "Whether modules keep their `mount_angle` or may be turned.";
     MODULES: Pair { name: "modules", unit: Unit::NUMBER, min: 1.0, max: 9.0, presence: Optional("as many as there are") } = "Least and greatest number of modules where their kinds and order are chosen, too.";

@@ -1,0 +1,233 @@
+//! Fine setting while the reference rests.
+//!
+//! A valve that opens stays open for its closing delay at least, so that the pressure cannot be set finer than by a shortest pulse, and one
+//! sample has the sensor's noise. While the reference rests there is time for both: readings are averaged, and an error smaller than a
+//! shortest pulse is taken away by two pulses, one up and at once a measured one down, whose effects differ by it. What valves scatter
+//! decides where such a pair ends; it is repeated until the error is small enough. At a reference that stands still, each pair makes a little
+//! more error good enough: a leak does not keep the valves busy.
+
+use crate::reference::Reference;
+use crate::valve::Direction;
+
+/// Readings that make a mean worth deciding on.
+const ENOUGH: u16 = 8;
+/// Readings after which old ones are forgotten.
+const MEMORY: u16 = 48;
+/// Error up to which there is fine setting, Pa: a shortest pulse or two.
+const NEAR_PA: f32 = 1_000.0;
+/// Effect of a shortest filling pulse up to which there is fine setting, Pa: a pair of pulses stays within the 1 kPa of a settled pressure.
+const FINE_PA: f32 = 600.0;
+/// Distance of a reading from the mean at which the pressure has moved, Pa: beyond the noise.
+const MOVED_PA: f32 = 500.0;
+/// Error that is small enough at first, Pa: half a step of a converter of 12 bits and 2 bar. By how much more is after each pair.
+const BAND_PA: f32 = 33.0;
+const PATIENCE: f32 = 1.4;
+/// Pairs after which the band grows no more.
+const PAIRS_MAX: u8 = 16;
+/// Control periods after which a pair is forgotten.
+const FORGET: u8 = 250;
+/// By how much more the error may be once it was small enough.
+const LEFT: f32 = 2.0;
+/// Change of the reference over a control period up to which it stands still, Pa.
+const STILL_PA: f32 = 2.0;
+/// Share of a shortest filling pulse that a pair scatters by.
+const SCATTER: f32 = 0.1;
+/// Share of a surprise that the bias takes.
+const BIAS_RATE: f32 = 0.3;
+/// Share of a pulse's effect that is missing where it did not open its valve.
+const MISSED: f32 = 0.75;
+/// Control periods by which a pair runs ahead of a reference that slides.
+const AHEAD: f32 = 2.5;
+
+/// A pair of pulses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    /// Pressure at its begin, Pa.
+    pub(crate) before_pa: f32,
+    /// What it should change, Pa.
+    pub(crate) wanted_pa: f32,
+    /// What its pulses do, Pa, > 0.
+    pub(crate) up_pa: f32,
+    pub(crate) down_pa: f32,
+}
+
+/// Fine setting of one channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Trim {
+    possible: bool,
+    reading_pa: f32,
+    sum_pa: f32,
+    count: u16,
+    pairs: u8,
+    age: u8,
+    content: bool,
+    /// What a pair does beyond what is wanted of it, Pa.
+    bias_pa: f32,
+    wanted: Option<Pair>,
+}
+
+impl Trim {
+    /// Nothing read.
+    pub(crate) const fn new() -> Self {
+        Self {
+            possible: false,
+            reading_pa: 0.0,
+            sum_pa: 0.0,
+            count: 0,
+            pairs: 0,
+            age: 0,
+            content: false,
+            bias_pa: 0.0,
+            wanted: None,
+        }
+    }
+
+    /// Takes a reading of a settled line, or forgets all of them where the line moves.
+    pub(crate) fn listen(&mut self, reading_pa: Option<f32>) {
+        let Some(reading_pa) = reading_pa else {
+            (self.sum_pa, self.count) = (0.0, 0);
+            return;
+        };
+        self.reading_pa = reading_pa;
+        if (self.sum_pa - f32::from(self.count) * reading_pa).abs() > f32::from(self.count) * MOVED_PA {
+            (self.sum_pa, self.count) = (0.0, 0);
+        }
+        if self.count >= MEMORY {
+            self.sum_pa *= 0.5;
+            self.count /= 2;
+        }
+        self.sum_pa += reading_pa;
+        self.count += 1;
+    }
+
+    /// The mean reading since the line settled, Pa, once it is worth deciding on.
+    pub(crate) fn mean_pa(&self) -> Option<f32> {
+        (self.count >= ENOUGH).then(|| self.sum_pa / f32::from(self.count))
+    }
+
+    /// Takes what the shortest filling pulse does, Pa: where it takes a pressure out of what counts as settled, fine setting would do more
+    /// harm than good.
+    pub(crate) fn note_shortest(&mut self, up_pa: f32) {
+        self.possible = up_pa <= FINE_PA;
+    }
+
+    /// Whether the pressure is so near to a reference at rest that it is set finely.
+    pub(crate) fn is_near(&self, reference: &Reference, now_us: u64) -> bool {
+        self.possible && reference.is_resting() && (self.reading_pa - reference.at(now_us)).abs() <= NEAR_PA
+    }
+
+    /// The reference moves: the next rest begins afresh.
+    pub(crate) fn restart(&mut self) {
+        (self.pairs, self.content, self.wanted) = (0, false, None);
+    }
+
+    /// Whether a pair has begun from which nothing was learned yet.
+    pub(crate) fn is_pairing(&self) -> bool {
+        self.wanted.is_some()
+    }
+
+    /// Learns from the last pair; the direction whose pulse cannot have opened its valve.
+    pub(crate) fn learn(&mut self, pressure_pa: f32) -> Option<Direction> {
+        let pair = self.wanted.take()?;
+        let surprise_pa = pressure_pa - pair.before_pa - pair.wanted_pa;
+        if surprise_pa > MISSED * pair.down_pa {
+            return Some(Direction::Vent);
+        }
+        if surprise_pa < -MISSED * pair.up_pa {
+            return Some(Direction::Fill);
+        }
+        self.bias_pa += BIAS_RATE * (surprise_pa - self.bias_pa);
+        None
+    }
+
+    /// Whether an error, Pa, is left alone; `up_pa` is what the shortest filling pulse does, Pa.
+    pub(crate) fn leaves(&mut self, error_pa: f32, up_pa: f32, reference: &Reference) -> bool {
+        self.age = self.age.wrapping_add(1);
+        if self.age >= FORGET {
+            (self.age, self.pairs) = (0, self.pairs.saturating_sub(1));
+        }
+        let band_pa = if (reference.end_pa - reference.start_pa).abs() <= STILL_PA {
+            (0..self.pairs).fold(BAND_PA, |band_pa, _| PATIENCE * band_pa)
+        } else {
+            BAND_PA.max(SCATTER * up_pa)
+        };
+        let allowed_pa = if self.content { LEFT * band_pa } else { band_pa };
+        self.content = error_pa.abs() <= allowed_pa;
+        self.content
+    }
+
+    /// What to ask of a pair, Pa, to take an error away, Pa.
+    pub(crate) fn asked_pa(&self, error_pa: f32, reference: &Reference) -> f32 {
+        let ahead_pa = (AHEAD * (reference.end_pa - reference.start_pa)).clamp(-BAND_PA, BAND_PA);
+        error_pa + ahead_pa - self.bias_pa
+    }
+
+    /// A pair begins.
+    pub(crate) fn begin(&mut self, pair: Pair) {
+        self.pairs = (self.pairs + 1).min(PAIRS_MAX);
+        self.wanted = Some(pair);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reference(rate_pa: f32) -> Reference {
+        Reference { start_us: 0, start_pa: 50e3, period_us: 20_000, end_pa: 50e3 + rate_pa }
+    }
+
+    #[test]
+    fn readings_are_averaged_until_the_line_or_the_pressure_moves() {
+        let mut trim = Trim::new();
+        for index in 0..7 {
+            trim.listen(Some(50e3 + if index % 2 == 0 { 60.0 } else { -60.0 }));
+        }
+        assert_eq!(trim.mean_pa(), None, "seven are not enough");
+        trim.listen(Some(50e3 - 60.0));
+        assert_eq!(trim.mean_pa(), Some(50e3));
+        trim.listen(Some(51e3));
+        assert_eq!(trim.mean_pa(), None, "1 kPa is no noise");
+        (0..8).for_each(|_| trim.listen(Some(51e3)));
+        assert_eq!(trim.mean_pa(), Some(51e3));
+        trim.listen(None);
+        assert_eq!(trim.mean_pa(), None);
+    }
+
+    #[test]
+    fn what_was_good_enough_stays_so_for_twice_the_band() {
+        let mut trim = Trim::new();
+        let still = reference(0.0);
+        assert!(!trim.leaves(60.0, 500.0, &still));
+        assert!(trim.leaves(-30.0, 500.0, &still));
+        assert!(trim.leaves(60.0, 500.0, &still));
+        assert!(!trim.leaves(70.0, 500.0, &still));
+        assert!(!trim.leaves(60.0, 500.0, &still), "it has to become good again");
+    }
+
+    #[test]
+    fn pair_after_pair_more_is_good_enough_at_a_reference_that_stands_still() {
+        let mut trim = Trim::new();
+        let pair = Pair { before_pa: 50e3, wanted_pa: 100.0, up_pa: 500.0, down_pa: 400.0 };
+        for _ in 0..4 {
+            assert!(!trim.leaves(120.0, 500.0, &reference(0.0)));
+            trim.begin(pair);
+        }
+        assert!(trim.leaves(120.0, 500.0, &reference(0.0)), "33 Pa times 1.4 to the fourth is 127 Pa");
+        assert!(!trim.leaves(120.0, 500.0, &reference(10.0)), "one that slides is followed");
+    }
+
+    #[test]
+    fn a_pair_teaches_its_bias_or_which_valve_stayed_shut() {
+        let mut trim = Trim::new();
+        let pair = Pair { before_pa: 50e3, wanted_pa: 100.0, up_pa: 500.0, down_pa: 400.0 };
+        trim.begin(pair);
+        assert_eq!(trim.learn(50e3 + 150.0), None);
+        assert!((trim.asked_pa(100.0, &reference(0.0)) - 85.0).abs() < 1e-3, "a third of 50 Pa is expected again");
+        trim.begin(pair);
+        assert_eq!(trim.learn(50e3 + 500.0), Some(Direction::Vent));
+        trim.begin(pair);
+        assert_eq!(trim.learn(50e3 - 400.0), Some(Direction::Fill), "500 Pa less than wanted");
+        assert_eq!(trim.learn(50e3), None, "nothing is learned twice");
+    }
+}
