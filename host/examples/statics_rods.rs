@@ -34,6 +34,7 @@ fn cantilever(share: f64) -> Rod {
         free: [1.0, 0.0, 0.0, 0.0],
         stiffness: Matrix4::from_diagonal(&Vector4::new(1e4, 1.4, 1.4, 1.4)),
         shear_n: 1e4,
+        sway: 0.6,
         length_m: 0.81,
         mount_angle_rad: 0.0,
         kg_per_m: 0.8 * share,
@@ -71,7 +72,7 @@ fn told(rod: &Rod) -> Value {
         |matrix: &Matrix4<f64>| matrix.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<_>>>();
     let pieces = rod.pieces.iter().map(|piece| {
         json!({
-            "free": piece.free, "stiffness": rows(&piece.stiffness), "shear_n": piece.shear_n, "length_m": piece.length_m,
+            "free": piece.free, "stiffness": rows(&piece.stiffness), "shear_n": piece.shear_n, "sway": piece.sway, "length_m": piece.length_m,
             "mount_angle_rad": piece.mount_angle_rad, "kg_per_m": piece.kg_per_m, "rigid_m": piece.rigid_m, "masses": piece.masses,
         })
     });

@@ -1,5 +1,9 @@
 //! The loaded limb against closed forms, differences, and a shooting solution that shares no code with it.
 
+#[path = "statics/beam.rs"]
+mod beam;
+#[path = "statics/bundles.rs"]
+mod bundles;
 #[path = "statics/closed_forms.rs"]
 mod closed_forms;
 #[path = "statics/derivatives.rs"]
@@ -8,6 +12,8 @@ mod derivatives;
 mod shooting;
 #[path = "statics/tiers.rs"]
 mod tiers;
+#[path = "statics/tubes.rs"]
+mod tubes;
 
 use nalgebra::{Isometry3, Matrix4, Vector3, Vector4};
 use softlimb::statics::{Piece, Rod};
@@ -35,6 +41,7 @@ pub(crate) fn slender(length_m: f64, ei: f64, stiff: f64) -> Piece {
         free: [1.0, 0.0, 0.0, 0.0],
         stiffness: Matrix4::from_diagonal(&Vector4::new(axial, ei, ei, stiff * ei)),
         shear_n: axial,
+        sway: 0.6,
         length_m,
         mount_angle_rad: 0.0,
         kg_per_m: 0.0,
@@ -78,6 +85,7 @@ pub(crate) fn random_rod(stream: &mut Stream, load: f64) -> Rod {
                 ],
                 stiffness,
                 shear_n: stream.between(60.0, 300.0),
+                sway: 0.6,
                 length_m: stream.between(0.15, 0.3),
                 mount_angle_rad: stream.between(-3.0, 3.0),
                 kg_per_m: load * stream.between(0.5, 1.0),

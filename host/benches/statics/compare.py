@@ -29,7 +29,6 @@ from scipy.integrate import solve_bvp
 WORKSPACE = Path(__file__).resolve().parents[3]
 PROFILE = os.environ.get("SPEED_PROFILE", "release")
 RIGID_N, RIGID_NM2 = 8e3, 5e2  # of rigid parts, against 1e3 N and 1 N m2 of tubes
-SWAY = 0.6  # a bundle that slides shortens by 3/5 of the square of the slide
 CHECK = 250  # steps from one look at the tip to the next
 REST = 1e-6  # of the length: the tip rests when it moves less than this in a fiftieth of a second, three times
 
@@ -56,7 +55,8 @@ def turned(matrix, angle):
 
 
 def elements(told, count):
-    """Lengths, stiffness against shear and stretch, compliance and free rates of the bends, of about `count` elements; weights of nodes, kg."""
+    """Lengths, stiffness against shear and stretch, compliance and free rates of the bends, of about `count` elements, what each shortens by
+    where it slides (over the square of the slide), and the masses of nodes, kg."""
     whole = sum(piece["length_m"] * piece["free"][0] for piece in told["pieces"])
     lengths, forces, compliances, rates, sways, masses = [], [], [], [], [], [0.0]
     for piece in told["pieces"]:
@@ -73,7 +73,7 @@ def elements(told, count):
             forces.append([shear, shear, axial])
             compliances.append(turned(np.linalg.inv(bends), angle))
             rates.append(turned(np.array([-y, x, twist]) / stretch, angle))
-            sways.append(True)
+            sways.append(piece["sway"])
             kg = piece["kg_per_m"] * piece["length_m"] / own
             masses[-1] += 0.5 * kg
             masses.append(0.5 * kg)
@@ -82,7 +82,7 @@ def elements(told, count):
             forces.append([RIGID_N] * 3)
             compliances.append(np.eye(3) / RIGID_NM2)
             rates.append(np.zeros(3))
-            sways.append(False)
+            sways.append(0.0)
             masses.append(0.0)
             for distance, kg in piece["masses"]:
                 share = distance / piece["rigid_m"]
@@ -111,8 +111,9 @@ def rest(told, count, damping):
     rod.rest_kappa[:] = ((half[:-1, None] * rates[:-1] + half[1:, None] * rates[1:]) / sums[:, :, 0]).T
     # The time step that the soft elements' stretching allows at their own mass; all else is made heavy enough for it.
     hardest = forces.max(axis=1) / lengths
+    soft = (forces != RIGID_N).any(axis=1)
     least = masses.sum() * lengths / lengths.sum()
-    step = 0.7 * np.sqrt((least[sways] / hardest[sways]).min())
+    step = 0.7 * np.sqrt((least[soft] / hardest[soft]).min())
     at_nodes = np.maximum(np.append(hardest, 0.0), np.insert(hardest, 0, 0.0))
     rod.mass[:] = np.maximum(masses, 4.0 * at_nodes * (0.5 * step) ** 2)
     stiff = np.zeros(len(lengths))
@@ -159,9 +160,9 @@ def soften(rod, forces, bends, sways):
     """
     force = rod.internal_stress[2] / rod.dilatation
     for axis in range(3):
-        slide = 2.0 * SWAY * force * sways if axis < 2 else 0.0
+        slide = 2.0 * sways * force if axis < 2 else 0.0
         rod.shear_matrix[axis, axis] = (forces[:, axis] + slide) * rod.dilatation
-    rod.rest_sigma[2] = -SWAY * (rod.sigma[0] ** 2 + rod.sigma[1] ** 2) * sways
+    rod.rest_sigma[2] = -sways * (rod.sigma[0] ** 2 + rod.sigma[1] ** 2)
     rod.bend_matrix[:] = np.moveaxis(bends, 0, -1) * rod.voronoi_dilatation**3
 
 
@@ -175,8 +176,8 @@ def elastica(told):
         """Of angle below the level, moment, level and upright place."""
         cos, sin = np.cos(y[0]), np.sin(y[0])
         along, across = weight * (length - s) * sin, weight * (length - s) * cos
-        slide = across / (piece["shear_n"] + 2.0 * SWAY * along)
-        stretch = 1.0 + along / axial - SWAY * slide**2
+        slide = across / (piece["shear_n"] + 2.0 * piece["sway"] * along)
+        stretch = 1.0 + along / axial - piece["sway"] * slide**2
         x, z = stretch * cos - slide * sin, -stretch * sin - slide * cos
         return np.array([y[1] / ei, -weight * (length - s) * x, x, z])
 

@@ -2,8 +2,10 @@
 //!
 //! At a stretch `lambda`, bends `u` (towards `x` and `y`) and a twist rate `t` the tube at `r_i` has the stretch `lambda - u . r_i`. The
 //! energy of all tubes, each by its own tangent ([`Tangent`]), is a square form in `(lambda, u_x, u_y, t)`; its minimum is the free shape.
-//! Plates that slide against each other bend the tubes between them to an S: `12 EI/a^2` a tube for plates `a` apart, in series with the
-//! shear of the walls. Plates that turn against each other do the same to tubes off the axis.
+//! Plates that slide against each other bend the tubes between them to an S: `12 EI/a^2` a tube for plates `a` apart as they are stretched, in
+//! series with the shear of the walls. Plates that turn against each other do the same to tubes off the axis. A rod whose bends follow its moments
+//! has a part of that S already, `a^2/12` over the bending stiffness of the bundle: it is taken off the slide, so that a chain of plates and the
+//! rod yield alike to small loads.
 
 use std::f64::consts::TAU;
 
@@ -24,6 +26,15 @@ pub struct Free {
     pub twist_rad_per_m: f64,
 }
 
+/// How plates slide against each other in one direction, per force across the bundle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Slide {
+    /// Slide of the tubes between them, 1/N.
+    pub(super) tubes: f64,
+    /// The part of it that a rod has by its bends, 1/N.
+    pub(super) bends: f64,
+}
+
 /// A bundle at given pressures.
 #[derive(Clone, Debug)]
 pub struct Bundle {
@@ -33,6 +44,10 @@ pub struct Bundle {
     pub stiffness: Matrix4<f64>,
     /// Shear stiffness, N.
     pub shear_n: f64,
+    /// What it shortens by when it slides, over the square of the slide and the stretch: 3/5 for slender tubes, less where walls shear.
+    pub sway: f64,
+    /// How it slides towards `x` and `y`.
+    pub(super) slides: [Slide; 2],
     /// Distance of its plates at rest, m.
     pub bay_m: f64,
     /// Position of each tube in the section, m, and the tube.
@@ -63,27 +78,66 @@ impl Bundle {
     /// The bundle of tubes at places of the section, m, with plates `bay_m` apart. `None` where their energy has no minimum.
     pub fn of_tubes(motion: Motion, tubes: Vec<([f64; 2], Tangent)>, bay_m: f64) -> Option<Self> {
         let (mut stiffness, mut force) = (Matrix4::zeros(), Vector4::zeros());
-        let (mut frame_n, mut walls_n, mut turning_nm2) = (0.0, 0.0, 0.0);
         for ([x, y], tube) in &tubes {
             let (own, rest) = energy(motion, [*x, *y], tube)?;
             stiffness += own;
             force += own * rest;
-            let sway_n = 12.0 * 0.5 * (tube.bending_nm2 + tube.across_nm2) / (bay_m * bay_m);
-            frame_n += sway_n;
-            walls_n += tube.shear_n;
-            turning_nm2 += series(sway_n, tube.shear_n) * (x * x + y * y);
         }
         // Turning the plates takes it from where the tubes want to be: from the free twist, so that it is no force there.
         let free = stiffness.cholesky()?.solve(&force);
-        stiffness[(3, 3)] += turning_nm2;
+        let long_m = free[0] * bay_m;
+        let slides = slides(&stiffness, &tubes, long_m);
+        let mean = |of: fn(&Slide) -> f64| 0.5 * (of(&slides[0]) + of(&slides[1]));
+        let shear_n = 1.0 / mean(|slide| slide.tubes - slide.bends);
+        let sway = 0.5 * (sway(&slides[0], 0, &tubes, long_m) + sway(&slides[1], 1, &tubes, long_m));
+        let turning = |([x, y], tube): &([f64; 2], Tangent)| slide_n(tube, mean_nm2(tube), long_m) * (x * x + y * y);
+        stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
         let free = Free { stretch: free[0], bend_rad_per_m: [free[1], free[2]], twist_rad_per_m: free[3] };
-        Some(Self { free, stiffness, shear_n: series(frame_n, walls_n), bay_m, tubes })
+        Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes })
     }
 }
 
-/// Two compliances one behind the other.
-fn series(a: f64, b: f64) -> f64 {
-    if a + b > 0.0 { a * b / (a + b) } else { 0.0 }
+/// Bending stiffness of a tube towards `x` and `y`, N m2.
+fn bends_nm2(tube: &Tangent) -> [f64; 2] {
+    [tube.bending_nm2, tube.across_nm2]
+}
+
+/// The mean of both.
+pub(super) fn mean_nm2(tube: &Tangent) -> f64 {
+    0.5 * (tube.bending_nm2 + tube.across_nm2)
+}
+
+/// Force per slide of a tube between plates `long_m` apart as they are stretched: an S in series with the shear of the wall, N.
+pub(super) fn slide_n(tube: &Tangent, bending_nm2: f64, long_m: f64) -> f64 {
+    1.0 / (1.0 / tube.shear_n + long_m * long_m / (12.0 * bending_nm2))
+}
+
+/// Slides of a bundle with the stiffness of its stretch and bends.
+fn slides(stiffness: &Matrix4<f64>, tubes: &[([f64; 2], Tangent)], long_m: f64) -> [Slide; 2] {
+    [0, 1].map(|axis| {
+        let all_n: f64 = tubes.iter().map(|(_, tube)| slide_n(tube, bends_nm2(tube)[axis], long_m)).sum();
+        let at = axis + 1;
+        // The stretch gives way to the bend.
+        let whole_nm2 = stiffness[(at, at)] - stiffness[(0, at)].powi(2) / stiffness[(0, 0)];
+        Slide { tubes: 1.0 / all_n, bends: long_m * long_m / (12.0 * whole_nm2) }
+    })
+}
+
+/// By how much a tube of a slide `g` shortens, over `g^2/2`, where the part `share` of the slide is an S and the rest shear of the wall: an S
+/// leans by 6/5 of its square, and a wall that shears leans only with what is bent before it.
+pub(super) fn shortening(share: f64) -> f64 {
+    (2.0 - 0.8 * share) * share
+}
+
+/// Shortening of the rod's own slide, so that with that of its bends it is the mean of the tubes'.
+fn sway(slide: &Slide, axis: usize, tubes: &[([f64; 2], Tangent)], long_m: f64) -> f64 {
+    let of_tube = |(_, tube): &([f64; 2], Tangent)| {
+        let bending_nm2 = bends_nm2(tube)[axis];
+        shortening(slide_n(tube, bending_nm2, long_m) * long_m * long_m / (12.0 * bending_nm2))
+    };
+    let mean = tubes.iter().map(of_tube).sum::<f64>() / tubes.len() as f64;
+    let own = slide.tubes - slide.bends;
+    0.5 * (mean * slide.tubes * slide.tubes - (1.2 * slide.bends + 2.0 * own) * slide.bends) / (own * own)
 }
 
 /// The square form of one tube and its minimum. A twisted bundle is shorter than its tubes, which are helices then.

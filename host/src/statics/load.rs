@@ -1,12 +1,10 @@
-//! A limb of a scene as a chain of rods, and what its tubes carry.
+//! A limb of a scene as a chain of rods.
 
-use std::f64::consts::PI;
-
+use fra_model::Motion;
 use nalgebra::{Isometry3, Vector3};
 
 use super::bundle::Bundle;
-use super::rod::{Piece, Rod, UNKNOWNS};
-use super::solve::Shape;
+use super::rod::{Piece, Rod};
 use crate::design::{Limb, LimbModule};
 use crate::scene::{Module, Scene};
 
@@ -27,28 +25,8 @@ pub struct Load {
 pub struct LoadedLimb {
     /// The chain, a piece a module.
     pub rod: Rod,
-    bundles: Vec<Bundle>,
-    motions: Vec<fra_model::Motion>,
-}
-
-/// The tube that is closest to buckling.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Buckling {
-    /// Index of its module.
-    pub module: usize,
-    /// Index in the module.
-    pub tube: usize,
-    /// Compressive force, N; negative where even this tube is pulled.
-    pub compression_n: f64,
-    /// Force that one tube between two plates buckles at: `4 pi^2 EI/a^2`, N.
-    pub euler_n: f64,
-}
-
-impl Buckling {
-    /// Compression over the force of buckling; 0 where the tube is pulled.
-    pub fn ratio(&self) -> f64 {
-        (self.compression_n / self.euler_n).max(0.0)
-    }
+    pub(super) bundles: Vec<Bundle>,
+    pub(super) motions: Vec<Motion>,
 }
 
 impl LoadedLimb {
@@ -83,61 +61,20 @@ impl LoadedLimb {
         Self { rod, bundles, motions: modules.iter().map(|module| module.motion).collect() }
     }
 
+    /// A chain at hand, with the kind and the bundle of each of its pieces.
+    ///
+    /// # Panics
+    /// When there are not as many bundles as pieces.
+    pub fn of_rod(rod: Rod, bundles: Vec<(Motion, Bundle)>) -> Self {
+        assert_eq!(rod.pieces.len(), bundles.len(), "a bundle a piece");
+        let (motions, bundles) = bundles.into_iter().unzip();
+        Self { rod, bundles, motions }
+    }
+
     /// Tip without any load: the kinematics.
     pub fn free_tip(&self) -> Isometry3<f64> {
         let q = nalgebra::DVector::zeros(self.rod.unknowns());
         self.rod.potential(&q, 0.0).poses.last().copied().unwrap_or(self.rod.base)
-    }
-
-    /// The tube that is closest to buckling in a shape of `rod`, which may have each module in several pieces.
-    pub fn buckling(&self, rod: &Rod, shape: &Shape) -> Option<Buckling> {
-        let parts = rod.pieces.len() / self.bundles.len().max(1);
-        let mut worst: Option<Buckling> = None;
-        for (index, piece) in rod.pieces.iter().enumerate() {
-            let module = index / parts.max(1);
-            let [mean, linear] = piece.differences(&shape.q.as_slice()[index * UNKNOWNS..][..UNKNOWNS]);
-            for end in [-1.0, 1.0] {
-                let at = mean + linear * end;
-                for tube in 0..self.bundles[module].tubes.len() {
-                    let found = self.tube(module, tube, at.x, [at.y, at.z]);
-                    if worst
-                        .is_none_or(|worst| found.compression_n / found.euler_n > worst.compression_n / worst.euler_n)
-                    {
-                        worst = Some(found);
-                    }
-                }
-            }
-        }
-        worst
-    }
-
-    /// The first bending module that is bent backwards anywhere, by more than `by_rad_per_m`: its lines do not shorten, so that this is
-    /// beyond the model.
-    pub fn bent_back(&self, rod: &Rod, shape: &Shape, by_rad_per_m: f64) -> Option<usize> {
-        let parts = rod.pieces.len() / self.bundles.len().max(1);
-        let back = |index: usize| {
-            let piece = &rod.pieces[index];
-            let [mean, linear] = piece.differences(&shape.q.as_slice()[index * UNKNOWNS..][..UNKNOWNS]);
-            self.motions[index / parts.max(1)] == fra_model::Motion::Bending
-                && piece.free[1] + mean.y - linear.y.abs() < -by_rad_per_m
-        };
-        (0..rod.pieces.len()).find(|index| back(*index)).map(|index| index / parts.max(1))
-    }
-
-    fn tube(&self, module: usize, tube: usize, strain: f64, bend: [f64; 2]) -> Buckling {
-        let bundle = &self.bundles[module];
-        let ([x, y], tangent) = bundle.tubes[tube];
-        let euler_n = 4.0 * PI * PI * tangent.bending_nm2.min(tangent.across_nm2) / (bundle.bay_m * bundle.bay_m);
-        let force_n = if self.motions[module] == fra_model::Motion::Bending {
-            tangent.axial_n * strain
-        } else {
-            let [free_x, free_y] = bundle.free.bend_rad_per_m;
-            let stretch = bundle.free.stretch + strain - (free_x + bend[0]) * x - (free_y + bend[1]) * y;
-            let own =
-                if self.motions[module] == fra_model::Motion::Twisting { bundle.free.stretch } else { tangent.stretch };
-            tangent.axial_n * (stretch - own)
-        };
-        Buckling { module, tube, compression_n: -force_n, euler_n }
     }
 }
 
@@ -155,6 +92,7 @@ fn piece(scene: &Scene, module: &LimbModule, index: usize, (bundle, wall_kg): (&
         free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
         stiffness: bundle.stiffness,
         shear_n: bundle.shear_n,
+        sway: bundle.sway,
         length_m: module.length_m(),
         mount_angle_rad: module.mount_angle_rad(),
         kg_per_m: wall_kg / module.length_m(),

@@ -4,6 +4,8 @@
 //! are a chain of rods ([`Rod`]) whose potential has a minimum ([`solve`]) as long as the limb is stable. [`cheapest`] takes as
 //! many unknowns as a tolerance needs.
 
+mod between;
+mod buckling;
 mod bundle;
 mod deformed;
 mod load;
@@ -15,12 +17,13 @@ mod tier;
 mod tip_response;
 mod tube;
 
+pub use buckling::Buckling;
 pub(crate) use bundle::positions;
 pub use bundle::{Bundle, Free};
 pub use deformed::Deformed;
-pub use load::{Buckling, GRAVITY_M_PER_S2, Load, LoadedLimb};
+pub use load::{GRAVITY_M_PER_S2, Load, LoadedLimb};
 pub(crate) use response::{responses, shape_change};
 pub use rod::{Piece, Potential, Rod, UNKNOWNS};
 pub use solve::{Bends, Lost, Shape, solve};
-pub use tier::{Answer, Tier, by_tier, cheapest, choose};
+pub use tier::{Answer, Judged, Tier, by_tier, cheapest, choose};
 pub use tube::Tangent;

@@ -19,8 +19,6 @@ pub const UNKNOWNS: usize = 8;
 pub(super) const SLOPES: [usize; 2] = [1, 3];
 /// Steps of a piece; even, for Simpson's rule.
 pub(super) const STEPS: usize = 4;
-/// What a tube between plates shortens by when they slide: `3/5 gamma^2` of an S against `1/2 gamma^2` of a straight one.
-pub(super) const SWAY: f64 = 0.6;
 
 /// One rod and the rigid part behind it.
 #[derive(Clone, Debug)]
@@ -31,6 +29,8 @@ pub struct Piece {
     pub stiffness: Matrix4<f64>,
     /// Shear stiffness, N.
     pub shear_n: f64,
+    /// What it shortens by when it slides, over the square of the slide and the stretch ([`super::Bundle::sway`]).
+    pub sway: f64,
     /// Length at rest, m; > 0.
     pub length_m: f64,
     /// Direction of `x` about the limb's axis, rad.
@@ -129,7 +129,7 @@ impl Piece {
 
     /// Strains in the terms of the stiffness, less those without load: mean, and amplitude of the linear part.
     pub(super) fn differences(&self, q: &[f64]) -> [Vector4<f64>; 2] {
-        let sway = SWAY * (q[5] * q[5] + q[6] * q[6]) / self.free[0];
+        let sway = self.sway * (q[5] * q[5] + q[6] * q[6]) / self.free[0];
         [Vector4::new(q[7] + sway, q[2], -q[0], q[4]), Vector4::new(0.0, q[3], -q[1], 0.0)]
     }
 
@@ -142,7 +142,7 @@ impl Piece {
         total.value_j += length * (0.5 * mean.dot(&stress) + linear.dot(&bent) / 6.0 + shear);
         // Derivatives of mean and amplitude by the unknowns.
         let mut by_mean = [Vector4::zeros(); UNKNOWNS];
-        let sway = 2.0 * SWAY / self.free[0];
+        let sway = 2.0 * self.sway / self.free[0];
         by_mean[0].z = -1.0;
         by_mean[2].y = 1.0;
         by_mean[4].w = 1.0;

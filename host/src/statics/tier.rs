@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-use super::load::{Buckling, LoadedLimb};
+use super::buckling::Buckling;
+use super::load::LoadedLimb;
 use super::rod::{Rod, UNKNOWNS};
 use super::solve::{Bends, Lost, Shape, solve};
 
@@ -65,7 +66,7 @@ pub struct Answer {
     pub shape: Shape,
     /// Its error by the distance of its tip from that of the next tier, as a share of the limb's length.
     pub order_error: f64,
-    /// What a rod leaves out of a bundle of tubes: 25 % of the square of the buckling ratio, as a share of the length.
+    /// What a rod leaves out of a bundle of tubes ([`LoadedLimb::tubes_shift_m`]), as a share of the length; 1 where a tube buckles.
     pub bundle_error: f64,
     /// The tube that is closest to buckling.
     pub buckling: Option<Buckling>,
@@ -102,10 +103,23 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
 /// # Errors
 /// [`Lost`] where the limb does not carry the load.
 pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
-    choose(&limb.rod, tolerance, length_m, |rod, shape| limb.buckling(rod, shape))
+    let judge = |rod: &Rod, shape: &Shape, bends| {
+        let shift = limb.tubes_shift_m(rod, shape, bends).map_or(length_m, |shift| shift.norm());
+        Judged { buckling: limb.buckling(rod, shape), shift_m: shift }
+    };
+    choose(&limb.rod, tolerance, length_m, judge)
 }
 
-/// [`cheapest`] of a rod; `buckling` names the tube that is closest to it in a shape.
+/// What tubes make of a shape of the rod.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Judged {
+    /// The one that is closest to buckling.
+    pub buckling: Option<Buckling>,
+    /// By how much they would have the tip elsewhere, m.
+    pub shift_m: f64,
+}
+
+/// [`cheapest`] of a rod; `judge` says what its tubes make of a shape.
 ///
 /// # Errors
 /// As [`cheapest`].
@@ -113,7 +127,7 @@ pub fn choose(
     rod: &Rod,
     tolerance: f64,
     length_m: f64,
-    buckling: impl Fn(&Rod, &Shape) -> Option<Buckling>,
+    judge: impl Fn(&Rod, &Shape, Bends) -> Judged,
 ) -> Result<Answer, Lost> {
     let mut last = by_tier(rod, Tier::Kinematic, None)?;
     for pair in Tier::CHOICE.windows(2) {
@@ -121,16 +135,18 @@ pub fn choose(
         let next = by_tier(rod, pair[1], start.as_ref())?;
         let distance = (next.1.tip().translation.vector - last.1.tip().translation.vector).norm() / length_m;
         let estimate = distance / (1.0 - LEFT);
-        let buckling = buckling(&next.0, &next.1);
-        let bundle_error = 0.25 * buckling.map_or(0.0, |tube| tube.ratio().powi(2));
-        let (tier, (rod, shape), order_error) = if estimate <= tolerance {
-            (pair[0], last, estimate)
+        let found = if estimate <= tolerance {
+            let judged = judge(&next.0, &next.1, pair[1].pieces().1);
+            (pair[0], last, estimate, judged)
         } else if pair[1] == Tier::Fourfold {
-            (pair[1], next, LEFT * estimate)
+            let judged = judge(&next.0, &next.1, pair[1].pieces().1);
+            (pair[1], next, LEFT * estimate, judged)
         } else {
             last = next;
             continue;
         };
+        let (tier, (rod, shape), order_error, Judged { buckling, shift_m }) = found;
+        let bundle_error = shift_m / length_m;
         return Ok(Answer { tier, rod, shape, order_error, bundle_error, buckling });
     }
     // The last pair has returned.

@@ -7,8 +7,8 @@ use softlimb::statics::{Bends, Lost, Rod, solve};
 
 use crate::{level, slender};
 
-const EI: f64 = 1.4;
-const LENGTH_M: f64 = 0.81;
+pub(crate) const EI: f64 = 1.4;
+pub(crate) const LENGTH_M: f64 = 0.81;
 
 fn drop_of(rod: &Rod) -> f64 {
     -solve(rod, Bends::Linear, None).expect("stable").tip().translation.vector.z
@@ -50,7 +50,7 @@ fn equal_moments_make_an_arc() {
 }
 
 /// A heavy cantilever by Runge-Kutta and bisection on the moment at its root: `EI t'' = w (L - s) cos t`, with `t` the slope.
-fn heavy_cantilever(weight_n_per_m: f64, force_n: f64) -> [f64; 2] {
+pub(crate) fn heavy_cantilever(weight_n_per_m: f64, force_n: f64) -> [f64; 2] {
     let steps = 4000;
     let h = LENGTH_M / f64::from(steps);
     let run = |root: f64| {

@@ -2,7 +2,7 @@
 //! leaves none at the tip. Runge-Kutta on positions and directors; no code in common with the product.
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3, Vector4};
-use softlimb::statics::{Rod, Tier, UNKNOWNS, choose};
+use softlimb::statics::{Judged, Rod, Tier, UNKNOWNS, choose};
 
 use crate::{Stream, random_rod};
 
@@ -36,9 +36,9 @@ fn shoot(rod: &Rod, share: f64, root: Vector3<f64>) -> (Vector3<f64>, Vector3<f6
             let (n, m) = (at.r.transpose() * (force - g * (piece.kg_per_m * s)), at.r.transpose() * at.m);
             // Strains from stresses: the axial force, and moments about y, -x and z.
             let z = compliance * Vector4::new(n.z, m.y, -m.x, m.z);
-            let soft = piece.shear_n + 1.2 * n.z / piece.free[0];
+            let soft = piece.shear_n + 2.0 * piece.sway * n.z / piece.free[0];
             let (vx, vy) = (n.x / soft, n.y / soft);
-            let vz = piece.free[0] + z.x - 0.6 * (vx * vx + vy * vy) / piece.free[0];
+            let vz = piece.free[0] + z.x - piece.sway * (vx * vx + vy * vy) / piece.free[0];
             let k = Vector3::new(-(piece.free[2] + z.z), piece.free[1] + z.y, piece.free[3] + z.w);
             let along = at.r * Vector3::new(vx, vy, vz);
             Section { x: along, r: at.r * k.cross_matrix(), m: -along.cross(&(at.r * n)) }
@@ -132,7 +132,7 @@ fn two_hundred_limbs_against_shooting() {
             linear[1] += 1;
             linear[0] += usize::from((0.4..=2.5).contains(&((c - b).norm() / length_m / errors[1])));
         }
-        let answer = choose(&rod, 0.01, length_m, |_, _| None).expect("stable, as above");
+        let answer = choose(&rod, 0.01, length_m, |_, _, _| Judged::default()).expect("stable, as above");
         taken[Tier::ALL.iter().position(|tier| *tier == answer.tier).expect("one of them")] += 1;
         let error = (answer.shape.tip().translation.vector - exact).norm() / length_m;
         unnamed += usize::from(error > 0.01 && answer.order_error <= 0.01);

@@ -1,0 +1,117 @@
+//! What the tubes of a loaded shape carry, and which of them is closest to buckling.
+//!
+//! Between two plates a tube's force is the same all along, but for its weight: it is that of the rod's strains in the middle between the plates.
+
+use std::f64::consts::PI;
+
+use fra_model::Motion;
+use nalgebra::Vector4;
+
+use super::load::LoadedLimb;
+use super::rod::{Piece, Rod, UNKNOWNS};
+use super::solve::Shape;
+use super::tube::Tangent;
+
+/// The tube that is closest to buckling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Buckling {
+    /// Index of its module.
+    pub module: usize,
+    /// Index in the module.
+    pub tube: usize,
+    /// Compressive force, N; negative where even this tube is pulled.
+    pub compression_n: f64,
+    /// Force that a tube between two plates buckles at, N: with `E = 4 pi^2 EI/a^2` of Euler and the shear stiffness `G` of its wall it is
+    /// `G/2 (sqrt(1 + 4 E/G) - 1)` (Haringx). Plates close together leave a tube that shears rather than bends.
+    pub critical_n: f64,
+}
+
+impl Buckling {
+    /// Compression over the force of buckling; 0 where the tube is pulled.
+    pub fn ratio(&self) -> f64 {
+        (self.compression_n / self.critical_n).max(0.0)
+    }
+}
+
+/// The middle between two plates in a shape.
+pub(super) struct Middle<'a> {
+    pub(super) module: usize,
+    /// Index of the piece it lies in, and that piece.
+    pub(super) index: usize,
+    pub(super) piece: &'a Piece,
+    /// Place in the piece, -1 to 1.
+    pub(super) eta: f64,
+    /// Unknowns of the piece.
+    pub(super) q: &'a [f64],
+    /// Strains in the terms of the stiffness, less those without load.
+    pub(super) strain: Vector4<f64>,
+}
+
+impl LoadedLimb {
+    /// The middles between plates of all modules in a shape of `rod`, which may have each module in several pieces.
+    pub(super) fn middles<'a>(&'a self, rod: &'a Rod, shape: &'a Shape) -> impl Iterator<Item = Middle<'a>> {
+        let parts = (rod.pieces.len() / self.bundles.len().max(1)).max(1);
+        self.bundles.iter().enumerate().flat_map(move |(module, bundle)| {
+            let length_m = rod.pieces[module * parts].length_m * parts as f64;
+            let bays = (length_m / bundle.bay_m).round().max(1.0) as usize;
+            (0..bays).map(move |bay| {
+                let place = (bay as f64 + 0.5) / bays as f64 * parts as f64;
+                let part = (place as usize).min(parts - 1);
+                let (index, eta) = (module * parts + part, 2.0 * (place - part as f64) - 1.0);
+                let piece = &rod.pieces[index];
+                let q = &shape.q.as_slice()[index * UNKNOWNS..][..UNKNOWNS];
+                let [mean, linear] = piece.differences(q);
+                Middle { module, index, piece, eta, q, strain: mean + linear * eta }
+            })
+        })
+    }
+
+    /// The tube that is closest to buckling in a shape of `rod`, which may have each module in several pieces.
+    pub fn buckling(&self, rod: &Rod, shape: &Shape) -> Option<Buckling> {
+        let of_middle = |middle: Middle| {
+            let module = middle.module;
+            (0..self.bundles[module].tubes.len()).map(move |tube| {
+                let compression_n = -self.force_n(module, tube, &middle.strain);
+                let bundle = &self.bundles[module];
+                let critical_n = critical_n(&bundle.tubes[tube].1, bundle.free.stretch, bundle.bay_m);
+                Buckling { module, tube, compression_n, critical_n }
+            })
+        };
+        let share = |tube: &Buckling| tube.compression_n / tube.critical_n;
+        self.middles(rod, shape).flat_map(of_middle).max_by(|a, b| share(a).total_cmp(&share(b)))
+    }
+
+    /// The first bending module that is bent backwards anywhere, by more than `by_rad_per_m`: its lines do not shorten, so that this is
+    /// beyond the model.
+    pub fn bent_back(&self, rod: &Rod, shape: &Shape, by_rad_per_m: f64) -> Option<usize> {
+        let parts = rod.pieces.len() / self.bundles.len().max(1);
+        let back = |index: usize| {
+            let piece = &rod.pieces[index];
+            let [mean, linear] = piece.differences(&shape.q.as_slice()[index * UNKNOWNS..][..UNKNOWNS]);
+            self.motions[index / parts.max(1)] == Motion::Bending
+                && piece.free[1] + mean.y - linear.y.abs() < -by_rad_per_m
+        };
+        (0..rod.pieces.len()).find(|index| back(*index)).map(|index| index / parts.max(1))
+    }
+
+    /// Axial force of a tube where its bundle is strained, N; positive where it is pulled.
+    pub(super) fn force_n(&self, module: usize, tube: usize, strain: &Vector4<f64>) -> f64 {
+        let bundle = &self.bundles[module];
+        let ([x, y], tangent) = &bundle.tubes[tube];
+        if self.motions[module] == Motion::Bending {
+            return tangent.axial_n * strain.x;
+        }
+        let [free_x, free_y] = bundle.free.bend_rad_per_m;
+        let stretch = bundle.free.stretch + strain.x - (free_x + strain.y) * x - (free_y + strain.z) * y;
+        let own = if self.motions[module] == Motion::Twisting { bundle.free.stretch } else { tangent.stretch };
+        tangent.axial_n * (stretch - own)
+    }
+}
+
+/// Force at which a tube buckles between plates that are `bay_m` apart at rest, where the bundle has a stretch.
+pub(super) fn critical_n(tube: &Tangent, stretch: f64, bay_m: f64) -> f64 {
+    // Stiffness is per length at rest: that of the stretched tube is greater by the stretch.
+    let euler_n = 4.0 * PI * PI * tube.bending_nm2.min(tube.across_nm2) / (stretch * bay_m * bay_m);
+    let shear_n = tube.shear_n * stretch;
+    0.5 * shear_n * ((1.0 + 4.0 * euler_n / shear_n).sqrt() - 1.0)
+}

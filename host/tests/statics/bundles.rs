@@ -1,0 +1,287 @@
+//! Bundles as one rod beside their tubes, each a rod of its own between plates.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use fra_model::Motion;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use softlimb::statics::{Bends, Bundle, LoadedLimb, Piece, Rod, Shape, Tangent, solve};
+
+use crate::Stream;
+use crate::beam::Tube;
+use crate::closed_forms::{EI, LENGTH_M, heavy_cantilever};
+use crate::tubes::{Bay, Tubes, around};
+
+/// Tubes, bays and length at rest of each bundle of a limb; a rigid part with masses behind each.
+struct Limb {
+    bundles: Vec<(Vec<Tube>, usize, f64)>,
+    rigid_m: f64,
+    masses: Vec<(f64, f64)>,
+    base: Isometry3<f64>,
+    force_n: Vector3<f64>,
+    gravity_m_per_s2: f64,
+}
+
+impl Limb {
+    /// One bundle that stands upright, without weight.
+    fn upright(tubes: Vec<Tube>, bays: usize, length_m: f64) -> Self {
+        let (base, force_n) = (Isometry3::identity(), Vector3::zeros());
+        Self {
+            bundles: vec![(tubes, bays, length_m)],
+            rigid_m: 0.0,
+            masses: Vec::new(),
+            base,
+            force_n,
+            gravity_m_per_s2: 0.0,
+        }
+    }
+
+    fn length_m(&self) -> f64 {
+        self.bundles.iter().map(|(_, _, length_m)| length_m + self.rigid_m).sum()
+    }
+
+    /// As tubes between plates, under a share of the loads.
+    fn tubes(&self, load: f64) -> Tubes {
+        let mut bays = Vec::new();
+        for (tubes, count, length_m) in &self.bundles {
+            let rest_m = length_m / *count as f64;
+            let spacer = Bay { tubes: tubes.clone(), rest_m, rigid_m: 0.0, masses: Vec::new() };
+            bays.extend(std::iter::repeat_n(spacer.clone(), count - 1));
+            bays.push(Bay { rigid_m: self.rigid_m, masses: self.masses.clone(), ..spacer });
+        }
+        let gravity_m_per_s2 = Vector3::new(0.0, 0.0, -self.gravity_m_per_s2 * load);
+        Tubes { base: self.base, bays, gravity_m_per_s2, tip_n: self.force_n * load, tip_nm: Vector3::zeros() }
+    }
+
+    /// As a chain of rods.
+    fn loaded(&self, load: f64) -> LoadedLimb {
+        let bundle = |(tubes, count, length_m): &(Vec<Tube>, usize, f64)| {
+            let springs = tubes.iter().map(|tube| (tube.at_m, spring(tube))).collect();
+            let bundle = Bundle::of_tubes(Motion::Extension, springs, length_m / *count as f64).expect("a bundle");
+            let free = bundle.free;
+            let piece = Piece {
+                free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
+                stiffness: bundle.stiffness,
+                shear_n: bundle.shear_n,
+                sway: bundle.sway,
+                length_m: *length_m,
+                mount_angle_rad: 0.0,
+                kg_per_m: tubes.iter().map(|tube| tube.kg_per_m).sum(),
+                rigid_m: self.rigid_m,
+                masses: self.masses.clone(),
+            };
+            (piece, (Motion::Extension, bundle))
+        };
+        let (pieces, bundles) = self.bundles.iter().map(bundle).unzip();
+        let gravity_m_per_s2 = Vector3::new(0.0, 0.0, -self.gravity_m_per_s2 * load);
+        LoadedLimb::of_rod(Rod { base: self.base, pieces, gravity_m_per_s2, tip_force_n: self.force_n * load }, bundles)
+    }
+
+    /// Shape by so many pieces a bundle.
+    fn shape(&self, load: f64, parts: usize) -> Option<(LoadedLimb, Rod, Shape)> {
+        let limb = self.loaded(load);
+        let rod = limb.rod.split(parts);
+        let shape = solve(&rod, Bends::Linear, None).ok()?;
+        Some((limb, rod, shape))
+    }
+
+    fn tip_by_tubes(&self, load: f64) -> Option<Vector3<f64>> {
+        self.tubes(load).tip().map(|tip| tip.translation.vector)
+    }
+
+    fn tip_by_rod(&self, load: f64) -> Vector3<f64> {
+        self.shape(load, 6).expect("stable").2.tip().translation.vector
+    }
+}
+
+fn spring(tube: &Tube) -> Tangent {
+    Tangent {
+        stretch: tube.stretch,
+        bend_rad_per_m: 0.0,
+        twist_rad_per_m: 0.0,
+        axial_n: tube.axial_n,
+        bending_nm2: tube.bending_nm2,
+        across_nm2: tube.bending_nm2,
+        torsion_nm2: tube.torsion_nm2,
+        coupling_nm: 0.0,
+        shear_n: tube.shear_n,
+        outer_radius_m: 0.014,
+    }
+}
+
+/// Tubes of the scenes, of walls of 10 to 14 mm, with stretches of their own.
+fn tubes_of(stretches: &[f64]) -> Vec<Tube> {
+    let (axial_n, bending_nm2) = (240.0, 0.0178);
+    let tube = |(at_m, stretch): ([f64; 2], &f64)| {
+        let stretch = *stretch;
+        Tube { at_m, stretch, axial_n, bending_nm2, torsion_nm2: 0.0107, shear_n: 33.0, kg_per_m: 0.3 }
+    };
+    around(stretches.len(), 0.03).into_iter().zip(stretches).map(tube).collect()
+}
+
+/// One tube in the middle, nearly rigid in all but bending.
+fn slender(length_m: f64) -> Limb {
+    let (at_m, axial_n) = ([0.0, 0.0], 1e5);
+    let tube = Tube { at_m, stretch: 1.0, axial_n, bending_nm2: EI, torsion_nm2: EI, shear_n: axial_n, kg_per_m: 0.8 };
+    Limb::upright(vec![tube], 8, length_m)
+}
+
+#[test]
+fn a_tube_alone_is_an_elastica_and_buckles_where_euler_says() {
+    let mut level = slender(LENGTH_M);
+    level.base.rotation = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2);
+    level.gravity_m_per_s2 = 10.0;
+    level.force_n = Vector3::new(0.0, 0.0, -3.0);
+    let [x, z] = heavy_cantilever(8.0, 3.0);
+    let tip = level.tip_by_tubes(1.0).expect("stable");
+    // Shear and stretch, which the elastica has not, give way by 1e-4 of the length.
+    assert!((tip - Vector3::new(x, 0.0, z)).norm() < 3e-4 * LENGTH_M, "{tip} {x} {z}");
+    let mut column = slender(LENGTH_M);
+    column.force_n = Vector3::new(0.0, 0.0, -PI * PI * EI / (4.0 * LENGTH_M * LENGTH_M));
+    assert!(column.tip_by_tubes(0.99).is_some() && column.tip_by_tubes(1.01).is_none());
+}
+
+/// Equal tubes: what a couple at the tip turns the end plate by has the closed form of Steiner; twist has that of the S of each tube.
+#[test]
+fn couples_turn_bundles_by_their_closed_forms() {
+    let (tubes, length_m, couple_nm) = (tubes_of(&[1.1; 3]), 0.24, 1e-4);
+    let steiner = 3.0 * tubes[0].bending_nm2 + 1.5 * tubes[0].axial_n * 9e-4;
+    for bays in [1, 3] {
+        let limb = Limb::upright(tubes.clone(), bays, length_m);
+        let turn = |couple: Vector3<f64>| {
+            let turned = Tubes { tip_nm: couple, ..limb.tubes(1.0) }.tip().expect("stable").rotation.scaled_axis();
+            turned / couple_nm
+        };
+        let bent = turn(Vector3::new(couple_nm, 0.0, 0.0)).x;
+        assert!((bent * steiner / length_m - 1.0).abs() < 1e-4, "{bent}");
+        let long_m = 1.1 * length_m / bays as f64;
+        let slide_n = 1.0 / (1.0 / tubes[0].shear_n + long_m.powi(2) / (12.0 * tubes[0].bending_nm2));
+        let torsion = 3.0 * (tubes[0].torsion_nm2 + slide_n * 9e-4);
+        let wound = turn(Vector3::new(0.0, 0.0, couple_nm)).z;
+        assert!((wound * torsion / length_m - 1.0).abs() < 1e-4, "{wound}");
+        let stiffness = limb.loaded(0.0).rod.pieces[0].stiffness;
+        assert!((stiffness[(1, 1)] / steiner - 1.0).abs() < 1e-9, "{stiffness}");
+        assert!((stiffness[(3, 3)] / torsion - 1.0).abs() < 1e-9, "{stiffness}");
+    }
+}
+
+#[test]
+fn small_loads_move_the_rod_as_they_move_its_tubes() {
+    let cases: [&[f64]; 3] = [&[1.1; 3], &[1.11, 1.1, 1.1], &[1.1; 4]];
+    for stretches in cases {
+        for bays in [1, 3, 8] {
+            let mut limb = Limb::upright(tubes_of(stretches), bays, 0.24);
+            let (loaded, rod, shape) = limb.shape(0.0, 6).expect("stable");
+            let free = [limb.tip_by_tubes(0.0).expect("stable"), shape.tip().translation.vector];
+            // Unequal tubes hold each other: what the rod leaves out of that is told.
+            let told = loaded.tubes_shift_m(&rod, &shape, Bends::Linear).expect("stable");
+            assert!((free[0] - free[1] - told).norm() < 1e-6 + 0.05 * told.norm(), "{free:?} {told}");
+            for force_n in [Vector3::x(), Vector3::y(), Vector3::z()] {
+                limb.force_n = force_n;
+                let load = 1e-2;
+                let by_tubes = (limb.tip_by_tubes(load).expect("stable") - free[0]) / load;
+                let by_rod = (limb.tip_by_rod(load) - free[1]) / load;
+                let off = (by_tubes - by_rod).norm() / by_tubes.norm();
+                let allowed = if stretches[0] == stretches[1] { 2e-5 } else { 5e-3 };
+                println!("{stretches:?}, {bays} bays, {:?}: {off:.1e}", force_n.as_slice());
+                assert!(off < allowed, "{by_tubes} {by_rod}");
+            }
+        }
+    }
+}
+
+/// Compression changes the stiffness of a column of tubes against a force across it, at small forces of both.
+#[test]
+fn compression_softens_the_rod_as_it_softens_its_tubes() {
+    for bays in [1, 3, 8] {
+        let mut limb = Limb::upright(tubes_of(&[1.1; 3]), bays, 0.24);
+        let mut softer = |by: &dyn Fn(&Limb) -> Vector3<f64>| {
+            let mut across = |force_n: f64| {
+                limb.force_n = Vector3::new(1e-2, 0.0, -force_n);
+                by(&limb).x
+            };
+            (across(0.2) - across(-0.2)) / across(0.0)
+        };
+        let by_tubes = softer(&|limb| limb.tip_by_tubes(1.0).expect("stable"));
+        let by_rod = softer(&|limb| limb.tip_by_rod(1.0));
+        assert!(by_tubes > 0.0 && (by_rod / by_tubes - 1.0).abs() < 1e-2, "{bays}: {by_tubes} {by_rod}");
+    }
+}
+
+/// Tubes like those of the scenes, at a pressure each.
+fn random_bundle(stream: &mut Stream) -> Vec<Tube> {
+    let count = if stream.next() < 0.7 { 3 } else { 4 };
+    let radius_m = stream.between(0.025, 0.035);
+    let (axial_n, gyration_m2) = (stream.between(150.0, 400.0), stream.between(6e-5, 9e-5));
+    let stretch = stream.between(1.02, 1.2);
+    let apart = stream.between(0.0, 0.05);
+    let place = |at_m| Tube {
+        at_m,
+        stretch: stretch + apart * stream.between(-1.0, 1.0),
+        axial_n: axial_n * stream.between(0.95, 1.05),
+        bending_nm2: axial_n * gyration_m2,
+        torsion_nm2: 0.6 * axial_n * gyration_m2,
+        shear_n: 0.14 * axial_n,
+        kg_per_m: stream.between(0.1, 0.3),
+    };
+    around(count, radius_m).into_iter().map(place).collect()
+}
+
+/// One to three bundles of one to four bays, some way up, under weight and a force.
+fn random_limb(stream: &mut Stream, modules: usize) -> Limb {
+    let bundle =
+        |stream: &mut Stream| (random_bundle(stream), 1 + (stream.next() * 4.0) as usize, stream.between(0.15, 0.3));
+    let bundles = (0..modules).map(|_| bundle(stream)).collect();
+    let masses = vec![(0.01, stream.between(0.05, 0.3))];
+    let mut vector =
+        |size: f64| Vector3::new(stream.between(-size, size), stream.between(-size, size), stream.between(-size, size));
+    let base = Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_scaled_axis(vector(2.0)));
+    Limb { bundles, rigid_m: 0.02, masses, base, force_n: vector(5.0), gravity_m_per_s2: 10.0 }
+}
+
+/// The greatest load up to four times that of [`random_limb`] at which the worst tube carries a share of its load of buckling.
+fn load_for(limb: &Limb, share: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 4.0);
+    for _ in 0..8 {
+        let middle = 0.5 * (low + high);
+        let below = limb
+            .shape(middle, 1)
+            .is_some_and(|(limb, rod, shape)| limb.buckling(&rod, &shape).is_some_and(|tube| tube.ratio() < share));
+        if below { low = middle } else { high = middle }
+    }
+    low
+}
+
+#[test]
+fn what_rods_leave_out_of_tubes_is_told() {
+    let mut stream = Stream(77);
+    let (mut compared, mut judged, mut within, mut by_square, mut lost) = (0, 0, 0, 0, 0);
+    let mut ratios: Vec<f64> = Vec::new();
+    for case in 0..120 {
+        let limb = random_limb(&mut stream, 1 + case % 3);
+        let load = load_for(&limb, 0.01 * 50_f64.powf(stream.next()));
+        let (Some((loaded, rod, shape)), Some(exact)) = (limb.shape(load, 4), limb.tip_by_tubes(load)) else {
+            lost += 1;
+            continue;
+        };
+        let ratio = loaded.buckling(&rod, &shape).expect("tubes").ratio();
+        if ratio > 0.5 {
+            lost += 1;
+            continue;
+        }
+        compared += 1;
+        let error = (exact - shape.tip().translation.vector).norm() / limb.length_m();
+        let told = loaded.tubes_shift_m(&rod, &shape, Bends::Linear).expect("stable").norm() / limb.length_m();
+        if error > 1e-3 {
+            judged += 1;
+            ratios.push(told / error);
+            within += usize::from((0.4..=2.5).contains(&(told / error)));
+            by_square += usize::from((0.4..=2.5).contains(&(0.25 * ratio * ratio / error)));
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!("{compared} limbs, {lost} without a shape by one of both or beyond half of the load of buckling");
+    println!("errors above 0.1 %: {judged}; told within 0.4 to 2.5: {within}; by 25 (N/N_c)^2 %: {by_square}");
+    println!("told over true: {:.2} to {:.2}, median {:.2}", ratios[0], ratios[judged - 1], ratios[judged / 2]);
+    assert!(compared >= 100 && judged >= 40, "{compared} {judged}");
+    assert!(within * 100 >= judged * 95, "{within} of {judged}");
+}
