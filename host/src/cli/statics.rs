@@ -154,6 +154,7 @@ impl Row {
                 "tier": found.answer.tier.name(),
                 "order_error": found.answer.order_error,
                 "bundle_error": found.answer.bundle_error,
+                "bundle_shift_m": found.answer.bundle_shift_m.map(|shift| shift.as_slice().to_vec()),
                 "newton_iterations": found.answer.shape.iterations,
             }),
         };

@@ -1,6 +1,6 @@
 //! How much model a pose needs: the cheapest tier whose estimated error is within a tolerance.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
 use super::buckling::Buckling;
 use super::load::LoadedLimb;
@@ -66,7 +66,9 @@ pub struct Answer {
     pub shape: Shape,
     /// Its error by the distance of its tip from that of the next tier, as a share of the limb's length.
     pub order_error: f64,
-    /// What a rod leaves out of a bundle of tubes ([`LoadedLimb::tubes_shift_m`]), as a share of the length; 1 where a tube buckles.
+    /// By how much tubes between plates would have the tip elsewhere, m ([`LoadedLimb::tubes_shift_m`]); `None` where a tube buckles.
+    pub bundle_shift_m: Option<Vector3<f64>>,
+    /// The same as a share of the length; 1 where a tube buckles.
     pub bundle_error: f64,
     /// The tube that is closest to buckling.
     pub buckling: Option<Buckling>,
@@ -103,9 +105,9 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
 /// # Errors
 /// [`Lost`] where the limb does not carry the load.
 pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
-    let judge = |rod: &Rod, shape: &Shape, bends| {
-        let shift = limb.tubes_shift_m(rod, shape, bends).map_or(length_m, |shift| shift.norm());
-        Judged { buckling: limb.buckling(rod, shape), shift_m: shift }
+    let judge = |rod: &Rod, shape: &Shape, bends| Judged {
+        buckling: limb.buckling(rod, shape),
+        shift_m: limb.tubes_shift_m(rod, shape, bends),
     };
     choose(&limb.rod, tolerance, length_m, judge)
 }
@@ -115,8 +117,8 @@ pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answ
 pub struct Judged {
     /// The one that is closest to buckling.
     pub buckling: Option<Buckling>,
-    /// By how much they would have the tip elsewhere, m.
-    pub shift_m: f64,
+    /// By how much they would have the tip elsewhere, m; `None` where one buckles.
+    pub shift_m: Option<Vector3<f64>>,
 }
 
 /// [`cheapest`] of a rod; `judge` says what its tubes make of a shape.
@@ -146,8 +148,8 @@ pub fn choose(
             continue;
         };
         let (tier, (rod, shape), order_error, Judged { buckling, shift_m }) = found;
-        let bundle_error = shift_m / length_m;
-        return Ok(Answer { tier, rod, shape, order_error, bundle_error, buckling });
+        let bundle_error = shift_m.map_or(1.0, |shift| shift.norm() / length_m);
+        return Ok(Answer { tier, rod, shape, order_error, bundle_shift_m: shift_m, bundle_error, buckling });
     }
     // The last pair has returned.
     Err(Lost::Unstable { share: 0.0 })
