@@ -1,10 +1,7 @@
 //! What a loaded shape looks like: the deformation of each module, and the centre line.
 
-use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-
 use super::load::LoadedLimb;
-use super::rod::{Rod, STEPS, UNKNOWNS};
-use super::screw::Exponential;
+use super::rod::{Rod, UNKNOWNS};
 use super::solve::Shape;
 
 /// How a module is deformed under load, from end to end.
@@ -41,21 +38,6 @@ impl LoadedLimb {
 impl Rod {
     /// Points along the centre line of a shape from the base to the tip, m: the ends of its steps and of its rigid parts.
     pub fn line_m(&self, shape: &Shape) -> Vec<[f64; 3]> {
-        let mut pose = self.base;
-        let mut points = vec![pose.translation.vector.into()];
-        for (piece, q) in self.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)) {
-            let mount = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), piece.mount_angle_rad);
-            pose *= mount;
-            for step in 0..STEPS {
-                pose *= Exponential::new(&piece.step(q, step).screw).pose;
-                points.push(pose.translation.vector.into());
-            }
-            pose *= mount.inverse();
-            pose *= Translation3::new(0.0, 0.0, piece.rigid_m);
-            if piece.rigid_m > 0.0 {
-                points.push((pose * Point3::origin()).coords.into());
-            }
-        }
-        points
+        self.points_m(shape.q.as_slice())
     }
 }

@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3};
 use thiserror::Error;
 
+use super::newton_step::newton_step;
 use super::rod::{Potential, Rod, SLOPES, UNKNOWNS};
 
 /// Iterations of one load step; the longest turn of a piece in one iteration and in one load step, rad; the shortest load step.
@@ -140,12 +141,14 @@ fn newton(
     for _ in 0..ITERATIONS {
         *iterations += 1;
         let mut potential = rod.potential(&q, share);
-        let mut tangent = potential.tangent.clone();
-        hold(&mut tangent, bends);
-        if bends == Bends::Constant {
+        let step = if bends == Bends::Constant {
             release(&mut potential.gradient);
-        }
-        let step = tangent.cholesky()?.solve(&potential.gradient);
+            let mut tangent = potential.tangent.clone();
+            hold(&mut tangent, bends);
+            newton_step(&tangent, &potential.gradient)?
+        } else {
+            newton_step(&potential.tangent, &potential.gradient)?
+        };
         let size = size(rod, &step);
         if size <= CONVERGED {
             return Some((q, potential));
