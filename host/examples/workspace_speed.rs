@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use softlimb::design::Limb;
 use softlimb::scene;
-use softlimb::workspace::{Command, Points, Workspace, extents, sample};
+use softlimb::workspace::{Command, Points, Workspace, extents, sample, sample_single};
 
-const SAMPLES: usize = 200_000;
-const ROUNDS: usize = 7;
+const SAMPLES: usize = 50_000;
+const ROUNDS: usize = 101;
 
 /// Seconds of the fastest of several runs.
 fn fastest(mut run: impl FnMut()) -> f64 {
@@ -25,14 +25,19 @@ fn main() {
     let file = std::env::args().nth(1).unwrap_or_else(|| "scenes/pick-and-place-a.toml".into());
     let scene = scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let limb = Limb::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-    let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
+    let space = &Workspace::new(&limb, Command::Actuators).expect("a workspace");
     let build = fastest(|| drop(Workspace::new(&limb, Command::Actuators)));
-    let search = fastest(|| drop(extents(&space)));
-    let per_sample = |points, threads| fastest(|| drop(sample(&space, points, SAMPLES, 1, threads))) / SAMPLES as f64;
+    let search = fastest(|| drop(extents(space)));
+    let each = |mut run: Box<dyn FnMut() + '_>| fastest(&mut run) / SAMPLES as f64;
+    let double = |threads| each(Box::new(move || drop(sample(space, Points::Even, SAMPLES, 1, threads))));
+    let single = |points, threads| each(Box::new(move || drop(sample_single(space, points, SAMPLES, 1, threads))));
     println!(
-        "{{\"build_s\": {build:e}, \"extents_s\": {search:e}, \"sample_s\": {:e}, \"sample_two_threads_s\": {:e}, \"random_s\": {:e}}}",
-        per_sample(Points::Even, 1),
-        per_sample(Points::Even, 2),
-        per_sample(Points::Random, 1),
+        "{{\"build_s\": {build:e}, \"extents_s\": {search:e}, \"double_s\": {:e}, \"double_two_threads_s\": {:e}, \
+         \"sample_s\": {:e}, \"sample_two_threads_s\": {:e}, \"random_s\": {:e}}}",
+        double(1),
+        double(2),
+        single(Points::Even, 1),
+        single(Points::Even, 2),
+        single(Points::Random, 1),
     );
 }

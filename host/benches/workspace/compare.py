@@ -4,11 +4,14 @@
     .venv/bin/python host/benches/workspace/compare.py [SCENE]
 
 Takes the polynomials that `softlimb workspace --json` prints, computes tips with numpy on whole arrays (in the piece size that suits the
-cache best), and compares them with the samples that the command writes. Times are the fastest of several runs on one thread; those of the
-product come from `cargo run --release --example workspace_speed`. Nothing else should be running.
+cache best), and compares them with the samples that the command writes. Three ways in numpy: plainly, as the formulas are written, in double precision;
+tuned for speed (`tuned.py`), with polynomials as short as those of the product, in double and in single precision, which the product takes for samples.
+Times are the fastest of several runs on one thread, and of two processes beside two threads; those of the product come from
+`cargo run --release --example workspace_speed`. Nothing else should be running.
 """
 
 import json
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -20,9 +23,14 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 import numpy as np
 
+from tuned import Tuned
+
 WORKSPACE = Path(__file__).resolve().parents[3]
 PROFILE = os.environ.get("SPEED_PROFILE", "release")
 COUNT = 200_000
+SIZES = (512, 1024, 2048, 4096, 8192, 16384)
+# What the polynomials of the product's samples are made to.
+TOLERANCE = 3e-7
 
 
 def cargo(*words):
@@ -80,8 +88,10 @@ def carry(module, shares, x, y, z):
         twist = 0.0
     else:
         place = 2 * shares[:, 0] - 1
-        length, bx, twist = (polynomial(powers, place) for powers in module["powers"])
-        by = np.zeros_like(bx)
+        length = polynomial(module["powers"][0], place)
+        bx = polynomial(module["powers"][1], place) if module["bends"] else 0.0
+        twist = polynomial(module["powers"][2], place) if module["twists"] else 0.0
+        by = np.zeros_like(length)
     if module["twists"]:
         cos, sin = np.cos(twist), np.sin(twist)
         return cos * x - sin * y, sin * x + cos * y, z + length
@@ -112,7 +122,7 @@ def tips(tables, shares):
     return np.stack([x, y, z], 1) @ np.array(tables["rotation"]).T + np.array(tables["origin_m"])
 
 
-def fastest(run, times=7):
+def fastest(run, times=40):
     best = np.inf
     for _ in range(times):
         start = time.perf_counter()
@@ -131,18 +141,51 @@ def main():
     tables = answer["kinematics"]
     axes = len(answer["axes"])
     shares = even(COUNT, axes)
-    off = np.abs(tips(tables, shares[:20000]) - written).max()
-    print(f"largest difference of a coordinate: {off:.1e} m (the file has 1e-6 m)")
-    numpy_ns = np.inf
-    for size in (512, 1024, 2048, 4096, 16384, COUNT):
-        piece = shares[:size]
-        numpy_ns = min(numpy_ns, fastest(lambda: tips(tables, piece)) / size * 1e9)
+    ways = {"numpy, plain": lambda piece: tips(tables, piece)}
+    pieces = {"numpy, plain": shares}
+    for name, dtype in (("numpy, tuned", np.float64), ("numpy, tuned, single precision", np.float32)):
+        tuned = Tuned(tables, dtype, TOLERANCE)
+        ways[name] = lambda piece, tuned=tuned: tuned.tips(piece.T).T
+        pieces[name] = np.ascontiguousarray(2 * shares.T - 1).astype(dtype).T
     own = json.loads(cargo("--example", "workspace_speed", "--", scene))
-    sample_ns = own["sample_s"] * 1e9
-    print(f"numpy, one thread     {numpy_ns:9.1f} ns a sample")
-    print(f"softlimb, one thread  {sample_ns:9.1f} ns a sample, {numpy_ns / sample_ns:.0f} times as fast")
-    print(f"softlimb, two threads {own['sample_two_threads_s'] * 1e9:9.1f} ns a sample")
-    print(f"extents               {own['extents_s'] * 1e3:9.2f} ms; tables {own['build_s'] * 1e3:.2f} ms")
+    times = {"softlimb, double precision": (own["double_s"], own["double_two_threads_s"])}
+    times["softlimb, samples"] = (own["sample_s"], own["sample_two_threads_s"])
+    for name, way in ways.items():
+        off = np.abs(way(pieces[name][:20000]) - written).max()
+        one = {size: fastest(lambda: way(part(pieces[name], size))) / size for size in SIZES}
+        size = min(one, key=one.get)
+        times[name] = one[size], together(way, part(pieces[name], size))
+        print(f"{name:34} at most {1e6 * off:6.1f} um from the samples of the product, which are in steps of 1 um")
+    print(f"\n{'ns a sample':34} {'one thread':>12} {'two':>8}   times as long as the samples of the product")
+    for name, (one, two) in times.items():
+        ratios = one / times["softlimb, samples"][0], two / times["softlimb, samples"][1]
+        print(f"{name:34} {one * 1e9:12.1f} {two * 1e9:8.1f}   {ratios[0]:.1f}, {ratios[1]:.1f}")
+    print(f"\nextents {own['extents_s'] * 1e3:.2f} ms; tables {own['build_s'] * 1e3:.2f} ms")
+
+
+def part(samples, size):
+    """The first samples, in the order in memory that they have."""
+    return np.ascontiguousarray(samples[:size].T).T if samples.flags.f_contiguous else samples[:size]
+
+
+def together(way, piece, processes=2, rounds=200):
+    """Seconds a sample of two processes that work at the same time."""
+    barrier, context = multiprocessing.Barrier(processes), multiprocessing.get_context("fork")
+    ends = context.SimpleQueue()
+
+    def work():
+        barrier.wait()
+        start = time.perf_counter()
+        for _ in range(rounds):
+            way(piece)
+        ends.put(time.perf_counter() - start)
+
+    workers = [context.Process(target=work) for _ in range(processes)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    return max(ends.get() for _ in workers) / (processes * rounds * len(piece))
 
 
 if __name__ == "__main__":

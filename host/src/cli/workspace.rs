@@ -112,7 +112,7 @@ impl Workspace {
         let extents = workspace::extents(&space)
             .ok_or_else(|| Failure::new("the model has no equilibrium at an extreme of the workspace"))?;
         let (count, threads) = (self.samples as usize, self.threads());
-        let tips = workspace::sample(&space, self.points.into(), count, self.seed, threads);
+        let tips = workspace::sample_single(&space, self.points.into(), count, self.seed, threads);
         let cell_m = self.cell * 1e-3;
         let counts = SHARES.map(|share| (count / share).max(1));
         let answer = Answer {
@@ -145,7 +145,7 @@ impl Workspace {
     }
 }
 
-fn csv(tips: &[[f64; 3]]) -> String {
+fn csv(tips: &[[f32; 3]]) -> String {
     let mut text = String::from("x_m,y_m,z_m\n");
     for [x, y, z] in tips {
         // Writing to a string cannot fail.

@@ -1,7 +1,8 @@
 //! How slowly samples find the extents: plain Monte Carlo beside points of low discrepancy and corners.
 
 use super::extents::Extents;
-use super::sample::{Points, sample};
+use super::sample::Points;
+use super::single_sample::sample_single;
 use super::space::Workspace;
 
 /// What a number of samples misses of a range.
@@ -22,7 +23,8 @@ pub fn convergence(
     threads: usize,
 ) -> Vec<Convergence> {
     let most = counts.iter().copied().max().unwrap_or(0);
-    let sets = [Points::Random, Points::Even, Points::Faces].map(|points| sample(space, points, most, seed, threads));
+    let sets =
+        [Points::Random, Points::Even, Points::Faces].map(|points| sample_single(space, points, most, seed, threads));
     let row = |count: &usize| Convergence {
         count: *count,
         missing: [0, 1, 2].map(|set: usize| missing(space, extents, &sets[set][..*count])),
@@ -31,9 +33,10 @@ pub fn convergence(
 }
 
 /// The largest share of a range that the tips do not cover.
-fn missing(space: &Workspace<'_>, extents: &Extents, tips_m: &[[f64; 3]]) -> f64 {
+fn missing(space: &Workspace<'_>, extents: &Extents, tips_m: &[[f32; 3]]) -> f64 {
     let base = space.base();
-    let value = |tip: &[f64; 3], index: usize| {
+    let value = |tip: &[f32; 3], index: usize| {
+        let tip = tip.map(f64::from);
         if index < 3 { tip[index] } else { tip.iter().zip(base).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt() }
     };
     let share = |index: usize| {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 /// Numbers of nodes that are tried, the least first.
-const DEGREES: [usize; 5] = [8, 12, 16, 20, 24];
+const COUNTS: [usize; 5] = [8, 12, 16, 20, 24];
 
 /// Values of several functions at one place.
 type Values<const N: usize> = [f64; N];
@@ -17,8 +17,17 @@ pub(super) struct Fit<const N: usize> {
 
 /// Fits functions of a share, 0 to 1, to a relative error, or as well as 24 nodes can. `None` where they have no value.
 pub(super) fn fit<const N: usize>(f: impl Fn(f64) -> Option<Values<N>>, tolerance: f64) -> Option<Fit<N>> {
+    fit_with(&COUNTS, f, tolerance)
+}
+
+/// [`fit`] with other numbers of nodes, or as well as the most of them can.
+pub(super) fn fit_with<const N: usize>(
+    counts: &[usize],
+    f: impl Fn(f64) -> Option<Values<N>>,
+    tolerance: f64,
+) -> Option<Fit<N>> {
     let mut best: Option<Fit<N>> = None;
-    for count in DEGREES {
+    for count in counts.iter().copied() {
         let nodes: Vec<f64> = (0..count).map(|k| (PI * (k as f64 + 0.5) / count as f64).cos()).collect();
         let values = nodes.iter().map(|y| f(0.5 + 0.5 * y)).collect::<Option<Vec<_>>>()?;
         let powers: [Vec<f64>; N] = std::array::from_fn(|n| {
@@ -80,7 +89,7 @@ fn error<const N: usize>(powers: &[Vec<f64>; N], f: &impl Fn(f64) -> Option<Valu
 }
 
 /// The polynomial at a share.
-fn value(powers: &[f64], share: f64) -> f64 {
+pub(super) fn value(powers: &[f64], share: f64) -> f64 {
     powers.iter().rev().fold(0.0, |sum, power| sum * (2.0 * share - 1.0) + power)
 }
 

@@ -14,8 +14,8 @@ pub struct Grid {
 
 impl Grid {
     /// The grid of cubes of a side, m, > 0, through the origin of the scene.
-    pub fn new(tips_m: &[[f64; 3]], side_m: f64) -> Self {
-        let cubes = tips_m.iter().map(|tip| tip.map(|x| (x / side_m).floor() as i32)).collect();
+    pub fn new<T: Copy + Into<f64>>(tips_m: &[[T; 3]], side_m: f64) -> Self {
+        let cubes = tips_m.iter().map(|tip| tip.map(|x| (x.into() / side_m).floor() as i32)).collect();
         Self { side_m, cubes }
     }
 

@@ -55,7 +55,12 @@ impl<S: Simd> Pack<S> {
     /// The polynomial with these coefficients, the lowest power first.
     #[inline(always)]
     pub(super) fn polynomial(self, coefficients: &[f64]) -> Self {
-        coefficients.iter().rev().fold(self.same(0.0), |sum, coefficient| sum * self + self.same(*coefficient))
+        // No closure: it would be compiled without the vector units' instructions.
+        let mut sum = self.same(0.0);
+        for coefficient in coefficients.iter().rev() {
+            sum = sum * self + self.same(*coefficient);
+        }
+        sum
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! A workspace is the image of a box of pressures, from none to the highest that each actuator may be given. [`Workspace`] maps the box to
 //! the tip by polynomials, [`extents`] finds how far the tip gets in each direction, [`sample`] fills the box with points of low discrepancy,
+//! [`sample_single`] does so in single precision for pictures,
 //! [`Grid`] counts the cells they fall into. Neither collisions of the limb with itself nor obstacles are looked at.
 
 mod bundle;
@@ -13,6 +14,9 @@ mod lanes;
 mod module;
 mod picture;
 mod sample;
+mod single;
+mod single_lanes;
+mod single_sample;
 mod space;
 
 pub use compare::{Convergence, convergence};
@@ -21,4 +25,5 @@ pub use grid::Grid;
 pub use module::ModuleTable;
 pub use picture::picture;
 pub use sample::{Points, sample};
+pub use single_sample::sample_single;
 pub use space::{Axis, Command, NoWorkspace, Workspace};

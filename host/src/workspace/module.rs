@@ -47,6 +47,19 @@ pub struct ModuleTable {
     pub places_m: Option<Vec<[f64; 2]>>,
 }
 
+/// The numbers of a module, as [`ModuleTable`] has them.
+pub(super) struct Parts<'a> {
+    pub(super) powers: &'a [Vec<f64>; 3],
+    pub(super) places_m: Option<&'a [[f64; 2]]>,
+    pub(super) bends: bool,
+    pub(super) twists: bool,
+    pub(super) length_m: f64,
+    pub(super) mount: [f64; 2],
+    pub(super) rigid_m: f64,
+    /// The largest angle it may turn by, rad.
+    pub(super) largest_rad: f64,
+}
+
 /// A module, ready to be asked often.
 #[derive(Clone, Debug)]
 pub(super) struct Module {
@@ -57,6 +70,8 @@ pub(super) struct Module {
     /// Cosine and sine of the mount angle.
     mount: [f64; 2],
     rigid_m: f64,
+    /// The largest angle it may turn by, rad.
+    largest_rad: f64,
     /// Series of `sin t/t` and of `(1 - cos t)/t^2` in `t^2`.
     series: [Vec<f64>; 2],
     /// Largest relative error of its polynomials.
@@ -77,6 +92,7 @@ impl Module {
             length_m: module.length_m(),
             mount: [cos, sin],
             rigid_m: module.rigid_length_m(),
+            largest_rad: angle,
             series: series(angle),
             error,
         })
@@ -90,22 +106,21 @@ impl Module {
         }
     }
 
+    /// What it is made of.
+    pub(super) fn parts(&self) -> Parts<'_> {
+        let (powers, places_m) = match &self.shape {
+            Shape::One(powers) => (powers, None),
+            Shape::Each(tubes) => (&tubes.powers, Some(tubes.places_m.as_slice())),
+        };
+        let Self { bends, twists, length_m, mount, rigid_m, largest_rad, .. } = *self;
+        Parts { powers, places_m, bends, twists, length_m, mount, rigid_m, largest_rad }
+    }
+
     /// Its polynomials.
     pub(super) fn table(&self) -> ModuleTable {
-        let (powers, places_m) = match &self.shape {
-            Shape::One(powers) => (powers.clone(), None),
-            Shape::Each(tubes) => (tubes.powers.clone(), Some(tubes.places_m.clone())),
-        };
-        ModuleTable {
-            axes: self.axes(),
-            length_m: self.length_m,
-            rigid_m: self.rigid_m,
-            mount: self.mount,
-            bends: self.bends,
-            twists: self.twists,
-            powers,
-            places_m,
-        }
+        let Parts { powers, places_m, bends, twists, length_m, mount, rigid_m, .. } = self.parts();
+        let (powers, places_m) = (powers.clone(), places_m.map(<[_]>::to_vec));
+        ModuleTable { axes: self.axes(), length_m, rigid_m, mount, bends, twists, powers, places_m }
     }
 
     /// A point behind the module, seen from its start. `shares` are the pressures as shares of the highest.
@@ -148,19 +163,15 @@ impl Module {
     /// The rotation by the vector `t = (-b_y, b_x, 0)` and the arc that leads there.
     #[inline(always)]
     fn bend<S: Simd>(&self, length: Pack<S>, [bx, by]: [Pack<S>; 2], [x, y, z]: [Pack<S>; 3]) -> [Pack<S>; 3] {
-        let [cos, sin] = self.mount.map(|share| z.same(share));
+        let (cos, sin) = (z.same(self.mount[0]), z.same(self.mount[1]));
         let (x, y) = (cos * x + sin * y, cos * y - sin * x);
         let square = bx * bx + by * by;
         let (a, b) = (square.polynomial(&self.series[0]), square.polynomial(&self.series[1]));
-        // t x v, and t x (t x v) = t (t . v) - t^2 v.
-        let along = bx * y - by * x;
-        let turned = [bx * z, by * z, -(bx * x + by * y)];
-        let twice = [-(by * along) - square * x, bx * along - square * y, -(square * z)];
-        let arc = [length * b * bx, length * b * by, length * a];
-        let new_x = x + a * turned[0] + b * twice[0] + arc[0];
-        let new_y = y + a * turned[1] + b * twice[1] + arc[1];
-        let new_z = z + a * turned[2] + b * twice[2] + arc[2];
-        [cos * new_x - sin * new_y, sin * new_x + cos * new_y, new_z]
+        // The part of the point that lies where the arc goes and `z` turn into each other.
+        let rest = length - (bx * x + by * y);
+        let out = a * z + b * rest;
+        let (new_x, new_y) = (x + bx * out, y + by * out);
+        [cos * new_x - sin * new_y, sin * new_x + cos * new_y, z - b * square * z + a * rest]
     }
 }
 

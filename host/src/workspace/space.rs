@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::lanes::{LANES, Pack};
 use super::module::{Module, ModuleTable};
+use super::single;
 use crate::design::{Limb, LimbModule};
 use crate::statics::Bundle;
 
@@ -58,6 +59,7 @@ pub struct Workspace<'a> {
     limb: &'a Limb,
     command: Command,
     modules: Vec<Module>,
+    single: Vec<single::Module>,
     axes: Vec<Axis>,
 }
 
@@ -67,7 +69,7 @@ impl<'a> Workspace<'a> {
     /// # Errors
     /// [`NoWorkspace`], as its variants say.
     pub fn new(limb: &'a Limb, command: Command) -> Result<Self, NoWorkspace> {
-        let (mut modules, mut axes) = (Vec::new(), Vec::new());
+        let (mut modules, mut single, mut axes) = (Vec::new(), Vec::new(), Vec::new());
         for (index, module) in limb.modules().iter().enumerate() {
             let pressure_max_pa = highest_pressure_pa(module);
             let ends_at_limit = pressure_max_pa < module.reference_max_pa * (1.0 - 1e-9);
@@ -78,12 +80,14 @@ impl<'a> Workspace<'a> {
                 let start = module.channels.start + axis * width;
                 axes.push(Axis { module: index, channels: start..start + width, pressure_max_pa, ends_at_limit });
             }
+            let picture = single::Module::new(&made.parts());
+            single.push(picture.ok_or_else(|| NoWorkspace::Module(module.name.clone()))?);
             modules.push(made);
         }
         if axes.len() > AXES_MAX {
             return Err(NoWorkspace::TooMany(axes.len()));
         }
-        Ok(Self { limb, command, modules, axes })
+        Ok(Self { limb, command, modules, single, axes })
     }
 
     /// The pressures, in the order of the channels.
@@ -126,6 +130,11 @@ impl<'a> Workspace<'a> {
         Some((pose * Point3::origin()).coords.into())
     }
 
+    /// The modules in single precision.
+    pub(super) fn single(&self) -> &[single::Module] {
+        &self.single
+    }
+
     /// The polynomials of the modules.
     pub fn tables(&self) -> Vec<ModuleTable> {
         self.modules.iter().map(Module::table).collect()
@@ -153,9 +162,11 @@ impl<'a> Workspace<'a> {
         }
         let [x, y, z] = point;
         let (m, origin) = (self.rotation(), self.limb.base().translation.vector);
-        [0, 1, 2].map(|i: usize| {
-            zero.same(origin[i]) + zero.same(m[i][0]) * x + zero.same(m[i][1]) * y + zero.same(m[i][2]) * z
-        })
+        let mut tip = [zero; 3];
+        for i in 0..3 {
+            tip[i] = zero.same(origin[i]) + zero.same(m[i][0]) * x + zero.same(m[i][1]) * y + zero.same(m[i][2]) * z;
+        }
+        tip
     }
 }
 
@@ -224,7 +235,8 @@ impl<F: Fn(usize, usize) -> f64> WithSimd for Batch<'_, '_, F> {
                 }
                 *pack = Pack::load(simd, &values);
             }
-            let [x, y, z] = self.space.tip_of(zero, &shares).map(Pack::store);
+            let [x, y, z] = self.space.tip_of(zero, &shares);
+            let (x, y, z) = (x.store(), y.store(), z.store());
             for (lane, tip) in tips.iter_mut().enumerate() {
                 *tip = [x[lane], y[lane], z[lane]];
             }

@@ -1,8 +1,8 @@
 //! Samples: repeatable, within the extents, convergent; and the cubes they are counted in.
 
-use softlimb::workspace::{Command, Grid, Points, Workspace, convergence, extents, picture, sample};
+use softlimb::workspace::{Command, Grid, Points, Workspace, convergence, extents, picture, sample, sample_single};
 
-use crate::limb_of;
+use crate::{limb_of, limb_with};
 
 #[test]
 fn samples_depend_on_the_seed_alone() {
@@ -34,6 +34,34 @@ fn samples_stay_within_the_extents_and_come_closer() {
         assert!(rows[1].missing[set] < rows[0].missing[set] && rows[1].missing[set] > -1e-6, "{rows:?}");
     }
     assert!(rows[1].missing[2] < 0.7 * rows[1].missing[0], "faces are where the extents are: {rows:?}");
+}
+
+/// Single precision has 1e-7 of a metre; differences of lengths over a radius of 3 cm make bends of it, and those move the tip.
+#[test]
+fn pictures_are_within_micrometres_of_the_samples() {
+    let mixed = limb_with(&[
+        ("extension", 4, "mount_angle = \"20 deg\""),
+        ("bending", 3, "mount_angle = \"70 deg\""),
+        ("twisting", 3, ""),
+        ("expansion", 2, ""),
+        ("extension", 1, ""),
+    ]);
+    let scenes = ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"].map(|name| limb_of(name).1);
+    let mut worst = 0.0_f64;
+    for limb in scenes.iter().chain([&mixed]) {
+        for command in [Command::Actuators, Command::Modules] {
+            let space = Workspace::new(limb, command).expect("a workspace");
+            for points in [Points::Faces, Points::Even, Points::Random] {
+                let (single, double) = (sample_single(&space, points, 9001, 3, 1), sample(&space, points, 9001, 3, 1));
+                let off = single.iter().flatten().zip(double.iter().flatten()).map(|(a, b)| (f64::from(*a) - b).abs());
+                worst = off.fold(worst, f64::max);
+                assert_eq!(single, sample_single(&space, points, 9001, 3, 3), "whatever the threads");
+                assert_eq!(single[..77], sample_single(&space, points, 77, 3, 1), "whatever the number");
+            }
+        }
+    }
+    println!("largest difference of a coordinate between single and double precision: {:.2} um", 1e6 * worst);
+    assert!(worst < 5e-6, "{worst:e} m");
 }
 
 /// A lattice of points fills a ball: the cubes hold its volume, and too much by a part of its surface.
