@@ -4,6 +4,8 @@
 mod bundle;
 #[path = "workspace/extents.rs"]
 mod extents;
+#[path = "workspace/loaded.rs"]
+mod loaded;
 #[path = "workspace/samples.rs"]
 mod samples;
 
@@ -19,6 +21,12 @@ pub(crate) fn limb_of(name: &str) -> (Scene, Limb) {
 
 /// A scene with modules as `motion, actuators, more keys`.
 pub(crate) fn limb_with(modules: &[(&str, u8, &str)]) -> Limb {
+    let scene = scene::parse(&text_with(modules), "test.toml").unwrap_or_else(|error| panic!("{error}"));
+    Limb::new(&scene).expect("a limb")
+}
+
+/// Its text.
+pub(crate) fn text_with(modules: &[(&str, u8, &str)]) -> String {
     let mut text = String::from(
         "format = 1\nname = \"test\"\n[materials.silicone]\nlaw = \"neo-hookean\"\nshear_modulus = \"0.223 MPa\"\n\
          [windings.hoops]\nangle = \"3 deg\"\nfamilies = 2\nmodulus = \"361 MPa\"\nthickness = \"0.178 mm\"\n\
@@ -37,9 +45,7 @@ pub(crate) fn limb_with(modules: &[(&str, u8, &str)]) -> Limb {
             if *actuators > 1 { 30 } else { 0 },
         );
     }
-    text += "[[phase]]\nname = \"p\"\nduration = \"5 s\"\ntargets = { m0 = { pressure = \"10 kPa\" } }\n[limits]\npressure_max = \"100 kPa\"\n";
-    let scene = scene::parse(&text, "test.toml").unwrap_or_else(|error| panic!("{error}"));
-    Limb::new(&scene).expect("a limb")
+    text + "[[phase]]\nname = \"p\"\nduration = \"5 s\"\ntargets = { m0 = { pressure = \"10 kPa\" } }\n[limits]\npressure_max = \"100 kPa\"\n"
 }
 
 /// Numbers of 0 to 1.

@@ -19,6 +19,7 @@ mod statics;
 mod tolerance;
 mod trials;
 mod workspace;
+mod workspace_loaded;
 
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;

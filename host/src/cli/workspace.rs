@@ -15,7 +15,7 @@ use crate::scene;
 use crate::workspace::{self, Command, Convergence, Extents, Grid, Points, Reach};
 
 /// Names of what is measured.
-const NAMES: [&str; 4] = ["x", "y", "z", "distance"];
+pub(super) const NAMES: [&str; 4] = ["x", "y", "z", "distance"];
 /// Numbers of samples whose convergence is shown, as shares of all.
 const SHARES: [usize; 4] = [1000, 100, 10, 1];
 
@@ -29,30 +29,39 @@ pub(super) struct Workspace {
     /// What is free to choose
     #[arg(long, value_enum, default_value_t = Pressures::Actuators)]
     pressures: Pressures,
-    /// Number of samples
-    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
-    samples: u32,
+    /// Under the limb's own weight: poses that fall, buckle or bend backwards are counted and not shown as reached
+    #[arg(long)]
+    pub(super) loaded: bool,
+    /// Mass at the tip, kg
+    #[arg(long, value_name = "KG", requires = "loaded", default_value_t = 0.0, value_parser = mass)]
+    pub(super) payload: f64,
+    /// Plates in each module, in place of the modules' own `spacers`
+    #[arg(long, value_name = "N", requires = "loaded", value_parser = clap::value_parser!(u8).range(0..=50))]
+    pub(super) spacers: Option<u8>,
+    /// Number of samples; default: 1000000, or 4096 with `--loaded`
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    samples: Option<u32>,
     /// How the samples fill the box of pressures
     #[arg(long, value_enum, default_value_t = Filling::Faces)]
-    points: Filling,
+    pub(super) points: Filling,
     /// Seed of the samples
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub(super) seed: u64,
     /// Threads; default: as many as processors. The samples do not depend on it
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Side of the cubes that are counted, mm
-    #[arg(long, default_value_t = 20.0, value_parser = cell)]
-    cell: f64,
+    /// Side of the cubes that are counted, mm; default: 20, or 100 with `--loaded`
+    #[arg(long, value_parser = cell)]
+    cell: Option<f64>,
     /// Write side and front view
     #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
+    pub(super) svg: Option<PathBuf>,
     /// Write the samples: x, y, z in m
     #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
+    pub(super) csv: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -64,7 +73,7 @@ enum Pressures {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Filling {
+pub(super) enum Filling {
     /// Low discrepancy, a third of each pressure's samples at its ends
     Faces,
     /// Low discrepancy, even
@@ -86,6 +95,11 @@ impl From<Filling> for Points {
 fn cell(text: &str) -> Result<f64, String> {
     let side: f64 = text.parse().map_err(|_| "a number of mm, 1 to 1000".to_owned())?;
     if (1.0..=1000.0).contains(&side) { Ok(side) } else { Err("1 to 1000 mm".to_owned()) }
+}
+
+fn mass(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|found| (0.0..=100.0).contains(found));
+    found.ok_or_else(|| "a number of 0 to 100 kg".to_owned())
 }
 
 /// Everything that is shown.
@@ -111,9 +125,12 @@ impl Workspace {
         let space = workspace::Workspace::new(&limb, command).map_err(Failure::new)?;
         let extents = workspace::extents(&space)
             .ok_or_else(|| Failure::new("the model has no equilibrium at an extreme of the workspace"))?;
-        let (count, threads) = (self.samples as usize, self.threads());
+        if self.loaded {
+            return self.run_loaded(&scene, &limb, &space, &extents);
+        }
+        let (count, threads) = (self.count(1_000_000), self.threads());
         let tips = workspace::sample_single(&space, self.points.into(), count, self.seed, threads);
-        let cell_m = self.cell * 1e-3;
+        let cell_m = self.cell_m(20.0);
         let counts = SHARES.map(|share| (count / share).max(1));
         let answer = Answer {
             name: scene.name(),
@@ -129,8 +146,7 @@ impl Workspace {
             write(file, &csv(&tips))?;
         }
         if let Some(file) = &self.svg {
-            let rest: Vec<_> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
-            write(file, &workspace::picture(scene.name(), &answer.grids[0], &limb.backbone(&rest)))?;
+            write(file, &workspace::picture(scene.name(), &answer.grids[0], &rest_m(&limb)))?;
         }
         if self.json {
             super::say(&answer.json().to_string())?
@@ -140,14 +156,28 @@ impl Workspace {
         Ok(Outcome::Done)
     }
 
-    fn threads(&self) -> usize {
+    pub(super) fn count(&self, by_default: u32) -> usize {
+        self.samples.unwrap_or(by_default) as usize
+    }
+
+    pub(super) fn cell_m(&self, by_default_mm: f64) -> f64 {
+        self.cell.unwrap_or(by_default_mm) * 1e-3
+    }
+
+    pub(super) fn threads(&self) -> usize {
         self.threads.map_or_else(|| thread::available_parallelism().map_or(1, NonZero::get), usize::from)
     }
 }
 
-fn csv(tips: &[[f32; 3]]) -> String {
+/// The centre line at rest, m.
+pub(super) fn rest_m(limb: &Limb) -> Vec<[f64; 3]> {
+    let rest: Vec<_> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
+    limb.backbone(&rest)
+}
+
+pub(super) fn csv<T: Copy + Into<f64>>(tips: &[[T; 3]]) -> String {
     let mut text = String::from("x_m,y_m,z_m\n");
-    for [x, y, z] in tips {
+    for [x, y, z] in tips.iter().map(|tip| tip.map(Into::into)) {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{x:.6},{y:.6},{z:.6}");
     }

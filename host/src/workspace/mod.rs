@@ -3,14 +3,18 @@
 //! A workspace is the image of a box of pressures, from none to the highest that each actuator may be given. [`Workspace`] maps the box to
 //! the tip by polynomials, [`extents`] finds how far the tip gets in each direction, [`sample`] fills the box with points of low discrepancy,
 //! [`sample_single`] does so in single precision for pictures,
-//! [`Grid`] counts the cells they fall into. Neither collisions of the limb with itself nor obstacles are looked at.
+//! [`Grid`] counts the cells they fall into. [`Loaded`] is the same under weight.
+//! Neither collisions of the limb with itself nor obstacles are looked at.
 
+mod ascent;
 mod bundle;
 mod compare;
 mod extents;
 mod fit;
 mod grid;
 mod lanes;
+mod loaded;
+mod loaded_extents;
 mod module;
 mod picture;
 mod sample;
@@ -22,6 +26,8 @@ mod space;
 pub use compare::{Convergence, convergence};
 pub use extents::{Extents, Measure, Reach, extents};
 pub use grid::Grid;
+pub use loaded::{Loaded, Pose, Tally, Unreached};
+pub use loaded_extents::{LoadedExtents, LoadedReach, loaded_extents};
 pub use module::ModuleTable;
 pub use picture::picture;
 pub use sample::{Points, sample};

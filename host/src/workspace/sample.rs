@@ -57,14 +57,17 @@ pub(super) fn random(seed: u64, index: usize, axis: usize) -> f64 {
 
 /// Tips of `count` samples, m, on as many threads as asked for (at least one). Samples depend on the seed and their number alone.
 pub fn sample(space: &Workspace<'_>, points: Points, count: usize, seed: u64, threads: usize) -> Vec<[f64; 3]> {
-    let even = kronecker(space.axes().len(), seed);
-    match points {
-        Points::Even => run(space, &even, count, threads),
-        Points::Random => run(space, &|index, axis| random(seed, index, axis), count, threads),
-        Points::Faces => {
-            let [low, high] = FACES;
-            run(space, &|index, axis| ((even(index, axis) - low) / (high - low)).clamp(0.0, 1.0), count, threads)
-        }
+    run(space, &shares(space.axes().len(), points, seed), count, threads)
+}
+
+/// Shares of the highest pressures by sample and axis.
+pub(super) fn shares(axes: usize, points: Points, seed: u64) -> impl Fn(usize, usize) -> f64 + Sync {
+    let even = kronecker(axes, seed);
+    let [low, high] = FACES;
+    move |index, axis| match points {
+        Points::Even => even(index, axis),
+        Points::Random => random(seed, index, axis),
+        Points::Faces => ((even(index, axis) - low) / (high - low)).clamp(0.0, 1.0),
     }
 }
 

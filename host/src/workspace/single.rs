@@ -1,6 +1,6 @@
-//! The same kinematics in single precision, for pictures: many samples at once, each within a few micrometres of [`Workspace::tip`].
+//! The same kinematics in single precision, for pictures: many samples at once, each within a few micrometres of double precision.
 //!
-//! What makes it short: polynomials of as many terms as [`TOLERANCE`] needs; a bundle in shares of its own stiffness and radius, so that its stretch
+//! What makes it short: polynomials of as many terms as `TOLERANCE` needs; a bundle in shares of its own stiffness and radius, so that its stretch
 //! is counted from 1 and nothing large is taken off something large; and arcs seen from the start of the limb, without turning to the
 //! mount angle and back.
 

@@ -17,12 +17,12 @@ pub fn sample_single(space: &Workspace<'_>, points: Points, count: usize, seed: 
     }
     let rotation = space.rotation().map(|row| row.map(|entry| entry as f32));
     let origin = space.base().map(|entry| entry as f32);
-    let box_of = Box { modules: space.single(), axes, points, seed, sequence, ahead, rotation, origin };
-    in_parts(count, threads, |first, tips| Arch::new().dispatch(Batch { space: &box_of, first, tips }))
+    let sampler = Sampler { modules: space.single(), axes, points, seed, sequence, ahead, rotation, origin };
+    in_parts(count, threads, |first, tips| Arch::new().dispatch(Batch { sampler: &sampler, first, tips }))
 }
 
 /// What all samples have in common.
-struct Box<'a> {
+struct Sampler<'a> {
     modules: &'a [Module],
     axes: usize,
     points: Points,
@@ -34,7 +34,7 @@ struct Box<'a> {
     origin: [f32; 3],
 }
 
-impl Box<'_> {
+impl Sampler<'_> {
     /// Pressures of a group from a sample on, as shares of the highest less 1/2.
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S, first: usize, places: &mut [[f32; GROUP]; AXES_MAX]) {
@@ -82,7 +82,7 @@ impl Box<'_> {
 }
 
 struct Batch<'a, 'b> {
-    space: &'a Box<'a>,
+    sampler: &'a Sampler<'a>,
     first: usize,
     tips: &'b mut [[f32; 3]],
 }
@@ -96,12 +96,12 @@ impl WithSimd for Batch<'_, '_> {
         let mut packs = [Pack::all(simd, 0.0); AXES_MAX];
         let mut points = [[0.0; GROUP]; 3];
         for (group, tips) in self.tips.chunks_mut(GROUP).enumerate() {
-            self.space.places(simd, self.first + group * GROUP, &mut places);
+            self.sampler.places(simd, self.first + group * GROUP, &mut places);
             for index in 0..GROUP / Pack::<S>::COUNT {
-                for (pack, places) in packs[..self.space.axes].iter_mut().zip(&places) {
+                for (pack, places) in packs[..self.sampler.axes].iter_mut().zip(&places) {
                     *pack = Pack::load(simd, places, index);
                 }
-                let [x, y, z] = self.space.tip(&packs);
+                let [x, y, z] = self.sampler.tip(&packs);
                 x.store(&mut points[0], index);
                 y.store(&mut points[1], index);
                 z.store(&mut points[2], index);
