@@ -14,5 +14,7 @@ mod output;
 mod run;
 #[path = "cli/scenes.rs"]
 mod scenes;
+#[path = "cli/trials.rs"]
+mod trials;
 #[path = "cli/usage.rs"]
 mod usage;

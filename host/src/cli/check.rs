@@ -27,8 +27,9 @@ impl Check {
         let limb = Limb::new(&scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let inverses = motion::inverses(&scene, &limb)?;
-        motion::check_goals(&scene, &limb, &plan, &inverses)?;
-        let highest = highest_pressures(&plan);
+        let sent = motion::sent(&scene, &limb, &plan)?;
+        motion::check_goals(&scene, &limb, &sent, &inverses)?;
+        let highest = highest_pressures(&sent);
         if self.json {
             super::say(&report(&scene, &limb, &plan, &highest, &inverses).to_string())?;
         } else {

@@ -9,8 +9,7 @@ use serde_json::{Value, json};
 
 use super::kept::write;
 use super::{Failure, Outcome};
-use crate::motion::Corrections;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Corrections, Scene};
 use crate::trials::{self, Distances, Score, Settings, TrialsError};
 
 /// Run a scene several times on one simulated limb, by the model alone and after rehearsals under a camera

@@ -4,14 +4,13 @@ use fra_model::State;
 use nalgebra::Vector3;
 
 use super::clear::{self, Nearness};
-use super::corrections::Corrections;
 use super::path::Path;
-use super::refusal::state_at;
+use super::refusal::{check_corrections, state_at};
 use super::schedule::schedule;
 use super::weight::{self, Weighed};
 use super::wire::{from_wire, to_wire};
 use crate::design::{Limb, LimbModule};
-use crate::scene::{Gripper, Scene, SceneError, SetpointKind};
+use crate::scene::{Corrections, Gripper, Scene, SceneError, SetpointKind};
 
 /// A phase on the clock of the run, with the value of every module at its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,6 +144,17 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 /// with the nearest that it can.
 pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
     taught(scene, limb, &[])
+}
+
+/// A plan as it is sent: with the corrections of its scene.
+///
+/// # Errors
+/// A diagnostic at the file of corrections that are larger than what a module has, or at the phase in which a corrected setpoint leaves what
+/// the limb can reach.
+pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Plan, SceneError> {
+    let Some(corrections) = scene.corrections() else { return Ok(plan.clone()) };
+    check_corrections(scene, limb, corrections)?;
+    plan.corrected(scene, limb, corrections)
 }
 
 /// The plan of a scene whose setpoints are corrected for weight, with the place of the tip at the end of each phase moved by an offset, m:

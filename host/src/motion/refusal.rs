@@ -2,8 +2,8 @@
 
 use fra_model::{Load, State, Status};
 
-use crate::design::LimbModule;
-use crate::scene::{Scene, SceneError, SetpointKind, Span};
+use crate::design::{Limb, LimbModule};
+use crate::scene::{Corrections, Located, Scene, SceneError, SetpointKind, Span};
 
 /// The state at a setpoint, or why there is none that the module may take.
 pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> Result<State<f64>, Refusal> {
@@ -80,6 +80,30 @@ pub(super) fn check_target(scene: &Scene, module: &LimbModule, value: f64, span:
         in_units(module.kind, most)
     );
     Err(scene.diagnostic(span, "this target is out of the module's reach", &refusal.label(module), Some(&help)))
+}
+
+/// Refuses corrections of a scene that are larger than what a module has: they are in another unit, or of another limb.
+///
+/// # Errors
+/// A diagnostic at the name of their file, with row, module and range.
+pub(super) fn check_corrections(
+    scene: &Scene,
+    limb: &Limb,
+    corrections: &Located<Corrections>,
+) -> Result<(), SceneError> {
+    for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
+        for (module, value) in limb.modules().iter().zip(row) {
+            let (rest, last) = module.range();
+            if value.abs() > (last - rest).abs() {
+                let title = format!("the correction of `{}` at {time_s} s is larger than its range", module.name);
+                let [value, rest, last] = [*value, rest, last].map(|value| in_units(module.kind, value));
+                let label = format!("{value} here, and setpoints are from {rest} to {last}");
+                let help = "corrections are in m, rad or Pa, as `softlimb trials --csv` writes them";
+                return Err(scene.diagnostic(corrections.span, &title, &label, Some(help)));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A setpoint as people read it.

@@ -98,7 +98,8 @@ pub struct Miss {
     pub module: String,
     /// Name of the phase.
     pub phase: String,
-    /// Distance from the setpoint, by the model at the chamber's pressure, as a share of the module's travel in the run.
+    /// Distance from the setpoint, by the model at the chamber's pressure or as the limb was seen, whichever is less, as a share of the
+    /// module's travel in the run.
     pub share_of_travel: f64,
 }
 
@@ -165,7 +166,10 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
         let travel = high - low;
         let missed = ends.iter().filter_map(|(phase, sample)| {
             let value = sample.modules.get(index)?;
-            let share_of_travel = (value.modelled - value.setpoint).abs() / travel;
+            let off = |found: f64| (found - value.setpoint).abs();
+            // With corrections the model is not meant to be there, but the limb is.
+            let share_of_travel =
+                value.achieved.map_or(off(value.modelled), |found| off(found).min(off(value.modelled))) / travel;
             let miss = Miss { module: module.name.clone(), phase: phase.name.clone(), share_of_travel };
             (share_of_travel > MISS_SHARE).then_some(miss)
         });

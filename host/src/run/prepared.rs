@@ -9,9 +9,9 @@ use super::assemble::{Assembler, run_info};
 use super::observed::Observed;
 use crate::design::Limb;
 use crate::link::{self, DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary};
-use crate::motion::{self, Corrections, ModuleInverse, Plan};
+use crate::motion::{self, ModuleInverse, Plan};
 use crate::record::{RunInfo, Sample};
-use crate::scene::Scene;
+use crate::scene::{Corrections, Scene};
 use crate::simulate;
 
 /// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
@@ -29,8 +29,16 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Plans a scene and checks that a device can follow.
+    /// Plans a scene and checks that a device can follow; with the scene's corrections.
     pub(crate) fn new(scene: &'a Scene) -> Result<Self, RunError> {
+        let limb = Limb::new(scene)?;
+        let plan = motion::plan(scene, &limb)?;
+        let sent = motion::sent(scene, &limb, &plan)?;
+        Self::sending(scene, limb, plan, &sent)
+    }
+
+    /// The same without the scene's corrections.
+    pub(crate) fn by_model(scene: &'a Scene) -> Result<Self, RunError> {
         let limb = Limb::new(scene)?;
         let plan = motion::plan(scene, &limb)?;
         Self::sending(scene, limb, plan.clone(), &plan)

@@ -1,8 +1,8 @@
 //! One limb's corrections, rehearsal by rehearsal.
 //!
 //! The tip is off by `e(t)`. Moving the setpoints of the modules by `du` moves the tip by `J du`, with the model's `J` at the planned pose, so
-//! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (r |du/range|)^2`: the second term, a length `r`,
-//! leaves alone what hardly moves the tip. The first rehearsals are believed whole, later ones by the share that makes the corrections a
+//! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (|e| |du/range|)^2` within the modules' ranges: the
+//! second term leaves alone what hardly moves the tip. The first rehearsals are believed whole, later ones by the share that makes the corrections a
 //! mean, because what the valves leave of a reference differs from run to run.
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -10,14 +10,15 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::score::{SETTLING_S, error_m, pause_s};
 use crate::design::Limb;
 use crate::design::fit::Random;
-use crate::motion::{Corrections, Plan, tip_slopes};
+use crate::motion::{Plan, tip_slopes};
 use crate::record::Sample;
+use crate::scene::Corrections;
 
 /// Time between instants of the corrections while the limb moves, and at most while it rests, s.
 const MOVING_S: f64 = 0.1;
 const RESTING_S: f64 = 0.5;
-/// Tip motion by the whole range of a module that is hardly worth its while, m.
-const HARDLY_M: f64 = 2e-3;
+/// Least damping, m: what a camera does not see.
+const DAMPING_M: f64 = 0.1e-3;
 /// Rehearsals that are believed whole.
 const WHOLE: u32 = 2;
 /// Stream of the camera's noise.
@@ -28,6 +29,8 @@ pub(super) struct Learner<'a> {
     limb: &'a Limb,
     plan: &'a Plan,
     corrections: Corrections,
+    /// For each instant, whether the limb rests there.
+    resting: Vec<bool>,
     rehearsals: u32,
     camera_noise_m: f64,
     random: Random,
@@ -37,10 +40,10 @@ impl<'a> Learner<'a> {
     /// Nothing learned. `camera_noise_m` as in [`Settings`](super::Settings).
     pub(super) fn new(limb: &'a Limb, plan: &'a Plan, camera_noise_m: f64, seed: u64) -> Self {
         let modules = limb.modules().len();
-        let times_s = instants(plan);
+        let (times_s, resting): (Vec<_>, Vec<_>) = instants(plan).into_iter().unzip();
         let rows = vec![vec![0.0; modules]; times_s.len()];
         let corrections = Corrections { times_s, rows };
-        Self { limb, plan, corrections, rehearsals: 0, camera_noise_m, random: Random::new(seed, CAMERA) }
+        Self { limb, plan, corrections, resting, rehearsals: 0, camera_noise_m, random: Random::new(seed, CAMERA) }
     }
 
     /// What was learned.
@@ -76,14 +79,18 @@ impl<'a> Learner<'a> {
         })
     }
 
-    /// Gives an error to the instants on both sides of its time.
+    /// Gives an error to the instants on both sides of its time; one of a move not to those of a pause, since limbs are off by much more
+    /// while they move.
     fn share(&self, time_s: f64, error: Vector3<f64>, sums: &mut [(Vector3<f64>, f64)]) {
         let times = &self.corrections.times_s;
         let after = times.partition_point(|time| *time <= time_s).clamp(1, times.len() - 1);
         let share = ((time_s - times[after - 1]) / (times[after] - times[after - 1])).clamp(0.0, 1.0);
+        let rests = self.resting[after - 1] && self.resting[after];
         for (index, weight) in [(after - 1, 1.0 - share), (after, share)] {
-            sums[index].0 += error * weight;
-            sums[index].1 += weight;
+            if rests || !self.resting[index] {
+                sums[index].0 += error * weight;
+                sums[index].1 += weight;
+            }
         }
     }
 
@@ -93,51 +100,126 @@ impl<'a> Learner<'a> {
         for (index, (sum, weight)) in sums.iter().enumerate().filter(|(_, (_, weight))| *weight > 0.0) {
             let time_us = self.corrections.times_s[index] * 1e6;
             let slopes = tip_slopes(self.limb, &self.plan.states_at(time_us));
-            let steps = step(&slopes, &ranges, &(sum / *weight));
             let planned = self.plan.values_at(time_us);
-            for (module, value) in self.corrections.rows[index].iter_mut().enumerate() {
-                let (rest, last) = ranges[module];
-                // What is out of reach is not asked for more and more.
-                let wanted = planned[module] + *value + gain * steps[module];
-                *value = wanted.clamp(rest.min(last), rest.max(last)) - planned[module];
+            let values = &mut self.corrections.rows[index];
+            // What a module has left towards both ends of its range, as a share of it.
+            let left = planned.iter().zip(values.iter()).zip(&ranges).map(|((planned, value), (rest, last))| {
+                let (low, high) = (rest.min(*last), rest.max(*last));
+                let wanted = (planned + value).clamp(low, high);
+                [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
+            });
+            let shares = step(&columns(&slopes, &ranges), &left.collect::<Vec<_>>(), &(sum / *weight));
+            for (((value, share), (rest, last)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(planned) {
+                let wanted = planned + *value + gain * share * (last - rest).abs();
+                // Rounding takes nothing out of its range.
+                *value = wanted.clamp(rest.min(*last), rest.max(*last)) - planned;
             }
         }
     }
 }
 
-/// The change of the setpoints that takes an error of the tip away, m.
-fn step(slopes: &[(Vector3<f64>, f64)], ranges: &[(f64, f64)], error: &Vector3<f64>) -> Vec<f64> {
-    let count = slopes.len();
-    let widths: Vec<f64> = ranges.iter().map(|(rest, last)| (last - rest).abs()).collect();
-    let mut matrix = DMatrix::zeros(3 + count, count);
-    for (column, ((velocity, slope), width)) in slopes.iter().zip(&widths).enumerate() {
-        let whole = if *slope == 0.0 { Vector3::zeros() } else { velocity * (width / slope) };
-        matrix.fixed_view_mut::<3, 1>(0, column).copy_from(&whole);
-        matrix[(3 + column, column)] = HARDLY_M;
-    }
-    let mut wanted = DVector::zeros(3 + count);
-    wanted.fixed_rows_mut::<3>(0).copy_from(&-error);
-    // Of full rank by its lower half.
-    let shares = matrix.svd(true, true).solve(&wanted, 0.0).unwrap_or_else(|_| DVector::zeros(count));
-    shares.iter().zip(&widths).map(|(share, width)| share * width).collect()
+/// How the tip moves, m, with the whole range of each module.
+fn columns(slopes: &[(Vector3<f64>, f64)], ranges: &[(f64, f64)]) -> Vec<Vector3<f64>> {
+    let column = |((velocity, slope), (rest, last)): (&(Vector3<f64>, f64), &(f64, f64))| {
+        if *slope == 0.0 { Vector3::zeros() } else { velocity * ((last - rest).abs() / slope) }
+    };
+    slopes.iter().zip(ranges).map(column).collect()
 }
 
-/// Instants of the corrections, s: rising, from the start to the end, two at least.
-fn instants(plan: &Plan) -> Vec<f64> {
-    let mut times = vec![0.0];
-    let mut until = |end_s: f64, step_s: f64| {
-        let begin_s = times[times.len() - 1];
+/// The change of the setpoints, as shares of their ranges, that takes an error of the tip away, m; within what is left of each. A module
+/// at the end of what is left stays there, and the others do what they can.
+fn step(columns: &[Vector3<f64>], left: &[[f64; 2]], error: &Vector3<f64>) -> Vec<f64> {
+    let mut shares = vec![None; columns.len()];
+    loop {
+        let done = columns.iter().zip(&shares).filter_map(|(column, share)| Some(column * share.as_ref().copied()?));
+        let wanted = -error - done.sum::<Vector3<f64>>();
+        let free: Vec<usize> = (0..columns.len()).filter(|module| shares[*module].is_none()).collect();
+        if free.is_empty() {
+            return shares.into_iter().map(Option::unwrap_or_default).collect();
+        }
+        let found = damped(&free.iter().map(|module| columns[*module]).collect::<Vec<_>>(), &wanted);
+        let beyond = free.iter().zip(&found).filter_map(|(module, share)| {
+            let [low, high] = left[*module];
+            (*share < low || *share > high).then(|| (*module, share.clamp(low, high)))
+        });
+        let ended: Vec<(usize, f64)> = beyond.collect();
+        let settled = if ended.is_empty() { free.into_iter().zip(found).collect() } else { ended };
+        settled.into_iter().for_each(|(module, share)| shares[module] = Some(share));
+    }
+}
+
+/// The shares whose sum of columns is `wanted`, m, as nearly as what hardly moves the tip is left alone.
+fn damped(columns: &[Vector3<f64>], wanted: &Vector3<f64>) -> Vec<f64> {
+    let count = columns.len();
+    let mut matrix = DMatrix::zeros(3 + count, count);
+    let damping = wanted.norm().max(DAMPING_M);
+    for (index, column) in columns.iter().enumerate() {
+        matrix.fixed_view_mut::<3, 1>(0, index).copy_from(column);
+        matrix[(3 + index, index)] = damping;
+    }
+    let mut right = DVector::zeros(3 + count);
+    right.fixed_rows_mut::<3>(0).copy_from(wanted);
+    // Of full rank by its lower half.
+    let shares = matrix.svd(true, true).solve(&right, 0.0);
+    shares.map_or_else(|_| vec![0.0; count], |shares| shares.iter().copied().collect())
+}
+
+/// Instants of the corrections, s, rising, from the start to the end, two at least; and whether the limb rests there.
+fn instants(plan: &Plan) -> Vec<(f64, bool)> {
+    let mut times = vec![(0.0, false)];
+    let mut until = |end_s: f64, step_s: f64, rests: bool| {
+        let (begin_s, _) = times[times.len() - 1];
         let count = ((end_s - begin_s) / step_s).ceil().max(0.0) as usize;
-        times.extend((1..=count).map(|index| begin_s + (end_s - begin_s) * index as f64 / count as f64));
+        if let Some(last) = times.last_mut().filter(|_| count > 0) {
+            last.1 |= rests;
+        }
+        times.extend((1..=count).map(|index| (begin_s + (end_s - begin_s) * index as f64 / count as f64, rests)));
     };
     for phase in &plan.phases {
         let (begin_s, end_s) = pause_s(phase);
-        until((begin_s + SETTLING_S).min(end_s), MOVING_S);
-        until(end_s, RESTING_S);
+        until((begin_s + SETTLING_S).min(end_s), MOVING_S, false);
+        until(end_s, RESTING_S, true);
     }
-    until(plan.duration_us() as f64 * 1e-6, MOVING_S);
+    until(plan.duration_us() as f64 * 1e-6, MOVING_S, false);
     if times.len() < 2 {
-        times.push(MOVING_S);
+        times.push((MOVING_S, false));
     }
     times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion;
+    use crate::scene;
+
+    const FREE: [f64; 2] = [-1.0, 1.0];
+
+    #[test]
+    fn an_error_is_taken_away_by_who_can() {
+        let (across, up) = (Vector3::x() * 0.1, Vector3::z() * 0.2);
+        let error = Vector3::new(1e-3, 0.0, -2e-3);
+        let found = step(&[across, up], &[FREE, FREE], &error);
+        // Of 0.1 and 0.2 m by a whole range; damping by the error takes 0.05 % of the first and less of the second.
+        assert!((found[0] + 0.01).abs() < 1e-5 && (found[1] - 0.01).abs() < 1e-5, "{found:?}");
+        let ended = step(&[across, across, up], &[[0.0, 1.0], FREE, FREE], &error);
+        assert_eq!(ended[0], 0.0, "it has nothing left that way");
+        assert!((ended[1] + 0.01).abs() < 1e-5 && (ended[2] - 0.01).abs() < 1e-5, "{ended:?}");
+        assert_eq!(step(&[across], &[[0.0, 0.0]], &error), [0.0]);
+        assert_eq!(step(&[Vector3::zeros()], &[FREE], &Vector3::zeros()), [0.0]);
+    }
+
+    #[test]
+    fn a_pause_has_instants_of_its_own() {
+        let scene = scene::parse(include_str!("../../../scenes/single-bending.toml"), "scene.toml").unwrap();
+        let plan = motion::plan(&scene, &Limb::new(&scene).unwrap()).unwrap();
+        let instants = instants(&plan);
+        assert!(instants.is_sorted_by(|(a, _), (b, _)| a < b));
+        // Moves of 1.5 s and pauses of 1 s.
+        for (time_s, rests) in instants {
+            let into_phase_s = time_s % 2.5;
+            let is_end = time_s > 0.0 && !(1e-6..2.5 - 1e-6).contains(&into_phase_s);
+            assert_eq!(rests, is_end || into_phase_s > 1.8 - 1e-6, "{time_s} s");
+        }
+    }
 }

@@ -10,10 +10,9 @@ mod score;
 
 use std::num::NonZero;
 
-use crate::motion::Corrections;
 use crate::record::Sample;
 use crate::run::{Prepared, RunError};
-use crate::scene::Scene;
+use crate::scene::{Corrections, Scene};
 
 use learn::Learner;
 pub use score::{Distances, Score, TargetScore};
@@ -67,12 +66,12 @@ pub enum TrialsError {
     },
 }
 
-/// Rehearses a scene and tries it. `on_run` is told how many runs are done, and of how many.
+/// Rehearses a scene and tries it; corrections of its own are not looked at. `on_run` is told how many runs are done, and of how many.
 ///
 /// # Errors
 /// [`TrialsError`].
 pub fn trials(scene: &Scene, settings: &Settings, on_run: impl FnMut(u32, u32)) -> Result<Outcome, TrialsError> {
-    let by_model = Prepared::new(scene)?;
+    let by_model = Prepared::by_model(scene)?;
     if !score::is_judged(by_model.plan()) {
         return Err(TrialsError::NothingHeld);
     }

@@ -1,6 +1,7 @@
 //! From the text of a scene to the checked scene.
 
 mod check;
+mod corrections;
 mod design;
 mod limb;
 mod markers;
@@ -8,6 +9,7 @@ mod module;
 mod parts;
 mod phase;
 mod plant;
+mod series;
 mod settings;
 mod supply;
 mod task;
@@ -81,6 +83,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let regions = task::regions(&root);
     let design = design::design(&root, &drafts);
     let markers = markers::markers(&root, &source.name);
+    let corrections = corrections::corrections(&root, &source.name, &drafts);
     let phases = phase::phases(&root, &mut drafts, regions.as_deref(), markers.as_ref());
     check::channels(log, &drafts);
     check::pressures(log, &drafts, phases.as_deref(), limits.as_ref(), plant.as_ref());
@@ -98,6 +101,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
         modules: modules?,
         phases: phases?,
         markers: markers?,
+        corrections: corrections?,
         obstacles: obstacles?,
         regions: regions?,
         design: design?,

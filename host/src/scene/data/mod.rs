@@ -1,11 +1,13 @@
 //! A scene as checked data in SI units.
 
+mod corrections;
 mod design;
 mod limb;
 mod motion;
 mod plant;
 mod task;
 
+pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
 pub use motion::{
@@ -31,6 +33,7 @@ pub struct Scene {
     pub(super) modules: Vec<Module>,
     pub(super) phases: Vec<Phase>,
     pub(super) markers: Option<Located<Vec<Marker>>>,
+    pub(super) corrections: Option<Located<Corrections>>,
     pub(super) obstacles: Vec<Obstacle>,
     pub(super) regions: Vec<Region>,
     pub(super) design: Option<Design>,
@@ -74,6 +77,11 @@ impl Scene {
     /// The marker series, located at the name of its file: at least two, by rising time from 0.
     pub fn markers(&self) -> Option<&Located<Vec<Marker>>> {
         self.markers.as_ref()
+    }
+
+    /// What is added to the planned setpoints in a run, located at the name of its file.
+    pub fn corrections(&self) -> Option<&Located<Corrections>> {
+        self.corrections.as_ref()
     }
 
     /// What the limb keeps clear of.

@@ -15,6 +15,7 @@ section! {
     MODULE: Nested { name: "module", shape: "tables `[[module]]`, 1 to 27", presence: Required } = "Modules from the base to the tip.";
     PHASE: Nested { name: "phase", shape: "tables `[[phase]]`, 1 to 200", presence: Optional("required without `[markers]`") } = "What the limb does, in order. It starts at rest.";
     MARKERS: Nested { name: "markers", shape: "table `[markers]`", presence: Optional("none") } = "The motion as a series of tip positions, instead of phases.";
+    CORRECTIONS: Nested { name: "corrections", shape: "table `[corrections]`", presence: Optional("none") } = "What is added to the planned setpoints, so that the limb that is there goes where the plan says.";
     OBSTACLE: Nested { name: "obstacle", shape: "tables `[[obstacle]]`, up to 50", presence: Optional("none") } = "What the limb keeps clear of.";
     REGION: Nested { name: "region", shape: "tables `[[region]]`, up to 50", presence: Optional("none") } = "Boxes that phases name.";
     DESIGN: Nested { name: "design", shape: "table `[design]`", presence: Optional("nothing is left open") } = "What `softlimb design` may choose.";
