@@ -4,7 +4,7 @@
 //! bending moments of a bundle that extends or expands, the three moments of one that twists, and the moment in the plane of the bend of
 //! one that bends. The rest, shear before all, is left to the walls, and the pose taken for what it is: how far a limb sags is no question here.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use fra_model::{Motion, State, Status};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, Vector6};
@@ -14,6 +14,7 @@ use super::capacity::{Linearised, Question, capacity};
 use super::program::Outcome;
 use crate::design::{Limb, LimbModule};
 use crate::scene::Scene;
+use crate::statics::{column_n, shear_n};
 
 /// What a load case takes besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +25,7 @@ pub struct LoadCase {
     pub gravity_m_per_s2: [f64; 3],
     /// Rings that keep the actuators of a module together between its connectors, in each module.
     pub spacers: u32,
-    /// The share of the Euler load of a bay that a push may reach, > 0; infinite for no such limit.
+    /// The share of the load that a bay buckles at which a push may reach, > 0; infinite for no such limit.
     pub buckling_share: f64,
 }
 
@@ -37,8 +38,8 @@ pub struct ModuleLoad {
     pub weight_moment_nm: f64,
     /// Moment of one newton at the tip there, N m/N.
     pub arm_m: f64,
-    /// Euler load of one actuator between two spacers, both ends clamped, N; `None` for a bending module.
-    pub euler_n: Option<f64>,
+    /// Force that one actuator buckles at between two spacers, both ends clamped, N; `None` for a bending module.
+    pub critical_n: Option<f64>,
     /// Whether its highest pressure is the limit point of the free actuator and not what the scene allows.
     pub ends_at_limit_point: bool,
 }
@@ -90,12 +91,12 @@ pub fn held_limb(scene: &Scene, limb: &Limb, states: &[State<f64>], case: &LoadC
         };
         let constant = masses[index..].iter().flatten().map(|(kg, at)| wrench(&(gravity * *kg), at)).sum();
         let per_load = wrench(&(direction / length), &tip);
-        let (station, euler_n) = station(module, &states[index], constant, per_load, case)?;
+        let (station, critical_n) = station(module, &states[index], constant, per_load, case)?;
         holding.modules.push(ModuleLoad {
             name: module.name.clone(),
             weight_moment_nm: station.constant.fixed_rows::<3>(3).norm(),
             arm_m: station.per_load.fixed_rows::<3>(3).norm(),
-            euler_n,
+            critical_n,
             ends_at_limit_point: module.curve.pressure_max_pa() < module.reference_max_pa * (1.0 - 1e-9),
         });
         holding.question.bundles.push(station);
@@ -175,8 +176,8 @@ fn station(
         Mounted::new(&format!("{} {}", module.name, i + 1), module.actuator, hold, point, axis)
     };
     let bundle = Bundle { actuators: (0..count).map(mounted).collect::<Result<_, _>>()? };
-    let euler_n = euler(module, state, case)?;
-    let push_max = euler_n.map_or(f64::INFINITY, |euler| euler * case.buckling_share);
+    let critical_n = critical_n(module, state, case)?;
+    let push_max = critical_n.map_or(f64::INFINITY, |critical_n| critical_n * case.buckling_share);
     let rows = match module.motion {
         Motion::Extension | Motion::Expansion => [false, false, true, true, true, false],
         Motion::Twisting => [false, false, false, true, true, true],
@@ -193,11 +194,11 @@ fn station(
         limits_pa: vec![[0.0, most]; count],
         push_max_n: vec![push_max; count],
     };
-    Ok((station, euler_n))
+    Ok((station, critical_n))
 }
 
-/// `4 pi^2 E I / bay^2` with `E I = (dN/dl) l (r_i^2 + r_o^2)/4`: the section as a ring whose axial stiffness is the model's own.
-fn euler(module: &LimbModule, state: &State<f64>, case: &LoadCase) -> Result<Option<f64>, PayloadError> {
+/// As [`column_n`] has it, with `E I = (dN/dl) l (r_i^2 + r_o^2)/4`: the section as a ring whose axial stiffness is the model's own.
+fn critical_n(module: &LimbModule, state: &State<f64>, case: &LoadCase) -> Result<Option<f64>, PayloadError> {
     if module.motion == Motion::Bending {
         return Ok(None);
     }
@@ -209,5 +210,6 @@ fn euler(module: &LimbModule, state: &State<f64>, case: &LoadCase) -> Result<Opt
     let radii = held.state.inner_radius_m.powi(2) + held.state.outer_radius_m.powi(2);
     let bending = held.stiffness[0][0] * length * radii / 4.0;
     let bay = length / f64::from(case.spacers + 1);
-    Ok(Some(4.0 * PI * PI * bending / (bay * bay)))
+    // Stiffness per length is that of the length as it is.
+    Ok(Some(column_n(bending, shear_n(&module.actuator) * state.axial_stretch, bay)))
 }

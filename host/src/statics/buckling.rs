@@ -111,7 +111,11 @@ impl LoadedLimb {
 /// Force at which a tube buckles between plates that are `bay_m` apart at rest, where the bundle has a stretch.
 pub(super) fn critical_n(tube: &Tangent, stretch: f64, bay_m: f64) -> f64 {
     // Stiffness is per length at rest: that of the stretched tube is greater by the stretch.
-    let euler_n = 4.0 * PI * PI * tube.bending_nm2.min(tube.across_nm2) / (stretch * bay_m * bay_m);
-    let shear_n = tube.shear_n * stretch;
+    column_n(tube.bending_nm2.min(tube.across_nm2) * stretch, tube.shear_n * stretch, stretch * bay_m)
+}
+
+/// Force at which a column that shears buckles between clamped ends, N (Haringx); of its bending and shear stiffness, N m2 and N, and its length.
+pub(crate) fn column_n(bending_nm2: f64, shear_n: f64, length_m: f64) -> f64 {
+    let euler_n = 4.0 * PI * PI * bending_nm2 / (length_m * length_m);
     0.5 * shear_n * ((1.0 + 4.0 * euler_n / shear_n).sqrt() - 1.0)
 }

@@ -20,6 +20,7 @@ mod tip_response;
 mod tube;
 
 pub use buckling::Buckling;
+pub(crate) use buckling::column_n;
 pub(crate) use bundle::positions;
 pub use bundle::{Bundle, Free};
 pub use deformed::Deformed;
@@ -29,3 +30,4 @@ pub use rod::{Piece, Potential, Rod, UNKNOWNS};
 pub use solve::{Bends, Lost, Shape, solve};
 pub use tier::{Answer, Judged, Tier, by_tier, cheapest, choose};
 pub use tube::Tangent;
+pub(crate) use tube::shear_n;

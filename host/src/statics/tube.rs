@@ -108,6 +108,7 @@ fn section_m2(actuator: &Actuator<f64>) -> f64 {
     std::f64::consts::PI * (outer - inner) * (outer + inner)
 }
 
-fn shear_n(actuator: &Actuator<f64>) -> f64 {
+/// Shear stiffness `GA` of a wall, N: half of `mu A`, as of a thin round tube.
+pub(crate) fn shear_n(actuator: &Actuator<f64>) -> f64 {
     0.5 * actuator.parameters().material.shear_modulus_pa() * section_m2(actuator)
 }

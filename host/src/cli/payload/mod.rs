@@ -39,7 +39,7 @@ pub(super) struct Payload {
     /// Rings in each module that keep its actuators together
     #[arg(long, value_name = "N", requires = "scene", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100))]
     spacers: u32,
-    /// Share of a bay's Euler load that the push of an actuator may reach
+    /// Share of the load that a bay buckles at which the push of an actuator may reach
     #[arg(long, value_name = "SHARE", requires = "scene", default_value_t = 0.5)]
     buckling_share: f64,
     /// Draw the push of four designs against pressure

@@ -61,11 +61,12 @@ impl Pose {
         said
     }
 
-    /// The largest push over its bay's Euler load.
+    /// The largest push over the load that its bay buckles at.
     fn buckling(&self) -> f64 {
         let pairs = self.found.pushes_n.iter().zip(&self.holding.modules);
-        let shares = pairs
-            .flat_map(|(pushes, module)| pushes.iter().filter_map(|push| module.euler_n.map(|euler| push / euler)));
+        let shares = pairs.flat_map(|(pushes, module)| {
+            pushes.iter().filter_map(|push| module.critical_n.map(|critical_n| push / critical_n))
+        });
         shares.fold(0.0, f64::max)
     }
 
@@ -80,7 +81,7 @@ impl Pose {
                 "name": module.name,
                 "weight_moment_nm": module.weight_moment_nm,
                 "arm_m": module.arm_m,
-                "euler_n": module.euler_n,
+                "critical_n": module.critical_n,
                 "ends_at_limit_point": module.ends_at_limit_point,
                 "pressures_pa": self.found.pressures_pa.get(index),
                 "pushes_n": self.found.pushes_n.get(index),
@@ -100,7 +101,7 @@ impl Pose {
             "load_without_buckling_n": load(&self.unbuckled),
             "own_weights_held": load(&self.own),
             "unbalanced_modules": self.unbalanced,
-            "push_to_euler": self.buckling(),
+            "push_to_critical": self.buckling(),
             "limits": self.limits(),
             "remainder": self.remainder(),
             "modules": modules.collect::<Vec<_>>(),
@@ -198,12 +199,12 @@ impl Report<'_> {
         );
         let _ = writeln!(
             text,
-            "{} spacers in a module; a push may reach {} of its bay's Euler load\n",
+            "{} spacers in a module; a push may reach {} of what its bay buckles at\n",
             self.case.spacers, self.case.buckling_share
         );
         text.push_str("pose          load, N  /weight unbuckled, N     own highest,   push/ certified      off\n");
         text.push_str(
-            "                                           weights      kPa    Euler    within affine,%  limits\n",
+            "                                           weights      kPa   buckle    within affine,%  limits\n",
         );
         self.poses.iter().for_each(|pose| text.push_str(&format!("{}\n", pose.row())));
         if let Some((name, designs)) = &self.designs {
