@@ -50,7 +50,7 @@ fn the_table_and_the_picture_are_for_people() {
     let picture = folder.path().join("push.svg");
     let output = payload(&[SCENE, "--svg", picture.to_str().unwrap()]);
     let table = text(&output.stdout);
-    for word in ["at rest", "reach", "place", "Euler", "limits", "eq. (18)"] {
+    for word in ["at rest", "reach", "place", "buckle", "limits", "eq. (18)"] {
         assert!(table.contains(word), "{word}:\n{table}");
     }
     assert!(fs::read_to_string(&picture).unwrap().starts_with("<svg "));
