@@ -4,7 +4,7 @@
 //! setpoints past what stands in the way ([`obstacle`]), [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
 //! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`calibrate`] fits it to measurements; [`bench`] measures it; [`cli`] is the command line.
 //! Finite elements judge it: [`section`] of the section, [`meridian`] of ends and threads, [`fem`] in three dimensions by CalculiX; [`validation`] puts
-//! them side by side. [`payload`] says what a limb can push, carry and hold, [`trials`] how well it hits its targets, [`workspace`] where its tip can be, [`statics`] what weight does to it, [`tolerance`] what fabrication does. [`range`] is what they refuse numbers with.
+//! them side by side. [`payload`] says what a limb can push, carry and hold, [`trials`] how well it hits its targets, [`workspace`] where its tip can be, [`statics`] what weight does to it, [`weighing`] what hangs on it, [`tolerance`] what fabrication does. [`range`] is what they refuse numbers with.
 
 pub mod bench;
 pub mod calibrate;
@@ -38,4 +38,5 @@ pub mod tolerance;
 pub mod track;
 pub mod trials;
 pub mod validation;
+pub mod weighing;
 pub mod workspace;

@@ -4,15 +4,21 @@
 //! the goal that the plan without weight has there. Teaching adds to the goal of each phase, run by run, what the tip was off at its end;
 //! the limb stays the same and only valves and sensors have other noise. What differs from run to run cannot be taught.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use crate::design::Limb;
+use crate::design::fit::Random;
 use crate::motion::{self, Plan};
+use crate::record::Sample;
 use crate::run::{self, RunError};
 use crate::scene::Scene;
 
 /// How long before the end of a phase the tip is looked at, s.
 const LOOK_S: f64 = 0.1;
+/// Stream of the camera's noise.
+const CAMERA: u64 = 1;
 
 /// What is tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,12 +102,62 @@ fn ends_s(plan: &Plan) -> impl Iterator<Item = f64> {
 /// Where the tip was seen at the end of each phase of a run, m.
 fn looks(scene: &Scene, limb: &Limb, plan: &Plan, seeds: (u64, u64)) -> Result<Vec<Vec<Vector3<f64>>>, RunError> {
     let samples = run::samples(scene, limb, plan, seeds)?;
-    let at_end = |end_s: f64| {
-        let resting = samples.iter().filter(|sample| sample.time_s > end_s - LOOK_S && sample.time_s <= end_s + 1e-6);
-        let seen: Option<Vec<Vector3<f64>>> = resting.map(|sample| sample.tip_achieved_m.map(Vector3::from)).collect();
-        seen.filter(|seen| !seen.is_empty()).ok_or(RunError::NotSeen { time_s: end_s })
-    };
-    ends_s(plan).map(at_end).collect()
+    ends_s(plan).map(|end_s| tips_m(resting(&samples, end_s), end_s)).collect()
+}
+
+/// The samples at rest at the end of a phase.
+fn resting(samples: &[Sample], end_s: f64) -> impl Iterator<Item = &Sample> {
+    samples.iter().filter(move |sample| sample.time_s > end_s - LOOK_S && sample.time_s <= end_s + 1e-6)
+}
+
+fn tips_m<'a>(resting: impl Iterator<Item = &'a Sample>, end_s: f64) -> Result<Vec<Vector3<f64>>, RunError> {
+    let seen: Option<Vec<Vector3<f64>>> = resting.map(|sample| sample.tip_achieved_m.map(Vector3::from)).collect();
+    seen.filter(|seen| !seen.is_empty()).ok_or(RunError::NotSeen { time_s: end_s })
+}
+
+/// What a camera and the sensors see of the limb at the end of a phase.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// Name of the phase.
+    pub phase: String,
+    /// Whether the load was on the tip.
+    pub loaded: bool,
+    /// The tip, m: the mean over the time at which it is looked at.
+    pub tip_m: [f64; 3],
+    /// Reading of each module's sensors, Pa gauge: the mean over its channels and that time.
+    pub pressures_pa: Vec<f64>,
+}
+
+/// Runs the setpoints of a scene as it is without and with a load, kg, each `repeats` times, and looks at the ends of all phases. Weight and load
+/// are simulated whatever the scene says; `camera_m` is the standard deviation of a coordinate that the camera adds.
+///
+/// # Errors
+/// [`RunError`] where a run fails or the limb falls.
+pub fn sightings(scene: &Scene, trial: &Trial, camera_m: f64) -> Result<Vec<Seen>, RunError> {
+    let limb = Limb::new(scene)?;
+    let plan = motion::sent(scene, &limb, &motion::plan(scene, &limb)?)?;
+    let mut random = Random::new(trial.noise, CAMERA);
+    // Nearly normal.
+    let mut noise_m = || camera_m * ((0..12).map(|_| random.uniform()).sum::<f64>() - 6.0);
+    let mut seen = Vec::new();
+    for (loaded, run) in [false, true].into_iter().flat_map(|loaded| (0..trial.repeats).map(move |run| (loaded, run))) {
+        let load_n = if loaded { trial.load_n } else { 0.0 };
+        let hung = scene.carrying(load_n / crate::statics::GRAVITY_M_PER_S2, true);
+        let noise = trial.noise + 2 * run + u64::from(loaded);
+        let samples = run::samples(&hung, &limb, &plan, (trial.parts, noise))?;
+        for (phase, end_s) in plan.phases.iter().zip(ends_s(&plan)) {
+            let tip = mean(&tips_m(resting(&samples, end_s), end_s)?) + Vector3::from_fn(|_, _| noise_m());
+            let reading_pa = |channels: &Range<usize>| {
+                let readings = resting(&samples, end_s).flat_map(|sample| &sample.channels[channels.clone()]);
+                let (sum, count) =
+                    readings.fold((0.0, 0_u32), |(sum, count), channel| (sum + channel.pressure_pa, count + 1));
+                sum / f64::from(count.max(1))
+            };
+            let pressures_pa = limb.modules().iter().map(|module| reading_pa(&module.channels)).collect();
+            seen.push(Seen { phase: phase.name.clone(), loaded, tip_m: tip.into(), pressures_pa });
+        }
+    }
+    Ok(seen)
 }
 
 fn judge(goals: &[Vector3<f64>], runs: &[Vec<Vec<Vector3<f64>>>]) -> Tracked {

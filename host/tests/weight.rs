@@ -1,5 +1,9 @@
 //! Runs of a limb that weighs something.
 
+#[path = "weight/mass.rs"]
+mod mass;
+#[path = "weight/mass_command.rs"]
+mod mass_command;
 #[path = "weight/plans.rs"]
 mod plans;
 #[path = "weight/runs.rs"]

@@ -35,36 +35,36 @@ pub enum TableError {
 
 /// A column that a table may have.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known<K> {
+pub(crate) struct Known<K> {
     /// Its name, with the unit.
-    pub(super) name: &'static str,
+    pub(crate) name: &'static str,
     /// What it holds.
-    pub(super) kind: K,
+    pub(crate) kind: K,
     /// Factor to SI units.
-    pub(super) factor: f64,
+    pub(crate) factor: f64,
     /// Added after that.
-    pub(super) shift: f64,
+    pub(crate) shift: f64,
     /// Values accepted, as written.
-    pub(super) range: [f64; 2],
+    pub(crate) range: [f64; 2],
 }
 
 /// A table cut into cells.
-pub(super) struct Table<'a> {
+pub(crate) struct Table<'a> {
     line: usize,
     names: Vec<&'a str>,
     rows: Vec<Row<'a>>,
 }
 
 /// A row.
-pub(super) struct Row<'a> {
+pub(crate) struct Row<'a> {
     /// Its line in the text, from 1.
-    pub(super) line: usize,
+    pub(crate) line: usize,
     cells: Vec<&'a str>,
 }
 
 impl<'a> Table<'a> {
     /// Cuts a text. Every row has as many cells as the header.
-    pub(super) fn cut(text: &'a str) -> Result<Self, TableError> {
+    pub(crate) fn cut(text: &'a str) -> Result<Self, TableError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let written = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
         let mut lines = written.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
@@ -91,12 +91,12 @@ impl<'a> Table<'a> {
         }
     }
 
-    pub(super) fn rows(&self) -> &[Row<'a>] {
+    pub(crate) fn rows(&self) -> &[Row<'a>] {
         &self.rows
     }
 
     /// Refuses columns that are neither known nor one of `others`.
-    pub(super) fn only<K>(&self, known: &[Known<K>], others: &[&str]) -> Result<(), TableError> {
+    pub(crate) fn only<K>(&self, known: &[Known<K>], others: &[&str]) -> Result<(), TableError> {
         let expected = || known.iter().map(|column| column.name).chain(others.iter().copied());
         match self.names.iter().find(|name| !expected().any(|other| other == **name)) {
             Some(name) => {
@@ -109,44 +109,49 @@ impl<'a> Table<'a> {
     }
 
     /// The known columns that are there, each with its place.
-    pub(super) fn columns<'k, K>(&self, known: &'k [Known<K>]) -> Vec<(usize, &'k Known<K>)> {
+    pub(crate) fn columns<'k, K>(&self, known: &'k [Known<K>]) -> Vec<(usize, &'k Known<K>)> {
         let place = |column: &'k Known<K>| Some((self.place(column.name)?, column));
         known.iter().filter_map(place).collect()
     }
 
     /// The place of a column.
-    pub(super) fn place(&self, name: &str) -> Option<usize> {
+    pub(crate) fn place(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|other| *other == name)
     }
 
     /// A complaint about the header.
-    pub(super) fn header_error(&self, problem: String) -> TableError {
+    pub(crate) fn header_error(&self, problem: String) -> TableError {
         TableError::Line { line: self.line, problem }
     }
 }
 
 impl Row<'_> {
     /// A cell as it is written.
-    pub(super) fn text(&self, place: usize) -> &str {
+    pub(crate) fn text(&self, place: usize) -> &str {
         self.cells[place]
     }
 
     /// A number in SI units; `None` for an empty cell.
-    pub(super) fn number<K>(&self, place: usize, column: &Known<K>) -> Result<Option<f64>, TableError> {
+    pub(crate) fn number<K>(&self, place: usize, column: &Known<K>) -> Result<Option<f64>, TableError> {
+        let written = self.written(place, column.name, column.range)?;
+        Ok(written.map(|value| value * column.factor + column.shift))
+    }
+
+    /// A number as it is written; `None` for an empty cell.
+    pub(crate) fn written(&self, place: usize, column: &str, [low, high]: [f64; 2]) -> Result<Option<f64>, TableError> {
         let text = self.cells[place];
         if text.is_empty() {
             return Ok(None);
         }
-        let [low, high] = column.range;
         let accepted: RangeInclusive<f64> = low..=high;
         match text.parse::<f64>() {
-            Ok(value) if accepted.contains(&value) => Ok(Some(value * column.factor + column.shift)),
-            _ => Err(self.refused(place, column.name, format!("a number from {low} to {high}"))),
+            Ok(value) if accepted.contains(&value) => Ok(Some(value)),
+            _ => Err(self.refused(place, column, format!("a number from {low} to {high}"))),
         }
     }
 
     /// A complaint about a cell.
-    pub(super) fn refused(&self, place: usize, column: &str, allowed: String) -> TableError {
+    pub(crate) fn refused(&self, place: usize, column: &str, allowed: String) -> TableError {
         let column = column.to_owned();
         TableError::Cell { line: self.line, column, value: quoted(self.cells[place]), allowed }
     }

@@ -22,6 +22,7 @@ mod tension;
 pub use body::Body;
 pub use creep::{CreepFit, Step, fit_creep};
 pub use csv::TableError;
+pub(crate) use csv::{Known, Table};
 pub use estimate::{Estimate, Noise, Value};
 pub use fit::{Fit, Observation, Settings, Unknown, fit};
 pub use holds::{Hold, holds};

@@ -1,6 +1,7 @@
 //! `softlimb payload`: what a limb pushes and carries, and bundles designed for forces.
 
 mod compare;
+mod estimate;
 mod problem;
 mod report;
 mod scene;
@@ -18,7 +19,7 @@ use crate::payload::fit::{Effort, ForceProblem};
 #[derive(Args)]
 #[command(
     group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem", "compare"]),
-    after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload scenes/loaded/carry-hanging.toml --track 5,10,15,20\n  softlimb payload --problem forces.json --json\n  softlimb payload --compare --kinds P1,P1u --seeds 3\n\n\
+    after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload scenes/loaded/carry-hanging.toml --track 5,10,15,20\n  softlimb payload scenes/loaded/carry-hanging.toml --estimate tips.csv\n  softlimb payload --problem forces.json --json\n  softlimb payload --compare --kinds P1,P1u --seeds 3\n\n\
                   Terms, limits and the format of problems: docs/payload.md"
 )]
 pub(super) struct Payload {
@@ -54,6 +55,18 @@ pub(super) struct Payload {
     /// Rehearsals that are looked at before the taught runs
     #[arg(long, value_name = "N", requires = "track", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=100))]
     rehearsals: u64,
+    /// With --track of one load: write where a camera sees the tip at the ends of the phases without and with it, for --estimate
+    #[arg(long, value_name = "FILE", requires = "track")]
+    tips: Option<PathBuf>,
+    /// Standard deviation of a coordinate that the camera adds, mm
+    #[arg(long, value_name = "MM", requires = "tips", default_value_t = 0.2)]
+    camera: f64,
+    /// Find the mass on the tip from where the tip was seen without and with it, a CSV file
+    #[arg(long, value_name = "FILE", requires = "scene", conflicts_with_all = ["track", "svg"])]
+    estimate: Option<PathBuf>,
+    /// What the stiffness of the limb may be off by, %, as far as the interval of the estimate goes
+    #[arg(long, value_name = "PERCENT", requires = "estimate", default_value_t = 10.0)]
+    stiffness_error: f64,
     /// The problem, a JSON file
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
@@ -96,9 +109,10 @@ enum Method {
 impl Payload {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         if let Some(file) = &self.scene {
-            return match &self.track[..] {
-                [] => scene::run(self, file),
-                loads_n => track::run(self, file, loads_n),
+            return match (&self.estimate, &self.track[..]) {
+                (Some(table), _) => estimate::run(self, file, table),
+                (None, []) => scene::run(self, file),
+                (None, loads_n) => track::run(self, file, loads_n),
             };
         }
         let problem = self.problem.as_ref().map(|file| {

@@ -1,13 +1,15 @@
 //! A scene under loads: Table 4 of the paper.
 
+use std::fmt::Write;
 use std::path::Path;
 
 use serde_json::json;
 
 use super::Payload;
+use crate::cli::kept::write;
 use crate::cli::{Failure, Outcome, say};
-use crate::scene;
-use crate::track::{Tracked, Trial, UnderLoad, track};
+use crate::scene::{self, Scene};
+use crate::track::{Seen, Tracked, Trial, UnderLoad, sightings, track};
 
 /// Seeds of noise are far from those of parts, so that no run has noise of the seed that made its parts.
 const NOISE: u64 = 1_000;
@@ -15,6 +17,13 @@ const NOISE: u64 = 1_000;
 pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Outcome, Failure> {
     if let Some(load) = loads_n.iter().find(|load| !(0.0..=500.0).contains(*load)) {
         return Err(Failure::new(format!("--track: {load} N is not within 0 to 500 N")));
+    }
+    if command.tips.is_some() && loads_n.len() != 1 {
+        let count = loads_n.len();
+        return Err(Failure::wrong_line(format!("--tips takes one load: --track has {count}")));
+    }
+    if !(0.0..=100.0).contains(&command.camera) {
+        return Err(Failure::wrong_line(format!("--camera = {} is not allowed: 0 to 100 mm", command.camera)));
     }
     let scene = scene::load(file)?;
     let trial = |load_n: f64| Trial {
@@ -25,6 +34,12 @@ pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Out
         noise: NOISE,
     };
     let rows: Vec<UnderLoad> = loads_n.iter().map(|load| track(&scene, &trial(*load))).collect::<Result<_, _>>()?;
+    let seen = match (&command.tips, loads_n) {
+        (Some(file), [load_n]) => {
+            Some((file, tips(&scene, &sightings(&scene, &trial(*load_n), 1e-3 * command.camera)?)))
+        }
+        _ => None,
+    };
     if command.json {
         let rows: Vec<_> = rows
             .iter()
@@ -39,7 +54,7 @@ pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Out
             })
             .collect();
         say(&json!({"scene": scene.name(), "repeats": command.repeats, "rehearsals": command.rehearsals, "loads": rows}).to_string())?;
-        return Ok(Outcome::Done);
+        return seen.map_or(Ok(Outcome::Done), |(file, text)| write(file, &text).map(|()| Outcome::Done));
     }
     let mut lines = vec![
         format!(
@@ -64,7 +79,23 @@ pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Out
         format!("{:6.1} {:7.2}  {}", row.load_n, row.time_s, parts.join("  "))
     }));
     say(&lines.join("\n"))?;
-    Ok(Outcome::Done)
+    seen.map_or(Ok(Outcome::Done), |(file, text)| write(file, &text).map(|()| Outcome::Done))
+}
+
+/// The table that `--estimate` reads. Writing to a string cannot fail.
+fn tips(scene: &Scene, seen: &[Seen]) -> String {
+    let mut text = "phase,load,x_m,y_m,z_m".to_owned();
+    scene.modules().iter().for_each(|module| text.extend([",", &module.name, "_kpa"]));
+    text.push('\n');
+    for Seen { phase, loaded, tip_m: [x, y, z], pressures_pa } in seen {
+        let load = if *loaded { "unknown" } else { "none" };
+        let _ = write!(text, "{phase},{load},{x:.6},{y:.6},{z:.6}");
+        pressures_pa.iter().for_each(|pa| {
+            let _ = write!(text, ",{:.3}", 1e-3 * pa);
+        });
+        text.push('\n');
+    }
+    text
 }
 
 fn cells(tracked: &Tracked) -> String {
