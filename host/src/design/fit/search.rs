@@ -17,6 +17,8 @@ const TRIALS: usize = 24;
 /// The first of them: the middle of the bounds, then towards wide and thin sections, which deform most; the rest are random. Lengths adapt.
 const LOOKED_AT: [[f64; 4]; 5] =
     [[0.5, 0.5, 0.5, 0.5], [0.8, 0.2, 0.7, 0.5], [1.0, 0.0, 1.0, 0.5], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 1.0]];
+/// As many descents at least must agree on one supply line: the best basin may be one that few starts lie in.
+const ON_A_LINE: usize = 8;
 /// Objectives within this share of each other agree.
 const SAME: f64 = 1e-6;
 
@@ -27,7 +29,7 @@ pub struct Effort {
     pub seed: u64,
     /// Most descents, of each segment or of the limb on one supply line; at least 1.
     pub starts: usize,
-    /// As many descents must end at the best objective before the search stops early.
+    /// As many descents must end at the best objective before the search stops early; on one supply line at least eight.
     pub agreeing: usize,
     /// No descent begins after as many evaluations.
     pub evaluations: u64,
@@ -241,14 +243,16 @@ pub(super) fn separate(
 pub(super) fn shared(problem: &Problem, effort: &Effort, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
     let mut random = Random::new(effort.seed, 0);
     let mut limb = Watched::new(Shared { problem, counts: Counts::default() }, watch);
+    // Every second start has pressures from anywhere: those that the segments would choose lead to the compromise nearest to them.
     let next = |limb: &mut Shared, start: usize| {
         let width = limb.dimensions();
         let mut place = if start == 0 { vec![0.5; width] } else { random.place(width) };
-        let shares = limb.shares(&place)?;
+        let shares = if start.is_multiple_of(2) { limb.shares(&place)? } else { random.place(problem.phases()) };
         place.extend(shares);
         Some(place)
     };
-    let (end, starts) = descend(&mut limb, effort, stop(scale(&problem.segments)), next, |_, end| end)?;
+    let effort = Effort { agreeing: effort.agreeing.max(ON_A_LINE), ..*effort };
+    let (end, starts) = descend(&mut limb, &effort, stop(scale(&problem.segments)), next, |_, end| end)?;
     let (pressures_pa, objective) = (end.point.pressures_pa, end.objective);
     Some(Found { place: end.place, pressures_pa, objective, starts, counts: limb.problem.counts })
 }
