@@ -21,6 +21,8 @@ const RESTING_S: f64 = 0.5;
 const DAMPING_M: f64 = 0.1e-3;
 /// Rehearsals that are believed whole.
 const WHOLE: u32 = 2;
+/// Share of an instant's looks that must be left once its neighbours have theirs.
+const LEAST_SHARE: f64 = 1e-3;
 /// Stream of the camera's noise.
 const CAMERA: u64 = 1;
 
@@ -61,9 +63,7 @@ impl<'a> Learner<'a> {
             .filter_map(|sample| Some((sample.time_s, error_m(sample, sample.tip_achieved_m?))))
             .map(|(time_s, error)| (time_s, error + self.noise()))
             .collect();
-        let mut sums = vec![(Vector3::zeros(), 0.0); self.corrections.times_s.len()];
-        looks.iter().for_each(|(time_s, error)| self.share(*time_s, *error, &mut sums));
-        self.correct(&sums);
+        self.correct(&self.errors(&looks));
         let rests: Vec<_> = self.plan.phases.iter().map(pause_s).collect();
         let is_rest = |time_s: f64| rests.iter().any(|(begin, end)| time_s > begin + SETTLING_S && time_s <= *end);
         let seen = looks.iter().filter(|(time_s, _)| is_rest(*time_s)).map(|(_, error)| error.norm_squared());
@@ -79,25 +79,36 @@ impl<'a> Learner<'a> {
         })
     }
 
-    /// Gives an error to the instants on both sides of its time; one of a move not to those of a pause, since limbs are off by much more
-    /// while they move.
-    fn share(&self, time_s: f64, error: Vector3<f64>, sums: &mut [(Vector3<f64>, f64)]) {
+    /// The error at each instant, m, such that straight lines between them fit the looks of a pause by least squares; of a move the mean
+    /// around each instant, which says nothing about what happens faster than the limb follows. What is off in a move is no matter of the
+    /// instants of a pause: limbs are off by much more while they move. `None` where nobody looked.
+    fn errors(&self, looks: &[(f64, Vector3<f64>)]) -> Vec<Option<Vector3<f64>>> {
         let times = &self.corrections.times_s;
-        let after = times.partition_point(|time| *time <= time_s).clamp(1, times.len() - 1);
-        let share = ((time_s - times[after - 1]) / (times[after] - times[after - 1])).clamp(0.0, 1.0);
-        let rests = self.resting[after - 1] && self.resting[after];
-        for (index, weight) in [(after - 1, 1.0 - share), (after, share)] {
-            if rests || !self.resting[index] {
-                sums[index].0 += error * weight;
-                sums[index].1 += weight;
+        // The normal equations: each instant has to do with itself and the next one.
+        let mut own = vec![0.0; times.len()];
+        let mut with_next = vec![0.0; times.len()];
+        let mut sums = vec![Vector3::zeros(); times.len()];
+        for (time_s, error) in looks {
+            let after = times.partition_point(|time| time <= time_s).clamp(1, times.len() - 1);
+            let share = ((time_s - times[after - 1]) / (times[after] - times[after - 1])).clamp(0.0, 1.0);
+            let rests = self.resting[after - 1] && self.resting[after];
+            for (index, weight) in [(after - 1, 1.0 - share), (after, share)] {
+                if rests || !self.resting[index] {
+                    sums[index] += error * weight;
+                    own[index] += if rests { weight * weight } else { weight };
+                }
+            }
+            if rests {
+                with_next[after - 1] += share * (1.0 - share);
             }
         }
+        solved(own, &with_next, sums)
     }
 
-    fn correct(&mut self, sums: &[(Vector3<f64>, f64)]) {
+    fn correct(&mut self, errors: &[Option<Vector3<f64>>]) {
         let gain = 1.0 / f64::from(self.rehearsals.saturating_sub(WHOLE - 1).max(1));
         let ranges: Vec<(f64, f64)> = self.limb.modules().iter().map(|module| module.range()).collect();
-        for (index, (sum, weight)) in sums.iter().enumerate().filter(|(_, (_, weight))| *weight > 0.0) {
+        for (index, error) in errors.iter().enumerate().filter_map(|(index, error)| Some((index, (*error)?))) {
             let time_us = self.corrections.times_s[index] * 1e6;
             let slopes = tip_slopes(self.limb, &self.plan.states_at(time_us));
             let planned = self.plan.values_at(time_us);
@@ -108,7 +119,7 @@ impl<'a> Learner<'a> {
                 let wanted = (planned + value).clamp(low, high);
                 [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
             });
-            let shares = step(&columns(&slopes, &ranges), &left.collect::<Vec<_>>(), &(sum / *weight));
+            let shares = step(&columns(&slopes, &ranges), &left.collect::<Vec<_>>(), &error);
             for (((value, share), (rest, last)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(planned) {
                 let wanted = planned + *value + gain * share * (last - rest).abs();
                 // Rounding takes nothing out of its range.
@@ -116,6 +127,27 @@ impl<'a> Learner<'a> {
             }
         }
     }
+}
+
+/// The solution of equations whose matrix has `own` on its diagonal and `with_next` beside it; positive semidefinite. `None` where the diagonal
+/// has nothing left.
+fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) -> Vec<Option<Vector3<f64>>> {
+    let full = own.clone();
+    let is_known = |own: &[f64], index: usize| own[index] > LEAST_SHARE * full[index];
+    for index in 1..own.len() {
+        if is_known(&own, index - 1) {
+            let factor = with_next[index - 1] / own[index - 1];
+            own[index] -= factor * with_next[index - 1];
+            let before = right[index - 1];
+            right[index] -= before * factor;
+        }
+    }
+    let mut found: Vec<Option<Vector3<f64>>> = vec![None; own.len()];
+    for index in (0..own.len()).rev().filter(|index| is_known(&own, *index)) {
+        let next = found.get(index + 1).copied().flatten().unwrap_or_default();
+        found[index] = Some((right[index] - next * with_next[index]) / own[index]);
+    }
+    found
 }
 
 /// How the tip moves, m, with the whole range of each module.
@@ -164,7 +196,7 @@ fn damped(columns: &[Vector3<f64>], wanted: &Vector3<f64>) -> Vec<f64> {
     shares.map_or_else(|_| vec![0.0; count], |shares| shares.iter().copied().collect())
 }
 
-/// Instants of the corrections, s, rising, from the start to the end, two at least; and whether the limb rests there.
+/// Instants of the corrections, s, rising, from the start to the end of the last phase, two at least; and whether the limb rests there.
 fn instants(plan: &Plan) -> Vec<(f64, bool)> {
     let mut times = vec![(0.0, false)];
     let mut until = |end_s: f64, step_s: f64, rests: bool| {
@@ -180,7 +212,6 @@ fn instants(plan: &Plan) -> Vec<(f64, bool)> {
         until((begin_s + SETTLING_S).min(end_s), MOVING_S, false);
         until(end_s, RESTING_S, true);
     }
-    until(plan.duration_us() as f64 * 1e-6, MOVING_S, false);
     if times.len() < 2 {
         times.push((MOVING_S, false));
     }
@@ -209,10 +240,42 @@ mod tests {
         assert_eq!(step(&[Vector3::zeros()], &[FREE], &Vector3::zeros()), [0.0]);
     }
 
+    fn limb_and_plan() -> (Limb, Plan) {
+        let scene = scene::parse(include_str!("../../../scenes/single-bending.toml"), "scene.toml").unwrap();
+        let limb = Limb::new(&scene).unwrap();
+        let plan = motion::plan(&scene, &limb).unwrap();
+        (limb, plan)
+    }
+
+    #[test]
+    fn straight_lines_between_the_instants_of_a_pause_are_found_as_they_are() {
+        let (limb, plan) = limb_and_plan();
+        let learner = Learner::new(&limb, &plan, 0.0, 1);
+        let times = &learner.corrections().times_s;
+        // Up and down from instant to instant in pauses, which a mean around each would flatten; in moves something else.
+        let height = |index: usize| if index.is_multiple_of(2) { 1e-3 } else { -2e-3 };
+        let error = |time_s: f64| {
+            let after = times.partition_point(|time| *time <= time_s).clamp(1, times.len() - 1);
+            let share = (time_s - times[after - 1]) / (times[after] - times[after - 1]);
+            let rests = learner.resting[after - 1] && learner.resting[after];
+            Vector3::z() * if rests { height(after - 1) * (1.0 - share) + height(after) * share } else { 0.1 }
+        };
+        let end_ms = (times[times.len() - 1] * 1e3) as u32;
+        let looks: Vec<_> = (0..end_ms).step_by(20).map(|ms| f64::from(ms) * 1e-3).map(|s| (s, error(s))).collect();
+        let found = learner.errors(&looks);
+        for (index, found) in found.iter().enumerate() {
+            let wanted = if learner.resting[index] { height(index) } else { 0.1 };
+            assert!((found.unwrap() - Vector3::z() * wanted).norm() < 1e-12, "{index}: {found:?}");
+        }
+        // One look tells about one instant, none about none.
+        let one = learner.errors(&looks[..1]);
+        assert_eq!(one.iter().flatten().count(), 1);
+        assert!(learner.errors(&[]).iter().all(Option::is_none));
+    }
+
     #[test]
     fn a_pause_has_instants_of_its_own() {
-        let scene = scene::parse(include_str!("../../../scenes/single-bending.toml"), "scene.toml").unwrap();
-        let plan = motion::plan(&scene, &Limb::new(&scene).unwrap()).unwrap();
+        let (_, plan) = limb_and_plan();
         let instants = instants(&plan);
         assert!(instants.is_sorted_by(|(a, _), (b, _)| a < b));
         // Moves of 1.5 s and pauses of 1 s.
