@@ -154,6 +154,7 @@ impl Row {
                 "tier": found.answer.tier.name(),
                 "order_error": found.answer.order_error,
                 "bundle_error": found.answer.bundle_error,
+                "rods_error": found.answer.rods_error,
                 "bundle_shift_m": found.answer.bundle_shift_m.map(|shift| shift.as_slice().to_vec()),
                 "newton_iterations": found.answer.shape.iterations,
             }),
@@ -192,6 +193,12 @@ impl Row {
     }
 }
 
+/// Which model was taken, and why where rods did not do.
+fn model(answer: &Answer) -> String {
+    let name = answer.tier.name();
+    answer.rods_error.map_or_else(|| name.to_owned(), |error| format!("{name} (rods are {:.2} % off)", 100.0 * error))
+}
+
 fn table(scene: &Scene, rows: &[Row]) -> String {
     let mut lines = vec![
         format!("{}: {:.2} kg, {:.3} m at rest", scene.name(), scene.mass_kg(), scene.rest_length_m()),
@@ -218,7 +225,7 @@ fn table(scene: &Scene, rows: &[Row]) -> String {
                     found.stability,
                     100.0 * found.buckling_ratio,
                     100.0 * found.answer.error(),
-                    found.answer.tier.name(),
+                    model(&found.answer),
                 )
             }
         });

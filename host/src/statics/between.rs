@@ -6,16 +6,18 @@
 //! `phi^2 = P (1 + P/GA) a^2/(4 EI)`; `GA` is the shear of its wall, whose force is along its sections (Haringx). What is of the first power of `P`
 //! in these the rod has, as far as it is the same for all tubes; forces of a moment on the bundle are of both signs and leave the square.
 //!
-//! With `D` the energy that the tubes have less than the rod at the same strains, the tip moves by `dx/dq K^-1 dD/dq` to first order in `D`.
+//! With `D` the energy that the tubes have less than the rod at the same strains, the tip moves by `dx/dq K^-1 dD/dq` to first order in `D`. Beyond
+//! that the potential is that of the rod less `D`, whose minimum is sought by Newton's method. There a tube's force is its own: what its bow and S shorten
+//! takes some of it off, `N = N_rod - EA dD/dN`. `D` is that of the mean strains between two plates, which may lie in several pieces: in one of
+//! them alone it would make that piece soft.
 
 use fra_model::Motion;
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, SMatrix, SVector, Vector3};
 
-use super::buckling::Middle;
-use super::bundle::{mean_nm2, shortening};
+use super::bundle::{Bundle, mean_nm2, shortening};
 use super::load::LoadedLimb;
-use super::rod::{Rod, UNKNOWNS};
-use super::solve::{Bends, Shape};
+use super::rod::{Potential, Rod, UNKNOWNS};
+use super::solve::{Bends, LONGEST_TURN_RAD, Shape, size};
 use super::tube::Tangent;
 
 /// Step of a difference of the stability functions by the force, of the least of shear and bending stiffness.
@@ -70,6 +72,70 @@ impl Beam {
     }
 }
 
+/// Step of a difference by the strains of a bay: rad/m for bends and twist, and for the stretch and slides.
+const BY_BEND: f64 = 1e-4;
+const BY_SLIDE: f64 = 1e-5;
+/// Iterations of the force of a tube, and where they end, of its shear stiffness.
+const FORCES: usize = 40;
+const SAME_FORCE: f64 = 1e-11;
+const ITERATIONS: usize = 25;
+/// Steps are taken until they are below this, in strain and in rad.
+const CONVERGED: f64 = 1e-9;
+
+/// Mean strains between two plates: stretch, bends, twist, and slides of the rod.
+type Strains = SVector<f64, 6>;
+
+/// How tubes are taken to be loaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Forces {
+    /// By the strains of the rod alone.
+    OfRod,
+    /// A bow or an S that shortens a tube takes force off it.
+    Own,
+}
+
+/// The stretch between two plates: the parts of pieces that it has.
+struct Bay {
+    module: usize,
+    /// Index of a piece, share of the bay, and the middle of the part in the piece, -1 to 1.
+    parts: Vec<(usize, f64, f64)>,
+}
+
+impl Bay {
+    /// Mean strains.
+    fn strains(&self, rod: &Rod, q: &DVector<f64>) -> Strains {
+        let of_part = |(index, share, eta): &(usize, f64, f64)| {
+            let own = &q.as_slice()[index * UNKNOWNS..][..UNKNOWNS];
+            let [mean, linear] = rod.pieces[*index].differences(own);
+            let at = mean + linear * *eta;
+            Strains::new(at.x, at.y, at.z, at.w, own[5], own[6]) * *share
+        };
+        self.parts.iter().map(of_part).sum()
+    }
+
+    /// How each unknown of one of its parts moves them.
+    fn by_unknowns(rod: &Rod, q: &DVector<f64>, (index, share, eta): &(usize, f64, f64)) -> SMatrix<f64, 6, UNKNOWNS> {
+        let piece = &rod.pieces[*index];
+        let sway = 2.0 * piece.sway / piece.free[0];
+        let mut by = SMatrix::zeros();
+        let slides = [5, 6].map(|a: usize| q[index * UNKNOWNS + a]);
+        let entries = [
+            (2, 0, -1.0),
+            (2, 1, -eta),
+            (1, 2, 1.0),
+            (1, 3, *eta),
+            (3, 4, 1.0),
+            (0, 5, sway * slides[0]),
+            (0, 6, sway * slides[1]),
+            (4, 5, 1.0),
+            (5, 6, 1.0),
+            (0, 7, 1.0),
+        ];
+        entries.iter().for_each(|(row, column, value)| by[(*row, *column)] = value * share);
+        by
+    }
+}
+
 impl LoadedLimb {
     /// By how much tubes between plates would have the tip elsewhere, m, where `shape` is one of `rod`, which may have each module in several
     /// pieces; to first order. Bending modules count as the rods that they are to the kinematics.
@@ -80,58 +146,244 @@ impl LoadedLimb {
             return None;
         }
         let mut gradient = DVector::zeros(rod.unknowns());
-        for middle in self.middles(rod, shape).filter(|middle| self.motions[middle.module] != Motion::Bending) {
-            self.add_slope(&middle, &mut gradient);
+        for bay in self.bays(rod) {
+            let slope = self.less(bay.module, &bay.strains(rod, &shape.q), Forces::OfRod)?;
+            for part in &bay.parts {
+                let own = Bay::by_unknowns(rod, &shape.q, part).tr_mul(&slope);
+                (0..UNKNOWNS).for_each(|a| gradient[part.0 * UNKNOWNS + a] += own[a]);
+            }
         }
         let response = shape.held_tangent(bends).cholesky()?.solve(&gradient);
         Some(Vector3::from(shape.levers(rod, bends).map(|lever| lever.dot(&response))))
     }
 
-    /// Adds the slope of the energy that the tubes about one middle have less than the rod.
-    fn add_slope(&self, middle: &Middle, gradient: &mut DVector<f64>) {
-        let bundle = &self.bundles[middle.module];
-        let (q, stretch, bay_m) = (middle.q, bundle.free.stretch, bundle.bay_m);
-        let u = [bundle.free.bend_rad_per_m[0] + middle.strain.y, bundle.free.bend_rad_per_m[1] + middle.strain.z];
+    /// The shape that the limb has with its tubes between plates, from that of `rod`: the minimum of the rod's potential less what the
+    /// tubes have less.
+    ///
+    /// `None` where Newton's method finds none, or where it is no minimum.
+    pub fn with_tubes(&self, rod: &Rod, shape: &Shape) -> Option<Shape> {
+        let mut q = shape.q.clone();
+        for iterations in 1..=ITERATIONS {
+            let mut potential = rod.potential(&q, 1.0);
+            self.take_off(rod, &q, &mut potential)?;
+            let step = potential.tangent.clone().cholesky()?.solve(&potential.gradient);
+            let size = size(rod, &step);
+            if size <= CONVERGED {
+                return Some(Shape { q, potential, iterations: shape.iterations + iterations, steps: shape.steps });
+            }
+            q -= step;
+            if size > LONGEST_TURN_RAD || !size.is_finite() {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Takes the first and second derivatives of what the tubes have less off those of the rod.
+    fn take_off(&self, rod: &Rod, q: &DVector<f64>, potential: &mut Potential) -> Option<()> {
+        for bay in self.bays(rod) {
+            let strains = bay.strains(rod, q);
+            let slope = self.less(bay.module, &strains, Forces::Own)?;
+            let mut second = SMatrix::<f64, 6, 6>::zeros();
+            for axis in 0..6 {
+                let step = if (1..4).contains(&axis) { BY_BEND } else { BY_SLIDE };
+                let at = |step: f64| {
+                    let mut moved = strains;
+                    moved[axis] += step;
+                    self.less(bay.module, &moved, Forces::Own)
+                };
+                second.set_column(axis, &((at(step)? - at(-step)?) / (2.0 * step)));
+            }
+            let second = 0.5 * (second + second.transpose());
+            let by: Vec<_> = bay.parts.iter().map(|part| (part, Bay::by_unknowns(rod, q, part))).collect();
+            for (part, own) in &by {
+                let at = part.0 * UNKNOWNS;
+                let gradient = own.tr_mul(&slope);
+                (0..UNKNOWNS).for_each(|a| potential.gradient[at + a] -= gradient[a]);
+                let piece = &rod.pieces[part.0];
+                for a in [5, 6] {
+                    potential.tangent[(at + a, at + a)] -= 2.0 * piece.sway / piece.free[0] * part.1 * slope[0];
+                }
+                for (other, theirs) in &by {
+                    let block = own.tr_mul(&second) * theirs;
+                    let to = other.0 * UNKNOWNS;
+                    let mut view = potential.tangent.view_mut((at, to), (UNKNOWNS, UNKNOWNS));
+                    view -= block;
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// The bays of all modules but bending ones in a rod, which may have each module in several pieces.
+    fn bays(&self, rod: &Rod) -> Vec<Bay> {
+        let parts = (rod.pieces.len() / self.bundles.len().max(1)).max(1);
+        let straight = self.bundles.iter().enumerate().filter(|(module, _)| self.motions[*module] != Motion::Bending);
+        let of_module = |(module, bundle): (usize, &Bundle)| {
+            let length_m = rod.pieces[module * parts].length_m * parts as f64;
+            let bays = (length_m / bundle.bay_m).round().max(1.0) as usize;
+            let of_bay = move |bay: usize| {
+                // Places in pieces of the module.
+                let [from, to] = [bay, bay + 1].map(|plate| (plate * parts) as f64 / bays as f64);
+                let part = |part: usize| {
+                    let [from, to] = [from.max(part as f64), to.min(part as f64 + 1.0)];
+                    let share = (to - from) * bays as f64 / parts as f64;
+                    (share > 1e-9).then_some((module * parts + part, share, from + to - 2.0 * part as f64 - 1.0))
+                };
+                Bay { module, parts: (0..parts).filter_map(part).collect() }
+            };
+            (0..bays).map(of_bay)
+        };
+        straight.flat_map(of_module).collect()
+    }
+
+    /// Slope by the strains of a bay of the energy that its tubes have less than the rod.
+    fn less(&self, module: usize, strains: &Strains, forces: Forces) -> Option<Strains> {
+        let bundle = &self.bundles[module];
+        let (stretch, bay_m) = (bundle.free.stretch, bundle.bay_m);
+        let [_, x, y, twist, slide_x, slide_y] = <[f64; 6]>::from(*strains);
+        let u = [bundle.free.bend_rad_per_m[0] + x, bundle.free.bend_rad_per_m[1] + y];
         // All slide per slide of the rod, and what the rod shortens by, over half the square of its slide.
-        let all = bundle.slides.map(|slide| slide.tubes * middle.piece.shear_n);
+        let all = bundle.slides.map(|slide| slide.tubes * bundle.shear_n);
         let rods = bundle.slides.map(|slide| {
-            let bends = slide.bends * middle.piece.shear_n;
-            (1.2 * bends + 2.0) * bends + 2.0 * middle.piece.sway
+            let bends = slide.bends * bundle.shear_n;
+            (1.2 * bends + 2.0) * bends + 2.0 * bundle.sway
         });
-        let twist = middle.strain.w;
-        // Slopes by stretch, both bends, both slides and the twist.
-        let mut slope = [0.0; 6];
+        let own = rods[0] * slide_x * slide_x + rods[1] * slide_y * slide_y;
+        let mut slope = Strains::zeros();
         for (tube, ([x, y], tangent)) in bundle.tubes.iter().enumerate() {
-            let force_n = self.force_n(middle.module, tube, &middle.strain);
+            let rods_n = self.force_n(module, tube, &strains.fixed_rows::<4>(0).into_owned());
             let beam = Beam::new(tangent, stretch, bay_m);
-            let ([bow, slide], [bow_slope, slide_slope]) = beam.lost_with_slope(-force_n);
-            let g = [all[0] * q[5] - twist * y, all[1] * q[6] + twist * x];
+            let g = [all[0] * slide_x - twist * y, all[1] * slide_y + twist * x];
             let (bent, slid) = (u[0] * u[0] + u[1] * u[1], g[0] * g[0] + g[1] * g[1]);
             let lean = shortening(beam.share());
             // The energy of a tube is bow bent/2 + (slide - N lean) slid/2 less, and that of the rod's own shortening more, all over the stretch.
-            let own = rods[0] * q[5] * q[5] + rods[1] * q[6] * q[6];
-            let by_force = -0.5 * (bow_slope * bent + slide_slope * slid) - 0.5 * (lean * slid - own);
-            let by_strain = tangent.axial_n * by_force;
+            let by_force = |force_n: f64| {
+                let (_, [bow, slide]) = beam.lost_with_slope(-force_n);
+                -0.5 * (bow * bent + slide * slid) - 0.5 * (lean * slid - own)
+            };
+            let soft = tangent.axial_n / stretch;
+            let force_n = match forces {
+                Forces::OfRod => rods_n,
+                Forces::Own => own_force_n(rods_n, soft, beam.shear_n, by_force)?,
+            };
+            let [bow, slide] = beam.lost(-force_n);
+            let by_strain = match forces {
+                Forces::OfRod => tangent.axial_n * by_force(rods_n),
+                Forces::Own => stretch * (rods_n - force_n),
+            };
             slope[0] += by_strain;
             slope[1] += bow * u[0] - by_strain * x;
             slope[2] += bow * u[1] - by_strain * y;
             let by_slide = slide - force_n * lean;
-            slope[3] += by_slide * g[0] * all[0] + force_n * rods[0] * q[5];
-            slope[4] += by_slide * g[1] * all[1] + force_n * rods[1] * q[6];
-            slope[5] += by_slide * (g[1] * x - g[0] * y);
+            slope[3] += by_slide * (g[1] * x - g[0] * y);
+            slope[4] += by_slide * g[0] * all[0] + force_n * rods[0] * slide_x;
+            slope[5] += by_slide * g[1] * all[1] + force_n * rods[1] * slide_y;
         }
-        let at = middle.index * UNKNOWNS;
-        let by_slide = 2.0 * middle.piece.sway / stretch;
-        let by = [
-            -slope[2],
-            -slope[2] * middle.eta,
-            slope[1],
-            slope[1] * middle.eta,
-            slope[5],
-            slope[3] + slope[0] * by_slide * q[5],
-            slope[4] + slope[0] * by_slide * q[6],
-            slope[0],
-        ];
-        (0..UNKNOWNS).for_each(|a| gradient[at + a] += by[a] * bay_m / stretch);
+        Some(slope * (bay_m / stretch))
+    }
+}
+
+/// The force of a tube that its own bow and S take some of: `N = N_rod - EA/stretch dD/dN`, by Newton's method.
+fn own_force_n(rods_n: f64, soft: f64, shear_n: f64, by_force: impl Fn(f64) -> f64) -> Option<f64> {
+    let mut force_n = rods_n;
+    let h = 1e-3 * shear_n;
+    for _ in 0..FORCES {
+        let left = force_n - rods_n + soft * by_force(force_n);
+        let step = left / (1.0 + soft * (by_force(force_n + h) - by_force(force_n - h)) / (2.0 * h));
+        force_n -= step;
+        if step.abs() <= SAME_FORCE * shear_n {
+            return Some(force_n);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Isometry3, Matrix4};
+
+    use super::super::rod::Piece;
+    use super::super::tube::Tangent;
+    use super::*;
+
+    fn limb() -> LoadedLimb {
+        let tube = |(at_m, stretch)| {
+            let tangent = Tangent {
+                stretch,
+                bend_rad_per_m: 0.0,
+                twist_rad_per_m: 0.0,
+                axial_n: 240.0,
+                bending_nm2: 0.018,
+                across_nm2: 0.018,
+                torsion_nm2: 0.0107,
+                coupling_nm: 0.0,
+                shear_n: 33.0,
+                outer_radius_m: 0.014,
+            };
+            (at_m, tangent)
+        };
+        let tubes = [([0.03, 0.0], 1.1), ([-0.015, 0.026], 1.12), ([-0.015, -0.026], 1.09)].map(tube).to_vec();
+        let bundle = Bundle::of_tubes(Motion::Extension, tubes, 0.08).expect("a bundle");
+        let piece = Piece {
+            free: [bundle.free.stretch, 0.0, 0.0, 0.0],
+            stiffness: Matrix4::identity(),
+            shear_n: bundle.shear_n,
+            sway: bundle.sway,
+            length_m: 0.24,
+            mount_angle_rad: 0.0,
+            kg_per_m: 0.0,
+            rigid_m: 0.0,
+            masses: Vec::new(),
+        };
+        let rod = Rod {
+            base: Isometry3::identity(),
+            pieces: vec![piece],
+            gravity_m_per_s2: Vector3::zeros(),
+            tip_force_n: Vector3::zeros(),
+        };
+        LoadedLimb::of_rod(rod, vec![(Motion::Extension, bundle)])
+    }
+
+    /// What is given as the slope of an energy is one: its own slopes are symmetric.
+    #[test]
+    fn slopes_are_those_of_an_energy() {
+        let limb = limb();
+        let strains = Strains::new(-0.02, 0.8, -0.5, 0.4, 0.03, -0.02);
+        for forces in [Forces::OfRod, Forces::Own] {
+            let mut second = SMatrix::<f64, 6, 6>::zeros();
+            for axis in 0..6 {
+                let at = |step: f64| {
+                    let mut moved = strains;
+                    moved[axis] += step;
+                    limb.less(0, &moved, forces).expect("a force")
+                };
+                second.set_column(axis, &((at(1e-5) - at(-1e-5)) / 2e-5));
+            }
+            let odd = (0..6).flat_map(|a| (0..a).map(move |b| (a, b)));
+            for (a, b) in odd {
+                let scale = (second[(a, a)] * second[(b, b)]).abs().sqrt().max(second[(a, b)].abs());
+                assert!((second[(a, b)] - second[(b, a)]).abs() < 1e-4 * scale, "{forces:?} {a} {b}: {second}");
+            }
+        }
+    }
+
+    /// The parts of all bays make up the module, whatever its pieces.
+    #[test]
+    fn bays_share_pieces_without_rest() {
+        let limb = limb();
+        for parts in [1, 2, 4] {
+            let bays = limb.bays(&limb.rod.split(parts));
+            assert_eq!(bays.len(), 3);
+            for bay in &bays {
+                assert!((bay.parts.iter().map(|part| part.1).sum::<f64>() - 1.0).abs() < 1e-12);
+                // A bend that is linear along the module has its mean in the middle of the bay.
+                let of_part =
+                    |(index, share, eta): &(usize, f64, f64)| share * (2.0 * *index as f64 + 1.0 + eta) / parts as f64;
+                let mean = bay.parts.iter().map(of_part).sum::<f64>() / 2.0;
+                let middles = [1.0 / 6.0, 0.5, 5.0 / 6.0];
+                assert!(middles.iter().any(|middle| (middle - mean).abs() < 1e-12), "{mean}");
+            }
+        }
     }
 }

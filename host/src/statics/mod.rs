@@ -28,6 +28,6 @@ pub use load::{GRAVITY_M_PER_S2, Load, LoadedLimb};
 pub(crate) use response::{responses, shape_change};
 pub use rod::{Piece, Potential, Rod, UNKNOWNS};
 pub use solve::{Bends, Lost, Shape, solve};
-pub use tier::{Answer, Judged, Tier, by_tier, cheapest, choose};
+pub use tier::{Answer, Judged, Tier, by_tier, by_tubes, cheapest, cheapest_rod, choose};
 pub use tube::Tangent;
 pub(crate) use tube::shear_n;

@@ -11,7 +11,7 @@ use super::rod::{Potential, Rod, SLOPES, UNKNOWNS};
 
 /// Iterations of one load step; the longest turn of a piece in one iteration and in one load step, rad; the shortest load step.
 const ITERATIONS: usize = 12;
-const LONGEST_TURN_RAD: f64 = 0.7;
+pub(super) const LONGEST_TURN_RAD: f64 = 0.7;
 const LEAST_STEP: f64 = 1e-4;
 /// Steps are taken until they are below this, in strain and in rad.
 const CONVERGED: f64 = 1e-10;
@@ -66,10 +66,11 @@ impl Shape {
     /// How the tip moves along each axis with the unknowns.
     pub(super) fn levers(&self, rod: &Rod, bends: Bends) -> [DVector<f64>; 3] {
         // A force is linear in the gradient: the difference that one newton makes is how the tip moves with the unknowns.
+        let here = rod.potential(&self.q, 1.0).gradient;
         [0, 1, 2].map(|axis: usize| {
             let mut pushed = rod.clone();
             pushed.tip_force_n[axis] += 1.0;
-            let mut lever = &self.potential.gradient - pushed.potential(&self.q, 1.0).gradient;
+            let mut lever = &here - pushed.potential(&self.q, 1.0).gradient;
             if bends == Bends::Constant {
                 release(&mut lever);
             }
@@ -166,7 +167,7 @@ fn size_of_change(rod: &Rod, q: &DVector<f64>, start: &DVector<f64>) -> f64 {
 }
 
 /// Largest turn of a piece or strain in a step.
-fn size(rod: &Rod, step: &DVector<f64>) -> f64 {
+pub(super) fn size(rod: &Rod, step: &DVector<f64>) -> f64 {
     let of = |(index, value): (usize, &f64)| {
         let length_m = rod.pieces[index / UNKNOWNS].length_m;
         value.abs() * if index % UNKNOWNS < 5 { length_m } else { 1.0 }

@@ -10,6 +10,11 @@ use super::solve::{Bends, Lost, Shape, solve};
 /// What a tier leaves of the error of the one before, at most: strains are constant along a piece and pieces are halved.
 const LEFT: f64 = 0.25;
 
+/// What tubes between plates leave of the error of rods, about; see `what_tubes_between_plates_leave_is_told` in `host/tests/statics/bundles.rs`.
+const LEFT_BY_TUBES: f64 = 1.0 / 6.0;
+/// Compression of a tube over its load of buckling above which no tier is right.
+const BUCKLED: f64 = 0.5;
+
 /// Models of a limb under load, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Tier {
@@ -23,13 +28,16 @@ pub enum Tier {
     Double,
     /// The same with four pieces a module.
     Fourfold,
+    /// The same with the tubes of each bundle as beams between their plates ([`LoadedLimb::with_tubes`]).
+    Tubes,
 }
 
 impl Tier {
     /// All of them, the cheapest first.
-    pub const ALL: [Self; 5] = [Self::Kinematic, Self::Constant, Self::Linear, Self::Double, Self::Fourfold];
+    pub const ALL: [Self; 6] =
+        [Self::Kinematic, Self::Constant, Self::Linear, Self::Double, Self::Fourfold, Self::Tubes];
 
-    /// Those that a tolerance chooses from. The distance of the constant tier from the linear one is no estimate of its error where the
+    /// The rods that a tolerance chooses from. The distance of the constant tier from the linear one is no estimate of its error where the
     /// linear one is far off, too; each of these is much nearer to the truth than the one before.
     pub const CHOICE: [Self; 4] = [Self::Kinematic, Self::Linear, Self::Double, Self::Fourfold];
 
@@ -41,6 +49,7 @@ impl Tier {
             Self::Linear => "linear",
             Self::Double => "linear, two pieces",
             Self::Fourfold => "linear, four pieces",
+            Self::Tubes => "tubes between plates",
         }
     }
 
@@ -50,7 +59,7 @@ impl Tier {
             Self::Kinematic | Self::Constant => (1, Bends::Constant),
             Self::Linear => (1, Bends::Linear),
             Self::Double => (2, Bends::Linear),
-            Self::Fourfold => (4, Bends::Linear),
+            Self::Fourfold | Self::Tubes => (4, Bends::Linear),
         }
     }
 }
@@ -66,10 +75,13 @@ pub struct Answer {
     pub shape: Shape,
     /// Its error by the distance of its tip from that of the next tier, as a share of the limb's length.
     pub order_error: f64,
-    /// By how much tubes between plates would have the tip elsewhere, m ([`LoadedLimb::tubes_shift_m`]); `None` where a tube buckles.
+    /// By how much tubes between plates would have the tip elsewhere, m ([`LoadedLimb::tubes_shift_m`]); `None` where a tube buckles. Of
+    /// [`Tier::Tubes`] how far they have it from where the finest rods do.
     pub bundle_shift_m: Option<Vector3<f64>>,
-    /// The same as a share of the length; 1 where a tube buckles.
+    /// The same as a share of the length; 1 where a tube buckles. A sixth of it for [`Tier::Tubes`].
     pub bundle_error: f64,
+    /// The error of the rods that did not do, where tubes took their place.
+    pub rods_error: Option<f64>,
     /// The tube that is closest to buckling.
     pub buckling: Option<Buckling>,
 }
@@ -81,7 +93,7 @@ impl Answer {
     }
 }
 
-/// By one tier; `start` are the unknowns of an earlier answer of it.
+/// By one tier of rods, [`Tier::Fourfold`] for [`Tier::Tubes`]; `start` are the unknowns of an earlier answer of it.
 ///
 /// # Errors
 /// [`Lost`] where the limb does not carry the load.
@@ -97,6 +109,41 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
     Ok((rod, shape))
 }
 
+/// The cheapest tier whose error is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest: rods, and tubes between
+/// plates where rods do in all but that they are no tubes.
+///
+/// Where a tube carries more than half of its load of buckling, or tubes have no equilibrium, the answer is that of the rods.
+///
+/// # Errors
+/// [`Lost`] where the limb does not carry the load.
+pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
+    let answer = cheapest_rod(limb, tolerance, length_m)?;
+    let tubes = if answer.order_error <= tolerance && answer.bundle_error > tolerance {
+        by_tubes(limb, length_m)
+    } else {
+        None
+    };
+    Ok(tubes.map_or_else(|| answer.clone(), |tubes| Answer { rods_error: Some(answer.error()), ..tubes }))
+}
+
+/// The limb with its tubes between plates, from the finest rods; `None` where they have no equilibrium or one is beyond half of its load of buckling.
+pub fn by_tubes(limb: &LoadedLimb, length_m: f64) -> Option<Answer> {
+    // No distance is below that tolerance, so that the finest is taken.
+    let rods = cheapest_rod(limb, -1.0, length_m).ok()?;
+    let sound = |rod: &Rod, shape: &Shape| limb.buckling(rod, shape).is_none_or(|tube| tube.ratio() <= BUCKLED);
+    let shape = sound(&rods.rod, &rods.shape).then(|| limb.with_tubes(&rods.rod, &rods.shape)).flatten()?;
+    let way = shape.tip().translation.vector - rods.shape.tip().translation.vector;
+    sound(&rods.rod, &shape).then(|| Answer {
+        tier: Tier::Tubes,
+        bundle_shift_m: Some(way),
+        bundle_error: LEFT_BY_TUBES * way.norm() / length_m,
+        rods_error: Some(rods.error()),
+        buckling: limb.buckling(&rods.rod, &shape),
+        shape,
+        ..rods
+    })
+}
+
 /// The cheapest tier of [`Tier::CHOICE`] whose error is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest.
 ///
 /// The error is judged by the distance from the next tier, over 3/4, since the next one leaves up to a quarter of it; that of the finest
@@ -104,7 +151,7 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
 ///
 /// # Errors
 /// [`Lost`] where the limb does not carry the load.
-pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
+pub fn cheapest_rod(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
     let judge = |rod: &Rod, shape: &Shape, bends| Judged {
         buckling: limb.buckling(rod, shape),
         shift_m: limb.tubes_shift_m(rod, shape, bends),
@@ -121,10 +168,10 @@ pub struct Judged {
     pub shift_m: Option<Vector3<f64>>,
 }
 
-/// [`cheapest`] of a rod; `judge` says what its tubes make of a shape.
+/// [`cheapest_rod`] of a rod; `judge` says what its tubes make of a shape.
 ///
 /// # Errors
-/// As [`cheapest`].
+/// As [`cheapest_rod`].
 pub fn choose(
     rod: &Rod,
     tolerance: f64,
@@ -149,7 +196,16 @@ pub fn choose(
         };
         let (tier, (rod, shape), order_error, Judged { buckling, shift_m }) = found;
         let bundle_error = shift_m.map_or(1.0, |shift| shift.norm() / length_m);
-        return Ok(Answer { tier, rod, shape, order_error, bundle_shift_m: shift_m, bundle_error, buckling });
+        return Ok(Answer {
+            tier,
+            rod,
+            shape,
+            order_error,
+            bundle_shift_m: shift_m,
+            bundle_error,
+            rods_error: None,
+            buckling,
+        });
     }
     // The last pair has returned.
     Err(Lost::Unstable { share: 0.0 })

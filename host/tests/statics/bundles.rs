@@ -4,7 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use fra_model::Motion;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use softlimb::statics::{Bends, Bundle, LoadedLimb, Piece, Rod, Shape, Tangent, solve};
+use softlimb::statics::{
+    Bends, Bundle, LoadedLimb, Piece, Rod, Shape, Tangent, Tier, by_tubes, cheapest, cheapest_rod, solve,
+};
 
 use crate::Stream;
 use crate::beam::Tube;
@@ -294,4 +296,89 @@ fn what_rods_leave_out_of_tubes_is_told() {
     assert!(left[judged / 2] < 0.3, "{left:?}");
     assert!(compared >= 100 && judged >= 40, "{compared} {judged}");
     assert!(within * 100 >= judged * 95, "{within} of {judged}");
+}
+
+/// The tip of tubes between plates, and what that tier says of its error, beside every tube as a rod of its own.
+#[test]
+fn what_tubes_between_plates_leave_is_told() {
+    // The second draw has had no part in how the error is told.
+    for seed in [77, 78] {
+        let mut stream = Stream(seed);
+        let (mut compared, mut refused, mut judged, mut within, mut worse) = (0, 0, 0, 0, 0);
+        let (mut left, mut errors, mut told): (Vec<f64>, [f64; 2], Vec<f64>) = Default::default();
+        for case in 0..120 {
+            let limb = random_limb(&mut stream, 1 + case % 3);
+            let load = load_for(&limb, 0.01 * 50_f64.powf(stream.next()));
+            let (Some((loaded, _, shape)), Some(exact)) = (limb.shape(load, 4), limb.tip_by_tubes(load)) else {
+                continue;
+            };
+            let off = |shape: &Shape| (exact - shape.tip().translation.vector).norm() / limb.length_m();
+            let rods = off(&shape);
+            if rods <= 1e-3 {
+                continue;
+            }
+            let Some(answer) = by_tubes(&loaded, limb.length_m()) else {
+                refused += 1;
+                continue;
+            };
+            compared += 1;
+            let error = off(&answer.shape);
+            left.push(error / rods);
+            errors = [errors[0].max(rods), errors[1].max(error)];
+            worse += usize::from(error > rods);
+            if error > 1e-3 {
+                judged += 1;
+                told.push(answer.error() / error);
+                within += usize::from((0.4..=2.5).contains(&(answer.error() / error)));
+            }
+        }
+        left.sort_by(f64::total_cmp);
+        told.sort_by(f64::total_cmp);
+        let [rods, tubes] = errors.map(|error| 100.0 * error);
+        println!(
+            "draw {seed}: {compared} limbs whose rods are off by more than 0.1 %, {refused} refused; largest error {rods:.2} %, by tubes {tubes:.2} %"
+        );
+        println!("left: {:.3} to {:.2}, median {:.3}, {worse} worse", left[0], left[compared - 1], left[compared / 2]);
+        println!(
+            "still above 0.1 %: {judged}; told within 0.4 to 2.5: {within}, {:.2} to {:.2}, median {:.2}",
+            told[0],
+            told[judged - 1],
+            told[judged / 2]
+        );
+        assert!(compared >= 30 && refused * 4 <= compared, "{compared} {refused}");
+        assert!(left[compared / 2] < 0.15 && tubes < 0.4 * rods, "{left:?}");
+        assert!(worse * 20 <= compared && within * 2 >= judged, "{worse} {told:?}");
+    }
+}
+
+/// Tubes are taken where rods hold a tolerance in all but that they are no tubes, and not where rods hold it or a tube is beyond half of its load of buckling.
+#[test]
+fn tubes_are_taken_only_where_rods_do_not_do() {
+    let mut stream = Stream(77);
+    let mut taken = 0;
+    for case in 0..24 {
+        let limb = random_limb(&mut stream, 1 + case % 3);
+        let load = load_for(&limb, 0.01 * 50_f64.powf(stream.next()));
+        let (loaded, length_m) = (limb.loaded(load), limb.length_m());
+        let Ok(fine) = cheapest_rod(&loaded, -1.0, length_m) else { continue };
+        assert!(fine.tier == Tier::Fourfold && fine.rods_error.is_none());
+        let by = |tolerance: f64| cheapest(&loaded, tolerance, length_m).expect("rods carry it");
+        assert!(by(1.5 * fine.error().max(0.01)).tier < Tier::Tubes);
+        let sound = fine.buckling.is_some_and(|tube| tube.ratio() < 0.4);
+        if sound && fine.bundle_error > 8.0 * fine.order_error.max(1e-5) {
+            let answer = by(0.5 * fine.bundle_error);
+            taken += 1;
+            assert_eq!(answer.tier, Tier::Tubes);
+            assert!(answer.bundle_error < fine.bundle_error && answer.rods_error > Some(0.4 * fine.bundle_error));
+        }
+    }
+    assert!(taken >= 8, "{taken}");
+    // Without spacers, and near half of the load of buckling.
+    let mut limb = Limb::upright(tubes_of(&[1.1; 3]), 1, 0.24);
+    limb.force_n = Vector3::new(0.5, 0.0, -60.0);
+    let loaded = limb.loaded(1.0);
+    if let Ok(rods) = cheapest_rod(&loaded, 1e-3, 0.24) {
+        assert!(rods.buckling.is_some_and(|tube| tube.ratio() > 0.5), "{:?}", rods.buckling);
+        assert!(by_tubes(&loaded, 0.24).is_none());
+    }
 }

@@ -113,7 +113,7 @@ fn two_hundred_limbs_against_shooting() {
     let mut worst = [0.0_f64; 4];
     let (mut judged, mut within, mut unnamed) = (0, 0, 0);
     let mut linear = [0; 2];
-    let mut taken = [0; 5];
+    let mut taken = [0; Tier::ALL.len()];
     for _ in 0..200 {
         let load = stream.between(0.05, 0.6);
         let rod = random_rod(&mut stream, load);

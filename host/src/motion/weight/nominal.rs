@@ -5,7 +5,7 @@ use nalgebra::{DVector, Vector3};
 
 use crate::design::Limb;
 use crate::scene::Scene;
-use crate::statics::{Buckling, Load, LoadedLimb, Lost, Rod, Shape, Tier, by_tier, cheapest};
+use crate::statics::{Buckling, Load, LoadedLimb, Lost, Rod, Shape, Tier, by_tier, cheapest_rod};
 
 /// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.
 const STEP: f64 = 1e-5;
@@ -144,7 +144,7 @@ impl<'a> Nominal<'a> {
         Some(limb)
     }
 
-    /// The cheapest tier for a pose, from the linear one on, and the error that it says of itself, as a share of the limb's length.
+    /// The cheapest tier of rods for a pose, from the linear one on, and the error that it says of itself, as a share of the limb's length.
     ///
     /// # Errors
     /// [`NoPose`].
@@ -156,7 +156,7 @@ impl<'a> Nominal<'a> {
         error: f64,
     ) -> Result<(Tier, f64), NoPose> {
         let loaded = Nominal::new(scene, limb, Tier::Linear).loaded(pressures_pa, on).ok_or(NoPose::NoEquilibrium)?;
-        let answer = cheapest(&loaded, error, scene.rest_length_m()).map_err(NoPose::Lost)?;
+        let answer = cheapest_rod(&loaded, error, scene.rest_length_m()).map_err(NoPose::Lost)?;
         stands(answer.buckling)?;
         Ok((answer.tier.max(Tier::Linear), answer.error()))
     }
