@@ -13,7 +13,7 @@ use crate::record::FaultRecord;
 use crate::scene::{Scene, SetpointKind};
 use crate::statics::{Bundle, Load, LoadedLimb, Lost, Tangent, Tier, by_tier};
 
-/// The finest tier there is: what plans a limb uses a coarser one.
+/// The finest tier of rods: what plans a limb uses a coarser one.
 const TIER: Tier = Tier::Fourfold;
 /// Compression of a tube over its load of buckling from which no rod is right, and at which it has buckled.
 const NEAR_BUCKLING: f64 = 0.5;

@@ -351,7 +351,8 @@ fn what_tubes_between_plates_leave_is_told() {
     }
 }
 
-/// Tubes are taken where rods hold a tolerance in all but that they are no tubes, and not where rods hold it or a tube is beyond half of its load of buckling.
+/// Tubes are taken where rods hold a tolerance in all but that they are no tubes, and not where rods hold it or a tube is beyond half of its
+/// load of buckling.
 #[test]
 fn tubes_are_taken_only_where_rods_do_not_do() {
     let mut stream = Stream(77);
