@@ -8,7 +8,7 @@ use fra_model::Motion;
 use nalgebra::Vector4;
 
 use super::load::LoadedLimb;
-use super::rod::{Piece, Rod, UNKNOWNS};
+use super::rod::{Rod, UNKNOWNS};
 use super::solve::Shape;
 use super::tube::Tangent;
 
@@ -34,22 +34,15 @@ impl Buckling {
 }
 
 /// The middle between two plates in a shape.
-pub(super) struct Middle<'a> {
-    pub(super) module: usize,
-    /// Index of the piece it lies in, and that piece.
-    pub(super) index: usize,
-    pub(super) piece: &'a Piece,
-    /// Place in the piece, -1 to 1.
-    pub(super) eta: f64,
-    /// Unknowns of the piece.
-    pub(super) q: &'a [f64],
+struct Middle {
+    module: usize,
     /// Strains in the terms of the stiffness, less those without load.
-    pub(super) strain: Vector4<f64>,
+    strain: Vector4<f64>,
 }
 
 impl LoadedLimb {
     /// The middles between plates of all modules in a shape of `rod`, which may have each module in several pieces.
-    pub(super) fn middles<'a>(&'a self, rod: &'a Rod, shape: &'a Shape) -> impl Iterator<Item = Middle<'a>> {
+    fn middles<'a>(&'a self, rod: &'a Rod, shape: &'a Shape) -> impl Iterator<Item = Middle> {
         let parts = (rod.pieces.len() / self.bundles.len().max(1)).max(1);
         self.bundles.iter().enumerate().flat_map(move |(module, bundle)| {
             let length_m = rod.pieces[module * parts].length_m * parts as f64;
@@ -58,10 +51,9 @@ impl LoadedLimb {
                 let place = (bay as f64 + 0.5) / bays as f64 * parts as f64;
                 let part = (place as usize).min(parts - 1);
                 let (index, eta) = (module * parts + part, 2.0 * (place - part as f64) - 1.0);
-                let piece = &rod.pieces[index];
                 let q = &shape.q.as_slice()[index * UNKNOWNS..][..UNKNOWNS];
-                let [mean, linear] = piece.differences(q);
-                Middle { module, index, piece, eta, q, strain: mean + linear * eta }
+                let [mean, linear] = rod.pieces[index].differences(q);
+                Middle { module, strain: mean + linear * eta }
             })
         })
     }
