@@ -38,8 +38,8 @@ const LOAD: &str = "load";
 /// What the column of the load may say.
 const NONE: &str = "none";
 const UNKNOWN: &str = "unknown";
-/// What a pressure may be, kPa gauge.
-const PRESSURE_KPA: [f64; 2] = [-101.325, 2e3];
+/// What a pressure may be, kPa gauge: a sensor at rest may read a little less than nothing.
+const PRESSURE_KPA: [f64; 2] = [-5.0, 2e3];
 
 impl Sighting {
     /// Reads a table: `phase`, `load` (none or unknown), `x_m`, `y_m`, `z_m`, and if wanted `accuracy_mm` and the pressures that modules had,
@@ -82,7 +82,7 @@ impl Sighting {
             let mut pressures_pa = Vec::with_capacity(pressures.len());
             for (state, (place, name)) in plan.states_at(end_us).iter().zip(&pressures) {
                 let measured_kpa = place.map(|place| row.written(place, name, PRESSURE_KPA)).transpose()?.flatten();
-                // Below ambient pressure the walls are those at rest.
+                // These rigs have no vacuum: what reads below nothing is rest.
                 pressures_pa.push(measured_kpa.map_or(state.pressure_pa, |kpa| kpa * 1e3).max(0.0));
             }
             let accuracy_m = accuracy_m.unwrap_or(ACCURACY_M);

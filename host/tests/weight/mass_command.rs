@@ -63,7 +63,7 @@ fn wrong_tables_and_words_are_answered_with_line_column_value_and_what_is_allowe
             "line 2, column `load`: `unknown` is not allowed: phase `pick` needs a row with `none` too",
         ),
         (row("reach,unknown,0,0,0.69"), "1 phase with and without the load: two are the fewest"),
-        (kpa("5000"), "line 3, column `wrist_kpa`: `5000` is not allowed: a number from -101.325 to 2000"),
+        (kpa("5000"), "line 3, column `wrist_kpa`: `5000` is not allowed: a number from -5 to 2000"),
         (kpa("tight"), "line 3, column `wrist_kpa`: `tight` is not allowed"),
         (
             format!("{HEAD},accuracy_mm\nreach,none,0,0,0.7,0\n"),
