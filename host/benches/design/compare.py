@@ -16,6 +16,7 @@ Kinds: A, B, C reachable; F, G as A and B with one pressure for all segments. Th
 --others problems of each kind; on the others softlimb is compared with a search of its own with 100 descents from other starts.
 """
 import argparse
+import contextlib
 import json
 import logging
 import math
@@ -137,15 +138,17 @@ def longer(model, budget, seed):
 
 
 def swarm(model, budget, seed):
-    import pyswarms
-    logging.disable(logging.CRITICAL)
-    numpy.random.seed(seed)
-    box = (numpy.zeros(model.width), numpy.ones(model.width))
-    options = {"c1": 1.49618, "c2": 1.49618, "w": 0.7298}
-    optimizer = pyswarms.single.GlobalBestPSO(
-        n_particles=50, dimensions=model.width, options=options, bounds=box, velocity_clamp=(-0.2, 0.2),
-        bh_strategy="reflective")
-    optimizer.optimize(model.objectives, iters=budget // 50, verbose=False)
+    # It writes a log into the folder that it is run in.
+    with contextlib.chdir(model.file.parent):
+        import pyswarms
+        logging.disable(logging.CRITICAL)
+        numpy.random.seed(seed)
+        box = (numpy.zeros(model.width), numpy.ones(model.width))
+        options = {"c1": 1.49618, "c2": 1.49618, "w": 0.7298}
+        optimizer = pyswarms.single.GlobalBestPSO(
+            n_particles=50, dimensions=model.width, options=options, bounds=box, velocity_clamp=(-0.2, 0.2),
+            bh_strategy="reflective")
+        optimizer.optimize(model.objectives, iters=budget // 50, verbose=False)
 
 
 def covariance(model, budget, seed):
