@@ -7,33 +7,53 @@ use std::ops::{Add, Mul, Sub};
 use pulp::Simd;
 
 /// Samples that are taken together.
-pub(super) const GROUP: usize = 16;
+pub(super) const GROUP: usize = 32;
+/// Registers that are worked on together: while one waits for a product, the others go on.
+const WIDE: usize = 2;
 
-/// One number of every sample of a register. Products and sums are rounded as the processor likes, so that the last digits depend on it.
+/// What the same operation gives for each register.
+macro_rules! both {
+    ($pack:ident, $w:ident => $value:expr) => {{
+        let first = {
+            let $w = 0;
+            $value
+        };
+        let second = {
+            let $w = 1;
+            $value
+        };
+        $pack.with([first, second])
+    }};
+}
+
+/// One number of every sample of some registers. Products and sums are rounded as the processor likes, so that the last digits depend on it.
 #[derive(Clone, Copy)]
 pub(super) struct Pack<S: Simd> {
     simd: S,
-    values: S::f32s,
+    values: [S::f32s; WIDE],
 }
 
 impl<S: Simd> Pack<S> {
     /// Samples that fit.
-    pub(super) const COUNT: usize = if S::F32_LANES < GROUP { S::F32_LANES } else { GROUP };
+    pub(super) const COUNT: usize = if WIDE * S::F32_LANES < GROUP { WIDE * S::F32_LANES } else { GROUP };
 
     #[inline(always)]
     pub(super) fn all(simd: S, value: f32) -> Self {
-        Self { simd, values: simd.splat_f32s(value) }
+        Self { simd, values: [simd.splat_f32s(value); WIDE] }
     }
 
-    /// Those of the numbers of a group that the register with this index takes.
+    /// Those of the numbers of a group that the registers with this index take.
     #[inline(always)]
     pub(super) fn load(simd: S, values: &[f32; GROUP], index: usize) -> Self {
-        Self { simd, values: S::as_simd_f32s(values).0[index] }
+        let all = S::as_simd_f32s(values).0;
+        let mut own = [simd.splat_f32s(0.0); WIDE];
+        own.copy_from_slice(&all[index * WIDE..][..WIDE]);
+        Self { simd, values: own }
     }
 
     #[inline(always)]
     pub(super) fn store(self, values: &mut [f32; GROUP], index: usize) {
-        S::as_mut_simd_f32s(values).0[index] = self.values;
+        S::as_mut_simd_f32s(values).0[index * WIDE..][..WIDE].copy_from_slice(&self.values);
     }
 
     /// The same number for every sample.
@@ -43,25 +63,25 @@ impl<S: Simd> Pack<S> {
     }
 
     #[inline(always)]
-    fn with(self, values: S::f32s) -> Self {
+    fn with(self, values: [S::f32s; WIDE]) -> Self {
         Self { simd: self.simd, values }
     }
 
     #[inline(always)]
     pub(super) fn over(self, other: Self) -> Self {
-        self.with(self.simd.div_f32s(self.values, other.values))
+        both!(self, w => self.simd.div_f32s(self.values[w], other.values[w]))
     }
 
     /// `self + a b`.
     #[inline(always)]
     pub(super) fn plus_product(self, a: Self, b: Self) -> Self {
-        self.with(self.simd.mul_add_e_f32s(a.values, b.values, self.values))
+        both!(self, w => self.simd.mul_add_e_f32s(a.values[w], b.values[w], self.values[w]))
     }
 
     /// `self - a b`.
     #[inline(always)]
     pub(super) fn less_product(self, a: Self, b: Self) -> Self {
-        self.with(self.simd.negate_mul_add_e_f32s(a.values, b.values, self.values))
+        both!(self, w => self.simd.negate_mul_add_e_f32s(a.values[w], b.values[w], self.values[w]))
     }
 
     /// What is left of a number of less than 2^20 after the nearest whole one is taken off.
@@ -75,9 +95,12 @@ impl<S: Simd> Pack<S> {
     /// Within -1/2 and 1/2.
     #[inline(always)]
     pub(super) fn within_half(self) -> Self {
-        let half = self.simd.splat_f32s(0.5);
-        let low = self.simd.max_f32s(self.values, self.simd.splat_f32s(-0.5));
-        self.with(self.simd.min_f32s(low, half))
+        let (low, high) = (self.simd.splat_f32s(-0.5), self.simd.splat_f32s(0.5));
+        let mut values = self.values;
+        for value in &mut values {
+            *value = self.simd.min_f32s(self.simd.max_f32s(*value, low), high);
+        }
+        self.with(values)
     }
 }
 
@@ -103,7 +126,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.with(self.simd.$name(self.values, other.values))
+                both!(self, w => self.simd.$name(self.values[w], other.values[w]))
             }
         }
     };
