@@ -9,6 +9,7 @@
 pub mod bench;
 pub mod calibrate;
 pub mod cli;
+mod csv;
 pub mod design;
 mod elastomer;
 pub mod eval;

@@ -6,7 +6,6 @@
 
 mod body;
 mod creep;
-mod csv;
 mod descent;
 mod estimate;
 mod fit;
@@ -19,10 +18,9 @@ mod runs;
 mod student;
 mod tension;
 
+pub use crate::csv::TableError;
 pub use body::Body;
 pub use creep::{CreepFit, Step, fit_creep};
-pub use csv::TableError;
-pub(crate) use csv::{Known, Table};
 pub use estimate::{Estimate, Noise, Value};
 pub use fit::{Fit, Observation, Settings, Unknown, fit};
 pub use holds::{Hold, holds};

@@ -1,6 +1,6 @@
 //! Tables of pressures and deformations.
 
-use super::csv::{Known, Table, TableError};
+use crate::csv::{Known, Table, TableError};
 use crate::record::Quantity;
 
 /// One cell of a deformation with the pressure of its row.

@@ -6,9 +6,9 @@
 use fra_model::Material;
 use nalgebra::{DMatrix, DVector};
 
-use super::csv::{Known, Table, TableError};
 use super::estimate::{Column, Shown, Value, enough, judge};
 use super::{Refusal, Settings};
+use crate::csv::{Known, Table, TableError};
 
 /// A law of the elastomer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

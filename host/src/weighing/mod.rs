@@ -9,6 +9,7 @@ mod mass;
 mod refusal;
 mod sighting;
 
+pub use crate::csv::TableError;
 pub use mass::{Mass, Way, mass};
 pub use refusal::Refusal;
 pub use sighting::Sighting;

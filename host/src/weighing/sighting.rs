@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::calibrate::{Known, Table, TableError};
+use crate::csv::{Known, Table, TableError};
 use crate::design::Limb;
 use crate::motion::Plan;
 
@@ -11,7 +11,7 @@ use crate::motion::Plan;
 pub struct Sighting {
     /// The line of the table, from 1.
     pub line: usize,
-    /// Index of the phase.
+    /// Index of the phase in the plan.
     pub phase: usize,
     /// Whether the load was on the tip.
     pub loaded: bool,
