@@ -2,12 +2,13 @@
 
 use nalgebra::{DVector, Vector3};
 
+use super::creep::crept;
 use super::{Refusal, Sighting};
-use crate::design::Limb;
-use crate::scene::Scene;
-use crate::statics::{GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tier, by_tier};
+use crate::design::{Limb, LimbModule};
+use crate::scene::{Module, Scene};
+use crate::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, Tier, by_tier, positions};
 
-/// The finest there is: a few poses cost nothing.
+/// The finest tier of rods, by which the simulated limb hangs too: a few poses cost nothing.
 const TIER: Tier = Tier::Fourfold;
 
 /// The limb of one sighting, from mass to mass, each beginning from the one before.
@@ -25,14 +26,21 @@ pub(super) struct Tip {
 }
 
 impl Posed {
-    /// `stiffer` is the factor of all of its stiffnesses; the shape without load stays.
-    pub(super) fn new(scene: &Scene, limb: &Limb, seen: &Sighting, stiffer: f64) -> Result<Self, Refusal> {
-        let of_module = limb.modules().iter().zip(&seen.pressures_pa);
-        let channels: Vec<f64> =
-            of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect();
-        let bays: Vec<usize> = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
-        let loaded = LoadedLimb::new(scene, limb, &channels, &bays, &Load::default());
-        let mut rod = loaded.ok_or(Refusal::NoEquilibrium { line: seen.line })?.rod;
+    /// Walls have crept by these volumes, one a module; `stiffer` is the factor of all stiffnesses, and the shape without load stays.
+    pub(super) fn new(
+        scene: &Scene,
+        limb: &Limb,
+        seen: &Sighting,
+        crept_m3: &[f64],
+        stiffer: f64,
+    ) -> Result<Self, Refusal> {
+        let modules = limb.modules().iter().zip(scene.modules()).zip(seen.pressures_pa.iter().zip(crept_m3));
+        let bundles = modules.map(|((module, described), (pressure_pa, crept_m3))| {
+            bundle(module, usize::from(described.spacers) + 1, *pressure_pa, *crept_m3)
+        });
+        let bundles = bundles.collect::<Option<_>>().ok_or(Refusal::NoEquilibrium { line: seen.line })?;
+        let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
+        let mut rod = LoadedLimb::of_bundles(scene, limb, bundles, &walls_kg, &Load::default()).rod;
         for piece in &mut rod.pieces {
             piece.stiffness *= stiffer;
             piece.shear_n *= stiffer;
@@ -51,4 +59,12 @@ impl Posed {
         self.last = Some(shape.q);
         Ok(Tip { at_m, slope_m_per_kg: compliance * weight_n })
     }
+}
+
+/// Equal tubes: springs at their pressure about the shape that they have with their creep.
+fn bundle(module: &LimbModule, bays: usize, pressure_pa: f64, crept_m3: f64) -> Option<Bundle> {
+    let state = crept(&module.actuator, pressure_pa, crept_m3)?;
+    let tube = Tangent::of(&module.actuator, pressure_pa)?.about(&state, module.length_m());
+    let tubes = positions(module).into_iter().map(|place| (place, tube)).collect();
+    Bundle::of_tubes(module.motion, tubes, module.length_m() / bays as f64)
 }

@@ -2,10 +2,12 @@
 
 use nalgebra::Vector3;
 
+use super::creep::at_ends_m3;
 use super::limb::{Posed, Tip};
 use super::{Refusal, Sighting};
 use crate::calibrate::student_quantile;
 use crate::design::Limb;
+use crate::motion::Plan;
 use crate::scene::Scene;
 
 /// Share of the distribution in the interval.
@@ -53,12 +55,12 @@ pub struct Way {
     pub modelled_m: Vector3<f64>,
 }
 
-/// Finds the mass on the tip of a limb. `stiffness_error` is the share by which the stiffness of the limb may be another one than the
+/// Finds the mass on the tip of a limb seen at the ends of phases of a plan, whose walls have crept by then. `stiffness_error` is the share by which the stiffness of the limb may be another one than the
 /// model's, all over, at the confidence of the interval.
 ///
 /// # Errors
 /// [`Refusal`] where the sightings do not tell one.
-pub fn mass(scene: &Scene, limb: &Limb, seen: &[Sighting], stiffness_error: f64) -> Result<Mass, Refusal> {
+pub fn mass(scene: &Scene, limb: &Limb, plan: &Plan, seen: &[Sighting], stiffness_error: f64) -> Result<Mass, Refusal> {
     let mut phases: Vec<usize> = seen.iter().map(|one| one.phase).collect();
     phases.sort_unstable();
     phases.dedup();
@@ -67,8 +69,14 @@ pub fn mass(scene: &Scene, limb: &Limb, seen: &[Sighting], stiffness_error: f64)
     if phases.len() < 2 {
         return Err(Refusal::TooFewPhases { phases: phases.len() });
     }
-    let found = Search::new(scene, limb, seen, &phases, 1.0)?.run()?;
-    let stiffer = Search::new(scene, limb, seen, &phases, 1.0 + stiffness_error)?.run()?;
+    let crept_m3 = at_ends_m3(scene, limb, plan);
+    let search = |stiffer: f64| {
+        let posed = |one| Posed::new(scene, limb, one, &crept_m3[one.phase], stiffer);
+        let limbs = seen.iter().map(posed).collect::<Result<_, _>>()?;
+        Search { seen, phases: &phases, limbs }.run()
+    };
+    let found = search(1.0)?;
+    let stiffer = search(1.0 + stiffness_error)?;
     let freedom = COORDINATES * phases.len() - 1;
     let scatter = found.squares / freedom as f64;
     let scatter_kg = student_quantile(CONFIDENCE, freedom) * (scatter / found.slopes).sqrt();
@@ -107,18 +115,7 @@ struct Tried {
     residuals_m: Vec<Vector3<f64>>,
 }
 
-impl<'a> Search<'a> {
-    fn new(
-        scene: &Scene,
-        limb: &Limb,
-        seen: &'a [Sighting],
-        phases: &'a [usize],
-        stiffer: f64,
-    ) -> Result<Self, Refusal> {
-        let limbs = seen.iter().map(|one| Posed::new(scene, limb, one, stiffer)).collect::<Result<_, _>>()?;
-        Ok(Self { seen, phases, limbs })
-    }
-
+impl Search<'_> {
     /// Gauss and Newton's method on the one number, each step as long as the limb stands and the sum of squares does not rise.
     fn run(mut self) -> Result<Tried, Refusal> {
         let mut here = self.under(0.0)?;

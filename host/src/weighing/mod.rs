@@ -1,9 +1,10 @@
 //! What hangs on the tip, by how far the tip goes under it.
 //!
-//! A camera sees the tip at the ends of phases, without the load and with it ([`Sighting`]). The difference of the two does not hold what the
-//! model gets wrong about the limb without load; the mass whose weight makes it, by the nonlinear statics, is sought by least squares
-//! ([`mass`]). `docs/payload.md` has the equations and the format of the table.
+//! A camera sees the tip at the ends of phases, without the load and with it ([`Sighting`]). The difference of the two does not hold where the
+//! camera stands, and little of what the model gets wrong about the limb without load; the mass whose weight makes it, by the nonlinear statics of
+//! the limb with its creep, is sought by least squares ([`mass`]). `docs/payload.md` has the equations and the format of the table.
 
+mod creep;
 mod limb;
 mod mass;
 mod refusal;

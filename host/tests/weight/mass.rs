@@ -6,10 +6,10 @@ use softlimb::motion::{self, Plan};
 use softlimb::run;
 use softlimb::scene::Scene;
 use softlimb::statics::{Load, LoadedLimb, Tier, by_tier};
-use softlimb::track::{Trial, sightings};
+use softlimb::track::{Seen, Trial, sightings};
 use softlimb::weighing::{Refusal, Sighting, mass};
 
-use crate::{HANGING, longer_m, parsed, repository};
+use crate::{HANGING, NO_SPREAD, longer_m, parsed, repository};
 
 const GRAVITY: f64 = 9.806_65;
 
@@ -32,7 +32,7 @@ fn seen(plan: &Plan, tip_m: impl Fn(&[f64], bool) -> Vector3<f64>) -> Vec<Sighti
 
 #[test]
 fn a_mass_is_found_from_the_lengths_of_hanging_tubes() {
-    let scene = parsed(HANGING);
+    let scene = parsed(&format!("{HANGING}{NO_SPREAD}"));
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     // The limb that is seen stands elsewhere: what the camera or the model has wrong without load cancels.
@@ -43,7 +43,7 @@ fn a_mass_is_found_from_the_lengths_of_hanging_tubes() {
         })
     };
     for kg in [0.02, 0.1, 0.3] {
-        let found = mass(&scene, &limb, &seen(kg), 0.1).unwrap();
+        let found = mass(&scene, &limb, &plan, &seen(kg), 0.1).unwrap();
         println!("{kg} kg: {found:?}");
         // The springs are those of small loads; the tubes grow softer by the order of the strain.
         assert!((found.kg / kg - 1.0).abs() < 0.03, "{} of {kg}", found.kg);
@@ -61,7 +61,21 @@ fn tip_m(scene: &Scene, limb: &Limb, pressures_pa: &[f64], payload_kg: f64) -> V
     let bays: Vec<usize> = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
     let loaded = LoadedLimb::new(scene, limb, &channels, &bays, &Load { payload_kg, ..Load::default() })
         .expect("an equilibrium");
-    by_tier(&loaded.rod, Tier::Double, None).expect("stands").1.tip().translation.vector
+    by_tier(&loaded.rod, Tier::Fourfold, None).expect("stands").1.tip().translation.vector
+}
+
+#[test]
+fn a_limb_as_its_model_tells_the_mass_to_the_tolerance_of_the_search() {
+    let scene = repository("loaded/carry-hanging", NO_SPREAD).carrying(0.0, true);
+    let limb = Limb::new(&scene).unwrap();
+    let plan = motion::plan(&scene, &limb).unwrap();
+    for kg in [0.1, 1.0, 2.0] {
+        let seen =
+            seen(&plan, |pressures_pa, loaded| tip_m(&scene, &limb, pressures_pa, if loaded { kg } else { 0.0 }));
+        let found = mass(&scene, &limb, &plan, &seen, 0.0).unwrap();
+        println!("{kg} kg: {:.7} kg, {:.1e} m left over", found.kg, found.left_m);
+        assert!((found.kg - kg).abs() < 1e-5 && found.left_m < 1e-7, "{found:?}");
+    }
 }
 
 /// Numbers of normal distribution by Box and Muller, from a multiplicative generator.
@@ -80,7 +94,7 @@ impl Normal {
 
 #[test]
 fn the_interval_holds_the_mass_as_often_as_it_says() {
-    let scene = parsed(HANGING);
+    let scene = parsed(&format!("{HANGING}{NO_SPREAD}"));
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     let kg = 0.05;
@@ -97,7 +111,7 @@ fn the_interval_holds_the_mass_as_often_as_it_says() {
                 Sighting { tip_m, accuracy_m, ..one.clone() }
             })
             .collect();
-        let found = mass(&scene, &limb, &noisy, 0.0).unwrap();
+        let found = mass(&scene, &limb, &plan, &noisy, 0.0).unwrap();
         held += i32::from((found.interval_kg[0]..=found.interval_kg[1]).contains(&kg));
         sum += found.kg - kg;
         squares += (found.kg - kg).powi(2);
@@ -115,32 +129,33 @@ fn the_interval_holds_the_mass_as_often_as_it_says() {
 
 #[test]
 fn what_tells_no_mass_is_refused() {
-    let scene = parsed(HANGING);
+    let hanging = format!("{HANGING}{NO_SPREAD}");
+    let scene = parsed(&hanging);
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     let lower = |by_m: f64| seen(&plan, move |_, loaded| Vector3::new(0.0, 0.0, if loaded { -by_m } else { 0.0 }));
 
     let one_phase: Vec<Sighting> = lower(1e-3).into_iter().filter(|one| one.phase == 2).collect();
-    assert_eq!(mass(&scene, &limb, &one_phase, 0.0), Err(Refusal::TooFewPhases { phases: 1 }));
+    assert_eq!(mass(&scene, &limb, &plan, &one_phase, 0.0), Err(Refusal::TooFewPhases { phases: 1 }));
     let without: Vec<Sighting> = lower(1e-3).into_iter().filter(|one| one.loaded).collect();
-    assert_eq!(mass(&scene, &limb, &without, 0.0), Err(Refusal::TooFewPhases { phases: 0 }));
+    assert_eq!(mass(&scene, &limb, &plan, &without, 0.0), Err(Refusal::TooFewPhases { phases: 0 }));
 
-    let upright = parsed(&HANGING.replace("[0, 0, -1]", "[0, 0, 1]"));
+    let upright = parsed(&hanging.replace("[0, 0, -1]", "[0, 0, 1]"));
     let limb = Limb::new(&upright).unwrap();
-    match mass(&upright, &limb, &lower(0.1), 0.0) {
+    match mass(&upright, &limb, &plan, &lower(0.1), 0.0) {
         Err(Refusal::TooFar { carried_kg, .. }) => assert!(carried_kg > 0.1, "{carried_kg}"),
         other => panic!("{other:?}"),
     }
     // The same way is a matter of 2 mm, under which it stands.
-    let found = mass(&upright, &limb, &lower(2e-3), 0.0).unwrap();
+    let found = mass(&upright, &limb, &plan, &lower(2e-3), 0.0).unwrap();
     assert!(found.kg > 0.02 && found.left_m < 1e-4, "{found:?}");
-    let heavy = HANGING.replace("[0, 0, -1]", "[0, 0, 1]").replace("mass = \"100 g\"", "mass = \"20 kg\"");
+    let heavy = hanging.replace("[0, 0, -1]", "[0, 0, 1]").replace("mass = \"100 g\"", "mass = \"20 kg\"");
     let heavy = parsed(&heavy);
-    assert!(matches!(mass(&heavy, &Limb::new(&heavy).unwrap(), &lower(1e-3), 0.0), Err(Refusal::Falls { .. })));
+    assert!(matches!(mass(&heavy, &Limb::new(&heavy).unwrap(), &plan, &lower(1e-3), 0.0), Err(Refusal::Falls { .. })));
 
-    let stiff = HANGING.replace("0.223 MPa", "100 MPa").replace("240 mm", "60 mm").replace("14 mm", "60 mm");
+    let stiff = hanging.replace("0.223 MPa", "100 MPa").replace("240 mm", "60 mm").replace("14 mm", "60 mm");
     let stiff = parsed(&stiff.replace("30 mm", "120 mm"));
-    match mass(&stiff, &Limb::new(&stiff).unwrap(), &lower(1e-3), 0.0) {
+    match mass(&stiff, &Limb::new(&stiff).unwrap(), &plan, &lower(1e-3), 0.0) {
         Err(Refusal::NotMoved { most_m_per_kg }) => assert!(most_m_per_kg < 1e-6),
         other => panic!("{other:?}"),
     }
@@ -156,6 +171,43 @@ fn off_m(scene: &Scene, limb: &Limb, goals: &[(f64, Vector3<f64>)], plan: &Plan,
     (squares.sum::<f64>() / goals.len() as f64).sqrt()
 }
 
+/// What a camera and the sensors see of a simulated limb, with the readings as pressures.
+fn seen_simulated(scene: &Scene, plan: &Plan, trial: &Trial, camera_m: f64) -> Vec<Sighting> {
+    let of = |run: Seen| {
+        let phase = plan.phases.iter().position(|phase| phase.name == run.phase).unwrap();
+        let pressures_pa = run.pressures_pa.iter().map(|pa| pa.max(0.0)).collect();
+        Sighting { line: 0, phase, loaded: run.loaded, tip_m: run.tip_m.into(), accuracy_m: 1e-3, pressures_pa }
+    };
+    sightings(scene, trial, camera_m).unwrap().into_iter().map(of).collect()
+}
+
+#[test]
+fn creep_that_the_scene_knows_is_no_mass() {
+    let kg = 10.0 / GRAVITY;
+    let creeping = |share: &str| {
+        let plant = NO_SPREAD.replace("creep_share = 0", &format!("creep_share = \"{share}\""));
+        repository("loaded/carry-hanging", &plant).carrying(0.0, true)
+    };
+    let rigid = creeping("0 %");
+    for (share, least) in [("0 %", 0.0), ("6 %", 0.04), ("12 %", 0.08)] {
+        let scene = creeping(share);
+        let limb = Limb::new(&scene).unwrap();
+        let plan = motion::plan(&scene, &limb).unwrap();
+        let trial = Trial { load_n: 10.0, repeats: 1, rehearsals: 1, parts: 1, noise: 70 };
+        let seen = seen_simulated(&scene, &plan, &trial, 0.0);
+        let off = |scene: &Scene| mass(scene, &limb, &plan, &seen, 0.0).unwrap().kg / kg - 1.0;
+        let (told, untold) = (off(&scene), off(&rigid));
+        println!("creep of {share}: off by {:+.2} %, without it in the model {:+.2} %", 100.0 * told, 100.0 * untold);
+        // The valves hold to some 0.1 kPa, sensors read to 0.06 kPa.
+        assert!(told.abs() < 0.005, "{share}: {told}");
+        assert!(untold >= least - 0.005, "{share}: {untold}");
+    }
+}
+
+/// Drawn limbs of the statistics, by seed, and how many of them run with setpoints for the mass as well.
+const DRAWN: std::ops::RangeInclusive<u64> = 101..=120;
+const TRACKED: u64 = 4;
+
 #[test]
 fn a_camera_weighs_the_load_of_drawn_limbs_and_setpoints_for_that_mass_track_as_those_for_the_true_one() {
     let (load_n, kg) = (10.0, 10.0 / GRAVITY);
@@ -167,24 +219,13 @@ fn a_camera_weighs_the_load_of_drawn_limbs_and_setpoints_for_that_mass_track_as_
     let free = motion::plan(&scene.carrying(0.0, false), &limb).unwrap();
     let goals: Vec<(f64, Vector3<f64>)> =
         ends_us(&free).into_iter().map(|end_us| (end_us, free.tip_m(&limb, end_us).into())).collect();
-    let (mut held, mut worst, mut off_mm): (i32, f64, _) = (0, 0.0, Vector3::zeros());
-    for parts in 1..=6 {
+    let (mut held, mut offs, mut off_mm) = (0, Vec::new(), Vector3::zeros());
+    for parts in DRAWN {
         let trial = Trial { load_n, repeats: 1, rehearsals: 1, parts, noise: 50 };
-        let runs = sightings(&scene, &trial, 0.2e-3).unwrap();
-        let at = |sighting: &Sighting| {
-            let name = &plan.phases[sighting.phase].name;
-            runs.iter().find(|run| run.phase == *name && run.loaded == sighting.loaded).unwrap().tip_m.into()
-        };
-        let mut seen = seen(&plan, |_, _| Vector3::zeros());
-        seen.iter_mut().for_each(|one| one.tip_m = at(one));
-        let found = mass(&scene, &limb, &seen, 0.1).unwrap();
+        let found = mass(&scene, &limb, &plan, &seen_simulated(&scene, &plan, &trial, 0.2e-3), 0.1).unwrap();
         let inside = (found.interval_kg[0]..=found.interval_kg[1]).contains(&kg);
         held += i32::from(inside);
-        worst = worst.max((found.kg / kg - 1.0).abs());
-        let corrected = motion::plan(&scene.carrying(found.kg, true), &limb).unwrap();
-        let [none, estimated, true_mass] =
-            [&plan, &corrected, &known].map(|plan| 1e3 * off_m(&loaded, &limb, &goals, plan, (parts, 90)));
-        off_mm += Vector3::new(none, estimated, true_mass) / 6.0;
+        offs.push(100.0 * (found.kg / kg - 1.0));
         println!(
             "limb {parts}: {:.4} of {kg:.4} kg, {:.4} by scatter, {:.4} by stiffness, {inside}; {:.3} mm left over",
             found.kg,
@@ -192,13 +233,24 @@ fn a_camera_weighs_the_load_of_drawn_limbs_and_setpoints_for_that_mass_track_as_
             found.stiffness_kg,
             1e3 * found.left_m
         );
-        println!("tip off, mm: {none:.2} without the load, {estimated:.2} with it as found, {true_mass:.2} as it is");
+        if parts < DRAWN.start() + TRACKED {
+            let corrected = motion::plan(&scene.carrying(found.kg, true), &limb).unwrap();
+            let [none, estimated, true_mass] =
+                [&plan, &corrected, &known].map(|plan| 1e3 * off_m(&loaded, &limb, &goals, plan, (parts, 90)));
+            off_mm += Vector3::new(none, estimated, true_mass) / TRACKED as f64;
+            println!(
+                "tip off, mm: {none:.2} without the load, {estimated:.2} with it as found, {true_mass:.2} as it is"
+            );
+        }
     }
-    println!(
-        "within its interval for {held} of 6 limbs; at most {:.1} % off; mean of the tip: {off_mm:?}",
-        100.0 * worst
-    );
-    // Walls, moduli and creep put the way of the tip off by some percent, and with it the mass.
-    assert!(worst < 0.16 && held >= 5);
-    assert!(off_mm.y < 1.2 * off_mm.z && off_mm.y < 0.7 * off_mm.x);
+    let limbs = offs.len() as f64;
+    let mean = offs.iter().sum::<f64>() / limbs;
+    let deviation = (offs.iter().map(|off| (off - mean).powi(2)).sum::<f64>() / (limbs - 1.0)).sqrt();
+    let worst = offs.iter().fold(0.0, |worst: f64, off| worst.max(off.abs()));
+    println!("off by {mean:+.2} % in the mean, {deviation:.2} % standard deviation, {worst:.1} % at most");
+    println!("within its interval for {held} of {limbs} limbs; mean of the tip: {off_mm:?}");
+    // Chosen before these limbs were drawn, from 30 others whose moduli and walls put the mass off by 4.6 % in the standard deviation:
+    // three of the mean of 20, three of one, and three of the count where 94 % are inside.
+    assert!(mean.abs() < 3.1 && worst < 15.0 && held >= 16, "{mean} {worst} {held}");
+    assert!(off_mm.y < 1.2 * off_mm.z && off_mm.y < 0.7 * off_mm.x, "{off_mm}");
 }

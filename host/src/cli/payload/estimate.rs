@@ -25,7 +25,7 @@ pub(super) fn run(command: &Payload, file: &Path, table: &Path) -> Result<Outcom
     let plan = motion::sent(&scene, &limb, &motion::plan(&scene, &limb)?)?;
     let about = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", table.display()));
     let seen = Sighting::read(&read(table)?, &limb, &plan).map_err(|error| about(&error))?;
-    let found = mass(&scene, &limb, &seen, 1e-2 * percent).map_err(|error| about(&error))?;
+    let found = mass(&scene, &limb, &plan, &seen, 1e-2 * percent).map_err(|error| about(&error))?;
     if command.json {
         say(&json(scene.name(), &found, &seen, &plan).to_string())?;
     } else {
