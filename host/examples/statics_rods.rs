@@ -32,6 +32,7 @@ fn fastest(mut run: impl FnMut()) -> f64 {
 fn cantilever(share: f64) -> Rod {
     let piece = Piece {
         free: [1.0, 0.0, 0.0, 0.0],
+        free_shear: [0.0; 2],
         stiffness: Matrix4::from_diagonal(&Vector4::new(1e4, 1.4, 1.4, 1.4)),
         shear_n: 1e4,
         sway: 0.6,

@@ -39,6 +39,7 @@ pub(crate) fn slender(length_m: f64, ei: f64, stiff: f64) -> Piece {
     let axial = stiff * ei / (length_m * length_m);
     Piece {
         free: [1.0, 0.0, 0.0, 0.0],
+        free_shear: [0.0; 2],
         stiffness: Matrix4::from_diagonal(&Vector4::new(axial, ei, ei, stiff * ei)),
         shear_n: axial,
         sway: 0.6,
@@ -83,6 +84,7 @@ pub(crate) fn random_rod(stream: &mut Stream, load: f64) -> Rod {
                     stream.between(-2.0, 2.0),
                     stream.between(-1.0, 1.0),
                 ],
+                free_shear: [0.0; 2],
                 stiffness,
                 shear_n: stream.between(60.0, 300.0),
                 sway: 0.6,

@@ -120,15 +120,14 @@ impl Statics {
 
 impl Loaded {
     fn new(limb: &LoadedLimb, answer: Answer, free_tip_m: [f64; 3]) -> Self {
-        let bends = answer.tier.pieces().1;
-        let tip_m: [f64; 3] = answer.shape.tip().translation.vector.into();
+        let tip_m: [f64; 3] = answer.tip().translation.vector.into();
         let deflection_m = tip_m.iter().zip(free_tip_m).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-        let compliance = answer.shape.compliance_m_per_n(&answer.rod, bends);
+        let compliance = answer.compliance_m_per_n();
         Self {
             tip_m,
             deflection_m,
             stiffness_n_per_m: compliance.map(|by| [0, 1, 2].map(|axis| 1.0 / by[(axis, axis)])),
-            stability: answer.shape.stability(&answer.rod, bends),
+            stability: answer.stability(limb),
             buckling_ratio: answer.buckling.map_or(0.0, |tube| tube.ratio()),
             weakest: answer.buckling.map(|tube| tube.module),
             bent_back: limb.bent_back(&answer.rod, &answer.shape, 1e-9),
@@ -154,7 +153,7 @@ impl Row {
                 "tier": found.answer.tier.name(),
                 "order_error": found.answer.order_error,
                 "bundle_error": found.answer.bundle_error,
-                "rods_error": found.answer.rods_error,
+                "rods_error": found.answer.tubes.as_ref().map(|(_, rods)| rods),
                 "bundle_shift_m": found.answer.bundle_shift_m.map(|shift| shift.as_slice().to_vec()),
                 "newton_iterations": found.answer.shape.iterations,
             }),
@@ -196,7 +195,7 @@ impl Row {
 /// Which model was taken, and why where rods did not do.
 fn model(answer: &Answer) -> String {
     let name = answer.tier.name();
-    answer.rods_error.map_or_else(|| name.to_owned(), |error| format!("{name} (rods are {:.2} % off)", 100.0 * error))
+    answer.tubes.as_ref().map_or_else(|| name.to_owned(), |(_, error)| format!("{name} (rods are {:.2} % off)", 100.0 * error))
 }
 
 fn table(scene: &Scene, rows: &[Row]) -> String {

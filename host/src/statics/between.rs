@@ -16,8 +16,8 @@ use nalgebra::{DVector, SMatrix, SVector, Vector3};
 
 use super::bundle::{Bundle, mean_nm2, shortening};
 use super::load::LoadedLimb;
-use super::rod::{Potential, Rod, UNKNOWNS};
-use super::solve::{Bends, LONGEST_TURN_RAD, Shape, size};
+use super::rod::{Rod, UNKNOWNS};
+use super::solve::{Bends, Shape};
 use super::tube::Tangent;
 
 /// Step of a difference of the stability functions by the force, of the least of shear and bending stiffness.
@@ -72,27 +72,8 @@ impl Beam {
     }
 }
 
-/// Step of a difference by the strains of a bay: rad/m for bends and twist, and for the stretch and slides.
-const BY_BEND: f64 = 1e-4;
-const BY_SLIDE: f64 = 1e-5;
-/// Iterations of the force of a tube, and where they end, of its shear stiffness.
-const FORCES: usize = 40;
-const SAME_FORCE: f64 = 1e-11;
-const ITERATIONS: usize = 25;
-/// Steps are taken until they are below this, in strain and in rad.
-const CONVERGED: f64 = 1e-9;
-
 /// Mean strains between two plates: stretch, bends, twist, and slides of the rod.
 type Strains = SVector<f64, 6>;
-
-/// How tubes are taken to be loaded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Forces {
-    /// By the strains of the rod alone.
-    OfRod,
-    /// A bow or an S that shortens a tube takes force off it.
-    Own,
-}
 
 /// The stretch between two plates: the parts of pieces that it has.
 struct Bay {
@@ -147,7 +128,7 @@ impl LoadedLimb {
         }
         let mut gradient = DVector::zeros(rod.unknowns());
         for bay in self.bays(rod) {
-            let slope = self.less(bay.module, &bay.strains(rod, &shape.q), Forces::OfRod)?;
+            let slope = self.less(bay.module, &bay.strains(rod, &shape.q));
             for part in &bay.parts {
                 let own = Bay::by_unknowns(rod, &shape.q, part).tr_mul(&slope);
                 (0..UNKNOWNS).for_each(|a| gradient[part.0 * UNKNOWNS + a] += own[a]);
@@ -157,71 +138,13 @@ impl LoadedLimb {
         Some(Vector3::from(shape.levers(rod, bends).map(|lever| lever.dot(&response))))
     }
 
-    /// The shape that the limb has with its tubes between plates, from that of `rod`: the minimum of the rod's potential less what the
-    /// tubes have less.
-    ///
-    /// `None` where Newton's method finds none, or where it is no minimum.
-    pub fn with_tubes(&self, rod: &Rod, shape: &Shape) -> Option<Shape> {
-        let mut q = shape.q.clone();
-        for iterations in 1..=ITERATIONS {
-            let mut potential = rod.potential(&q, 1.0);
-            self.take_off(rod, &q, &mut potential)?;
-            let step = potential.tangent.clone().cholesky()?.solve(&potential.gradient);
-            let size = size(rod, &step);
-            if size <= CONVERGED {
-                return Some(Shape { q, potential, iterations: shape.iterations + iterations, steps: shape.steps });
-            }
-            q -= step;
-            if size > LONGEST_TURN_RAD || !size.is_finite() {
-                return None;
-            }
-        }
-        None
-    }
-
-    /// Takes the first and second derivatives of what the tubes have less off those of the rod.
-    fn take_off(&self, rod: &Rod, q: &DVector<f64>, potential: &mut Potential) -> Option<()> {
-        for bay in self.bays(rod) {
-            let strains = bay.strains(rod, q);
-            let slope = self.less(bay.module, &strains, Forces::Own)?;
-            let mut second = SMatrix::<f64, 6, 6>::zeros();
-            for axis in 0..6 {
-                let step = if (1..4).contains(&axis) { BY_BEND } else { BY_SLIDE };
-                let at = |step: f64| {
-                    let mut moved = strains;
-                    moved[axis] += step;
-                    self.less(bay.module, &moved, Forces::Own)
-                };
-                second.set_column(axis, &((at(step)? - at(-step)?) / (2.0 * step)));
-            }
-            let second = 0.5 * (second + second.transpose());
-            let by: Vec<_> = bay.parts.iter().map(|part| (part, Bay::by_unknowns(rod, q, part))).collect();
-            for (part, own) in &by {
-                let at = part.0 * UNKNOWNS;
-                let gradient = own.tr_mul(&slope);
-                (0..UNKNOWNS).for_each(|a| potential.gradient[at + a] -= gradient[a]);
-                let piece = &rod.pieces[part.0];
-                for a in [5, 6] {
-                    potential.tangent[(at + a, at + a)] -= 2.0 * piece.sway / piece.free[0] * part.1 * slope[0];
-                }
-                for (other, theirs) in &by {
-                    let block = own.tr_mul(&second) * theirs;
-                    let to = other.0 * UNKNOWNS;
-                    let mut view = potential.tangent.view_mut((at, to), (UNKNOWNS, UNKNOWNS));
-                    view -= block;
-                }
-            }
-        }
-        Some(())
-    }
-
     /// The bays of all modules but bending ones in a rod, which may have each module in several pieces.
     fn bays(&self, rod: &Rod) -> Vec<Bay> {
         let parts = (rod.pieces.len() / self.bundles.len().max(1)).max(1);
         let straight = self.bundles.iter().enumerate().filter(|(module, _)| self.motions[*module] != Motion::Bending);
         let of_module = |(module, bundle): (usize, &Bundle)| {
             let length_m = rod.pieces[module * parts].length_m * parts as f64;
-            let bays = (length_m / bundle.bay_m).round().max(1.0) as usize;
+            let bays = bundle.bays(length_m);
             let of_bay = move |bay: usize| {
                 // Places in pieces of the module.
                 let [from, to] = [bay, bay + 1].map(|plate| (plate * parts) as f64 / bays as f64);
@@ -238,7 +161,7 @@ impl LoadedLimb {
     }
 
     /// Slope by the strains of a bay of the energy that its tubes have less than the rod.
-    fn less(&self, module: usize, strains: &Strains, forces: Forces) -> Option<Strains> {
+    fn less(&self, module: usize, strains: &Strains) -> Strains {
         let bundle = &self.bundles[module];
         let (stretch, bay_m) = (bundle.free.stretch, bundle.bay_m);
         let [_, x, y, twist, slide_x, slide_y] = <[f64; 6]>::from(*strains);
@@ -252,26 +175,14 @@ impl LoadedLimb {
         let own = rods[0] * slide_x * slide_x + rods[1] * slide_y * slide_y;
         let mut slope = Strains::zeros();
         for (tube, ([x, y], tangent)) in bundle.tubes.iter().enumerate() {
-            let rods_n = self.force_n(module, tube, &strains.fixed_rows::<4>(0).into_owned());
+            let force_n = self.force_n(module, tube, &strains.fixed_rows::<4>(0).into_owned());
             let beam = Beam::new(tangent, stretch, bay_m);
             let g = [all[0] * slide_x - twist * y, all[1] * slide_y + twist * x];
             let (bent, slid) = (u[0] * u[0] + u[1] * u[1], g[0] * g[0] + g[1] * g[1]);
             let lean = shortening(beam.share());
             // The energy of a tube is bow bent/2 + (slide - N lean) slid/2 less, and that of the rod's own shortening more, all over the stretch.
-            let by_force = |force_n: f64| {
-                let (_, [bow, slide]) = beam.lost_with_slope(-force_n);
-                -0.5 * (bow * bent + slide * slid) - 0.5 * (lean * slid - own)
-            };
-            let soft = tangent.axial_n / stretch;
-            let force_n = match forces {
-                Forces::OfRod => rods_n,
-                Forces::Own => own_force_n(rods_n, soft, beam.shear_n, by_force)?,
-            };
-            let [bow, slide] = beam.lost(-force_n);
-            let by_strain = match forces {
-                Forces::OfRod => tangent.axial_n * by_force(rods_n),
-                Forces::Own => stretch * (rods_n - force_n),
-            };
+            let ([bow, slide], [bow_by, slide_by]) = beam.lost_with_slope(-force_n);
+            let by_strain = -0.5 * tangent.axial_n * (bow_by * bent + slide_by * slid + lean * slid - own);
             slope[0] += by_strain;
             slope[1] += bow * u[0] - by_strain * x;
             slope[2] += bow * u[1] - by_strain * y;
@@ -280,23 +191,8 @@ impl LoadedLimb {
             slope[4] += by_slide * g[0] * all[0] + force_n * rods[0] * slide_x;
             slope[5] += by_slide * g[1] * all[1] + force_n * rods[1] * slide_y;
         }
-        Some(slope * (bay_m / stretch))
+        slope * (bay_m / stretch)
     }
-}
-
-/// The force of a tube that its own bow and S take some of: `N = N_rod - EA/stretch dD/dN`, by Newton's method.
-fn own_force_n(rods_n: f64, soft: f64, shear_n: f64, by_force: impl Fn(f64) -> f64) -> Option<f64> {
-    let mut force_n = rods_n;
-    let h = 1e-3 * shear_n;
-    for _ in 0..FORCES {
-        let left = force_n - rods_n + soft * by_force(force_n);
-        let step = left / (1.0 + soft * (by_force(force_n + h) - by_force(force_n - h)) / (2.0 * h));
-        force_n -= step;
-        if step.abs() <= SAME_FORCE * shear_n {
-            return Some(force_n);
-        }
-    }
-    None
 }
 
 #[cfg(test)]
@@ -327,6 +223,7 @@ mod tests {
         let bundle = Bundle::of_tubes(Motion::Extension, tubes, 0.08).expect("a bundle");
         let piece = Piece {
             free: [bundle.free.stretch, 0.0, 0.0, 0.0],
+            free_shear: [0.0; 2],
             stiffness: Matrix4::identity(),
             shear_n: bundle.shear_n,
             sway: bundle.sway,
@@ -350,20 +247,20 @@ mod tests {
     fn slopes_are_those_of_an_energy() {
         let limb = limb();
         let strains = Strains::new(-0.02, 0.8, -0.5, 0.4, 0.03, -0.02);
-        for forces in [Forces::OfRod, Forces::Own] {
+        {
             let mut second = SMatrix::<f64, 6, 6>::zeros();
             for axis in 0..6 {
                 let at = |step: f64| {
                     let mut moved = strains;
                     moved[axis] += step;
-                    limb.less(0, &moved, forces).expect("a force")
+                    limb.less(0, &moved)
                 };
                 second.set_column(axis, &((at(1e-5) - at(-1e-5)) / 2e-5));
             }
             let odd = (0..6).flat_map(|a| (0..a).map(move |b| (a, b)));
             for (a, b) in odd {
                 let scale = (second[(a, a)] * second[(b, b)]).abs().sqrt().max(second[(a, b)].abs());
-                assert!((second[(a, b)] - second[(b, a)]).abs() < 1e-4 * scale, "{forces:?} {a} {b}: {second}");
+                assert!((second[(a, b)] - second[(b, a)]).abs() < 1e-4 * scale, "{a} {b}: {second}");
             }
         }
     }

@@ -46,7 +46,7 @@ impl LoadedLimb {
         let parts = (rod.pieces.len() / self.bundles.len().max(1)).max(1);
         self.bundles.iter().enumerate().flat_map(move |(module, bundle)| {
             let length_m = rod.pieces[module * parts].length_m * parts as f64;
-            let bays = (length_m / bundle.bay_m).round().max(1.0) as usize;
+            let bays = bundle.bays(length_m);
             (0..bays).map(move |bay| {
                 let place = (bay as f64 + 0.5) / bays as f64 * parts as f64;
                 let part = (place as usize).min(parts - 1);

@@ -95,6 +95,11 @@ impl Bundle {
         let free = Free { stretch: free[0], bend_rad_per_m: [free[1], free[2]], twist_rad_per_m: free[3] };
         Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes })
     }
+
+    /// Stretches between plates in a module of this length at rest, m.
+    pub(super) fn bays(&self, length_m: f64) -> usize {
+        (length_m / self.bay_m).round().max(1.0) as usize
+    }
 }
 
 /// Bending stiffness of a tube towards `x` and `y`, N m2.

@@ -90,6 +90,7 @@ fn piece(scene: &Scene, module: &LimbModule, index: usize, (bundle, wall_kg): (&
     let free = bundle.free;
     Piece {
         free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
+        free_shear: [0.0; 2],
         stiffness: bundle.stiffness,
         shear_n: bundle.shear_n,
         sway: bundle.sway,

@@ -28,6 +28,8 @@ pub(super) const STEPS: usize = 4;
 pub struct Piece {
     /// Stretch, bends towards `x` and `y` (rad/m) and twist rate (rad/m) without load.
     pub free: [f64; 4],
+    /// Shears without load towards `x` and `y`: those of a tube that is wound about the axis of its bundle, else 0.
+    pub free_shear: [f64; 2],
     /// Second derivatives of the energy per length by these four.
     pub stiffness: Matrix4<f64>,
     /// Shear stiffness, N.
@@ -80,7 +82,11 @@ pub(super) struct Behind {
 }
 
 impl Behind {
-    fn add(&mut self, at: &Vector3<f64>, force: &Vector3<f64>) {
+    pub(super) fn none() -> Self {
+        Self { force: Vector3::zeros(), moment: Matrix3::zeros() }
+    }
+
+    pub(super) fn add(&mut self, at: &Vector3<f64>, force: &Vector3<f64>) {
         self.force += force;
         self.moment += at * force.transpose();
     }
@@ -92,7 +98,7 @@ impl Piece {
         let [stretch, x, y, twist] = self.free;
         let turn = Vector3::new(q[0] + q[1] * eta - y, q[2] + q[3] * eta + x, q[4] + twist);
         let slope = Vector3::new(q[1], q[3], 0.0) * (2.0 / self.length_m);
-        [turn, slope, Vector3::new(q[5], q[6], q[7] + stretch)]
+        [turn, slope, Vector3::new(q[5] + self.free_shear[0], q[6] + self.free_shear[1], q[7] + stretch)]
     }
 
     /// Strains in the terms of the stiffness, less those without load: mean, and amplitude of the linear part.
@@ -165,14 +171,29 @@ impl Rod {
     /// # Panics
     /// When there are not as many unknowns as the rod has.
     pub fn potential(&self, q: &DVector<f64>, share: f64) -> Potential {
+        let pushed = |tip: &Isometry3<f64>| {
+            let mut loads = Behind::none();
+            loads.add(&tip.translation.vector, &(self.tip_force_n * share));
+            loads
+        };
+        self.assemble(q, share, pushed, |_, _| ()).0
+    }
+
+    /// The same under a share of the weights and under given dead loads on what is fixed to the tip. `seen` gets the index and the sums of
+    /// each piece, the last one first: derivatives of the work of the loads. All loads come last.
+    pub(super) fn assemble(
+        &self,
+        q: &DVector<f64>,
+        share: f64,
+        on_tip: impl FnOnce(&Isometry3<f64>) -> Behind,
+        mut seen: impl FnMut(usize, &Sums),
+    ) -> (Potential, Behind) {
         assert_eq!(q.len(), self.unknowns(), "eight unknowns a piece");
         let count = q.len();
         let (steps, poses) = self.chain(q.as_slice());
+        let mut behind = on_tip(poses.last().unwrap_or(&self.base));
         let mut total =
             Potential { value_j: 0.0, gradient: DVector::zeros(count), tangent: DMatrix::zeros(count, count), poses };
-        let mut behind = Behind { force: Vector3::zeros(), moment: Matrix3::zeros() };
-        let tip = total.poses.last().map_or(self.base.translation.vector, |pose| pose.translation.vector);
-        behind.add(&tip, &(self.tip_force_n * share));
         let gravity = self.gravity_m_per_s2 * share;
         let mut later: Vec<Arms> = Vec::with_capacity(self.pieces.len());
         for (index, piece) in self.pieces.iter().enumerate().rev() {
@@ -188,6 +209,7 @@ impl Rod {
                 step.add_to(&behind, &mut sums);
             }
             behind.add(&own[0].origin, &(gravity * piece.node_kg(0)));
+            seen(index, &sums);
             sums.gradient.iter_mut().for_each(|entry| *entry = -*entry);
             sums.tangent.neg_mut();
             let at = index * UNKNOWNS;
@@ -196,7 +218,7 @@ impl Rod {
             later.push(sums.arms);
         }
         total.value_j -= behind.moment.trace();
-        total
+        (total, behind)
     }
 
     /// The steps of a shape, and the poses behind the pieces.

@@ -91,12 +91,17 @@ impl Shape {
         let mut tangent = self.potential.tangent.clone();
         hold(&mut unloaded, bends);
         hold(&mut tangent, bends);
-        let Some(root) = unloaded.cholesky() else { return f64::NEG_INFINITY };
-        let root = root.l();
-        let half = root.solve_lower_triangular(&tangent).unwrap_or(tangent);
-        let both = root.solve_lower_triangular(&half.transpose()).unwrap_or(half);
-        (0.5 * (&both + both.transpose())).symmetric_eigenvalues().min()
+        least_relative(&tangent, unloaded)
     }
+}
+
+/// The least eigenvalue of a tangent relative to that without load.
+pub(super) fn least_relative(tangent: &DMatrix<f64>, unloaded: DMatrix<f64>) -> f64 {
+    let Some(root) = unloaded.cholesky() else { return f64::NEG_INFINITY };
+    let root = root.l();
+    let half = root.solve_lower_triangular(tangent).unwrap_or_else(|| tangent.clone());
+    let both = root.solve_lower_triangular(&half.transpose()).unwrap_or(half);
+    (0.5 * (&both + both.transpose())).symmetric_eigenvalues().min()
 }
 
 /// The shape under the full loads; from `start`, a shape under nearby loads, where that leads to one, else from the limb without load.

@@ -1,18 +1,19 @@
 //! How much model a pose needs: the cheapest tier whose estimated error is within a tolerance.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Isometry3, Matrix3, Vector3};
 
 use super::buckling::Buckling;
 use super::load::LoadedLimb;
+use super::plates::Plates;
 use super::rod::{Rod, UNKNOWNS};
 use super::solve::{Bends, Lost, Shape, solve};
 
 /// What a tier leaves of the error of the one before, at most: strains are constant along a piece and pieces are halved.
 const LEFT: f64 = 0.25;
 
-/// What tubes between plates leave of the error of rods, about; see `what_tubes_between_plates_leave_is_told` in `host/tests/statics/bundles.rs`.
-const LEFT_BY_TUBES: f64 = 1.0 / 6.0;
-/// Compression of a tube over its load of buckling above which no tier is right.
+/// Most pieces of a tube ([`LoadedLimb::tubes_near`]).
+const FINEST: usize = 8;
+/// Compression of a tube over its load of buckling above which rods are not right, and nothing to begin at.
 const BUCKLED: f64 = 0.5;
 
 /// Models of a limb under load, the cheapest first.
@@ -28,7 +29,7 @@ pub enum Tier {
     Double,
     /// The same with four pieces a module.
     Fourfold,
-    /// The same with the tubes of each bundle as beams between their plates ([`LoadedLimb::with_tubes`]).
+    /// Every tube a rod of its own between rigid plates ([`by_tubes`]).
     Tubes,
 }
 
@@ -78,10 +79,10 @@ pub struct Answer {
     /// By how much tubes between plates would have the tip elsewhere, m ([`LoadedLimb::tubes_shift_m`]); `None` where a tube buckles. Of
     /// [`Tier::Tubes`] how far they have it from where the finest rods do.
     pub bundle_shift_m: Option<Vector3<f64>>,
-    /// The same as a share of the length; 1 where a tube buckles. A sixth of it for [`Tier::Tubes`].
+    /// The same as a share of the length; 1 where a tube buckles, 0 for [`Tier::Tubes`], which leaves nothing out of a bundle.
     pub bundle_error: f64,
-    /// The error of the rods that did not do, where tubes took their place.
-    pub rods_error: Option<f64>,
+    /// Where tubes took the place of rods: the tubes, and the error of the rods, whose shape `shape` is.
+    pub tubes: Option<(Plates, f64)>,
     /// The tube that is closest to buckling.
     pub buckling: Option<Buckling>,
 }
@@ -90,6 +91,29 @@ impl Answer {
     /// The larger of both errors, as a share of the limb's length.
     pub fn error(&self) -> f64 {
         self.order_error.max(self.bundle_error)
+    }
+
+    /// How far the tip gives way to a small force on it, m/N: column by direction of the force.
+    pub fn compliance_m_per_n(&self) -> Option<Matrix3<f64>> {
+        match &self.tubes {
+            Some((plates, _)) => plates.compliance_m_per_n(),
+            None => self.shape.compliance_m_per_n(&self.rod, self.tier.pieces().1),
+        }
+    }
+
+    /// Least eigenvalue of the tangent relative to that without load, of the limb that this is: 1 without load, 0 where it loses its stability.
+    pub fn stability(&self, limb: &LoadedLimb) -> f64 {
+        match &self.tubes {
+            Some((plates, _)) => {
+                limb.tubes_at_rest(plates.fine).map_or(f64::NEG_INFINITY, |unloaded| plates.stability(&unloaded))
+            }
+            None => self.shape.stability(&self.rod, self.tier.pieces().1),
+        }
+    }
+
+    /// Pose of the tip.
+    pub fn tip(&self) -> Isometry3<f64> {
+        self.tubes.as_ref().map_or_else(|| self.shape.tip(), |(plates, _)| plates.tip())
     }
 }
 
@@ -118,28 +142,39 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
 /// [`Lost`] where the limb does not carry the load.
 pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
     let answer = cheapest_rod(limb, tolerance, length_m)?;
-    let tubes = if answer.order_error <= tolerance && answer.bundle_error > tolerance {
-        by_tubes(limb, length_m)
-    } else {
-        None
-    };
-    Ok(tubes.map_or_else(|| answer.clone(), |tubes| Answer { rods_error: Some(answer.error()), ..tubes }))
+    let wanted = answer.order_error <= tolerance && answer.bundle_error > tolerance;
+    let tubes = wanted.then(|| by_tubes(limb, tolerance, length_m)).flatten();
+    Ok(tubes.unwrap_or(answer))
 }
 
-/// The limb with its tubes between plates, from the finest rods; `None` where they have no equilibrium or one is beyond half of its load of buckling.
-pub fn by_tubes(limb: &LoadedLimb, length_m: f64) -> Option<Answer> {
+/// The limb with every tube a rod of its own, in as few pieces as have an error of at most `tolerance` (a share of `length_m`), or in the most.
+/// `None` where rods have no shape or tubes none that the one without load leads to.
+///
+/// The error is a third of the distance from half as many pieces, which have four times the error.
+pub fn by_tubes(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Option<Answer> {
     // No distance is below that tolerance, so that the finest is taken.
     let rods = cheapest_rod(limb, -1.0, length_m).ok()?;
-    let sound = |rod: &Rod, shape: &Shape| limb.buckling(rod, shape).is_none_or(|tube| tube.ratio() <= BUCKLED);
-    let shape = sound(&rods.rod, &rods.shape).then(|| limb.with_tubes(&rods.rod, &rods.shape)).flatten()?;
-    let way = shape.tip().translation.vector - rods.shape.tip().translation.vector;
-    sound(&rods.rod, &shape).then(|| Answer {
+    let sound = rods.buckling.is_none_or(|tube| tube.ratio() <= BUCKLED);
+    let of = |fine: usize| {
+        let near = sound.then(|| limb.tubes_near(&rods.rod, &rods.shape.q, fine)).flatten();
+        near.or_else(|| limb.tubes_grown(fine))
+    };
+    let way = |from: &Isometry3<f64>, to: &Isometry3<f64>| to.translation.vector - from.translation.vector;
+    let (mut coarse, mut plates) = (of(1)?, of(2)?);
+    let told = |coarse: &Plates, plates: &Plates| {
+        LEFT / (1.0 - LEFT) * way(&coarse.tip(), &plates.tip()).norm() / length_m
+    };
+    while told(&coarse, &plates) > tolerance && plates.fine < FINEST {
+        coarse = plates;
+        plates = of(2 * coarse.fine)?;
+    }
+    Some(Answer {
         tier: Tier::Tubes,
-        bundle_shift_m: Some(way),
-        bundle_error: LEFT_BY_TUBES * way.norm() / length_m,
-        rods_error: Some(rods.error()),
-        buckling: limb.buckling(&rods.rod, &shape),
-        shape,
+        order_error: told(&coarse, &plates),
+        bundle_shift_m: Some(way(&rods.shape.tip(), &plates.tip())),
+        bundle_error: 0.0,
+        buckling: plates.buckling(limb),
+        tubes: Some((plates, rods.error())),
         ..rods
     })
 }
@@ -203,7 +238,7 @@ pub fn choose(
             order_error,
             bundle_shift_m: shift_m,
             bundle_error,
-            rods_error: None,
+            tubes: None,
             buckling,
         });
     }
