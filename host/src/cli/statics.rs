@@ -195,7 +195,10 @@ impl Row {
 /// Which model was taken, and why where rods did not do.
 fn model(answer: &Answer) -> String {
     let name = answer.tier.name();
-    answer.tubes.as_ref().map_or_else(|| name.to_owned(), |(_, error)| format!("{name} (rods are {:.2} % off)", 100.0 * error))
+    answer
+        .tubes
+        .as_ref()
+        .map_or_else(|| name.to_owned(), |(_, error)| format!("{name} (rods are {:.2} % off)", 100.0 * error))
 }
 
 fn table(scene: &Scene, rows: &[Row]) -> String {

@@ -7,9 +7,7 @@
 //! in these the rod has, as far as it is the same for all tubes; forces of a moment on the bundle are of both signs and leave the square.
 //!
 //! With `D` the energy that the tubes have less than the rod at the same strains, the tip moves by `dx/dq K^-1 dD/dq` to first order in `D`.
-//! Beyond that the potential is that of the rod less `D`, whose minimum is sought by Newton's method. There a tube's force is its own: what its
-//! bow and S shorten takes some of it off, `N = N_rod - EA dD/dN`. `D` is that of the mean strains between two plates, which may lie in several
-//! pieces: in one of them alone it would make that piece soft.
+//! `D` is that of the mean strains between two plates, which may lie in several pieces.
 
 use fra_model::Motion;
 use nalgebra::{DVector, SMatrix, SVector, Vector3};

@@ -11,8 +11,8 @@ use super::solve::{Bends, Lost, Shape, solve};
 /// What a tier leaves of the error of the one before, at most: strains are constant along a piece and pieces are halved.
 const LEFT: f64 = 0.25;
 
-/// Most pieces of a tube ([`LoadedLimb::tubes_near`]).
-const FINEST: usize = 8;
+/// Pieces of the tubes ([`LoadedLimb::tubes_near`]), the fewest first; the first is to judge the second by.
+const FINENESS: [usize; 3] = [2, 4, 8];
 /// Compression of a tube over its load of buckling above which rods are not right, and nothing to begin at.
 const BUCKLED: f64 = 0.5;
 
@@ -160,13 +160,15 @@ pub fn by_tubes(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Option<Answ
         near.or_else(|| limb.tubes_grown(fine))
     };
     let way = |from: &Isometry3<f64>, to: &Isometry3<f64>| to.translation.vector - from.translation.vector;
-    let (mut coarse, mut plates) = (of(1)?, of(2)?);
-    let told = |coarse: &Plates, plates: &Plates| {
-        LEFT / (1.0 - LEFT) * way(&coarse.tip(), &plates.tip()).norm() / length_m
-    };
-    while told(&coarse, &plates) > tolerance && plates.fine < FINEST {
-        coarse = plates;
-        plates = of(2 * coarse.fine)?;
+    let told =
+        |coarse: &Plates, plates: &Plates| LEFT / (1.0 - LEFT) * way(&coarse.tip(), &plates.tip()).norm() / length_m;
+    // Close to where the limb falls, few pieces may be beyond it.
+    let mut finer = FINENESS.into_iter().filter_map(of);
+    let (mut coarse, mut plates) = (finer.next()?, finer.next()?);
+    while told(&coarse, &plates) > tolerance
+        && let Some(next) = finer.next()
+    {
+        (coarse, plates) = (plates, next);
     }
     Some(Answer {
         tier: Tier::Tubes,

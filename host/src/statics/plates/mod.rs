@@ -111,7 +111,9 @@ impl Plates {
             let (start, behind) = (before * Translation3::new(0.0, 0.0, bay.before_m), &poses[index]);
             let mut dead = Behind::none();
             let along = |distance_m: f64| behind.translation.vector + behind.rotation * Vector3::z() * distance_m;
-            bay.masses.iter().for_each(|(distance_m, kg)| dead.add(&along(*distance_m), &(self.gravity_m_per_s2 * *kg * share)));
+            bay.masses
+                .iter()
+                .for_each(|(distance_m, kg)| dead.add(&along(*distance_m), &(self.gravity_m_per_s2 * *kg * share)));
             if index == last {
                 dead.add(&along(self.tool_m), &(self.tip_force_n * share));
             }

@@ -65,7 +65,9 @@ impl LoadedLimb {
             for bay in 0..count {
                 let place = |end: usize| (bay * pieces + end) as f64 / (count * pieces) as f64;
                 let strains: Vec<Strains> = (0..pieces)
-                    .map(|index| Strains::of(rod, q, module * parts..(module + 1) * parts, [place(index), place(index + 1)]))
+                    .map(|index| {
+                        Strains::of(rod, q, module * parts..(module + 1) * parts, [place(index), place(index + 1)])
+                    })
                     .collect();
                 let tube = |[x, y]: [f64; 2], like: Piece| {
                     let length_m = piece.length_m / (count * pieces) as f64;
@@ -164,4 +166,3 @@ fn alone(motion: Motion, [x, y]: [f64; 2], tangent: &Tangent, kg_per_m: f64) -> 
         masses: Vec::new(),
     })
 }
-

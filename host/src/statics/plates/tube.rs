@@ -1,8 +1,8 @@
 //! A tube between two plates: its shape, and what it does to them.
 
 use nalgebra::{
-    Const, DMatrix, DVector, Dyn, Isometry3, Matrix3, Matrix6, OMatrix, SMatrix, SVector, UnitQuaternion, Vector3, Vector4,
-    Vector6,
+    Const, DMatrix, DVector, Dyn, Isometry3, Matrix3, Matrix6, OMatrix, SMatrix, SVector, UnitQuaternion, Vector3,
+    Vector4, Vector6,
 };
 
 use crate::statics::rod::{Behind, Piece, Rod, UNKNOWNS};
@@ -48,11 +48,7 @@ pub(super) fn turned(moment: &Matrix3<f64>) -> Matrix3<f64> {
 
 /// `sum r x f` of `sum r f^T`.
 pub(super) fn torque(moment: &Matrix3<f64>) -> Vector3<f64> {
-    Vector3::new(
-        moment[(1, 2)] - moment[(2, 1)],
-        moment[(2, 0)] - moment[(0, 2)],
-        moment[(0, 1)] - moment[(1, 0)],
-    )
+    Vector3::new(moment[(1, 2)] - moment[(2, 1)], moment[(2, 0)] - moment[(0, 2)], moment[(0, 1)] - moment[(1, 0)])
 }
 
 /// Moment about another place.
