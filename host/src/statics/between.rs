@@ -245,21 +245,19 @@ mod tests {
     fn slopes_are_those_of_an_energy() {
         let limb = limb();
         let strains = Strains::new(-0.02, 0.8, -0.5, 0.4, 0.03, -0.02);
-        {
-            let mut second = SMatrix::<f64, 6, 6>::zeros();
-            for axis in 0..6 {
-                let at = |step: f64| {
-                    let mut moved = strains;
-                    moved[axis] += step;
-                    limb.less(0, &moved)
-                };
-                second.set_column(axis, &((at(1e-5) - at(-1e-5)) / 2e-5));
-            }
-            let odd = (0..6).flat_map(|a| (0..a).map(move |b| (a, b)));
-            for (a, b) in odd {
-                let scale = (second[(a, a)] * second[(b, b)]).abs().sqrt().max(second[(a, b)].abs());
-                assert!((second[(a, b)] - second[(b, a)]).abs() < 1e-4 * scale, "{a} {b}: {second}");
-            }
+        let mut second = SMatrix::<f64, 6, 6>::zeros();
+        for axis in 0..6 {
+            let at = |step: f64| {
+                let mut moved = strains;
+                moved[axis] += step;
+                limb.less(0, &moved)
+            };
+            second.set_column(axis, &((at(1e-5) - at(-1e-5)) / 2e-5));
+        }
+        let odd = (0..6).flat_map(|a| (0..a).map(move |b| (a, b)));
+        for (a, b) in odd {
+            let scale = (second[(a, a)] * second[(b, b)]).abs().sqrt().max(second[(a, b)].abs());
+            assert!((second[(a, b)] - second[(b, a)]).abs() < 1e-4 * scale, "{a} {b}: {second}");
         }
     }
 

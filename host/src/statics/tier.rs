@@ -134,16 +134,13 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
 }
 
 /// The cheapest tier whose error is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest: rods, and tubes between
-/// plates where rods do in all but that they are no tubes.
-///
-/// Where a tube carries more than half of its load of buckling, or tubes have no equilibrium, the answer is that of the rods.
+/// plates where no rods do. Where tubes have no shape that the one without load leads to, the answer is that of the rods.
 ///
 /// # Errors
 /// [`Lost`] where the limb does not carry the load.
 pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
     let answer = cheapest_rod(limb, tolerance, length_m)?;
-    let wanted = answer.order_error <= tolerance && answer.bundle_error > tolerance;
-    let tubes = wanted.then(|| by_tubes(limb, tolerance, length_m)).flatten();
+    let tubes = (answer.error() > tolerance).then(|| by_tubes(limb, tolerance, length_m)).flatten();
     Ok(tubes.unwrap_or(answer))
 }
 
