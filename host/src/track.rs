@@ -137,8 +137,7 @@ pub fn sightings(scene: &Scene, trial: &Trial, camera_m: f64) -> Result<Vec<Seen
     let limb = Limb::new(scene)?;
     let plan = motion::sent(scene, &limb, &motion::plan(scene, &limb)?)?;
     let mut random = Random::new(trial.noise, CAMERA);
-    // Nearly normal.
-    let mut noise_m = || camera_m * ((0..12).map(|_| random.uniform()).sum::<f64>() - 6.0);
+    let mut noise_m = || camera_m * random.normal();
     let mut seen = Vec::new();
     for (loaded, run) in [false, true].into_iter().flat_map(|loaded| (0..trial.repeats).map(move |run| (loaded, run))) {
         let load_n = if loaded { trial.load_n } else { 0.0 };

@@ -71,12 +71,9 @@ impl<'a> Learner<'a> {
         (sum / f64::from(count.max(1))).sqrt()
     }
 
-    /// Noise of one look, m: of nearly normal distribution.
+    /// Noise of one look, m.
     fn noise(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| {
-            let sum: f64 = (0..12).map(|_| self.random.uniform()).sum();
-            self.camera_noise_m * (sum - 6.0)
-        })
+        Vector3::from_fn(|_, _| self.camera_noise_m * self.random.normal())
     }
 
     /// The error at each instant, m, such that straight lines between them fit the looks of a pause by least squares; of a move the mean

@@ -118,6 +118,11 @@ impl Random {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
+    /// Of nearly normal distribution: mean zero, standard deviation one.
+    pub(crate) fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+
     pub(crate) fn place(&mut self, width: usize) -> Vec<f64> {
         (0..width).map(|_| self.uniform()).collect()
     }
