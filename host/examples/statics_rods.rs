@@ -2,8 +2,8 @@
 //!
 //!     cargo run --release -p softlimb --example statics_rods
 //!
-//! A heavy level cantilever, and a hanging limb of three modules with a payload. Each is told as the rod that is solved, so that another
-//! program can solve the same one.
+//! A heavy level cantilever, and a limb of three modules, hanging with a payload and level without. Each is told as the rod that is solved,
+//! so that another program can solve the same one.
 
 use std::time::Instant;
 
@@ -51,17 +51,17 @@ fn cantilever(share: f64) -> Rod {
     }
 }
 
-/// The limb of a scene, hanging, with plates every 60 mm and 0.2 kg at the tip. The lines of its bending module stretch as its walls do, not a
+/// The limb of a scene, hanging or level, with plates every 60 mm. The lines of its bending module stretch as its walls do, not a
 /// hundred times less: that would cost a program that follows waves in time ten times the steps.
-fn limb(share: f64) -> Rod {
+fn limb(share: f64, direction: &str, up: &str, payload_kg: f64) -> Rod {
     let text = std::fs::read_to_string("scenes/pick-and-place-a.toml").expect("run from the root of the workspace");
     let text = text
-        .replace("base_direction = [1, 0, 0]", "base_direction = [0, 0, -1]")
-        .replace("base_up = [0, 0, 1]", "base_up = [1, 0, 0]");
-    let scene = scene::parse(&text, "hanging").unwrap_or_else(|error| panic!("{error}"));
+        .replace("base_direction = [1, 0, 0]", &format!("base_direction = {direction}"))
+        .replace("base_up = [0, 0, 1]", &format!("base_up = {up}"));
+    let scene = scene::parse(&text, "limb").unwrap_or_else(|error| panic!("{error}"));
     let limb = Limb::new(&scene).unwrap_or_else(|error| panic!("{error}"));
     let pressures = vec![PRESSURE_PA * share; limb.channels()];
-    let load = Load { payload_kg: 0.2, ..Load::default() };
+    let load = Load { payload_kg, ..Load::default() };
     let mut rod =
         LoadedLimb::new(&scene, &limb, &pressures, &vec![4; limb.modules().len()], &load).expect("a limb").rod;
     rod.pieces[1].stiffness[(0, 0)] /= 100.0;
@@ -100,5 +100,7 @@ fn case(name: &str, make: impl Fn(f64) -> Rod) -> Value {
 }
 
 fn main() {
-    println!("{}", json!([case("cantilever", cantilever), case("limb", limb)]));
+    let hanging = |share| limb(share, "[0, 0, -1]", "[1, 0, 0]", 0.2);
+    let level = |share| limb(share, "[1, 0, 0]", "[0, 0, 1]", 0.0);
+    println!("{}", json!([case("cantilever", cantilever), case("hanging limb", hanging), case("level limb", level)]));
 }
