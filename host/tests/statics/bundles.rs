@@ -351,7 +351,7 @@ fn tubes_of_the_limb_are_the_tubes_that_are_shot() {
             told[judged - 1]
         );
         assert!(compared >= 35 && judged >= 5 && within == judged, "{compared} {judged} {within}");
-        assert!(tubes < 0.1 * rods && 100.0 * finest < 0.01 * rods, "{tubes} {finest}");
+        assert!(tubes < 0.05 * rods && 100.0 * finest < 0.005 * rods, "{tubes} {finest}");
     }
 }
 
@@ -391,11 +391,12 @@ fn tubes_are_right_where_one_of_them_is_near_buckling() {
         "tubes off by up to {tubes:.2} %, above 0.1 % {}; told within 0.4 to 2.5: {within}, {told:.2?}",
         told.len()
     );
-    assert!(compared >= 8 && missed * 4 <= compared && tubes < 0.2 * rods, "{compared} {missed} {rods} {tubes}");
+    assert!(compared >= 8 && missed * 4 <= compared && tubes < 0.05 * rods, "{compared} {missed} {rods} {tubes}");
     assert_eq!(within, told.len());
 }
 
-/// Stiffness of the tip by differences of the tubes that are shot, and stability: 1 without load, near 0 at Euler's load.
+/// Stiffness of the tip by differences of the tubes that are shot; stability of a column falls in a straight line from 1 without load to 0 at
+/// Euler's load.
 #[test]
 fn tubes_give_way_as_the_tubes_that_are_shot_and_fall_at_eulers_load() {
     let mut limb = Limb::upright(tubes_of(&[1.12, 1.1, 1.1]), 2, 0.24);
@@ -411,15 +412,17 @@ fn tubes_give_way_as_the_tubes_that_are_shot_and_fall_at_eulers_load() {
         };
         let expected = (at(1e-2) - at(-1e-2)) / 2e-2;
         let off = (given.column(axis) - expected).norm() / expected.norm();
-        assert!(off < 2e-3, "{axis}: {off} {expected}");
+        println!("stiffness along axis {axis} off by {off:.1e}");
+        assert!(off < 1e-3, "{axis}: {off} {expected}");
     }
     let mut column = slender(LENGTH_M);
     let euler_n = PI * PI * EI / (4.0 * LENGTH_M * LENGTH_M);
-    for (share, least, most) in [(0.0, 1.0 - 1e-9, 1.0 + 1e-9), (0.5, 0.3, 0.7), (0.995, 0.0, 0.02)] {
+    for (share, allowed) in [(0.0, 1e-9), (0.5, 1e-3), (0.995, 1e-3)] {
         column.force_n = Vector3::new(0.0, 0.0, -share * euler_n);
         let loaded = column.loaded(1.0);
         let found = by_tubes(&loaded, 1e-3, LENGTH_M).expect("it stands").stability(&loaded);
-        assert!((least..=most).contains(&found), "{share}: {found}");
+        println!("stability at {share} of Euler's load: {found:.4}");
+        assert!((found - (1.0 - share)).abs() < allowed, "{share}: {found}");
     }
     column.force_n = Vector3::new(0.0, 0.0, -1.005 * euler_n);
     assert!(column.loaded(1.0).tubes_grown(2).is_none());
