@@ -11,8 +11,8 @@ use serde_json::Value;
 
 use super::kept::write;
 use super::{Failure, Outcome, note, say};
-use crate::calibrate::{Law, Noise, Property, Settings};
-use crate::scene::{Scene, rewritten};
+use softlimb_rig::calibrate::{Law, Noise, Property, Settings};
+use softlimb_scene::{Scene, rewritten};
 
 /// Fit moduli, fibers, walls and sensors to tensile tests and to pressures and deformations
 #[derive(Args)]

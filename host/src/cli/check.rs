@@ -6,9 +6,11 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, Outcome};
-use crate::design::Limb;
-use crate::motion::{self, ModuleInverse, Plan};
-use crate::scene::{self, Scene};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::{ModuleInverse, Plan};
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
 #[derive(Args)]
@@ -125,7 +127,7 @@ fn phase_rows(scene: &Scene, plan: &Plan) -> Vec<String> {
     if scene.obstacles().is_empty() && !chosen {
         return Vec::new();
     }
-    let row = |phase: &crate::motion::PlannedPhase| {
+    let row = |phase: &softlimb_motion::PlannedPhase| {
         let mut text = format!("  phase {:<16} {:6.2} s", phase.name, phase.move_us as f64 * 1e-6);
         if let Some(nearest) = phase.nearest {
             let name = &scene.obstacles()[nearest.obstacle].name.value;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, Outcome};
-use crate::record;
-use crate::report;
-use crate::run;
+use softlimb_rig::record;
+use softlimb_rig::report;
+use softlimb_rig::run;
 
 /// Write the report of a recorded run
 #[derive(Args)]

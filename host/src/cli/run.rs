@@ -8,9 +8,11 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome};
-use crate::report::{self, Miss, Summary};
-use crate::run::{self, Mcu, Progress, RunError, RunOptions};
-use crate::scene;
+use softlimb_rig::report;
+use softlimb_rig::report::{Miss, Summary};
+use softlimb_rig::run;
+use softlimb_rig::run::{Mcu, Progress, RunError, RunOptions};
+use softlimb_scene as scene;
 
 /// Run a scene: check, plan, stream to the simulated MCU, record, report
 #[derive(Args)]

@@ -11,10 +11,11 @@ use serde_json::{Value, json};
 use super::fabricate::Allowed;
 use super::kept::write;
 use super::{Failure, Outcome};
-use crate::design::Limb;
-use crate::motion;
-use crate::scene;
-use crate::tolerance::{self, PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_scene as scene;
+use softlimb_limb::tolerance;
+use softlimb_limb::tolerance::{PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
 
 /// What walls, fiber angles and moduli within their tolerances do to the tip at the end of each phase
 #[derive(Args)]

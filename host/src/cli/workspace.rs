@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 
 use super::kept::write;
 use super::{Failure, Outcome};
-use crate::design::Limb;
-use crate::scene;
-use crate::workspace::{self, Command, Convergence, Extents, Grid, Points, Reach};
+use softlimb_limb::Limb;
+use softlimb_scene as scene;
+use softlimb_limb::workspace;
+use softlimb_limb::workspace::{Command, Convergence, Extents, Grid, Points, Reach};
 
 /// Names of what is measured.
 pub(super) const NAMES: [&str; 4] = ["x", "y", "z", "distance"];

@@ -7,10 +7,11 @@ use serde_json::{Value, json};
 use super::kept::write;
 use super::workspace::{NAMES, Workspace, csv, rest_m};
 use super::{Failure, Outcome};
-use crate::design::Limb;
-use crate::scene::Scene;
-use crate::statics::{Load, LoadedLimb};
-use crate::workspace::{self, Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
+use softlimb_limb::Limb;
+use softlimb_scene::Scene;
+use softlimb_limb::statics::{Load, LoadedLimb};
+use softlimb_limb::workspace;
+use softlimb_limb::workspace::{Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
 
 /// Everything that is shown.
 struct Answer<'a> {

@@ -8,9 +8,11 @@ use serde_json::json;
 use super::super::Failure;
 use super::super::kept::read;
 use super::{Calibrate, Per, Said, about};
-use crate::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
-use crate::record::{self, Quantity};
-use crate::scene::{self, Scene};
+use softlimb_rig::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
+use softlimb_rig::record;
+use softlimb_rig::record::Quantity;
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 /// A measurement before its accuracy is known: module, reading, quantity, value, and where it is from.
 struct Seen {

@@ -5,9 +5,10 @@ use std::fmt::Write;
 use fra_model::Motion;
 use serde_json::{Value, json};
 
-use crate::design::Limb;
-use crate::payload::{Active, BlockedDesign, Capacity, Holding, LoadCase, Outcome as Ended};
-use crate::scene::Scene;
+use softlimb_limb::Limb;
+use softlimb_limb::payload::{Active, Capacity, Holding, LoadCase, Outcome as Ended};
+use softlimb_design::blocked::BlockedDesign;
+use softlimb_scene::Scene;
 
 /// A pose with its largest loads.
 pub(super) struct Pose {
