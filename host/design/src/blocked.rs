@@ -4,11 +4,11 @@
 use fra_model::{Actuator, ActuatorParameters, Families, Motion, Placement};
 use nalgebra::Vector3;
 
-use softlimb_limb::payload::{Bundle, Hold, Mounted, PayloadError};
-use crate::bundle::{Answer, Attachment, Effort, ForceProblem, Sample, search};
-use softlimb_limb::LimbModule;
 use crate::actuators::Winding;
+use crate::bundle::{Answer, Attachment, Effort, ForceProblem, Sample, search};
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
+use softlimb_limb::LimbModule;
+use softlimb_limb::payload::{Bundle, Hold, Mounted, PayloadError};
 
 /// The wanted pushes as shares of that of the scene's own bundle at its highest pressure.
 const SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];

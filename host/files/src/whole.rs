@@ -70,7 +70,8 @@ fn replace(place: &Place, content: &[u8]) -> io::Result<()> {
     };
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // `File::create_new` gives the file the permissions of any other output; tempfile's own would hide it from the group.
-    let mut part = tempfile::Builder::new().prefix(".softlimb-").suffix(".part").make_in(folder, |path| File::create_new(path))?;
+    let mut part =
+        tempfile::Builder::new().prefix(".softlimb-").suffix(".part").make_in(folder, |path| File::create_new(path))?;
     part.write_all(content)?;
     part.as_file().sync_all()?;
     part.persist(path).map(drop).map_err(|error| error.error)

@@ -12,9 +12,9 @@ pub use problem::{Obstruction, TipGoal, TipTask};
 
 use nalgebra::Vector3;
 
-use softlimb_limb::Limb;
 use descent::descend;
 use problem::Problem;
+use softlimb_limb::Limb;
 
 /// The tip counts as arrived within this distance, m.
 const ARRIVED_M: f64 = 1e-7;

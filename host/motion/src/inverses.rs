@@ -7,10 +7,10 @@ use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
 use super::follow::{NotFollowed, follow, has_model};
 use super::plan::{Plan, in_units};
+use crate::inverse_table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
+use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{BendingModel, Goal, InverseChoice, Scene, SceneError, SetpointKind};
-use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
-use crate::inverse_table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 
 /// How the channels of one module find their pressures.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,9 @@ use softlimb_protocol::{
     ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind,
 };
 
-use softlimb_motion::{ModuleInverse, dead_volume_m3, line_conductance_m3_per_s_pa, to_wire, wire_kind};
-use softlimb_limb::{Limb, LimbModule};
 use crate::link::DeviceConfiguration;
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_motion::{ModuleInverse, dead_volume_m3, line_conductance_m3_per_s_pa, to_wire, wire_kind};
 use softlimb_scene::{LinkLoss, Scene};
 
 /// Room left beyond the limits of setpoints for the rounding to wire units, wire units.

@@ -8,13 +8,13 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use softlimb_limb::Limb;
-use softlimb_numerics::Random;
-use softlimb_motion as motion;
-use softlimb_motion::Plan;
 use crate::record::Sample;
 use crate::run;
 use crate::run::RunError;
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::Plan;
+use softlimb_numerics::Random;
 use softlimb_scene::Scene;
 
 /// How long before the end of a phase the tip is looked at, s.

@@ -9,9 +9,9 @@ use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
 
 use super::{Failure, Outcome};
-use softlimb_limb::Limb;
 use crate::query as eval;
 use crate::query::{Curve, Scalar};
+use softlimb_limb::Limb;
 use softlimb_scene as scene;
 
 /// Ask the actuator model: pressure curves of a scene's actuators, or a batch of questions

@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 
 use super::{Failure, Outcome};
 use softlimb_limb::Limb;
+use softlimb_limb::statics::{Answer, Load, LoadedLimb, Lost, cheapest};
 use softlimb_motion as motion;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
-use softlimb_limb::statics::{Answer, Load, LoadedLimb, Lost, cheapest};
 
 /// Ratio of a tube's compression to its load of buckling above which no rod is right.
 const BUCKLED: f64 = 0.5;

@@ -12,10 +12,10 @@ use super::fabricate::Allowed;
 use super::kept::write;
 use super::{Failure, Outcome};
 use softlimb_limb::Limb;
-use softlimb_motion as motion;
-use softlimb_scene as scene;
 use softlimb_limb::tolerance;
 use softlimb_limb::tolerance::{PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
+use softlimb_motion as motion;
+use softlimb_scene as scene;
 
 /// What walls, fiber angles and moduli within their tolerances do to the tip at the end of each phase
 #[derive(Args)]

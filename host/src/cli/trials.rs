@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 
 use super::kept::write;
 use super::{Failure, Outcome};
-use softlimb_scene as scene;
-use softlimb_scene::{Corrections, Scene};
 use softlimb_rig::trials;
 use softlimb_rig::trials::{Distances, Score, Settings, TrialsError};
+use softlimb_scene as scene;
+use softlimb_scene::{Corrections, Scene};
 
 /// Run a scene several times on one simulated limb, by the model alone and after rehearsals under a camera
 #[derive(Args)]

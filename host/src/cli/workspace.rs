@@ -11,9 +11,9 @@ use serde_json::{Value, json};
 use super::kept::write;
 use super::{Failure, Outcome};
 use softlimb_limb::Limb;
-use softlimb_scene as scene;
 use softlimb_limb::workspace;
 use softlimb_limb::workspace::{Command, Convergence, Extents, Grid, Points, Reach};
+use softlimb_scene as scene;
 
 /// Names of what is measured.
 pub(super) const NAMES: [&str; 4] = ["x", "y", "z", "distance"];

@@ -8,10 +8,10 @@ use super::kept::write;
 use super::workspace::{NAMES, Workspace, csv, rest_m};
 use super::{Failure, Outcome};
 use softlimb_limb::Limb;
-use softlimb_scene::Scene;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_limb::workspace;
 use softlimb_limb::workspace::{Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
+use softlimb_scene::Scene;
 
 /// Everything that is shown.
 struct Answer<'a> {

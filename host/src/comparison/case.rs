@@ -2,8 +2,8 @@
 
 use fra_model::{ActuatorParameters, Motion, State};
 
-use softlimb_fea::solid::Rates;
 use softlimb_fea::cross_section::ErrorEstimate;
+use softlimb_fea::solid::Rates;
 
 /// One actuator and the pressures it is compared at.
 #[derive(Clone, Debug, PartialEq)]

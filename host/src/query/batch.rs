@@ -11,10 +11,10 @@ use serde_json::Value;
 
 use super::complaint;
 use super::convert;
-use softlimb_files::object::Object;
 use super::request::{Case, Model, Question, Request};
 use super::section_fe::{self, Discretisation, Found};
 use super::series::{SeriesAnswer, SeriesRequest};
+use softlimb_files::object::Object;
 
 /// The precision a batch is computed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

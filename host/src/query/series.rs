@@ -10,8 +10,8 @@ use serde_json::Value;
 
 use super::batch::{as_written, word};
 use super::convert;
-use softlimb_files::object::Object;
 use super::request::{FiberSpec, MaterialSpec, MotionName, Problem, Question, load, only, present};
+use softlimb_files::object::Object;
 
 /// A line of a batch that asks about a series, as it is written.
 #[derive(Deserialize)]

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::desk::{Answer, Desk};
+use crate::cli::desk::{Answer, Desk};
 
 /// A supply that starts below what the controller demands, with a pump too weak to help.
 const NO_AIR: &str = "name = \"small\"\nplant.supply.pressure = \"101 kPa\"\nplant.supply.stall_pressure = \"110 kPa\"\n\

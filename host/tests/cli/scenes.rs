@@ -1,6 +1,6 @@
 //! Scenes with a mistake in them: the message points at the line and says the value, and nothing is written.
 
-use crate::desk::{Desk, SCENE};
+use crate::cli::desk::{Desk, SCENE};
 
 /// One mistake: what is replaced, by what, and what the message must say.
 struct Mistake {

@@ -7,9 +7,9 @@
 use fra_model::{Motion, State};
 
 use super::actuator::{Candidate, Cap, Counts};
-use softlimb_numerics::least_squares::LeastSquares;
 use super::problem::{Goal, Segment};
 use super::search::Counted;
+use softlimb_numerics::least_squares::LeastSquares;
 
 /// Intervals of the pressure range in which a deformation that turns back is looked for.
 const INTERVALS: usize = 16;

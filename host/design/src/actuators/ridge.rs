@@ -11,9 +11,9 @@
 //! with the derivatives `_g` at the pressure `P_max`.
 
 use super::actuator::{Candidate, Cap, Counts};
-use softlimb_numerics::least_squares::{Descent, LeastSquares, Stop, minimise};
 use super::reach::{Held, Reach, Separate, Span};
 use super::search::Watched;
+use softlimb_numerics::least_squares::{Descent, LeastSquares, Stop, minimise};
 
 /// Descents that end with `g` as small may have been stopped by the ridge.
 const NEAR: f64 = 0.05;

@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::actuator::Counts;
-use softlimb_numerics::Random;
-use softlimb_numerics::least_squares::{Descent, LeastSquares, Stop, minimise, sum_of_squares};
 use super::problem::{Problem, Segment};
 use super::reach::{Separate, Span};
 use super::ridge::settle;
 use super::shared::Shared;
+use softlimb_numerics::Random;
+use softlimb_numerics::least_squares::{Descent, LeastSquares, Stop, minimise, sum_of_squares};
 
 /// Geometries that are looked at before any descent.
 const TRIALS: usize = 24;

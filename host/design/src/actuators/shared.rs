@@ -6,9 +6,9 @@
 use fra_model::State;
 
 use super::actuator::{Candidate, Cap, Counts};
-use softlimb_numerics::least_squares::LeastSquares;
 use super::problem::{Goal, Problem};
 use super::search::Counted;
+use softlimb_numerics::least_squares::LeastSquares;
 
 /// The least squares of a limb with one pressure: the geometry of every segment, then the share of every phase.
 pub(super) struct Shared<'a> {

@@ -5,8 +5,8 @@ use serde::Serialize;
 use super::forces::{Forces, Placed};
 use super::layout::Quantity;
 use super::search::ZERO;
-use softlimb_numerics::least_squares::LeastSquares;
 use softlimb_limb::payload::PayloadError;
+use softlimb_numerics::least_squares::LeastSquares;
 
 /// The answer to eq. (18).
 #[derive(Clone, Debug, PartialEq, Serialize)]

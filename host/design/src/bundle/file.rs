@@ -4,8 +4,8 @@ use fra_model::{Families, Material, Placement};
 use serde::Deserialize;
 
 use super::problem::{Attachment, ForceProblem, Sample};
-use softlimb_files::json_line::line_of;
 use crate::actuators::{Bounds, ProblemError, Winding};
+use softlimb_files::json_line::line_of;
 use softlimb_files::object::Object;
 
 /// Most actuators and samples of a file.

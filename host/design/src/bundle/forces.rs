@@ -9,8 +9,8 @@ use nalgebra::{Vector2, Vector3, Vector6};
 use super::answer::{Answer, answer};
 use super::layout::{Layout, Quantity, Slot};
 use super::problem::ForceProblem;
-use softlimb_numerics::least_squares::LeastSquares;
 use softlimb_limb::payload::{PayloadError, lever};
+use softlimb_numerics::least_squares::LeastSquares;
 
 /// Residuals and what they cost.
 pub struct Forces<'a> {

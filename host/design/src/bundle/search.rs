@@ -6,9 +6,9 @@
 use super::answer::{Answer, answer};
 use super::forces::Forces;
 use super::problem::ForceProblem;
+use softlimb_limb::payload::PayloadError;
 use softlimb_numerics::Random;
 use softlimb_numerics::least_squares::{Descent, Stop, minimise};
-use softlimb_limb::payload::PayloadError;
 
 /// Objectives up to this count as zero.
 pub(super) const ZERO: f64 = 1e-20;

@@ -7,8 +7,8 @@ use fra_model::Motion;
 use super::error::BriefError;
 use super::space::segment;
 use super::targets::word;
-use softlimb_limb::base_pose;
 use crate::synthesis::{Aim, Candidate, Direction, Obstacle, Space, Task, WayPoint};
+use softlimb_limb::base_pose;
 use softlimb_scene::collision::Shape;
 use softlimb_scene::{Goal, ModuleBounds, Phase, Redesign, Scene, SceneError};
 

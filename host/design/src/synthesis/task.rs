@@ -4,8 +4,8 @@ use fra_model::Motion;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::actuators::{Bounds, Segment};
-use softlimb_scene::collision::Shape;
 use softlimb_files::range::{OutOfRange, positive, require};
+use softlimb_scene::collision::Shape;
 
 /// Most modules of a limb that is designed.
 pub const MOST_MODULES: usize = 8;

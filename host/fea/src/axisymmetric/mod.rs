@@ -18,8 +18,8 @@ use thiserror::Error;
 pub use end_length::{Delta, EndLength, end_length};
 pub use thread::{Thread, ThreadSheet, thread_sheet};
 
-use softlimb_files::range::OutOfRange;
 use crate::spacing::evenly;
+use softlimb_files::range::OutOfRange;
 
 /// Why there is no calibration.
 #[derive(Clone, Debug, Error, PartialEq)]

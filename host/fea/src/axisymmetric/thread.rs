@@ -6,8 +6,8 @@ use super::body::Body;
 use super::mesh::{EndOfWall, Mesh};
 use super::wall::{Wall, Winding};
 use super::{MeridianError, across};
-use softlimb_files::range::{positive, require};
 use crate::spacing::evenly;
+use softlimb_files::range::{positive, require};
 
 /// Elements across the wall, of the coarser of two meshes.
 const ACROSS: usize = 3;

@@ -11,10 +11,10 @@ use std::time::Duration;
 
 use super::dat::{Progress, progress};
 use super::scratch::Scratch;
-use softlimb_files::{FileError, make_folder};
 use super::{Deck, FemError};
-use softlimb_files::range::require;
 use guard::Running;
+use softlimb_files::range::require;
+use softlimb_files::{FileError, make_folder};
 
 /// How often the run is looked at.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -147,7 +147,9 @@ fn forget(folder: &Path, deck: &Deck) -> Result<(), FemError> {
     for kind in ["dat", "sta", "cvg", "frd"] {
         let path = folder.join(format!("{}.{kind}", deck.name()));
         match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(FileError::at("write", &path)(error).into()),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(FileError::at("write", &path)(error).into());
+            }
             _ => {}
         }
     }

@@ -6,8 +6,8 @@ use fra_model::{ActuatorParameters, Material, Placement};
 
 use super::plan::Wound;
 use super::{FemError, FiberModel, Options};
-use softlimb_files::range::require;
 use crate::spacing::evenly;
+use softlimb_files::range::require;
 
 /// Fibers as a material, per family.
 #[derive(Clone, Copy, Debug, PartialEq)]

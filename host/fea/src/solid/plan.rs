@@ -8,8 +8,8 @@ use super::layers::{Smeared, nearest, radial};
 use super::mesh::grid::Grid;
 use super::threads::{Winding, is_mirror_image, repeats};
 use super::{FemError, FiberModel, Options, Subject, SymmetryUse};
-use softlimb_files::range::require;
 use crate::spacing::evenly;
+use softlimb_files::range::require;
 
 /// Surface stiffness `mu2 t` of a winding that none is stated for, in units of shear modulus and wall: as good as inextensible.
 const IDEAL: f64 = 1000.0;

@@ -37,7 +37,12 @@ impl Scratch {
                 Ok(()) => {
                     let path = folder.join(LOCK);
                     let mut how = OpenOptions::new();
-                    let lock = how.read(true).write(true).create_new(true).open(&path).map_err(FileError::at("create", &path))?;
+                    let lock = how
+                        .read(true)
+                        .write(true)
+                        .create_new(true)
+                        .open(&path)
+                        .map_err(FileError::at("create", &path))?;
                     // Where files cannot be locked nothing is ever removed.
                     let _ = lock.lock();
                     let scratch = Self { folder, lock };

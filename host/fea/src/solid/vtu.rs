@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::gauge::Displacements;
 use super::mesh::{Kind, Part};
 use super::{FemError, Model, Run};
-use softlimb_files::{make_folder, write_whole};
 use softlimb_files::range::require;
+use softlimb_files::{make_folder, write_whole};
 
 /// Types of cells: line, quadratic brick, quadratic wedge. Their nodes are in the order of a deck.
 const LINE: u8 = 3;

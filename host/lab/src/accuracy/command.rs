@@ -86,9 +86,7 @@ impl Accuracy {
     fn count(&self, report: &mut Report) -> Result<Outcome, Failure> {
         let missing = bench::missing_instruments();
         if missing.contains(&"valgrind") {
-            note(
-                "warning: valgrind is not installed: instructions and floating-point operations are not counted",
-            );
+            note("warning: valgrind is not installed: instructions and floating-point operations are not counted");
             return Ok(Outcome::DoneWithWarnings);
         }
         let program =

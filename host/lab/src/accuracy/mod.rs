@@ -23,8 +23,8 @@ mod tsv;
 use std::path::Path;
 use std::thread;
 
-pub(crate) use command::Accuracy as Command;
 pub use callgrind::{Count, missing_instruments};
+pub(crate) use command::Accuracy as Command;
 pub use mcu::{McuError, join};
 pub use measure::Accuracy;
 pub use page::{PLACE, page};

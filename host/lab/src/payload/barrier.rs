@@ -8,9 +8,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use softlimb_design::bundle::{Answer, ForceProblem, Forces};
+use softlimb_limb::payload::PayloadError;
 use softlimb_numerics::Random;
 use softlimb_numerics::least_squares::{LeastSquares, sum_of_squares};
-use softlimb_limb::payload::PayloadError;
 
 /// Settings of the method.
 #[derive(Clone, Copy, Debug)]

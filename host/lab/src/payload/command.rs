@@ -58,7 +58,8 @@ impl Payload {
             return Ok(vec![row("problem", 0, &ForceProblem::read(&read(file)?).map_err(complain)?)?]);
         }
         let pairs = self.kinds.iter().flat_map(|name| (0..self.seeds).map(move |seed| (name, seed)));
-        let unknown = |name: &str| Failure::wrong_line(format!("--kinds: {name} is not allowed: some of {}", KINDS.join(", ")));
+        let unknown =
+            |name: &str| Failure::wrong_line(format!("--kinds: {name} is not allowed: some of {}", KINDS.join(", ")));
         pairs.map(|(name, seed)| row(name, seed, &kind(name, seed).ok_or_else(|| unknown(name))?)).collect()
     }
 }

@@ -10,10 +10,10 @@ use std::f64::consts::TAU;
 
 use fra_model::{Families, Material, Placement};
 
-use softlimb_design::bundle::{Attachment, ForceProblem, Forces, Sample};
-use softlimb_numerics::least_squares::LeastSquares;
-use softlimb_numerics::Random;
 use softlimb_design::actuators::Winding;
+use softlimb_design::bundle::{Attachment, ForceProblem, Forces, Sample};
+use softlimb_numerics::Random;
+use softlimb_numerics::least_squares::LeastSquares;
 
 /// The kinds.
 pub const KINDS: [&str; 3] = ["P1", "P1u", "P2"];

@@ -14,8 +14,10 @@ use crate::published::Published;
 
 /// Compare the analytic model with finite elements on the published set: four motions, two sizes, two materials
 #[derive(Args)]
-#[command(after_help = "The file of --tsv keeps the cases that are left out, and CalculiX's answers to the same pressures. All of it:\n  \
-                  cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/validation.svg --page docs/validation.md")]
+#[command(
+    after_help = "The file of --tsv keeps the cases that are left out, and CalculiX's answers to the same pressures. All of it:\n  \
+                  cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/validation.svg --page docs/validation.md"
+)]
 pub(crate) struct Validation {
     /// Only cases whose name contains this
     #[arg(long, value_name = "TEXT", default_value = "")]

@@ -12,9 +12,9 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, Vector6};
 use super::bundle::{Bundle, Hold, Mounted, PayloadError, require};
 use super::capacity::{Linearised, Question, capacity};
 use super::program::Outcome;
+use crate::statics::{column_n, shear_n};
 use crate::{Limb, LimbModule};
 use softlimb_scene::Scene;
-use crate::statics::{column_n, shear_n};
 
 /// What a load case takes besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]

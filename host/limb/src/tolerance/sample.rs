@@ -8,9 +8,9 @@ use super::input::{Kind, Place, Varied};
 use super::linear::Linear;
 use super::shape::{free, tip};
 use super::study::Study;
-use softlimb_numerics::Random;
 use crate::arc::Arc;
 use crate::statics::Tangent;
+use softlimb_numerics::Random;
 
 /// Where the tip of one limb is in one pose.
 #[derive(Clone, Debug, PartialEq)]

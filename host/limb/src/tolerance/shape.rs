@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector4};
 
-use crate::{Limb, LimbModule};
 use crate::arc::Arc;
 use crate::statics::{Bundle, Tangent};
+use crate::{Limb, LimbModule};
 
 /// The centre line of a module with a shape: stretch, bends towards its `x` and `y` (rad/m), twist (rad/m); or a change of both.
 pub(super) fn arc(module: &LimbModule, shape: &Vector4<f64>) -> Arc {

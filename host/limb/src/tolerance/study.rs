@@ -7,11 +7,11 @@ use thiserror::Error;
 use super::input::Place;
 use super::made::made;
 use super::shape::{free, tip};
-use crate::{Limb, LimbModule};
-use crate::fabricate::Tolerances;
 use crate::arc::Arc;
-use softlimb_files::range::{OutOfRange, require};
+use crate::fabricate::Tolerances;
 use crate::statics::{Tangent, positions};
+use crate::{Limb, LimbModule};
+use softlimb_files::range::{OutOfRange, require};
 
 /// The limb at the end of a phase.
 #[derive(Clone, Debug, PartialEq)]

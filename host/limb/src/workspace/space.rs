@@ -10,8 +10,8 @@ use thiserror::Error;
 use super::lanes::{LANES, Pack};
 use super::module::{Module, ModuleTable};
 use super::single;
-use crate::{Limb, LimbModule};
 use crate::statics::Bundle;
+use crate::{Limb, LimbModule};
 
 /// Most pressures of a box: the channels of a device.
 pub(super) const AXES_MAX: usize = 27;

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{LEVER_M, Reach, angle};
-use softlimb_limb::Limb;
 use crate::jacobian::Differential;
-use softlimb_scene::collision::{Clearance, Shape};
+use softlimb_limb::Limb;
 use softlimb_scene::Aim;
+use softlimb_scene::collision::{Clearance, Shape};
 
 /// Where the tip shall be.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,9 @@
 use fra_model::{Actuator, Load, State, Status, Target};
 
 use super::NoTable;
+use softlimb_fea::cross_section::BendPolynomial;
 use softlimb_limb::{LimbModule, StateCurve, measure};
 use softlimb_scene::SetpointKind;
-use softlimb_fea::cross_section::BendPolynomial;
 
 /// Newton steps from the interpolated curve to the model itself; two or three do.
 const NEWTON_STEPS: usize = 12;

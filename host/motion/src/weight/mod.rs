@@ -17,12 +17,12 @@ use super::payload::{Carried, carried, payload_kg};
 use super::plan::PlannedPhase;
 use super::profile::minimum_jerk;
 use super::wire::to_wire;
-use softlimb_limb::Limb;
-use softlimb_scene::{Scene, SceneError};
-use softlimb_limb::statics::Tier;
 use correct::{AT_GOAL_M, Corrector, ON_THE_WAY_M};
 use nominal::pressures_pa;
 use refusals::Refusals;
+use softlimb_limb::Limb;
+use softlimb_limb::statics::Tier;
+use softlimb_scene::{Scene, SceneError};
 
 /// Distance from its place up to which the tip of the loaded limb counts as there, m; as that of a way-point without load.
 const REACHED_M: f64 = 1e-4;

@@ -4,8 +4,8 @@ use fra_model::State;
 use nalgebra::{DVector, Vector3};
 
 use softlimb_limb::Limb;
-use softlimb_scene::Scene;
 use softlimb_limb::statics::{Buckling, Load, LoadedLimb, Lost, Rod, Shape, Tier, by_tier, cheapest_rod};
+use softlimb_scene::Scene;
 
 /// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.
 const STEP: f64 = 1e-5;

@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 
 use super::correct::Corrected;
 use super::nominal::NoPose;
-use softlimb_limb::Limb;
 use crate::goal::{shapes, too_near};
 use crate::plan::PlannedPhase;
+use softlimb_limb::Limb;
 use softlimb_scene::{Goal, Phase, Scene, SceneError, Span};
 
 /// Points looked at between two of a centre line.

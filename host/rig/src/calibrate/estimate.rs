@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use softlimb_numerics::student_quantile;
 use super::{Property, Refusal, Settings};
+use softlimb_numerics::student_quantile;
 
 /// Columns of the Jacobian whose condition exceeds this are the same column, whatever the accuracy of the data.
 const MOST_CONDITION: f64 = 1e8;

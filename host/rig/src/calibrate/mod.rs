@@ -17,7 +17,6 @@ mod refusal;
 mod runs;
 mod tension;
 
-pub use softlimb_files::table::TableError;
 pub use body::Body;
 pub use creep::{CreepFit, Step, fit_creep};
 pub use estimate::{Estimate, Noise, Value};
@@ -27,4 +26,5 @@ pub use picture::{picture, tension_picture};
 pub use points::{Point, Points};
 pub use property::Property;
 pub use refusal::Refusal;
+pub use softlimb_files::table::TableError;
 pub use tension::{Law, Tension, TensionFit, fit_tension};

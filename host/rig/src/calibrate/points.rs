@@ -1,7 +1,7 @@
 //! Tables of pressures and deformations.
 
-use softlimb_files::table::{Known, Table, TableError};
 use crate::record::Quantity;
+use softlimb_files::table::{Known, Table, TableError};
 
 /// One cell of a deformation with the pressure of its row.
 #[derive(Clone, Debug, PartialEq)]

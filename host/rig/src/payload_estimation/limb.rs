@@ -4,9 +4,9 @@ use nalgebra::{DVector, Vector3};
 
 use super::creep::crept;
 use super::{Refusal, Sighting};
+use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, Tier, by_tier, positions};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
-use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, Tier, by_tier, positions};
 
 /// The finest tier of rods, by which the simulated limb hangs too: a few poses cost nothing.
 const TIER: Tier = Tier::Fourfold;

@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 use super::creep::at_ends_m3;
 use super::limb::{Posed, Tip};
 use super::{Refusal, Sighting};
-use softlimb_numerics::student_quantile;
 use softlimb_limb::Limb;
 use softlimb_motion::Plan;
+use softlimb_numerics::student_quantile;
 use softlimb_scene::Scene;
 
 /// Share of the distribution in the interval.

@@ -10,7 +10,7 @@ mod mass;
 mod refusal;
 mod sighting;
 
-pub use softlimb_files::table::TableError;
 pub use mass::{Mass, Way, mass};
 pub use refusal::Refusal;
 pub use sighting::Sighting;
+pub use softlimb_files::table::TableError;

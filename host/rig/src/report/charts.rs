@@ -2,11 +2,11 @@
 
 mod tip;
 
-use softlimb_chart::{Axis, Band, Chart, Color, Series, Stroke, span};
 use super::rows::with_unit;
 use super::stats::distance;
 use super::summary::is_scheduled;
 use crate::record::{ChannelSample, ModuleInfo, ModuleSample, Quantity, RunLog, Sample};
+use softlimb_chart::{Axis, Band, Chart, Color, Series, Stroke, span};
 
 pub(super) use tip::{phase_views, tip_views};
 

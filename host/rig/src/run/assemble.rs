@@ -7,11 +7,14 @@ use softlimb_sim::plant::Truth;
 use super::Progress;
 use super::hanging::Hanging;
 use super::observed::Traffic;
-use softlimb_limb::{Limb, LimbModule};
 use crate::link::{DeviceFault, LinkStatistics};
+use crate::record::{
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
+    Sample, Shape, SolidInfo,
+};
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Carried, Nominal, OnLimb, Plan, carried, payload_kg};
 use softlimb_scene::collision::Shape as Shape3;
-use crate::record::{ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo, Sample, Shape, SolidInfo};
 use softlimb_scene::{Gripper, Scene, SetpointKind};
 
 /// Log time between two recorded shapes of the whole limb, s.

@@ -7,11 +7,11 @@ use fra_model::{Actuator, State};
 use nalgebra::DVector;
 use softlimb_sim::plant::Truth;
 
+use crate::record::FaultRecord;
+use softlimb_limb::statics::{Bundle, Load, LoadedLimb, Lost, Tangent, Tier, by_tier};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Carried, Plan, carried, payload_kg};
-use crate::record::FaultRecord;
 use softlimb_scene::{Scene, SetpointKind};
-use softlimb_limb::statics::{Bundle, Load, LoadedLimb, Lost, Tangent, Tier, by_tier};
 
 /// The finest tier of rods: what plans a limb uses a coarser one.
 const TIER: Tier = Tier::Fourfold;

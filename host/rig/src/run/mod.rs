@@ -19,8 +19,8 @@ use crate::link::{Event, LinkStatistics};
 use crate::record;
 use crate::record::{LinkSummary, Recorder, RunInfo, RunLog};
 use crate::report;
-use softlimb_scene::Scene;
 use crate::simulate;
+use softlimb_scene::Scene;
 
 use assemble::{Assembler, Seen};
 pub use error::RunError;

@@ -7,14 +7,14 @@ use softlimb_sim::{Processor, SimulatedMcu, here};
 use super::RunError;
 use super::assemble::{Assembler, run_info};
 use super::observed::Observed;
-use softlimb_limb::Limb;
 use crate::link;
 use crate::link::{DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary};
+use crate::record::{RunInfo, Sample};
+use crate::simulate;
+use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::{ModuleInverse, Plan};
-use crate::record::{RunInfo, Sample};
 use softlimb_scene::{Corrections, Scene};
-use crate::simulate;
 
 /// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
 const SESSION: u16 = 1;

@@ -8,10 +8,10 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::score::{SETTLING_S, error_m, pause_s};
-use softlimb_limb::Limb;
-use softlimb_numerics::Random;
-use softlimb_motion::{Plan, tip_slopes};
 use crate::record::Sample;
+use softlimb_limb::Limb;
+use softlimb_motion::{Plan, tip_slopes};
+use softlimb_numerics::Random;
 use softlimb_scene::Corrections;
 
 /// Time between instants of the corrections while the limb moves, and at most while it rests, s.
@@ -238,7 +238,7 @@ mod tests {
     }
 
     fn limb_and_plan() -> (Limb, Plan) {
-        let scene = scene::parse(include_str!("../../../scenes/single-bending.toml"), "scene.toml").unwrap();
+        let scene = scene::parse(include_str!("../../../../scenes/single-bending.toml"), "scene.toml").unwrap();
         let limb = Limb::new(&scene).unwrap();
         let plan = motion::plan(&scene, &limb).unwrap();
         (limb, plan)

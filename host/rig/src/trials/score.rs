@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
+use crate::record::Sample;
 use softlimb_limb::Limb;
 use softlimb_motion::{Plan, PlannedPhase, tip_slopes};
-use crate::record::Sample;
 
 /// Time at the end of a pause over which the tip's position at the target is taken, s: ten samples by default.
 const WINDOW_S: f64 = 0.2;

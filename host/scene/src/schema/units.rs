@@ -29,21 +29,17 @@ impl Unit {
     pub(crate) const DEG: Self = unit("deg", "rad", Dimension::ANGLE, std::f64::consts::PI, 180.0);
     pub(crate) const KPA: Self = unit("kPa", "Pa", Dimension::PRESSURE, 1e3, 1.0);
     pub(crate) const MPA: Self = unit("MPa", "Pa", Dimension::PRESSURE, 1e6, 1.0);
-    pub(crate) const PSI: Self =
-        unit("psi", "Pa", Dimension::PRESSURE, 44_482_216_152_605.0, 6_451_600_000.0);
+    pub(crate) const PSI: Self = unit("psi", "Pa", Dimension::PRESSURE, 44_482_216_152_605.0, 6_451_600_000.0);
     pub(crate) const L: Self = unit("L", "m3", Dimension::VOLUME, 1.0, 1e3);
     pub(crate) const ML: Self = unit("mL", "m3", Dimension::VOLUME, 1.0, 1e6);
     pub(crate) const KG_PER_M3: Self = unit("kg/m3", "kg/m3", Dimension::DENSITY, 1.0, 1.0);
     pub(crate) const PERCENT_PER_S: Self = unit("%/s", "1/s", Dimension::FREQUENCY, 1.0, 1e2);
     pub(crate) const MM_PER_S: Self = unit("mm/s", "m/s", Dimension::SPEED, 1.0, 1e3);
-    pub(crate) const DEG_PER_S: Self =
-        unit("deg/s", "rad/s", Dimension::ANGULAR_SPEED, std::f64::consts::PI, 180.0);
+    pub(crate) const DEG_PER_S: Self = unit("deg/s", "rad/s", Dimension::ANGULAR_SPEED, std::f64::consts::PI, 180.0);
     pub(crate) const KPA_PER_S: Self = unit("kPa/s", "Pa/s", Dimension::PRESSURE_RATE, 1e3, 1.0);
     pub(crate) const NL_PER_MIN: Self = unit("NL/min", "m3/s", Dimension::VOLUME_FLOW, 1.0, 6e4);
-    pub(crate) const DM3_PER_S_BAR: Self =
-        unit("dm3/(s bar)", "m3/(s Pa)", Dimension::SONIC_CONDUCTANCE, 1.0, 1e8);
-    pub(crate) const M3_PER_S_PA: Self =
-        unit("m3/(s Pa)", "m3/(s Pa)", Dimension::SONIC_CONDUCTANCE, 1.0, 1.0);
+    pub(crate) const DM3_PER_S_BAR: Self = unit("dm3/(s bar)", "m3/(s Pa)", Dimension::SONIC_CONDUCTANCE, 1.0, 1e8);
+    pub(crate) const M3_PER_S_PA: Self = unit("m3/(s Pa)", "m3/(s Pa)", Dimension::SONIC_CONDUCTANCE, 1.0, 1.0);
     pub(crate) const W_PER_K: Self = unit("W/K", "W/K", Dimension::HEAT_CONDUCTANCE, 1.0, 1.0);
 
     /// A value that is already in this unit, with its symbol.

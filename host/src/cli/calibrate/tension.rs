@@ -9,8 +9,8 @@ use serde_json::json;
 use super::super::Failure;
 use super::super::kept::read;
 use super::{Calibrate, Said, about};
-use softlimb_rig::calibrate::{Tension, TensionFit, fit_tension, tension_picture};
 use softlimb_limb::Limb;
+use softlimb_rig::calibrate::{Tension, TensionFit, fit_tension, tension_picture};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 

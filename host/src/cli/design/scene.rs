@@ -10,12 +10,14 @@ use super::limbs::{limb, pareto};
 use super::problem::table;
 use crate::cli::kept::read;
 use crate::cli::{Failure, Outcome, note, say};
-use softlimb_limb::Limb;
-use softlimb_design::from_scene::{BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task};
 use softlimb_design::actuators::{Answer, Problem};
+use softlimb_design::from_scene::{
+    BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
+};
 use softlimb_design::synthesis as path;
 use softlimb_design::synthesis::{Candidate, Choice, Choosing, Effort};
 use softlimb_files::write_whole;
+use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_scene as scene;
 use softlimb_scene::{Redesign, RedesignedTarget, Scene};

@@ -52,7 +52,8 @@ impl Compare {
         if cases.is_empty() {
             return Err(Failure::new(format!("no module has \"{}\" in its name", self.only)));
         }
-        let keep = |comparison: &Comparison| self.kept.tsv.as_deref().map_or(Ok(()), |file| write(file, &comparison.tsv()));
+        let keep =
+            |comparison: &Comparison| self.kept.tsv.as_deref().map_or(Ok(()), |file| write(file, &comparison.tsv()));
         let study = self.solid.compare(&cases, |_| Ok(()))?;
         keep(&study.comparison)?;
         self.kept.show(|| as_json(&study.comparison), || text(&study))?;

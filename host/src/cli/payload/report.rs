@@ -5,9 +5,9 @@ use std::fmt::Write;
 use fra_model::Motion;
 use serde_json::{Value, json};
 
+use softlimb_design::blocked::BlockedDesign;
 use softlimb_limb::Limb;
 use softlimb_limb::payload::{Active, Capacity, Holding, LoadCase, Outcome as Ended};
-use softlimb_design::blocked::BlockedDesign;
 use softlimb_scene::Scene;
 
 /// A pose with its largest loads.

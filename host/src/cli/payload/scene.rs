@@ -8,10 +8,10 @@ use super::Payload;
 use super::report::{Pose, Report};
 use crate::cli::kept::write;
 use crate::cli::{Failure, Outcome, note, say};
-use softlimb_limb::Limb;
-use softlimb_motion as motion;
-use softlimb_limb::payload::{LoadCase, capacity, held_limb};
 use softlimb_design::blocked::{blocked_designs, picture};
+use softlimb_limb::Limb;
+use softlimb_limb::payload::{LoadCase, capacity, held_limb};
+use softlimb_motion as motion;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 

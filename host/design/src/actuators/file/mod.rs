@@ -7,10 +7,10 @@ mod winding;
 use fra_model::Motion;
 use serde::Deserialize;
 
-use softlimb_files::json_line::line_of;
 use super::problem::{MOST, Problem, Segment};
-use softlimb_files::object::Object;
 use segment::SegmentSpec;
+use softlimb_files::json_line::line_of;
+use softlimb_files::object::Object;
 
 /// What is wrong with a problem file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

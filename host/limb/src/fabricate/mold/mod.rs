@@ -16,9 +16,9 @@ pub use mesh::Mesh;
 
 use super::path::step_rad;
 use super::{Piece, Settings};
-use softlimb_files::range::{OutOfRange, require};
 use lattice::{Lattice, Profile};
 use shell::half_shell;
+use softlimb_files::range::{OutOfRange, require};
 
 /// How far the core reaches beyond the actuator on either side, m.
 pub const HOLD_M: f64 = 0.02;

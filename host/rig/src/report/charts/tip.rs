@@ -1,8 +1,8 @@
 //! The way of the tip, seen from two sides, with the limb at the ends of the phases; and each phase by itself among obstacles.
 
-use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, span};
 use super::super::summary::scheduled;
 use crate::record::{PhaseInfo, RunLog, Sample, Shape};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, span};
 
 /// Largest width and height of a view, px.
 const MAX_AREA: [f64; 2] = [310.0, 420.0];
