@@ -56,17 +56,17 @@ fn curve(module: &LimbModule, steps: usize) -> Curve {
             Err(_) => break,
         }
     }
-    let (motion, equations) = words(module.motion);
+    let (motion, equations) = (module.motion.name(), equations(module.motion));
     Curve { module: module.name.clone(), motion, equations, points, limit_pressure_pa }
 }
 
-fn words(motion: Motion) -> (&'static str, &'static str) {
-    const TUBE: &str = "thick-walled tube, eqs. (7)-(9) from one strain energy";
+/// The model's equations for a motion.
+fn equations(motion: Motion) -> &'static str {
     match motion {
-        Motion::Extension => ("extension", TUBE),
-        Motion::Expansion => ("expansion", TUBE),
-        Motion::Twisting => ("twisting", TUBE),
-        Motion::Bending => ("bending", "isochoric section about an inextensible line, in place of eqs. (10)-(13)"),
+        Motion::Extension | Motion::Expansion | Motion::Twisting => {
+            "thick-walled tube, eqs. (7)-(9) from one strain energy"
+        }
+        Motion::Bending => "isochoric section about an inextensible line, in place of eqs. (10)-(13)",
     }
 }
 

@@ -58,7 +58,7 @@ pub fn redesigned_targets(scene: &Scene, answer: &fit::Answer) -> (Vec<Redesign>
         .map(|(module, segment)| Redesign {
             name: module.name.to_string(),
             like: module.name.to_string(),
-            motion: word(*module.motion),
+            motion: module.motion.name(),
             bundle: (module.actuators, module.circle_radius_m),
             mount_angle_rad: module.mount_angle_rad,
             radii_m: [segment.inner_radius_m, segment.outer_radius_m],
@@ -85,14 +85,4 @@ pub fn redesigned_targets(scene: &Scene, answer: &fit::Answer) -> (Vec<Redesign>
 
 fn angle(motion: Motion, segment: &SegmentAnswer, own_rad: f64) -> f64 {
     if motion == Motion::Bending { own_rad } else { segment.angle_deg.to_radians() }
-}
-
-/// The word of a motion in a scene.
-pub(super) fn word(motion: Motion) -> &'static str {
-    match motion {
-        Motion::Extension => "extension",
-        Motion::Expansion => "expansion",
-        Motion::Bending => "bending",
-        Motion::Twisting => "twisting",
-    }
 }

@@ -6,7 +6,6 @@ use fra_model::Motion;
 
 use super::error::BriefError;
 use super::space::segment;
-use super::targets::word;
 use crate::synthesis::{Aim, Candidate, Direction, Obstacle, Space, Task, WayPoint};
 use softlimb_limb::base_pose;
 use softlimb_scene::collision::Shape;
@@ -155,9 +154,9 @@ pub fn redesigned_limb(scene: &Scene, tasked: &Tasked, candidate: &Candidate) ->
             let space = tasked.spaces.iter().position(|space| space.segment.name == found.name).unwrap_or(index);
             let pattern = &scene.modules()[tasked.patterns[space]];
             Redesign {
-                name: if chosen { format!("{}-{}", word(*pattern.motion), index + 1) } else { found.name.clone() },
+                name: if chosen { format!("{}-{}", pattern.motion.name(), index + 1) } else { found.name.clone() },
                 like: pattern.name.to_string(),
-                motion: word(*pattern.motion),
+                motion: pattern.motion.name(),
                 bundle: (pattern.actuators, pattern.circle_radius_m),
                 mount_angle_rad: if *pattern.motion == Motion::Bending {
                     found.mount_angle_rad

@@ -7,7 +7,7 @@ use fra_model::Motion;
 use super::measure::{self, Accuracy, Bench};
 use super::method::{Method, methods};
 use super::question::{Question, Scalar};
-use super::set::{MOTIONS, motion_name};
+use super::set::MOTIONS;
 
 /// Questions that cost is measured with: the first of the set, as many of each motion.
 pub(super) const COST_QUESTIONS: usize = 32 * MOTIONS.len();
@@ -31,7 +31,7 @@ impl Entry {
     /// Problem, method, motion and scalar by name.
     pub(super) fn names(&self) -> [String; 4] {
         let scalar = if self.single { f32::NAME } else { f64::NAME };
-        let words = [self.method.problem.name(), motion_name(self.motion), scalar].map(str::to_owned);
+        let words = [self.method.problem.name(), self.motion.name(), scalar].map(str::to_owned);
         let [problem, motion, scalar] = words;
         [problem, self.method.name(), motion, scalar]
     }

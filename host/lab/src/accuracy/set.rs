@@ -17,16 +17,6 @@ pub struct Sample {
 /// The motions, which the samples take in turn.
 pub(super) const MOTIONS: [Motion; 4] = [Motion::Extension, Motion::Expansion, Motion::Twisting, Motion::Bending];
 
-/// Name of a motion in tables.
-pub(super) fn motion_name(motion: Motion) -> &'static str {
-    match motion {
-        Motion::Extension => "extension",
-        Motion::Expansion => "expansion",
-        Motion::Twisting => "twisting",
-        Motion::Bending => "bending",
-    }
-}
-
 /// Highest pressure asked about, Pa.
 const HIGHEST_PRESSURE: f64 = 150e3;
 /// Share of the limit pressure that is not exceeded.

@@ -18,21 +18,12 @@ pub(super) fn page(piece: &Piece, settings: &Settings) -> Page {
     tables.push(elastomer(piece, settings));
     Page {
         module: piece.name.clone(),
-        motion: word(piece.parameters.motion).to_owned(),
+        motion: piece.parameters.motion.name().to_owned(),
         count: piece.copies.len(),
         warnings: piece.warnings.clone(),
         tables,
         copies: copies.collect(),
         files: Vec::new(),
-    }
-}
-
-fn word(motion: Motion) -> &'static str {
-    match motion {
-        Motion::Extension => "extension",
-        Motion::Expansion => "expansion",
-        Motion::Bending => "bending",
-        Motion::Twisting => "twisting",
     }
 }
 

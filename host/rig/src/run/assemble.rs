@@ -1,6 +1,6 @@
 //! From telemetry, plan and truth to the samples of the log.
 
-use fra_model::{Motion, State};
+use fra_model::State;
 use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
 use softlimb_sim::plant::Truth;
 
@@ -178,7 +178,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> RunInfo {
     let modules = limb.modules().iter().map(|module| ModuleInfo {
         name: module.name.clone(),
-        motion: motion_word(module.motion).into(),
+        motion: module.motion.name().into(),
         quantity: quantity(module.kind),
         channels: module.channels.clone(),
     });
@@ -220,15 +220,6 @@ fn solids(scene: &Scene) -> Vec<SolidInfo> {
         |name: &str, region, shape: &Shape3| SolidInfo { name: name.to_owned(), region, lines_m: shape.outlines() };
     let obstacles = scene.obstacles().iter().map(|obstacle| solid(&obstacle.name.value, false, &obstacle.shape));
     obstacles.chain(scene.regions().iter().map(|region| solid(&region.name.value, true, &region.shape))).collect()
-}
-
-fn motion_word(motion: Motion) -> &'static str {
-    match motion {
-        Motion::Extension => "extension",
-        Motion::Expansion => "expansion",
-        Motion::Bending => "bending",
-        Motion::Twisting => "twisting",
-    }
 }
 
 fn quantity(kind: SetpointKind) -> Quantity {

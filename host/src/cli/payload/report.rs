@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use fra_model::Motion;
 use serde_json::{Value, json};
 
 use softlimb_design::blocked::BlockedDesign;
@@ -153,12 +152,7 @@ impl Report<'_> {
     fn motions(&self) -> Vec<&'static str> {
         let mut names = Vec::new();
         for module in self.limb.modules() {
-            let name = match module.motion {
-                Motion::Extension => "extension",
-                Motion::Expansion => "expansion",
-                Motion::Bending => "bending",
-                Motion::Twisting => "twisting",
-            };
+            let name = module.motion.name();
             if !names.contains(&name) {
                 names.push(name);
             }
