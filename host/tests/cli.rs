@@ -8,6 +8,8 @@ mod eval;
 mod files;
 #[path = "cli/finite_elements.rs"]
 mod finite_elements;
+#[path = "cli/labels.rs"]
+mod labels;
 #[path = "cli/output.rs"]
 mod output;
 #[path = "cli/run.rs"]

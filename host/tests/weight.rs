@@ -47,6 +47,11 @@ winding = "hoop"
 
 "#;
 
+/// [`HANGING`] with nothing to pick up, as a limb without weight may be.
+fn empty() -> String {
+    HANGING.replace("payload = \"50 g\", ", "")
+}
+
 /// A plant whose actuators are exactly those of the scene and take their shape at once.
 const NO_SPREAD: &str = "
 [plant.spread]

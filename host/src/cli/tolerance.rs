@@ -13,7 +13,7 @@ use super::kept::write;
 use super::{Failure, Outcome};
 use crate::design::Limb;
 use crate::motion;
-use crate::scene;
+use crate::scene::{self, WEIGHTLESS};
 use crate::tolerance::{self, PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
 
 /// What walls, fiber angles and moduli within their tolerances do to the tip at the end of each phase
@@ -78,7 +78,7 @@ impl Tolerance {
             write(file, &csv(&study, &samples))?;
         }
         if let Some(file) = &self.svg {
-            write(file, &tolerance::picture(scene.name(), &study, &samples))?;
+            write(file, &tolerance::picture(&super::titled(scene.name(), true), &study, &samples))?;
         }
         let names: Vec<&str> = study.modules().collect();
         if self.json {
@@ -125,6 +125,7 @@ impl Tolerance {
         };
         json!({
             "scene": scene,
+            WEIGHTLESS: true,
             "tolerances": {"wall_m": tolerances.wall_m, "angle_rad": tolerances.angle_rad, "modulus": tolerances.modulus},
             "modulus_shared": self.modulus_shared,
             "samples": self.samples,
@@ -137,6 +138,7 @@ impl Tolerance {
     fn table(&self, scene: &str, study: &Study<'_>, statistics: &Statistics, modules: &[&str]) -> String {
         let mut text = String::new();
         let batch = if self.modulus_shared { "one modulus for equal elastomers" } else { "each actuator its own" };
+        let scene = super::titled(scene, true);
         let _ = writeln!(text, "{scene}: {}; {batch}; {} limbs, seed {}", self.allowed, self.samples, self.seed);
         let _ = writeln!(
             text,

@@ -8,7 +8,7 @@ use super::kept::write;
 use super::workspace::{NAMES, Workspace, csv, rest_m};
 use super::{Failure, Outcome};
 use crate::design::Limb;
-use crate::scene::Scene;
+use crate::scene::{Scene, WEIGHTLESS};
 use crate::statics::{Load, LoadedLimb};
 use crate::workspace::{self, Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
 
@@ -126,6 +126,7 @@ impl Answer<'_> {
         let tally = &self.tally;
         json!({
             "scene": self.scene.name(),
+            WEIGHTLESS: false,
             "mass_kg": self.scene.mass_kg(),
             "payload_kg": self.payload_kg,
             "extents": extents,

@@ -9,7 +9,7 @@ use softlimb::statics::{Load, LoadedLimb, Tier, by_tier};
 use softlimb::track::{Seen, Trial, sightings};
 use softlimb::weighing::{Refusal, Sighting, mass};
 
-use crate::{HANGING, NO_SPREAD, longer_m, parsed, repository};
+use crate::{NO_SPREAD, empty, longer_m, parsed, repository};
 
 const GRAVITY: f64 = 9.806_65;
 
@@ -32,7 +32,7 @@ fn seen(plan: &Plan, tip_m: impl Fn(&[f64], bool) -> Vector3<f64>) -> Vec<Sighti
 
 #[test]
 fn a_mass_is_found_from_the_lengths_of_hanging_tubes() {
-    let scene = parsed(&format!("{HANGING}{NO_SPREAD}"));
+    let scene = parsed(&(empty() + NO_SPREAD));
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     // The limb that is seen stands elsewhere: what the camera or the model has wrong without load cancels.
@@ -94,7 +94,7 @@ impl Normal {
 
 #[test]
 fn the_interval_holds_the_mass_as_often_as_it_says() {
-    let scene = parsed(&format!("{HANGING}{NO_SPREAD}"));
+    let scene = parsed(&(empty() + NO_SPREAD));
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     let kg = 0.05;
@@ -129,7 +129,7 @@ fn the_interval_holds_the_mass_as_often_as_it_says() {
 
 #[test]
 fn what_tells_no_mass_is_refused() {
-    let hanging = format!("{HANGING}{NO_SPREAD}");
+    let hanging = empty() + NO_SPREAD;
     let scene = parsed(&hanging);
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();

@@ -120,6 +120,14 @@ pub struct Weight {
     pub error: f64,
 }
 
+/// The word for a limb whose simulation leaves out its own weight and its payload, and for every figure of such a limb.
+pub const WEIGHTLESS: &str = "weightless";
+
+/// Whether a simulated limb with this `[weight]` carries neither itself nor a payload.
+pub(in crate::scene) fn weightless(weight: Option<&Weight>) -> bool {
+    !weight.is_some_and(|weight| weight.simulated)
+}
+
 /// What the controller does when the host falls silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {
