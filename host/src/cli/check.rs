@@ -8,7 +8,7 @@ use serde_json::json;
 use super::{Failure, Outcome};
 use crate::design::Limb;
 use crate::motion::{self, ModuleInverse, Plan};
-use crate::scene::{self, Scene, WEIGHTLESS};
+use crate::scene::{self, Scene, WEIGHTLESS, labelled};
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
 #[derive(Args)]
@@ -102,7 +102,7 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
 fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> String {
     let heading = format!(
         "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
-        super::titled(scene.name(), scene.weightless()),
+        labelled(scene.name(), scene.weightless()),
         limb.modules().len(),
         scene.channels(),
         scene.rest_length_m(),

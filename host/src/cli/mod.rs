@@ -26,8 +26,6 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::scene::WEIGHTLESS;
-
 pub(crate) use failure::Failure;
 
 /// How a verb ended that did not fail.
@@ -126,11 +124,6 @@ pub(crate) fn note(text: &str) {
 pub(crate) fn warn(warnings: &[String]) -> Outcome {
     warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
-}
-
-/// Name of a scene at the head of figures of its limb, which may leave out weight.
-pub(crate) fn titled(name: &str, weightless: bool) -> String {
-    if weightless { format!("{name}, {WEIGHTLESS}") } else { name.to_owned() }
 }
 
 /// Whether messages on standard error may be coloured.

@@ -13,7 +13,7 @@ use super::kept::write;
 use super::{Failure, Outcome};
 use crate::design::Limb;
 use crate::motion;
-use crate::scene::{self, WEIGHTLESS};
+use crate::scene::{self, WEIGHTLESS, labelled};
 use crate::tolerance::{self, PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
 
 /// What walls, fiber angles and moduli within their tolerances do to the tip at the end of each phase
@@ -78,7 +78,7 @@ impl Tolerance {
             write(file, &csv(&study, &samples))?;
         }
         if let Some(file) = &self.svg {
-            write(file, &tolerance::picture(&super::titled(scene.name(), true), &study, &samples))?;
+            write(file, &tolerance::picture(&labelled(scene.name(), true), &study, &samples))?;
         }
         let names: Vec<&str> = study.modules().collect();
         if self.json {
@@ -138,7 +138,7 @@ impl Tolerance {
     fn table(&self, scene: &str, study: &Study<'_>, statistics: &Statistics, modules: &[&str]) -> String {
         let mut text = String::new();
         let batch = if self.modulus_shared { "one modulus for equal elastomers" } else { "each actuator its own" };
-        let scene = super::titled(scene, true);
+        let scene = labelled(scene, true);
         let _ = writeln!(text, "{scene}: {}; {batch}; {} limbs, seed {}", self.allowed, self.samples, self.seed);
         let _ = writeln!(
             text,

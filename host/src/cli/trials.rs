@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::kept::write;
 use super::{Failure, Outcome};
-use crate::scene::{self, Corrections, Scene, WEIGHTLESS};
+use crate::scene::{self, Corrections, Scene, WEIGHTLESS, labelled};
 use crate::trials::{self, Distances, Score, Settings, TrialsError};
 
 /// Run a scene several times on one simulated limb, by the model alone and after rehearsals under a camera
@@ -105,7 +105,7 @@ impl Trials {
 
     /// Writing to a string cannot fail.
     fn table(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> String {
-        let (name, limb, count) = (super::titled(scene.name(), scene.weightless()), settings.limb, self.trials);
+        let (name, limb, count) = (labelled(scene.name(), scene.weightless()), settings.limb, self.trials);
         let mut text = format!(
             "{name}: limb {limb}, {count} trials each, {} rehearsals under a camera of {} mm\n\n\
              {:34} {:>16} {:>18}\n{:34} {:>8} {:>8} {:>9} {:>8}\n",

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::kept::write;
 use super::{Failure, Outcome};
 use crate::design::Limb;
-use crate::scene::{self, WEIGHTLESS};
+use crate::scene::{self, WEIGHTLESS, labelled};
 use crate::workspace::{self, Command, Convergence, Extents, Grid, Points, Reach};
 
 /// Names of what is measured.
@@ -146,7 +146,7 @@ impl Workspace {
             write(file, &csv(&tips))?;
         }
         if let Some(file) = &self.svg {
-            write(file, &workspace::picture(&super::titled(scene.name(), true), &answer.grids[0], &rest_m(&limb)))?;
+            write(file, &workspace::picture(&labelled(scene.name(), true), &answer.grids[0], &rest_m(&limb)))?;
         }
         if self.json {
             super::say(&answer.json().to_string())?
@@ -239,7 +239,7 @@ impl Answer<'_> {
         let mut text = String::new();
         let each = if self.space.command() == Command::Actuators { "each actuator" } else { "each module" };
         let axes = self.space.axes();
-        let _ = writeln!(text, "{}: {} pressures, {each} on its own; m", super::titled(self.name, true), axes.len());
+        let _ = writeln!(text, "{}: {} pressures, {each} on its own; m", labelled(self.name, true), axes.len());
         let _ = writeln!(text, "\n{:10} {:>9} {:>9} {:>9}   corners alone miss", "", "least", "largest", "range");
         for (index, (name, [least, largest])) in NAMES.iter().zip(&self.extents.of).enumerate() {
             let range = self.extents.range_m(index);

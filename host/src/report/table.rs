@@ -2,7 +2,7 @@
 
 use super::Summary;
 use super::rows::{self, ErrorRow, ModuleRow};
-use crate::scene::WEIGHTLESS;
+use crate::scene::labelled;
 use std::fmt::Write;
 
 /// Columns of a terminal that the text may take.
@@ -40,12 +40,7 @@ pub(super) fn origin(summary: &Summary) -> String {
         true => format!("simulated, seed {}", summary.seed),
         false => "on hardware".to_owned(),
     };
-    labelled(origin, summary.weightless)
-}
-
-/// A text about a limb, with the word for one without weight behind it.
-pub(super) fn labelled(text: String, weightless: bool) -> String {
-    if weightless { format!("{text}, {WEIGHTLESS}") } else { text }
+    labelled(&origin, summary.weightless)
 }
 
 /// The counters, on as many lines as they need.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::limbs::{limb, pareto};
 use super::problem::table;
 use crate::cli::kept::read;
-use crate::cli::{Failure, Outcome, note, say, titled, warn};
+use crate::cli::{Failure, Outcome, note, say, warn};
 use crate::design::Limb;
 use crate::design::brief::{
     BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
@@ -18,7 +18,7 @@ use crate::design::fit::{Answer, Problem};
 use crate::design::path::{self, Candidate, Choice, Choosing, Effort};
 use crate::fem::write_whole;
 use crate::motion;
-use crate::scene::{self, Redesign, RedesignedTarget, Scene};
+use crate::scene::{self, Redesign, RedesignedTarget, Scene, labelled};
 
 /// What is printed with `--json`.
 #[derive(Serialize)]
@@ -174,7 +174,7 @@ impl Order<'_> {
             let printed = Printed { weightless: scene.weightless(), file, answer, list, warnings };
             return say(&serde_json::to_string(&printed).map_err(Failure::new)?);
         }
-        say(&format!("{}\n{}", titled(scene.name(), scene.weightless()), text()))
+        say(&format!("{}\n{}", labelled(scene.name(), scene.weightless()), text()))
     }
 
     /// Whether the design does what was asked, and whether its file can be run: the planner of `run` has the last word.

@@ -2,8 +2,8 @@
 
 use super::super::figure::{Axis, Chart, Color, Note, Series, Stroke, span};
 use super::super::summary::scheduled;
-use super::super::table::labelled;
 use crate::record::{PhaseInfo, RunLog, Sample, Shape};
+use crate::scene::labelled;
 
 /// Largest width and height of a view, px.
 const MAX_AREA: [f64; 2] = [310.0, 420.0];
@@ -20,7 +20,7 @@ pub(in crate::report) fn tip_views(log: &RunLog) -> Vec<String> {
     let mm = |axis: usize| all_points(log, &shapes).map(move |point| point[axis] * 1e3);
     let [x, y, z] = std::array::from_fn(|axis| span(mm(axis)));
     let layout = Layout::new(x, y, z);
-    let title = |side: &str| labelled(side.to_owned(), log.info.weightless);
+    let title = |side: &str| labelled(side, log.info.weightless);
     vec![
         view(log, &shapes, &title("Side view"), [0, 2], [x, z], layout).svg(),
         view(log, &shapes, &title("Front view"), [1, 2], [y, z], layout).svg(),
@@ -40,7 +40,7 @@ pub(in crate::report) fn phase_views(log: &RunLog) -> Vec<[String; 2]> {
     let views = |phase: &PhaseInfo| {
         [("side", [0, 2], [x, z]), ("front", [1, 2], [y, z])].map(|(side, axes, extents)| {
             let title = format!("{}, from the {side}", phase.name);
-            phase_view(log, phase, &labelled(title, log.info.weightless), axes, extents, layout).svg()
+            phase_view(log, phase, &labelled(&title, log.info.weightless), axes, extents, layout).svg()
         })
     };
     log.info.phases.iter().map(views).collect()

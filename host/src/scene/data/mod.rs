@@ -14,6 +14,7 @@ pub use limb::{EndEffector, Limb, Module};
 pub(super) use motion::weightless;
 pub use motion::{
     BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, WEIGHTLESS, Weight,
+    labelled,
 };
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
 pub use task::{Aim, Gripper, Marker, Obstacle, Region};
