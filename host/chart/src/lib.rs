@@ -2,11 +2,13 @@
 //! so one drawing serves light, dark and paper; missing values are gaps; nothing that
 //! is not a finite number reaches the text.
 
+mod label;
 mod scale;
 mod sheet;
 mod svg;
 mod thin;
 
+pub use label::{WEIGHTLESS, labelled};
 pub use scale::span;
 pub use sheet::sheet;
 

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::kept::write;
 use super::workspace::{NAMES, Workspace, csv, rest_m};
 use super::{Failure, Outcome};
+use softlimb_chart::WEIGHTLESS;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_limb::workspace;
@@ -127,6 +128,7 @@ impl Answer<'_> {
         let tally = &self.tally;
         json!({
             "scene": self.scene.name(),
+            WEIGHTLESS: false,
             "mass_kg": self.scene.mass_kg(),
             "payload_kg": self.payload_kg,
             "extents": extents,

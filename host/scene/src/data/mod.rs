@@ -6,10 +6,12 @@ mod limb;
 mod motion;
 mod plant;
 mod task;
+mod winding;
 
 pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
+pub(super) use motion::weightless;
 pub use motion::{
     BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, Weight,
 };
@@ -112,6 +114,11 @@ impl Scene {
     /// What weight does in a run; `None` where the limb is taken to be without any.
     pub fn weight(&self) -> Option<&Weight> {
         self.weight.as_ref()
+    }
+
+    /// Whether the simulated limb carries neither its own weight nor a payload; all figures of it are labelled so.
+    pub fn weightless(&self) -> bool {
+        weightless(self.weight.as_ref())
     }
 
     /// The pneumatics.
