@@ -1,0 +1,252 @@
+//! A fast reader of the usual line about one actuator.
+//!
+//! It accepts a part of what the strict reader accepts, with the same result: known fields, none twice and none `null`, strings without
+//! escapes. Of any other line it says nothing, and the strict reader decides.
+
+use serde_json::Value;
+
+use super::object::Object;
+use super::request::{FiberSpec, Law, MaterialSpec, Model, MotionName, PlacementName, Problem, Request, TargetSpec};
+
+/// The request in a line; `None` where the strict reader has to decide.
+pub(super) fn request(line: &[u8]) -> Option<Request> {
+    let mut scan = Scan(std::str::from_utf8(line).ok()?);
+    let request = scan.request()?;
+    scan.space();
+    scan.0.is_empty().then_some(request)
+}
+
+/// The text that is left to be read.
+struct Scan<'a>(&'a str);
+
+/// Fills a field that is empty so far.
+fn put<T>(field: &mut Option<T>, value: T) -> Option<()> {
+    field.replace(value).is_none().then_some(())
+}
+
+impl<'a> Scan<'a> {
+    fn request(&mut self) -> Option<Request> {
+        let (mut id, mut model, mut motion, mut problem) = (None, None, None, None);
+        let (mut inner_radius_m, mut outer_radius_m, mut length_m) = (None, None, None);
+        let (mut material, mut fiber, mut pressure_pa, mut target) = (None, None, None, None);
+        let (mut external_force_n, mut external_torque_nm) = (None, None);
+        self.object(|scan, field| match field {
+            "id" => put(&mut id, scan.id()?),
+            "model" => put(&mut model, scan.model()?),
+            "motion" => put(&mut motion, scan.motion()?),
+            "problem" => put(&mut problem, scan.problem()?),
+            "inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
+            "outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
+            "length_m" => put(&mut length_m, scan.number()?),
+            "material" => put(&mut material, scan.material()?),
+            "fiber" => put(&mut fiber, scan.fiber()?),
+            "pressure_pa" => put(&mut pressure_pa, scan.number()?),
+            "target" => put(&mut target, scan.target()?),
+            "external_force_n" => put(&mut external_force_n, scan.number()?),
+            "external_torque_nm" => put(&mut external_torque_nm, scan.number()?),
+            _ => None,
+        })?;
+        Some(Request {
+            id: id.unwrap_or_default(),
+            model: model.unwrap_or_default(),
+            motion: motion?,
+            problem: problem?,
+            inner_radius_m: inner_radius_m?,
+            outer_radius_m: outer_radius_m?,
+            length_m: length_m?,
+            material: Object(material?),
+            fiber: fiber.map(Object),
+            pressure_pa,
+            target: target.map(Object),
+            external_force_n,
+            external_torque_nm,
+        })
+    }
+
+    fn material(&mut self) -> Option<MaterialSpec> {
+        let (mut law, mut shear_modulus_pa, mut c_pa) = (None, None, None);
+        self.object(|scan, field| match field {
+            "law" => put(&mut law, scan.law()?),
+            "shear_modulus_pa" => put(&mut shear_modulus_pa, scan.number()?),
+            "c_pa" => put(&mut c_pa, scan.three_numbers()?),
+            _ => None,
+        })?;
+        Some(MaterialSpec { law: law?, shear_modulus_pa, c_pa })
+    }
+
+    fn fiber(&mut self) -> Option<FiberSpec> {
+        let (mut angle_deg, mut families, mut modulus_pa) = (None, None, None);
+        let (mut placement, mut thickness_m, mut radius_m) = (None, None, None);
+        self.object(|scan, field| match field {
+            "angle_deg" => put(&mut angle_deg, scan.number()?),
+            "families" => put(&mut families, scan.families()?),
+            "modulus_pa" => put(&mut modulus_pa, scan.number()?),
+            "placement" => put(&mut placement, scan.placement()?),
+            "thickness_m" => put(&mut thickness_m, scan.number()?),
+            "radius_m" => put(&mut radius_m, scan.number()?),
+            _ => None,
+        })?;
+        let placement = placement.unwrap_or_default();
+        Some(FiberSpec { angle_deg, families, modulus_pa, placement, thickness_m, radius_m })
+    }
+
+    fn target(&mut self) -> Option<TargetSpec> {
+        let (mut axial_stretch, mut outer_radius_m, mut inner_radius_m) = (None, None, None);
+        let (mut twist_rad, mut bend_angle_rad) = (None, None);
+        self.object(|scan, field| match field {
+            "axial_stretch" => put(&mut axial_stretch, scan.number()?),
+            "outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
+            "inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
+            "twist_rad" => put(&mut twist_rad, scan.number()?),
+            "bend_angle_rad" => put(&mut bend_angle_rad, scan.number()?),
+            _ => None,
+        })?;
+        Some(TargetSpec { axial_stretch, outer_radius_m, inner_radius_m, twist_rad, bend_angle_rad })
+    }
+
+    /// A string or a natural number.
+    fn id(&mut self) -> Option<Value> {
+        if self.peek()? != b'"' {
+            return Some(self.number_text()?.parse::<u64>().ok()?.into());
+        }
+        let text = self.word()?;
+        text.bytes().all(|byte| byte >= b' ' && byte != b'\\').then(|| text.into())
+    }
+
+    fn model(&mut self) -> Option<Model> {
+        match self.word()? {
+            "analytic" => Some(Model::Analytic),
+            "section-fe" => Some(Model::SectionFe),
+            _ => None,
+        }
+    }
+
+    fn motion(&mut self) -> Option<MotionName> {
+        match self.word()? {
+            "extension" => Some(MotionName::Extension),
+            "expansion" => Some(MotionName::Expansion),
+            "bending" => Some(MotionName::Bending),
+            "twisting" => Some(MotionName::Twisting),
+            _ => None,
+        }
+    }
+
+    fn problem(&mut self) -> Option<Problem> {
+        match self.word()? {
+            "forward" => Some(Problem::Forward),
+            "inverse" => Some(Problem::Inverse),
+            _ => None,
+        }
+    }
+
+    fn law(&mut self) -> Option<Law> {
+        match self.word()? {
+            "neo-hookean" => Some(Law::NeoHookean),
+            "yeoh" => Some(Law::Yeoh),
+            _ => None,
+        }
+    }
+
+    fn placement(&mut self) -> Option<PlacementName> {
+        match self.word()? {
+            "sheet" => Some(PlacementName::Sheet),
+            "layer" => Some(PlacementName::Layer),
+            "smeared" => Some(PlacementName::Smeared),
+            _ => None,
+        }
+    }
+
+    fn families(&mut self) -> Option<u8> {
+        match self.number_text()? {
+            "1" => Some(1),
+            "2" => Some(2),
+            _ => None,
+        }
+    }
+
+    fn three_numbers(&mut self) -> Option<[f64; 3]> {
+        self.token(b'[')?;
+        let first = self.number()?;
+        self.token(b',')?;
+        let second = self.number()?;
+        self.token(b',')?;
+        let third = self.number()?;
+        self.token(b']')?;
+        Some([first, second, third])
+    }
+
+    /// An object, whose values `value` reads by the name of their field.
+    #[inline(always)]
+    fn object(&mut self, mut value: impl FnMut(&mut Self, &'a str) -> Option<()>) -> Option<()> {
+        self.token(b'{')?;
+        loop {
+            let field = self.word()?;
+            self.token(b':')?;
+            value(self, field)?;
+            let next = self.peek()?;
+            self.token(next)?;
+            match next {
+                b',' => {}
+                b'}' => return Some(()),
+                _ => return None,
+            }
+        }
+    }
+
+    fn number(&mut self) -> Option<f64> {
+        // A number too large is no number of the strict reader.
+        self.number_text()?.parse().ok().filter(|number: &f64| number.is_finite())
+    }
+
+    /// A number, for a parser that takes more than JSON does: numbers without digits on both sides of the point, and with zeros or a plus
+    /// in front.
+    fn number_text(&mut self) -> Option<&'a str> {
+        self.space();
+        let text = self.until(|byte| matches!(byte, b',' | b'}' | b']' | b' ' | b'\t' | b'\r' | b'\n'))?;
+        let digits = text.strip_prefix('-').unwrap_or(text).as_bytes();
+        let point = digits.iter().position(|byte| *byte == b'.');
+        let has_digit = |at: usize| digits.get(at).is_some_and(u8::is_ascii_digit);
+        let is_json = has_digit(0) && !(digits[0] == b'0' && has_digit(1)) && point.is_none_or(|at| has_digit(at + 1));
+        is_json.then_some(text)
+    }
+
+    /// What stands in quotes, as it stands there: with a quote that is escaped it ends too early, and is no word of the interface.
+    #[inline(always)]
+    fn word(&mut self) -> Option<&'a str> {
+        self.token(b'"')?;
+        let word = self.until(|byte| byte == b'"')?;
+        self.token(b'"')?;
+        Some(word)
+    }
+
+    /// The text up to an ASCII character.
+    #[inline(always)]
+    fn until(&mut self, is_end: impl Fn(u8) -> bool) -> Option<&'a str> {
+        let end = self.0.bytes().position(is_end)?;
+        let (text, rest) = self.0.split_at_checked(end)?;
+        self.0 = rest;
+        Some(text)
+    }
+
+    /// An ASCII character.
+    #[inline(always)]
+    fn token(&mut self, token: u8) -> Option<()> {
+        (self.peek()? == token).then_some(())?;
+        self.0 = self.0.get(1..)?;
+        Some(())
+    }
+
+    /// The next character that is no white space.
+    #[inline(always)]
+    fn peek(&mut self) -> Option<u8> {
+        self.space();
+        self.0.bytes().next()
+    }
+
+    #[inline(always)]
+    fn space(&mut self) {
+        while let Some(b' ' | b'\t' | b'\r' | b'\n') = self.0.bytes().next() {
+            self.0 = &self.0[1..];
+        }
+    }
+}
