@@ -46,7 +46,7 @@ fn every_answer_is_that_of_its_line_with_its_number() {
     let mut ends = 0;
     let mut invalid = 0;
     for line in &lines {
-        let alone = answered(&[&b"\n".repeat(ends), line.as_slice()].concat(), 1, Scalar::F64);
+        let alone = answered(&[&b"\n".repeat(ends)[..], line.as_slice()].concat(), 1, Scalar::F64);
         for answer in alone.split_inclusive(|byte| *byte == b'\n') {
             assert!(together.next() == Some(answer), "{}", String::from_utf8_lossy(answer));
             let answer: Value = serde_json::from_slice(answer).expect("JSON");

@@ -12,7 +12,7 @@ const BY_SECTION: usize = 200;
 
 const PLACES: [&str; 4] = ["axial_stretch", "outer_radius_m", "inner_radius_m", "twist_rad"];
 
-pub struct Lines(ChaCha8Rng);
+pub(crate) struct Lines(ChaCha8Rng);
 
 /// The tube of a line.
 struct Tube {
@@ -25,12 +25,12 @@ struct Tube {
 }
 
 impl Lines {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
     /// A forward question of a straight neo-Hookean tube with a sheet.
-    pub fn tube(&mut self, number: usize) -> Vec<u8> {
+    pub(crate) fn tube(&mut self, number: usize) -> Vec<u8> {
         let motion = self.one_of(&["extension", "expansion", "twisting"]);
         let tube = self.wound(motion, (6e-3, 8e-3), true);
         let pressure_pa = self.between(0.02, 0.4) * tube.shear_pa * (tube.outer_m / tube.inner_m).ln();
@@ -39,7 +39,7 @@ impl Lines {
     }
 
     /// Any line: questions of all kinds, with and without answers, and damaged ones.
-    pub fn any(&mut self, number: usize) -> Vec<u8> {
+    pub(crate) fn any(&mut self, number: usize) -> Vec<u8> {
         let line = if self.once_in(6) { self.series() } else { self.single(number) };
         if self.once_in(DAMAGED) { self.damaged(line) } else { line.into_bytes() }
     }
