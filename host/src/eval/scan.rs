@@ -10,14 +10,13 @@ use super::request::{FiberSpec, Law, MaterialSpec, Model, MotionName, PlacementN
 
 /// The request in a line; `None` where the strict reader has to decide.
 pub(super) fn request(line: &[u8]) -> Option<Request> {
-    let mut scan = Scan(std::str::from_utf8(line).ok()?);
+    let mut scan = Scan(line);
     let request = scan.request()?;
-    scan.space();
-    scan.0.is_empty().then_some(request)
+    scan.peek().is_none().then_some(request)
 }
 
-/// The text that is left to be read.
-struct Scan<'a>(&'a str);
+/// The bytes that are left to be read.
+struct Scan<'a>(&'a [u8]);
 
 /// Fills a field that is empty so far.
 fn put<T>(field: &mut Option<T>, value: T) -> Option<()> {
@@ -31,19 +30,19 @@ impl<'a> Scan<'a> {
         let (mut material, mut fiber, mut pressure_pa, mut target) = (None, None, None, None);
         let (mut external_force_n, mut external_torque_nm) = (None, None);
         self.object(|scan, field| match field {
-            "id" => put(&mut id, scan.id()?),
-            "model" => put(&mut model, scan.model()?),
-            "motion" => put(&mut motion, scan.motion()?),
-            "problem" => put(&mut problem, scan.problem()?),
-            "inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
-            "outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
-            "length_m" => put(&mut length_m, scan.number()?),
-            "material" => put(&mut material, scan.material()?),
-            "fiber" => put(&mut fiber, scan.fiber()?),
-            "pressure_pa" => put(&mut pressure_pa, scan.number()?),
-            "target" => put(&mut target, scan.target()?),
-            "external_force_n" => put(&mut external_force_n, scan.number()?),
-            "external_torque_nm" => put(&mut external_torque_nm, scan.number()?),
+            b"id" => put(&mut id, scan.id()?),
+            b"model" => put(&mut model, scan.model()?),
+            b"motion" => put(&mut motion, scan.motion()?),
+            b"problem" => put(&mut problem, scan.problem()?),
+            b"inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
+            b"outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
+            b"length_m" => put(&mut length_m, scan.number()?),
+            b"material" => put(&mut material, scan.material()?),
+            b"fiber" => put(&mut fiber, scan.fiber()?),
+            b"pressure_pa" => put(&mut pressure_pa, scan.number()?),
+            b"target" => put(&mut target, scan.target()?),
+            b"external_force_n" => put(&mut external_force_n, scan.number()?),
+            b"external_torque_nm" => put(&mut external_torque_nm, scan.number()?),
             _ => None,
         })?;
         Some(Request {
@@ -66,9 +65,9 @@ impl<'a> Scan<'a> {
     fn material(&mut self) -> Option<MaterialSpec> {
         let (mut law, mut shear_modulus_pa, mut c_pa) = (None, None, None);
         self.object(|scan, field| match field {
-            "law" => put(&mut law, scan.law()?),
-            "shear_modulus_pa" => put(&mut shear_modulus_pa, scan.number()?),
-            "c_pa" => put(&mut c_pa, scan.three_numbers()?),
+            b"law" => put(&mut law, scan.law()?),
+            b"shear_modulus_pa" => put(&mut shear_modulus_pa, scan.number()?),
+            b"c_pa" => put(&mut c_pa, scan.three_numbers()?),
             _ => None,
         })?;
         Some(MaterialSpec { law: law?, shear_modulus_pa, c_pa })
@@ -78,12 +77,12 @@ impl<'a> Scan<'a> {
         let (mut angle_deg, mut families, mut modulus_pa) = (None, None, None);
         let (mut placement, mut thickness_m, mut radius_m) = (None, None, None);
         self.object(|scan, field| match field {
-            "angle_deg" => put(&mut angle_deg, scan.number()?),
-            "families" => put(&mut families, scan.families()?),
-            "modulus_pa" => put(&mut modulus_pa, scan.number()?),
-            "placement" => put(&mut placement, scan.placement()?),
-            "thickness_m" => put(&mut thickness_m, scan.number()?),
-            "radius_m" => put(&mut radius_m, scan.number()?),
+            b"angle_deg" => put(&mut angle_deg, scan.number()?),
+            b"families" => put(&mut families, scan.families()?),
+            b"modulus_pa" => put(&mut modulus_pa, scan.number()?),
+            b"placement" => put(&mut placement, scan.placement()?),
+            b"thickness_m" => put(&mut thickness_m, scan.number()?),
+            b"radius_m" => put(&mut radius_m, scan.number()?),
             _ => None,
         })?;
         let placement = placement.unwrap_or_default();
@@ -94,11 +93,11 @@ impl<'a> Scan<'a> {
         let (mut axial_stretch, mut outer_radius_m, mut inner_radius_m) = (None, None, None);
         let (mut twist_rad, mut bend_angle_rad) = (None, None);
         self.object(|scan, field| match field {
-            "axial_stretch" => put(&mut axial_stretch, scan.number()?),
-            "outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
-            "inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
-            "twist_rad" => put(&mut twist_rad, scan.number()?),
-            "bend_angle_rad" => put(&mut bend_angle_rad, scan.number()?),
+            b"axial_stretch" => put(&mut axial_stretch, scan.number()?),
+            b"outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
+            b"inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
+            b"twist_rad" => put(&mut twist_rad, scan.number()?),
+            b"bend_angle_rad" => put(&mut bend_angle_rad, scan.number()?),
             _ => None,
         })?;
         Some(TargetSpec { axial_stretch, outer_radius_m, inner_radius_m, twist_rad, bend_angle_rad })
@@ -109,49 +108,49 @@ impl<'a> Scan<'a> {
         if self.peek()? != b'"' {
             return Some(self.number_text()?.parse::<u64>().ok()?.into());
         }
-        let text = self.word()?;
+        let text = std::str::from_utf8(self.word()?).ok()?;
         text.bytes().all(|byte| byte >= b' ' && byte != b'\\').then(|| text.into())
     }
 
     fn model(&mut self) -> Option<Model> {
         match self.word()? {
-            "analytic" => Some(Model::Analytic),
-            "section-fe" => Some(Model::SectionFe),
+            b"analytic" => Some(Model::Analytic),
+            b"section-fe" => Some(Model::SectionFe),
             _ => None,
         }
     }
 
     fn motion(&mut self) -> Option<MotionName> {
         match self.word()? {
-            "extension" => Some(MotionName::Extension),
-            "expansion" => Some(MotionName::Expansion),
-            "bending" => Some(MotionName::Bending),
-            "twisting" => Some(MotionName::Twisting),
+            b"extension" => Some(MotionName::Extension),
+            b"expansion" => Some(MotionName::Expansion),
+            b"bending" => Some(MotionName::Bending),
+            b"twisting" => Some(MotionName::Twisting),
             _ => None,
         }
     }
 
     fn problem(&mut self) -> Option<Problem> {
         match self.word()? {
-            "forward" => Some(Problem::Forward),
-            "inverse" => Some(Problem::Inverse),
+            b"forward" => Some(Problem::Forward),
+            b"inverse" => Some(Problem::Inverse),
             _ => None,
         }
     }
 
     fn law(&mut self) -> Option<Law> {
         match self.word()? {
-            "neo-hookean" => Some(Law::NeoHookean),
-            "yeoh" => Some(Law::Yeoh),
+            b"neo-hookean" => Some(Law::NeoHookean),
+            b"yeoh" => Some(Law::Yeoh),
             _ => None,
         }
     }
 
     fn placement(&mut self) -> Option<PlacementName> {
         match self.word()? {
-            "sheet" => Some(PlacementName::Sheet),
-            "layer" => Some(PlacementName::Layer),
-            "smeared" => Some(PlacementName::Smeared),
+            b"sheet" => Some(PlacementName::Sheet),
+            b"layer" => Some(PlacementName::Layer),
+            b"smeared" => Some(PlacementName::Smeared),
             _ => None,
         }
     }
@@ -177,18 +176,14 @@ impl<'a> Scan<'a> {
 
     /// An object, whose values `value` reads by the name of their field.
     #[inline(always)]
-    fn object(&mut self, mut value: impl FnMut(&mut Self, &'a str) -> Option<()>) -> Option<()> {
+    fn object(&mut self, mut value: impl FnMut(&mut Self, &'a [u8]) -> Option<()>) -> Option<()> {
         self.token(b'{')?;
         loop {
             let field = self.word()?;
             self.token(b':')?;
             value(self, field)?;
-            let next = self.peek()?;
-            self.token(next)?;
-            match next {
-                b',' => {}
-                b'}' => return Some(()),
-                _ => return None,
+            if self.token(b',').is_none() {
+                return self.token(b'}');
             }
         }
     }
@@ -200,53 +195,51 @@ impl<'a> Scan<'a> {
 
     /// A number, for a parser that takes more than JSON does: numbers without digits on both sides of the point, and with zeros or a plus
     /// in front.
+    #[inline(always)]
     fn number_text(&mut self) -> Option<&'a str> {
-        self.space();
-        let text = self.until(|byte| matches!(byte, b',' | b'}' | b']' | b' ' | b'\t' | b'\r' | b'\n'))?;
-        let digits = text.strip_prefix('-').unwrap_or(text).as_bytes();
-        let point = digits.iter().position(|byte| *byte == b'.');
-        let has_digit = |at: usize| digits.get(at).is_some_and(u8::is_ascii_digit);
-        let is_json = has_digit(0) && !(digits[0] == b'0' && has_digit(1)) && point.is_none_or(|at| has_digit(at + 1));
-        is_json.then_some(text)
+        self.peek()?;
+        let text = self.until(|byte| !byte.is_ascii_digit() && !matches!(byte, b'.' | b'-' | b'+' | b'e' | b'E'))?;
+        let digits = text.strip_prefix(b"-").unwrap_or(text);
+        let is_json = match digits {
+            [b'0'] | [b'0', b'e' | b'E', ..] | [b'0', b'.', b'0'..=b'9', ..] => true,
+            [b'1'..=b'9', rest @ ..] => match rest.iter().position(|byte| !byte.is_ascii_digit()) {
+                Some(end) if rest[end] == b'.' => rest.get(end + 1).is_some_and(u8::is_ascii_digit),
+                _ => true,
+            },
+            _ => false,
+        };
+        is_json.then(|| std::str::from_utf8(text).ok())?
     }
 
     /// What stands in quotes, as it stands there: with a quote that is escaped it ends too early, and is no word of the interface.
     #[inline(always)]
-    fn word(&mut self) -> Option<&'a str> {
+    fn word(&mut self) -> Option<&'a [u8]> {
         self.token(b'"')?;
         let word = self.until(|byte| byte == b'"')?;
-        self.token(b'"')?;
+        self.0 = self.0.get(1..)?;
         Some(word)
     }
 
-    /// The text up to an ASCII character.
+    /// The bytes up to one.
     #[inline(always)]
-    fn until(&mut self, is_end: impl Fn(u8) -> bool) -> Option<&'a str> {
-        let end = self.0.bytes().position(is_end)?;
-        let (text, rest) = self.0.split_at_checked(end)?;
+    fn until(&mut self, is_end: impl Fn(u8) -> bool) -> Option<&'a [u8]> {
+        let end = self.0.iter().position(|byte| is_end(*byte))?;
+        let (bytes, rest) = self.0.split_at_checked(end)?;
         self.0 = rest;
-        Some(text)
+        Some(bytes)
     }
 
-    /// An ASCII character.
     #[inline(always)]
     fn token(&mut self, token: u8) -> Option<()> {
-        (self.peek()? == token).then_some(())?;
-        self.0 = self.0.get(1..)?;
-        Some(())
+        (self.peek()? == token).then(|| self.0 = &self.0[1..])
     }
 
-    /// The next character that is no white space.
+    /// The next byte that is no white space.
     #[inline(always)]
     fn peek(&mut self) -> Option<u8> {
-        self.space();
-        self.0.bytes().next()
-    }
-
-    #[inline(always)]
-    fn space(&mut self) {
-        while let Some(b' ' | b'\t' | b'\r' | b'\n') = self.0.bytes().next() {
-            self.0 = &self.0[1..];
+        while let [b' ' | b'\t' | b'\r' | b'\n', rest @ ..] = self.0 {
+            self.0 = rest;
         }
+        self.0.first().copied()
     }
 }
