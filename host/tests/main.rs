@@ -5,6 +5,8 @@ mod cli;
 mod design_command;
 mod design_evaluate;
 mod eval_batch;
+mod eval_lines;
+mod eval_order;
 mod eval_section;
 mod eval_series;
 #[cfg(unix)]

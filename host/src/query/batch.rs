@@ -3,15 +3,19 @@
 //! `docs/eval-batch.md` describes the interface.
 
 use std::io::{self, BufRead, Write};
+use std::num::NonZero;
+use std::thread;
 
 use fra_model::{Actuator, InvalidParameter, Load, Real, Solution, State, Status};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
+use super::chunks;
 use super::complaint;
 use super::convert;
 use super::request::{Case, Model, Question, Request};
+use super::scan;
 use super::section_fe::{self, Discretisation, Found};
 use super::series::{SeriesAnswer, SeriesRequest};
 use softlimb_files::object::Object;
@@ -25,15 +29,7 @@ pub enum Scalar {
     F32,
 }
 
-/// One line of output.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Reply {
-    Actuator(Answer),
-    Series(SeriesAnswer),
-}
-
-#[derive(Serialize)]
+/// A line of output about one actuator.
 struct Answer {
     id: Value,
     status: &'static str,
@@ -43,44 +39,68 @@ struct Answer {
     outer_radius_m: Option<f64>,
     twist_rad: Option<f64>,
     bend_angle_rad: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     limit_pressure_pa: Option<f64>,
     residual: Option<f64>,
     iterations: u32,
-    #[serde(skip_serializing_if = "Option::is_none")]
     discretisation_error: Option<Discretisation>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     message: Option<String>,
 }
 
-/// Answers every line of `input` on `output`. Empty lines are passed over.
+/// Answers every line of `input` on `output`, in order. Empty lines are passed over.
+///
+/// All processors compute; the bytes do not depend on their number.
 ///
 /// # Errors
 /// Only what reading and writing raise: a line that cannot be answered is answered with its status.
 pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
-    let mut output = io::BufWriter::new(output);
-    for (index, line) in input.split(b'\n').enumerate() {
-        let line = line?;
-        if line.trim_ascii().is_empty() {
-            continue;
+    let threads = thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN);
+    batch_on(threads, input, output, scalar)
+}
+
+/// [`batch`] on a number of threads.
+///
+/// # Errors
+/// As [`batch`].
+pub fn batch_on(threads: NonZero<usize>, input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
+    chunks::in_order(threads, input, output, |chunk| {
+        let mut answers = Vec::with_capacity(chunk.lines.len());
+        let (mut rest, mut line) = (chunk.lines.as_slice(), vec![]);
+        let mut number = chunk.first_line;
+        while rest.read_until(b'\n', &mut line)? > 0 {
+            write_answer(line.strip_suffix(b"\n").unwrap_or(&line), number, scalar, &mut answers)?;
+            number += 1;
+            line.clear();
         }
-        let answer = answer(&line, scalar).unwrap_or_else(|(id, message)| {
-            Reply::Actuator(Answer::without_state(id, "invalid", Some(format!("line {}: {message}", index + 1))))
-        });
-        serde_json::to_writer(&mut output, &answer)?;
-        output.write_all(b"\n")?;
+        Ok(answers)
+    })
+}
+
+fn write_answer(line: &[u8], number: usize, scalar: Scalar, out: &mut Vec<u8>) -> serde_json::Result<()> {
+    if line.trim_ascii().is_empty() {
+        return Ok(());
     }
-    output.flush()
+    let written = match request(line) {
+        Ok(request) => actuator(request, scalar).map(|answer| answer.write(out)),
+        Err(_) if is_about_a_series(line) => {
+            series(line, scalar).map(|answer| serde_json::to_writer(&mut *out, &answer))
+        }
+        Err(invalid) => Err(invalid),
+    };
+    written.unwrap_or_else(|(id, message)| {
+        Answer::without_state(id, "invalid", Some(format!("line {number}: {message}"))).write(out)
+    })?;
+    out.push(b'\n');
+    Ok(())
 }
 
 /// An answer, or the `id` and what is wrong.
 type Answered<T> = Result<T, (Value, String)>;
 
-fn answer(line: &[u8], scalar: Scalar) -> Answered<Reply> {
-    if is_about_a_series(line) {
-        series(line, scalar).map(Reply::Series)
-    } else {
-        actuator(line, scalar).map(Reply::Actuator)
+/// A question about one actuator. A line about a series is none, because of its field `segments`.
+fn request(line: &[u8]) -> Answered<Request> {
+    match scan::request(line) {
+        Some(request) => Ok(request),
+        None => parsed(line),
     }
 }
 
@@ -96,36 +116,28 @@ pub(super) fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
     Ok(request)
 }
 
-fn actuator(line: &[u8], scalar: Scalar) -> Answered<Answer> {
-    let request: Request = parsed(line)?;
-    let case = request.case().map_err(|message| (request.id.clone(), message))?;
-    let solved = match (case.model, scalar) {
-        (Model::Analytic, Scalar::F64) => solve::<f64>(&case).map_err(|error| error.to_string()),
-        (Model::Analytic, Scalar::F32) => solve::<f32>(&case).map_err(|error| error.to_string()),
-        (Model::SectionFe, Scalar::F64) => return by_section(request.id, &case),
+fn actuator(request: Request, scalar: Scalar) -> Answered<Answer> {
+    let answer = |case: Case| match (case.model, scalar) {
+        (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solve_double(&case)?)),
+        (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solve_single(&case)?)),
+        (Model::SectionFe, Scalar::F64) => Ok(Answer::found(&by_section(&case)?)),
         (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
     };
-    match solved {
-        Ok(solution) => Ok(Answer::of(request.id, &solution)),
+    match request.case().and_then(answer) {
+        Ok(answer) => Ok(Answer { id: request.id, ..answer }),
         Err(message) => Err((request.id, message)),
     }
 }
 
-fn by_section(id: Value, case: &Case) -> Answered<Answer> {
+fn by_section(case: &Case) -> Result<Found, String> {
     // Checked first in the unit it is written in, as for the other model.
-    let checked = Actuator::new(&case.parameters).map_err(|error| as_written(error).to_string());
-    match checked.and_then(|_| section_fe::solve(case)) {
-        Ok(found) => Ok(Answer::found(id, &found)),
-        Err(message) => Err((id, message)),
-    }
+    case.parameters.check().map_err(|error| as_written(error).to_string())?;
+    section_fe::solve(case)
 }
 
 fn series(line: &[u8], scalar: Scalar) -> Answered<SeriesAnswer> {
     let request: SeriesRequest = parsed(line)?;
-    let answered = request.case().and_then(|case| match scalar {
-        Scalar::F64 => case.answer::<f64>(request.id.clone()),
-        Scalar::F32 => case.answer::<f32>(request.id.clone()),
-    });
+    let answered = request.case().and_then(|case| case.answer(request.id.clone(), scalar));
     answered.map_err(|message| (request.id, message))
 }
 
@@ -135,17 +147,23 @@ fn id_of(line: &[u8]) -> Value {
     parsed.and_then(|value| value.get("id").cloned()).unwrap_or(Value::Null)
 }
 
-fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {
-    let wide = convert::invalid::<T>;
-    // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
-    Actuator::new(&case.parameters).map_err(as_written)?;
-    let actuator = Actuator::<T>::new(&convert::parameters(&case.parameters)).map_err(wide)?;
-    let load: Load<T> = convert::load(&case.load);
-    let solution = match case.question {
-        Question::Forward { pressure_pa } => actuator.forward(nalgebra::convert(pressure_pa), &load),
-        Question::Inverse { target } => actuator.inverse(convert::target(target), &load),
+// An actuator is large: it is solved where it is built, by reference.
+
+fn solve_double(case: &Case) -> Result<Solution<f64>, String> {
+    match &Actuator::new(&case.parameters) {
+        Ok(actuator) => solve(actuator, case).map_err(|error| error.to_string()),
+        Err(error) => Err(as_written(*error).to_string()),
     }
-    .map_err(wide)?;
+}
+
+fn solve_single(case: &Case) -> Result<Solution<f64>, String> {
+    // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
+    case.parameters.check().map_err(|error| as_written(error).to_string())?;
+    let solution = match &Actuator::<f32>::new(&convert::parameters(&case.parameters)) {
+        Ok(actuator) => solve(actuator, case),
+        Err(error) => Err(*error),
+    };
+    let solution = solution.map_err(|error| convert::invalid(error).to_string())?;
     Ok(Solution {
         status: solution.status,
         state: convert::state(&solution.state),
@@ -153,6 +171,14 @@ fn solve<T: Real>(case: &Case) -> Result<Solution<f64>, InvalidParameter<f64>> {
         residual: convert::wide(solution.residual),
         iterations: solution.iterations,
     })
+}
+
+fn solve<T: Real>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
+    let load: Load<T> = convert::load(&case.load);
+    match case.question {
+        Question::Forward { pressure_pa } => actuator.forward(nalgebra::convert(pressure_pa), &load),
+        Question::Inverse { target } => actuator.inverse(convert::target(target), &load),
+    }
 }
 
 /// The fiber angle is asked for in degrees.
@@ -195,8 +221,8 @@ impl Answer {
         }
     }
 
-    fn of(id: Value, solution: &Solution<f64>) -> Self {
-        let blank = Self::without_state(id, word(solution.status), None);
+    fn of(solution: &Solution<f64>) -> Self {
+        let blank = Self::without_state(Value::Null, word(solution.status), None);
         let common = Self {
             limit_pressure_pa: solution.limit_pressure_pa,
             residual: Some(solution.residual),
@@ -206,8 +232,8 @@ impl Answer {
         if solution.status == Status::Solved { common.with(&solution.state) } else { common }
     }
 
-    fn found(id: Value, found: &Found) -> Self {
-        let blank = Self::without_state(id, word(found.status), None);
+    fn found(found: &Found) -> Self {
+        let blank = Self::without_state(Value::Null, word(found.status), None);
         let Found { limit_pressure_pa, iterations, error, .. } = *found;
         let common = Self { limit_pressure_pa, iterations, discretisation_error: error, ..blank };
         found.state.iter().fold(common, Self::with)
@@ -224,4 +250,34 @@ impl Answer {
             ..self
         }
     }
+
+    /// Appends the answer as JSON. By hand, since a derived one would look for characters to escape in the names of its fields.
+    fn write(&self, out: &mut Vec<u8>) -> serde_json::Result<()> {
+        append(out, "{\"id\":", &self.id)?;
+        append(out, ",\"status\":", self.status)?;
+        append(out, ",\"pressure_pa\":", &self.pressure_pa)?;
+        append(out, ",\"axial_stretch\":", &self.axial_stretch)?;
+        append(out, ",\"inner_radius_m\":", &self.inner_radius_m)?;
+        append(out, ",\"outer_radius_m\":", &self.outer_radius_m)?;
+        append(out, ",\"twist_rad\":", &self.twist_rad)?;
+        append(out, ",\"bend_angle_rad\":", &self.bend_angle_rad)?;
+        if let Some(limit_pressure_pa) = &self.limit_pressure_pa {
+            append(out, ",\"limit_pressure_pa\":", limit_pressure_pa)?;
+        }
+        append(out, ",\"residual\":", &self.residual)?;
+        append(out, ",\"iterations\":", &self.iterations)?;
+        if let Some(error) = &self.discretisation_error {
+            append(out, ",\"discretisation_error\":", error)?;
+        }
+        if let Some(message) = &self.message {
+            append(out, ",\"message\":", message)?;
+        }
+        out.push(b'}');
+        Ok(())
+    }
+}
+
+fn append<T: Serialize + ?Sized>(out: &mut Vec<u8>, field: &str, value: &T) -> serde_json::Result<()> {
+    out.extend_from_slice(field.as_bytes());
+    serde_json::to_writer(out, value)
 }

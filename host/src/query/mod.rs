@@ -1,14 +1,16 @@
 //! Single questions to the actuator model: pressure curves of a scene's actuators, and batches from other programs.
 
 mod batch;
+mod chunks;
 mod complaint;
 mod convert;
 mod curve;
 mod request;
+mod scan;
 mod section_fe;
 mod series;
 mod single;
 
-pub use batch::{Scalar, batch};
+pub use batch::{Scalar, batch, batch_on};
 pub use curve::{Curve, CurvePoint, curves};
 pub use single::actuator;

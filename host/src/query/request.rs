@@ -14,18 +14,18 @@ pub(super) struct Request {
     #[serde(default)]
     pub(super) id: Value,
     #[serde(default)]
-    model: Model,
-    motion: MotionName,
-    problem: Problem,
-    inner_radius_m: f64,
-    outer_radius_m: f64,
-    length_m: f64,
-    material: Object<MaterialSpec>,
-    fiber: Option<Object<FiberSpec>>,
-    pressure_pa: Option<f64>,
-    target: Option<Object<TargetSpec>>,
-    external_force_n: Option<f64>,
-    external_torque_nm: Option<f64>,
+    pub(super) model: Model,
+    pub(super) motion: MotionName,
+    pub(super) problem: Problem,
+    pub(super) inner_radius_m: f64,
+    pub(super) outer_radius_m: f64,
+    pub(super) length_m: f64,
+    pub(super) material: Object<MaterialSpec>,
+    pub(super) fiber: Option<Object<FiberSpec>>,
+    pub(super) pressure_pa: Option<f64>,
+    pub(super) target: Option<Object<TargetSpec>>,
+    pub(super) external_force_n: Option<f64>,
+    pub(super) external_torque_nm: Option<f64>,
 }
 
 /// What answers.
@@ -57,7 +57,7 @@ pub(super) enum Problem {
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
-enum Law {
+pub(super) enum Law {
     NeoHookean,
     Yeoh,
 }
@@ -65,14 +65,14 @@ enum Law {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialSpec {
-    law: Law,
-    shear_modulus_pa: Option<f64>,
-    c_pa: Option<[f64; 3]>,
+    pub(super) law: Law,
+    pub(super) shear_modulus_pa: Option<f64>,
+    pub(super) c_pa: Option<[f64; 3]>,
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
-enum PlacementName {
+pub(super) enum PlacementName {
     #[default]
     Sheet,
     Layer,
@@ -82,28 +82,28 @@ enum PlacementName {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FiberSpec {
-    angle_deg: Option<f64>,
-    families: Option<u8>,
-    modulus_pa: Option<f64>,
+    pub(super) angle_deg: Option<f64>,
+    pub(super) families: Option<u8>,
+    pub(super) modulus_pa: Option<f64>,
     #[serde(default)]
-    placement: PlacementName,
-    thickness_m: Option<f64>,
-    radius_m: Option<f64>,
+    pub(super) placement: PlacementName,
+    pub(super) thickness_m: Option<f64>,
+    pub(super) radius_m: Option<f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct TargetSpec {
+pub(super) struct TargetSpec {
     #[serde(default, deserialize_with = "present")]
-    axial_stretch: Option<f64>,
+    pub(super) axial_stretch: Option<f64>,
     #[serde(default, deserialize_with = "present")]
-    outer_radius_m: Option<f64>,
+    pub(super) outer_radius_m: Option<f64>,
     #[serde(default, deserialize_with = "present")]
-    inner_radius_m: Option<f64>,
+    pub(super) inner_radius_m: Option<f64>,
     #[serde(default, deserialize_with = "present")]
-    twist_rad: Option<f64>,
+    pub(super) twist_rad: Option<f64>,
     #[serde(default, deserialize_with = "present")]
-    bend_angle_rad: Option<f64>,
+    pub(super) bend_angle_rad: Option<f64>,
 }
 
 /// A number; `null` is none.

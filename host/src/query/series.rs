@@ -8,7 +8,7 @@ use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::batch::{as_written, word};
+use super::batch::{Scalar, as_written, word};
 use super::convert;
 use super::request::{FiberSpec, MaterialSpec, MotionName, Problem, Question, load, only, present};
 use softlimb_files::object::Object;
@@ -138,13 +138,19 @@ impl SeriesTargetSpec {
 }
 
 impl SeriesCase {
-    /// Computed in the scalar `T`; or what the model does not accept, in words.
-    pub(super) fn answer<T: Real>(&self, id: Value) -> Result<SeriesAnswer, String> {
+    /// Computed in a scalar; or what the model does not accept, in words.
+    pub(super) fn answer(&self, id: Value, scalar: Scalar) -> Result<SeriesAnswer, String> {
         // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
-        let written = self.actuators::<f64>(|p| *p, as_written)?;
-        Series::new(&written).map_err(|error| error.to_string())?;
-        let actuators = self.actuators::<T>(convert::parameters, convert::invalid)?;
-        let series = Series::new(&actuators).map_err(wide)?;
+        let written = self.actuators(|p| *p, as_written)?;
+        let series = Series::new(&written).map_err(|error| error.to_string())?;
+        if scalar == Scalar::F64 {
+            return self.solve(id, &series);
+        }
+        let rounded = self.actuators::<f32>(convert::parameters, convert::invalid)?;
+        self.solve(id, &Series::new(&rounded).map_err(wide)?)
+    }
+
+    fn solve<T: Real>(&self, id: Value, series: &Series<'_, T>) -> Result<SeriesAnswer, String> {
         let load: Load<T> = convert::load(&self.load);
         let mut states = vec![];
         let each = |_: usize, solution: &Solution<T>| states.push(solution.state);

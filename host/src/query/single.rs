@@ -1,6 +1,6 @@
 //! A file that holds one question about one actuator, for commands that need an actuator and a pressure.
 
-use fra_model::{Actuator, ActuatorParameters};
+use fra_model::ActuatorParameters;
 use serde_json::Value;
 
 use super::batch::{as_written, parsed};
@@ -26,6 +26,6 @@ pub fn actuator(json: &[u8]) -> Result<(ActuatorParameters<f64>, f64), String> {
     if !(pressure_pa > 0.0 && pressure_pa.is_finite()) {
         return Err(format!("pressure_pa = {pressure_pa} is not allowed here: finite and > 0"));
     }
-    Actuator::new(&case.parameters).map_err(|error| as_written(error).to_string())?;
+    case.parameters.check().map_err(|error| as_written(error).to_string())?;
     Ok((case.parameters, pressure_pa))
 }
