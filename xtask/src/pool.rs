@@ -4,7 +4,6 @@ use std::io;
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, mpsc};
 use std::thread;
-use std::time::{Duration, Instant};
 
 /// A command under the name that its output is printed with.
 pub(crate) struct Job {
@@ -16,14 +15,12 @@ pub(crate) struct Job {
 pub(crate) struct Done {
     pub(crate) name: String,
     pub(crate) output: io::Result<Output>,
-    pub(crate) took: Duration,
 }
 
 /// Runs a job to its end.
 pub(crate) fn run(mut job: Job) -> Done {
-    let begin = Instant::now();
     let output = job.command.stdin(Stdio::null()).output();
-    Done { name: job.name, output, took: begin.elapsed() }
+    Done { name: job.name, output }
 }
 
 /// Runs jobs in their order, as many at once as there are cores, and hands over each as it ends.
