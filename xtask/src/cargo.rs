@@ -1,8 +1,8 @@
 //! Cargo as a child process, at the root of the workspace.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::path::PathBuf;
+use std::process::{Command, ExitStatus, Output, Stdio};
 
 /// One call of Cargo, not yet started.
 pub(crate) struct Cargo {
@@ -30,28 +30,16 @@ impl Cargo {
         probe.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
     }
 
-    /// With a variable of the environment.
-    pub(crate) fn with(mut self, name: &str, value: &Path) -> Self {
-        self.command.env(name, value);
-        self
-    }
-
     /// Runs to the end; the exit code where it is not 0.
     pub(crate) fn run(mut self) -> Result<(), u8> {
         let status = self.command.status().map_err(|error| not_started(&error))?;
         code(status)
     }
 
-    /// Starts with standard output and standard error held back for the caller.
-    pub(crate) fn start(mut self) -> Result<Child, u8> {
-        self.command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().map_err(|error| not_started(&error))
+    /// Runs to the end and keeps what it prints, standard error where `errors` leaves that.
+    pub(crate) fn output(mut self, errors: Stdio) -> Result<Output, u8> {
+        self.command.stderr(errors).output().map_err(|error| not_started(&error))
     }
-}
-
-/// Waits for a started call; the exit code where it is not 0.
-pub(crate) fn finish(child: &mut Child) -> Result<(), u8> {
-    let status = child.wait().map_err(|error| not_started(&error))?;
-    code(status)
 }
 
 fn not_started(error: &std::io::Error) -> u8 {
@@ -59,8 +47,8 @@ fn not_started(error: &std::io::Error) -> u8 {
     1
 }
 
-/// A child ended by a signal has no code of its own: 1.
-fn code(status: ExitStatus) -> Result<(), u8> {
+/// The exit code of a child where it is not 0. One that a signal ended has none of its own: 1.
+pub(crate) fn code(status: ExitStatus) -> Result<(), u8> {
     if status.success() {
         return Ok(());
     }

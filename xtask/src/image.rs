@@ -8,7 +8,7 @@ mod trace;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use crate::cargo::{Cargo, root, target_folder};
 use crate::double::is_double;
@@ -44,11 +44,12 @@ pub(crate) enum Counts {
     Record,
 }
 
-/// Builds the image, looks for double precision in it, runs it in the emulator and compares.
+/// Builds the image, looks for double precision in it, runs it in the emulator and compares with the same programs on this computer:
+/// those in the folder `here`, or else built for it.
 ///
 /// # Errors
 /// The first step that fails.
-pub(crate) fn check(counts: Counts) -> Result<(), Trouble> {
+pub(crate) fn check(counts: Counts, here: Option<&Path>) -> Result<(), Trouble> {
     let emulator = emulator::find();
     let toolchain = Toolchain::find().map_err(|cure| {
         let cures = [Some(cure), emulator.clone().err()];
@@ -57,7 +58,7 @@ pub(crate) fn check(counts: Counts) -> Result<(), Trouble> {
     let images = built(&toolchain).map_err(Trouble::Failed)?;
     println!("xtask: no double precision in the images of the model and of the controller");
     emulator.map_err(Trouble::Missing)?;
-    emulated(&images, &toolchain, counts).map_err(Trouble::Failed)
+    emulated(&images, &toolchain, counts, here).map_err(Trouble::Failed)
 }
 
 /// Lints what is compiled for microcontrollers only, by the toolchain that compiles it.
@@ -97,11 +98,11 @@ fn built(toolchain: &Toolchain) -> Result<[PathBuf; 2], String> {
 }
 
 /// Compares what the images answer, and what that costs.
-fn emulated(images: &[PathBuf], toolchain: &Toolchain, counts: Counts) -> Result<(), String> {
+fn emulated(images: &[PathBuf], toolchain: &Toolchain, counts: Counts, here: Option<&Path>) -> Result<(), String> {
     let mut rows = Vec::new();
     for (image, name) in images.iter().zip(IMAGES) {
         let found = counts::converted(traced(image)?)?;
-        compare(&found, &answers_here(name)?)?;
+        compare(&found, &answers_here(name, here)?)?;
         println!(
             "xtask: {name}: the emulated Cortex-M4F gives the same bits as this computer, {} answers",
             found.len()
@@ -149,9 +150,12 @@ fn double_precision(image: &Path) -> Result<Vec<String>, String> {
 }
 
 /// The same questions answered by the same program on this computer.
-fn answers_here(name: &str) -> Result<Vec<Row>, String> {
-    let mut command = Cargo::quiet(&["run", "--quiet", "--package", PACKAGE, "--bin", name]);
-    let output = command.stderr(Stdio::inherit()).output().map_err(|error| format!("cannot run cargo: {error}"))?;
+fn answers_here(name: &str, here: Option<&Path>) -> Result<Vec<Row>, String> {
+    let mut command = match here {
+        Some(folder) => Command::new(folder.join(format!("{name}{}", std::env::consts::EXE_SUFFIX))),
+        None => Cargo::quiet(&["run", "--quiet", "--package", PACKAGE, "--bin", name]),
+    };
+    let output = command.stderr(Stdio::inherit()).output().map_err(|error| format!("cannot run `{name}`: {error}"))?;
     if !output.status.success() {
         return Err(format!("`{name}` does not answer on this computer"));
     }

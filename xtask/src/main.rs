@@ -6,18 +6,22 @@ mod elf;
 mod emulator;
 mod firmware;
 mod image;
+mod lab;
+mod msrv;
+mod pool;
+mod programs;
 mod setup;
 mod steps;
 mod table;
 mod tally;
 mod toolchain;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use firmware::{Board, Sizes};
 use image::Counts;
-use steps::installed;
-use tally::Tally;
+use steps::{Options, installed};
 
 const HELP: &str = "\
 Developer commands of the workspace
@@ -25,11 +29,15 @@ Developer commands of the workspace
 Usage: cargo xtask <command>
 
   test         formatting, lints, every test of the workspace, the images in the emulator; what CI runs. What it needs beside
-               Rust it names, and installs by apt-get where it may; with --no-install it installs nothing
+               Rust it names, and installs by apt-get where it may; with --no-install it installs nothing. With --full the
+               tests take whole samples in place of a tenth (SOFTLIMB_SAMPLES=full)
   lint         formatting and lints alone
+  msrv         compiles the workspace with the oldest Rust that it supports, where rustup has that
+  lab          runs the laboratory (package softlimb-lab), which compares methods and makes pages; arguments are its own
   model-image  builds the model and the controller for a microcontroller, looks for double precision in them, runs them in an
                emulator: the same bits as here, as many instructions and estimated cycles as recorded, and no more than a
-               device has for them; with --record it records them
+               device has for them; with --record it records them; with --here FOLDER it takes the programs of this computer
+               from there and builds none
   firmware     builds the image for a board, --board f446 (NUCLEO-F446RE, the default) or f405, as .elf, .bin and .hex, and its
                twin for the emulator; says how large it is, compared with what is recorded, and that nothing is in it that
                must not be; with --record it records the sizes
@@ -38,17 +46,22 @@ Usage: cargo xtask <command>
 
 Formatting needs rustfmt and the lints need clippy; images need a toolchain for the microcontroller and qemu-system-arm, finite
 element decks CalculiX. What `test` skips without them it names at the end; where CI is set that is a failure.
-Exit codes: that of the first step that fails; 2 for a wrong command line, and where an image or `flash` lacks a tool.";
+Exit codes: 0; 1 where a step fails; 2 for a wrong command line, and where a command lacks a tool; those of the laboratory.";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words[..] {
-        ["test"] => steps::test(true),
-        ["test", "--no-install"] => steps::test(false),
-        ["lint"] => steps::lint(&mut Tally::default()),
-        ["model-image"] => installed(image::check(Counts::Compare)),
-        ["model-image", "--record"] => installed(image::check(Counts::Record)),
+        ["test", ref options @ ..] => match Options::read(options) {
+            Some(options) => steps::test(options),
+            None => return usage(),
+        },
+        ["lint"] => steps::lint(),
+        ["msrv"] => installed(msrv::check()),
+        ["lab", ref arguments @ ..] => lab::run(arguments),
+        ["model-image"] => installed(image::check(Counts::Compare, None)),
+        ["model-image", "--record"] => installed(image::check(Counts::Record, None)),
+        ["model-image", "--here", folder] => installed(image::check(Counts::Compare, Some(Path::new(folder)))),
         ["firmware", ref options @ ..] => match board(options) {
             Some((board, sizes)) => installed(firmware::build(board, sizes).map(drop)),
             None => return usage(),

@@ -1,32 +1,107 @@
 //! The steps of `test` and `lint`: formatting, lints, every test, the images.
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::thread;
+use std::process::Command;
+use std::{env, io, thread};
 
-use crate::cargo::{self, Cargo};
-use crate::firmware::{self, Board, Sizes};
-use crate::image::{self, Counts, Trouble};
+use crate::cargo::{Cargo, root};
+use crate::image::{self, Trouble};
+use crate::pool::{self, Done, Job};
+use crate::programs::{self, Built, Program};
 use crate::tally::Tally;
-use crate::{emulator, setup};
+use crate::{emulator, firmware, msrv, setup};
 
 /// The variable that tells the tests where the images are.
 const IMAGES: &str = "SOFTLIMB_IMAGES";
 
-/// Formatting and lints, as far as their components are installed; the exit code of the first that fails.
-pub(crate) fn lint(tally: &mut Tally) -> Result<(), u8> {
-    step(tally, "fmt", &["fmt", "--all", "--check"])?;
-    step(tally, "clippy", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])?;
-    lint_images(tally)
+/// The variable that sizes the samples of the tests, and its value for whole samples.
+const SAMPLES: (&str, &str) = ("SOFTLIMB_SAMPLES", "full");
+
+/// Steps that need more than Rust.
+const BOARDS: &str = "images for the board";
+const COUNTS: &str = "`cargo xtask model-image`";
+
+/// Exit codes of this program.
+const FAILED: u8 = 1;
+const MISSING: u8 = 2;
+
+/// What `test` may do, and how much of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Options {
+    /// Missing tools may be installed.
+    pub(crate) may_install: bool,
+    /// The tests take whole samples in place of a tenth.
+    pub(crate) full: bool,
 }
 
-fn step(tally: &mut Tally, component: &str, arguments: &[&str]) -> Result<(), u8> {
-    if !Cargo::has(component) {
-        let cure = format!("`cargo {component}` is not installed: `rustup component add {}`", package(component));
-        return where_possible(tally, &format!("`cargo {component}`"), || Err(Trouble::Missing(cure)))
-            .map(|_: Option<()>| ());
+impl Options {
+    /// The options of `test`, in any order; `None` for others.
+    pub(crate) fn read(words: &[&str]) -> Option<Self> {
+        words.iter().try_fold(Self { may_install: true, full: false }, |options, &word| match word {
+            "--no-install" => Some(Self { may_install: false, ..options }),
+            "--full" => Some(Self { full: true, ..options }),
+            _ => None,
+        })
     }
-    Cargo::announce(arguments).run()
+}
+
+/// Formatting and lints, as far as their components are installed.
+pub(crate) fn lint() -> Result<(), u8> {
+    let mut tally = Tally::default();
+    lints(&mut tally);
+    tally.outcome()
+}
+
+/// Everything a change must pass. The last lines printed name what was skipped and what failed, and sum up the tests.
+pub(crate) fn test(options: Options) -> Result<(), u8> {
+    setup::prepare(options.may_install);
+    let mut tally = Tally::default();
+    all(&mut tally, options);
+    println!("{tally}");
+    tally.outcome()
+}
+
+/// Every step, whatever becomes of those before.
+fn all(tally: &mut Tally, options: Options) {
+    // Asked before Cargo puts another build of this program in its place.
+    let program = env::current_exe().unwrap_or_else(|_| PathBuf::from("xtask"));
+    // Linking an image takes one core for a while: beside lints and build that costs no time.
+    let (built, images) = thread::scope(|scope| {
+        let images = scope.spawn(|| build_images(&program));
+        lints(tally);
+        optional(tally, "lints of the images", image::lint());
+        optional(tally, "the oldest Rust", msrv::check());
+        let built = programs::build().inspect_err(|_| tally.fail("build of the tests")).unwrap_or_default();
+        (built, images.join().unwrap_or_else(|_| Err("their builder failed".to_owned())))
+    });
+    let images = match images {
+        // Each is reported, whatever became of the other.
+        Ok(done) => done.map(|done| end(tally, &done)) == [true; 2],
+        Err(cure) => {
+            missing(tally, BOARDS, &cure);
+            false
+        }
+    };
+    pool::all(jobs(&program, built, options.full, images), |done| {
+        end(tally, &done);
+    });
+}
+
+fn lints(tally: &mut Tally) {
+    step(tally, "fmt", &["fmt", "--all", "--check"]);
+    step(tally, "clippy", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
+}
+
+/// A step by a component of the toolchain.
+fn step(tally: &mut Tally, component: &str, arguments: &[&str]) {
+    let name = format!("`cargo {component}`");
+    if !Cargo::has(component) {
+        let cure = format!("{name} is not installed: `rustup component add {}`", package(component));
+        missing(tally, &name, &cure);
+    } else if Cargo::announce(arguments).run().is_err() {
+        tally.fail(&name);
+    }
 }
 
 /// The name under which a component of the toolchain is installed.
@@ -34,100 +109,141 @@ fn package(component: &str) -> &str {
     if component == "fmt" { "rustfmt" } else { component }
 }
 
-/// Everything a change must pass. The last lines printed name what was skipped and sum up the tests.
-pub(crate) fn test(may_install: bool) -> Result<(), u8> {
-    setup::prepare(may_install);
-    let mut tally = Tally::default();
-    let outcome = all(&mut tally);
-    println!("{tally}");
-    outcome
+/// Builds the images that tests run in the emulator; what to install where there is none.
+fn build_images(program: &Path) -> Result<[Done; 2], String> {
+    emulator::find()?;
+    Ok(["f446", "f405"].map(|board| pool::run(own(program, BOARDS, &["firmware", "--board", board]))))
 }
 
-fn all(tally: &mut Tally) -> Result<(), u8> {
-    lint(tally)?;
-    let images = where_possible(tally, "images for the board", images)?;
-    tests(tally, images.as_deref())?;
-    where_possible(tally, "`cargo xtask model-image`", || image::check(Counts::Compare)).map(drop)
-}
-
-/// Builds the images that tests run in the emulator; where they are.
-fn images() -> Result<PathBuf, Trouble> {
-    emulator::find().map_err(Trouble::Missing)?;
-    firmware::build(Board::F446, Sizes::Compare)?;
-    firmware::build(Board::F405, Sizes::Compare).map(|_| firmware::folder())
-}
-
-/// Lints of what is compiled for the microcontroller only. A toolchain that builds for it need not bring any: that is no failure.
-fn lint_images(tally: &mut Tally) -> Result<(), u8> {
-    match image::lint() {
-        Err(Trouble::Missing(cure)) => {
-            println!("xtask: skipped, lints of the images: {cure}");
-            tally.skip("lints of the images");
-            Ok(())
+/// All that runs once everything is built, the longest first.
+fn jobs(program: &Path, mut built: Built, full: bool, images: bool) -> Vec<Job> {
+    let mut counts = own(program, COUNTS, &["model-image"]);
+    if let Some(folder) = &built.programs {
+        counts.command.arg("--here").arg(folder);
+    }
+    let examples = Cargo::quiet(&["test", "--workspace", "--doc"]);
+    let examples = Job { name: "examples in the documentation".to_owned(), command: examples };
+    built.tests.sort_by_key(Program::place);
+    let tests = built.tests.into_iter().map(|test| {
+        let mut command = Command::new(test.file);
+        // As Cargo runs it.
+        command.current_dir(&test.folder).env("CARGO_MANIFEST_DIR", &test.folder);
+        Job { name: test.source, command }
+    });
+    let mut jobs: Vec<Job> = [counts, examples].into_iter().chain(tests).collect();
+    for Job { command, .. } in &mut jobs {
+        if images {
+            command.env(IMAGES, firmware::folder());
         }
-        other => told(other),
+        if full {
+            command.env(SAMPLES.0, SAMPLES.1);
+        }
+    }
+    jobs
+}
+
+/// A command of this program as a job of its own.
+fn own(program: &Path, name: &str, arguments: &[&str]) -> Job {
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(root());
+    Job { name: name.to_owned(), command }
+}
+
+/// Prints what a job has printed, and reads it; whether the job succeeded.
+fn end(tally: &mut Tally, done: &Done) -> bool {
+    let name = &done.name;
+    println!("\nxtask: {name}");
+    let output = match &done.output {
+        Ok(output) => output,
+        Err(error) => {
+            eprintln!("xtask: cannot run {name}: {error}");
+            tally.fail(name);
+            return false;
+        }
+    };
+    // Where nobody listens, the tests go on.
+    let _ = io::stdout().write_all(&output.stdout);
+    let _ = io::stderr().write_all(&output.stderr);
+    for printed in [&output.stdout, &output.stderr] {
+        String::from_utf8_lossy(printed).lines().for_each(|line| tally.read(line));
+    }
+    match output.status.code() {
+        Some(0) => return true,
+        Some(code) if code == i32::from(MISSING) && [BOARDS, COUNTS].contains(&name.as_str()) => {
+            missing(tally, name, "a tool is missing")
+        }
+        Some(_) => tally.fail(name),
+        None => {
+            eprintln!("xtask: {name}: {}", output.status);
+            tally.fail(name);
+        }
+    }
+    false
+}
+
+/// A step that lacks a tool which is no part of Rust is no failure, but in continuous integration, where nobody would notice.
+fn missing(tally: &mut Tally, name: &str, cure: &str) {
+    if env::var_os("CI").is_some_and(|ci| !ci.is_empty()) {
+        eprintln!("xtask: {name}: {cure}");
+        tally.fail(name);
+    } else {
+        println!("xtask: skipped, {name}: {cure}");
+        tally.skip(name);
     }
 }
 
-/// All tests; with the folder of the images, those that run them too.
-fn tests(tally: &mut Tally, images: Option<&Path>) -> Result<(), u8> {
-    let running = Cargo::announce(&["test", "--workspace"]);
-    let mut running = images.into_iter().fold(running, |cargo, images| cargo.with(IMAGES, images)).start()?;
-    // Two streams, each passed on as it comes: what tests skip is told on the second.
-    let errors = running.stderr.take().map(|errors| thread::spawn(|| pass_on(errors, std::io::stderr())));
-    if let Some(output) = running.stdout.take() {
-        tally.add(&pass_on(output, std::io::stdout()));
-    }
-    if let Some(Ok(skipped)) = errors.map(thread::JoinHandle::join) {
-        tally.add(&skipped);
-    }
-    cargo::finish(&mut running)
-}
-
-/// Prints every line and reads it. Bytes, because a test may print what is not UTF-8.
-fn pass_on(from: impl Read, mut to: impl Write) -> Tally {
-    let mut tally = Tally::default();
-    for line in BufReader::new(from).split(b'\n').map_while(Result::ok) {
-        let line = String::from_utf8_lossy(&line);
-        // Where nobody listens, the tests go on.
-        let _ = writeln!(to, "{line}");
-        tally.read(&line);
-    }
-    tally
-}
-
-/// A step that needs tools which are not part of Rust: that one is missing is no failure, but in continuous integration, where it would
-/// never be noticed.
-fn where_possible<T>(
-    tally: &mut Tally,
-    name: &str,
-    step: impl FnOnce() -> Result<T, Trouble>,
-) -> Result<Option<T>, u8> {
-    match step() {
-        Ok(done) => Ok(Some(done)),
-        Err(Trouble::Missing(cure)) if !is_continuous_integration() => {
+/// A step whose tools come with few toolchains: without them it is skipped everywhere.
+fn optional(tally: &mut Tally, name: &str, outcome: Result<(), Trouble>) {
+    match outcome {
+        Ok(()) => {}
+        Err(Trouble::Missing(cure)) => {
             println!("xtask: skipped, {name}: {cure}");
             tally.skip(name);
-            Ok(None)
         }
-        Err(trouble) => told(Err(trouble)).map(|()| None),
+        Err(Trouble::Failed(text)) => {
+            eprintln!("xtask: {name}: {text}");
+            tally.fail(name);
+        }
     }
 }
 
-fn is_continuous_integration() -> bool {
-    std::env::var_os("CI").is_some_and(|ci| !ci.is_empty())
-}
-
-/// Says what is wrong; an exit code.
-fn told(outcome: Result<(), Trouble>) -> Result<(), u8> {
-    outcome.map_err(|(Trouble::Missing(text) | Trouble::Failed(text))| {
-        eprintln!("xtask: {text}");
-        1
-    })
-}
-
-/// As [`told`], with a code of its own for a tool that is missing.
+/// Says what is wrong; an exit code, of its own for a tool that is missing.
 pub(crate) fn installed(outcome: Result<(), Trouble>) -> Result<(), u8> {
-    let missing = matches!(outcome, Err(Trouble::Missing(_)));
-    told(outcome).map_err(|code| if missing { 2 } else { code })
+    let (text, code) = match outcome {
+        Ok(()) => return Ok(()),
+        Err(Trouble::Missing(text)) => (text, MISSING),
+        Err(Trouble::Failed(text)) => (text, FAILED),
+    };
+    eprintln!("xtask: {text}");
+    Err(code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_come_in_any_order_and_others_are_refused() {
+        let options = |may_install, full| Some(Options { may_install, full });
+        assert_eq!(Options::read(&[]), options(true, false));
+        assert_eq!(Options::read(&["--full", "--no-install"]), options(false, true));
+        assert_eq!(Options::read(&["--no-install", "--full"]), options(false, true));
+        assert_eq!(Options::read(&["--full", "fra-model"]), None);
+    }
+
+    #[test]
+    fn whole_samples_and_images_are_told_to_every_test() {
+        let test = |source: &str| Program { source: source.to_owned(), folder: "p".into(), file: "p/x".into() };
+        let built = || Built { tests: vec![test("xtask/src/main.rs"), test("host/src/lib.rs")], programs: None };
+        let of = |full, images| jobs(Path::new("xtask"), built(), full, images);
+        let names: Vec<String> = of(false, false).into_iter().map(|job| job.name).collect();
+        assert_eq!(names, [COUNTS, "examples in the documentation", "host/src/lib.rs", "xtask/src/main.rs"]);
+        let has =
+            |job: &Job, variable: &str| job.command.get_envs().any(|(name, value)| name == variable && value.is_some());
+        for (full, images) in [(false, false), (false, true), (true, false), (true, true)] {
+            for job in of(full, images) {
+                assert_eq!((has(&job, SAMPLES.0), has(&job, IMAGES)), (full, images), "{}", job.name);
+            }
+        }
+    }
 }

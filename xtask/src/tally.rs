@@ -2,12 +2,13 @@
 
 use std::fmt;
 
-/// Tests that passed, failed and were skipped so far.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// Tests that passed, failed and were skipped so far, and steps that failed.
+#[derive(Debug, Default)]
 pub(crate) struct Tally {
     passed: u64,
     failed: u64,
     skipped: Vec<String>,
+    failures: Vec<String>,
 }
 
 impl Tally {
@@ -34,20 +35,28 @@ impl Tally {
         }
     }
 
-    /// Adds what another has read.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.passed += other.passed;
-        self.failed += other.failed;
-        other.skipped.iter().for_each(|name| self.skip(name));
+    /// Notes a step that failed, once.
+    pub(crate) fn fail(&mut self, name: &str) {
+        if !self.failures.iter().any(|known| known == name) {
+            self.failures.push(name.to_owned());
+        }
+    }
+
+    /// The exit code where a step failed.
+    pub(crate) fn outcome(&self) -> Result<(), u8> {
+        if self.failures.is_empty() { Ok(()) } else { Err(1) }
     }
 }
 
-/// Names of what was skipped, each in a line, then the sum in one.
+/// Names of what was skipped and of steps that failed, each in a line, then the sum in one.
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // A test that skips itself is one that the test program counts as passed.
         for name in &self.skipped {
             writeln!(f, "skipped: {name}")?;
+        }
+        for name in &self.failures {
+            writeln!(f, "failed: {name}")?;
         }
         write!(f, "{} passed, {} failed", self.passed, self.failed)?;
         match self.skipped.len() {
@@ -77,17 +86,25 @@ mod tests {
     }
 
     #[test]
-    fn what_was_skipped_is_named_once_and_last() {
-        let (mut tally, mut errors) = (Tally::default(), Tally::default());
-        tally.read("test result: ok. 2 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out");
-        errors.read("   Compiling skipped: v0.1.0");
-        errors.read("skipped: the_twin_is_alike; install it");
-        errors.read("skipped: the_twin_is_alike; install it");
-        tally.add(&errors);
+    fn what_was_skipped_and_what_failed_is_named_once_and_last() {
+        let mut tally = Tally::default();
+        for line in [
+            "   Compiling skipped: v0.1.0",
+            "skipped: the_twin_is_alike; install it",
+            "skipped: the_twin_is_alike; install it",
+            "test result: ok. 2 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out",
+        ] {
+            tally.read(line);
+        }
         tally.skip("model-image");
+        assert_eq!(tally.outcome(), Ok(()), "what is skipped has not failed");
+        tally.fail("host/tests/cli.rs");
+        tally.fail("host/tests/cli.rs");
         let text = tally.to_string();
-        assert_eq!(text.lines().collect::<Vec<_>>()[..2], ["skipped: the_twin_is_alike", "skipped: model-image"]);
-        assert!(text.lines().last().unwrap().starts_with("2 passed, 0 failed, 2 of them"), "{text}");
-        assert_eq!(text.lines().count(), 3);
+        let lines: Vec<_> = text.lines().collect();
+        let [names @ .., sum] = &lines[..] else { panic!("no lines") };
+        assert_eq!(names, ["skipped: the_twin_is_alike", "skipped: model-image", "failed: host/tests/cli.rs"]);
+        assert!(sum.starts_with("2 passed, 0 failed, 2 of them"), "{text}");
+        assert_eq!(tally.outcome(), Err(1));
     }
 }
