@@ -21,24 +21,24 @@ fn read(file: &str) -> String {
 fn files_and_tests_named_in_the_documentation_exist() {
     for document in [
         "CONTRIBUTING.md",
-        "docs/accuracy.md",
-        "docs/calibrate.md",
-        "docs/design-path.md",
-        "docs/design.md",
-        "docs/eval-batch.md",
-        "docs/fabrication.md",
-        "docs/fem-decks.md",
-        "docs/hardware.md",
-        "docs/model.md",
-        "docs/paper-map.md",
-        "docs/payload.md",
-        "docs/section-fe.md",
-        "docs/speed.md",
-        "docs/statics.md",
-        "docs/tasks.md",
-        "docs/tolerance.md",
-        "docs/validation.md",
-        "docs/workspace.md",
+        "docs/evidence/accuracy.md",
+        "docs/explanation/calibration.md",
+        "docs/explanation/limb-synthesis.md",
+        "docs/explanation/actuator-design.md",
+        "docs/reference/eval-batch.md",
+        "docs/explanation/fabrication.md",
+        "docs/explanation/solid-elements.md",
+        "docs/reference/hardware.md",
+        "docs/explanation/model.md",
+        "docs/reference/paper-map.md",
+        "docs/explanation/payload.md",
+        "docs/explanation/cross-section.md",
+        "docs/explanation/solver-speed.md",
+        "docs/explanation/statics.md",
+        "docs/explanation/planning.md",
+        "docs/explanation/tolerance.md",
+        "docs/evidence/validation.md",
+        "docs/explanation/workspace.md",
     ] {
         let text = read(document);
         for (file, name) in citations::cited(&text) {
@@ -53,19 +53,19 @@ fn files_and_tests_named_in_the_documentation_exist() {
 fn tests_of_the_model_named_without_their_file_exist() {
     let files = ["kinematics", "limits_and_anchors", "properties", "published_and_independent", "stress_integrals"];
     let tests: String = files.iter().map(|file| read(&format!("fra-model/tests/{file}.rs"))).collect();
-    let document = read("docs/model.md");
+    let document = read("docs/explanation/model.md");
     assert!(citations::bare_names(&document).count() >= 9);
     for name in citations::bare_names(&document) {
-        assert!(tests.contains(&format!("fn {name}(")), "docs/model.md names {name}, which is no test of the model");
+        assert!(tests.contains(&format!("fn {name}(")), "docs/explanation/model.md names {name}, which is no test of the model");
     }
 }
 
 #[test]
 fn the_table_of_the_pins_is_that_of_the_code() {
     let table = softlimb_image_stm32f4::pins::Table.to_string();
-    let document = read("docs/hardware.md");
+    let document = read("docs/reference/hardware.md");
     let home = "`cargo run -p softlimb-image-stm32f4 --bin softlimb-stm32f4` prints this table";
-    assert!(document.contains(&table), "docs/hardware.md has another table of the pins; {home}:\n{table}");
+    assert!(document.contains(&table), "docs/reference/hardware.md has another table of the pins; {home}:\n{table}");
 }
 
 /// The lines between ```` ```<mark> ```` and the next fence.
@@ -76,7 +76,7 @@ fn block<'a>(document: &'a str, mark: &str) -> &'a str {
 
 #[test]
 fn the_examples_of_the_batch_interface_are_what_it_answers() {
-    let document = read("docs/eval-batch.md");
+    let document = read("docs/reference/eval-batch.md");
     for (asked, answered) in [("jsonl in", "jsonl out"), ("jsonl series in", "jsonl series out")] {
         let mut output = Vec::new();
         batch(block(&document, asked).as_bytes(), &mut output, Scalar::F64).expect("in memory");

@@ -22,7 +22,7 @@ use crate::scene;
 pub(super) struct Eval {
     /// The scene whose actuators are asked
     scene: Option<PathBuf>,
-    /// A file of questions, one JSON object a line (`-` for standard input); see docs/eval-batch.md
+    /// A file of questions, one JSON object a line (`-` for standard input); see docs/reference/eval-batch.md
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
     /// Precision of a batch

@@ -18,7 +18,7 @@ use crate::design::fit::{Answer, Effort, Problem, Swarm, solve, swarm};
 #[command(
     group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem", "compare"]),
     after_help = "Examples:\n  softlimb design scenes/open/group-a.toml --out group-a.toml\n  softlimb design --problem reach.json --json\n  softlimb design --compare --kinds AB --svg comparison.svg\n\n\
-                  What a scene may leave open: docs/design-path.md. The format of problems and answers: docs/design.md"
+                  What a scene may leave open: docs/guide/design-a-limb.md. The format of problems and answers: docs/reference/actuator-problem.md"
 )]
 pub(super) struct Design {
     /// The scene; with targets by eq. (14), with way-points of the tip by a search for the whole limb
@@ -51,7 +51,7 @@ pub(super) struct Design {
     /// Objectives that the particle swarm evaluates
     #[arg(long, value_name = "N", default_value_t = Swarm::default().evaluations as u32, value_parser = clap::value_parser!(u32).range(50..=100_000_000))]
     evaluations: u32,
-    /// Answer points of the unit box on standard input, one JSON array a line, instead: see docs/design.md
+    /// Answer points of the unit box on standard input, one JSON array a line, instead: see docs/reference/actuator-problem.md
     #[arg(long, requires = "problem", conflicts_with_all = ["compare", "json", "starts", "method", "evaluations", "seed"])]
     evaluate: bool,
     /// Compare the search with the particle swarm: on the problem with several seeds, or on problems by kind and seed

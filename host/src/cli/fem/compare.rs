@@ -22,7 +22,7 @@ use crate::validation::{self, Case, Comparison, Quantity, Solid};
 #[command(
     after_help = "Without a scene the published set is compared: four motions, two sizes, two materials. The file of --tsv then keeps the \
                   cases that are left out, and what CalculiX said of the same pressures before. All of it:\n  \
-                  softlimb fem compare --calculix --tsv tests/golden/validation.tsv --svg docs/validation.svg --page docs/validation.md"
+                  softlimb fem compare --calculix --tsv tests/golden/validation.tsv --svg docs/evidence/validation.svg --page docs/evidence/validation.md"
 )]
 pub(super) struct Compare {
     /// The scene whose actuators are compared, up to each one's highest pressure
