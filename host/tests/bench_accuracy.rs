@@ -177,7 +177,10 @@ fn page_and_picture_are_those_of_the_published_table() {
         Some(page.as_str()),
         "docs/evidence/accuracy.md is not of the table"
     );
-    assert!(bench::picture(&report) == read("docs/evidence/accuracy.svg"), "docs/evidence/accuracy.svg is not of the table");
+    assert!(
+        bench::picture(&report) == read("docs/evidence/accuracy.svg"),
+        "docs/evidence/accuracy.svg is not of the table"
+    );
     assert_eq!((report.seed, report.asked), (SEED, bench::ACTUATORS));
     assert_eq!(report.tsv(), read("tests/golden/accuracy.tsv"));
 }

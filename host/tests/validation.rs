@@ -46,7 +46,10 @@ fn page_and_picture_show_the_record() {
     let recorded = recorded();
     let page = read("docs/evidence/validation.md");
     assert_eq!(refreshed(&page, &recorded).as_deref(), Some(page.as_str()), "see the head of this test");
-    assert!(picture(&recorded) == read("docs/evidence/validation.svg"), "docs/evidence/validation.svg is not of the record");
+    assert!(
+        picture(&recorded) == read("docs/evidence/validation.svg"),
+        "docs/evidence/validation.svg is not of the record"
+    );
 }
 
 /// Four motions, two sizes, two materials, six pressures each, every one answered by every model.
