@@ -28,7 +28,7 @@ fn documents() -> Vec<(String, String)> {
     for expected in ["README.md", "CONTRIBUTING.md", "docs/explanation/model.md", "protocol/SPEC.md"] {
         assert!(paths.iter().any(|path| path == expected), "{expected} is not among the pages");
     }
-    paths.into_iter().map(|path| (read(&path), path)).map(|(text, path)| (path, text)).collect()
+    paths.into_iter().map(|path| (path.clone(), read(&path))).collect()
 }
 
 #[test]
