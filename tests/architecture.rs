@@ -4,6 +4,8 @@
 
 #[path = "architecture/dependencies.rs"]
 mod dependencies;
+#[path = "architecture/graph.rs"]
+mod graph;
 #[path = "architecture/rooms.rs"]
 mod rooms;
 #[path = "architecture/source.rs"]
@@ -16,23 +18,84 @@ use std::path::PathBuf;
 
 use workspace::{arrows, packages, read, rust_files};
 
-/// Every arrow between our packages.
+/// Every arrow between our packages; the host's wing from its lowest floor upwards.
 const ARROWS: &[(&str, &str)] = &[
-    ("softlimb", "softlimb-sim"),
-    ("softlimb", "softlimb-protocol"),
+    ("softlimb-files", "fra-model"),
+    ("softlimb-scene", "fra-model"),
+    ("softlimb-scene", "softlimb-files"),
+    ("softlimb-fea", "fra-model"),
+    ("softlimb-fea", "softlimb-files"),
+    ("softlimb-fea", "softlimb-numerics"),
+    ("softlimb-limb", "fra-model"),
+    ("softlimb-limb", "softlimb-chart"),
+    ("softlimb-limb", "softlimb-fea"),
+    ("softlimb-limb", "softlimb-files"),
+    ("softlimb-limb", "softlimb-numerics"),
+    ("softlimb-limb", "softlimb-scene"),
+    ("softlimb-design", "fra-model"),
+    ("softlimb-design", "softlimb-chart"),
+    ("softlimb-design", "softlimb-files"),
+    ("softlimb-design", "softlimb-limb"),
+    ("softlimb-design", "softlimb-numerics"),
+    ("softlimb-design", "softlimb-scene"),
+    ("softlimb-motion", "fra-model"),
+    ("softlimb-motion", "softlimb-fea"),
+    ("softlimb-motion", "softlimb-limb"),
+    ("softlimb-motion", "softlimb-numerics"),
+    ("softlimb-motion", "softlimb-protocol"),
+    ("softlimb-motion", "softlimb-scene"),
+    ("softlimb-rig", "fra-model"),
+    ("softlimb-rig", "softlimb-chart"),
+    ("softlimb-rig", "softlimb-files"),
+    ("softlimb-rig", "softlimb-limb"),
+    ("softlimb-rig", "softlimb-motion"),
+    ("softlimb-rig", "softlimb-numerics"),
+    ("softlimb-rig", "softlimb-protocol"),
+    ("softlimb-rig", "softlimb-scene"),
+    ("softlimb-rig", "softlimb-sim"),
     ("softlimb", "fra-model"),
-    ("softlimb-sim", "softlimb-firmware"),
-    ("softlimb-sim", "softlimb-image-stm32f4"),
-    ("softlimb-sim", "softlimb-plant"),
-    ("softlimb-sim", "softlimb-protocol"),
-    ("softlimb-firmware", "softlimb-protocol"),
+    ("softlimb", "softlimb-chart"),
+    ("softlimb", "softlimb-design"),
+    ("softlimb", "softlimb-fea"),
+    ("softlimb", "softlimb-files"),
+    ("softlimb", "softlimb-limb"),
+    ("softlimb", "softlimb-motion"),
+    ("softlimb", "softlimb-rig"),
+    ("softlimb", "softlimb-scene"),
+    ("softlimb-lab", "fra-model"),
+    ("softlimb-lab", "softlimb"),
+    ("softlimb-lab", "softlimb-chart"),
+    ("softlimb-lab", "softlimb-design"),
+    ("softlimb-lab", "softlimb-fea"),
+    ("softlimb-lab", "softlimb-files"),
+    ("softlimb-lab", "softlimb-limb"),
+    ("softlimb-lab", "softlimb-numerics"),
+    ("softlimb-lab", "softlimb-scene"),
     ("softlimb-firmware", "fra-model"),
-    ("softlimb-plant", "fra-model"),
+    ("softlimb-firmware", "softlimb-protocol"),
     ("softlimb-image-mps2-an386", "fra-model"),
     ("softlimb-image-mps2-an386", "softlimb-firmware"),
     ("softlimb-image-mps2-an386", "softlimb-protocol"),
     ("softlimb-image-stm32f4", "softlimb-firmware"),
     ("softlimb-image-stm32f4", "softlimb-protocol"),
+    ("softlimb-plant", "fra-model"),
+    ("softlimb-sim", "softlimb-firmware"),
+    ("softlimb-sim", "softlimb-image-stm32f4"),
+    ("softlimb-sim", "softlimb-plant"),
+    ("softlimb-sim", "softlimb-protocol"),
+];
+
+/// Foreign crates that only these packages may use in the product.
+const ONLY: &[(&str, &[&str])] = &[
+    ("toml", &["softlimb-scene"]),
+    ("toml_edit", &["softlimb-scene"]),
+    ("annotate-snippets", &["softlimb-scene"]),
+    ("mcap", &["softlimb-rig"]),
+    ("clarabel", &["softlimb-limb"]),
+    ("clap", &["softlimb", "softlimb-lab"]),
+    ("indicatif", &["softlimb", "softlimb-lab"]),
+    ("tempfile", &["softlimb-fea", "softlimb-files"]),
+    ("qd", &["softlimb-lab"]),
 ];
 
 /// The package that may write unsafe code, and where in it: registers and faults have no safe names.
@@ -46,7 +109,7 @@ const UNSAFE: (&str, &[&str]) = (
 );
 
 /// Packages that use none of ours, their tests included.
-const ALONE: &[&str] = &["fra-model", "softlimb-protocol", "xtask"];
+const ALONE: &[&str] = &["fra-model", "softlimb-chart", "softlimb-numerics", "softlimb-protocol", "xtask"];
 
 /// Packages that run on the MCU.
 const NO_STD: &[&str] = &["fra-model", "softlimb-protocol", "softlimb-firmware", "softlimb-image-stm32f4"];
@@ -63,6 +126,29 @@ fn packages_use_each_other_along_the_arrows_only() {
         let ours: Vec<_> = package.dependencies.iter().filter(|used| used.ours).map(|used| &used.name).collect();
         assert!(ours.is_empty(), "{} stands alone, its tests included, but uses {ours:?}", package.name);
     }
+}
+
+#[test]
+fn foreign_crates_stay_in_their_packages() {
+    let packages = packages();
+    for (name, owners) in ONLY {
+        let uses =
+            |package: &&workspace::Package| package.dependencies.iter().any(|used| used.name == *name && !used.dev);
+        let users: Vec<_> = packages.iter().filter(uses).map(|package| package.name.as_str()).collect();
+        let strangers: Vec<_> = users.iter().filter(|user| !owners.contains(user)).collect();
+        assert!(strangers.is_empty(), "{name} is for {owners:?}, and {strangers:?} depend on it");
+        assert!(!users.is_empty(), "nobody depends on {name}: drop the rule");
+    }
+}
+
+#[test]
+fn modules_form_no_circle() {
+    let packages = packages();
+    let graphs = packages.iter().map(|package| graph::graph(&package.folder.join("src")));
+    let graphs: Vec<_> = graphs.collect();
+    assert!(graphs.iter().map(|graph| graph.len()).sum::<usize>() > 20, "the source was not read");
+    let circles: Vec<_> = graphs.iter().filter_map(graph::circle).collect();
+    assert!(circles.is_empty(), "folders that need each other: {circles:?}");
 }
 
 #[test]
@@ -108,10 +194,14 @@ fn words_stay_in_their_rooms() {
 
 #[test]
 fn every_dependency_is_explained_and_every_explanation_is_needed() {
-    let documented = dependencies::documented(&read("docs/reference/dependencies.md")).expect("docs/reference/dependencies.md");
+    let documented =
+        dependencies::documented(&read("docs/reference/dependencies.md")).expect("docs/reference/dependencies.md");
     let declared = dependencies::declared(&packages());
     let missing: Vec<_> = declared.difference(&documented).collect();
     let stale: Vec<_> = documented.difference(&declared).collect();
     assert!(missing.is_empty(), "docs/reference/dependencies.md lacks (crate, package, only its tests): {missing:?}");
-    assert!(stale.is_empty(), "docs/reference/dependencies.md lists (crate, package, only its tests) in vain: {stale:?}");
+    assert!(
+        stale.is_empty(),
+        "docs/reference/dependencies.md lists (crate, package, only its tests) in vain: {stale:?}"
+    );
 }

@@ -13,7 +13,7 @@ mod trace;
 mod turns;
 
 use devices::Images;
-use softlimb::run::Mcu;
+use softlimb_rig::run::Mcu;
 use support::{Ran, run_on, scene_with};
 
 const SCENE: &str = "pick-and-place-a";

@@ -2,8 +2,9 @@
 
 mod support;
 
-use softlimb::record::{self, RunLog};
-use softlimb::run::write_report;
+use softlimb_rig::record;
+use softlimb_rig::record::RunLog;
+use softlimb_rig::run::write_report;
 
 use support::{Ran, run, scene_with};
 

@@ -10,7 +10,7 @@ mod nominal;
 mod spread;
 mod support;
 
-use softlimb::record::{ModuleSample, Quantity};
+use softlimb_rig::record::{ModuleSample, Quantity};
 
 /// The value of a quantity at rest, in the unit of the log. Scenes with other quantities than these have no travel to compare with.
 fn at_rest(quantity: Quantity) -> f64 {

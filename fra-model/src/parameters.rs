@@ -17,6 +17,21 @@ pub enum Motion {
     Twisting,
 }
 
+impl Motion {
+    /// All four.
+    pub const ALL: [Self; 4] = [Self::Extension, Self::Expansion, Self::Bending, Self::Twisting];
+
+    /// Its name in scenes, tables and logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Extension => "extension",
+            Self::Expansion => "expansion",
+            Self::Bending => "bending",
+            Self::Twisting => "twisting",
+        }
+    }
+}
+
 /// Parameters of an isotropic, incompressible elastomer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Material<T> {

@@ -1,43 +1,17 @@
-//! softlimb on the host: from a scene file to a recorded and reported run.
+//! softlimb on the host: the command, and the crates a library user may rely on.
 //!
-//! The rooms, in the order a datum passes them: [`scene`] reads the file, [`design`] builds the limb, [`motion`] plans its
-//! setpoints past what stands in the way ([`obstacle`]), [`simulate`] and [`link`] bring them to a device, [`run`] leads the way, [`record`] keeps what happened, [`report`] shows it. [`eval`] asks
-//! the actuator model alone, [`many`] for many actuators at once; [`table`] turns it into what a device looks up; [`calibrate`] fits it to measurements; [`bench`] measures it; [`cli`] is the command line.
-//! Finite elements judge it: [`section`] of the section, [`meridian`] of ends and threads, [`fem`] in three dimensions by CalculiX; [`validation`] puts
-//! them side by side. [`payload`] says what a limb can push, carry and hold, [`trials`] how well it hits its targets, [`workspace`] where its tip can be, [`statics`] what weight does to it, [`weighing`] what hangs on it, [`tolerance`] what fabrication does. [`range`] is what they refuse numbers with.
+//! A scene file becomes a [`scene::Scene`], a [`limb::Limb`], a plan ([`motion`]), a run on a device with its log and report ([`rig`]).
+//! [`design`] searches limbs, [`fea`] judges the model, [`query`] answers questions to the actuator model alone, [`many`] for many
+//! actuators at once, and [`comparison`] puts the model beside finite elements. [`cli`] is the command line.
 
-pub mod bench;
-pub mod calibrate;
 pub mod cli;
-mod csv;
-pub mod design;
-mod elastomer;
-pub mod eval;
-pub mod fabricate;
-pub mod fem;
-#[cfg(test)]
-mod hyper_dual;
-pub mod link;
+pub mod comparison;
 pub mod many;
-mod marked;
-pub mod meridian;
-pub mod motion;
-pub mod obstacle;
-pub mod payload;
-mod quadrilateral;
-pub mod range;
-pub mod record;
-pub mod report;
-pub mod run;
-pub mod scene;
-pub mod section;
-pub mod simulate;
-mod spacing;
-pub mod statics;
-pub mod table;
-pub mod tolerance;
-pub mod track;
-pub mod trials;
-pub mod validation;
-pub mod weighing;
-pub mod workspace;
+pub mod query;
+
+pub use softlimb_design as design;
+pub use softlimb_fea as fea;
+pub use softlimb_limb as limb;
+pub use softlimb_motion as motion;
+pub use softlimb_rig as rig;
+pub use softlimb_scene as scene;

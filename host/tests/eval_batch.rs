@@ -1,7 +1,7 @@
 //! The batch interface as another program uses it.
 
 use serde_json::{Value, json};
-use softlimb::eval::{Scalar, batch};
+use softlimb::query::{Scalar, batch};
 
 fn ask(lines: &str, scalar: Scalar) -> Vec<Value> {
     let mut out = Vec::new();

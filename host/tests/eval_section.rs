@@ -1,7 +1,7 @@
 //! Questions to the section's finite elements, as another program asks them.
 
 use serde_json::{Value, json};
-use softlimb::eval::{Scalar, batch};
+use softlimb::query::{Scalar, batch};
 
 fn ask_as(line: &Value, scalar: Scalar) -> Value {
     let mut out = Vec::new();

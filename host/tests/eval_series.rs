@@ -4,7 +4,7 @@ use fra_model::{
     Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Series, SeriesTarget,
 };
 use serde_json::{Value, json};
-use softlimb::eval::{Scalar, batch};
+use softlimb::query::{Scalar, batch};
 
 fn ask(line: &Value, scalar: Scalar) -> Value {
     let mut out = Vec::new();

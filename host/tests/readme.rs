@@ -1,8 +1,9 @@
 //! The README shows what its first command prints. After a change that is meant to change it:
 //! `UPDATE_README=1 cargo test -p softlimb --test readme`.
 
-use softlimb::run::{Mcu, RunOptions, run};
-use softlimb::{report, scene};
+use softlimb_rig::report;
+use softlimb_rig::run::{Mcu, RunOptions, run};
+use softlimb_scene as scene;
 use std::sync::atomic::AtomicBool;
 
 fn repository(path: &str) -> String {

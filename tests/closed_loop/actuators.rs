@@ -3,13 +3,14 @@
 use fra_model::{
     Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, State, Target, Tracker,
 };
-use softlimb::design::StateCurve;
-use softlimb::motion::ModuleInverse;
-use softlimb::{scene, table};
+use softlimb_limb::StateCurve;
+use softlimb_motion::ModuleInverse;
+use softlimb_motion::inverse_table as table;
 use softlimb_protocol::{
     ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind,
     SetpointKind,
 };
+use softlimb_scene as scene;
 
 /// Gauge pressure above which a channel is vented, Pa.
 pub(crate) const PRESSURE_MAX_PA: f64 = 100e3;

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::io;
 
 use fra_model::State;
-use softlimb::link::{DeviceConfiguration, Event, Knot, StreamOptions, Transport, stream};
 use softlimb_protocol::{ConfigInverse, ConfigVolume, Fault};
+use softlimb_rig::link::{DeviceConfiguration, Event, Knot, StreamOptions, Transport, stream};
 use softlimb_sim::plant::{ChannelSettings, PlantSettings, Spread, Supply, Truth};
 use softlimb_sim::{SimSettings, SimulatedMcu};
 

@@ -1,7 +1,8 @@
 //! A quarter of an hour without a tick that is late, lost or told twice.
 
-use softlimb::link::{self, Event, Knot, StreamOptions};
 use softlimb_protocol::DeviceState;
+use softlimb_rig::link;
+use softlimb_rig::link::{Event, Knot, StreamOptions};
 
 use crate::devices::Images;
 use crate::turns::{CYCLES, SHARE, with_scene};

@@ -1,9 +1,11 @@
 //! What a turn of the controller costs on the processor of the device.
 
-use softlimb::design::Limb;
-use softlimb::link::{self, DeviceConfiguration, Event, Knot, StreamOptions};
-use softlimb::{motion, simulate};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
 use softlimb_protocol::{Command, CommandCode, DeviceState, Heartbeat, SetpointKind};
+use softlimb_rig::link;
+use softlimb_rig::link::{DeviceConfiguration, Event, Knot, StreamOptions};
+use softlimb_rig::simulate;
 use softlimb_sim::SimulatedMcu;
 use softlimb_sim::emulated::LockStep;
 
@@ -59,7 +61,7 @@ pub(crate) fn with_scene(images: &Images) -> (SimulatedMcu<LockStep>, DeviceConf
     let limb = Limb::new(&scene).expect("a limb");
     let plan = motion::plan(&scene, &limb).expect("a plan");
     let inverses = motion::inverses(&scene, &limb).expect("tables");
-    let configuration = motion::configuration(&scene, &inverses, &limb);
+    let configuration = softlimb_rig::configuration(&scene, &inverses, &limb);
     let row = |values: &Vec<i32>| -> Vec<i32> {
         limb.modules().iter().zip(values).flat_map(|(module, value)| module.channels.clone().map(|_| *value)).collect()
     };

@@ -1,8 +1,9 @@
 //! What every scene must come up to as it is.
 
-use softlimb::record::{self, Sample};
-use softlimb::report::ErrorStats;
-use softlimb::scene::Goal;
+use softlimb_rig::record;
+use softlimb_rig::record::Sample;
+use softlimb_rig::report::ErrorStats;
+use softlimb_scene::Goal;
 
 use crate::support::{Ran, names, run, scene_with};
 use crate::travel;

@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use softlimb::report::Summary;
+use softlimb_rig::report::Summary;
 
 use crate::support::{names, run, scene_with};
 

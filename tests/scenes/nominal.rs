@@ -1,6 +1,6 @@
 //! Scenes on a plant that is exactly what the controller is told: whatever error remains has a name.
 
-use softlimb::record::ModuleSample;
+use softlimb_rig::record::ModuleSample;
 
 use crate::support::{NO_CREEP, NO_SPREAD, Ran, names, run, scene_with};
 use crate::travel;

@@ -4,9 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use softlimb::report::{self, Summary};
-use softlimb::run::{self, Mcu, RunFiles, RunOptions};
-use softlimb::scene::{self, Scene};
+use softlimb_rig::report;
+use softlimb_rig::report::Summary;
+use softlimb_rig::run;
+use softlimb_rig::run::{Mcu, RunFiles, RunOptions};
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 use tempfile::TempDir;
 
 /// A plant whose parameters are exactly those of the scene. Noise, jitter and creep stay.

@@ -6,9 +6,12 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, Outcome};
-use crate::design::Limb;
-use crate::motion::{self, ModuleInverse, Plan};
-use crate::scene::{self, Scene};
+use softlimb_chart::{WEIGHTLESS, labelled};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::{ModuleInverse, Plan};
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
 #[derive(Args)]
@@ -30,13 +33,15 @@ impl Check {
         let sent = motion::sent(&scene, &limb, &plan)?;
         motion::check_goals(&scene, &limb, &sent, &inverses)?;
         let highest = highest_pressures(&sent);
+        let warnings = [plan.warnings.clone(), scene.winding_warnings()].concat();
         if self.json {
-            super::say(&report(&scene, &limb, &plan, &highest, &inverses).to_string())?;
+            let mut json = report(&scene, &limb, &plan, &highest, &inverses);
+            json["warnings"] = warnings.clone().into();
+            super::say(&json.to_string())?;
         } else {
             super::say(&table(&scene, &limb, &plan, &highest, &inverses))?;
         }
-        plan.warnings.iter().for_each(|warning| super::note(&format!("warning: {warning}")));
-        Ok(if plan.warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+        Ok(super::warn(&warnings))
     }
 }
 
@@ -86,6 +91,7 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
         .collect();
     json!({
         "scene": scene.name(),
+        WEIGHTLESS: scene.weightless(),
         "channels": scene.channels(),
         "rest_length_m": scene.rest_length_m(),
         "mass_kg": scene.mass_kg(),
@@ -93,14 +99,13 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
         "modules": modules,
         "phases": phases,
         "weight": plan.weighed().map(|weighed| json!({"model": weighed.tier.name(), "error": weighed.error})),
-        "warnings": plan.warnings,
     })
 }
 
 fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> String {
     let heading = format!(
         "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
-        scene.name(),
+        labelled(scene.name(), scene.weightless()),
         limb.modules().len(),
         scene.channels(),
         scene.rest_length_m(),
@@ -125,7 +130,7 @@ fn phase_rows(scene: &Scene, plan: &Plan) -> Vec<String> {
     if scene.obstacles().is_empty() && !chosen {
         return Vec::new();
     }
-    let row = |phase: &crate::motion::PlannedPhase| {
+    let row = |phase: &softlimb_motion::PlannedPhase| {
         let mut text = format!("  phase {:<16} {:6.2} s", phase.name, phase.move_us as f64 * 1e-6);
         if let Some(nearest) = phase.nearest {
             let name = &scene.obstacles()[nearest.obstacle].name.value;

@@ -7,9 +7,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, Outcome};
-use crate::fabricate::{FabricateError, Hand, Piece, Settings, Thread, Tolerances, mold, path, plan, sheet};
-use crate::fem::{make_folder, write_whole};
-use crate::scene;
+use softlimb_files::{make_folder, write_whole};
+use softlimb_limb::fabricate::{FabricateError, Hand, Piece, Settings, Thread, Tolerances, mold, path, plan, sheet};
+use softlimb_scene as scene;
 
 /// Sheets, paths of the thread and molds for the actuators of a scene
 #[derive(Args)]

@@ -2,28 +2,28 @@
 
 use std::path::Path;
 
-use crate::scene::SceneError;
+use softlimb_scene::SceneError;
 
 /// A failure with the text that explains it.
 #[derive(Debug)]
-pub(crate) struct Failure {
+pub struct Failure {
     text: String,
     wrong_line: bool,
 }
 
 impl Failure {
     /// A failure explained by `text`, without `error:` in front.
-    pub(crate) fn new(text: impl std::fmt::Display) -> Self {
+    pub fn new(text: impl std::fmt::Display) -> Self {
         Self { text: format!("error: {text}"), wrong_line: false }
     }
 
     /// What the command line asks for contradicts itself, whatever the files say.
-    pub(crate) fn wrong_line(text: impl std::fmt::Display) -> Self {
+    pub fn wrong_line(text: impl std::fmt::Display) -> Self {
         Self { wrong_line: true, ..Self::new(text) }
     }
 
     /// Something could not be done to a file.
-    pub(crate) fn file(doing: &str, path: &Path, error: &dyn std::fmt::Display) -> Self {
+    pub fn file(doing: &str, path: &Path, error: &dyn std::fmt::Display) -> Self {
         Self::new(format!("cannot {doing} {}: {error}", path.display()))
     }
 

@@ -7,10 +7,12 @@ mod run;
 mod subject;
 mod values;
 
+pub use compare::{Calculix, as_json, text};
+
 use clap::{Args, Subcommand};
 
 use super::{Failure, Outcome};
-use crate::fem::FemError;
+use softlimb_fea::solid::FemError;
 
 /// Finite elements: write decks for CalculiX and Abaqus, run CalculiX, compare with the model, calibrate it
 #[derive(Args)]

@@ -3,7 +3,6 @@
 //! Results go to standard output, talk to standard error. Exit codes: 0 done, 1 failed, 2 the command line is wrong,
 //! 3 done with warnings.
 
-mod bench;
 mod calibrate;
 mod check;
 mod design;
@@ -26,12 +25,20 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-pub(crate) use failure::Failure;
+pub use failure::Failure;
+pub use kept::{read, write};
+
+/// Parts of `fem compare` that the laboratory shares.
+pub mod fea {
+    pub use super::fem::{Calculix, as_json, text};
+}
 
 /// How a verb ended that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub enum Outcome {
+    /// Done.
     Done,
+    /// Done, with warnings printed.
     DoneWithWarnings,
 }
 
@@ -55,7 +62,6 @@ enum Verb {
     Eval(eval::Eval),
     Run(run::Run),
     Report(report::Report),
-    Bench(bench::Bench),
     Fem(fem::Fem),
     Fabricate(fabricate::Fabricate),
     Calibrate(calibrate::Calibrate),
@@ -66,24 +72,14 @@ enum Verb {
     Trials(trials::Trials),
 }
 
-/// Parses the command line, does what it asks, and turns the outcome into an exit code.
+/// Parses the command line, runs a verb, and returns its exit code.
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            let wrong = error.use_stderr();
-            // Nothing is left to do if the terminal is gone.
-            let _ = error.print();
-            return if wrong { ExitCode::from(2) } else { ExitCode::SUCCESS };
-        }
-    };
-    let outcome = match arguments.verb {
+    finish(Arguments::try_parse().map(|arguments| match arguments.verb {
         Verb::Check(verb) => verb.run(),
         Verb::Design(verb) => verb.run(),
         Verb::Eval(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
-        Verb::Bench(verb) => verb.run(),
         Verb::Fem(verb) => verb.run(),
         Verb::Fabricate(verb) => verb.run(),
         Verb::Calibrate(verb) => verb.run(),
@@ -92,11 +88,21 @@ pub fn main() -> ExitCode {
         Verb::Statics(verb) => verb.run(),
         Verb::Tolerance(verb) => verb.run(),
         Verb::Trials(verb) => verb.run(),
-    };
+    }))
+}
+
+/// The exit code of a parsed command line that ran, or of one that could not be parsed.
+pub fn finish(outcome: Result<Result<Outcome, Failure>, clap::Error>) -> ExitCode {
     match outcome {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::DoneWithWarnings) => ExitCode::from(3),
-        Err(failure) => {
+        Err(error) => {
+            let wrong = error.use_stderr();
+            // Nothing is left to do if the terminal is gone.
+            let _ = error.print();
+            if wrong { ExitCode::from(2) } else { ExitCode::SUCCESS }
+        }
+        Ok(Ok(Outcome::Done)) => ExitCode::SUCCESS,
+        Ok(Ok(Outcome::DoneWithWarnings)) => ExitCode::from(3),
+        Ok(Err(failure)) => {
             failure.print();
             ExitCode::from(failure.code())
         }
@@ -104,7 +110,7 @@ pub fn main() -> ExitCode {
 }
 
 /// Prints a result. A reader that has seen enough is no failure.
-pub(crate) fn say(text: &str) -> Result<(), Failure> {
+pub fn say(text: &str) -> Result<(), Failure> {
     let mut out = stdout().lock();
     let written = writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush());
     match written {
@@ -116,11 +122,17 @@ pub(crate) fn say(text: &str) -> Result<(), Failure> {
 }
 
 /// Talks to the user on standard error. Where nobody listens there is nobody to tell either.
-pub(crate) fn note(text: &str) {
+pub fn note(text: &str) {
     let _ = writeln!(stderr().lock(), "{text}");
 }
 
+/// Writes warnings to standard error; an outcome with any is one with warnings.
+pub(crate) fn warn(warnings: &[String]) -> Outcome {
+    warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
+}
+
 /// Whether messages on standard error may be coloured.
-pub(crate) fn colour() -> bool {
+pub fn colour() -> bool {
     stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
 }

@@ -6,10 +6,11 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{Failure, Outcome};
-use crate::design::Limb;
-use crate::motion;
-use crate::scene::{self, Scene};
-use crate::statics::{Answer, Load, LoadedLimb, Lost, cheapest};
+use softlimb_limb::Limb;
+use softlimb_limb::statics::{Answer, Load, LoadedLimb, Lost, cheapest};
+use softlimb_motion as motion;
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 /// Ratio of a tube's compression to its load of buckling above which no rod is right.
 const BUCKLED: f64 = 0.5;

@@ -9,8 +9,11 @@ use serde_json::{Value, json};
 
 use super::kept::write;
 use super::{Failure, Outcome};
-use crate::scene::{self, Corrections, Scene};
-use crate::trials::{self, Distances, Score, Settings, TrialsError};
+use softlimb_chart::{WEIGHTLESS, labelled};
+use softlimb_rig::trials;
+use softlimb_rig::trials::{Distances, Score, Settings, TrialsError};
+use softlimb_scene as scene;
+use softlimb_scene::{Corrections, Scene};
 
 /// Run a scene several times on one simulated limb, by the model alone and after rehearsals under a camera
 #[derive(Args)]
@@ -90,6 +93,7 @@ impl Trials {
         };
         json!({
             "scene": scene.name(),
+            WEIGHTLESS: scene.weightless(),
             "limb": settings.limb,
             "seed": settings.noise,
             "rehearsals": settings.rehearsals,
@@ -104,7 +108,7 @@ impl Trials {
 
     /// Writing to a string cannot fail.
     fn table(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> String {
-        let (name, limb, count) = (scene.name(), settings.limb, self.trials);
+        let (name, limb, count) = (labelled(scene.name(), scene.weightless()), settings.limb, self.trials);
         let mut text = format!(
             "{name}: limb {limb}, {count} trials each, {} rehearsals under a camera of {} mm\n\n\
              {:34} {:>16} {:>18}\n{:34} {:>8} {:>8} {:>9} {:>8}\n",

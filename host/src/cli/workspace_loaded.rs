@@ -7,10 +7,12 @@ use serde_json::{Value, json};
 use super::kept::write;
 use super::workspace::{NAMES, Workspace, csv, rest_m};
 use super::{Failure, Outcome};
-use crate::design::Limb;
-use crate::scene::Scene;
-use crate::statics::{Load, LoadedLimb};
-use crate::workspace::{self, Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
+use softlimb_chart::WEIGHTLESS;
+use softlimb_limb::Limb;
+use softlimb_limb::statics::{Load, LoadedLimb};
+use softlimb_limb::workspace;
+use softlimb_limb::workspace::{Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
+use softlimb_scene::Scene;
 
 /// Everything that is shown.
 struct Answer<'a> {
@@ -126,6 +128,7 @@ impl Answer<'_> {
         let tally = &self.tally;
         json!({
             "scene": self.scene.name(),
+            WEIGHTLESS: false,
             "mass_kg": self.scene.mass_kg(),
             "payload_kg": self.payload_kg,
             "extents": extents,

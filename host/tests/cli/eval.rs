@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::desk::Desk;
+use crate::cli::desk::Desk;
 
 const GOOD: &str = r#"{"id":"a","motion":"bending","problem":"forward","inner_radius_m":0.006,"outer_radius_m":0.008,"length_m":0.1,"material":{"law":"neo-hookean","shear_modulus_pa":2e5},"pressure_pa":3e4}"#;
 

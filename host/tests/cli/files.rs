@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::time::{Duration, Instant};
 
-use crate::desk::{Desk, SCENE};
+use crate::cli::desk::{Desk, SCENE};
 
 /// Every way to hand a scene over.
 const SCENE_VERBS: [&str; 3] = ["check", "run --out results", "eval"];

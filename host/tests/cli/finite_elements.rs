@@ -1,6 +1,6 @@
 //! `softlimb fem compare` and `fem calibrate`.
 
-use crate::desk::Desk;
+use crate::cli::desk::Desk;
 
 /// A shell script in place of CalculiX.
 fn in_place(desk: &Desk, script: &str) -> String {

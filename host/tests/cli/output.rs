@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::desk::Desk;
+use crate::cli::desk::Desk;
 
 const VERBS: [&str; 4] =
     ["check scene.toml", "check scene.toml --json", "eval scene.toml --steps 1000", "eval scene.toml --json"];

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::desk::{Desk, SCENE};
+use crate::cli::desk::{Desk, SCENE};
 
 const KEY: &str = "\n[corrections]\nfile = \"learned.csv\"\n";
 

@@ -1,6 +1,6 @@
 //! Help, version, and command lines that mean nothing.
 
-use crate::desk::Desk;
+use crate::cli::desk::Desk;
 
 const VERBS: [&str; 13] = [
     "check",

@@ -9,7 +9,7 @@ use super::super::Failure;
 use super::super::kept::read;
 use super::limb::loaded;
 use super::{Calibrate, Said, about};
-use crate::calibrate::{Body, Point, Points, Step, fit_creep};
+use softlimb_rig::calibrate::{Body, Point, Points, Step, fit_creep};
 
 /// What the pressure of a step may move by, as a share of its largest.
 const STEADY: f64 = 0.02;
@@ -60,7 +60,7 @@ impl Calibrate {
                 time.interval[0],
                 time.interval[1]
             );
-            let value = |value: &crate::calibrate::Value| json!({"name": value.name, "value": value.value, "interval": value.interval});
+            let value = |value: &softlimb_rig::calibrate::Value| json!({"name": value.name, "value": value.value, "interval": value.interval});
             answers.push(json!({
                 "module": *module.name,
                 "quantity": first.quantity,

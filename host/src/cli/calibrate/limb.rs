@@ -8,9 +8,11 @@ use serde_json::json;
 use super::super::Failure;
 use super::super::kept::read;
 use super::{Calibrate, Per, Said, about};
-use crate::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
-use crate::record::{self, Quantity};
-use crate::scene::{self, Scene};
+use softlimb_rig::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
+use softlimb_rig::record;
+use softlimb_rig::record::Quantity;
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 /// A measurement before its accuracy is known: module, reading, quantity, value, and where it is from.
 struct Seen {
@@ -99,6 +101,9 @@ impl Calibrate {
         warnings.extend(fit.outliers(&observations).into_iter().map(|k| {
             format!("{} stands out: {} is beyond four times the scatter of all", seen[k].from, observations[k].value)
         }));
+        let measured =
+            scene.modules().iter().enumerate().filter(|(index, _)| seen.iter().any(|of| of.module == *index));
+        warnings.extend(measured.filter_map(|(_, module)| scene.winding_warning(module)));
         let written = self.fit.iter().any(|p| !matches!(p, Property::PressureOffset | Property::PressureGain));
         let wanted = fit.bodies.iter().map(|body| body.parameters).collect();
         Ok(Said {

@@ -9,9 +9,10 @@ use serde_json::json;
 use super::super::Failure;
 use super::super::kept::read;
 use super::{Calibrate, Said, about};
-use crate::calibrate::{Tension, TensionFit, fit_tension, tension_picture};
-use crate::design::Limb;
-use crate::scene::{self, Scene};
+use softlimb_limb::Limb;
+use softlimb_rig::calibrate::{Tension, TensionFit, fit_tension, tension_picture};
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 impl Calibrate {
     pub(super) fn tension(&self, file: &Path) -> Result<Said, Failure> {

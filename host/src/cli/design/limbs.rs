@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::design::path::Candidate;
+use softlimb_design::synthesis::Candidate;
 
 /// The limbs to pick from.
 pub(super) fn pareto(list: &[&Candidate]) -> String {

@@ -6,7 +6,7 @@ use std::io::{BufRead, ErrorKind, Write as _, stdin, stdout};
 use serde_json::json;
 
 use crate::cli::{Failure, Outcome, say};
-use crate::design::fit::{Answer, Objective, Problem, SegmentAnswer};
+use softlimb_design::actuators::{Answer, Objective, Problem, SegmentAnswer};
 
 /// Prints an answer.
 pub(super) fn show(answer: &Answer, as_json: bool) -> Result<Outcome, Failure> {

@@ -7,10 +7,10 @@ use fra_model::{Families, Motion, Placement};
 use serde_json::{Value, json};
 
 use super::super::{Failure, Outcome};
-use crate::design::{Limb, LimbModule};
-use crate::meridian::{Delta, EndLength, MeridianError, Thread, ThreadSheet, end_length, thread_sheet};
-use crate::scene;
-use crate::section::{CALIBRATED_FROM, Calibration, Options, Section};
+use softlimb_fea::axisymmetric::{Delta, EndLength, MeridianError, Thread, ThreadSheet, end_length, thread_sheet};
+use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section};
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_scene as scene;
 
 /// Largest angle from the hoop, rad, up to which turns of thread are as good as rings.
 const HOOP_RAD: f64 = 0.175;

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::subject::{Arguments, Asked, describe, told};
 use crate::cli::{Failure, Outcome, note, say};
-use crate::fem::{Deck, Model};
+use softlimb_fea::solid::{Deck, Model};
 
 /// Write a finite element deck for CalculiX and Abaqus
 #[derive(Args)]

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use super::subject::{Arguments, Asked, describe, told};
 use super::values::seconds;
 use crate::cli::{Failure, Outcome, note, say};
-use crate::fem::{self, End, Model, Options, PointStatus, Runner};
+use softlimb_fea::solid as fem;
+use softlimb_fea::solid::{End, Model, Options, PointStatus, Runner};
 
 /// Run CalculiX on an actuator or a bundle, and show pressure against deformation
 #[derive(Args)]
@@ -67,7 +68,7 @@ impl Run {
         say(&if self.json { figures(&name, &found).to_string() } else { found.table() })?;
         warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
         if let Some(file) = &self.tsv {
-            fem::write_whole(file, &found.tsv())?;
+            softlimb_files::write_whole(file, &found.tsv()).map_err(Failure::new)?;
             note(&format!("wrote {}", file.display()));
         }
         if let Some(folder) = &self.vtu {

@@ -7,10 +7,11 @@ use clap::{Args, ValueEnum};
 
 use super::super::Failure;
 use super::values::{even, positive, within};
-use crate::eval;
-use crate::fem::{FemError, FiberModel, Model, Options, Subject, SymmetryUse};
-use crate::range::OutOfRange;
-use crate::scene::{self, Module, Scene};
+use crate::query as eval;
+use softlimb_fea::solid::{FemError, FiberModel, Model, Options, Subject, SymmetryUse};
+use softlimb_files::range::OutOfRange;
+use softlimb_scene as scene;
+use softlimb_scene::{Module, Scene};
 
 /// Arguments that `export` and `run` share.
 #[derive(Args)]
@@ -180,7 +181,7 @@ fn file_name(name: &str) -> String {
 
 /// What a model is, in a line.
 pub(super) fn describe(model: &Model) -> String {
-    use crate::fem::Around;
+    use softlimb_fea::solid::Around;
     let around = match model.symmetry().around {
         Around::Whole => "all around".to_owned(),
         Around::Half => "half the section".to_owned(),

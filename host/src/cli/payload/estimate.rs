@@ -9,11 +9,12 @@ use serde_json::{Value, json};
 use super::Payload;
 use crate::cli::kept::read;
 use crate::cli::{Failure, Outcome, note, say};
-use crate::design::Limb;
-use crate::motion::{self, Plan};
-use crate::scene;
-use crate::statics::GRAVITY_M_PER_S2;
-use crate::weighing::{Mass, Sighting, mass};
+use softlimb_limb::Limb;
+use softlimb_limb::statics::GRAVITY_M_PER_S2;
+use softlimb_motion as motion;
+use softlimb_motion::Plan;
+use softlimb_rig::payload_estimation::{Mass, Sighting, mass};
+use softlimb_scene as scene;
 
 pub(super) fn run(command: &Payload, file: &Path, table: &Path) -> Result<Outcome, Failure> {
     let percent = command.stiffness_error;

@@ -1,6 +1,5 @@
 //! `softlimb payload`: what a limb pushes and carries, and bundles designed for forces.
 
-mod compare;
 mod estimate;
 mod problem;
 mod report;
@@ -9,22 +8,22 @@ mod track;
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{ArgGroup, Args};
 
 use super::kept::read;
 use super::{Failure, Outcome};
-use crate::payload::fit::{Effort, ForceProblem};
+use softlimb_design::bundle::{Effort, ForceProblem};
 
 /// What a limb can push and carry in its poses, and bundles designed for wanted forces, eq. (18) of the paper
 #[derive(Args)]
 #[command(
-    group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem", "compare"]),
-    after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload scenes/loaded/carry-hanging.toml --track 5,10,15,20\n  softlimb payload scenes/loaded/carry-hanging.toml --estimate tips.csv\n  softlimb payload --problem forces.json --json\n  softlimb payload --compare --kinds P1,P1u --seeds 3\n\n\
+    group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem"]),
+    after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload scenes/loaded/carry-hanging.toml --track 5,10,15,20\n  softlimb payload scenes/loaded/carry-hanging.toml --estimate tips.csv\n  softlimb payload --problem forces.json --json\n\n\
                   Terms and limits: docs/explanation/payload.md. The format of problems: docs/reference/bundle-problem.md"
 )]
 pub(super) struct Payload {
     /// The scene
-    #[arg(conflicts_with_all = ["problem", "compare"])]
+    #[arg(conflicts_with = "problem")]
     scene: Option<PathBuf>,
     /// Direction of the load at the tip, in the scene's frame
     #[arg(
@@ -70,40 +69,13 @@ pub(super) struct Payload {
     /// The problem, a JSON file
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
-    /// How to search
-    #[arg(long, value_enum, default_value_t = Method::GaussNewton, requires = "problem")]
-    method: Method,
-    /// Seed of the starts after the first, which is the middle of the bounds; of the first for bfgs, with 0 for the middle. With --track, of
+    /// Seed of the starts after the first, which is the middle of the bounds. With --track, of
     /// what the limb is [default: the scene's]
     #[arg(long)]
     seed: Option<u64>,
-    /// Compare both methods: on the problem, or on problems by kind and seed
-    #[arg(long, conflicts_with = "method")]
-    compare: bool,
-    /// Kinds of problems to compare on
-    #[arg(
-        long,
-        value_name = "KINDS",
-        requires = "compare",
-        conflicts_with = "problem",
-        value_delimiter = ',',
-        default_value = "P1,P1u,P2"
-    )]
-    kinds: Vec<String>,
-    /// Seeds to compare with, from 0 on
-    #[arg(long, value_name = "N", requires = "compare", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
-    seeds: u64,
     /// Print JSON
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Method {
-    /// Bounded least squares with exact derivatives
-    GaussNewton,
-    /// The paper's method: quasi-Newton with a barrier, derivatives by differences
-    Bfgs,
 }
 
 impl Payload {
@@ -120,9 +92,8 @@ impl Payload {
             ForceProblem::read(&read(file)?).map_err(complain)
         });
         match problem.transpose()? {
-            problem if self.compare => compare::run(self, problem),
             Some(problem) => problem::run(self, &problem),
-            None => Err(Failure::new("give a scene, --problem FILE or --compare")),
+            None => Err(Failure::new("give a scene or --problem FILE")),
         }
     }
 

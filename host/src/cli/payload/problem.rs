@@ -2,16 +2,12 @@
 
 use std::fmt::Write;
 
-use super::{Method, Payload};
+use super::Payload;
 use crate::cli::{Failure, Outcome, say};
-use crate::payload::fit::{Answer, Barrier, ForceProblem, barrier, search};
+use softlimb_design::bundle::{Answer, ForceProblem, search};
 
 pub(super) fn run(command: &Payload, problem: &ForceProblem) -> Result<Outcome, Failure> {
-    let answer = match command.method {
-        Method::GaussNewton => search(problem, &command.effort()),
-        Method::Bfgs => barrier(problem, &Barrier { seed: command.seed.unwrap_or(0), ..Barrier::default() }),
-    };
-    let answer = answer.map_err(Failure::new)?;
+    let answer = search(problem, &command.effort()).map_err(Failure::new)?;
     if command.json {
         say(&serde_json::to_string(&answer).map_err(Failure::new)?)?;
     } else {

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use fra_model::Motion;
 use serde_json::{Value, json};
 
-use crate::design::Limb;
-use crate::payload::{Active, BlockedDesign, Capacity, Holding, LoadCase, Outcome as Ended};
-use crate::scene::Scene;
+use softlimb_design::blocked::BlockedDesign;
+use softlimb_limb::Limb;
+use softlimb_limb::payload::{Active, Capacity, Holding, LoadCase, Outcome as Ended};
+use softlimb_scene::Scene;
 
 /// A pose with its largest loads.
 pub(super) struct Pose {
@@ -152,12 +152,7 @@ impl Report<'_> {
     fn motions(&self) -> Vec<&'static str> {
         let mut names = Vec::new();
         for module in self.limb.modules() {
-            let name = match module.motion {
-                Motion::Extension => "extension",
-                Motion::Expansion => "expansion",
-                Motion::Bending => "bending",
-                Motion::Twisting => "twisting",
-            };
+            let name = module.motion.name();
             if !names.contains(&name) {
                 names.push(name);
             }

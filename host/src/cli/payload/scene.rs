@@ -8,10 +8,12 @@ use super::Payload;
 use super::report::{Pose, Report};
 use crate::cli::kept::write;
 use crate::cli::{Failure, Outcome, note, say};
-use crate::design::Limb;
-use crate::motion;
-use crate::payload::{LoadCase, blocked_designs, capacity, held_limb, picture};
-use crate::scene::{self, Scene};
+use softlimb_design::blocked::{blocked_designs, picture};
+use softlimb_limb::Limb;
+use softlimb_limb::payload::{LoadCase, capacity, held_limb};
+use softlimb_motion as motion;
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 /// Standard gravity, down in the scene's frame, m/s2.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];

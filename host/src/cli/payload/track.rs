@@ -8,8 +8,9 @@ use serde_json::json;
 use super::Payload;
 use crate::cli::kept::write;
 use crate::cli::{Failure, Outcome, say};
-use crate::scene::{self, Scene};
-use crate::track::{Seen, Tracked, Trial, UnderLoad, sightings, track};
+use softlimb_rig::track::{Seen, Tracked, Trial, UnderLoad, sightings, track};
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
 /// Seeds of noise are far from those of parts, so that no run has noise of the seed that made its parts.
 const NOISE: u64 = 1_000;

@@ -1,0 +1,145 @@
+//! Charts as SVG, made for the report: colors come from the page's style sheet,
+//! so one drawing serves light, dark and paper; missing values are gaps; nothing that
+//! is not a finite number reaches the text.
+
+mod label;
+mod scale;
+mod sheet;
+mod svg;
+mod thin;
+
+pub use label::{WEIGHTLESS, labelled};
+pub use scale::span;
+pub use sheet::sheet;
+
+/// Color of a line, resolved by the page's style sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Color {
+    /// As the text.
+    Ink,
+    /// For what stays in the background.
+    Faint,
+    /// First of the distinguishable colors.
+    First,
+    /// Second of the distinguishable colors.
+    Second,
+    /// Third of the distinguishable colors.
+    Third,
+    /// Fourth of the distinguishable colors.
+    Fourth,
+    /// Fifth of the distinguishable colors.
+    Fifth,
+}
+
+impl Color {
+    /// The colors that tell lines apart, repeating.
+    pub fn nth(index: usize) -> Self {
+        [Self::First, Self::Second, Self::Third, Self::Fourth][index % 4]
+    }
+
+    /// Class name in the style sheet.
+    fn class(self) -> &'static str {
+        match self {
+            Self::Ink => "ink",
+            Self::Faint => "faint",
+            Self::First => "c1",
+            Self::Second => "c2",
+            Self::Third => "c3",
+            Self::Fourth => "c4",
+            Self::Fifth => "c5",
+        }
+    }
+}
+
+/// Stroke of a line: a second sign beside the color.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// What was measured or happened.
+    Solid,
+    /// What was asked for.
+    Dashed,
+    /// What a model says.
+    Dotted,
+    /// Marks without a line: filled ...
+    Dots,
+    /// ... and open.
+    Rings,
+}
+
+impl Stroke {
+    /// Class name in the style sheet.
+    fn class(self) -> &'static str {
+        match self {
+            Self::Solid => "solid",
+            Self::Dashed => "dashed",
+            Self::Dotted => "dotted",
+            Self::Dots => "dots",
+            Self::Rings => "rings",
+        }
+    }
+}
+
+/// One line of a chart.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// Entry in the legend; none when empty.
+    pub label: String,
+    /// Color.
+    pub color: Color,
+    /// Stroke.
+    pub stroke: Stroke,
+    /// Points in the units of the axes; a point that is not finite makes a gap.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// One axis.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: String,
+    /// Ends, ascending.
+    pub range: [f64; 2],
+    /// Whether the values are exponents of ten, and the ticks powers.
+    pub decades: bool,
+}
+
+/// A stretch of the horizontal axis that is set off and named.
+#[derive(Debug, Clone)]
+pub struct Band {
+    /// Ends in the unit of the axis.
+    pub range: [f64; 2],
+    /// Name, shown above where it fits.
+    pub label: String,
+    /// True for every second one.
+    pub shaded: bool,
+}
+
+/// A word at a point.
+#[derive(Debug, Clone)]
+pub struct Note {
+    /// The point, in the units of the axes.
+    pub at: [f64; 2],
+    /// The word.
+    pub text: String,
+}
+
+/// A chart. [`svg`](Chart::svg) draws it.
+#[derive(Debug, Clone)]
+pub struct Chart {
+    /// What the chart shows, as a heading and for screen readers.
+    pub title: String,
+    /// Width and height of the area between the axes, px.
+    pub area: [f64; 2],
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Lines, the last on top.
+    pub series: Vec<Series>,
+    /// Bands behind the lines.
+    pub bands: Vec<Band>,
+    /// Vertical marks across the chart, in the unit of the horizontal axis.
+    pub marks: Vec<f64>,
+    /// Words beside the lines.
+    pub notes: Vec<Note>,
+}

@@ -1,0 +1,240 @@
+//! Draws a chart.
+
+use super::scale::Scale;
+use super::thin::thin;
+use super::{Axis, Band, Chart, Series, Stroke};
+use std::fmt::Write;
+
+/// Room left of the area for tick labels and the axis label, px.
+const LEFT: f64 = 62.0;
+/// Room right of the area, px.
+const RIGHT: f64 = 14.0;
+/// Room below the area, px.
+const BOTTOM: f64 = 40.0;
+/// Height of the heading, of one row of the legend, and of the band names, px.
+const ROW: f64 = 18.0;
+/// Width of a letter at the size of the legend, px: a generous guess, as no font is
+/// measured.
+const LETTER: f64 = 6.6;
+/// Length of the stroke in the legend with its margins, px.
+const SAMPLE: f64 = 34.0;
+
+impl Chart {
+    /// The chart as an `svg` element of its own width that a page can stretch.
+    pub fn svg(&self) -> String {
+        let legend = legend_rows(&self.series, self.area[0]);
+        let named = self.bands.iter().any(|band| !band.label.is_empty());
+        let top = ROW * (1.0 + legend.len() as f64 + f64::from(u8::from(named))) + 6.0;
+        let [width, height] = [LEFT + self.area[0] + RIGHT, top + self.area[1] + BOTTOM];
+        let title = escape(&self.title);
+        let mut svg = format!(
+            "<svg viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" role=\"img\" \
+             aria-label=\"{title}\">\n<text class=\"title\" x=\"{LEFT}\" y=\"13\">{title}</text>\n",
+        );
+        draw_legend(&mut svg, &legend);
+        let frame = Frame {
+            x: Scale::new(self.x.range, [LEFT, LEFT + self.area[0]]),
+            y: Scale::new(self.y.range, [top + self.area[1], top]),
+            left: LEFT,
+            right: LEFT + self.area[0],
+            top,
+            bottom: top + self.area[1],
+        };
+        self.bands.iter().for_each(|band| frame.draw_band(&mut svg, band));
+        frame.draw_axes(&mut svg, &self.x, &self.y);
+        self.marks.iter().for_each(|&mark| frame.draw_mark(&mut svg, mark));
+        self.series.iter().for_each(|series| frame.draw_series(&mut svg, series));
+        for note in &self.notes {
+            let [x, y] = frame.pixel(note.at);
+            if x.is_finite() && y.is_finite() {
+                let _ = writeln!(
+                    svg,
+                    "<text class=\"note\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                    x + 5.0,
+                    y - 5.0,
+                    escape(&note.text)
+                );
+            }
+        }
+        svg.push_str("</svg>\n");
+        svg
+    }
+}
+
+/// The area between the axes, px.
+struct Frame {
+    x: Scale,
+    y: Scale,
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+}
+
+impl Frame {
+    fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.x.pixel(x), self.y.pixel(y)]
+    }
+
+    /// The part of an interval of the horizontal axis that is inside, px.
+    fn inside(&self, range: [f64; 2]) -> Option<[f64; 2]> {
+        let [from, to] = range.map(|x| self.x.pixel(x).clamp(self.left, self.right));
+        (to > from).then_some([from, to])
+    }
+
+    fn draw_band(&self, svg: &mut String, band: &Band) {
+        let Some([from, to]) = self.inside(band.range) else { return };
+        let (top, height, width) = (self.top, self.bottom - self.top, to - from);
+        if band.shaded {
+            let _ = writeln!(
+                svg,
+                "<rect class=\"band\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
+            );
+        }
+        if text_width(&band.label) <= width {
+            let middle = (from + to) / 2.0;
+            let _ = writeln!(
+                svg,
+                "<text class=\"band-name\" x=\"{middle:.1}\" y=\"{:.1}\">{}</text>",
+                top - 5.0,
+                escape(&band.label)
+            );
+        }
+    }
+
+    fn draw_axes(&self, svg: &mut String, x: &Axis, y: &Axis) {
+        let Self { left, right, top, bottom, .. } = *self;
+        let spacing = ((right - left) / 8.0).clamp(48.0, 90.0);
+        for (value, label) in if x.decades { self.x.decades(spacing) } else { self.x.ticks(spacing) } {
+            let at = self.x.pixel(value);
+            let _ = writeln!(
+                svg,
+                "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
+                 <text class=\"tick-x\" x=\"{at:.1}\" y=\"{:.1}\">{label}</text>",
+                bottom + 14.0
+            );
+        }
+        for (value, label) in if y.decades { self.y.decades(30.0) } else { self.y.ticks(38.0) } {
+            let at = self.y.pixel(value);
+            let _ = writeln!(
+                svg,
+                "<path class=\"grid\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>\
+                 <text class=\"tick-y\" x=\"{:.1}\" y=\"{:.1}\">{label}</text>",
+                left - 6.0,
+                at + 3.6
+            );
+        }
+        let (middle, height) = ((left + right) / 2.0, (top + bottom) / 2.0);
+        let _ = writeln!(
+            svg,
+            "<path class=\"axis\" d=\"M{left:.1} {top:.1}V{bottom:.1}H{right:.1}\"/>\n\
+             <text class=\"label\" x=\"{middle:.1}\" y=\"{:.1}\">{}</text>\n\
+             <text class=\"label\" transform=\"translate(13 {height:.1}) rotate(-90)\">{}</text>",
+            bottom + 32.0,
+            escape(&x.label),
+            escape(&y.label)
+        );
+    }
+
+    fn draw_mark(&self, svg: &mut String, value: f64) {
+        let at = self.x.pixel(value);
+        if at >= self.left && at <= self.right {
+            let _ = writeln!(svg, "<path class=\"mark\" d=\"M{at:.1} {:.1}V{:.1}\"/>", self.top, self.bottom);
+        }
+    }
+
+    fn draw_series(&self, svg: &mut String, series: &Series) {
+        if matches!(series.stroke, Stroke::Dots | Stroke::Rings) {
+            for &point in series.points.iter().filter(|point| point.iter().all(|value| value.is_finite())) {
+                draw_dot(svg, series, self.pixel(point));
+            }
+            return;
+        }
+        // What is not finite must stay so on the way: the scale clamps infinities.
+        let pixels = series.points.iter().map(|&point| match point.iter().all(|value| value.is_finite()) {
+            true => self.pixel(point),
+            false => [f64::NAN; 2],
+        });
+        let mut path = String::new();
+        for piece in thin(pixels) {
+            for (index, [x, y]) in piece.iter().enumerate() {
+                let _ = write!(path, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
+            }
+            if piece.len() == 1 {
+                // A line of no length: with round ends it shows as a dot.
+                path.push_str("h0");
+            }
+        }
+        if !path.is_empty() {
+            let _ = writeln!(svg, "<path class=\"{}\" d=\"{path}\"/>", classes(series));
+        }
+    }
+}
+
+fn draw_dot(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
+    let _ = writeln!(svg, "<circle class=\"{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.2\"/>", classes(series));
+}
+
+fn classes(series: &Series) -> String {
+    format!("line {} {}", series.color.class(), series.stroke.class())
+}
+
+/// Legend entries in rows that fit the width.
+fn legend_rows(series: &[Series], width: f64) -> Vec<Vec<&Series>> {
+    let mut rows: Vec<Vec<&Series>> = Vec::new();
+    let mut used = f64::INFINITY;
+    for entry in series.iter().filter(|entry| !entry.label.is_empty()) {
+        let wanted = SAMPLE + text_width(&entry.label);
+        if used + wanted > width {
+            rows.push(Vec::new());
+            used = 0.0;
+        }
+        used += wanted;
+        if let Some(row) = rows.last_mut() {
+            row.push(entry);
+        }
+    }
+    rows
+}
+
+fn draw_legend(svg: &mut String, rows: &[Vec<&Series>]) {
+    let mut y = ROW + 13.0;
+    for row in rows {
+        let mut x = LEFT;
+        for entry in row {
+            if matches!(entry.stroke, Stroke::Dots | Stroke::Rings) {
+                draw_dot(svg, entry, [x + 11.0, y - 3.5]);
+            } else {
+                let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22\"/>", classes(entry), y - 3.5);
+            }
+            let _ = writeln!(
+                svg,
+                "<text class=\"legend\" x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
+                x + 27.0,
+                escape(&entry.label)
+            );
+            x += SAMPLE + text_width(&entry.label);
+        }
+        y += ROW;
+    }
+}
+
+fn text_width(text: &str) -> f64 {
+    LETTER * text.chars().count() as f64
+}
+
+/// Text as XML content or attribute. Control characters have no place in XML.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            letter if letter.is_control() => escaped.push(' '),
+            letter => escaped.push(letter),
+        }
+    }
+    escaped
+}

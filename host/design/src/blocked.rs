@@ -1,0 +1,128 @@
+//! Force against pressure of bundles designed for wanted pushes, as the paper's Fig. 10: a module's bundle held at its rest length, its
+//! sizes, angle and circle found by eq. (18) around those of the scene.
+
+use fra_model::{Actuator, ActuatorParameters, Families, Motion, Placement};
+use nalgebra::Vector3;
+
+use crate::actuators::Winding;
+use crate::bundle::{Answer, Attachment, Effort, ForceProblem, Sample, search};
+use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
+use softlimb_limb::LimbModule;
+use softlimb_limb::payload::{Bundle, Hold, Mounted, PayloadError};
+
+/// The wanted pushes as shares of that of the scene's own bundle at its highest pressure.
+const SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// How far sizes may be off those of the scene.
+const AROUND: f64 = 0.2;
+/// Points of a curve.
+const POINTS: usize = 21;
+
+/// One design and what it pushes with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockedDesign {
+    /// The wanted push along the axis, N.
+    pub wanted_n: f64,
+    /// The design by eq. (18).
+    pub answer: Answer,
+    /// Gauge pressure of all actuators, Pa, and push, N.
+    pub curve: Vec<[f64; 2]>,
+    /// What the printed Jacobian would say at the highest pressure, `n P pi R_i^2`, N.
+    pub printed_n: f64,
+}
+
+/// Four designs of a straight module's bundle; `None` for a module that bends, has no thread, or has it as a sheet within the wall.
+///
+/// # Errors
+/// As [`search`](crate::bundle::search()) and [`Bundle::wrench`].
+pub fn blocked_designs(module: &LimbModule) -> Result<Option<Vec<BlockedDesign>>, PayloadError> {
+    let parameters = *module.actuator.parameters();
+    let straight = parameters.motion != Motion::Bending;
+    // Eq. (18) has its sheets at the outer radius.
+    let outermost = |placement, radius_m: f64| placement != Placement::Sheet || radius_m == parameters.outer_radius_m;
+    let fiber = parameters.fiber.filter(|fiber| straight && outermost(fiber.placement, fiber.radius_m));
+    let Some(fiber) = fiber else { return Ok(None) };
+    let most = module.reference_max_pa.min(module.curve.pressure_max_pa());
+    let count = module.channels.len();
+    let own = bundle(&parameters, count)?.wrench(&vec![most; count])?[2];
+    let angle = fiber.angle_rad;
+    let around = |value: f64| [value * (1.0 - AROUND), value * (1.0 + AROUND)];
+    let attachment = |i: usize| Attachment {
+        name: format!("{} {}", module.name, i + 1),
+        radius_m: [module.circle_radius_m(); 2],
+        azimuth_rad: [std::f64::consts::TAU * i as f64 / count as f64; 2],
+        height_m: [0.0; 2],
+        slopes: [[0.0; 2]; 2],
+    };
+    let design = |share: f64| {
+        let wanted_n = share * own;
+        let twist = if fiber.families == Families::One { 0.0 } else { 20.0 };
+        let problem = ForceProblem {
+            shared: true,
+            material: parameters.material,
+            winding: Winding {
+                families: fiber.families,
+                modulus_pa: fiber.modulus_pa,
+                placement: fiber.placement,
+                thickness_m: fiber.thickness_m,
+            },
+            inner_radius_m: around(parameters.inner_radius_m),
+            wall_m: around(parameters.outer_radius_m - parameters.inner_radius_m),
+            length_m: [parameters.length_m; 2],
+            angle_rad: [angle - 0.05, angle + 0.05],
+            pressure_max_pa: most,
+            actuators: (0..count).map(attachment).collect(),
+            samples: vec![Sample { wrench: [0.0, 0.0, wanted_n, 0.0, 0.0, 0.0], held_length_m: None }],
+            force_per_n: 1.0,
+            torque_per_nm: twist,
+        };
+        let answer = search(&problem, &Effort::default())?;
+        let found = &answer.actuators[0];
+        let mut made = parameters;
+        (made.inner_radius_m, made.outer_radius_m) = (found.inner_radius_m, found.outer_radius_m);
+        let radius_m = made.outer_radius_m - (parameters.outer_radius_m - fiber.radius_m);
+        made.fiber = Some(fra_model::Fiber { angle_rad: found.angle_deg.to_radians(), radius_m, ..fiber });
+        let bundle = bundle(&made, count)?;
+        let point = |index: usize| {
+            let pressure = most * index as f64 / (POINTS - 1) as f64;
+            Ok([pressure, bundle.wrench(&vec![pressure; count])?[2]])
+        };
+        let curve = (0..POINTS).map(point).collect::<Result<_, PayloadError>>()?;
+        let printed_n = count as f64 * most * std::f64::consts::PI * made.inner_radius_m.powi(2);
+        Ok(BlockedDesign { wanted_n, answer, curve, printed_n })
+    };
+    SHARES.into_iter().map(design).collect::<Result<_, PayloadError>>().map(Some)
+}
+
+/// Actuators side by side at their rest length.
+fn bundle(parameters: &ActuatorParameters<f64>, count: usize) -> Result<Bundle, PayloadError> {
+    let actuator = Actuator::new(parameters)?;
+    let hold = Hold::Straight { axial_stretch: 1.0, twist_rad: 0.0 };
+    let one = |_| Mounted::new("actuator", actuator, hold, Vector3::zeros(), Vector3::z());
+    Ok(Bundle { actuators: (0..count).map(one).collect::<Result<_, _>>()? })
+}
+
+/// The curves as a document that stands by itself.
+pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
+    let mut series = Vec::new();
+    for (index, design) in designs.iter().enumerate() {
+        let color = Color::nth(index);
+        let points: Vec<[f64; 2]> = design.curve.iter().map(|[pa, n]| [pa * 1e-3, *n]).collect();
+        let ends = [points[0][0], points[points.len() - 1][0]].map(|kpa| [kpa, design.wanted_n]);
+        let label = format!("{:.0} N wanted", design.wanted_n);
+        series.push(Series { label, color, stroke: Stroke::Solid, points });
+        series.push(Series { label: String::new(), color, stroke: Stroke::Dashed, points: ends.to_vec() });
+    }
+    let along = |axis: usize| span(series.iter().flat_map(|one| &one.points).map(|point| point[axis]));
+    let (x, y) = (along(0), along(1));
+    let chart = Chart {
+        title: format!("{name}: push at rest length"),
+        area: [520.0, 280.0],
+        x: Axis { label: "gauge pressure, kPa".into(), range: x, decades: false },
+        y: Axis { label: "push of the bundle, N".into(), range: y, decades: false },
+        series,
+        bands: Vec::new(),
+        marks: Vec::new(),
+        notes: Vec::new(),
+    };
+    sheet(&[vec![chart]], [606.0, 380.0], "Designs by eq. (18); dashed: the wanted push.")
+}

@@ -1,0 +1,86 @@
+//! What may be chosen of one module.
+
+use std::f64::consts::PI;
+
+use fra_model::{Fiber, Motion, Placement};
+
+use crate::actuators::{Bounds, GeometryBounds, Segment, Sizes, Winding};
+use softlimb_limb::reference_max_pa;
+use softlimb_scene::{Located, Module, ModuleBounds, Scene, SceneError};
+
+/// A module's motion, material, winding and bounds, without goals. `bounds` are those of `[design]`; what has none keeps its value.
+///
+/// # Errors
+/// A diagnostic at bounds whose actuators would overlap, and at a winding that has another place than the outer face.
+pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> Result<Segment, SceneError> {
+    let (inner, outer) = (*module.inner_radius_m, *module.outer_radius_m);
+    let inner_radius_m = pair(bounds.inner_radius_m, inner);
+    let wall_m = pair(bounds.wall_m, outer - inner);
+    overlap(scene, module, bounds, inner_radius_m[1] + wall_m[1])?;
+    let winding = match &module.fiber {
+        Some(fiber) if *module.motion != Motion::Bending => Some(wound(scene, module, fiber)?),
+        _ => None,
+    };
+    let angle_rad = module.fiber.as_ref().map_or(0.0, |fiber| fiber.angle_rad);
+    Ok(Segment {
+        name: module.name.to_string(),
+        motion: *module.motion,
+        material: *module.material,
+        winding,
+        bounds: GeometryBounds {
+            sizes: Sizes::InnerAndWall,
+            sizes_m: [inner_radius_m, wall_m],
+            length_m: pair(bounds.length_m, *module.length_m),
+            angle_rad: if *module.motion == Motion::Bending {
+                [0.0; 2]
+            } else {
+                pair(bounds.fiber_angle_rad, angle_rad)
+            },
+        },
+        // What a device follows a setpoint to, so that what is found can be run.
+        pressure_max_pa: (1.0 - scene.design().map_or(0.0, |design| design.pressure_reserve))
+            * reference_max_pa(*module.pressure_max_pa),
+        limit_margin: scene.design().map_or(LIMIT_MARGIN, |design| design.limit_margin),
+        goals: Vec::new(),
+    })
+}
+
+/// Share of the limit pressure that stays unused where a scene says nothing.
+const LIMIT_MARGIN: f64 = 0.05;
+
+fn pair(bounds: Option<Located<Bounds>>, own: f64) -> Bounds {
+    bounds.map_or([own; 2], |bounds| *bounds)
+}
+
+/// Actuators of the largest size must still have room side by side.
+fn overlap(scene: &Scene, module: &Module, bounds: &ModuleBounds, outer_m: f64) -> Result<(), SceneError> {
+    let room = module.circle_radius_m * (PI / f64::from(module.actuators)).sin();
+    if module.actuators == 1 || outer_m <= room * (1.0 + 1e-9) {
+        return Ok(());
+    }
+    let span = bounds.wall_m.or(bounds.inner_radius_m).map_or(module.span, |bounds| bounds.span);
+    let label = format!("an outer radius of up to {:.3} mm", outer_m * 1e3);
+    let help = format!(
+        "on a circle of {:.3} mm {} actuators have room up to {:.3} mm each",
+        module.circle_radius_m * 1e3,
+        module.actuators,
+        room * 1e3
+    );
+    let title = format!("within these bounds the actuators of `{}` may overlap", *module.name);
+    Err(scene.diagnostic(span, &title, &label, Some(&help)))
+}
+
+fn wound(scene: &Scene, module: &Module, fiber: &Located<Fiber<f64>>) -> Result<Winding, SceneError> {
+    let outside = fiber.radius_m == *module.outer_radius_m;
+    if fiber.placement == Placement::Layer || (fiber.placement == Placement::Sheet && !outside) {
+        let label = "this one lies within the wall";
+        let title = "a design winds actuators on their outer face or through the whole wall";
+        return Err(scene.diagnostic(fiber.span, title, label, Some("give the module a winding without `radius`")));
+    }
+    Ok(Winding {
+        families: fiber.families,
+        modulus_pa: fiber.modulus_pa,
+        placement: fiber.placement,
+        thickness_m: fiber.thickness_m,
+    })
+}

@@ -1,0 +1,142 @@
+//! A limb as it will be made, asked of the model and of its kinematics.
+
+use fra_model::{Link, Load, Motion, Segment, State, Status};
+use nalgebra::{Isometry3, Vector3};
+
+use super::aim::{MM, missed};
+use super::candidate::{ModuleDesign, WayPointAnswer};
+use super::points::body_points;
+use super::response::Section;
+use super::task::{Obstacle, Task};
+use softlimb_scene::collision::Body;
+
+/// One module as it will be made.
+pub(super) struct Made<'a> {
+    pub(super) section: Section<'a>,
+    pub(super) density_kg_per_m3: f64,
+    pub(super) name: &'a str,
+    pub(super) mount_angle_rad: f64,
+    pub(super) rigid_m: f64,
+}
+
+/// The limb in one configuration, by the kinematics of the model.
+pub(super) struct Shape {
+    pub(super) states: Vec<State<f64>>,
+    pub(super) tip: Isometry3<f64>,
+    pub(super) body: Body,
+    pub(super) links: Vec<(Link<f64>, f64)>,
+}
+
+impl Made<'_> {
+    /// The forward solution at the pressure of a share.
+    pub(super) fn pressed(&self, share: f64) -> Option<State<f64>> {
+        let pressure_pa = self.section.state(share)?.pressure_pa.max(0.0);
+        let solution = self.section.candidate.actuator.forward(pressure_pa, &Load::none()).ok()?;
+        (solution.status == Status::Solved).then_some(solution.state)
+    }
+
+    pub(super) fn length_m(&self) -> f64 {
+        self.section.candidate.geometry.length_m
+    }
+
+    pub(super) fn wall_volume_m3(&self) -> f64 {
+        let geometry = &self.section.candidate.geometry;
+        std::f64::consts::PI * (geometry.outer_radius_m.powi(2) - geometry.inner_radius_m.powi(2)) * geometry.length_m
+    }
+
+    pub(super) fn design(&self, task: &Task) -> ModuleDesign {
+        let geometry = &self.section.candidate.geometry;
+        let elastomer = self.wall_volume_m3() * self.density_kg_per_m3 * f64::from(task.actuators);
+        ModuleDesign {
+            name: self.name.to_owned(),
+            motion: self.section.motion().into(),
+            inner_radius_m: geometry.inner_radius_m,
+            outer_radius_m: geometry.outer_radius_m,
+            length_m: geometry.length_m,
+            fiber_angle_rad: geometry.angle_rad,
+            mount_angle_rad: if self.section.motion() == Motion::Bending { self.mount_angle_rad } else { 0.0 },
+            pressure_cap_pa: self.section.cap_pa(),
+            mass_kg: elastomer + task.rigid_mass_kg[0],
+        }
+    }
+
+    pub(super) fn deformation(&self, state: &State<f64>) -> f64 {
+        match self.section.motion() {
+            Motion::Extension => state.axial_stretch,
+            Motion::Expansion => state.outer_radius_m,
+            Motion::Bending => state.bend_angle_rad,
+            Motion::Twisting => state.twist_rad,
+        }
+    }
+}
+
+impl Shape {
+    pub(super) fn new(task: &Task, made: &[Made], states: Vec<State<f64>>) -> Self {
+        let mut body = Body::new(&task.base);
+        let mut tip = task.base;
+        let mut links = Vec::new();
+        for (index, (made, state)) in made.iter().zip(&states).enumerate() {
+            let segment = Segment::of_bundle(made.section.motion(), made.length_m(), task.circle_radius_m, state)
+                .unwrap_or(Segment { length_m: made.length_m(), bend_angle_rad: 0.0, twist_rad: 0.0 });
+            let link = Link { segment, mount_angle_rad: made.mount_angle_rad, rigid_length_m: made.rigid_m };
+            let radius_m = task.circle_radius_m + state.outer_radius_m;
+            body.module(&segment, made.mount_angle_rad, radius_m);
+            body.rigid(task.connector_m[0], task.connector_m[1]);
+            if index + 1 == states.len() {
+                body.rigid(task.tool_m[0], task.tool_m[1]);
+            }
+            tip *= link.pose();
+            links.push((link, radius_m));
+        }
+        Self { states, tip, body, links }
+    }
+
+    pub(super) fn answer(&self, task: &Task, made: &[Made], to: usize) -> WayPointAnswer {
+        let way_point = &task.way_points[to];
+        let tip = self.tip.translation.vector;
+        let axis = self.tip.rotation * Vector3::z();
+        let clearances: Vec<_> = task
+            .obstacles
+            .iter()
+            .filter_map(|obstacle| Some((obstacle, self.body.clearance(&obstacle.shape)?.distance_m)))
+            .collect();
+        let spare = |(obstacle, distance): &(&Obstacle, f64)| distance - obstacle.clearance_m;
+        let nearest = clearances.iter().min_by(|a, b| spare(a).total_cmp(&spare(b)));
+        WayPointAnswer {
+            pressure_pa: self.states.iter().map(|state| state.pressure_pa).collect(),
+            deformation: made.iter().zip(&self.states).map(|(made, state)| made.deformation(state)).collect(),
+            tip_m: tip.into(),
+            axis: axis.into(),
+            tip_error_m: missed(&tip, &way_point.aim).norm(),
+            direction_error_rad: way_point.direction.map_or(0.0, |direction| {
+                (2.0 * (0.5 * (axis - direction.axis).norm()).min(1.0).asin() - direction.tolerance_rad).max(0.0)
+            }),
+            clearance_m: clearances.iter().map(|(_, distance)| *distance).reduce(f64::min),
+            nearest_obstacle: nearest.map(|(obstacle, _)| obstacle.name.clone()),
+            move_clearance_m: None,
+        }
+    }
+
+    /// Squared penetrations of the body points, mm2.
+    pub(super) fn penetration_mm2(&self, task: &Task) -> f64 {
+        let mut pose = task.base;
+        let mut sum = 0.0;
+        for (index, (link, radius_m)) in self.links.iter().enumerate() {
+            let last = index + 1 == self.links.len();
+            for (along, radius) in body_points(task, last, *radius_m) {
+                let point = if along <= 1.0 {
+                    pose * link.pose_at(along)
+                } else {
+                    let distance = (along - 1.0) * link.rigid_length_m;
+                    pose * link.pose_at(1.0) * nalgebra::Translation3::new(0.0, 0.0, distance)
+                };
+                for obstacle in &task.obstacles {
+                    let distance = obstacle.shape.distance(&point.translation.vector).distance_m;
+                    sum += (MM * (obstacle.clearance_m + radius - distance).max(0.0)).powi(2);
+                }
+            }
+            pose *= link.pose();
+        }
+        sum
+    }
+}

@@ -1,0 +1,239 @@
+//! What a limb shall do and what it may be made of, as plain data.
+
+use fra_model::Motion;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use crate::actuators::{Bounds, Segment};
+use softlimb_files::range::{OutOfRange, positive, require};
+use softlimb_scene::collision::Shape;
+
+/// Most modules of a limb that is designed.
+pub const MOST_MODULES: usize = 8;
+/// Most way-points.
+pub const MOST_WAY_POINTS: usize = 100;
+
+/// Where the tip shall be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Aim {
+    /// At a point, m.
+    Point(Vector3<f64>),
+    /// Anywhere in a box.
+    Inside {
+        /// Its centre, m.
+        center_m: Vector3<f64>,
+        /// Half of its edges along its own axes, m; >= 0.
+        half_m: Vector3<f64>,
+        /// From its own axes to the frame of the task.
+        rotation: UnitQuaternion<f64>,
+    },
+}
+
+/// Where the end effector shall point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction {
+    /// Unit vector of its axis.
+    pub axis: Vector3<f64>,
+    /// Angle that it may be off, rad; `0..=pi`.
+    pub tolerance_rad: f64,
+}
+
+/// One way-point: a pose that the limb takes with pressures of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WayPoint {
+    /// Where the tip shall be.
+    pub aim: Aim,
+    /// Weight of its squared error; > 0.
+    pub weight: f64,
+    /// Where the end effector shall point, if that matters.
+    pub direction: Option<Direction>,
+}
+
+impl WayPoint {
+    /// A way-point for the tip alone, with the weight 1.
+    pub fn at(tip_m: [f64; 3]) -> Self {
+        Self { aim: Aim::Point(tip_m.into()), weight: 1.0, direction: None }
+    }
+}
+
+/// Something in the way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Its name, for answers.
+    pub name: String,
+    /// The solid.
+    pub shape: Shape,
+    /// Distance that every point of the limb's surface keeps from it, m; >= 0.
+    pub clearance_m: f64,
+}
+
+/// What a limb shall do. Lengths in m, in one fixed frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Task {
+    /// Where the limb starts: it runs along `z`, and modules with a mount angle of zero bend towards `x`.
+    pub base: Isometry3<f64>,
+    /// Actuators of a module.
+    pub actuators: u32,
+    /// Distance of the actuators from the module's axis, m; >= 0.
+    pub circle_radius_m: f64,
+    /// Length and radius of the rigid part behind every module, m; >= 0.
+    pub connector_m: [f64; 2],
+    /// Length and radius of the end effector, m; >= 0.
+    pub tool_m: [f64; 2],
+    /// Mass of all rigid parts of a module and of the end effector, kg; >= 0.
+    pub rigid_mass_kg: [f64; 2],
+    /// The way-points in their order.
+    pub way_points: Vec<WayPoint>,
+    /// What is in the way.
+    pub obstacles: Vec<Obstacle>,
+    /// Whether the moves from one way-point to the next keep the clearance too, along the straight line in the modules' deformations.
+    pub moves: bool,
+    /// Whether there is a move from the limb without pressure to the first way-point.
+    pub from_rest: bool,
+}
+
+/// What one module may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Space {
+    /// Motion, material, winding, bounds of the geometry and pressure; its goals are not used.
+    pub segment: Segment,
+    /// Bounds of the direction that it bends towards, rad about the limb's axis; a width of a full turn or more leaves it free.
+    pub mount_angle_rad: Bounds,
+    /// Density of the elastomer, kg/m3; > 0.
+    pub density_kg_per_m3: f64,
+}
+
+impl Space {
+    /// The motion.
+    pub fn motion(&self) -> Motion {
+        self.segment.motion
+    }
+}
+
+/// Why a design cannot be searched for.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TaskError {
+    /// A number out of its range.
+    #[error("{place}: {error}")]
+    Value {
+        /// Which part of the task it is in.
+        place: String,
+        /// The number.
+        error: OutOfRange,
+    },
+    /// Bounds that leave no actuator which the model can solve.
+    #[error("{place}: no geometry within the bounds can be solved: {reason}")]
+    Bounds {
+        /// The module.
+        place: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A count that is not accepted.
+    #[error("{field}: {found} is not allowed: {allowed}")]
+    Count {
+        /// What is counted.
+        field: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there may be.
+        allowed: String,
+    },
+    /// A saved search that belongs to another task.
+    #[error("the saved search belongs to another task, other bounds or other options: it cannot be resumed")]
+    OtherSearch,
+}
+
+fn at<T>(place: impl Fn() -> String, result: Result<T, OutOfRange>) -> Result<T, TaskError> {
+    result.map_err(|error| TaskError::Value { place: place(), error })
+}
+
+fn non_negative(field: &'static str, value: f64) -> Result<(), OutOfRange> {
+    require(value.is_finite() && value >= 0.0, field, value, "finite and >= 0")
+}
+
+fn finite(field: &'static str, vector: &Vector3<f64>) -> Result<(), OutOfRange> {
+    vector.iter().try_for_each(|value| require(value.is_finite(), field, *value, "finite"))
+}
+
+fn ordered(field: &'static str, [low, high]: Bounds, least: f64) -> Result<(), OutOfRange> {
+    require(low.is_finite() && low > least, field, low, format!("finite and > {least}"))?;
+    require(high.is_finite() && high >= low, field, high, format!("finite and >= the lower bound {low}"))
+}
+
+pub(super) fn count(
+    field: &'static str,
+    found: usize,
+    allowed: std::ops::RangeInclusive<usize>,
+) -> Result<(), TaskError> {
+    let message = || format!("{} to {}", allowed.start(), allowed.end());
+    if allowed.contains(&found) { Ok(()) } else { Err(TaskError::Count { field, found, allowed: message() }) }
+}
+
+impl Task {
+    /// Whether the move to a way-point counts.
+    pub(super) fn move_to(&self, way_point: usize) -> bool {
+        self.moves && (way_point > 0 || self.from_rest)
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`TaskError`] with place, field, value and allowed range of the first that is not accepted.
+    pub fn check(&self) -> Result<(), TaskError> {
+        let task = || "task".to_owned();
+        count("actuators", self.actuators as usize, 1..=100)?;
+        at(task, finite("base position_m", &self.base.translation.vector))?;
+        at(task, non_negative("circle_radius_m", self.circle_radius_m))?;
+        let rigid = [("connector_m", self.connector_m), ("tool_m", self.tool_m), ("rigid_mass_kg", self.rigid_mass_kg)];
+        for (field, values) in rigid {
+            at(task, values.into_iter().try_for_each(|value| non_negative(field, value)))?;
+        }
+        count("way_points", self.way_points.len(), 1..=MOST_WAY_POINTS)?;
+        for (index, way_point) in self.way_points.iter().enumerate() {
+            at(|| format!("way-point {}", index + 1), way_point.check())?;
+        }
+        self.obstacles.iter().try_for_each(|obstacle| {
+            at(|| format!("obstacle {}", obstacle.name), non_negative("clearance_m", obstacle.clearance_m))
+        })
+    }
+}
+
+impl WayPoint {
+    fn check(&self) -> Result<(), OutOfRange> {
+        positive("weight", self.weight)?;
+        match &self.aim {
+            Aim::Point(point) => finite("tip_m", point)?,
+            Aim::Inside { center_m, half_m, .. } => {
+                finite("center_m", center_m)?;
+                half_m.iter().try_for_each(|half| non_negative("half_m", *half))?;
+            }
+        }
+        let Some(direction) = &self.direction else { return Ok(()) };
+        let norm = direction.axis.norm();
+        require((norm - 1.0).abs() < 1e-9, "direction norm", norm, "1")?;
+        let tolerance = direction.tolerance_rad;
+        require((0.0..=std::f64::consts::PI).contains(&tolerance), "tolerance_rad", tolerance, "0 to pi")
+    }
+}
+
+impl Space {
+    /// Checks every number but those that the model checks when an actuator is built.
+    ///
+    /// # Errors
+    /// [`TaskError`], as [`Task::check`].
+    pub fn check(&self) -> Result<(), TaskError> {
+        let place = || format!("module {}", self.segment.name);
+        let bounds = &self.segment.bounds;
+        let sizes = bounds.sizes.names().into_iter().zip(bounds.sizes_m);
+        sizes.into_iter().try_for_each(|(name, range)| at(place, ordered(name, range, 0.0)))?;
+        at(place, ordered("length_m", bounds.length_m, 0.0))?;
+        if self.motion() != Motion::Bending {
+            at(place, ordered("fiber_angle_rad", bounds.angle_rad, -1.571))?;
+        }
+        at(place, ordered("mount_angle_rad", self.mount_angle_rad, -1e3))?;
+        at(place, positive("pressure_max_pa", self.segment.pressure_max_pa))?;
+        let margin = self.segment.limit_margin;
+        at(place, require((0.001..=0.9).contains(&margin), "limit_margin", margin, "0.001 to 0.9"))?;
+        at(place, positive("density_kg_per_m3", self.density_kg_per_m3))
+    }
+}

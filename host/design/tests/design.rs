@@ -1,0 +1,8 @@
+//! Design from target deformations: `softlimb_design::actuators` and `softlimb design`.
+
+mod common;
+mod derivatives;
+mod files;
+mod hard_cases;
+mod optima;
+mod ridge;

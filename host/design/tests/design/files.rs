@@ -1,0 +1,91 @@
+//! What is said about problem files that are wrong.
+
+use softlimb_design::actuators::{Problem, ProblemError};
+
+use crate::design::common::extension;
+
+/// The message about a problem after replacements.
+fn complaint(changes: &[(&str, &str)]) -> String {
+    Problem::read(&extension(changes)).expect_err("a wrong file").to_string()
+}
+
+#[test]
+fn a_value_out_of_range_is_named_with_its_range_and_line() {
+    for (from, to, message) in [
+        ("\"format\": 1", "\"format\": 2", "line 2: format = 2 is not allowed: 1"),
+        ("1e6", "-1", "line 3: weights.length_per_m2 = -1 is not allowed: >= 0"),
+        ("2e5", "0", "line 8: segments[0].material.shear_modulus_pa = 0 is not allowed: finite and > 0"),
+        ("3.61e8", "-5", "line 9: segments[0].fiber.modulus_pa = -5 is not allowed: finite and >= 0"),
+        ("\"families\": 2", "\"families\": 3", "line 9: segments[0].fiber.families = 3 is not allowed: 1 or 2"),
+        ("[0.006, 0.010]", "[0, 0.010]", "line 11: segments[0].bounds.inner_radius_m[0] = 0 is not allowed: > 0"),
+        (
+            "[0.003, 0.005]",
+            "[0.005, 0.003]",
+            "line 12: segments[0].bounds.wall_m[1] = 0.003 is not allowed: at least 0.005, the lower bound",
+        ),
+        (
+            "\"wall_m\": [0.003, 0.005]",
+            "\"outer_radius_m\": [0.01, 0.02]",
+            "line 12: segments[0].bounds.outer_radius_m[0] = 0.01 is not allowed: more than 0.01, the largest inner_radius_m",
+        ),
+        (
+            "[0, 15]",
+            "[0, 95]",
+            "line 14: segments[0].bounds.angle_deg[1] = 95 is not allowed: -90 to 90, from the hoop",
+        ),
+        ("60000", "0", "line 15: segments[0].bounds.pressure_max_pa = 0 is not allowed: > 0"),
+        (
+            "60000",
+            "60000, \"limit_margin\": 0",
+            "line 15: segments[0].bounds.limit_margin = 0 is not allowed: 0.001 to 0.9",
+        ),
+        (
+            "0.000178",
+            "0.0031, \"placement\": \"layer\"",
+            "line 9: segments[0].fiber.thickness_m = 0.0031 is not allowed: > 0, at most 0.003, the thinnest wall",
+        ),
+        ("[0.2, 0.21]", "[0.2, -0.21]", "line 17: segments[0].targets.length_m[1] = -0.21 is not allowed: > 0"),
+        ("[0.2, 0.21]", "[]", "line 17: segments[0].targets.length_m = [0 items] is not allowed: 1 to 1000 phases"),
+    ] {
+        assert_eq!(complaint(&[(from, to)]), message);
+    }
+}
+
+#[test]
+fn what_is_missing_too_much_or_does_not_fit_is_named() {
+    for (from, to, message) in [
+        ("length_per_m2", "twist_per_rad2", "line 3: weights.length_per_m2 is missing: a segment has such targets"),
+        (
+            "\"wall_m\": [0.003, 0.005],",
+            "",
+            "line 10: segments[0].bounds needs exactly two of inner_radius_m, outer_radius_m and wall_m: the third follows",
+        ),
+        (
+            "\"length_m\": [0.2, 0.21]",
+            "\"twist_rad\": [1]",
+            "line 17: segments[0].targets.length_m is missing: one value for each phase",
+        ),
+        (
+            "{\"length_m\": [0.2, 0.21]}",
+            "{\"length_m\": [0.2], \"twist_rad\": [1]}",
+            "line 17: segments[0].targets.twist_rad is not allowed: not what this motion is measured by",
+        ),
+        ("\"extension\"", "\"bending\"", "line 3: weights.bend_angle_per_rad2 is missing: a segment has such targets"),
+    ] {
+        // A bending segment is refused for its weight or its fiber, whichever is looked at first.
+        let found = complaint(&[(from, to)]);
+        let fiber =
+            "line 9: segments[0].fiber is not allowed: a bending actuator is wound along the hoop at its outer radius";
+        assert!(found == message || (to == "\"bending\"" && found == fiber), "{found}\n{message}");
+    }
+}
+
+#[test]
+fn what_is_no_problem_file_is_refused_where_the_parser_stopped() {
+    let error = Problem::read(&extension(&[("\"name\"", "\"nmae\"")])).expect_err("an unknown field");
+    assert!(matches!(&error, ProblemError::Format { line: 6, message, .. } if message.contains("nmae")), "{error}");
+    let error =
+        Problem::read(&extension(&[("\"name\": \"arm\",", "\"name\": \"arm\"")])).expect_err("a comma is missing");
+    assert!(matches!(error, ProblemError::Format { line: 7, .. }), "{error}");
+    assert!(Problem::read("").is_err() && Problem::read("[]").is_err() && Problem::read("{}").is_err());
+}

@@ -1,0 +1,166 @@
+//! Designs of scenes: what is found is a scene again, which can be planned and does what was asked.
+
+use softlimb_design::actuators as fit;
+use softlimb_design::from_scene::{design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task};
+use softlimb_design::synthesis as path;
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_scene as scene;
+use softlimb_scene::{Goal, Scene};
+
+fn read(text: &str) -> Scene {
+    scene::parse(text, "designed.toml").unwrap_or_else(|error| panic!("{}\n{text}", error.render(false)))
+}
+
+/// Bounds that leave everything open that a workshop can change.
+const OPEN: &str = "
+[design]
+inner_radius = [\"8 mm\", \"12 mm\"]
+wall = [\"3.5 mm\", \"5 mm\"]
+length = [\"150 mm\", \"320 mm\"]
+fiber_angle = [\"2 deg\", \"10 deg\"]
+";
+
+#[test]
+fn targets_are_reached_by_other_sizes_and_the_scene_can_be_run() {
+    let wanted = read(&format!("{}{OPEN}", include_str!("../../../scenes/pick-and-place-a.toml")));
+    assert!(!leads_the_tip(&wanted));
+    let problem = targets(&wanted).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let answer = fit::solve(&problem, &fit::Effort::default()).unwrap();
+    assert!(answer.objective < 1e-12, "{}", answer.objective);
+    let (modules, values) = redesigned_targets(&wanted, &answer);
+    let designed = read(&scene::redesigned(&wanted, &modules, Some(&values)).unwrap());
+    let limb = Limb::new(&designed).unwrap();
+    motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    // Lengths and angles of the first phase: those that the author's scene has.
+    let [before, after] = [&wanted, &designed].map(|scene| {
+        let Goal::Targets(targets) = &scene.phases()[0].goal else { panic!("targets") };
+        let in_space = |target: &scene::Target| match *scene.modules()[target.module].motion {
+            fra_model::Motion::Extension => target.value.value * *scene.modules()[target.module].length_m,
+            _ => target.value.value,
+        };
+        targets.iter().map(in_space).collect::<Vec<_>>()
+    });
+    for (before, after) in before.iter().zip(&after) {
+        assert!((before - after).abs() < 1e-8, "{before:?} {after:?}");
+    }
+    assert_ne!(*wanted.modules()[0].length_m, *designed.modules()[0].length_m);
+}
+
+/// Designs a group's limb and checks the plan of its scene by dense samples of what is streamed, with the thickness of the body about
+/// each: bundles, then the tool about the tip.
+fn designed_keeps_clear(text: &str) {
+    let wanted = read(text);
+    assert!(leads_the_tip(&wanted));
+    let tasked = task(&wanted).unwrap();
+    let found = path::design(&tasked.task, &tasked.spaces, &path::Effort::default()).unwrap();
+    assert!(found.does_it(), "{:?}", found.shortfall);
+    let designed = read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, &found), None).unwrap());
+    let limb = Limb::new(&designed).unwrap();
+    let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let circle_m = designed.modules()[0].circle_radius_m;
+    let mut nearest_m = vec![f64::INFINITY; designed.phases().len()];
+    for step in 0..=2000 {
+        let states = plan.states_at(plan.duration_us() as f64 * f64::from(step) / 2000.0);
+        let points = limb.backbone(&states);
+        let per_module = (points.len() - 1) / states.len();
+        for (index, point) in points.iter().enumerate() {
+            let state = &states[(index.saturating_sub(1) / per_module).min(states.len() - 1)];
+            let last = index + 1 == points.len();
+            let thick_m = if last { 0.035 } else { circle_m + state.outer_radius_m };
+            for obstacle in designed.obstacles() {
+                let spare = obstacle.shape.distance(&(*point).into()).distance_m - thick_m;
+                // What is asked is 5 mm.
+                assert!(spare >= 5e-3 - 1e-6, "{} at {point:?}: {spare}", *obstacle.name);
+            }
+        }
+        let tip = (*points.last().unwrap()).into();
+        for (phase, nearest_m) in designed.phases().iter().zip(&mut nearest_m) {
+            *nearest_m = nearest_m.min(off_goal(&designed, &phase.goal, tip));
+        }
+    }
+    // The holds are long enough for samples to fall into each of them.
+    assert!(nearest_m.iter().all(|m| *m < 1e-4), "{nearest_m:?}");
+}
+
+/// Two way-points on both sides of two posts: no limb of these sizes goes straight from rest to the one and on to the other.
+#[test]
+fn moves_that_cannot_be_straight_are_left_to_the_planner() {
+    let text = include_str!("../../../scenes/reach-past-post.toml");
+    let post = |name: &str, y: f64| {
+        format!(
+            "[[obstacle]]\nname = \"{name}\"\nshape = \"capsule\"\nfrom = [0.72, {y}, 0.4]\nto = [0.72, {y}, 1.6]\nradius = \"15 mm\"\n"
+        )
+    };
+    let phase = |name: &str, tip: &str| format!("[[phase]]\nname = \"{name}\"\nhold = \"0.2 s\"\ntip = {tip}\n");
+    let wanted = read(&format!(
+        "{}{}{}{}{}{}\n[design]\ninner_radius = [\"9 mm\", \"11 mm\"]\nwall = [\"3.5 mm\", \"4.5 mm\"]\nlength = [\"220 mm\", \"260 mm\"]\n",
+        &text[..text.find("[[obstacle]]").unwrap()],
+        post("left", 0.075),
+        post("right", -0.075),
+        phase("between", "[0.8, 0.0, 1.02]"),
+        phase("aside", "[0.66, -0.25, 0.9]"),
+        &text[text.find("[limits]").unwrap()..],
+    ));
+    let tasked = task(&wanted).unwrap();
+    let designed = |found: &path::Candidate| {
+        read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, found), None).unwrap())
+    };
+    let planned = |found: &path::Candidate| {
+        let scene = designed(found);
+        motion::plan(&scene, &Limb::new(&scene).unwrap()).ok()
+    };
+    let via_points = |found: &path::Candidate| Some(planned(found)?.phases.iter().map(|phase| phase.via_points).sum());
+    let found = design_to_run(&tasked.task, &tasked.spaces, &path::Effort::default(), via_points).unwrap();
+    assert!(found.limb.does_it() && found.via_points.is_some_and(|count| count > 0), "{found:?}");
+    let (scene, plan) = (designed(&found.limb), planned(&found.limb).unwrap());
+    let limb = Limb::new(&scene).unwrap();
+    for step in 0..=2000 {
+        let states = plan.states_at(plan.duration_us() as f64 * f64::from(step) / 2000.0);
+        for point in limb.backbone(&states) {
+            let nearest = scene.obstacles().iter().map(|post| post.shape.distance(&point.into()).distance_m);
+            // The tool is a ball of 20 mm, all else is thicker; 5 mm are asked for.
+            assert!(nearest.fold(f64::INFINITY, f64::min) >= 25e-3 - 1e-6, "{point:?}");
+        }
+    }
+    // A planner that refuses everything leaves the answer of the search for straight moves.
+    let refused = design_to_run(&tasked.task, &tasked.spaces, &path::Effort::default(), |_| None).unwrap();
+    assert!(!refused.limb.does_it() && refused.via_points.is_none() && refused.refused > 0);
+}
+
+/// How far a tip is from what a phase asks of it, m.
+fn off_goal(scene: &Scene, goal: &Goal, tip: nalgebra::Vector3<f64>) -> f64 {
+    match goal {
+        Goal::Tip(target) => (tip - nalgebra::Vector3::from(target.value)).norm(),
+        Goal::Inside(region) => scene.regions()[region.value].shape.distance(&tip).distance_m.max(0.0),
+        _ => panic!("a group leads the tip"),
+    }
+}
+
+#[test]
+fn group_a_is_designed_and_keeps_clear() {
+    designed_keeps_clear(include_str!("../../../scenes/open/group-a.toml"));
+}
+
+#[test]
+fn group_b_is_designed_and_keeps_clear() {
+    designed_keeps_clear(include_str!("../../../scenes/open/group-b.toml"));
+}
+
+#[test]
+fn group_c_is_designed_and_keeps_clear() {
+    designed_keeps_clear(include_str!("../../../scenes/open/group-c.toml"));
+}
+
+#[test]
+fn what_a_design_cannot_take_is_shown_at_its_line() {
+    let text = include_str!("../../../scenes/pick-and-place-a.toml")
+        .replace("circle_radius = \"30 mm\"", "circle_radius = \"17 mm\"");
+    let wide = read(&format!("{text}{OPEN}"));
+    let error = targets(&wide).unwrap_err().render(false);
+    assert!(error.contains("may overlap") && error.contains("wall = "), "{error}");
+    let mixed = include_str!("../../../scenes/open/group-a.toml")
+        .replace("tip = [0.74, 0, 0.83]", "targets = { elbow = { bend_angle = \"30 deg\" } }");
+    let error = task(&read(&mixed)).unwrap_err().to_string();
+    assert!(error.contains("either for the tip or for targets"), "{error}");
+}

@@ -1,0 +1,5 @@
+//! Tests of design, one module a subject.
+
+mod design;
+mod design_path;
+mod design_scene;

@@ -1,0 +1,3 @@
+//! Tests of files, one module a subject.
+
+mod whole;

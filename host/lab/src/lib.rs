@@ -1,0 +1,13 @@
+//! The laboratory: methods compared, accuracy against cost, finite elements beside the model, and the pages of evidence they write.
+//!
+//! `cargo xtask lab VERB` runs it. Nothing a user runs depends on it.
+
+pub mod accuracy;
+mod arguments;
+pub mod design;
+pub mod generated_section;
+pub mod payload;
+mod published;
+pub mod validation;
+
+pub use arguments::main;

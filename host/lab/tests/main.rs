@@ -1,0 +1,6 @@
+//! Tests of the laboratory, one module a subject.
+
+mod bench_accuracy;
+mod bundle;
+mod design_compare;
+mod validation;

@@ -1,0 +1,252 @@
+//! One kind of actuator, ready to be made: its winding, its layers, and whether a workshop can make it.
+
+use std::f64::consts::{PI, TAU};
+
+use fra_model::{ActuatorParameters, Motion, Placement};
+
+use super::winding::winding_radius_m;
+use super::{FabricateError, Settings, Winding};
+use softlimb_scene::{Module, Scene, SceneError, Span};
+
+/// Width of the open top of a groove over that of its floor, for a depth of one width.
+const FLARE: f64 = 1.0;
+/// Distance of threads, in walls, up to which they do what a sheet does.
+const CLOSE: f64 = 0.75;
+/// Thinnest layer that is cast over a winding without a remark, m.
+const COVER_MIN_M: f64 = 5e-4;
+
+/// One of the equal actuators of a module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Copy {
+    /// Its channel.
+    pub channel: usize,
+    /// Where its axis meets the connector, m, from the limb's axis; the first number towards the limb's up.
+    pub place_m: [f64; 2],
+}
+
+/// The groove that the mold leaves for the thread: a trapezoid, measured across.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Groove {
+    /// Depth, m.
+    pub depth_m: f64,
+    /// Width of its floor, m: the thread's diameter.
+    pub floor_m: f64,
+    /// Width at the surface, m.
+    pub top_m: f64,
+}
+
+/// The actuators of one module, all made alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// Name of the module.
+    pub name: String,
+    /// The actuators it stands for.
+    pub copies: Vec<Copy>,
+    /// Their parameters.
+    pub parameters: ActuatorParameters<f64>,
+    /// Density of the elastomer, kg/m3.
+    pub density_kg_per_m3: f64,
+    /// Largest gauge pressure in the chamber, Pa.
+    pub pressure_max_pa: f64,
+    /// Direction of bending about the limb's axis, from the limb's up, rad.
+    pub mount_angle_rad: f64,
+    /// How it is wound.
+    pub winding: Winding,
+    /// The groove of the first cast.
+    pub groove: Groove,
+    /// Outer radius of the first cast, which carries the groove, m.
+    pub cast_radius_m: f64,
+    /// What speaks against it without forbidding it.
+    pub warnings: Vec<String>,
+}
+
+impl Piece {
+    /// Wall, m.
+    pub fn wall_m(&self) -> f64 {
+        self.parameters.outer_radius_m - self.parameters.inner_radius_m
+    }
+
+    /// Elastomer below the groove, m.
+    pub fn below_groove_m(&self) -> f64 {
+        self.cast_radius_m - self.groove.depth_m - self.parameters.inner_radius_m
+    }
+
+    /// Thickness of the second cast over the winding, m; 0 where the thread lies on the surface.
+    pub fn cover_m(&self) -> f64 {
+        self.parameters.outer_radius_m - self.cast_radius_m
+    }
+
+    /// Elastomer of one actuator, m3.
+    pub fn elastomer_m3(&self) -> f64 {
+        self.ring_m3(self.parameters.inner_radius_m, self.parameters.outer_radius_m)
+    }
+
+    /// Elastomer of its second cast, m3.
+    pub fn cover_m3(&self) -> f64 {
+        self.ring_m3(self.cast_radius_m, self.parameters.outer_radius_m)
+    }
+
+    /// Volume of its chamber at rest, m3.
+    pub fn chamber_m3(&self) -> f64 {
+        self.ring_m3(0.0, self.parameters.inner_radius_m)
+    }
+
+    fn ring_m3(&self, inner_m: f64, outer_m: f64) -> f64 {
+        PI * (outer_m - inner_m) * (outer_m + inner_m) * self.parameters.length_m
+    }
+}
+
+/// How the actuators of every module of a scene are made, in the order of the modules.
+///
+/// # Errors
+/// [`FabricateError::Invalid`] for the settings; [`FabricateError::Scene`] at the line of the first module that cannot be made with them.
+pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateError> {
+    settings.check()?;
+    let mut first_channel = 0;
+    let pieces = scene.modules().iter().map(|module| {
+        let copies = copies(module, first_channel);
+        first_channel += usize::from(module.actuators);
+        piece(scene, module, copies, settings)
+    });
+    pieces.collect::<Result<_, SceneError>>().map_err(Into::into)
+}
+
+fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
+    let count = usize::from(module.actuators);
+    let place = |index: usize| {
+        let angle = module.mount_angle_rad + TAU * index as f64 / count as f64;
+        [module.circle_radius_m * angle.cos(), module.circle_radius_m * angle.sin()]
+    };
+    (0..count).map(|index| Copy { channel: first_channel + index, place_m: place(index) }).collect()
+}
+
+fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings) -> Result<Piece, SceneError> {
+    let parameters = module.actuator();
+    let refuse = Refusal { scene, module };
+    let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;
+    // A wall of exactly the least thickness passes however its radii were rounded.
+    if wall_m < settings.wall_min_m * (1.0 - 1e-9) {
+        return Err(refuse.wall(wall_m, settings.wall_min_m));
+    }
+    let sheet = parameters.fiber.is_none_or(|fiber| fiber.placement == Placement::Sheet);
+    if !sheet && parameters.motion != Motion::Bending {
+        return Err(refuse.placement());
+    }
+    let (cast_radius_m, groove) = groove(&parameters, settings.thread.diameter_m);
+    if cast_radius_m - groove.depth_m <= parameters.inner_radius_m {
+        return Err(refuse.groove(&parameters, settings));
+    }
+    let winding = Winding::new(&parameters, settings, *module.pressure_max_pa);
+    if winding.spacing_m() <= groove.top_m {
+        return Err(refuse.spacing(&winding, groove));
+    }
+    let mut piece = Piece {
+        name: module.name.to_string(),
+        copies,
+        parameters,
+        density_kg_per_m3: module.density_kg_per_m3,
+        pressure_max_pa: *module.pressure_max_pa,
+        mount_angle_rad: module.mount_angle_rad,
+        winding,
+        groove,
+        cast_radius_m,
+        warnings: Vec::new(),
+    };
+    piece.warnings = warnings(&piece, settings);
+    Ok(piece)
+}
+
+/// The first cast's radius and the groove that puts the thread's centre line on the winding radius: flush with the surface, or halfway out of
+/// it where the winding is the outer surface.
+fn groove(parameters: &ActuatorParameters<f64>, diameter_m: f64) -> (f64, Groove) {
+    let winding_m = winding_radius_m(parameters);
+    let cast_m = (winding_m + 0.5 * diameter_m).min(parameters.outer_radius_m);
+    let depth_m = cast_m - (winding_m - 0.5 * diameter_m);
+    (cast_m, Groove { depth_m, floor_m: diameter_m, top_m: diameter_m + FLARE * depth_m })
+}
+
+fn warnings(piece: &Piece, settings: &Settings) -> Vec<String> {
+    let mut warnings = piece.winding.remarks.clone();
+    let winding = &piece.winding;
+    let between_m = if winding.is_hoop { winding.turn_spacing_m() } else { winding.spacing_m() };
+    if between_m > CLOSE * piece.wall_m() {
+        warnings.push(format!(
+            "threads are {:.2} mm apart, more than {CLOSE} of the wall of {:.2} mm: the wall bulges between them, and they do not do what the \
+             scene's sheet does",
+            between_m * 1e3,
+            piece.wall_m() * 1e3
+        ));
+    }
+    if let Some(Err(reason)) = &winding.worth {
+        warnings.push(format!("what the thread is worth is not known: {reason}"));
+    }
+    let floor_m = piece.below_groove_m();
+    if floor_m < settings.wall_min_m * (1.0 - 1e-9) {
+        warnings.push(format!(
+            "the groove leaves {:.2} mm of wall, less than the {:.2} mm that can be cast",
+            floor_m * 1e3,
+            settings.wall_min_m * 1e3
+        ));
+    }
+    let cover_m = piece.cover_m();
+    if cover_m > 1e-9 && cover_m < COVER_MIN_M {
+        warnings.push(format!("the cover over the thread is {:.2} mm thin", cover_m * 1e3));
+    }
+    warnings
+}
+
+/// Refusals of one module, at its lines.
+struct Refusal<'a> {
+    scene: &'a Scene,
+    module: &'a Module,
+}
+
+impl Refusal<'_> {
+    fn at(&self, span: Span, title: &str, label: &str, help: &str) -> SceneError {
+        self.scene.diagnostic(span, title, label, Some(help))
+    }
+
+    /// The winding's name in the module, or the module where it has none.
+    fn winding_span(&self) -> Span {
+        self.module.fiber.as_ref().map_or(self.module.span, |fiber| fiber.span)
+    }
+
+    fn wall(&self, wall_m: f64, least_m: f64) -> SceneError {
+        let label =
+            format!("this leaves a wall of {:.3} mm; at least {:.3} mm can be cast", wall_m * 1e3, least_m * 1e3);
+        let least_outer = (*self.module.inner_radius_m + least_m) * 1e3;
+        let help = format!("an outer radius from {least_outer:.3} mm on, or another `--wall-min`");
+        self.at(self.module.outer_radius_m.span, "the wall is too thin to be cast", &label, &help)
+    }
+
+    fn placement(&self) -> SceneError {
+        let help =
+            "threads lie on one radius: `placement = \"sheet\"`, with a `modulus` and `thickness` that stand for them";
+        self.at(self.winding_span(), "this winding cannot be wound", "it fills a layer or the whole wall", help)
+    }
+
+    fn groove(&self, parameters: &ActuatorParameters<f64>, settings: &Settings) -> SceneError {
+        let (radius_m, diameter_m) = (winding_radius_m(parameters), settings.thread.diameter_m);
+        let label = format!(
+            "the thread of {:.3} mm on the radius {:.3} mm reaches the chamber",
+            diameter_m * 1e3,
+            radius_m * 1e3
+        );
+        let least = (parameters.inner_radius_m + 0.5 * diameter_m) * 1e3;
+        let help = format!("a winding `radius` above {least:.3} mm, or a thinner `--thread`");
+        self.at(self.winding_span(), "the groove for the thread is deeper than the wall", &label, &help)
+    }
+
+    fn spacing(&self, winding: &Winding, groove: Groove) -> SceneError {
+        let label = format!(
+            "threads of one hand would be {:.3} mm apart; their grooves are {:.3} mm wide",
+            winding.spacing_m() * 1e3,
+            groove.top_m * 1e3
+        );
+        let help = format!(
+            "more than {:.3} mm: a steeper angle, a larger `--spacing`, or a thinner or stiffer `--thread`",
+            groove.top_m * 1e3
+        );
+        self.at(self.winding_span(), "this winding cannot be wound", &label, &help)
+    }
+}

@@ -1,0 +1,18 @@
+//! The limb of a scene: its actuators and kinematics, and everything that follows from them without a plan.
+//!
+//! [`Limb`] holds solvable modules. [`statics`] loads it, [`workspace`] finds the reach of its tip, [`payload`] its largest load,
+//! [`tolerance`] the effect of fabrication scatter, and [`fabricate`] the sheets and molds of its actuators.
+//!
+//! This crate must not know time, the device, files or printing.
+
+pub mod arc;
+mod curve;
+pub mod fabricate;
+mod limb;
+pub mod payload;
+pub mod statics;
+pub mod tolerance;
+pub mod workspace;
+
+pub use curve::StateCurve;
+pub use limb::{Limb, LimbModule, base_pose, measure, reference_max_pa};

@@ -1,0 +1,274 @@
+//! The limb of a scene: its modules with their solvers, its base and its kinematics.
+
+use std::ops::Range;
+
+use fra_model::{Actuator, InvalidParameter, Link, Motion, Segment, State, Target};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use super::StateCurve;
+use softlimb_scene::collision::Body;
+use softlimb_scene::{Module, Scene, SceneError, SetpointKind};
+
+/// By how much a setpoint may be beyond its range: two steps of the wire's coarsest unit, of stretch or rad.
+const ROUNDING: f64 = 2e-6;
+/// Points per module on the drawn centre line.
+const BACKBONE_POINTS: usize = 12;
+
+/// One module: a bundle of equal actuators and the rigid part behind it.
+#[derive(Clone, Debug)]
+pub struct LimbModule {
+    /// Its name in the scene.
+    pub name: String,
+    /// What its actuators do.
+    pub motion: Motion,
+    /// What its setpoints mean.
+    pub kind: SetpointKind,
+    /// The channels of its actuators.
+    pub channels: Range<usize>,
+    /// Highest gauge pressure the scene allows, Pa.
+    pub pressure_max_pa: f64,
+    /// Highest gauge pressure the device follows a setpoint to, Pa: it keeps a margin below its limit for the loop.
+    pub reference_max_pa: f64,
+    /// The solver of one actuator.
+    pub actuator: Actuator<f64>,
+    /// Its states over the pressure range.
+    pub curve: StateCurve,
+    length_m: f64,
+    circle_radius_m: f64,
+    mount_angle_rad: f64,
+    rigid_length_m: f64,
+    /// Length and radius of the tool behind the connector, m.
+    tool_m: Option<(f64, f64)>,
+}
+
+/// A limb that can be asked for its shape.
+#[derive(Clone, Debug)]
+pub struct Limb {
+    base: Isometry3<f64>,
+    modules: Vec<LimbModule>,
+}
+
+/// The value of a state in the terms of a setpoint.
+pub fn measure(kind: SetpointKind, state: &State<f64>) -> f64 {
+    match kind {
+        SetpointKind::Pressure => state.pressure_pa,
+        SetpointKind::AxialStretch => state.axial_stretch,
+        SetpointKind::OuterRadius => state.outer_radius_m,
+        SetpointKind::InnerRadius => state.inner_radius_m,
+        SetpointKind::Twist => state.twist_rad,
+        SetpointKind::BendAngle => state.bend_angle_rad,
+    }
+}
+
+impl LimbModule {
+    /// The setpoint as a target of the inverse model; `None` for a pressure, which needs no inverse.
+    pub fn target(&self, value: f64) -> Option<Target<f64>> {
+        match self.kind {
+            SetpointKind::Pressure => None,
+            SetpointKind::AxialStretch => Some(Target::AxialStretch(value)),
+            SetpointKind::OuterRadius => Some(Target::OuterRadius(value)),
+            SetpointKind::InnerRadius => Some(Target::InnerRadius(value)),
+            SetpointKind::Twist => Some(Target::Twist(value)),
+            SetpointKind::BendAngle => Some(Target::BendAngle(value)),
+        }
+    }
+
+    /// The setpoint value of a state.
+    pub fn measure(&self, state: &State<f64>) -> f64 {
+        measure(self.kind, state)
+    }
+
+    /// Setpoint values at rest and at the highest reachable pressure.
+    pub fn range(&self) -> (f64, f64) {
+        let states = self.curve.states();
+        (self.measure(&states[0]), self.measure(&states[states.len() - 1]))
+    }
+
+    /// The highest pressure up to which the quantity of its setpoints only rises or only falls, Pa: each value below belongs to one state.
+    pub fn single_valued_max_pa(&self) -> f64 {
+        let values: Vec<f64> = self.curve.states().iter().map(|state| self.measure(state)).collect();
+        let rises = |pair: &[f64]| pair[1] > pair[0];
+        let first = values.windows(2).next().is_some_and(rises);
+        let turn = values.windows(2).position(|pair| rises(pair) != first || pair[0] == pair[1]);
+        let node = turn.unwrap_or(values.len() - 1);
+        self.curve.states()[node].pressure_pa
+    }
+
+    /// The state at a setpoint by the curve; `None` where no pressure of the range gives it. Setpoints that the rounding to wire units
+    /// has put beyond an end of the range have the state of that end.
+    pub fn state_at(&self, value: f64) -> Option<State<f64>> {
+        match self.kind {
+            SetpointKind::Pressure => Some(self.curve.at(value)),
+            _ => self.curve.find(|state| self.measure(state), value).or_else(|| self.end_at(value)),
+        }
+    }
+
+    fn end_at(&self, value: f64) -> Option<State<f64>> {
+        let states = self.curve.states();
+        let near = |state: &&State<f64>| (self.measure(state) - value).abs() <= ROUNDING;
+        [states.first()?, states.last()?].into_iter().find(near).copied()
+    }
+
+    /// Radius of the module about its centre line in a state, m.
+    pub fn radius_m(&self, state: &State<f64>) -> f64 {
+        self.circle_radius_m + state.outer_radius_m
+    }
+
+    /// Distance of an actuator's axis from the module's, m.
+    pub fn circle_radius_m(&self) -> f64 {
+        self.circle_radius_m
+    }
+
+    /// Length of one actuator at rest, m.
+    pub fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
+    /// Direction it bends towards: rotation about the limb's axis, rad.
+    pub fn mount_angle_rad(&self) -> f64 {
+        self.mount_angle_rad
+    }
+
+    /// Length of the rigid part behind it, m.
+    pub fn rigid_length_m(&self) -> f64 {
+        self.rigid_length_m
+    }
+
+    /// Lengths of the rigid parts behind it: connector and tool, m; >= 0.
+    pub fn rigid_parts_m(&self) -> [f64; 2] {
+        let tool_m = self.tool_m.map_or(0.0, |(length, _)| length);
+        [self.rigid_length_m - tool_m, tool_m]
+    }
+
+    /// The module's link in a state; a bundle that cannot take the twist keeps its rest shape.
+    pub fn link(&self, state: &State<f64>) -> Link<f64> {
+        let segment = Segment::of_bundle(self.motion, self.length_m, self.circle_radius_m, state).unwrap_or(Segment {
+            length_m: self.length_m,
+            bend_angle_rad: 0.0,
+            twist_rad: 0.0,
+        });
+        Link { segment, mount_angle_rad: self.mount_angle_rad, rigid_length_m: self.rigid_length_m }
+    }
+}
+
+impl Limb {
+    /// Builds the limb of a scene.
+    ///
+    /// # Errors
+    /// A diagnostic at the module whose actuator the model refuses.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let limb = scene.limb();
+        let count = scene.modules().len();
+        let mut first_channel = 0;
+        let mut modules = Vec::with_capacity(count);
+        for (index, module) in scene.modules().iter().enumerate() {
+            let tool = limb.end_effector.as_ref().filter(|_| index + 1 == count);
+            let tool_m = tool.map(|tool| (tool.length_m, tool.radius_m));
+            let channels = first_channel..first_channel + usize::from(module.actuators);
+            first_channel = channels.end;
+            modules.push(build_module(scene, module, channels, tool_m)?);
+        }
+        Ok(Self { base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up), modules })
+    }
+
+    /// The modules from the base outwards.
+    pub fn modules(&self) -> &[LimbModule] {
+        &self.modules
+    }
+
+    /// Number of channels of all modules.
+    pub fn channels(&self) -> usize {
+        self.modules.last().map_or(0, |module| module.channels.end)
+    }
+
+    /// Pose of the tip with the modules in the given states, in the scene's frame.
+    pub fn tip_pose<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Isometry3<f64> {
+        let links = self.modules.iter().zip(states).map(|(module, state)| module.link(state));
+        fra_model::tip_pose(&self.base, links)
+    }
+
+    /// Pose of the start of the first module, in the scene's frame.
+    pub fn base(&self) -> &Isometry3<f64> {
+        &self.base
+    }
+
+    /// The limb as a solid. Modules are as thick as their bundle, a connector as the bundle before it at rest.
+    pub fn body<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Body {
+        let mut body = Body::new(&self.base);
+        self.shape(states, &mut body);
+        body
+    }
+
+    /// Makes `body` what [`Limb::body`] gives.
+    pub fn shape<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>, body: &mut Body) {
+        body.restart(&self.base);
+        for (module, state) in self.modules.iter().zip(states) {
+            let [connector_m, tool_m] = module.rigid_parts_m();
+            body.module(&module.link(state).segment, module.mount_angle_rad, module.radius_m(state));
+            body.rigid(connector_m, module.radius_m(&module.curve.states()[0]));
+            body.rigid(tool_m, module.tool_m.map_or(0.0, |(_, radius)| radius));
+        }
+    }
+
+    /// Position of the tip, m.
+    pub fn tip<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> [f64; 3] {
+        self.tip_pose(states).translation.vector.into()
+    }
+
+    /// Points along the centre line from the base to the tip, m.
+    pub fn backbone<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Vec<[f64; 3]> {
+        let mut pose = self.base;
+        let mut points = vec![pose.translation.vector.into()];
+        for (module, state) in self.modules.iter().zip(states) {
+            let link = module.link(state);
+            for step in 1..=BACKBONE_POINTS {
+                let share = step as f64 / BACKBONE_POINTS as f64;
+                points.push((pose * link.pose_at(share)).translation.vector.into());
+            }
+            pose *= link.pose();
+            points.push((pose * Point3::origin()).coords.into());
+        }
+        points
+    }
+}
+
+fn build_module(
+    scene: &Scene,
+    module: &Module,
+    channels: Range<usize>,
+    tool_m: Option<(f64, f64)>,
+) -> Result<LimbModule, SceneError> {
+    let actuator = Actuator::new(&module.actuator()).map_err(|error: InvalidParameter<f64>| {
+        scene.diagnostic(module.span, "the model cannot take this actuator", &error.to_string(), None)
+    })?;
+    Ok(LimbModule {
+        name: module.name.to_string(),
+        motion: *module.motion,
+        kind: module.setpoint_kind,
+        channels,
+        pressure_max_pa: *module.pressure_max_pa,
+        reference_max_pa: reference_max_pa(*module.pressure_max_pa),
+        curve: StateCurve::new(&actuator, reference_max_pa(*module.pressure_max_pa)),
+        actuator,
+        length_m: *module.length_m,
+        circle_radius_m: module.circle_radius_m,
+        mount_angle_rad: module.mount_angle_rad,
+        rigid_length_m: scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
+        tool_m,
+    })
+}
+
+/// Where a device stops its reference: 3 kPa, at most a tenth, below the limit (`protocol/SPEC.md`, ConfigChannel).
+pub fn reference_max_pa(pressure_max_pa: f64) -> f64 {
+    pressure_max_pa - f64::min(3e3, 0.1 * pressure_max_pa)
+}
+
+/// The frame whose `z` is the direction of the limb and whose `x`, towards which modules bend, is as near to `up` as can be.
+pub fn base_pose(position_m: [f64; 3], direction: [f64; 3], up: [f64; 3]) -> Isometry3<f64> {
+    let z = Vector3::from(direction).normalize();
+    let up = Vector3::from(up);
+    let x = (up - z * z.dot(&up)).normalize();
+    let axes = Matrix3::from_columns(&[x, z.cross(&x), z]);
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    Isometry3::from_parts(Translation3::from(Vector3::from(position_m)), rotation)
+}

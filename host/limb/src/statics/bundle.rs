@@ -1,0 +1,179 @@
+//! Parallel tubes between rigid plates as one rod: its shape without load and its stiffness per length at rest.
+//!
+//! At a stretch `lambda`, bends `u` (towards `x` and `y`) and a twist rate `t` the tube at `r_i` has the stretch `lambda - u . r_i`. The
+//! energy of all tubes, each by its own tangent ([`Tangent`]), is a square form in `(lambda, u_x, u_y, t)`; its minimum is the free shape.
+//! Plates that slide against each other bend the tubes between them to an S: `12 EI/a^2` a tube for plates `a` apart as they are stretched, in
+//! series with the shear of the walls. Plates that turn against each other do the same to tubes off the axis. A rod whose bends follow its moments
+//! has a part of that S already, `a^2/12` over the bending stiffness of the bundle: it is taken off the slide, so that a chain of plates and the
+//! rod yield alike to small loads.
+
+use std::f64::consts::TAU;
+
+use fra_model::Motion;
+use nalgebra::{Matrix4, Vector4};
+
+use super::tube::{LINE, Tangent};
+use crate::LimbModule;
+
+/// The shape of a bundle, per length at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// Stretch of the bundle's axis.
+    pub stretch: f64,
+    /// Bend towards `x`, which is the module's mount angle, and towards `y`, rad/m.
+    pub bend_rad_per_m: [f64; 2],
+    /// Twist, rad/m.
+    pub twist_rad_per_m: f64,
+}
+
+/// How plates slide against each other in one direction, per force across the bundle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Slide {
+    /// Slide of the tubes between them, 1/N.
+    pub(super) tubes: f64,
+    /// The part of it that a rod has by its bends, 1/N.
+    pub(super) bends: f64,
+}
+
+/// A bundle at given pressures.
+#[derive(Clone, Debug)]
+pub struct Bundle {
+    /// Its shape without load.
+    pub free: Free,
+    /// Second derivatives of its energy by stretch, bends and twist rate: N, N m, N m2 and so on.
+    pub stiffness: Matrix4<f64>,
+    /// Shear stiffness, N.
+    pub shear_n: f64,
+    /// What it shortens by when it slides, over the square of the slide and the stretch: 3/5 for slender tubes, less where walls shear.
+    pub sway: f64,
+    /// How it slides towards `x` and `y`.
+    pub(super) slides: [Slide; 2],
+    /// Distance of its plates at rest, m.
+    pub bay_m: f64,
+    /// Position of each tube in the section, m, and the tube.
+    pub tubes: Vec<([f64; 2], Tangent)>,
+}
+
+impl Bundle {
+    /// The bundle of a module with a gauge pressure, Pa, in each actuator, and `bays` >= 1 stretches between plates, so `bays - 1` spacers.
+    ///
+    /// `None` where an actuator has no equilibrium at its pressure, or where there is not one pressure per actuator. The lines of a bending
+    /// bundle are taken to bend about their mean, as the kinematics do it; they do not add to its stiffness in that plane.
+    pub fn new(module: &LimbModule, pressures_pa: &[f64], bays: usize) -> Option<Self> {
+        if pressures_pa.len() != module.channels.len() || bays == 0 {
+            return None;
+        }
+        // Bundles mostly have one pressure, and the model is what costs.
+        let mut known: Vec<(f64, Tangent)> = Vec::new();
+        let mut tubes = Vec::with_capacity(pressures_pa.len());
+        for (position, pressure_pa) in positions(module).into_iter().zip(pressures_pa) {
+            let found = known.iter().find(|(pressure, _)| pressure == pressure_pa).map(|(_, tangent)| *tangent);
+            let tangent = found.or_else(|| Tangent::of(&module.actuator, *pressure_pa))?;
+            known.push((*pressure_pa, tangent));
+            tubes.push((position, tangent));
+        }
+        Self::of_tubes(module.motion, tubes, module.length_m() / bays as f64)
+    }
+
+    /// The bundle of tubes at places of the section, m, with plates `bay_m` apart. `None` where their energy has no minimum.
+    pub fn of_tubes(motion: Motion, tubes: Vec<([f64; 2], Tangent)>, bay_m: f64) -> Option<Self> {
+        let (mut stiffness, mut force) = (Matrix4::zeros(), Vector4::zeros());
+        for ([x, y], tube) in &tubes {
+            let (own, rest) = energy(motion, [*x, *y], tube)?;
+            stiffness += own;
+            force += own * rest;
+        }
+        // Turning the plates takes it from where the tubes want to be: from the free twist, so that it is no force there.
+        let free = stiffness.cholesky()?.solve(&force);
+        let long_m = free[0] * bay_m;
+        let slides = slides(&stiffness, &tubes, long_m);
+        let mean = |of: fn(&Slide) -> f64| 0.5 * (of(&slides[0]) + of(&slides[1]));
+        let shear_n = 1.0 / mean(|slide| slide.tubes - slide.bends);
+        let sway = 0.5 * (sway(&slides[0], 0, &tubes, long_m) + sway(&slides[1], 1, &tubes, long_m));
+        let turning = |([x, y], tube): &([f64; 2], Tangent)| slide_n(tube, mean_nm2(tube), long_m) * (x * x + y * y);
+        stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
+        let free = Free { stretch: free[0], bend_rad_per_m: [free[1], free[2]], twist_rad_per_m: free[3] };
+        Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes })
+    }
+
+    /// Stretches between plates in a module of this length at rest, m.
+    pub(super) fn bays(&self, length_m: f64) -> usize {
+        (length_m / self.bay_m).round().max(1.0) as usize
+    }
+}
+
+/// Bending stiffness of a tube towards `x` and `y`, N m2.
+fn bends_nm2(tube: &Tangent) -> [f64; 2] {
+    [tube.bending_nm2, tube.across_nm2]
+}
+
+/// The mean of both.
+pub(super) fn mean_nm2(tube: &Tangent) -> f64 {
+    0.5 * (tube.bending_nm2 + tube.across_nm2)
+}
+
+/// Force per slide of a tube between plates `long_m` apart as they are stretched: an S in series with the shear of the wall, N.
+pub(super) fn slide_n(tube: &Tangent, bending_nm2: f64, long_m: f64) -> f64 {
+    1.0 / (1.0 / tube.shear_n + long_m * long_m / (12.0 * bending_nm2))
+}
+
+/// Slides of a bundle with the stiffness of its stretch and bends.
+fn slides(stiffness: &Matrix4<f64>, tubes: &[([f64; 2], Tangent)], long_m: f64) -> [Slide; 2] {
+    [0, 1].map(|axis| {
+        let all_n: f64 = tubes.iter().map(|(_, tube)| slide_n(tube, bends_nm2(tube)[axis], long_m)).sum();
+        let at = axis + 1;
+        // The stretch gives way to the bend.
+        let whole_nm2 = stiffness[(at, at)] - stiffness[(0, at)].powi(2) / stiffness[(0, 0)];
+        Slide { tubes: 1.0 / all_n, bends: long_m * long_m / (12.0 * whole_nm2) }
+    })
+}
+
+/// By how much a tube of a slide `g` shortens, over `g^2/2`, where the part `share` of the slide is an S and the rest shear of the wall: an S
+/// leans by 6/5 of its square, and a wall that shears leans only with what is bent before it.
+pub(super) fn shortening(share: f64) -> f64 {
+    (2.0 - 0.8 * share) * share
+}
+
+/// Shortening of the rod's own slide, so that with that of its bends it is the mean of the tubes'.
+fn sway(slide: &Slide, axis: usize, tubes: &[([f64; 2], Tangent)], long_m: f64) -> f64 {
+    let of_tube = |(_, tube): &([f64; 2], Tangent)| {
+        let bending_nm2 = bends_nm2(tube)[axis];
+        shortening(slide_n(tube, bending_nm2, long_m) * long_m * long_m / (12.0 * bending_nm2))
+    };
+    let mean = tubes.iter().map(of_tube).sum::<f64>() / tubes.len() as f64;
+    let own = slide.tubes - slide.bends;
+    0.5 * (mean * slide.tubes * slide.tubes - (1.2 * slide.bends + 2.0 * own) * slide.bends) / (own * own)
+}
+
+/// The square form of one tube and its minimum. A twisted bundle is shorter than its tubes, which are helices then.
+pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> Option<(Matrix4<f64>, Vector4<f64>)> {
+    // What turns and is not wound to turn is held by the others, as the kinematics have it.
+    let (twist, coupling) =
+        if motion == Motion::Twisting { (tube.twist_rad_per_m, tube.coupling_nm) } else { (0.0, 0.0) };
+    let around = twist * x.hypot(y);
+    let square = tube.stretch * tube.stretch - around * around;
+    let stretch = (square > 0.0).then(|| square.sqrt())?;
+    let rest = Vector4::new(stretch, tube.bend_rad_per_m, 0.0, twist);
+    let mut own = Matrix4::from_diagonal(&Vector4::new(0.0, tube.bending_nm2, tube.across_nm2, tube.torsion_nm2));
+    let arm = Vector4::new(1.0, -x, -y, 0.0);
+    if motion == Motion::Bending {
+        own[(0, 0)] += tube.axial_n;
+        // The walls at both sides; the lines would not let it bend at all.
+        own[(2, 2)] += tube.axial_n / LINE * y * y;
+        return Some((own, rest));
+    }
+    own += arm * arm.transpose() * tube.axial_n;
+    let turn = Vector4::new(0.0, 0.0, 0.0, coupling);
+    own += arm * turn.transpose() + turn * arm.transpose();
+    Some((own, rest))
+}
+
+/// Places of the actuators in the section, m: the first at the mount angle, the others evenly around.
+pub fn positions(module: &LimbModule) -> Vec<[f64; 2]> {
+    let count = module.channels.len();
+    let place = |index: usize| {
+        let (sin, cos) = (TAU * index as f64 / count as f64).sin_cos();
+        [cos, sin].map(|share| share * module.circle_radius_m())
+    };
+    (0..count).map(place).collect()
+}

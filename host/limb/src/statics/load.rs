@@ -1,0 +1,118 @@
+//! A limb of a scene as a chain of rods.
+
+use fra_model::Motion;
+use nalgebra::{Isometry3, Vector3};
+
+use super::bundle::Bundle;
+use super::rod::{Piece, Rod};
+use crate::{Limb, LimbModule};
+use softlimb_scene::{Module, Scene};
+
+/// Acceleration of gravity, m/s2, against the scene's third axis.
+pub const GRAVITY_M_PER_S2: f64 = 9.806_65;
+
+/// What a limb carries beside itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// A mass at the tip, kg; >= 0.
+    pub payload_kg: f64,
+    /// A force on the tip, N, in the scene's frame.
+    pub force_n: [f64; 3],
+}
+
+/// A limb at given pressures, ready to be loaded.
+#[derive(Clone, Debug)]
+pub struct LoadedLimb {
+    /// The chain, a piece a module.
+    pub rod: Rod,
+    pub(super) bundles: Vec<Bundle>,
+    pub(super) motions: Vec<Motion>,
+}
+
+impl LoadedLimb {
+    /// The limb of a scene with a gauge pressure, Pa, in each channel and `bays` stretches between plates in each module.
+    ///
+    /// `None` where an actuator has no equilibrium at its pressure, or pressures or bays are not as many as channels and modules.
+    pub fn new(scene: &Scene, limb: &Limb, pressures_pa: &[f64], bays: &[usize], load: &Load) -> Option<Self> {
+        if pressures_pa.len() != limb.channels() || bays.len() != limb.modules().len() {
+            return None;
+        }
+        let modules = limb.modules().iter().zip(bays);
+        let bundles = modules.map(|(module, bays)| Bundle::new(module, &pressures_pa[module.channels.clone()], *bays));
+        let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
+        Some(Self::of_bundles(scene, limb, bundles.collect::<Option<_>>()?, &walls_kg, load))
+    }
+
+    /// The limb of a scene whose modules are these bundles, with walls of these masses, kg.
+    ///
+    /// # Panics
+    /// When there are not as many bundles and masses as modules.
+    pub fn of_bundles(scene: &Scene, limb: &Limb, bundles: Vec<Bundle>, walls_kg: &[f64], load: &Load) -> Self {
+        let modules = limb.modules();
+        assert_eq!((bundles.len(), walls_kg.len()), (modules.len(), modules.len()), "a bundle and a mass a module");
+        let parts = modules.iter().zip(&bundles).zip(walls_kg).enumerate();
+        let pieces = parts.map(|(index, ((module, bundle), kg))| piece(scene, module, index, (bundle, *kg), load));
+        let rod = Rod {
+            base: *limb.base(),
+            pieces: pieces.collect(),
+            gravity_m_per_s2: Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2),
+            tip_force_n: Vector3::from(load.force_n),
+        };
+        Self { rod, bundles, motions: modules.iter().map(|module| module.motion).collect() }
+    }
+
+    /// A chain at hand, with the kind and the bundle of each of its pieces.
+    ///
+    /// # Panics
+    /// When there are not as many bundles as pieces.
+    pub fn of_rod(rod: Rod, bundles: Vec<(Motion, Bundle)>) -> Self {
+        assert_eq!(rod.pieces.len(), bundles.len(), "a bundle a piece");
+        let (motions, bundles) = bundles.into_iter().unzip();
+        Self { rod, bundles, motions }
+    }
+
+    /// Tip without any load: the kinematics.
+    pub fn free_tip(&self) -> Isometry3<f64> {
+        let q = nalgebra::DVector::zeros(self.rod.unknowns());
+        self.rod.potential(&q, 0.0).poses.last().copied().unwrap_or(self.rod.base)
+    }
+}
+
+fn piece(scene: &Scene, module: &LimbModule, index: usize, (bundle, wall_kg): (&Bundle, f64), load: &Load) -> Piece {
+    let [connector_m, tool_m] = module.rigid_parts_m();
+    let mut masses = vec![(0.5 * connector_m, scene.limb().connector_mass_kg)];
+    if index + 1 == scene.modules().len() {
+        if let Some(tool) = &scene.limb().end_effector {
+            masses.push((connector_m + 0.5 * tool_m, tool.mass_kg));
+        }
+        masses.push((module.rigid_length_m(), load.payload_kg));
+    }
+    let free = bundle.free;
+    Piece {
+        free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
+        free_shear: [0.0; 2],
+        stiffness: bundle.stiffness,
+        shear_n: bundle.shear_n,
+        sway: bundle.sway,
+        length_m: module.length_m(),
+        mount_angle_rad: module.mount_angle_rad(),
+        kg_per_m: wall_kg / module.length_m(),
+        rigid_m: module.rigid_length_m(),
+        masses,
+    }
+}
+
+impl Rod {
+    /// The same rod with every piece in `parts` >= 1 pieces, which bend more freely.
+    pub fn split(&self, parts: usize) -> Self {
+        let mut pieces = Vec::with_capacity(self.pieces.len() * parts);
+        for piece in &self.pieces {
+            let inner =
+                Piece { length_m: piece.length_m / parts as f64, rigid_m: 0.0, masses: Vec::new(), ..piece.clone() };
+            let last = Piece { rigid_m: piece.rigid_m, masses: piece.masses.clone(), ..inner.clone() };
+            pieces.extend(std::iter::repeat_n(inner, parts.saturating_sub(1)));
+            pieces.push(last);
+        }
+        Self { pieces, ..self.clone() }
+    }
+}

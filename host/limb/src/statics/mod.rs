@@ -1,0 +1,35 @@
+//! The limb under load: what its tubes are as springs, what a bundle of them is, and what the limb does under weight.
+//!
+//! A tube at its pressure is a spring by the model's own tangent ([`Tangent`]), parallel tubes are one rod ([`Bundle`]), modules in series
+//! are a chain of rods ([`Rod`]) whose potential has a minimum ([`solve`]) as long as the limb is stable. [`cheapest`] takes as
+//! many unknowns as a tolerance needs.
+
+mod between;
+mod buckling;
+mod bundle;
+mod deformed;
+mod exponential;
+mod load;
+mod newton_step;
+mod plates;
+mod response;
+mod rod;
+mod solve;
+mod step;
+mod tier;
+mod tip_response;
+mod tube;
+
+pub use buckling::Buckling;
+pub(crate) use buckling::column_n;
+pub use bundle::positions;
+pub use bundle::{Bundle, Free};
+pub use deformed::Deformed;
+pub use load::{GRAVITY_M_PER_S2, Load, LoadedLimb};
+pub use plates::Plates;
+pub(crate) use response::{responses, shape_change};
+pub use rod::{Piece, Potential, Rod, UNKNOWNS};
+pub use solve::{Bends, Lost, Shape, solve};
+pub use tier::{Answer, Judged, Tier, by_tier, by_tubes, cheapest, cheapest_rod, choose};
+pub use tube::Tangent;
+pub(crate) use tube::shear_n;

@@ -1,0 +1,110 @@
+//! The linear route: exact derivatives of the tip by every wall, angle and modulus.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::input::{Kind, Place, Varied};
+use super::made::change;
+use super::shape::{arc, chain, mount};
+use super::study::{Nominal, Study, Unanswerable};
+use crate::LimbModule;
+use crate::statics::{responses, shape_change};
+
+/// Variance of a number that is uniform in -1 to 1.
+const VARIANCE: f64 = 1.0 / 3.0;
+
+/// Derivatives of the tip in one pose.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// By channel and kind: how far the tip goes from the middle of a tolerance to its end, m.
+    gradients: Vec<[Vector3<f64>; 3]>,
+    module_of: Vec<usize>,
+    batch: Vec<usize>,
+}
+
+/// The derivatives in every pose.
+///
+/// # Errors
+/// [`Unanswerable::Derivative`] where a nominal actuator is at its limit point.
+pub fn linear(study: &Study<'_>) -> Result<Vec<Linear>, Unanswerable> {
+    (0..study.poses.len()).map(|pose| Linear::new(study, pose)).collect()
+}
+
+impl Linear {
+    fn new(study: &Study<'_>, pose: usize) -> Result<Self, Unanswerable> {
+        let modules = study.limb.modules();
+        let nominal = &study.nominal[pose];
+        let starts = chain(study.limb, nominal.iter().map(|module| &module.arc));
+        let tip_m = study.nominal_tip_m(pose);
+        let (mut gradients, mut module_of) = (Vec::new(), Vec::new());
+        for (index, (module, nominal)) in modules.iter().zip(nominal).enumerate() {
+            let fail = |reason: String| Unanswerable::Derivative {
+                phase: study.poses[pose].name.clone(),
+                module: module.name.clone(),
+                pressure_pa: study.poses[pose].pressures_pa[index],
+                reason,
+            };
+            let turn = starts[index].rotation * mount(module);
+            let end_m = starts[index].translation.vector + turn * nominal.arc.pose().translation.vector;
+            for by in shapes(study, index, module, nominal).map_err(fail)? {
+                gradients.push(by.map(|shape| {
+                    let twist = nominal.arc.change(&arc(module, &shape));
+                    turn * twist.velocity + (turn * twist.rotation).cross(&(tip_m - end_m))
+                }));
+                module_of.push(index);
+            }
+        }
+        Ok(Self { gradients, module_of, batch: study.batch.clone() })
+    }
+
+    /// Displacement of the tip, m, of a limb whose actuators are at places within their tolerances.
+    pub(super) fn displacement_m(&self, places: &[Place]) -> Vector3<f64> {
+        let channels = self.gradients.iter().zip(places);
+        channels.map(|(by, place)| by[0] * place[0] + by[1] * place[1] + by[2] * place[2]).sum()
+    }
+
+    /// Mean square of the displacement, m2.
+    pub fn mean_square_m2(&self) -> f64 {
+        self.where_only(|_, _| true)
+    }
+
+    /// Mean square of the displacement, m2, with only some parameters off.
+    pub fn mean_square_of_m2(&self, varied: Varied) -> f64 {
+        match varied {
+            Varied::Kind(kind) => self.where_only(|_, other| other == kind),
+            Varied::Module(index) => self.where_only(|module, _| module == index),
+        }
+    }
+
+    fn where_only(&self, counts: impl Fn(usize, Kind) -> bool) -> f64 {
+        // What has one draw moves the tip together.
+        let mut draws: BTreeMap<(usize, usize), Vector3<f64>> = BTreeMap::new();
+        for (channel, by) in self.gradients.iter().enumerate() {
+            for kind in Kind::ALL.into_iter().filter(|kind| counts(self.module_of[channel], *kind)) {
+                let source = if kind == Kind::Modulus { self.batch[channel] } else { channel };
+                *draws.entry((source, kind.index())).or_insert_with(Vector3::zeros) += by[kind.index()];
+            }
+        }
+        VARIANCE * draws.values().map(Vector3::norm_squared).sum::<f64>()
+    }
+}
+
+/// By actuator and kind: change of the module's free shape.
+fn shapes(
+    study: &Study<'_>,
+    index: usize,
+    module: &LimbModule,
+    nominal: &Nominal,
+) -> Result<Vec<[nalgebra::Vector4<f64>; 3]>, String> {
+    let mut changes = [[0.0; 3]; 3];
+    for kind in Kind::ALL {
+        changes[kind.index()] = change(&module.actuator, &nominal.state, kind, &study.settings.tolerances)
+            .map_err(|reason| reason.to_string())?;
+    }
+    let each = responses(module.motion, &study.places_m[index], &nominal.tangent)
+        .ok_or_else(|| "its bundle has no stiffness".to_owned())?;
+    let places = study.places_m[index].iter().zip(each);
+    let own = |[x, y]: [f64; 2], by| shape_change(module.motion, x.hypot(y), &nominal.tangent, by);
+    Ok(places.map(|(place, response)| changes.map(|by| response * own(*place, by))).collect())
+}

@@ -1,0 +1,8 @@
+//! Sheets, paths, molds and tolerances.
+
+mod common;
+mod molds;
+mod paths;
+mod refusals;
+mod sheets;
+mod surface;

@@ -1,0 +1,99 @@
+//! What stands on the sheet.
+
+use std::f64::consts::{PI, TAU};
+
+use softlimb_fea::axisymmetric::{Thread, thread_sheet};
+use softlimb_limb::fabricate::sheet::{Page, html, markdown, sheet};
+use softlimb_limb::fabricate::{Hand, Settings, plan};
+use softlimb_scene::{load, parse};
+
+use crate::fabricate::common::{TUBE, Tube, settings};
+
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/pick-and-place-a.toml");
+
+fn value<'a>(page: &'a Page, what: &str) -> &'a str {
+    let mut rows = page.tables.iter().flat_map(|table| &table.rows);
+    &rows.find(|row| row.what == what).unwrap_or_else(|| panic!("no {what}")).value
+}
+
+#[test]
+fn the_numbers_are_those_of_the_geometry() {
+    let tube = Tube { angle_deg: 30.0, ..TUBE };
+    let settings = settings(0.3, 4.0);
+    let pieces = plan(&tube.scene(), &settings).unwrap();
+    let sheet = sheet("tube", &pieces, &settings, |_| vec!["tube-core.stl".to_owned()]);
+    let page = &sheet.pages[0];
+    assert_eq!((page.module.as_str(), page.motion.as_str(), page.count), ("tube", "extension", 1));
+    // R = 13 mm, tan 30 deg = 1/sqrt 3; the nearest whole number of threads to 2 pi 13 sin 30 deg/4 = 10.2 is 10.
+    let lead = TAU * 13.0 / 3_f64.sqrt();
+    assert_eq!(value(page, "pitch of one thread"), format!("{lead:.3} mm"));
+    assert_eq!(value(page, "turns of one thread"), format!("{:.3}", 60.0 / lead));
+    assert_eq!(value(page, "threads side by side, each hand"), "10");
+    assert_eq!(value(page, "threads of one hand, measured across"), format!("{:.3} mm", PI * 13.0 / 10.0));
+    assert_eq!(value(page, "length of one thread"), "0.1200 m");
+    assert_eq!(value(page, "thread in all, per actuator"), "2.400 m");
+    let volume = PI * (14.0_f64.powi(2) - 100.0) * 60.0 * 1e-3;
+    assert_eq!(value(page, "elastomer, one actuator"), format!("{volume:.3} mL"));
+    assert_eq!(value(page, "mass, one actuator"), format!("{:.3} g", 1.08 * volume));
+    assert_eq!(value(page, "chamber at rest"), format!("{:.3} mL", PI * 6.0));
+    let cover = PI * (14.0_f64.powi(2) - 13.15_f64.powi(2)) * 60.0 * 1e-3;
+    assert_eq!(value(page, "second cast"), format!("{cover:.3} mL"));
+    for text in [markdown(&sheet), html(&sheet)] {
+        for row in page.tables.iter().flat_map(|table| &table.rows) {
+            assert!(text.contains(&row.what) && text.contains(&row.value), "{row:?} is missing");
+        }
+        assert!(text.contains("tube-core.stl"));
+    }
+}
+
+#[test]
+fn turns_near_the_hoop_are_as_far_apart_as_the_scene_s_stiffness_asks_for() {
+    let (settings, scene) = (Settings::default(), load(SCENE).unwrap());
+    let piece = &plan(&scene, &settings).unwrap()[0];
+    let winding = &piece.winding;
+    assert_eq!(winding.hands, [Hand::Right, Hand::Left]);
+    let worth = winding.worth.as_ref().unwrap().as_ref().unwrap();
+    // 2 families of 361 MPa and 0.178 mm.
+    assert!((worth.scene_n_per_m.unwrap() - 2.0 * 361e6 * 0.178e-3).abs() < 1e-6);
+    // What whole threads allow on either side is worth less and more than the scene's sheet.
+    let sheet = |starts: u32| {
+        let spacing_m = winding.lead_m() / f64::from(2 * starts);
+        let thread = Thread { stiffness_n: 772.0, spacing_m, width_m: 0.178e-3 };
+        thread_sheet(&piece.parameters, &thread, 0.3 * piece.pressure_max_pa).unwrap().effective_n_per_m
+    };
+    let [fewer, here, more] = [winding.starts - 1, winding.starts, winding.starts + 1].map(sheet);
+    assert_eq!(here, worth.effective_n_per_m);
+    assert!(fewer < worth.scene_n_per_m.unwrap() && worth.scene_n_per_m.unwrap() < more, "{fewer} {here} {more}");
+}
+
+#[test]
+fn a_bending_actuator_says_where_its_layer_lies() {
+    let scene = load(SCENE).unwrap();
+    let settings = Settings { spacing_m: Some(2e-3), ..Settings::default() };
+    let pieces = plan(&scene, &settings).unwrap();
+    let sheet = sheet(scene.name(), &pieces, &settings, |_| Vec::new());
+    let elbow = &sheet.pages[1];
+    assert_eq!(elbow.motion, "bending");
+    assert_eq!(value(elbow, "where"), "at 0 deg, along the axis");
+    assert_eq!(value(elbow, "distance from the axis"), "14.000 mm");
+    assert_eq!(value(elbow, "side of the limb"), "180.00 deg from up");
+    // Three actuators 30 mm from the limb's axis, the first towards where the module bends, which is down.
+    let places: Vec<_> = elbow.copies.iter().map(|copy| copy.place.as_str()).collect();
+    assert_eq!(places[0], "-30.00 mm towards up, 0.00 mm to the side");
+    assert_eq!(elbow.copies.iter().map(|copy| copy.channel).collect::<Vec<_>>(), [3, 4, 5]);
+    assert!(sheet.pages[0].tables.iter().all(|table| table.title != "Strain-limiting layer"));
+    // A lead of two distances, both hands.
+    assert!((pieces[1].winding.lead_m() - 4e-3).abs() < 1e-15);
+}
+
+#[test]
+fn two_families_along_the_axis_are_one() {
+    let expansion = Tube { motion: "expansion", angle_deg: 90.0, ..TUBE };
+    let starts = |families: u8| {
+        let scene = parse(&Tube { families, ..expansion }.text(), "tube.toml").unwrap();
+        let settings = Settings { spacing_m: None, ..settings(0.3, 1.0) };
+        plan(&scene, &settings).unwrap()[0].winding.starts
+    };
+    // E A/(4 mu2 t) = 772/(4 300e6 0.2e-3) = 3.217 mm on 2 pi 13 mm: 25.4; half the distance: 50.8.
+    assert_eq!([starts(1), starts(2)], [25, 51]);
+}

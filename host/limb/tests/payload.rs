@@ -1,0 +1,7 @@
+//! Force and payload: wrenches of bundles, largest loads, allocation beside another solver.
+
+mod allocation;
+mod capacity;
+mod common;
+mod limb;
+mod wrench;

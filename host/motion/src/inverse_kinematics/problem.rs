@@ -1,0 +1,172 @@
+//! What the tip shall do, as residuals with their derivatives.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::{LEVER_M, Reach, angle};
+use crate::jacobian::Differential;
+use softlimb_limb::Limb;
+use softlimb_scene::Aim;
+use softlimb_scene::collision::{Clearance, Shape};
+
+/// Where the tip shall be.
+#[derive(Clone, Copy, Debug)]
+pub enum TipGoal<'a> {
+    /// At a point, m.
+    Point([f64; 3]),
+    /// Inside a solid.
+    Inside(&'a Shape),
+}
+
+impl TipGoal<'_> {
+    /// Distance of a point from it, m; 0 inside.
+    pub(crate) fn distance_m(&self, point_m: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Point(target) => (Vector3::from(*target) - point_m).norm(),
+            Self::Inside(shape) => shape.distance(point_m).distance_m.max(0.0),
+        }
+    }
+}
+
+/// What tip and body shall do.
+#[derive(Clone, Copy, Debug)]
+pub struct TipTask<'a> {
+    /// Where the tip shall be.
+    pub goal: TipGoal<'a>,
+    /// How the end effector shall point.
+    pub aim: Option<Aim>,
+    /// What the body keeps clear of.
+    pub obstacles: &'a [&'a Shape],
+    /// Least distance from every obstacle, m.
+    pub clearance_m: f64,
+}
+
+/// The obstacle that a body is nearest to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obstruction {
+    /// Index of the obstacle.
+    pub obstacle: usize,
+    /// How near, and where.
+    pub clearance: Clearance,
+}
+
+/// By how much more than required a solution clears, and a tip is in its region, m: more than what a proof of a move loses.
+const SPARE_M: f64 = 2e-5;
+/// Weights of what must hold beside the tip's place, one descent after the other: with the first it goes down smoothly, and the last
+/// leaves less than the spare to be missed where the tip cannot be at its place.
+pub(super) const WEIGHTS: [f64; 2] = [30.0, 1000.0];
+
+/// A task of a limb, in shares of the modules' pressure ranges.
+pub(super) struct Problem<'a> {
+    pub(super) limb: &'a Limb,
+    task: &'a TipTask<'a>,
+    spans: Vec<f64>,
+}
+
+/// Residuals at a point, and their derivatives by the shares.
+pub(super) struct Linear {
+    pub(super) residual: DVector<f64>,
+    pub(super) jacobian: DMatrix<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(limb: &'a Limb, task: &'a TipTask<'a>) -> Self {
+        Self { limb, task, spans: limb.modules().iter().map(|module| module.single_valued_max_pa()).collect() }
+    }
+
+    /// Whether anything stands in the way.
+    pub(super) fn has_obstacles(&self) -> bool {
+        !self.task.obstacles.is_empty()
+    }
+
+    /// Pressures as shares of the ranges, within them.
+    pub(super) fn shares(&self, pressures_pa: &[f64]) -> Vec<f64> {
+        let share = |(p, span): (&f64, &f64)| if *span > 0.0 { (p / span).clamp(0.0, 1.0) } else { 0.0 };
+        pressures_pa.iter().zip(&self.spans).map(share).collect()
+    }
+
+    fn pressures(&self, shares: &[f64]) -> Vec<f64> {
+        shares.iter().zip(&self.spans).map(|(share, span)| share * span).collect()
+    }
+
+    /// What holds at a point, without weights.
+    pub(super) fn reach(&self, shares: &[f64]) -> Reach {
+        let pressures_pa = self.pressures(shares);
+        let at = Differential::new(self.limb, &pressures_pa);
+        let tip = at.tip().translation.vector;
+        let distance_m = self.task.goal.distance_m(&tip);
+        let axis = at.tip().rotation * Vector3::z();
+        let angle_rad = self
+            .task
+            .aim
+            .map_or(0.0, |aim| (angle(&axis, &Vector3::from(*aim.direction)) - aim.tolerance_rad).max(0.0));
+        let body = self.limb.body(at.states());
+        let nearest = self.task.obstacles.iter().filter_map(|shape| body.nearest(shape, self.task.clearance_m));
+        let shortfall_m = nearest.map(|found| self.task.clearance_m - found.distance_m).fold(0.0, f64::max);
+        Reach { pressures_pa, tip_m: tip.into(), distance_m, angle_rad, shortfall_m }
+    }
+
+    /// Residuals and derivatives.
+    pub(super) fn linear(&self, shares: &[f64], weight: f64) -> Linear {
+        let at = Differential::new(self.limb, &self.pressures(shares));
+        let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
+        self.tip_rows(&at, &mut rows);
+        self.aim_row(&at, weight, &mut rows);
+        self.obstacle_rows(&at, weight, &mut rows);
+        let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(value, _)| *value));
+        let count = self.spans.len();
+        let jacobian = DMatrix::from_fn(rows.len(), count, |row, column| rows[row].1[column] * self.spans[column]);
+        Linear { residual, jacobian }
+    }
+
+    fn tip_rows(&self, at: &Differential<'_>, rows: &mut Vec<(f64, Vec<f64>)>) {
+        let (tip, velocities) = (at.tip().translation.vector, at.tip_velocities());
+        match self.task.goal {
+            TipGoal::Point(target) => {
+                let miss = tip - Vector3::from(target);
+                rows.extend((0..3).map(|axis| (miss[axis], velocities.iter().map(|v| v[axis]).collect())));
+            }
+            TipGoal::Inside(shape) => {
+                let there = shape.distance(&tip);
+                let miss = there.gradient * (there.distance_m + SPARE_M).max(0.0);
+                // The way to the nearest point inside, as if that stood still: its length falls as the distance does, and where the tip
+                // hardly moves along it the other directions still say how far a step may go.
+                let slope =
+                    |axis: usize| velocities.iter().map(|v| if miss.norm() > 0.0 { v[axis] } else { 0.0 }).collect();
+                rows.extend((0..3).map(|axis| (miss[axis], slope(axis))));
+            }
+        }
+    }
+
+    fn aim_row(&self, at: &Differential<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
+        let Some(aim) = self.task.aim else { return };
+        let (axis, wanted) = (at.tip().rotation * Vector3::z(), Vector3::from(*aim.direction));
+        let off = angle(&axis, &wanted);
+        // The turn that lessens the angle fastest; any across where the axis is opposite.
+        let turn = axis.cross(&wanted).try_normalize(1e-12).unwrap_or_else(|| at.tip().rotation * Vector3::x());
+        let slope = at.tip_rotations().map(|rotation| -turn.dot(&rotation)).collect();
+        let spare = 1e-3 * aim.tolerance_rad;
+        rows.push(one_sided(off - aim.tolerance_rad + spare, slope, weight * LEVER_M));
+    }
+
+    fn obstacle_rows(&self, at: &Differential<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
+        if self.task.obstacles.is_empty() {
+            return;
+        }
+        let body = self.limb.body(at.states());
+        let wanted_m = self.task.clearance_m + SPARE_M;
+        for shape in self.task.obstacles {
+            let Some(found) = body.nearest(shape, wanted_m + 1e-6) else { continue };
+            let (velocities, growth) = at.body_velocities(found.piece, found.share, &found.point_m);
+            let slope = velocities.iter().zip(growth).map(|(v, grows)| grows - found.away.dot(v)).collect();
+            rows.push(one_sided(wanted_m - found.distance_m, slope, weight));
+        }
+    }
+}
+
+/// A residual that counts above zero only.
+fn one_sided(value: f64, slope: Vec<f64>, weight: f64) -> (f64, Vec<f64>) {
+    if value <= 0.0 {
+        return (0.0, vec![0.0; slope.len()]);
+    }
+    (weight * value, slope.into_iter().map(|slope| weight * slope).collect())
+}

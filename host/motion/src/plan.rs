@@ -1,0 +1,246 @@
+//! The setpoints of a whole run, checked against what the limb can do.
+
+use fra_model::State;
+use nalgebra::Vector3;
+
+use super::clear::{self, Nearness};
+use super::path::Path;
+use super::refusal::{check_corrections, state_at};
+use super::schedule::schedule;
+use super::weight::{self, Weighed};
+use super::wire::{from_wire, to_wire};
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_scene::{Corrections, Gripper, Scene, SceneError, SetpointKind};
+
+/// A phase on the clock of the run, with the value of every module at its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedPhase {
+    /// Its name in the scene.
+    pub name: String,
+    /// Start, us after the start of the run.
+    pub start_us: u64,
+    /// Time of its move, us.
+    pub move_us: u64,
+    /// Time it rests at its goal, us.
+    pub hold_us: u64,
+    /// Setpoint of every module at its end.
+    pub values: Vec<f64>,
+    /// What the gripper is told at the end of the move.
+    pub gripper: Option<Gripper>,
+    /// Via points that the move passes to stay clear of obstacles.
+    pub via_points: usize,
+    /// Where the body comes nearest to an obstacle from the start of the move to the end of the pause; `None` without obstacles.
+    pub nearest: Option<Nearness>,
+    pub(super) path: Path,
+}
+
+/// All setpoints of a run: one row per knot, one value per module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Time between two knots, us.
+    pub knot_period_us: u64,
+    /// The phases.
+    pub phases: Vec<PlannedPhase>,
+    /// What the limb will not do as planned, in words: moves that are faster than valves or supply.
+    pub warnings: Vec<String>,
+    kinds: Vec<SetpointKind>,
+    /// Setpoints as the device gets them, in wire units.
+    knots: Vec<Vec<i32>>,
+    /// The limb's states at the knots, by the model.
+    states: Vec<Vec<State<f64>>>,
+    weighed: Option<Weighed>,
+}
+
+impl Plan {
+    /// Time of the last knot, us after the start.
+    pub fn duration_us(&self) -> u64 {
+        (self.knots.len().saturating_sub(1)) as u64 * self.knot_period_us
+    }
+
+    /// Wire values per module at every knot.
+    pub fn knots(&self) -> &[Vec<i32>] {
+        &self.knots
+    }
+
+    /// Setpoint of every module at a time, interpolated between knots as the device does.
+    pub fn values_at(&self, time_us: f64) -> Vec<f64> {
+        let (before, after, share) = self.between(time_us);
+        let modules = self.kinds.iter().zip(&self.knots[before]).zip(&self.knots[after]);
+        modules
+            .map(|((kind, a), b)| {
+                let (a, b) = (from_wire(*kind, *a), from_wire(*kind, *b));
+                a + (b - a) * share
+            })
+            .collect()
+    }
+
+    /// States that the model gives for the setpoints at a time.
+    pub fn states_at(&self, time_us: f64) -> Vec<State<f64>> {
+        let (before, after, share) = self.between(time_us);
+        self.states[before]
+            .iter()
+            .zip(&self.states[after])
+            .map(|(a, b)| State::combine([a, b], |[a, b]| a + (b - a) * share))
+            .collect()
+    }
+
+    /// What the plan knows of the limb's weight; `None` where its setpoints are not corrected for it.
+    pub fn weighed(&self) -> Option<&Weighed> {
+        self.weighed.as_ref()
+    }
+
+    /// Where the setpoints of a time bring the tip, m: under the limb's weight and payload where they are corrected for it.
+    pub fn tip_m(&self, limb: &Limb, time_us: f64) -> [f64; 3] {
+        let Some(weighed) = &self.weighed else { return limb.tip(&self.states_at(time_us)) };
+        let (before, after, share) = self.between(time_us);
+        between(weighed.tips_m[before], weighed.tips_m[after], share)
+    }
+
+    /// The centre line at the setpoints of a time, m; as [`Plan::tip_m`].
+    pub fn line_m(&self, limb: &Limb, time_us: f64) -> Vec<[f64; 3]> {
+        let Some(weighed) = &self.weighed else { return limb.backbone(&self.states_at(time_us)) };
+        let (before, after, share) = self.between(time_us);
+        let points = weighed.lines_m[before].iter().zip(&weighed.lines_m[after]);
+        points.map(|(a, b)| between(*a, *b, share)).collect()
+    }
+
+    /// The same phases with corrected setpoints, which end where the range of a module ends.
+    ///
+    /// # Errors
+    /// A diagnostic at the phase in which a corrected setpoint leaves what the limb can reach.
+    pub fn corrected(&self, scene: &Scene, limb: &Limb, corrections: &Corrections) -> Result<Self, SceneError> {
+        let knots = self.knots.iter().zip(0_u64..).map(|(knot, index)| {
+            let added = corrections.at((index * self.knot_period_us) as f64 * 1e-6);
+            let added = added.into_iter().chain(std::iter::repeat(0.0));
+            let modules = limb.modules().iter().zip(knot).zip(added);
+            let corrected = |module: &LimbModule, wire: i32, added: f64| {
+                let (rest, last) = module.range();
+                let value = from_wire(module.kind, wire) + added;
+                to_wire(module.kind, value.clamp(rest.min(last), rest.max(last)))
+            };
+            modules.map(|((module, wire), added)| corrected(module, *wire, added)).collect()
+        });
+        let knots: Vec<Vec<i32>> = knots.collect();
+        let states = states(scene, limb, &self.phases, &knots, self.knot_period_us)?;
+        Ok(Self { knots, states, ..self.clone() })
+    }
+
+    fn between(&self, time_us: f64) -> (usize, usize, f64) {
+        let last = self.knots.len() - 1;
+        let position = (time_us / self.knot_period_us as f64).clamp(0.0, last as f64);
+        let before = position as usize;
+        (before, (before + 1).min(last), position - before as f64)
+    }
+}
+
+fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| a[axis] + (b[axis] - a[axis]) * share)
+}
+
+/// Plans all phases of a scene.
+///
+/// # Errors
+/// A diagnostic at the target, way-point, duration or obstacle that the limb cannot follow or keep clear of, or cannot under its weight,
+/// with the nearest that it can.
+pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
+    taught(scene, limb, &[])
+}
+
+/// A plan as it is sent: with the corrections of its scene.
+///
+/// # Errors
+/// A diagnostic at the file of corrections that are larger than what a module has, or at the phase in which a corrected setpoint leaves what
+/// the limb can reach.
+pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Plan, SceneError> {
+    let Some(corrections) = scene.corrections() else { return Ok(plan.clone()) };
+    check_corrections(scene, limb, corrections)?;
+    plan.corrected(scene, limb, corrections)
+}
+
+/// The plan of a scene whose setpoints are corrected for weight, with the place of the tip at the end of each phase moved by an offset, m:
+/// what a limb was seen to be off. Offsets grow with the moves; phases without one have none. A scene whose setpoints are not corrected for
+/// weight takes none.
+///
+/// # Errors
+/// As [`plan`].
+pub fn taught(scene: &Scene, limb: &Limb, offsets_m: &[Vector3<f64>]) -> Result<Plan, SceneError> {
+    let start: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
+    let (mut phases, mut warnings) = schedule(scene, limb, &start)?;
+    let knot_period_us = u64::from(scene.controller().knot_period_us);
+    let knots = knots(limb, &phases, &start, knot_period_us);
+    let states = states(scene, limb, &phases, &knots, knot_period_us)?;
+    let rows: Vec<Vec<f64>> = knots
+        .iter()
+        .map(|knot| limb.modules().iter().zip(knot).map(|(m, wire)| from_wire(m.kind, *wire)).collect())
+        .collect();
+    clear::prove(scene, limb, &mut phases, (&rows, &states), knot_period_us)?;
+    let kinds = limb.modules().iter().map(|m| m.kind).collect();
+    let Some((knots, mut weighed)) = weight::corrected(scene, limb, &mut phases, (&states, offsets_m), knot_period_us)?
+    else {
+        return Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: None });
+    };
+    let states = self::states(scene, limb, &phases, &knots, knot_period_us)?;
+    if let Some(most) = scene.weight().map(|weight| weight.error).filter(|most| weighed.error > *most) {
+        let [error, most] = [weighed.error, most].map(|error| 100.0 * error);
+        warnings.push(format!(
+            "the tip under weight is known to {error:.2} % of the limb's length only, by the finest model there is; `error` of [weight] is {most} %"
+        ));
+    }
+    weight::weigh(scene, limb, &phases, &states, knot_period_us, &mut weighed)?;
+    Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: Some(weighed) })
+}
+
+/// A setpoint as people read it.
+pub(super) fn in_units(kind: SetpointKind, value: f64) -> String {
+    match kind {
+        SetpointKind::Pressure => format!("{:.2} kPa", value * 1e-3),
+        SetpointKind::AxialStretch => format!("{value:.4}"),
+        SetpointKind::OuterRadius | SetpointKind::InnerRadius => format!("{:.3} mm", value * 1e3),
+        SetpointKind::Twist | SetpointKind::BendAngle => format!("{:.2} deg", value.to_degrees()),
+    }
+}
+
+/// Samples the moves at the knots, in wire units. The last knot is at or just behind the end of the last phase.
+fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) -> Vec<Vec<i32>> {
+    let end_us = phases.last().map_or(0, |phase| phase.start_us + phase.move_us + phase.hold_us);
+    let kinds: Vec<SetpointKind> = limb.modules().iter().map(|module| module.kind).collect();
+    let value_at = |time_us: u64| -> Vec<i32> {
+        let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
+        let Some(phase) = phases.get(index) else { return to_wire_row(&kinds, start) };
+        to_wire_row(&kinds, &phase.path.at((time_us - phase.start_us) as f64))
+    };
+    (0..=end_us.div_ceil(period_us)).map(|knot| value_at(knot * period_us)).collect()
+}
+
+fn to_wire_row(kinds: &[SetpointKind], row: &[f64]) -> Vec<i32> {
+    kinds.iter().zip(row).map(|(kind, value)| to_wire(*kind, *value)).collect()
+}
+
+/// The model's states at all knots: the check that a move stays within reach also between its ends.
+fn states(
+    scene: &Scene,
+    limb: &Limb,
+    phases: &[PlannedPhase],
+    knots: &[Vec<i32>],
+    period_us: u64,
+) -> Result<Vec<Vec<State<f64>>>, SceneError> {
+    let mut here: Vec<State<f64>> = limb.modules().iter().map(|module| module.actuator.rest()).collect();
+    let mut last: Option<&Vec<i32>> = None;
+    let mut all = Vec::with_capacity(knots.len());
+    for (index, knot) in knots.iter().enumerate() {
+        // While the limb rests its states do, too.
+        if last != Some(knot) {
+            for ((module, state), wire) in limb.modules().iter().zip(&mut here).zip(knot) {
+                *state = state_at(module, state, from_wire(module.kind, *wire)).map_err(|refusal| {
+                    let time_us = index as u64 * period_us;
+                    let phase = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
+                    let title = "on the way to its goal this phase leaves what the limb can reach";
+                    scene.diagnostic(scene.phases()[phase].span, title, &refusal.label(module), None)
+                })?;
+            }
+            last = Some(knot);
+        }
+        all.push(here.clone());
+    }
+    Ok(all)
+}

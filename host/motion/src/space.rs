@@ -1,0 +1,227 @@
+//! Moves in the space of setpoints, and the proof that a move keeps the body clear.
+//!
+//! A move changes all setpoints in proportion, by a share 0 to 1 of the way. A change of a module's length by `dl` and of its screw by `dw`
+//! moves no point of the body by more than `|dl| + (l/2 + d) |dw|`, with `l` its length and `d` the length of all that follows it; its
+//! surface moves by the growth of its radius more. So where the body clears by `c` more than required at a share, it keeps clear at all
+//! shares within `c/v`, `v` being the sum of these speeds. Halving what is left open proves the whole move, or finds where it is blocked.
+
+use fra_model::State;
+
+use super::inverse_kinematics::Obstruction;
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_scene::collision::{Body, Shape};
+
+/// Speeds are those between nodes of the state curve; between nodes its cubic is this much steeper at most.
+const STEEPER: f64 = 1.05;
+/// A stretch of a move that is shorter than this share is not divided any more.
+const SHORTEST: f64 = 1e-6;
+
+/// What setpoints a limb may have among obstacles.
+pub(super) struct Space<'a> {
+    limb: &'a Limb,
+    obstacles: Vec<&'a Shape>,
+    required_m: f64,
+    /// Cells of each module's state curve.
+    cells: Vec<Vec<Cell>>,
+}
+
+/// What a module does between two nodes of its state curve, per unit of its setpoint.
+struct Cell {
+    from: f64,
+    to: f64,
+    length_m: f64,
+    stretches_m: f64,
+    turns_rad: f64,
+    grows_m: f64,
+}
+
+/// Where a move is blocked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blocked {
+    /// Share of the move.
+    pub(super) share: f64,
+    /// By what; `None` where the limb has no such shape.
+    pub(super) by: Option<Obstruction>,
+}
+
+impl<'a> Space<'a> {
+    /// The space of a limb that keeps `required_m` from each obstacle.
+    pub(super) fn new(limb: &'a Limb, obstacles: Vec<&'a Shape>, required_m: f64) -> Self {
+        Self { limb, obstacles, required_m, cells: limb.modules().iter().map(cells).collect() }
+    }
+
+    /// The states at setpoints; `None` where a module has none.
+    pub(super) fn states(&self, values: &[f64]) -> Option<Vec<State<f64>>> {
+        self.limb.modules().iter().zip(values).map(|(module, value)| module.state_at(*value)).collect()
+    }
+
+    /// The obstacle nearest to the body where any is nearer than `enough_m`.
+    pub(super) fn nearest(&self, body: &Body, enough_m: f64) -> Option<Obstruction> {
+        let mut nearest: Option<Obstruction> = None;
+        for (obstacle, shape) in self.obstacles.iter().enumerate() {
+            let enough_m = nearest.map_or(enough_m, |known| known.clearance.distance_m);
+            if let Some(clearance) = body.nearest(shape, enough_m) {
+                nearest = Some(Obstruction { obstacle, clearance });
+            }
+        }
+        nearest
+    }
+
+    /// Where the straight move between two rows of setpoints is blocked; `None` when it is proven clear.
+    pub(super) fn blocked(&self, from: &[f64], to: &[f64]) -> Option<Blocked> {
+        if self.obstacles.is_empty() {
+            return None;
+        }
+        let speed_m = self.speed_m(from, to);
+        let mut body = Body::new(self.limb.base());
+        self.blocked_within((from, to), (0.5, 0.5), speed_m, &mut body)
+    }
+
+    /// Looks at the shares `middle - half .. middle + half`.
+    fn blocked_within(
+        &self,
+        ends: (&[f64], &[f64]),
+        (middle, half): (f64, f64),
+        speed_m: f64,
+        body: &mut Body,
+    ) -> Option<Blocked> {
+        let values: Vec<f64> = ends.0.iter().zip(ends.1).map(|(a, b)| a + (b - a) * middle).collect();
+        let Some(states) = self.states(&values) else { return Some(Blocked { share: middle, by: None }) };
+        self.limb.shape(&states, body);
+        let found = self.nearest(body, self.required_m + half * speed_m + softlimb_scene::collision::TOLERANCE_M)?;
+        if found.clearance.distance_m < self.required_m || half < SHORTEST {
+            return Some(Blocked { share: middle, by: Some(found) });
+        }
+        let half = 0.5 * half;
+        let first = self.blocked_within(ends, (middle - half, half), speed_m, body);
+        first.or_else(|| self.blocked_within(ends, (middle + half, half), speed_m, body))
+    }
+
+    /// No point of the body's surface moves farther than this over the whole move, m.
+    fn speed_m(&self, from: &[f64], to: &[f64]) -> f64 {
+        let (mut speed_m, mut behind_m, mut grows_m) = (0.0, 0.0_f64, 0.0_f64);
+        for (index, module) in self.limb.modules().iter().enumerate().rev() {
+            behind_m += module.rigid_parts_m().iter().sum::<f64>();
+            let (low, high) = (from[index].min(to[index]), from[index].max(to[index]));
+            let touched = self.cells[index].iter().filter(|cell| cell.from <= high && cell.to >= low);
+            let (mut length, mut stretches, mut turns, mut grows) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+            for cell in touched {
+                length = length.max(cell.length_m);
+                stretches = stretches.max(cell.stretches_m);
+                turns = turns.max(cell.turns_rad);
+                grows = grows.max(cell.grows_m);
+            }
+            let way = STEEPER * (high - low);
+            speed_m += way * (stretches + (0.5 * length + behind_m) * turns);
+            grows_m = grows_m.max(way * grows);
+            behind_m += length;
+        }
+        speed_m + grows_m
+    }
+}
+
+fn cells(module: &LimbModule) -> Vec<Cell> {
+    let states = module.curve.states();
+    let cell = |pair: &[State<f64>]| {
+        let (a, b) = (&pair[0], &pair[1]);
+        let (from, to) = (module.measure(a), module.measure(b));
+        let (before, after) = (module.link(a).segment, module.link(b).segment);
+        let per = |change: f64| if to == from { 0.0 } else { (change / (to - from)).abs() };
+        let turn = (after.bend_angle_rad - before.bend_angle_rad).hypot(after.twist_rad - before.twist_rad);
+        Cell {
+            from: from.min(to),
+            to: from.max(to),
+            length_m: before.length_m.max(after.length_m),
+            stretches_m: per(after.length_m - before.length_m),
+            turns_rad: per(turn),
+            grows_m: per(b.outer_radius_m - a.outer_radius_m),
+        }
+    };
+    states.windows(2).map(cell).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jacobian::Differential;
+    use softlimb_scene as scene;
+
+    fn limb() -> Limb {
+        let path = format!("{}/../scenes/tip-waypoints.toml", env!("CARGO_MANIFEST_DIR"));
+        Limb::new(&scene::load(path).unwrap()).unwrap()
+    }
+
+    /// Low-discrepancy rows of setpoints between rest and the highest pressure.
+    fn row(limb: &Limb, index: usize) -> Vec<f64> {
+        let share = |base: f64| (index as f64 * base).fract();
+        let modules = limb.modules().iter().zip([0.754_877_666, 0.569_840_296, 0.430_159_709]);
+        modules.map(|(m, base)| m.measure(&m.curve.at(share(base) * m.single_valued_max_pa()))).collect()
+    }
+
+    /// Samples of moves: what is proven clear is, and where a move is said to be blocked it is.
+    #[test]
+    fn verdicts_on_moves_agree_with_samples() {
+        let limb = limb();
+        let balls = [[0.6, -0.1, 0.9], [0.5, 0.1, 1.25]].map(|center| Shape::sphere(center, 0.05).unwrap());
+        let space = Space::new(&limb, balls.iter().collect(), 0.01);
+        let least_at = |from: &[f64], to: &[f64], share: f64| {
+            let values: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + (b - a) * share).collect();
+            let body = limb.body(&space.states(&values).unwrap());
+            balls.iter().map(|ball| body.clearance(ball).unwrap().distance_m).fold(f64::INFINITY, f64::min)
+        };
+        let mut blocked = 0;
+        for index in 0..120 {
+            let (from, to) = (row(&limb, index), row(&limb, index + 1));
+            match space.blocked(&from, &to) {
+                Some(found) => {
+                    blocked += 1;
+                    assert!(least_at(&from, &to, found.share) < 0.01 + 1e-5, "{index}");
+                }
+                None => (0..=200).for_each(|step| {
+                    let least = least_at(&from, &to, f64::from(step) / 200.0);
+                    assert!(least >= 0.01 - 1e-6, "{index} at {step}: {least}");
+                }),
+            }
+        }
+        assert!((10..110).contains(&blocked), "{blocked} of 120 are blocked");
+    }
+
+    /// Exact derivatives of tip and body against differences.
+    #[test]
+    fn derivatives_by_pressure_are_those_of_differences() {
+        let limb = limb();
+        let pressures = [22e3, 31e3, 44e3];
+        let at = |pressures: &[f64]| -> Vec<State<f64>> {
+            limb.modules().iter().zip(pressures).map(|(m, p)| m.curve.at(*p)).collect()
+        };
+        let exact = Differential::new(&limb, &pressures);
+        let h = 1.0;
+        for piece in 0..limb.body(exact.states()).pieces().len() {
+            let body = limb.body(&at(&pressures));
+            let point = body.pieces()[piece].point_m(0.3);
+            let (velocities, growth) = exact.body_velocities(piece, 0.3, &point);
+            for module in 0..3 {
+                let moved = |way: f64| {
+                    let mut p = pressures;
+                    p[module] += way * h;
+                    limb.body(&at(&p)).pieces()[piece]
+                };
+                let (after, before) = (moved(1.0), moved(-1.0));
+                let velocity = (after.point_m(0.3) - before.point_m(0.3)) / (2.0 * h);
+                assert!((velocities[module] - velocity).norm() < 1e-9, "{piece} {module}");
+                assert!((growth[module] - (after.radius_m() - before.radius_m()) / (2.0 * h)).abs() < 1e-12);
+            }
+        }
+        for (module, (velocity, rotation)) in exact.tip_velocities().iter().zip(exact.tip_rotations()).enumerate() {
+            let moved = |way: f64| {
+                let mut p = pressures;
+                p[module] += way * h;
+                limb.tip_pose(&at(&p))
+            };
+            let (after, before) = (moved(1.0), moved(-1.0));
+            assert!((velocity - (after.translation.vector - before.translation.vector) / (2.0 * h)).norm() < 1e-9);
+            let turn = (after.rotation * before.rotation.inverse()).scaled_axis() / (2.0 * h);
+            assert!((rotation - turn).norm() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The nominal limb under load at pressures of its modules.
+
+use fra_model::State;
+use nalgebra::{DVector, Vector3};
+
+use softlimb_limb::Limb;
+use softlimb_limb::statics::{Buckling, Load, LoadedLimb, Lost, Rod, Shape, Tier, by_tier, cheapest_rod};
+use softlimb_scene::Scene;
+
+/// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.
+const STEP: f64 = 1e-5;
+
+/// What is on the limb.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnLimb {
+    /// Mass at the tip, kg.
+    pub payload_kg: f64,
+    /// Share of all weights.
+    pub share: f64,
+}
+
+impl OnLimb {
+    /// All weights, with a mass at the tip, kg.
+    pub fn whole(payload_kg: f64) -> Self {
+        Self { payload_kg, share: 1.0 }
+    }
+}
+
+/// The limb of a scene as its plan knows it, under load: from pose to pose, each beginning from the one before.
+#[derive(Clone, Debug)]
+pub struct Nominal<'a> {
+    scene: &'a Scene,
+    limb: &'a Limb,
+    bays: Vec<usize>,
+    tier: Tier,
+    last: Option<DVector<f64>>,
+}
+
+/// A loaded shape of the nominal limb.
+#[derive(Clone, Debug)]
+pub struct Pose {
+    /// The limb.
+    pub limb: LoadedLimb,
+    /// The chain that was solved.
+    pub rod: Rod,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// Why there is no shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoPose {
+    /// An actuator has no equilibrium at its pressure.
+    NoEquilibrium,
+    /// The limb falls.
+    Lost(Lost),
+    /// A tube buckles between two plates.
+    Buckles {
+        /// Index of its module.
+        module: usize,
+        /// Its compression over that at which it buckles; >= 1.
+        ratio: f64,
+    },
+}
+
+impl Pose {
+    /// Position of the tip, m.
+    pub fn tip_m(&self) -> Vector3<f64> {
+        self.shape.tip().translation.vector
+    }
+
+    /// The pose, where no tube buckles in it.
+    ///
+    /// # Errors
+    /// [`NoPose::Buckles`].
+    pub fn unbuckled(self) -> Result<Self, NoPose> {
+        stands(self.limb.buckling(&self.rod, &self.shape))?;
+        Ok(self)
+    }
+}
+
+fn stands(worst: Option<Buckling>) -> Result<(), NoPose> {
+    match worst {
+        Some(tube) if tube.ratio() >= 1.0 => Err(NoPose::Buckles { module: tube.module, ratio: tube.ratio() }),
+        _ => Ok(()),
+    }
+}
+
+impl<'a> Nominal<'a> {
+    /// The limb by one tier.
+    pub fn new(scene: &'a Scene, limb: &'a Limb, tier: Tier) -> Self {
+        let bays = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
+        Self { scene, limb, bays, tier, last: None }
+    }
+
+    /// The tier.
+    pub fn tier(&self) -> Tier {
+        self.tier
+    }
+
+    /// The shape at gauge pressures, Pa, one a module.
+    ///
+    /// # Errors
+    /// [`NoPose`].
+    pub fn at(&mut self, pressures_pa: &[f64], on: OnLimb) -> Result<Pose, NoPose> {
+        let limb = self.loaded(pressures_pa, on).ok_or(NoPose::NoEquilibrium)?;
+        let (rod, shape) = by_tier(&limb.rod, self.tier, self.last.as_ref()).map_err(NoPose::Lost)?;
+        self.last = Some(shape.q.clone());
+        Ok(Pose { limb, rod, shape })
+    }
+
+    /// Velocity of the tip of a pose by each module's pressure, as a share of `spans_pa`, m.
+    pub fn velocities_m(
+        &self,
+        pose: &Pose,
+        pressures_pa: &[f64],
+        on: OnLimb,
+        spans_pa: &[f64],
+    ) -> Option<Vec<Vector3<f64>>> {
+        let (parts, bends) = self.tier.pieces();
+        let moved = |module: usize| {
+            let mut pressures_pa = pressures_pa.to_vec();
+            // Towards the middle of the range: there is an equilibrium on that side.
+            pressures_pa[module] += self.step_pa(pressures_pa[module], spans_pa[module]);
+            Some(self.loaded(&pressures_pa, on)?.rod.split(parts))
+        };
+        let others = (0..pressures_pa.len()).map(moved).collect::<Option<Vec<_>>>()?;
+        let responses = pose.shape.tip_responses_m(&pose.rod, bends, &others)?;
+        let steps = pressures_pa.iter().zip(spans_pa).map(|(pressure, span)| self.step_pa(*pressure, *span) / span);
+        Some(responses.into_iter().zip(steps).map(|(response, step)| response / step).collect())
+    }
+
+    fn step_pa(&self, pressure_pa: f64, span_pa: f64) -> f64 {
+        if pressure_pa < 0.5 * span_pa { STEP * span_pa } else { -STEP * span_pa }
+    }
+
+    fn loaded(&self, pressures_pa: &[f64], on: OnLimb) -> Option<LoadedLimb> {
+        let of_module = self.limb.modules().iter().zip(pressures_pa);
+        let channels: Vec<f64> =
+            of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect();
+        let load = Load { payload_kg: on.payload_kg, ..Load::default() };
+        let mut limb = LoadedLimb::new(self.scene, self.limb, &channels, &self.bays, &load)?;
+        limb.rod.gravity_m_per_s2 *= on.share;
+        Some(limb)
+    }
+
+    /// The cheapest tier of rods for a pose, from the linear one on, and the error that it says of itself, as a share of the limb's length.
+    ///
+    /// # Errors
+    /// [`NoPose`].
+    pub fn tier_for(
+        scene: &Scene,
+        limb: &Limb,
+        pressures_pa: &[f64],
+        on: OnLimb,
+        error: f64,
+    ) -> Result<(Tier, f64), NoPose> {
+        let loaded = Nominal::new(scene, limb, Tier::Linear).loaded(pressures_pa, on).ok_or(NoPose::NoEquilibrium)?;
+        let answer = cheapest_rod(&loaded, error, scene.rest_length_m()).map_err(NoPose::Lost)?;
+        stands(answer.buckling)?;
+        Ok((answer.tier.max(Tier::Linear), answer.error()))
+    }
+}
+
+/// Pressures of states, Pa; below ambient pressure 0.
+pub(super) fn pressures_pa(states: &[State<f64>]) -> Vec<f64> {
+    states.iter().map(|state| state.pressure_pa.max(0.0)).collect()
+}

@@ -1,0 +1,5 @@
+//! Tests of motion planning, one module a subject.
+
+mod motion_plan;
+mod tables;
+mod task;

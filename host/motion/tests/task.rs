@@ -1,0 +1,8 @@
+//! Tasks in space: obstacles, directions, regions, marker series, times, and tasks that cannot be done.
+
+mod common;
+mod hard_cases;
+mod keys;
+mod kinematics;
+mod obstacles;
+mod times;

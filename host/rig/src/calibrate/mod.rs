@@ -1,0 +1,30 @@
+//! From measurements to parameters: what a tensile test says about an elastomer, and what pressure and deformation say about
+//! actuators.
+//!
+//! [`fit`] finds parameters of actuators by least squares with the exact derivatives of the model, gives each its confidence interval,
+//! and refuses what the data cannot tell. Files are read and drawn elsewhere; nothing here opens one. `docs/explanation/calibration.md` has the equations.
+
+mod body;
+mod creep;
+mod descent;
+mod estimate;
+mod fit;
+mod holds;
+mod picture;
+mod points;
+mod property;
+mod refusal;
+mod runs;
+mod tension;
+
+pub use body::Body;
+pub use creep::{CreepFit, Step, fit_creep};
+pub use estimate::{Estimate, Noise, Value};
+pub use fit::{Fit, Observation, Settings, Unknown, fit};
+pub use holds::{Hold, holds};
+pub use picture::{picture, tension_picture};
+pub use points::{Point, Points};
+pub use property::Property;
+pub use refusal::Refusal;
+pub use softlimb_files::table::TableError;
+pub use tension::{Law, Tension, TensionFit, fit_tension};

@@ -1,0 +1,94 @@
+//! Measurements, what the model says before and after, and what is left.
+
+use super::{Fit, Observation, Tension, TensionFit};
+use crate::record::Quantity;
+use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
+
+/// Area of one chart, px, and the room it takes with its frame.
+const AREA: [f64; 2] = [440.0, 260.0];
+const ROOM: [f64; 2] = [526.0, 400.0];
+
+/// A fit as a document that stands by itself: a row for each quantity, with the deformations beside their residuals.
+pub fn picture(fit: &Fit, observations: &[Observation]) -> String {
+    let mut quantities: Vec<Quantity> = Vec::new();
+    for seen in observations {
+        if !quantities.contains(&seen.quantity) {
+            quantities.push(seen.quantity);
+        }
+    }
+    let rows: Vec<Vec<Chart>> = quantities.iter().map(|quantity| row(fit, observations, *quantity)).collect();
+    sheet(&rows, ROOM, "Measured deformations, the model before and after the fit, and what is left")
+}
+
+fn row(fit: &Fit, observations: &[Observation], quantity: Quantity) -> Vec<Chart> {
+    let scale = quantity.display_scale();
+    let (mut curves, mut left) = (Vec::new(), Vec::new());
+    for (index, body) in fit.bodies.iter().enumerate() {
+        let mut of: Vec<usize> = (0..observations.len())
+            .filter(|k| observations[*k].body == index && observations[*k].quantity == quantity)
+            .collect();
+        if of.is_empty() {
+            continue;
+        }
+        of.sort_by(|a, b| observations[*a].reading_pa.total_cmp(&observations[*b].reading_pa));
+        let points = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
+            of.iter().map(|k| [observations[*k].reading_pa * 1e-3, scale * value(*k)]).collect()
+        };
+        let color = Color::nth(index);
+        let mut add = |label: String, color, stroke, points| curves.push(Series { label, color, stroke, points });
+        add(String::new(), Color::Faint, Stroke::Dotted, points(&|k| fit.before[k].unwrap_or(f64::NAN)));
+        add(String::new(), color, Stroke::Solid, points(&|k| fit.after[k]));
+        add(body.name.clone(), color, Stroke::Dots, points(&|k| observations[k].value));
+        left.push(Series {
+            label: body.name.clone(),
+            color,
+            stroke: Stroke::Dots,
+            points: points(&|k| observations[k].value - fit.after[k]),
+        });
+    }
+    let unit = quantity.display_unit();
+    let label = |what: &str| if unit.is_empty() { what.to_owned() } else { format!("{what}, {unit}") };
+    let name = quantity.label();
+    vec![
+        chart(format!("{name}: measured, after and (dotted) before"), "reading, kPa", &label(name), curves),
+        chart(format!("{name}: measured less model"), "reading, kPa", &label("residual"), left),
+    ]
+}
+
+/// A tensile test as a document that stands by itself.
+pub fn tension_picture(test: &Tension, fit: &TensionFit) -> String {
+    let mut order: Vec<usize> = (0..test.points().len()).collect();
+    order.sort_by(|a, b| test.points()[*a][0].total_cmp(&test.points()[*b][0]));
+    let points = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
+        order.iter().map(|k| [test.points()[*k][0], 1e-3 * value(*k)]).collect()
+    };
+    let measured = |k: usize| test.points()[k][1];
+    let series = |label: &str, color, stroke, points| Series { label: label.into(), color, stroke, points };
+    let curves = vec![
+        series(fit.law.word(), Color::First, Stroke::Solid, points(&|k| fit.modelled_pa[k])),
+        series("measured", Color::Ink, Stroke::Dots, points(&measured)),
+    ];
+    let left =
+        vec![series("measured less law", Color::First, Stroke::Dots, points(&|k| measured(k) - fit.modelled_pa[k]))];
+    let charts = vec![
+        chart("nominal stress".into(), "stretch", "nominal stress, kPa", curves),
+        chart("residual".into(), "stretch", "residual, kPa", left),
+    ];
+    sheet(&[charts], ROOM, "A tensile test, the law that fits it, and what is left")
+}
+
+fn chart(title: String, x: &str, y: &str, series: Vec<Series>) -> Chart {
+    let range = |axis: usize| span(series.iter().flat_map(|series| &series.points).map(|point| point[axis]));
+    let axis = |label: &str, range| Axis { label: label.into(), range, decades: false };
+    let (across, up) = (range(0), range(1));
+    Chart {
+        title,
+        area: AREA,
+        x: axis(x, across),
+        y: axis(y, up),
+        series,
+        bands: Vec::new(),
+        marks: Vec::new(),
+        notes: Vec::new(),
+    }
+}

@@ -1,0 +1,70 @@
+//! The nominal limb at the pressures of a sighting, under a mass.
+
+use nalgebra::{DVector, Vector3};
+
+use super::creep::crept;
+use super::{Refusal, Sighting};
+use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, Tier, by_tier, positions};
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_scene::{Module, Scene};
+
+/// The finest tier of rods, by which the simulated limb hangs too: a few poses cost nothing.
+const TIER: Tier = Tier::Fourfold;
+
+/// The limb of one sighting, from mass to mass, each beginning from the one before.
+pub(super) struct Posed {
+    line: usize,
+    rod: Rod,
+    last: Option<DVector<f64>>,
+}
+
+/// The tip under a mass.
+pub(super) struct Tip {
+    pub(super) at_m: Vector3<f64>,
+    /// How it moves with the mass, m/kg.
+    pub(super) slope_m_per_kg: Vector3<f64>,
+}
+
+impl Posed {
+    /// Walls have crept by these volumes, one a module; `stiffer` is the factor of all stiffnesses, and the shape without load stays.
+    pub(super) fn new(
+        scene: &Scene,
+        limb: &Limb,
+        seen: &Sighting,
+        crept_m3: &[f64],
+        stiffer: f64,
+    ) -> Result<Self, Refusal> {
+        let modules = limb.modules().iter().zip(scene.modules()).zip(seen.pressures_pa.iter().zip(crept_m3));
+        let bundles = modules.map(|((module, described), (pressure_pa, crept_m3))| {
+            bundle(module, usize::from(described.spacers) + 1, *pressure_pa, *crept_m3)
+        });
+        let bundles = bundles.collect::<Option<_>>().ok_or(Refusal::NoEquilibrium { line: seen.line })?;
+        let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
+        let mut rod = LoadedLimb::of_bundles(scene, limb, bundles, &walls_kg, &Load::default()).rod;
+        for piece in &mut rod.pieces {
+            piece.stiffness *= stiffer;
+            piece.shear_n *= stiffer;
+        }
+        Ok(Self { line: seen.line, rod, last: None })
+    }
+
+    /// The tip under a mass, kg. Below zero it is lifted: a mass near zero has errors of both signs.
+    pub(super) fn under(&mut self, kg: f64) -> Result<Tip, Refusal> {
+        let weight_n = Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2);
+        self.rod.tip_force_n = weight_n * kg;
+        let falls = Refusal::Falls { line: self.line };
+        let (rod, shape) = by_tier(&self.rod, TIER, self.last.as_ref()).map_err(|_| falls.clone())?;
+        let compliance = shape.compliance_m_per_n(&rod, TIER.pieces().1).ok_or(falls)?;
+        let at_m = shape.tip().translation.vector;
+        self.last = Some(shape.q);
+        Ok(Tip { at_m, slope_m_per_kg: compliance * weight_n })
+    }
+}
+
+/// Equal tubes: springs at their pressure about the shape that they have with their creep.
+fn bundle(module: &LimbModule, bays: usize, pressure_pa: f64, crept_m3: f64) -> Option<Bundle> {
+    let state = crept(&module.actuator, pressure_pa, crept_m3)?;
+    let tube = Tangent::of(&module.actuator, pressure_pa)?.about(&state, module.length_m());
+    let tubes = positions(module).into_iter().map(|place| (place, tube)).collect();
+    Bundle::of_tubes(module.motion, tubes, module.length_m() / bays as f64)
+}

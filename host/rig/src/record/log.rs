@@ -1,0 +1,294 @@
+//! What a run is, as plain data: SI units, no container format, no behaviour.
+
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// The quantity that the setpoint of a module prescribes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Deformed over undeformed length, dimensionless.
+    AxialStretch,
+    /// Outer radius, m.
+    OuterRadius,
+    /// Inner radius, m.
+    InnerRadius,
+    /// Rotation of the free end about the axis, rad.
+    Twist,
+    /// Angle between the end tangents, rad.
+    BendAngle,
+    /// Gauge pressure, Pa.
+    Pressure,
+}
+
+impl Quantity {
+    /// Name for tables and axes.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::AxialStretch => "axial stretch",
+            Self::OuterRadius => "outer radius",
+            Self::InnerRadius => "inner radius",
+            Self::Twist => "twist",
+            Self::BendAngle => "bend angle",
+            Self::Pressure => "gauge pressure",
+        }
+    }
+
+    /// SI unit of the values; "1" for a ratio.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Self::AxialStretch => "1",
+            Self::OuterRadius | Self::InnerRadius => "m",
+            Self::Twist | Self::BendAngle => "rad",
+            Self::Pressure => "Pa",
+        }
+    }
+
+    /// Unit in which people read the quantity; empty for a ratio.
+    pub fn display_unit(self) -> &'static str {
+        match self {
+            Self::AxialStretch => "",
+            Self::OuterRadius | Self::InnerRadius => "mm",
+            Self::Twist | Self::BendAngle => "deg",
+            Self::Pressure => "kPa",
+        }
+    }
+
+    /// Factor from the SI value to [`display_unit`](Self::display_unit).
+    pub fn display_scale(self) -> f64 {
+        match self {
+            Self::AxialStretch => 1.0,
+            Self::OuterRadius | Self::InnerRadius => 1e3,
+            Self::Twist | Self::BendAngle => 180.0 / std::f64::consts::PI,
+            Self::Pressure => 1e-3,
+        }
+    }
+
+    /// Digits after the point that a reader of a table can use.
+    pub fn display_decimals(self) -> usize {
+        match self {
+            Self::AxialStretch => 4,
+            Self::OuterRadius | Self::InnerRadius => 3,
+            Self::Twist | Self::BendAngle | Self::Pressure => 2,
+        }
+    }
+}
+
+/// One module of the limb: a bundle of actuators of one kind.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ModuleInfo {
+    /// Name in the scene file.
+    pub name: String,
+    /// Motion in the field's word: extension, expansion, bending, twisting.
+    pub motion: String,
+    /// What [`ModuleSample`] holds for this module.
+    pub quantity: Quantity,
+    /// Channels that drive the module, as indices into [`Sample::channels`].
+    pub channels: Range<usize>,
+}
+
+/// One phase of the scene: a move, then a hold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PhaseInfo {
+    /// Name in the scene file.
+    pub name: String,
+    /// Start, s after the start of the run.
+    pub start_s: f64,
+    /// Length of the move, s.
+    pub move_s: f64,
+    /// Length of the hold that follows, s.
+    pub hold_s: f64,
+    /// What the gripper is told at the end of the move, `open` or `close`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<String>,
+    /// Where the planned body comes nearest to an obstacle; `None` without obstacles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nearest: Option<NearestInfo>,
+}
+
+/// Where a planned body comes nearest to an obstacle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NearestInfo {
+    /// Name of the obstacle.
+    pub obstacle: String,
+    /// Distance of the surfaces, m.
+    pub distance_m: f64,
+    /// When, s after the start of the run.
+    pub time_s: f64,
+}
+
+/// A solid that the limb keeps clear of, or a box that its tip enters, as it is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SolidInfo {
+    /// Name in the scene file.
+    pub name: String,
+    /// True for a box that the tip enters.
+    pub region: bool,
+    /// Lines on its surface, m.
+    pub lines_m: Vec<Vec<[f64; 3]>>,
+}
+
+impl PhaseInfo {
+    /// End of the move, s after the start of the run.
+    pub fn hold_start_s(&self) -> f64 {
+        self.start_s + self.move_s
+    }
+
+    /// End of the hold, s after the start of the run.
+    pub fn end_s(&self) -> f64 {
+        self.hold_start_s() + self.hold_s
+    }
+}
+
+/// Everything about a run that is known before it starts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunInfo {
+    /// Name of the scene.
+    pub scene_name: String,
+    /// The scene file, byte for byte.
+    pub scene_text: String,
+    /// Version of the host tool.
+    pub tool_version: String,
+    /// Version that the firmware reported.
+    pub firmware_version: String,
+    /// Hash of the wire interface, equal on both ends.
+    pub schema_hash: u32,
+    /// Hash of the configuration that the device runs.
+    pub config_hash: u32,
+    /// Seed of everything random in a simulated run.
+    pub seed: u64,
+    /// Start of the run, ns since 1970-01-01 UTC; 0 for a simulated run, so that
+    /// equal inputs give equal files.
+    pub start_unix_ns: u64,
+    /// Modules from the base of the limb to its tip.
+    pub modules: Vec<ModuleInfo>,
+    /// Phases in order of time.
+    pub phases: Vec<PhaseInfo>,
+    /// What stands around the limb.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub solids: Vec<SolidInfo>,
+    /// True when the device and the limb were simulated.
+    pub simulated: bool,
+    /// True when the simulated limb carried neither its own weight nor a payload.
+    pub weightless: bool,
+}
+
+impl RunInfo {
+    /// Number of pressure channels: one past the last channel of any module.
+    pub fn channel_count(&self) -> usize {
+        self.modules.iter().map(|module| module.channels.end).max().unwrap_or(0)
+    }
+}
+
+/// One pressure channel at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ChannelSample {
+    /// Gauge pressure that the sensor reports, Pa.
+    pub pressure_pa: f64,
+    /// Gauge pressure that the loop tracks, Pa.
+    pub reference_pa: f64,
+    /// Share of the control period that a valve is open: + fill, - vent, -1..=1.
+    pub duty: f64,
+    /// Status bits of the channel, as on the wire.
+    pub status: u8,
+    /// Gauge pressure in the chamber, Pa, where it is known.
+    pub true_pressure_pa: Option<f64>,
+}
+
+/// One module at one instant, in the SI unit of its [`Quantity`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ModuleSample {
+    /// Deformation asked for.
+    pub setpoint: f64,
+    /// Deformation that the controller's model gives at the chamber pressure; at the measured one where the chamber is not seen.
+    pub modelled: f64,
+    /// Deformation that happened: simulated plant or motion capture.
+    pub achieved: Option<f64>,
+}
+
+/// The whole limb at one instant. Positions are in the frame of the limb's base.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Time, s after the start of the run; negative before it.
+    pub time_s: f64,
+    /// Device state, as on the wire.
+    pub state: u8,
+    /// Latched fault bits, as on the wire.
+    pub fault_bits: u16,
+    /// Gauge pressure of the supply, Pa.
+    pub supply_pa: f64,
+    /// One entry per channel.
+    pub channels: Vec<ChannelSample>,
+    /// One entry per module.
+    pub modules: Vec<ModuleSample>,
+    /// Tip position asked for, m.
+    pub tip_setpoint_m: [f64; 3],
+    /// Tip position that the model gives at the same pressures, m.
+    pub tip_modelled_m: [f64; 3],
+    /// Tip position that happened, m.
+    pub tip_achieved_m: Option<[f64; 3]>,
+}
+
+/// A fault that the device reported, or that was seen on the simulated limb itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FaultRecord {
+    /// Time, s after the start of the run.
+    pub time_s: f64,
+    /// Channel, 0xFF for the whole system.
+    pub channel: u8,
+    /// Fault code, as on the wire; those from 240 on are of the limb and no device has them.
+    pub code: u8,
+    /// Value that goes with the code.
+    pub value: i32,
+    /// What the code means, in words.
+    pub text: String,
+}
+
+/// The backbone of the limb at one instant, base to tip.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Time, s after the start of the run.
+    pub time_s: f64,
+    /// Polyline asked for, m.
+    pub setpoint: Vec<[f64; 3]>,
+    /// Polyline that happened, m.
+    pub achieved: Option<Vec<[f64; 3]>>,
+}
+
+/// Counters of the link over the whole run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkSummary {
+    /// Frames that the host sent, with repetitions.
+    pub frames_sent: u64,
+    /// Valid frames that the host received.
+    pub frames_received: u64,
+    /// Bytes that the host sent.
+    pub bytes_sent: u64,
+    /// Bytes that the host received.
+    pub bytes_received: u64,
+    /// Frames that the host sent again for want of an acknowledgement.
+    pub retransmitted: u64,
+    /// Received frames dropped for a wrong checksum.
+    pub crc_errors: u64,
+    /// Telemetry frames missing by their sequence numbers.
+    pub telemetry_lost: u64,
+}
+
+/// A whole run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunLog {
+    /// What was known before the run.
+    pub info: RunInfo,
+    /// Samples in order of time.
+    pub samples: Vec<Sample>,
+    /// Faults in order of arrival.
+    pub faults: Vec<FaultRecord>,
+    /// Backbone shapes in order of time.
+    pub shapes: Vec<Shape>,
+    /// Link counters; all zero in a log that was cut off.
+    pub link: LinkSummary,
+    /// Wall-clock time that the run took, s.
+    pub wall_s: Option<f64>,
+    /// Why the log ends before the run did; `None` for a finished log.
+    pub incomplete: Option<String>,
+}

@@ -1,0 +1,128 @@
+//! The two metadata records of a log, written and read: what is known before a run
+//! and what is known after it.
+
+use super::{LinkSummary, ModuleInfo, RecordError, RunInfo};
+use softlimb_chart::WEIGHTLESS;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A metadata record's content.
+pub(super) type Metadata = BTreeMap<String, String>;
+
+/// One entry per field, for people and other tools; the lists as JSON.
+pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
+    let mut metadata = Metadata::from([
+        ("format".into(), super::FORMAT_VERSION.into()),
+        ("scene".into(), info.scene_name.clone()),
+        ("tool_version".into(), info.tool_version.clone()),
+        ("firmware_version".into(), info.firmware_version.clone()),
+        ("schema_hash".into(), format!("{:08x}", info.schema_hash)),
+        ("config_hash".into(), format!("{:08x}", info.config_hash)),
+        ("seed".into(), info.seed.to_string()),
+        ("start_unix_ns".into(), info.start_unix_ns.to_string()),
+        ("simulated".into(), info.simulated.to_string()),
+        (WEIGHTLESS.into(), info.weightless.to_string()),
+        ("modules".into(), to_json(&info.modules)),
+        ("phases".into(), to_json(&info.phases)),
+    ]);
+    if !info.solids.is_empty() {
+        metadata.insert("solids".into(), to_json(&info.solids));
+    }
+    metadata
+}
+
+/// Link counters and wall-clock time in s, as JSON.
+pub(super) fn end_metadata(link: &LinkSummary, wall_s: Option<f64>) -> Metadata {
+    Metadata::from([("link".into(), to_json(link)), ("wall_s".into(), to_json(&wall_s))])
+}
+
+/// JSON of plain data. Numbers and strings cannot fail to become JSON.
+fn to_json(value: &impl serde::Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}
+
+/// Reads what was known before the run.
+///
+/// # Errors
+/// [`RecordError::Version`], [`RecordError::Metadata`].
+pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Result<RunInfo, RecordError> {
+    let fields = Fields { name: super::RUN_METADATA, fields: run };
+    let found = fields.text("format")?;
+    if found != super::FORMAT_VERSION {
+        return Err(RecordError::Version { path: path.to_owned(), found: found.to_owned() });
+    }
+    let info = RunInfo {
+        scene_name: fields.text("scene")?.to_owned(),
+        scene_text,
+        tool_version: fields.text("tool_version")?.to_owned(),
+        firmware_version: fields.text("firmware_version")?.to_owned(),
+        schema_hash: fields.hash("schema_hash")?,
+        config_hash: fields.hash("config_hash")?,
+        seed: fields.parse("seed")?,
+        start_unix_ns: fields.parse("start_unix_ns")?,
+        modules: fields.json("modules")?,
+        phases: fields.json("phases")?,
+        solids: if run.contains_key("solids") { fields.json("solids")? } else { Vec::new() },
+        simulated: fields.parse("simulated")?,
+        // Logs of earlier versions do not say.
+        weightless: run.contains_key(WEIGHTLESS) && fields.parse(WEIGHTLESS)?,
+    };
+    check_modules(&info)?;
+    Ok(info)
+}
+
+/// Reads link counters and wall-clock time in s.
+///
+/// # Errors
+/// [`RecordError::Metadata`].
+pub(super) fn read_end(end: &Metadata) -> Result<(LinkSummary, Option<f64>), RecordError> {
+    let fields = Fields { name: super::END_METADATA, fields: end };
+    Ok((fields.json("link")?, fields.json("wall_s")?))
+}
+
+/// Refuses modules whose channels no device can have: they are numbered by a byte.
+///
+/// # Errors
+/// [`RecordError::Metadata`].
+pub(super) fn check_modules(info: &RunInfo) -> Result<(), RecordError> {
+    let possible = |module: &ModuleInfo| {
+        module.channels.start <= module.channels.end && module.channels.end <= usize::from(u8::MAX)
+    };
+    match info.modules.iter().find(|module| !possible(module)) {
+        Some(ModuleInfo { name, channels, .. }) => Err(RecordError::Metadata {
+            name: super::RUN_METADATA,
+            reason: format!("module {name:?} has channels {channels:?}; they end at 255 at most"),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// A metadata record, read field by field.
+struct Fields<'a> {
+    name: &'static str,
+    fields: &'a Metadata,
+}
+
+impl Fields<'_> {
+    fn wrong(&self, key: &str, reason: impl std::fmt::Display) -> RecordError {
+        RecordError::Metadata { name: self.name, reason: format!("`{key}`: {reason}") }
+    }
+
+    fn text(&self, key: &str) -> Result<&str, RecordError> {
+        let value = self.fields.get(key).ok_or_else(|| self.wrong(key, "missing"))?;
+        Ok(value)
+    }
+
+    fn parse<T: FromStr<Err: std::fmt::Display>>(&self, key: &str) -> Result<T, RecordError> {
+        self.text(key)?.parse().map_err(|reason| self.wrong(key, reason))
+    }
+
+    fn hash(&self, key: &str) -> Result<u32, RecordError> {
+        u32::from_str_radix(self.text(key)?, 16).map_err(|reason| self.wrong(key, reason))
+    }
+
+    fn json<T: serde::de::DeserializeOwned>(&self, key: &str) -> Result<T, RecordError> {
+        serde_json::from_str(self.text(key)?).map_err(|reason| self.wrong(key, reason))
+    }
+}

@@ -1,0 +1,248 @@
+//! From telemetry, plan and truth to the samples of the log.
+
+use fra_model::State;
+use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
+use softlimb_sim::plant::Truth;
+
+use super::Progress;
+use super::hanging::Hanging;
+use super::observed::Traffic;
+use crate::link::{DeviceFault, LinkStatistics};
+use crate::record::{
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
+    Sample, Shape, SolidInfo,
+};
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_motion::{Carried, Nominal, OnLimb, Plan, carried, payload_kg};
+use softlimb_scene::collision::Shape as Shape3;
+use softlimb_scene::{Gripper, Scene, SetpointKind};
+
+/// Log time between two recorded shapes of the whole limb, s.
+const SHAPE_PERIOD_S: f64 = 0.2;
+
+/// Makes samples of what the device sends.
+pub(super) struct Assembler<'a> {
+    limb: &'a Limb,
+    plan: &'a Plan,
+    hanging: Option<Hanging<'a>>,
+    /// What the model makes of the chamber pressures where setpoints are corrected for weight.
+    weighed: Option<(Nominal<'a>, Vec<Carried>)>,
+    start_us: Option<u64>,
+    next_shape_s: f64,
+}
+
+/// What is seen of the limb when a message comes.
+pub(super) struct Seen {
+    pub(super) sample: Sample,
+    pub(super) shape: Option<Shape>,
+    /// What happens to the limb itself.
+    pub(super) faults: Vec<FaultRecord>,
+}
+
+impl<'a> Assembler<'a> {
+    pub(super) fn new(scene: &'a Scene, limb: &'a Limb, plan: &'a Plan) -> Self {
+        let weighed = plan.weighed();
+        let weighed = weighed.map(|weighed| (Nominal::new(scene, limb, weighed.tier), carried(scene.phases())));
+        Self { limb, plan, hanging: Hanging::new(scene, limb, plan), weighed, start_us: None, next_shape_s: 0.0 }
+    }
+
+    /// The trajectory starts at a device time.
+    pub(super) fn start(&mut self, start_us: u64, _end_us: u64) {
+        self.start_us = Some(start_us);
+        self.next_shape_s = 0.0;
+    }
+
+    pub(super) fn progress(&self, time_s: f64) -> Progress {
+        let duration_s = self.plan.duration_us() as f64 * 1e-6;
+        Progress { time_s: time_s.min(duration_s), duration_s }
+    }
+
+    /// The sample of a telemetry message; `None` before the start.
+    pub(super) fn sample(&mut self, message: &Telemetry, truth: Option<&Truth>) -> Option<Seen> {
+        let time_us = message.time_us.checked_sub(self.start_us?)?;
+        let time_s = time_us as f64 * 1e-6;
+        let channels = channels(message, truth);
+        let modelled: Vec<State<f64>> = self.limb.modules().iter().map(|module| modelled(module, &channels)).collect();
+        let achieved: Option<Vec<State<f64>>> =
+            truth.map(|truth| self.limb.modules().iter().map(|module| achieved(module, truth)).collect());
+        let values = self.plan.values_at(time_us as f64);
+        let (hung, faults) = match (&mut self.hanging, truth, &achieved) {
+            (Some(hanging), Some(truth), Some(states)) => {
+                let (hung, faults) = hanging.at(time_us, truth, states);
+                (Some(hung), faults)
+            }
+            _ => (None, Vec::new()),
+        };
+        // Without weight as the actuators are; with it as the limb hangs, and not at all where it has fallen.
+        let values_achieved = match &hung {
+            Some(hung) => hung.as_ref().map(|hung| hung.values.clone()),
+            None => achieved.as_ref().map(|states| measured(self.limb, states)),
+        };
+        let tip_achieved_m = match &hung {
+            Some(hung) => hung.as_ref().map(|hung| hung.tip_m),
+            None => achieved.as_ref().map(|states| self.limb.tip(states)),
+        };
+        let modules = self.limb.modules().iter().enumerate().map(|(index, module)| ModuleSample {
+            setpoint: values[index],
+            modelled: module.measure(&modelled[index]),
+            achieved: values_achieved.as_ref().map(|values| values[index]),
+        });
+        let sample = Sample {
+            time_s,
+            state: message.state.raw(),
+            fault_bits: message.fault_bits,
+            supply_pa: 10.0 * f64::from(message.supply_10pa),
+            channels,
+            modules: modules.collect(),
+            tip_setpoint_m: self.plan.tip_m(self.limb, time_us as f64),
+            tip_modelled_m: self.tip_modelled_m(time_us, &modelled),
+            tip_achieved_m,
+        };
+        let shape = (time_s >= self.next_shape_s).then(|| {
+            self.next_shape_s += SHAPE_PERIOD_S;
+            Shape {
+                time_s,
+                setpoint: self.plan.line_m(self.limb, time_us as f64),
+                achieved: match hung {
+                    Some(hung) => hung.map(|hung| hung.line_m),
+                    None => achieved.as_ref().map(|states| self.limb.backbone(states)),
+                },
+            }
+        });
+        Some(Seen { sample, shape, faults })
+    }
+
+    /// Where the model has the tip; under load where the plan has, and not at all (NaN) where the nominal limb would fall.
+    fn tip_modelled_m(&mut self, time_us: u64, states: &[State<f64>]) -> [f64; 3] {
+        let Some((nominal, carried)) = &mut self.weighed else { return self.limb.tip(states) };
+        let on = OnLimb::whole(payload_kg(carried, &self.plan.phases, time_us));
+        let pressures: Vec<f64> = states.iter().map(|state| state.pressure_pa.max(0.0)).collect();
+        nominal.at(&pressures, on).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
+    }
+
+    /// A fault on the clock of the run; one before the start is told at its start.
+    pub(super) fn fault(&self, message: &Fault) -> FaultRecord {
+        let time_us = self.start_us.map_or(0, |start_us| message.time_us.saturating_sub(start_us));
+        FaultRecord {
+            time_s: time_us as f64 * 1e-6,
+            channel: message.channel,
+            code: message.code.raw(),
+            value: message.value,
+            text: DeviceFault::from(message).to_string(),
+        }
+    }
+}
+
+fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
+    let measured = message.channels.iter().enumerate();
+    measured
+        .map(|(index, channel)| ChannelSample {
+            pressure_pa: 10.0 * f64::from(channel.pressure_10pa),
+            reference_pa: 10.0 * f64::from(channel.reference_10pa),
+            duty: f64::from(channel.duty) / 127.0,
+            status: channel.status.bits(),
+            true_pressure_pa: truth.and_then(|truth| truth.channels.get(index)).map(|channel| channel.pressure_pa),
+        })
+        .collect()
+}
+
+/// The state that the controller's model gives a module at the mean of its chamber pressures; those of the sensors, which sit at
+/// the valves, where no one sees into the chambers.
+fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
+    let members = module.channels.clone().filter_map(|channel| channels.get(channel));
+    module.curve.at(mean(members.map(|channel| channel.true_pressure_pa.unwrap_or(channel.pressure_pa))))
+}
+
+/// The state of a module that holds its actuators together: the mean of theirs.
+fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
+    let members = module.channels.clone().filter_map(|channel| truth.channels.get(channel));
+    // The shape lags the chamber by its creep; the pressure is the chamber's own.
+    let mut shapes = members.map(|member| State { pressure_pa: member.pressure_pa, ..member.shape });
+    let first = shapes.next().unwrap_or_else(|| module.actuator.rest());
+    let (sum, count) = shapes.fold((first, 1.0), |(sum, count), shape| {
+        (State::combine([&sum, &shape], |[sum, value]| sum + value), count + 1.0)
+    });
+    State::combine([&sum], |[sum]| sum / count)
+}
+
+fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {
+    limb.modules().iter().zip(states).map(|(module, state)| module.measure(state)).collect()
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// What the log says about the run as a whole, before the device has told its version and taken its configuration.
+pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> RunInfo {
+    let modules = limb.modules().iter().map(|module| ModuleInfo {
+        name: module.name.clone(),
+        motion: module.motion.name().into(),
+        quantity: quantity(module.kind),
+        channels: module.channels.clone(),
+    });
+    let phases = plan.phases.iter().map(|phase| PhaseInfo {
+        name: phase.name.clone(),
+        start_s: phase.start_us as f64 * 1e-6,
+        move_s: phase.move_us as f64 * 1e-6,
+        hold_s: phase.hold_us as f64 * 1e-6,
+        gripper: phase.gripper.map(|gripper| match gripper {
+            Gripper::Open => "open".to_owned(),
+            Gripper::Close => "close".to_owned(),
+        }),
+        nearest: phase.nearest.map(|nearest| NearestInfo {
+            obstacle: scene.obstacles()[nearest.obstacle].name.value.clone(),
+            distance_m: nearest.distance_m,
+            time_s: nearest.time_us as f64 * 1e-6,
+        }),
+    });
+    RunInfo {
+        scene_name: scene.name().into(),
+        scene_text: scene.source_text().into(),
+        tool_version: env!("CARGO_PKG_VERSION").into(),
+        firmware_version: String::new(),
+        schema_hash: SCHEMA_HASH,
+        config_hash: 0,
+        seed,
+        // A simulated run has no date: the same run is the same log.
+        start_unix_ns: 0,
+        modules: modules.collect(),
+        phases: phases.collect(),
+        solids: solids(scene),
+        simulated: true,
+        weightless: scene.weightless(),
+    }
+}
+
+/// Obstacles and regions as they are drawn.
+fn solids(scene: &Scene) -> Vec<SolidInfo> {
+    let solid =
+        |name: &str, region, shape: &Shape3| SolidInfo { name: name.to_owned(), region, lines_m: shape.outlines() };
+    let obstacles = scene.obstacles().iter().map(|obstacle| solid(&obstacle.name.value, false, &obstacle.shape));
+    obstacles.chain(scene.regions().iter().map(|region| solid(&region.name.value, true, &region.shape))).collect()
+}
+
+fn quantity(kind: SetpointKind) -> Quantity {
+    match kind {
+        SetpointKind::Pressure => Quantity::Pressure,
+        SetpointKind::AxialStretch => Quantity::AxialStretch,
+        SetpointKind::OuterRadius => Quantity::OuterRadius,
+        SetpointKind::InnerRadius => Quantity::InnerRadius,
+        SetpointKind::Twist => Quantity::Twist,
+        SetpointKind::BendAngle => Quantity::BendAngle,
+    }
+}
+
+/// The link's counters in the terms of the log.
+pub(super) fn link_summary(statistics: &LinkStatistics, traffic: Traffic) -> LinkSummary {
+    LinkSummary {
+        frames_sent: statistics.frames_sent,
+        frames_received: u64::from(statistics.received.accepted),
+        bytes_sent: traffic.sent,
+        bytes_received: traffic.received,
+        retransmitted: statistics.messages_repeated + statistics.setpoints_repeated,
+        crc_errors: u64::from(statistics.received.crc),
+        telemetry_lost: 0,
+    }
+}

@@ -1,0 +1,73 @@
+//! Why a run failed.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use softlimb_sim::{EmulatorError, SimError};
+
+use super::RunFiles;
+use crate::link::LinkError;
+use crate::record::RecordError;
+use softlimb_scene::SceneError;
+
+/// Why there is no run, or no whole one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scene asks for something the limb cannot do.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The simulated device cannot be built.
+    #[error("the simulated device cannot be built: {0}")]
+    Simulation(#[from] SimError),
+    /// The emulated processor does not run, or not any more.
+    #[error(transparent)]
+    Emulator(#[from] EmulatorError),
+    /// The run did not begin.
+    #[error("{0}")]
+    Link(Box<LinkError>),
+    /// The run began and did not end well; what happened until then is recorded.
+    #[error("{cause}\nthe run up to there is in {} and {}", files.log.display(), files.report.display())]
+    Stopped {
+        /// What happened.
+        cause: Box<LinkError>,
+        /// Log, report, and what is in them.
+        files: Box<RunFiles>,
+    },
+    /// There is no tip to be seen: the limb fell, or the run ended before.
+    #[error(
+        "{time_s:.2} s into the run there is no tip to be seen: the limb fell under its load, or the run ended before"
+    )]
+    NotSeen {
+        /// When, s after the start.
+        time_s: f64,
+    },
+    /// The link ended well without anything to record.
+    #[error("the device sent no measurements")]
+    NotRecorded,
+    /// The log cannot be written or read back.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The report cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Report {
+        /// The report.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The folder for the results cannot be made.
+    #[error("cannot create the folder {}: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+}
+
+impl RunError {
+    pub(super) fn folder(path: &Path, source: io::Error) -> Self {
+        Self::Folder { path: path.to_owned(), source }
+    }
+}

@@ -1,0 +1,189 @@
+//! The simulated limb under its weight: true actuators at their true pressures, in equilibrium at every sample.
+//!
+//! Quasi-static: the limb has the shape that the loads of the moment lead to, and no inertia. Its walls follow the pressures within
+//! milliseconds; what swings is left out.
+
+use fra_model::{Actuator, State};
+use nalgebra::DVector;
+use softlimb_sim::plant::Truth;
+
+use crate::record::FaultRecord;
+use softlimb_limb::statics::{Bundle, Load, LoadedLimb, Lost, Tangent, Tier, by_tier};
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_motion::{Carried, Plan, carried, payload_kg};
+use softlimb_scene::{Scene, SetpointKind};
+
+/// The finest tier of rods: what plans a limb uses a coarser one.
+const TIER: Tier = Tier::Fourfold;
+/// Compression of a tube over its load of buckling from which no rod is right, and at which it has buckled.
+const NEAR_BUCKLING: f64 = 0.5;
+const BUCKLED: f64 = 1.0;
+/// Bends backwards below this are those of a straight module whose tubes are not quite equal, rad/m.
+const BACKWARDS_RAD_PER_M: f64 = 0.05;
+/// Codes of what is seen on the limb; those of devices are below 240.
+const FALLS: u8 = 240;
+const BUCKLES: u8 = 241;
+const BENT_BACK: u8 = 242;
+/// The channel of what concerns the whole system.
+const SYSTEM: u8 = 0xFF;
+
+/// The simulated limb under load.
+pub(super) struct Hanging<'a> {
+    scene: &'a Scene,
+    limb: &'a Limb,
+    plan: &'a Plan,
+    carried: Vec<Carried>,
+    /// True actuators, one a channel, and masses of the walls, kg, one a module; known from the first sample on.
+    known: Option<(Vec<Actuator<f64>>, Vec<f64>)>,
+    last: Option<DVector<f64>>,
+    lost: bool,
+    /// What has been told, by code and module.
+    told: Vec<(u8, usize)>,
+}
+
+/// A shape under load.
+pub(super) struct Hung {
+    /// Position of the tip, m.
+    pub(super) tip_m: [f64; 3],
+    /// Setpoint value of each module, as it is deformed.
+    pub(super) values: Vec<f64>,
+    /// The centre line, m.
+    pub(super) line_m: Vec<[f64; 3]>,
+}
+
+impl<'a> Hanging<'a> {
+    /// The limb of a scene, before it hangs; `None` where the scene does not simulate its weight.
+    pub(super) fn new(scene: &'a Scene, limb: &'a Limb, plan: &'a Plan) -> Option<Self> {
+        scene.weight().filter(|weight| weight.simulated)?;
+        let carried = carried(scene.phases());
+        Some(Self { scene, limb, plan, carried, known: None, last: None, lost: false, told: Vec::new() })
+    }
+
+    /// The shape at a time of the run, us, with what happens to the limb there; `free` are the modules' states without load.
+    ///
+    /// `None` from the moment on at which the limb falls: where to is not in the model.
+    pub(super) fn at(&mut self, time_us: u64, truth: &Truth, free: &[State<f64>]) -> (Option<Hung>, Vec<FaultRecord>) {
+        if self.lost {
+            return (None, Vec::new());
+        }
+        let mut faults = Vec::new();
+        let mut tell = |code: u8, value: f64, text: String| {
+            let time_s = time_us as f64 * 1e-6;
+            faults.push(FaultRecord { time_s, channel: SYSTEM, code, value: value as i32, text });
+        };
+        let load = Load { payload_kg: payload_kg(&self.carried, &self.plan.phases, time_us), ..Load::default() };
+        let Some(limb) = self.loaded(truth, &load) else {
+            self.lost = true;
+            tell(
+                FALLS,
+                0.0,
+                "an actuator has no equilibrium at its pressure: the limb's shape is not known from here on".into(),
+            );
+            return (None, faults);
+        };
+        let (rod, shape) = match by_tier(&limb.rod, TIER, self.last.as_ref()) {
+            Ok(found) => found,
+            Err(Lost::Unstable { share }) => {
+                self.lost = true;
+                let carries =
+                    format!("the limb falls: it carries {:.1} % of its load, and where to is not known", 100.0 * share);
+                tell(FALLS, 1e3 * share, carries);
+                return (None, faults);
+            }
+        };
+        self.last = Some(shape.q.clone());
+        if let Some(tube) = limb.buckling(&rod, &shape).filter(|tube| tube.ratio() > NEAR_BUCKLING) {
+            let (name, percent) = (&self.limb.modules()[tube.module].name, 100.0 * tube.ratio());
+            if tube.ratio() >= BUCKLED {
+                self.lost = true;
+                tell(
+                    FALLS,
+                    10.0 * percent,
+                    format!(
+                        "a tube of `{name}` buckles between two plates: the limb's shape is not known from here on"
+                    ),
+                );
+                return (None, faults);
+            }
+            if first(&mut self.told, (BUCKLES, tube.module)) {
+                tell(
+                    BUCKLES,
+                    10.0 * percent,
+                    format!(
+                        "a tube of `{name}` carries {percent:.0} % of the load that it buckles at: the shape is not to be trusted"
+                    ),
+                );
+            }
+        }
+        if let Some(module) = limb.bent_back(&rod, &shape, BACKWARDS_RAD_PER_M)
+            && first(&mut self.told, (BENT_BACK, module))
+        {
+            let name = &self.limb.modules()[module].name;
+            tell(
+                BENT_BACK,
+                0.0,
+                format!(
+                    "the load bends `{name}` backwards, where its lines would have to shorten: the shape is not to be trusted"
+                ),
+            );
+        }
+        let deformed = limb.deformed(&rod, &shape);
+        let values = self.limb.modules().iter().zip(&deformed).zip(free);
+        let values = values.map(|((module, deformed), free)| match module.kind {
+            SetpointKind::AxialStretch => deformed.axial_stretch,
+            SetpointKind::BendAngle => deformed.bend_angle_rad[0],
+            SetpointKind::Twist => deformed.twist_rad,
+            SetpointKind::Pressure | SetpointKind::OuterRadius | SetpointKind::InnerRadius => module.measure(free),
+        });
+        let (tip_m, values) = (shape.tip().translation.vector.into(), values.collect());
+        (Some(Hung { tip_m, values, line_m: rod.line_m(&shape) }), faults)
+    }
+
+    /// The limb of the true actuators; `None` where one has no equilibrium.
+    fn loaded(&mut self, truth: &Truth, load: &Load) -> Option<LoadedLimb> {
+        if self.known.is_none() {
+            self.known = Some((actuators(truth)?, walls_kg(self.scene, self.limb, truth)));
+        }
+        let (actuators, walls_kg) = self.known.as_ref()?;
+        let modules = self.limb.modules().iter().zip(self.scene.modules());
+        let bundles = modules.map(|(module, described)| {
+            let tubes = softlimb_limb::statics::positions(module).into_iter().zip(module.channels.clone());
+            let tubes = tubes.map(|(place, channel)| Some((place, tube(module, &actuators[channel], truth, channel)?)));
+            let bay_m = module.length_m() / f64::from(described.spacers + 1);
+            Bundle::of_tubes(module.motion, tubes.collect::<Option<_>>()?, bay_m)
+        });
+        Some(LoadedLimb::of_bundles(self.scene, self.limb, bundles.collect::<Option<_>>()?, walls_kg, load))
+    }
+}
+
+/// A true tube: springs at its pressure about the shape that it has, creep included. Below ambient pressure those at rest, as the plant has it.
+fn tube(module: &LimbModule, actuator: &Actuator<f64>, truth: &Truth, channel: usize) -> Option<Tangent> {
+    let channel = truth.channels.get(channel)?;
+    Some(Tangent::of(actuator, channel.pressure_pa.max(0.0))?.about(&channel.shape, module.length_m()))
+}
+
+fn actuators(truth: &Truth) -> Option<Vec<Actuator<f64>>> {
+    truth.channels.iter().map(|channel| Actuator::new(&channel.parameters.actuator).ok()).collect()
+}
+
+/// Masses of the modules' true walls, kg.
+fn walls_kg(scene: &Scene, limb: &Limb, truth: &Truth) -> Vec<f64> {
+    let of_channel = |parameters: &fra_model::ActuatorParameters<f64>| {
+        let (inner, outer) = (parameters.inner_radius_m, parameters.outer_radius_m);
+        std::f64::consts::PI * (outer - inner) * (outer + inner) * parameters.length_m
+    };
+    let of_module = |(module, described): (&LimbModule, &softlimb_scene::Module)| {
+        let channels = truth.channels.iter().take(module.channels.end).skip(module.channels.start);
+        channels.map(|channel| of_channel(&channel.parameters.actuator)).sum::<f64>() * described.density_kg_per_m3
+    };
+    limb.modules().iter().zip(scene.modules()).map(of_module).collect()
+}
+
+/// Whether something is new, and notes it.
+fn first(told: &mut Vec<(u8, usize)>, what: (u8, usize)) -> bool {
+    let new = !told.contains(&what);
+    if new {
+        told.push(what);
+    }
+    new
+}

@@ -1,0 +1,143 @@
+//! A scene made ready for a device: planned, checked, and turned into what goes over the link.
+
+use std::sync::atomic::AtomicBool;
+
+use softlimb_sim::{Processor, SimulatedMcu, here};
+
+use super::RunError;
+use super::assemble::{Assembler, run_info};
+use super::observed::Observed;
+use crate::link;
+use crate::link::{DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary};
+use crate::record::{RunInfo, Sample};
+use crate::simulate;
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::{ModuleInverse, Plan};
+use softlimb_scene::{Corrections, Scene};
+
+/// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
+const SESSION: u16 = 1;
+
+/// A scene made ready for a device.
+pub(crate) struct Prepared<'a> {
+    scene: &'a Scene,
+    limb: Limb,
+    /// Where the limb shall go.
+    plan: Plan,
+    inverses: Vec<ModuleInverse>,
+    configuration: DeviceConfiguration,
+    knots: Vec<Knot>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Plans a scene and checks that a device can follow; with the scene's corrections.
+    pub(crate) fn new(scene: &'a Scene) -> Result<Self, RunError> {
+        let limb = Limb::new(scene)?;
+        let plan = motion::plan(scene, &limb)?;
+        let sent = motion::sent(scene, &limb, &plan)?;
+        Self::sending(scene, limb, plan, &sent)
+    }
+
+    /// The same without the scene's corrections.
+    pub(crate) fn by_model(scene: &'a Scene) -> Result<Self, RunError> {
+        let limb = Limb::new(scene)?;
+        let plan = motion::plan(scene, &limb)?;
+        Self::sending(scene, limb, plan.clone(), &plan)
+    }
+
+    /// The same limb and the same goals, but the setpoints that are sent are corrected.
+    pub(crate) fn corrected(&self, corrections: &Corrections) -> Result<Self, RunError> {
+        let sent = self.plan.corrected(self.scene, &self.limb, corrections)?;
+        Self::sending(self.scene, self.limb.clone(), self.plan.clone(), &sent)
+    }
+
+    fn sending(scene: &'a Scene, limb: Limb, plan: Plan, sent: &Plan) -> Result<Self, RunError> {
+        let inverses = motion::inverses(scene, &limb)?;
+        motion::check_goals(scene, &limb, sent, &inverses)?;
+        let configuration = crate::configuration(scene, &inverses, &limb);
+        let knots = wire_knots(&limb, sent);
+        Ok(Self { scene, limb, plan, inverses, configuration, knots })
+    }
+
+    /// The limb by the model.
+    pub(crate) fn limb(&self) -> &Limb {
+        &self.limb
+    }
+
+    /// Where the limb shall go.
+    pub(crate) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Verified error of the pressure that the device finds for each module, Pa; `None` where one is not looked up in tables.
+    pub(crate) fn inverse_errors_pa(&self) -> Option<Vec<f64>> {
+        let modules = self.limb.modules().iter().zip(&self.inverses);
+        modules.map(|(module, inverse)| Some(inverse.error()? * module.pressure_max_pa)).collect()
+    }
+
+    pub(super) fn info(&self, seed: u64) -> RunInfo {
+        run_info(self.scene, &self.limb, &self.plan, seed)
+    }
+
+    pub(super) fn assembler(&self) -> Assembler<'_> {
+        Assembler::new(self.scene, &self.limb, &self.plan)
+    }
+
+    /// Streams the setpoints to a device.
+    pub(super) fn stream(
+        &self,
+        device: &mut Observed,
+        cancel: &AtomicBool,
+        on_event: impl FnMut(&mut Observed, Event),
+    ) -> Result<Summary, LinkError> {
+        let defaults = StreamOptions::new(SESSION);
+        let system = &self.configuration.system;
+        let heartbeat_us = defaults.heartbeat_us.min(u64::from(system.link_timeout_us) / 4);
+        // The ramp down takes its time; twice that and the default is long enough.
+        let highest_pa = self.limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
+        let ramp_us = (highest_pa / f64::from(system.vent_ramp_pa_per_s) * 1e6) as u64;
+        let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
+        let options = StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, ..defaults };
+        link::stream(device, &self.configuration, &self.knots, &options, on_event)
+    }
+
+    /// Runs on a simulated device and keeps the samples in memory: `parts` is the seed of what the limb is, `noise` of what differs from
+    /// run to run.
+    pub(crate) fn samples(&self, parts: u64, noise: u64) -> Result<Vec<Sample>, RunError> {
+        let mut settings = simulate::settings(self.scene, &self.limb, parts);
+        (settings.seed, settings.plant.noise_seed) = (noise, noise);
+        let processor: Box<dyn Processor> = Box::new(here());
+        let mut device = Observed::new(SimulatedMcu::with_processor(&settings, processor)?);
+        let mut assembler = self.assembler();
+        let mut samples = Vec::new();
+        let ended = self.stream(&mut device, &AtomicBool::new(false), |device, event| match event {
+            Event::Armed { start_us, end_us } => assembler.start(start_us, end_us),
+            Event::Telemetry { message, .. } => {
+                let truth = device.truth_at(message.time_us);
+                samples.extend(assembler.sample(&message, truth.as_ref()).map(|seen| seen.sample));
+            }
+            _ => {}
+        });
+        ended.map_err(|cause| RunError::Link(Box::new(cause)))?;
+        Ok(samples)
+    }
+}
+
+/// One setpoint per channel at every knot: all actuators of a module get the module's.
+fn wire_knots(limb: &Limb, plan: &Plan) -> Vec<Knot> {
+    let row = |values: &Vec<i32>| -> Vec<i32> {
+        limb.modules().iter().zip(values).flat_map(|(module, value)| module.channels.clone().map(|_| *value)).collect()
+    };
+    let rows = plan.knots().iter().zip(0..);
+    rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us, values: row(values) }).collect()
+}
+
+/// Runs a plan on a simulated device and keeps the samples in memory. `parts` is the seed of what the limb is, `noise` of what differs from
+/// run to run.
+///
+/// # Errors
+/// [`RunError`].
+pub fn samples(scene: &Scene, limb: &Limb, plan: &Plan, (parts, noise): (u64, u64)) -> Result<Vec<Sample>, RunError> {
+    Prepared::sending(scene, limb.clone(), plan.clone(), plan)?.samples(parts, noise)
+}

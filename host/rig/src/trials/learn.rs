@@ -1,0 +1,285 @@
+//! One limb's corrections, rehearsal by rehearsal.
+//!
+//! The tip is off by `e(t)`. Moving the setpoints of the modules by `du` moves the tip by `J du`, with the model's `J` at the planned pose, so
+//! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (|e| |du/range|)^2` within the modules' ranges: the
+//! second term leaves alone what hardly moves the tip. The first rehearsals are believed whole, later ones by the share that makes the corrections a
+//! mean, because what the valves leave of a reference differs from run to run.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::score::{SETTLING_S, error_m, pause_s};
+use crate::record::Sample;
+use softlimb_limb::Limb;
+use softlimb_motion::{Plan, tip_slopes};
+use softlimb_numerics::Random;
+use softlimb_scene::Corrections;
+
+/// Time between instants of the corrections while the limb moves, and at most while it rests, s.
+const MOVING_S: f64 = 0.1;
+const RESTING_S: f64 = 0.5;
+/// Least damping, m: what a camera does not see.
+const DAMPING_M: f64 = 0.1e-3;
+/// Rehearsals that are believed whole.
+const WHOLE: u32 = 2;
+/// Share of an instant's looks that must be left once its neighbours have theirs.
+const LEAST_SHARE: f64 = 1e-3;
+/// Stream of the camera's noise.
+const CAMERA: u64 = 1;
+
+/// What is learned about one limb in one scene.
+pub(super) struct Learner<'a> {
+    limb: &'a Limb,
+    plan: &'a Plan,
+    corrections: Corrections,
+    /// For each instant, whether the limb rests there.
+    resting: Vec<bool>,
+    rehearsals: u32,
+    camera_noise_m: f64,
+    random: Random,
+}
+
+impl<'a> Learner<'a> {
+    /// Nothing learned. `camera_noise_m` as in [`Settings`](super::Settings).
+    pub(super) fn new(limb: &'a Limb, plan: &'a Plan, camera_noise_m: f64, seed: u64) -> Self {
+        let modules = limb.modules().len();
+        let (times_s, resting): (Vec<_>, Vec<_>) = instants(plan).into_iter().unzip();
+        let rows = vec![vec![0.0; modules]; times_s.len()];
+        let corrections = Corrections { times_s, rows };
+        Self { limb, plan, corrections, resting, rehearsals: 0, camera_noise_m, random: Random::new(seed, CAMERA) }
+    }
+
+    /// What was learned.
+    pub(super) fn corrections(&self) -> &Corrections {
+        &self.corrections
+    }
+
+    /// Learns from a rehearsal with the present corrections; the error at rest as the camera saw it, RMS, m.
+    pub(super) fn learn(&mut self, samples: &[Sample]) -> f64 {
+        self.rehearsals += 1;
+        let end_s = self.plan.duration_us() as f64 * 1e-6;
+        let looks: Vec<(f64, Vector3<f64>)> = samples
+            .iter()
+            .filter(|sample| sample.time_s <= end_s)
+            .filter_map(|sample| Some((sample.time_s, error_m(sample, sample.tip_achieved_m?))))
+            .map(|(time_s, error)| (time_s, error + self.noise()))
+            .collect();
+        self.correct(&self.errors(&looks));
+        let rests: Vec<_> = self.plan.phases.iter().map(pause_s).collect();
+        let is_rest = |time_s: f64| rests.iter().any(|(begin, end)| time_s > begin + SETTLING_S && time_s <= *end);
+        let seen = looks.iter().filter(|(time_s, _)| is_rest(*time_s)).map(|(_, error)| error.norm_squared());
+        let (sum, count) = seen.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
+        (sum / f64::from(count.max(1))).sqrt()
+    }
+
+    /// Noise of one look, m.
+    fn noise(&mut self) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| self.camera_noise_m * self.random.normal())
+    }
+
+    /// The error at each instant, m, such that straight lines between them fit the looks of a pause by least squares; of a move the mean
+    /// around each instant, which says nothing about what happens faster than the limb follows. What is off in a move is no matter of the
+    /// instants of a pause: limbs are off by much more while they move. `None` where nobody looked.
+    fn errors(&self, looks: &[(f64, Vector3<f64>)]) -> Vec<Option<Vector3<f64>>> {
+        let times = &self.corrections.times_s;
+        // The normal equations: each instant has to do with itself and the next one.
+        let mut own = vec![0.0; times.len()];
+        let mut with_next = vec![0.0; times.len()];
+        let mut sums = vec![Vector3::zeros(); times.len()];
+        for (time_s, error) in looks {
+            let after = times.partition_point(|time| time <= time_s).clamp(1, times.len() - 1);
+            let share = ((time_s - times[after - 1]) / (times[after] - times[after - 1])).clamp(0.0, 1.0);
+            let rests = self.resting[after - 1] && self.resting[after];
+            for (index, weight) in [(after - 1, 1.0 - share), (after, share)] {
+                if rests || !self.resting[index] {
+                    sums[index] += error * weight;
+                    own[index] += if rests { weight * weight } else { weight };
+                }
+            }
+            if rests {
+                with_next[after - 1] += share * (1.0 - share);
+            }
+        }
+        solved(own, &with_next, sums)
+    }
+
+    fn correct(&mut self, errors: &[Option<Vector3<f64>>]) {
+        let gain = 1.0 / f64::from(self.rehearsals.saturating_sub(WHOLE - 1).max(1));
+        let ranges: Vec<(f64, f64)> = self.limb.modules().iter().map(|module| module.range()).collect();
+        for (index, error) in errors.iter().enumerate().filter_map(|(index, error)| Some((index, (*error)?))) {
+            let time_us = self.corrections.times_s[index] * 1e6;
+            let slopes = tip_slopes(self.limb, &self.plan.states_at(time_us));
+            let planned = self.plan.values_at(time_us);
+            let values = &mut self.corrections.rows[index];
+            // What a module has left towards both ends of its range, as a share of it.
+            let left = planned.iter().zip(values.iter()).zip(&ranges).map(|((planned, value), (rest, last))| {
+                let (low, high) = (rest.min(*last), rest.max(*last));
+                let wanted = (planned + value).clamp(low, high);
+                [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
+            });
+            let shares = step(&columns(&slopes, &ranges), &left.collect::<Vec<_>>(), &error);
+            for (((value, share), (rest, last)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(planned) {
+                let wanted = planned + *value + gain * share * (last - rest).abs();
+                // Rounding takes nothing out of its range.
+                *value = wanted.clamp(rest.min(*last), rest.max(*last)) - planned;
+            }
+        }
+    }
+}
+
+/// The solution of equations whose matrix has `own` on its diagonal and `with_next` beside it; positive semidefinite. `None` where the diagonal
+/// has nothing left.
+fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) -> Vec<Option<Vector3<f64>>> {
+    let full = own.clone();
+    let is_known = |own: &[f64], index: usize| own[index] > LEAST_SHARE * full[index];
+    for index in 1..own.len() {
+        if is_known(&own, index - 1) {
+            let factor = with_next[index - 1] / own[index - 1];
+            own[index] -= factor * with_next[index - 1];
+            let before = right[index - 1];
+            right[index] -= before * factor;
+        }
+    }
+    let mut found: Vec<Option<Vector3<f64>>> = vec![None; own.len()];
+    for index in (0..own.len()).rev().filter(|index| is_known(&own, *index)) {
+        let next = found.get(index + 1).copied().flatten().unwrap_or_default();
+        found[index] = Some((right[index] - next * with_next[index]) / own[index]);
+    }
+    found
+}
+
+/// How the tip moves, m, with the whole range of each module.
+fn columns(slopes: &[(Vector3<f64>, f64)], ranges: &[(f64, f64)]) -> Vec<Vector3<f64>> {
+    let column = |((velocity, slope), (rest, last)): (&(Vector3<f64>, f64), &(f64, f64))| {
+        if *slope == 0.0 { Vector3::zeros() } else { velocity * ((last - rest).abs() / slope) }
+    };
+    slopes.iter().zip(ranges).map(column).collect()
+}
+
+/// The change of the setpoints, as shares of their ranges, that takes an error of the tip away, m; within what is left of each. A module
+/// at the end of what is left stays there, and the others do what they can.
+fn step(columns: &[Vector3<f64>], left: &[[f64; 2]], error: &Vector3<f64>) -> Vec<f64> {
+    let mut shares = vec![None; columns.len()];
+    loop {
+        let done = columns.iter().zip(&shares).filter_map(|(column, share)| Some(column * share.as_ref().copied()?));
+        let wanted = -error - done.sum::<Vector3<f64>>();
+        let free: Vec<usize> = (0..columns.len()).filter(|module| shares[*module].is_none()).collect();
+        if free.is_empty() {
+            return shares.into_iter().map(Option::unwrap_or_default).collect();
+        }
+        let found = damped(&free.iter().map(|module| columns[*module]).collect::<Vec<_>>(), &wanted);
+        let beyond = free.iter().zip(&found).filter_map(|(module, share)| {
+            let [low, high] = left[*module];
+            (*share < low || *share > high).then(|| (*module, share.clamp(low, high)))
+        });
+        let ended: Vec<(usize, f64)> = beyond.collect();
+        let settled = if ended.is_empty() { free.into_iter().zip(found).collect() } else { ended };
+        settled.into_iter().for_each(|(module, share)| shares[module] = Some(share));
+    }
+}
+
+/// The shares whose sum of columns is `wanted`, m, as nearly as what hardly moves the tip is left alone.
+fn damped(columns: &[Vector3<f64>], wanted: &Vector3<f64>) -> Vec<f64> {
+    let count = columns.len();
+    let mut matrix = DMatrix::zeros(3 + count, count);
+    let damping = wanted.norm().max(DAMPING_M);
+    for (index, column) in columns.iter().enumerate() {
+        matrix.fixed_view_mut::<3, 1>(0, index).copy_from(column);
+        matrix[(3 + index, index)] = damping;
+    }
+    let mut right = DVector::zeros(3 + count);
+    right.fixed_rows_mut::<3>(0).copy_from(wanted);
+    // Of full rank by its lower half.
+    let shares = matrix.svd(true, true).solve(&right, 0.0);
+    shares.map_or_else(|_| vec![0.0; count], |shares| shares.iter().copied().collect())
+}
+
+/// Instants of the corrections, s, rising, from the start to the end of the last phase, two at least; and whether the limb rests there.
+fn instants(plan: &Plan) -> Vec<(f64, bool)> {
+    let mut times = vec![(0.0, false)];
+    let mut until = |end_s: f64, step_s: f64, rests: bool| {
+        let (begin_s, _) = times[times.len() - 1];
+        let count = ((end_s - begin_s) / step_s).ceil().max(0.0) as usize;
+        if let Some(last) = times.last_mut().filter(|_| count > 0) {
+            last.1 |= rests;
+        }
+        times.extend((1..=count).map(|index| (begin_s + (end_s - begin_s) * index as f64 / count as f64, rests)));
+    };
+    for phase in &plan.phases {
+        let (begin_s, end_s) = pause_s(phase);
+        until((begin_s + SETTLING_S).min(end_s), MOVING_S, false);
+        until(end_s, RESTING_S, true);
+    }
+    if times.len() < 2 {
+        times.push((MOVING_S, false));
+    }
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use softlimb_motion as motion;
+    use softlimb_scene as scene;
+
+    const FREE: [f64; 2] = [-1.0, 1.0];
+
+    #[test]
+    fn an_error_is_taken_away_by_who_can() {
+        let (across, up) = (Vector3::x() * 0.1, Vector3::z() * 0.2);
+        let error = Vector3::new(1e-3, 0.0, -2e-3);
+        let found = step(&[across, up], &[FREE, FREE], &error);
+        // Of 0.1 and 0.2 m by a whole range; damping by the error takes 0.05 % of the first and less of the second.
+        assert!((found[0] + 0.01).abs() < 1e-5 && (found[1] - 0.01).abs() < 1e-5, "{found:?}");
+        let ended = step(&[across, across, up], &[[0.0, 1.0], FREE, FREE], &error);
+        assert_eq!(ended[0], 0.0, "it has nothing left that way");
+        assert!((ended[1] + 0.01).abs() < 1e-5 && (ended[2] - 0.01).abs() < 1e-5, "{ended:?}");
+        assert_eq!(step(&[across], &[[0.0, 0.0]], &error), [0.0]);
+        assert_eq!(step(&[Vector3::zeros()], &[FREE], &Vector3::zeros()), [0.0]);
+    }
+
+    fn limb_and_plan() -> (Limb, Plan) {
+        let scene = scene::parse(include_str!("../../../../scenes/single-bending.toml"), "scene.toml").unwrap();
+        let limb = Limb::new(&scene).unwrap();
+        let plan = motion::plan(&scene, &limb).unwrap();
+        (limb, plan)
+    }
+
+    #[test]
+    fn straight_lines_between_the_instants_of_a_pause_are_found_as_they_are() {
+        let (limb, plan) = limb_and_plan();
+        let learner = Learner::new(&limb, &plan, 0.0, 1);
+        let times = &learner.corrections().times_s;
+        // Up and down from instant to instant in pauses, which a mean around each would flatten; in moves something else.
+        let height = |index: usize| if index.is_multiple_of(2) { 1e-3 } else { -2e-3 };
+        let error = |time_s: f64| {
+            let after = times.partition_point(|time| *time <= time_s).clamp(1, times.len() - 1);
+            let share = (time_s - times[after - 1]) / (times[after] - times[after - 1]);
+            let rests = learner.resting[after - 1] && learner.resting[after];
+            Vector3::z() * if rests { height(after - 1) * (1.0 - share) + height(after) * share } else { 0.1 }
+        };
+        let end_ms = (times[times.len() - 1] * 1e3) as u32;
+        let looks: Vec<_> = (0..end_ms).step_by(20).map(|ms| f64::from(ms) * 1e-3).map(|s| (s, error(s))).collect();
+        let found = learner.errors(&looks);
+        for (index, found) in found.iter().enumerate() {
+            let wanted = if learner.resting[index] { height(index) } else { 0.1 };
+            assert!((found.unwrap() - Vector3::z() * wanted).norm() < 1e-12, "{index}: {found:?}");
+        }
+        // One look tells about one instant, none about none.
+        let one = learner.errors(&looks[..1]);
+        assert_eq!(one.iter().flatten().count(), 1);
+        assert!(learner.errors(&[]).iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn a_pause_has_instants_of_its_own() {
+        let (_, plan) = limb_and_plan();
+        let instants = instants(&plan);
+        assert!(instants.is_sorted_by(|(a, _), (b, _)| a < b));
+        // Moves of 1.5 s and pauses of 1 s.
+        for (time_s, rests) in instants {
+            let into_phase_s = time_s % 2.5;
+            let is_end = time_s > 0.0 && !(1e-6..2.5 - 1e-6).contains(&into_phase_s);
+            assert_eq!(rests, is_end || into_phase_s > 1.8 - 1e-6, "{time_s} s");
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! From measurements to parameters: data from computations of the tests' own, noise by seed, and data that cannot tell.
+
+mod creep;
+mod noise;
+mod pressure;
+mod refusals;
+mod tension;
+mod tube;

@@ -1,0 +1,15 @@
+//! Tests of the rig, one module a subject.
+
+mod calibrate;
+mod link_common;
+mod link_faults;
+mod link_session;
+mod link_stream;
+mod record_log;
+mod report_page;
+mod report_summary;
+mod scene_runs;
+mod synthetic_run;
+mod table_scenes;
+mod trials;
+mod weight;

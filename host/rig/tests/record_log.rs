@@ -1,0 +1,231 @@
+//! A log reads back exactly, survives being cut off, and refuses what it is not.
+
+use softlimb_rig::record;
+use softlimb_rig::record::{RecordError, Recorder, RunLog};
+use std::path::Path;
+
+/// Writes a run the way a live one is written: everything in order of time.
+fn write(run: &RunLog, path: &Path) {
+    let mut recorder = Recorder::create(path, &run.info).unwrap();
+    stream(run, &mut recorder);
+    recorder.finish(run.link, run.wall_s).unwrap();
+}
+
+fn stream(run: &RunLog, recorder: &mut Recorder) {
+    let mut shapes = run.shapes.iter().peekable();
+    let mut faults = run.faults.iter().peekable();
+    for sample in &run.samples {
+        recorder.sample(sample).unwrap();
+        while let Some(shape) = shapes.next_if(|shape| shape.time_s <= sample.time_s) {
+            recorder.shape(shape).unwrap();
+        }
+        while let Some(fault) = faults.next_if(|fault| fault.time_s <= sample.time_s) {
+            recorder.fault(fault).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_run_reads_back_exactly() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut run = crate::synthetic_run::run();
+    // Values that a text format or an f32 would lose.
+    run.samples[7].channels[2].pressure_pa = 0.1 + 0.2;
+    run.samples[7].channels[3].true_pressure_pa = None;
+    run.samples[8].modules[1].achieved = None;
+    run.samples[9].tip_achieved_m = None;
+    run.samples[10].tip_setpoint_m = [f64::MIN_POSITIVE, -0.0, f64::MAX];
+    run.shapes[1].achieved = None;
+    run.info.scene_name = "größe \"x\"".into();
+    write(&run, &path);
+    let read = record::read(&path).unwrap();
+    // Piece by piece, so that a failure names the piece and not 2000 samples.
+    assert_eq!(read.info, run.info);
+    assert_eq!(read.samples.len(), run.samples.len());
+    for (read, written) in read.samples.iter().zip(&run.samples) {
+        assert_eq!(read, written);
+    }
+    assert_eq!(read.samples[10].tip_setpoint_m[1].to_bits(), (-0.0_f64).to_bits());
+    assert_eq!(read.shapes, run.shapes);
+    assert_eq!((read.faults, read.link, read.wall_s), (run.faults, run.link, run.wall_s));
+    assert_eq!(read.incomplete, None);
+}
+
+#[test]
+fn a_run_that_nobody_observed_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut run = crate::synthetic_run::run();
+    run.samples.truncate(3);
+    for sample in &mut run.samples {
+        sample.tip_achieved_m = None;
+        sample.channels.iter_mut().for_each(|channel| channel.true_pressure_pa = None);
+        sample.modules.iter_mut().for_each(|module| module.achieved = None);
+    }
+    run.shapes.clear();
+    run.faults.clear();
+    run.wall_s = None;
+    write(&run, &path);
+    assert_eq!(record::read(&path).unwrap(), run);
+}
+
+#[test]
+fn equal_runs_give_equal_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let (one, two) = (folder.path().join("one.mcap"), folder.path().join("two.mcap"));
+    let run = crate::synthetic_run::run();
+    write(&run, &one);
+    write(&run, &two);
+    assert_eq!(std::fs::read(one).unwrap(), std::fs::read(two).unwrap());
+}
+
+#[test]
+fn the_name_is_given_only_to_a_finished_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    std::fs::write(&path, "the log before").unwrap();
+    let run = crate::synthetic_run::run();
+    let mut recorder = Recorder::create(&path, &run.info).unwrap();
+    stream(&run, &mut recorder);
+    drop(recorder);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "the log before");
+
+    let left = record::read(folder.path().join("run.mcap.partial")).unwrap();
+    assert_eq!(left.samples, run.samples);
+    assert_eq!(left.incomplete.as_deref(), Some("the run was not finished"));
+
+    write(&run, &path);
+    assert_eq!(record::read(&path).unwrap().incomplete, None);
+    assert!(!folder.path().join("run.mcap.partial").exists());
+}
+
+#[test]
+fn while_the_run_goes_on_the_disk_is_at_most_half_a_second_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let run = crate::synthetic_run::run();
+    let mut recorder = Recorder::create(&path, &run.info).unwrap();
+    for sample in &run.samples[..777] {
+        recorder.sample(sample).unwrap();
+    }
+    // What another process would see now, as after a kill.
+    let seen = record::read(folder.path().join("run.mcap.partial")).unwrap();
+    let behind_s = run.samples[776].time_s - seen.samples.last().unwrap().time_s;
+    assert!(behind_s <= 0.5 + crate::synthetic_run::PERIOD_S, "{behind_s} s behind");
+    assert_eq!(seen.samples, run.samples[..seen.samples.len()]);
+    assert!(seen.incomplete.is_some());
+}
+
+#[test]
+fn a_log_cut_off_anywhere_gives_its_beginning() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let run = crate::synthetic_run::run();
+    write(&run, &path);
+    let whole = std::fs::read(&path).unwrap();
+    let mut longest = 0;
+    for percent in (1..100).step_by(7) {
+        std::fs::write(&path, &whole[..whole.len() * percent / 100]).unwrap();
+        let read = record::read(&path).unwrap();
+        assert!(read.incomplete.is_some(), "{percent} %");
+        assert_eq!(read.samples, run.samples[..read.samples.len()], "{percent} %");
+        assert!(read.samples.len() >= longest, "{percent} %");
+        longest = read.samples.len();
+    }
+    assert!(longest > 1800, "only {longest} samples at 99 %");
+}
+
+#[test]
+fn no_flipped_bit_goes_unnoticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut run = crate::synthetic_run::run();
+    run.samples.truncate(60);
+    run.shapes.truncate(2);
+    write(&run, &path);
+    let whole = std::fs::read(&path).unwrap();
+    for (place, bit) in (0..whole.len()).step_by(131).zip((0..8).cycle()) {
+        let mut bytes = whole.clone();
+        bytes[place] ^= 1 << bit;
+        std::fs::write(&path, bytes).unwrap();
+        if let Ok(read) = record::read(&path) {
+            assert!(read.incomplete.is_some(), "bit {bit} of byte {place} of {}", whole.len());
+            assert!(run.samples.starts_with(&read.samples), "bit {bit} of byte {place}");
+        }
+    }
+}
+
+#[test]
+fn channels_that_no_device_has_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut info = crate::synthetic_run::info();
+    info.modules[1].channels = 0..usize::MAX;
+    let error = Recorder::create(folder.path().join("run.mcap"), &info).unwrap_err();
+    assert!(error.to_string().contains("\"elbow\""), "{error}");
+}
+
+#[test]
+fn a_flipped_bit_ends_the_log_there_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let run = crate::synthetic_run::run();
+    write(&run, &path);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x10;
+    std::fs::write(&path, bytes).unwrap();
+    let read = record::read(&path).unwrap();
+    assert!(read.incomplete.is_some());
+    assert!((500..1500).contains(&read.samples.len()), "{} samples", read.samples.len());
+    assert_eq!(read.samples, run.samples[..read.samples.len()]);
+}
+
+#[test]
+fn what_is_no_log_is_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.mcap");
+    let missing = record::read(&path).unwrap_err();
+    assert!(matches!(missing, RecordError::File { action: "read", .. }));
+    assert!(missing.to_string().contains("x.mcap"));
+
+    for content in [&b""[..], b"text", b"\x89MCAP1\r\n"] {
+        std::fs::write(&path, content).unwrap();
+        assert!(matches!(record::read(&path), Err(RecordError::NotMcap { .. })), "{content:?}");
+    }
+
+    // Magic and a header with empty profile and library: how any MCAP file begins.
+    let foreign = [&b"\x89MCAP0\r\n"[..], &[1, 8, 0, 0, 0, 0, 0, 0, 0], &[0; 8]].concat();
+    std::fs::write(&path, foreign).unwrap();
+    assert!(matches!(record::read(&path), Err(RecordError::NotARun { .. })));
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("no/run.mcap");
+    let error = Recorder::create(&path, &crate::synthetic_run::info()).unwrap_err().to_string();
+    assert!(error.contains("cannot create") && error.contains("run.mcap.partial"), "{error}");
+}
+
+#[test]
+fn a_sample_that_does_not_fit_the_run_is_refused_and_the_log_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let run = crate::synthetic_run::run();
+    let mut recorder = Recorder::create(&path, &run.info).unwrap();
+    let good = &run.samples[0];
+
+    let mut bad = good.clone();
+    bad.channels.pop();
+    assert!(recorder.sample(&bad).unwrap_err().to_string().contains("8 channels, the run has 9"));
+    let mut bad = good.clone();
+    bad.modules.clear();
+    assert!(recorder.sample(&bad).unwrap_err().to_string().contains("0 modules, the run has 3"));
+    let bad = record::Sample { time_s: f64::NAN, ..good.clone() };
+    assert!(recorder.sample(&bad).unwrap_err().to_string().contains("not finite"));
+
+    recorder.sample(good).unwrap();
+    recorder.finish(run.link, None).unwrap();
+    assert_eq!(record::read(&path).unwrap().samples, run.samples[..1]);
+}

@@ -1,0 +1,217 @@
+//! The page: whole in itself, well-formed, and without a number that is none.
+
+use softlimb_rig::record::RunLog;
+use softlimb_rig::report::html;
+
+/// Everything between `open` and the next `close`, for each `open`.
+fn between<'a>(text: &'a str, open: &str, close: &str) -> Vec<&'a str> {
+    text.split(open).skip(1).map(|rest| rest.split(close).next().unwrap()).collect()
+}
+
+fn drawings(page: &str) -> Vec<&str> {
+    between(page, "<svg", "</svg>")
+}
+
+/// Every number of every attribute that places something.
+fn placements(page: &str) -> Vec<String> {
+    let attributes = [" d=\"", " x=\"", " y=\"", " width=\"", " height=\"", " viewBox=\""];
+    let texts = drawings(page).into_iter().flat_map(|svg| attributes.map(|name| between(svg, name, "\"")));
+    let split = |text: &str| {
+        text.split(|c: char| c.is_ascii_whitespace() || "MLHVh".contains(c)).map(str::to_owned).collect::<Vec<_>>()
+    };
+    texts.flatten().flat_map(split).filter(|number| !number.is_empty()).collect()
+}
+
+fn assert_sound(page: &str) {
+    assert!(drawings(page).len() >= 5, "{} drawings", drawings(page).len());
+    for number in placements(page) {
+        let value: f64 = number.parse().unwrap_or_else(|_| panic!("{number:?} is no number"));
+        assert!(value.is_finite() && value.abs() < 1e5, "{number:?}");
+    }
+    for svg in drawings(page) {
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        assert_balanced(svg);
+    }
+}
+
+/// Every element that opens closes, in order. `svg` begins inside its own open tag.
+fn assert_balanced(svg: &str) {
+    let mut open = Vec::new();
+    for tag in between(&svg[svg.find('>').unwrap()..], "<", ">") {
+        let name = tag.split_whitespace().next().unwrap();
+        match name.strip_prefix('/') {
+            Some(closed) => assert_eq!(open.pop(), Some(closed), "{tag}"),
+            None if tag.ends_with('/') => {}
+            None => open.push(name),
+        }
+    }
+    assert!(open.is_empty(), "{open:?} stay open");
+}
+
+#[test]
+fn the_page_shows_every_module_and_needs_nothing_else() {
+    let page = html(&crate::synthetic_run::run());
+    assert_sound(&page);
+    // Two tip views, two error charts, deformation and pressures of three modules, supply.
+    assert_eq!(drawings(&page).len(), 2 + 2 + 3 + 3 + 1);
+    for title in ["proximal: extension", "elbow: bending", "distal: pressures", "Tip error", "Supply"] {
+        assert!(page.contains(&format!("aria-label=\"{title}\"")), "{title}");
+    }
+    for text in ["18446744073709551615", "e3069283", "000000ff", "implausible", "15.00", "real-time factor 80.0"] {
+        assert!(page.contains(text), "{text}");
+    }
+    for outside in ["<script", "http:", "https:", "src=", "@import", "url("] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    assert_eq!(between(&page, "href=\"", "\""), ["#faults"]);
+    assert!(page.len() < 400_000, "{} bytes", page.len());
+}
+
+#[test]
+fn text_from_outside_is_escaped() {
+    let mut run = crate::synthetic_run::run();
+    let hostile = "</pre><script>alert(\"1\")</script> & 'x'\u{7}";
+    run.info.scene_name = hostile.into();
+    run.info.scene_text = hostile.into();
+    run.info.tool_version = hostile.into();
+    run.info.modules[0].name = hostile.into();
+    run.info.modules[1].motion = hostile.into();
+    run.info.phases[0].name = hostile.into();
+    run.faults[0].text = hostile.into();
+    run.incomplete = Some(hostile.into());
+    let page = html(&run);
+    assert!(!page.contains("<script"));
+    assert_eq!(page.matches("</pre>").count(), 1);
+    assert!(!drawings(&page).iter().any(|svg| svg.contains('\u{7}')));
+    assert_sound(&page);
+}
+
+#[test]
+fn no_value_of_a_log_makes_a_broken_drawing() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 0.0] {
+        let mut run = crate::synthetic_run::run();
+        for sample in run.samples.iter_mut().skip(100).step_by(7) {
+            sample.supply_pa = bad;
+            sample.modules[0].setpoint = bad;
+            sample.modules[1].achieved = Some(bad);
+            sample.channels[2].pressure_pa = bad;
+            sample.channels[5].reference_pa = bad;
+            sample.tip_achieved_m = Some([bad, 0.0, bad]);
+        }
+        run.shapes[25].setpoint[3] = [bad; 3];
+        run.faults[0].time_s = bad;
+        run.info.phases[1].move_s = bad;
+        assert_sound(&html(&run));
+    }
+}
+
+#[test]
+fn a_log_of_nothing_still_makes_a_page() {
+    let mut run = crate::synthetic_run::run();
+    run.samples.clear();
+    run.shapes.clear();
+    run.faults.clear();
+    run.info.phases.clear();
+    run.info.modules.clear();
+    let page = html(&run);
+    assert!(page.contains("No faults."));
+    assert_sound(&page);
+}
+
+#[test]
+fn the_states_of_the_device_are_told() {
+    let mut run = crate::synthetic_run::run();
+    run.samples[0].state = 1;
+    run.samples[1500..].iter_mut().for_each(|sample| sample.state = 3);
+    assert!(html(&run).contains("Device: ready from 0.000 s, running from 0.010 s, holding from 15.000 s."));
+}
+
+#[test]
+fn one_sample_is_drawn_as_a_dot() {
+    let mut run = crate::synthetic_run::run();
+    run.samples.truncate(1);
+    let page = html(&run);
+    assert_sound(&page);
+    assert!(drawings(&page).iter().filter(|svg| svg.contains("h0\"")).count() >= 8);
+}
+
+#[test]
+fn what_was_not_observed_is_not_in_the_legend() {
+    let legend = |run: &RunLog| between(&html(run), "class=\"legend\"", "</text>").join(" ");
+    let mut run = crate::synthetic_run::run();
+    assert!(legend(&run).contains(">achieved") && legend(&run).contains(">chamber"));
+    for sample in &mut run.samples {
+        sample.tip_achieved_m = None;
+        sample.modules.iter_mut().for_each(|module| module.achieved = None);
+        sample.channels.iter_mut().for_each(|channel| channel.true_pressure_pa = None);
+    }
+    run.shapes.iter_mut().for_each(|shape| shape.achieved = None);
+    assert!(!legend(&run).contains("achieved") && !legend(&run).contains("chamber"));
+}
+
+/// Pixels per unit between the first and the last tick of an axis.
+fn scale(svg: &str, class: &str, coordinate: &str) -> f64 {
+    let ticks: Vec<(f64, f64)> = between(svg, &format!("class=\"{class}\""), "</text>")
+        .into_iter()
+        .map(|tick| {
+            (
+                between(tick, &format!(" {coordinate}=\""), "\"")[0].parse().unwrap(),
+                tick.split('>').nth(1).unwrap().parse().unwrap(),
+            )
+        })
+        .collect();
+    let ((from, low), (to, high)) = (ticks[0], ticks[ticks.len() - 1]);
+    (to - from).abs() / (high - low)
+}
+
+#[test]
+fn the_tip_views_have_equal_axes_and_one_scale() {
+    let page = html(&crate::synthetic_run::run());
+    let views: Vec<_> = drawings(&page).into_iter().filter(|svg| svg.contains("view\"")).collect();
+    assert_eq!(views.len(), 2);
+    let scales: Vec<f64> =
+        views.iter().flat_map(|svg| [scale(svg, "tick-x", "x"), scale(svg, "tick-y", "y")]).collect();
+    for other in &scales {
+        assert!((other / scales[0] - 1.0).abs() < 2e-3, "{scales:?}");
+    }
+}
+
+#[test]
+fn each_phase_is_a_band_over_the_time_charts() {
+    let page = html(&crate::synthetic_run::run());
+    let tip_error = drawings(&page).into_iter().find(|svg| svg.contains("aria-label=\"Tip error\"")).unwrap();
+    // Four phases, every second one shaded: 5 of 20 s each.
+    let widths: Vec<f64> = between(tip_error, "class=\"band\"", "/>")
+        .iter()
+        .map(|band| between(band, " width=\"", "\"")[0].parse().unwrap())
+        .collect();
+    assert_eq!(widths, [172.5, 172.5]);
+    for phase in ["reach", "grasp", "lift", "return"] {
+        assert!(tip_error.contains(&format!(">{phase}</text>")), "{phase}");
+    }
+    assert_eq!(tip_error.matches("class=\"mark\"").count(), 1);
+}
+
+#[test]
+fn among_obstacles_each_phase_has_a_pair_of_views_to_one_scale() {
+    use softlimb_rig::record::{NearestInfo, SolidInfo};
+    let mut run = crate::synthetic_run::run();
+    assert!(!html(&run).contains("Among the obstacles"));
+    let line = vec![[0.1, 0.2, 0.3], [0.15, 0.2, 0.3]];
+    run.info.solids = vec![SolidInfo { name: "post".into(), region: false, lines_m: vec![line] }];
+    let time_s = run.info.phases[1].start_s;
+    run.info.phases[1].nearest = Some(NearestInfo { obstacle: "post".into(), distance_m: 0.012, time_s });
+    let page = html(&run);
+    assert_sound(&page);
+    let views: Vec<_> = drawings(&page).into_iter().filter(|svg| svg.contains(", from the ")).collect();
+    assert_eq!(views.len(), 2 * run.info.phases.len());
+    for phase in &run.info.phases {
+        assert!(views.iter().any(|svg| svg.contains(&format!("{}, from the side", phase.name))), "{}", phase.name);
+    }
+    // The limb at its nearest is drawn where it is known when that is: in one phase, from two sides.
+    assert_eq!(views.iter().filter(|svg| svg.contains("planned, nearest")).count(), 2);
+    assert!(page.contains("12.0 mm from post"), "the table says how near");
+    let scales: Vec<f64> =
+        views.iter().flat_map(|svg| [scale(svg, "tick-x", "x"), scale(svg, "tick-y", "y")]).collect();
+    assert!(scales.iter().all(|other| (other / scales[0] - 1.0).abs() < 2e-3), "{scales:?}");
+}

@@ -1,0 +1,172 @@
+//! A made-up but plausible run for the tests of the log and the report: a limb of an
+//! extending, a bending and an extending module of three channels each. Setpoints are
+//! smooth moves between phase targets; pressures follow with a lag, and the limb
+//! follows the pressures with a stiffness error.
+
+use softlimb_rig::record::{
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, PhaseInfo, Quantity, RunInfo, RunLog, Sample,
+    Shape,
+};
+
+/// Sample period, s.
+pub(crate) const PERIOD_S: f64 = 0.01;
+/// Lag of pressure behind its reference, s.
+const LAG_S: f64 = 0.12;
+/// Undeformed lengths of the modules, m.
+const LENGTH_M: [f64; 3] = [0.20, 0.25, 0.15];
+/// Roll of the bending plane about the axis of the base, rad.
+const ROLL_RAD: f64 = 0.6;
+/// Targets of the modules at the ends of the phases: stretch, rad, stretch.
+const TARGETS: [[f64; 3]; 5] =
+    [[1.0, 0.0, 1.0], [1.25, 0.6, 1.0], [1.10, 1.3, 1.20], [1.30, 0.9, 1.30], [1.0, 0.0, 1.0]];
+
+/// The run's description: four phases of a 3 s move and a 2 s hold.
+pub(crate) fn info() -> RunInfo {
+    let module = |name: &str, motion: &str, quantity, first: usize| ModuleInfo {
+        name: name.into(),
+        motion: motion.into(),
+        quantity,
+        channels: first..first + 3,
+    };
+    let phases = ["reach", "grasp", "lift", "return"].iter().zip(0..).map(|(name, index)| PhaseInfo {
+        name: (*name).into(),
+        start_s: 5.0 * f64::from(index),
+        move_s: 3.0,
+        hold_s: 2.0,
+        gripper: None,
+        nearest: None,
+    });
+    RunInfo {
+        scene_name: "synthetic-limb".into(),
+        scene_text: "schema = 1\nname = \"synthetic-limb\"  # <made up> & small\n".into(),
+        tool_version: "0.1.0".into(),
+        firmware_version: "0.1.0".into(),
+        schema_hash: 0xe306_9283,
+        config_hash: 0x0000_00ff,
+        seed: u64::MAX,
+        start_unix_ns: 0,
+        modules: vec![
+            module("proximal", "extension", Quantity::AxialStretch, 0),
+            module("elbow", "bending", Quantity::BendAngle, 3),
+            module("distal", "extension", Quantity::AxialStretch, 6),
+        ],
+        phases: phases.collect(),
+        solids: Vec::new(),
+        simulated: true,
+        weightless: false,
+    }
+}
+
+/// The whole run of 20 s.
+pub(crate) fn run() -> RunLog {
+    let info = info();
+    let mut lagged = TARGETS[0];
+    let mut samples = Vec::new();
+    let mut shapes = Vec::new();
+    for step in 0..=2000_u32 {
+        let time_s = f64::from(step) * PERIOD_S;
+        let setpoint = setpoint_at(time_s);
+        let ripple = 0.002 * (time_s * 11.0).sin();
+        for (value, target) in lagged.iter_mut().zip(setpoint) {
+            *value += (target - *value) * PERIOD_S / LAG_S;
+        }
+        let modelled = lagged.map(|value| value + ripple);
+        let achieved = [stiffer(modelled[0], 1.0), modelled[1] * 0.94, stiffer(modelled[2], 1.0)];
+        samples.push(sample(time_s, setpoint, modelled, achieved));
+        if step % 20 == 0 {
+            shapes.push(Shape { time_s, setpoint: backbone(setpoint), achieved: Some(backbone(achieved)) });
+        }
+    }
+    let faults = vec![FaultRecord {
+        time_s: 12.34,
+        channel: 4,
+        code: 1,
+        value: -7,
+        text: "sensor of channel 4 implausible".into(),
+    }];
+    let link = LinkSummary {
+        frames_sent: 2210,
+        frames_received: 4105,
+        bytes_sent: 68_510,
+        bytes_received: 175_000,
+        retransmitted: 3,
+        crc_errors: 2,
+        telemetry_lost: 1,
+    };
+    RunLog { info, samples, faults, shapes, link, wall_s: Some(0.25), incomplete: None }
+}
+
+fn stiffer(stretch: f64, rest: f64) -> f64 {
+    rest + (stretch - rest) * 0.95
+}
+
+/// Minimum-jerk move from target to target, then hold.
+fn setpoint_at(time_s: f64) -> [f64; 3] {
+    let phase = ((time_s / 5.0) as usize).min(3);
+    let s = ((time_s - 5.0 * phase as f64) / 3.0).min(1.0);
+    let blend = s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    let (from, to) = (TARGETS[phase], TARGETS[phase + 1]);
+    std::array::from_fn(|module| from[module] + (to[module] - from[module]) * blend)
+}
+
+/// Gauge pressure that a module needs for a deformation, Pa; made up, monotone.
+fn pressure_pa(module: usize, value: f64) -> f64 {
+    match module {
+        1 => 62e3 * value.max(0.0).powf(0.9),
+        _ => 150e3 * (value - 1.0).max(0.0).powf(0.8) * 1.4,
+    }
+}
+
+fn sample(time_s: f64, setpoint: [f64; 3], modelled: [f64; 3], achieved: [f64; 3]) -> Sample {
+    let channels = (0..9).map(|channel| {
+        let module = channel / 3;
+        let spread = 1.0 + 0.04 * ((channel % 3) as f64 - 1.0);
+        let measured = pressure_pa(module, modelled[module]) * spread;
+        let reference = pressure_pa(module, setpoint[module]) * spread;
+        ChannelSample {
+            pressure_pa: (measured / 10.0).round() * 10.0,
+            reference_pa: reference,
+            duty: ((reference - measured) / 20e3).clamp(-1.0, 1.0),
+            status: u8::from(channel == 4 && (12.3..12.5).contains(&time_s)),
+            true_pressure_pa: Some(measured + 180.0 * (channel as f64 - 4.0)),
+        }
+    });
+    let modules = (0..3).map(|module| ModuleSample {
+        setpoint: setpoint[module],
+        modelled: modelled[module],
+        achieved: Some(achieved[module]),
+    });
+    Sample {
+        time_s,
+        state: 2,
+        fault_bits: if time_s >= 12.34 { 1 << 1 } else { 0 },
+        supply_pa: 240e3 - 300.0 * time_s,
+        channels: channels.collect(),
+        modules: modules.collect(),
+        tip_setpoint_m: tip(setpoint),
+        tip_modelled_m: tip(modelled),
+        tip_achieved_m: Some(tip(achieved)),
+    }
+}
+
+fn tip(modules: [f64; 3]) -> [f64; 3] {
+    backbone(modules).pop().unwrap_or_default()
+}
+
+/// Straight, circular arc, straight: base to tip, m.
+fn backbone([proximal, bend_rad, distal]: [f64; 3]) -> Vec<[f64; 3]> {
+    let mut points = vec![[0.0; 3]];
+    let (mut along, mut across) = (LENGTH_M[0] * proximal, 0.0);
+    let place = |along: f64, across: f64| [across * ROLL_RAD.cos(), across * ROLL_RAD.sin(), -along];
+    points.push(place(along, across));
+    for piece in 0..16 {
+        let angle = bend_rad * (f64::from(piece) + 0.5) / 16.0;
+        along += LENGTH_M[1] / 16.0 * angle.cos();
+        across += LENGTH_M[1] / 16.0 * angle.sin();
+        points.push(place(along, across));
+    }
+    along += LENGTH_M[2] * distal * bend_rad.cos();
+    across += LENGTH_M[2] * distal * bend_rad.sin();
+    points.push(place(along, across));
+    points
+}

@@ -1,0 +1,156 @@
+//! Setpoints corrected for weight.
+
+use fra_model::State;
+use nalgebra::Vector3;
+use softlimb_limb::Limb;
+use softlimb_limb::statics::{Load, LoadedLimb, Tier, by_tier};
+use softlimb_motion as motion;
+use softlimb_motion::{Nominal, OnLimb, Plan, carried, payload_kg};
+use softlimb_scene::Scene;
+
+use crate::weight::{HANGING, NO_SPREAD, before, log, longer_m, parsed, repository};
+
+fn planned(scene: &Scene) -> (Limb, Plan) {
+    let limb = Limb::new(scene).expect("a limb");
+    let plan = motion::plan(scene, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    (limb, plan)
+}
+
+fn refused(scene: &Scene) -> String {
+    let limb = Limb::new(scene).expect("a limb");
+    match motion::plan(scene, &limb) {
+        Ok(_) => panic!("it is planned"),
+        Err(error) => error.render(false),
+    }
+}
+
+/// The tip of the loaded nominal limb, straight from the statics.
+fn tip(scene: &Scene, limb: &Limb, states: &[State<f64>], payload_kg: f64, tier: Tier) -> Vector3<f64> {
+    let channels: Vec<f64> = states.iter().flat_map(|state| [state.pressure_pa.max(0.0); 3]).collect();
+    let bays: Vec<usize> = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
+    let load = Load { payload_kg, ..Load::default() };
+    let loaded = LoadedLimb::new(scene, limb, &channels, &bays, &load).expect("a bundle");
+    by_tier(&loaded.rod, tier, None).expect("it stands").1.tip().translation.vector
+}
+
+#[test]
+fn under_load_the_tip_is_at_the_goals_of_the_plan_without() {
+    let without = repository("loaded/carry-hanging", "compensated = false\n");
+    let scene = repository("loaded/carry-hanging", "");
+    let ((limb, free), (_, plan)) = (planned(&without), planned(&scene));
+    let weighed = plan.weighed().expect("corrected");
+    assert!(free.weighed().is_none() && weighed.error < 1e-3);
+    for (phase, carried) in plan.phases.iter().zip(carried(scene.phases())) {
+        // The gripper acts at the end of the move: just before, and after the hold.
+        for (time_us, kg) in [
+            (phase.start_us + phase.move_us, carried.move_kg),
+            (phase.start_us + phase.move_us + phase.hold_us, carried.hold_kg),
+        ] {
+            let goal = Vector3::from(limb.tip(&free.states_at(time_us as f64)));
+            let states = plan.states_at(time_us as f64);
+            let [coarse, fine] =
+                [weighed.tier, Tier::Fourfold].map(|tier| (tip(&scene, &limb, &states, kg, tier) - goal).norm());
+            let sag = (tip(&scene, &limb, &free.states_at(time_us as f64), kg, Tier::Fourfold) - goal).norm();
+            println!(
+                "{}: {:.1} mm off without correction, {:.4} with, {:.3} by the finest model",
+                phase.name,
+                1e3 * sag,
+                1e3 * coarse,
+                1e3 * fine
+            );
+            // Microradians on the wire; and what the model says of its own error.
+            assert!(coarse < 5e-6, "{}: {coarse}", phase.name);
+            assert!(fine < 1.5e-3 * scene.rest_length_m() && sag > 5e-3);
+        }
+    }
+}
+
+#[test]
+fn a_hanging_module_is_told_to_be_shorter_by_what_its_load_adds() {
+    let scene = parsed(&(HANGING.to_owned() + "[weight]\n"));
+    let (_, plan) = planned(&scene);
+    let mut shorter = Vec::new();
+    // At the ends of moves: before the object is picked up, with it, and before it is put down.
+    for (phase, kg, goal) in [(0, 0.1, 1.06), (2, 0.15, 1.06), (3, 0.15, 1.05)] {
+        let value = plan.phases[phase].values[0];
+        let end_us = (plan.phases[phase].start_us + plan.phases[phase].move_us) as f64;
+        let pressure_pa = plan.states_at(end_us)[0].pressure_pa;
+        let expected = longer_m(&scene, pressure_pa, kg) / 0.24;
+        println!("{}: {:.5} shorter, {expected:.5} by the tubes", plan.phases[phase].name, goal - value);
+        assert!(((goal - value) / expected - 1.0).abs() < 0.01, "{value}");
+        shorter.push(goal - value);
+    }
+    assert!(shorter[1] > 1.2 * shorter[0], "more load, more correction: {shorter:?}");
+}
+
+#[test]
+fn derivatives_of_the_loaded_tip_are_those_of_differences() {
+    let scene = repository("loaded/carry-hanging", "");
+    let limb = Limb::new(&scene).expect("a limb");
+    let (pressures, spans, on) = ([30e3, 60e3, 20e3], [4e4, 15e4, 9e4], OnLimb::whole(0.7));
+    let mut nominal = Nominal::new(&scene, &limb, Tier::Linear);
+    let pose = nominal.at(&pressures, on).expect("it stands");
+    let velocities = nominal.velocities_m(&pose, &pressures, on, &spans).expect("stable");
+    for module in 0..3 {
+        let mut moved = |way: f64| {
+            let mut p = pressures;
+            p[module] += way * 1e-3 * spans[module];
+            nominal.at(&p, on).expect("it stands").tip_m()
+        };
+        let slope = (moved(1.0) - moved(-1.0)) / 2e-3;
+        assert!((velocities[module] - slope).norm() < 1e-4 * slope.norm(), "{module}: {} {slope}", velocities[module]);
+    }
+}
+
+#[test]
+fn setpoints_begin_at_rest_and_do_not_jump() {
+    let (_, plan) = planned(&repository("loaded/carry-hanging", ""));
+    assert!(plan.states_at(0.0).iter().all(|state| state.pressure_pa.abs() < 100.0));
+    let period_us = plan.knot_period_us as f64;
+    for knot in 1..plan.knots().len() {
+        let [a, b] = [knot - 1, knot].map(|knot| plan.states_at(knot as f64 * period_us));
+        // A move takes some seconds from nothing to 100 kPa: 1 kPa in a knot of 20 ms.
+        assert!(a.iter().zip(&b).all(|(a, b)| (a.pressure_pa - b.pressure_pa).abs() < 2.5e3), "knot {knot}");
+    }
+}
+
+#[test]
+fn on_the_nominal_limb_only_the_valves_are_left() {
+    let rows = |more: &str| {
+        let scene = repository("loaded/carry-hanging", &(more.to_owned() + NO_SPREAD));
+        let log = log(&scene);
+        assert_eq!(log.faults, []);
+        // Just before the gripper acts.
+        let ends = log.info.phases.iter().map(|phase| before(&log, phase.hold_start_s() - 1e-4).clone());
+        ends.map(|sample| (Vector3::from(sample.tip_achieved_m.unwrap()) - Vector3::from(sample.tip_setpoint_m)).norm())
+            .collect::<Vec<_>>()
+    };
+    let (corrected, bare) = (rows(""), rows("compensated = false\n"));
+    println!("tip off its goals: {corrected:.5?} m corrected, {bare:.4?} m without");
+    assert!(corrected.iter().all(|off| *off < 1.5e-3) && bare.iter().all(|off| *off > 5e-3));
+}
+
+#[test]
+fn what_is_carried_follows_the_gripper() {
+    let scene = parsed(&(HANGING.to_owned() + "[weight]\ncompensated = false\n"));
+    let (_, plan) = planned(&scene);
+    let carried = carried(scene.phases());
+    let at = |time_s: f64| payload_kg(&carried, &plan.phases, (1e6 * time_s) as u64);
+    assert_eq!([0.0, 1.3, 1.79, 1.81, 2.3, 2.99, 3.01, 9.0].map(at), [0.0, 0.0, 0.0, 0.05, 0.05, 0.05, 0.0, 0.0]);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_at_its_line() {
+    let scene = repository("pick-and-place-a", "\n[weight]\n");
+    let text = refused(&scene);
+    assert!(text.contains("does not carry its own weight at rest") && text.contains("`shoulder` carries"), "{text}");
+    assert!(text.contains("spacers") && text.contains("[[phase]]"), "{text}");
+    let path = format!("{}/../../scenes/loaded/carry-hanging.toml", env!("CARGO_MANIFEST_DIR"));
+    let heavy = std::fs::read_to_string(path).unwrap().replace("payload = \"1 kg\"", "payload = \"9 kg\"");
+    let text = refused(&parsed(&heavy));
+    assert!(
+        text.contains("cannot reach this goal under its load") && text.contains("nearest reachable point"),
+        "{text}"
+    );
+    assert!(text.contains("`wrist` has no pressure left"), "{text}");
+}

@@ -1,0 +1,91 @@
+//! What a design may choose.
+
+use fra_model::Motion;
+use toml::de::DeValue;
+
+use super::module::{Draft, MOTIONS};
+use crate::data::{Choice, Design, ModuleBounds};
+use crate::error::{Problem, quoted};
+use crate::reader::Reader;
+use crate::schema;
+use crate::schema::{bounds, design as keys};
+use crate::source::Located;
+use crate::value::wrong_type;
+
+/// The `[design]` of a scene; the inner `None` where it has none.
+pub(super) fn design(root: &Reader<'_>, drafts: &[Draft<'_>]) -> Option<Option<Design>> {
+    let Some(value) = root.value(schema::scene::DESIGN.name) else { return Some(None) };
+    let reader = Reader::open(root.log(), value, &keys::SECTION, &quoted(schema::scene::DESIGN.name))?;
+    let [inner, wall, length, angle] =
+        [keys::INNER_RADIUS, keys::WALL, keys::LENGTH, keys::FIBER_ANGLE].map(|key| reader.pair(&key));
+    let limit_margin = reader.quantity(&keys::LIMIT_MARGIN);
+    let shared_supply_line = reader.flag(&keys::SHARED_SUPPLY_LINE);
+    let pressure_reserve = reader.quantity(&keys::PRESSURE_RESERVE);
+    let mount_angle_free = reader.choice(&keys::MOUNT_ANGLE, &[false, true]);
+    let choice = choice(&reader);
+    let common = ModuleBounds { inner_radius_m: inner?, wall_m: wall?, length_m: length?, fiber_angle_rad: angle? };
+    Some(Some(Design {
+        common,
+        modules: drafts.iter().map(|draft| draft.bounds.or(&common)).collect(),
+        limit_margin: *limit_margin?,
+        shared_supply_line: shared_supply_line?,
+        pressure_reserve: *pressure_reserve?,
+        mount_angle_free: *mount_angle_free?,
+        choice: choice?,
+    }))
+}
+
+/// The bounds of one module, from the table inside its own.
+pub(super) fn module_bounds(module: &Reader<'_>) -> Option<ModuleBounds> {
+    let name = schema::module::BOUNDS.name;
+    let Some(value) = module.value(name) else { return Some(ModuleBounds::default()) };
+    let reader = Reader::open(module.log(), value, &bounds::SECTION, &quoted(name))?;
+    let [inner, wall, length, angle] =
+        [bounds::INNER_RADIUS, bounds::WALL, bounds::LENGTH, bounds::FIBER_ANGLE].map(|key| reader.pair(&key));
+    Some(ModuleBounds { inner_radius_m: inner?, wall_m: wall?, length_m: length?, fiber_angle_rad: angle? })
+}
+
+fn choice(reader: &Reader<'_>) -> Option<Option<Located<Choice>>> {
+    let Some(modules) = reader.pair(&keys::MODULES)? else {
+        reader.forbid(&[keys::MOTIONS.name], "without `modules`")?;
+        return Some(None);
+    };
+    let [least, most] = *modules;
+    if least.fract() != 0.0 || most.fract() != 0.0 {
+        let title = format!("`{}` needs whole numbers", keys::MODULES.name);
+        return reader.log().note(Problem::at(modules.span, title, "not whole"));
+    }
+    let motions = motions(reader)?;
+    Some(Some(modules.map(|_| Choice { modules_min: least as usize, modules_max: most as usize, motions })))
+}
+
+fn motions(reader: &Reader<'_>) -> Option<Vec<Motion>> {
+    let name = keys::MOTIONS.name;
+    let Some(value) = reader.value(name) else { return Some(MOTIONS.to_vec()) };
+    let DeValue::Array(items) = value.get_ref() else {
+        return reader.log().note(wrong_type(
+            value.span().into(),
+            &quoted(name),
+            "an array of motions",
+            value.get_ref(),
+        ));
+    };
+    let words = schema::module::MOTION.words;
+    let mut motions = Vec::new();
+    for item in items.iter() {
+        let span = item.span().into();
+        let word = item.get_ref().as_str().unwrap_or("");
+        let Some((_, motion)) = words.iter().zip(MOTIONS).find(|(known, _)| **known == word) else {
+            let help = format!("choose from `{}`", words.join("`, `"));
+            return reader.log().note(Problem::at(span, "this is no motion", "unknown").help(help));
+        };
+        if motions.contains(&motion) {
+            return reader.log().note(Problem::at(span, format!("{} is there twice", quoted(word)), "again here"));
+        }
+        motions.push(motion);
+    }
+    if motions.is_empty() {
+        return reader.log().note(Problem::at(value.span().into(), "there is no motion to choose from", "empty"));
+    }
+    Some(motions)
+}

@@ -1,0 +1,194 @@
+//! Modules: geometry, and the parts they name.
+
+use std::f64::consts::PI;
+
+use fra_model::{Families, Fiber, Motion, Placement};
+
+use super::design::module_bounds;
+use super::parts::{Elastomer, Parts, Winding};
+use crate::data::{Limits, Module, ModuleBounds, SetpointKind};
+use crate::error::{Problem, quoted};
+use crate::reader::Reader;
+use crate::schema;
+use crate::schema::{Unit, module as keys};
+use crate::source::Located;
+
+/// A module as far as it could be read. Phases need its name and motion even if the rest is wrong.
+pub(super) struct Draft<'a> {
+    pub(super) name: Option<Located<&'a str>>,
+    pub(super) motion: Option<Located<Motion>>,
+    pub(super) actuators: Option<Located<i64>>,
+    /// What a design may choose of it.
+    pub(super) bounds: ModuleBounds,
+    pub(super) module: Option<Module>,
+}
+
+/// The motions, in the order of the schema's words.
+pub(super) const MOTIONS: [Motion; 4] = [Motion::Extension, Motion::Expansion, Motion::Bending, Motion::Twisting];
+
+pub(super) fn modules<'a>(
+    root: &Reader<'a>,
+    materials: &Parts<'a, Elastomer>,
+    windings: &Parts<'a, Winding>,
+    limits: Option<&Limits>,
+) -> Vec<Draft<'a>> {
+    let mut drafts: Vec<Draft<'a>> = Vec::new();
+    for reader in root.tables(&schema::scene::MODULE, &keys::SECTION).unwrap_or_default() {
+        let draft = draft(&reader, materials, windings, limits);
+        let earlier = drafts.iter().filter_map(|earlier| earlier.name);
+        note_duplicate(&reader, "module", draft.name, earlier);
+        drafts.push(draft);
+    }
+    drafts
+}
+
+/// Notes a name that an earlier table of the same kind has.
+pub(super) fn note_duplicate<'a>(
+    reader: &Reader<'_>,
+    kind: &str,
+    name: Option<Located<&'a str>>,
+    mut earlier: impl Iterator<Item = Located<&'a str>>,
+) {
+    let Some(name) = name else { return };
+    if let Some(first) = earlier.find(|first| first.value == name.value) {
+        let title = format!("there are two {kind}s named {}", quoted(name.value));
+        let problem = Problem::at(name.span, title, "the second one");
+        reader.log().note::<()>(problem.label(first.span, "the first one"));
+    }
+}
+
+fn draft<'a>(
+    reader: &Reader<'a>,
+    materials: &Parts<'a, Elastomer>,
+    windings: &Parts<'a, Winding>,
+    limits: Option<&Limits>,
+) -> Draft<'a> {
+    let name = reader.text(&keys::NAME);
+    let motion = reader.choice(&keys::MOTION, &MOTIONS);
+    let actuators = reader.integer(&keys::ACTUATORS);
+    let inner = reader.quantity(&keys::INNER_RADIUS);
+    let outer = reader.quantity(&keys::OUTER_RADIUS);
+    let wall = inner.zip(outer).and_then(|(inner, outer)| wall(reader, inner, outer));
+    let circle = circle_radius(reader, actuators, outer);
+    let length = reader.quantity(&keys::LENGTH);
+    let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
+    let spacers = reader.integer(&keys::SPACERS);
+    let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, materials.find(reader.log(), name)?)));
+    let bounds = module_bounds(reader).unwrap_or_default();
+    let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall));
+    let pressure_max = match reader.maybe(&keys::PRESSURE_MAX) {
+        Some(None) => limits.map(|limits| limits.pressure_max_pa),
+        found => found.flatten(),
+    };
+    let module = || {
+        let (inner, outer) = wall?;
+        let (material_name, material) = material?;
+        Some(Module {
+            name: name?.map(str::to_owned),
+            motion: motion?,
+            actuators: u8::try_from(*actuators?).ok()?,
+            circle_radius_m: circle?,
+            mount_angle_rad: *mount_angle?,
+            spacers: u8::try_from(*spacers?).ok()?,
+            inner_radius_m: inner,
+            outer_radius_m: outer,
+            length_m: length?,
+            material: material_name.map(|_| material.law),
+            density_kg_per_m3: material.density_kg_per_m3,
+            fiber: fiber?,
+            pressure_max_pa: pressure_max?,
+            setpoint_kind: SetpointKind::natural(*motion?),
+            span: reader.span(),
+        })
+    };
+    let module = module().filter(|module| model_accepts(reader, module));
+    Draft { name, motion, actuators, bounds, module }
+}
+
+fn wall(reader: &Reader<'_>, inner: Located<f64>, outer: Located<f64>) -> Option<(Located<f64>, Located<f64>)> {
+    if *inner < *outer {
+        return Some((inner, outer));
+    }
+    let problem = Problem::at(
+        inner.span,
+        "`inner_radius` must be below `outer_radius`",
+        format!("the inner radius is {}", Unit::MM.show_si(*inner)),
+    );
+    let outer_label = format!("the outer radius is {}", Unit::MM.show_si(*outer));
+    reader.log().note(problem.label(outer.span, outer_label))
+}
+
+/// The circle of the actuators' axes, on which they must have room side by side.
+fn circle_radius(reader: &Reader<'_>, actuators: Option<Located<i64>>, outer: Option<Located<f64>>) -> Option<f64> {
+    let radius = reader.maybe(&keys::CIRCLE_RADIUS)?;
+    let count = *actuators?;
+    let Some(radius) = radius else {
+        return if count == 1 {
+            Some(0.0)
+        } else {
+            reader.missing(keys::CIRCLE_RADIUS.name, " for two or more actuators")
+        };
+    };
+    let outer = outer?;
+    // The axes are a chord of 2 r sin(pi/n) apart. Actuators may touch, so rounding must not part them.
+    let half_chord = *radius * (PI / count as f64).sin();
+    if count == 1 || half_chord >= *outer * (1.0 - 1e-9) {
+        return Some(*radius);
+    }
+    let label = format!("the axes are {} apart", Unit::MM.show_si(2.0 * half_chord));
+    let wide = format!("each is {} wide", Unit::MM.show_si(2.0 * *outer));
+    let least = *outer / (PI / count as f64).sin();
+    let help = format!("{count} actuators need a `circle_radius` of at least {}", Unit::MM.show_si(least));
+    reader.log().note(Problem::at(radius.span, "the actuators overlap", label).label(outer.span, wide).help(help))
+}
+
+type Wall = Option<(Located<f64>, Located<f64>)>;
+
+/// The winding a module names, at its radius in this wall; `None` inside for a bending module that names none.
+fn fiber(
+    reader: &Reader<'_>,
+    motion: Located<Motion>,
+    windings: &Parts<'_, Winding>,
+    wall: Wall,
+) -> Option<Option<Located<Fiber<f64>>>> {
+    let Some(name) = reader.maybe_text(&keys::WINDING)? else {
+        return match *motion {
+            Motion::Bending => Some(None),
+            _ => reader.missing(keys::WINDING.name, " for this motion"),
+        };
+    };
+    let winding = windings.find(reader.log(), name)?;
+    if *motion == Motion::Twisting && *winding.families == Families::Two {
+        let title = "a `twisting` module needs a winding of one family";
+        let problem = Problem::at(name.span, title, "two mirrored families do not twist");
+        return reader.log().note(problem.label(winding.families.span, "two families"));
+    }
+    let (inner, outer) = wall?;
+    let radius_m = winding.radius_m.map_or(*outer, |radius| *radius);
+    let outermost = if *winding.placement == Placement::Layer { outer.next_down() } else { *outer };
+    if !(*inner..=outermost).contains(&radius_m) {
+        let (inner, outer) = (Unit::MM.show_si(*inner), Unit::MM.show_si(*outer));
+        let title = format!("winding {} does not lie in the wall", quoted(name.value));
+        let problem = Problem::at(name.span, title, format!("the wall is from {inner} to {outer}"));
+        let radius = format!("its radius is {}", Unit::MM.show_si(radius_m));
+        return reader.log().note(problem.label(winding.radius_m.map_or(winding.span, |radius| radius.span), radius));
+    }
+    let fiber = Fiber {
+        angle_rad: winding.angle_rad,
+        families: *winding.families,
+        modulus_pa: winding.modulus_pa,
+        placement: *winding.placement,
+        thickness_m: winding.thickness_m,
+        radius_m,
+    };
+    Some(Some(name.map(|_| fiber)))
+}
+
+/// The last word is the model's own. It accepts what the checks above let through; if ever not, the module is named.
+fn model_accepts(reader: &Reader<'_>, module: &Module) -> bool {
+    let verdict = module.actuator().check();
+    if let Err(error) = verdict {
+        reader.log().note::<()>(Problem::at(reader.span(), error.to_string(), "in this module"));
+    }
+    verdict.is_ok()
+}

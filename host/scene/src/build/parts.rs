@@ -1,0 +1,147 @@
+//! Materials and windings by name.
+
+use std::collections::BTreeMap;
+
+use fra_model::{Families, Material, Placement};
+use toml::de::DeValue;
+
+use crate::error::{Problem, quoted};
+use crate::reader::{Log, Reader, Value};
+use crate::schema;
+use crate::schema::{Section, Unit};
+use crate::source::{Located, Span};
+use crate::suggest::closest;
+use crate::value::{bad_name, is_name, number_in, triple, wrong_type};
+
+/// Parts by name. A part with a problem keeps its name, so that its users are not blamed.
+pub(super) struct Parts<'a, T> {
+    kind: &'static str,
+    by_name: BTreeMap<&'a str, Option<T>>,
+}
+
+impl<T> Parts<'_, T> {
+    /// The part a module names.
+    pub(super) fn find(&self, log: &Log, name: Located<&str>) -> Option<&T> {
+        if let Some(part) = self.by_name.get(name.value) {
+            return part.as_ref();
+        }
+        let known = || self.by_name.keys().copied();
+        let help = match closest(name.value, known()) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None if self.by_name.is_empty() => format!("define it under `[{}s.{}]`", self.kind, name.value),
+            None => format!("known {}s: {}", self.kind, known().collect::<Vec<_>>().join(", ")),
+        };
+        let title = format!("unknown {} {}", self.kind, quoted(name.value));
+        log.note(Problem::at(name.span, title, format!("no such {}", self.kind)).help(help))
+    }
+}
+
+/// An elastomer.
+pub(super) struct Elastomer {
+    pub(super) law: Material<f64>,
+    pub(super) density_kg_per_m3: f64,
+}
+
+/// A winding whose radius may still depend on the actuator.
+pub(super) struct Winding {
+    pub(super) angle_rad: f64,
+    pub(super) families: Located<Families>,
+    pub(super) modulus_pa: f64,
+    pub(super) placement: Located<Placement>,
+    pub(super) thickness_m: f64,
+    pub(super) radius_m: Option<Located<f64>>,
+    /// The header of its table.
+    pub(super) span: Span,
+}
+
+pub(super) fn materials<'a>(root: &Reader<'a>) -> Parts<'a, Elastomer> {
+    let key = schema::scene::MATERIALS;
+    if root.value(key.name).is_none() {
+        root.no_table::<()>(key.name, schema::material::SECTION.header, "define a material");
+    }
+    Parts { kind: "material", by_name: named(root, key.name, &schema::material::SECTION, material) }
+}
+
+pub(super) fn windings<'a>(root: &Reader<'a>) -> Parts<'a, Winding> {
+    Parts { kind: "winding", by_name: named(root, schema::scene::WINDINGS.name, &schema::winding::SECTION, winding) }
+}
+
+fn named<'a, T>(
+    root: &Reader<'a>,
+    name: &str,
+    section: &'static Section,
+    read: impl Fn(&Reader<'a>) -> Option<T>,
+) -> BTreeMap<&'a str, Option<T>> {
+    let Some(value) = root.value(name) else { return BTreeMap::new() };
+    let DeValue::Table(table) = value.get_ref() else {
+        root.log().note::<()>(wrong_type(value.span().into(), &quoted(name), section.header, value.get_ref()));
+        return BTreeMap::new();
+    };
+    let one = |(key, value): (&'a toml::Spanned<toml::de::DeString<'a>>, &'a Value<'a>)| {
+        let part_name = key.get_ref().as_ref();
+        if !is_name(part_name) {
+            root.log().note::<()>(bad_name(key.span().into(), part_name));
+        }
+        let reader = Reader::open(root.log(), value, section, &quoted(part_name));
+        (part_name, reader.and_then(|reader| read(&reader)))
+    };
+    table.iter().map(one).collect()
+}
+
+fn material(reader: &Reader<'_>) -> Option<Elastomer> {
+    use schema::material::{C, DENSITY, LAW, SHEAR_MODULUS};
+    let density = reader.quantity(&DENSITY);
+    let is_yeoh = *reader.choice(&LAW, &[false, true])?;
+    let law = if is_yeoh {
+        reader.forbid(&[SHEAR_MODULUS.name], "with `law = \"yeoh\"`")?;
+        Material::Yeoh { c_pa: yeoh_coefficients(reader, C.name)? }
+    } else {
+        reader.forbid(&[C.name], "with `law = \"neo-hookean\"`")?;
+        let modulus = reader.maybe(&SHEAR_MODULUS)?;
+        let modulus = modulus.or_else(|| reader.missing(SHEAR_MODULUS.name, " with `law = \"neo-hookean\"`"))?;
+        Material::NeoHookean { shear_modulus_pa: *modulus }
+    };
+    Some(Elastomer { law, density_kg_per_m3: *density? })
+}
+
+fn yeoh_coefficients(reader: &Reader<'_>, name: &str) -> Option<[f64; 3]> {
+    const MAX_MPA: f64 = 50.0;
+    let Some(value) = reader.value(name) else { return reader.missing(name, " with `law = \"yeoh\"`") };
+    let [c1, c2, c3] = triple(reader.log(), value, name)?;
+    let coefficient = |value, min| number_in(reader.log(), value, name, &Unit::MPA, min, MAX_MPA);
+    let all = (coefficient(c1, 0.0005), coefficient(c2, -MAX_MPA), coefficient(c3, -MAX_MPA));
+    Some([*all.0?, *all.1?, *all.2?])
+}
+
+fn winding(reader: &Reader<'_>) -> Option<Winding> {
+    use schema::winding::{ANGLE, FAMILIES, MODULUS, PLACEMENT, RADIUS, THICKNESS};
+    let angle = reader.quantity(&ANGLE);
+    let families = reader.integer(&FAMILIES);
+    let modulus = reader.quantity(&MODULUS);
+    let radius = reader.maybe(&RADIUS);
+    let thickness = reader.maybe(&THICKNESS);
+    let placement = reader.choice(&PLACEMENT, &[Placement::Sheet, Placement::Layer, Placement::Smeared])?;
+    let thickness_m = match (*placement, thickness?) {
+        (Placement::Sheet, Some(thickness)) => *thickness,
+        (Placement::Sheet, None) => return reader.missing(THICKNESS.name, " for a sheet"),
+        (_, None) => 0.0,
+        (_, Some(_)) => {
+            reader.forbid(&[THICKNESS.name], "for this placement: only a sheet has a thickness")?;
+            0.0
+        }
+    };
+    match (*placement, radius?) {
+        (Placement::Layer, None) => return reader.missing(RADIUS.name, " for a layer"),
+        (Placement::Smeared, Some(_)) => reader.forbid(&[RADIUS.name], "for a smeared winding")?,
+        _ => {}
+    }
+    Some(Winding {
+        angle_rad: *angle?,
+        families: families?.map(|n| if n == 1 { Families::One } else { Families::Two }),
+        modulus_pa: *modulus?,
+        placement,
+        thickness_m,
+        radius_m: radius?,
+        span: reader.span(),
+    })
+}

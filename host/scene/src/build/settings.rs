@@ -1,0 +1,120 @@
+//! Limits and settings of the controller.
+
+use crate::data::{BendingModel, Controller, InverseChoice, Limits, LinkLoss, Weight};
+use crate::error::{Problem, quoted};
+use crate::reader::Reader;
+use crate::schema;
+use crate::schema::{Nested, Quantity, Section, controller as keys};
+use crate::source::Span;
+
+/// A number of seconds within the bounds of the schema, in whole microseconds.
+pub(super) fn microseconds(seconds: f64) -> u64 {
+    (seconds * 1e6).round() as u64
+}
+
+/// Reads a table that may be left out; then all its keys have their defaults.
+pub(super) fn optional_table<'a, T>(
+    parent: &Reader<'a>,
+    key: &Nested,
+    section: &'static Section,
+    read: impl FnOnce(&Reader<'a>) -> Option<T>,
+) -> Option<T> {
+    match parent.value(key.name) {
+        Some(value) => read(&Reader::open(parent.log(), value, section, &quoted(key.name))?),
+        None => read(&parent.absent(section)),
+    }
+}
+
+/// Smallest range of supply pressures that a scene may ask for, Pa; the pump is controlled in a tenth of it.
+const SUPPLY_RANGE_MIN_PA: f64 = 1e3;
+
+pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
+    optional_table(root, &schema::scene::LIMITS, &schema::limits::SECTION, |reader| {
+        use schema::limits::*;
+        let pressure_max = reader.quantity(&PRESSURE_MAX);
+        let clearance = reader.quantity(&CLEARANCE);
+        let supply_min = reader.quantity(&SUPPLY_MIN);
+        let supply_max = reader.quantity(&SUPPLY_MAX);
+        let stretch = reader.maybe(&STRETCH_RATE_MAX);
+        let radius = reader.maybe(&RADIUS_RATE_MAX);
+        let angle = reader.maybe(&ANGLE_RATE_MAX);
+        let (supply_min, supply_max) = supply_min.zip(supply_max)?;
+        if *supply_max - *supply_min < SUPPLY_RANGE_MIN_PA {
+            let title = "`supply_min` must be at least 1 kPa below `supply_max`";
+            let problem = Problem::at(supply_min.span, title, "the lower bound");
+            return reader.log().note(problem.label(supply_max.span, "the upper bound"));
+        }
+        Some(Limits {
+            pressure_max_pa: pressure_max?,
+            clearance_m: *clearance?,
+            supply_min_pa: *supply_min,
+            supply_max_pa: *supply_max,
+            stretch_rate_max_per_s: stretch?.map(|rate| *rate),
+            radius_rate_max_m_per_s: radius?.map(|rate| *rate),
+            angle_rate_max_rad_per_s: angle?.map(|rate| *rate),
+        })
+    })
+}
+
+pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
+    optional_table(root, &schema::scene::CONTROLLER, &keys::SECTION, |reader| {
+        let knot = time(reader, &keys::KNOT_PERIOD, 1);
+        let control = time(reader, &keys::CONTROL_PERIOD, TICK_US);
+        let telemetry = time(reader, &keys::TELEMETRY_PERIOD, TICK_US);
+        let timeout = time(reader, &keys::LINK_TIMEOUT, 1);
+        let hold = time(reader, &keys::HOLD_TIME, 1);
+        let link_loss = reader.choice(&keys::LINK_LOSS, &[LinkLoss::HoldThenRamp, LinkLoss::Hold, LinkLoss::Vent]);
+        let vent_ramp = reader.quantity(&keys::VENT_RAMP);
+        let inverses = [InverseChoice::Auto, InverseChoice::Table, InverseChoice::Model];
+        let inverse = reader.choice(&keys::INVERSE, &inverses);
+        let inverse_error = reader.quantity(&keys::INVERSE_ERROR);
+        let bending = reader.choice(&keys::BENDING, &[BendingModel::Analytic, BendingModel::SectionFe]);
+        if let (Some(bending), Some(inverse)) = (&bending, &inverse)
+            && (**bending, **inverse) == (BendingModel::SectionFe, InverseChoice::Model)
+        {
+            let problem = Problem::at(
+                bending.span,
+                "`bending = \"section-fe\"` needs tables",
+                "the device solves no model of what bends",
+            );
+            return reader.log().note(problem.help("leave out `inverse = \"model\"`"));
+        }
+        Some(Controller {
+            knot_period_us: knot?,
+            control_period_us: control?,
+            telemetry_period_us: telemetry?,
+            link_timeout_us: timeout?,
+            hold_time_us: hold?,
+            link_loss: *link_loss?,
+            vent_ramp_pa_per_s: *vent_ramp?,
+            inverse: *inverse?,
+            bending: *bending?,
+            inverse_error: *inverse_error?,
+        })
+    })
+}
+
+/// The `[weight]` of a scene; the inner `None` where it has none.
+pub(super) fn weight(root: &Reader<'_>) -> Option<Option<Weight>> {
+    use schema::weight::*;
+    let name = schema::scene::WEIGHT.name;
+    let Some(value) = root.value(name) else { return Some(None) };
+    let reader = Reader::open(root.log(), value, &SECTION, &quoted(name))?;
+    let (simulated, compensated, error) = (reader.flag(&SIMULATED), reader.flag(&COMPENSATED), reader.quantity(&ERROR));
+    Some(Some(Weight { simulated: simulated?, compensated: compensated?, error: *error? }))
+}
+
+/// Period of the controller's tick, microseconds.
+const TICK_US: u32 = 1000;
+
+/// A time in microseconds, a whole number of steps.
+fn time(reader: &Reader<'_>, key: &Quantity, step_us: u32) -> Option<u32> {
+    let found = reader.quantity(key)?;
+    let time_us = u32::try_from(microseconds(*found)).ok()?;
+    if time_us.is_multiple_of(step_us) {
+        return Some(time_us);
+    }
+    let span: Span = found.span;
+    let title = format!("`{}` must be a whole number of milliseconds", key.name);
+    reader.log().note(Problem::at(span, title, "between two ticks of the controller"))
+}

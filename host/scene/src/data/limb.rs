@@ -1,0 +1,95 @@
+//! Base, connectors, modules.
+
+use fra_model::{ActuatorParameters, Fiber, Material, Motion};
+
+use super::SetpointKind;
+use crate::source::{Located, Span};
+
+/// The rigid parts of a limb and where it starts.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Limb {
+    /// Where the first module starts, m.
+    pub base_position_m: [f64; 3],
+    /// Unit vector along the first module's axis.
+    pub base_direction: [f64; 3],
+    /// Unit vector, normal to `base_direction`, towards which a bending module with mount angle 0 bends.
+    pub base_up: [f64; 3],
+    /// Length of the connector at the far end of every module, m; >= 0.
+    pub connector_length_m: f64,
+    /// Mass of one connector, kg; >= 0.
+    pub connector_mass_kg: f64,
+    /// What the last connector carries.
+    pub end_effector: Option<EndEffector>,
+}
+
+/// The tool on the last connector.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct EndEffector {
+    /// Name.
+    pub name: String,
+    /// Distance from the last connector to the tip, m; >= 0.
+    pub length_m: f64,
+    /// Radius about its axis, m; >= 0.
+    pub radius_m: f64,
+    /// Mass, kg; >= 0.
+    pub mass_kg: f64,
+}
+
+/// A bundle of equal actuators in parallel.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Module {
+    /// Name, unique in the scene.
+    pub name: Located<String>,
+    /// The motion its actuators are wound for.
+    pub motion: Located<Motion>,
+    /// Number of actuators, each with its own channel; 1 to 9.
+    pub actuators: u8,
+    /// Distance from the connector's center to each actuator's axis, m; >= 0.
+    pub circle_radius_m: f64,
+    /// Rotation about the limb's axis, rad.
+    pub mount_angle_rad: f64,
+    /// Plates between its connectors, 0 to 50.
+    pub spacers: u8,
+    /// Inner radius at rest, m; > 0.
+    pub inner_radius_m: Located<f64>,
+    /// Outer radius at rest, m; > inner radius.
+    pub outer_radius_m: Located<f64>,
+    /// Length at rest, m; > 0.
+    pub length_m: Located<f64>,
+    /// The elastomer, located at its name in the module.
+    pub material: Located<Material<f64>>,
+    /// Density of the elastomer, kg/m3.
+    pub density_kg_per_m3: f64,
+    /// The winding, located at its name in the module.
+    pub fiber: Option<Located<Fiber<f64>>>,
+    /// Largest gauge pressure in its chambers, Pa; located in the module or in `[limits]`.
+    pub pressure_max_pa: Located<f64>,
+    /// The quantity its targets are given in, the same in all phases; the natural one of its motion if no phase has a target for it.
+    pub setpoint_kind: SetpointKind,
+    /// The header of its table.
+    pub span: Span,
+}
+
+impl Module {
+    /// One of its actuators, for the model. The parameters pass the model's own check.
+    pub fn actuator(&self) -> ActuatorParameters<f64> {
+        ActuatorParameters {
+            motion: *self.motion,
+            inner_radius_m: *self.inner_radius_m,
+            outer_radius_m: *self.outer_radius_m,
+            length_m: *self.length_m,
+            material: *self.material,
+            fiber: self.fiber.map(|fiber| *fiber),
+        }
+    }
+
+    /// Mass of the walls of its actuators, kg.
+    pub fn elastomer_mass_kg(&self) -> f64 {
+        let (inner, outer) = (*self.inner_radius_m, *self.outer_radius_m);
+        let section = std::f64::consts::PI * (outer - inner) * (outer + inner);
+        f64::from(self.actuators) * section * *self.length_m * self.density_kg_per_m3
+    }
+}

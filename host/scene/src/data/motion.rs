@@ -1,0 +1,183 @@
+//! Phases, limits and control.
+
+use fra_model::Motion;
+
+use super::{Aim, Gripper};
+use crate::source::{Located, Span};
+
+/// The quantity in which a module's setpoints are given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SetpointKind {
+    /// Gauge pressure, Pa.
+    Pressure,
+    /// Axial stretch.
+    AxialStretch,
+    /// Deformed outer radius, m.
+    OuterRadius,
+    /// Deformed inner radius, m.
+    InnerRadius,
+    /// Twist, rad.
+    Twist,
+    /// Bend angle, rad.
+    BendAngle,
+}
+
+impl SetpointKind {
+    /// The deformation a motion is named after.
+    pub fn natural(motion: Motion) -> Self {
+        match motion {
+            Motion::Extension => Self::AxialStretch,
+            Motion::Expansion => Self::OuterRadius,
+            Motion::Bending => Self::BendAngle,
+            Motion::Twisting => Self::Twist,
+        }
+    }
+
+    /// Whether a module of this motion can be told this quantity.
+    pub fn fits(self, motion: Motion) -> bool {
+        self == Self::Pressure
+            || self == Self::natural(motion)
+            || (self == Self::InnerRadius && motion == Motion::Expansion)
+    }
+}
+
+/// What one module shall reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Target {
+    /// Index of the module in [`Scene::modules`](super::Scene::modules).
+    pub module: usize,
+    /// The quantity; the module's [`setpoint_kind`](super::Module::setpoint_kind).
+    pub kind: SetpointKind,
+    /// Its value in SI units.
+    pub value: Located<f64>,
+}
+
+/// What a phase shall reach at the end of its move.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Goal {
+    /// These modules change, all others keep what they have; in the order of the modules, each at most once.
+    Targets(Vec<Target>),
+    /// The tip reaches this point, m.
+    Tip(Located<[f64; 3]>),
+    /// The tip is in a region: its index in [`Scene::regions`](super::Scene::regions).
+    Inside(Located<usize>),
+    /// The tip follows the marker series, [`Scene::markers`](super::Scene::markers), from its first position on.
+    Series(Span),
+}
+
+/// A move and the pause after it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Phase {
+    /// Name, unique in the scene.
+    pub name: Located<String>,
+    /// Time of the move, microseconds; > 0. `None`: the shortest that is feasible.
+    pub move_us: Option<Located<u64>>,
+    /// Time of the pause, microseconds.
+    pub hold_us: u64,
+    /// Mass that the tip carries, kg; >= 0.
+    pub payload_kg: f64,
+    /// What the move shall reach.
+    pub goal: Goal,
+    /// How the end effector shall point at the end of the move; only with a goal of the tip.
+    pub aim: Option<Aim>,
+    /// What the gripper is told at the end of the move.
+    pub gripper: Option<Gripper>,
+    /// The header of its table.
+    pub span: Span,
+}
+
+/// Bounds that hold for all modules.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Limits {
+    /// Largest gauge pressure in a chamber unless its module says otherwise, Pa.
+    pub pressure_max_pa: Located<f64>,
+    /// Least distance of the limb from every obstacle, m; >= 0.
+    pub clearance_m: f64,
+    /// Smallest gauge pressure of the supply, Pa.
+    pub supply_min_pa: f64,
+    /// Largest gauge pressure of the supply, Pa; > `supply_min_pa`.
+    pub supply_max_pa: f64,
+    /// Largest rate of an axial stretch, 1/s.
+    pub stretch_rate_max_per_s: Option<f64>,
+    /// Largest rate of a radius, m/s.
+    pub radius_rate_max_m_per_s: Option<f64>,
+    /// Largest rate of a bend angle or twist, rad/s.
+    pub angle_rate_max_rad_per_s: Option<f64>,
+}
+
+/// What the limb's own weight and the payloads do in a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Weight {
+    /// Whether the simulated limb carries them.
+    pub simulated: bool,
+    /// Whether setpoints are corrected for them.
+    pub compensated: bool,
+    /// Error of the tip that the correction's statics may have, as a share of the limb's length; > 0.
+    pub error: f64,
+}
+
+/// Whether a simulated limb with this `[weight]` carries neither itself nor a payload.
+pub(crate) fn weightless(weight: Option<&Weight>) -> bool {
+    !weight.is_some_and(|weight| weight.simulated)
+}
+
+/// What the controller does when the host falls silent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LinkLoss {
+    /// Hold the pressures for a while, then ramp them down.
+    HoldThenRamp,
+    /// Hold the pressures.
+    Hold,
+    /// Vent at once.
+    Vent,
+}
+
+/// How the controller finds the pressure for a deformation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InverseChoice {
+    /// In tables where their verified error is within the bound, by the model elsewhere.
+    Auto,
+    /// In tables, or not at all.
+    Table,
+    /// By the model.
+    Model,
+}
+
+/// Which model the inverse tables of bending modules are built from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BendingModel {
+    /// The analytic one.
+    Analytic,
+    /// A cubic fitted to the finite elements of the section.
+    SectionFe,
+}
+
+/// Settings of the pressure controller.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Controller {
+    /// Time between two streamed setpoints, microseconds.
+    pub knot_period_us: u32,
+    /// Period of the valve pulses, microseconds; whole milliseconds.
+    pub control_period_us: u32,
+    /// Time between two telemetry messages, microseconds; whole milliseconds.
+    pub telemetry_period_us: u32,
+    /// Silence of the host after which the link counts as lost, microseconds.
+    pub link_timeout_us: u32,
+    /// How long pressures are held before they ramp down, microseconds.
+    pub hold_time_us: u32,
+    /// What happens when the link is lost.
+    pub link_loss: LinkLoss,
+    /// Rate at which pressures ramp down, Pa/s; > 0.
+    pub vent_ramp_pa_per_s: f64,
+    /// How the controller finds the pressure for a deformation.
+    pub inverse: InverseChoice,
+    /// Which model the inverse tables of bending modules are built from.
+    pub bending: BendingModel,
+    /// Largest error of an inverse table, as a share of the highest pressure; > 0.
+    pub inverse_error: f64,
+}

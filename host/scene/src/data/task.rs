@@ -1,0 +1,56 @@
+//! What stands around the limb, and motions given in space.
+
+use crate::collision::Shape;
+use crate::source::{Located, Span};
+
+/// A solid that the limb keeps clear of.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Obstacle {
+    /// Name, unique among the obstacles.
+    pub name: Located<String>,
+    /// The solid, in the scene's frame.
+    pub shape: Shape,
+    /// The header of its table.
+    pub span: Span,
+}
+
+/// A box that the tip can be asked to be in.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Region {
+    /// Name, unique among the regions.
+    pub name: Located<String>,
+    /// The box, in the scene's frame.
+    pub shape: Shape,
+    /// The header of its table.
+    pub span: Span,
+}
+
+/// The direction that the end effector shall have at the end of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Aim {
+    /// Unit vector along the end effector's axis, from the last connector to the tip.
+    pub direction: Located<[f64; 3]>,
+    /// Largest angle between the axis and it, rad; > 0.
+    pub tolerance_rad: f64,
+}
+
+/// What the gripper is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Gripper {
+    /// Open.
+    Open,
+    /// Close.
+    Close,
+}
+
+/// Where the tip shall be at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Marker {
+    /// Time after the first marker, s.
+    pub time_s: f64,
+    /// Position of the tip, m.
+    pub tip_m: [f64; 3],
+}

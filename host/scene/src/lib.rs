@@ -1,0 +1,61 @@
+//! Scene files: TOML with units in, checked SI data out.
+//!
+//! A scene says what the limb is made of, what it does and which pneumatics move it. [`load`] and [`parse`] read it once; afterwards
+//! nothing checks again. What is wrong is collected, not only the first of it, and drawn with the lines of the file underlined:
+//!
+//! ```
+//! let error = softlimb_scene::parse("format = 1\nnmae = \"elbow\"\n", "elbow.toml").unwrap_err();
+//! assert!(error.render(false).contains("did you mean `name`?"));
+//! ```
+//!
+//! The schema is a table ([`reference()`] writes it as a page), the reader follows that table, and `build` turns what it reads into
+//! a [`Scene`]. Values keep their place in the text ([`Located`]), so that a later room which finds, say, a target beyond the
+//! limit pressure can point at it with [`Scene::diagnostic`].
+//!
+//! This room does not know what a limb can reach, and no other room knows TOML or units.
+
+mod build;
+pub mod collision;
+mod data;
+mod error;
+mod quantity;
+mod reader;
+mod redesign;
+mod reference;
+mod refit;
+mod schema;
+mod source;
+mod suggest;
+mod unit;
+mod value;
+
+use std::path::Path;
+
+pub use data::{
+    Aim, Ambient, BendingModel, Bounds, Chamber, Choice, Controller, Corrections, Design, EndEffector, Goal, Gripper,
+    InverseChoice, Limb, Limits, Line, LinkLoss, Marker, Module, ModuleBounds, Obstacle, Phase, Plant, Region, Scene,
+    Sensor, SetpointKind, Spread, Supply, Target, Valve, Weight,
+};
+pub use error::{Problems, SceneError, Unreadable};
+pub use redesign::{Redesign, RedesignedTarget, redesigned};
+pub use reference::reference;
+pub use refit::{RewriteError, rewritten};
+pub use source::{Located, SCENE_BYTES_MAX, Span};
+
+use source::Source;
+
+/// Reads and checks a scene file.
+///
+/// # Errors
+/// [`SceneError::Unreadable`] if the file is missing, a directory, larger than [`SCENE_BYTES_MAX`] or not UTF-8; else as [`parse`].
+pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
+    build::scene(Source::read(path.as_ref())?)
+}
+
+/// Checks the text of a scene; `name` stands for the file in diagnostics.
+///
+/// # Errors
+/// [`SceneError::Invalid`] with every problem found.
+pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
+    build::scene(Source::new(name, text))
+}

@@ -1,0 +1,65 @@
+//! What the limb does and how it is controlled.
+
+use super::section;
+
+section! {
+    /// One part of the motion: a move, then a pause. It has one of `targets`, `tip` and `inside`.
+    phase, "[[phase]]";
+    NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
+    DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Optional("the shortest that limits, valves and supply allow, with a reserve") } = "Time of the move.";
+    PAYLOAD: Quantity { name: "payload", unit: Unit::KG, min: 0.0, max: 100.0, presence: Default(0.0) } = "Mass that the tip carries in this phase, beside the end effector; refused where the limb is weightless (see `[weight]`). Where the gripper closes at the end of the move, the mass is taken up then; where it opens, it is put down then.";
+    HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
+    TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if the phase has another goal") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
+    TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("none, if the phase has another goal") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
+    INSIDE: Text { name: "inside", is_name: true, presence: Optional("none, if the phase has another goal") } = "A name from `[[region]]`: the tip is in this box at the end of the move, as near to where it was as can be.";
+    DIRECTION: Vector { name: "direction", unit: Unit::NUMBER, max: 1e6, presence: Optional("any direction") } = "`tip`, `inside`: direction of the end effector's axis at the end of the move; any length but zero.";
+    DIRECTION_TOLERANCE: Quantity { name: "direction_tolerance", unit: Unit::DEG, min: 0.01, max: 180.0, presence: Default(1.0) } = "Largest angle between the end effector's axis and `direction`.";
+    GRIPPER: Choice { name: "gripper", words: &["open", "close"], presence: Optional("no command") } = "What the gripper is told at the end of the move. The command is recorded in the log and the report; the device has no output for it.";
+}
+
+section! {
+    /// The target of one module: one quantity that fits its motion, the same one in every phase.
+    target, "phase.targets.MODULE";
+    AXIAL_STRETCH: Quantity { name: "axial_stretch", unit: Unit::NUMBER, min: 0.5, max: 3.0, presence: Optional("-") } = "`extension`: length over length at rest.";
+    OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 500.0, presence: Optional("-") } = "`expansion`: outer radius.";
+    INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 500.0, presence: Optional("-") } = "`expansion`: inner radius.";
+    TWIST: Quantity { name: "twist", unit: Unit::DEG, min: -720.0, max: 720.0, presence: Optional("-") } = "`twisting`: twist of the far end. A winding with a positive angle twists negatively.";
+    BEND_ANGLE: Quantity { name: "bend_angle", unit: Unit::DEG, min: 0.0, max: 360.0, presence: Optional("-") } = "`bending`: angle between the ends.";
+    PRESSURE: Quantity { name: "pressure", unit: Unit::KPA, min: 0.0, max: 600.0, presence: Optional("-") } = "Any motion: gauge pressure, at most the module's `pressure_max`.";
+}
+
+section! {
+    /// Bounds that hold for all modules.
+    limits, "[limits]";
+    PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Default(100.0) } = "Largest gauge pressure in a chamber.";
+    CLEARANCE: Quantity { name: "clearance", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Default(0.0) } = "Least distance of the limb's surface from every `[[obstacle]]` at all times.";
+    SUPPLY_MIN: Quantity { name: "supply_min", unit: Unit::KPA, min: 0.0, max: 1000.0, presence: Default(50.0) } = "Below this supply pressure the controller faults. At least 1 kPa below `supply_max`.";
+    SUPPLY_MAX: Quantity { name: "supply_max", unit: Unit::KPA, min: 1.0, max: 1000.0, presence: Default(300.0) } = "Above this supply pressure the controller faults. Its sensor must read to it.";
+    STRETCH_RATE_MAX: Quantity { name: "stretch_rate_max", unit: Unit::PERCENT_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of the axial stretch.";
+    RADIUS_RATE_MAX: Quantity { name: "radius_rate_max", unit: Unit::MM_PER_S, min: 0.01, max: 1e4, presence: Optional("no bound") } = "Largest rate of a radius.";
+    ANGLE_RATE_MAX: Quantity { name: "angle_rate_max", unit: Unit::DEG_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of a bend angle or twist.";
+}
+
+section! {
+    /// The limb's own weight and the `payload` of each phase. With this table, which may be empty, the simulated limb hangs under them, and its
+    /// setpoints make up for them. Gravity points against the scene's third axis.
+    weight, "[weight]";
+    SIMULATED: Flag { name: "simulated", presence: Default(true) } = "Whether the simulated limb carries its weight and the payloads, on its true actuators and spacers.";
+    COMPENSATED: Flag { name: "compensated", presence: Default(true) } = "Whether setpoints are corrected by the nominal limb's statics, so that the tip under load is where the plan has it without.";
+    ERROR: Quantity { name: "error", unit: Unit::PERCENT, min: 0.001, max: 10.0, presence: Default(0.1) } = "Error of the tip that the correction's statics may have, of the limb's length; the cheapest model that keeps it is taken.";
+}
+
+section! {
+    /// Settings of the pressure controller. Times are rounded to whole microseconds.
+    controller, "[controller]";
+    KNOT_PERIOD: Quantity { name: "knot_period", unit: Unit::MS, min: 10.0, max: 1000.0, presence: Default(20.0) } = "Time between two streamed setpoints; the controller interpolates linearly.";
+    CONTROL_PERIOD: Quantity { name: "control_period", unit: Unit::MS, min: 10.0, max: 100.0, presence: Default(20.0) } = "Period of the valve pulses, a whole number of milliseconds.";
+    TELEMETRY_PERIOD: Quantity { name: "telemetry_period", unit: Unit::MS, min: 1.0, max: 1000.0, presence: Default(20.0) } = "Time between two telemetry messages, a whole number of milliseconds.";
+    LINK_TIMEOUT: Quantity { name: "link_timeout", unit: Unit::MS, min: 100.0, max: 10_000.0, presence: Default(250.0) } = "Silence of the host after which the link counts as lost.";
+    HOLD_TIME: Quantity { name: "hold_time", unit: Unit::S, min: 0.0, max: 60.0, presence: Default(2.0) } = "`hold-then-ramp`: how long pressures are held first.";
+    LINK_LOSS: Choice { name: "link_loss", words: &["hold-then-ramp", "hold", "vent"], presence: Default("hold-then-ramp") } = "What happens when the link is lost: hold and then ramp down, hold, or vent at once.";
+    VENT_RAMP: Quantity { name: "vent_ramp", unit: Unit::KPA_PER_S, min: 0.1, max: 1000.0, presence: Default(20.0) } = "Rate at which pressures ramp down.";
+    INVERSE: Choice { name: "inverse", words: &["auto", "table", "model"], presence: Default("auto") } = "How the controller finds the pressure for a deformation: `table` looks it up in tables that the host builds and compares with the model, `model` has the device solve the model in each control period, `auto` takes tables where they keep `inverse_error` and the device's model elsewhere. The device solves the model of straight, neo-Hookean tubes alone, bare or wound with a sheet; that other modules have no tables is an error, as with `table` that any module has none.";
+    BENDING: Choice { name: "bending", words: &["analytic", "section-fe"], presence: Default("analytic") } = "Which model the inverse tables of bending modules are built from: `section-fe` takes a cubic fitted to the finite elements of the section and verified from a twentieth of `pressure_max` on; more than 1 % of error is refused, and so is a goal beyond the bend that it reaches. Not with `inverse = \"model\"`.";
+    INVERSE_ERROR: Quantity { name: "inverse_error", unit: Unit::PERCENT, min: 1e-4, max: 1.0, presence: Default(0.01) } = "Largest error of such a table, as a share of the highest pressure of its module.";
+}

@@ -1,0 +1,90 @@
+//! What the limb is made of.
+
+use super::section;
+
+section! {
+    /// What the scene is called, and the tables it has.
+    scene, "";
+    FORMAT: Integer { name: "format", min: 1, max: 1, presence: Required } = "Version of this schema.";
+    NAME: Text { name: "name", is_name: true, presence: Required } = "Name of the scene; results go to a folder of this name.";
+    DESCRIPTION: Text { name: "description", is_name: false, presence: Default("") } = "What the scene shows.";
+    SEED: Integer { name: "seed", min: 0, max: i64::MAX, presence: Default(0) } = "Seed of everything random in the simulated plant. The same scene and seed give the same run.";
+    MATERIALS: Nested { name: "materials", shape: "tables `[materials.NAME]`", presence: Required } = "Elastomers.";
+    WINDINGS: Nested { name: "windings", shape: "tables `[windings.NAME]`", presence: Optional("no windings") } = "Fiber windings.";
+    LIMB: Nested { name: "limb", shape: "table `[limb]`", presence: Required } = "Where the limb starts, and its rigid parts.";
+    MODULE: Nested { name: "module", shape: "tables `[[module]]`, 1 to 27", presence: Required } = "Modules from the base to the tip.";
+    PHASE: Nested { name: "phase", shape: "tables `[[phase]]`, 1 to 200", presence: Optional("required without `[markers]`") } = "What the limb does, in order. It starts at rest.";
+    MARKERS: Nested { name: "markers", shape: "table `[markers]`", presence: Optional("none") } = "The motion as a series of tip positions, instead of phases.";
+    CORRECTIONS: Nested { name: "corrections", shape: "table `[corrections]`", presence: Optional("none") } = "What is added to the planned setpoints, so that the limb that is there goes where the plan says.";
+    OBSTACLE: Nested { name: "obstacle", shape: "tables `[[obstacle]]`, up to 50", presence: Optional("none") } = "What the limb keeps clear of.";
+    REGION: Nested { name: "region", shape: "tables `[[region]]`, up to 50", presence: Optional("none") } = "Boxes that phases name.";
+    DESIGN: Nested { name: "design", shape: "table `[design]`", presence: Optional("nothing is left open") } = "What `softlimb design` may choose.";
+    LIMITS: Nested { name: "limits", shape: "table `[limits]`", presence: Optional("the defaults below") } = "Bounds that hold for all modules.";
+    CONTROLLER: Nested { name: "controller", shape: "table `[controller]`", presence: Optional("the defaults below") } = "Settings of the pressure controller.";
+    WEIGHT: Nested { name: "weight", shape: "table `[weight]`", presence: Optional("the limb is weightless, and a `payload` is refused") } = "What the weight of the limb and its payloads does in a run.";
+    PLANT: Nested { name: "plant", shape: "table `[plant]`", presence: Optional("the defaults below") } = "Pneumatics: what the controller is told, and by how much the simulated truth differs from it.";
+}
+
+section! {
+    /// An elastomer. A neo-Hookean one has `shear_modulus`, a Yeoh one has `c`.
+    material, "[materials.NAME]";
+    LAW: Choice { name: "law", words: &["neo-hookean", "yeoh"], presence: Required } = "Strain-energy function: mu/2 (I1-3), or C1 (I1-3) + C2 (I1-3)^2 + C3 (I1-3)^3.";
+    SHEAR_MODULUS: Quantity { name: "shear_modulus", unit: Unit::MPA, min: 0.001, max: 100.0, presence: Optional("required for `neo-hookean`") } = "Shear modulus mu.";
+    C: Nested { name: "c", shape: "three pressures", presence: Optional("required for `yeoh`") } = "Coefficients C1, C2, C3; C1 from 0.0005 to 50 MPa, the others from -50 to 50 MPa.";
+    DENSITY: Quantity { name: "density", unit: Unit::KG_PER_M3, min: 100.0, max: 10_000.0, presence: Default(1080.0) } = "Density; the default is that of platinum-cure silicone.";
+}
+
+section! {
+    /// A fiber winding.
+    winding, "[windings.NAME]";
+    ANGLE: Quantity { name: "angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Required } = "Fiber angle from the hoop direction; the sign mirrors the twist.";
+    FAMILIES: Integer { name: "families", min: 1, max: 2, presence: Required } = "One helix, or two mirrored ones that do not twist.";
+    MODULUS: Quantity { name: "modulus", unit: Unit::MPA, min: 0.0, max: 1e6, presence: Required } = "Fiber modulus mu2 of each family; the stiffness along the fiber is 4 mu2.";
+    PLACEMENT: Choice { name: "placement", words: &["sheet", "layer", "smeared"], presence: Default("sheet") } = "Thin sheet at `radius`; layer from `radius` to the outer surface; or the whole wall.";
+    THICKNESS: Quantity { name: "thickness", unit: Unit::MM, min: 0.001, max: 20.0, presence: Optional("required for `sheet`") } = "Thickness of the sheet.";
+    RADIUS: Quantity { name: "radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("the outer radius of the actuator; required for `layer`") } = "Winding radius, within the wall. `smeared` has none.";
+}
+
+section! {
+    /// Where the limb starts, in a frame whose third axis points up.
+    limb, "[limb]";
+    BASE_POSITION: Vector { name: "base_position", unit: Unit::M, max: 100.0, presence: Default([0.0, 0.0, 0.0]) } = "Where the first module starts.";
+    BASE_DIRECTION: Vector { name: "base_direction", unit: Unit::NUMBER, max: 1e6, presence: Default([1.0, 0.0, 0.0]) } = "Direction of the first module's axis; any length but zero.";
+    BASE_UP: Vector { name: "base_up", unit: Unit::NUMBER, max: 1e6, presence: Default([0.0, 0.0, 1.0]) } = "Direction towards which a bending module with `mount_angle` 0 bends. Only the part normal to `base_direction` counts.";
+    CONNECTOR: Nested { name: "connector", shape: "table", presence: Required } = "The plate at the far end of every module.";
+    END_EFFECTOR: Nested { name: "end_effector", shape: "table", presence: Optional("no end effector") } = "What the last connector carries.";
+}
+
+section! {
+    /// The rigid plate at the far end of every module.
+    connector, "limb.connector";
+    LENGTH: Quantity { name: "length", unit: Unit::MM, min: 0.0, max: 500.0, presence: Required } = "Length along the limb.";
+    MASS: Quantity { name: "mass", unit: Unit::KG, min: 0.0, max: 20.0, presence: Required } = "Mass of one connector.";
+}
+
+section! {
+    /// The tool on the last connector.
+    end_effector, "limb.end_effector";
+    NAME: Text { name: "name", is_name: true, presence: Default("tool") } = "Name.";
+    LENGTH: Quantity { name: "length", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Required } = "Distance from the last connector to the tip.";
+    RADIUS: Quantity { name: "radius", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Default(20.0) } = "Radius of the tool about its axis, for the clearance; it ends in a ball about the tip.";
+    MASS: Quantity { name: "mass", unit: Unit::KG, min: 0.0, max: 20.0, presence: Required } = "Mass.";
+}
+
+section! {
+    /// A bundle of equal actuators in parallel. All modules together have at most 27 actuators.
+    module, "[[module]]";
+    NAME: Text { name: "name", is_name: true, presence: Required } = "Name; targets use it.";
+    MOTION: Choice { name: "motion", words: &["extension", "expansion", "bending", "twisting"], presence: Required } = "The motion the actuators are wound for.";
+    ACTUATORS: Integer { name: "actuators", min: 1, max: 9, presence: Default(3) } = "Actuators in parallel, evenly on a circle. Each has its own channel.";
+    CIRCLE_RADIUS: Quantity { name: "circle_radius", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("0 for one actuator, else required") } = "Distance from the connector's center to each actuator's axis. The actuators must not overlap.";
+    MOUNT_ANGLE: Quantity { name: "mount_angle", unit: Unit::DEG, min: -360.0, max: 360.0, presence: Default(0.0) } = "Rotation of the module about the limb's axis.";
+    SPACERS: Integer { name: "spacers", min: 0, max: 50, presence: Default(0) } = "Rigid plates that hold the actuators together, evenly between the connectors; without weight. They keep the tubes from buckling.";
+    INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Inner radius at rest.";
+    OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Outer radius at rest, above `inner_radius`.";
+    LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";
+    MATERIAL: Text { name: "material", is_name: true, presence: Required } = "A name from `[materials]`.";
+    WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`. `twisting` needs one family.";
+    PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Optional("`pressure_max` of `[limits]`") } = "Largest gauge pressure in its chambers.";
+    BOUNDS: Nested { name: "bounds", shape: "table `[module.bounds]`", presence: Optional("those of `[design]`") } = "What `softlimb design` may choose of this module, where that differs from `[design]`.";
+}

@@ -1,0 +1,11 @@
+//! Tests of scenes, one module a subject.
+
+mod obstacle;
+mod scene_checks;
+mod scene_errors;
+mod scene_files;
+mod scene_hostile;
+mod scene_redesign;
+mod scene_reference;
+mod scene_support;
+mod scene_values;

@@ -1,0 +1,14 @@
+//! Single questions to the actuator model: pressure curves of a scene's actuators, and batches from other programs.
+
+mod batch;
+mod complaint;
+mod convert;
+mod curve;
+mod request;
+mod section_fe;
+mod series;
+mod single;
+
+pub use batch::{Scalar, batch};
+pub use curve::{Curve, CurvePoint, curves};
+pub use single::actuator;

@@ -1,0 +1,249 @@
+//! One question to the actuator model, as a line of JSON.
+
+use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Target};
+use serde::{Deserialize, Deserializer};
+use serde_json::Value;
+
+use softlimb_files::object::Object;
+
+/// A line of a batch, as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Request {
+    /// Copied to the answer.
+    #[serde(default)]
+    pub(super) id: Value,
+    #[serde(default)]
+    model: Model,
+    motion: MotionName,
+    problem: Problem,
+    inner_radius_m: f64,
+    outer_radius_m: f64,
+    length_m: f64,
+    material: Object<MaterialSpec>,
+    fiber: Option<Object<FiberSpec>>,
+    pressure_pa: Option<f64>,
+    target: Option<Object<TargetSpec>>,
+    external_force_n: Option<f64>,
+    external_torque_nm: Option<f64>,
+}
+
+/// What answers.
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+pub(super) enum Model {
+    /// The equations of the tube and of the bending section.
+    #[default]
+    Analytic,
+    /// Finite elements of the section.
+    SectionFe,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+pub(super) enum MotionName {
+    Extension,
+    Expansion,
+    Bending,
+    Twisting,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+pub(super) enum Problem {
+    Forward,
+    Inverse,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+enum Law {
+    NeoHookean,
+    Yeoh,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialSpec {
+    law: Law,
+    shear_modulus_pa: Option<f64>,
+    c_pa: Option<[f64; 3]>,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+enum PlacementName {
+    #[default]
+    Sheet,
+    Layer,
+    Smeared,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FiberSpec {
+    angle_deg: Option<f64>,
+    families: Option<u8>,
+    modulus_pa: Option<f64>,
+    #[serde(default)]
+    placement: PlacementName,
+    thickness_m: Option<f64>,
+    radius_m: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TargetSpec {
+    #[serde(default, deserialize_with = "present")]
+    axial_stretch: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    outer_radius_m: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    inner_radius_m: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    twist_rad: Option<f64>,
+    #[serde(default, deserialize_with = "present")]
+    bend_angle_rad: Option<f64>,
+}
+
+/// A number; `null` is none.
+pub(super) fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    f64::deserialize(deserializer).map(Some)
+}
+
+/// What is asked.
+pub(super) enum Question<T> {
+    Forward { pressure_pa: f64 },
+    Inverse { target: T },
+}
+
+/// A request in the terms of the model.
+pub(super) struct Case {
+    pub(super) model: Model,
+    pub(super) parameters: ActuatorParameters<f64>,
+    pub(super) question: Question<Target<f64>>,
+    pub(super) load: Load<f64>,
+}
+
+impl Request {
+    /// The case, or what the request leaves out or has too much of. Values are the model's to check.
+    pub(super) fn case(&self) -> Result<Case, String> {
+        let motion = self.motion.motion();
+        let material = self.material.0.material()?;
+        let fiber = self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?;
+        Ok(Case {
+            model: self.model,
+            parameters: ActuatorParameters {
+                motion,
+                inner_radius_m: self.inner_radius_m,
+                outer_radius_m: self.outer_radius_m,
+                length_m: self.length_m,
+                material,
+                fiber,
+            },
+            question: self.problem.question(self.pressure_pa, self.target.as_ref(), TargetSpec::target)?,
+            load: load(self.external_force_n, self.external_torque_nm),
+        })
+    }
+}
+
+impl MotionName {
+    pub(super) fn motion(self) -> Motion {
+        match self {
+            Self::Extension => Motion::Extension,
+            Self::Expansion => Motion::Expansion,
+            Self::Bending => Motion::Bending,
+            Self::Twisting => Motion::Twisting,
+        }
+    }
+}
+
+impl Problem {
+    /// What is asked, or what the fields leave out or have too much of.
+    pub(super) fn question<S, T>(
+        self,
+        pressure_pa: Option<f64>,
+        target: Option<&Object<S>>,
+        read: impl Fn(&S) -> Result<T, String>,
+    ) -> Result<Question<T>, String> {
+        match (self, pressure_pa, target) {
+            (Self::Forward, Some(pressure_pa), None) => Ok(Question::Forward { pressure_pa }),
+            (Self::Inverse, None, Some(Object(target))) => Ok(Question::Inverse { target: read(target)? }),
+            (Self::Forward, None, _) => Err("a forward problem needs `pressure_pa`".into()),
+            (Self::Inverse, _, None) => Err("an inverse problem needs `target`".into()),
+            (Self::Forward, Some(_), Some(_)) => Err("a forward problem takes no `target`".into()),
+            (Self::Inverse, Some(_), Some(_)) => Err("an inverse problem takes no `pressure_pa`".into()),
+        }
+    }
+}
+
+/// Loads that are not stated are none.
+pub(super) fn load(force_n: Option<f64>, torque_nm: Option<f64>) -> Load<f64> {
+    Load { force_n: force_n.unwrap_or(0.0), torque_nm: torque_nm.unwrap_or(0.0) }
+}
+
+/// The one target given.
+pub(super) fn only<T>(fields: impl IntoIterator<Item = Option<T>>) -> Result<T, String> {
+    let mut given = fields.into_iter().flatten();
+    match (given.next(), given.next()) {
+        (Some(target), None) => Ok(target),
+        _ => Err("`target` must have exactly one field".into()),
+    }
+}
+
+impl MaterialSpec {
+    pub(super) fn material(&self) -> Result<Material<f64>, String> {
+        match (self.law, self.shear_modulus_pa, self.c_pa) {
+            (Law::NeoHookean, Some(shear_modulus_pa), None) => Ok(Material::NeoHookean { shear_modulus_pa }),
+            (Law::Yeoh, None, Some(c_pa)) => Ok(Material::Yeoh { c_pa }),
+            (Law::NeoHookean, None, _) => Err("`material.shear_modulus_pa` is missing".into()),
+            (Law::Yeoh, _, None) => Err("`material.c_pa` is missing: three numbers".into()),
+            (Law::NeoHookean, Some(_), Some(_)) => Err("a neo-hookean material takes no `c_pa`".into()),
+            (Law::Yeoh, Some(_), Some(_)) => Err("a yeoh material takes no `shear_modulus_pa`".into()),
+        }
+    }
+}
+
+impl FiberSpec {
+    pub(super) fn fiber(&self, motion: Motion, outer_radius_m: f64) -> Result<Fiber<f64>, String> {
+        // A bending actuator's winding only keeps its radius.
+        let bending = motion == Motion::Bending;
+        let needed = |value: Option<f64>, name: &str, needed: bool| match value {
+            Some(value) => Ok(value),
+            None if needed && !bending => Err(format!("`fiber.{name}` is missing")),
+            None => Ok(0.0),
+        };
+        let placement = match self.placement {
+            PlacementName::Sheet => Placement::Sheet,
+            PlacementName::Layer => Placement::Layer,
+            PlacementName::Smeared => Placement::Smeared,
+        };
+        let families = match self.families {
+            Some(1) => Families::One,
+            Some(2) => Families::Two,
+            None if bending => Families::Two,
+            None => return Err("`fiber.families` is missing: 1 or 2".into()),
+            Some(n) => return Err(format!("fiber.families = {n} is not allowed: 1 or 2")),
+        };
+        Ok(Fiber {
+            angle_rad: needed(self.angle_deg, "angle_deg", true)?.to_radians(),
+            families,
+            modulus_pa: needed(self.modulus_pa, "modulus_pa", true)?,
+            placement,
+            thickness_m: needed(self.thickness_m, "thickness_m", placement == Placement::Sheet)?,
+            radius_m: self.radius_m.unwrap_or(outer_radius_m),
+        })
+    }
+}
+
+impl TargetSpec {
+    fn target(&self) -> Result<Target<f64>, String> {
+        only([
+            self.axial_stretch.map(Target::AxialStretch),
+            self.outer_radius_m.map(Target::OuterRadius),
+            self.inner_radius_m.map(Target::InnerRadius),
+            self.twist_rad.map(Target::Twist),
+            self.bend_angle_rad.map(Target::BendAngle),
+        ])
+    }
+}

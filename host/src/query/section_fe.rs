@@ -1,0 +1,163 @@
+//! Questions to the finite element model of the section.
+
+use fra_model::{Actuator, State, Status, Target};
+use serde::Serialize;
+
+use super::request::{Case, Question};
+use softlimb_fea::cross_section::{Answer, EndLoad, Equilibrium, Options, Outcome, Section, SectionError};
+
+/// Steps of the search for a pressure.
+const STEPS: usize = 30;
+/// How close to the target the search ends, relative: far below the error of discretisation.
+const TOLERANCE: f64 = 1e-11;
+/// Smaller angles are compared with this, rad.
+const LEAST_ANGLE_RAD: f64 = 1e-3;
+
+/// Error of discretisation of an answer, in its own units.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Discretisation {
+    axial_stretch: f64,
+    outer_radius_m: f64,
+    twist_rad: f64,
+    bend_angle_rad: f64,
+}
+
+/// What the section model says of a case.
+pub(super) struct Found {
+    pub(super) status: Status,
+    /// The equilibrium, if the status is [`Status::Solved`].
+    pub(super) state: Option<State<f64>>,
+    pub(super) error: Option<Discretisation>,
+    pub(super) limit_pressure_pa: Option<f64>,
+    pub(super) iterations: u32,
+}
+
+/// A section with the question's length and load, and the work done for it.
+struct Asked<'a> {
+    section: Section,
+    case: &'a Case,
+    load: EndLoad,
+    iterations: u32,
+}
+
+/// Answers a case.
+pub(super) fn solve(case: &Case) -> Result<Found, String> {
+    let section = Section::new(&case.parameters, &Options::default()).map_err(plain)?;
+    let load = EndLoad::of(&case.load, case.parameters.motion);
+    let mut asked = Asked { section, case, load, iterations: 0 };
+    match case.question {
+        Question::Forward { pressure_pa } => {
+            let answer = asked.at(pressure_pa)?;
+            Ok(asked.found(&answer))
+        }
+        Question::Inverse { target } => asked.reach(target),
+    }
+}
+
+fn plain(error: SectionError) -> String {
+    error.to_string().replace("pressures_pa", "pressure_pa")
+}
+
+impl Asked<'_> {
+    fn at(&mut self, pressure_pa: f64) -> Result<Answer, String> {
+        let curve = self.section.curve(&[pressure_pa], &self.load).map_err(plain)?;
+        self.iterations += curve.effort.newton_iterations + curve.coarse_effort.newton_iterations;
+        curve.answers.first().copied().ok_or_else(|| "the model gave no answer".into())
+    }
+
+    /// The pressure that reaches a target: from that of the analytic model by the secant method, below what is known to have no answer.
+    fn reach(&mut self, target: Target<f64>) -> Result<Found, String> {
+        let actuator = Actuator::new(&self.case.parameters).map_err(|error| error.to_string())?;
+        let first = actuator.inverse(target, &self.case.load).map_err(|error| error.to_string())?;
+        if first.status != Status::Solved || first.state.pressure_pa < 0.0 {
+            return Ok(self.nothing(Status::NoSolution, first.limit_pressure_pa));
+        }
+        let mut before = (0.0, self.at(0.0)?);
+        let mut pressure_pa = first.state.pressure_pa;
+        let mut beyond: Option<Answer> = None;
+        for _ in 0..STEPS {
+            let answer = self.at(pressure_pa)?;
+            let Some(miss) = self.miss(&answer, target) else {
+                beyond = Some(answer);
+                pressure_pa = 0.5 * (before.0 + pressure_pa);
+                continue;
+            };
+            if miss.abs() <= TOLERANCE * size(target) {
+                return Ok(self.found(&answer));
+            }
+            let Some(old) = self.miss(&before.1, target) else { return Ok(self.found(&before.1)) };
+            let next = pressure_pa - miss * (pressure_pa - before.0) / (miss - old);
+            match next {
+                // Two answers that do not differ.
+                _ if !next.is_finite() => return Ok(self.nothing(Status::NotConverged, None)),
+                _ if next < 0.0 => return Ok(self.nothing(Status::NoSolution, None)),
+                _ => {}
+            }
+            before = (pressure_pa, answer);
+            let limit_pa = beyond.map_or(f64::INFINITY, |beyond| beyond.pressure_pa);
+            pressure_pa = if next < limit_pa { next } else { 0.5 * (pressure_pa + limit_pa) };
+        }
+        Ok(beyond.map_or_else(|| self.nothing(Status::NotConverged, None), |answer| self.found(&answer)))
+    }
+
+    /// How far an answer is beyond a target.
+    fn miss(&self, answer: &Answer, target: Target<f64>) -> Option<f64> {
+        let state = answer.equilibrium()?.state.over(self.case.parameters.length_m);
+        Some(match target {
+            Target::AxialStretch(value) => state.axial_stretch - value,
+            Target::OuterRadius(value) => state.outer_radius_m - value,
+            Target::InnerRadius(value) => state.inner_radius_m - value,
+            Target::Twist(value) => state.twist_rad - value,
+            Target::BendAngle(value) => state.bend_angle_rad - value,
+        })
+    }
+
+    fn found(&self, answer: &Answer) -> Found {
+        let length_m = self.case.parameters.length_m;
+        let Some(equilibrium) = answer.equilibrium() else { return self.nothing(status(answer), limit(answer)) };
+        Found {
+            state: Some(equilibrium.state.over(length_m)),
+            error: discretisation(equilibrium, length_m),
+            ..self.nothing(Status::Solved, None)
+        }
+    }
+
+    fn nothing(&self, status: Status, limit_pressure_pa: Option<f64>) -> Found {
+        Found { status, state: None, error: None, limit_pressure_pa, iterations: self.iterations }
+    }
+}
+
+/// Whether there is an equilibrium, and if not whether that is known.
+fn status(answer: &Answer) -> Status {
+    match answer.outcome {
+        Outcome::Equilibrium(_) => Status::Solved,
+        Outcome::NotConverged { .. } => Status::NotConverged,
+        Outcome::NoEquilibrium { .. } | Outcome::LoadNotCarried => Status::NoSolution,
+    }
+}
+
+/// What a miss is compared with.
+fn size(target: Target<f64>) -> f64 {
+    match target {
+        Target::AxialStretch(value) | Target::OuterRadius(value) | Target::InnerRadius(value) => value,
+        Target::Twist(value) | Target::BendAngle(value) => value.abs().max(LEAST_ANGLE_RAD),
+    }
+}
+
+fn limit(answer: &Answer) -> Option<f64> {
+    match answer.outcome {
+        Outcome::NoEquilibrium { limit_pressure_pa } => Some(limit_pressure_pa),
+        _ => None,
+    }
+}
+
+fn discretisation(equilibrium: &Equilibrium, length_m: f64) -> Option<Discretisation> {
+    let error = equilibrium.error?;
+    let [first, second] = error.bend_rates_rad_per_m;
+    Some(Discretisation {
+        axial_stretch: error.axial_strain,
+        outer_radius_m: error.outer_radius_m,
+        twist_rad: error.twist_rate_rad_per_m * length_m,
+        bend_angle_rad: first.hypot(second) * length_m,
+    })
+}

@@ -1,0 +1,222 @@
+//! The command: files in, values, picture and scene out.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+use softlimb_scene as scene;
+
+use crate::tube::{Tube, grid};
+
+/// Two modules of one material.
+const SCENE: &str = r#"format = 1
+name = "two"
+
+[materials.silicone]          # cast in spring
+law = "neo-hookean"
+shear_modulus = "0.24 MPa"    # from the data sheet
+
+[windings.helix]
+angle = 0.35
+families = 2
+modulus = "4 MPa"
+thickness = "0.2 mm"
+
+[limb]
+connector = { length = "15 mm", mass = "50 g" }
+
+[[module]]
+name = "arm"
+motion = "extension"
+actuators = 1
+inner_radius = "9 mm"
+outer_radius = "13 mm"
+length = "200 mm"
+material = "silicone"
+winding = "helix"
+
+[[module]]
+name = "finger"
+motion = "bending"
+actuators = 1
+inner_radius = "6 mm"
+outer_radius = "8 mm"
+length = "100 mm"
+material = "silicone"
+
+[[phase]]
+name = "out"
+duration = "1 s"
+hold = "2 s"
+targets = { arm = { axial_stretch = 1.03 }, finger = { bend_angle = "20 deg" } }
+
+[[phase]]
+name = "further"
+duration = "1 s"
+hold = "2 s"
+targets = { arm = { axial_stretch = 1.07 }, finger = { bend_angle = "45 deg" } }
+
+[[phase]]
+name = "furthest"
+duration = "1 s"
+hold = "2 s"
+targets = { arm = { axial_stretch = 1.1 }, finger = { bend_angle = "70 deg" } }
+
+[limits]
+pressure_max = "150 kPa"
+"#;
+
+/// Stretch of the arm at 0.2 MPa by its stresses, with a column of the pressure in kPa.
+fn table() -> String {
+    let mut text = "module,pressure_kpa,axial_stretch,outer_radius_mm\n".to_owned();
+    for stretch in grid(1.01, 1.12, 8) {
+        let held = Tube::soft().at_stretch(stretch);
+        let _ = writeln!(text, "arm,{},{},{}", held.pressure * 1e-3, held.stretch, held.outer * 1e3);
+    }
+    text
+}
+
+struct Answer {
+    code: i32,
+    out: String,
+    err: String,
+}
+
+fn softlimb(folder: &Path, line: &str) -> Answer {
+    let words = line.split_whitespace();
+    let output = Command::new(env!("CARGO_BIN_EXE_softlimb")).args(words).current_dir(folder).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Answer { code: output.status.code().unwrap(), out: text(output.stdout), err: text(output.stderr) }
+}
+
+fn desk(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).unwrap());
+    folder
+}
+
+#[test]
+fn a_table_gives_the_material_and_a_scene_that_keeps_its_comments() {
+    let folder = desk(&[("scene.toml", SCENE), ("arm.csv", &table())]);
+    let line =
+        "calibrate scene.toml --data arm.csv --fit shear_modulus,fiber_angle --write fitted.toml --svg fit.svg --json";
+    let answer = softlimb(folder.path(), line);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    let json: Value = serde_json::from_str(&answer.out).unwrap();
+    let [modulus, angle] = [0, 1].map(|k| &json["estimates"][k]);
+    assert!((modulus["value"].as_f64().unwrap() / 0.2e6 - 1.0).abs() < 1e-6, "{modulus}");
+    assert!((angle["value"].as_f64().unwrap() / 0.35 - 1.0).abs() < 1e-6, "{angle}");
+    assert_eq!(modulus["modules"], serde_json::json!(["arm", "finger"]));
+    let written = std::fs::read_to_string(folder.path().join("fitted.toml")).unwrap();
+    assert!(written.contains("# from the data sheet") && written.contains("# cast in spring"), "{written}");
+    assert!(!written.contains("0.24 MPa"), "{written}");
+    let fitted = scene::load(folder.path().join("fitted.toml")).unwrap();
+    for module in fitted.modules() {
+        assert!((module.material.shear_modulus_pa() / 0.2e6 - 1.0).abs() < 1e-6);
+    }
+    assert_eq!(softlimb(folder.path(), "check fitted.toml").code, 0);
+    let svg = std::fs::read_to_string(folder.path().join("fit.svg")).unwrap();
+    assert!(svg.contains("axial stretch: measured less model") && svg.ends_with("</svg>\n"), "{}", svg.len());
+}
+
+#[test]
+fn a_module_of_its_own_gets_a_material_of_its_own() {
+    let folder = desk(&[("scene.toml", SCENE), ("arm.csv", &table())]);
+    let line =
+        "calibrate scene.toml --data arm.csv --fit shear_modulus,wall --per module --write fitted.toml --accuracy 1e-5";
+    let answer = softlimb(folder.path(), line);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert!(answer.out.contains("shear_modulus of arm, MPa") && answer.out.contains("in the scene:"), "{}", answer.out);
+    let fitted = scene::load(folder.path().join("fitted.toml")).unwrap();
+    let moduli: Vec<f64> = fitted.modules().iter().map(|module| module.material.shear_modulus_pa()).collect();
+    assert!((moduli[0] / 0.2e6 - 1.0).abs() < 1e-6, "{moduli:?}");
+    assert_eq!(moduli[1], 0.24e6);
+}
+
+#[test]
+fn the_log_of_a_run_gives_the_moduli_of_the_limb_that_ran() {
+    let exact = "\n[plant.chamber]\ncreep_share = 0\n\n[plant.spread]\nmodulus = 0\nwall = 0\nfiber_angle = 0\nsensor_offset = 0\nsensor_gain = 0\n";
+    let real = SCENE.replace("0.24 MPa", "0.2 MPa") + exact;
+    let folder = desk(&[("real.toml", &real), ("scene.toml", SCENE)]);
+    let run = softlimb(folder.path(), "run real.toml --out out");
+    assert!(run.code == 0 || run.code == 3, "{}", run.err);
+    let answer = softlimb(
+        folder.path(),
+        "calibrate scene.toml --run out/run.mcap --fit shear_modulus --per module --json --accuracy 0.01",
+    );
+    assert!(answer.code == 0 || answer.code == 3, "{}", answer.err);
+    let json: Value = serde_json::from_str(&answer.out).unwrap();
+    for estimate in json["estimates"].as_array().unwrap() {
+        let value = estimate["value"].as_f64().unwrap();
+        println!("{estimate}");
+        // Sensors sit at the valves and have 60 Pa of noise and 50 Pa of rounding.
+        assert!((value / 0.2e6 - 1.0).abs() < 0.02, "{estimate}");
+    }
+    assert_eq!(json["estimates"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_tensile_test_goes_into_the_scene_with_a_warning_where_it_does_not_reach() {
+    let mut csv = "stretch,nominal_stress_kpa\n".to_owned();
+    for stretch in grid(1.01, 1.05, 9) {
+        let _ = writeln!(csv, "{stretch},{}", 180.0 * (stretch - stretch.powi(-2)));
+    }
+    let folder = desk(&[("scene.toml", SCENE), ("test.csv", &csv)]);
+    let answer =
+        softlimb(folder.path(), "calibrate scene.toml --tension test.csv --law neo-hookean --write fitted.toml");
+    assert_eq!(answer.code, 3, "{}", answer.err);
+    assert!(answer.err.contains("and the test went to 1.05: the law is a guess beyond it"), "{}", answer.err);
+    assert!(answer.out.contains("shear_modulus = \"0.1800000 MPa\""), "{}", answer.out);
+    let fitted = scene::load(folder.path().join("fitted.toml")).unwrap();
+    assert!((fitted.modules()[0].material.shear_modulus_pa() / 180e3 - 1.0).abs() < 1e-8);
+    let refused = softlimb(folder.path(), "calibrate --tension test.csv");
+    assert_eq!(refused.code, 1, "{}", refused.out);
+    assert!(refused.err.contains("test.csv: the data do not"), "{}", refused.err);
+}
+
+#[test]
+fn a_step_gives_the_creep_of_a_scene() {
+    let mut csv = "pressure_pa,time_s,bend_angle_rad,module\n".to_owned();
+    for time in grid(0.05, 12.0, 60) {
+        let _ = writeln!(csv, "30000,{time},{},finger", 0.7 * (1.0 + 0.08 * (1.0 - (-time / 4.0_f64).exp())));
+    }
+    let folder = desk(&[("scene.toml", SCENE), ("step.csv", &csv)]);
+    let answer = softlimb(folder.path(), "calibrate scene.toml --data step.csv --creep");
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert!(
+        answer.out.contains("creep_share = \"8.000 %\"") && answer.out.contains("creep_time = \"4.0000 s\""),
+        "{}",
+        answer.out
+    );
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    let bad = "module,pressure_pa,axial_stretch\narm,1e3,1.01\nleg,2e3,1.02\n";
+    let folder = desk(&[("scene.toml", SCENE), ("bad.csv", bad), ("arm.csv", &table())]);
+    for (line, code, expected) in [
+        ("calibrate", 2, "give measurements: --tension, --data or --run"),
+        ("calibrate scene.toml --data arm.csv", 2, "say what to find"),
+        ("calibrate scene.toml --data arm.csv --fit stiffness", 2, "known are shear_modulus"),
+        ("calibrate scene.toml --data arm.csv --creep", 1, "--creep needs a column time_s"),
+        (
+            "calibrate scene.toml --data bad.csv --fit wall",
+            1,
+            "bad.csv: line 3, column `module`: `leg` is not allowed: one of arm, finger",
+        ),
+        ("calibrate scene.toml --data none.csv --fit wall", 1, "cannot read none.csv"),
+        ("calibrate scene.toml --data arm.csv --fit yeoh_c2", 1, "no module of these data has a yeoh_c2"),
+        ("calibrate scene.toml --data arm.csv --fit wall --accuracy 0", 2, "finite and > 0"),
+        (
+            "calibrate scene.toml --data arm.csv --fit wall --confidence 2",
+            1,
+            "confidence = 2 of the settings is not allowed",
+        ),
+        ("calibrate scene.toml --run scene.toml --fit wall", 1, "scene.toml"),
+    ] {
+        let answer = softlimb(folder.path(), line);
+        assert_eq!(answer.code, code, "{line}: {}", answer.err);
+        assert!(answer.err.contains(expected), "{line}: {}", answer.err);
+    }
+}

@@ -1,0 +1,30 @@
+//! Tests of the command, one module a subject.
+
+mod calibrate_command;
+mod cli;
+mod design_command;
+mod design_evaluate;
+mod eval_batch;
+mod eval_section;
+mod eval_series;
+#[cfg(unix)]
+mod fem_command;
+mod mass_command;
+mod payload_command;
+mod readme;
+mod tolerance_command;
+
+// Fixtures of other crates, of which each user takes a part.
+#[cfg(unix)]
+#[allow(dead_code)]
+#[path = "../fea/tests/fem/fake.rs"]
+mod fake;
+#[cfg(unix)]
+#[allow(dead_code)]
+#[path = "../fea/tests/fem/sample.rs"]
+mod sample;
+#[path = "../limb/tests/tolerance/text.rs"]
+mod tolerance_text;
+#[allow(dead_code)]
+#[path = "../rig/tests/calibrate/tube.rs"]
+mod tube;

@@ -1,0 +1,104 @@
+//! `softlimb payload` as its user meets it.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A problem of eq. (18).
+const FORCES: &str = include_str!("../design/tests/problems/forces.json");
+
+fn payload(words: &[&str]) -> Output {
+    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    Command::new(env!("CARGO_BIN_EXE_softlimb")).arg("payload").args(words).current_dir(scenes).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+const SCENE: &str = "scenes/pick-and-place-a.toml";
+
+#[test]
+fn every_pose_of_a_scene_has_its_largest_load_with_a_certificate() {
+    let output = payload(&[SCENE, "--direction", "-1,0,0", "--spacers", "3", "--json"]);
+    let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let poses = said["poses"].as_array().unwrap();
+    assert_eq!(poses.len(), 5, "at rest and four phases");
+    let weight = said["mass_kg"].as_f64().unwrap() * 9.80665;
+    assert!(poses.iter().all(|pose| pose["own_weights_held"].as_f64().is_none_or(|share| share >= -1e-6)));
+    for pose in poses.iter().filter(|pose| pose["outcome"] == "solved") {
+        let [load, bound] = ["load_n", "certified_bound_n"].map(|name| pose[name].as_f64().unwrap());
+        assert!(bound - load <= 1e-6 * (1.0 + load.abs()) && bound >= load - 1e-6 * (1.0 + load.abs()), "{pose}");
+        assert!((pose["load_to_weight"].as_f64().unwrap() - load / weight).abs() < 1e-9);
+        assert!(pose["load_without_buckling_n"].as_f64().unwrap() >= load - 1e-6);
+        assert!(pose["remainder"].as_f64().unwrap() < 0.03, "{pose}");
+        let highest =
+            pose["modules"].as_array().unwrap().iter().flat_map(|module| module["pressures_pa"].as_array().unwrap());
+        assert!(highest.map(|p| p.as_f64().unwrap()).all(|p| (0.0..=1e5).contains(&p)));
+    }
+    let designs = said["designs"].as_array().unwrap();
+    assert_eq!(designs.len(), 4);
+    for design in designs {
+        assert!(design["objective"].as_f64().unwrap() <= 1e-16, "{design}");
+        let curve = design["push_n_by_pressure_pa"].as_array().unwrap();
+        let wanted = design["wanted_n"].as_f64().unwrap();
+        assert!(curve.last().unwrap()[1].as_f64().unwrap() >= wanted * (1.0 - 1e-9), "met at the highest pressure");
+    }
+}
+
+#[test]
+fn the_table_and_the_picture_are_for_people() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("push.svg");
+    let output = payload(&[SCENE, "--svg", picture.to_str().unwrap()]);
+    let table = text(&output.stdout);
+    for word in ["at rest", "reach", "place", "buckle", "limits", "eq. (18)"] {
+        assert!(table.contains(word), "{word}:\n{table}");
+    }
+    assert!(fs::read_to_string(&picture).unwrap().starts_with("<svg "));
+    let fallen = table.lines().any(|line| line.contains("no pressures balance")) || table.contains(" -");
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{table}");
+    assert!(output.status.code() == Some(0) || fallen, "{table}");
+}
+
+#[test]
+fn wrong_words_and_wrong_scenes_are_answered() {
+    for (words, code, expected) in [
+        (vec![SCENE, "--direction", "0,0,0"], 2, "--direction 0,0,0 is not allowed"),
+        (vec![SCENE, "--direction", "1,2"], 2, "--direction has 2 values"),
+        (vec![SCENE, "--buckling-share", "2"], 2, "--buckling-share = 2 is not allowed"),
+        (vec!["--compare", "--kinds", "P7"], 2, "--kinds: P7 is not allowed"),
+        (vec!["nowhere.toml"], 1, "nowhere.toml"),
+        (vec![], 2, "required"),
+        (vec!["scenes/single-bending.toml", "--svg", "x.svg"], 1, "no module that extends"),
+    ] {
+        let output = payload(&words);
+        let said = text(&output.stderr);
+        assert!(said.contains(expected), "{words:?}: {said}");
+        assert_eq!(output.status.code(), Some(code), "{words:?}: {said}");
+    }
+}
+
+#[test]
+fn a_problem_is_answered_by_both_methods() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("forces.json");
+    fs::write(&file, FORCES).unwrap();
+    let file = file.to_str().unwrap();
+    let [own, paper] = ["gauss-newton", "bfgs"].map(|method| {
+        let output = payload(&["--problem", file, "--method", method, "--json"]);
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    });
+    assert_eq!(own["status"], "reached");
+    assert!(own["objective"].as_f64().unwrap() <= 1e-18);
+    assert!(paper["objective"].as_f64().unwrap() >= own["objective"].as_f64().unwrap());
+    assert!(paper["evaluations"].as_u64().unwrap() > 1000);
+    assert!(text(&payload(&["--problem", file]).stdout).starts_with("reached: objective"));
+    let compared = text(&payload(&["--compare", "--kinds", "P1"]).stdout);
+    assert!(compared.lines().any(|line| line.starts_with("P1 ")), "{compared}");
+    fs::write(file, FORCES.replace("\"format\": 1", "\"format\": 7")).unwrap();
+    let output = payload(&["--problem", file]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("forces.json: line 2: format = 7 is not allowed: 1"));
+}
