@@ -1,4 +1,4 @@
-//! The equations of `docs/model.md`, sections 2 to 6, 10 and 11, once in quantities with dimensions: that they compile is the audit. Each is a
+//! The equations of `docs/explanation/model.md`, sections 2 to 6, 10 and 11, once in quantities with dimensions: that they compile is the audit. Each is a
 //! function, named after the paper's equation it is or replaces where there is one; the tests compare its value with the crate's.
 //!
 //! Equations of the paper that fail the audit as printed:

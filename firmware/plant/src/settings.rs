@@ -263,7 +263,7 @@ impl Spread {
 }
 
 impl Default for Spread {
-    /// Workshop tolerances: see `docs/plant.md` for where each one comes from.
+    /// Workshop tolerances: see `docs/explanation/plant.md` for where each one comes from.
     fn default() -> Self {
         Self {
             modulus: 0.05,

@@ -172,13 +172,20 @@ fn refreshed(page: &str, report: &Report) -> Option<String> {
 fn page_and_picture_are_those_of_the_published_table() {
     let report = published();
     if std::env::var_os("SOFTLIMB_WRITE_ACCURACY").is_some() {
-        let page = refreshed(&read("docs/accuracy.md"), &report).expect("a place for the tables");
-        std::fs::write(repository("docs/accuracy.md"), page).unwrap();
-        std::fs::write(repository("docs/accuracy.svg"), bench::picture(&report)).unwrap();
+        let page = refreshed(&read("docs/evidence/accuracy.md"), &report).expect("a place for the tables");
+        std::fs::write(repository("docs/evidence/accuracy.md"), page).unwrap();
+        std::fs::write(repository("docs/evidence/accuracy.svg"), bench::picture(&report)).unwrap();
     }
-    let page = read("docs/accuracy.md");
-    assert_eq!(refreshed(&page, &report).as_deref(), Some(page.as_str()), "docs/accuracy.md is not of the table");
-    assert!(bench::picture(&report) == read("docs/accuracy.svg"), "docs/accuracy.svg is not of the table");
+    let page = read("docs/evidence/accuracy.md");
+    assert_eq!(
+        refreshed(&page, &report).as_deref(),
+        Some(page.as_str()),
+        "docs/evidence/accuracy.md is not of the table"
+    );
+    assert!(
+        bench::picture(&report) == read("docs/evidence/accuracy.svg"),
+        "docs/evidence/accuracy.svg is not of the table"
+    );
     assert_eq!((report.seed, report.asked), (SEED, bench::ACTUATORS));
     assert_eq!(report.tsv(), read("tests/golden/accuracy.tsv"));
 }

@@ -19,7 +19,7 @@ use softlimb_scene::{Scene, rewritten};
 #[command(after_help = "Examples:\n  softlimb calibrate --tension silicone.csv --law yeoh\n  \
                   softlimb calibrate scene.toml --data finger.csv --fit shear_modulus,pressure_offset\n  \
                   softlimb calibrate --run run.mcap --fit shear_modulus --per module --write fitted.toml\n\n\
-                  Files and method: docs/calibrate.md")]
+                  Files and method: docs/guide/calibrate.md")]
 pub(super) struct Calibrate {
     /// The scene that describes the actuators; --run takes that of the log where none is given
     scene: Option<PathBuf>,

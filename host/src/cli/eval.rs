@@ -23,7 +23,7 @@ use softlimb_scene as scene;
 pub(super) struct Eval {
     /// The scene whose actuators are asked
     scene: Option<PathBuf>,
-    /// A file of questions, one JSON object a line (`-` for standard input); see docs/eval-batch.md
+    /// A file of questions, one JSON object a line (`-` for standard input); see docs/reference/eval-batch.md
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
     /// Precision of a batch

@@ -18,7 +18,7 @@ const BUCKLED: f64 = 0.5;
 /// The limb under its weight and a payload at the end of each phase: deflection, stiffness, margins
 #[derive(Args)]
 #[command(after_help = "Example: softlimb statics scenes/pick-and-place-a.toml --payload 0.5 --spacers 5\n\n\
-                        What the columns mean, and what the model leaves out: docs/statics.md")]
+                        What the columns mean, and what the model leaves out: docs/guide/statics.md")]
 pub(super) struct Statics {
     /// The scene file
     scene: PathBuf,

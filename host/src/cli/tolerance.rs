@@ -22,7 +22,7 @@ use softlimb_scene as scene;
 #[derive(Args)]
 #[command(after_help = "Every actuator is off by its own; pressures are those of the nominal limb.\n\
                   Example: softlimb tolerance scenes/pick-and-place-a.toml --modulus 5 --svg tolerance.svg\n\n\
-                  What is assumed and what the columns mean: docs/tolerance.md")]
+                  What is assumed and what the columns mean: docs/explanation/tolerance.md")]
 pub(super) struct Tolerance {
     /// The scene file
     scene: PathBuf,

@@ -18,7 +18,7 @@ use softlimb_scene::{Corrections, Scene};
 /// Run a scene several times on one simulated limb, by the model alone and after rehearsals under a camera
 #[derive(Args)]
 #[command(after_help = "Example: softlimb design scenes/open/group-a.toml --out a.toml && softlimb trials a.toml\n\n\
-                  What is learned, and what the lines mean: docs/trials.md")]
+                  What is learned, and what the lines mean: docs/explanation/learning.md")]
 pub(super) struct Trials {
     /// The scene file
     scene: PathBuf,

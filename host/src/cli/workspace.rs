@@ -24,7 +24,7 @@ const SHARES: [usize; 4] = [1000, 100, 10, 1];
 /// Find the tip's extents exactly, and sample its workspace for pictures and volume
 #[derive(Args)]
 #[command(after_help = "Example: softlimb workspace scenes/pick-and-place-a.toml --svg workspace.svg\n\n\
-                        What is and is not looked at: docs/workspace.md")]
+                        What is and is not looked at: docs/guide/workspace.md")]
 pub(super) struct Workspace {
     /// The scene file
     scene: PathBuf,

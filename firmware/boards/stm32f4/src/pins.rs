@@ -1,4 +1,4 @@
-//! Which pin does what. The table in `docs/hardware.md` is printed from here.
+//! Which pin does what. The table in `docs/reference/hardware.md` is printed from here.
 
 use core::fmt;
 

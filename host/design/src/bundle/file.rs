@@ -1,4 +1,4 @@
-//! Problem files: JSON, described in `docs/payload.md`. What is wrong is said with field, value, allowed range and line.
+//! Problem files: JSON, described in `docs/reference/bundle-problem.md`. What is wrong is said with field, value, allowed range and line.
 
 use fra_model::{Families, Material, Placement};
 use serde::Deserialize;

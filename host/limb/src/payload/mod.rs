@@ -2,7 +2,7 @@
 //! can hold, and the design of a bundle for wanted forces, eq. (18).
 //!
 //! Forces come from the model's own energy, [`fra_model::Actuator::held`]: the pressure Jacobian that the paper prints is not their
-//! derivative. `docs/payload.md` has the derivation, the file format and the figures.
+//! derivative. `docs/explanation/payload.md` has the derivation, the file format and the figures.
 
 pub mod bundle;
 mod capacity;

@@ -17,7 +17,7 @@ use softlimb_design::actuators::{Answer, Effort, Problem, solve};
 #[command(
     group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem"]),
     after_help = "Examples:\n  softlimb design scenes/open/group-a.toml --out group-a.toml\n  softlimb design --problem reach.json --json\n\n\
-                  What a scene may leave open: docs/design-path.md. The format of problems and answers: docs/design.md"
+                  What a scene may leave open: docs/guide/design-a-limb.md. The format of problems and answers: docs/reference/actuator-problem.md"
 )]
 pub(super) struct Design {
     /// The scene; with targets by eq. (14), with way-points of the tip by a search for the whole limb
@@ -44,7 +44,7 @@ pub(super) struct Design {
     /// Most descents of the search
     #[arg(long, value_name = "N", default_value_t = Effort::default().starts as u32, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     starts: u32,
-    /// Answer points of the unit box on standard input, one JSON array a line, instead: see docs/design.md
+    /// Answer points of the unit box on standard input, one JSON array a line, instead: see docs/reference/actuator-problem.md
     #[arg(long, requires = "problem", conflicts_with_all = ["json", "starts", "seed"])]
     evaluate: bool,
     /// Print JSON

@@ -19,7 +19,7 @@ use softlimb_design::bundle::{Effort, ForceProblem};
 #[command(
     group = ArgGroup::new("question").required(true).multiple(true).args(["scene", "problem"]),
     after_help = "Examples:\n  softlimb payload scenes/pick-and-place-a.toml --svg push.svg\n  softlimb payload scenes/loaded/carry-hanging.toml --track 5,10,15,20\n  softlimb payload scenes/loaded/carry-hanging.toml --estimate tips.csv\n  softlimb payload --problem forces.json --json\n\n\
-                  Terms, limits and the format of problems: docs/payload.md"
+                  Terms and limits: docs/explanation/payload.md. The format of problems: docs/reference/bundle-problem.md"
 )]
 pub(super) struct Payload {
     /// The scene
