@@ -57,7 +57,7 @@ impl Tangent {
 
 fn straight(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangent> {
     let (parameters, state) = (actuator.parameters(), &solution.state);
-    let held = actuator.held(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
+    let held = actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
     let bending_nm2 = axial * gyration_m2(state.inner_radius_m, state.outer_radius_m);

@@ -1,5 +1,4 @@
 //! Plants shared by the tests.
-#![allow(dead_code, reason = "each test binary uses its own part")]
 
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
 use softlimb_plant::*;
