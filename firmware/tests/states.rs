@@ -166,7 +166,7 @@ fn vent_ramps_down_opens_the_vents_and_ends_ready() {
     while !bench.controller.channel(0).unwrap().is_venting_open() {
         bench.tick();
         let ramp_pa = 40e3 - 20e3 * (bench.now_us - begin_us) as f64 * 1e-6;
-        let error_pa = bench.rigs[0].gauge_pa() - ramp_pa;
+        let error_pa = bench.fixtures[0].gauge_pa() - ramp_pa;
         assert!(error_pa.abs() < 1.5e3, "{error_pa} Pa off the ramp at {ramp_pa} Pa");
     }
     let outputs = bench.tick();
@@ -174,7 +174,7 @@ fn vent_ramps_down_opens_the_vents_and_ends_ready() {
     assert_eq!(outputs.valves[0], ValvePulse::VENTING, "open at the end of the ramp");
     assert!(!outputs.supply_open);
     bench.ticks_until(DeviceState::Ready, 2_000);
-    assert!(bench.rigs[0].gauge_pa() < 2.1e3);
+    assert!(bench.fixtures[0].gauge_pa() < 2.1e3);
     assert_closed(&bench.tick());
 }
 

@@ -37,7 +37,7 @@ pub(crate) enum Verdict {
     /// The solver gave up and says so.
     NotConverged,
     /// Another equilibrium than that of the branch connected to rest; the relative error.
-    OtherBranch(f64),
+    OtherBranch(#[allow(dead_code, reason = "printed with a failure")] f64),
     /// A number is not finite.
     NotFinite,
     /// The oracle itself has no answer.
