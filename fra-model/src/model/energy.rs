@@ -15,6 +15,7 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::real::{Real, real};
 use crate::number::scalar::{Scalar, dot, magnitudes};
 use crate::parameters::{ActuatorParameters, Families, Fiber, Material, Placement};
+use crate::solve::closed_form::ClosedForm;
 
 /// Rounding of a strain times `mu2/mu1` up to which plain arithmetic resolves the equilibrium.
 const MAGNIFIED_ROUNDING: f64 = 2e-4;
@@ -78,8 +79,8 @@ impl<T: Scalar> Ring<T> {
 /// The elastomer of the wall.
 #[derive(Clone, Copy, Debug)]
 enum Elastomer<T> {
-    /// Its wall integrals have closed forms.
-    NeoHookean,
+    /// Its wall integrals have closed forms. The closed-form solver, if there is one, takes the room of the other elastomer's rule.
+    NeoHookean(Option<ClosedForm<T>>),
     /// `2 C2/mu1` and `3 C3/mu1`: `psi' = 1/2 + a J + b J^2`.
     Yeoh { a: T, b: T, rule: WallRule<T> },
 }
@@ -111,7 +112,7 @@ impl<T: Scalar> Wall<T> {
         let x_outer = ratio * ratio;
         let mu1 = parameters.material.shear_modulus_pa();
         let elastomer = match parameters.material {
-            Material::NeoHookean { .. } => Elastomer::NeoHookean,
+            Material::NeoHookean { .. } => Elastomer::NeoHookean(None),
             Material::Yeoh { c_pa } => Elastomer::Yeoh {
                 a: T::constant(2.0) * c_pa[1] / mu1,
                 b: T::constant(3.0) * c_pa[2] / mu1,
@@ -121,6 +122,22 @@ impl<T: Scalar> Wall<T> {
         let winding = parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > T::zero());
         let winding = winding.map(|fiber| Winding::new(fiber, parameters.inner_radius_m, x_outer, mu1));
         Self { parameters: *parameters, x_outer, elastomer, winding }
+    }
+
+    /// The same wall with a closed-form solver, or without one.
+    pub(crate) fn with_closed_form(mut self, solver: Option<ClosedForm<T>>) -> Self {
+        if let Elastomer::NeoHookean(kept) = &mut self.elastomer {
+            *kept = solver;
+        }
+        self
+    }
+
+    /// The closed-form solver, if the wall has one.
+    pub(crate) fn closed_form(&self) -> Option<&ClosedForm<T>> {
+        match &self.elastomer {
+            Elastomer::NeoHookean(solver) => solver.as_ref(),
+            Elastomer::Yeoh { .. } => None,
+        }
     }
 
     /// `true` when the tube can twist without an external torque.
@@ -139,7 +156,7 @@ impl<T: Scalar> Wall<T> {
 
     fn elastomer_derivatives(&self, e: T, w: T, g: T) -> Derivatives<T> {
         let mut sum = match &self.elastomer {
-            Elastomer::NeoHookean => neo_hookean(e, w, g, self.x_outer),
+            Elastomer::NeoHookean(_) => neo_hookean(e, w, g, self.x_outer),
             Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
         };
         // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.

@@ -1,4 +1,4 @@
-//! Physics without a solver: the strain energy of the straight wall, the cross section of a bend, the pose of a limb.
+//! Physics: the strain energy of the straight wall, the cross section of a bend, the pose of a limb.
 
 pub(crate) mod energy;
 pub(crate) mod limb;

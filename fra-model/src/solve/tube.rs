@@ -20,7 +20,6 @@ const WHOLE_BRANCH: u32 = 1_000_000;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tube<T: Real> {
     wall: Wall<T>,
-    closed_form: Option<ClosedForm<T>>,
     inner_radius_m: T,
     length_m: T,
     shear_modulus_pa: T,
@@ -29,11 +28,10 @@ pub(crate) struct Tube<T: Real> {
 
 impl<T: Real> Tube<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
-        let wall = Wall::new(parameters);
+        let wall = Wall::new(parameters).with_closed_form(ClosedForm::new(parameters));
         let size = Size::of_tube(parameters, wall.x_outer);
         Self {
             wall,
-            closed_form: ClosedForm::new(parameters),
             inner_radius_m: parameters.inner_radius_m,
             length_m: parameters.length_m,
             shear_modulus_pa: parameters.material.shear_modulus_pa(),
@@ -44,7 +42,7 @@ impl<T: Real> Tube<T> {
     /// The equilibrium at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
         let unloaded = load.force_n == T::zero() && load.torque_nm == T::zero();
-        if let (None, true, Some(closed_form)) = (start, unloaded, &self.closed_form)
+        if let (None, true, Some(closed_form)) = (start, unloaded, self.closed_form())
             && let Some(found) = closed_form.pressed(pressure_pa * self.size.per_shear_modulus)
         {
             return self.solved(&found, pressure_pa);
@@ -172,12 +170,12 @@ impl<T: Real> Tube<T> {
 
     /// The same tube without the closed-form solver: every query is answered by continuation.
     pub(crate) fn by_search(self) -> Self {
-        Self { closed_form: None, ..self }
+        Self { wall: self.wall.with_closed_form(None), ..self }
     }
 
     /// The closed-form solution where it is certified, else that of the continuation.
     fn solve(&self, query: &Query<T>) -> Solution<T> {
-        if let Some(found) = self.closed_form.as_ref().and_then(|solver| solver.answer(query)) {
+        if let Some(found) = self.closed_form().and_then(|solver| solver.answer(query)) {
             return self.solved(&found, found.pressure * self.shear_modulus_pa);
         }
         let Answer { found, iterations } = query.answer(&self.wall);
@@ -193,7 +191,7 @@ impl<T: Real> Tube<T> {
 
     /// The closed-form solver, if the wall has closed forms.
     pub(crate) fn closed_form(&self) -> Option<&ClosedForm<T>> {
-        self.closed_form.as_ref()
+        self.wall.closed_form()
     }
 
     /// Dimensions that convert strains.
