@@ -20,14 +20,13 @@ mod error;
 mod quantity;
 mod read;
 mod reader;
-mod redesign;
 mod reference;
-mod refit;
 mod schema;
 mod source;
 mod suggest;
 mod unit;
 mod value;
+mod writer;
 
 use std::path::Path;
 
@@ -37,10 +36,9 @@ pub use data::{
     Sensor, SetpointKind, Spread, Supply, Target, Valve, Weight,
 };
 pub use error::{Problems, SceneError, Unreadable};
-pub use redesign::{Redesign, RedesignedTarget, redesigned};
 pub use reference::reference;
-pub use refit::{RewriteError, rewritten};
 pub use source::{Located, SCENE_BYTES_MAX, Span};
+pub use writer::{Redesign, RedesignedTarget, RewriteError, redesigned, rewritten};
 
 use source::Source;
 
