@@ -7,7 +7,7 @@
 
 mod actuator;
 mod answer;
-mod file;
+pub(crate) mod file;
 pub mod kinds;
 mod objective;
 mod problem;
@@ -21,7 +21,7 @@ pub use actuator::Counts;
 pub use answer::{
     Answer, Design, DesignError, PhaseAnswer, SegmentAnswer, Terms, search, search_watched, solve, solve_watched,
 };
-pub use file::ProblemError;
 pub use objective::Objective;
 pub use problem::{Bounds, Geometry, GeometryBounds, Goal, Problem, Segment, Sizes, Winding};
 pub use search::{Effort, Progress, Starts};
+pub use softlimb_files::problem::ProblemError;

@@ -1,10 +1,11 @@
 //! A scene with other modules: the text of its author, with the sizes that a design found.
 
-use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, Value, value};
+use toml_edit::{ArrayOfTables, InlineTable, Item, Table, Value};
 
-use super::data::{Goal, Scene, SetpointKind};
-use super::refit::RewriteError;
-use super::schema::{module, phase, scene, target, winding};
+use super::RewriteError;
+use super::draft::{Draft, Part, put};
+use crate::data::{Goal, Scene, SetpointKind};
+use crate::schema::{module, phase, scene, target, winding};
 
 /// What a design says about one module.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,24 +45,23 @@ pub fn redesigned(
     targets: Option<&[Vec<RedesignedTarget>]>,
 ) -> Result<String, RewriteError> {
     let unwritten = |index: usize, what| RewriteError::NotWritten { module: modules[index].name.clone(), what };
-    let mut document = scene.source_text().parse::<DocumentMut>().map_err(|_| unwritten(0, "text"))?;
-    let before = tables(&mut document, scene::MODULE.name);
+    let mut draft = Draft::new(scene).ok_or_else(|| unwritten(0, "text"))?;
+    let before = draft.document.get(scene::MODULE.name).and_then(Item::as_array_of_tables).cloned().unwrap_or_default();
     let mut after = ArrayOfTables::new();
     for (index, redesign) in modules.iter().enumerate() {
         let mut table = before.iter().find(|table| named(table, &redesign.like)).cloned().unwrap_or_default();
         resize(&mut table, redesign);
         if let Some(angle_rad) = redesign.winding {
-            rewind(&mut document, &mut table, angle_rad, index);
+            rewind(&mut draft, &mut table, angle_rad, index);
         }
         after.push(table);
     }
-    document.insert(scene::MODULE.name, Item::ArrayOfTables(after));
+    draft.document.insert(scene::MODULE.name, Item::ArrayOfTables(after));
     if let Some(targets) = targets {
         let names: Vec<&str> = modules.iter().map(|module| module.name.as_str()).collect();
-        retarget(&mut document, &names, targets);
+        retarget(&mut draft, &names, targets);
     }
-    let text = document.to_string();
-    let read = super::parse(&text, scene.source_name()).map_err(RewriteError::Refused)?;
+    let (text, read) = draft.read(scene.source_name())?;
     if read.modules().len() != modules.len() {
         return Err(RewriteError::Modules { found: modules.len(), modules: read.modules().len() });
     }
@@ -105,10 +105,6 @@ fn missed(wanted: &[RedesignedTarget], goal: &Goal) -> Option<usize> {
     wanted.iter().find(|target| !kept(target)).map(|(index, _, _)| *index)
 }
 
-fn tables(document: &mut DocumentMut, name: &str) -> ArrayOfTables {
-    document.get(name).and_then(Item::as_array_of_tables).cloned().unwrap_or_default()
-}
-
 fn named(table: &Table, name: &str) -> bool {
     table.get(module::NAME.name).and_then(Item::as_str) == Some(name)
 }
@@ -126,30 +122,27 @@ fn resize(table: &mut Table, redesign: &Redesign) {
 }
 
 /// Gives a module a winding of its own: a copy of another one with its own angle.
-fn rewind(document: &mut DocumentMut, table: &mut Table, angle_rad: f64, index: usize) {
-    let Some(template) = table.get(module::WINDING.name).and_then(Item::as_str).map(str::to_owned) else { return };
-    let Some(windings) = document.get_mut(scene::WINDINGS.name).and_then(Item::as_table_mut) else { return };
-    let Some(mut copy) = windings.get(&template).and_then(Item::as_table).cloned() else { return };
-    put(&mut copy, winding::ANGLE.name, degrees(angle_rad));
+fn rewind(draft: &mut Draft, table: &mut Table, angle_rad: f64, index: usize) {
+    let Some(template) = table.get(module::WINDING.name).and_then(Item::as_str) else { return };
+    let names = (index + 1..).map(|number| format!("designed-{number}"));
+    let Some(name) = draft.copy(Part::Winding, template, names) else { return };
+    let Some(copy) = draft.part(Part::Winding, &name) else { return };
+    put(copy, winding::ANGLE.name, degrees(angle_rad));
     let smeared = copy.get(winding::PLACEMENT.name).and_then(Item::as_str).is_some_and(|word| word != "sheet");
     if !smeared {
         copy.remove(winding::RADIUS.name);
     }
-    copy.decor_mut().clear();
-    let name = (index + 1..).map(|number| format!("designed-{number}")).find(|name| !windings.contains_key(name));
-    let name = name.unwrap_or_default();
-    copy.set_position(None);
-    windings.insert(&name, Item::Table(copy));
     put(table, module::WINDING.name, name.into());
 }
 
-fn retarget(document: &mut DocumentMut, modules: &[&str], targets: &[Vec<RedesignedTarget>]) {
-    let Some(phases) = document.get_mut(scene::PHASE.name).and_then(Item::as_array_of_tables_mut) else { return };
+fn retarget(draft: &mut Draft, modules: &[&str], targets: &[Vec<RedesignedTarget>]) {
+    let phases = draft.document.get_mut(scene::PHASE.name).and_then(Item::as_array_of_tables_mut);
+    let Some(phases) = phases else { return };
     for (table, targets) in phases.iter_mut().zip(targets) {
-        let mut goals = toml_edit::InlineTable::new();
+        let mut goals = InlineTable::new();
         for (index, kind, value) in targets {
             let (key, value) = setpoint(*kind, *value);
-            let mut goal = toml_edit::InlineTable::new();
+            let mut goal = InlineTable::new();
             goal.insert(key, value);
             goals.insert(modules[*index], Value::InlineTable(goal));
         }
@@ -167,15 +160,6 @@ fn setpoint(kind: SetpointKind, value: f64) -> (&'static str, Value) {
         SetpointKind::InnerRadius => (target::INNER_RADIUS.name, millimetres(value)),
         SetpointKind::Twist => (target::TWIST.name, degrees(value)),
         SetpointKind::BendAngle => (target::BEND_ANGLE.name, degrees(value)),
-    }
-}
-
-/// Sets a key. One that is there keeps its place and the comment behind it, unless that was said of another value.
-fn put(table: &mut Table, key: &str, new: Value) {
-    let same =
-        table.get(key).and_then(Item::as_value).is_some_and(|old| old.to_string().trim() == new.to_string().trim());
-    if !same {
-        table.insert(key, value(new));
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use softlimb_files::table;
+
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema::Text;
@@ -58,15 +60,15 @@ pub(super) fn series(
 /// # Errors
 /// What is wrong, as it follows the file's name: `:row: column: reason`.
 fn rows(text: &str, columns: &Columns<'_>) -> Result<Vec<Row>, String> {
-    let mut lines = text.lines().zip(1_usize..).filter(|(line, _)| !line.trim().is_empty());
-    let header = lines.next().map(|(line, _)| line.split(',').map(str::trim).collect::<Vec<_>>());
+    let mut lines = table::rows(text).map_err(|error| format!(": {error}"))?.into_iter();
     let wanted: Vec<&str> = std::iter::once(TIME).chain(columns.names.iter().copied()).collect();
-    if header.as_ref() != Some(&wanted) {
+    if !lines.next().is_some_and(|header| header.cells().eq(wanted.iter().copied())) {
         return Err(format!(":1: the first row must be `{}`", wanted.join(",")));
     }
     let mut rows: Vec<Row> = Vec::new();
-    for (line, number) in lines {
-        let (time_s, values) = row(line, columns).map_err(|why| format!(":{number}: {why}"))?;
+    for cells in lines {
+        let number = cells.line;
+        let (time_s, values) = row(&cells, columns).map_err(|why| format!(":{number}: {why}"))?;
         if rows.last().is_some_and(|(last_s, _)| time_s < last_s + STEP_MIN_S) {
             return Err(format!(":{number}: `{TIME}`: {time_s} is not at least 1 ms after the row before"));
         }
@@ -81,8 +83,8 @@ fn rows(text: &str, columns: &Columns<'_>) -> Result<Vec<Row>, String> {
     }
 }
 
-fn row(line: &str, columns: &Columns<'_>) -> Result<Row, String> {
-    let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+fn row(row: &table::Row, columns: &Columns<'_>) -> Result<Row, String> {
+    let cells: Vec<&str> = row.cells().collect();
     let count = columns.names.len() + 1;
     let [time_s, values @ ..] = &cells[..] else { return Err(format!("0 values, not {count}")) };
     if cells.len() != count {
