@@ -4,6 +4,7 @@ mod desk;
 mod eval;
 mod files;
 mod finite_elements;
+mod labels;
 mod output;
 mod run;
 mod scenes;

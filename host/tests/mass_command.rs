@@ -8,6 +8,11 @@ use serde_json::Value;
 /// A hanging limb with a payload.
 const HANGING: &str = include_str!("../rig/tests/weight/hanging.toml");
 
+/// [`HANGING`] with nothing to pick up, as a limb without weight may be.
+fn empty() -> String {
+    HANGING.replace("payload = \"50 g\", ", "")
+}
+
 fn payload(folder: &Path, words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_softlimb")).arg("payload").args(words).current_dir(folder).output().unwrap()
 }
@@ -31,7 +36,7 @@ fn two(first_m: f64, second_m: f64) -> String {
 #[test]
 fn wrong_tables_and_words_are_answered_with_line_column_value_and_what_is_allowed() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scene.toml"), HANGING).unwrap();
+    std::fs::write(folder.path().join("scene.toml"), empty()).unwrap();
     let row = |row: &str| format!("{HEAD}\nreach,none,0,0,0.7\n{row}\n");
     let kpa = |kpa: &str| format!("{HEAD},wrist_kpa\nreach,none,0,0,0.7,10\nreach,unknown,0,0,0.7,{kpa}\n");
     for (table, expected) in [
@@ -107,7 +112,7 @@ fn wrong_tables_and_words_are_answered_with_line_column_value_and_what_is_allowe
 #[test]
 fn a_load_that_is_not_told_from_none_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scene.toml"), HANGING).unwrap();
+    std::fs::write(folder.path().join("scene.toml"), empty()).unwrap();
     std::fs::write(folder.path().join("tips.csv"), two(1e-3, 1.1e-3)).unwrap();
     let output = payload(folder.path(), &["scene.toml", "--estimate", "tips.csv"]);
     let [out, err] = said(&output);

@@ -182,6 +182,7 @@ fn the_table_shows_people_units() {
 fn the_table_is_aligned_and_at_most_100_columns_wide() {
     let mut run = perfect();
     run.info.scene_name = "a scene with a name that goes on and on, ".repeat(9);
+    run.info.weightless = true;
     run.info.modules[0].name = "a module with a very long name\nand a second line".into();
     run.info.modules[1].motion = "bending and more than that".into();
     run.info.modules[2].quantity = softlimb_rig::record::Quantity::Pressure;

@@ -17,6 +17,11 @@ use softlimb_scene::Scene;
 /// One module that hangs down and carries 50 g for a while, that is put down again.
 const HANGING: &str = include_str!("weight/hanging.toml");
 
+/// [`HANGING`] with nothing to pick up, as a limb without weight may be.
+fn empty() -> String {
+    HANGING.replace("payload = \"50 g\", ", "")
+}
+
 /// A plant whose actuators are exactly those of the scene and take their shape at once.
 const NO_SPREAD: &str = "
 [plant.spread]

@@ -34,7 +34,7 @@ use std::path::Path;
 pub use data::{
     Aim, Ambient, BendingModel, Bounds, Chamber, Choice, Controller, Corrections, Design, EndEffector, Goal, Gripper,
     InverseChoice, Limb, Limits, Line, LinkLoss, Marker, Module, ModuleBounds, Obstacle, Phase, Plant, Region, Scene,
-    Sensor, SetpointKind, Spread, Supply, Target, Valve, Weight,
+    Sensor, SetpointKind, Spread, Supply, Target, Valve, WEIGHTLESS, Weight, labelled,
 };
 pub use error::{Problems, SceneError, Unreadable};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};

@@ -404,3 +404,27 @@ fn another_room_points_at_a_value_of_the_scene() {
    = help: at most 1.15"#
     );
 }
+
+#[test]
+fn a_payload_on_a_limb_without_weight() {
+    let payload = "duration = \"2 s\"\npayload = \"0.5 kg\"";
+    assert_eq!(
+        picture("duration = \"2 s\"", payload),
+        r#"error: a payload needs `[weight]`
+  --> arm.toml:46:11
+   |
+46 | payload = "0.5 kg"
+   |           ^^^^^^^^ the limb is weightless: this mass would be ignored
+   |
+   = help: add a table `[weight]` (with `simulated = true`, its default) so that the limb carries itself and the payload, or leave out `payload`; `softlimb statics --payload KG` loads a scene without it"#
+    );
+    let weighing = |table: &str| parse(&(changed("duration = \"2 s\"", payload) + table), "arm.toml");
+    assert!(!weighing("[weight]").unwrap().weightless());
+    weighing("[weight]\nsimulated = false").unwrap_err();
+    // A mass of nothing is none.
+    assert!(
+        parse(&changed("duration = \"2 s\"", "duration = \"2 s\"\npayload = \"0 kg\""), "arm.toml")
+            .unwrap()
+            .weightless()
+    );
+}

@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use serde_json::Value;
 
 use super::kept::write;
-use super::{Failure, Outcome, note, say};
+use super::{Failure, Outcome, say, warn};
 use softlimb_rig::calibrate::{Law, Noise, Property, Settings};
 use softlimb_scene::{Scene, rewritten};
 
@@ -152,8 +152,7 @@ impl Calibrate {
         if let (Some(file), Some((text, _))) = (&self.write, &written) {
             write(file, text)?;
         }
-        said.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
-        Ok(if said.warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+        Ok(warn(&said.warnings))
     }
 
     fn settings(&self) -> Settings {

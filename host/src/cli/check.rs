@@ -10,7 +10,7 @@ use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::{ModuleInverse, Plan};
 use softlimb_scene as scene;
-use softlimb_scene::Scene;
+use softlimb_scene::{Scene, WEIGHTLESS, labelled};
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
 #[derive(Args)]
@@ -32,13 +32,15 @@ impl Check {
         let sent = motion::sent(&scene, &limb, &plan)?;
         motion::check_goals(&scene, &limb, &sent, &inverses)?;
         let highest = highest_pressures(&sent);
+        let warnings = [plan.warnings.clone(), scene.winding_warnings()].concat();
         if self.json {
-            super::say(&report(&scene, &limb, &plan, &highest, &inverses).to_string())?;
+            let mut json = report(&scene, &limb, &plan, &highest, &inverses);
+            json["warnings"] = warnings.clone().into();
+            super::say(&json.to_string())?;
         } else {
             super::say(&table(&scene, &limb, &plan, &highest, &inverses))?;
         }
-        plan.warnings.iter().for_each(|warning| super::note(&format!("warning: {warning}")));
-        Ok(if plan.warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+        Ok(super::warn(&warnings))
     }
 }
 
@@ -88,6 +90,7 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
         .collect();
     json!({
         "scene": scene.name(),
+        WEIGHTLESS: scene.weightless(),
         "channels": scene.channels(),
         "rest_length_m": scene.rest_length_m(),
         "mass_kg": scene.mass_kg(),
@@ -95,14 +98,13 @@ fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[
         "modules": modules,
         "phases": phases,
         "weight": plan.weighed().map(|weighed| json!({"model": weighed.tier.name(), "error": weighed.error})),
-        "warnings": plan.warnings,
     })
 }
 
 fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> String {
     let heading = format!(
         "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
-        scene.name(),
+        labelled(scene.name(), scene.weightless()),
         limb.modules().len(),
         scene.channels(),
         scene.rest_length_m(),

@@ -77,13 +77,15 @@ impl Eval {
         let scene = scene::load(path)?;
         let limb = Limb::new(&scene)?;
         let curves = eval::curves(&limb, usize::from(self.steps));
+        let warnings = scene.winding_warnings();
         if self.json {
-            super::say(&json!({"scene": scene.name(), "curves": curves}).to_string())?;
+            super::say(&json!({"scene": scene.name(), "curves": curves, "warnings": warnings}).to_string())?;
         } else {
             super::say(&curves.iter().map(table).collect::<Vec<_>>().join("\n"))?;
         }
         let complete = curves.iter().all(|curve| curve.limit_pressure_pa.is_none());
-        Ok(if complete { Outcome::Done } else { Outcome::DoneWithWarnings })
+        let outcome = super::warn(&warnings);
+        Ok(if complete { outcome } else { Outcome::DoneWithWarnings })
     }
 }
 

@@ -126,6 +126,12 @@ pub fn note(text: &str) {
     let _ = writeln!(stderr().lock(), "{text}");
 }
 
+/// Writes warnings to standard error; an outcome with any is one with warnings.
+pub(crate) fn warn(warnings: &[String]) -> Outcome {
+    warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
+}
+
 /// Whether messages on standard error may be coloured.
 pub fn colour() -> bool {
     stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()

@@ -76,19 +76,22 @@ impl Run {
             Err(error) => return Err(error.into()),
         };
         let summary = report::summary(&files.run);
+        let warnings = [warnings(&summary), scene.winding_warnings()].concat();
         if self.json {
-            super::say(&serde_json::json!(summary).to_string())?;
+            let mut json = serde_json::json!(summary);
+            json["warnings"] = warnings.clone().into();
+            super::say(&json.to_string())?;
         } else {
             super::say(&summary.table())?;
         }
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
-        let outcome = judge(&summary);
+        let outcome = super::warn(&warnings);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
     }
 }
 
-/// A run that the device complained about, or that did not arrive, is done with warnings.
-pub(super) fn judge(summary: &Summary) -> Outcome {
+/// What the device complained about, and where the run did not arrive.
+pub(super) fn warnings(summary: &Summary) -> Vec<String> {
     let mut warnings = Vec::new();
     for fault in &summary.faults {
         warnings.push(format!("{:.3} s into the run: {}", fault.time_s, fault.text));
@@ -101,8 +104,7 @@ pub(super) fn judge(summary: &Summary) -> Outcome {
     for channel in &summary.limited_channels {
         warnings.push(format!("the device limited the reference of channel {channel}"));
     }
-    warnings.iter().for_each(|warning| super::note(&format!("warning: {warning}")));
-    if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings }
+    warnings
 }
 
 impl From<RunError> for Failure {

@@ -16,6 +16,7 @@ use softlimb_limb::tolerance;
 use softlimb_limb::tolerance::{PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
 use softlimb_motion as motion;
 use softlimb_scene as scene;
+use softlimb_scene::{WEIGHTLESS, labelled};
 
 /// What walls, fiber angles and moduli within their tolerances do to the tip at the end of each phase
 #[derive(Args)]
@@ -79,7 +80,7 @@ impl Tolerance {
             write(file, &csv(&study, &samples))?;
         }
         if let Some(file) = &self.svg {
-            write(file, &tolerance::picture(scene.name(), &study, &samples))?;
+            write(file, &tolerance::picture(&labelled(scene.name(), true), &study, &samples))?;
         }
         let names: Vec<&str> = study.modules().collect();
         if self.json {
@@ -126,6 +127,7 @@ impl Tolerance {
         };
         json!({
             "scene": scene,
+            WEIGHTLESS: true,
             "tolerances": {"wall_m": tolerances.wall_m, "angle_rad": tolerances.angle_rad, "modulus": tolerances.modulus},
             "modulus_shared": self.modulus_shared,
             "samples": self.samples,
@@ -138,6 +140,7 @@ impl Tolerance {
     fn table(&self, scene: &str, study: &Study<'_>, statistics: &Statistics, modules: &[&str]) -> String {
         let mut text = String::new();
         let batch = if self.modulus_shared { "one modulus for equal elastomers" } else { "each actuator its own" };
+        let scene = labelled(scene, true);
         let _ = writeln!(text, "{scene}: {}; {batch}; {} limbs, seed {}", self.allowed, self.samples, self.seed);
         let _ = writeln!(
             text,

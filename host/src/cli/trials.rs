@@ -12,7 +12,7 @@ use super::{Failure, Outcome};
 use softlimb_rig::trials;
 use softlimb_rig::trials::{Distances, Score, Settings, TrialsError};
 use softlimb_scene as scene;
-use softlimb_scene::{Corrections, Scene};
+use softlimb_scene::{Corrections, Scene, WEIGHTLESS, labelled};
 
 /// Run a scene several times on one simulated limb, by the model alone and after rehearsals under a camera
 #[derive(Args)]
@@ -92,6 +92,7 @@ impl Trials {
         };
         json!({
             "scene": scene.name(),
+            WEIGHTLESS: scene.weightless(),
             "limb": settings.limb,
             "seed": settings.noise,
             "rehearsals": settings.rehearsals,
@@ -106,7 +107,7 @@ impl Trials {
 
     /// Writing to a string cannot fail.
     fn table(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> String {
-        let (name, limb, count) = (scene.name(), settings.limb, self.trials);
+        let (name, limb, count) = (labelled(scene.name(), scene.weightless()), settings.limb, self.trials);
         let mut text = format!(
             "{name}: limb {limb}, {count} trials each, {} rehearsals under a camera of {} mm\n\n\
              {:34} {:>16} {:>18}\n{:34} {:>8} {:>8} {:>9} {:>8}\n",

@@ -14,6 +14,7 @@ use softlimb_limb::Limb;
 use softlimb_limb::workspace;
 use softlimb_limb::workspace::{Command, Convergence, Extents, Grid, Points, Reach};
 use softlimb_scene as scene;
+use softlimb_scene::{WEIGHTLESS, labelled};
 
 /// Names of what is measured.
 pub(super) const NAMES: [&str; 4] = ["x", "y", "z", "distance"];
@@ -147,7 +148,7 @@ impl Workspace {
             write(file, &csv(&tips))?;
         }
         if let Some(file) = &self.svg {
-            write(file, &workspace::picture(scene.name(), &answer.grids[0], &rest_m(&limb)))?;
+            write(file, &workspace::picture(&labelled(scene.name(), true), &answer.grids[0], &rest_m(&limb)))?;
         }
         if self.json {
             super::say(&answer.json().to_string())?
@@ -220,6 +221,7 @@ impl Answer<'_> {
         let rows: Vec<_> = self.rows.iter().map(|row| json!({"samples": row.count, "missing": row.missing})).collect();
         json!({
             "scene": self.name,
+            WEIGHTLESS: true,
             "axes": axes,
             "table_error": self.space.error(),
             "extents": extents,
@@ -239,7 +241,7 @@ impl Answer<'_> {
         let mut text = String::new();
         let each = if self.space.command() == Command::Actuators { "each actuator" } else { "each module" };
         let axes = self.space.axes();
-        let _ = writeln!(text, "{}: {} pressures, {each} on its own; m", self.name, axes.len());
+        let _ = writeln!(text, "{}: {} pressures, {each} on its own; m", labelled(self.name, true), axes.len());
         let _ = writeln!(text, "\n{:10} {:>9} {:>9} {:>9}   corners alone miss", "", "least", "largest", "range");
         for (index, (name, [least, largest])) in NAMES.iter().zip(&self.extents.of).enumerate() {
             let range = self.extents.range_m(index);

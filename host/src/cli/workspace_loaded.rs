@@ -11,7 +11,7 @@ use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_limb::workspace;
 use softlimb_limb::workspace::{Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
-use softlimb_scene::Scene;
+use softlimb_scene::{Scene, WEIGHTLESS};
 
 /// Everything that is shown.
 struct Answer<'a> {
@@ -127,6 +127,7 @@ impl Answer<'_> {
         let tally = &self.tally;
         json!({
             "scene": self.scene.name(),
+            WEIGHTLESS: false,
             "mass_kg": self.scene.mass_kg(),
             "payload_kg": self.payload_kg,
             "extents": extents,

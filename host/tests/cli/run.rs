@@ -27,7 +27,7 @@ fn a_run_leaves_a_log_and_a_report_and_nothing_else() {
     let desk = desk();
     let answer = desk.softlimb("run scene.toml --out results").done();
     assert_eq!(desk.content(), ["results", "results/run.html", "results/run.mcap", "scene.toml"]);
-    assert!(answer.out.starts_with("small  (simulated, seed 1)"), "{}", answer.out);
+    assert!(answer.out.starts_with("small  (simulated, seed 1, weightless)"), "{}", answer.out);
     assert!(answer.out.contains("real-time factor") && answer.out.contains("finger"), "{}", answer.out);
     assert!(answer.err.contains("results/run.mcap") && answer.err.contains("results/run.html"), "{}", answer.err);
 }

@@ -169,6 +169,8 @@ pub struct RunInfo {
     pub solids: Vec<SolidInfo>,
     /// True when the device and the limb were simulated.
     pub simulated: bool,
+    /// True when the simulated limb carried neither its own weight nor a payload.
+    pub weightless: bool,
 }
 
 impl RunInfo {

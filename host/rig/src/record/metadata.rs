@@ -2,6 +2,7 @@
 //! and what is known after it.
 
 use super::{LinkSummary, ModuleInfo, RecordError, RunInfo};
+use softlimb_scene::WEIGHTLESS;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
@@ -21,6 +22,7 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
         ("seed".into(), info.seed.to_string()),
         ("start_unix_ns".into(), info.start_unix_ns.to_string()),
         ("simulated".into(), info.simulated.to_string()),
+        (WEIGHTLESS.into(), info.weightless.to_string()),
         ("modules".into(), to_json(&info.modules)),
         ("phases".into(), to_json(&info.phases)),
     ]);
@@ -63,6 +65,8 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         phases: fields.json("phases")?,
         solids: if run.contains_key("solids") { fields.json("solids")? } else { Vec::new() },
         simulated: fields.parse("simulated")?,
+        // Logs of earlier versions do not say.
+        weightless: run.contains_key(WEIGHTLESS) && fields.parse(WEIGHTLESS)?,
     };
     check_modules(&info)?;
     Ok(info)

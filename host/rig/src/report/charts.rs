@@ -7,6 +7,7 @@ use super::stats::distance;
 use super::summary::is_scheduled;
 use crate::record::{ChannelSample, ModuleInfo, ModuleSample, Quantity, RunLog, Sample};
 use softlimb_chart::{Axis, Band, Chart, Color, Series, Stroke, span};
+use softlimb_scene::labelled;
 
 pub(super) use tip::{phase_views, tip_views};
 
@@ -127,7 +128,7 @@ fn over_time(log: &RunLog, title: String, label: &str, area: [f64; 2], series: V
     let range = times.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], time| [low.min(time), high.max(time)]);
     let values = series.iter().flat_map(|series| series.points.iter().map(|point| point[1]));
     Chart {
-        title,
+        title: labelled(&title, log.info.weightless),
         area,
         x: Axis { label: "time, s".into(), range, decades: false },
         y: Axis { label: label.to_owned(), range: span(values), decades: false },

@@ -15,6 +15,8 @@ pub struct Summary {
     pub scene: String,
     /// True when the device and the limb were simulated.
     pub simulated: bool,
+    /// True when the simulated limb carried neither its own weight nor a payload.
+    pub weightless: bool,
     /// Seed of everything random in a simulated run.
     pub seed: u64,
     /// Time from the first sample to the last, s.
@@ -120,6 +122,7 @@ pub fn summary(log: &RunLog) -> Summary {
     Summary {
         scene: log.info.scene_name.clone(),
         simulated: log.info.simulated,
+        weightless: log.info.weightless,
         seed: log.info.seed,
         duration_s,
         samples: log.samples.len(),

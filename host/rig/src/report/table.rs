@@ -2,6 +2,7 @@
 
 use super::Summary;
 use super::rows::{self, ErrorRow, ModuleRow};
+use softlimb_scene::labelled;
 use std::fmt::Write;
 
 /// Columns of a terminal that the text may take.
@@ -17,7 +18,7 @@ impl Summary {
     /// columns wide, a newline at the end. Angles in deg, lengths in mm, pressures in
     /// kPa.
     pub fn table(&self) -> String {
-        let mut text = format!("{}  ({})\n", cut(&self.scene, 60), origin(self));
+        let mut text = format!("{}  ({})\n", cut(&self.scene, 48), origin(self));
         let _ = writeln!(text, "{}", rows::time(self));
         if let Some(reason) = &self.incomplete {
             let _ = writeln!(text, "incomplete log: {}", cut(reason, 80));
@@ -35,10 +36,11 @@ impl Summary {
 
 /// Where the run's numbers come from.
 pub(super) fn origin(summary: &Summary) -> String {
-    match summary.simulated {
+    let origin = match summary.simulated {
         true => format!("simulated, seed {}", summary.seed),
         false => "on hardware".to_owned(),
-    }
+    };
+    labelled(&origin, summary.weightless)
 }
 
 /// The counters, on as many lines as they need.

@@ -211,6 +211,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> Ru
         phases: phases.collect(),
         solids: solids(scene),
         simulated: true,
+        weightless: scene.weightless(),
     }
 }
 

@@ -53,6 +53,7 @@ pub(crate) fn info() -> RunInfo {
         phases: phases.collect(),
         solids: Vec::new(),
         simulated: true,
+        weightless: false,
     }
 }
 

@@ -10,7 +10,7 @@ use softlimb_rig::run;
 use softlimb_rig::track::{Seen, Trial, sightings};
 use softlimb_scene::Scene;
 
-use crate::weight::{HANGING, NO_SPREAD, longer_m, parsed, repository};
+use crate::weight::{NO_SPREAD, empty, longer_m, parsed, repository};
 
 const GRAVITY: f64 = 9.806_65;
 
@@ -33,7 +33,7 @@ fn seen(plan: &Plan, tip_m: impl Fn(&[f64], bool) -> Vector3<f64>) -> Vec<Sighti
 
 #[test]
 fn a_mass_is_found_from_the_lengths_of_hanging_tubes() {
-    let scene = parsed(&format!("{HANGING}{NO_SPREAD}"));
+    let scene = parsed(&(empty() + NO_SPREAD));
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     // The limb that is seen stands elsewhere: what the camera or the model has wrong without load cancels.
@@ -95,7 +95,7 @@ impl Normal {
 
 #[test]
 fn the_interval_holds_the_mass_as_often_as_it_says() {
-    let scene = parsed(&format!("{HANGING}{NO_SPREAD}"));
+    let scene = parsed(&(empty() + NO_SPREAD));
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     let kg = 0.05;
@@ -130,7 +130,7 @@ fn the_interval_holds_the_mass_as_often_as_it_says() {
 
 #[test]
 fn what_tells_no_mass_is_refused() {
-    let hanging = format!("{HANGING}{NO_SPREAD}");
+    let hanging = empty() + NO_SPREAD;
     let scene = parsed(&hanging);
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();

@@ -1,10 +1,10 @@
 //! What the simulated limb does under load.
 
-use crate::weight::{HANGING, NO_SPREAD, before, log, longer_m, parsed, repository};
+use crate::weight::{HANGING, NO_SPREAD, before, empty, log, longer_m, parsed, repository};
 
 #[test]
 fn a_hanging_bundle_is_as_long_as_its_tubes_under_their_share_and_carries_what_it_has_picked() {
-    let free = log(&parsed(&(HANGING.to_owned() + NO_SPREAD)));
+    let free = log(&parsed(&(empty() + NO_SPREAD)));
     let scene = parsed(&(HANGING.to_owned() + NO_SPREAD + "[weight]\ncompensated = false\n"));
     let loaded = log(&scene);
     assert_eq!(loaded.faults, []);

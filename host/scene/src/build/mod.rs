@@ -84,7 +84,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let design = design::design(&root, &drafts);
     let markers = markers::markers(&root, &source.name);
     let corrections = corrections::corrections(&root, &source.name, &drafts);
-    let phases = phase::phases(&root, &mut drafts, regions.as_deref(), markers.as_ref());
+    let phases = phase::phases(&root, &mut drafts, regions.as_deref(), markers.as_ref(), weight.as_ref());
     check::channels(log, &drafts);
     check::pressures(log, &drafts, phases.as_deref(), limits.as_ref(), plant.as_ref());
     if let Some(plant) = &plant {

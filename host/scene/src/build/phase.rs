@@ -8,7 +8,7 @@ use toml::de::DeValue;
 use super::limb::unit;
 use super::module::{Draft, note_duplicate};
 use super::settings::microseconds;
-use crate::data::{Aim, Goal, Gripper, Marker, Phase, Region, SetpointKind, Target};
+use crate::data::{Aim, Goal, Gripper, Marker, Phase, Region, SetpointKind, Target, WEIGHTLESS, Weight, weightless};
 use crate::error::{Problem, quoted};
 use crate::reader::{Reader, Value};
 use crate::schema;
@@ -32,12 +32,13 @@ const QUANTITIES: [(Quantity, SetpointKind); 6] = [
 
 /// Reads all phases, and tells every module the quantity its targets are given in.
 ///
-/// A scene has phases or a marker series; the latter makes two. Of regions and markers, `None` stands for a noted problem.
+/// A scene has phases or a marker series; the latter makes two. Of regions, markers and weight, `None` stands for a noted problem.
 pub(super) fn phases(
     root: &Reader<'_>,
     drafts: &mut [Draft<'_>],
     regions: Option<&[Region]>,
     markers: Option<&Option<Located<Vec<Marker>>>>,
+    weight: Option<&Option<Weight>>,
 ) -> Option<Vec<Phase>> {
     if let (Some(first), Some(second)) =
         (root.key_span(schema::scene::PHASE.name), root.key_span(schema::scene::MARKERS.name))
@@ -67,7 +68,24 @@ pub(super) fn phases(
             module.setpoint_kind = kind;
         }
     }
+    if weight.is_some_and(|weight| weightless(weight.as_ref())) {
+        note_payload(&readers, &phases);
+    }
     phases.into_iter().collect()
+}
+
+/// A payload that nothing carries: the first is named, as one cure is good for all.
+fn note_payload(readers: &[Reader<'_>], phases: &[Option<Phase>]) {
+    let loaded = |phase: &Option<Phase>| phase.as_ref().is_some_and(|phase| phase.payload_kg > 0.0);
+    let first = readers.iter().zip(phases).find(|(_, phase)| loaded(phase));
+    let Some((reader, value)) = first.and_then(|(reader, _)| Some((reader, reader.value(keys::PAYLOAD.name)?))) else {
+        return;
+    };
+    let label = format!("the limb is {WEIGHTLESS}: this mass would be ignored");
+    let problem = Problem::at(value.span().into(), "a payload needs `[weight]`", label);
+    let help = "add a table `[weight]` (with `simulated = true`, its default) so that the limb carries itself and the payload, or leave out \
+                `payload`; `softlimb statics --payload KG` loads a scene without it";
+    reader.log().note::<()>(problem.help(help));
 }
 
 fn phase(

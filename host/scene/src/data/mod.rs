@@ -6,12 +6,15 @@ mod limb;
 mod motion;
 mod plant;
 mod task;
+mod winding;
 
 pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
+pub(super) use motion::weightless;
 pub use motion::{
-    BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, Weight,
+    BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, WEIGHTLESS, Weight,
+    labelled,
 };
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
 pub use task::{Aim, Gripper, Marker, Obstacle, Region};
@@ -112,6 +115,11 @@ impl Scene {
     /// What weight does in a run; `None` where the limb is taken to be without any.
     pub fn weight(&self) -> Option<&Weight> {
         self.weight.as_ref()
+    }
+
+    /// Whether the simulated limb carries neither its own weight nor a payload; all figures of it are then [`WEIGHTLESS`].
+    pub fn weightless(&self) -> bool {
+        weightless(self.weight.as_ref())
     }
 
     /// The pneumatics.

@@ -120,6 +120,19 @@ pub struct Weight {
     pub error: f64,
 }
 
+/// The word for a limb whose simulation leaves out its own weight and its payload, and for every figure of such a limb.
+pub const WEIGHTLESS: &str = "weightless";
+
+/// The title of something about a limb, with [`WEIGHTLESS`] behind it where the limb is.
+pub fn labelled(title: &str, weightless: bool) -> String {
+    if weightless { format!("{title}, {WEIGHTLESS}") } else { title.to_owned() }
+}
+
+/// Whether a simulated limb with this `[weight]` carries neither itself nor a payload.
+pub(crate) fn weightless(weight: Option<&Weight>) -> bool {
+    !weight.is_some_and(|weight| weight.simulated)
+}
+
 /// What the controller does when the host falls silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {

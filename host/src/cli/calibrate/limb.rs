@@ -101,6 +101,9 @@ impl Calibrate {
         warnings.extend(fit.outliers(&observations).into_iter().map(|k| {
             format!("{} stands out: {} is beyond four times the scatter of all", seen[k].from, observations[k].value)
         }));
+        let measured =
+            scene.modules().iter().enumerate().filter(|(index, _)| seen.iter().any(|of| of.module == *index));
+        warnings.extend(measured.filter_map(|(_, module)| scene.winding_warning(module)));
         let written = self.fit.iter().any(|p| !matches!(p, Property::PressureOffset | Property::PressureGain));
         let wanted = fit.bodies.iter().map(|body| body.parameters).collect();
         Ok(Said {

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::limbs::{limb, pareto};
 use super::problem::table;
 use crate::cli::kept::read;
-use crate::cli::{Failure, Outcome, note, say};
+use crate::cli::{Failure, Outcome, note, say, warn};
 use softlimb_design::actuators::{Answer, Problem};
 use softlimb_design::from_scene::{
     BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
@@ -20,17 +20,21 @@ use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_scene as scene;
-use softlimb_scene::{Redesign, RedesignedTarget, Scene};
+use softlimb_scene::{Redesign, RedesignedTarget, Scene, labelled};
 
 /// What is printed with `--json`.
 #[derive(Serialize)]
 struct Printed<'a, T> {
+    /// Whether the simulated limb of the scene carries neither its own weight nor a payload.
+    weightless: bool,
     /// The design file.
     file: &'a Path,
     /// What was found.
     answer: &'a T,
     /// The limbs it was chosen from, best first; empty where there was no choice.
     list: Vec<&'a Candidate>,
+    /// What the models leave out of the limb found.
+    warnings: Vec<String>,
 }
 
 /// Where the design goes, and how.
@@ -52,7 +56,7 @@ impl Order<'_> {
             let answer = solve(&targets(&scene)?)?;
             let (modules, targets) = redesigned_targets(&scene, &answer);
             let file = self.write(&scene, &modules, Some(&targets))?;
-            self.say(&file, &answer, Vec::new(), || table(&answer))?;
+            self.say(&scene, &file, &answer, Vec::new(), || table(&answer))?;
             return self.judge(
                 &file,
                 answer.status == "reached",
@@ -127,7 +131,7 @@ impl Order<'_> {
     ) -> Result<Outcome, Failure> {
         let file = self.write(scene, &redesigned_limb(scene, tasked, found), None)?;
         let text = || pareto(&list) + &limb(found);
-        self.say(&file, found, list.clone(), text)?;
+        self.say(scene, &file, found, list.clone(), text)?;
         let why = found.shortfall.as_ref().map(ToString::to_string).unwrap_or_default();
         self.judge(&file, found.does_it(), &why)
     }
@@ -160,16 +164,19 @@ impl Order<'_> {
 
     fn say<T: Serialize>(
         &self,
+        scene: &Scene,
         file: &Path,
         answer: &T,
         list: Vec<&Candidate>,
         text: impl Fn() -> String,
     ) -> Result<(), Failure> {
         if self.json {
-            let printed = Printed { file, answer, list };
+            // A design that is no scene is refused where it is judged.
+            let warnings = scene::load(file).map_or_else(|_| Vec::new(), |designed| designed.winding_warnings());
+            let printed = Printed { weightless: scene.weightless(), file, answer, list, warnings };
             return say(&serde_json::to_string(&printed).map_err(Failure::new)?);
         }
-        say(&text())
+        say(&format!("{}\n{}", labelled(scene.name(), scene.weightless()), text()))
     }
 
     /// Whether the design does what was asked, and whether its file can be run: the planner of `run` has the last word.
@@ -180,8 +187,9 @@ impl Order<'_> {
         }
         let designed = scene::load(file)?;
         let limb = Limb::new(&designed)?;
+        let outcome = warn(&designed.winding_warnings());
         match motion::plan(&designed, &limb) {
-            Ok(_) if reached => Ok(Outcome::Done),
+            Ok(_) if reached => Ok(outcome),
             Err(error) if reached => Err(error.into()),
             _ => Ok(Outcome::DoneWithWarnings),
         }

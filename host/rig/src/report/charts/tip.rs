@@ -3,6 +3,7 @@
 use super::super::summary::scheduled;
 use crate::record::{PhaseInfo, RunLog, Sample, Shape};
 use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, span};
+use softlimb_scene::labelled;
 
 /// Largest width and height of a view, px.
 const MAX_AREA: [f64; 2] = [310.0, 420.0];
@@ -19,9 +20,10 @@ pub(crate) fn tip_views(log: &RunLog) -> Vec<String> {
     let mm = |axis: usize| all_points(log, &shapes).map(move |point| point[axis] * 1e3);
     let [x, y, z] = std::array::from_fn(|axis| span(mm(axis)));
     let layout = Layout::new(x, y, z);
+    let title = |side: &str| labelled(side, log.info.weightless);
     vec![
-        view(log, &shapes, "Side view", [0, 2], [x, z], layout).svg(),
-        view(log, &shapes, "Front view", [1, 2], [y, z], layout).svg(),
+        view(log, &shapes, &title("Side view"), [0, 2], [x, z], layout).svg(),
+        view(log, &shapes, &title("Front view"), [1, 2], [y, z], layout).svg(),
     ]
 }
 
@@ -38,7 +40,7 @@ pub(crate) fn phase_views(log: &RunLog) -> Vec<[String; 2]> {
     let views = |phase: &PhaseInfo| {
         [("side", [0, 2], [x, z]), ("front", [1, 2], [y, z])].map(|(side, axes, extents)| {
             let title = format!("{}, from the {side}", phase.name);
-            phase_view(log, phase, &title, axes, extents, layout).svg()
+            phase_view(log, phase, &labelled(&title, log.info.weightless), axes, extents, layout).svg()
         })
     };
     log.info.phases.iter().map(views).collect()

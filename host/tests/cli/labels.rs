@@ -1,0 +1,151 @@
+//! What output says of the models behind its figures: a limb without weight, a winding whose angle is ignored.
+
+use softlimb_rig::record;
+use softlimb_scene::WEIGHTLESS;
+
+use crate::cli::desk::{Answer, Desk, SCENE};
+
+/// The scene with a rest that trials can be judged at.
+fn weightless() -> String {
+    SCENE.replace("0.2 s", "0.6 s")
+}
+
+/// The same finger, hanging, under its own weight.
+fn weighing() -> String {
+    weightless().replace("[limb]", "[limb]\nbase_direction = [0, 0, -1]\nbase_up = [1, 0, 0]")
+        + "\n[weight]\ncompensated = false\n"
+}
+
+/// The finger wound at an angle from the hoop.
+fn wound(angle: &str) -> String {
+    let winding = format!(
+        "[windings.thread]\nangle = \"{angle}\"\nfamilies = 2\nmodulus = \"361 MPa\"\nthickness = \"0.178 mm\"\n\n[limb]"
+    );
+    SCENE
+        .replace("[limb]", &winding)
+        .replace("material = \"silicone\"\n", "material = \"silicone\"\nwinding = \"thread\"\n")
+}
+
+fn desk(scene: &str) -> Desk {
+    let desk = Desk::new();
+    desk.put("scene.toml", scene);
+    desk
+}
+
+/// What is printed as a table and as JSON.
+fn printed(desk: &Desk, line: &str) -> [Answer; 2] {
+    [line.to_owned(), format!("{line} --json")].map(|line| desk.softlimb(&line).done())
+}
+
+const OF_A_LIMB: [&str; 4] = [
+    "check scene.toml",
+    "run scene.toml --out results",
+    "trials scene.toml --rehearsals 0 --trials 1",
+    "design scene.toml --out designed.toml",
+];
+
+#[test]
+fn figures_of_a_limb_without_weight_say_so() {
+    let desk = desk(&weightless());
+    for line in OF_A_LIMB {
+        let [table, json] = printed(&desk, line);
+        assert!(table.out.lines().next().unwrap().contains(WEIGHTLESS), "{table:?}");
+        assert_eq!(json.json()[WEIGHTLESS], true, "{json:?}");
+    }
+    for line in ["workspace scene.toml --samples 1000", "tolerance scene.toml --samples 10"] {
+        let [table, json] = printed(&desk, &format!("{line} --svg picture.svg"));
+        assert!(table.out.lines().next().unwrap().contains(WEIGHTLESS), "{table:?}");
+        assert_eq!(json.json()[WEIGHTLESS], true, "{json:?}");
+        assert!(std::fs::read_to_string(desk.path("picture.svg")).unwrap().contains(WEIGHTLESS), "{line}");
+    }
+}
+
+#[test]
+fn figures_of_a_limb_with_weight_do_not_call_it_weightless() {
+    let desk = desk(&weighing());
+    for line in OF_A_LIMB.iter().copied().chain(["workspace scene.toml --loaded --samples 64"]) {
+        let [table, json] = printed(&desk, line);
+        assert!(!table.out.contains(WEIGHTLESS), "{table:?}");
+        assert_eq!(json.json()[WEIGHTLESS], false, "{json:?}");
+    }
+}
+
+#[test]
+fn log_and_report_know_whether_the_limb_had_weight() {
+    for (scene, without) in [(weightless(), true), (weighing(), false)] {
+        let desk = desk(&scene);
+        desk.softlimb("run scene.toml --out results").done();
+        assert_eq!(record::read(desk.path("results/run.mcap")).unwrap().info.weightless, without);
+        let [table, json] = printed(&desk, "report results/run.mcap --out again.html");
+        assert_eq!((table.out.contains(WEIGHTLESS), json.json()[WEIGHTLESS] == true), (without, without), "{table:?}");
+        let page = std::fs::read_to_string(desk.path("again.html")).unwrap();
+        let head = page.split("<h2>").next().unwrap().rsplit("<h1>").next().unwrap();
+        assert_eq!(head.contains(WEIGHTLESS), without, "{head}");
+        for figure in ["Side view", "Tip error", "finger: bending", "finger: pressures"] {
+            let label = format!("aria-label=\"{figure}, {WEIGHTLESS}\"");
+            assert_eq!(page.contains(&label), without, "{figure}");
+        }
+    }
+}
+
+/// Every command whose bender ignores the angle of its winding.
+const OF_A_BENDER: [&str; 5] = [
+    "check scene.toml",
+    "eval scene.toml",
+    "run scene.toml --out results",
+    "design scene.toml --out designed.toml",
+    "calibrate scene.toml --data bends.csv --fit shear_modulus",
+];
+
+/// A desk with a finger wound at an angle, and what its model makes of pressures.
+fn wound_desk(angle: &str) -> Desk {
+    let desk = desk(&wound(angle));
+    let curves = desk.softlimb("eval scene.toml --json --steps 5").json();
+    let points = curves["curves"][0]["points"].as_array().unwrap()[1..].iter();
+    let row = |point: &serde_json::Value| format!("finger,{},{}\n", point["pressure_pa"], point["bend_angle_rad"]);
+    desk.put("bends.csv", "module,pressure_pa,bend_angle_rad\n".to_owned() + &points.map(row).collect::<String>());
+    desk
+}
+
+#[test]
+fn a_bender_wound_far_from_the_hoop_is_warned_of() {
+    let desk = wound_desk("20 deg");
+    for line in OF_A_BENDER {
+        for (line, json) in [(line.to_owned(), false), (format!("{line} --json"), true)] {
+            let answer = desk.softlimb(&line);
+            assert_eq!(answer.code, Some(3), "{answer:?}");
+            let warnings: Vec<&str> = answer.err.lines().filter(|line| line.contains("winding")).collect();
+            let [warning] = warnings[..] else { panic!("{answer:?}") };
+            for word in ["warning: ", "toml:", "`finger`", "20.0 deg", "114 % at 20 deg", "259 % at 25 deg"] {
+                assert!(warning.contains(word), "{word}: {answer:?}");
+            }
+            if json {
+                let found = answer.json()["warnings"].clone();
+                let told = warning.trim_start_matches("warning: ");
+                assert!(found.as_array().unwrap().iter().any(|one| one == told), "{found}");
+            }
+        }
+    }
+    // The line is that of the module's `winding`.
+    let line = 1 + wound("20 deg").lines().position(|line| line.starts_with("winding")).unwrap();
+    assert!(desk.softlimb("check scene.toml").err.contains(&format!("scene.toml:{line}: ")));
+}
+
+#[test]
+fn a_bender_wound_near_the_hoop_is_not_warned_of() {
+    for angle in ["3 deg", "-5 deg"] {
+        let desk = wound_desk(angle);
+        for line in OF_A_BENDER {
+            let [table, json] = printed(&desk, line);
+            assert!(!table.err.contains("winding") && !json.err.contains("winding"), "{table:?}");
+            assert_eq!(json.json()["warnings"], serde_json::json!([]), "{json:?}");
+        }
+    }
+}
+
+#[test]
+fn answers_of_a_batch_have_no_warnings() {
+    let question = r#"{"motion":"bending","problem":"forward","inner_radius_m":0.006,"outer_radius_m":0.008,"length_m":0.1,"material":{"law":"neo-hookean","shear_modulus_pa":2e5},"pressure_pa":3e4}"#;
+    let answer = Desk::new().softlimb_reading("eval --batch -", question.as_bytes()).done();
+    assert_eq!((answer.err.as_str(), answer.json().get("warnings")), ("", None), "{answer:?}");
+}
