@@ -37,6 +37,7 @@ pub use data::{
     Sensor, SetpointKind, Spread, Supply, Target, Valve, WEIGHTLESS, Weight, labelled,
 };
 pub use error::{Problems, SceneError, Unreadable};
+pub use quantity::{Quantity, quantity};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};
 pub use reference::reference;
 pub use refit::{RewriteError, rewritten};
