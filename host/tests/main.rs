@@ -14,7 +14,6 @@ mod payload_command;
 mod readme;
 mod tolerance_command;
 
-
 // Fixtures of other crates, of which each user takes a part.
 #[cfg(unix)]
 #[allow(dead_code)]

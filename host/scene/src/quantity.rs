@@ -134,11 +134,7 @@ mod tests {
 
     #[test]
     fn an_option_is_read_in_its_own_unit_and_shown_in_the_one_typed() {
-        for (text, si, shown) in [
-            ("60", 60e3, "50 kPa"),
-            ("0.6bar", 60e3, "0.5 bar"),
-            ("-1 MPa", -1e6, "0.05 MPa"),
-        ] {
+        for (text, si, shown) in [("60", 60e3, "50 kPa"), ("0.6bar", 60e3, "0.5 bar"), ("-1 MPa", -1e6, "0.05 MPa")] {
             let found = quantity(text, "kPa").unwrap();
             assert!((found.si() - si).abs() < 1e-9, "{text}");
             assert_eq!((found.shown(50e3).as_str(), found.to_string().as_str()), (shown, text));
