@@ -168,7 +168,7 @@ impl Arguments {
                  --along, or allow more"
             )),
             (FemError::NoSheet, ..) => Failure::new(format!("--fibers threads: {error}")),
-            _ => Failure::new(error),
+            _ => Failure::new(&error),
         }
     }
 }
