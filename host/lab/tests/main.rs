@@ -2,5 +2,6 @@
 
 mod bench_accuracy;
 mod bundle;
+mod command;
 mod design_compare;
 mod validation;

@@ -36,6 +36,7 @@ pub use data::{
     Sensor, SetpointKind, Spread, Supply, Target, Valve, Weight,
 };
 pub use error::{Problems, SceneError, Unreadable};
+pub use quantity::{Quantity, quantity};
 pub use reference::reference;
 pub use source::{Located, SCENE_BYTES_MAX, Span};
 pub use writer::{Redesign, RedesignedTarget, RewriteError, redesigned, rewritten};

@@ -1,32 +1,31 @@
-//! `softlimb fem run`: run CalculiX and show what it found.
+//! `softlimb fea run`: run CalculiX and show what it found.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::subject::{Arguments, Asked, describe, told};
-use super::values::seconds;
-use crate::cli::{Failure, Outcome, note, say};
+use super::subject::{Arguments, Asked, describe};
+use crate::cli::shared::{bar, quantity, show, write_if};
+use crate::cli::{Failure, Outcome, note, warn};
 use softlimb_fea::solid as fem;
 use softlimb_fea::solid::{End, Model, Options, PointStatus, Runner};
+use softlimb_scene::Quantity;
 
 /// Run CalculiX on an actuator or a bundle, and show pressure against deformation
 #[derive(Args)]
 #[command(after_help = "Needs CalculiX (Debian, Ubuntu: apt-get install calculix-ccx).\n\
-                  Example: softlimb fem run scenes/pick-and-place-a.toml --module shoulder --pressure-kpa 60")]
+                  Example: softlimb fea run scenes/pick-and-place-a.toml --module shoulder --pressure 60kPa")]
 pub(super) struct Run {
     #[command(flatten)]
     arguments: Arguments,
     /// The program
     #[arg(long, value_name = "PATH", default_value = "ccx")]
     ccx: PathBuf,
-    /// End the run after so many seconds, 0.1 to 1000000; what had converged by then stands
-    #[arg(long, value_name = "SECONDS", default_value_t = Runner::default().timeout_s, allow_negative_numbers = true,
-        value_parser = seconds)]
-    timeout_s: f64,
+    /// Time after which CalculiX is ended, 0.1 to 1e6 s; results converged by then are kept
+    #[arg(long, value_name = "SECONDS", default_value = "1800 s", value_parser = quantity("s", 0.1, 1e6))]
+    timeout: Quantity,
     /// Threads CalculiX may use, 1 to 64
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     threads: u32,
@@ -48,10 +47,10 @@ impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let Asked { name, subject, options, pressures_pa } = self.arguments.read()?;
         let options = Options { all_nodes: self.vtu.is_some(), ..options };
-        note(&describe(&Model::new(&subject, &options).map_err(told)?));
-        let runner =
-            Runner { ccx: self.ccx.clone(), timeout_s: self.timeout_s, threads: self.threads, keep: self.keep.clone() };
-        let bar = bar();
+        note(&describe(&Model::new(&subject, &options).map_err(|error| self.arguments.refused(error))?));
+        let (ccx, timeout_s, keep) = (self.ccx.clone(), self.timeout.si(), self.keep.clone());
+        let runner = Runner { ccx, timeout_s, threads: self.threads, keep };
+        let bar = bar(1000, "ccx");
         let begin = Instant::now();
         let clock = || begin.elapsed().as_secs_f64();
         let found = fem::run(&subject, &options, &pressures_pa, &runner, &clock, &mut |now| {
@@ -65,16 +64,13 @@ impl Run {
             return Err(nothing(&found));
         }
         // Before any file that may not be written: the figures took their time.
-        say(&if self.json { figures(&name, &found).to_string() } else { found.table() })?;
-        warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
-        if let Some(file) = &self.tsv {
-            softlimb_files::write_whole(file, &found.tsv()).map_err(Failure::new)?;
-            note(&format!("wrote {}", file.display()));
-        }
+        show(self.json, &figures(&name, &found), || found.table())?;
+        let outcome = warn(&warnings);
+        write_if(self.tsv.as_ref(), || found.tsv())?;
         if let Some(folder) = &self.vtu {
             note(&format!("wrote {}", found.write_vtu(folder, &name)?.display()));
         }
-        Ok(if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+        Ok(outcome)
     }
 }
 
@@ -121,34 +117,76 @@ fn warnings(run: &fem::Run) -> Vec<String> {
     warnings
 }
 
-fn bar() -> ProgressBar {
-    let bar = ProgressBar::new(1000);
-    let style = ProgressStyle::with_template("ccx [{bar:40}] {percent:>3} %  {elapsed_precise}  {msg}");
-    bar.set_style(style.map_or_else(|_| ProgressStyle::default_bar(), |style| style.progress_chars("=> ")));
-    bar
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Figures<'a> {
+    name: &'a str,
+    end: &'static str,
+    seconds: f64,
+    increments: u32,
+    iterations: u32,
+    nodes: usize,
+    thread_spacing_m: Option<f64>,
+    points: Vec<Point>,
 }
 
-fn figures(name: &str, run: &fem::Run) -> Value {
-    let points = run.points.iter().map(|point| {
-        json!({
-            "pressure_pa": point.pressure_pa, "status": point.status.word(), "seconds": point.seconds,
-            "middle": point.middle.map(|middle| json!({
-                "axial_stretch": middle.axial_stretch, "outer_radius_m": middle.outer_radius_m,
-                "inner_radius_m": middle.inner_radius_m, "twist_rate_rad_per_m": middle.twist_rate_rad_per_m,
-                "bend_rate_rad_per_m": middle.bend_rate_rad_per_m,
-            })),
-            "ends": point.ends.map(|ends| json!({
-                "axial_stretch": ends.axial_stretch, "twist_rad": ends.twist_rad, "bend_angle_rad": ends.bend_angle_rad,
-            })),
-        })
+#[derive(Serialize)]
+struct Point {
+    pressure_pa: f64,
+    status: &'static str,
+    seconds: Option<f64>,
+    middle: Option<Middle>,
+    ends: Option<Ends>,
+}
+
+/// Deformation in the middle of the actuator.
+#[derive(Serialize)]
+struct Middle {
+    axial_stretch: f64,
+    outer_radius_m: f64,
+    inner_radius_m: f64,
+    twist_rate_rad_per_m: f64,
+    bend_rate_rad_per_m: f64,
+}
+
+/// Deformation from end to end.
+#[derive(Serialize)]
+struct Ends {
+    axial_stretch: f64,
+    twist_rad: f64,
+    bend_angle_rad: f64,
+}
+
+fn figures<'a>(name: &'a str, run: &fem::Run) -> Figures<'a> {
+    let points = run.points.iter().map(|point| Point {
+        pressure_pa: point.pressure_pa,
+        status: point.status.word(),
+        seconds: point.seconds,
+        middle: point.middle.map(|middle| Middle {
+            axial_stretch: middle.axial_stretch,
+            outer_radius_m: middle.outer_radius_m,
+            inner_radius_m: middle.inner_radius_m,
+            twist_rate_rad_per_m: middle.twist_rate_rad_per_m,
+            bend_rate_rad_per_m: middle.bend_rate_rad_per_m,
+        }),
+        ends: point.ends.map(|ends| Ends {
+            axial_stretch: ends.axial_stretch,
+            twist_rad: ends.twist_rad,
+            bend_angle_rad: ends.bend_angle_rad,
+        }),
     });
-    let end = match &run.end {
-        End::Finished => "finished",
-        End::Diverged { .. } => "diverged",
-        End::TimedOut => "timed_out",
-    };
-    json!({
-        "name": name, "end": end, "seconds": run.seconds, "increments": run.increments, "iterations": run.iterations,
-        "nodes": run.model.nodes(), "thread_spacing_m": run.model.thread_spacing_m(), "points": points.collect::<Vec<_>>(),
-    })
+    Figures {
+        name,
+        end: match &run.end {
+            End::Finished => "finished",
+            End::Diverged { .. } => "diverged",
+            End::TimedOut => "timed_out",
+        },
+        seconds: run.seconds,
+        increments: run.increments,
+        iterations: run.iterations,
+        nodes: run.model.nodes(),
+        thread_spacing_m: run.model.thread_spacing_m(),
+        points: points.collect(),
+    }
 }

@@ -1,17 +1,17 @@
 //! Which actuator becomes a model, and how.
 
-use std::fs;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use super::super::Failure;
-use super::values::{even, positive, within};
+use super::super::shared::{about, above_zero, quantity};
 use crate::query as eval;
 use softlimb_fea::solid::{FemError, FiberModel, Model, Options, Subject, SymmetryUse};
 use softlimb_files::range::OutOfRange;
 use softlimb_scene as scene;
-use softlimb_scene::{Module, Scene};
+use softlimb_scene::{Module, Quantity, Scene};
 
 /// Arguments that `export` and `run` share.
 #[derive(Args)]
@@ -25,21 +25,21 @@ pub(super) struct Arguments {
     /// Model all actuators of the module side by side, with the connector that joins their ends
     #[arg(long)]
     bundle: bool,
-    /// Highest gauge pressure, kPa, above 0 and at most 100000 [default: the module's]
-    #[arg(long, value_name = "KPA", allow_negative_numbers = true, value_parser = |text: &str| positive(text, 1e5))]
-    pressure_kpa: Option<f64>,
+    /// Highest gauge pressure, above 0, at most 100000 kPa [default: the module's]
+    #[arg(long, value_name = "KPA", value_parser = above_zero("kPa", 1e5))]
+    pressure: Option<Quantity>,
     /// Number of pressures, evenly up to the highest
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=200))]
     points: u16,
-    /// Fibers as a material or as threads [default: threads with --spacing-mm, else smeared]
+    /// Fibers as a material or as threads [default: threads with --spacing, else smeared]
     #[arg(long, value_enum)]
     fibers: Option<Fibers>,
-    /// Thickness of the layer that stands for a sheet of smeared fibers, mm [default: a fiftieth of the wall, at most 0.05]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| positive(text, 1e3))]
-    layer_mm: Option<f64>,
-    /// Distance between neighbouring threads of one family, mm; the nearest that whole threads permit is taken [default: 3/4 of the wall]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| positive(text, 1e4))]
-    spacing_mm: Option<f64>,
+    /// Thickness of the layer that represents a sheet of smeared fibers, mm [default: a fiftieth of the wall, at most 0.05]
+    #[arg(long, value_name = "MM", value_parser = above_zero("mm", 1e3))]
+    layer: Option<Quantity>,
+    /// Distance between neighbouring threads of one family, mm; rounded to whole threads [default: 3/4 of the wall]
+    #[arg(long, value_name = "MM", value_parser = above_zero("mm", 1e4))]
+    spacing: Option<Quantity>,
     /// Elements through the wall, 1 to 12 [default: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=12))]
     radial: Option<u32>,
@@ -53,12 +53,11 @@ pub(super) struct Arguments {
     #[arg(long)]
     whole: bool,
     /// Bulk modulus over shear modulus, 100 to 10000
-    #[arg(long, value_name = "RATIO", default_value_t = Options::default().bulk_ratio, allow_negative_numbers = true,
-        value_parser = |text: &str| within(text, 100.0..=1e4))]
-    bulk_ratio: f64,
+    #[arg(long, value_name = "RATIO", default_value = "2000", value_parser = quantity("1", 100.0, 1e4))]
+    bulk_ratio: Quantity,
     /// Largest share of the load in one increment, 0.001 to 0.5 [default: 0.05 for twisting, else 0.1]
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = |text: &str| within(text, 0.001..=0.5))]
-    increment: Option<f64>,
+    #[arg(long, value_name = "SHARE", value_parser = quantity("1", 0.001, 0.5))]
+    increment: Option<Quantity>,
     /// Refuse meshes of more nodes than this, 100 to 400000
     #[arg(long, value_name = "N", default_value_t = Options::default().nodes_max,
         value_parser = clap::value_parser!(u32).range(100..=400_000))]
@@ -87,7 +86,7 @@ impl Arguments {
         let fibers = self.fibers()?;
         let is_actuator = self.file.extension().is_some_and(|extension| extension == "json");
         let (name, subject, pressure_max_pa) = if is_actuator { self.of_file()? } else { self.of_scene()? };
-        let highest = self.pressure_kpa.map_or(pressure_max_pa, |kpa| kpa * 1e3);
+        let highest = self.pressure.as_ref().map_or(pressure_max_pa, Quantity::si);
         let points = u32::from(self.points);
         let pressures_pa = (1..=points).map(|n| highest * f64::from(n) / f64::from(points)).collect();
         Ok(Asked { name, subject, options: self.options(fibers), pressures_pa })
@@ -110,9 +109,9 @@ impl Arguments {
                 "--module and --bundle are for a scene: an actuator's file has one actuator",
             ));
         }
-        let told = |problem: String| Failure::new(format!("{}: {problem}", self.file.display()));
-        let json = fs::read(&self.file).map_err(|error| told(error.to_string()))?;
-        let (parameters, pressure_max_pa) = eval::actuator(&json).map_err(told)?;
+        let about = about(&self.file);
+        let json = std::fs::read(&self.file).map_err(|error| about(&error))?;
+        let (parameters, pressure_max_pa) = eval::actuator(&json).map_err(|error| about(&error))?;
         let name = file_name(&self.file.file_stem().unwrap_or_default().to_string_lossy());
         Ok((name, Subject::single(parameters), pressure_max_pa))
     }
@@ -126,18 +125,18 @@ impl Arguments {
 
     /// How fibers are modelled: a layer has no threads, threads have no layer.
     fn fibers(&self) -> Result<FiberModel, Failure> {
-        let metres = |mm: Option<f64>| mm.map(|mm| mm * 1e-3);
+        let metres = |length: &Option<Quantity>| length.as_ref().map(Quantity::si);
         let refused = |what: &str, fibers: &str, other: &str| {
             Err(Failure::wrong_line(format!("{what} is for {fibers}: it cannot be used with {other}")))
         };
-        match (self.fibers, self.layer_mm, self.spacing_mm) {
-            (_, Some(_), Some(_)) => refused("--layer-mm", "smeared fibers", "--spacing-mm"),
-            (Some(Fibers::Smeared), _, Some(_)) => refused("--spacing-mm", "threads", "--fibers smeared"),
-            (Some(Fibers::Threads), Some(_), _) => refused("--layer-mm", "smeared fibers", "--fibers threads"),
+        match (self.fibers, &self.layer, &self.spacing) {
+            (_, Some(_), Some(_)) => refused("--layer", "smeared fibers", "--spacing"),
+            (Some(Fibers::Smeared), _, Some(_)) => refused("--spacing", "threads", "--fibers smeared"),
+            (Some(Fibers::Threads), Some(_), _) => refused("--layer", "smeared fibers", "--fibers threads"),
             (Some(Fibers::Threads), ..) | (None, _, Some(_)) => {
-                Ok(FiberModel::Threads { spacing_m: metres(self.spacing_mm) })
+                Ok(FiberModel::Threads { spacing_m: metres(&self.spacing) })
             }
-            _ => Ok(FiberModel::Smeared { layer_m: metres(self.layer_mm) }),
+            _ => Ok(FiberModel::Smeared { layer_m: metres(&self.layer) }),
         }
     }
 
@@ -148,29 +147,39 @@ impl Arguments {
             radial: self.radial,
             around: self.around,
             along: self.along,
-            bulk_ratio: self.bulk_ratio,
-            increment: self.increment,
+            bulk_ratio: self.bulk_ratio.si(),
+            increment: self.increment.as_ref().map(Quantity::si),
             nodes_max: self.nodes_max,
             all_nodes: false,
         }
     }
+
+    /// An error of the model in the words of the command line.
+    pub(super) fn refused(&self, error: FemError) -> Failure {
+        match (&error, &self.layer, &self.spacing) {
+            (FemError::Invalid(OutOfRange { field: "layer_mm", allowed, .. }), Some(typed), _) => {
+                Failure::new(format!("--layer {typed} is not allowed: {allowed}"))
+            }
+            (FemError::Invalid(OutOfRange { field: "spacing_mm", allowed, .. }), _, Some(typed)) => {
+                Failure::new(format!("--spacing {typed} is not allowed: {allowed}"))
+            }
+            (FemError::TooFine { nodes, allowed }, ..) => Failure::new(format!(
+                "the mesh would have about {nodes} nodes, and --nodes-max allows {allowed}: make it coarser with --radial, --around and \
+                 --along, or allow more"
+            )),
+            (FemError::NoSheet, ..) => Failure::new(format!("--fibers threads: {error}")),
+            _ => Failure::new(&error),
+        }
+    }
 }
 
-/// A refusal in the words of the command line.
-pub(super) fn told(error: FemError) -> Failure {
-    match &error {
-        FemError::Invalid(OutOfRange { field: field @ ("layer_mm" | "spacing_mm"), value, allowed }) => {
-            // The lengths have been through metres.
-            let mm = (value * 1e9).round() / 1e9;
-            Failure::new(format!("--{} {mm} is not allowed: {allowed}", field.replace('_', "-")))
-        }
-        FemError::TooFine { nodes, allowed } => Failure::new(format!(
-            "the mesh would have about {nodes} nodes, and --nodes-max allows {allowed}: make it coarser with --radial, --around and \
-             --along, or allow more"
-        )),
-        FemError::NoSheet => Failure::new(format!("--fibers threads: {error}")),
-        _ => Failure::new(error),
+/// Reads an even number of a range, both ends included.
+fn even(text: &str, range: RangeInclusive<u32>) -> Result<u32, String> {
+    let number = text.parse::<u32>().map_err(|error| error.to_string())?;
+    if range.contains(&number) && number.is_multiple_of(2) {
+        return Ok(number);
     }
+    Err(format!("{number} is not an even number of {} to {}", range.start(), range.end()))
 }
 
 /// A name as part of a file's: letters, digits, `-`, `_`; anything else becomes `_`.

@@ -1,21 +1,21 @@
-//! `softlimb fem compare`: the analytic model beside finite elements.
+//! `softlimb fea compare`: the analytic model beside finite elements.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 
-use super::super::kept::{Kept, write};
+use super::super::shared::{Kept, bar, limb, quantity, show, write_if};
 use super::super::{Failure, Outcome, note};
-use super::values::seconds;
 use crate::comparison::{Case, Comparison, Progress, Study, StudyError, picture, study};
 use softlimb_fea::solid::Runner;
-use softlimb_limb::{Limb, LimbModule};
+use softlimb_limb::LimbModule;
+use softlimb_scene::Quantity;
 
 /// Pressure against deformation: analytic model, finite elements of the section, and CalculiX side by side
 #[derive(Args)]
-#[command(after_help = "Example: softlimb fem compare scenes/pick-and-place-a.toml --svg compare.svg")]
+#[command(after_help = "Example: softlimb fea compare scenes/pick-and-place-a.toml --svg compare.svg")]
 pub(super) struct Compare {
     /// The scene whose actuators are compared, up to each one's highest pressure
     scene: PathBuf,
@@ -37,10 +37,9 @@ pub struct Calculix {
     /// The CalculiX program
     #[arg(long, value_name = "PROGRAM", default_value = "ccx", requires = "calculix")]
     ccx: PathBuf,
-    /// End each CalculiX run after so many seconds, 0.1 to 1000000; what had converged by then stands
-    #[arg(long, value_name = "SECONDS", default_value_t = Runner::default().timeout_s, allow_negative_numbers = true,
-        value_parser = seconds, requires = "calculix")]
-    timeout_s: f64,
+    /// Time after which CalculiX is ended, 0.1 to 1e6 s; results converged by then are kept
+    #[arg(long, value_name = "SECONDS", default_value = "1800 s", value_parser = quantity("s", 0.1, 1e6), requires = "calculix")]
+    timeout: Quantity,
 }
 
 /// Steps of the pressure for a scene's actuators.
@@ -52,17 +51,15 @@ impl Compare {
         if cases.is_empty() {
             return Err(Failure::new(format!("no module has \"{}\" in its name", self.only)));
         }
-        let keep =
-            |comparison: &Comparison| self.kept.tsv.as_deref().map_or(Ok(()), |file| write(file, &comparison.tsv()));
         let study = self.solid.compare(&cases, |_| Ok(()))?;
-        keep(&study.comparison)?;
-        self.kept.show(|| as_json(&study.comparison), || text(&study))?;
-        self.kept.draw(|| picture(&study.comparison))?;
+        write_if(self.kept.tsv.as_ref(), || study.comparison.tsv())?;
+        show(self.kept.json, &as_json(&study.comparison), || text(&study))?;
+        write_if(self.kept.svg.as_ref(), || picture(&study.comparison))?;
         Ok(if study.warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
     }
 
     fn cases(&self) -> Result<Vec<Case>, Failure> {
-        let limb = Limb::new(&softlimb_scene::load(&self.scene)?)?;
+        let (_, limb) = limb(&self.scene)?;
         let case = |module: &LimbModule| Case {
             name: module.name.clone(),
             parameters: *module.actuator.parameters(),
@@ -82,11 +79,9 @@ impl Calculix {
         cases: &[Case],
         mut done: impl FnMut(&Study) -> Result<(), Failure>,
     ) -> Result<Study, Failure> {
-        let bar = ProgressBar::new(1000 * cases.len() as u64);
-        let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let bar = bar(1000 * cases.len() as u64, "comparing");
         let runner =
-            self.calculix.then(|| Runner { ccx: self.ccx.clone(), timeout_s: self.timeout_s, ..Runner::default() });
+            self.calculix.then(|| Runner { ccx: self.ccx.clone(), timeout_s: self.timeout.si(), ..Runner::default() });
         let begin = Instant::now();
         let study = study(cases, runner.as_ref(), &|| begin.elapsed().as_secs_f64(), &mut |progress| match progress {
             Progress::Cases(cases) => {
@@ -113,14 +108,41 @@ pub fn text(study: &Study) -> String {
     format!("{}\n{}", study.comparison.table().trim_end(), study.times())
 }
 
+/// A comparison as JSON.
+#[derive(Serialize)]
+struct Rows {
+    rows: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    case: String,
+    quantity: &'static str,
+    rest: f64,
+    pressure_kpa: f64,
+    analytic: Option<f64>,
+    calibrated: Option<f64>,
+    section: Option<f64>,
+    section_error: Option<f64>,
+    calculix: Option<f64>,
+    analytic_difference: Option<f64>,
+    calculix_difference: Option<f64>,
+}
+
 /// Rows of a comparison as JSON.
-pub fn as_json(comparison: &Comparison) -> serde_json::Value {
-    let rows = comparison.rows.iter().map(|row| {
-        serde_json::json!({
-            "case": row.case, "quantity": row.quantity.label(), "rest": row.rest, "pressure_kpa": row.pressure_kpa,
-            "analytic": row.analytic, "calibrated": row.calibrated, "section": row.section, "section_error": row.section_error, "calculix": row.solid,
-            "analytic_difference": row.difference(row.analytic), "calculix_difference": row.difference(row.solid),
-        })
+pub fn as_json(comparison: &Comparison) -> impl Serialize + use<> {
+    let rows = comparison.rows.iter().map(|row| Row {
+        case: row.case.clone(),
+        quantity: row.quantity.label(),
+        rest: row.rest,
+        pressure_kpa: row.pressure_kpa,
+        analytic: row.analytic,
+        calibrated: row.calibrated,
+        section: row.section,
+        section_error: row.section_error,
+        calculix: row.solid,
+        analytic_difference: row.difference(row.analytic),
+        calculix_difference: row.difference(row.solid),
     });
-    serde_json::json!({ "rows": rows.collect::<Vec<_>>() })
+    Rows { rows: rows.collect() }
 }

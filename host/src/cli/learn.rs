@@ -1,43 +1,43 @@
-//! `softlimb trials`: how well does a limb do what its scene asks, and how well after rehearsals?
+//! `softlimb learn`: iterative learning control on a perturbed limb.
 
 use std::fmt::Write;
 use std::num::NonZero;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::kept::write;
+use super::shared::{quantity, show, write_if};
 use super::{Failure, Outcome};
-use softlimb_chart::{WEIGHTLESS, labelled};
+use softlimb_chart::labelled;
 use softlimb_rig::trials;
 use softlimb_rig::trials::{Distances, Score, Settings, TrialsError};
 use softlimb_scene as scene;
-use softlimb_scene::{Corrections, Scene};
+use softlimb_scene::{Corrections, Quantity, Scene};
 
-/// Run a scene several times on one simulated limb, by the model alone and after rehearsals under a camera
+/// Run iterative learning control on a perturbed limb, with tip measurements from a simulated camera
 #[derive(Args)]
-#[command(after_help = "Example: softlimb design scenes/open/group-a.toml --out a.toml && softlimb trials a.toml\n\n\
-                  What is learned, and what the lines mean: docs/explanation/learning.md")]
-pub(super) struct Trials {
+#[command(after_help = "Method, and meaning of the lines: docs/explanation/learning.md\n\nExamples:\n  \
+                  softlimb design limb scenes/open/group-a.toml --out a.toml\n  softlimb learn a.toml --csv learned.csv")]
+pub(super) struct Learn {
     /// The scene file
     scene: PathBuf,
-    /// Runs to learn from
-    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=200))]
-    rehearsals: u32,
-    /// Runs to be judged by, before and after
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=200))]
+    /// Iterations of learning
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=200))]
+    iterations: u32,
+    /// Runs that measure the tip error, before and after learning
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=200))]
     trials: u32,
-    /// Standard deviation of a coordinate in one look of the camera, mm
-    #[arg(long, value_name = "MM", default_value_t = 0.2, value_parser = millimetres)]
-    camera: f64,
-    /// Seed of what the limb is [default: the scene's]
+    /// Standard deviation of a coordinate in one observation of the camera, 0 to 100 mm
+    #[arg(long, value_name = "MM", default_value = "0.2 mm", value_parser = quantity("mm", 0.0, 100.0))]
+    camera: Quantity,
+    /// Seed of the perturbed limb [default: the scene's]
     #[arg(long)]
     limb: Option<u64>,
-    /// Seed of what differs from run to run
+    /// Seed of the noise of every run
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write what was learned: corrections of the setpoints, in m, rad and Pa
+    /// Write the learned corrections of the setpoints, in m, rad and Pa
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Print the result as JSON
@@ -45,78 +45,33 @@ pub(super) struct Trials {
     json: bool,
 }
 
-fn millimetres(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.0..=100.0).contains(&value) => Ok(value),
-        _ => Err("a number of mm from 0 to 100".into()),
-    }
-}
-
-impl Trials {
+impl Learn {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
         let settings = Settings {
             limb: self.limb.unwrap_or(scene.seed()),
             noise: self.seed,
-            rehearsals: self.rehearsals,
+            rehearsals: self.iterations,
             trials: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
-            camera_noise_m: 1e-3 * self.camera,
+            camera_noise_m: self.camera.si(),
         };
         let found = trials::trials(&scene, &settings, |_, _| {})?;
-        if let Some(file) = &self.csv {
-            write(file, &csv(&scene, &found.corrections))?;
-        }
-        if self.json {
-            super::say(&self.answer(&scene, &settings, &found).to_string())?;
-        } else {
-            super::say(&self.table(&scene, &settings, &found))?;
-        }
+        write_if(self.csv.as_ref(), || csv(&scene, &found.corrections))?;
+        show(self.json, &Printed::new(&scene, &settings, &found), || self.table(&scene, &settings, &found))?;
         Ok(Outcome::Done)
-    }
-
-    fn answer(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> Value {
-        let distances = |found: &Distances| json!({"rmse_m": found.rmse_m(), "max_m": found.max_m});
-        let score = |score: &Score| {
-            let (systematic_m, error_m) = score.systematic_m();
-            let target = |target: &trials::TargetScore| {
-                let errors: Vec<[f64; 3]> = target.errors_m.iter().map(|error| (*error).into()).collect();
-                json!({"phase": target.phase, "errors_m": errors, "repeatability_m": target.repeatability_m()})
-            };
-            json!({
-                "targets": score.targets.iter().map(target).collect::<Vec<_>>(),
-                "at_targets": distances(&score.at_targets()),
-                "systematic_m": systematic_m,
-                "systematic_standard_error_m": error_m,
-                "at_rest": distances(&score.at_rest),
-                "whole_way": distances(&score.whole_way),
-            })
-        };
-        json!({
-            "scene": scene.name(),
-            WEIGHTLESS: scene.weightless(),
-            "limb": settings.limb,
-            "seed": settings.noise,
-            "rehearsals": settings.rehearsals,
-            "trials": settings.trials,
-            "camera_noise_m": settings.camera_noise_m,
-            "by_model": score(&found.by_model),
-            "learned": score(&found.learned),
-            "seen_m": found.seen_m,
-            "inverse_m": found.inverse_m,
-        })
     }
 
     /// Writing to a string cannot fail.
     fn table(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> String {
         let (name, limb, count) = (labelled(scene.name(), scene.weightless()), settings.limb, self.trials);
         let mut text = format!(
-            "{name}: limb {limb}, {count} trials each, {} rehearsals under a camera of {} mm\n\n\
+            "{name}: limb {limb}, {count} trials each, {} iterations with a camera of {} mm\n\n\
              {:34} {:>16} {:>18}\n{:34} {:>8} {:>8} {:>9} {:>8}\n",
-            self.rehearsals,
-            self.camera,
+            self.iterations,
+            (1e9 * self.camera.si()).round() / 1e6,
             "",
             "by the model",
-            "after rehearsals",
+            "after learning",
             "tip error, mm",
             "RMSE",
             "max",
@@ -153,6 +108,88 @@ impl Trials {
             let _ = writeln!(text, "\nseen by the camera at rest, mm: {}", seen.join(", "));
         }
         text
+    }
+}
+
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    weightless: bool,
+    limb: u64,
+    seed: u64,
+    rehearsals: u32,
+    trials: NonZero<u32>,
+    camera_noise_m: f64,
+    by_model: PrintedScore<'a>,
+    learned: PrintedScore<'a>,
+    seen_m: &'a [f64],
+    inverse_m: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct PrintedScore<'a> {
+    targets: Vec<PrintedTarget<'a>>,
+    at_targets: PrintedDistances,
+    systematic_m: f64,
+    systematic_standard_error_m: f64,
+    at_rest: PrintedDistances,
+    whole_way: PrintedDistances,
+}
+
+#[derive(Serialize)]
+struct PrintedTarget<'a> {
+    phase: &'a str,
+    errors_m: Vec<[f64; 3]>,
+    repeatability_m: f64,
+}
+
+#[derive(Serialize)]
+struct PrintedDistances {
+    rmse_m: f64,
+    max_m: f64,
+}
+
+impl<'a> Printed<'a> {
+    fn new(scene: &'a Scene, settings: &Settings, found: &'a trials::Outcome) -> Self {
+        Self {
+            scene: scene.name(),
+            weightless: scene.weightless(),
+            limb: settings.limb,
+            seed: settings.noise,
+            rehearsals: settings.rehearsals,
+            trials: settings.trials,
+            camera_noise_m: settings.camera_noise_m,
+            by_model: (&found.by_model).into(),
+            learned: (&found.learned).into(),
+            seen_m: &found.seen_m,
+            inverse_m: found.inverse_m,
+        }
+    }
+}
+
+impl<'a> From<&'a Score> for PrintedScore<'a> {
+    fn from(score: &'a Score) -> Self {
+        let (systematic_m, systematic_standard_error_m) = score.systematic_m();
+        let targets = score.targets.iter().map(|target| PrintedTarget {
+            phase: &target.phase,
+            errors_m: target.errors_m.iter().map(|error| (*error).into()).collect(),
+            repeatability_m: target.repeatability_m(),
+        });
+        Self {
+            targets: targets.collect(),
+            at_targets: score.at_targets().into(),
+            systematic_m,
+            systematic_standard_error_m,
+            at_rest: score.at_rest.into(),
+            whole_way: score.whole_way.into(),
+        }
+    }
+}
+
+impl From<Distances> for PrintedDistances {
+    fn from(found: Distances) -> Self {
+        Self { rmse_m: found.rmse_m(), max_m: found.max_m }
     }
 }
 

@@ -1,18 +1,56 @@
-//! Pressures and deformations of the actuators of a scene, from a table or a log.
+//! `softlimb calibrate pressure` and `calibrate run`: actuators from pressures and deformations, of a table or a log.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use clap::Args;
+use serde::Serialize;
 
-use super::super::Failure;
-use super::super::kept::read;
-use super::{Calibrate, Per, Said, about};
+use super::super::shared::{about, read};
+use super::super::{Failure, Outcome};
+use super::{Files, Fitted, Fitting, Per, Unknowns};
 use softlimb_rig::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
 use softlimb_rig::record;
 use softlimb_rig::record::Quantity;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
+
+/// Fit actuators to a table of pressures and deformations
+#[derive(Args)]
+#[command(after_help = "Files and method: docs/guide/calibrate.md\n\n\
+    Example: softlimb calibrate pressure finger.csv --scene scenes/single-bending.toml --fit shear_modulus,pressure_offset")]
+pub(super) struct Pressure {
+    /// The table, a CSV file with module, pressure_pa and axial_stretch, outer_radius_m, bend_angle_rad or twist_rad
+    #[arg(value_name = "FILE")]
+    data: PathBuf,
+    /// The scene that describes the actuators
+    #[arg(long, value_name = "SCENE")]
+    scene: PathBuf,
+    #[command(flatten)]
+    unknowns: Unknowns,
+    #[command(flatten)]
+    fitting: Fitting,
+    #[command(flatten)]
+    files: Files,
+}
+
+/// Fit actuators to the ends of the holds of a recorded run
+#[derive(Args)]
+#[command(after_help = "Files and method: docs/guide/calibrate.md\n\n\
+    Example: softlimb calibrate run run.mcap --fit shear_modulus --per module --write fitted.toml")]
+pub(super) struct Run {
+    /// The log of the run (MCAP)
+    log: PathBuf,
+    /// The scene that describes the actuators [default: the one in the log]
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<PathBuf>,
+    #[command(flatten)]
+    unknowns: Unknowns,
+    #[command(flatten)]
+    fitting: Fitting,
+    #[command(flatten)]
+    files: Files,
+}
 
 /// A measurement before its accuracy is known: module, reading, quantity, value, and where it is from.
 struct Seen {
@@ -23,23 +61,15 @@ struct Seen {
     from: String,
 }
 
-/// The scene of a command that needs one.
-pub(super) fn loaded(scene: Option<&Path>) -> Result<Scene, Failure> {
-    match scene {
-        Some(file) => Ok(scene::load(file)?),
-        None => Err(Failure::wrong_line("which actuators? give the scene")),
-    }
-}
-
-impl Calibrate {
-    pub(super) fn read_table(&self, file: &Path) -> Result<Said, Failure> {
-        let scene = loaded(self.scene.as_deref())?;
+impl Pressure {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let (scene, about) = (scene::load(&self.scene)?, about(&self.data));
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
-        let points = Points::read(&read(file)?, &names).map_err(|error| about(file)(&error))?;
+        let points = Points::read(&read(&self.data)?, &names).map_err(|error| about(&error))?;
         if points.timed {
-            let text =
-                "a column time_s makes it the response to a step: use --creep, or leave the column out of equilibria";
-            return Err(about(file)(&text));
+            let text = "a column time_s makes it the response to a step: use `softlimb calibrate creep`, or leave the column \
+                        out of equilibria";
+            return Err(about(&text));
         }
         let seen = points.points.into_iter().map(|point| Seen {
             module: names.iter().position(|name| *name == point.name).unwrap_or(0),
@@ -48,21 +78,22 @@ impl Calibrate {
             value: point.value,
             from: format!("line {}", point.line),
         });
-        self.fitted(&scene, seen.collect(), file)
+        let seen: Vec<Seen> = seen.collect();
+        self.unknowns.fit(&scene, &seen, &self.data, (&self.fitting, &self.files))
     }
+}
 
-    pub(super) fn read_log(&self, file: &Path) -> Result<Said, Failure> {
-        let log = record::read(file).map_err(Failure::new)?;
+impl Run {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let about = about(&self.log);
+        let log = record::read(&self.log).map_err(Failure::new)?;
         let scene = match &self.scene {
             Some(scene) => scene::load(scene)?,
-            None => scene::parse(&log.info.scene_text, &format!("scene.toml of {}", file.display()))?,
+            None => scene::parse(&log.info.scene_text, &format!("scene.toml of {}", self.log.display()))?,
         };
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         if names != log.info.modules.iter().map(|module| module.name.as_str()).collect::<Vec<_>>() {
-            return Err(about(file)(&format!(
-                "the log has other modules than the scene, which has {}",
-                names.join(", ")
-            )));
+            return Err(about(&format!("the log has other modules than the scene, which has {}", names.join(", "))));
         }
         let seen: Vec<Seen> = holds(&log)
             .into_iter()
@@ -76,20 +107,30 @@ impl Calibrate {
             .collect();
         if seen.is_empty() {
             let text = "no hold in which a deformation was seen and the pressure stood still: give phases a hold";
-            return Err(about(file)(&text));
+            return Err(about(&text));
         }
-        self.fitted(&scene, seen, file)
+        self.unknowns.fit(&scene, &seen, &self.log, (&self.fitting, &self.files))
     }
+}
 
-    fn fitted(&self, scene: &Scene, seen: Vec<Seen>, file: &Path) -> Result<Said, Failure> {
+impl Unknowns {
+    /// Fits the unknowns to the measurements of a file and finishes the command.
+    fn fit(
+        &self,
+        scene: &Scene,
+        seen: &[Seen],
+        file: &Path,
+        (fitting, files): (&Fitting, &Files),
+    ) -> Result<Outcome, Failure> {
+        let about = about(file);
         let bodies: Vec<Body> =
             scene.modules().iter().map(|module| Body::new(module.name.as_str(), module.actuator())).collect();
-        let observations = self.observations(&bodies, &seen);
+        let observations = observations(&bodies, seen, fitting.accuracy.si());
         let mut unknowns = Vec::new();
         for property in &self.fit {
-            unknowns.extend(self.unknowns(scene, &bodies, &seen, *property).map_err(|error| about(file)(&error))?);
+            unknowns.extend(self.unknowns(scene, &bodies, seen, *property).map_err(|error| about(&error))?);
         }
-        let fit = fit(&bodies, &observations, &unknowns, &self.settings()).map_err(|error| about(file)(&error))?;
+        let fit = fit(&bodies, &observations, &unknowns, &fitting.settings()).map_err(|error| about(&error))?;
         let mut warnings: Vec<String> = fit
             .systematic(&observations)
             .into_iter()
@@ -106,33 +147,14 @@ impl Calibrate {
         warnings.extend(measured.filter_map(|(_, module)| scene.winding_warning(module)));
         let written = self.fit.iter().any(|p| !matches!(p, Property::PressureOffset | Property::PressureGain));
         let wanted = fit.bodies.iter().map(|body| body.parameters).collect();
-        Ok(Said {
-            table: table(&fit, &observations, self.confidence),
-            json: json(&fit, &observations, &seen),
+        let fitted = Fitted {
+            table: table(&fit, &observations, fitting.confidence.si()),
+            json: printed(&fit, &observations, seen),
             svg: picture(&fit, &observations),
             scene: written.then(|| (scene.clone(), wanted)),
             warnings,
-        })
-    }
-
-    /// Accuracy is a share of the largest deformation of its kind and module.
-    fn observations(&self, bodies: &[Body], seen: &[Seen]) -> Vec<Observation> {
-        let size = |of: &Seen| {
-            let rest = bodies[of.module].at_rest(of.quantity);
-            let alike = seen.iter().filter(|other| other.module == of.module && other.quantity == of.quantity);
-            let largest = alike.map(|other| (other.value - rest).abs()).fold(0.0, f64::max);
-            // Where nothing moved the accuracy is that of the undeformed size.
-            if largest > 0.0 { largest } else { rest.abs().max(1e-3) }
         };
-        seen.iter()
-            .map(|of| Observation {
-                body: of.module,
-                reading_pa: of.reading_pa,
-                quantity: of.quantity,
-                value: of.value,
-                accuracy: self.accuracy * size(of),
-            })
-            .collect()
+        fitted.finish(fitting, files)
     }
 
     /// A property as unknowns: one for each part or module that there are data about.
@@ -169,6 +191,26 @@ impl Calibrate {
         }
         Ok(unknowns)
     }
+}
+
+/// Accuracy is a share of the largest deformation of its kind and module.
+fn observations(bodies: &[Body], seen: &[Seen], accuracy: f64) -> Vec<Observation> {
+    let size = |of: &Seen| {
+        let rest = bodies[of.module].at_rest(of.quantity);
+        let alike = seen.iter().filter(|other| other.module == of.module && other.quantity == of.quantity);
+        let largest = alike.map(|other| (other.value - rest).abs()).fold(0.0, f64::max);
+        // Where nothing moved the accuracy is that of the undeformed size.
+        if largest > 0.0 { largest } else { rest.abs().max(1e-3) }
+    };
+    seen.iter()
+        .map(|of| Observation {
+            body: of.module,
+            reading_pa: of.reading_pa,
+            quantity: of.quantity,
+            value: of.value,
+            accuracy: accuracy * size(of),
+        })
+        .collect()
 }
 
 /// A value in the unit that people read it in.
@@ -230,36 +272,64 @@ fn table(fit: &Fit, observations: &[Observation], confidence: f64) -> String {
     text
 }
 
-fn json(fit: &Fit, observations: &[Observation], seen: &[Seen]) -> serde_json::Value {
-    let estimates = fit.estimates.iter().map(|estimate| {
-        let modules: Vec<&str> = estimate.bodies.iter().map(|body| fit.bodies[*body].name.as_str()).collect();
-        json!({
-            "property": estimate.property.word(),
-            "unit": estimate.property.si_unit(),
-            "modules": modules,
-            "start": estimate.start,
-            "value": estimate.value,
-            "standard_deviation": estimate.standard_deviation,
-            "interval": estimate.interval,
-        })
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed {
+    estimates: Vec<PrintedEstimate>,
+    scatter: f64,
+    degrees_of_freedom: usize,
+    condition: f64,
+    correlation: Vec<Vec<f64>>,
+    points: Vec<PrintedPoint>,
+}
+
+#[derive(Serialize)]
+struct PrintedEstimate {
+    property: &'static str,
+    unit: &'static str,
+    modules: Vec<String>,
+    start: f64,
+    value: f64,
+    standard_deviation: f64,
+    interval: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct PrintedPoint {
+    module: String,
+    from: String,
+    pressure_pa: f64,
+    quantity: Quantity,
+    measured: f64,
+    before: Option<f64>,
+    after: f64,
+}
+
+fn printed(fit: &Fit, observations: &[Observation], seen: &[Seen]) -> Printed {
+    let estimates = fit.estimates.iter().map(|estimate| PrintedEstimate {
+        property: estimate.property.word(),
+        unit: estimate.property.si_unit(),
+        modules: estimate.bodies.iter().map(|body| fit.bodies[*body].name.clone()).collect(),
+        start: estimate.start,
+        value: estimate.value,
+        standard_deviation: estimate.standard_deviation,
+        interval: estimate.interval,
     });
-    let points = observations.iter().zip(seen).enumerate().map(|(k, (observation, seen))| {
-        json!({
-            "module": fit.bodies[observation.body].name,
-            "from": seen.from,
-            "pressure_pa": observation.reading_pa,
-            "quantity": observation.quantity,
-            "measured": observation.value,
-            "before": fit.before[k],
-            "after": fit.after[k],
-        })
+    let points = observations.iter().zip(seen).enumerate().map(|(k, (observation, seen))| PrintedPoint {
+        module: fit.bodies[observation.body].name.clone(),
+        from: seen.from.clone(),
+        pressure_pa: observation.reading_pa,
+        quantity: observation.quantity,
+        measured: observation.value,
+        before: fit.before[k],
+        after: fit.after[k],
     });
-    json!({
-        "estimates": estimates.collect::<Vec<_>>(),
-        "scatter": fit.scatter,
-        "degrees_of_freedom": fit.freedom,
-        "condition": fit.condition,
-        "correlation": fit.correlation,
-        "points": points.collect::<Vec<_>>(),
-    })
+    Printed {
+        estimates: estimates.collect(),
+        scatter: fit.scatter,
+        degrees_of_freedom: fit.freedom,
+        condition: fit.condition,
+        correlation: fit.correlation.clone(),
+        points: points.collect(),
+    }
 }

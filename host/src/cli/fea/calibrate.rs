@@ -1,16 +1,16 @@
-//! `softlimb fem calibrate`: what the cheaper models carry from finite elements.
+//! `softlimb fea calibrate`: coefficients of the analytic model, from finite elements.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use fra_model::{Families, Motion, Placement};
-use serde_json::{Value, json};
+use serde::Serialize;
 
+use super::super::shared::{limb, parts, show};
 use super::super::{Failure, Outcome};
 use softlimb_fea::axisymmetric::{Delta, EndLength, MeridianError, Thread, ThreadSheet, end_length, thread_sheet};
 use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section};
-use softlimb_limb::{Limb, LimbModule};
-use softlimb_scene as scene;
+use softlimb_limb::LimbModule;
 
 /// Largest angle from the hoop, rad, up to which turns of thread are as good as rings.
 const HOOP_RAD: f64 = 0.175;
@@ -18,9 +18,9 @@ const HOOP_RAD: f64 = 0.175;
 /// pressures the wall creases at the edges of the thread.
 const MODERATE: f64 = 0.3;
 
-/// What finite elements say that the cheaper models carry: bending polynomial, end length, and the sheet a thread is worth
+/// Calibrate the analytic model by finite elements: bending polynomial, end length, and the sheet equivalent to a thread
 #[derive(Args)]
-#[command(after_help = "Example: softlimb fem calibrate scenes/pick-and-place-a.toml --thread 772,3,0.178")]
+#[command(after_help = "Example: softlimb fea calibrate scenes/pick-and-place-a.toml --thread 772,3,0.178")]
 pub(super) struct Calibrate {
     /// The scene whose actuators are calibrated
     scene: PathBuf,
@@ -28,8 +28,8 @@ pub(super) struct Calibrate {
     #[arg(long, value_name = "NAME")]
     module: Option<String>,
     /// The thread that winds the actuators: `E A` in N, distance of its turns in mm, width in mm
-    #[arg(long, value_name = "N,MM,MM", value_delimiter = ',', num_args = 1)]
-    thread: Vec<f64>,
+    #[arg(long, value_name = "N,MM,MM", allow_hyphen_values = true)]
+    thread: Option<String>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -46,7 +46,7 @@ struct Found<'a> {
 impl Calibrate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let thread = self.thread()?;
-        let limb = Limb::new(&scene::load(&self.scene)?)?;
+        let (_, limb) = limb(&self.scene)?;
         let wanted = |module: &&LimbModule| self.module.as_ref().is_none_or(|name| *name == module.name);
         let modules: Vec<_> = limb.modules().iter().filter(wanted).collect();
         if modules.is_empty() {
@@ -55,13 +55,8 @@ impl Calibrate {
             return Err(Failure::new(format!("there is no module \"{asked}\": one of {}", names.join(", "))));
         }
         let found = modules.into_iter().map(|module| find(module, thread.as_ref())).collect::<Result<Vec<_>, _>>()?;
-        if self.json {
-            let modules: Vec<_> = found.iter().map(as_json).collect();
-            super::super::say(&json!({ "modules": modules }).to_string())?;
-        } else {
-            let modules: Vec<_> = found.iter().map(words).collect();
-            super::super::say(&modules.join("\n"))?;
-        }
+        let printed = Printed { modules: found.iter().map(printed).collect() };
+        show(self.json, &printed, || found.iter().map(words).collect::<Vec<_>>().join("\n"))?;
         let whole = |found: &Found| {
             let bending = found.bending.as_ref().is_none_or(Result::is_ok);
             bending && found.ends.is_ok() && found.sheet.as_ref().is_none_or(Result::is_ok)
@@ -70,16 +65,9 @@ impl Calibrate {
     }
 
     fn thread(&self) -> Result<Option<Thread>, Failure> {
-        match self.thread[..] {
-            [] => Ok(None),
-            [stiffness_n, spacing, width] => {
-                Ok(Some(Thread { stiffness_n, spacing_m: spacing / 1e3, width_m: width / 1e3 }))
-            }
-            _ => Err(Failure::wrong_line(format!(
-                "--thread has {} values: three are wanted, E A in N, spacing in mm, width in mm",
-                self.thread.len()
-            ))),
-        }
+        let Some(text) = &self.thread else { return Ok(None) };
+        let [stiffness_n, spacing_m, width_m] = parts("--thread", text, [("N", 1e6), ("mm", 1e4), ("mm", 1e3)])?;
+        Ok(Some(Thread { stiffness_n, spacing_m, width_m }))
     }
 }
 
@@ -173,31 +161,89 @@ fn modulus(module: &LimbModule, sheet: &ThreadSheet) -> Option<(f64, f64)> {
     Some((sheet.effective_n_per_m / (families * fiber.thickness_m), fiber.thickness_m))
 }
 
-fn as_json(found: &Found) -> Value {
-    let Found { module, ends, sheet, .. } = found;
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    modules: Vec<PrintedModule<'a>>,
+}
+
+#[derive(Serialize)]
+struct PrintedModule<'a> {
+    module: &'a str,
+    pressure_max_pa: f64,
+    bending: Option<OrReason<Bending>>,
+    ends: OrReason<Ends>,
+    thread: Option<OrReason<Sheet>>,
+}
+
+/// A result, or the reason that there is none.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum OrReason<T> {
+    Found(T),
+    Reason { error: String },
+}
+
+#[derive(Serialize)]
+struct Bending {
+    coefficients_pa: [f64; 3],
+    pressures_pa: [f64; 2],
+    verified_error: f64,
+    mesh_error: f64,
+}
+
+#[derive(Serialize)]
+struct Ends {
+    axial: Option<PrintedDelta>,
+    twist: Option<PrintedDelta>,
+}
+
+#[derive(Serialize)]
+struct PrintedDelta {
+    delta_m: f64,
+    error_m: f64,
+}
+
+#[derive(Serialize)]
+struct Sheet {
+    effective_n_per_m: f64,
+    ideal_n_per_m: f64,
+    error: f64,
+    strain: f64,
+    ideal_strain: f64,
+    modulus_pa: Option<f64>,
+}
+
+fn or_reason<A, T>(found: &Result<A, String>, printed: impl Fn(&A) -> T) -> OrReason<T> {
+    match found {
+        Ok(found) => OrReason::Found(printed(found)),
+        Err(reason) => OrReason::Reason { error: reason.clone() },
+    }
+}
+
+fn printed<'a>(found: &Found<'a>) -> PrintedModule<'a> {
+    let module = found.module;
     let delta =
-        |delta: &Option<Delta>| delta.map(|delta| json!({ "delta_m": delta.delta_m, "error_m": delta.error_m }));
-    let or_reason = |found: Result<Value, &String>| found.unwrap_or_else(|reason| json!({ "error": reason }));
-    let bending = |calibration: &Calibration| {
-        json!({
-            "coefficients_pa": by_angle(calibration, module),
-            "pressures_pa": calibration.pressures_pa,
-            "verified_error": calibration.verified_error,
-            "mesh_error": calibration.mesh_error,
-        })
+        |delta: &Option<Delta>| delta.map(|delta| PrintedDelta { delta_m: delta.delta_m, error_m: delta.error_m });
+    let bending = |calibration: &Calibration| Bending {
+        coefficients_pa: by_angle(calibration, module),
+        pressures_pa: calibration.pressures_pa,
+        verified_error: calibration.verified_error,
+        mesh_error: calibration.mesh_error,
     };
-    let sheet_value = |sheet: &ThreadSheet| {
-        json!({
-            "effective_n_per_m": sheet.effective_n_per_m, "ideal_n_per_m": sheet.ideal_n_per_m, "error": sheet.error,
-            "strain": sheet.strain, "ideal_strain": sheet.ideal_strain,
-            "modulus_pa": modulus(module, sheet).map(|(modulus_pa, _)| modulus_pa),
-        })
+    let sheet = |sheet: &ThreadSheet| Sheet {
+        effective_n_per_m: sheet.effective_n_per_m,
+        ideal_n_per_m: sheet.ideal_n_per_m,
+        error: sheet.error,
+        strain: sheet.strain,
+        ideal_strain: sheet.ideal_strain,
+        modulus_pa: modulus(module, sheet).map(|(modulus_pa, _)| modulus_pa),
     };
-    json!({
-        "module": module.name,
-        "pressure_max_pa": module.pressure_max_pa,
-        "bending": found.bending.as_ref().map(|found| or_reason(found.as_ref().map(bending))),
-        "ends": or_reason(ends.as_ref().map(|ends| json!({ "axial": delta(&ends.axial), "twist": delta(&ends.twist) }))),
-        "thread": sheet.as_ref().map(|found| or_reason(found.as_ref().map(sheet_value))),
-    })
+    PrintedModule {
+        module: &module.name,
+        pressure_max_pa: module.pressure_max_pa,
+        bending: found.bending.as_ref().map(|found| or_reason(found, bending)),
+        ends: or_reason(&found.ends, |ends| Ends { axial: delta(&ends.axial), twist: delta(&ends.twist) }),
+        thread: found.sheet.as_ref().map(|found| or_reason(found, sheet)),
+    }
 }

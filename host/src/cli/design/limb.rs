@@ -1,17 +1,15 @@
-//! `softlimb design SCENE`: the scene with a limb that does what it asks.
+//! `softlimb design limb`: the scene with a limb that meets its targets.
 
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 
-use indicatif::ProgressBar;
+use clap::Args;
 use serde::Serialize;
 
-use super::limbs::{limb, pareto};
-use super::problem::table;
-use crate::cli::kept::read;
+use super::actuators::{Search, table};
+use super::candidates::{limb, pareto};
+use crate::cli::shared::{about, bar, read, show, threads};
 use crate::cli::{Failure, Outcome, note, say, warn};
 use softlimb_chart::labelled;
-use softlimb_design::actuators::{Answer, Problem};
 use softlimb_design::from_scene::{
     BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
 };
@@ -38,23 +36,38 @@ struct Printed<'a, T> {
     warnings: Vec<String>,
 }
 
-/// Where the design goes, and how.
-pub(super) struct Order<'a> {
-    pub(super) file: &'a Path,
-    pub(super) out: Option<&'a Path>,
-    pub(super) json: bool,
-    pub(super) seed: u64,
-    pub(super) pick: usize,
-    pub(super) resume: Option<&'a Path>,
-    pub(super) threads: Option<usize>,
+/// Design the limb of a scene: with target deformations by eq. (14), with way-points of the tip by limb synthesis
+#[derive(Args)]
+#[command(after_help = "What a scene may leave open: docs/guide/design-a-limb.md\n\n\
+                        Example: softlimb design limb scenes/open/group-a.toml --out group-a.toml")]
+pub(super) struct LimbDesign {
+    /// The scene file
+    scene: PathBuf,
+    /// The scene with the limb found [default: beside the scene, NAME-designed.toml]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// The limb of the list to write, from 1, if the motions and their order are free
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pick: u32,
+    /// Keep the search of motions and their order in this file, and resume the one it holds
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+    /// Threads of the search of motions and their order; the answer does not depend on it [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=64))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    search: Search,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
-impl Order<'_> {
+impl LimbDesign {
     /// Designs the limb of a scene and writes the scene with it.
-    pub(super) fn run(&self, solve: impl Fn(&Problem) -> Result<Answer, Failure>) -> Result<Outcome, Failure> {
-        let scene = scene::load(self.file)?;
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let scene = scene::load(&self.scene)?;
         if !leads_the_tip(&scene) {
-            let answer = solve(&targets(&scene)?)?;
+            let answer = self.search.solve(&targets(&scene)?)?;
             let (modules, targets) = redesigned_targets(&scene, &answer);
             let file = self.write(&scene, &modules, Some(&targets))?;
             self.say(&scene, &file, &answer, Vec::new(), || table(&answer))?;
@@ -67,7 +80,7 @@ impl Order<'_> {
         let tasked = task(&scene)?;
         match scene.design().and_then(|design| design.choice.as_ref()) {
             None => {
-                let effort = Effort { seed: self.seed, ..Effort::default() };
+                let effort = Effort { seed: self.search.seed, ..Effort::default() };
                 let plan = |limb: &Candidate| self.via_points(&scene, &tasked, limb);
                 let found = design_to_run(&tasked.task, &tasked.spaces, &effort, plan).map_err(Failure::new)?;
                 let outcome = self.finish(&scene, &tasked, &found.limb, Vec::new());
@@ -87,7 +100,7 @@ impl Order<'_> {
             Some(choice) => {
                 let choice = self.choose(&tasked, [choice.modules_min, choice.modules_max])?;
                 let list = choice.pareto();
-                let picked = list.get(self.pick - 1).ok_or_else(|| {
+                let picked = list.get(self.pick as usize - 1).ok_or_else(|| {
                     Failure::new(format!("--pick {} is not allowed: the list has {} limbs", self.pick, list.len()))
                 })?;
                 self.finish(&scene, &tasked, picked, list.clone())
@@ -97,14 +110,14 @@ impl Order<'_> {
 
     /// Searches every order of motions, from where an earlier search ended.
     fn choose(&self, tasked: &Tasked, modules: [usize; 2]) -> Result<Choice, Failure> {
-        let threads = self.threads.or_else(|| available_parallelism().ok().map(usize::from)).unwrap_or(1);
-        let choosing = Choosing { modules, seed: self.seed, threads, ..Choosing::default() };
-        let so_far = match self.resume.filter(|file| file.exists()) {
+        let threads = threads(self.threads);
+        let choosing = Choosing { modules, seed: self.search.seed, threads, ..Choosing::default() };
+        let so_far = match self.resume.as_deref().filter(|file| file.exists()) {
             None => Choice::default(),
             Some(file) => serde_json::from_str(&read(file)?)
-                .map_err(|error| Failure::new(format!("{}: this is no search to resume: {error}", file.display())))?,
+                .map_err(|error| about(file)(&format!("this is no search to resume: {error}")))?,
         };
-        let bar = ProgressBar::new(1).with_message("orders searched");
+        let bar = bar(1, "orders searched");
         let observe = |choice: &Choice| {
             bar.set_length(choice.total as u64);
             bar.set_position(choice.searched.len() as u64);
@@ -119,7 +132,7 @@ impl Order<'_> {
 
     /// Keeps a choice where that is wanted.
     fn keep(&self, choice: &Choice) -> Result<(), Failure> {
-        let Some(file) = self.resume else { return Ok(()) };
+        let Some(file) = &self.resume else { return Ok(()) };
         write_whole(file, &serde_json::to_string(choice).map_err(Failure::new)?).map_err(Failure::new)
     }
 
@@ -147,7 +160,7 @@ impl Order<'_> {
     }
 
     fn file_out(&self) -> PathBuf {
-        self.out.map_or_else(|| beside(self.file), Path::to_owned)
+        self.out.clone().unwrap_or_else(|| beside(&self.scene))
     }
 
     /// Writes the scene with other modules.
@@ -175,7 +188,7 @@ impl Order<'_> {
             // A design that is no scene is refused where it is judged.
             let warnings = scene::load(file).map_or_else(|_| Vec::new(), |designed| designed.winding_warnings());
             let printed = Printed { weightless: scene.weightless(), file, answer, list, warnings };
-            return say(&serde_json::to_string(&printed).map_err(Failure::new)?);
+            return show(true, &printed, String::new);
         }
         say(&format!("{}\n{}", labelled(scene.name(), scene.weightless()), text()))
     }

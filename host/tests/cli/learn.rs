@@ -1,4 +1,4 @@
-//! `trials`, and corrections of a scene: from what was learned to a run.
+//! `learn`, and corrections of a scene: from what was learned to a run.
 
 use serde_json::Value;
 
@@ -31,17 +31,17 @@ fn corrections_are_added_to_what_is_sent_and_not_to_what_is_wanted() {
 }
 
 #[test]
-fn what_trials_write_a_scene_takes() {
+fn what_learning_writes_a_scene_takes() {
     let desk = Desk::new();
     desk.put("scene.toml", SCENE.replace("0.2 s", "1 s"));
-    let found = desk.softlimb("trials scene.toml --rehearsals 2 --trials 1 --csv learned.csv --json").done().json();
+    let found = desk.softlimb("learn scene.toml --iterations 2 --trials 1 --csv learned.csv --json").done().json();
     let at = |name: &str| found.pointer(name).and_then(Value::as_f64).unwrap();
     assert!(at("/learned/at_targets/rmse_m") > 0.0 && at("/by_model/at_targets/rmse_m") > 0.0);
     desk.put("scene.toml", SCENE.replace("0.2 s", "1 s") + KEY);
     desk.softlimb("check scene.toml").done();
     desk.softlimb("run scene.toml --out results").done();
-    let again = desk.softlimb("trials scene.toml --rehearsals 2 --trials 1 --json").done().json();
-    assert_eq!(again, found, "trials begin by the model alone");
+    let again = desk.softlimb("learn scene.toml --iterations 2 --trials 1 --json").done().json();
+    assert_eq!(again, found, "learning begins by the model alone");
 }
 
 #[test]

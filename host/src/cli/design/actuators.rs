@@ -1,25 +1,77 @@
-//! One problem: its answer as JSON or text, or eq. (14) at given points of it.
+//! `softlimb design actuators`: geometry and pressures for target deformations, eq. (14), or its terms at given points.
 
 use std::fmt::Write;
 use std::io::{BufRead, ErrorKind, Write as _, stdin, stdout};
+use std::path::PathBuf;
 
-use serde_json::json;
+use clap::Args;
+use serde::Serialize;
 
-use crate::cli::{Failure, Outcome, say};
-use softlimb_design::actuators::{Answer, Objective, Problem, SegmentAnswer};
+use crate::cli::shared::{about, read, show};
+use crate::cli::{Failure, Outcome};
+use softlimb_design::actuators::{Answer, Effort, Objective, Problem, SegmentAnswer, solve};
 
-/// Prints an answer.
-pub(super) fn show(answer: &Answer, as_json: bool) -> Result<Outcome, Failure> {
-    if as_json {
-        say(&serde_json::to_string(answer).map_err(Failure::new)?)?;
-    } else {
-        say(&table(answer))?;
+/// Find geometry and pressures for target deformations, eq. (14) of the paper
+#[derive(Args)]
+#[command(after_help = "Format of problems and answers: docs/reference/actuator-problem.md\n\n\
+                        Example: softlimb design actuators reach.json --json")]
+pub(super) struct Actuators {
+    /// The problem, a JSON file
+    #[arg(value_name = "FILE")]
+    problem: PathBuf,
+    #[command(flatten)]
+    search: Search,
+    /// Evaluate points of the unit box from standard input, one JSON array a line, in place of a search
+    #[arg(long, conflicts_with_all = ["json", "starts", "seed"])]
+    evaluate: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Options of the search of eq. (14).
+#[derive(Args)]
+pub(super) struct Search {
+    /// Seed of the starts of the search
+    #[arg(long, default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Most local solves of the search for target deformations
+    #[arg(long, value_name = "N", default_value_t = Effort::default().starts as u32, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    starts: u32,
+}
+
+impl Search {
+    pub(super) fn solve(&self, problem: &Problem) -> Result<Answer, Failure> {
+        let default = Effort::default();
+        let starts = self.starts as usize;
+        // More starts than usual are a wish for more search: no bound but theirs then.
+        let evaluations = if starts > default.starts { u64::MAX } else { default.evaluations };
+        let effort = Effort { seed: self.seed, starts, agreeing: default.agreeing.max(starts / 8), evaluations };
+        solve(problem, &effort).map_err(Failure::new)
     }
-    Ok(Outcome::Done)
+}
+
+impl Actuators {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let problem = Problem::read(&read(&self.problem)?).map_err(|error| about(&self.problem)(&error))?;
+        if self.evaluate {
+            return evaluate(&problem);
+        }
+        let answer = self.search.solve(&problem)?;
+        show(self.json, &answer, || table(&answer))?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// The objective of eq. (14) at a point; null where the model has no equilibrium.
+#[derive(Serialize)]
+struct Evaluation {
+    differences: Option<Vec<f64>>,
+    objective: Option<f64>,
 }
 
 /// Answers points of the unit box, one JSON array of numbers a line, with eq. (14), one JSON object a line.
-pub(super) fn evaluate(problem: &Problem) -> Result<Outcome, Failure> {
+fn evaluate(problem: &Problem) -> Result<Outcome, Failure> {
     let mut objective = Objective::new(problem);
     let mut out = stdout().lock();
     for (index, line) in stdin().lock().lines().enumerate() {
@@ -28,7 +80,7 @@ pub(super) fn evaluate(problem: &Problem) -> Result<Outcome, Failure> {
         let point = point.map_err(|message| Failure::new(format!("standard input, line {}: {message}", index + 1)))?;
         let differences = objective.differences(&point);
         let sum = differences.as_ref().map(|all| all.iter().map(|one| one * one).sum::<f64>());
-        let answer = json!({"objective": sum, "differences": differences});
+        let answer = serde_json::to_string(&Evaluation { objective: sum, differences }).map_err(Failure::new)?;
         match writeln!(out, "{answer}").and_then(|()| out.flush()) {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => break,
             Err(error) => return Err(Failure::new(format!("cannot write to standard output: {error}"))),

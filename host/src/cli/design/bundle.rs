@@ -1,19 +1,38 @@
-//! One problem: its answer as JSON or text.
+//! `softlimb design bundle`: a bundle of actuators for target forces, eq. (18).
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
-use super::Payload;
-use crate::cli::{Failure, Outcome, say};
-use softlimb_design::bundle::{Answer, ForceProblem, search};
+use clap::Args;
 
-pub(super) fn run(command: &Payload, problem: &ForceProblem) -> Result<Outcome, Failure> {
-    let answer = search(problem, &command.effort()).map_err(Failure::new)?;
-    if command.json {
-        say(&serde_json::to_string(&answer).map_err(Failure::new)?)?;
-    } else {
-        say(&table(&answer))?;
+use crate::cli::shared::{about, read, show};
+use crate::cli::{Failure, Outcome};
+use softlimb_design::bundle::{Answer, Effort, ForceProblem, search};
+
+/// Design a bundle of actuators for target forces and moments, eq. (18) of the paper
+#[derive(Args)]
+#[command(after_help = "Format of problems and answers: docs/reference/bundle-problem.md\n\n\
+                        Example: softlimb design bundle forces.json --json")]
+pub(super) struct Bundle {
+    /// The problem, a JSON file
+    #[arg(value_name = "FILE")]
+    problem: PathBuf,
+    /// Seed of the starts after the first, which is the middle of the bounds
+    #[arg(long, default_value_t = Effort::default().seed)]
+    seed: u64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Bundle {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let problem = ForceProblem::read(&read(&self.problem)?).map_err(|error| about(&self.problem)(&error))?;
+        let effort = Effort { seed: self.seed, ..Effort::default() };
+        let answer = search(&problem, &effort).map_err(Failure::new)?;
+        show(self.json, &answer, || table(&answer))?;
+        Ok(Outcome::Done)
     }
-    Ok(Outcome::Done)
 }
 
 /// The answer as text. Writing to a string cannot fail.
