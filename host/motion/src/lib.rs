@@ -27,6 +27,6 @@ pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, so
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
 pub use payload::{Carried, carried, payload_kg};
-pub use plan::{Plan, PlannedPhase, plan, sent, taught};
-pub use weight::{NoPose, Nominal, OnLimb, Pose, Weighed};
+pub use plan::{Plan, PlannedPhase, plan, sent};
+pub use weight::{NoPose, Nominal, OnLimb, Pose, Weighed, planned_slopes};
 pub use wire::{to_wire, wire_kind};

@@ -1,7 +1,6 @@
 //! The setpoints of a whole run, checked against what the limb can do.
 
 use fra_model::State;
-use nalgebra::Vector3;
 
 use super::clear::{self, Nearness};
 use super::path::Path;
@@ -143,27 +142,6 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 /// A diagnostic at the target, way-point, duration or obstacle that the limb cannot follow or keep clear of, or cannot under its weight,
 /// with the nearest that it can.
 pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
-    taught(scene, limb, &[])
-}
-
-/// A plan as it is sent: with the corrections of its scene.
-///
-/// # Errors
-/// A diagnostic at the file of corrections that are larger than what a module has, or at the phase in which a corrected setpoint leaves what
-/// the limb can reach.
-pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Plan, SceneError> {
-    let Some(corrections) = scene.corrections() else { return Ok(plan.clone()) };
-    check_corrections(scene, limb, corrections)?;
-    plan.corrected(scene, limb, corrections)
-}
-
-/// The plan of a scene whose setpoints are corrected for weight, with the place of the tip at the end of each phase moved by an offset, m:
-/// what a limb was seen to be off. Offsets grow with the moves; phases without one have none. A scene whose setpoints are not corrected for
-/// weight takes none.
-///
-/// # Errors
-/// As [`plan`].
-pub fn taught(scene: &Scene, limb: &Limb, offsets_m: &[Vector3<f64>]) -> Result<Plan, SceneError> {
     let start: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
     let (mut phases, mut warnings) = schedule(scene, limb, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
@@ -175,8 +153,7 @@ pub fn taught(scene: &Scene, limb: &Limb, offsets_m: &[Vector3<f64>]) -> Result<
         .collect();
     clear::prove(scene, limb, &mut phases, (&rows, &states), knot_period_us)?;
     let kinds = limb.modules().iter().map(|m| m.kind).collect();
-    let Some((knots, mut weighed)) = weight::corrected(scene, limb, &mut phases, (&states, offsets_m), knot_period_us)?
-    else {
+    let Some((knots, mut weighed)) = weight::corrected(scene, limb, &mut phases, &states, knot_period_us)? else {
         return Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: None });
     };
     let states = self::states(scene, limb, &phases, &knots, knot_period_us)?;
@@ -188,6 +165,17 @@ pub fn taught(scene: &Scene, limb: &Limb, offsets_m: &[Vector3<f64>]) -> Result<
     }
     weight::weigh(scene, limb, &phases, &states, knot_period_us, &mut weighed)?;
     Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: Some(weighed) })
+}
+
+/// A plan as it is sent: with the corrections of its scene.
+///
+/// # Errors
+/// A diagnostic at the file of corrections that are larger than what a module has, or at the phase in which a corrected setpoint leaves what
+/// the limb can reach.
+pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Plan, SceneError> {
+    let Some(corrections) = scene.corrections() else { return Ok(plan.clone()) };
+    check_corrections(scene, limb, corrections)?;
+    plan.corrected(scene, limb, corrections)
 }
 
 /// A setpoint as people read it.

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use super::kept::write;
 use super::{Failure, Outcome};
 use softlimb_chart::{WEIGHTLESS, labelled};
-use softlimb_rig::trials;
-use softlimb_rig::trials::{Distances, Score, Settings, TrialsError};
+use softlimb_rig::learning;
+use softlimb_rig::learning::{Distances, LearningError, Score, Settings, learn};
 use softlimb_scene as scene;
 use softlimb_scene::{Corrections, Scene};
 
@@ -58,11 +58,11 @@ impl Trials {
         let settings = Settings {
             limb: self.limb.unwrap_or(scene.seed()),
             noise: self.seed,
-            rehearsals: self.rehearsals,
-            trials: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
+            iterations: self.rehearsals,
+            runs: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
             camera_noise_m: 1e-3 * self.camera,
         };
-        let found = trials::trials(&scene, &settings, |_, _| {})?;
+        let found = learn(&scene, &settings)?;
         if let Some(file) = &self.csv {
             write(file, &csv(&scene, &found.corrections))?;
         }
@@ -74,11 +74,11 @@ impl Trials {
         Ok(Outcome::Done)
     }
 
-    fn answer(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> Value {
+    fn answer(&self, scene: &Scene, settings: &Settings, found: &learning::Outcome) -> Value {
         let distances = |found: &Distances| json!({"rmse_m": found.rmse_m(), "max_m": found.max_m});
         let score = |score: &Score| {
             let (systematic_m, error_m) = score.systematic_m();
-            let target = |target: &trials::TargetScore| {
+            let target = |target: &learning::TargetScore| {
                 let errors: Vec<[f64; 3]> = target.errors_m.iter().map(|error| (*error).into()).collect();
                 json!({"phase": target.phase, "errors_m": errors, "repeatability_m": target.repeatability_m()})
             };
@@ -96,18 +96,18 @@ impl Trials {
             WEIGHTLESS: scene.weightless(),
             "limb": settings.limb,
             "seed": settings.noise,
-            "rehearsals": settings.rehearsals,
-            "trials": settings.trials,
+            "rehearsals": settings.iterations,
+            "trials": settings.runs,
             "camera_noise_m": settings.camera_noise_m,
             "by_model": score(&found.by_model),
-            "learned": score(&found.learned),
-            "seen_m": found.seen_m,
+            "learned": score(&found.corrected),
+            "seen_m": found.observed_m,
             "inverse_m": found.inverse_m,
         })
     }
 
     /// Writing to a string cannot fail.
-    fn table(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> String {
+    fn table(&self, scene: &Scene, settings: &Settings, found: &learning::Outcome) -> String {
         let (name, limb, count) = (labelled(scene.name(), scene.weightless()), settings.limb, self.trials);
         let mut text = format!(
             "{name}: limb {limb}, {count} trials each, {} rehearsals under a camera of {} mm\n\n\
@@ -127,12 +127,12 @@ impl Trials {
             let [a, b, c, d] = [before.rmse_m(), before.max_m, after.rmse_m(), after.max_m].map(|m| 1e3 * m);
             let _ = writeln!(text, "{name:34} {a:8.3} {b:8.3} {c:9.3} {d:8.3}");
         };
-        for (before, after) in found.by_model.targets.iter().zip(&found.learned.targets) {
+        for (before, after) in found.by_model.targets.iter().zip(&found.corrected.targets) {
             line(&format!("  {}", before.phase), [before.distances(), after.distances()]);
         }
-        line("all targets", [found.by_model.at_targets(), found.learned.at_targets()]);
-        line("at rest, single samples", [found.by_model.at_rest, found.learned.at_rest]);
-        line("whole way, single samples", [found.by_model.whole_way, found.learned.whole_way]);
+        line("all targets", [found.by_model.at_targets(), found.corrected.at_targets()]);
+        line("at rest, single samples", [found.by_model.at_rest, found.corrected.at_rest]);
+        line("whole way, single samples", [found.by_model.whole_way, found.corrected.whole_way]);
         let repeating = |score: &Score| {
             let (mean, error) = score.systematic_m();
             format!("{:.3} +- {:.3}", 1e3 * mean, 1e3 * error)
@@ -141,15 +141,15 @@ impl Trials {
             let square: f64 = score.targets.iter().map(|target| target.repeatability_m().powi(2)).sum();
             1e3 * (square / score.targets.len().max(1) as f64).sqrt()
         };
-        let [before, after] = [&found.by_model, &found.learned];
+        let [before, after] = [&found.by_model, &found.corrected];
         let _ = writeln!(text, "\nat the targets, mm");
         let _ = writeln!(text, "{:34} {:>17} {:>18}", "  what repeats", repeating(before), repeating(after));
         let _ = writeln!(text, "{:34} {:17.3} {:18.3}", "  what does not", scatter(before), scatter(after));
         if let Some(inverse_m) = found.inverse_m {
             let _ = writeln!(text, "{:34} {:17.3}", "  the device's inverse, at most", 1e3 * inverse_m);
         }
-        if !found.seen_m.is_empty() {
-            let seen: Vec<String> = found.seen_m.iter().map(|seen| format!("{:.2}", 1e3 * seen)).collect();
+        if !found.observed_m.is_empty() {
+            let seen: Vec<String> = found.observed_m.iter().map(|seen| format!("{:.2}", 1e3 * seen)).collect();
             let _ = writeln!(text, "\nseen by the camera at rest, mm: {}", seen.join(", "));
         }
         text
@@ -167,10 +167,10 @@ fn csv(scene: &Scene, corrections: &Corrections) -> String {
     text
 }
 
-impl From<TrialsError> for Failure {
-    fn from(error: TrialsError) -> Self {
+impl From<LearningError> for Failure {
+    fn from(error: LearningError) -> Self {
         match error {
-            TrialsError::Run(error) => error.into(),
+            LearningError::Run(error) => error.into(),
             other => Self::new(other),
         }
     }

@@ -7,8 +7,10 @@
 mod correct;
 mod nominal;
 mod refusals;
+mod slopes;
 
 pub use nominal::{NoPose, Nominal, OnLimb, Pose};
+pub use slopes::planned_slopes;
 
 use fra_model::State;
 use nalgebra::Vector3;
@@ -56,24 +58,20 @@ pub(super) fn corrected(
     scene: &Scene,
     limb: &Limb,
     phases: &mut [PlannedPhase],
-    (states, offsets_m): (&[Vec<State<f64>>], &[Vector3<f64>]),
+    states: &[Vec<State<f64>>],
     period_us: u64,
 ) -> Result<Option<(Knots, Weighed)>, SceneError> {
     let Some(weight) = scene.weight().filter(|weight| weight.compensated) else { return Ok(None) };
     let carried = carried(scene.phases());
     let refusals = Refusals { scene, limb };
-    let wanted_m: Vec<Vector3<f64>> = (0_u64..)
-        .zip(states)
-        .map(|(knot, states)| Vector3::from(limb.tip(states)) + offset_m(offsets_m, phases, knot * period_us))
-        .collect();
+    let wanted_m: Vec<Vector3<f64>> = states.iter().map(|states| limb.tip(states).into()).collect();
     let mut judged =
         Judged::at_rest(scene, limb, &carried, weight.error).map_err(|why| refusals.carries_not(phases, 0, why))?;
     loop {
         let tier = judged.tier;
         let rows =
             rows(limb, phases, (&carried, (states, &wanted_m), period_us), Nominal::new(scene, limb, tier), &refusals)?;
-        let ends =
-            ends(limb, phases, offsets_m, (&carried, &rows, period_us), Nominal::new(scene, limb, tier), &refusals)?;
+        let ends = ends(limb, phases, (&carried, &rows, period_us), Nominal::new(scene, limb, tier), &refusals)?;
         for (pressures_pa, carried) in ends.iter().zip(&carried) {
             judged.look(scene, limb, pressures_pa, OnLimb::whole(carried.move_kg), weight.error);
         }
@@ -148,7 +146,6 @@ fn rows(
 fn ends(
     limb: &Limb,
     phases: &[PlannedPhase],
-    offsets_m: &[Vector3<f64>],
     (carried, rows, period_us): (&[Carried], &[Vec<f64>], u64),
     nominal: Nominal<'_>,
     refusals: &Refusals<'_>,
@@ -161,8 +158,7 @@ fn ends(
         let states: Vec<State<f64>> =
             modules.map(|(module, value)| module.state_at(*value).unwrap_or_else(|| module.actuator.rest())).collect();
         let start = &rows[((end_us / period_us) as usize).min(rows.len() - 1)];
-        let offset_m = offsets_m.get(index).copied().unwrap_or_default();
-        let (wanted, on) = (Vector3::from(limb.tip(&states)) + offset_m, OnLimb::whole(carried.move_kg));
+        let (wanted, on) = (Vector3::from(limb.tip(&states)), OnLimb::whole(carried.move_kg));
         let found = corrector
             .correct(&pressures_pa(&states), start, &wanted, (on, AT_GOAL_M))
             .map_err(|why| refusals.carries_not(phases, end_us.saturating_sub(1), why))?;
@@ -224,15 +220,6 @@ fn on_limb(carried: &[Carried], phases: &[PlannedPhase], time_us: u64) -> OnLimb
         Some(before) => OnLimb::whole(before.hold_kg + (own.move_kg - before.hold_kg) * share),
         None => OnLimb { payload_kg: own.move_kg, share },
     }
-}
-
-/// By how much the tip's place is moved at a time: as the values of phases are, from one to the next with the move.
-fn offset_m(offsets_m: &[Vector3<f64>], phases: &[PlannedPhase], time_us: u64) -> Vector3<f64> {
-    let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
-    let Some(phase) = phases.get(index) else { return Vector3::zeros() };
-    let of_phase = |index: usize| offsets_m.get(index).copied().unwrap_or_default();
-    let before = index.checked_sub(1).map(of_phase).unwrap_or_default();
-    before.lerp(&of_phase(index), minimum_jerk((time_us - phase.start_us) as f64 / phase.move_us as f64))
 }
 
 fn values(limb: &Limb, pressures_pa: &[f64]) -> Vec<f64> {

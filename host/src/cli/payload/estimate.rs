@@ -13,7 +13,7 @@ use softlimb_limb::Limb;
 use softlimb_limb::statics::GRAVITY_M_PER_S2;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
-use softlimb_rig::payload_estimation::{Mass, Sighting, mass};
+use softlimb_rig::payload_estimation::{Mass, Observation, mass};
 use softlimb_scene as scene;
 
 pub(super) fn run(command: &Payload, file: &Path, table: &Path) -> Result<Outcome, Failure> {
@@ -25,7 +25,7 @@ pub(super) fn run(command: &Payload, file: &Path, table: &Path) -> Result<Outcom
     let limb = Limb::new(&scene)?;
     let plan = motion::sent(&scene, &limb, &motion::plan(&scene, &limb)?)?;
     let about = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", table.display()));
-    let seen = Sighting::read(&read(table)?, &limb, &plan).map_err(|error| about(&error))?;
+    let seen = Observation::read(&read(table)?, &limb, &plan).map_err(|error| about(&error))?;
     let found = mass(&scene, &limb, &plan, &seen, 1e-2 * percent).map_err(|error| about(&error))?;
     if command.json {
         say(&json(scene.name(), &found, &seen, &plan).to_string())?;
@@ -40,10 +40,10 @@ pub(super) fn run(command: &Payload, file: &Path, table: &Path) -> Result<Outcom
 }
 
 /// Writing to a string cannot fail.
-fn text(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan, percent: f64) -> String {
+fn text(name: &str, found: &Mass, seen: &[Observation], plan: &Plan, percent: f64) -> String {
     let [low, high] = found.interval_kg;
     let mut text =
-        format!("{name}: the mass on the tip, by {} sightings in {} phases\n\n", seen.len(), found.ways.len());
+        format!("{name}: the mass on the tip, by {} sightings in {} phases\n\n", seen.len(), found.displacements.len());
     let _ = writeln!(
         text,
         "mass {:.4} kg, weight {:.3} N; 95 %: {low:.4} to {high:.4} kg",
@@ -59,12 +59,12 @@ fn text(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan, percent: f64) 
     );
     let _ = writeln!(text, "  {:.4} kg by a stiffness that is known to {percent} %", found.stiffness_kg);
     let _ = writeln!(text, "\n{:16} {:>26} {:>26}", "phase", "way of the tip x, y, z, mm", "by the model, mm");
-    for way in &found.ways {
+    for way in &found.displacements {
         let _ = writeln!(
             text,
             "{:16} {:>26} {:>26}",
             plan.phases[way.phase].name,
-            cells(&way.seen_m),
+            cells(&way.observed_m),
             cells(&way.modelled_m)
         );
     }
@@ -77,7 +77,7 @@ fn text(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan, percent: f64) 
     text
 }
 
-fn load(one: &Sighting) -> &'static str {
+fn load(one: &Observation) -> &'static str {
     if one.loaded { "unknown" } else { "none" }
 }
 
@@ -85,11 +85,11 @@ fn cells(way_m: &Vector3<f64>) -> String {
     format!("{:.3}, {:.3}, {:.3}", 1e3 * way_m.x, 1e3 * way_m.y, 1e3 * way_m.z)
 }
 
-fn json(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan) -> Value {
-    let ways = found.ways.iter().map(|way| {
+fn json(name: &str, found: &Mass, seen: &[Observation], plan: &Plan) -> Value {
+    let ways = found.displacements.iter().map(|way| {
         json!({
             "phase": plan.phases[way.phase].name,
-            "seen_m": way.seen_m.as_slice(),
+            "seen_m": way.observed_m.as_slice(),
             "modelled_m": way.modelled_m.as_slice(),
         })
     });

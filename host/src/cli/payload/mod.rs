@@ -49,11 +49,11 @@ pub(super) struct Payload {
     #[arg(long, value_name = "N,N,...", requires = "scene", value_delimiter = ',', num_args = 1)]
     track: Vec<f64>,
     /// Runs of each kind that are counted
-    #[arg(long, value_name = "N", requires = "track", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100))]
-    repeats: u64,
+    #[arg(long, value_name = "N", requires = "track", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repeats: u32,
     /// Rehearsals that are looked at before the taught runs
-    #[arg(long, value_name = "N", requires = "track", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=100))]
-    rehearsals: u64,
+    #[arg(long, value_name = "N", requires = "track", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=100))]
+    rehearsals: u32,
     /// With --track of one load: write where a camera sees the tip at the ends of the phases without and with it, for --estimate
     #[arg(long, value_name = "FILE", requires = "track")]
     tips: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! A scene under loads: Table 4 of the paper.
 
 use std::fmt::Write;
+use std::num::NonZero;
 use std::path::Path;
 
 use serde_json::json;
@@ -8,7 +9,8 @@ use serde_json::json;
 use super::Payload;
 use crate::cli::kept::write;
 use crate::cli::{Failure, Outcome, say};
-use softlimb_rig::track::{Seen, Tracked, Trial, UnderLoad, sightings, track};
+use softlimb_rig::learning::{LearningError, Settings, Tracking, UnderLoad, observe, under_load};
+use softlimb_rig::payload_estimation::Observation;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -27,17 +29,19 @@ pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Out
         return Err(Failure::wrong_line(format!("--camera = {} is not allowed: 0 to 100 mm", command.camera)));
     }
     let scene = scene::load(file)?;
-    let trial = |load_n: f64| Trial {
-        load_n,
-        repeats: command.repeats,
-        rehearsals: command.rehearsals,
-        parts: command.seed.unwrap_or(scene.seed()),
+    let settings = Settings {
+        limb: command.seed.unwrap_or(scene.seed()),
         noise: NOISE,
+        iterations: command.rehearsals,
+        runs: NonZero::new(command.repeats).unwrap_or(NonZero::<u32>::MIN),
+        camera_noise_m: 0.0,
     };
-    let rows: Vec<UnderLoad> = loads_n.iter().map(|load| track(&scene, &trial(*load))).collect::<Result<_, _>>()?;
+    let rows = loads_n.iter().map(|load| under_load(&scene, *load, &settings));
+    let rows: Vec<UnderLoad> = rows.collect::<Result<_, LearningError>>()?;
     let seen = match (&command.tips, loads_n) {
         (Some(file), [load_n]) => {
-            Some((file, tips(&scene, &sightings(&scene, &trial(*load_n), 1e-3 * command.camera)?)))
+            let settings = Settings { camera_noise_m: 1e-3 * command.camera, ..settings };
+            Some((file, tips(&scene, &observe(&scene, *load_n, &settings)?)))
         }
         _ => None,
     };
@@ -49,8 +53,8 @@ pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Out
                     "load_n": row.load_n,
                     "time_s": row.time_s,
                     "uncorrected": json_of(&row.uncorrected),
-                    "corrected": json_of(&row.corrected),
-                    "taught": json_of(&row.taught),
+                    "corrected": json_of(&row.compensated),
+                    "taught": json_of(&row.corrected),
                 })
             })
             .collect();
@@ -76,7 +80,7 @@ pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Out
         format!("{:>6} {:>7}  {h}  {h}  {h}", "", "", h = format!("{:>8} {:>8} {:>8}", "mm", "mm", "mm")),
     ];
     lines.extend(rows.iter().map(|row| {
-        let parts = [&row.uncorrected, &row.corrected, &row.taught].map(cells);
+        let parts = [&row.uncorrected, &row.compensated, &row.corrected].map(cells);
         format!("{:6.1} {:7.2}  {}", row.load_n, row.time_s, parts.join("  "))
     }));
     say(&lines.join("\n"))?;
@@ -84,13 +88,13 @@ pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Out
 }
 
 /// The table that `--estimate` reads. Writing to a string cannot fail.
-fn tips(scene: &Scene, seen: &[Seen]) -> String {
+fn tips(scene: &Scene, seen: &[Observation]) -> String {
     let mut text = "phase,load,x_m,y_m,z_m".to_owned();
     scene.modules().iter().for_each(|module| text.extend([",", &module.name, "_kpa"]));
     text.push('\n');
-    for Seen { phase, loaded, tip_m: [x, y, z], pressures_pa } in seen {
-        let load = if *loaded { "unknown" } else { "none" };
-        let _ = write!(text, "{phase},{load},{x:.6},{y:.6},{z:.6}");
+    for Observation { phase, loaded, tip_m, pressures_pa, .. } in seen {
+        let (phase, load) = (&scene.phases()[*phase].name.value, if *loaded { "unknown" } else { "none" });
+        let _ = write!(text, "{phase},{load},{:.6},{:.6},{:.6}", tip_m.x, tip_m.y, tip_m.z);
         pressures_pa.iter().for_each(|pa| {
             let _ = write!(text, ",{:.3}", 1e-3 * pa);
         });
@@ -99,11 +103,11 @@ fn tips(scene: &Scene, seen: &[Seen]) -> String {
     text
 }
 
-fn cells(tracked: &Tracked) -> String {
-    let [rmse, max, repeat] = [tracked.rmse_m, tracked.max_m, tracked.repeatability_m].map(|m| 1e3 * m);
+fn cells(tracking: &Tracking) -> String {
+    let [rmse, max, repeat] = [tracking.rmse_m, tracking.max_m, tracking.repeatability_m].map(|m| 1e3 * m);
     format!("{rmse:8.2} {max:8.2} {repeat:8.2}")
 }
 
-fn json_of(tracked: &Tracked) -> serde_json::Value {
-    json!({"rmse_m": tracked.rmse_m, "max_m": tracked.max_m, "repeatability_m": tracked.repeatability_m})
+fn json_of(tracking: &Tracking) -> serde_json::Value {
+    json!({"rmse_m": tracking.rmse_m, "max_m": tracking.max_m, "repeatability_m": tracking.repeatability_m})
 }
