@@ -10,7 +10,7 @@ use softlimb_limb::Limb;
 use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Tangent, Tier, by_tier};
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
-use softlimb_rig::payload_estimation::{Sighting, mass};
+use softlimb_rig::payload_estimation::{Observation, mass};
 use softlimb_rig::simulate;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
@@ -63,7 +63,7 @@ fn mirrored(truth: &ActuatorParameters<f64>, nominal: &ActuatorParameters<f64>) 
 }
 
 /// The tip of a limb of these actuators, one a channel, at the ends of all phases without and with the load.
-fn seen(scene: &Scene, limb: &Limb, plan: &Plan, actuators: &[Actuator<f64>], case: &Case) -> Vec<Sighting> {
+fn seen(scene: &Scene, limb: &Limb, plan: &Plan, actuators: &[Actuator<f64>], case: &Case) -> Vec<Observation> {
     let mut seen = Vec::new();
     for (phase, planned) in plan.phases.iter().enumerate() {
         let end_us = (planned.start_us + planned.move_us + planned.hold_us) as f64;
@@ -90,7 +90,7 @@ fn seen(scene: &Scene, limb: &Limb, plan: &Plan, actuators: &[Actuator<f64>], ca
             let hung = LoadedLimb::of_bundles(scene, limb, bundles.clone(), &walls_kg, &load);
             let tip_m = by_tier(&hung.rod, Tier::Fourfold, None).expect("stands").1.tip().translation.vector;
             let pressures_pa = pressures_pa.clone();
-            seen.push(Sighting { line: 0, phase, loaded, tip_m, accuracy_m: 1e-3, pressures_pa });
+            seen.push(Observation { line: 0, phase, loaded, tip_m, accuracy_m: 1e-3, pressures_pa });
         }
     }
     seen

@@ -36,9 +36,11 @@ pub(super) struct Air<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reservoir(f64);
 
-/// What keeps a move from being faster.
+/// The limit on the speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bottleneck {
+    /// The rate of a module's setpoint.
+    Rate(usize),
     /// The fill or vent valve of a module.
     Valve(usize),
     /// The supply.

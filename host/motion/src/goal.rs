@@ -1,37 +1,40 @@
 //! The setpoints that reach the goal of a phase.
 
 use super::inverse_kinematics::{Reach, TipGoal, TipTask, solutions, solve};
-use super::refusal::check_target;
+use super::setpoint::state_at;
 use super::space::Space;
-use super::why_not::{WhyNot, missed, nearest_point};
+use super::unreachable::Unreachable;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::collision::Shape;
-use softlimb_scene::{Goal, Phase, Scene, SceneError, Span};
+use softlimb_scene::{Goal, Phase, Scene};
 
-/// Rows of setpoints, each of which does what a phase asks for at its end; the preferred one first.
+/// Rows of setpoints, each of which meets the goal of a phase at its end; the preferred one first.
 ///
 /// # Errors
-/// A diagnostic at what cannot be had: a target, a way-point, a region or a direction.
+/// [`Unreachable`]: a target, a way-point, a region or a direction.
 pub(super) fn goals(
     scene: &Scene,
     limb: &Limb,
     space: &Space<'_>,
-    phase: &Phase,
+    phase: usize,
     before: &[f64],
-) -> Result<Vec<Vec<f64>>, SceneError> {
-    match &phase.goal {
+) -> Result<Vec<Vec<f64>>, Unreachable> {
+    match &scene.phases()[phase].goal {
         Goal::Targets(targets) => {
             let mut goal = before.to_vec();
-            for target in targets {
-                check_target(scene, &limb.modules()[target.module], target.value.value, target.value.span)?;
+            for (index, target) in targets.iter().enumerate() {
+                let module = &limb.modules()[target.module];
+                state_at(module, &module.actuator.rest(), target.value.value).map_err(|cause| Unreachable::Target {
+                    phase,
+                    target: index,
+                    cause,
+                })?;
                 goal[target.module] = target.value.value;
             }
-            let span = targets.first().map_or(phase.span, |target| target.value.span);
-            check_clear(scene, limb, space, (before, &goal), span)?;
+            check_clear(scene, limb, space, (before, &goal), phase)?;
             Ok(vec![goal])
         }
-        Goal::Tip(tip) => tip_goals((scene, limb, space), phase, tip.span, before),
-        Goal::Inside(region) => tip_goals((scene, limb, space), phase, region.span, before),
+        Goal::Tip(_) | Goal::Inside(_) => tip_goals(scene, limb, phase, before),
         // A series is planned row by row, as way-points.
         Goal::Series(_) => Ok(vec![before.to_vec()]),
     }
@@ -40,24 +43,19 @@ pub(super) fn goals(
 /// The setpoints at one position of a marker series, from those at the position before.
 ///
 /// # Errors
-/// A diagnostic at the name of the file.
+/// [`Unreachable::Marker`].
 pub(super) fn marker(
     scene: &Scene,
     limb: &Limb,
-    (index, tip_m): (usize, [f64; 3]),
-    span: Span,
+    phase: usize,
+    (position, tip_m): (usize, [f64; 3]),
     before: &[f64],
-) -> Result<Vec<f64>, SceneError> {
+) -> Result<Vec<f64>, Unreachable> {
     let shapes = shapes(scene);
     let task =
         TipTask { goal: TipGoal::Point(tip_m), aim: None, obstacles: &shapes, clearance_m: scene.limits().clearance_m };
-    let reach = solve(limb, &task, &pressures(limb, before));
-    if reach.reached() {
-        return Ok(values(limb, &reach));
-    }
-    let label = format!("position {} of the series: {}", index + 1, missed(&reach));
-    let title = "the limb cannot follow this series";
-    Err(scene.diagnostic(span, title, &label, Some(&nearest_point(&reach))))
+    let nearest = solve(limb, &task, &pressures(limb, before));
+    if nearest.reached() { Ok(values(limb, &nearest)) } else { Err(Unreachable::Marker { phase, position, nearest }) }
 }
 
 /// The solids of a scene.
@@ -75,20 +73,14 @@ pub(super) fn tip_task<'a>(scene: &'a Scene, phase: &Phase, obstacles: &'a [&'a 
     Some(TipTask { goal, aim: phase.aim, obstacles, clearance_m: scene.limits().clearance_m })
 }
 
-fn tip_goals(
-    (scene, limb, space): (&Scene, &Limb, &Space<'_>),
-    phase: &Phase,
-    span: Span,
-    before: &[f64],
-) -> Result<Vec<Vec<f64>>, SceneError> {
+fn tip_goals(scene: &Scene, limb: &Limb, phase: usize, before: &[f64]) -> Result<Vec<Vec<f64>>, Unreachable> {
     let shapes = shapes(scene);
-    let Some(task) = tip_task(scene, phase, &shapes) else { return Ok(vec![before.to_vec()]) };
-    let start = pressures(limb, before);
-    let found = solutions(limb, &task, &start);
+    let Some(task) = tip_task(scene, &scene.phases()[phase], &shapes) else { return Ok(vec![before.to_vec()]) };
+    let mut found = solutions(limb, &task, &pressures(limb, before));
     if found.iter().all(Reach::reached) {
         return Ok(found.iter().map(|reach| values(limb, reach)).collect());
     }
-    Err(WhyNot { scene, limb, space, task, span, before, start: &start }.diagnostic(&found[0]))
+    Err(Unreachable::Tip { phase, before: before.to_vec(), nearest: found.swap_remove(0) })
 }
 
 /// Checks that setpoints which are given keep the limb clear.
@@ -97,26 +89,12 @@ fn check_clear(
     limb: &Limb,
     space: &Space<'_>,
     (before, goal): (&[f64], &[f64]),
-    span: Span,
-) -> Result<(), SceneError> {
+    phase: usize,
+) -> Result<(), Unreachable> {
     let Some(states) = space.states(goal) else { return Ok(()) };
-    let required_m = scene.limits().clearance_m;
-    let Some(found) = space.nearest(&limb.body(&states), required_m) else { return Ok(()) };
-    let name = &scene.obstacles()[found.obstacle].name.value;
-    let share = space.blocked(before, goal).map_or(0.0, |blocked| blocked.share);
-    let help = format!("on the straight way there the limb gets {:.0} % far", (share * 100.0).floor());
-    let title = format!("at this goal the limb is too near `{name}`");
-    Err(scene.diagnostic(span, &title, &too_near(name, found.clearance.distance_m, required_m), Some(&help)))
-}
-
-/// How near an obstacle is, and how near it may be.
-pub(super) fn too_near(name: &str, distance_m: f64, required_m: f64) -> String {
-    let allowed = format!("`clearance` is {:.1} mm", required_m * 1e3);
-    if distance_m < 0.0 {
-        format!("the limb would be {:.1} mm deep in `{name}`; {allowed}", -distance_m * 1e3)
-    } else {
-        format!("the limb would be {:.1} mm from `{name}`; {allowed}", distance_m * 1e3)
-    }
+    let Some(by) = space.nearest(&limb.body(&states), scene.limits().clearance_m) else { return Ok(()) };
+    let fraction = space.blocked(before, goal).map_or(0.0, |blocked| blocked.share);
+    Err(Unreachable::TooNear { phase, by, fraction })
 }
 
 /// The states of a reach.
@@ -129,7 +107,7 @@ pub(super) fn values(limb: &Limb, reach: &Reach) -> Vec<f64> {
     limb.modules().iter().zip(states(limb, reach)).map(|(module, state)| module.measure(&state)).collect()
 }
 
-fn pressures(limb: &Limb, values: &[f64]) -> Vec<f64> {
+pub(super) fn pressures(limb: &Limb, values: &[f64]) -> Vec<f64> {
     limb.modules().iter().zip(values).map(|(module, value)| pressure_near(module, *value)).collect()
 }
 

@@ -5,8 +5,9 @@ use std::fmt;
 use fra_model::Argument;
 use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
+use super::diagnostics::in_units;
 use super::follow::{NotFollowed, follow, has_model};
-use super::plan::{Plan, in_units};
+use super::plan::Plan;
 use crate::inverse_table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
 use softlimb_limb::{Limb, LimbModule};

@@ -1,7 +1,10 @@
-//! From the phases of a scene to the setpoints that are streamed: targets, way-points, timing, and what the device is told.
+//! From the phases of a scene to the setpoints that are streamed: targets, way-points, timing, and the device's tables.
+//!
+//! Planning returns a typed reason where the limb cannot meet a demand; `diagnostics` alone turns it into an error at the scene's line.
 
 mod air;
 mod clear;
+mod diagnostics;
 mod follow;
 mod goal;
 mod inverse_kinematics;
@@ -12,21 +15,22 @@ mod path;
 mod payload;
 mod plan;
 mod profile;
-mod refusal;
 mod route;
 mod schedule;
+mod setpoint;
 mod space;
 mod timing;
+mod unreachable;
 mod weight;
-mod why_not;
 mod wire;
 
 pub use air::{dead_volume_m3, line_conductance_m3_per_s_pa};
 pub use clear::Nearness;
+pub use diagnostics::{plan, sent};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
 pub use payload::{Carried, carried, payload_kg};
-pub use plan::{Plan, PlannedPhase, plan, sent, taught};
-pub use weight::{NoPose, Nominal, OnLimb, Pose, Weighed};
+pub use plan::{Plan, PlannedPhase};
+pub use weight::{NoPose, Nominal, OnLimb, Pose, Weighed, planned_slopes};
 pub use wire::{to_wire, wire_kind};

@@ -1,6 +1,6 @@
 //! What the tip carries when: the payloads of the phases and the gripper.
 
-use super::plan::PlannedPhase;
+use super::plan::{PlannedPhase, phase_at};
 use softlimb_scene::{Gripper, Phase};
 
 /// Masses that the tip carries in a phase, kg: during its move and during its hold.
@@ -31,7 +31,7 @@ pub fn carried(phases: &[Phase]) -> Vec<Carried> {
 
 /// What the tip carries at a time of the run, kg; behind its end what it ended with.
 pub fn payload_kg(carried: &[Carried], phases: &[PlannedPhase], time_us: u64) -> f64 {
-    let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
+    let index = phase_at(phases, time_us);
     let (Some(phase), Some(carried)) = (phases.get(index), carried.get(index)) else { return 0.0 };
     if time_us < phase.start_us + phase.move_us { carried.move_kg } else { carried.hold_kg }
 }

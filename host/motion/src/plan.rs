@@ -1,16 +1,16 @@
 //! The setpoints of a whole run, checked against what the limb can do.
 
 use fra_model::State;
-use nalgebra::Vector3;
 
 use super::clear::{self, Nearness};
 use super::path::Path;
-use super::refusal::{check_corrections, state_at};
 use super::schedule::schedule;
+use super::setpoint::state_at;
+use super::unreachable::{Shortcoming, Unreachable};
 use super::weight::{self, Weighed};
 use super::wire::{from_wire, to_wire};
 use softlimb_limb::{Limb, LimbModule};
-use softlimb_scene::{Corrections, Gripper, Scene, SceneError, SetpointKind};
+use softlimb_scene::{Corrections, Gripper, Scene, SetpointKind};
 
 /// A phase on the clock of the run, with the value of every module at its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,8 +107,8 @@ impl Plan {
     /// The same phases with corrected setpoints, which end where the range of a module ends.
     ///
     /// # Errors
-    /// A diagnostic at the phase in which a corrected setpoint leaves what the limb can reach.
-    pub fn corrected(&self, scene: &Scene, limb: &Limb, corrections: &Corrections) -> Result<Self, SceneError> {
+    /// [`Unreachable::OnTheWay`].
+    pub(super) fn with(&self, limb: &Limb, corrections: &Corrections) -> Result<Self, Unreachable> {
         let knots = self.knots.iter().zip(0_u64..).map(|(knot, index)| {
             let added = corrections.at((index * self.knot_period_us) as f64 * 1e-6);
             let added = added.into_iter().chain(std::iter::repeat(0.0));
@@ -121,7 +121,7 @@ impl Plan {
             modules.map(|((module, wire), added)| corrected(module, *wire, added)).collect()
         });
         let knots: Vec<Vec<i32>> = knots.collect();
-        let states = states(scene, limb, &self.phases, &knots, self.knot_period_us)?;
+        let states = states(limb, &self.phases, &knots, self.knot_period_us)?;
         Ok(Self { knots, states, ..self.clone() })
     }
 
@@ -137,67 +137,54 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|axis| a[axis] + (b[axis] - a[axis]) * share)
 }
 
-/// Plans all phases of a scene.
+/// Plans all phases of a scene. The warnings of the plan are left to those who have the words.
 ///
 /// # Errors
-/// A diagnostic at the target, way-point, duration or obstacle that the limb cannot follow or keep clear of, or cannot under its weight,
-/// with the nearest that it can.
-pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
-    taught(scene, limb, &[])
-}
-
-/// A plan as it is sent: with the corrections of its scene.
-///
-/// # Errors
-/// A diagnostic at the file of corrections that are larger than what a module has, or at the phase in which a corrected setpoint leaves what
-/// the limb can reach.
-pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Plan, SceneError> {
-    let Some(corrections) = scene.corrections() else { return Ok(plan.clone()) };
-    check_corrections(scene, limb, corrections)?;
-    plan.corrected(scene, limb, corrections)
-}
-
-/// The plan of a scene whose setpoints are corrected for weight, with the place of the tip at the end of each phase moved by an offset, m:
-/// what a limb was seen to be off. Offsets grow with the moves; phases without one have none. A scene whose setpoints are not corrected for
-/// weight takes none.
-///
-/// # Errors
-/// As [`plan`].
-pub fn taught(scene: &Scene, limb: &Limb, offsets_m: &[Vector3<f64>]) -> Result<Plan, SceneError> {
+/// [`Unreachable`].
+pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
     let start: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
-    let (mut phases, mut warnings) = schedule(scene, limb, &start)?;
+    let (mut phases, mut shortcomings) = schedule(scene, limb, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
-    let states = states(scene, limb, &phases, &knots, knot_period_us)?;
+    let states = states(limb, &phases, &knots, knot_period_us)?;
     let rows: Vec<Vec<f64>> = knots
         .iter()
         .map(|knot| limb.modules().iter().zip(knot).map(|(m, wire)| from_wire(m.kind, *wire)).collect())
         .collect();
     clear::prove(scene, limb, &mut phases, (&rows, &states), knot_period_us)?;
     let kinds = limb.modules().iter().map(|m| m.kind).collect();
-    let Some((knots, mut weighed)) = weight::corrected(scene, limb, &mut phases, (&states, offsets_m), knot_period_us)?
-    else {
-        return Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: None });
+    let Some((knots, mut weighed)) = weight::corrected(scene, limb, &mut phases, &states, knot_period_us)? else {
+        let warnings = Vec::new();
+        return Ok((Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: None }, shortcomings));
     };
-    let states = self::states(scene, limb, &phases, &knots, knot_period_us)?;
-    if let Some(most) = scene.weight().map(|weight| weight.error).filter(|most| weighed.error > *most) {
-        let [error, most] = [weighed.error, most].map(|error| 100.0 * error);
-        warnings.push(format!(
-            "the tip under weight is known to {error:.2} % of the limb's length only, by the finest model there is; `error` of [weight] is {most} %"
-        ));
+    let states = self::states(limb, &phases, &knots, knot_period_us)?;
+    if let Some(allowed) = scene.weight().map(|weight| weight.error).filter(|allowed| weighed.error > *allowed) {
+        shortcomings.push(Shortcoming::Statics { error: weighed.error, allowed });
     }
     weight::weigh(scene, limb, &phases, &states, knot_period_us, &mut weighed)?;
-    Ok(Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: Some(weighed) })
+    let warnings = Vec::new();
+    Ok((Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: Some(weighed) }, shortcomings))
 }
 
-/// A setpoint as people read it.
-pub(super) fn in_units(kind: SetpointKind, value: f64) -> String {
-    match kind {
-        SetpointKind::Pressure => format!("{:.2} kPa", value * 1e-3),
-        SetpointKind::AxialStretch => format!("{value:.4}"),
-        SetpointKind::OuterRadius | SetpointKind::InnerRadius => format!("{:.3} mm", value * 1e3),
-        SetpointKind::Twist | SetpointKind::BendAngle => format!("{:.2} deg", value.to_degrees()),
+/// Checks that corrections are within the ranges of their modules: larger ones are in another unit, or of another limb.
+///
+/// # Errors
+/// [`Unreachable::Correction`].
+pub(super) fn check_corrections(limb: &Limb, corrections: &Corrections) -> Result<(), Unreachable> {
+    for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
+        for (module, (one, value)) in limb.modules().iter().zip(row).enumerate() {
+            let (rest, last) = one.range();
+            if value.abs() > (last - rest).abs() {
+                return Err(Unreachable::Correction { time_s: *time_s, module, value: *value });
+            }
+        }
     }
+    Ok(())
+}
+
+/// Index of the phase at a time, us.
+pub(super) fn phase_at(phases: &[PlannedPhase], time_us: u64) -> usize {
+    phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0)
 }
 
 /// Samples the moves at the knots, in wire units. The last knot is at or just behind the end of the last phase.
@@ -205,8 +192,7 @@ fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) ->
     let end_us = phases.last().map_or(0, |phase| phase.start_us + phase.move_us + phase.hold_us);
     let kinds: Vec<SetpointKind> = limb.modules().iter().map(|module| module.kind).collect();
     let value_at = |time_us: u64| -> Vec<i32> {
-        let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
-        let Some(phase) = phases.get(index) else { return to_wire_row(&kinds, start) };
+        let Some(phase) = phases.get(phase_at(phases, time_us)) else { return to_wire_row(&kinds, start) };
         to_wire_row(&kinds, &phase.path.at((time_us - phase.start_us) as f64))
     };
     (0..=end_us.div_ceil(period_us)).map(|knot| value_at(knot * period_us)).collect()
@@ -218,24 +204,21 @@ fn to_wire_row(kinds: &[SetpointKind], row: &[f64]) -> Vec<i32> {
 
 /// The model's states at all knots: the check that a move stays within reach also between its ends.
 fn states(
-    scene: &Scene,
     limb: &Limb,
     phases: &[PlannedPhase],
     knots: &[Vec<i32>],
     period_us: u64,
-) -> Result<Vec<Vec<State<f64>>>, SceneError> {
+) -> Result<Vec<Vec<State<f64>>>, Unreachable> {
     let mut here: Vec<State<f64>> = limb.modules().iter().map(|module| module.actuator.rest()).collect();
     let mut last: Option<&Vec<i32>> = None;
     let mut all = Vec::with_capacity(knots.len());
-    for (index, knot) in knots.iter().enumerate() {
+    for (knot_index, knot) in knots.iter().enumerate() {
         // While the limb rests its states do, too.
         if last != Some(knot) {
-            for ((module, state), wire) in limb.modules().iter().zip(&mut here).zip(knot) {
-                *state = state_at(module, state, from_wire(module.kind, *wire)).map_err(|refusal| {
-                    let time_us = index as u64 * period_us;
-                    let phase = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
-                    let title = "on the way to its goal this phase leaves what the limb can reach";
-                    scene.diagnostic(scene.phases()[phase].span, title, &refusal.label(module), None)
+            for (module_index, ((module, state), wire)) in limb.modules().iter().zip(&mut here).zip(knot).enumerate() {
+                *state = state_at(module, state, from_wire(module.kind, *wire)).map_err(|cause| {
+                    let phase = phase_at(phases, knot_index as u64 * period_us);
+                    Unreachable::OnTheWay { phase, module: module_index, cause }
                 })?;
             }
             last = Some(knot);

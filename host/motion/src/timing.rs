@@ -1,7 +1,6 @@
 //! The shortest time of a move: within the rates of `[limits]`, and what valves and supply can do.
 
 use super::air::{Air, Bottleneck, Reservoir};
-use super::plan::in_units;
 use super::profile::PEAK_RATE;
 use softlimb_limb::Limb;
 use softlimb_scene::{Limits, Scene, SetpointKind};
@@ -13,13 +12,13 @@ const LONGEST_S: f64 = 600.0;
 /// Times are rounded up to this, s.
 const STEP_S: f64 = 0.01;
 
-/// Why a move takes as long as it does.
-#[derive(Clone, Debug, PartialEq)]
+/// The shortest time of a move, and its cause.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shortest {
     /// The shortest time, s.
     pub(super) time_s: f64,
-    /// What keeps it from being shorter; `None` for the shortest of all moves.
-    pub(super) because: Option<String>,
+    /// Its cause; `None` for the shortest of all moves.
+    pub(super) because: Option<Bottleneck>,
 }
 
 /// The shortest time of a straight move between two rows of setpoints with the supply as it is; `None` where the supply never allows it,
@@ -32,12 +31,11 @@ pub(super) fn shortest(
     supply: Reservoir,
 ) -> Option<Shortest> {
     let (mut time_s, mut because) = (SHORTEST_S, None);
-    for (module, (a, b)) in limb.modules().iter().zip(rows.0.iter().zip(rows.1)) {
+    for (index, (module, (a, b))) in limb.modules().iter().zip(rows.0.iter().zip(rows.1)).enumerate() {
         let Some(limit) = rate_max(scene.limits(), module.kind) else { continue };
         let needed_s = PEAK_RATE * (b - a).abs() / limit;
         if needed_s > time_s {
-            let limit = in_units(module.kind, limit);
-            (time_s, because) = (needed_s, Some(format!("the rate of `{}`, {limit}/s at most", module.name)));
+            (time_s, because) = (needed_s, Some(Bottleneck::Rate(index)));
         }
     }
     let Some(draw) = air.draw(rows.0, rows.1) else { return Some(rounded(time_s, because)) };
@@ -58,16 +56,10 @@ pub(super) fn shortest(
             Err(bottleneck) => (short_s, why) = (middle, bottleneck),
         }
     }
-    let because = match why {
-        Bottleneck::Valve(index) => {
-            format!("the valves of `{}`", limb.modules().get(index).map_or("", |module| &module.name))
-        }
-        Bottleneck::Supply => "the supply".to_owned(),
-    };
-    Some(rounded(long_s, Some(because)))
+    Some(rounded(long_s, Some(why)))
 }
 
-fn rounded(time_s: f64, because: Option<String>) -> Shortest {
+fn rounded(time_s: f64, because: Option<Bottleneck>) -> Shortest {
     Shortest { time_s: (time_s / STEP_S - 1e-6).ceil() * STEP_S, because }
 }
 

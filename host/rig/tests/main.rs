@@ -1,6 +1,7 @@
 //! Tests of the rig, one module a subject.
 
 mod calibrate;
+mod learning;
 mod link_common;
 mod link_faults;
 mod link_session;
@@ -11,5 +12,4 @@ mod report_summary;
 mod scene_runs;
 mod synthetic_run;
 mod table_scenes;
-mod trials;
 mod weight;

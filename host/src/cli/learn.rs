@@ -10,8 +10,8 @@ use serde::Serialize;
 use super::shared::{quantity, show, write_if};
 use super::{Failure, Outcome};
 use softlimb_chart::labelled;
-use softlimb_rig::trials;
-use softlimb_rig::trials::{Distances, Score, Settings, TrialsError};
+use softlimb_rig::learning;
+use softlimb_rig::learning::{Distances, LearningError, Score, Settings, learn};
 use softlimb_scene as scene;
 use softlimb_scene::{Corrections, Quantity, Scene};
 
@@ -51,18 +51,18 @@ impl Learn {
         let settings = Settings {
             limb: self.limb.unwrap_or(scene.seed()),
             noise: self.seed,
-            rehearsals: self.iterations,
-            trials: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
+            iterations: self.iterations,
+            runs: NonZero::new(self.trials).unwrap_or(NonZero::<u32>::MIN),
             camera_noise_m: self.camera.si(),
         };
-        let found = trials::trials(&scene, &settings, |_, _| {})?;
+        let found = learn(&scene, &settings)?;
         write_if(self.csv.as_ref(), || csv(&scene, &found.corrections))?;
         show(self.json, &Printed::new(&scene, &settings, &found), || self.table(&scene, &settings, &found))?;
         Ok(Outcome::Done)
     }
 
     /// Writing to a string cannot fail.
-    fn table(&self, scene: &Scene, settings: &Settings, found: &trials::Outcome) -> String {
+    fn table(&self, scene: &Scene, settings: &Settings, found: &learning::Outcome) -> String {
         let (name, limb, count) = (labelled(scene.name(), scene.weightless()), settings.limb, self.trials);
         let mut text = format!(
             "{name}: limb {limb}, {count} trials each, {} iterations with a camera of {} mm\n\n\
@@ -82,12 +82,12 @@ impl Learn {
             let [a, b, c, d] = [before.rmse_m(), before.max_m, after.rmse_m(), after.max_m].map(|m| 1e3 * m);
             let _ = writeln!(text, "{name:34} {a:8.3} {b:8.3} {c:9.3} {d:8.3}");
         };
-        for (before, after) in found.by_model.targets.iter().zip(&found.learned.targets) {
+        for (before, after) in found.by_model.targets.iter().zip(&found.corrected.targets) {
             line(&format!("  {}", before.phase), [before.distances(), after.distances()]);
         }
-        line("all targets", [found.by_model.at_targets(), found.learned.at_targets()]);
-        line("at rest, single samples", [found.by_model.at_rest, found.learned.at_rest]);
-        line("whole way, single samples", [found.by_model.whole_way, found.learned.whole_way]);
+        line("all targets", [found.by_model.at_targets(), found.corrected.at_targets()]);
+        line("at rest, single samples", [found.by_model.at_rest, found.corrected.at_rest]);
+        line("whole way, single samples", [found.by_model.whole_way, found.corrected.whole_way]);
         let repeating = |score: &Score| {
             let (mean, error) = score.systematic_m();
             format!("{:.3} +- {:.3}", 1e3 * mean, 1e3 * error)
@@ -96,15 +96,15 @@ impl Learn {
             let square: f64 = score.targets.iter().map(|target| target.repeatability_m().powi(2)).sum();
             1e3 * (square / score.targets.len().max(1) as f64).sqrt()
         };
-        let [before, after] = [&found.by_model, &found.learned];
+        let [before, after] = [&found.by_model, &found.corrected];
         let _ = writeln!(text, "\nat the targets, mm");
         let _ = writeln!(text, "{:34} {:>17} {:>18}", "  what repeats", repeating(before), repeating(after));
         let _ = writeln!(text, "{:34} {:17.3} {:18.3}", "  what does not", scatter(before), scatter(after));
         if let Some(inverse_m) = found.inverse_m {
             let _ = writeln!(text, "{:34} {:17.3}", "  the device's inverse, at most", 1e3 * inverse_m);
         }
-        if !found.seen_m.is_empty() {
-            let seen: Vec<String> = found.seen_m.iter().map(|seen| format!("{:.2}", 1e3 * seen)).collect();
+        if !found.observed_m.is_empty() {
+            let seen: Vec<String> = found.observed_m.iter().map(|seen| format!("{:.2}", 1e3 * seen)).collect();
             let _ = writeln!(text, "\nseen by the camera at rest, mm: {}", seen.join(", "));
         }
         text
@@ -151,18 +151,18 @@ struct PrintedDistances {
 }
 
 impl<'a> Printed<'a> {
-    fn new(scene: &'a Scene, settings: &Settings, found: &'a trials::Outcome) -> Self {
+    fn new(scene: &'a Scene, settings: &Settings, found: &'a learning::Outcome) -> Self {
         Self {
             scene: scene.name(),
             weightless: scene.weightless(),
             limb: settings.limb,
             seed: settings.noise,
-            rehearsals: settings.rehearsals,
-            trials: settings.trials,
+            rehearsals: settings.iterations,
+            trials: settings.runs,
             camera_noise_m: settings.camera_noise_m,
             by_model: (&found.by_model).into(),
-            learned: (&found.learned).into(),
-            seen_m: &found.seen_m,
+            learned: (&found.corrected).into(),
+            seen_m: &found.observed_m,
             inverse_m: found.inverse_m,
         }
     }
@@ -204,10 +204,10 @@ fn csv(scene: &Scene, corrections: &Corrections) -> String {
     text
 }
 
-impl From<TrialsError> for Failure {
-    fn from(error: TrialsError) -> Self {
+impl From<LearningError> for Failure {
+    fn from(error: LearningError) -> Self {
         match error {
-            TrialsError::Run(error) => error.into(),
+            LearningError::Run(error) => error.into(),
             other => Self::new(other),
         }
     }

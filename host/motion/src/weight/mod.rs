@@ -4,25 +4,27 @@
 //! weight and the payload, is where the plan's tip is ([`correct`]). At rest nothing is corrected, since the setpoints begin there; the
 //! weight that is made up for grows with the first move, and a payload with the move or the hold in which it is taken up.
 
+mod clear;
 mod correct;
 mod nominal;
-mod refusals;
+mod slopes;
 
 pub use nominal::{NoPose, Nominal, OnLimb, Pose};
+pub use slopes::planned_slopes;
 
 use fra_model::State;
 use nalgebra::Vector3;
 
 use super::payload::{Carried, carried, payload_kg};
-use super::plan::PlannedPhase;
+use super::plan::{PlannedPhase, phase_at};
 use super::profile::minimum_jerk;
+use super::unreachable::Unreachable;
 use super::wire::to_wire;
 use correct::{AT_GOAL_M, Corrector, ON_THE_WAY_M};
 use nominal::pressures_pa;
-use refusals::Refusals;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Tier;
-use softlimb_scene::{Scene, SceneError};
+use softlimb_scene::Scene;
 
 /// Distance from its place up to which the tip of the loaded limb counts as there, m; as that of a way-point without load.
 const REACHED_M: f64 = 1e-4;
@@ -51,29 +53,22 @@ pub struct Weighed {
 /// `states` are those without load at the knots. The values of the phases become the corrected ones.
 ///
 /// # Errors
-/// A diagnostic at the phase or goal where the limb does not carry its load, or does not get to under it.
+/// [`Unreachable`] where the limb does not carry its load, or does not get to its goal under it.
 pub(super) fn corrected(
     scene: &Scene,
     limb: &Limb,
     phases: &mut [PlannedPhase],
-    (states, offsets_m): (&[Vec<State<f64>>], &[Vector3<f64>]),
+    states: &[Vec<State<f64>>],
     period_us: u64,
-) -> Result<Option<(Knots, Weighed)>, SceneError> {
+) -> Result<Option<(Knots, Weighed)>, Unreachable> {
     let Some(weight) = scene.weight().filter(|weight| weight.compensated) else { return Ok(None) };
     let carried = carried(scene.phases());
-    let refusals = Refusals { scene, limb };
-    let wanted_m: Vec<Vector3<f64>> = (0_u64..)
-        .zip(states)
-        .map(|(knot, states)| Vector3::from(limb.tip(states)) + offset_m(offsets_m, phases, knot * period_us))
-        .collect();
-    let mut judged =
-        Judged::at_rest(scene, limb, &carried, weight.error).map_err(|why| refusals.carries_not(phases, 0, why))?;
+    let wanted_m: Vec<Vector3<f64>> = states.iter().map(|states| limb.tip(states).into()).collect();
+    let mut judged = Judged::at_rest(scene, limb, &carried, weight.error).map_err(|why| not_carried(phases, 0, why))?;
     loop {
         let tier = judged.tier;
-        let rows =
-            rows(limb, phases, (&carried, (states, &wanted_m), period_us), Nominal::new(scene, limb, tier), &refusals)?;
-        let ends =
-            ends(limb, phases, offsets_m, (&carried, &rows, period_us), Nominal::new(scene, limb, tier), &refusals)?;
+        let rows = rows(limb, phases, (&carried, (states, &wanted_m), period_us), Nominal::new(scene, limb, tier))?;
+        let ends = ends(limb, phases, (&carried, &rows, period_us), Nominal::new(scene, limb, tier))?;
         for (pressures_pa, carried) in ends.iter().zip(&carried) {
             judged.look(scene, limb, pressures_pa, OnLimb::whole(carried.move_kg), weight.error);
         }
@@ -117,8 +112,7 @@ fn rows(
     phases: &[PlannedPhase],
     (carried, way, period_us): (&[Carried], Way<'_>, u64),
     nominal: Nominal<'_>,
-    refusals: &Refusals<'_>,
-) -> Result<Vec<Vec<f64>>, SceneError> {
+) -> Result<Vec<Vec<f64>>, Unreachable> {
     let mut corrector = Corrector::new(limb, nominal);
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(way.0.len());
     let mut last = None;
@@ -138,7 +132,7 @@ fn rows(
             None => home.clone(),
         };
         let found = corrector.correct(&home, &start, wanted_m, (on, ON_THE_WAY_M));
-        rows.push(found.map_err(|why| refusals.carries_not(phases, time_us, why))?.pressures_pa);
+        rows.push(found.map_err(|why| not_carried(phases, time_us, why))?.pressures_pa);
         last = Some((states, wanted_m, on));
     }
     Ok(rows)
@@ -148,11 +142,9 @@ fn rows(
 fn ends(
     limb: &Limb,
     phases: &[PlannedPhase],
-    offsets_m: &[Vector3<f64>],
     (carried, rows, period_us): (&[Carried], &[Vec<f64>], u64),
     nominal: Nominal<'_>,
-    refusals: &Refusals<'_>,
-) -> Result<Vec<Vec<f64>>, SceneError> {
+) -> Result<Vec<Vec<f64>>, Unreachable> {
     let mut corrector = Corrector::new(limb, nominal);
     let of_phase = |(index, (phase, carried)): (usize, (&PlannedPhase, &Carried))| {
         let end_us = phase.start_us + phase.move_us;
@@ -161,13 +153,14 @@ fn ends(
         let states: Vec<State<f64>> =
             modules.map(|(module, value)| module.state_at(*value).unwrap_or_else(|| module.actuator.rest())).collect();
         let start = &rows[((end_us / period_us) as usize).min(rows.len() - 1)];
-        let offset_m = offsets_m.get(index).copied().unwrap_or_default();
-        let (wanted, on) = (Vector3::from(limb.tip(&states)) + offset_m, OnLimb::whole(carried.move_kg));
+        let (wanted, on) = (Vector3::from(limb.tip(&states)), OnLimb::whole(carried.move_kg));
         let found = corrector
             .correct(&pressures_pa(&states), start, &wanted, (on, AT_GOAL_M))
-            .map_err(|why| refusals.carries_not(phases, end_us.saturating_sub(1), why))?;
+            .map_err(|why| not_carried(phases, end_us.saturating_sub(1), why))?;
         if found.off_m > REACHED_M {
-            return Err(refusals.out_of_reach(index, &found, &corrector.spans_pa));
+            let fractions = found.pressures_pa.iter().zip(&corrector.spans_pa).map(|(pressure, span)| pressure / span);
+            let (tip_m, fractions) = (found.pose.tip_m().into(), fractions.collect());
+            return Err(Unreachable::UnderLoad { phase: index, tip_m, distance_m: found.off_m, fractions });
         }
         Ok(found.pressures_pa)
     };
@@ -177,7 +170,7 @@ fn ends(
 /// Tips and centre lines of the nominal limb under all of its load at the knots, whose states these are.
 ///
 /// # Errors
-/// A diagnostic at the phase in which the limb falls or comes too near an obstacle.
+/// [`Unreachable`] where the limb falls or comes too near an obstacle.
 pub(super) fn weigh(
     scene: &Scene,
     limb: &Limb,
@@ -185,8 +178,8 @@ pub(super) fn weigh(
     states: &[Vec<State<f64>>],
     period_us: u64,
     weighed: &mut Weighed,
-) -> Result<(), SceneError> {
-    let (refusals, carried) = (Refusals { scene, limb }, carried(scene.phases()));
+) -> Result<(), Unreachable> {
+    let carried = carried(scene.phases());
     let mut nominal = Nominal::new(scene, limb, weighed.tier);
     let mut last: Option<(&Vec<State<f64>>, f64)> = None;
     for (knot, states) in states.iter().enumerate() {
@@ -199,9 +192,9 @@ pub(super) fn weigh(
             continue;
         }
         let pose = nominal.at(&pressures_pa(states), OnLimb::whole(kg)).and_then(Pose::unbuckled);
-        let pose = pose.map_err(|why| refusals.carries_not(phases, time_us, why))?;
+        let pose = pose.map_err(|why| not_carried(phases, time_us, why))?;
         let line_m = pose.rod.line_m(&pose.shape);
-        refusals.clear(phases, time_us, (&line_m, states))?;
+        clear::check(scene, limb, (phases, time_us), (&line_m, states))?;
         weighed.tips_m.push(pose.tip_m().into());
         weighed.lines_m.push(line_m);
         last = Some((states, kg));
@@ -211,7 +204,7 @@ pub(super) fn weigh(
 
 /// What is made up for at a time: see the head of this file.
 fn on_limb(carried: &[Carried], phases: &[PlannedPhase], time_us: u64) -> OnLimb {
-    let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
+    let index = phase_at(phases, time_us);
     let (Some(phase), Some(own)) = (phases.get(index), carried.get(index)) else { return OnLimb::whole(0.0) };
     let since_us = (time_us - phase.start_us) as f64;
     let (move_us, hold_us) = (phase.move_us as f64, phase.hold_us as f64);
@@ -226,13 +219,8 @@ fn on_limb(carried: &[Carried], phases: &[PlannedPhase], time_us: u64) -> OnLimb
     }
 }
 
-/// By how much the tip's place is moved at a time: as the values of phases are, from one to the next with the move.
-fn offset_m(offsets_m: &[Vector3<f64>], phases: &[PlannedPhase], time_us: u64) -> Vector3<f64> {
-    let index = phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap_or(0);
-    let Some(phase) = phases.get(index) else { return Vector3::zeros() };
-    let of_phase = |index: usize| offsets_m.get(index).copied().unwrap_or_default();
-    let before = index.checked_sub(1).map(of_phase).unwrap_or_default();
-    before.lerp(&of_phase(index), minimum_jerk((time_us - phase.start_us) as f64 / phase.move_us as f64))
+fn not_carried(phases: &[PlannedPhase], time_us: u64, cause: NoPose) -> Unreachable {
+    Unreachable::NotCarried { phase: phase_at(phases, time_us), time_us, cause }
 }
 
 fn values(limb: &Limb, pressures_pa: &[f64]) -> Vec<f64> {

@@ -1,9 +1,9 @@
-//! The nominal limb at the pressures of a sighting, under a mass.
+//! The nominal limb at the pressures of an observation, under a mass.
 
 use nalgebra::{DVector, Vector3};
 
 use super::creep::crept;
-use super::{Refusal, Sighting};
+use super::{EstimationError, Observation};
 use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, Tier, by_tier, positions};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
@@ -11,7 +11,7 @@ use softlimb_scene::{Module, Scene};
 /// The finest tier of rods, by which the simulated limb hangs too: a few poses cost nothing.
 const TIER: Tier = Tier::Fourfold;
 
-/// The limb of one sighting, from mass to mass, each beginning from the one before.
+/// The limb of one observation, from mass to mass; each solve starts from the last shape.
 pub(super) struct Posed {
     line: usize,
     rod: Rod,
@@ -30,29 +30,31 @@ impl Posed {
     pub(super) fn new(
         scene: &Scene,
         limb: &Limb,
-        seen: &Sighting,
+        observation: &Observation,
         crept_m3: &[f64],
         stiffer: f64,
-    ) -> Result<Self, Refusal> {
-        let modules = limb.modules().iter().zip(scene.modules()).zip(seen.pressures_pa.iter().zip(crept_m3));
+    ) -> Result<Self, EstimationError> {
+        let modules = limb.modules().iter().zip(scene.modules()).zip(observation.pressures_pa.iter().zip(crept_m3));
         let bundles = modules.map(|((module, described), (pressure_pa, crept_m3))| {
-            bundle(module, usize::from(described.spacers) + 1, *pressure_pa, *crept_m3)
+            // The rig has no vacuum: a reading below zero is rest.
+            bundle(module, usize::from(described.spacers) + 1, pressure_pa.max(0.0), *crept_m3)
         });
-        let bundles = bundles.collect::<Option<_>>().ok_or(Refusal::NoEquilibrium { line: seen.line })?;
+        let bundles =
+            bundles.collect::<Option<_>>().ok_or(EstimationError::NoEquilibrium { line: observation.line })?;
         let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
         let mut rod = LoadedLimb::of_bundles(scene, limb, bundles, &walls_kg, &Load::default()).rod;
         for piece in &mut rod.pieces {
             piece.stiffness *= stiffer;
             piece.shear_n *= stiffer;
         }
-        Ok(Self { line: seen.line, rod, last: None })
+        Ok(Self { line: observation.line, rod, last: None })
     }
 
     /// The tip under a mass, kg. Below zero it is lifted: a mass near zero has errors of both signs.
-    pub(super) fn under(&mut self, kg: f64) -> Result<Tip, Refusal> {
+    pub(super) fn under(&mut self, kg: f64) -> Result<Tip, EstimationError> {
         let weight_n = Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2);
         self.rod.tip_force_n = weight_n * kg;
-        let falls = Refusal::Falls { line: self.line };
+        let falls = EstimationError::Falls { line: self.line };
         let (rod, shape) = by_tier(&self.rod, TIER, self.last.as_ref()).map_err(|_| falls.clone())?;
         let compliance = shape.compliance_m_per_n(&rod, TIER.pieces().1).ok_or(falls)?;
         let at_m = shape.tip().translation.vector;

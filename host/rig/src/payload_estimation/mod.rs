@@ -1,16 +1,18 @@
-//! What hangs on the tip, by how far the tip goes under it.
+//! The mass on the tip, from the tip's displacement under it.
 //!
-//! A camera sees the tip at the ends of phases, without the load and with it ([`Sighting`]). The difference of the two does not hold where the
-//! camera stands, and little of what the model gets wrong about the limb without load; the mass whose weight makes it, by the nonlinear statics of
-//! the limb with its creep, is sought by least squares ([`mass`]). `docs/explanation/payload-estimation.md` has the equations, `docs/guide/estimate-a-payload.md` the format of the table.
+//! A camera observes the tip at the ends of phases, without the load and with it ([`Observation`]). The displacement is independent of the
+//! camera's position, and depends little on the model's error without load. Least squares gives the mass that displaces the tip as far by the
+//! nonlinear statics of the limb with its creep ([`mass`]). `docs/explanation/payload-estimation.md` has the
+//! equations, `docs/guide/estimate-a-payload.md` the format of the table.
 
 mod creep;
+mod error;
 mod limb;
 mod mass;
-mod refusal;
-mod sighting;
+mod observation;
 
-pub use mass::{Mass, Way, mass};
-pub use refusal::Refusal;
-pub use sighting::Sighting;
+pub use error::EstimationError;
+pub use mass::{Displacement, Mass, mass};
+pub(crate) use observation::ACCURACY_M;
+pub use observation::Observation;
 pub use softlimb_files::table::TableError;

@@ -60,6 +60,11 @@ impl<'a> Prepared<'a> {
         Ok(Self { scene, limb, plan, inverses, configuration, knots })
     }
 
+    /// The scene.
+    pub(crate) fn scene(&self) -> &Scene {
+        self.scene
+    }
+
     /// The limb by the model.
     pub(crate) fn limb(&self) -> &Limb {
         &self.limb

@@ -1,13 +1,15 @@
 //! The mass on the tip, from where the tip was seen.
 
+use std::num::NonZero;
+
 use nalgebra::Vector3;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb, Tier, by_tier};
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
-use softlimb_rig::payload_estimation::{Refusal, Sighting, mass};
+use softlimb_rig::learning::{Settings, observe};
+use softlimb_rig::payload_estimation::{EstimationError, Observation, mass};
 use softlimb_rig::run;
-use softlimb_rig::track::{Seen, Trial, sightings};
 use softlimb_scene::Scene;
 
 use crate::weight::{NO_SPREAD, empty, longer_m, parsed, repository};
@@ -20,12 +22,12 @@ fn ends_us(plan: &Plan) -> Vec<f64> {
 }
 
 /// At the ends of all phases without and with a load, at the setpoints; the tip as `tip_m` has it at pressures, Pa, and whether it is loaded.
-fn seen(plan: &Plan, tip_m: impl Fn(&[f64], bool) -> Vector3<f64>) -> Vec<Sighting> {
+fn seen(plan: &Plan, tip_m: impl Fn(&[f64], bool) -> Vector3<f64>) -> Vec<Observation> {
     let of = |(phase, end_us): (usize, f64)| {
         let pressures_pa: Vec<f64> = plan.states_at(end_us).iter().map(|state| state.pressure_pa).collect();
         [false, true].map(|loaded| {
             let tip_m = tip_m(&pressures_pa, loaded);
-            Sighting { line: 0, phase, loaded, tip_m, accuracy_m: 1e-3, pressures_pa: pressures_pa.clone() }
+            Observation { line: 0, phase, loaded, tip_m, accuracy_m: 1e-3, pressures_pa: pressures_pa.clone() }
         })
     };
     ends_us(plan).into_iter().enumerate().flat_map(of).collect()
@@ -48,10 +50,10 @@ fn a_mass_is_found_from_the_lengths_of_hanging_tubes() {
         println!("{kg} kg: {found:?}");
         // The springs are those of small loads; the tubes grow softer by the order of the strain.
         assert!((found.kg / kg - 1.0).abs() < 0.03, "{} of {kg}", found.kg);
-        assert!(found.ways.iter().all(|way| way.seen_m.z < 0.0 && way.seen_m.xy().norm() < 1e-12));
+        assert!(found.displacements.iter().all(|way| way.observed_m.z < 0.0 && way.observed_m.xy().norm() < 1e-12));
         // A straight spring that is harder by a tenth takes a tenth more.
         assert!((found.stiffness_kg / found.kg - 0.1).abs() < 0.005, "{found:?}");
-        assert_eq!((found.freedom, found.ways.len(), found.residuals_m.len()), (11, 4, 8));
+        assert_eq!((found.freedom, found.displacements.len(), found.residuals_m.len()), (11, 4, 8));
     }
 }
 
@@ -103,13 +105,13 @@ fn the_interval_holds_the_mass_as_often_as_it_says() {
     let (mut normal, trials) = (Normal(7), 300);
     let (mut held, mut sum, mut squares, mut widths) = (0, 0.0, 0.0, 0.0);
     for _ in 0..trials {
-        let noisy: Vec<Sighting> = exact
+        let noisy: Vec<Observation> = exact
             .iter()
             .map(|one| {
                 // Two of the phases are seen badly, and it is known.
                 let accuracy_m = if one.phase < 2 { 0.1e-3 } else { 1e-3 };
                 let tip_m = one.tip_m + Vector3::from_fn(|_, _| accuracy_m * normal.next());
-                Sighting { tip_m, accuracy_m, ..one.clone() }
+                Observation { tip_m, accuracy_m, ..one.clone() }
             })
             .collect();
         let found = mass(&scene, &limb, &plan, &noisy, 0.0).unwrap();
@@ -136,15 +138,15 @@ fn what_tells_no_mass_is_refused() {
     let plan = motion::plan(&scene, &limb).unwrap();
     let lower = |by_m: f64| seen(&plan, move |_, loaded| Vector3::new(0.0, 0.0, if loaded { -by_m } else { 0.0 }));
 
-    let one_phase: Vec<Sighting> = lower(1e-3).into_iter().filter(|one| one.phase == 2).collect();
-    assert_eq!(mass(&scene, &limb, &plan, &one_phase, 0.0), Err(Refusal::TooFewPhases { phases: 1 }));
-    let without: Vec<Sighting> = lower(1e-3).into_iter().filter(|one| one.loaded).collect();
-    assert_eq!(mass(&scene, &limb, &plan, &without, 0.0), Err(Refusal::TooFewPhases { phases: 0 }));
+    let one_phase: Vec<Observation> = lower(1e-3).into_iter().filter(|one| one.phase == 2).collect();
+    assert_eq!(mass(&scene, &limb, &plan, &one_phase, 0.0), Err(EstimationError::TooFewPhases { phases: 1 }));
+    let without: Vec<Observation> = lower(1e-3).into_iter().filter(|one| one.loaded).collect();
+    assert_eq!(mass(&scene, &limb, &plan, &without, 0.0), Err(EstimationError::TooFewPhases { phases: 0 }));
 
     let upright = parsed(&hanging.replace("[0, 0, -1]", "[0, 0, 1]"));
     let limb = Limb::new(&upright).unwrap();
     match mass(&upright, &limb, &plan, &lower(0.1), 0.0) {
-        Err(Refusal::TooFar { carried_kg, .. }) => assert!(carried_kg > 0.1, "{carried_kg}"),
+        Err(EstimationError::TooFar { carried_kg, .. }) => assert!(carried_kg > 0.1, "{carried_kg}"),
         other => panic!("{other:?}"),
     }
     // The same way is a matter of 2 mm, under which it stands.
@@ -152,12 +154,15 @@ fn what_tells_no_mass_is_refused() {
     assert!(found.kg > 0.02 && found.left_m < 1e-4, "{found:?}");
     let heavy = hanging.replace("[0, 0, -1]", "[0, 0, 1]").replace("mass = \"100 g\"", "mass = \"20 kg\"");
     let heavy = parsed(&heavy);
-    assert!(matches!(mass(&heavy, &Limb::new(&heavy).unwrap(), &plan, &lower(1e-3), 0.0), Err(Refusal::Falls { .. })));
+    assert!(matches!(
+        mass(&heavy, &Limb::new(&heavy).unwrap(), &plan, &lower(1e-3), 0.0),
+        Err(EstimationError::Falls { .. })
+    ));
 
     let stiff = hanging.replace("0.223 MPa", "100 MPa").replace("240 mm", "60 mm").replace("14 mm", "60 mm");
     let stiff = parsed(&stiff.replace("30 mm", "120 mm"));
     match mass(&stiff, &Limb::new(&stiff).unwrap(), &plan, &lower(1e-3), 0.0) {
-        Err(Refusal::NotMoved { most_m_per_kg }) => assert!(most_m_per_kg < 1e-6),
+        Err(EstimationError::NotMoved { most_m_per_kg }) => assert!(most_m_per_kg < 1e-6),
         other => panic!("{other:?}"),
     }
 }
@@ -172,14 +177,9 @@ fn off_m(scene: &Scene, limb: &Limb, goals: &[(f64, Vector3<f64>)], plan: &Plan,
     (squares.sum::<f64>() / goals.len() as f64).sqrt()
 }
 
-/// What a camera and the sensors see of a simulated limb, with the readings as pressures.
-fn seen_simulated(scene: &Scene, plan: &Plan, trial: &Trial, camera_m: f64) -> Vec<Sighting> {
-    let of = |run: Seen| {
-        let phase = plan.phases.iter().position(|phase| phase.name == run.phase).unwrap();
-        let pressures_pa = run.pressures_pa.iter().map(|pa| pa.max(0.0)).collect();
-        Sighting { line: 0, phase, loaded: run.loaded, tip_m: run.tip_m.into(), accuracy_m: 1e-3, pressures_pa }
-    };
-    sightings(scene, trial, camera_m).unwrap().into_iter().map(of).collect()
+/// Two runs of a simulated limb, without and with a load: one observation of each phase in each.
+fn settings(limb: u64, noise: u64, camera_noise_m: f64) -> Settings {
+    Settings { limb, noise, iterations: 0, runs: NonZero::<u32>::MIN, camera_noise_m }
 }
 
 #[test]
@@ -194,8 +194,7 @@ fn creep_that_the_scene_knows_is_no_mass() {
         let scene = creeping(share);
         let limb = Limb::new(&scene).unwrap();
         let plan = motion::plan(&scene, &limb).unwrap();
-        let trial = Trial { load_n: 10.0, repeats: 1, rehearsals: 1, parts: 1, noise: 70 };
-        let seen = seen_simulated(&scene, &plan, &trial, 0.0);
+        let seen = observe(&scene, 10.0, &settings(1, 70, 0.0)).unwrap();
         let off = |scene: &Scene| mass(scene, &limb, &plan, &seen, 0.0).unwrap().kg / kg - 1.0;
         let (told, untold) = (off(&scene), off(&rigid));
         println!("creep of {share}: off by {:+.2} %, without it in the model {:+.2} %", 100.0 * told, 100.0 * untold);
@@ -222,8 +221,8 @@ fn a_camera_weighs_the_load_of_drawn_limbs_and_setpoints_for_that_mass_track_as_
         ends_us(&free).into_iter().map(|end_us| (end_us, free.tip_m(&limb, end_us).into())).collect();
     let (mut held, mut offs, mut off_mm) = (0, Vec::new(), Vector3::zeros());
     for parts in DRAWN {
-        let trial = Trial { load_n, repeats: 1, rehearsals: 1, parts, noise: 50 };
-        let found = mass(&scene, &limb, &plan, &seen_simulated(&scene, &plan, &trial, 0.2e-3), 0.1).unwrap();
+        let seen = observe(&scene, load_n, &settings(parts, 50, 0.2e-3)).unwrap();
+        let found = mass(&scene, &limb, &plan, &seen, 0.1).unwrap();
         let inside = (found.interval_kg[0]..=found.interval_kg[1]).contains(&kg);
         held += i32::from(inside);
         offs.push(100.0 * (found.kg / kg - 1.0));

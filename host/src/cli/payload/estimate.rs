@@ -12,7 +12,7 @@ use crate::cli::{Failure, Outcome, note};
 use softlimb_limb::statics::GRAVITY_M_PER_S2;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
-use softlimb_rig::payload_estimation::{Mass, Sighting, mass};
+use softlimb_rig::payload_estimation::{Mass, Observation, mass};
 use softlimb_scene::Quantity;
 
 /// Estimate the mass on the tip from tip positions measured without and with it
@@ -38,7 +38,7 @@ impl Estimate {
         let (scene, limb) = limb(&self.scene)?;
         let plan = motion::sent(&scene, &limb, &motion::plan(&scene, &limb)?)?;
         let about = about(&self.data);
-        let seen = Sighting::read(&read(&self.data)?, &limb, &plan).map_err(|error| about(&error))?;
+        let seen = Observation::read(&read(&self.data)?, &limb, &plan).map_err(|error| about(&error))?;
         let found = mass(&scene, &limb, &plan, &seen, self.stiffness_error.si()).map_err(|error| about(&error))?;
         let percent = 100.0 * self.stiffness_error.si();
         show(self.json, &printed(scene.name(), &found, &seen, &plan), || {
@@ -53,10 +53,10 @@ impl Estimate {
 }
 
 /// Writing to a string cannot fail.
-fn text(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan, percent: f64) -> String {
+fn text(name: &str, found: &Mass, seen: &[Observation], plan: &Plan, percent: f64) -> String {
     let [low, high] = found.interval_kg;
     let mut text =
-        format!("{name}: the mass on the tip, by {} sightings in {} phases\n\n", seen.len(), found.ways.len());
+        format!("{name}: the mass on the tip, by {} sightings in {} phases\n\n", seen.len(), found.displacements.len());
     let _ = writeln!(
         text,
         "mass {:.4} kg, weight {:.3} N; 95 %: {low:.4} to {high:.4} kg",
@@ -72,12 +72,12 @@ fn text(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan, percent: f64) 
     );
     let _ = writeln!(text, "  {:.4} kg by a stiffness that is known to {percent} %", found.stiffness_kg);
     let _ = writeln!(text, "\n{:16} {:>26} {:>26}", "phase", "way of the tip x, y, z, mm", "by the model, mm");
-    for way in &found.ways {
+    for way in &found.displacements {
         let _ = writeln!(
             text,
             "{:16} {:>26} {:>26}",
             plan.phases[way.phase].name,
-            cells(&way.seen_m),
+            cells(&way.observed_m),
             cells(&way.modelled_m)
         );
     }
@@ -90,7 +90,7 @@ fn text(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan, percent: f64) 
     text
 }
 
-fn load(one: &Sighting) -> &'static str {
+fn load(one: &Observation) -> &'static str {
     if one.loaded { "unknown" } else { "none" }
 }
 
@@ -130,11 +130,11 @@ struct Row<'a> {
     residual_m: [f64; 3],
 }
 
-fn printed<'a>(scene: &'a str, found: &Mass, seen: &[Sighting], plan: &'a Plan) -> Printed<'a> {
+fn printed<'a>(scene: &'a str, found: &Mass, seen: &[Observation], plan: &'a Plan) -> Printed<'a> {
     let phase = |index: usize| plan.phases[index].name.as_str();
-    let displacements = found.ways.iter().map(|way| Displacement {
+    let displacements = found.displacements.iter().map(|way| Displacement {
         phase: phase(way.phase),
-        seen_m: way.seen_m.into(),
+        seen_m: way.observed_m.into(),
         modelled_m: way.modelled_m.into(),
     });
     let rows = seen.iter().zip(&found.residuals_m).map(|(one, left)| Row {

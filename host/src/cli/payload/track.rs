@@ -1,6 +1,7 @@
 //! `softlimb payload track`: a scene under loads, Table 4 of the paper.
 
 use std::fmt::Write;
+use std::num::NonZero;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,8 @@ use serde::Serialize;
 
 use crate::cli::shared::{quantity, show, write_if};
 use crate::cli::{Failure, Outcome};
-use softlimb_rig::track::{Seen, Tracked, Trial, UnderLoad, sightings, track};
+use softlimb_rig::learning::{LearningError, Settings, Tracking, UnderLoad, observe, under_load};
+use softlimb_rig::payload_estimation::Observation;
 use softlimb_scene as scene;
 use softlimb_scene::{Quantity, Scene};
 
@@ -26,11 +28,11 @@ pub(super) struct Track {
     #[arg(long, value_name = "N,N,...", required = true, value_delimiter = ',', num_args = 1, value_parser = quantity("N", 0.0, 500.0))]
     loads: Vec<Quantity>,
     /// Counted runs of each kind
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100))]
-    repeats: u64,
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repeats: u32,
     /// Iterations of learning before the runs that are counted as learned
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=100))]
-    iterations: u64,
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=100))]
+    iterations: u32,
     /// With one load: write the tip positions that a camera measures without and with it, for `payload estimate`
     #[arg(long, value_name = "FILE")]
     tips: Option<PathBuf>,
@@ -49,8 +51,8 @@ pub(super) struct Track {
 #[derive(Serialize)]
 struct Printed<'a> {
     scene: &'a str,
-    repeats: u64,
-    rehearsals: u64,
+    repeats: u32,
+    rehearsals: u32,
     loads: Vec<Row>,
 }
 
@@ -71,15 +73,15 @@ struct Errors {
     repeatability_m: f64,
 }
 
-impl From<&Tracked> for Errors {
-    fn from(tracked: &Tracked) -> Self {
+impl From<&Tracking> for Errors {
+    fn from(tracked: &Tracking) -> Self {
         Self { rmse_m: tracked.rmse_m, max_m: tracked.max_m, repeatability_m: tracked.repeatability_m }
     }
 }
 
 impl From<&UnderLoad> for Row {
     fn from(row: &UnderLoad) -> Self {
-        let [uncorrected, corrected, taught] = [&row.uncorrected, &row.corrected, &row.taught].map(Errors::from);
+        let [uncorrected, corrected, taught] = [&row.uncorrected, &row.compensated, &row.corrected].map(Errors::from);
         Self { load_n: row.load_n, time_s: row.time_s, uncorrected, corrected, taught }
     }
 }
@@ -92,16 +94,17 @@ impl Track {
             return Err(Failure::wrong_line(format!("--tips takes one load: --loads has {count}")));
         }
         let scene = scene::load(&self.scene)?;
-        let trial = |load_n: f64| Trial {
-            load_n,
-            repeats: self.repeats,
-            rehearsals: self.iterations,
-            parts: self.seed.unwrap_or(scene.seed()),
+        let settings = Settings {
+            limb: self.seed.unwrap_or(scene.seed()),
             noise: NOISE,
+            iterations: self.iterations,
+            runs: NonZero::new(self.repeats).unwrap_or(NonZero::<u32>::MIN),
+            camera_noise_m: 0.0,
         };
-        let rows: Vec<UnderLoad> = loads_n.iter().map(|load| track(&scene, &trial(*load))).collect::<Result<_, _>>()?;
+        let rows = loads_n.iter().map(|load| under_load(&scene, *load, &settings));
+        let rows: Vec<UnderLoad> = rows.collect::<Result<_, LearningError>>()?;
         let seen = match self.tips {
-            Some(_) => sightings(&scene, &trial(loads_n[0]), self.camera.si())?,
+            Some(_) => observe(&scene, loads_n[0], &Settings { camera_noise_m: self.camera.si(), ..settings })?,
             None => Vec::new(),
         };
         let loads = rows.iter().map(Row::from).collect();
@@ -131,7 +134,7 @@ impl Track {
             format!("{:>6} {:>7}  {h}  {h}  {h}", "", "", h = format!("{:>8} {:>8} {:>8}", "mm", "mm", "mm")),
         ];
         lines.extend(rows.iter().map(|row| {
-            let parts = [&row.uncorrected, &row.corrected, &row.taught].map(cells);
+            let parts = [&row.uncorrected, &row.compensated, &row.corrected].map(cells);
             format!("{:6.1} {:7.2}  {}", row.load_n, row.time_s, parts.join("  "))
         }));
         lines.join("\n")
@@ -139,13 +142,13 @@ impl Track {
 }
 
 /// The table that `payload estimate` reads. Writing to a string cannot fail.
-fn tips(scene: &Scene, seen: &[Seen]) -> String {
+fn tips(scene: &Scene, seen: &[Observation]) -> String {
     let mut text = "phase,load,x_m,y_m,z_m".to_owned();
     scene.modules().iter().for_each(|module| text.extend([",", &module.name, "_kpa"]));
     text.push('\n');
-    for Seen { phase, loaded, tip_m: [x, y, z], pressures_pa } in seen {
-        let load = if *loaded { "unknown" } else { "none" };
-        let _ = write!(text, "{phase},{load},{x:.6},{y:.6},{z:.6}");
+    for Observation { phase, loaded, tip_m, pressures_pa, .. } in seen {
+        let (phase, load) = (&scene.phases()[*phase].name.value, if *loaded { "unknown" } else { "none" });
+        let _ = write!(text, "{phase},{load},{:.6},{:.6},{:.6}", tip_m.x, tip_m.y, tip_m.z);
         pressures_pa.iter().for_each(|pa| {
             let _ = write!(text, ",{:.3}", 1e-3 * pa);
         });
@@ -154,7 +157,7 @@ fn tips(scene: &Scene, seen: &[Seen]) -> String {
     text
 }
 
-fn cells(tracked: &Tracked) -> String {
+fn cells(tracked: &Tracking) -> String {
     let [rmse, max, repeat] = [tracked.rmse_m, tracked.max_m, tracked.repeatability_m].map(|m| 1e3 * m);
     format!("{rmse:8.2} {max:8.2} {repeat:8.2}")
 }

@@ -1,15 +1,15 @@
-//! Why sightings tell no mass.
+//! Errors of payload estimation.
 
-/// Why there is no mass.
+/// Failure of a payload estimation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
-    /// One pose alone has nothing to judge it by.
+pub enum EstimationError {
+    /// One pose alone gives no interval.
     #[error(
         "{phases} phase{} with and without the load: two are the fewest, because the interval comes from how much they disagree",
         if *.phases == 1 { "" } else { "s" }
     )]
     TooFewPhases {
-        /// How many there are.
+        /// Their number.
         phases: usize,
     },
     /// An actuator has no equilibrium at its pressure.
@@ -26,32 +26,32 @@ pub enum Refusal {
         /// Of the table, from 1.
         line: usize,
     },
-    /// The tip does not give way.
+    /// The tip is too stiff.
     #[error(
         "by the model a kilogram moves the tip by {:.1e} mm at most in these poses: too little for a camera to tell a mass by", 1e3 * .most_m_per_kg
     )]
     NotMoved {
-        /// Largest way of the tip under a small mass, m/kg.
+        /// Largest displacement of the tip under a small mass, m/kg.
         most_m_per_kg: f64,
     },
-    /// The tip went further than it can while the limb stands.
+    /// The displacement is larger than any under which the limb stands.
     #[error(
         "line {line}: the tip went further than under {carried_kg:.3} kg, and by the model the limb falls under more than that"
     )]
     TooFar {
         /// Of the table, from 1.
         line: usize,
-        /// The largest mass that was tried and carried, kg.
+        /// The largest trial mass that the limb carried, kg.
         carried_kg: f64,
     },
-    /// The search did not end.
+    /// The search did not converge.
     #[error(
         "the search for the mass did not settle after {steps} steps, at {kg:.3} kg: the ways of the tip are not those of a weight on it"
     )]
     NotSettled {
         /// Steps made.
         steps: usize,
-        /// Where it was, kg.
+        /// The last trial mass, kg.
         kg: f64,
     },
 }

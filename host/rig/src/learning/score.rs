@@ -1,4 +1,4 @@
-//! How far the tip is from where it shall be: at the targets, at rest, on the whole way.
+//! Errors of the tip: at the targets, at rest, on the whole way.
 
 use nalgebra::Vector3;
 
@@ -23,7 +23,7 @@ pub struct Distances {
 }
 
 impl Distances {
-    fn add(&mut self, error_m: &Vector3<f64>) {
+    pub(super) fn add(&mut self, error_m: &Vector3<f64>) {
         self.sum_m2 += error_m.norm_squared();
         self.count += 1;
         self.max_m = self.max_m.max(error_m.norm());
@@ -35,29 +35,29 @@ impl Distances {
     }
 }
 
-/// One target over all trials.
+/// One target over all runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetScore {
     /// Name of the phase that ends there.
     pub phase: String,
-    /// Where the tip was from where it should be, m, in each trial: the mean over the last 0.2 s of the pause.
+    /// Error of the tip in each run, m: the mean over the last 0.2 s of the pause.
     pub errors_m: Vec<Vector3<f64>>,
 }
 
 impl TargetScore {
-    /// The errors of all trials.
+    /// The errors of all runs.
     pub fn distances(&self) -> Distances {
         let mut all = Distances::default();
         self.errors_m.iter().for_each(|error| all.add(error));
         all
     }
 
-    /// The mean error, m: what repeats.
+    /// The mean error, m: the systematic part.
     pub fn mean_m(&self) -> Vector3<f64> {
         self.errors_m.iter().sum::<Vector3<f64>>() / self.errors_m.len().max(1) as f64
     }
 
-    /// Distance of the trials from their mean, RMS, m: what does not. 0 of a single one.
+    /// Distance of the runs from their mean, RMS, m: the random part. 0 of a single one.
     pub fn repeatability_m(&self) -> f64 {
         let mean = self.mean_m();
         let square: f64 = self.errors_m.iter().map(|error| (error - mean).norm_squared()).sum();
@@ -83,14 +83,14 @@ impl Score {
         Self { targets: targets.map(target).collect(), at_rest: Distances::default(), whole_way: Distances::default() }
     }
 
-    /// All targets in all trials.
+    /// All targets in all runs.
     pub fn at_targets(&self) -> Distances {
         let mut all = Distances::default();
         self.targets.iter().flat_map(|target| &target.errors_m).for_each(|error| all.add(error));
         all
     }
 
-    /// What repeats at the targets, RMS, m, and its standard error, m: that of a mean of so many trials.
+    /// Systematic error at the targets, RMS, m, and its standard error, m: that of a mean over the runs.
     pub fn systematic_m(&self) -> (f64, f64) {
         let count = self.targets.len().max(1) as f64;
         let square: f64 = self.targets.iter().map(|target| target.mean_m().norm_squared()).sum();
@@ -101,11 +101,7 @@ impl Score {
     /// Counts a run.
     pub(super) fn add(&mut self, plan: &Plan, samples: &[Sample]) {
         let end_s = plan.duration_us() as f64 * 1e-6;
-        let errors: Vec<(f64, Vector3<f64>)> = samples
-            .iter()
-            .filter(|sample| sample.time_s <= end_s)
-            .filter_map(|sample| Some((sample.time_s, error_m(sample, sample.tip_achieved_m?))))
-            .collect();
+        let errors: Vec<(f64, Vector3<f64>)> = errors_m(samples, end_s).collect();
         errors.iter().for_each(|(_, error)| self.whole_way.add(error));
         for (target, phase) in self.targets.iter_mut().zip(plan.phases.iter().filter(|phase| rests(phase))) {
             let (begin_s, end_s) = pause_s(phase);
@@ -121,9 +117,12 @@ impl Score {
     }
 }
 
-/// Where a position is from where the tip should be, m.
-pub(super) fn error_m(sample: &Sample, tip_m: [f64; 3]) -> Vector3<f64> {
-    Vector3::from(tip_m) - Vector3::from(sample.tip_setpoint_m)
+/// Times, s, and errors of the tip, m, up to an end.
+pub(super) fn errors_m(samples: &[Sample], end_s: f64) -> impl Iterator<Item = (f64, Vector3<f64>)> {
+    samples.iter().filter(move |sample| sample.time_s <= end_s).filter_map(|sample| {
+        let error_m = Vector3::from(sample.tip_achieved_m?) - Vector3::from(sample.tip_setpoint_m);
+        Some((sample.time_s, error_m))
+    })
 }
 
 /// Begin and end of the pause of a phase, s.
@@ -132,17 +131,17 @@ pub(super) fn pause_s(phase: &PlannedPhase) -> (f64, f64) {
     (begin_us as f64 * 1e-6, (begin_us + phase.hold_us) as f64 * 1e-6)
 }
 
-/// Whether a phase rests at its goal for long enough to be judged.
+/// Whether a phase rests at its goal for long enough to be evaluated.
 fn rests(phase: &PlannedPhase) -> bool {
     phase.hold_us as f64 >= REST_S * 1e6
 }
 
 /// Whether there is a target.
-pub(super) fn is_judged(plan: &Plan) -> bool {
+pub(super) fn is_evaluated(plan: &Plan) -> bool {
     plan.phases.iter().any(rests)
 }
 
-/// What errors of the device's inverse, Pa for each module, can put the tip off by at a target, m, at most.
+/// Bound of the tip's error at a target, m, by errors of the device's inverse, Pa for each module.
 pub(super) fn inverse_m(limb: &Limb, plan: &Plan, errors_pa: Option<Vec<f64>>) -> Option<f64> {
     let errors_pa = errors_pa?;
     let at = |phase: &PlannedPhase| {

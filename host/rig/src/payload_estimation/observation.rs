@@ -1,4 +1,4 @@
-//! Tables of where the tip was seen.
+//! Tables of observations of the tip.
 
 use nalgebra::Vector3;
 
@@ -6,9 +6,9 @@ use softlimb_files::table::{Known, Table, TableError};
 use softlimb_limb::Limb;
 use softlimb_motion::Plan;
 
-/// Where the tip was seen at the end of a phase.
+/// The tip at the end of a phase, without or with the load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sighting {
+pub struct Observation {
     /// The line of the table, from 1.
     pub line: usize,
     /// Index of the phase in the plan.
@@ -17,9 +17,9 @@ pub struct Sighting {
     pub loaded: bool,
     /// The tip, m, in the scene's frame.
     pub tip_m: Vector3<f64>,
-    /// Accuracy of a coordinate, m; only the proportions between sightings count.
+    /// Accuracy of a coordinate, m; only the proportions between observations count.
     pub accuracy_m: f64,
-    /// Gauge pressure of each module, Pa.
+    /// Gauge pressure of each module, Pa; a reading below zero counts as rest.
     pub pressures_pa: Vec<f64>,
 }
 
@@ -30,19 +30,19 @@ const fn column(name: &'static str, factor: f64, range: [f64; 2]) -> Known<()> {
 const TIP: [Known<()>; 3] =
     [column("x_m", 1.0, [-100.0, 100.0]), column("y_m", 1.0, [-100.0, 100.0]), column("z_m", 1.0, [-100.0, 100.0])];
 const ACCURACY: Known<()> = column("accuracy_mm", 1e-3, [1e-3, 100.0]);
-/// Where nothing is said, m.
-const ACCURACY_M: f64 = 1e-3;
+/// Accuracy by default, m.
+pub(crate) const ACCURACY_M: f64 = 1e-3;
 /// Names of the columns of the phase and of the load.
 const PHASE: &str = "phase";
 const LOAD: &str = "load";
-/// What the column of the load may say.
+/// Values of the column of the load.
 const NONE: &str = "none";
 const UNKNOWN: &str = "unknown";
-/// What a pressure may be, kPa gauge: a sensor at rest may read a little less than nothing.
+/// Range of a pressure, kPa gauge: a sensor at rest may read a little below zero.
 const PRESSURE_KPA: [f64; 2] = [-5.0, 2e3];
 
-impl Sighting {
-    /// Reads a table: `phase`, `load` (none or unknown), `x_m`, `y_m`, `z_m`, and if wanted `accuracy_mm` and the pressures that modules had,
+impl Observation {
+    /// Reads a table: `phase`, `load` (none or unknown), `x_m`, `y_m`, `z_m`, and optionally `accuracy_mm` and the measured pressures of modules,
     /// `<module>_kpa`, in place of those of the plan at the end of the phase. Each phase that is there is there with and without the load.
     ///
     /// # Errors
@@ -82,8 +82,7 @@ impl Sighting {
             let mut pressures_pa = Vec::with_capacity(pressures.len());
             for (state, (place, name)) in plan.states_at(end_us).iter().zip(&pressures) {
                 let measured_kpa = place.map(|place| row.written(place, name, PRESSURE_KPA)).transpose()?.flatten();
-                // These rigs have no vacuum: what reads below nothing is rest.
-                pressures_pa.push(measured_kpa.map_or(state.pressure_pa, |kpa| kpa * 1e3).max(0.0));
+                pressures_pa.push(measured_kpa.map_or(state.pressure_pa, |kpa| kpa * 1e3));
             }
             let accuracy_m = accuracy_m.unwrap_or(ACCURACY_M);
             found.push(Self { line: row.line, phase, loaded, tip_m, accuracy_m, pressures_pa });

@@ -1,91 +1,89 @@
-//! One limb's corrections, rehearsal by rehearsal.
+//! One limb's corrections, iteration by iteration.
 //!
-//! The tip is off by `e(t)`. Moving the setpoints of the modules by `du` moves the tip by `J du`, with the model's `J` at the planned pose, so
+//! The tip is off by `e(t)`. Moving the setpoints of the modules by `du` moves the tip by `J du`, with the model's `J` at the planned pose and load, so
 //! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (|e| |du/range|)^2` within the modules' ranges: the
-//! second term leaves alone what hardly moves the tip. The first rehearsals are believed whole, later ones by the share that makes the corrections a
-//! mean, because what the valves leave of a reference differs from run to run.
+//! second term leaves alone what hardly moves the tip. The first iterations have a gain of one, later ones the gain that makes the corrections a
+//! mean, because the valves' error differs from run to run.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::score::{SETTLING_S, error_m, pause_s};
+use super::camera::Camera;
+use super::score::{SETTLING_S, errors_m, pause_s};
 use crate::record::Sample;
+use crate::run::Prepared;
 use softlimb_limb::Limb;
-use softlimb_motion::{Plan, tip_slopes};
-use softlimb_numerics::Random;
+use softlimb_motion::{Plan, planned_slopes};
 use softlimb_scene::Corrections;
 
 /// Time between instants of the corrections while the limb moves, and at most while it rests, s.
 const MOVING_S: f64 = 0.1;
 const RESTING_S: f64 = 0.5;
-/// Least damping, m: what a camera does not see.
+/// Least damping, m: below the camera's resolution.
 const DAMPING_M: f64 = 0.1e-3;
-/// Rehearsals that are believed whole.
-const WHOLE: u32 = 2;
-/// Share of an instant's looks that must be left once its neighbours have theirs.
+/// Iterations with a gain of one.
+const FULL: u32 = 2;
+/// Share of an instant's observations that must be left once its neighbours have theirs.
 const LEAST_SHARE: f64 = 1e-3;
-/// Stream of the camera's noise.
-const CAMERA: u64 = 1;
 
-/// What is learned about one limb in one scene.
+/// Learns the corrections of one limb in one scene.
 pub(super) struct Learner<'a> {
     limb: &'a Limb,
     plan: &'a Plan,
     corrections: Corrections,
     /// For each instant, whether the limb rests there.
     resting: Vec<bool>,
-    rehearsals: u32,
-    camera_noise_m: f64,
-    random: Random,
+    /// For each instant, the model's slopes of the tip and of the setpoint by each module's pressure.
+    slopes: Vec<Vec<(Vector3<f64>, f64)>>,
+    iterations: u32,
+    camera: Camera,
 }
 
 impl<'a> Learner<'a> {
-    /// Nothing learned. `camera_noise_m` as in [`Settings`](super::Settings).
-    pub(super) fn new(limb: &'a Limb, plan: &'a Plan, camera_noise_m: f64, seed: u64) -> Self {
+    /// Without corrections. `camera_noise_m` as in [`Settings`](super::Settings).
+    pub(super) fn new(model: &'a Prepared<'_>, camera_noise_m: f64, seed: u64) -> Self {
+        let (limb, plan) = (model.limb(), model.plan());
         let modules = limb.modules().len();
         let (times_s, resting): (Vec<_>, Vec<_>) = instants(plan).into_iter().unzip();
         let rows = vec![vec![0.0; modules]; times_s.len()];
+        let slopes = times_s.iter().map(|time_s| planned_slopes(model.scene(), limb, plan, 1e6 * time_s)).collect();
         let corrections = Corrections { times_s, rows };
-        Self { limb, plan, corrections, resting, rehearsals: 0, camera_noise_m, random: Random::new(seed, CAMERA) }
+        Self { limb, plan, corrections, resting, slopes, iterations: 0, camera: Camera::new(camera_noise_m, seed) }
     }
 
-    /// What was learned.
+    /// The present corrections.
     pub(super) fn corrections(&self) -> &Corrections {
         &self.corrections
     }
 
-    /// Learns from a rehearsal with the present corrections; the error at rest as the camera saw it, RMS, m.
-    pub(super) fn learn(&mut self, samples: &[Sample]) -> f64 {
-        self.rehearsals += 1;
+    pub(super) fn into_corrections(self) -> Corrections {
+        self.corrections
+    }
+
+    /// Updates the corrections by a run with the present ones; gives the observed error at rest, RMS, m.
+    pub(super) fn update(&mut self, samples: &[Sample]) -> f64 {
+        self.iterations += 1;
         let end_s = self.plan.duration_us() as f64 * 1e-6;
-        let looks: Vec<(f64, Vector3<f64>)> = samples
-            .iter()
-            .filter(|sample| sample.time_s <= end_s)
-            .filter_map(|sample| Some((sample.time_s, error_m(sample, sample.tip_achieved_m?))))
-            .map(|(time_s, error)| (time_s, error + self.noise()))
-            .collect();
-        self.correct(&self.errors(&looks));
+        let errors = errors_m(samples, end_s);
+        let observations: Vec<(f64, Vector3<f64>)> =
+            errors.map(|(time_s, error)| (time_s, error + self.camera.noise_m())).collect();
+        self.correct(&self.errors(&observations));
         let rests: Vec<_> = self.plan.phases.iter().map(pause_s).collect();
         let is_rest = |time_s: f64| rests.iter().any(|(begin, end)| time_s > begin + SETTLING_S && time_s <= *end);
-        let seen = looks.iter().filter(|(time_s, _)| is_rest(*time_s)).map(|(_, error)| error.norm_squared());
+        let seen = observations.iter().filter(|(time_s, _)| is_rest(*time_s)).map(|(_, error)| error.norm_squared());
         let (sum, count) = seen.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
         (sum / f64::from(count.max(1))).sqrt()
     }
 
-    /// Noise of one look, m.
-    fn noise(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| self.camera_noise_m * self.random.normal())
-    }
-
-    /// The error at each instant, m, such that straight lines between them fit the looks of a pause by least squares; of a move the mean
+    /// The error at each instant, m, such that straight lines between them fit the observations of a pause by least squares; of a move the mean
     /// around each instant, which says nothing about what happens faster than the limb follows. What is off in a move is no matter of the
-    /// instants of a pause: limbs are off by much more while they move. `None` where nobody looked.
-    fn errors(&self, looks: &[(f64, Vector3<f64>)]) -> Vec<Option<Vector3<f64>>> {
+    /// instants of a pause: limbs are off by much more while they move. `None` without observations.
+    fn errors(&self, observations: &[(f64, Vector3<f64>)]) -> Vec<Option<Vector3<f64>>> {
         let times = &self.corrections.times_s;
         // The normal equations: each instant has to do with itself and the next one.
         let mut own = vec![0.0; times.len()];
         let mut with_next = vec![0.0; times.len()];
         let mut sums = vec![Vector3::zeros(); times.len()];
-        for (time_s, error) in looks {
+        for (time_s, error) in observations {
             let after = times.partition_point(|time| time <= time_s).clamp(1, times.len() - 1);
             let share = ((time_s - times[after - 1]) / (times[after] - times[after - 1])).clamp(0.0, 1.0);
             let rests = self.resting[after - 1] && self.resting[after];
@@ -103,11 +101,10 @@ impl<'a> Learner<'a> {
     }
 
     fn correct(&mut self, errors: &[Option<Vector3<f64>>]) {
-        let gain = 1.0 / f64::from(self.rehearsals.saturating_sub(WHOLE - 1).max(1));
+        let gain = 1.0 / f64::from(self.iterations.saturating_sub(FULL - 1).max(1));
         let ranges: Vec<(f64, f64)> = self.limb.modules().iter().map(|module| module.range()).collect();
         for (index, error) in errors.iter().enumerate().filter_map(|(index, error)| Some((index, (*error)?))) {
             let time_us = self.corrections.times_s[index] * 1e6;
-            let slopes = tip_slopes(self.limb, &self.plan.states_at(time_us));
             let planned = self.plan.values_at(time_us);
             let values = &mut self.corrections.rows[index];
             // What a module has left towards both ends of its range, as a share of it.
@@ -116,7 +113,7 @@ impl<'a> Learner<'a> {
                 let wanted = (planned + value).clamp(low, high);
                 [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
             });
-            let shares = step(&columns(&slopes, &ranges), &left.collect::<Vec<_>>(), &error);
+            let shares = step(&columns(&self.slopes[index], &ranges), &left.collect::<Vec<_>>(), &error);
             for (((value, share), (rest, last)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(planned) {
                 let wanted = planned + *value + gain * share * (last - rest).abs();
                 // Rounding takes nothing out of its range.
@@ -218,8 +215,8 @@ fn instants(plan: &Plan) -> Vec<(f64, bool)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use softlimb_motion as motion;
     use softlimb_scene as scene;
+    use softlimb_scene::Scene;
 
     const FREE: [f64; 2] = [-1.0, 1.0];
 
@@ -237,17 +234,15 @@ mod tests {
         assert_eq!(step(&[Vector3::zeros()], &[FREE], &Vector3::zeros()), [0.0]);
     }
 
-    fn limb_and_plan() -> (Limb, Plan) {
-        let scene = scene::parse(include_str!("../../../../scenes/single-bending.toml"), "scene.toml").unwrap();
-        let limb = Limb::new(&scene).unwrap();
-        let plan = motion::plan(&scene, &limb).unwrap();
-        (limb, plan)
+    fn scene() -> Scene {
+        scene::parse(include_str!("../../../../scenes/single-bending.toml"), "scene.toml").unwrap()
     }
 
     #[test]
     fn straight_lines_between_the_instants_of_a_pause_are_found_as_they_are() {
-        let (limb, plan) = limb_and_plan();
-        let learner = Learner::new(&limb, &plan, 0.0, 1);
+        let scene = scene();
+        let model = Prepared::by_model(&scene).unwrap();
+        let learner = Learner::new(&model, 0.0, 1);
         let times = &learner.corrections().times_s;
         // Up and down from instant to instant in pauses, which a mean around each would flatten; in moves something else.
         let height = |index: usize| if index.is_multiple_of(2) { 1e-3 } else { -2e-3 };
@@ -258,22 +253,23 @@ mod tests {
             Vector3::z() * if rests { height(after - 1) * (1.0 - share) + height(after) * share } else { 0.1 }
         };
         let end_ms = (times[times.len() - 1] * 1e3) as u32;
-        let looks: Vec<_> = (0..end_ms).step_by(20).map(|ms| f64::from(ms) * 1e-3).map(|s| (s, error(s))).collect();
-        let found = learner.errors(&looks);
+        let observations: Vec<_> =
+            (0..end_ms).step_by(20).map(|ms| f64::from(ms) * 1e-3).map(|s| (s, error(s))).collect();
+        let found = learner.errors(&observations);
         for (index, found) in found.iter().enumerate() {
             let wanted = if learner.resting[index] { height(index) } else { 0.1 };
             assert!((found.unwrap() - Vector3::z() * wanted).norm() < 1e-12, "{index}: {found:?}");
         }
-        // One look tells about one instant, none about none.
-        let one = learner.errors(&looks[..1]);
+        // One observation tells about one instant, none about none.
+        let one = learner.errors(&observations[..1]);
         assert_eq!(one.iter().flatten().count(), 1);
         assert!(learner.errors(&[]).iter().all(Option::is_none));
     }
 
     #[test]
     fn a_pause_has_instants_of_its_own() {
-        let (_, plan) = limb_and_plan();
-        let instants = instants(&plan);
+        let scene = scene();
+        let instants = instants(Prepared::by_model(&scene).unwrap().plan());
         assert!(instants.is_sorted_by(|(a, _), (b, _)| a < b));
         // Moves of 1.5 s and pauses of 1 s.
         for (time_s, rests) in instants {

@@ -1,0 +1,494 @@
+//! Diagnostics of a scene that the limb cannot follow: the words for what planning returns, at the line.
+//!
+//! A goal of the tip and a way to it get a search of their own, for the demand that cannot be met and the nearest that can.
+
+use nalgebra::Vector3;
+
+use super::air::Bottleneck;
+use super::goal::{pressures, shapes, states, tip_task, values};
+use super::inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, angle, misses, solutions, solve};
+use super::plan::{Plan, check_corrections};
+use super::route::{approach, ranges, route};
+use super::schedule::planning_space;
+use super::setpoint::NoState;
+use super::space::Space;
+use super::timing::rate_max;
+use super::unreachable::{Shortcoming, Unreachable};
+use super::weight::NoPose;
+use softlimb_limb::{Limb, LimbModule};
+use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, SetpointKind, Span};
+
+/// Most points near a goal to which a way is searched.
+const POINTS: usize = 3;
+/// A point that is farther away by less than this, m, is as near.
+const SAME_M: f64 = 1e-4;
+/// A pressure within this fraction of an end of its range is at that end.
+const AT_END: f64 = 1e-6;
+
+/// Plans all phases of a scene.
+///
+/// # Errors
+/// A diagnostic at the target, way-point, duration or obstacle that the limb cannot follow or keep clear of, or cannot under its weight,
+/// with the nearest that it can.
+pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
+    let words = Words { scene, limb };
+    let (mut plan, shortcomings) = super::plan::plan(scene, limb).map_err(|why| words.diagnostic(&why))?;
+    plan.warnings = shortcomings.iter().map(|one| words.warning(one)).collect();
+    Ok(plan)
+}
+
+/// A plan as it is sent: with the corrections of its scene.
+///
+/// # Errors
+/// A diagnostic at the file of corrections that are larger than what a module has, or at the phase in which a corrected setpoint leaves what
+/// the limb can reach.
+pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Plan, SceneError> {
+    let Some(corrections) = scene.corrections() else { return Ok(plan.clone()) };
+    check_corrections(limb, corrections).map_err(|why| Words { scene, limb }.diagnostic(&why))?;
+    plan.corrected(scene, limb, corrections)
+}
+
+impl Plan {
+    /// The same phases with corrected setpoints, which end where the range of a module ends.
+    ///
+    /// # Errors
+    /// A diagnostic at the phase in which a corrected setpoint leaves what the limb can reach.
+    pub fn corrected(&self, scene: &Scene, limb: &Limb, corrections: &Corrections) -> Result<Self, SceneError> {
+        self.with(limb, corrections).map_err(|why| Words { scene, limb }.diagnostic(&why))
+    }
+}
+
+/// A setpoint with its unit.
+pub(super) fn in_units(kind: SetpointKind, value: f64) -> String {
+    match kind {
+        SetpointKind::Pressure => format!("{:.2} kPa", value * 1e-3),
+        SetpointKind::AxialStretch => format!("{value:.4}"),
+        SetpointKind::OuterRadius | SetpointKind::InnerRadius => format!("{:.3} mm", value * 1e3),
+        SetpointKind::Twist | SetpointKind::BendAngle => format!("{:.2} deg", value.to_degrees()),
+    }
+}
+
+struct Words<'a> {
+    scene: &'a Scene,
+    limb: &'a Limb,
+}
+
+impl Words<'_> {
+    fn diagnostic(&self, why: &Unreachable) -> SceneError {
+        match why {
+            Unreachable::AtRest(by) => self.at_rest(by),
+            Unreachable::Target { phase, target, cause } => self.target(*phase, *target, cause),
+            Unreachable::TooNear { phase, by, fraction } => {
+                let help = format!("on the straight way there the limb gets {:.0} % far", (fraction * 100.0).floor());
+                let title = format!("at this goal the limb is too near `{}`", self.obstacle(by.obstacle));
+                self.at(self.goal_span(*phase), &title, &self.too_near(by), Some(&help))
+            }
+            Unreachable::Tip { phase, before, nearest } => self.tip(*phase, before, nearest),
+            Unreachable::Marker { phase, position, nearest } => {
+                let label = format!("position {} of the series: {}", position + 1, missed(nearest));
+                let help = nearest_point(nearest);
+                self.at(self.goal_span(*phase), "the limb cannot follow this series", &label, Some(&help))
+            }
+            Unreachable::NoWay { phase, from, to } => self.no_way(*phase, from, to),
+            Unreachable::NoSupply { phase } => {
+                let title = "the supply does not suffice for this move, however slow";
+                let label = "it needs more air at this pressure than reservoir and pump give";
+                let help = "lower the pressures, or take a stronger supply";
+                self.at(self.phase(*phase).span, title, label, Some(help))
+            }
+            Unreachable::MoveRate { phase, module, rate, limit, enough_s } => {
+                let span = self.phase(*phase).move_us.as_ref().map_or(self.phase(*phase).span, |given| given.span);
+                let help = format!("a duration of {:.2} s is enough", (enough_s * 100.0 - 1e-6).ceil() / 100.0);
+                self.at(span, "this move is too fast", &self.rate(*module, *rate, *limit), Some(&help))
+            }
+            Unreachable::SeriesRate { phase, module, rate, limit, time_us } => {
+                let label = format!("{:.2} s into the series {}", seconds(*time_us), self.rate(*module, *rate, *limit));
+                self.at(self.goal_span(*phase), "this series is too fast", &label, None)
+            }
+            Unreachable::OnTheWay { phase, module, cause } => {
+                let title = "on the way to its goal this phase leaves what the limb can reach";
+                self.at(self.phase(*phase).span, title, &no_state(cause, self.module(*module)), None)
+            }
+            Unreachable::PassesTooNear { phase, time_us, by } => {
+                let title = "on the way to its goal this phase comes too near an obstacle";
+                let label = by.as_ref().map_or("the limb has no shape here".to_owned(), |by| self.too_near(by));
+                let label = format!("{:.2} s into the run {label}", seconds(*time_us));
+                self.at(self.phase(*phase).span, title, &label, None)
+            }
+            Unreachable::NotCarried { phase, time_us, cause } => self.not_carried(*phase, *time_us, *cause),
+            Unreachable::UnderLoad { phase, tip_m, distance_m, fractions } => {
+                self.under_load(*phase, *tip_m, *distance_m, fractions)
+            }
+            Unreachable::LoadedTooNear { phase, time_us, obstacle, distance_m } => {
+                let near = self.near(*obstacle, *distance_m);
+                let label = format!("{:.2} s into the run {near}", seconds(*time_us));
+                let title = "under its load the limb comes too near an obstacle in this phase";
+                self.at(self.phase(*phase).span, title, &label, None)
+            }
+            Unreachable::Correction { time_s, module, value } => self.correction(*time_s, *module, *value),
+        }
+    }
+
+    fn warning(&self, shortcoming: &Shortcoming) -> String {
+        match shortcoming {
+            Shortcoming::TooFast { phase, because, enough_s } => {
+                let because = match *because {
+                    Bottleneck::Rate(module) => {
+                        let module = self.module(module);
+                        let limit = rate_max(self.scene.limits(), module.kind).unwrap_or_default();
+                        format!("the rate of `{}`, {}/s at most", module.name, in_units(module.kind, limit))
+                    }
+                    Bottleneck::Valve(module) => format!("the valves of `{}`", self.module(module).name),
+                    Bottleneck::Supply => "the supply".to_owned(),
+                };
+                let enough = match enough_s {
+                    Some(enough_s) => format!("{enough_s:.2} s would keep a reserve"),
+                    None => "no duration is enough".to_owned(),
+                };
+                let name = &self.phase(*phase).name.value;
+                format!("phase `{name}` is faster than {because} can follow: {enough}")
+            }
+            Shortcoming::Statics { error, allowed } => {
+                let [error, most] = [error, allowed].map(|error| 100.0 * error);
+                format!(
+                    "the tip under weight is known to {error:.2} % of the limb's length only, by the finest model there is; `error` of [weight] is {most} %"
+                )
+            }
+        }
+    }
+
+    fn at(&self, span: Span, title: &str, label: &str, help: Option<&str>) -> SceneError {
+        self.scene.diagnostic(span, title, label, help)
+    }
+
+    fn phase(&self, index: usize) -> &Phase {
+        &self.scene.phases()[index]
+    }
+
+    fn module(&self, index: usize) -> &LimbModule {
+        &self.limb.modules()[index]
+    }
+
+    fn obstacle(&self, index: usize) -> &str {
+        &self.scene.obstacles()[index].name.value
+    }
+
+    /// The place of a phase's goal.
+    fn goal_span(&self, index: usize) -> Span {
+        let phase = self.phase(index);
+        match &phase.goal {
+            Goal::Targets(targets) => targets.first().map_or(phase.span, |target| target.value.span),
+            Goal::Tip(tip) => tip.span,
+            Goal::Inside(region) => region.span,
+            Goal::Series(span) => *span,
+        }
+    }
+
+    fn too_near(&self, by: &Obstruction) -> String {
+        self.near(by.obstacle, by.clearance.distance_m)
+    }
+
+    /// The distance from an obstacle, and the allowed one.
+    fn near(&self, obstacle: usize, distance_m: f64) -> String {
+        let name = self.obstacle(obstacle);
+        let allowed = format!("`clearance` is {:.1} mm", self.scene.limits().clearance_m * 1e3);
+        if distance_m < 0.0 {
+            format!("the limb would be {:.1} mm deep in `{name}`; {allowed}", -distance_m * 1e3)
+        } else {
+            format!("the limb would be {:.1} mm from `{name}`; {allowed}", distance_m * 1e3)
+        }
+    }
+
+    fn rate(&self, module: usize, rate: f64, limit: f64) -> String {
+        let module = self.module(module);
+        let (rate, limit) = (in_units(module.kind, rate), in_units(module.kind, limit));
+        format!("`{}` would move at up to {rate}/s; the limit is {limit}/s", module.name)
+    }
+
+    fn at_rest(&self, by: &Obstruction) -> SceneError {
+        let [x, y, z] = <[f64; 3]>::from(by.clearance.point_m).map(|v| v * 1e3);
+        let help = format!(
+            "the nearest point of the limb's centre line is [\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]; the obstacle must be {:.1} mm farther away",
+            (self.scene.limits().clearance_m - by.clearance.distance_m) * 1e3
+        );
+        let span = self.scene.obstacles()[by.obstacle].span;
+        self.at(span, "the limb at rest is too near this obstacle", &self.too_near(by), Some(&help))
+    }
+
+    fn target(&self, phase: usize, target: usize, cause: &NoState) -> SceneError {
+        let phase = self.phase(phase);
+        let target = match &phase.goal {
+            Goal::Targets(targets) => targets.get(target),
+            _ => None,
+        };
+        let Some(target) = target else { return self.at(phase.span, "this target is out of reach", "", None) };
+        let module = self.module(target.module);
+        let (rest, most) = module.range();
+        let help = format!(
+            "between rest and {:.2} kPa it reaches {} to {}",
+            module.curve.pressure_max_pa() * 1e-3,
+            in_units(module.kind, rest),
+            in_units(module.kind, most)
+        );
+        let title = "this target is out of the module's reach";
+        self.at(target.value.span, title, &no_state(cause, module), Some(&help))
+    }
+
+    fn correction(&self, time_s: f64, module: usize, value: f64) -> SceneError {
+        let module = self.module(module);
+        let (rest, last) = module.range();
+        let title = format!("the correction of `{}` at {time_s} s is larger than its range", module.name);
+        let [value, rest, last] = [value, rest, last].map(|value| in_units(module.kind, value));
+        let label = format!("{value} here, and setpoints are from {rest} to {last}");
+        let help = "corrections are in m, rad or Pa, as `softlimb learn --csv` writes them";
+        let span = self.scene.corrections().map_or_else(|| self.phase(0).span, |corrections| corrections.span);
+        self.at(span, &title, &label, Some(help))
+    }
+
+    fn not_carried(&self, phase: usize, time_us: u64, cause: NoPose) -> SceneError {
+        let time_s = seconds(time_us);
+        let label = match cause {
+            NoPose::NoEquilibrium => format!("{time_s:.2} s into the run an actuator has no equilibrium"),
+            NoPose::Lost(lost) => format!("{time_s:.2} s into the run {lost}"),
+            NoPose::Buckles { module, ratio } => {
+                let (name, percent) = (&self.module(module).name, 100.0 * ratio);
+                format!(
+                    "{time_s:.2} s into the run a tube of `{name}` carries {percent:.0} % of the load that it buckles at between two plates"
+                )
+            }
+        };
+        let title = match time_us {
+            0 => "the limb does not carry its own weight at rest",
+            _ => "the limb does not carry its load in this phase",
+        };
+        let help = "let it hang (`base_direction`), give its modules `spacers`, or make it lighter or stiffer; \
+                    `[weight]` with `compensated = false` plans without";
+        self.at(self.phase(phase).span, title, &label, Some(help))
+    }
+
+    fn under_load(&self, phase: usize, tip_m: [f64; 3], distance_m: f64, fractions: &[f64]) -> SceneError {
+        let ends = self.limb.modules().iter().zip(fractions);
+        let ends: Vec<String> = ends
+            .filter_map(|(module, fraction)| match fraction {
+                low if *low < AT_END => Some(format!("`{}` has no pressure left", module.name)),
+                high if *high > 1.0 - AT_END => Some(format!("`{}` is at its highest pressure", module.name)),
+                _ => None,
+            })
+            .collect();
+        let because =
+            if ends.is_empty() { "no pressures of its modules move the tip there".to_owned() } else { ends.join(", ") };
+        let label = format!("under its load the nearest the tip gets is {:.1} mm away: {because}", 1e3 * distance_m);
+        let [x, y, z] = tip_m.map(|v| v * 1e3);
+        let help = format!(
+            "the nearest reachable point is [\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]; `[weight]` with `compensated = false` plans without weight"
+        );
+        self.at(self.goal_span(phase), "the limb cannot reach this goal under its load", &label, Some(&help))
+    }
+
+    /// Finds the demand on the tip that cannot be met. `nearest` is the best with all of them.
+    fn tip(&self, phase: usize, before: &[f64], nearest: &Reach) -> SceneError {
+        let shapes = shapes(self.scene);
+        let span = self.goal_span(phase);
+        let Some(task) = tip_task(self.scene, self.phase(phase), &shapes) else {
+            return self.at(span, "the limb cannot reach this goal", &missed(nearest), None);
+        };
+        let space = planning_space(self.scene, self.limb);
+        let start = pressures(self.limb, before);
+        WhyNot { words: self, limb: self.limb, space: &space, task, span, before, start: &start }.diagnostic(nearest)
+    }
+
+    /// The obstacle on the straight way to a goal, the greatest clearance with a way, and the nearest point with one.
+    fn no_way(&self, phase: usize, from: &[f64], to: &[f64]) -> SceneError {
+        let space = planning_space(self.scene, self.limb);
+        let blocked = space.blocked(from, to).and_then(|blocked| Some((blocked.share, blocked.by?)));
+        let label = blocked.map_or(String::new(), |(share, by)| {
+            let near = self.too_near(&by);
+            format!("straight, {:.0} % of the way, {near}; no way around was found", share * 100.0)
+        });
+        let ranges = ranges(self.limb);
+        let possible = |clearance_m: f64| {
+            let other = Space::new(self.limb, shapes(self.scene), clearance_m);
+            route(&other, &ranges, from, to).is_some()
+        };
+        // Quarters of what is asked for: finer steps would take long and say little more.
+        let required_m = self.scene.limits().clearance_m;
+        let mut quarters = [0.75, 0.5, 0.25, 0.0].into_iter().map(|share| share * required_m);
+        let widest = quarters.find(|m| *m < required_m && possible(*m));
+        let smaller = widest.map(|m| format!("with a `clearance` of \"{:.2} mm\" there is a way", m * 1e3));
+        let nearer = self.nearest_with_way(&space, phase, from);
+        let helps: Vec<String> = smaller.into_iter().chain(nearer).collect();
+        let help = (!helps.is_empty()).then(|| helps.join("; "));
+        let title = "the limb finds no way to this goal that keeps clear";
+        self.at(self.phase(phase).span, title, &label, help.as_deref())
+    }
+
+    /// The point nearest to the goal of a phase that has a way; `None` for a phase without a goal of the tip.
+    fn nearest_with_way(&self, space: &Space<'_>, phase: usize, before: &[f64]) -> Option<String> {
+        let shapes = shapes(self.scene);
+        let task = tip_task(self.scene, self.phase(phase), &shapes)?;
+        let (distance_m, tip_m) = approached(self.limb, space, &task, before)?;
+        Some(format!("the nearest point that a way was found to is {}", away(tip_m, distance_m)))
+    }
+}
+
+fn seconds(time_us: u64) -> f64 {
+    time_us as f64 * 1e-6
+}
+
+fn no_state(cause: &NoState, module: &LimbModule) -> String {
+    let kpa = |pa: f64| format!("{:.2} kPa", pa * 1e-3);
+    let allowed = kpa(module.reference_max_pa);
+    let limit = kpa(module.pressure_max_pa);
+    match cause {
+        NoState::Invalid(message) => message.clone(),
+        NoState::BeyondLimit(Some(limit)) => format!("beyond the limit point of `{}` at {}", module.name, kpa(*limit)),
+        NoState::BeyondLimit(None) => format!("`{}` reaches this at no pressure", module.name),
+        NoState::NotConverged => format!("the model finds no state of `{}` for this", module.name),
+        NoState::Vacuum(pressure) => {
+            format!("`{}` would need {}: a vacuum, which the valves cannot make", module.name, kpa(*pressure))
+        }
+        NoState::OverPressure(pressure) => {
+            format!(
+                "`{}` would need {}; the device follows up to {allowed}, a margin below `pressure_max` of {limit}",
+                module.name,
+                kpa(*pressure)
+            )
+        }
+    }
+}
+
+/// A goal of the tip that was not reached.
+struct WhyNot<'a> {
+    words: &'a Words<'a>,
+    limb: &'a Limb,
+    /// The planner's space.
+    space: &'a Space<'a>,
+    task: TipTask<'a>,
+    span: Span,
+    /// Setpoints at the start of the move, and their pressures, Pa.
+    before: &'a [f64],
+    start: &'a [f64],
+}
+
+impl WhyNot<'_> {
+    /// Drops one demand after the other to find the one that cannot be met. `nearest` is the best with all of them.
+    fn diagnostic(&self, nearest: &Reach) -> SceneError {
+        let (words, limb, start) = (self.words, self.limb, self.start);
+        let place = TipTask { aim: None, obstacles: &[], ..self.task };
+        let free = solutions(limb, &place, start);
+        if !free[0].reached() {
+            let title = match self.task.goal {
+                TipGoal::Point(_) => "the limb cannot reach this way-point",
+                TipGoal::Inside(_) => "the limb cannot reach into this region",
+            };
+            let help = self.offer(&free[0], "reachable point");
+            return words.at(self.span, title, &missed(&free[0]), Some(&help));
+        }
+        if let Some(aim) = self.task.aim {
+            let pointed = solve(limb, &TipTask { obstacles: &[], ..self.task }, start);
+            if !pointed.reached() {
+                let off = |reach: &Reach| direction_off(limb, reach, *aim.direction);
+                let least = free.iter().map(off).fold(f64::INFINITY, f64::min).to_degrees();
+                let enough =
+                    format!("a `direction_tolerance` of \"{:.1} deg\" is enough", (least * 10.0).ceil() / 10.0);
+                let (label, help) = if pointed.allowed() {
+                    let offer = self.offer(&pointed, "reachable point");
+                    (format!("in this direction {}", missed(&pointed)), format!("{offer}; or {enough}"))
+                } else {
+                    (format!("there the end effector points at least {least:.1} deg off, as far as was found"), enough)
+                };
+                let title = "the tip gets there, but not in this direction";
+                return words.at(aim.direction.span, title, &label, Some(&help));
+            }
+        }
+        self.blocked(&free, nearest)
+    }
+
+    fn blocked(&self, free: &[Reach], nearest: &Reach) -> SceneError {
+        let (words, limb, task) = (self.words, self.limb, &self.task);
+        let pointed = solutions(limb, &TipTask { obstacles: &[], ..*task }, &free[0].pressures_pa);
+        let widest = pointed
+            .iter()
+            .filter_map(|reach| self.space.nearest(&limb.body(&states(limb, reach)), f64::INFINITY))
+            .max_by(|a, b| a.clearance.distance_m.total_cmp(&b.clearance.distance_m));
+        let Some(widest) = widest else {
+            return words.at(self.span, "the limb finds no way to be here", &missed(nearest), None);
+        };
+        let name = words.obstacle(widest.obstacle);
+        let label = words.too_near(&widest);
+        let mut help = self.offer(nearest, "point that is clear");
+        if widest.clearance.distance_m > 1e-4 {
+            let enough = (widest.clearance.distance_m * 1e4).floor() / 10.0;
+            help = format!("a `clearance` of \"{enough:.1} mm\" can be kept here; or {help}");
+        }
+        let title = format!("the limb cannot be here and clear of `{name}`");
+        words.at(self.span, &title, &label, Some(&help))
+    }
+
+    /// The nearest to the goal that keeps direction and clearance, and whether there is a way. Without obstacles there is one, and `free` is
+    /// that point.
+    fn offer(&self, free: &Reach, what: &str) -> String {
+        if self.task.obstacles.is_empty() && free.allowed() && self.task.aim.is_none() {
+            return nearest_point(free);
+        }
+        let points = misses(self.limb, &self.task, self.start);
+        let Some(nearest) = points.first() else {
+            return "nothing near it was found that is clear".to_owned();
+        };
+        let ranges = ranges(self.limb);
+        let has_way = |point: &&Reach| route(self.space, &ranges, self.before, &values(self.limb, point)).is_some();
+        let found = points.iter().take(POINTS).find(has_way).map(|found| (found.distance_m, found.tip_m));
+        let approached = approached(self.limb, self.space, &self.task, self.before);
+        let with_way = found.into_iter().chain(approached).min_by(|a, b| a.0.total_cmp(&b.0));
+        let here = format!("the nearest {what} is {}", away(nearest.tip_m, nearest.distance_m));
+        match with_way {
+            Some((distance_m, tip_m)) if distance_m < nearest.distance_m + SAME_M => {
+                format!("the nearest {what} is {}", away(tip_m, distance_m))
+            }
+            Some((distance_m, tip_m)) => {
+                let there = away(tip_m, distance_m);
+                format!("{here}, but no way there was found; the nearest with a way is {there}")
+            }
+            None => format!("{here}, but no way there was found"),
+        }
+    }
+}
+
+/// How near to its goal the tip gets on ways that are clear, m, and where that is; `None` where no end of a way keeps the direction.
+fn approached(limb: &Limb, space: &Space<'_>, task: &TipTask<'_>, before: &[f64]) -> Option<(f64, [f64; 3])> {
+    let off = |values: &[f64]| {
+        let pose = limb.tip_pose(&space.states(values)?);
+        let axis = pose.rotation * Vector3::z();
+        let turned = task.aim.map_or(0.0, |aim| angle(&axis, &Vector3::from(*aim.direction)) - aim.tolerance_rad);
+        let tip_m = pose.translation.vector;
+        (turned <= 0.0).then(|| (task.goal.distance_m(&tip_m), tip_m.into()))
+    };
+    off(&approach(space, &ranges(limb), before, |values| Some(off(values)?.0)))
+}
+
+/// A point, as a scene says it, and how far it is off.
+fn away(tip_m: [f64; 3], distance_m: f64) -> String {
+    format!("{}, {:.1} mm away", point(tip_m), distance_m * 1e3)
+}
+
+/// How far off the tip stays.
+fn missed(reach: &Reach) -> String {
+    format!("the nearest the tip gets is {:.1} mm away", reach.distance_m * 1e3)
+}
+
+/// The point itself.
+fn nearest_point(reach: &Reach) -> String {
+    format!("the nearest reachable point is {}", point(reach.tip_m))
+}
+
+/// Where the tip is, as a scene says it.
+fn point(tip_m: [f64; 3]) -> String {
+    // No zero has a sign.
+    let [x, y, z] = tip_m.map(|v| (v * 1e4).round() * 0.1 + 0.0);
+    format!("[\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]")
+}
+
+fn direction_off(limb: &Limb, reach: &Reach, direction: [f64; 3]) -> f64 {
+    let axis = limb.tip_pose(&states(limb, reach)).rotation * Vector3::z();
+    angle(&axis, &direction.into())
+}

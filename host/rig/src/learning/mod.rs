@@ -1,0 +1,128 @@
+//! Iterative learning control: corrections of the setpoints from a camera's observations of the tip, over a few runs of one limb.
+//!
+//! A limb differs from its model: moduli, walls, angles, sensors, creep. In an iteration the scene runs, a camera observes the tip, and the
+//! model's derivatives turn the tip's error into corrections ([`Learner`]). Evaluated runs use the same limb; only noise differs. The
+//! learner knows the camera's observations and the device's reports; the truth is for the evaluation alone ([`Score`]).
+//!
+//! [`learn`] evaluates a scene before and after learning, [`under_load`] evaluates it with a load on the tip, and [`observe`] gives the
+//! camera's observations without and with a load, for payload estimation.
+
+mod camera;
+mod learner;
+mod load;
+mod score;
+
+use std::num::NonZero;
+
+use crate::record::Sample;
+use crate::run::{Prepared, RunError};
+use softlimb_scene::{Corrections, Scene};
+
+pub use camera::observe;
+use learner::Learner;
+pub use load::{Tracking, UnderLoad, under_load};
+pub use score::{Distances, Score, TargetScore};
+
+/// Settings of a learning experiment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Seed of the limb's deviations from its model.
+    pub limb: u64,
+    /// Seed of the noise of valves, sensors and camera, which differs from run to run.
+    pub noise: u64,
+    /// Runs to learn from.
+    pub iterations: u32,
+    /// Runs of each evaluation.
+    pub runs: NonZero<u32>,
+    /// Standard deviation of each coordinate in one observation of the camera, m; >= 0. It observes whenever the device reports.
+    pub camera_noise_m: f64,
+}
+
+/// Result of a learning experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Runs by the model alone.
+    pub by_model: Score,
+    /// Runs with the corrections.
+    pub corrected: Score,
+    /// The corrections of the setpoints.
+    pub corrections: Corrections,
+    /// Observed error at rest in each iteration, with the corrections from before it; RMS, m.
+    pub observed_m: Vec<f64>,
+    /// Bound of the tip's error at a target by the device's inverse, m; `None` where a module is not looked up in tables of a verified error.
+    pub inverse_m: Option<f64>,
+}
+
+/// Failure of a learning experiment.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LearningError {
+    /// A run did not come to its end.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// No phase rests long enough to be evaluated.
+    #[error("no phase rests at its goal: in one of them `hold` must be at least {:.1} s", score::REST_S)]
+    NoTarget,
+    /// The limb fell.
+    #[error("{time_s:.2} s into a run the limb has no equilibrium under its weight and payload")]
+    Fell {
+        /// Time after the start, s.
+        time_s: f64,
+    },
+}
+
+/// Learns corrections for a scene and evaluates it before and after. Corrections of its own are ignored.
+///
+/// # Errors
+/// [`LearningError`].
+pub fn learn(scene: &Scene, settings: &Settings) -> Result<Outcome, LearningError> {
+    let model = Prepared::by_model(scene)?;
+    if !score::is_evaluated(model.plan()) {
+        return Err(LearningError::NoTarget);
+    }
+    // Every run has noise of its own.
+    let mut noises = (1..).map(|run| settings.noise.wrapping_add(run));
+    let by_model = evaluate(&model, settings, &mut noises)?;
+    let (learner, prepared, observed_m) = iterate(&model, settings, &mut noises)?;
+    let corrected = evaluate(&prepared, settings, &mut noises)?;
+    let inverse_m = score::inverse_m(model.limb(), model.plan(), model.inverse_errors_pa());
+    Ok(Outcome { by_model, corrected, corrections: learner.into_corrections(), observed_m, inverse_m })
+}
+
+/// Learns from as many runs as the settings have iterations, with noise of these seeds. The run with the last corrections comes with the
+/// observed errors.
+fn iterate<'a, 's>(
+    model: &'a Prepared<'s>,
+    settings: &Settings,
+    noises: &mut impl Iterator<Item = u64>,
+) -> Result<(Learner<'a>, Prepared<'s>, Vec<f64>), LearningError> {
+    let mut learner = Learner::new(model, settings.camera_noise_m, settings.noise);
+    let mut corrected = model.corrected(learner.corrections())?;
+    let mut observed_m = Vec::new();
+    for noise in noises.take(settings.iterations as usize) {
+        observed_m.push(learner.update(&samples(&corrected, settings, noise)?));
+        corrected = model.corrected(learner.corrections())?;
+    }
+    Ok((learner, corrected, observed_m))
+}
+
+fn evaluate(
+    prepared: &Prepared<'_>,
+    settings: &Settings,
+    noises: &mut impl Iterator<Item = u64>,
+) -> Result<Score, LearningError> {
+    let mut score = Score::new(prepared.plan());
+    for noise in noises.take(settings.runs.get() as usize) {
+        score.add(prepared.plan(), &samples(prepared, settings, noise)?);
+    }
+    Ok(score)
+}
+
+/// Samples of a run in which the limb stands.
+fn samples(prepared: &Prepared<'_>, settings: &Settings, noise: u64) -> Result<Vec<Sample>, LearningError> {
+    let samples = prepared.samples(settings.limb, noise)?;
+    match samples.iter().find(|sample| sample.tip_achieved_m.is_none()) {
+        Some(fallen) => Err(LearningError::Fell { time_s: fallen.time_s }),
+        None => Ok(samples),
+    }
+}
