@@ -15,6 +15,7 @@ use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_numerics::Random;
+use softlimb_numerics::statistics::{mean, root_mean_square};
 use softlimb_scene::Scene;
 
 /// How long before the end of a phase the tip is looked at, s.
@@ -88,7 +89,7 @@ pub fn track(scene: &Scene, trial: &Trial) -> Result<UnderLoad, RunError> {
         // The first looks see the limb, the later ones mostly noise: they count for less and less.
         let gain = if rehearsal < 2 { 1.0 } else { 1.0 / (rehearsal as f64) };
         for ((offset, goal), seen) in offsets.iter_mut().zip(&goals).zip(&seen) {
-            *offset += (goal - mean(seen)) * gain;
+            *offset += (goal - middle(seen)) * gain;
         }
     }
     let taught = tracked(&weighed, &motion::taught(&weighed, &limb, &offsets)?)?;
@@ -147,12 +148,10 @@ pub fn sightings(scene: &Scene, trial: &Trial, camera_m: f64) -> Result<Vec<Seen
         let noise = trial.noise + 2 * run + u64::from(loaded);
         let samples = run::samples(&hung, &limb, &plan, (trial.parts, noise))?;
         for (phase, end_s) in plan.phases.iter().zip(ends_s(&plan)) {
-            let tip = mean(&tips_m(resting(&samples, end_s), end_s)?) + Vector3::from_fn(|_, _| noise_m());
+            let tip = middle(&tips_m(resting(&samples, end_s), end_s)?) + Vector3::from_fn(|_, _| noise_m());
             let reading_pa = |channels: &Range<usize>| {
                 let readings = resting(&samples, end_s).flat_map(|sample| &sample.channels[channels.clone()]);
-                let (sum, count) =
-                    readings.fold((0.0, 0_u32), |(sum, count), channel| (sum + channel.pressure_pa, count + 1));
-                sum / f64::from(count.max(1))
+                mean(readings.map(|channel| channel.pressure_pa)).unwrap_or(0.0)
             };
             let pressures_pa = limb.modules().iter().map(|module| reading_pa(&module.channels)).collect();
             seen.push(Seen { phase: phase.name.clone(), loaded, tip_m: tip.into(), pressures_pa });
@@ -167,20 +166,17 @@ fn judge(goals: &[Vector3<f64>], runs: &[Vec<Vec<Vector3<f64>>>]) -> Tracked {
         phases.flat_map(|(goal, seen)| seen.iter().map(move |tip| (tip - goal).norm())).collect()
     };
     let errors: Vec<f64> = runs.iter().flat_map(of_run).collect();
-    let places: Vec<Vector3<f64>> = runs.iter().filter_map(|run| run.last().map(|seen| mean(seen))).collect();
-    let middle = mean(&places);
-    let spread: Vec<f64> = places.iter().map(|place| (place - middle).norm()).collect();
+    let places: Vec<Vector3<f64>> = runs.iter().filter_map(|run| run.last().map(|seen| middle(seen))).collect();
+    let center = middle(&places);
+    let spread = places.iter().map(|place| (place - center).norm());
     Tracked {
-        rmse_m: root_mean_square(&errors),
+        rmse_m: root_mean_square(errors.iter().copied()).unwrap_or(0.0),
         max_m: errors.iter().copied().fold(0.0, f64::max),
-        repeatability_m: root_mean_square(&spread),
+        repeatability_m: root_mean_square(spread).unwrap_or(0.0),
     }
 }
 
-fn mean(points: &[Vector3<f64>]) -> Vector3<f64> {
-    points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
-}
-
-fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+/// Mean of points; the origin of none.
+fn middle(points: &[Vector3<f64>]) -> Vector3<f64> {
+    mean(points.iter().copied()).unwrap_or_default()
 }
