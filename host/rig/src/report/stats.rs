@@ -22,7 +22,7 @@ impl ErrorStats {
     pub(super) fn of(errors: impl IntoIterator<Item = f64>) -> Option<Self> {
         let errors: Vec<f64> = errors.into_iter().filter(|error| error.is_finite()).collect();
         let rmse = root_mean_square(errors.iter().copied())?;
-        Some(Self { rmse, max: errors.iter().fold(0.0, |max, error| max.max(error.abs())), samples: errors.len() })
+        Some(Self { rmse, max: errors.iter().fold(0.0_f64, |max, error| max.max(error.abs())), samples: errors.len() })
     }
 }
 
