@@ -1,9 +1,4 @@
-//! Shape functions of the nine-node quadrilateral and Gauss points, for all finite elements in two dimensions.
-
-/// Gauss-Legendre nodes and weights on `-1..1`, three and two of them.
-pub(crate) const GAUSS_3: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
-pub(crate) const GAUSS_2: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+//! Shape functions of the nine-node quadrilateral, for all finite elements in two dimensions.
 
 /// The three quadratics that are one at `-1`, `0` and `1` in turn, and their slopes.
 pub(crate) fn quadratics(x: f64) -> ([f64; 3], [f64; 3]) {

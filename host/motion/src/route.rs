@@ -3,11 +3,9 @@
 //! Two trees of proven moves grow towards each other from both ends (RRT-connect); the way found is then cut short wherever a straight
 //! move between two of its points is clear, too. The draws are seeded, so that the same scene has the same way.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
-
 use super::space::Space;
 use softlimb_limb::{Limb, LimbModule};
+use softlimb_numerics::Random;
 
 /// Points drawn before the search gives up.
 const DRAWS: usize = 3000;
@@ -61,10 +59,10 @@ pub(super) fn approach(
 ) -> Vec<f64> {
     let search = Search { space, ranges };
     let far = |point: &[f64]| away(&search.values(point)).unwrap_or(f64::INFINITY);
-    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let mut random = Random::new(2, 0);
     let mut tree: Tree = vec![(search.shares(from), 0)];
     for _ in 0..GROWN {
-        let point = place(&mut random, from.len());
+        let point = random.point(from.len());
         search.extend(&mut tree, &point);
     }
     let measured = tree.into_iter().map(|(point, _)| (far(&point), point));
@@ -101,11 +99,6 @@ fn steps(here: &[f64], step: f64) -> Vec<Vec<f64>> {
     all
 }
 
-/// A place at random.
-fn place(random: &mut ChaCha8Rng, width: usize) -> Vec<f64> {
-    (0..width).map(|_| (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64).collect()
-}
-
 struct Search<'a, 's> {
     space: &'a Space<'s>,
     ranges: &'a [(f64, f64)],
@@ -128,10 +121,10 @@ impl Search<'_, '_> {
     }
 
     fn connect(&self, from: &[f64], to: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let mut random = ChaCha8Rng::seed_from_u64(0);
+        let mut random = Random::new(0, 0);
         let mut trees: [Tree; 2] = [vec![(from.to_vec(), 0)], vec![(to.to_vec(), 0)]];
         for draw in 0..DRAWS {
-            let point = place(&mut random, from.len());
+            let point = random.point(from.len());
             let (grown, other) = (draw % 2, 1 - draw % 2);
             let Some(tip) = self.extend(&mut trees[grown], &point) else { continue };
             let target = trees[grown][tip].0.clone();
@@ -185,13 +178,12 @@ fn branch(tree: &Tree, tip: usize) -> Vec<Vec<f64>> {
 
 /// Leaves out via points, in all pairs once and then between random places of the way.
 fn shorten(space: &Space<'_>, mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut random = Random::new(1, 0);
     for _ in 0..CUTS {
         if rows.len() < 3 {
             break;
         }
-        let mut pick = || (random.next_u64() % rows.len() as u64) as usize;
-        let (a, b) = (pick(), pick());
+        let (a, b) = (random.index(rows.len()), random.index(rows.len()));
         let (a, b) = (a.min(b), a.max(b));
         if b > a + 1 && space.blocked(&rows[a], &rows[b]).is_none() {
             rows.drain(a + 1..b);

@@ -147,7 +147,7 @@ mod tests {
     use softlimb_scene as scene;
 
     fn limb() -> Limb {
-        let path = format!("{}/../scenes/tip-waypoints.toml", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../../scenes/tip-waypoints.toml", env!("CARGO_MANIFEST_DIR"));
         Limb::new(&scene::load(path).unwrap()).unwrap()
     }
 

@@ -1,8 +1,14 @@
-//! Numerical methods without physics: bounded least squares, seeded random numbers, statistics.
+//! Numerical methods without physics: bounded least squares, multi-start search, seeded random numbers, points of low discrepancy,
+//! Gauss rules, statistics.
+//!
+//! This crate knows nothing of actuators, files or scenes, and uses no other crate of the workspace.
 
+pub mod gauss;
 pub mod least_squares;
+mod low_discrepancy;
+pub mod multi_start;
 mod random;
-mod student;
+pub mod statistics;
 
-pub use random::Random;
-pub use student::quantile as student_quantile;
+pub use low_discrepancy::Kronecker;
+pub use random::{Random, uniform_at};

@@ -92,7 +92,7 @@ pub struct SegmentAnswer {
 /// A design.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
-    /// `"reached"`: nothing is left of the objective, which cannot be less; `"best_found"`: the least of all descents.
+    /// `"reached"`: nothing is left of the objective, which cannot be less; `"best_found"`: the least of all local solves.
     pub status: &'static str,
     /// Eq. (14), from the forward model at the answer's geometry and pressures.
     pub objective: f64,
@@ -183,10 +183,10 @@ pub fn solve(problem: &Problem, effort: &Effort) -> Result<Answer, DesignError> 
 fn apart(problem: &Problem, found: &Found) -> Vec<Found> {
     let mut first = 0;
     let mut part = |segment: &Segment| {
-        let place = found.place[first..first + segment.dimensions()].to_vec();
+        let point = found.point[first..first + segment.dimensions()].to_vec();
         first += segment.dimensions();
         let (pressures_pa, counts) = (found.pressures_pa.clone(), Counts::default());
-        Found { place, pressures_pa, objective: found.objective, starts: found.starts, counts }
+        Found { point, pressures_pa, objective: found.objective, starts: found.starts, counts }
     };
     problem.segments.iter().map(&mut part).collect()
 }
@@ -220,7 +220,7 @@ pub(super) fn confirm(
 
 fn confirm_segment(segment: &Segment, found: &Found, counts: &mut Counts) -> Result<SegmentAnswer, DesignError> {
     let nowhere = || DesignError::NoEquilibrium { segment: segment.name.clone() };
-    let candidate = Candidate::new(segment, &found.place).ok_or_else(nowhere)?;
+    let candidate = Candidate::new(segment, &found.point).ok_or_else(nowhere)?;
     let cap = candidate.cap(counts).ok_or_else(nowhere)?;
     let mut condition: Option<f64> = None;
     let mut phases = Vec::new();
@@ -249,7 +249,7 @@ fn confirm_segment(segment: &Segment, found: &Found, counts: &mut Counts) -> Res
         angle_deg: geometry.angle_rad.to_degrees(),
         pressure_cap_pa: cap.pressure_pa,
         phases,
-        active_bounds: active_bounds(segment, &found.place),
+        active_bounds: active_bounds(segment, &found.point),
         condition,
         starts: found.starts,
     })

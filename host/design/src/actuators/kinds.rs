@@ -107,7 +107,7 @@ fn bounded(motion: Motion) -> Segment {
 
 /// What a hidden design does at hidden pressures; `None` where it has no equilibrium there.
 fn goals(segment: &Segment, random: &mut Random, unreachable: bool) -> Option<Vec<Option<Goal>>> {
-    let geometry = segment.geometry(&random.place(segment.dimensions()));
+    let geometry = segment.geometry(&random.point(segment.dimensions()));
     let actuator = Actuator::new(&segment.parameters(&geometry)).ok()?;
     let beyond = actuator.forward(segment.pressure_max_pa / (1.0 - segment.limit_margin), &Load::none()).ok()?;
     let mut values = Vec::new();

@@ -70,7 +70,7 @@ impl<'a> Objective<'a> {
             let (place, others) = rest.split_at(candidate.segment.dimensions());
             rest = others;
             let starts = Starts { made: 1, agreeing: 1 };
-            Found { place: place.to_vec(), pressures_pa, objective, starts, counts: Counts::default() }
+            Found { point: place.to_vec(), pressures_pa, objective, starts, counts: Counts::default() }
         };
         let parts: Vec<Found> = self.candidates(point).ok_or_else(nowhere)?.into_iter().map(&mut found).collect();
         let mut counts = self.counts;

@@ -273,21 +273,21 @@ impl Counted for Separate<'_> {
 }
 
 impl<'a> LeastSquares for Separate<'a> {
-    type Point = Reach<'a>;
+    type Evaluation = Reach<'a>;
 
-    fn at(&mut self, place: &[f64]) -> Option<Reach<'a>> {
-        Span::new(self.segment, place, &mut self.counts)?.reach(&mut self.counts)
+    fn evaluate(&mut self, point: &[f64]) -> Option<Reach<'a>> {
+        Span::new(self.segment, point, &mut self.counts)?.reach(&mut self.counts)
     }
 
-    fn residuals(&self, point: &Reach<'a>) -> Vec<f64> {
-        point.phases.iter().map(|phase| phase.residual).collect()
+    fn residuals(&self, reach: &Reach<'a>) -> Vec<f64> {
+        reach.phases.iter().map(|phase| phase.residual).collect()
     }
 
-    fn rows(&mut self, point: &Reach<'a>) -> Option<Vec<Vec<f64>>> {
+    fn jacobian(&mut self, reach: &Reach<'a>) -> Option<Vec<Vec<f64>>> {
         self.counts.evaluations += 1;
         let mut known: Vec<(Held, [f64; 4], f64)> = Vec::new();
         let mut rows = Vec::new();
-        for (phase, goal) in point.phases.iter().zip(&self.segment.goals) {
+        for (phase, goal) in reach.phases.iter().zip(&self.segment.goals) {
             let Some(goal) = goal else {
                 rows.push(vec![0.0; self.segment.dimensions()]);
                 continue;
@@ -296,7 +296,7 @@ impl<'a> LeastSquares for Separate<'a> {
             let same = known.iter().find(|(held, ..)| *held == phase.held && *held != Held::Turning);
             let row = match same {
                 Some((_, row, weight)) if *weight > 0.0 => row.map(|slope| slope * (goal.weight / weight).sqrt()),
-                _ => point.row(phase, goal, &mut self.counts)?,
+                _ => reach.row(phase, goal, &mut self.counts)?,
             };
             known.push((phase.held, row, goal.weight));
             rows.push(row[..self.segment.dimensions()].to_vec());

@@ -1,7 +1,7 @@
 //! The ridge where the highest pressure of the bounds meets the margin to the limit point.
 //!
 //! The pressure of a phase that wants more than it gets is `min(P_max, (1 - margin) P_limit)`. The best geometry is often one where both
-//! are equal: `g(x) = (1 - margin) P_limit(x)/P_max - 1 = 0`. The objective has a kink there, along which a descent that knows one side at a
+//! are equal: `g(x) = (1 - margin) P_limit(x)/P_max - 1 = 0`. The objective has a kink there, along which a local solve that knows one side at a
 //! time stops anywhere. So the side is given up: one variable `x_k` follows from the others by `g = 0`, and what is left is smooth,
 //!
 //! ```text
@@ -13,20 +13,20 @@
 use super::actuator::{Candidate, Cap, Counts};
 use super::reach::{Held, Reach, Separate, Span};
 use super::search::Watched;
-use softlimb_numerics::least_squares::{Descent, LeastSquares, Stop, minimise};
+use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise};
 
-/// Descents that end with `g` as small may have been stopped by the ridge.
+/// Local solves that end with `g` as small may have been stopped by the ridge.
 const NEAR: f64 = 0.05;
-/// How far from the ridge a descent begins that looks whether it is better there, as a share of the box.
+/// Distance from the ridge at which a local solve tries the other side, as a share of the box.
 const ASIDE: f64 = 1e-3;
-/// Steps of that descent: it goes on in the next round where it does better.
-const LOOK: usize = 15;
+/// Evaluations of that solve: it goes on in the next round where it does better.
+const LOOK: usize = 16;
 const ROUNDS: usize = 4;
 const STEPS: usize = 60;
-/// Places of a variable as near to each other are one: limit points are not known better.
+/// Values of a variable as near to each other are one: limit points are not known better.
 const SAME: f64 = 1e-13;
 
-/// `g` at a place, and its derivatives by the variables of the unit box.
+/// `g` at a point, and its derivatives by the variables of the unit box.
 struct Gap {
     value: f64,
     slopes: [f64; 4],
@@ -50,21 +50,21 @@ struct Ridge<'p, 'a> {
 
 /// A geometry on the ridge.
 struct OnRidge<'a> {
-    place: Vec<f64>,
+    point: Vec<f64>,
     reach: Reach<'a>,
     slopes: [f64; 4],
 }
 
 impl<'a> Ridge<'_, 'a> {
-    /// The place on the ridge with the other variables as they are: Newton's method, within a range that is halved where it fails.
+    /// The point on the ridge with the other variables as they are: Newton's method, within a range that is halved where it fails.
     fn complete(&mut self, others: &[f64]) -> Option<(Candidate<'a>, Vec<f64>, [f64; 4])> {
-        let mut place = others.to_vec();
-        place.insert(self.follows, self.last);
+        let mut point = others.to_vec();
+        point.insert(self.follows, self.last);
         let mut range = [0.0, 1.0];
         for _ in 0..STEPS {
-            let candidate = Candidate::new(self.separate.segment, &place)?;
+            let candidate = Candidate::new(self.separate.segment, &point)?;
             let gap = gap(&candidate, &mut self.separate.counts)?;
-            let (x, slope) = (place[self.follows], gap.slopes[self.follows]);
+            let (x, slope) = (point[self.follows], gap.slopes[self.follows]);
             let next = x - gap.value / slope;
             if !next.is_finite() {
                 return None;
@@ -79,62 +79,62 @@ impl<'a> Ridge<'_, 'a> {
             let step = if (range[0]..=range[1]).contains(&step) { step } else { 0.5 * (range[0] + range[1]) };
             if (step - x).abs() <= SAME {
                 self.last = x;
-                return Some((candidate, place, gap.slopes));
+                return Some((candidate, point, gap.slopes));
             }
-            place[self.follows] = step;
+            point[self.follows] = step;
         }
         None
     }
 }
 
 impl<'a> LeastSquares for Ridge<'_, 'a> {
-    type Point = OnRidge<'a>;
+    type Evaluation = OnRidge<'a>;
 
-    fn at(&mut self, others: &[f64]) -> Option<OnRidge<'a>> {
-        let (candidate, place, slopes) = self.complete(others)?;
+    fn evaluate(&mut self, others: &[f64]) -> Option<OnRidge<'a>> {
+        let (candidate, point, slopes) = self.complete(others)?;
         let cap = Cap { pressure_pa: candidate.segment.pressure_max_pa, limit: None };
         let counts = &mut self.separate.counts;
         counts.evaluations += 1;
         let reach = Span::with_cap(candidate, cap, counts)?.reach(counts)?;
-        Some(OnRidge { place, reach, slopes })
+        Some(OnRidge { point, reach, slopes })
     }
 
-    fn residuals(&self, point: &OnRidge<'a>) -> Vec<f64> {
-        self.separate.residuals(&point.reach)
+    fn residuals(&self, on_ridge: &OnRidge<'a>) -> Vec<f64> {
+        self.separate.residuals(&on_ridge.reach)
     }
 
-    fn rows(&mut self, point: &OnRidge<'a>) -> Option<Vec<Vec<f64>>> {
-        let mut rows = self.separate.rows(&point.reach)?;
+    fn jacobian(&mut self, on_ridge: &OnRidge<'a>) -> Option<Vec<Vec<f64>>> {
+        let mut rows = self.separate.jacobian(&on_ridge.reach)?;
         for row in &mut rows {
-            let following = row[self.follows] / point.slopes[self.follows];
-            row.iter_mut().zip(point.slopes).for_each(|(row, slope)| *row -= following * slope);
+            let following = row[self.follows] / on_ridge.slopes[self.follows];
+            row.iter_mut().zip(on_ridge.slopes).for_each(|(row, slope)| *row -= following * slope);
             row.remove(self.follows);
         }
         Some(rows)
     }
 }
 
-/// Goes on from the end of a descent where it may have been stopped by the ridge: along the ridge, and from there to both sides.
+/// Goes on from a local minimum where the solve may have been stopped by the ridge: along the ridge, and from there to both sides.
 pub(super) fn settle<'a>(
     problem: &mut Watched<Separate<'a>>,
-    mut best: Descent<Reach<'a>>,
-    stop: Stop,
-) -> Descent<Reach<'a>> {
+    mut best: Minimum<Reach<'a>>,
+    criteria: StoppingCriteria,
+) -> Minimum<Reach<'a>> {
     for _ in 0..ROUNDS {
-        if best.objective <= stop.zero || !stopped(&mut problem.problem, &best) {
+        if best.objective <= criteria.zero || !stopped(&mut problem.problem, &best) {
             break;
         }
         let before = best.objective;
         // The wall first: the limit point depends most on it.
         for follows in [1, 0, 3] {
-            let along = along(&mut problem.problem, &best.place, follows, stop);
+            let along = along(&mut problem.problem, &best.point, follows, criteria);
             take(problem, &mut best, along);
         }
         if best.objective < before * (1.0 - 1e-12) {
             continue;
         }
-        for place in aside(&mut problem.problem, &best.place) {
-            let other = minimise(problem, &place, Stop { steps: LOOK, ..stop });
+        for point in aside(&mut problem.problem, &best.point) {
+            let other = minimise(problem, &point, StoppingCriteria { evaluations: LOOK, ..criteria });
             take(problem, &mut best, other);
         }
         if best.objective >= before * (1.0 - 1e-12) {
@@ -144,7 +144,7 @@ pub(super) fn settle<'a>(
     best
 }
 
-fn take<'a>(problem: &mut Watched<Separate<'a>>, best: &mut Descent<Reach<'a>>, other: Option<Descent<Reach<'a>>>) {
+fn take<'a>(problem: &mut Watched<Separate<'a>>, best: &mut Minimum<Reach<'a>>, other: Option<Minimum<Reach<'a>>>) {
     if let Some(other) = other.filter(|other| other.objective < best.objective) {
         problem.tell(other.objective);
         *best = other;
@@ -152,33 +152,39 @@ fn take<'a>(problem: &mut Watched<Separate<'a>>, best: &mut Descent<Reach<'a>>, 
 }
 
 /// Whether a phase wants more pressure than it gets, near the ridge.
-fn stopped(problem: &mut Separate, end: &Descent<Reach>) -> bool {
-    let wants_more = end.point.phases.iter().any(|phase| phase.held == Held::Highest);
+fn stopped(problem: &mut Separate, minimum: &Minimum<Reach>) -> bool {
+    let wants_more = minimum.evaluation.phases.iter().any(|phase| phase.held == Held::Highest);
     wants_more
         && !problem.segment.bends_without_limit()
-        && Candidate::new(problem.segment, &end.place)
+        && Candidate::new(problem.segment, &minimum.point)
             .and_then(|candidate| gap(&candidate, &mut problem.counts))
             .is_some_and(|gap| gap.value.abs() < NEAR)
 }
 
-fn along<'a>(problem: &mut Separate<'a>, place: &[f64], follows: usize, stop: Stop) -> Option<Descent<Reach<'a>>> {
-    if follows >= place.len() || problem.segment.axis(follows)[1] == 0.0 {
+fn along<'a>(
+    problem: &mut Separate<'a>,
+    point: &[f64],
+    follows: usize,
+    criteria: StoppingCriteria,
+) -> Option<Minimum<Reach<'a>>> {
+    if follows >= point.len() || problem.segment.axis(follows)[1] == 0.0 {
         return None;
     }
-    let mut others = place.to_vec();
+    let mut others = point.to_vec();
     let last = others.remove(follows);
-    let end = minimise(&mut Ridge { separate: problem, follows, last }, &others, stop)?;
-    Some(Descent { place: end.point.place, point: end.point.reach, objective: end.objective })
+    let minimum = minimise(&mut Ridge { separate: problem, follows, last }, &others, criteria)?;
+    let Minimum { evaluation: OnRidge { point, reach, .. }, objective, evaluations, .. } = minimum;
+    Some(Minimum { point, evaluation: reach, objective, evaluations })
 }
 
-/// A place on each side of the ridge.
-fn aside(problem: &mut Separate, place: &[f64]) -> Vec<Vec<f64>> {
-    let gap = Candidate::new(problem.segment, place).and_then(|candidate| gap(&candidate, &mut problem.counts));
+/// A point on each side of the ridge.
+fn aside(problem: &mut Separate, point: &[f64]) -> Vec<Vec<f64>> {
+    let gap = Candidate::new(problem.segment, point).and_then(|candidate| gap(&candidate, &mut problem.counts));
     let Some(Gap { slopes, .. }) = gap else { return Vec::new() };
     let steepest = slopes.iter().fold(f64::MIN_POSITIVE, |most, slope| most.max(slope.abs()));
     let moved = |sign: f64| {
         let along = |(x, slope): (&f64, &f64)| (x + sign * ASIDE * slope / steepest).clamp(0.0, 1.0);
-        place.iter().zip(&slopes).map(along).collect()
+        point.iter().zip(&slopes).map(along).collect()
     };
     vec![moved(1.0), moved(-1.0)]
 }

@@ -82,12 +82,12 @@ impl Counted for Shared<'_> {
 }
 
 impl<'a> LeastSquares for Shared<'a> {
-    type Point = Line<'a>;
+    type Evaluation = Line<'a>;
 
-    fn at(&mut self, place: &[f64]) -> Option<Line<'a>> {
+    fn evaluate(&mut self, point: &[f64]) -> Option<Line<'a>> {
         self.counts.evaluations += 1;
-        let shares = place[self.dimensions()..].to_vec();
-        let (candidates, caps) = self.candidates(place)?;
+        let shares = point[self.dimensions()..].to_vec();
+        let (candidates, caps) = self.candidates(point)?;
         let least = (0..caps.len()).min_by(|a, b| caps[*a].pressure_pa.total_cmp(&caps[*b].pressure_pa))?;
         let pressures_pa: Vec<f64> = shares.iter().map(|share| share * caps[least].pressure_pa).collect();
         let mut states = Vec::new();
@@ -99,35 +99,35 @@ impl<'a> LeastSquares for Shared<'a> {
         Some(Line { candidates, caps, least, pressures_pa, states, shares })
     }
 
-    fn residuals(&self, point: &Line<'a>) -> Vec<f64> {
-        let mut states = point.states.iter();
-        let found = point
+    fn residuals(&self, line: &Line<'a>) -> Vec<f64> {
+        let mut states = line.states.iter();
+        let found = line
             .candidates
             .iter()
             .flat_map(|candidate| candidate.segment.goals.iter().map(move |goal| (candidate, goal)));
         found.zip(&mut states).map(|((candidate, goal), state)| difference(goal, candidate.measure(state))).collect()
     }
 
-    fn rows(&mut self, point: &Line<'a>) -> Option<Vec<Vec<f64>>> {
+    fn jacobian(&mut self, line: &Line<'a>) -> Option<Vec<Vec<f64>>> {
         self.counts.evaluations += 1;
-        let (geometry, phases) = (self.dimensions(), point.shares.len());
-        let cap = point.caps[point.least];
-        let moved = point.candidates[point.least].cap_by_place(&cap, &mut self.counts)?;
-        let offset = |index: usize| point.candidates[..index].iter().map(|c| c.segment.dimensions()).sum::<usize>();
+        let (geometry, phases) = (self.dimensions(), line.shares.len());
+        let cap = line.caps[line.least];
+        let moved = line.candidates[line.least].cap_by_place(&cap, &mut self.counts)?;
+        let offset = |index: usize| line.candidates[..index].iter().map(|c| c.segment.dimensions()).sum::<usize>();
         let mut rows = Vec::new();
-        for (index, candidate) in point.candidates.iter().enumerate() {
+        for (index, candidate) in line.candidates.iter().enumerate() {
             for (phase, goal) in candidate.segment.goals.iter().enumerate() {
                 let mut row = vec![0.0; geometry + phases];
                 if let Some(goal) = goal.filter(|goal| goal.weight > 0.0) {
-                    let state = &point.states[index * phases + phase];
+                    let state = &line.states[index * phases + phase];
                     let scale = goal.weight.sqrt();
                     let by_place = candidate.by_place(state, &mut self.counts)?;
                     let by_pressure = candidate.by_pressure(state, &mut self.counts)?;
                     let own = offset(index);
                     (0..candidate.segment.dimensions()).for_each(|i| row[own + i] += scale * by_place[i]);
-                    let least = offset(point.least);
-                    let by_cap = scale * by_pressure * point.shares[phase];
-                    (0..point.candidates[point.least].segment.dimensions())
+                    let least = offset(line.least);
+                    let by_cap = scale * by_pressure * line.shares[phase];
+                    (0..line.candidates[line.least].segment.dimensions())
                         .for_each(|i| row[least + i] += by_cap * moved[i]);
                     row[geometry + phase] = scale * by_pressure * cap.pressure_pa;
                 }

@@ -11,7 +11,7 @@ use softlimb_numerics::least_squares::LeastSquares;
 /// The answer to eq. (18).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
-    /// `"reached"`: nothing is left; `"best_found"`: the least objective of all descents.
+    /// `"reached"`: nothing is left; `"best_found"`: the least objective of all local solves.
     pub status: &'static str,
     /// Eq. (18): the mean over samples of the weighted squares.
     pub objective: f64,
@@ -65,7 +65,7 @@ pub struct ActuatorAnswer {
 
 pub(super) fn answer(forces: &mut Forces<'_>, place: &[f64], starts: (usize, usize)) -> Result<Answer, PayloadError> {
     let (evaluations, jacobians) = (forces.evaluations, forces.jacobians);
-    let point = forces.at(place).ok_or_else(|| PayloadError::Solver("the place found has no forces".into()))?;
+    let point = forces.evaluate(place).ok_or_else(|| PayloadError::Solver("the place found has no forces".into()))?;
     let objective = forces.residuals(&point).iter().map(|r| r * r).sum::<f64>();
     let samples = point.wrenches.iter().zip(&forces.problem.samples);
     let actuators = point.actuators.iter().enumerate();

@@ -168,9 +168,9 @@ impl Placed {
 }
 
 impl LeastSquares for Forces<'_> {
-    type Point = Point;
+    type Evaluation = Point;
 
-    fn at(&mut self, place: &[f64]) -> Option<Point> {
+    fn evaluate(&mut self, place: &[f64]) -> Option<Point> {
         self.evaluations += 1;
         let actuators = self.layout.slots.iter().map(|slots| self.placed(slots, place)).collect::<Option<Vec<_>>>()?;
         let wrench = |sample: usize| {
@@ -190,7 +190,7 @@ impl LeastSquares for Forces<'_> {
             .collect()
     }
 
-    fn rows(&mut self, point: &Point) -> Option<Vec<Vec<f64>>> {
+    fn jacobian(&mut self, point: &Point) -> Option<Vec<Vec<f64>>> {
         self.jacobians += 1;
         let mut rows = vec![vec![0.0; self.layout.width]; 6 * self.problem.samples.len()];
         for (placed, slots) in point.actuators.iter().zip(&self.layout.slots) {

@@ -1,19 +1,20 @@
-//! Bounded Gauss-Newton from the middle of the box and from places by seed.
+//! Bounded least squares from the middle of the box and from points by seed.
 //!
-//! A descent that is on its way needs some ten steps; one that still is not there after three times as many costs less to begin anew than to
-//! wait for. The best goes on to its end.
+//! A local solve that converges needs some ten steps; one that has not after three times as many costs less to begin anew than to wait for.
+//! The best goes on to its end.
 
 use super::answer::{Answer, answer};
 use super::forces::Forces;
 use super::problem::ForceProblem;
 use softlimb_limb::payload::PayloadError;
 use softlimb_numerics::Random;
-use softlimb_numerics::least_squares::{Descent, Stop, minimise};
+use softlimb_numerics::least_squares::{StoppingCriteria, minimise};
+use softlimb_numerics::multi_start::{MultiStart, multi_start};
 
 /// Objectives up to this count as zero.
 pub(super) const ZERO: f64 = 1e-20;
-/// Most steps of a descent that is not known to be the best.
-const STEPS: usize = 33;
+/// Most evaluations of a local solve that is not known to be the best, that of the start included.
+const EVALUATIONS: usize = 34;
 /// Objectives within this share are the same.
 const SAME: f64 = 1e-9;
 
@@ -22,11 +23,11 @@ const SAME: f64 = 1e-9;
 pub struct Effort {
     /// Seed of the starts but the first, which is the middle of the box.
     pub seed: u64,
-    /// Most descents.
+    /// Most starts.
     pub starts: usize,
-    /// Descents that must agree on the least objective, where it is not zero.
+    /// Local solves that must agree on the least objective, where it is not zero.
     pub agreeing: usize,
-    /// Evaluations and Jacobians after which no descent begins; the one under way, and the best, go on to their end.
+    /// Evaluations and Jacobians after which no local solve begins; the one under way, and the best, go on to their end.
     pub evaluations: u64,
 }
 
@@ -44,32 +45,17 @@ pub fn search(problem: &ForceProblem, effort: &Effort) -> Result<Answer, Payload
     let mut forces = Forces::new(problem);
     let width = forces.layout.width;
     let mut random = Random::new(effort.seed, 0);
-    let stop = Stop { zero: ZERO, relative: 1e-13, steps: STEPS };
-    let mut best: Option<Descent<_>> = None;
-    let (mut made, mut agreeing) = (0, 0);
-    while made < effort.starts && (made == 0 || forces.evaluations + forces.jacobians < effort.evaluations) {
-        let start = if made == 0 { vec![0.5; width] } else { random.place(width) };
-        made += 1;
-        let Some(found) = minimise(&mut forces, &start, stop) else { continue };
-        let least = best.as_ref().map_or(f64::INFINITY, |best| best.objective);
-        if (found.objective - least).abs() <= SAME * least {
-            agreeing += 1;
-        } else if found.objective < least {
-            agreeing = 1;
-        }
-        if found.objective < least {
-            best = Some(found);
-        }
-        let reached = best.as_ref().is_some_and(|best| best.objective <= ZERO);
-        if reached || agreeing >= effort.agreeing {
-            break;
-        }
-    }
-    let mut best = best.ok_or_else(|| PayloadError::Solver("no place of the box has forces".into()))?;
+    let criteria =
+        StoppingCriteria { zero: ZERO, relative: 1e-13, evaluations: EVALUATIONS, ..StoppingCriteria::default() };
+    let settings = MultiStart { starts: effort.starts, agreeing: effort.agreeing, same: SAME, criteria };
+    let spent = |forces: &Forces| forces.evaluations + forces.jacobians >= effort.evaluations;
+    let start = |_: &mut Forces, index: usize| Some(if index == 0 { vec![0.5; width] } else { random.point(width) });
+    let (mut best, solves) = multi_start(&mut forces, settings, spent, start, |_, minimum| minimum)
+        .ok_or_else(|| PayloadError::Solver("no place of the box has forces".into()))?;
     if best.objective > ZERO {
-        let to_its_end = Stop { steps: 10 * STEPS, ..stop };
-        let further = minimise(&mut forces, &best.place, to_its_end).filter(|end| end.objective < best.objective);
+        let to_its_end = StoppingCriteria { evaluations: 10 * EVALUATIONS, ..criteria };
+        let further = minimise(&mut forces, &best.point, to_its_end).filter(|end| end.objective < best.objective);
         best = further.unwrap_or(best);
     }
-    answer(&mut forces, &best.place, (made, agreeing))
+    answer(&mut forces, &best.point, (solves.starts, solves.agreeing))
 }

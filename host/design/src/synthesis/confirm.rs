@@ -10,6 +10,7 @@ use super::realise::Exact;
 use super::response::Section;
 use super::table::Curve;
 use super::task::{Space, Task, TaskError};
+use softlimb_numerics::statistics::root_mean_square;
 
 /// Standard atmosphere, Pa.
 const ATMOSPHERE_PA: f64 = 101_325.0;
@@ -102,9 +103,8 @@ fn figures(
     spare_clearance_m: Option<f64>,
 ) -> Figures {
     let most = |value: fn(&WayPointAnswer) -> f64| way_points.iter().map(value).fold(0.0, f64::max);
-    let squares: f64 = way_points.iter().map(|answer| answer.tip_error_m.powi(2)).sum();
     Figures {
-        tip_error_rms_m: (squares / way_points.len() as f64).sqrt(),
+        tip_error_rms_m: root_mean_square(way_points.iter().map(|answer| answer.tip_error_m)).unwrap_or(0.0),
         tip_error_max_m: most(|answer| answer.tip_error_m),
         direction_error_max_rad: most(|answer| answer.direction_error_rad),
         pressure_max_pa: most(|answer| answer.pressure_pa.iter().copied().fold(0.0, f64::max)),

@@ -86,7 +86,7 @@ impl Kind {
             spaces.iter().map(|space| space.at_section(std::array::from_fn(|_| random.uniform()))).collect();
         let tables = fine_tables(&task, &hidden)?;
         let layout = Layout::new(&hidden.iter().collect::<Vec<_>>(), count);
-        let place = random.place(layout.width());
+        let place = random.point(layout.width());
         let objective = Objective::new(&task, layout, tables.iter().collect(), 0);
         let bodies: Vec<_> = (0..count).map(|index| body_and_tip(&objective, &place, index)).collect();
         task.way_points = bodies.iter().map(|(_, tip)| WayPoint::at((*tip).into())).collect();

@@ -242,7 +242,7 @@ mod tests {
             let layout = Layout::new(&posed.spaces.iter().collect::<Vec<_>>(), posed.task.way_points.len());
             let objective = Objective::new(&posed.task, layout, tables.iter().collect(), 2);
             let mut random = Random::new(1, 1);
-            let place = random.place(objective.layout.width());
+            let place = random.point(objective.layout.width());
             let here = objective.at(&place);
             for index in 0..place.len() {
                 let moved = |step: f64| {

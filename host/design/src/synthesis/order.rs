@@ -5,7 +5,7 @@ use super::confirm::confirm;
 use super::layout::Layout;
 use super::objective::Objective;
 use super::realise::{Exact, fine_tables, sections};
-use super::search::{End, search};
+use super::search::{LocalMinimum, search};
 use super::table::Table;
 use super::task::{Aim, MOST_MODULES, Space, Task, TaskError, count};
 use softlimb_numerics::Random;
@@ -79,9 +79,10 @@ impl Order<'_> {
             spent += found.evaluations;
             // What is far from doing it is settled only if it is all there is.
             let last = spent >= evaluations && best.is_none();
-            let promising = |(index, end): &(usize, &End)| end.value <= PROMISING_MM2 || (last && *index == 0);
-            for (_, end) in found.ends.iter().enumerate().take(CONFIRMED).filter(promising) {
-                let (candidate, settled) = self.confirmed(&objective.layout, end)?;
+            let promising =
+                |(index, minimum): &(usize, &LocalMinimum)| minimum.value <= PROMISING_MM2 || (last && *index == 0);
+            for (_, minimum) in found.minima.iter().enumerate().take(CONFIRMED).filter(promising) {
+                let (candidate, settled) = self.confirmed(&objective.layout, minimum)?;
                 spent += settled;
                 if best.as_ref().is_none_or(|best| badness(&candidate) < badness(best)) {
                     best = Some(candidate);
@@ -95,11 +96,11 @@ impl Order<'_> {
         }
     }
 
-    /// An end, settled and asked of the model; and the evaluations that took.
-    fn confirmed(&self, layout: &Layout, end: &End) -> Result<(Candidate, usize), TaskError> {
-        let sections = sections(&self.spaces, layout, &end.place);
+    /// A minimum, settled and confirmed by the model; and the evaluations that took.
+    fn confirmed(&self, layout: &Layout, minimum: &LocalMinimum) -> Result<(Candidate, usize), TaskError> {
+        let sections = sections(&self.spaces, layout, &minimum.place);
         let tables = fine_tables(self.task, &sections)?;
-        let mut exact = Exact::new(self.task, &sections, &tables, (layout, end), ON_A_MOVE);
+        let mut exact = Exact::new(self.task, &sections, &tables, (layout, minimum), ON_A_MOVE);
         let spent = exact.settle();
         Ok((confirm(&exact, &sections)?, spent))
     }

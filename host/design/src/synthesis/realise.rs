@@ -1,22 +1,22 @@
-//! From an end of the search to a limb that the model confirms.
+//! From a minimum of the search to a limb that the model confirms.
 //!
 //! The sections found are taken as they are; their response is interpolated anew, now to some 1e-9, and lengths, mount angles and
 //! deformations go down once more. Where the body comes too near to an obstacle between the points of the objective, the nearest point
-//! joins them and the descent goes on. Then the model is asked (`confirm.rs`).
+//! joins them and the local solve goes on. Then the model is asked (`confirm.rs`).
 
 use super::candidate::CLEAR_M;
 use super::chain::MOUNT;
-use super::descent::{Patience, descend};
 use super::layout::Layout;
+use super::local_solve::{criteria, solve};
 use super::moves::{Move, Nearest, spot};
 use super::objective::{Objective, Pose, Spot};
-use super::search::End;
+use super::search::LocalMinimum;
 use super::table::Table;
 use super::task::{Space, Task, TaskError};
 
 /// Objective that no further round brings down to nothing, mm2.
 const HOPELESS_MM2: f64 = 1.0;
-/// Rounds of descents with more body points.
+/// Rounds of local solves with more body points.
 const ROUNDS: usize = 6;
 
 impl Space {
@@ -38,7 +38,7 @@ pub(super) struct Exact<'a> {
     pub(super) place: Vec<f64>,
 }
 
-/// The sections of an end.
+/// The sections of a minimum.
 pub(super) fn sections(spaces: &[&Space], layout: &Layout, place: &[f64]) -> Vec<Space> {
     spaces.iter().enumerate().map(|(module, space)| space.at_section(layout.section(place, module))).collect()
 }
@@ -49,25 +49,25 @@ pub(super) fn fine_tables(task: &Task, sections: &[Space]) -> Result<Vec<Table>,
 }
 
 impl<'a> Exact<'a> {
-    /// The place of an end among the variables that are left.
+    /// The place of a minimum among the variables that are left.
     pub(super) fn new(
         task: &'a Task,
         sections: &[Space],
         tables: &'a [Table],
-        from: (&Layout, &End),
+        from: (&Layout, &LocalMinimum),
         on_a_move: usize,
     ) -> Self {
         let layout = Layout::new(&sections.iter().collect::<Vec<_>>(), task.way_points.len());
-        let (old, end) = from;
+        let (old, minimum) = from;
         let mut place = vec![0.5; layout.width()];
         for module in 0..sections.len() {
             for slot in 3..=MOUNT {
                 if let (Some(to), Some(from)) = (layout.common[module][slot], old.common[module][slot]) {
-                    place[to] = end.place[from];
+                    place[to] = minimum.place[from];
                 }
             }
             for way_point in 0..task.way_points.len() {
-                place[layout.share(way_point, module)] = end.place[old.share(way_point, module)];
+                place[layout.share(way_point, module)] = minimum.place[old.share(way_point, module)];
             }
         }
         let mut objective = Objective::new(task, layout, tables.iter().collect(), on_a_move);
@@ -78,10 +78,10 @@ impl<'a> Exact<'a> {
     /// Goes down, and again with the body points that turn out to be missing.
     pub(super) fn settle(&mut self) -> usize {
         let all: Vec<usize> = (0..self.place.len()).collect();
-        let patience = Patience { zero: 1e-16, gain: 1e-9, evaluations: 200 };
+        let criteria = criteria(1e-16, 1e-9, 200);
         let mut spent = 0;
         for _ in 0..ROUNDS {
-            let (value, evaluations) = descend(&self.objective, &mut self.place, &all, patience);
+            let (value, evaluations) = solve(&self.objective, &mut self.place, &all, criteria);
             spent += evaluations;
             if value > HOPELESS_MM2 || !self.add_missing_points() {
                 break;

@@ -1,40 +1,40 @@
-//! The search for one order of modules: descents from many starts, and hops from the best of their ends.
+//! The search for one order of modules: local solves from many starts, and basin hops from the best of their minima.
 //!
-//! A start is a random geometry whose tip is first brought to the way-points without obstacles. A hop takes a good end, gives the way-point
-//! that is worst off new deformations, or the limb new sizes, and goes down again: limbs that touch an obstacle on the wrong side do not
+//! A start is a random geometry whose tip is first brought to the way-points without obstacles. A basin hop takes a good minimum, gives the way-point
+//! that is worst off new deformations, or the limb new sizes, and solves again: limbs that touch an obstacle on the wrong side do not
 //! come round it by descending.
 
-use super::descent::{Patience, descend};
 use super::layout::Layout;
+use super::local_solve::{criteria, solve};
 use super::objective::Objective;
 use softlimb_numerics::Random;
 
-/// Ends that are kept to hop from.
+/// Minima that are kept to hop from.
 const KEPT: usize = 6;
 /// Random deformations that a way-point is given in one hop.
 const TRIES: usize = 6;
-/// Evaluations of a descent without obstacles, one of a single way-point, and one of all.
+/// Evaluations of a local solve without obstacles, one of a single way-point, and one of all.
 const FIRST: usize = 25;
 const SINGLE: usize = 12;
 const ALL: usize = 60;
 
-/// An end of a descent.
+/// Result of a local solve.
 #[derive(Clone, Debug)]
-pub(super) struct End {
+pub(super) struct LocalMinimum {
     pub(super) place: Vec<f64>,
     /// Objective, mm2, by the interpolated response.
     pub(super) value: f64,
 }
 
-/// What a search has found and spent.
+/// Result of a search and its cost.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Found {
-    /// The best ends, the best first.
-    pub(super) ends: Vec<End>,
+    /// The best minima, the best first.
+    pub(super) minima: Vec<LocalMinimum>,
     /// Evaluations of all way-points with derivatives.
     pub(super) evaluations: usize,
-    /// Descents with obstacles.
-    pub(super) descents: usize,
+    /// Local solves with obstacles.
+    pub(super) local_solves: usize,
 }
 
 /// Searches until the objective is at most `zero` (mm2) or the evaluations are spent.
@@ -42,43 +42,41 @@ pub(super) fn search(objective: &mut Objective, random: &mut Random, zero: f64, 
     let mut found = Found::default();
     while found.evaluations < evaluations {
         // Random starts first; then hops, and every fourth time another start.
-        let fresh = found.ends.len() < 3 || found.descents.is_multiple_of(4);
+        let fresh = found.minima.len() < 3 || found.local_solves.is_multiple_of(4);
         let place = if fresh { start(objective, random, &mut found) } else { hop(objective, random, &mut found) };
         let Some(mut place) = place else { continue };
-        let patience = Patience { zero, gain: 1e-3, evaluations: ALL };
         let all: Vec<usize> = (0..place.len()).collect();
         objective.layout.wrap(&mut place);
-        let (mut value, spent) = descend(objective, &mut place, &all, patience);
+        let (mut value, spent) = solve(objective, &mut place, &all, criteria(zero, 1e-3, ALL));
         found.evaluations += spent;
-        found.descents += 1;
-        if found.ends.first().is_none_or(|best| value < 4.0 * best.value) && value > zero {
-            let patience = Patience { zero, gain: 1e-6, evaluations: 2 * ALL };
-            let (better, spent) = descend(objective, &mut place, &all, patience);
+        found.local_solves += 1;
+        if found.minima.first().is_none_or(|best| value < 4.0 * best.value) && value > zero {
+            let (better, spent) = solve(objective, &mut place, &all, criteria(zero, 1e-6, 2 * ALL));
             found.evaluations += spent;
             value = better;
         }
-        keep(&mut found.ends, End { place, value });
-        if found.ends[0].value <= zero {
+        keep(&mut found.minima, LocalMinimum { place, value });
+        if found.minima[0].value <= zero {
             break;
         }
     }
     found
 }
 
-/// Keeps the best ends that differ.
-fn keep(ends: &mut Vec<End>, end: End) {
+/// Keeps the best minima that differ.
+fn keep(minima: &mut Vec<LocalMinimum>, minimum: LocalMinimum) {
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-3 * (a + b);
-    if ends.iter().any(|kept| same(kept.value, end.value)) {
+    if minima.iter().any(|kept| same(kept.value, minimum.value)) {
         return;
     }
-    let at = ends.partition_point(|kept| kept.value <= end.value);
-    ends.insert(at, end);
-    ends.truncate(KEPT);
+    let at = minima.partition_point(|kept| kept.value <= minimum.value);
+    minima.insert(at, minimum);
+    minima.truncate(KEPT);
 }
 
 /// A random place with the mount angles in the middle of their range.
 fn anywhere(layout: &Layout, random: &mut Random) -> Vec<f64> {
-    let mut place = random.place(layout.width());
+    let mut place = random.point(layout.width());
     layout.wrap(&mut place);
     place
 }
@@ -88,18 +86,18 @@ fn start(objective: &mut Objective, random: &mut Random, found: &mut Found) -> O
     let mut place = anywhere(&objective.layout, random);
     let all: Vec<usize> = (0..place.len()).collect();
     objective.obstacles = false;
-    let (value, spent) = descend(objective, &mut place, &all, Patience { zero: 1e-2, gain: 0.05, evaluations: FIRST });
+    let (value, spent) = solve(objective, &mut place, &all, criteria(1e-2, 0.05, FIRST));
     objective.obstacles = true;
     // A pose alone costs less than one with obstacles.
     found.evaluations += spent.div_ceil(2);
-    let worth = found.ends.get(2).is_none_or(|kept| value < 10.0 * kept.value + 10.0);
+    let worth = found.minima.get(2).is_none_or(|kept| value < 10.0 * kept.value + 10.0);
     worth.then_some(place)
 }
 
-/// A place near a good end.
+/// A place near a good minimum.
 fn hop(objective: &mut Objective, random: &mut Random, found: &mut Found) -> Option<Vec<f64>> {
-    let pick = (found.ends.len() as f64 * random.uniform().powi(2)) as usize;
-    let mut place = found.ends.get(pick)?.place.clone();
+    let pick = (found.minima.len() as f64 * random.uniform().powi(2)) as usize;
+    let mut place = found.minima.get(pick)?.place.clone();
     let moved = random.uniform();
     if moved < 0.7 {
         let size = 0.5 * random.uniform().powi(2);
@@ -144,8 +142,7 @@ fn again(objective: &mut Objective, place: &mut Vec<f64>, way_point: usize, rand
     for _ in 0..TRIES {
         let mut trial = place.clone();
         shares.iter().for_each(|index| trial[*index] = random.uniform());
-        let (value, cost) =
-            descend(objective, &mut trial, &shares, Patience { zero: 1e-3, gain: 0.02, evaluations: SINGLE });
+        let (value, cost) = solve(objective, &mut trial, &shares, criteria(1e-3, 0.02, SINGLE));
         spent += cost;
         if best.as_ref().is_none_or(|(least, _)| value < *least) {
             best = Some((value, trial));

@@ -2,7 +2,8 @@
 
 use super::mesh::{FIELDS, NODES, PRESSURES};
 use super::wall::{Energy, Gradient, PARTS, RR, RZ, TR, TT, TZ, Wall, Winding, ZR, ZZ, determinant};
-use crate::quadrilateral::{GAUSS_3, Shape, quadratics};
+use crate::quadrilateral::{Shape, quadratics};
+use softlimb_numerics::gauss::GAUSS_3;
 
 /// Unknowns of the nodes of an element, and all its unknowns.
 const MOVES: usize = NODES * FIELDS;

@@ -153,6 +153,7 @@ fn residual(sample: &Sample, coefficients: &[f64; 3]) -> f64 {
     k * (coefficients[0] + k * (coefficients[1] + k * coefficients[2])) / sample.pressure_pa - 1.0
 }
 
+/// Weighted linear least squares for three coefficients: one solve of the normal equations, without a start or bounds.
 fn least_squares(samples: &[Sample], weights: &[f64]) -> [f64; 3] {
     // In units of the largest bend, so that the powers are alike.
     let unit = samples.iter().map(|sample| sample.bend_rate).fold(0.0, f64::max);

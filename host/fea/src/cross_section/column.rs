@@ -8,7 +8,7 @@ use super::model::{Border, Form, State};
 use super::spot::{Local, Spot, Sums, V3};
 use super::spots::{limiting_spots, places, surface_spots, wall_spot};
 use crate::elastomer::Elastomer;
-use crate::quadrilateral::GAUSS_3;
+use softlimb_numerics::gauss::GAUSS_3;
 
 /// What is computed once about a column.
 #[derive(Clone, Debug)]

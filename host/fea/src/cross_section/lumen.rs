@@ -5,7 +5,8 @@
 //! `l0 e3 + w x y` is the curl of the integrand. The caps' share is in the dependence on `l0` and `w`.
 
 use super::spot::{LOCAL, Local, V3, dot};
-use crate::quadrilateral::{GAUSS_3, quadratics};
+use crate::quadrilateral::quadratics;
+use softlimb_numerics::gauss::GAUSS_3;
 
 /// Enclosed volume of one element's inner face with its derivatives by displacements and strains.
 pub(super) struct Lumen {

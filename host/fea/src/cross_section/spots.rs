@@ -3,7 +3,8 @@
 use super::build::{Build, Fibers, Limit};
 use super::grid::Grid;
 use super::spot::Spot;
-use crate::quadrilateral::{GAUSS_2, Shape, quadratics};
+use crate::quadrilateral::{Shape, quadratics};
+use softlimb_numerics::gauss::GAUSS_2;
 
 /// Undeformed places of an element's nodes.
 pub(super) fn places(grid: &Grid, angles: &[f64; 3], element: usize) -> [[f64; 2]; 9] {

@@ -3,16 +3,15 @@
 use std::f64::consts::FRAC_PI_2;
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Status};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use softlimb_fea::cross_section::{EndLoad, Limiter, Options, Outcome, Section};
+use softlimb_numerics::Random;
 
 /// Uniform and log-uniform numbers.
-struct Numbers(ChaCha8Rng);
+struct Numbers(Random);
 
 impl Numbers {
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+        low + (high - low) * self.0.uniform()
     }
 
     fn over(&mut self, low: f64, high: f64) -> f64 {
@@ -20,7 +19,7 @@ impl Numbers {
     }
 
     fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[self.0.next_u64() as usize % choices.len()]
+        choices[self.0.index(choices.len())]
     }
 
     fn material(&mut self, mu: f64) -> Material<f64> {
@@ -66,7 +65,7 @@ fn straight(numbers: &mut Numbers) -> ActuatorParameters<f64> {
 
 #[test]
 fn random_straight_actuators_have_the_answers_of_the_thick_wall_equations() {
-    let mut numbers = Numbers(ChaCha8Rng::seed_from_u64(71));
+    let mut numbers = Numbers(Random::new(71, 0));
     let (mut solved, mut limits, mut worst) = (0, 0, 0.0);
     for _ in 0..600 {
         let parameters = straight(&mut numbers);
@@ -122,7 +121,7 @@ fn bending(numbers: &mut Numbers) -> (ActuatorParameters<f64>, Options) {
 
 #[test]
 fn random_bending_actuators_all_have_answers() {
-    let mut numbers = Numbers(ChaCha8Rng::seed_from_u64(73));
+    let mut numbers = Numbers(Random::new(73, 0));
     let (mut worst, mut steps) = (0.0, 0);
     for _ in 0..150 {
         let (parameters, options) = bending(&mut numbers);

@@ -1,8 +1,7 @@
 //! The seeded set of actuators that every method is asked about.
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Status, Target};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use softlimb_numerics::Random;
 
 /// One actuator and the pressure it is asked about. Every number is one that single precision holds exactly, so that both scalars
 /// are asked the same question.
@@ -40,17 +39,15 @@ pub fn samples(seed: u64, count: usize) -> Vec<Sample> {
     (0..count).map(sample).collect()
 }
 
-struct Draw(ChaCha8Rng);
+struct Draw(Random);
 
 impl Draw {
     fn new(seed: u64, stream: u64) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(stream);
-        Self(rng)
+        Self(Random::new(seed, stream))
     }
 
     fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+        self.0.uniform()
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {

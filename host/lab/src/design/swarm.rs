@@ -60,8 +60,8 @@ struct Particle {
 impl Particle {
     fn new(settings: &Swarm, random: &mut Random, objective: &mut Objective) -> Self {
         let width = objective.width();
-        let at = random.place(width);
-        let velocity = random.place(width).iter().map(|x| settings.fastest * (2.0 * x - 1.0)).collect();
+        let at = random.point(width);
+        let velocity = random.point(width).iter().map(|x| settings.fastest * (2.0 * x - 1.0)).collect();
         let value = objective.at(&at).unwrap_or(f64::INFINITY);
         Self { velocity, best: (value, at.clone()), at }
     }

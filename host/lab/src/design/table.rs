@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{Comparison, Method, Point, Run};
+use softlimb_numerics::statistics::percentile;
 
 /// The lines a page's table stands between.
 pub const PLACE: [&str; 2] = ["<!-- written by softlimb design --compare -->", "<!-- end -->"];
@@ -32,10 +33,9 @@ pub struct Row {
     pub most_solves_to_end: u64,
 }
 
+/// The median; of an even number the lower of the two in the middle.
 fn median<T: Copy + PartialOrd>(values: impl Iterator<Item = T>) -> Option<T> {
-    let mut values: Vec<T> = values.collect();
-    values.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    values.get(values.len().saturating_sub(1) / 2).copied()
+    percentile(values, 50)
 }
 
 fn medians(points: &[Point]) -> Option<Point> {

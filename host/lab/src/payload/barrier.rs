@@ -43,7 +43,7 @@ pub fn barrier(problem: &ForceProblem, settings: &Barrier) -> Result<Answer, Pay
     // Away from the faces, where the barrier is infinite.
     let start = match settings.seed {
         0 => vec![0.5; width],
-        seed => Random::new(seed, 0).place(width).iter().map(|x| 0.05 + 0.9 * x).collect(),
+        seed => Random::new(seed, 0).point(width).iter().map(|x| 0.05 + 0.9 * x).collect(),
     };
     let mut place = DVector::from_vec(start);
     let mut weight = settings.weights[0];
@@ -59,7 +59,7 @@ fn value(forces: &mut Forces<'_>, place: &DVector<f64>, weight: f64) -> f64 {
         return f64::INFINITY;
     }
     let walls: f64 = place.iter().map(|x| x.ln() + (1.0 - x).ln()).sum();
-    match forces.at(place.as_slice()) {
+    match forces.evaluate(place.as_slice()) {
         Some(point) => sum_of_squares(&forces.residuals(&point)) - weight * walls,
         None => f64::INFINITY,
     }

@@ -59,8 +59,8 @@ pub fn kind(name: &str, seed: u64) -> Option<ForceProblem> {
     let mut random = Random::new(seed, stream);
     let wrenches = loop {
         let mut forces = Forces::new(&problem);
-        let place: Vec<f64> = random.place(forces.width()).iter().map(|x| 0.1 + 0.8 * x).collect();
-        if let Some(point) = forces.at(&place) {
+        let place: Vec<f64> = random.point(forces.width()).iter().map(|x| 0.1 + 0.8 * x).collect();
+        if let Some(point) = forces.evaluate(&place) {
             break point.wrenches;
         }
     };

@@ -18,5 +18,6 @@ pub use input::{Kind, Varied};
 pub use linear::{Linear, linear};
 pub use picture::picture;
 pub use sample::{Deviation, Sample, sample};
-pub use statistics::{Estimate, PhaseStatistics, Share, Statistics};
+pub use softlimb_numerics::statistics::Estimate;
+pub use statistics::{PhaseStatistics, Share, Statistics};
 pub use study::{Pose, Settings, Study, Unanswerable};

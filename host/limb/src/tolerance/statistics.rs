@@ -5,21 +5,13 @@ use nalgebra::Vector3;
 use super::input::Varied;
 use super::linear::Linear;
 use super::sample::{Deviation, Sample};
+use softlimb_numerics::statistics::{Estimate, mean, percentile};
 
 /// Up to this share of the displacement's RMS the linear route may be off from limb to limb, RMS, and still count as enough. What is
 /// left out being of second order, the RMS itself is then off by about half of its square, 0.5 %.
 const ENOUGH: f64 = 0.1;
 /// Displacements below this, m, are rounding.
 const NOTHING_M: f64 = 1e-12;
-
-/// A figure of the samples and its standard error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// The figure.
-    pub value: f64,
-    /// Standard error.
-    pub error: f64,
-}
 
 /// What is left of the mean square of the displacement where only some parameters are off, as a share of the whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,9 +76,8 @@ impl PhaseStatistics {
             }
         }
         let squares: Vec<f64> = answered.iter().map(|(displacement, _)| displacement.norm_squared()).collect();
-        let mean_square = estimate(&squares);
+        let mean_square = Estimate::of_mean(&squares);
         let rms = mean_square.value.sqrt();
-        let count = answered.len() as f64;
         let departures = answered.iter().map(|(found, deviation)| (found - deviation.linear_m).norm_squared());
         let distances =
             answered.iter().map(|(displacement, deviation)| (deviation.linear_m.norm(), displacement.norm()));
@@ -95,17 +86,19 @@ impl PhaseStatistics {
         let share = |(index, varied): (usize, Varied)| Share {
             varied,
             linear: linear.mean_square_of_m2(varied) / linear.mean_square_m2(),
-            sampled: ratio(answered.iter().zip(&squares).filter_map(|((_, d), all)| Some((d.parts_m2[index]?, *all)))),
+            sampled: Estimate::of_ratio(
+                answered.iter().zip(&squares).filter_map(|((_, d), all)| Some((d.parts_m2[index]?, *all))),
+            ),
         };
         Self {
             answered: answered.len(),
             lost,
             linear_rms_m: linear.mean_square_m2().sqrt(),
             rms_m: Estimate { value: rms, error: if rms > 0.0 { 0.5 * mean_square.error / rms } else { 0.0 } },
-            p95_m: [quantile(linear_m), quantile(found_m)],
+            p95_m: [linear_m, found_m].map(|distances| percentile(distances, 95).unwrap_or(0.0)),
             max_m: squares.iter().copied().fold(0.0, f64::max).sqrt(),
-            mean_m: answered.iter().map(|(displacement, _)| displacement).sum::<Vector3<f64>>() / count.max(1.0),
-            departure_m: (departures.sum::<f64>() / count.max(1.0)).sqrt(),
+            mean_m: mean(answered.iter().map(|(displacement, _)| *displacement)).unwrap_or_default(),
+            departure_m: mean(departures).map_or(0.0, f64::sqrt),
             shares: all.into_iter().enumerate().map(share).collect(),
         }
     }
@@ -123,51 +116,5 @@ impl PhaseStatistics {
     /// Whether the linear route is enough: the routes differ by less than a tenth of the displacement, and every sample has an answer.
     pub fn linear_is_enough(&self) -> bool {
         self.departure() <= ENOUGH && self.lost_in_all() == 0
-    }
-}
-
-/// Mean and its standard error.
-fn estimate(values: &[f64]) -> Estimate {
-    let count = values.len() as f64;
-    let value = values.iter().sum::<f64>() / count.max(1.0);
-    let scatter = values.iter().map(|one| (one - value) * (one - value)).sum::<f64>();
-    Estimate { value, error: (scatter / (count - 1.0).max(1.0) / count.max(1.0)).sqrt() }
-}
-
-/// Ratio of the means of pairs, with the standard error of a ratio of numbers that go together.
-fn ratio(pairs: impl Iterator<Item = (f64, f64)>) -> Estimate {
-    let (parts, wholes): (Vec<f64>, Vec<f64>) = pairs.unzip();
-    let whole = estimate(&wholes).value;
-    let value = estimate(&parts).value / whole;
-    let rest: Vec<f64> = parts.iter().zip(&wholes).map(|(part, whole)| part - value * whole).collect();
-    Estimate { value, error: estimate(&rest).error / whole }
-}
-
-/// The value that 95 % do not exceed.
-fn quantile(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let rank = (values.len() * 95).div_ceil(100).max(1) - 1;
-    values.get(rank).copied().unwrap_or(0.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn five_in_a_hundred_exceed_the_quantile() {
-        let values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!(quantile(values), 95.0);
-        assert_eq!((quantile(vec![3.0]), quantile(Vec::new())), (3.0, 0.0));
-    }
-
-    #[test]
-    fn means_and_ratios_of_a_few_numbers() {
-        // 1, 2, 3, 6: mean 3, variance (4 + 1 + 0 + 9)/3, of the mean a quarter of it.
-        let found = estimate(&[1.0, 2.0, 3.0, 6.0]);
-        assert!((found.value - 3.0).abs() < 1e-15 && (found.error - (14.0_f64 / 12.0).sqrt()).abs() < 1e-15);
-        // A part that is always a third of the whole has no error at all.
-        let found = ratio([(1.0, 3.0), (2.0, 6.0), (5.0, 15.0)].into_iter());
-        assert!((found.value - 1.0 / 3.0).abs() < 1e-15 && found.error < 1e-15);
     }
 }

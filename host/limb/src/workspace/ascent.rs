@@ -1,4 +1,6 @@
 //! Uphill in a box: a projected quasi-Newton ascent of a measure of the tip.
+//!
+//! The measure is a coordinate or a distance to be made as large as possible, no sum of squares, so that least squares do not apply.
 
 use nalgebra::{DMatrix, DVector};
 

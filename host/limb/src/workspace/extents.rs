@@ -4,8 +4,8 @@
 //! many of them otherwise, and points inside; from the best ones a projected quasi-Newton ascent goes on. The answer is asked of the model.
 
 use super::ascent::{Goal, Place, ascend};
-use super::sample::kronecker;
 use super::space::Workspace;
+use softlimb_numerics::Kronecker;
 
 /// Most corners that are looked at, as a power of two, and points inside.
 const CORNERS_LOG2: usize = 14;
@@ -69,8 +69,8 @@ pub fn extents(space: &Workspace<'_>) -> Option<Extents> {
 fn starts(space: &Workspace<'_>) -> [Vec<(Place, [f64; 3])>; 2] {
     let axes = space.axes().len();
     let (corners, corner) = corners(axes, CORNERS_LOG2);
-    let point = kronecker(axes, 0);
-    [gather(space, corners, corner), gather(space, INSIDE, point)]
+    let sequence = Kronecker::new(axes, 0);
+    [gather(space, corners, corner), gather(space, INSIDE, |index, axis| sequence.coordinate(index, axis))]
 }
 
 /// The corners of a box, or `2^most` of them that are far apart: those whose bits are those of odd multiples of their number.

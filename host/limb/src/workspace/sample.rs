@@ -3,6 +3,7 @@
 use std::thread;
 
 use super::space::Workspace;
+use softlimb_numerics::{Kronecker, uniform_at};
 
 /// Samples that a thread takes at a time.
 const PIECE: usize = 4096;
@@ -20,39 +21,9 @@ pub enum Points {
     Random,
 }
 
-/// Points of low discrepancy: multiples of powers of the root of `x^(d+1) = x + 1`, from an offset by seed.
-pub(super) struct Sequence {
-    pub(super) offsets: Vec<f64>,
-    pub(super) steps: Vec<f64>,
-}
-
-impl Sequence {
-    pub(super) fn new(axes: usize, seed: u64) -> Self {
-        let mut root = 1.5_f64;
-        for _ in 0..60 {
-            root = (1.0 + root).powf(1.0 / (axes as f64 + 1.0));
-        }
-        let steps = (0..axes).map(|axis| root.powi(-(axis as i32 + 1))).collect();
-        let offsets = (0..axes).map(|axis| if seed == 0 { 0.5 } else { random(seed, 0, axis) }).collect();
-        Self { offsets, steps }
-    }
-}
-
-/// Their coordinates by number and axis.
-pub(super) fn kronecker(axes: usize, seed: u64) -> impl Fn(usize, usize) -> f64 + Sync {
-    let Sequence { offsets, steps } = Sequence::new(axes, seed);
-    move |index, axis| {
-        let place = offsets[axis] + (index as f64 + 1.0) * steps[axis];
-        place - place.floor()
-    }
-}
-
-/// A number of 0 to 1 by seed, sample and axis: the mixing function of SplitMix64.
+/// A number in `0..1` by seed, sample and axis.
 pub(super) fn random(seed: u64, index: usize, axis: usize) -> f64 {
-    let mut z = seed.wrapping_add((index as u64 * 32 + axis as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    uniform_at(seed, (index * 32 + axis) as u64)
 }
 
 /// Tips of `count` samples, m, on as many threads as asked for (at least one). Samples depend on the seed and their number alone.
@@ -62,7 +33,8 @@ pub fn sample(space: &Workspace<'_>, points: Points, count: usize, seed: u64, th
 
 /// Shares of the highest pressures by sample and axis.
 pub(super) fn shares(axes: usize, points: Points, seed: u64) -> impl Fn(usize, usize) -> f64 + Sync {
-    let even = kronecker(axes, seed);
+    let sequence = Kronecker::new(axes, seed);
+    let even = move |index, axis| sequence.coordinate(index, axis);
     let [low, high] = FACES;
     move |index, axis| match points {
         Points::Even => even(index, axis),

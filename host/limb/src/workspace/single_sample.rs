@@ -2,15 +2,16 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::sample::{Points, Sequence, in_parts, random};
+use super::sample::{Points, in_parts, random};
 use super::single::Module;
 use super::single_lanes::{GROUP, Pack};
 use super::space::{AXES_MAX, Workspace};
+use softlimb_numerics::Kronecker;
 
 /// Tips of the same samples as those of [`sample`](super::sample()), m, within a few micrometres of them, in a fraction of the time.
 pub fn sample_single(space: &Workspace<'_>, points: Points, count: usize, seed: u64, threads: usize) -> Vec<[f32; 3]> {
     let axes = space.axes().len();
-    let sequence = Sequence::new(axes, seed);
+    let sequence = Kronecker::new(axes, seed);
     let mut ahead = [[0.0; GROUP]; AXES_MAX];
     for (ahead, step) in ahead.iter_mut().zip(&sequence.steps) {
         ahead.iter_mut().enumerate().for_each(|(lane, ahead)| *ahead = (lane as f64 * step).fract() as f32);
@@ -27,7 +28,7 @@ struct Sampler<'a> {
     axes: usize,
     points: Points,
     seed: u64,
-    sequence: Sequence,
+    sequence: Kronecker,
     /// For each axis how far the samples of a group are ahead of its first one.
     ahead: [[f32; GROUP]; AXES_MAX],
     rotation: [[f32; 3]; 3],

@@ -1,4 +1,7 @@
 //! Bounded, damped Gauss-Newton.
+//!
+//! Any decrease is accepted, and a step is cut off at the bounds, unlike in the bounded solver of `softlimb-numerics`. The last digits of
+//! plans, and with them those of logs, depend on these rules.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,4 +1,7 @@
 //! The pressures that bring the tip under load to where it shall be, as near to those without load as can be.
+//!
+//! Newton's method on three equations with the shortest step from home: a limb with more modules than equations has no single minimum of
+//! their squares, which a least-squares solver would need.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 

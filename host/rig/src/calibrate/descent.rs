@@ -1,4 +1,7 @@
 //! Least squares without bounds: Gauss-Newton with Marquardt's damping, by singular values.
+//!
+//! The bounded solver of `softlimb-numerics` works on the normal equations, whose condition is the square of the Jacobian's. Unknowns that
+//! the data confuse need the whole condition, because the judgement of the estimate names them.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,13 +9,13 @@ const STEPS: usize = 100;
 const LEAST_DAMPING: f64 = 1e-14;
 const MOST_DAMPING: f64 = 1e12;
 
-/// Residuals and their Jacobian at one place.
+/// Residuals and their Jacobian at one point.
 pub(super) struct Local {
     pub(super) residuals: DVector<f64>,
     pub(super) jacobian: DMatrix<f64>,
 }
 
-/// Where a descent ended.
+/// Result of a local solve.
 pub(super) struct End {
     pub(super) place: DVector<f64>,
     pub(super) local: Local,
@@ -32,7 +35,7 @@ pub(super) fn descend<E>(start: DVector<f64>, mut at: impl FnMut(&DVector<f64>) 
         let objective = local.residuals.norm_squared();
         let step = damped_step(&local, damping);
         let next = &place + &step;
-        let foretold = objective - (&local.residuals + &local.jacobian * &step).norm_squared();
+        let predicted = objective - (&local.residuals + &local.jacobian * &step).norm_squared();
         if objective == 0.0 || steps == STEPS || damping > MOST_DAMPING {
             break;
         }
@@ -40,14 +43,14 @@ pub(super) fn descend<E>(start: DVector<f64>, mut at: impl FnMut(&DVector<f64>) 
         let reached =
             at(&next).ok().filter(|there| there.residuals.iter().chain(&there.jacobian).all(|x| x.is_finite()));
         let Some(there) = reached.filter(|there| there.residuals.norm_squared() < objective) else {
-            // Rounding alone keeps a step that foretells nothing from going down.
-            if foretold <= 1e-15 * objective {
+            // Rounding alone keeps a step that predicts no reduction from going down.
+            if predicted <= 1e-15 * objective {
                 break;
             }
             damping = (damping * 8.0).max(1e-9);
             continue;
         };
-        let gain = (objective - there.residuals.norm_squared()) / foretold;
+        let gain = (objective - there.residuals.norm_squared()) / predicted;
         damping = if gain > 0.5 { (damping * 0.05).max(LEAST_DAMPING) } else { damping * 2.0 };
         let still = step.norm() <= 1e-15 * place.norm();
         (place, local) = (next, there);

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Property, Refusal, Settings};
-use softlimb_numerics::student_quantile;
+use softlimb_numerics::statistics::student_quantile;
 
 /// Columns of the Jacobian whose condition exceeds this are the same column, whatever the accuracy of the data.
 const MOST_CONDITION: f64 = 1e8;

@@ -1,6 +1,7 @@
 //! Pressures and deformations at rest, out of the log of a run.
 
 use crate::record::{ModuleInfo, Quantity, RunLog, Sample};
+use softlimb_numerics::statistics;
 
 /// The part of a hold that counts, from its end: what moved has come to rest by then, as far as it does.
 const LAST: f64 = 0.3;
@@ -63,9 +64,6 @@ fn at_rest(samples: &[&Sample], index: usize, module: &ModuleInfo) -> Option<(f6
 
 /// The mean; `None` where there is nothing, or something is missing or not finite.
 fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for value in values {
-        (sum, count) = (sum + value.filter(|value| value.is_finite())?, count + 1.0);
-    }
-    (count > 0.0).then(|| sum / count)
+    let all: Option<Vec<f64>> = values.map(|value| value.filter(|value| value.is_finite())).collect();
+    statistics::mean(all?)
 }

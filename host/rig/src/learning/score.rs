@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::record::Sample;
 use softlimb_limb::Limb;
 use softlimb_motion::{Plan, PlannedPhase, tip_slopes};
+use softlimb_numerics::statistics::mean;
 
 /// Time at the end of a pause over which the tip's position at the target is taken, s: ten samples by default.
 const WINDOW_S: f64 = 0.2;
@@ -54,13 +55,13 @@ impl TargetScore {
 
     /// The mean error, m: the systematic part.
     pub fn mean_m(&self) -> Vector3<f64> {
-        self.errors_m.iter().sum::<Vector3<f64>>() / self.errors_m.len().max(1) as f64
+        mean(self.errors_m.iter().copied()).unwrap_or_default()
     }
 
     /// Distance of the runs from their mean, RMS, m: the random part. 0 of a single one.
     pub fn repeatability_m(&self) -> f64 {
-        let mean = self.mean_m();
-        let square: f64 = self.errors_m.iter().map(|error| (error - mean).norm_squared()).sum();
+        let middle = self.mean_m();
+        let square: f64 = self.errors_m.iter().map(|error| (error - middle).norm_squared()).sum();
         (square / self.errors_m.len().saturating_sub(1).max(1) as f64).sqrt()
     }
 }
@@ -109,10 +110,7 @@ impl Score {
                 errors.iter().filter(move |(time_s, _)| *time_s > from_s && *time_s <= end_s).map(|(_, error)| *error)
             };
             within(begin_s + SETTLING_S).for_each(|error| self.at_rest.add(&error));
-            let last: Vec<Vector3<f64>> = within(end_s - WINDOW_S).collect();
-            if !last.is_empty() {
-                target.errors_m.push(last.iter().sum::<Vector3<f64>>() / last.len() as f64);
-            }
+            target.errors_m.extend(mean(within(end_s - WINDOW_S)));
         }
     }
 }

@@ -7,7 +7,7 @@ use super::limb::{Posed, Tip};
 use super::{EstimationError, Observation};
 use softlimb_limb::Limb;
 use softlimb_motion::Plan;
-use softlimb_numerics::student_quantile;
+use softlimb_numerics::statistics::student_quantile;
 use softlimb_scene::Scene;
 
 /// Probability of the interval.
@@ -123,7 +123,8 @@ struct Trial {
 }
 
 impl Search<'_> {
-    /// Gauss-Newton on one unknown. A step is halved until the limb stands and the sum of squares does not rise.
+    /// Gauss-Newton for one unknown without bounds, each step as long as the limb stands and the sum of squares does not rise. Unlike the
+    /// bounded solver of `softlimb-numerics`, it tells a limb that falls under a trial mass from a solve that does not converge.
     fn run(mut self) -> Result<Trial, EstimationError> {
         let mut here = self.under(0.0)?;
         if here.most_m_per_kg < LEAST_M_PER_KG {

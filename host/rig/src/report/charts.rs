@@ -7,6 +7,7 @@ use super::stats::distance;
 use super::summary::is_scheduled;
 use crate::record::{ChannelSample, ModuleInfo, ModuleSample, Quantity, RunLog, Sample};
 use softlimb_chart::{Axis, Band, Chart, Color, Series, Stroke, labelled, span};
+use softlimb_numerics::statistics::root_mean_square;
 
 pub(super) use tip::{phase_views, tip_views};
 
@@ -98,10 +99,7 @@ fn while_scheduled(log: &RunLog, value: impl Fn(&Sample) -> f64) -> impl Fn(&Sam
 
 fn pressure_error_series(log: &RunLog) -> Vec<Series> {
     let rms = |error: fn(&ChannelSample) -> f64| {
-        move |sample: &Sample| {
-            let sum: f64 = sample.channels.iter().map(|channel| error(channel).powi(2)).sum();
-            (sum / sample.channels.len() as f64).sqrt() * 1e-3
-        }
+        move |sample: &Sample| root_mean_square(sample.channels.iter().map(error)).unwrap_or(f64::NAN) * 1e-3
     };
     let chamber = |channel: &ChannelSample| channel.true_pressure_pa.unwrap_or(f64::NAN) - channel.reference_pa;
     let sensor = |channel: &ChannelSample| channel.pressure_pa - channel.reference_pa;

@@ -1,6 +1,7 @@
 //! Error statistics.
 
 use serde::Serialize;
+use softlimb_numerics::statistics::root_mean_square;
 
 /// Size of an error over a run, in the unit of the error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -19,13 +20,9 @@ impl ErrorStats {
     /// A quantity that was not observed at some instants is an absent value there, not
     /// a zero; [`samples`](Self::samples) shows how much is behind the figures.
     pub(super) fn of(errors: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let (mut sum, mut max, mut samples) = (0.0, 0.0_f64, 0_usize);
-        for error in errors.into_iter().filter(|error| error.is_finite()) {
-            sum += error * error;
-            max = max.max(error.abs());
-            samples += 1;
-        }
-        (samples > 0).then(|| Self { rmse: (sum / samples as f64).sqrt(), max, samples })
+        let errors: Vec<f64> = errors.into_iter().filter(|error| error.is_finite()).collect();
+        let rmse = root_mean_square(errors.iter().copied())?;
+        Some(Self { rmse, max: errors.iter().fold(0.0_f64, |max, error| max.max(error.abs())), samples: errors.len() })
     }
 }
 

@@ -14,6 +14,7 @@ use crate::record::{
 };
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Carried, Nominal, OnLimb, Plan, carried, payload_kg};
+use softlimb_numerics::statistics::mean;
 use softlimb_scene::collision::Shape as Shape3;
 use softlimb_scene::{Gripper, Scene, SetpointKind};
 
@@ -150,7 +151,8 @@ fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
 /// the valves, where no one sees into the chambers.
 fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
     let members = module.channels.clone().filter_map(|channel| channels.get(channel));
-    module.curve.at(mean(members.map(|channel| channel.true_pressure_pa.unwrap_or(channel.pressure_pa))))
+    let pressures_pa = members.map(|channel| channel.true_pressure_pa.unwrap_or(channel.pressure_pa));
+    module.curve.at(mean(pressures_pa).unwrap_or(0.0))
 }
 
 /// The state of a module that holds its actuators together: the mean of theirs.
@@ -167,11 +169,6 @@ fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
 
 fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {
     limb.modules().iter().zip(states).map(|(module, state)| module.measure(state)).collect()
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// What the log says about the run as a whole, before the device has told its version and taken its configuration.

@@ -1,5 +1,7 @@
 //! Volume of a mesh and the sign of its Jacobians.
 
+use softlimb_numerics::gauss::GAUSS_3;
+
 use super::{Element, Kind, Mesh, shape};
 
 /// What integration over a mesh says about it.
@@ -10,10 +12,6 @@ pub struct Quality {
     /// The smallest Jacobian of an element over its mean; positive in a sound mesh.
     pub worst_jacobian: f64,
 }
-
-/// Nodes and weights of Gauss' rule for polynomials of degree 5.
-const GAUSS: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
 impl Mesh {
     /// Integrates over the elements of a part, or over all.
@@ -55,11 +53,11 @@ fn values(kind: Kind, at: [f64; 3]) -> Vec<f64> {
 }
 
 fn samples(kind: Kind) -> Vec<([f64; 3], f64)> {
-    let line = GAUSS.iter();
+    let line = GAUSS_3.iter();
     match kind {
         Kind::Brick => line
             .flat_map(|(x, u)| {
-                GAUSS.iter().flat_map(move |(y, v)| GAUSS.iter().map(move |(z, w)| ([*x, *y, *z], u * v * w)))
+                GAUSS_3.iter().flat_map(move |(y, v)| GAUSS_3.iter().map(move |(z, w)| ([*x, *y, *z], u * v * w)))
             })
             .collect(),
         Kind::Wedge => {

@@ -1,0 +1,24 @@
+//! Gauss-Legendre rules: nodes and weights on `-1..1`.
+
+/// Two nodes: exact for polynomials of degree 3.
+pub const GAUSS_2: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+
+/// Three nodes: exact for polynomials of degree 5.
+pub const GAUSS_3: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_of_n_nodes_integrate_powers_below_2n_exactly() {
+        for rule in [&GAUSS_2[..], &GAUSS_3[..]] {
+            for degree in 0..2 * rule.len() as i32 {
+                let found: f64 = rule.iter().map(|(x, weight)| weight * x.powi(degree)).sum();
+                let exact = if degree % 2 == 0 { 2.0 / f64::from(degree + 1) } else { 0.0 };
+                assert!((found - exact).abs() < 1e-15, "{degree}: {found}");
+            }
+        }
+    }
+}
