@@ -1,5 +1,5 @@
 //! The README shows what its first command prints. After a change that is meant to change it:
-//! `UPDATE_README=1 cargo test -p softlimb --test readme`.
+//! `UPDATE_README=1 cargo test -p softlimb readme`.
 
 use softlimb_rig::report;
 use softlimb_rig::run::{Mcu, RunOptions, run};

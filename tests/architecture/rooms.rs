@@ -99,7 +99,7 @@ pub(crate) const RULES: &[Rule] = &[
 impl Rule {
     fn holds_in(&self, file: &Path) -> bool {
         let within = self.within.is_empty() || self.within.iter().any(|folder| file.starts_with(folder));
-        // `host/src/run` owns both `host/src/run.rs` and `host/src/run/...`.
+        // `host/rig/src/run` owns both `host/rig/src/run.rs` and `host/rig/src/run/...`.
         let owned =
             self.owners.iter().any(|owner| file.starts_with(owner) || file.with_extension("") == Path::new(owner));
         within && !owned

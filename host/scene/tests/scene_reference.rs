@@ -1,4 +1,4 @@
-//! `docs/scene-reference.md` is what the schema says. To write it anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test --test scene_reference`.
+//! `docs/scene-reference.md` is what the schema says. To write it anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test -p softlimb-scene scene_reference`.
 
 #[test]
 fn the_reference_page_is_up_to_date() {
