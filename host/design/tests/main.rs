@@ -3,3 +3,5 @@
 mod design;
 mod design_path;
 mod design_scene;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;

@@ -3,4 +3,6 @@
 mod bench_accuracy;
 mod bundle;
 mod design_compare;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
 mod validation;
