@@ -194,10 +194,14 @@ fn words_stay_in_their_rooms() {
 
 #[test]
 fn every_dependency_is_explained_and_every_explanation_is_needed() {
-    let documented = dependencies::documented(&read("docs/dependencies.md")).expect("docs/dependencies.md");
+    let documented =
+        dependencies::documented(&read("docs/reference/dependencies.md")).expect("docs/reference/dependencies.md");
     let declared = dependencies::declared(&packages());
     let missing: Vec<_> = declared.difference(&documented).collect();
     let stale: Vec<_> = documented.difference(&declared).collect();
-    assert!(missing.is_empty(), "docs/dependencies.md lacks (crate, package, only its tests): {missing:?}");
-    assert!(stale.is_empty(), "docs/dependencies.md lists (crate, package, only its tests) in vain: {stale:?}");
+    assert!(missing.is_empty(), "docs/reference/dependencies.md lacks (crate, package, only its tests): {missing:?}");
+    assert!(
+        stale.is_empty(),
+        "docs/reference/dependencies.md lists (crate, package, only its tests) in vain: {stale:?}"
+    );
 }

@@ -1,7 +1,11 @@
-//! What the documentation says, tried.
+//! The documentation against the code: pages, links, cited files and tests, examples.
 
 #[path = "documentation/citations.rs"]
 mod citations;
+#[path = "documentation/pages.rs"]
+mod pages;
+
+use std::collections::BTreeSet;
 
 use std::fs;
 use std::path::Path;
@@ -17,55 +21,78 @@ fn read(file: &str) -> String {
     fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
+/// Text of every page of the documentation, by its path in the repository. The change log tells of files that are gone.
+fn documents() -> Vec<(String, String)> {
+    let paths = pages::markdown(root()).into_iter().map(|path| path.to_str().expect("UTF-8").to_owned());
+    let paths: Vec<String> = paths.filter(|path| path != "CHANGELOG.md").collect();
+    for expected in ["README.md", "CONTRIBUTING.md", "docs/explanation/model.md", "protocol/SPEC.md"] {
+        assert!(paths.iter().any(|path| path == expected), "{expected} is not among the pages");
+    }
+    paths.into_iter().map(|path| (path.clone(), read(&path))).collect()
+}
+
+#[test]
+fn the_summary_lists_every_page_once() {
+    let book = root().join("docs");
+    let listed = pages::links(&read("docs/SUMMARY.md"));
+    let unique: BTreeSet<_> = listed.iter().cloned().collect();
+    let there = pages::markdown(&book).into_iter().map(|path| path.to_str().expect("UTF-8").to_owned());
+    let there: BTreeSet<_> = there.filter(|path| path != "SUMMARY.md").collect();
+    assert_eq!(unique.len(), listed.len(), "docs/SUMMARY.md lists a page twice");
+    let (missing, stale): (Vec<_>, Vec<_>) = (there.difference(&unique).collect(), unique.difference(&there).collect());
+    assert!(missing.is_empty(), "docs/SUMMARY.md lacks {missing:?}");
+    assert!(stale.is_empty(), "docs/SUMMARY.md lists pages that do not exist: {stale:?}");
+}
+
+#[test]
+fn links_of_the_documentation_are_whole() {
+    let mut count = 0;
+    let mut broken = Vec::new();
+    for (path, text) in documents() {
+        for link in pages::links(&text) {
+            count += 1;
+            broken.extend(pages::broken(root(), Path::new(&path), &link));
+        }
+    }
+    assert!(count > 300, "only {count} links were found");
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
 #[test]
 fn files_and_tests_named_in_the_documentation_exist() {
-    for document in [
-        "CONTRIBUTING.md",
-        "docs/accuracy.md",
-        "docs/calibrate.md",
-        "docs/design-path.md",
-        "docs/design.md",
-        "docs/eval-batch.md",
-        "docs/fabrication.md",
-        "docs/fem-decks.md",
-        "docs/hardware.md",
-        "docs/model.md",
-        "docs/paper-map.md",
-        "docs/payload.md",
-        "docs/section-fe.md",
-        "docs/speed.md",
-        "docs/statics.md",
-        "docs/tasks.md",
-        "docs/tolerance.md",
-        "docs/validation.md",
-        "docs/workspace.md",
-    ] {
-        let text = read(document);
+    for (document, text) in documents() {
+        let beside = Path::new(&document).parent().expect("a folder");
         for (file, name) in citations::cited(&text) {
-            assert!(root().join(file).is_file(), "{document} names {file}, which does not exist");
-            let there = name.is_none_or(|name| read(file).contains(&format!("fn {name}(")));
+            // From the root, or as a package's own page says it.
+            let there = [root().join(file), root().join(beside).join(file)].into_iter().find(|path| path.is_file());
+            let Some(path) = there else { panic!("{document} names {file}, which does not exist") };
+            let source = fs::read_to_string(path).expect("UTF-8");
+            let there = name.is_none_or(|name| source.contains(&format!("fn {name}(")));
             assert!(there, "{document} names {name:?} of {file}, which has no such function");
         }
     }
 }
 
 #[test]
-fn tests_of_the_model_named_without_their_file_exist() {
-    let files = ["kinematics", "limits_and_anchors", "properties", "published_and_independent", "stress_integrals"];
-    let tests: String = files.iter().map(|file| read(&format!("fra-model/tests/{file}.rs"))).collect();
-    let document = read("docs/model.md");
-    assert!(citations::bare_names(&document).count() >= 9);
-    for name in citations::bare_names(&document) {
-        assert!(tests.contains(&format!("fn {name}(")), "docs/model.md names {name}, which is no test of the model");
+fn tests_named_without_their_file_exist() {
+    let functions = citations::functions(root());
+    assert!(functions.len() > 1000, "only {} functions were found", functions.len());
+    let mut count = 0;
+    for (document, text) in documents() {
+        for name in citations::bare_names(&text) {
+            count += 1;
+            assert!(functions.contains(name), "{document} names {name}, which is no function of the workspace");
+        }
     }
+    assert!(count > 100, "only {count} names of tests were found");
 }
 
 #[test]
 fn the_table_of_the_pins_is_that_of_the_code() {
     let table = softlimb_image_stm32f4::pins::Table.to_string();
-    let document = read("docs/hardware.md");
+    let document = read("docs/reference/hardware.md");
     let home = "`cargo run -p softlimb-image-stm32f4 --bin softlimb-stm32f4` prints this table";
-    assert!(document.contains(&table), "docs/hardware.md has another table of the pins; {home}:\n{table}");
+    assert!(document.contains(&table), "docs/reference/hardware.md has another table of the pins; {home}:\n{table}");
 }
 
 /// The lines between ```` ```<mark> ```` and the next fence.
@@ -76,7 +103,7 @@ fn block<'a>(document: &'a str, mark: &str) -> &'a str {
 
 #[test]
 fn the_examples_of_the_batch_interface_are_what_it_answers() {
-    let document = read("docs/eval-batch.md");
+    let document = read("docs/reference/eval-batch.md");
     for (asked, answered) in [("jsonl in", "jsonl out"), ("jsonl series in", "jsonl series out")] {
         let mut output = Vec::new();
         batch(block(&document, asked).as_bytes(), &mut output, Scalar::F64).expect("in memory");

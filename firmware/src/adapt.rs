@@ -1,4 +1,4 @@
-//! What the loop learns about its channel: one gain per direction and a slow drift.
+//! Adaptation of the loop to its channel: one gain per direction and a slow drift.
 
 use crate::valve::Direction;
 
@@ -6,13 +6,13 @@ use crate::valve::Direction;
 const GAIN_MIN: f32 = 0.3;
 const GAIN_MAX: f32 = 3.0;
 
-/// Share of a surprise that the gain takes at once, for effects well above the noise.
+/// Share of an innovation that the gain takes at once, for effects well above the noise.
 const GAIN_RATE: f32 = 0.3;
 
 /// Effect at which the gain takes half that share, Pa: sensor noise and valve jitter hide smaller effects.
 const GAIN_NOISE_PA: f32 = 700.0;
 
-/// Share of a surprise rate that the drift takes.
+/// Share of an innovation rate that the drift takes.
 const DRIFT_RATE: f32 = 0.25;
 
 /// Largest drift believed, Pa/s: leaks, heat, and the motion of the limb.
@@ -25,21 +25,21 @@ const DRIFT_MEMORY_S: f32 = 0.3;
 const MARGIN_START_US: u32 = 500;
 const MARGIN_MAX_US: u32 = 3_000;
 
-/// What a pulse without effect adds to the margin, and one with effect takes away, us.
+/// Change of the margin by a pulse without effect (up) and by one with effect (down), us.
 const MARGIN_UP_US: u32 = 250;
 const MARGIN_DOWN_US: u32 = 10;
 
 /// Share of the expected effect below which a pulse counts as not having opened the valve.
 const NO_EFFECT: f32 = 0.25;
 
-/// Smallest expected effect by which that is judged, Pa, and in multiples of the channel's unrest.
+/// Smallest expected effect by which that is judged, Pa, and in multiples of the channel's mean residual.
 const JUDGED_EFFECT_PA: f32 = 300.0;
-const JUDGED_UNREST: f32 = 3.0;
+const JUDGED_RESIDUAL: f32 = 3.0;
 
-/// Share of a surprise that the unrest takes.
-const UNREST_RATE: f32 = 0.1;
+/// Share of an innovation that the residual takes.
+const RESIDUAL_RATE: f32 = 0.1;
 
-/// What was learned about one valve.
+/// Estimates of one valve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Learned {
     gain: f32,
@@ -49,10 +49,10 @@ struct Learned {
 impl Learned {
     const NOTHING: Self = Self { gain: 1.0, margin_us: MARGIN_START_US };
 
-    /// `surprise_pa` is what the pulse did beyond `expected_pa`; both signed. False if the pulse did not open the valve.
-    fn learn(&mut self, effect: &Effect, expected_pa: f32, surprise_pa: f32, unrest_pa: f32) -> bool {
-        let judged = expected_pa.abs() > JUDGED_EFFECT_PA.max(JUDGED_UNREST * unrest_pa);
-        let missing = judged && surprise_pa / expected_pa < NO_EFFECT - 1.0;
+    /// `innovation_pa` is the effect of the pulse beyond `expected_pa`; both signed. False if the pulse did not open the valve.
+    fn learn(&mut self, effect: &Effect, expected_pa: f32, innovation_pa: f32, residual_pa: f32) -> bool {
+        let judged = expected_pa.abs() > JUDGED_EFFECT_PA.max(JUDGED_RESIDUAL * residual_pa);
+        let missing = judged && innovation_pa / expected_pa < NO_EFFECT - 1.0;
         if effect.coil_beyond_delay_us < MARGIN_MAX_US {
             if missing {
                 self.margin_us = (self.margin_us + MARGIN_UP_US).min(MARGIN_MAX_US);
@@ -61,23 +61,23 @@ impl Learned {
             self.margin_us = self.margin_us.saturating_sub(MARGIN_DOWN_US).max(MARGIN_START_US);
         }
         let size = effect.modelled_pa;
-        let step = GAIN_RATE * surprise_pa * size / (size * size + GAIN_NOISE_PA * GAIN_NOISE_PA);
+        let step = GAIN_RATE * innovation_pa * size / (size * size + GAIN_NOISE_PA * GAIN_NOISE_PA);
         self.gain = (self.gain + step).clamp(GAIN_MIN, GAIN_MAX);
         true
     }
 }
 
-/// What one channel has learned: a gain and a margin of each valve, and the drift.
+/// Estimates of one channel: a gain and a margin of each valve, and the drift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptation {
     fill: Learned,
     vent: Learned,
     drift_pa_per_s: f32,
-    /// Mean size of the surprises, Pa: what disturbs the channel from outside.
-    unrest_pa: f32,
+    /// Mean size of the innovations, Pa: the disturbance of the channel from outside.
+    residual_pa: f32,
 }
 
-/// What happened in one control period.
+/// Measured effect of one control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effect {
     /// Direction of the pulse, if there was one.
@@ -95,7 +95,7 @@ pub struct Effect {
 impl Adaptation {
     /// Nothing learned: gains 1, no drift.
     pub const fn new() -> Self {
-        Self { fill: Learned::NOTHING, vent: Learned::NOTHING, drift_pa_per_s: 0.0, unrest_pa: 0.0 }
+        Self { fill: Learned::NOTHING, vent: Learned::NOTHING, drift_pa_per_s: 0.0, residual_pa: 0.0 }
     }
 
     /// Real over modelled effect of a pulse, `0.3..=3`.
@@ -118,15 +118,15 @@ impl Adaptation {
     pub fn learn(&mut self, effect: &Effect) {
         let gain = effect.pulse.map_or(0.0, |direction| self.gain(direction));
         let expected_pa = gain * effect.modelled_pa;
-        let surprise_pa = effect.measured_pa - expected_pa - self.drift_pa_per_s * effect.duration_s;
+        let innovation_pa = effect.measured_pa - expected_pa - self.drift_pa_per_s * effect.duration_s;
         let opened = match effect.pulse {
-            Some(Direction::Fill) => self.fill.learn(effect, expected_pa, surprise_pa, self.unrest_pa),
-            Some(Direction::Vent) => self.vent.learn(effect, expected_pa, surprise_pa, self.unrest_pa),
+            Some(Direction::Fill) => self.fill.learn(effect, expected_pa, innovation_pa, self.residual_pa),
+            Some(Direction::Vent) => self.vent.learn(effect, expected_pa, innovation_pa, self.residual_pa),
             None => true,
         };
         if opened {
-            self.unrest_pa += UNREST_RATE * (surprise_pa.abs() - self.unrest_pa);
-            self.learn_drift(effect, surprise_pa);
+            self.residual_pa += RESIDUAL_RATE * (innovation_pa.abs() - self.residual_pa);
+            self.learn_drift(effect, innovation_pa);
         }
     }
 
@@ -139,12 +139,12 @@ impl Adaptation {
         learned.margin_us = (learned.margin_us + MARGIN_UP_US).min(MARGIN_MAX_US);
     }
 
-    /// A large pulse tells about the gain, a small one or none about the drift.
-    fn learn_drift(&mut self, effect: &Effect, surprise_pa: f32) {
+    /// A large pulse updates the gain, a small one or none the drift.
+    fn learn_drift(&mut self, effect: &Effect, innovation_pa: f32) {
         let noise = GAIN_NOISE_PA * GAIN_NOISE_PA;
         let trust = noise / (effect.modelled_pa * effect.modelled_pa + noise);
         let forgotten = (effect.duration_s / DRIFT_MEMORY_S).min(1.0) * self.drift_pa_per_s * (1.0 - trust);
-        let drift = self.drift_pa_per_s - forgotten + DRIFT_RATE * trust * surprise_pa / effect.duration_s;
+        let drift = self.drift_pa_per_s - forgotten + DRIFT_RATE * trust * innovation_pa / effect.duration_s;
         self.drift_pa_per_s = drift.clamp(-DRIFT_MAX_PA_PER_S, DRIFT_MAX_PA_PER_S);
     }
 
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn the_gain_of_one_direction_converges_and_leaves_the_other() {
+    fn gain_of_one_direction_converges_and_leaves_the_other() {
         let mut adaptation = Adaptation::new();
         for _ in 0..40 {
             adaptation.learn(&period(Some(Direction::Vent), -5_000.0, -3_500.0));
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_leak_seen_without_pulses_becomes_the_drift() {
+    fn leak_seen_without_pulses_becomes_the_drift() {
         let mut adaptation = Adaptation::new();
         for _ in 0..40 {
             adaptation.learn(&period(None, 0.0, -60.0));
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_valve_without_effect_drives_the_gain_to_its_bound_only() {
+    fn valve_without_effect_drives_the_gain_to_its_bound_only() {
         let mut adaptation = Adaptation::new();
         for _ in 0..1_000 {
             adaptation.learn(&period(Some(Direction::Fill), 9_000.0, 0.0));

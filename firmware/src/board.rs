@@ -1,4 +1,4 @@
-//! What the controller needs of a board, real or simulated.
+//! Board interface of the controller, real or simulated.
 
 use softlimb_protocol::MAX_CHANNELS;
 
@@ -13,7 +13,7 @@ pub trait Board<const N: usize = MAX_CHANNELS> {
     /// Time and samples for the tick that begins now.
     fn inputs(&mut self) -> TickInputs<N>;
 
-    /// Applies what the tick decided, from its start on.
+    /// Applies the outputs of the tick from its start on.
     fn apply(&mut self, outputs: &TickOutputs<N>);
 
     /// Moves received bytes to `into`; returns how many.

@@ -15,7 +15,7 @@ const OVER_PRESSURE_SAMPLES: u8 = 2;
 /// Part of the modelled line drop by which the manifold may read above the limit while filling: the drop and half of it again.
 const DROP_ALLOWANCE: f32 = 1.5;
 
-/// What the device wants of a channel in one tick.
+/// Demand of the device on a channel in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Task {
     /// Valves closed.
@@ -28,7 +28,7 @@ pub(crate) enum Task {
     Open,
 }
 
-/// What is the same for all channels in one tick.
+/// Inputs of one tick that all channels share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TickContext<'a> {
     pub(crate) now_us: u64,
@@ -82,7 +82,7 @@ impl Channel {
         &self.inverse
     }
 
-    /// What the loop has learned, and its coils.
+    /// Pressure loop: estimates and coils.
     pub fn control(&self) -> &PressureLoop {
         &self.control
     }
@@ -136,7 +136,7 @@ impl Channel {
         self.vent_latched = true;
     }
 
-    /// Forgets what belongs to the faults that were cleared.
+    /// Resets the state of the cleared faults.
     pub(crate) fn clear_faults(&mut self) {
         self.vent_latched = false;
         self.over_samples = 0;
@@ -154,7 +154,7 @@ impl Channel {
         self.relief = Relief::new();
     }
 
-    /// Whether a ramp down has come to its end and the chamber is empty as far as the sensor tells.
+    /// Whether a ramp down has come to its end and the sensor reads an empty chamber.
     pub(crate) fn is_relieved(&self, now_us: u64) -> bool {
         self.relief.is_done(now_us)
     }
@@ -227,7 +227,7 @@ impl Channel {
     /// Decides when the sample is fit for it and half of the period is left, and cuts the pulse into ticks.
     fn pulse(&mut self, context: &TickContext, config: &ChannelConfig, may_fill: bool) -> ValvePulse {
         let pneumatics = &context.system.pneumatics;
-        self.control.listen(context.now_us, pneumatics.timing, self.sensor.pressure_pa());
+        self.control.sample(context.now_us, pneumatics.timing, self.sensor.pressure_pa());
         if let Some(reference) = self.reference
             && self.decision_due
             && reference.rest_us(context.now_us) >= reference.period_us / 2

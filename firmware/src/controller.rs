@@ -18,7 +18,7 @@ use crate::valve::ValvePulse;
 /// Part of the supply's range over which the pump slows down to stop at its upper end.
 const PUMP_BAND: f32 = 0.1;
 
-/// What the board knows at start.
+/// Board data at start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BootInfo {
     /// Why the device started.
@@ -35,7 +35,7 @@ impl BootInfo {
     }
 }
 
-/// What a tick reads.
+/// Inputs of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TickInputs<const N: usize = MAX_CHANNELS> {
     /// Time since start, us.
@@ -48,7 +48,7 @@ pub struct TickInputs<const N: usize = MAX_CHANNELS> {
     pub emergency_stop: bool,
 }
 
-/// What a tick decides, from its start to the start of the next.
+/// Outputs of a tick, from its start to the start of the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TickOutputs<const N: usize = MAX_CHANNELS> {
     /// Coil times.
@@ -144,7 +144,7 @@ impl<const N: usize> Controller<N> {
         self.stack_used = stack_used;
     }
 
-    /// What the device is doing.
+    /// State of the device.
     pub fn state(&self) -> DeviceState {
         self.state
     }
@@ -237,7 +237,7 @@ impl<const N: usize> Controller<N> {
         outputs
     }
 
-    /// What the state asks of every channel; `None` while running.
+    /// Demand of the state on every channel; `None` while running.
     fn relief(&self, now_us: u64) -> Option<Task> {
         match self.state {
             DeviceState::Running => None,

@@ -1,4 +1,4 @@
-//! What each message of the host does, and its answer.
+//! Effect of each message of the host, and its answer.
 
 use softlimb_protocol::{
     Ack, Arrival, Command, CommandCode, Compatibility, ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume,

@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quarter_of_the_period_is_a_quarter_of_full_scale() {
+    fn quarter_of_the_period_is_a_quarter_of_full_scale() {
         let mut duty = Duty::new();
         for tick in 0..21 {
             let vent_us = if tick < 5 { 1_000 } else { 0 };
@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn an_open_valve_is_full_scale() {
+    fn open_valve_is_full_scale() {
         let mut duty = Duty::new();
         for tick in 0..21 {
             duty.add(ValvePulse { fill_us: 1_000, vent_us: 0 }, tick % 20 == 0, 20_000);

@@ -1,9 +1,9 @@
-//! Latched faults: what each one does to the valves, and which are still to be told to the host.
+//! Latched faults: their effect on the valves, and the reports that are still due.
 
 use heapless::Deque;
 use softlimb_protocol::{FaultCode, SYSTEM_CHANNEL};
 
-/// Faults that wait to be told.
+/// Faults that wait for their report.
 const PENDING: usize = 32;
 
 /// Which vents a fault opens.
@@ -17,7 +17,7 @@ pub enum VentScope {
     All,
 }
 
-/// What a fault does.
+/// Effect of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reaction {
     /// The device enters the faulted state.
@@ -48,7 +48,7 @@ pub const fn reaction(code: FaultCode) -> Reaction {
 pub struct Occurrence {
     /// Device time, us.
     pub time_us: u64,
-    /// What went wrong.
+    /// Code of the fault.
     pub code: FaultCode,
     /// Channel, or [`SYSTEM_CHANNEL`].
     pub channel: u8,
@@ -71,7 +71,7 @@ impl Faults {
         Self { bits: 0, cuts_supply: false, seen: [0; 16], pending: Deque::new() }
     }
 
-    /// Latches an occurrence; true if it is the first of its code and channel. More than 32 untold ones are latched but not told.
+    /// Latches an occurrence; true if it is the first of its code and channel. Beyond 32 unreported ones an occurrence is latched but not reported.
     pub fn raise(&mut self, occurrence: Occurrence) -> bool {
         let channel_bit = 1 << occurrence.channel.min(31);
         let Some(seen) = self.seen.get_mut(usize::from(occurrence.code as u8)) else {
@@ -108,17 +108,17 @@ impl Faults {
         BLOCKING.into_iter().find(|&code| self.contains(code))
     }
 
-    /// The oldest occurrence that was not told yet.
+    /// The oldest unreported occurrence.
     pub fn untold(&self) -> Option<&Occurrence> {
         self.pending.front()
     }
 
-    /// Marks the oldest untold occurrence as told.
+    /// Marks the oldest unreported occurrence as reported.
     pub fn told(&mut self) {
         self.pending.pop_front();
     }
 
-    /// Forgets all latched faults; untold occurrences are still told.
+    /// Clears all latched faults; unreported occurrences are still reported.
     pub fn clear(&mut self) {
         self.bits = 0;
         self.cuts_supply = false;
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_occurrence_is_told_once_per_channel_and_latched_until_cleared() {
+    fn occurrence_is_told_once_per_channel_and_latched_until_cleared() {
         let mut faults = Faults::new();
         let over = |channel| Occurrence { time_us: 5, code: FaultCode::OverPressure, channel, value: 151_000 };
         assert!(faults.raise(over(3)));
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_buffer_does_not_block_a_start_but_a_lost_link_does() {
+    fn empty_buffer_does_not_block_a_start_but_a_lost_link_does() {
         let mut faults = Faults::new();
         faults.raise(Occurrence::system(0, FaultCode::SetpointsExhausted, 0));
         assert_eq!(faults.blocks_start(), None);

@@ -1,4 +1,4 @@
-//! Mass flow through valves and lines after ISO 6358, and what follows from it in closed form.
+//! Mass flow through valves and lines after ISO 6358, with closed-form consequences.
 //!
 //! Pressures in this file are absolute. Legend: `C` sonic conductance, `b` critical ratio, `r = p2/p1`, `phi` flow function, `q = m'/(C rho0)`.
 

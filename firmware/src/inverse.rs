@@ -12,10 +12,10 @@ const FAILURES_MAX: u8 = 3;
 /// Change of a pressure by its limits that is worth telling, Pa: less is rounding, as at rest.
 const LIMITED_BY_PA: f32 = 100.0;
 
-/// What became of the last setpoint.
+/// Outcome of the last setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InverseStatus {
-    /// The pressure was limited to what the channel allows.
+    /// The pressure was limited to the channel's range.
     pub limited: bool,
     /// The model found no pressure; the last good one stands.
     pub failed: bool,
@@ -52,7 +52,7 @@ impl Inverse {
         Self { warm: None, air: None, failures: 0, status: InverseStatus { limited: false, failed: false } }
     }
 
-    /// Gauge pressure for a setpoint in SI units, Pa, within what the channel allows. Where there is none, the last good pressure;
+    /// Gauge pressure for a setpoint in SI units, Pa, within the channel's range. Where there is none, the last good pressure;
     /// `None` if there is none yet.
     pub fn pressure_pa(&mut self, config: &ChannelConfig, setpoint: f32) -> Option<f32> {
         let last_pa = self.air.map(|air| air.pressure_pa.clamp(0.0, config.reference_max_pa()));
@@ -91,7 +91,7 @@ impl Inverse {
         }
     }
 
-    /// What became of the last setpoint.
+    /// Outcome of the last setpoint.
     pub fn status(&self) -> InverseStatus {
         self.status
     }
@@ -167,7 +167,7 @@ fn at_rest(config: &ChannelConfig) -> Air {
     Air { pressure_pa: 0.0, volume_m3: config.rest_volume_m3, compliance_m3_per_pa }
 }
 
-/// The pressure a setpoint asks for, and how far beyond its end an inverse table would have to go for it, Pa: in proportion to its
+/// The pressure of a setpoint, and how far beyond its end an inverse table would have to go for it, Pa: in proportion to its
 /// range, since it does not say more.
 fn look_up(config: &ChannelConfig, setpoint: f32) -> Result<(f32, f32), NotFinite> {
     match config.source.inverse_table() {

@@ -24,6 +24,7 @@ mod controller;
 mod dispatch;
 mod duty;
 mod faults;
+mod fine_regulation;
 mod flow;
 mod gas;
 mod inverse;
@@ -40,7 +41,6 @@ mod sensor;
 mod state;
 mod supervise;
 mod telemetry;
-mod trim;
 mod valve;
 
 pub use adapt::{Adaptation, Effect};

@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_second_host_takes_over_only_from_a_silent_one() {
+    fn second_host_takes_over_only_from_a_silent_one() {
         let mut link = Link::new();
         assert!(link.open(0, 7, None));
         link.heard(50_000);

@@ -21,7 +21,7 @@ impl Outbox {
         Self { bytes: Deque::new(), seq: 0 }
     }
 
-    /// Queues a message; false, and nothing queued, when there is no room. The host asks again for what it misses.
+    /// Queues a message; false, and nothing queued, when there is no room. The host repeats a request without answer.
     pub(crate) fn push(&mut self, message: &DeviceMessage) -> bool {
         let mut frame = [0; MAX_FRAME_LEN];
         let encoded = encode_frame(message, self.seq, &mut frame).ok().and_then(|len| frame.get(..len));
@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn a_full_box_takes_no_part_of_a_frame_and_loses_none_that_it_took() {
+    fn full_box_takes_no_part_of_a_frame_and_loses_none_that_it_took() {
         let mut outbox = Outbox::new();
         let taken = (0..1_000).take_while(|&number| outbox.push(&reply(number))).count();
         assert!(taken > 8 && taken < 1_000, "{taken}");

@@ -5,7 +5,7 @@ use crate::gas::{Absolute, Chamber, REFERENCE_TEMPERATURE_K};
 use crate::valve::{Direction, ValveTiming};
 use nalgebra::ComplexField;
 
-/// What is the same for all channels.
+/// Pneumatics that all channels share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pneumatics {
     valve: Orifice,
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn the_manifold_reads_22_kpa_high_while_filling_at_60_kpa() {
+    fn manifold_reads_22_kpa_high_while_filling_at_60_kpa() {
         // Flow balance by hand: valve 1.44 * 301.3 * 0.896 = 388.6, line 3.78 * 183.3 * 0.560 = 388.1.
         let chamber = nominal().chamber_behind_line_pa(Direction::Fill, 82e3, 200e3, 1.0);
         assert!((chamber - 60e3).abs() < 300.0, "{chamber}");

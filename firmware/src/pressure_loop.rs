@@ -5,11 +5,11 @@
 //! and a drift are learned from what the last pulse did. A move that needs more than one period keeps the valve open.
 
 use crate::adapt::{Adaptation, Effect};
+use crate::fine_regulation::{FineRegulation, Pair};
 use crate::gas::Chamber;
 use crate::pneumatics::Pneumatics;
 use crate::pulse::{Plan, PulseModel};
 use crate::reference::Reference;
-use crate::trim::{Pair, Trim};
 use crate::valve::{Direction, ValvePair, ValveTiming};
 
 /// Time after a valve has closed until the manifold reads the chamber's pressure, us: the line empties into the chamber. At least,
@@ -26,7 +26,7 @@ const BACK: f32 = 1.05;
 /// How far above the reference a pair may go, Pa: a pressure that is settled stays within 1 kPa.
 const ABOVE_PA: f32 = 900.0;
 
-/// What one decision is based on.
+/// Inputs of one decision.
 #[derive(Clone, Copy, Debug)]
 pub struct LoopInput<'a> {
     /// Time of the sample, us.
@@ -57,7 +57,7 @@ struct Decision {
     sample: Sample,
 }
 
-/// What the manifold's sensor tells about the chamber at a decision.
+/// Meaning of the manifold's sample for the chamber at a decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Sample {
     /// The valves are closed and the line has settled: the pressure itself.
@@ -77,19 +77,19 @@ impl Sample {
     }
 }
 
-/// The loop of one channel: coils, what was decided last, what was learned.
+/// The loop of one channel: coils, last decision, estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressureLoop {
     valves: ValvePair,
     adaptation: Adaptation,
-    trim: Trim,
+    fine: FineRegulation,
     last: Option<Decision>,
 }
 
 impl PressureLoop {
     /// Valves closed, nothing learned.
     pub const fn new() -> Self {
-        Self { valves: ValvePair::new(), adaptation: Adaptation::new(), trim: Trim::new(), last: None }
+        Self { valves: ValvePair::new(), adaptation: Adaptation::new(), fine: FineRegulation::new(), last: None }
     }
 
     /// The coils.
@@ -97,28 +97,28 @@ impl PressureLoop {
         &mut self.valves
     }
 
-    /// What was learned.
+    /// Estimates of the channel.
     pub fn adaptation(&self) -> &Adaptation {
         &self.adaptation
     }
 
-    /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps what was learned.
+    /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps the estimates.
     pub fn close(&mut self, now_us: u64) {
         self.valves.close(now_us);
         self.last = None;
     }
 
     /// Takes the reading of this tick.
-    pub fn listen(&mut self, now_us: u64, timing: ValveTiming, reading_pa: f32) {
+    pub fn sample(&mut self, now_us: u64, timing: ValveTiming, reading_pa: f32) {
         let settled = self.valves.direction_at(now_us).is_none() && !self.is_line_moving(now_us, timing);
-        self.trim.listen(settled.then_some(reading_pa));
+        self.fine.sample(settled.then_some(reading_pa));
     }
 
     /// Whether the sample of this tick is fit for a decision: valves closed and line settled, or open from the last period on.
     /// `step_pa` is the change of the reading from the last sample, Pa.
     pub fn is_due(&self, now_us: u64, timing: ValveTiming, step_pa: f32, reference: &Reference) -> bool {
-        if self.trim.is_near(reference, now_us) && self.open_since_last(now_us).is_none() {
-            return self.trim.mean_pa().is_some();
+        if self.fine.is_near(reference, now_us) && self.open_since_last(now_us).is_none() {
+            return self.fine.mean_pa().is_some();
         }
         let closed_us = self.closed_for_us(now_us, timing);
         let still = step_pa.abs() < STILL_PA;
@@ -141,20 +141,20 @@ impl PressureLoop {
     pub fn decide(&mut self, input: &LoopInput, reference: &Reference) {
         let sample = self.sample_kind(input.now_us);
         let fill = self.pulse_model(input, reference, input.sensor_pa, 0);
-        self.trim.note_shortest(self.towards(Direction::Fill, &fill).shortest_effect_pa());
-        let near = self.trim.is_near(reference, input.now_us);
+        self.fine.note_shortest(self.towards(Direction::Fill, &fill).shortest_effect_pa());
+        let near = self.fine.is_near(reference, input.now_us);
         let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
         let pressure_pa = self.chamber_pressure_pa(input, sample, resting);
         self.learn(input, pressure_pa, sample);
         let plan = if resting {
             self.plan_at_rest(input, reference, pressure_pa)
         } else {
-            self.trim.restart();
+            self.fine.restart();
             self.plan(input, reference, pressure_pa, sample.direction())
         };
         match plan.direction {
             Some(direction) if plan.coil_us > 0 => self.valves.pulse(direction, input.now_us, plan.coil_us),
-            _ if self.trim.is_pairing() => {}
+            _ if self.fine.is_pairing() => {}
             _ => self.valves.close(input.now_us),
         }
         self.last = Some(Decision {
@@ -189,11 +189,11 @@ impl PressureLoop {
             (Sample::Opening(direction) | Sample::Steady(direction), _) => {
                 input.pneumatics.settled_pa(direction, input.chamber, input.sensor_pa, input.supply_pa)
             }
-            (Sample::Settled, _) => self.trim.mean_pa().filter(|_| resting).unwrap_or(input.sensor_pa),
+            (Sample::Settled, _) => self.fine.mean_pa().filter(|_| resting).unwrap_or(input.sensor_pa),
         }
     }
 
-    /// What the last pulse should have led to, Pa.
+    /// Predicted pressure after the last pulse, Pa.
     fn reckoned_pa(&self, last: &Decision) -> f32 {
         let gain = last.pulse.map_or(0.0, |direction| self.adaptation.gain(direction));
         last.pressure_pa + gain * last.modelled_pa
@@ -205,7 +205,7 @@ impl PressureLoop {
         if last.sample != sample
             || matches!(sample, Sample::Opening(_))
             || !input.sensor_trusted
-            || self.trim.is_pairing()
+            || self.fine.is_pairing()
         {
             return;
         }
@@ -235,35 +235,35 @@ impl PressureLoop {
         }
     }
 
-    /// The pulse while the reference rests: what is smaller than a shortest one takes two.
+    /// The pulse while the reference rests: a change below the shortest pulse takes two.
     fn plan_at_rest(&mut self, input: &LoopInput, reference: &Reference, pressure_pa: f32) -> Plan {
-        if let Some(direction) = self.trim.learn(pressure_pa) {
+        if let Some(direction) = self.fine.learn(pressure_pa) {
             self.adaptation.missed(direction);
         }
         let wanted = self.pulse_model(input, reference, pressure_pa, reference.rest_us(input.now_us) / 2);
         let error_pa = wanted.change_pa;
         let mut fill = self.towards(Direction::Fill, &wanted);
         let least_up_pa = fill.shortest_effect_pa();
-        if self.trim.leaves(error_pa, least_up_pa, reference) {
+        if self.fine.leaves(error_pa, least_up_pa, reference) {
             return Plan::NOTHING;
         }
         if error_pa.abs() >= wanted.shortest_effect_pa() {
             return wanted.plan(false);
         }
-        let asked_pa = self.trim.asked_pa(error_pa, reference);
+        let requested_pa = self.fine.requested_pa(error_pa, reference);
         let mut vent = self.towards(Direction::Vent, &wanted);
-        fill.change_pa = (asked_pa + BACK * vent.shortest_effect_pa()).max(BACK * least_up_pa);
+        fill.change_pa = (requested_pa + BACK * vent.shortest_effect_pa()).max(BACK * least_up_pa);
         let above_pa = fill.change_pa - error_pa;
         if above_pa > ABOVE_PA || pressure_pa + fill.change_pa > input.pressure_max_pa {
             // As while the reference moves.
             let least_pa = wanted.deadband_pa();
             return if error_pa.abs() < least_pa { Plan::NOTHING } else { wanted.plan(false) };
         }
-        vent.change_pa = asked_pa - fill.change_pa;
+        vent.change_pa = requested_pa - fill.change_pa;
         vent.pressure_pa = pressure_pa + fill.change_pa;
         let (before_pa, up_pa, down_pa) = (pressure_pa, fill.change_pa, -vent.change_pa);
-        // The bias is what the pair does beyond what it is asked for.
-        self.trim.begin(Pair { before_pa, wanted_pa: asked_pa, up_pa, down_pa });
+        // The bias is the effect of the pair beyond the requested change.
+        self.fine.begin(Pair { before_pa, desired_pa: requested_pa, up_pa, down_pa });
         let up = fill.plan(false);
         let down = vent.plan(false);
         self.valves.pair(input.now_us, (Direction::Fill, up.coil_us), (Direction::Vent, down.coil_us));

@@ -12,7 +12,7 @@ const DEADBAND_MIN_PA: f32 = 120.0;
 /// Smallest rate a valve is credited with, Pa/s: beyond it a pulse has no use.
 const RATE_MIN_PA_PER_S: f32 = 500.0;
 
-/// One period's coil time and what it will do.
+/// One period's coil time and its predicted effect.
 pub(crate) struct Plan {
     pub(crate) direction: Option<Direction>,
     pub(crate) coil_us: u32,
@@ -31,7 +31,7 @@ pub(crate) struct PulseModel<'a> {
     pub(crate) direction: Direction,
     /// Where the chamber is, Pa.
     pub(crate) pressure_pa: f32,
-    /// What is wanted of the pulse, Pa, signed.
+    /// Desired effect of the pulse, Pa, signed.
     pub(crate) change_pa: f32,
     /// Real over modelled effect.
     pub(crate) gain: f32,
@@ -65,7 +65,7 @@ impl PulseModel<'_> {
         sign * self.rate_pa_per_s(direction, self.pressure_pa + half) * time_s
     }
 
-    /// What the shortest pulse does, Pa.
+    /// Effect of the shortest pulse, Pa.
     pub(crate) fn shortest_effect_pa(&self) -> f32 {
         let shortest_us = self.input.pneumatics.timing.shortest_open_us(self.margin_us);
         self.gain * self.effect_pa(self.direction, shortest_us).abs()
@@ -75,7 +75,7 @@ impl PulseModel<'_> {
         (DEADBAND * self.shortest_effect_pa()).max(DEADBAND_MIN_PA)
     }
 
-    /// Coil time until the end of the period, from a closed valve or one that is open in the wanted direction.
+    /// Coil time until the end of the period, from a closed valve or one that is open in the desired direction.
     pub(crate) fn plan(&self, is_open: bool) -> Plan {
         let timing = self.input.pneumatics.timing;
         let open_us = self.open_time_us().min(2 * self.rest_us);

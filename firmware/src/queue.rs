@@ -6,7 +6,7 @@ use softlimb_protocol::MAX_CHANNELS;
 /// Places in the buffer: 1.28 s at 50 knots a second.
 pub const KNOTS: usize = 64;
 
-/// One knot: what all channels should be at one time.
+/// One knot: the setpoints of all channels at one time.
 #[derive(Clone, Debug, PartialEq)]
 struct Knot<const N: usize> {
     time_us: u64,
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_knot_is_passed_when_its_time_comes_and_the_last_one_exhausts_the_buffer() {
+    fn knot_is_passed_when_its_time_comes_and_the_last_one_exhausts_the_buffer() {
         let mut queue = filled(&[(100, 1), (200, 2)]);
         queue.advance(99);
         assert_eq!(queue.free(), 62);
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_full_buffer_refuses_and_keeps_what_it_has() {
+    fn full_buffer_refuses_and_keeps_what_it_has() {
         let mut queue = KnotQueue::<1>::new();
         for index in 0..KNOTS as u32 {
             queue.push(0, index, 1_000 + u64::from(index), &[index as i32]).unwrap();

@@ -6,7 +6,7 @@ const OPEN_BELOW_PA: f32 = 3_000.0;
 /// Gauge pressure below which a chamber counts as empty, Pa.
 const EMPTY_BELOW_PA: f32 = 2_000.0;
 
-/// Time for which the vent stays open at least, us, and at most when the sensor never tells that the chamber is empty.
+/// Time for which the vent stays open at least, us, and at most when the sensor never reads an empty chamber.
 const OPEN_MIN_US: u64 = 500_000;
 pub(crate) const OPEN_MAX_US: u64 = 5_000_000;
 
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ramp_falls_from_the_present_pressure_and_ends_in_an_open_vent() {
+    fn ramp_falls_from_the_present_pressure_and_ends_in_an_open_vent() {
         let mut relief = Relief::new();
         let ramp = relief.advance(1_000_000, 50_000.0, true, 20_000.0);
         assert_eq!(ramp.at(2_000_000), 30_000.0);
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chamber_that_never_empties_is_left_open_for_the_longest_time() {
+    fn chamber_that_never_empties_is_left_open_for_the_longest_time() {
         let mut relief = Relief::new();
         relief.advance(0, 20_000.0, true, 20_000.0);
         assert!(!relief.advance(2_900_000, 20_000.0, true, 20_000.0).is_open());

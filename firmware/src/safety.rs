@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_condition_has_to_hold_in_a_row() {
+    fn condition_has_to_hold_in_a_row() {
         let mut low = Lasting::new();
         let held: Vec<_> = [true, true, false, true, true, true, true].map(|c| low.holds(c, 3)).into();
         assert_eq!(held, [false, false, false, false, false, true, true]);

@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_band_is_2_5_to_97_5_percent() {
+    fn band_is_2_5_to_97_5_percent() {
         let scale = SensorScale::new(0.0, 1.0, 1000);
         for (code, good) in [(0, false), (24, false), (25, true), (975, true), (976, false), (1000, false)] {
             assert_eq!(scale.is_plausible(AdcCode(code)), good, "{code}");
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn the_zero_is_the_mean_of_32_samples() {
+    fn zero_is_the_mean_of_32_samples() {
         let mut check = ZeroCheck::default();
         for _ in 0..31 {
             assert_eq!(check.add(500.0), None);

@@ -3,7 +3,7 @@
 use softlimb_protocol::DeviceState;
 use softlimb_protocol::DeviceState::{Faulted, Holding, Idle, Ready, Running, Venting};
 
-/// What can change the state.
+/// Events that can change the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// Configured, all sensors plausible, zeros taken.
@@ -24,7 +24,7 @@ pub enum Event {
     Clear,
 }
 
-/// Every transition. What is not here does not happen.
+/// Every transition; there are no others.
 pub const TRANSITIONS: &[(DeviceState, Event, DeviceState)] = &[
     (Idle, Event::SensorsReady, Ready),
     (Idle, Event::Vent, Venting),
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn no_event_has_two_outcomes() {
+    fn events_have_one_outcome() {
         for (i, a) in TRANSITIONS.iter().enumerate() {
             assert!(TRANSITIONS.iter().skip(i + 1).all(|b| (a.0, a.1) != (b.0, b.1)), "{a:?}");
         }

@@ -1,4 +1,4 @@
-//! What the device tells on its own: faults as they occur, measurements periodically.
+//! Unsolicited messages of the device: faults as they occur, measurements periodically.
 
 use softlimb_protocol::{ChannelSample, ChannelStatus, Fault, List, Telemetry};
 

@@ -1,6 +1,6 @@
 //! A pair of normally closed valves as the coils see it: delays, smallest pulse, and never both at once.
 
-/// What a pulse does to the chamber.
+/// Direction of a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Air from the supply.
@@ -70,7 +70,7 @@ impl ValveTiming {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ValvePair {
     energized: Option<(Direction, u64)>,
-    /// What follows the pulse at once, and its coil time, us.
+    /// Pulse that follows at once, and its coil time, us.
     next: Option<(Direction, u32)>,
     closed_at_us: u64,
 }
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_valve_opens_for_the_shortest_time_or_not_at_all() {
+    fn closed_valve_opens_for_the_shortest_time_or_not_at_all() {
         // Below 4 ms of coil time it might not open: 3.5 ms delay and 0.5 ms margin.
         assert_eq!(TIMING.coil_us(1, 500), 4_000);
         assert_eq!(TIMING.shortest_open_us(500), 2_500);
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pulse_is_cut_into_ticks_and_adds_up() {
+    fn pulse_is_cut_into_ticks_and_adds_up() {
         let mut pair = ValvePair::new();
         pair.pulse(Direction::Vent, 20_000, 2_400);
         let ticks: Vec<_> = (20..25).map(|t| pair.tick(t * 1_000)).collect();
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_energizes_one_coil_after_the_other_and_ends_with_the_second() {
+    fn pair_energizes_one_coil_after_the_other_and_ends_with_the_second() {
         let mut pair = ValvePair::new();
         pair.pair(0, (Direction::Fill, 1_300), (Direction::Vent, 1_600));
         let ticks: Vec<_> = (0..6).map(|t| pair.tick(t * 1_000)).collect();
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_direction_switches_the_other_coil_off() {
+    fn new_direction_switches_the_other_coil_off() {
         let mut pair = ValvePair::new();
         pair.pulse(Direction::Fill, 0, 50_000);
         assert_eq!(pair.tick(0), ValvePulse { fill_us: 1_000, vent_us: 0 });

@@ -1,8 +1,6 @@
 //! A device that starts after a crash of its program empties the limb before it takes part in anything.
 
-mod common;
-
-use common::{Bench, SESSION};
+use crate::common::{Bench, SESSION};
 use softlimb_firmware::{BootInfo, Controller, TickOutputs};
 use softlimb_protocol::*;
 
@@ -43,7 +41,7 @@ fn after_any_other_start_nothing_moves() {
 }
 
 #[test]
-fn a_reason_that_is_told_later_does_the_same() {
+fn reason_that_is_told_later_does_the_same() {
     for cause in (0..=255).filter_map(BootCause::from_code) {
         let boot = BootInfo { cause, detail: 7 };
         let mut later = Bench::new();
@@ -56,7 +54,7 @@ fn a_reason_that_is_told_later_does_the_same() {
 }
 
 #[test]
-fn nothing_that_a_host_says_keeps_the_air_in_and_the_device_is_ready_only_after() {
+fn air_leaves_after_a_crash_whatever_the_host_sends_and_the_device_is_ready_only_after() {
     let mut bench = started(BootCause::Panic);
     bench.ticks(10);
     bench.hello();
@@ -65,7 +63,7 @@ fn nothing_that_a_host_says_keeps_the_air_in_and_the_device_is_ready_only_after(
         _ => None,
     });
     assert_eq!(told, Some((Some(BootCause::Panic), 7, Some(DeviceState::Venting))));
-    let upload = common::upload(&common::system(), &common::channels(&[SetpointKind::Pressure]));
+    let upload = crate::common::upload(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure]));
     for message in &upload {
         let wanted =
             if matches!(message, HostMessage::ConfigCommit(_)) { ResultCode::WrongState } else { ResultCode::Ok };
@@ -81,13 +79,13 @@ fn nothing_that_a_host_says_keeps_the_air_in_and_the_device_is_ready_only_after(
         assert_eq!(bench.tick(), TickOutputs::VENTING, "tick {tick}");
     }
     assert_eq!(bench.tick(), TickOutputs::SAFE);
-    bench.configure(&common::system(), &common::channels(&[SetpointKind::Pressure]));
+    bench.configure(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure]));
     bench.ticks(50);
     assert_eq!(bench.controller.state(), DeviceState::Ready);
 }
 
 #[test]
-fn an_emergency_stop_meanwhile_keeps_the_vents_open() {
+fn emergency_stop_meanwhile_keeps_the_vents_open() {
     let mut bench = started(BootCause::HardFault);
     bench.ticks(10);
     let stop = Command { session: SESSION + 5, code: CommandCode::EmergencyStop.into(), time_us: 0 };

@@ -1,10 +1,8 @@
 //! The board trait: one turn moves samples in, coil times out, and bytes both ways.
 
-mod common;
-
 use std::collections::VecDeque;
 
-use common::{SESSION, frame};
+use crate::common::{SESSION, frame};
 use softlimb_firmware::{AdcCode, Board, BootInfo, Controller, TickInputs, TickOutputs, turn};
 use softlimb_protocol::*;
 
@@ -49,7 +47,7 @@ impl Board for Slow {
 }
 
 #[test]
-fn a_slow_link_delays_bytes_and_loses_none() {
+fn slow_link_delays_bytes_and_loses_none() {
     let hello = Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION };
     let mut bytes = frame(1, &hello.into());
     for number in 0..4 {

@@ -2,14 +2,12 @@
 //!
 //! Run with `--nocapture` for the numbers.
 
-mod common;
-
-use common::Bench;
-use common::rig::{NOMINAL, Rig, Truth};
+use crate::common::Bench;
+use crate::common::fixture::{Fixture, NOMINAL, Truth};
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, State};
 use softlimb_protocol::*;
 
-/// The actuator that `common::channel` states, in f64.
+/// The actuator that `crate::common::channel` states, in f64.
 fn bender() -> Actuator<f64> {
     Actuator::new(&ActuatorParameters {
         motion: Motion::Bending,
@@ -31,7 +29,7 @@ fn wanted_rad(t: f64) -> f64 {
 }
 
 /// A chamber whose volume follows the bender only in the mean: rest volume and slope are those of the secant to 2 rad.
-fn chambers() -> Vec<Rig> {
+fn chambers() -> Vec<Fixture> {
     let actuator = bender();
     let at = |rad| actuator.inverse(fra_model::Target::BendAngle(rad), &Load::none()).unwrap().state;
     let (rest, bent) = (actuator.rest(), at(2.0));
@@ -39,13 +37,13 @@ fn chambers() -> Vec<Rig> {
     let nominal = Truth { rest_volume_m3: rest.volume_m3, compliance_m3_per_pa, ..NOMINAL };
     let small = Truth { rest_volume_m3: 0.8 * rest.volume_m3, ..nominal };
     let slow = Truth { valve_c: 0.8 * nominal.valve_c, on_us: 4_200, off_us: 2_600, ..nominal };
-    [nominal, small, slow].map(|truth| Rig::new(truth, 0.0)).into()
+    [nominal, small, slow].map(|truth| Fixture::new(truth, 0.0)).into()
 }
 
 #[test]
 fn bend_angles_are_followed_by_three_different_chambers() {
     let mut bench = Bench::ready(&[SetpointKind::BendAngle; 3]);
-    bench.rigs = chambers();
+    bench.fixtures = chambers();
     let first_us = bench.now_us + 20_000;
     let (mut index, actuator) = (0, bender());
     let mut squares = [(0.0, 0.0); 3];
@@ -71,16 +69,16 @@ fn bend_angles_are_followed_by_three_different_chambers() {
         let target = fra_model::Target::BendAngle(wanted_rad(t));
         let wanted_pa = actuator.inverse(target, &Load::none()).unwrap().state.pressure_pa;
         samples += 1;
-        for (rig, (pressure, angle)) in bench.rigs.iter().zip(&mut squares) {
-            let achieved = actuator.forward(rig.gauge_pa(), &Load::none()).unwrap().state.bend_angle_rad;
-            *pressure += (rig.gauge_pa() - wanted_pa).powi(2);
+        for (fixture, (pressure, angle)) in bench.fixtures.iter().zip(&mut squares) {
+            let achieved = actuator.forward(fixture.gauge_pa(), &Load::none()).unwrap().state.bend_angle_rad;
+            *pressure += (fixture.gauge_pa() - wanted_pa).powi(2);
             *angle += (achieved - wanted_rad(t)).powi(2);
         }
     }
     assert_eq!(samples, 6_000);
     for (index, (pressure, angle)) in squares.into_iter().enumerate() {
         let rms = |sum: f64| (sum / f64::from(samples)).sqrt();
-        let edges = f64::from(bench.rigs[index].edges) / 6.5;
+        let edges = f64::from(bench.fixtures[index].edges) / 6.5;
         let (rmse_kpa, rmse_deg) = (rms(pressure) * 1e-3, rms(angle).to_degrees());
         println!("chamber {index}: {rmse_kpa:.2} kPa, {rmse_deg:.2} deg, {edges:.0} switchings/s");
         assert!(rmse_kpa < 0.8 && rmse_deg < 1.0 && edges <= 80.0, "chamber {index}");
@@ -93,8 +91,8 @@ fn twenty_seven_channels_run_at_once() {
     let mut bench = Bench::running(27, 60_000, 64);
     bench.attach(27, 0.0);
     bench.ticks(1_200);
-    for (index, rig) in bench.rigs.iter().enumerate() {
-        assert!((rig.gauge_pa() - 60e3).abs() < 1e3, "channel {index}: {}", rig.gauge_pa());
+    for (index, fixture) in bench.fixtures.iter().enumerate() {
+        assert!((fixture.gauge_pa() - 60e3).abs() < 1e3, "channel {index}: {}", fixture.gauge_pa());
     }
     assert!(bench.told_faults().is_empty());
 }
@@ -116,7 +114,7 @@ fn wound(index: usize, motion: MotionKind, angle_deg: f64, families: u8) -> (Con
         fiber_radius_m: 20e-3,
         setpoint_min: i32::MIN,
         setpoint_max: i32::MAX,
-        ..common::channel(index, kind)
+        ..crate::common::channel(index, kind)
     };
     let wire = match kind {
         SetpointKind::BendAngle => ConfigChannel { setpoint_min: 0, ..wire },
@@ -166,7 +164,7 @@ fn every_motion_gets_the_pressure_that_the_model_in_f64_bends_it_with() {
     .unzip();
     let mut bench = Bench::new();
     bench.hello();
-    bench.configure(&common::system(), &wires);
+    bench.configure(&crate::common::system(), &wires);
     bench.attach(4, 0.0);
     bench.ticks(50);
     let first_us = bench.now_us + 20_000;
@@ -186,12 +184,12 @@ fn every_motion_gets_the_pressure_that_the_model_in_f64_bends_it_with() {
     }
     assert_eq!(bench.command(CommandCode::Start).result, ResultCode::Ok);
     bench.ticks(1_150);
-    for (index, rig) in bench.rigs.iter().enumerate() {
+    for (index, fixture) in bench.fixtures.iter().enumerate() {
         let channel = bench.controller.channel(index).unwrap();
         let reference_pa = f64::from(channel.reference_pa(bench.now_us).unwrap());
-        println!("motion {index}: reference {reference_pa:.1} Pa, chamber {:.0} Pa", rig.gauge_pa());
+        println!("motion {index}: reference {reference_pa:.1} Pa, chamber {:.0} Pa", fixture.gauge_pa());
         assert!((reference_pa - TOP_PA).abs() < 50.0, "motion {index}: {reference_pa}");
-        assert!((rig.gauge_pa() - TOP_PA).abs() < 1e3, "motion {index}: {}", rig.gauge_pa());
+        assert!((fixture.gauge_pa() - TOP_PA).abs() < 1e3, "motion {index}: {}", fixture.gauge_pa());
         let status = channel.inverse().status();
         assert!(!status.limited && !status.failed);
     }

@@ -1,8 +1,6 @@
 //! Configuration: every field is checked and named, and the swap is all or nothing.
 
-mod common;
-
-use common::{Bench, channel, channels, frame, system, upload};
+use crate::common::{Bench, channel, channels, frame, system, upload};
 use softlimb_protocol::*;
 
 const KINDS: [SetpointKind; 2] = [SetpointKind::Pressure, SetpointKind::BendAngle];
@@ -96,7 +94,7 @@ fn every_number_of_a_channel_is_checked_and_named() {
 }
 
 #[test]
-fn what_the_model_refuses_is_named_by_the_wires_field() {
+fn parameters_that_the_model_refuses_are_named_by_the_wires_field() {
     let base = || ConfigChannel { families: 2, fiber_radius_m: 20e-3, ..channel(0, SetpointKind::BendAngle) };
     for (field, variant) in [
         ("outer_radius_m", ConfigChannel { outer_radius_m: 14e-3, ..base() }),
@@ -150,13 +148,13 @@ fn incomplete_and_mixed_up_uploads_are_refused() {
     }
     assert_eq!(bench.request(&parts[1]).result, ResultCode::ConfigMismatch, "a second system part");
     assert_eq!(bench.request(&parts[3]).result, ResultCode::ConfigMismatch, "a channel too many");
-    let wrong = ConfigCommit { session: common::SESSION, config_hash: 1 };
+    let wrong = ConfigCommit { session: crate::common::SESSION, config_hash: 1 };
     assert_eq!(bench.request(&wrong.into()).result, ResultCode::ConfigMismatch);
     assert_eq!(bench.request(&parts[4]).result, ResultCode::Ok, "the upload survives a wrong hash");
 }
 
 #[test]
-fn a_limit_beyond_the_sensor_is_refused_at_the_commit() {
+fn limit_beyond_the_sensor_is_refused_at_the_commit() {
     let mut bench = Bench::new();
     bench.hello();
     let blind = ConfigChannel { pressure_max_pa: 250e3, ..channel(0, SetpointKind::Pressure) };
@@ -165,7 +163,7 @@ fn a_limit_beyond_the_sensor_is_refused_at_the_commit() {
 }
 
 #[test]
-fn an_upload_cut_at_any_byte_leaves_the_old_configuration_or_the_new_one() {
+fn upload_cut_at_any_byte_leaves_the_old_configuration_or_the_new_one() {
     let old = ConfigSystem { supply_min_pa: 120e3, ..system() };
     let new = ConfigSystem { supply_min_pa: 160e3, ..system() };
     let new_channels = channels(&[SetpointKind::BendAngle, SetpointKind::Pressure, SetpointKind::Pressure]);
@@ -197,7 +195,7 @@ fn an_upload_cut_at_any_byte_leaves_the_old_configuration_or_the_new_one() {
 }
 
 #[test]
-fn a_running_device_is_not_reconfigured() {
+fn running_device_is_not_reconfigured() {
     let mut bench = Bench::running(1, 50_000, 50);
     let results: Vec<_> = upload(&system(), &channels(&KINDS)).iter().map(|part| bench.request(part).result).collect();
     assert_eq!(*results.last().unwrap(), ResultCode::WrongState);
@@ -206,7 +204,7 @@ fn a_running_device_is_not_reconfigured() {
 }
 
 #[test]
-fn the_controller_fits_a_small_microcontroller() {
+fn controller_fits_a_small_microcontroller() {
     let size = size_of::<softlimb_firmware::Controller<9>>();
     println!("Controller of nine channels: {size} bytes");
     assert!(size < 16 * 1024, "{size}");

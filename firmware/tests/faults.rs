@@ -1,8 +1,6 @@
 //! Faults: what detects them, how fast the outputs are safe, and what they leave alone.
 
-mod common;
-
-use common::{Bench, SESSION};
+use crate::common::{Bench, SESSION};
 use proptest::prelude::*;
 use softlimb_firmware::ValvePulse;
 use softlimb_protocol::*;
@@ -53,20 +51,20 @@ fn one_high_sample_at_a_time_is_no_fault() {
 }
 
 #[test]
-fn the_line_drop_while_filling_is_not_taken_for_over_pressure() {
+fn line_drop_while_filling_is_not_taken_for_over_pressure() {
     let mut bench = Bench::running(1, 147_000, 60);
     bench.attach(1, 0.0);
     let mut highest_pa = 0.0_f64;
     while bench.controller.state() == DeviceState::Running {
         bench.tick();
-        highest_pa = highest_pa.max(bench.rigs[0].manifold_pa());
+        highest_pa = highest_pa.max(bench.fixtures[0].manifold_pa());
     }
     assert!(highest_pa > 150e3, "the manifold does exceed the limit: {highest_pa}");
     assert_eq!(only_fault(&bench), (FaultCode::SetpointsExhausted, SYSTEM_CHANNEL));
 }
 
 #[test]
-fn a_sensor_out_of_its_band_for_three_samples_holds_everything() {
+fn sensor_out_of_its_band_for_three_samples_holds_everything() {
     for code in [0, 4095] {
         let mut bench = Bench::running(3, 50_000, 50);
         bench.ticks(45);
@@ -89,26 +87,26 @@ fn after_the_hold_time_a_fault_ramps_down_and_a_blind_channel_with_it() {
     bench.ticks(45);
     bench.code[1] = Some(0);
     bench.ticks(1_950);
-    let held_pa = bench.rigs[0].gauge_pa();
+    let held_pa = bench.fixtures[0].gauge_pa();
     assert!((held_pa - 60e3).abs() < 1.5e3, "kept while holding: {held_pa}");
     for _ in 0..1_500 {
         bench.tick();
     }
-    for rig in &bench.rigs {
-        let pressure_pa = rig.gauge_pa();
+    for fixture in &bench.fixtures {
+        let pressure_pa = fixture.gauge_pa();
         assert!((20e3..45e3).contains(&pressure_pa), "1.45 s at 20 kPa/s from 60 kPa: {pressure_pa}");
     }
     bench.ticks(5_000);
-    assert!(bench.rigs.iter().all(|rig| rig.gauge_pa() < 2e3));
+    assert!(bench.fixtures.iter().all(|fixture| fixture.gauge_pa() < 2e3));
     assert_eq!(bench.controller.state(), DeviceState::Faulted);
 }
 
 #[test]
-fn a_fault_keeps_the_pressure_without_limit_where_the_policy_is_to_hold() {
+fn fault_keeps_the_pressure_without_limit_where_the_policy_is_to_hold() {
     let mut bench = Bench::new();
     bench.hello();
-    let system = ConfigSystem { link_loss_policy: LinkLossPolicy::Hold.into(), ..common::system() };
-    bench.configure(&system, &common::channels(&[SetpointKind::Pressure]));
+    let system = ConfigSystem { link_loss_policy: LinkLossPolicy::Hold.into(), ..crate::common::system() };
+    bench.configure(&system, &crate::common::channels(&[SetpointKind::Pressure]));
     bench.ticks(50);
     bench.supply_pa = 231e3;
     bench.ticks_until(DeviceState::Faulted, 20);
@@ -120,7 +118,7 @@ fn a_fault_keeps_the_pressure_without_limit_where_the_policy_is_to_hold() {
 }
 
 #[test]
-fn a_stop_needs_no_session_and_no_configuration() {
+fn stop_needs_no_session_and_no_configuration() {
     let mut bench = Bench::new();
     let stop = Command { session: SESSION, code: CommandCode::EmergencyStop.into(), time_us: 0 };
     assert_eq!(bench.request(&stop.into()).result, ResultCode::Ok);
@@ -129,7 +127,7 @@ fn a_stop_needs_no_session_and_no_configuration() {
 }
 
 #[test]
-fn a_low_supply_is_a_fault_after_a_tenth_of_a_second_and_only_while_running() {
+fn low_supply_is_a_fault_after_a_tenth_of_a_second_and_only_while_running() {
     let mut bench = Bench::ready(&[SetpointKind::Pressure]);
     bench.supply_pa = 100e3;
     bench.ticks(500);
@@ -145,7 +143,7 @@ fn a_low_supply_is_a_fault_after_a_tenth_of_a_second_and_only_while_running() {
 }
 
 #[test]
-fn a_high_supply_stops_the_pump_before_the_limit_and_is_cut_above_it() {
+fn high_supply_stops_the_pump_before_the_limit_and_is_cut_above_it() {
     let mut bench = Bench::ready(&[SetpointKind::Pressure]);
     let mut duty = |supply_pa: f64| {
         bench.supply_pa = supply_pa;
@@ -165,7 +163,7 @@ fn a_high_supply_stops_the_pump_before_the_limit_and_is_cut_above_it() {
 }
 
 #[test]
-fn a_stop_command_is_honoured_from_any_session_and_takes_one_tick() {
+fn stop_command_is_honoured_from_any_session_and_takes_one_tick() {
     let mut bench = Bench::running(2, 50_000, 50);
     let stop = Command { session: SESSION + 1, code: CommandCode::EmergencyStop.into(), time_us: 0 };
     assert_eq!(bench.request(&stop.into()).result, ResultCode::Ok);
@@ -175,11 +173,11 @@ fn a_stop_command_is_honoured_from_any_session_and_takes_one_tick() {
 }
 
 #[test]
-fn a_deformation_that_no_pressure_reaches_keeps_the_last_pressure_and_then_faults() {
-    let channel = ConfigChannel { setpoint_max: 60_000_000, ..common::straight(0) };
+fn deformation_that_no_pressure_reaches_keeps_the_last_pressure_and_then_faults() {
+    let channel = ConfigChannel { setpoint_max: 60_000_000, ..crate::common::straight(0) };
     let mut bench = Bench::new();
     bench.hello();
-    bench.configure(&common::system(), &[channel]);
+    bench.configure(&crate::common::system(), &[channel]);
     bench.ticks(50);
     let first_us = bench.now_us + 20_000;
     // No wall of 5 mm is left of it at a stretch of 50.
@@ -213,7 +211,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn whatever_the_converters_and_the_clock_show_the_outputs_stay_sane(
+    fn outputs_stay_sane_for_any_converters_and_clock(
         steps in proptest::collection::vec((any::<u16>(), 0_usize..3, any::<f64>(), 0_u64..5_000_000_000, any::<bool>()), 1..80),
     ) {
         let mut bench = Bench::running(2, 50_000, 60);

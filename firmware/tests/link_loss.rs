@@ -1,8 +1,6 @@
 //! The link: silence, repeated messages, and noise.
 
-mod common;
-
-use common::{Bench, SESSION, frame, system};
+use crate::common::{Bench, SESSION, frame, system};
 use proptest::prelude::*;
 use softlimb_firmware::ValvePulse;
 use softlimb_protocol::*;
@@ -11,7 +9,7 @@ fn policy(policy: LinkLossPolicy) -> Bench {
     let mut bench = Bench::new();
     bench.hello();
     let system = ConfigSystem { link_loss_policy: policy.into(), hold_time_us: 500_000, ..system() };
-    bench.configure(&system, &common::channels(&[SetpointKind::Pressure]));
+    bench.configure(&system, &crate::common::channels(&[SetpointKind::Pressure]));
     bench.ticks(50);
     let first_us = bench.now_us + 1_000;
     for index in 0..25 {
@@ -57,7 +55,7 @@ fn silence_with_the_vent_policy_opens_the_vents_when_the_buffer_is_used_up() {
 }
 
 #[test]
-fn a_link_that_comes_back_keeps_running_but_a_new_start_wants_the_fault_cleared() {
+fn link_that_comes_back_keeps_running_but_a_new_start_wants_the_fault_cleared() {
     let mut bench = policy(LinkLossPolicy::HoldThenRamp);
     bench.ticks(200);
     bench.heartbeats = true;
@@ -82,7 +80,7 @@ fn frames_of_a_stranger_do_not_keep_the_link_alive() {
 }
 
 #[test]
-fn a_repeated_command_is_applied_once_and_answered_again() {
+fn repeated_command_is_applied_once_and_answered_again() {
     let mut bench = Bench::ready(&[SetpointKind::Pressure]);
     let flush = HostMessage::from(Command { session: SESSION, code: CommandCode::Flush.into(), time_us: 0 });
     let first = bench.request_as(900, &flush).unwrap();
@@ -197,7 +195,7 @@ proptest! {
                 1 => ConfigBegin { session: SESSION, channels: code }.into(),
                 2 => ConfigSystem { vent_ramp_pa_per_s: f32::from_bits(time as u32), ..system() }.into(),
                 3 => {
-                    let base = common::channel(0, SetpointKind::BendAngle);
+                    let base = crate::common::channel(0, SetpointKind::BendAngle);
                     ConfigChannel { channel: code % 3, c_pa_1: f32::from_bits(value as u32), ..base }.into()
                 }
                 4 => ConfigCommit { session: SESSION, config_hash: time as u32 }.into(),

@@ -2,9 +2,7 @@
 //!
 //! The parameters of the chamber differ from the controller's where a test says so. Run with `--nocapture` for the numbers.
 
-mod common;
-
-use common::rig::{NOMINAL, Rig, SUPPLY_PA, Truth};
+use crate::common::fixture::{Fixture, NOMINAL, SUPPLY_PA, Truth};
 use softlimb_firmware::{
     Absolute, AdcCode, Chamber, Direction, LoopInput, Orifice, Pneumatics, PressureLoop, Reference, SensorScale,
     ValveTiming,
@@ -39,7 +37,7 @@ fn belief() -> (Pneumatics, impl Fn(f32) -> Chamber) {
 fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64) -> Run {
     let (pneumatics, chamber) = belief();
     let scale = SensorScale::new(0.0, 206_843.0, 4095);
-    let mut rig = Rig::new(truth, start_pa);
+    let mut fixture = Fixture::new(truth, start_pa);
     let mut control = PressureLoop::new();
     let mut segment = None;
     let mut sensor_pa = 0.0;
@@ -47,7 +45,7 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
     let ticks = (seconds * 1e3) as u64;
     for tick in 0..ticks {
         let now_us = tick * 1_000;
-        let share = 0.1 + 0.8 * rig.manifold_pa() / 206_843.0;
+        let share = 0.1 + 0.8 * fixture.manifold_pa() / 206_843.0;
         let before_pa = sensor_pa;
         sensor_pa = scale.pressure_pa(AdcCode((share * 4095.0).round() as u16));
         if tick % 20 == 0 {
@@ -59,7 +57,7 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
                 end_pa: at(now_us + u64::from(PERIOD_US)),
             });
         }
-        control.listen(now_us, pneumatics.timing, sensor_pa);
+        control.sample(now_us, pneumatics.timing, sensor_pa);
         if let Some(wanted) = segment
             && control.is_due(now_us, pneumatics.timing, sensor_pa - before_pa, &wanted)
         {
@@ -77,16 +75,16 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
             control.decide(&input, &wanted);
             segment = None;
         }
-        rig.tick(control.valves_mut().tick(now_us));
-        let error = rig.gauge_pa() - reference((tick + 1) as f64 * 1e-3);
-        trace.push(rig.gauge_pa() * 1e-3);
+        fixture.tick(control.valves_mut().tick(now_us));
+        let error = fixture.gauge_pa() - reference((tick + 1) as f64 * 1e-3);
+        trace.push(fixture.gauge_pa() * 1e-3);
         square += error * error;
         max = max.max(error.abs());
     }
     Run {
         rmse_kpa: (square / ticks as f64).sqrt() * 1e-3,
         max_kpa: max * 1e-3,
-        edges_per_s: f64::from(rig.edges) / seconds,
+        edges_per_s: f64::from(fixture.edges) / seconds,
         trace,
     }
 }
@@ -147,7 +145,7 @@ fn a_limb_trajectory_is_followed() {
 }
 
 #[test]
-fn a_plant_other_than_believed_is_followed_nearly_as_well() {
+fn plant_other_than_believed_is_followed_nearly_as_well() {
     let n = NOMINAL;
     let cases = [
         ("volume +30 %", Truth { rest_volume_m3: 104e-6, ..n }),
@@ -181,7 +179,7 @@ fn holding_hardly_switches() {
 }
 
 #[test]
-fn a_sine_is_followed_close_to_the_quantisation_limit() {
+fn sine_is_followed_close_to_the_quantisation_limit() {
     let omega = core::f64::consts::TAU;
     let run = run(NOMINAL, 60e3, 6.0, |t| 60e3 + 20e3 * (omega * t).sin());
     let rms_rate = 20.0 * omega / core::f64::consts::SQRT_2;
@@ -195,7 +193,7 @@ fn a_sine_is_followed_close_to_the_quantisation_limit() {
 }
 
 #[test]
-fn the_direction_of_a_pulse_is_that_of_the_error() {
+fn direction_of_a_pulse_is_that_of_the_error() {
     let (pneumatics, chamber) = belief();
     for (wanted_pa, direction) in [(80e3, Direction::Fill), (20e3, Direction::Vent)] {
         let reference = Reference { start_us: 1_000_000, start_pa: wanted_pa, period_us: PERIOD_US, end_pa: wanted_pa };

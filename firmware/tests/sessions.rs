@@ -1,12 +1,10 @@
 //! Who commands the device: one host at a time, which speaks the same interface.
 
-mod common;
-
-use common::{Bench, SESSION, system};
+use crate::common::{Bench, SESSION, system};
 use softlimb_protocol::*;
 
 #[test]
-fn a_second_host_can_read_but_not_command() {
+fn second_host_can_read_but_not_command() {
     let mut bench = Bench::running(1, 50_000, 50);
     let other = SESSION + 1;
     let hello = Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: other };
@@ -19,13 +17,13 @@ fn a_second_host_can_read_but_not_command() {
 }
 
 #[test]
-fn a_host_that_takes_over_finds_no_start_armed_and_no_upload_begun() {
+fn host_that_takes_over_finds_no_start_armed_and_no_upload_begun() {
     let mut bench = Bench::ready(&[SetpointKind::Pressure]);
     bench.setpoint(0, bench.now_us + 400_000, &[1_000]);
     let start_us = bench.now_us + 300_000;
     let start = Command { session: SESSION, code: CommandCode::Start.into(), time_us: start_us };
     assert_eq!(bench.request(&start.into()).result, ResultCode::Ok);
-    let parts = common::upload(&system(), &common::channels(&[SetpointKind::Pressure]));
+    let parts = crate::common::upload(&system(), &crate::common::channels(&[SetpointKind::Pressure]));
     let (last, parts) = parts.split_last().expect("an upload");
     for part in parts {
         assert_eq!(bench.request(part).result, ResultCode::Ok);

@@ -1,15 +1,13 @@
 //! `protocol/SPEC.md` says what the firmware does: its tables of states, commands and faults are held against the device.
 
-mod common;
-
-use common::spec::table;
-use common::{Bench, SESSION};
+use crate::common::spec::table;
+use crate::common::{Bench, SESSION};
 use softlimb_firmware::{Event, Faults, Occurrence, TRANSITIONS, VentScope, reaction};
 use softlimb_protocol::DeviceState::{Faulted, Holding, Idle, Ready, Running, Venting};
 use softlimb_protocol::*;
 
 #[test]
-fn the_table_of_states_is_the_firmwares() {
+fn table_of_states_is_the_firmwares() {
     let written: Vec<_> = table(["From", "Event", "To"]).iter().map(|row| row.join(" ")).collect();
     let built: Vec<_> = TRANSITIONS.iter().map(|(from, event, to)| format!("{from:?} {event:?} {to:?}")).collect();
     assert_eq!(written, built);
@@ -37,7 +35,7 @@ fn fault_codes() -> Vec<FaultCode> {
 }
 
 #[test]
-fn the_table_of_faults_is_the_firmwares() {
+fn table_of_faults_is_the_firmwares() {
     let yes = |answer: bool| String::from(if answer { "yes" } else { "no" });
     let built: Vec<_> = fault_codes()
         .into_iter()
@@ -74,7 +72,7 @@ fn device_in(state: DeviceState) -> Bench {
             let mut bench = Bench::new();
             bench.hello();
             bench.code[0] = Some(0);
-            bench.configure(&common::system(), &common::channels(&[SetpointKind::Pressure]));
+            bench.configure(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure]));
             bench.ticks(50);
             bench
         }
@@ -103,7 +101,7 @@ fn device_in(state: DeviceState) -> Bench {
 
 /// Whether the device takes a message, named as in the specification.
 fn takes(bench: &mut Bench, name: &str) -> bool {
-    let parts = common::upload(&common::system(), &common::channels(&[SetpointKind::Pressure]));
+    let parts = crate::common::upload(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure]));
     let command = |code: CommandCode| Command { session: SESSION, code: code.into(), time_us: 0 }.into();
     let next_knot = Setpoint {
         session: SESSION,
@@ -136,7 +134,7 @@ fn takes(bench: &mut Bench, name: &str) -> bool {
 }
 
 #[test]
-fn the_table_of_messages_by_state_is_the_firmwares() {
+fn table_of_messages_by_state_is_the_firmwares() {
     let states = [Idle, Ready, Running, Holding, Venting, Faulted];
     let rows = table(["Message", "Idle", "Ready", "Running", "Holding", "Venting", "Faulted"]);
     let codes = (0..=255).filter_map(CommandCode::from_code).count();
@@ -151,7 +149,7 @@ fn the_table_of_messages_by_state_is_the_firmwares() {
 }
 
 #[test]
-fn a_setpoint_is_checked_in_the_order_of_the_table() {
+fn setpoint_is_checked_in_the_order_of_the_table() {
     let rows = table(["Refused with", "When", "detail"]);
     let written: Vec<_> = rows.iter().map(|[result, ..]| result.as_str()).collect();
     let mut idle = Bench::new();

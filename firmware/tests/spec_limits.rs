@@ -1,9 +1,7 @@
 //! The limits of every configuration field, as `protocol/SPEC.md` states them, are those at which the device refuses.
 
-mod common;
-
-use common::spec::table;
-use common::{Bench, SESSION, channel, system};
+use crate::common::spec::table;
+use crate::common::{Bench, SESSION, channel, system};
 use softlimb_protocol::*;
 
 /// Access to the numbers of a message by the names of their fields.
@@ -177,22 +175,22 @@ fn check<M: Numbers>(name: &str, base: &M) {
 }
 
 #[test]
-fn the_limits_of_an_upload_are_those_of_the_table() {
+fn limits_of_an_upload_are_those_of_the_table() {
     check("ConfigBegin", &ConfigBegin { session: SESSION, channels: 1 });
 }
 
 #[test]
-fn the_limits_of_the_system_are_those_of_the_table() {
+fn limits_of_the_system_are_those_of_the_table() {
     check("ConfigSystem", &system());
 }
 
 #[test]
-fn the_limits_of_a_channel_are_those_of_the_table() {
+fn limits_of_a_channel_are_those_of_the_table() {
     check("ConfigChannel", &channel(0, SetpointKind::Pressure));
 }
 
 #[test]
-fn the_limits_of_tables_are_those_of_the_table() {
+fn limits_of_tables_are_those_of_the_table() {
     check("ConfigVolume", &volume());
     let rising = ConfigInverse {
         session: SESSION,
@@ -235,7 +233,7 @@ fn setpoints_outside_of_their_kinds_domain_are_refused() {
 }
 
 #[test]
-fn the_reference_stops_below_the_limit_as_far_as_the_specification_says() {
+fn reference_stops_below_the_limit_as_far_as_the_specification_says() {
     for (pressure_max_pa, reference_max_pa) in [(150e3, 147e3), (20e3, 18e3)] {
         let mut bench = Bench::new();
         bench.hello();

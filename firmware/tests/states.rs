@@ -1,8 +1,6 @@
 //! Every transition of the state table, through the link and the tick.
 
-mod common;
-
-use common::{Bench, SESSION, system};
+use crate::common::{Bench, SESSION, system};
 use softlimb_firmware::{TickOutputs, ValvePulse};
 use softlimb_protocol::*;
 
@@ -26,7 +24,7 @@ fn idle_becomes_ready_when_all_sensors_are_plausible_and_zeroed() {
     let mut bench = Bench::new();
     bench.hello();
     bench.code[1] = Some(0);
-    bench.configure(&system(), &common::channels(&[SetpointKind::Pressure; 2]));
+    bench.configure(&system(), &crate::common::channels(&[SetpointKind::Pressure; 2]));
     bench.ticks(200);
     assert_eq!(bench.controller.state(), DeviceState::Idle, "a sensor is open");
     bench.code[1] = None;
@@ -35,11 +33,11 @@ fn idle_becomes_ready_when_all_sensors_are_plausible_and_zeroed() {
 }
 
 #[test]
-fn a_zero_beyond_three_percent_forbids_ready_until_vented() {
+fn zero_beyond_three_percent_forbids_ready_until_vented() {
     let mut bench = Bench::new();
     bench.hello();
     bench.pressure_pa[0] = 8e3;
-    bench.configure(&system(), &common::channels(&PRESSURE));
+    bench.configure(&system(), &crate::common::channels(&PRESSURE));
     bench.ticks(200);
     assert_eq!(bench.controller.state(), DeviceState::Idle);
     assert_eq!(bench.told_faults(), [(FaultCode::SensorImplausible, 0)]);
@@ -53,11 +51,11 @@ fn a_zero_beyond_three_percent_forbids_ready_until_vented() {
 }
 
 #[test]
-fn a_sensor_with_a_bad_zero_still_stops_the_device_when_it_fails() {
+fn sensor_with_a_bad_zero_still_stops_the_device_when_it_fails() {
     let mut bench = Bench::new();
     bench.hello();
     bench.pressure_pa[0] = 8e3;
-    bench.configure(&system(), &common::channels(&PRESSURE));
+    bench.configure(&system(), &crate::common::channels(&PRESSURE));
     bench.ticks(200);
     assert_eq!(bench.told_faults(), [(FaultCode::SensorImplausible, 0)]);
     bench.command(CommandCode::Vent);
@@ -68,11 +66,11 @@ fn a_sensor_with_a_bad_zero_still_stops_the_device_when_it_fails() {
 }
 
 #[test]
-fn a_small_offset_is_taken_away() {
+fn small_offset_is_taken_away() {
     let mut bench = Bench::new();
     bench.hello();
     bench.pressure_pa[0] = 4e3;
-    bench.configure(&system(), &common::channels(&PRESSURE));
+    bench.configure(&system(), &crate::common::channels(&PRESSURE));
     bench.ticks_until(DeviceState::Ready, 100);
     bench.pressure_pa[0] = 54e3;
     bench.tick();
@@ -98,7 +96,7 @@ fn start_runs_and_the_end_of_the_knots_holds_with_all_valves_closed() {
 }
 
 #[test]
-fn a_start_takes_effect_at_its_time() {
+fn start_takes_effect_at_its_time() {
     let mut bench = Bench::ready(&PRESSURE);
     let start_us = bench.now_us + 50_000;
     bench.setpoint(0, start_us + 10_000, &[1_000]);
@@ -126,7 +124,7 @@ fn nothing_starts_without_knots_with_past_knots_or_with_a_low_supply() {
 }
 
 #[test]
-fn an_armed_start_is_dropped_without_a_word_when_the_supply_is_low_by_then() {
+fn armed_start_is_dropped_without_a_word_when_the_supply_is_low_by_then() {
     let mut bench = Bench::ready(&PRESSURE);
     let start_us = bench.now_us + 50_000;
     bench.setpoint(0, start_us + 10_000, &[1_000]);
@@ -168,7 +166,7 @@ fn vent_ramps_down_opens_the_vents_and_ends_ready() {
     while !bench.controller.channel(0).unwrap().is_venting_open() {
         bench.tick();
         let ramp_pa = 40e3 - 20e3 * (bench.now_us - begin_us) as f64 * 1e-6;
-        let error_pa = bench.rigs[0].gauge_pa() - ramp_pa;
+        let error_pa = bench.fixtures[0].gauge_pa() - ramp_pa;
         assert!(error_pa.abs() < 1.5e3, "{error_pa} Pa off the ramp at {ramp_pa} Pa");
     }
     let outputs = bench.tick();
@@ -176,7 +174,7 @@ fn vent_ramps_down_opens_the_vents_and_ends_ready() {
     assert_eq!(outputs.valves[0], ValvePulse::VENTING, "open at the end of the ramp");
     assert!(!outputs.supply_open);
     bench.ticks_until(DeviceState::Ready, 2_000);
-    assert!(bench.rigs[0].gauge_pa() < 2.1e3);
+    assert!(bench.fixtures[0].gauge_pa() < 2.1e3);
     assert_closed(&bench.tick());
 }
 
@@ -215,7 +213,7 @@ fn emergency_stop_vents_everything_in_one_tick_from_every_state() {
 }
 
 #[test]
-fn a_faulted_device_is_cleared_to_rest_and_never_moves_by_itself() {
+fn faulted_device_is_cleared_to_rest_and_never_moves_by_itself() {
     let mut bench = Bench::running(1, 50_000, 60);
     bench.ticks(30);
     bench.emergency_stop = true;

@@ -1,8 +1,6 @@
 //! Tables of a channel: looked up instead of the model, total over all numbers, checked on arrival.
 
-mod common;
-
-use common::{Bench, SESSION, channel, straight, system};
+use crate::common::{Bench, SESSION, channel, straight, system};
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Target};
 use softlimb_firmware::{ChannelConfig, Inverse, InverseStatus, Source};
 use softlimb_protocol::*;
@@ -10,7 +8,7 @@ use softlimb_protocol::*;
 /// Highest pressure of the table, gauge Pa; the channel's reference stops at 147 kPa.
 const TOP_PA: f32 = 147e3;
 
-/// Volume at rest of the actuator that `common::channel` describes: a cylinder of 15 mm by 113.2 mm.
+/// Volume at rest of the actuator that `crate::common::channel` describes: a cylinder of 15 mm by 113.2 mm.
 fn rest_m3() -> f32 {
     std::f32::consts::PI * 15e-3 * 15e-3 * 0.1132
 }
@@ -72,7 +70,7 @@ fn with_tables() -> ChannelConfig {
 }
 
 #[test]
-fn a_table_is_followed() {
+fn table_is_followed() {
     let tables = with_tables();
     let mut by_table = Inverse::new();
     for bend_rad in [0.0_f32, 0.3, 0.75, 1.5] {
@@ -136,7 +134,7 @@ fn without_tables_the_model_of_a_tube_with_closed_forms_is_followed() {
 }
 
 #[test]
-fn an_actuator_whose_model_the_device_does_not_solve_needs_tables() {
+fn actuator_whose_model_the_device_does_not_solve_needs_tables() {
     let yeoh = || ConfigChannel { law: MaterialLaw::Yeoh.into(), c_pa_2: 9.5e3, ..straight(1) };
     let smeared = || ConfigChannel { placement: FiberPlacement::Smeared.into(), ..straight(1) };
     let bending = || channel(1, SetpointKind::BendAngle);
@@ -197,7 +195,7 @@ fn three_setpoints_that_are_no_numbers_are_a_fault() {
 }
 
 #[test]
-fn the_pressure_never_falls_as_the_setpoint_rises() {
+fn pressure_never_falls_as_the_setpoint_rises() {
     let tables = with_tables();
     let mut solver = Inverse::new();
     let mut highest_pa = 0.0;
@@ -211,7 +209,7 @@ fn the_pressure_never_falls_as_the_setpoint_rises() {
 }
 
 #[test]
-fn a_setpoint_beyond_the_table_is_told_and_rounding_is_not() {
+fn setpoint_beyond_the_table_is_told_and_rounding_is_not() {
     let tables = with_tables();
     let mut solver = Inverse::new();
     // 100 Pa of 147 kPa are 2.04 mrad of 3 rad.
@@ -304,7 +302,7 @@ fn tables_out_of_place_are_refused_and_the_upload_goes_on() {
 }
 
 #[test]
-fn the_hash_names_the_tables() {
+fn hash_names_the_tables() {
     let hash = |parts: &[HostMessage]| answers(1, parts).0.controller.config().unwrap().hash;
     let one = || HostMessage::from(straight(0));
     let of_steps =
@@ -318,7 +316,7 @@ fn the_hash_names_the_tables() {
 }
 
 #[test]
-fn a_new_configuration_without_tables_brings_the_model_back() {
+fn new_configuration_without_tables_brings_the_model_back() {
     let stretched = ConfigInverse { setpoint_from: 1.0, setpoint_to: 1.2, ..inverse() };
     let (mut bench, _) = answers(1, &[straight(0).into(), volume().into(), stretched.into()]);
     assert!(matches!(bench.controller.config().unwrap().channels[0].source, Source::Tables(..)));

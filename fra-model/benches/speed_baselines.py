@@ -1,6 +1,6 @@
 """The forward problem of a straight neo-Hookean tube with a sheet of fibers, as one would write it in Python.
 
-Equations: docs/model.md, section 3, the stress integrals for P (I) and N_ext (II). Two families without torque: the unknowns are the stretch and the deformed
+Equations: docs/explanation/model.md, section 3, the stress integrals for P (I) and N_ext (II). Two families without torque: the unknowns are the stretch and the deformed
 inner radius. SI units throughout; an actuator is one row of `Tubes`.
 """
 

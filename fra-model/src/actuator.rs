@@ -1,16 +1,16 @@
-//! One actuator: parameters in, equilibria out.
+//! The door of a host: one actuator, parameters in, equilibria out.
 
-use crate::bending::Bender;
-use crate::held::Held;
+use crate::number::real::Real;
 use crate::parameters::{ActuatorParameters, InvalidParameter, Motion, require};
-use crate::real::Real;
 use crate::solution::{Load, Solution, State, Target};
-use crate::tube::Tube;
+use crate::solve::bend::Bender;
+use crate::solve::blocked::Blocked;
+use crate::solve::tube::Tube;
 
-/// One actuator, checked and ready to solve.
+/// One actuator, checked and ready to solve. The entry point of a host; a device has [`Tracker`](crate::Tracker).
 ///
-/// Every answer lies on the branch of stable equilibria connected to zero pressure; beyond that branch's limit point there
-/// is no answer but the limit pressure.
+/// Every solution lies on the branch of stable equilibria connected to zero pressure. Beyond that branch's limit point the only
+/// result is the limit pressure.
 #[derive(Clone, Copy, Debug)]
 pub struct Actuator<T: Real> {
     parameters: ActuatorParameters<T>,
@@ -38,7 +38,7 @@ impl<T: Real> Actuator<T> {
         Ok(Self { parameters: *parameters, body })
     }
 
-    /// The same actuator, solved by the search along the branch alone: slower, for comparison.
+    /// The same actuator, solved by continuation alone: slower, for comparison.
     #[doc(hidden)]
     pub fn by_search(self) -> Self {
         let body = match self.body {
@@ -82,7 +82,7 @@ impl<T: Real> Actuator<T> {
         self.solve_forward(Some(start), pressure_pa, load)
     }
 
-    /// [`forward_from`](Self::forward_from) without the way back to rest, and with bounded work as
+    /// [`forward_from`](Self::forward_from) without the restart from rest, and with bounded work as
     /// [`inverse_near`](Self::inverse_near).
     ///
     /// # Errors
@@ -104,8 +104,8 @@ impl<T: Real> Actuator<T> {
 
     /// The gauge pressure at which the actuator reaches a deformation, and the state there.
     ///
-    /// Of several such pressures it is the first one met on raising the pressure from zero. A vacuum is the answer where no
-    /// pressure is, or where it is the lesser of the two and the pressure exceeds the shear modulus.
+    /// Of several such pressures it is the first one met on raising the pressure from zero. The result is a vacuum if no pressure
+    /// reaches the target, or if the vacuum is the lesser of the two and the pressure exceeds the shear modulus.
     ///
     /// # Errors
     /// [`InvalidParameter`] when the target is out of its range or not one of this motion's, or the load is not finite.
@@ -127,10 +127,10 @@ impl<T: Real> Actuator<T> {
         self.solve_inverse(Some(start), target, load)
     }
 
-    /// [`inverse_from`](Self::inverse_from) without the way back to rest, for a caller that has no more time than that: about
-    /// `budget` Newton iterations, and some tens beyond it to finish what it is at or where stiff layers or smeared fibers take twice
-    /// the digits. Where they are not enough, or the target is not reached from that state, the status says so. A bending actuator
-    /// has a bounded inverse of its own and takes no budget.
+    /// [`inverse_from`](Self::inverse_from) without the restart from rest, in bounded time: about `budget`
+    /// Newton iterations. Some tens more finish the last search, or run in double-double arithmetic for stiff layers or smeared
+    /// fibers. The status reports a budget that was too small and a target out of reach from that state. A bending actuator has a
+    /// bounded inverse of its own and takes no budget.
     ///
     /// # Errors
     /// As [`inverse`](Self::inverse).
@@ -148,20 +148,20 @@ impl<T: Real> Actuator<T> {
         }
     }
 
-    /// The loads that hold a straight actuator at an axial stretch and a twist under a gauge pressure: what it pushes and turns
-    /// with, its stiffness, and the lever arms of the pressure.
+    /// Blocked force and torque of a straight actuator at an axial stretch, a twist, rad, and a gauge pressure, Pa, with its
+    /// stiffness and the lever arms of the pressure.
     ///
     /// This replaces `N = P pi r_i^2` of eq. (9), which is the force of the wall and not that of the actuator.
     ///
     /// # Errors
     /// [`InvalidParameter`] when a value is not finite, the stretch is not positive, or the actuator bends.
-    pub fn held(&self, pressure_pa: T, axial_stretch: T, twist_rad: T) -> Result<Held<T>, InvalidParameter<T>> {
+    pub fn blocked(&self, pressure_pa: T, axial_stretch: T, twist_rad: T) -> Result<Blocked<T>, InvalidParameter<T>> {
         require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
         let positive = axial_stretch.is_finite() && axial_stretch > T::zero();
         require(positive, "axial_stretch", axial_stretch, "finite and > 0")?;
         require(twist_rad.is_finite(), "twist_rad", twist_rad, "finite")?;
         match &self.body {
-            Body::Straight(tube) => Ok(tube.held(pressure_pa, axial_stretch, twist_rad)),
+            Body::Straight(tube) => Ok(tube.blocked(pressure_pa, axial_stretch, twist_rad)),
             Body::Bending(_) => Err(InvalidParameter {
                 field: "axial_stretch",
                 value: axial_stretch,

@@ -4,12 +4,12 @@ use core::array;
 use core::ops::Range;
 
 use crate::actuator::Actuator;
-use crate::direct::{Column, Columns, Direct, LANES, Lanes};
+use crate::number::real::Real;
 use crate::parameters::InvalidParameter;
-use crate::real::Real;
-use crate::size::Size;
 use crate::solution::{Load, Solution, State, Status};
-use crate::tube::Tube;
+use crate::solve::closed_form::{ClosedForm, Column, Columns, LANES, Lanes};
+use crate::solve::size::Size;
+use crate::solve::tube::Tube;
 
 /// Up to [`LANES`] actuators, laid out to be solved side by side at any number of pressures.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ impl<T: Real> Prepared<T> {
         }
         for (lane, actuator) in actuators.iter().enumerate().take(LANES) {
             let Some(tube) = actuator.tube() else { continue };
-            let Some(direct) = tube.direct() else { continue };
+            let Some(direct) = tube.closed_form() else { continue };
             let tubes = self.tubes.get_or_insert_with(|| Tubes::new(tube, direct));
             tubes.has[lane] = true;
             tubes.direct.set(lane..lane + 1, direct);
@@ -55,7 +55,7 @@ impl<T: Real> Prepared<T> {
 
 impl<T: Real> Tubes<T> {
     #[cold]
-    fn new(tube: &Tube<T>, direct: &Direct<T>) -> Self {
+    fn new(tube: &Tube<T>, direct: &ClosedForm<T>) -> Self {
         Self { has: [false; LANES], direct: Columns::new(direct), size: Size::columns(&tube.size()) }
     }
 

@@ -1,8 +1,15 @@
 //! Analytic model of fiber-reinforced actuators (FRA): extension, expansion, bending and twisting, forward and inverse.
 //!
-//! The model is the gradient of one strain energy, so that a deformation's pressure is an explicit result and not an unknown.
+//! The model is the gradient of one strain energy: the pressure of a deformation is an explicit result and not an unknown.
 //! It is generic over the scalar: the same source runs in `f32` on a microcontroller and in `f64` on the host. `no_std`, no heap,
 //! no clock.
+//!
+//! Two entry points:
+//! - [`Actuator`] for a host: every motion, material and load, forward and inverse, blocked forces, derivatives.
+//! - [`Tracker`] for a device: straight, unloaded tubes with closed forms, from state to state, in bounded time.
+//!
+//! Several actuators along one tube are a [`Series`], several pressures for one wrench an [`Allocation`], polynomials in place of the
+//! solver an [`InverseTable`].
 //!
 //! Conventions: SI units; gauge pressure; fiber angle from the hoop direction; closed caps; tension positive.
 //!
@@ -26,42 +33,26 @@
 mod actuator;
 mod allocation;
 mod batch;
-mod bending;
-mod branch;
-mod direct;
-mod elementary;
-mod energy;
-mod goal;
-mod held;
-mod jet;
-mod limb;
-mod load_path;
+mod model;
+mod number;
 mod parameters;
-mod quadrature;
-mod question;
-mod real;
-mod refine;
-mod scalar;
-mod section;
 mod sensitivity;
 mod series;
-mod size;
 mod solution;
+mod solve;
 mod table;
 mod tracker;
-mod tube;
-mod two;
 
 pub use actuator::Actuator;
 pub use allocation::{Allocated, Allocation, AllocationStatus};
 pub use batch::{Prepared, forward_many, forward_prepared};
-pub use direct::{Arithmetic, LANES, Lanes, atanh_series};
-pub use held::Held;
-pub use limb::{Link, Segment, tip_pose};
+pub use model::limb::{Link, Segment, tip_pose};
+pub use number::real::Real;
 pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement};
-pub use real::Real;
 pub use sensitivity::{NoDerivative, Parameter};
 pub use series::{InvalidSeries, Series, SeriesLimit, SeriesSolution, SeriesState, SeriesTarget};
 pub use solution::{Load, Solution, State, Status, Target};
+pub use solve::blocked::Blocked;
+pub use solve::closed_form::{Arithmetic, LANES, Lanes, atanh_series};
 pub use table::{Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable};
 pub use tracker::Tracker;

@@ -1,8 +1,8 @@
-//! What a user states about one actuator: plain values in SI units, checked when an [`Actuator`](crate::Actuator) is built.
+//! Parameters of one actuator: plain values in SI units, checked when an [`Actuator`](crate::Actuator) is built.
 
 use core::fmt;
 
-use crate::real::{Real, real};
+use crate::number::real::{Real, real};
 
 /// The motion an actuator is wound for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -66,7 +66,7 @@ pub enum Families {
     Two,
 }
 
-/// Where the fiber energy sits in the wall.
+/// Location of the fiber energy in the wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Placement {
     /// A sheet at the winding radius: energy per reference area `thickness mu2/2 (I4-1)^2`. The default of the model.
@@ -86,7 +86,7 @@ pub struct Fiber<T> {
     pub families: Families,
     /// Fiber modulus `mu2` of each family, Pa; >= 0. The stiffness along the fiber is `4 mu2`.
     pub modulus_pa: T,
-    /// Where the fiber energy sits.
+    /// Location of the fiber energy.
     pub placement: Placement,
     /// Thickness of the sheet, m; > 0. Only the sheet uses it.
     pub thickness_m: T,
@@ -97,7 +97,7 @@ pub struct Fiber<T> {
 /// All parameters of one actuator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorParameters<T> {
-    /// The motion it is wound for.
+    /// Motion of the winding.
     pub motion: Motion,
     /// Inner radius `R_i`, m; > 0.
     pub inner_radius_m: T,
@@ -118,7 +118,7 @@ pub struct InvalidParameter<T> {
     pub field: &'static str,
     /// The value found.
     pub value: T,
-    /// What the model accepts.
+    /// Accepted values.
     pub allowed: &'static str,
 }
 

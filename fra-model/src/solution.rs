@@ -1,7 +1,7 @@
-//! What the solvers take and return.
+//! Loads, targets, states and solutions: inputs and outputs of the solvers.
 
+use crate::number::real::Real;
 use crate::parameters::{InvalidParameter, require};
-use crate::real::Real;
 
 /// External load on the free end of one actuator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ impl<T: Real> Load<T> {
     }
 }
 
-/// The deformation an inverse problem asks for.
+/// Target deformation of an inverse problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target<T> {
     /// Axial stretch `lambda = l/L`, > 0.
@@ -57,7 +57,7 @@ impl<T> Target<T> {
 pub enum Status {
     /// The state is the equilibrium on the branch connected to zero pressure.
     Solved,
-    /// That branch ends before the pressure or the target asked for.
+    /// That branch ends before the requested pressure or target.
     NoSolution,
     /// The iteration stopped before its tolerance; the state is not to be used.
     NotConverged,
@@ -114,7 +114,7 @@ pub struct Solution<T> {
     pub status: Status,
     /// The equilibrium when `status` is [`Status::Solved`], else the last state on the branch.
     pub state: State<T>,
-    /// Where there is no solution because the branch ends: the pressure at its end, Pa.
+    /// Pressure at the end of the branch, Pa, if the solution fails because the branch ends.
     pub limit_pressure_pa: Option<T>,
     /// Largest residual of the equilibrium equations, in units of the shear modulus.
     pub residual: T,

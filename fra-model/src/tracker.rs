@@ -1,17 +1,17 @@
-//! One tube with closed forms, followed from state to state: what a microcontroller needs of an actuator, and no more.
+//! The door of a device: one tube with closed forms, tracked from state to state.
 
-use crate::direct::{Equilibrium, Near};
-use crate::goal::Goal;
+use crate::number::real::Real;
 use crate::parameters::{ActuatorParameters, InvalidParameter, Motion, require};
-use crate::real::Real;
-use crate::size::Size;
 use crate::solution::{State, Target};
-use crate::tube::{coordinates, goal};
+use crate::solve::closed_form::{Equilibrium, WarmStart};
+use crate::solve::residual::Residual;
+use crate::solve::size::Size;
+use crate::solve::tube::{coordinates, residual};
 
-/// A straight, unloaded tube whose wall has closed forms: neo-Hookean, bare or wound with a sheet.
+/// A straight, unloaded tube whose wall has closed forms: neo-Hookean, bare or wound with a sheet. The entry point of a device.
 ///
-/// It answers what is asked next to a known state, by the direct way of [`Actuator`](crate::Actuator) and with the same bits, in a
-/// bounded number of evaluations: a program that has nothing else holds no search, no quadrature and no numbers of twice the digits.
+/// Every solve starts warm, at a known state. It runs the closed-form solver of [`Actuator`](crate::Actuator), with the same bits, in a
+/// bounded number of evaluations. A program with a tracker alone links no continuation, no quadrature and no double-double arithmetic.
 ///
 /// ```
 /// use fra_model::*;
@@ -39,12 +39,12 @@ use crate::tube::{coordinates, goal};
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Tracker<T: Real> {
-    near: Near<T>,
+    warm_start: WarmStart<T>,
     size: Size<T>,
     /// `R_i/L`.
     twist_rate_per_rad: T,
     shear_modulus_pa: T,
-    /// That without pressure.
+    /// Compliance without pressure.
     compliance_m3_per_pa: T,
 }
 
@@ -59,15 +59,15 @@ impl<T: Real> Tracker<T> {
         if parameters.motion == Motion::Bending {
             return Ok(None);
         }
-        Ok(Near::new(parameters).and_then(|near| {
+        Ok(WarmStart::new(parameters).and_then(|warm_start| {
             let tracker = Self {
-                size: Size::of_tube(parameters, near.x_outer()),
-                near,
+                size: Size::of_tube(parameters, warm_start.x_outer()),
+                warm_start,
                 twist_rate_per_rad: parameters.inner_radius_m / parameters.length_m,
                 shear_modulus_pa: parameters.material.shear_modulus_pa(),
                 compliance_m3_per_pa: T::zero(),
             };
-            let rest = tracker.answer(&tracker.rest(), &Goal::Pressure(T::zero()))?;
+            let rest = tracker.answer(&tracker.rest(), &Residual::Pressure(T::zero()))?;
             Some(Self { compliance_m3_per_pa: rest.compliance_m3_per_pa, ..tracker })
         }))
     }
@@ -78,28 +78,28 @@ impl<T: Real> Tracker<T> {
         State { compliance_m3_per_pa: self.compliance_m3_per_pa, ..self.size.state(zero, zero, zero, zero, zero) }
     }
 
-    /// The state at a gauge pressure, Pa, next to an earlier state; `None` where the way there is not certified.
+    /// The state at a gauge pressure, Pa, next to an earlier state; `None` if the path there is not certified.
     ///
     /// # Errors
     /// [`InvalidParameter`] when the pressure is not finite.
     pub fn forward(&self, start: &State<T>, pressure_pa: T) -> Result<Option<State<T>>, InvalidParameter<T>> {
         require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
-        let found = self.answer(start, &Goal::Pressure(pressure_pa / self.shear_modulus_pa));
+        let found = self.answer(start, &Residual::Pressure(pressure_pa / self.shear_modulus_pa));
         Ok(found.map(|state| State { pressure_pa, ..state }))
     }
 
-    /// The state with a deformation next to an earlier state, and its gauge pressure; `None` where the way there is not certified.
+    /// The state with a deformation next to an earlier state, and its gauge pressure; `None` if the path there is not certified.
     ///
     /// # Errors
     /// [`InvalidParameter`] when the target is out of its range or not one of a straight tube.
     pub fn inverse(&self, start: &State<T>, target: Target<T>) -> Result<Option<State<T>>, InvalidParameter<T>> {
-        let goal = goal(&self.size, self.twist_rate_per_rad, target)?;
-        Ok(self.answer(start, &goal))
+        let residual = residual(&self.size, self.twist_rate_per_rad, target)?;
+        Ok(self.answer(start, &residual))
     }
 
-    fn answer(&self, start: &State<T>, goal: &Goal<T>) -> Option<State<T>> {
+    fn answer(&self, start: &State<T>, residual: &Residual<T>) -> Option<State<T>> {
         let Equilibrium { e, w, g, pressure, volume_rate, .. } =
-            self.near.answer(&coordinates(self.twist_rate_per_rad, start), goal)?;
+            self.warm_start.answer(&coordinates(self.twist_rate_per_rad, start), residual)?;
         let state = self.size.state(e, w, g, volume_rate, pressure * self.shear_modulus_pa);
         (state.pressure_pa.is_finite() && state.volume_m3.is_finite() && state.compliance_m3_per_pa.is_finite())
             .then_some(state)

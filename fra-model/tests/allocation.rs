@@ -130,7 +130,7 @@ fn wrench(case: &Case, numbers: &mut Numbers) -> [f64; 6] {
 }
 
 #[test]
-fn nothing_is_better_among_all_sets_of_active_limits() {
+fn solution_is_the_best_among_all_sets_of_active_limits() {
     let mut numbers = Numbers(1);
     for round in 0..120 {
         let mut case = Case::random(&mut numbers, 1 + round % 6);
@@ -199,7 +199,7 @@ fn zero_all_and_ties() {
 }
 
 #[test]
-fn no_problem_of_many_equal_columns_goes_round_in_circles() {
+fn problems_of_many_equal_columns_end() {
     let mut numbers = Numbers(9);
     let mut most = 0;
     for round in 0..600 {
@@ -223,7 +223,7 @@ fn no_problem_of_many_equal_columns_goes_round_in_circles() {
 }
 
 #[test]
-fn a_trajectory_is_followed_through_saturation_with_few_steps() {
+fn trajectory_is_followed_through_saturation_with_few_steps() {
     let mut numbers = Numbers(21);
     for count in [9, 18, 27] {
         let case = Case::random(&mut numbers, count);
@@ -252,7 +252,7 @@ fn a_trajectory_is_followed_through_saturation_with_few_steps() {
 }
 
 #[test]
-fn what_is_not_finite_is_said() {
+fn values_that_are_not_finite_have_a_status() {
     let case = Case::random(&mut Numbers(3), 9);
     let prepared = case.prepared();
     let mut start = [0.0; 27];

@@ -1,4 +1,4 @@
-//! The equations of `docs/model.md`, sections 2 to 6, 10 and 11, once in quantities with dimensions: that they compile is the audit. Each is a
+//! The equations of `docs/explanation/model.md`, sections 2 to 6, 10 and 11, once in quantities with dimensions: that they compile is the audit. Each is a
 //! function, named after the paper's equation it is or replaces where there is one; the tests compare its value with the crate's.
 //!
 //! Equations of the paper that fail the audit as printed:
@@ -10,24 +10,17 @@
 //!
 //! What is wrong with (7), (8), (9), (10) and (12) has the right dimension; other tests find that.
 
-#[path = "dimensions/bending.rs"]
 mod bending;
-mod common;
-#[path = "dimensions/derivatives.rs"]
 mod derivatives;
-#[path = "dimensions/materials.rs"]
 mod materials;
-#[path = "dimensions/printed.rs"]
 mod printed;
-#[path = "dimensions/strains.rs"]
 mod strains;
-#[path = "dimensions/tube.rs"]
 mod tube;
 
 use std::f64::consts::{PI, TAU};
 use std::marker::PhantomData;
 
-use common::*;
+use crate::common::*;
 use fra_model::*;
 use uom::si::angle::radian;
 use uom::si::area::square_meter;

@@ -5,14 +5,10 @@
 //! vector `(e, w, g)` relative to its largest component, of the pressure, or of the bend angle, and the condition number sums the
 //! effects of all inputs. The inputs are exact in the scalar under test.
 
-mod oracle;
-#[path = "oracle/table.rs"]
-mod table;
-
+use crate::oracle::polish::largest;
+use crate::oracle::scalar::Scalar;
+use crate::oracle::table::{Row, groups, rows};
 use fra_model::*;
-use oracle::polish::largest;
-use oracle::scalar::Scalar;
-use table::{Row, groups, rows};
 
 /// Roundings per unit of the condition number.
 const ROUNDINGS: f64 = 10.0;

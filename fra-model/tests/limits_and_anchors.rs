@@ -1,8 +1,6 @@
 //! Limits with known answers, and anchors computed by other methods.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use fra_model::*;
 
 /// Bend angles in degrees at `L = 100 mm`, `mu = 0.2 MPa`: an independent evaluation of the bending model.

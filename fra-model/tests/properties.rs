@@ -1,8 +1,6 @@
 //! Properties over the whole domain, in both scalars.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use fra_model::*;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -84,11 +82,11 @@ fn pressure() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, rng_seed: RngSeed::Fixed(2024), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: samples(10_000), failure_persistence: None, rng_seed: RngSeed::Fixed(2024), ..ProptestConfig::default() })]
 
     /// Whatever is asked, the answer is a number and a status.
     #[test]
-    fn no_answer_is_nan(p in actuator(), scaled in pressure(), force in -0.1..0.1_f64, torque in -0.05..0.05_f64) {
+    fn answers_are_never_nan(p in actuator(), scaled in pressure(), force in -0.1..0.1_f64, torque in -0.05..0.05_f64) {
         let mu = p.material.shear_modulus_pa();
         let area = p.outer_radius_m.powi(2) - p.inner_radius_m.powi(2);
         let load = Load { force_n: force * mu * area, torque_nm: torque * mu * area * p.outer_radius_m };
@@ -180,7 +178,7 @@ fn bad_parameters_are_named() {
 }
 
 #[test]
-fn bad_questions_are_refused_and_impossible_ones_answered_with_a_status() {
+fn bad_queries_are_refused_and_impossible_ones_answered_with_a_status() {
     let p =
         wound(tube(Motion::Extension, 6.0, 8.0, neo_hookean(0.2e6)), 3.0, Families::Two, 361e6, Placement::Sheet, 0.2);
     let actuator = Actuator::new(&p).unwrap();
@@ -204,9 +202,9 @@ fn bad_questions_are_refused_and_impossible_ones_answered_with_a_status() {
 
 /// The state at rest under a load is the answer to itself: rounding must not send the search to another pressure.
 #[test]
-fn what_the_load_alone_does_needs_no_pressure() {
+fn deformation_by_the_load_alone_needs_no_pressure() {
     let mut random = proptest::test_runner::TestRunner::deterministic();
-    for _ in 0..2000 {
+    for _ in 0..samples(2000) {
         let p = actuator().new_tree(&mut random).unwrap().current();
         if p.motion == Motion::Bending {
             continue;
@@ -244,7 +242,7 @@ fn pressures_are_preferred_within_the_working_range() {
 
 /// Bounded work is bounded, also for a target that is nowhere.
 #[test]
-fn a_budget_is_kept() {
+fn budget_is_kept() {
     let p = single(&tube(Motion::Expansion, 6.0, 8.0, neo_hookean(0.2e6)));
     let actuator = Actuator::new(&p).unwrap();
     for radius_m in [8.01e-3, 9e-3, 0.5] {

@@ -5,9 +5,7 @@
 //! first, then pressure) and limit points located as zeros of the tangent's pressure component. Bending: the section's energy by
 //! 48 x 128 nodes on the isochoric map, its derivative by a complex step. Neither uses the energy's derivatives of this crate.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use fra_model::*;
 
 /// What the stress program found; lengths in m, angles in rad.

@@ -1,19 +1,12 @@
 //! Exact derivatives against values that owe nothing to the code they come from: the equilibrium of stresses, closed forms, and
 //! identities that hold for every equilibrium.
 
-#[path = "sensitivity/closed_forms.rs"]
 mod closed_forms;
-mod common;
-#[path = "sensitivity/identities.rs"]
 mod identities;
-#[path = "sensitivity/integrals.rs"]
 mod integrals;
-#[path = "sensitivity/misuse.rs"]
 mod misuse;
-#[path = "common/stresses.rs"]
-mod stresses;
 
-use common::*;
+use crate::common::*;
 use fra_model::*;
 
 /// An actuator in an equilibrium.

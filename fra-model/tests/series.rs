@@ -1,10 +1,8 @@
 //! Segments in series: sums, limits, inverse problems and poses.
 
-mod common;
-
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use common::*;
+use crate::common::*;
 use fra_model::*;
 use nalgebra::{Isometry3, Rotation3, Vector3};
 
@@ -312,7 +310,7 @@ fn tips_are_where_arcs_lines_and_turns_lead() {
 }
 
 #[test]
-fn what_makes_no_tube_is_named() {
+fn segments_that_make_no_tube_are_named() {
     let wider = tube(Motion::Expansion, 6.0, 9.0, neo_hookean(0.2e6));
     let narrower = tube(Motion::Expansion, 5.0, 8.0, neo_hookean(0.2e6));
     let message = |p: &[ActuatorParameters<f64>]| Series::new(&built(p)).expect_err("no tube").to_string();

@@ -1,12 +1,8 @@
 //! The energy model against the equilibrium of stresses.
 
-mod common;
-#[path = "common/stresses.rs"]
-mod stresses;
-
-use common::*;
+use crate::common::stresses::resultants;
+use crate::common::*;
 use fra_model::*;
-use stresses::resultants;
 
 /// Solves and compares all three resultants with what was applied.
 fn check(p: &ActuatorParameters<f64>, pressure_pa: f64, load: Load<f64>) {

@@ -28,7 +28,7 @@ fn bit_patterns() -> impl Iterator<Item = f32> {
 }
 
 #[test]
-fn a_series_is_that_of_the_chebyshev_polynomials() {
+fn series_is_that_of_the_chebyshev_polynomials() {
     // T_k(cos a) = cos(k a), for every degree alone.
     for degree in 0..TABLE_COEFFICIENTS {
         let mut coefficients = [0.0_f64; TABLE_COEFFICIENTS];
@@ -53,7 +53,7 @@ fn a_series_is_that_of_the_chebyshev_polynomials() {
 }
 
 #[test]
-fn the_argument_is_rounded_to_the_grid_and_no_further() {
+fn argument_is_rounded_to_the_grid_and_no_further() {
     let table = table(&TableParameters { steps: 1024, ..parameters(LINE) });
     for thousandth in 0..=1000 {
         let target = 1.0 + 0.5 * thousandth as f32 / 1000.0;
@@ -67,7 +67,7 @@ fn the_argument_is_rounded_to_the_grid_and_no_further() {
 }
 
 #[test]
-fn a_root_table_follows_a_square_root() {
+fn root_table_follows_a_square_root() {
     let table = table(&TableParameters { argument: Argument::Root, ..parameters(LINE) });
     for thousandth in 0..=1000 {
         let share = f64::from(thousandth) / 1000.0;
@@ -113,7 +113,7 @@ fn any_bit_pattern_gives_a_pressure_within_the_limits_or_an_error() {
 }
 
 #[test]
-fn what_rises_on_the_grid_rises_everywhere() {
+fn table_that_rises_on_the_grid_rises_everywhere() {
     for argument in [Argument::Linear, Argument::Root] {
         let table =
             table(&TableParameters { argument, ..parameters(&[40.0 * KPA, 48.0 * KPA, 10.0 * KPA, 2.0 * KPA]) });
@@ -131,7 +131,7 @@ fn what_rises_on_the_grid_rises_everywhere() {
 }
 
 #[test]
-fn the_values_on_the_grid_are_all_values_there_are() {
+fn values_on_the_grid_are_all_values_there_are() {
     let table = table(&TableParameters { steps: 256, ..parameters(&[40.0 * KPA, 48.0 * KPA, 10.0 * KPA, 2.0 * KPA]) });
     let all: Vec<f32> = (0..=256).map(|step| table.at_step(step)).collect();
     for target in bit_patterns().filter(|target| target.is_finite()) {
@@ -168,7 +168,7 @@ fn parameters_that_make_no_table_are_refused_by_name() {
 }
 
 #[test]
-fn a_volume_has_the_slope_of_its_series() {
+fn volume_has_the_slope_of_its_series() {
     // V = 1e-4 (1 + t^2) m3 over 100 kPa: t^2 = 3/8 + x/2 + T_2/8.
     let table = VolumeTable::new(100e3, &[1.375e-4, 0.5e-4, 0.125e-4]).unwrap();
     for percent in 0..=100 {

@@ -117,7 +117,7 @@ fn short_and_long_steps_towards_a_deformation_end_in_the_same_digits() {
 }
 
 #[test]
-fn the_direct_way_of_the_actuator_gives_the_same_bits() {
+fn closed_form_solver_of_the_actuator_gives_the_same_bits() {
     for (name, parameters, target, top_pa) in tubes() {
         let (tracker, actuator) = (Tracker::new(&parameters).unwrap().unwrap(), Actuator::new(&parameters).unwrap());
         let mut here = actuator.forward(0.3 * top_pa, &Load::none()).unwrap().state;
@@ -153,7 +153,7 @@ fn actuators_without_closed_forms_are_not_taken_and_wrong_ones_are_named() {
 }
 
 #[test]
-fn questions_that_make_no_sense_are_errors_and_states_that_make_none_have_no_answer() {
+fn queries_that_make_no_sense_are_errors_and_states_that_make_none_have_no_answer() {
     let (_, parameters, ..) = tubes().remove(0);
     let tracker = single(&parameters);
     let rest = tracker.rest();

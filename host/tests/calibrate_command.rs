@@ -99,8 +99,7 @@ fn desk(files: &[(&str, &str)]) -> tempfile::TempDir {
 #[test]
 fn a_table_gives_the_material_and_a_scene_that_keeps_its_comments() {
     let folder = desk(&[("scene.toml", SCENE), ("arm.csv", &table())]);
-    let line =
-        "calibrate scene.toml --data arm.csv --fit shear_modulus,fiber_angle --write fitted.toml --svg fit.svg --json";
+    let line = "calibrate pressure arm.csv --scene scene.toml --fit shear_modulus,fiber_angle --write fitted.toml --svg fit.svg --json";
     let answer = softlimb(folder.path(), line);
     assert_eq!(answer.code, 0, "{}", answer.err);
     let json: Value = serde_json::from_str(&answer.out).unwrap();
@@ -123,8 +122,7 @@ fn a_table_gives_the_material_and_a_scene_that_keeps_its_comments() {
 #[test]
 fn a_module_of_its_own_gets_a_material_of_its_own() {
     let folder = desk(&[("scene.toml", SCENE), ("arm.csv", &table())]);
-    let line =
-        "calibrate scene.toml --data arm.csv --fit shear_modulus,wall --per module --write fitted.toml --accuracy 1e-5";
+    let line = "calibrate pressure arm.csv --scene scene.toml --fit shear_modulus,wall --per module --write fitted.toml --accuracy 1e-5";
     let answer = softlimb(folder.path(), line);
     assert_eq!(answer.code, 0, "{}", answer.err);
     assert!(answer.out.contains("shear_modulus of arm, MPa") && answer.out.contains("in the scene:"), "{}", answer.out);
@@ -143,7 +141,7 @@ fn the_log_of_a_run_gives_the_moduli_of_the_limb_that_ran() {
     assert!(run.code == 0 || run.code == 3, "{}", run.err);
     let answer = softlimb(
         folder.path(),
-        "calibrate scene.toml --run out/run.mcap --fit shear_modulus --per module --json --accuracy 0.01",
+        "calibrate run out/run.mcap --scene scene.toml --fit shear_modulus --per module --json --accuracy 0.01",
     );
     assert!(answer.code == 0 || answer.code == 3, "{}", answer.err);
     let json: Value = serde_json::from_str(&answer.out).unwrap();
@@ -164,13 +162,13 @@ fn a_tensile_test_goes_into_the_scene_with_a_warning_where_it_does_not_reach() {
     }
     let folder = desk(&[("scene.toml", SCENE), ("test.csv", &csv)]);
     let answer =
-        softlimb(folder.path(), "calibrate scene.toml --tension test.csv --law neo-hookean --write fitted.toml");
+        softlimb(folder.path(), "calibrate tension test.csv --scene scene.toml --law neo-hookean --write fitted.toml");
     assert_eq!(answer.code, 3, "{}", answer.err);
     assert!(answer.err.contains("and the test went to 1.05: the law is a guess beyond it"), "{}", answer.err);
     assert!(answer.out.contains("shear_modulus = \"0.1800000 MPa\""), "{}", answer.out);
     let fitted = scene::load(folder.path().join("fitted.toml")).unwrap();
     assert!((fitted.modules()[0].material.shear_modulus_pa() / 180e3 - 1.0).abs() < 1e-8);
-    let refused = softlimb(folder.path(), "calibrate --tension test.csv");
+    let refused = softlimb(folder.path(), "calibrate tension test.csv");
     assert_eq!(refused.code, 1, "{}", refused.out);
     assert!(refused.err.contains("test.csv: the data do not"), "{}", refused.err);
 }
@@ -182,7 +180,7 @@ fn a_step_gives_the_creep_of_a_scene() {
         let _ = writeln!(csv, "30000,{time},{},finger", 0.7 * (1.0 + 0.08 * (1.0 - (-time / 4.0_f64).exp())));
     }
     let folder = desk(&[("scene.toml", SCENE), ("step.csv", &csv)]);
-    let answer = softlimb(folder.path(), "calibrate scene.toml --data step.csv --creep");
+    let answer = softlimb(folder.path(), "calibrate creep step.csv --scene scene.toml");
     assert_eq!(answer.code, 0, "{}", answer.err);
     assert!(
         answer.out.contains("creep_share = \"8.000 %\"") && answer.out.contains("creep_time = \"4.0000 s\""),
@@ -196,24 +194,28 @@ fn what_is_wrong_is_said_with_its_place() {
     let bad = "module,pressure_pa,axial_stretch\narm,1e3,1.01\nleg,2e3,1.02\n";
     let folder = desk(&[("scene.toml", SCENE), ("bad.csv", bad), ("arm.csv", &table())]);
     for (line, code, expected) in [
-        ("calibrate", 2, "give measurements: --tension, --data or --run"),
-        ("calibrate scene.toml --data arm.csv", 2, "say what to find"),
-        ("calibrate scene.toml --data arm.csv --fit stiffness", 2, "known are shear_modulus"),
-        ("calibrate scene.toml --data arm.csv --creep", 1, "--creep needs a column time_s"),
+        ("calibrate", 2, "Usage: softlimb calibrate <COMMAND>"),
+        ("calibrate pressure arm.csv --scene scene.toml", 2, "--fit <WHAT>"),
+        ("calibrate pressure arm.csv --scene scene.toml --fit stiffness", 2, "known are shear_modulus"),
+        ("calibrate creep arm.csv --scene scene.toml", 1, "creep needs a column time_s"),
         (
-            "calibrate scene.toml --data bad.csv --fit wall",
+            "calibrate pressure bad.csv --scene scene.toml --fit wall",
             1,
             "bad.csv: line 3, column `module`: `leg` is not allowed: one of arm, finger",
         ),
-        ("calibrate scene.toml --data none.csv --fit wall", 1, "cannot read none.csv"),
-        ("calibrate scene.toml --data arm.csv --fit yeoh_c2", 1, "no module of these data has a yeoh_c2"),
-        ("calibrate scene.toml --data arm.csv --fit wall --accuracy 0", 2, "finite and > 0"),
+        ("calibrate pressure none.csv --scene scene.toml --fit wall", 1, "cannot read none.csv"),
+        ("calibrate pressure arm.csv --scene scene.toml --fit yeoh_c2", 1, "no module of these data has a yeoh_c2"),
         (
-            "calibrate scene.toml --data arm.csv --fit wall --confidence 2",
+            "calibrate pressure arm.csv --scene scene.toml --fit wall --accuracy 0",
+            2,
+            "invalid value '0' for '--accuracy <RATIO>': the range is > 0",
+        ),
+        (
+            "calibrate pressure arm.csv --scene scene.toml --fit wall --confidence 2",
             1,
             "confidence = 2 of the settings is not allowed",
         ),
-        ("calibrate scene.toml --run scene.toml --fit wall", 1, "scene.toml"),
+        ("calibrate run scene.toml --scene scene.toml --fit wall", 1, "scene.toml"),
     ] {
         let answer = softlimb(folder.path(), line);
         assert_eq!(answer.code, code, "{line}: {}", answer.err);

@@ -2,11 +2,12 @@
 
 mod desk;
 mod eval;
+mod examples;
 mod files;
 mod finite_elements;
 mod labels;
+mod learn;
 mod output;
 mod run;
 mod scenes;
-mod trials;
 mod usage;

@@ -1,4 +1,4 @@
-//! `softlimb design` as a command.
+//! `softlimb design actuators` as a command.
 
 use std::process::{Command, Output};
 
@@ -12,7 +12,7 @@ fn softlimb(problem: &str, more: &[&str]) -> Output {
     let file = folder.path().join("reach.json");
     std::fs::write(&file, problem).expect("a file");
     let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb"));
-    command.arg("design").arg("--problem").arg(&file).args(more).output().expect("the command runs")
+    command.args(["design", "actuators"]).arg(&file).args(more).output().expect("the command runs")
 }
 
 #[test]
@@ -46,12 +46,4 @@ fn a_table_is_for_people_and_mistakes_name_file_and_line() {
     assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
     let rest = text.split_once("reach.json: ").map(|(_, rest)| rest.trim_end());
     assert_eq!(rest, Some("line 15: segments[0].bounds.pressure_max_pa = -1 is not allowed: > 0"));
-}
-
-#[test]
-fn the_swarm_finds_the_neighbourhood_that_projection_finds_exactly() {
-    let output = softlimb(EXTENSION, &["--json", "--method", "pso", "--evaluations", "5000"]);
-    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert!(answer["objective"].as_f64().is_some_and(|objective| objective < 1e-3), "{}", answer["objective"]);
-    assert_eq!(answer["cost"]["evaluations"], 5000);
 }

@@ -1,4 +1,4 @@
-//! `softlimb design --evaluate`.
+//! `softlimb design actuators --evaluate`.
 
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
@@ -14,7 +14,7 @@ fn softlimb(problem: &str, more: &[&str], input: &str) -> Output {
     let file = folder.path().join("reach.json");
     std::fs::write(&file, problem).expect("a file");
     let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb"));
-    command.current_dir(folder.path()).arg("design").arg("--problem").arg(&file).args(more);
+    command.current_dir(folder.path()).args(["design", "actuators"]).arg(&file).args(more);
     let mut child =
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it runs");
     child.stdin.take().expect("a pipe").write_all(input.as_bytes()).expect("it reads");

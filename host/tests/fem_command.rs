@@ -1,4 +1,4 @@
-//! `softlimb fem` as its user meets it.
+//! `softlimb fea` as its user meets it.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ fn softlimb(folder: &Path, line: &str) -> Answer {
 fn export_writes_a_deck_for_both_programs() {
     let folder = tempfile::tempdir().unwrap();
     let line =
-        format!("fem export {} --module shoulder --out decks --points 2", scene("pick-and-place-a.toml").display());
+        format!("fea export {} --module shoulder --out decks --points 2", scene("pick-and-place-a.toml").display());
     let answer = softlimb(folder.path(), &line);
     assert_eq!(answer.code, Some(0), "{}", answer.err);
     for name in
@@ -55,10 +55,10 @@ fn export_writes_a_deck_for_both_programs() {
 fn export_of_a_bundle_has_all_its_actuators() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scene("pick-and-place-a.toml");
-    let line = format!("fem export {} --module elbow --bundle --around 8 --along 20", scene.display());
+    let line = format!("fea export {} --module elbow --bundle --around 8 --along 20", scene.display());
     let answer = softlimb(folder.path(), &line);
     assert_eq!(answer.code, Some(0), "{}", answer.err);
-    let text = std::fs::read_to_string(folder.path().join("out/fem/pick-and-place-a-elbow-bundle-model.inc")).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("out/fea/pick-and-place-a-elbow-bundle-model.inc")).unwrap();
     for set in ["LAYER_1", "LAYER_2", "LAYER_3", "PLATE", "LINE"] {
         assert!(text.contains(&format!("ELSET={set}")), "{set}");
     }
@@ -74,21 +74,23 @@ fn wrong_wishes_are_failures_with_reasons_and_leave_nothing() {
         ("--around 13", 2, vec!["--around", "13 is not an even number of 8 to 96"]),
         ("--along 900", 2, vec!["--along", "900 is not an even number of 4 to 800"]),
         ("--nodes-max 20", 2, vec!["--nodes-max", "100..=400000"]),
-        ("--pressure-kpa -5", 2, vec!["--pressure-kpa", "-5 is not above 0 and at most 100000"]),
-        ("--bulk-ratio 1e9", 2, vec!["--bulk-ratio", "1000000000 is not in 100 to 10000"]),
-        ("--increment NaN", 2, vec!["--increment", "NaN is not in 0.001 to 0.5"]),
-        ("--layer-mm 0", 2, vec!["--layer-mm", "0 is not above 0"]),
-        ("--spacing-mm x", 2, vec!["--spacing-mm", "invalid float"]),
-        ("--layer-mm 0.1 --spacing-mm 2", 2, vec!["--layer-mm is for smeared fibers", "with --spacing-mm"]),
-        ("--fibers smeared --spacing-mm 2", 2, vec!["--spacing-mm is for threads", "with --fibers smeared"]),
-        ("--fibers threads --layer-mm 0.1", 2, vec!["--layer-mm is for smeared fibers", "with --fibers threads"]),
+        ("--pressure -5", 2, vec!["'-5' for '--pressure <KPA>'", "the range is > 0 kPa, at most 100000 kPa"]),
+        ("--pressure -0.1bar", 2, vec!["'-0.1bar' for '--pressure <KPA>'", "the range is > 0 bar, at most 1000 bar"]),
+        ("--bulk-ratio 1e9", 2, vec!["'1e9' for '--bulk-ratio <RATIO>'", "the range is 100 to 10000"]),
+        ("--increment NaN", 2, vec!["--increment", "starts with a finite number"]),
+        ("--increment 0.6", 2, vec!["'0.6' for '--increment <SHARE>'", "the range is 0.001 to 0.5"]),
+        ("--layer 0", 2, vec!["'0' for '--layer <MM>'", "the range is > 0 mm"]),
+        ("--spacing x", 2, vec!["--spacing", "a length starts with a finite number"]),
+        ("--layer 0.1 --spacing 2", 2, vec!["--layer is for smeared fibers", "with --spacing"]),
+        ("--fibers smeared --spacing 2", 2, vec!["--spacing is for threads", "with --fibers smeared"]),
+        ("--fibers threads --layer 0.1", 2, vec!["--layer is for smeared fibers", "with --fibers threads"]),
         // Wrong for this one.
         ("--module tail", 1, vec!["no module `tail`", "only"]),
         ("--nodes-max 200", 1, vec!["about", "nodes, and --nodes-max allows 200", "--radial, --around and --along"]),
-        ("--layer-mm 99.3", 1, vec!["--layer-mm 99.3 is not allowed", " mm, a thousandth to one half of the wall"]),
-        ("--spacing-mm 999.7", 1, vec!["--spacing-mm 999.7 is not allowed", " mm"]),
+        ("--layer 99.3", 1, vec!["--layer 99.3 is not allowed", " mm, a thousandth to one half of the wall"]),
+        ("--spacing 999.7", 1, vec!["--spacing 999.7 is not allowed", " mm"]),
     ] {
-        let answer = softlimb(folder.path(), &format!("fem export {} {options}", scene.display()));
+        let answer = softlimb(folder.path(), &format!("fea export {} {options}", scene.display()));
         assert_eq!(answer.code, Some(code), "{options}: {}", answer.err);
         assert!(words.iter().all(|word| answer.err.contains(word)), "{options}: {}", answer.err);
         assert_eq!((answer.out.as_str(), std::fs::read_dir(folder.path()).unwrap().count()), ("", 0), "{options}");
@@ -99,7 +101,7 @@ fn wrong_wishes_are_failures_with_reasons_and_leave_nothing() {
 fn run_without_calculix_says_what_to_install() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scene("single-bending.toml");
-    let answer = softlimb(folder.path(), &format!("fem run {} --ccx ./none", scene.display()));
+    let answer = softlimb(folder.path(), &format!("fea run {} --ccx ./none", scene.display()));
     assert_eq!((answer.code, answer.out.as_str()), (Some(1), ""));
     assert!(answer.err.contains("apt-get install calculix-ccx"), "{}", answer.err);
 }
@@ -108,7 +110,7 @@ fn run_without_calculix_says_what_to_install() {
 fn a_run_that_gives_nothing_fails_and_writes_no_file() {
     let fake = Fake::new("echo ' *ERROR: too many cutbacks'; echo '1 1 1U 9 0.1 0.1 0.1' > actuator.sta; exit 201");
     let scene = scene("single-bending.toml");
-    let line = format!("fem run {} --ccx {} --tsv figures.tsv", scene.display(), fake.path("ccx").display());
+    let line = format!("fea run {} --ccx {} --tsv figures.tsv", scene.display(), fake.path("ccx").display());
     let folder = tempfile::tempdir().unwrap();
     let answer = softlimb(folder.path(), &line);
     assert_eq!((answer.code, answer.out.as_str()), (Some(1), ""), "{}", answer.err);
@@ -131,7 +133,7 @@ fn at_rest(time: &str, then: &str) -> Fake {
 fn figures_are_shown_even_if_their_file_cannot_be_written() {
     let fake = at_rest("0.1000000E+01", "exit 0");
     let line = format!(
-        "fem run {} --pressure-kpa 10 --points 1 --tsv none/figures.tsv --ccx {}",
+        "fea run {} --pressure 10kPa --points 1 --tsv none/figures.tsv --ccx {}",
         scene("single-bending.toml").display(),
         fake.path("ccx").display()
     );
@@ -144,10 +146,10 @@ fn figures_are_shown_even_if_their_file_cannot_be_written() {
 #[test]
 fn a_run_that_ends_before_its_first_pressure_says_how_far_it_came_and_why() {
     let scene = scene("single-bending.toml");
-    let options = "--fibers threads --spacing-mm 4 --around 8 --along 8";
+    let options = "--fibers threads --spacing 4mm --around 8 --along 8";
     let fake = at_rest("0.9990000E+00", "echo ' *ERROR: too many cutbacks'; exit 201");
     let line = format!(
-        "fem run {} {options} --pressure-kpa 10 --points 1 --ccx {}",
+        "fea run {} {options} --pressure 10kPa --points 1 --ccx {}",
         scene.display(),
         fake.path("ccx").display()
     );
@@ -177,7 +179,7 @@ fn a_run_removes_what_killed_ones_left() {
     // One is old and somebody works in it, one may not be locked yet, one is somebody else's.
     locks[1].lock().unwrap();
     let fake = Fake::new("exit 201");
-    let line = format!("fem run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
+    let line = format!("fea run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
     let answer = softlimb_in(temporary.path(), fake.folder.path(), &line).output().unwrap();
     assert_eq!(answer.status.code(), Some(1));
     let left: Vec<bool> = names.iter().map(|name| temporary.path().join(name).is_dir()).collect();
@@ -189,7 +191,7 @@ fn a_run_removes_what_killed_ones_left() {
 fn calculix_ends_with_the_run_that_is_killed() {
     let temporary = tempfile::tempdir().unwrap();
     let fake = Fake::new("echo $$ > \"$HERE/draft-id\"; mv \"$HERE/draft-id\" \"$HERE/id\"; exec sleep 600");
-    let line = format!("fem run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
+    let line = format!("fea run {} --ccx {}", scene("single-bending.toml").display(), fake.path("ccx").display());
     let mut run = softlimb_in(temporary.path(), fake.folder.path(), &line);
     let mut run = run.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let wait_for = |done: &dyn Fn() -> bool| (0..1200).any(|_| done() || (sleep(Duration::from_millis(50)), false).1);
@@ -204,7 +206,7 @@ fn calculix_ends_with_the_run_that_is_killed() {
 #[test]
 fn a_relative_path_to_the_program_is_meant_from_where_the_user_is() {
     let fake = Fake::new("echo ' *ERROR reading: it was started'; exit 201");
-    let line = format!("fem run {} --ccx ./ccx", scene("single-bending.toml").display());
+    let line = format!("fea run {} --ccx ./ccx", scene("single-bending.toml").display());
     let answer = softlimb(fake.folder.path(), &line);
     assert!(answer.err.contains("it was started"), "{}", answer.err);
 }

@@ -1,13 +1,16 @@
-//! `softlimb payload --estimate` as its user meets it.
+//! `softlimb payload estimate` as its user meets it.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// A hanging limb with nothing to pick up, as a limb without weight may be.
+/// A hanging limb with a payload.
+const HANGING: &str = include_str!("../rig/tests/weight/hanging.toml");
+
+/// [`HANGING`] with nothing to pick up, as a limb without weight may be.
 fn empty() -> String {
-    include_str!("../rig/tests/weight/hanging.toml").replace("payload = \"50 g\", ", "")
+    HANGING.replace("payload = \"50 g\", ", "")
 }
 
 fn payload(folder: &Path, words: &[&str]) -> Output {
@@ -74,29 +77,33 @@ fn wrong_tables_and_words_are_answered_with_line_column_value_and_what_is_allowe
         ),
     ] {
         std::fs::write(folder.path().join("tips.csv"), &table).unwrap();
-        let output = payload(folder.path(), &["scene.toml", "--estimate", "tips.csv"]);
+        let output = payload(folder.path(), &["estimate", "scene.toml", "--data", "tips.csv"]);
         let [out, err] = said(&output);
         assert!(err.starts_with("error: tips.csv: ") && err.contains(expected), "{table}\n{err}");
         assert_eq!((output.status.code(), out.as_str()), (Some(1), ""), "{table}");
     }
     std::fs::write(folder.path().join("tips.csv"), two(1e-3, 1e-3)).unwrap();
     for (words, code, expected) in [
-        (vec!["scene.toml", "--estimate", "no.csv"], 1, "no.csv"),
-        (vec!["no.toml", "--estimate", "tips.csv"], 1, "no.toml"),
-        (vec!["--estimate", "tips.csv"], 2, "required"),
+        (vec!["estimate", "scene.toml", "--data", "no.csv"], 1, "no.csv"),
+        (vec!["estimate", "no.toml", "--data", "tips.csv"], 1, "no.toml"),
+        (vec!["estimate", "--data", "tips.csv"], 2, "required"),
         (
-            vec!["scene.toml", "--estimate", "tips.csv", "--stiffness-error", "60"],
+            vec!["estimate", "scene.toml", "--data", "tips.csv", "--stiffness-error", "60"],
             2,
-            "--stiffness-error = 60 is not allowed: 0 to 50 %",
+            "invalid value '60' for '--stiffness-error <PERCENT>': the range is 0 % to 50 %",
         ),
-        (vec!["scene.toml", "--estimate", "tips.csv", "--track", "5"], 2, "--track"),
-        (vec!["scene.toml", "--track", "5,10", "--tips", "new.csv"], 2, "--tips takes one load: --track has 2"),
+        (vec!["estimate", "scene.toml", "--data", "tips.csv", "--loads", "5"], 2, "--loads"),
         (
-            vec!["scene.toml", "--track", "5", "--tips", "new.csv", "--camera", "NaN"],
+            vec!["track", "scene.toml", "--loads", "5,10", "--tips", "new.csv"],
             2,
-            "--camera = NaN is not allowed: 0 to 100 mm",
+            "--tips takes one load: --loads has 2",
         ),
-        (vec!["scene.toml", "--tips", "new.csv"], 2, "--track"),
+        (
+            vec!["track", "scene.toml", "--loads", "5", "--tips", "new.csv", "--camera", "-0.1 mm"],
+            2,
+            "invalid value '-0.1 mm' for '--camera <MM>': the range is 0 mm to 100 mm",
+        ),
+        (vec!["track", "scene.toml", "--tips", "new.csv"], 2, "--loads"),
     ] {
         let output = payload(folder.path(), &words);
         let [out, err] = said(&output);
@@ -111,7 +118,7 @@ fn a_load_that_is_not_told_from_none_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.toml"), empty()).unwrap();
     std::fs::write(folder.path().join("tips.csv"), two(1e-3, 1.1e-3)).unwrap();
-    let output = payload(folder.path(), &["scene.toml", "--estimate", "tips.csv"]);
+    let output = payload(folder.path(), &["estimate", "scene.toml", "--data", "tips.csv"]);
     let [out, err] = said(&output);
     assert_eq!((output.status.code(), err.as_str()), (Some(0), ""), "{out}");
     for words in [
@@ -123,7 +130,7 @@ fn a_load_that_is_not_told_from_none_is_warned_of() {
         assert!(out.contains(words), "{words}:\n{out}");
     }
     std::fs::write(folder.path().join("tips.csv"), two(1e-3, -1.1e-3)).unwrap();
-    let output = payload(folder.path(), &["scene.toml", "--estimate", "tips.csv"]);
+    let output = payload(folder.path(), &["estimate", "scene.toml", "--data", "tips.csv"]);
     let [out, err] = said(&output);
     assert!(err.contains("warning: the interval reaches zero"), "{err}");
     assert!(output.status.code() == Some(3) && out.contains("payload = \"0.0000 kg\""), "{out}");
@@ -133,13 +140,13 @@ fn a_load_that_is_not_told_from_none_is_warned_of() {
 fn the_tips_of_a_simulated_limb_tell_its_load() {
     let folder = tempfile::tempdir().unwrap();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/loaded/carry-hanging.toml");
-    let track = ["--track", "10", "--repeats", "1", "--rehearsals", "1", "--tips", "tips.csv", "--json"];
-    let output = payload(folder.path(), &[&[scene], &track[..]].concat());
+    let track = ["--loads", "10", "--repeats", "1", "--iterations", "1", "--tips", "tips.csv", "--json"];
+    let output = payload(folder.path(), &[&["track", scene], &track[..]].concat());
     assert_eq!(output.status.code(), Some(0), "{:?}", said(&output));
     let table = std::fs::read_to_string(folder.path().join("tips.csv")).unwrap();
     assert!(table.starts_with("phase,load,x_m,y_m,z_m,shoulder_kpa,elbow_kpa,wrist_kpa\nreach,none,"), "{table}");
     assert_eq!(table.lines().count(), 9, "a header, four phases without and with the load");
-    let output = payload(folder.path(), &[scene, "--estimate", "tips.csv", "--json"]);
+    let output = payload(folder.path(), &["estimate", scene, "--data", "tips.csv", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{:?}", said(&output));
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     let number = |name: &str| found[name].as_f64().unwrap();

@@ -91,12 +91,20 @@ fn limbs_that_cannot_hold_the_pressure_are_a_warning() {
 fn what_cannot_be_asked_is_named() {
     let desk = desk();
     for (words, code, names) in [
-        (vec!["scene.toml", "--wall", "-0.1"], 2, vec!["-0"]),
-        (vec!["scene.toml", "--wall=-0.1"], 2, vec!["wall_m", "-0.0001", "0 to 0.005"]),
-        (vec!["scene.toml", "--wall", "4.5"], 2, vec!["wall_m", "0.0045", "less than the wall of `m0`, 0.004"]),
-        (vec!["scene.toml", "--angle", "12"], 2, vec!["angle_rad", "10 degrees"]),
-        (vec!["scene.toml", "--modulus", "51"], 2, vec!["modulus", "0.51", "0 to 0.5"]),
+        (vec!["scene.toml", "--wall", "-0.1"], 2, vec!["--wall", "'-0.1'", "the range is 0 mm to 5 mm"]),
+        (vec!["scene.toml", "--wall", "-1mm"], 2, vec!["--wall", "'-1mm'", "the range is 0 mm to 5 mm"]),
+        (vec!["scene.toml", "--wall=-100 um"], 2, vec!["--wall", "'-100 um'", "the range is 0 um to 5000 um"]),
+        (
+            vec!["scene.toml", "--wall", "0.1kPa"],
+            2,
+            vec!["--wall", "this is a pressure: give a length, in mm for example"],
+        ),
+        (vec!["scene.toml", "--wall", "4.5"], 2, vec!["--wall 4.5 is not allowed", "less than the wall of `m0`, 4 mm"]),
+        (vec!["scene.toml", "--wall", "0.45 cm"], 2, vec!["--wall 0.45 cm is not", "the wall of `m0`, 0.4 cm"]),
+        (vec!["scene.toml", "--angle", "12"], 2, vec!["--angle", "'12'", "0 deg to 10 deg"]),
+        (vec!["scene.toml", "--modulus", "51"], 2, vec!["--modulus", "'51'", "0 % to 50 %"]),
         (vec!["scene.toml", "--modulus", "much"], 2, vec!["--modulus", "much"]),
+        (vec!["scene.toml", "--samples", "-5"], 2, vec!["--samples", "-5 is not in 10..=100000"]),
         (vec!["scene.toml", "--samples", "5"], 2, vec!["--samples", "10..=100000"]),
         (vec!["scene.toml", "--threads", "0"], 2, vec!["--threads", "1..=1024"]),
         (vec![], 2, vec!["<SCENE>"]),

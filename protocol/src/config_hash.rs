@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn a_split_text_has_the_checksum_of_the_whole() {
+    fn split_text_has_the_checksum_of_the_whole() {
         let text = b"123456789";
         for cut in 0..=text.len() {
             let (head, tail) = text.split_at(cut);

@@ -1,4 +1,4 @@
-//! What can be wrong with bytes, messages and setpoints.
+//! Errors of bytes, messages and setpoints.
 
 use core::error::Error;
 use core::fmt;
@@ -61,7 +61,7 @@ pub enum FrameError {
         message_type: u8,
         /// Sequence number of the frame.
         seq: u16,
-        /// What is wrong with the payload.
+        /// Error of the payload.
         error: PayloadError,
     },
 }

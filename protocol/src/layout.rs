@@ -1,4 +1,4 @@
-//! The interface as data: what `SPEC.md` prints and diagnostics name.
+//! The interface as data, for `SPEC.md` and diagnostics.
 
 /// How a message is made to arrive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,7 +16,7 @@ interface! {
     channels 27;
 
     codes {
-        /// What the device is doing.
+        /// State of the device.
         DeviceState {
             /// Not configured, or sensors not yet found plausible; valves closed, supply cut.
             Idle = 0,
@@ -50,7 +50,7 @@ interface! {
             HardFault = 6,
         }
 
-        /// What the device does when the link is lost and its buffer is empty.
+        /// Behaviour of the device when the link is lost and its buffer is empty.
         LinkLossPolicy {
             /// Hold for the hold time, then ramp down.
             HoldThenRamp = 0,
@@ -60,7 +60,7 @@ interface! {
             Vent = 2,
         }
 
-        /// What an actuator does under pressure.
+        /// Motion of an actuator under pressure.
         MotionKind {
             /// Lengthens.
             Extension = 0,
@@ -72,7 +72,7 @@ interface! {
             Twisting = 3,
         }
 
-        /// What the setpoint of a channel means, and its unit on the wire.
+        /// Meaning of a channel's setpoint, and its unit on the wire.
         SetpointKind {
             /// Gauge pressure, 1 Pa.
             Pressure = 0,
@@ -114,7 +114,7 @@ interface! {
             Root = 1,
         }
 
-        /// What the host asks for in a Command.
+        /// Request of the host in a Command.
         CommandCode {
             /// Follow the buffered setpoints from the given time on.
             Start = 0,
@@ -158,7 +158,7 @@ interface! {
             TablesMissing = 11,
         }
 
-        /// What went wrong on the device; bit `code - 1` of the fault bits in Telemetry.
+        /// Faults of the device; bit `code - 1` of the fault bits in Telemetry.
         FaultCode {
             /// A pressure sensor left its plausible band, or its zero is too far off.
             SensorImplausible = 1,
@@ -281,7 +281,7 @@ interface! {
             adc_full_scale: u16,
         }
 
-        /// One channel: its actuator, its limits and what its setpoint means.
+        /// One channel: its actuator, its limits and the meaning of its setpoint.
         0x05 ConfigChannel Reliable {
             /// Session.
             session: u16,
@@ -375,7 +375,7 @@ interface! {
             session: u16,
             /// Channel, from 0.
             channel: u8,
-            /// What the polynomial is a function of.
+            /// Argument of the polynomial.
             argument: Code<TableArgument>,
             /// Steps that the argument is rounded to.
             steps: u16,

@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn the_range_ends_exactly_at_32_bits() {
+    fn range_ends_exactly_at_32_bits() {
         let pressure = SetpointKind::Pressure;
         assert_eq!(pressure.to_wire(2_147_483_647.0), Ok(i32::MAX));
         assert_eq!(pressure.to_wire(2_147_483_647.5), Err(SetpointError::OutOfRange));

@@ -41,7 +41,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// What was written so far.
+    /// Bytes written so far.
     pub(crate) fn written(&self) -> &[u8] {
         self.buffer.get(..self.len).unwrap_or_default()
     }

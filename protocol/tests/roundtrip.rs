@@ -1,8 +1,6 @@
 //! Decoding is the exact inverse of encoding.
 
-mod common;
-
-use common::{config, decode_all, device_message, encode, host_message};
+use crate::common::{config, decode_all, device_message, encode, host_message};
 use proptest::prelude::*;
 use softlimb_protocol::*;
 
@@ -28,7 +26,7 @@ proptest! {
     }
 
     #[test]
-    fn a_buffer_of_the_exact_length_suffices_and_none_shorter(message in device_message(), seq: u16) {
+    fn buffer_of_the_exact_length_suffices_and_none_shorter(message in device_message(), seq: u16) {
         let wire = encode(&message, seq);
         let mut exact = vec![0xAA; wire.len()];
         prop_assert_eq!(encode_frame(&message, seq, &mut exact), Ok(wire.len()));

@@ -1,10 +1,8 @@
 //! Reliable messages over a link that loses, doubles and delays: each is applied once, in order.
 
-mod common;
-
 use std::collections::VecDeque;
 
-use common::Random;
+use crate::common::Random;
 use softlimb_protocol::*;
 
 const POLICY: RetryPolicy = RetryPolicy { timeout_us: 1_000, attempts_max: 3 };
@@ -49,13 +47,13 @@ fn hello_reply(session: u16) -> DeviceMessage {
 }
 
 #[test]
-fn the_sender_repeats_the_same_bytes_then_gives_up() {
+fn sender_repeats_the_same_bytes_then_gives_up() {
     let mut sender = ReliableSender::new(POLICY);
     assert_eq!(sender.poll(0), SenderStep::Idle);
     let message = command(7, CommandCode::Hold, 0);
     assert_eq!(sender.send(&message, 100), Ok(0));
     assert_eq!(sender.send(&message, 100), Err(SendError::Busy));
-    let expected = common::encode(&message, 0);
+    let expected = crate::common::encode(&message, 0);
     for attempt in 0..3 {
         let now_us = 100 + attempt * 1_000;
         assert_eq!(sender.poll(now_us), SenderStep::Transmit(&expected));
@@ -82,7 +80,7 @@ fn only_the_matching_ack_ends_the_wait() {
 }
 
 #[test]
-fn a_hello_waits_for_its_reply_or_a_refusal() {
+fn hello_waits_for_its_reply_or_a_refusal() {
     let mut sender = ReliableSender::new(POLICY);
     sender.send(&hello(7), 0).unwrap();
     assert!(!sender.on_message(&hello_reply(8)));
@@ -128,7 +126,7 @@ fn answers_to_unreliable_messages_are_not_remembered() {
 }
 
 #[test]
-fn the_sequence_wraps() {
+fn sequence_wraps() {
     let mut dedup = SeqDedup::new();
     let message = command(7, CommandCode::Hold, 0);
     dedup.record(&message, &ack(&message, 65_535, ResultCode::Ok));
@@ -191,7 +189,7 @@ impl Device {
 }
 
 #[test]
-fn a_bad_line_applies_every_command_once_and_in_order() {
+fn bad_line_applies_every_command_once_and_in_order() {
     const COMMANDS: u64 = 2_000;
     for seed in 0..5 {
         let (mut down, mut up) = (BadLine::new(seed), BadLine::new(seed + 100));
@@ -209,7 +207,7 @@ fn a_bad_line_applies_every_command_once_and_in_order() {
                 down.write(now_us, bytes);
             }
             for ack in device.receive(&down.read(now_us)) {
-                up.write(now_us, &common::encode(&DeviceMessage::from(ack), 0));
+                up.write(now_us, &crate::common::encode(&DeviceMessage::from(ack), 0));
             }
             for frame in up.read(now_us).iter().filter_map(|&byte| replies.push(byte)) {
                 sender.on_message(&frame.unwrap().message);

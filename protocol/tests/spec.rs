@@ -2,8 +2,6 @@
 //!
 //! `UPDATE_SPEC=1 cargo test -p softlimb-protocol --test spec` rewrites the printed parts.
 
-mod common;
-
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
@@ -84,7 +82,7 @@ fn limits() -> String {
 
 fn example() -> String {
     let message = HostMessage::from(Heartbeat { session: 7, host_time_us: 1_000_000 });
-    let wire = common::encode(&message, 0x0102);
+    let wire = crate::common::encode(&message, 0x0102);
     let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ");
     let mut body = vec![0; wire.len()];
     let len = cobs::decode(&wire[1..], &mut body).unwrap().frame_size();
@@ -99,7 +97,7 @@ fn schema() -> String {
 }
 
 #[test]
-fn the_printed_parts_are_those_of_the_interface() {
+fn printed_parts_are_those_of_the_interface() {
     let spec = fs::read_to_string(spec_path()).unwrap();
     let parts = [
         ("limits", limits()),
@@ -122,7 +120,7 @@ fn the_printed_parts_are_those_of_the_interface() {
 }
 
 #[test]
-fn the_schema_text_has_one_line_per_definition() {
+fn schema_text_has_one_line_per_definition() {
     let definitions =
         CODES.len() + FLAGS.len() + RECORDS.len() + HostMessage::LAYOUT.len() + DeviceMessage::LAYOUT.len();
     assert_eq!(SCHEMA_TEXT.lines().count(), 2 + definitions);

@@ -1,10 +1,8 @@
 //! The frames of `vectors/`, written by an independent implementation, decode as it says.
 
-mod common;
-
 use std::path::Path;
 
-use common::{decode_all, encode};
+use crate::common::{decode_all, encode};
 use serde_json::{Value, json};
 use softlimb_protocol::*;
 

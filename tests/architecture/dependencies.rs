@@ -1,4 +1,4 @@
-//! `docs/dependencies.md` against the manifests.
+//! `docs/reference/dependencies.md` against the manifests.
 
 use std::collections::BTreeSet;
 

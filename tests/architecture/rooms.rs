@@ -79,7 +79,7 @@ pub(crate) const RULES: &[Rule] = &[
         owners: &["host/src/cli", "host/lab/src", "host/rig/src/run", "host/rig/src/link"],
         law: "time is an argument: only the command, the laboratory, rig::run and rig::link read a clock",
     },
-    Rule { words: &["fs", "File"], within: PURE, owners: &[], law: "files are the caller's" },
+    Rule { words: &["std::fs"], within: PURE, owners: &[], law: "files are the caller's" },
     Rule {
         words: &["Actuator"],
         within: &["host/fea/src/cross_section", "host/fea/src/solid"],

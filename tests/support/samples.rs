@@ -1,7 +1,15 @@
-//! Sizes of samples: a tenth by default, whole with `SOFTLIMB_SAMPLES=full`. Seeds are the same: the tenth is the beginning of the whole.
+//! Sizes of random samples: the environment variable `SOFTLIMB_SAMPLES` chooses between a tenth and the whole.
 
-/// Size of a sample whose whole size is `full`.
-pub(crate) fn samples(full: usize) -> usize {
-    let is_whole = std::env::var_os("SOFTLIMB_SAMPLES").is_some_and(|size| size == "full");
-    if is_whole { full } else { full.div_ceil(10) }
+/// Number of samples to draw where the whole sample has `full`: all with `SOFTLIMB_SAMPLES=full`, else the first tenth.
+///
+/// Seeds are the same for both, so that the tenth is the beginning of the whole.
+///
+/// # Panics
+/// For any other value of the variable.
+pub(crate) fn samples(full: u32) -> u32 {
+    match std::env::var_os("SOFTLIMB_SAMPLES") {
+        None => full.div_ceil(10),
+        Some(value) if value == "full" => full,
+        Some(value) => panic!("SOFTLIMB_SAMPLES is {value:?}: leave it unset or set it to `full`"),
+    }
 }

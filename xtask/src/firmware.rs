@@ -9,8 +9,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::cargo::{root, target_folder};
-use crate::image::Trouble;
 use crate::toolchain::{PROFILE, TARGET, Toolchain};
+use crate::trouble::Trouble;
 
 pub(crate) use flash::flash;
 

@@ -14,6 +14,7 @@ use crate::cargo::{Cargo, root, target_folder};
 use crate::double::is_double;
 use crate::table::{self, Row};
 use crate::toolchain::{PROFILE, TARGET, Toolchain};
+use crate::trouble::Trouble;
 use crate::{elf, emulator, firmware};
 
 const PACKAGE: &str = "softlimb-image-mps2-an386";
@@ -26,14 +27,6 @@ const AS_FLASHED: &str = "as-flashed";
 
 /// What to do where the toolchain for the microcontroller cannot lint.
 const NO_CLIPPY: &str = "install clippy (`rustup component add clippy`, Debian: apt-get install rust-web-clippy) for";
-
-/// Why the check did not end well.
-pub(crate) enum Trouble {
-    /// A tool is not installed; what to do.
-    Missing(String),
-    /// The check found this.
-    Failed(String),
-}
 
 /// What to do with the instruction counts.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -15,6 +15,7 @@ mod steps;
 mod table;
 mod tally;
 mod toolchain;
+mod trouble;
 
 use std::path::Path;
 use std::process::ExitCode;

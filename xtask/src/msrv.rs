@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::cargo::{root, target_folder};
-use crate::image::Trouble;
+use crate::trouble::Trouble;
 
 const VERSION: &str = env!("CARGO_PKG_RUST_VERSION");
 

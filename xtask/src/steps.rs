@@ -6,10 +6,11 @@ use std::process::Command;
 use std::{env, io, thread};
 
 use crate::cargo::{Cargo, root};
-use crate::image::{self, Trouble};
+use crate::image;
 use crate::pool::{self, Done, Job};
 use crate::programs::{self, Built, Program};
 use crate::tally::Tally;
+use crate::trouble::Trouble;
 use crate::{emulator, firmware, msrv, setup};
 
 /// The variable that tells the tests where the images are.

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_ends_with_its_branch() {
+    fn table_ends_with_its_branch() {
         // Two axial families have no equilibrium above mu ln(R_o/R_i), about 70 kPa here.
         let built = build(actuator(Motion::Expansion, core::f64::consts::FRAC_PI_2, Families::Two), 200e3);
         let end_pa = (built.states.len() - 1) as f64 * built.width_pa;

@@ -133,7 +133,7 @@ impl Channel {
         self.piping.leak = leak(self.intact_leak_m3_per_s_pa, room_k);
     }
 
-    /// What is really going on.
+    /// True state of the channel.
     pub(crate) fn truth(&self) -> ChannelTruth {
         let ambient = self.piping.ambient_abs_pa;
         let pressure_pa = self.gas.chamber_abs_pa - ambient;

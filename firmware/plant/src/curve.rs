@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_is_reproduced_exactly() {
+    fn parabola_is_reproduced_exactly() {
         let curve = VolumeCurve::through(&parabola(5), 1.0).unwrap();
         for p in [0.0f64, 0.3, 1.0, 2.7, 3.999] {
             let (v, s) = curve.at(p);

@@ -13,7 +13,7 @@ pub enum PlantError {
         field: String,
         /// The value found.
         value: f64,
-        /// What is accepted.
+        /// Accepted values.
         allowed: String,
     },
     /// The model refuses the actuator of a channel.
@@ -21,7 +21,7 @@ pub enum PlantError {
     Actuator {
         /// The channel.
         channel: usize,
-        /// What the model says.
+        /// Error of the model.
         source: InvalidParameter<f64>,
     },
     /// The model finds no rising branch of volume over pressure for the true actuator.
@@ -35,7 +35,7 @@ pub enum PlantError {
     /// A channel that the plant does not have.
     #[error("channel {channel} does not exist: the plant has {channels}")]
     NoSuchChannel {
-        /// The channel asked for.
+        /// The requested channel.
         channel: usize,
         /// Number of channels.
         channels: usize,

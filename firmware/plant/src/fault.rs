@@ -25,7 +25,7 @@ pub struct TimedFault {
     pub time_us: u64,
     /// The channel.
     pub channel: usize,
-    /// What breaks.
+    /// Kind of the fault.
     pub fault: ChannelFault,
 }
 

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_metre_of_two_and_a_half_millimetre_tube() {
+    fn metre_of_two_and_a_half_millimetre_tube() {
         // C = 0.378 dm3/(s bar), b = 0.29, worked by hand from the formula.
         let (c, b) = tube_conductance(1.0, 2.5e-3);
         assert!((c - 3.78e-9).abs() < 0.005e-9, "{c}");

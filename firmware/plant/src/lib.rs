@@ -6,7 +6,7 @@
 //! The crate knows nothing about who drives it.
 //!
 //! The same settings and the same drive give the same bits: the gas uses only `+ - * /` and
-//! square roots. Equations, parameters and their sources, and what is left out: `docs/plant.md`.
+//! square roots. Equations, parameters and their sources, and what is left out: `docs/explanation/plant.md`.
 //!
 //! ```
 //! use fra_model::{ActuatorParameters, Material, Motion};

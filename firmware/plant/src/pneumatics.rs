@@ -20,7 +20,7 @@ use crate::gas::{GAMMA, Orifice, R_AIR};
 /// the rest of the tick in one step, Pa.
 const SETTLED_PA: f64 = 50.0;
 
-/// What surrounds the gas, and what it flows through.
+/// Boundary conditions of the gas and its flow paths.
 #[derive(Clone, Debug)]
 pub(crate) struct Piping {
     pub(crate) fill: Orifice,
@@ -45,7 +45,7 @@ pub(crate) struct Openings {
     pub(crate) vent: bool,
 }
 
-/// Pressures, chamber mass and what has passed since the start.
+/// Pressures, chamber mass and totals since the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gas {
     /// Absolute pressure of the line node, Pa.

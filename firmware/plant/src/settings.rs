@@ -1,4 +1,4 @@
-//! What a user says about the plant: plain data with nominal values, checked once by
+//! Plant settings: plain data with nominal values, checked once by
 //! [`Plant::new`](crate::Plant::new). Pressures are gauge unless the name says `abs`.
 
 use fra_model::{ActuatorParameters, Load};
@@ -8,9 +8,9 @@ use crate::fault::TimedFault;
 /// The whole plant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantSettings {
-    /// Seed of what the parts are: the true parameters.
+    /// Seed of the true parameters of the parts.
     pub seed: u64,
-    /// Seed of what differs from run to run of the same parts: valve jitter, sensor noise.
+    /// Seed of the variation from run to run: valve jitter, sensor noise.
     pub noise_seed: u64,
     /// Absolute ambient pressure, Pa; 50e3..=120e3.
     pub atmosphere_pa: f64,
@@ -214,7 +214,7 @@ impl SensorSettings {
     }
 }
 
-/// A periodic change of the actuator's volume, near to a sine: what moving neighbours do to it.
+/// A periodic change of the actuator's volume, near to a sine: the effect of moving neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionSettings {
     /// Amplitude, m3; up to a quarter of the volume at rest; 0 is none.
@@ -263,7 +263,7 @@ impl Spread {
 }
 
 impl Default for Spread {
-    /// Workshop tolerances: see `docs/plant.md` for where each one comes from.
+    /// Workshop tolerances: see `docs/explanation/plant.md` for where each one comes from.
     fn default() -> Self {
         Self {
             modulus: 0.05,

@@ -1,4 +1,4 @@
-//! The true parameters of a channel: the nominal ones plus what a workshop adds.
+//! True parameters of a channel: the nominal ones plus manufacturing tolerances.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -7,7 +7,7 @@ use fra_model::{ActuatorParameters, Material};
 use crate::random::Random;
 use crate::settings::{ChannelSettings, SensorSettings, Spread, ValveSettings};
 
-/// What one channel really is. Nobody but a report may look at it.
+/// True parameters of one channel, for reports only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrueParameters {
     /// The actuator.

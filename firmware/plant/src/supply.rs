@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_resting_pump_keeps_the_pressure() {
+    fn resting_pump_keeps_the_pressure() {
         let mut r = Reservoir::new(PumpSettings::default(), 101_325.0, 293.15);
         let before = r.abs_pa();
         for _ in 0..1_000 {

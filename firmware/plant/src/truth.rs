@@ -1,4 +1,4 @@
-//! What is really going on, for reports and tests. The controller never sees it.
+//! True state of the plant, for reports and tests. The controller never sees it.
 
 use fra_model::State;
 
@@ -35,6 +35,6 @@ pub struct ChannelTruth {
     /// False where the actuator has no equilibrium at this pressure: the shape is the last one
     /// on its branch, and the volume goes on along its last slope.
     pub within_branch: bool,
-    /// What the channel really is.
+    /// True parameters of the channel.
     pub parameters: TrueParameters,
 }

@@ -83,20 +83,20 @@ mod tests {
     }
 
     #[test]
-    fn a_pulse_shorter_than_the_delay_does_nothing() {
+    fn pulse_shorter_than_the_delay_does_nothing() {
         let mut v = Valve::new(3_500.0, 2_000.0, 0.0);
         assert_eq!(movements(&mut v, &[(1_000, true), (4_499, false)]), []);
     }
 
     #[test]
-    fn a_short_gap_does_not_close_an_open_valve() {
+    fn short_gap_does_not_close_an_open_valve() {
         let mut v = Valve::new(3_500.0, 2_000.0, 0.0);
         let edges = [(0, true), (10_000, false), (11_999, true)];
         assert_eq!(movements(&mut v, &edges), [(3_500, true)]);
     }
 
     #[test]
-    fn a_coil_edge_at_the_moment_of_movement_comes_too_late() {
+    fn coil_edge_at_the_moment_of_movement_comes_too_late() {
         let mut v = Valve::new(3_500.0, 2_000.0, 0.0);
         let edges = [(1_000, true), (4_500, false)];
         assert_eq!(movements(&mut v, &edges), [(4_500, true), (6_500, false)]);

@@ -1,9 +1,7 @@
 //! Broken parts and refused settings.
 
 #[allow(unreachable_pub, reason = "shared by several test binaries")]
-mod common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use softlimb_plant::*;
 
@@ -21,7 +19,7 @@ fn pressures(plant: &Plant) -> Vec<f64> {
 }
 
 #[test]
-fn a_stuck_fill_valve_fills_to_the_supply_and_only_its_channel() {
+fn stuck_fill_valve_fills_to_the_supply_and_only_its_channel() {
     let mut plant = charged(1);
     let before = pressures(&plant);
     plant.inject(0, ChannelFault::StuckFill).unwrap();
@@ -32,7 +30,7 @@ fn a_stuck_fill_valve_fills_to_the_supply_and_only_its_channel() {
 }
 
 #[test]
-fn a_stuck_vent_valve_empties_and_a_repair_ends_it() {
+fn stuck_vent_valve_empties_and_a_repair_ends_it() {
     let mut plant = charged(1);
     plant.inject(1, ChannelFault::StuckVent).unwrap();
     run(&mut plant, 100, HOLD);
@@ -47,7 +45,7 @@ fn a_stuck_vent_valve_empties_and_a_repair_ends_it() {
 }
 
 #[test]
-fn a_choked_leak_loses_its_conductance_times_pressure() {
+fn choked_leak_loses_its_conductance_times_pressure() {
     let mut plant = charged(1);
     let before = pressures(&plant);
     plant.inject(0, ChannelFault::Leak { conductance_m3_per_s_pa: 2e-11 }).unwrap();
@@ -62,7 +60,7 @@ fn a_choked_leak_loses_its_conductance_times_pressure() {
 }
 
 #[test]
-fn an_open_sensor_reads_zero_and_nothing_else_changes() {
+fn open_sensor_reads_zero_and_nothing_else_changes() {
     let (mut broken, mut intact) = (charged(1), charged(1));
     broken.inject(0, ChannelFault::SensorOpen).unwrap();
     run(&mut broken, 100, HOLD);
@@ -121,7 +119,7 @@ proptest! {
     /// Whatever the plant and the coils: pressures stay between vacuum and supply, codes between
     /// the rails.
     #[test]
-    fn no_pressure_is_negative(
+    fn pressures_are_never_negative(
         seed: u64,
         tube_m in 0.05f64..2.0,
         bore_mm in 1.5f64..8.0,

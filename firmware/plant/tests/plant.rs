@@ -1,9 +1,7 @@
 //! The whole plant from outside: coils in, codes and truth out.
 
 #[allow(unreachable_pub, reason = "shared by several test binaries")]
-mod common;
-
-use common::*;
+use crate::common::*;
 use softlimb_plant::*;
 
 fn nominal(seed: u64) -> PlantSettings {
@@ -183,7 +181,7 @@ fn bending_actuators_bend() {
 }
 
 #[test]
-fn a_shut_supply_delivers_nothing() {
+fn shut_supply_delivers_nothing() {
     let mut plant = Plant::new(&nominal(1)).unwrap();
     for _ in 0..500 {
         plant.step(&Drive { channels: &[FILL], supply_open: false, pump: 1.0 });

@@ -32,7 +32,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fast_clock_gains_its_drift() {
+    fn fast_clock_gains_its_drift() {
         let clocks = Clocks::new(5_000_000, 200.0);
         assert_eq!((clocks.device_us(0), clocks.host_us(0)), (5_000_000, 0));
         // 200 ppm are 2 s in 10 000 s.

@@ -50,7 +50,7 @@ pub enum EmulatorError {
     NoImage {
         /// The image.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The file is no image of the kind that is needed.

@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_byte_takes_ten_bits_and_waits_for_the_one_before() {
+    fn byte_takes_ten_bits_and_waits_for_the_one_before() {
         let mut line = line(LineFaults::NONE);
         line.write(5_000, &[1, 2, 3]);
         assert_eq!(line.backlog(5_000), 3);
@@ -99,14 +99,14 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_line_delivers_nothing() {
+    fn cut_line_delivers_nothing() {
         let mut line = line(LineFaults::CUT);
         line.write(0, &[1; 1_000]);
         assert_eq!(received(&mut line, u64::MAX), []);
     }
 
     #[test]
-    fn a_flip_changes_one_bit_and_a_duplicate_comes_at_once() {
+    fn flip_changes_one_bit_and_a_duplicate_comes_at_once() {
         let mut flipping = line(LineFaults { flip: 1.0, ..LineFaults::NONE });
         flipping.write(0, &[0x55; 100]);
         assert!(received(&mut flipping, u64::MAX).iter().all(|byte| (byte ^ 0x55).count_ones() == 1));

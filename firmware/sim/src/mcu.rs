@@ -11,7 +11,7 @@ use crate::line::Line;
 use crate::noise::Noise;
 use crate::settings::{LineFaults, SimSettings};
 
-/// What runs the controller.
+/// Processor that runs the controller.
 pub trait Processor {
     /// One turn of the device: samples in, coil times out, bytes both ways.
     ///
@@ -30,7 +30,7 @@ pub trait Processor {
         MAX_CHANNELS
     }
 
-    /// What the device's clock shows at its first tick, us.
+    /// Time of the device's clock at its first tick, us.
     fn first_tick_us(&self) -> u64 {
         0
     }
@@ -166,12 +166,12 @@ impl<P: Processor> SimulatedMcu<P> {
         self.board.to_host.is_readable(self.now_us * 1_000)
     }
 
-    /// What is really going on, air used included, at [`device_time_us`](Self::device_time_us).
+    /// True state of the plant, air used included, at [`device_time_us`](Self::device_time_us).
     pub fn truth(&self) -> Truth {
         self.board.plant.truth()
     }
 
-    /// What the valves, the supply and the pump were told in the latest tick.
+    /// Outputs to the valves, the supply and the pump in the latest tick.
     pub fn outputs(&self) -> TickOutputs {
         self.board.outputs()
     }
@@ -201,7 +201,7 @@ impl<P: Processor> SimulatedMcu<P> {
         self.board.emergency_stop = pressed;
     }
 
-    /// Changes what the line does to bytes handed over from now on, each way.
+    /// Changes the faults of the line, each way, for later bytes.
     ///
     /// # Errors
     /// [`SimError::OutOfRange`] for a probability outside 0..=1.

@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_generator_gives_the_published_sequence() {
+    fn generator_gives_the_published_sequence() {
         // First outputs of the reference implementation for seed 1234567.
         let mut noise = Noise(1_234_567);
         let first: Vec<_> = (0..3).map(|_| noise.next()).collect();

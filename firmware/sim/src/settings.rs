@@ -1,4 +1,4 @@
-//! What a user says about the simulated device: plain data, checked once by
+//! Settings of the simulated device: plain data, checked once by
 //! [`SimulatedMcu::new`](crate::SimulatedMcu::new).
 
 use softlimb_plant::PlantSettings;
@@ -16,7 +16,7 @@ pub struct SimSettings {
     pub clock_offset_us: u64,
     /// How much faster than the host's clock the device's clock runs, 1e-6; -1000..=1000.
     pub clock_drift_ppm: f64,
-    /// What the line does to bytes, each way.
+    /// Faults of the line, each way.
     pub line_faults: LineFaults,
     /// Seed of the line faults; the plant has its own.
     pub seed: u64,

@@ -1,8 +1,6 @@
 //! The simulated device as a whole: time, line, determinism, and that controller and plant are really joined.
 
-mod common;
-
-use common::{Host, SESSION, settings};
+use crate::common::{Host, SESSION, settings};
 use softlimb_plant::ChannelFault;
 use softlimb_protocol::*;
 use softlimb_sim::{LineFaults, SimError, SimulatedMcu};
@@ -21,7 +19,7 @@ fn start(host: &mut Host, channels: usize) {
 }
 
 #[test]
-fn a_hello_takes_its_time_on_the_wire_and_is_answered_at_a_tick() {
+fn hello_takes_its_time_on_the_wire_and_is_answered_at_a_tick() {
     let mut slow = settings(1);
     slow.baud = 9_600;
     let mut host = Host::new(&slow);
@@ -41,7 +39,7 @@ fn a_hello_takes_its_time_on_the_wire_and_is_answered_at_a_tick() {
 }
 
 #[test]
-fn the_device_lives_by_its_own_clock() {
+fn device_lives_by_its_own_clock() {
     let mut wrong = settings(1);
     (wrong.clock_offset_us, wrong.clock_drift_ppm) = (1_000_000_000, -500.0);
     let mut mcu = SimulatedMcu::new(&wrong).unwrap();
@@ -71,7 +69,7 @@ fn controller_and_plant_are_joined_both_ways() {
 }
 
 #[test]
-fn the_pump_refills_the_reservoir() {
+fn pump_refills_the_reservoir() {
     let mut host = Host::new(&settings(3));
     host.get_ready(3, SetpointKind::Pressure);
     start(&mut host, 3);
@@ -84,7 +82,7 @@ fn the_pump_refills_the_reservoir() {
 }
 
 #[test]
-fn an_emergency_stop_vents_at_once() {
+fn emergency_stop_vents_at_once() {
     let mut host = Host::new(&settings(1));
     host.get_ready(1, SetpointKind::Pressure);
     start(&mut host, 1);
@@ -96,7 +94,7 @@ fn an_emergency_stop_vents_at_once() {
 }
 
 #[test]
-fn the_same_seed_and_bytes_give_the_same_bits_and_another_seed_does_not() {
+fn same_seed_and_bytes_give_the_same_bits_and_another_seed_does_not() {
     let run = |plant_seed, line_seed| {
         let mut settings = settings(2);
         (settings.plant.seed, settings.seed) = (plant_seed, line_seed);
@@ -139,7 +137,7 @@ fn time_that_passes_in_other_steps_is_the_same_time() {
 }
 
 #[test]
-fn a_broken_sensor_reaches_the_controller() {
+fn broken_sensor_reaches_the_controller() {
     let mut host = Host::new(&settings(2));
     host.get_ready(2, SetpointKind::Pressure);
     host.mcu.inject(1, ChannelFault::SensorOpen).unwrap();

@@ -12,10 +12,10 @@ pub use system::SystemConfig;
 use heapless::Vec;
 use softlimb_protocol::MAX_CHANNELS;
 
-/// What the controller runs on. Everything in it was checked; nothing is checked again.
+/// Active configuration of the controller. All of it was checked; nothing is checked again.
 #[derive(Clone, Debug)]
 pub struct ActiveConfig<const N: usize = MAX_CHANNELS> {
-    /// What all channels share.
+    /// Configuration that all channels share.
     pub system: SystemConfig,
     /// The channels, `1..=N`.
     pub channels: Vec<ChannelConfig, N>,

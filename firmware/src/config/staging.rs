@@ -70,7 +70,7 @@ impl<const N: usize> StagedConfig<N> {
         Ok(())
     }
 
-    /// Forgets what has arrived.
+    /// Discards the upload.
     pub fn forget(&mut self) {
         (self.count, self.system) = (0, None);
         self.channels.clear();

@@ -1,4 +1,4 @@
-//! One channel's tables: checked on arrival, so that whatever the setpoint, a table answers within its limits.
+//! One channel's tables, checked on arrival: any setpoint gives a pressure within the limits.
 
 use fra_model::{Argument, InvalidParameter, InverseTable, TableParameters, VolumeTable};
 use softlimb_protocol::{ConfigInverse, ConfigVolume, SetpointKind, TableArgument};

@@ -1,7 +1,6 @@
 //! A bench around the controller: a host that speaks the wire, samples that a test sets or a chamber gives.
-#![allow(dead_code, reason = "each test file uses its part of the bench")]
 
-pub(crate) mod rig;
+pub(crate) mod fixture;
 pub(crate) mod spec;
 #[path = "../../sim/tests/common/tables.rs"]
 pub(crate) mod tables;
@@ -20,7 +19,7 @@ pub(crate) struct Bench {
     pub(crate) pressure_pa: [f64; MAX_CHANNELS],
     pub(crate) supply_pa: f64,
     /// Chambers that give the first channels' pressures; without them the pressures stay as set.
-    pub(crate) rigs: Vec<rig::Rig>,
+    pub(crate) fixtures: Vec<fixture::Fixture>,
     /// Raw codes that replace a sensor's.
     pub(crate) code: [Option<u16>; MAX_CHANNELS],
     pub(crate) emergency_stop: bool,
@@ -39,8 +38,8 @@ impl Bench {
             controller: Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 }),
             now_us: 1_000_000,
             pressure_pa: [0.0; MAX_CHANNELS],
-            supply_pa: rig::SUPPLY_PA,
-            rigs: Vec::new(),
+            supply_pa: fixture::SUPPLY_PA,
+            fixtures: Vec::new(),
             code: [None; MAX_CHANNELS],
             emergency_stop: false,
             heartbeats: true,
@@ -76,7 +75,7 @@ impl Bench {
 
     /// Gives the first channels a chamber each, at a gauge pressure.
     pub(crate) fn attach(&mut self, channels: usize, gauge_pa: f64) {
-        self.rigs = (0..channels).map(|_| rig::Rig::new(rig::NOMINAL, gauge_pa)).collect();
+        self.fixtures = (0..channels).map(|_| fixture::Fixture::new(fixture::NOMINAL, gauge_pa)).collect();
         self.pressure_pa[..channels].fill(gauge_pa);
     }
 
@@ -140,9 +139,9 @@ impl Bench {
             assert!(pulse.fill_us <= 1_000 && pulse.vent_us <= 1_000);
         }
         self.drain();
-        for (index, rig) in self.rigs.iter_mut().enumerate() {
-            rig.tick(outputs.valves[index]);
-            self.pressure_pa[index] = rig.manifold_pa();
+        for (index, fixture) in self.fixtures.iter_mut().enumerate() {
+            fixture.tick(outputs.valves[index]);
+            self.pressure_pa[index] = fixture.manifold_pa();
         }
         self.now_us += u64::from(TICK_US);
         outputs
@@ -216,7 +215,7 @@ pub(crate) const SENSOR_MAX_PA: f32 = 206_843.0;
 /// Gauge pressure at 90 % of the supply sensor, Pa.
 pub(crate) const SUPPLY_SENSOR_MAX_PA: f32 = 689_476.0;
 
-/// The system part of the nominal rig.
+/// The system part of the nominal fixture.
 pub(crate) fn system() -> ConfigSystem {
     ConfigSystem {
         session: SESSION,

@@ -1,4 +1,4 @@
-//! Pressure allocation: the pressures of a bundle whose forces come closest to a wanted wrench, within their limits.
+//! Pressure allocation: the pressures of a bundle whose forces come closest to a desired wrench, within their limits.
 //!
 //! ```text
 //! minimise  1/2 |W (J p - w)|^2 + h rho/2 |s|^2      s_i = (p_i - lower_i)/(upper_i - lower_i),  0 <= s <= 1
@@ -19,10 +19,10 @@
 mod pivot;
 mod solve;
 
+use crate::number::real::{Real, epsilon, real};
 use crate::parameters::{InvalidParameter, require};
-use crate::real::{Real, epsilon, real};
 
-/// The most pressures: what an active set has bits for.
+/// Most pressures: one bit of an active set each.
 const MOST: usize = 32;
 
 /// A bundle's allocation problem for `R` components of the wrench and up to `N` pressures, ready for any wrench.
@@ -37,7 +37,7 @@ pub struct Allocation<T, const R: usize, const N: usize> {
     jacobian: [[T; R]; N],
     /// `W J (upper - lower)`.
     columns: [[T; R]; N],
-    /// What `lower` alone gives.
+    /// Wrench of the lower limits.
     offset: [T; R],
     hessian: [[T; N]; N],
     /// `h`.
@@ -51,7 +51,7 @@ pub enum AllocationStatus {
     Solved,
     /// The iteration stopped early: the pressures are within the limits and no worse than where it began.
     NotConverged,
-    /// The wrench, or what it leads to, is not finite: the pressures are those it began with.
+    /// The wrench, or a result, is not finite: the pressures are the initial ones.
     NotFinite,
 }
 
@@ -77,7 +77,7 @@ pub struct Allocated<T, const R: usize, const N: usize> {
 impl<T: Real, const R: usize, const N: usize> Allocation<T, R, N> {
     /// Checks and prepares a problem.
     ///
-    /// `columns[i]` is what one pascal of pressure `i` adds to each component of the wrench, N/Pa and N m/Pa; `limits_pa[i]` its lowest
+    /// `columns[i]` is the wrench per pascal of pressure `i`, N/Pa and N m/Pa; `limits_pa[i]` its lowest
     /// and highest value; `weights` are 1/N and 1/(N m), >= 0. `regulariser` is `rho`, without unit: 1e-6 in `f64` and 1e-4 in `f32` leave
     /// that share of a reachable wrench, about.
     ///

@@ -1,6 +1,6 @@
 //! Block pivoting: all limits that are wrong are exchanged at once.
 
-use crate::real::Real;
+use crate::number::real::Real;
 
 use super::solve::Place;
 use super::{Allocation, within};

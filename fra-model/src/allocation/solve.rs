@@ -1,6 +1,6 @@
 //! The steps of the search.
 
-use crate::real::{Real, epsilon, real};
+use crate::number::real::{Real, epsilon, real};
 
 use super::{Allocated, Allocation, AllocationStatus, number, within};
 

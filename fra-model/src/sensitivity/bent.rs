@@ -1,16 +1,16 @@
 //! Derivatives of a bend, in plain arithmetic: it has no stiff fibers whose rounding would be magnified.
 
-use crate::bending::not_a_bend;
-use crate::jet::Jet;
-use crate::real::{Real, epsilon, real};
-use crate::scalar::Scalar;
-use crate::section::{Bent, Section};
+use crate::model::section::{Bent, Section};
+use crate::number::dual::Dual;
+use crate::number::real::{Real, epsilon, real};
+use crate::number::scalar::Scalar;
 use crate::solution::{State, Target};
+use crate::solve::bend::not_a_bend;
 
 use super::inputs::{Inputs, Parameter};
-use super::{Change, Held, NoDerivative, slopes};
+use super::{Change, Fixed, NoDerivative, slopes};
 
-/// What the pressure may be off by, as a share of it or of what it changes with the bend.
+/// Tolerance of the pressure, as a fraction of it or of its change with the bend.
 const MOST_OFF: f64 = 0.01;
 
 /// A bend in balance, `P lever + load moment = dU/dk`.
@@ -19,7 +19,7 @@ pub(super) struct BentPoint<T: Real> {
     k: T,
     bend_angle_rad: T,
     /// The moment and its slope, with their derivatives by `k`.
-    bent: Bent<Jet<T>>,
+    bent: Bent<Dual<T>>,
     /// `dP/dk`.
     pressure_slope: T,
     /// Whether the derivatives at constant pressure are infinite.
@@ -38,9 +38,9 @@ impl<T: Real> BentPoint<T> {
         if !forwards {
             return Err(NoDerivative::NotAnEquilibrium);
         }
-        let fixed = inputs.map(Jet::fixed);
+        let fixed = inputs.map(Dual::fixed);
         let section = Section::new(&fixed.parameters);
-        let bent = section.bent(Jet::variable(k));
+        let bent = section.bent(Dual::variable(k));
         let (found, slope) = (balanced(&section, &fixed, &bent).pressure_pa, section.pressure_slope(&bent));
         let error = (found.value - inputs.pressure_pa).abs();
         let scale = inputs.pressure_pa.abs() + slope.value.abs() * k;
@@ -60,37 +60,37 @@ impl<T: Real> BentPoint<T> {
         [self.bend_angle_rad, T::zero(), T::zero()]
     }
 
-    pub(super) fn change(&self, of: Parameter, held: Held<T>) -> Result<Change<T>, NoDerivative<T>> {
+    pub(super) fn change(&self, of: Parameter, fixed: Fixed<T>) -> Result<Change<T>, NoDerivative<T>> {
         let inputs = self.inputs.varied(of).ok_or(NoDerivative::NotAnInput(of))?;
         let section = Section::new(&inputs.parameters);
         let still = self.while_still(&section);
         let at_bend = balanced(&section, &inputs, &still);
-        let dk = match held {
-            Held::Pressure if self.at_limit => return Err(NoDerivative::AtLimit),
-            Held::Pressure => (inputs.pressure_pa.slope - at_bend.pressure_pa.slope) / self.pressure_slope,
+        let dk = match fixed {
+            Fixed::Pressure if self.at_limit => return Err(NoDerivative::AtLimit),
+            Fixed::Pressure => (inputs.pressure_pa.slope - at_bend.pressure_pa.slope) / self.pressure_slope,
             // The angle is k L/R_o.
-            Held::Target(Target::BendAngle(_)) => -at_bend.bend_angle_rad.slope * section.curvature(Jet::one()).value,
-            Held::Target(other) => return Err(NoDerivative::Invalid(not_a_bend(other))),
+            Fixed::Target(Target::BendAngle(_)) => -at_bend.bend_angle_rad.slope * section.curvature(Dual::one()).value,
+            Fixed::Target(other) => return Err(NoDerivative::Invalid(not_a_bend(other))),
         };
-        let by_bend = |value: Jet<T>| Jet::new(T::zero(), value.slope * dk);
+        let by_bend = |value: Dual<T>| Dual::new(T::zero(), value.slope * dk);
         let moved = Bent {
-            k: Jet::new(self.k, dk),
+            k: Dual::new(self.k, dk),
             moment: still.moment + by_bend(self.bent.moment),
             slope: still.slope + by_bend(self.bent.slope),
         };
         let state = slopes(&balanced(&section, &inputs, &moved), |slope| slope).ok_or(NoDerivative::AtLimit)?;
-        let state = match held {
-            Held::Pressure => State { pressure_pa: inputs.pressure_pa.slope, ..state },
-            Held::Target(_) => State { bend_angle_rad: T::zero(), ..state },
+        let state = match fixed {
+            Fixed::Pressure => State { pressure_pa: inputs.pressure_pa.slope, ..state },
+            Fixed::Target(_) => State { bend_angle_rad: T::zero(), ..state },
         };
         Ok(Change { state, deformation: [state.bend_angle_rad, T::zero(), T::zero()] })
     }
 
     /// The moment and its slope with their derivatives by an input, the bend unchanged.
-    fn while_still(&self, section: &Section<Jet<T>>) -> Bent<Jet<T>> {
-        let k = Jet::fixed(self.k);
+    fn while_still(&self, section: &Section<Dual<T>>) -> Bent<Dual<T>> {
+        let k = Dual::fixed(self.k);
         if section.keeps_its_shape() {
-            let [moment, slope] = [self.bent.moment, self.bent.slope].map(|jet| Jet::fixed(jet.value));
+            let [moment, slope] = [self.bent.moment, self.bent.slope].map(|dual| Dual::fixed(dual.value));
             return Bent { k, moment, slope };
         }
         section.bent(k)

@@ -1,8 +1,8 @@
-//! What an equilibrium depends on, one number at a time.
+//! Inputs of an equilibrium, one number at a time.
 
-use crate::jet::Jet;
+use crate::number::dual::Dual;
+use crate::number::scalar::Scalar;
 use crate::parameters::{ActuatorParameters, Material, Motion, Placement};
-use crate::scalar::Scalar;
 use crate::solution::Load;
 
 /// One of the numbers that an equilibrium depends on.
@@ -10,7 +10,7 @@ use crate::solution::Load;
 pub enum Parameter {
     /// `R_i`, m.
     InnerRadius,
-    /// `R_o`, m. A stated winding radius stays what it is; a bending actuator without one is wound at `R_o`.
+    /// `R_o`, m. A stated winding radius stays the same; a bending actuator without one is wound at `R_o`.
     OuterRadius,
     /// `L`, m.
     Length,
@@ -139,10 +139,10 @@ impl<T: Copy> Inputs<T> {
 }
 
 impl<T: Scalar> Inputs<T> {
-    /// The inputs as jets whose variable is one of them; `None` where the equilibria do not depend on it.
-    pub(super) fn varied(&self, parameter: Parameter) -> Option<Inputs<Jet<T>>> {
-        let mut jets = self.map(Jet::fixed);
-        jets.place(parameter)?.slope = T::one();
-        Some(jets)
+    /// The inputs as dual numbers whose variable is one of them; `None` where the equilibria do not depend on it.
+    pub(super) fn varied(&self, parameter: Parameter) -> Option<Inputs<Dual<T>>> {
+        let mut duals = self.map(Dual::fixed);
+        duals.place(parameter)?.slope = T::one();
+        Some(duals)
     }
 }

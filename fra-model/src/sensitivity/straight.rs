@@ -2,20 +2,20 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::energy::{Derivatives, Wall};
-use crate::jet::Jet;
+use crate::model::energy::{Derivatives, Wall};
+use crate::number::double_double::DoubleDouble;
+use crate::number::dual::Dual;
+use crate::number::real::{Real, epsilon, real};
+use crate::number::scalar::{Scalar, largest};
 use crate::parameters::{ActuatorParameters, Families, InvalidParameter};
-use crate::real::{Real, epsilon, real};
-use crate::scalar::{Scalar, largest};
 use crate::solution::{State, Target};
-use crate::two::Two;
 
 use super::inputs::{Inputs, Parameter};
-use super::{Change, Held, NoDerivative, Slope, slopes};
+use super::{Change, Fixed, NoDerivative, Slope, slopes};
 
 /// Most corrections of the rounding of a state.
 const CORRECTIONS: u32 = 12;
-/// What may be corrected, as a share of the deformation.
+/// Largest correction, as a fraction of the deformation.
 const MOST_CORRECTED: f64 = 0.01;
 
 /// A tube of any scalar in the units of the model.
@@ -89,7 +89,7 @@ impl<S: Scalar> Block<S> {
         positive.then_some(block)
     }
 
-    /// What is left of the torsional stiffness when the axial strain follows.
+    /// Torsional stiffness when the axial strain follows.
     fn rest(&self) -> S {
         let (ee, eg, gg) = (self.hessian[(0, 0)], self.hessian[(0, 2)], self.hessian[(2, 2)]);
         gg - eg * eg / ee
@@ -124,25 +124,25 @@ impl<S: Scalar> Block<S> {
 
 /// A tube's equilibrium with twice the digits.
 pub(super) struct StraightPoint<T: Real> {
-    inputs: Inputs<Two<T>>,
-    at: Vector3<Two<T>>,
+    inputs: Inputs<DoubleDouble<T>>,
+    at: Vector3<DoubleDouble<T>>,
     twists: bool,
     /// Whether the derivatives at constant pressure are infinite.
     at_limit: bool,
 }
 
 impl<T: Real> StraightPoint<T> {
-    pub(super) fn new(inputs: Inputs<Two<T>>, state: &State<T>) -> Result<Self, NoDerivative<T>> {
+    pub(super) fn new(inputs: Inputs<DoubleDouble<T>>, state: &State<T>) -> Result<Self, NoDerivative<T>> {
         let radius_per_length = inputs.parameters.inner_radius_m / inputs.parameters.length_m;
         let given = Vector3::new(
-            Two::from(state.axial_strain),
-            Two::from(state.volume_strain),
-            Two::from(state.twist_rad) * radius_per_length,
+            DoubleDouble::from(state.axial_strain),
+            DoubleDouble::from(state.volume_strain),
+            DoubleDouble::from(state.twist_rad) * radius_per_length,
         );
         let one_family = inputs.parameters.fiber.as_ref().is_some_and(|fiber| fiber.families == Families::One);
         let mut point =
-            Self { inputs, at: given, twists: one_family || inputs.torque_nm != Two::zero(), at_limit: false };
-        if !(given.x > -Two::one() && given.y > -Two::one()) {
+            Self { inputs, at: given, twists: one_family || inputs.torque_nm != DoubleDouble::zero(), at_limit: false };
+        if !(given.x > -DoubleDouble::one() && given.y > -DoubleDouble::one()) {
             return Err(NoDerivative::NotAnEquilibrium);
         }
         point.at = point.polished()?;
@@ -156,7 +156,7 @@ impl<T: Real> StraightPoint<T> {
 
     /// The state without its rounding, which stiff fibers would magnify: the equilibrium of the same volume, or that of the same
     /// pressure where the pressure pins the state down more closely.
-    fn polished(&self) -> Result<Vector3<Two<T>>, NoDerivative<T>> {
+    fn polished(&self) -> Result<Vector3<DoubleDouble<T>>, NoDerivative<T>> {
         let units = Units::new(&self.inputs);
         let loads = units.loads();
         let mut at = self.at;
@@ -170,13 +170,14 @@ impl<T: Real> StraightPoint<T> {
             let slope = block.slope();
             let by_pressure = (loads.y - pressure) / slope;
             let holds_volume =
-                *holds_volume.get_or_insert(!(slope > Two::zero() && slope * at.y.abs() > loads.y.abs()));
-            let dw = if holds_volume { Two::zero() } else { by_pressure };
+                *holds_volume.get_or_insert(!(slope > DoubleDouble::zero() && slope * at.y.abs() > loads.y.abs()));
+            let dw = if holds_volume { DoubleDouble::zero() } else { by_pressure };
             let correction = settling + block.tangent() * dw;
             at += correction;
             let scale = largest(&at);
-            let most = scale.max(largest(&self.at)) * Two::constant(MOST_CORRECTED) + Two::epsilon();
-            let imbalance = Two::constant(MOST_CORRECTED) * (loads.y.abs() + slope.abs() * scale) + Two::epsilon();
+            let most = scale.max(largest(&self.at)) * DoubleDouble::constant(MOST_CORRECTED) + DoubleDouble::epsilon();
+            let imbalance = DoubleDouble::constant(MOST_CORRECTED) * (loads.y.abs() + slope.abs() * scale)
+                + DoubleDouble::epsilon();
             let balanced = !holds_volume || (loads.y - pressure).abs() <= imbalance;
             // The conditions also refuse a NaN.
             if !(balanced && largest(&(at - self.at)) <= most) {
@@ -184,7 +185,9 @@ impl<T: Real> StraightPoint<T> {
             }
             // One more correction once the steps are within the rounding of the scalar.
             let size = largest(&correction);
-            if last.is_some_and(|last| last <= Two::epsilon() * scale || size >= last) || size == Two::zero() {
+            if last.is_some_and(|last| last <= DoubleDouble::epsilon() * scale || size >= last)
+                || size == DoubleDouble::zero()
+            {
                 return Ok(at);
             }
             last = Some(size);
@@ -194,21 +197,21 @@ impl<T: Real> StraightPoint<T> {
 
     /// Whether the slope of the pressure is zero within the rounding of the volume.
     fn is_at_limit(&self) -> Result<bool, NoDerivative<T>> {
-        let units = Units::new(&self.inputs.map(Jet::fixed));
+        let units = Units::new(&self.inputs.map(Dual::fixed));
         let d = Units::new(&self.inputs).derivatives(&self.at);
         let tangent = Block::new(d.hessian, self.twists).ok_or(NoDerivative::AtLimit)?.tangent();
         let block = Block::new(units.derivatives(&along(&self.at, &tangent)).hessian, self.twists)
             .ok_or(NoDerivative::AtLimit)?;
-        let Jet { value, slope } = block.slope();
-        let rounding = Two::from(real::<T>(4.0) * epsilon::<T>());
+        let Dual { value, slope } = block.slope();
+        let rounding = DoubleDouble::from(real::<T>(4.0) * epsilon::<T>());
         let rises = value > slope.abs() * self.at.y.abs() * rounding;
         Ok(!rises)
     }
 
-    pub(super) fn change(&self, of: Parameter, held: Held<T>) -> Result<Change<T>, NoDerivative<T>> {
+    pub(super) fn change(&self, of: Parameter, fixed: Fixed<T>) -> Result<Change<T>, NoDerivative<T>> {
         let inputs = self.inputs.varied(of).ok_or(NoDerivative::NotAnInput(of))?;
         let mut units = Units::new(&inputs);
-        let d = units.derivatives(&self.at.map(Jet::fixed));
+        let d = units.derivatives(&self.at.map(Dual::fixed));
         // An input that turns two families against each other makes the twist an unknown.
         let twists = self.twists || of == Parameter::Torque;
         let block = Block::new(d.hessian.map(|h| h.value), twists).ok_or(NoDerivative::AtLimit)?;
@@ -217,48 +220,48 @@ impl<T: Real> StraightPoint<T> {
         let rest = loads - d.gradient;
         let following = block.solve(rest.x.slope, rest.z.slope);
         let mu1 = units.shear_modulus_pa();
-        let u_w = Jet::new(d.gradient.y.value, d.gradient.y.slope + block.pressure_change(&following));
+        let u_w = Dual::new(d.gradient.y.value, d.gradient.y.slope + block.pressure_change(&following));
         let at_volume = (mu1 * u_w).slope;
         let per_volume = mu1.value * block.slope();
         // How far the volume follows, so that the pressure or the target is held.
-        let dw = self.volume_change(held, &units, &following, &block, (at_volume, per_volume))?;
+        let dw = self.volume_change(fixed, &units, &following, &block, (at_volume, per_volume))?;
         let by = following + block.tangent() * dw;
-        if matches!(held, Held::Target(_)) {
+        if matches!(fixed, Fixed::Target(_)) {
             units.inputs.pressure_pa.slope = at_volume + per_volume * dw;
         }
         let at = along(&self.at, &by);
         let slope = Block { hessian: units.derivatives(&at).hessian, twists }.slope();
-        let state = slopes(&units.state(&at, slope), Two::round).ok_or(NoDerivative::AtLimit)?;
+        let state = slopes(&units.state(&at, slope), DoubleDouble::round).ok_or(NoDerivative::AtLimit)?;
         Ok(Change { state, deformation: [by.x.round(), by.y.round(), by.z.round()] })
     }
 
     /// `dw/dp`, given how the pressure changes at constant volume and with the volume.
     fn volume_change(
         &self,
-        held: Held<T>,
+        fixed: Fixed<T>,
         units: &Units<Slope<T>>,
-        following: &Vector3<Two<T>>,
-        block: &Block<Two<T>>,
-        (at_volume, per_volume): (Two<T>, Two<T>),
-    ) -> Result<Two<T>, NoDerivative<T>> {
-        let target = match held {
-            Held::Pressure if self.at_limit => return Err(NoDerivative::AtLimit),
-            Held::Pressure => return Ok((units.inputs.pressure_pa.slope - at_volume) / per_volume),
-            Held::Target(target) => target,
+        following: &Vector3<DoubleDouble<T>>,
+        block: &Block<DoubleDouble<T>>,
+        (at_volume, per_volume): (DoubleDouble<T>, DoubleDouble<T>),
+    ) -> Result<DoubleDouble<T>, NoDerivative<T>> {
+        let target = match fixed {
+            Fixed::Pressure if self.at_limit => return Err(NoDerivative::AtLimit),
+            Fixed::Pressure => return Ok((units.inputs.pressure_pa.slope - at_volume) / per_volume),
+            Fixed::Target(target) => target,
         };
-        let measure = |units: &Units<Slope<T>>, by: &Vector3<Two<T>>| {
-            reached(&units.state(&along(&self.at, by), Jet::one()), target).map(|q| q.slope)
+        let measure = |units: &Units<Slope<T>>, by: &Vector3<DoubleDouble<T>>| {
+            reached(&units.state(&along(&self.at, by), Dual::one()), target).map(|q| q.slope)
         };
         let at_volume = measure(units, following)?;
-        let per_volume = measure(&Units::new(&self.inputs.map(Jet::fixed)), &block.tangent())?;
+        let per_volume = measure(&Units::new(&self.inputs.map(Dual::fixed)), &block.tangent())?;
         let dw = -at_volume / per_volume;
-        if per_volume == Two::zero() || !dw.is_finite() { Err(NoDerivative::Stationary) } else { Ok(dw) }
+        if per_volume == DoubleDouble::zero() || !dw.is_finite() { Err(NoDerivative::Stationary) } else { Ok(dw) }
     }
 }
 
 /// A state with a direction.
-fn along<S: Scalar>(at: &Vector3<S>, direction: &Vector3<S>) -> Vector3<Jet<S>> {
-    at.zip_map(direction, Jet::new)
+fn along<S: Scalar>(at: &Vector3<S>, direction: &Vector3<S>) -> Vector3<Dual<S>> {
+    at.zip_map(direction, Dual::new)
 }
 
 /// The field of a state that a target is about.

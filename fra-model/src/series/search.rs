@@ -3,8 +3,8 @@
 //! The pressure is raised in steps over which the total moves as its slopes at both ends say, so that neither the target nor a turning
 //! point is stepped over; between two steps, Newton's method with the exact slope is kept inside its bracket.
 
+use crate::number::real::{Real, epsilon, real};
 use crate::parameters::InvalidParameter;
-use crate::real::{Real, epsilon, real};
 use crate::sensitivity::Parameter;
 use crate::solution::{Load, State, Status};
 
@@ -17,9 +17,9 @@ const FIRST_STEP: f64 = 0.1;
 const STRAIGHT: f64 = 0.1;
 /// Steps grow with the pressure, and by this factor at most.
 const GROWTH: f64 = 2.0;
-/// Largest pressure looked at, in units of the largest shear modulus.
+/// Largest pressure of the search, in units of the largest shear modulus.
 const LARGEST_PRESSURE: f64 = 1e4;
-/// How near a limit pressure the steps go before the state at the limit itself is looked at.
+/// Distance from a limit pressure at which the search evaluates the limit itself, as a share of that pressure.
 const NEAR_LIMIT: f64 = 1e-9;
 const MOST_STEPS: u32 = 2000;
 const REFINE_STEPS: u32 = 100;
@@ -208,7 +208,7 @@ impl<T: Real> Search<'_, '_, T> {
     }
 }
 
-/// What a target counts of one segment's change.
+/// Contribution of one segment's change to the target.
 fn moved<T: Real>(target: SeriesTarget<T>, length_m: T, change: &State<T>) -> T {
     match target {
         SeriesTarget::Extension(_) => length_m * change.axial_strain,

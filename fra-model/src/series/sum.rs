@@ -1,7 +1,7 @@
 //! Adding up segments.
 
 use crate::actuator::Actuator;
-use crate::real::Real;
+use crate::number::real::Real;
 use crate::solution::{Solution, Status};
 
 use super::{SeriesLimit, SeriesSolution, SeriesState};

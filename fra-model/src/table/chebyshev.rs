@@ -1,8 +1,8 @@
 //! A Chebyshev expansion on `0..=1`.
 
 use super::TABLE_COEFFICIENTS;
+use crate::number::real::{Real, real};
 use crate::parameters::{InvalidParameter, require};
-use crate::real::{Real, real};
 
 /// `f(t) = c_0 + c_1 T_1(x) + c_2 T_2(x) + ...` with `x = 2t - 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]

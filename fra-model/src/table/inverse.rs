@@ -3,8 +3,8 @@
 use core::fmt;
 
 use super::chebyshev::Chebyshev;
+use crate::number::real::{Real, epsilon, real};
 use crate::parameters::{InvalidParameter, require};
-use crate::real::{Real, epsilon, real};
 
 /// Fewest and most steps of a table.
 const STEPS: core::ops::RangeInclusive<u16> = 256..=32_768;
@@ -24,14 +24,14 @@ pub enum Argument {
     Root,
 }
 
-/// What an inverse table is made of.
+/// Parameters of an inverse table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableParameters<'a, T> {
     /// Target at zero gauge pressure, in the unit of the target.
     pub from: T,
     /// Target at the highest pressure; above or below `from`.
     pub to: T,
-    /// What the polynomial is a function of.
+    /// Argument of the polynomial.
     pub argument: Argument,
     /// Steps of the grid that the argument is rounded to, `256..=32768`.
     pub steps: u16,
@@ -41,8 +41,8 @@ pub struct TableParameters<'a, T> {
     pub coefficients: &'a [T],
 }
 
-/// A total function from targets to gauge pressures: whatever finite number comes in, a finite pressure between zero and the highest
-/// one comes out, and how far the target was out of the table's range.
+/// A total function from targets to gauge pressures: any finite target gives a finite pressure between zero and the highest one,
+/// and the target's distance from the table's range.
 ///
 /// ```
 /// use fra_model::*;
@@ -71,12 +71,12 @@ pub struct InverseTable<T> {
     polynomial: Chebyshev<T>,
 }
 
-/// What a table says of a target.
+/// Result of a lookup.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookup<T> {
     /// Gauge pressure, Pa, between zero and the table's highest.
     pub pressure_pa: T,
-    /// How far the target lies outside of the table, as a share of its range; zero inside. The pressure is then that of the nearer end.
+    /// Distance of the target from the table, as a fraction of its range; zero inside. Outside, the pressure is that of the nearer end.
     pub beyond: T,
 }
 

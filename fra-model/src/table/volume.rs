@@ -2,8 +2,8 @@
 
 use super::chebyshev::Chebyshev;
 use super::inverse::NotFinite;
+use crate::number::real::{Real, real};
 use crate::parameters::{InvalidParameter, require};
-use crate::real::{Real, real};
 
 /// Largest coefficient, m3: a lumen of a cubic meter is none.
 const LARGEST_M3: f64 = 1.0;
@@ -17,7 +17,7 @@ pub struct VolumeTable<T> {
     polynomial: Chebyshev<T>,
 }
 
-/// What a volume table says of a pressure.
+/// Result of a lookup in a volume table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume<T> {
     /// Lumen volume, m3; never less than at rest.

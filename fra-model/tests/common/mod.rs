@@ -1,7 +1,12 @@
-//! Actuators the tests share.
-#![allow(dead_code, reason = "each test uses its own part")]
+//! Actuators that the tests share.
+
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
+pub(crate) mod stresses;
 
 use fra_model::*;
+
+pub(crate) use samples::samples;
 
 pub(crate) const MM: f64 = 1e-3;
 pub(crate) const KPA: f64 = 1e3;

@@ -95,7 +95,7 @@ pub(super) fn bender(bend_angle_rad: f64) -> (ActuatorParameters<f64>, Section) 
 }
 
 #[test]
-fn the_map_of_a_bent_section_has_the_gradient_stated() {
+fn map_of_a_bent_section_has_the_gradient_stated() {
     let (_, section) = bender(1.2);
     for (radius, turn) in [(6e-3, 0.4), (7e-3, 1.7), (8e-3, 2.9)] {
         let (radius, around) = (m(radius), rad(turn));
@@ -108,7 +108,7 @@ fn the_map_of_a_bent_section_has_the_gradient_stated() {
 }
 
 #[test]
-fn a_bend_balances_the_work_of_pressure_force_and_moment() {
+fn bend_balances_the_work_of_pressure_force_and_moment() {
     for load in [Load::none(), Load { force_n: 0.4, torque_nm: -0.01 }] {
         let (p, _) = bender(0.0);
         let state = solved(&p, 50e3, load);
@@ -123,7 +123,7 @@ fn a_bend_balances_the_work_of_pressure_force_and_moment() {
 }
 
 #[test]
-fn a_bundle_shortens_by_its_helices_and_bends_into_an_arc() {
+fn bundle_shortens_by_its_helices_and_bends_into_an_arc() {
     let (p, pressure_pa, load) = examples()[0];
     let state = solved(&p, pressure_pa, load);
     let circle = m(0.02);

@@ -21,7 +21,7 @@ fn changed(p: &ActuatorParameters<f64>, state: &State<f64>, load: Load<f64>, by:
 /// `dx/dp = -H^-1 dr/dp` for `x = (l, V, Phi)` and `r = (N, P, M)` less the loads: `H dx + dr = 0`, row by row, for a small change of the
 /// shape and of an input. The integrals of the stresses give `H dx` and `dr`, as differences along the change.
 #[test]
-fn the_changed_shape_balances_the_changed_stresses() {
+fn changed_shape_balances_the_changed_stresses() {
     for (p, pressure_pa, load) in examples() {
         let state = solved(&p, pressure_pa, load);
         let outer = m(p.outer_radius_m);
@@ -89,7 +89,7 @@ fn cross_derivatives_have_one_dimension_and_one_value() {
 
 /// `dP/dp = -(dq/dp)/(dq/dP)`, and `P` itself for all moduli and loads in proportion.
 #[test]
-fn the_pressure_that_holds_a_target_changes_as_the_quotient_says() {
+fn pressure_that_holds_a_target_changes_as_the_quotient_says() {
     for (p, pressure_pa, load) in examples() {
         let state = solved(&p, pressure_pa, load);
         let actuator = Actuator::new(&p).unwrap();
@@ -104,7 +104,7 @@ fn the_pressure_that_holds_a_target_changes_as_the_quotient_says() {
 
 /// `sum |p| max|dd/dp| / max|d|` is a number.
 #[test]
-fn the_condition_has_no_dimension() {
+fn condition_has_no_dimension() {
     for (p, pressure_pa, load) in examples() {
         let state = solved(&p, pressure_pa, load);
         let actuator = Actuator::new(&p).unwrap();

@@ -60,7 +60,7 @@ pub(super) fn i4(f: &Tensor, angle: Angle) -> Ratio {
 
 /// At rest and in tension along its axial threads a tube is as stiff as rubber (`3 mu1` over the wall) and threads together.
 #[test]
-fn a_winding_of_threads_has_the_stiffness_of_its_threads() {
+fn winding_of_threads_has_the_stiffness_of_its_threads() {
     let (radius, modulus, spacing) = (m(0.0889e-3), pa(31.067e9), m(3e-3));
     let tension = thread_to_sheet(modulus, PI * radius * radius, spacing);
     let thickness = m(0.178e-3);
@@ -71,7 +71,7 @@ fn a_winding_of_threads_has_the_stiffness_of_its_threads() {
     let wall: Force = 3.0 * pa(0.2e6) * PI * (outer * outer - inner * inner);
     let threads: Force = tension * TAU * outer;
     let expected: ForcePerLength = (wall + threads) / length;
-    let held = Actuator::new(&p).unwrap().held(0.0, 1.0, 0.0).unwrap();
+    let held = Actuator::new(&p).unwrap().blocked(0.0, 1.0, 0.0).unwrap();
     let found: ForcePerLength = Force::new::<newton>(held.stiffness[0][0]) / m(1.0);
     close(found, expected, wall / length * 1e-9);
 }

@@ -92,7 +92,7 @@ fn strain_forms_are_the_invariants_of_the_gradient() {
 
 /// `P = mu1 u_w`, `N_ext = pi R_i^2 mu1 u_e`, `M_ext = pi R_i^3 mu1 u_g`, and `u` itself against the integrated energy.
 #[test]
-fn the_closed_form_of_a_bare_wall_has_the_units_of_the_model() {
+fn closed_form_of_a_bare_wall_has_the_units_of_the_model() {
     let p = tube(Motion::Expansion, 6.0, 8.0, neo_hookean(0.2e6));
     let load = Load { force_n: 1.5, torque_nm: 0.01 };
     let state = solved(&p, 15e3, load);
@@ -107,7 +107,7 @@ fn the_closed_form_of_a_bare_wall_has_the_units_of_the_model() {
 
 /// Along `e` at constant volume fibers and elastomer share the force: `T sum(d I4/de) = n - u_e`, without twist.
 #[test]
-fn the_tension_of_a_sheet_is_what_the_elastomer_leaves_of_the_force() {
+fn tension_of_a_sheet_is_what_the_elastomer_leaves_of_the_force() {
     let p = tube(Motion::Extension, 6.0, 8.0, neo_hookean(0.2e6));
     let p = wound(p, 15.0, Families::Two, 5e6, Placement::Sheet, 0.2);
     let load = Load { force_n: 2.0, torque_nm: 0.0 };
@@ -126,7 +126,7 @@ fn the_tension_of_a_sheet_is_what_the_elastomer_leaves_of_the_force() {
 
 /// Up to the strain that the tension `P R_f` leaves in a stiff sheet, and to the stiffness of the wall against it.
 #[test]
-fn a_stiff_winding_keeps_its_length_and_gives_the_pressure_its_lever() {
+fn stiff_winding_keeps_its_length_and_gives_the_pressure_its_lever() {
     let angle = rad(30_f64.to_radians());
     let p = tube(Motion::Extension, 6.0, 8.0, neo_hookean(0.2e6));
     let (inner, winding) = (m(p.inner_radius_m), m(p.outer_radius_m));
@@ -140,7 +140,7 @@ fn a_stiff_winding_keeps_its_length_and_gives_the_pressure_its_lever() {
     close(strains.w, inextensible_volume(x, strains.e, angle), 4.0 * x * fiber_strain);
 
     let softness: Ratio = pa(0.2e6) * (winding - inner) / sheet;
-    let by_pressure = |families| Actuator::new(&stiff(families)).unwrap().held(0.0, 1.0, 0.0).unwrap().by_pressure;
+    let by_pressure = |families| Actuator::new(&stiff(families)).unwrap().blocked(0.0, 1.0, 0.0).unwrap().by_pressure;
     let [push, turn] = [by_pressure(Families::Two)[0], by_pressure(Families::One)[1]];
     let (length, twist) = (eq_17_lever_of_length(winding, angle), eq_17_lever_of_twist(winding, angle));
     close(-Area::new::<square_meter>(push), length, length * softness * 10.0);

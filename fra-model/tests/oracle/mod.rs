@@ -1,6 +1,5 @@
 //! An independent solver of the model of the straight tube and of the bend: stresses instead of energies, continuation in the
 //! arclength instead of the volume, numbers of twice the digits.
-#![allow(dead_code, reason = "each test uses its own part")]
 
 pub(crate) mod bent;
 pub(crate) mod condition;
@@ -11,5 +10,6 @@ pub(crate) mod sample;
 pub(crate) mod scalar;
 pub(crate) mod section;
 pub(crate) mod straight;
+pub(crate) mod table;
 pub(crate) mod tally;
 pub(crate) mod wall;

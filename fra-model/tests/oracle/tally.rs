@@ -37,7 +37,7 @@ pub(crate) enum Verdict {
     /// The solver gave up and says so.
     NotConverged,
     /// Another equilibrium than that of the branch connected to rest; the relative error.
-    OtherBranch(f64),
+    OtherBranch(#[allow(dead_code, reason = "printed with a failure")] f64),
     /// A number is not finite.
     NotFinite,
     /// The oracle itself has no answer.
@@ -127,8 +127,8 @@ impl Tally {
         self
     }
 
-    /// Prints the table and demands that nothing is left unexplained.
-    pub(crate) fn check(mut self, scalar: &str) {
+    /// Prints the table of a sweep over a number of actuators and demands that nothing is left unexplained.
+    pub(crate) fn check(mut self, scalar: &str, actuators: u32) {
         println!(
             "{scalar}                 solved  inexact  refused  falsely  limits not conv   wrong oracle   error / (eps condition): median, 99 %, max"
         );
@@ -144,7 +144,10 @@ impl Tally {
         let shown = self.failures.iter().take(20).map(String::as_str).collect::<Vec<_>>().join("\n");
         let answered: usize = all.counts.iter().sum();
         let asked = answered + self.skipped;
-        assert!(answered > 90_000 && self.skipped * 20 < asked, "only {answered} of {asked} questions were asked");
+        assert!(
+            10 * answered > 45 * actuators as usize && self.skipped * 20 < asked,
+            "only {answered} of {asked} questions were asked"
+        );
         assert!(self.failures.is_empty(), "{} answers in {scalar} fail:\n{shown}", self.failures.len());
     }
 }

@@ -159,7 +159,7 @@ fn the_pressure_for_a_target_scales_with_the_moduli() {
 
 /// `dP/dp = -(dq/dp)/(dq/dP)`; the state then changes by both, and the target does not.
 #[test]
-fn the_inverse_derivative_is_the_forward_one_with_the_pressure_adapted() {
+fn inverse_derivative_is_the_forward_one_with_the_pressure_adapted() {
     for case in cases() {
         let by_pressure = case.by(Parameter::Pressure);
         for target in targets(&case) {
@@ -184,7 +184,7 @@ fn the_inverse_derivative_is_the_forward_one_with_the_pressure_adapted() {
 
 /// `dV/dP` is a field of the state: the same to the digits of the solver, and to all digits where it searches the branch.
 #[test]
-fn the_compliance_is_the_volumes_derivative_by_the_pressure() {
+fn compliance_is_the_volumes_derivative_by_the_pressure() {
     for case in cases() {
         let by_pressure = case.by(Parameter::Pressure);
         let compliance = case.state.compliance_m3_per_pa;

@@ -3,8 +3,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::stresses::resultants;
 use super::*;
+use crate::common::stresses::resultants;
 
 /// The change of a smooth function over one step, of sixth order; over the step it is the derivative.
 fn change(f: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {

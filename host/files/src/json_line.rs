@@ -2,7 +2,7 @@
 
 /// The line, from 1, where the value of a path like `segments[0].bounds.wall_m[1]` begins, or its nearest enclosing value that is there.
 /// `text` is valid JSON.
-pub fn line_of(text: &str, path: &str) -> usize {
+pub(crate) fn line_of(text: &str, path: &str) -> usize {
     let mut place = Place { text: text.as_bytes(), at: 0 };
     place.space();
     let mut best = place.at;

@@ -2,8 +2,9 @@
 //!
 //! It must not know the meaning of a number: columns, fields and ranges are the caller's.
 
-pub mod json_line;
+mod json_line;
 pub mod object;
+pub mod problem;
 pub mod range;
 pub mod table;
 mod whole;

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use softlimb::cli::finish;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use softlimb::cli::{finish, with_negative_numbers};
 
 use crate::{accuracy, design, payload, validation};
 
@@ -24,7 +24,9 @@ enum Verb {
 
 /// Parses the command line, runs a verb, and returns its exit code.
 pub fn main() -> ExitCode {
-    finish(Arguments::try_parse().map(|arguments| match arguments.verb {
+    let parsed = with_negative_numbers(Arguments::command()).try_get_matches();
+    let parsed = parsed.and_then(|matches| Arguments::from_arg_matches(&matches));
+    finish(parsed.map(|arguments| match arguments.verb {
         Verb::Accuracy(verb) => verb.run(),
         Verb::Validation(verb) => verb.run(),
         Verb::Design(verb) => verb.run(),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::Value;
+use serde::Serialize;
 use softlimb::cli::{Failure, read, say, write};
 
 use crate::generated_section::{has_place, replaced};
@@ -45,8 +45,12 @@ impl Published {
     }
 
     /// Prints JSON or text.
-    pub(crate) fn show(&self, json: impl FnOnce() -> Value, table: impl FnOnce() -> String) -> Result<(), Failure> {
-        if self.json { say(&json().to_string()) } else { say(&table()) }
+    pub(crate) fn show<T: Serialize>(
+        &self,
+        json: impl FnOnce() -> T,
+        table: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        if self.json { say(&serde_json::to_string(&json()).map_err(Failure::new)?) } else { say(&table()) }
     }
 
     /// Writes the tab-separated values, if requested.

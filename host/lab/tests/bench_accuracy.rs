@@ -21,7 +21,7 @@ use softlimb_lab::generated_section::replaced;
 use crate::samples::samples;
 
 /// Actuators of the tests' whole sample.
-const FEW: usize = 100;
+const FEW: u32 = 100;
 /// A largest error may rise by this factor before the table has to be written anew, and fall by the second.
 const WORSE: f64 = 2.0;
 const BETTER: f64 = 20.0;
@@ -59,7 +59,7 @@ fn compiler() -> String {
 fn found() -> &'static Report {
     static FOUND: OnceLock<Report> = OnceLock::new();
     FOUND.get_or_init(|| {
-        let mut report = bench::accuracy(&Settings { seed: SEED, actuators: samples(FEW) }, None, |_| ());
+        let mut report = bench::accuracy(&Settings { seed: SEED, actuators: samples(FEW) as usize }, None, |_| ());
         if !bench::missing_instruments().contains(&"valgrind") {
             let arguments = ["accuracy", "--workload"].map(str::to_owned);
             bench::count(&mut report, Path::new(env!("CARGO_BIN_EXE_softlimb-lab")), &arguments).expect("counts");
@@ -182,13 +182,20 @@ fn refreshed(page: &str, report: &Report) -> Option<String> {
 fn page_and_picture_are_those_of_the_published_table() {
     let report = published();
     if std::env::var_os("SOFTLIMB_WRITE_ACCURACY").is_some() {
-        let page = refreshed(&read("docs/accuracy.md"), &report).expect("a place for the tables");
-        std::fs::write(repository("docs/accuracy.md"), page).unwrap();
-        std::fs::write(repository("docs/accuracy.svg"), bench::picture(&report)).unwrap();
+        let page = refreshed(&read("docs/evidence/accuracy.md"), &report).expect("a place for the tables");
+        std::fs::write(repository("docs/evidence/accuracy.md"), page).unwrap();
+        std::fs::write(repository("docs/evidence/accuracy.svg"), bench::picture(&report)).unwrap();
     }
-    let page = read("docs/accuracy.md");
-    assert_eq!(refreshed(&page, &report).as_deref(), Some(page.as_str()), "docs/accuracy.md is not of the table");
-    assert!(bench::picture(&report) == read("docs/accuracy.svg"), "docs/accuracy.svg is not of the table");
+    let page = read("docs/evidence/accuracy.md");
+    assert_eq!(
+        refreshed(&page, &report).as_deref(),
+        Some(page.as_str()),
+        "docs/evidence/accuracy.md is not of the table"
+    );
+    assert!(
+        bench::picture(&report) == read("docs/evidence/accuracy.svg"),
+        "docs/evidence/accuracy.svg is not of the table"
+    );
     assert_eq!((report.seed, report.asked), (SEED, bench::ACTUATORS));
     assert_eq!(report.tsv(), read("tests/golden/accuracy.tsv"));
 }

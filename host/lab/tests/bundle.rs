@@ -96,7 +96,7 @@ fn the_answer_is_what_its_bundle_does() {
             };
             let held = fra_model::Actuator::new(&p)
                 .unwrap()
-                .held(actuator.pressures_pa[index], 0.24 / actuator.length_m, 0.0)
+                .blocked(actuator.pressures_pa[index], 0.24 / actuator.length_m, 0.0)
                 .unwrap();
             let load = nalgebra::Vector2::new(-held.force_n, -held.torque_nm);
             sum += lever(&Vector3::from(actuator.point_m), &Vector3::from(actuator.axis)) * load;

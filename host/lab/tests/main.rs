@@ -2,6 +2,7 @@
 
 mod bench_accuracy;
 mod bundle;
+mod command;
 mod design_compare;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;

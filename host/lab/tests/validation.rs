@@ -1,6 +1,6 @@
 //! The published comparison of the analytic model with finite elements, `tests/golden/validation.tsv`: what it says today, and what it must say.
 //!
-//! Made by `cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/validation.svg --page docs/validation.md`.
+//! Made by `cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/evidence/validation.svg --page docs/evidence/validation.md`.
 //! Here everything but CalculiX is computed again; `tests/calculix.rs` runs CalculiX itself.
 
 use softlimb::comparison::{Comparison, Quantity, Row, compare, picture, section_curve};
@@ -46,9 +46,12 @@ fn the_record_is_what_the_models_say() {
 #[test]
 fn page_and_picture_show_the_record() {
     let recorded = recorded();
-    let page = read("docs/validation.md");
+    let page = read("docs/evidence/validation.md");
     assert_eq!(replaced(&page, PLACE, &table(&recorded)).as_deref(), Some(page.as_str()), "see the head of this test");
-    assert!(picture(&recorded) == read("docs/validation.svg"), "docs/validation.svg is not of the record");
+    assert!(
+        picture(&recorded) == read("docs/evidence/validation.svg"),
+        "docs/evidence/validation.svg is not of the record"
+    );
 }
 
 /// Four motions, two sizes, two materials, six pressures each, every one answered by every model.

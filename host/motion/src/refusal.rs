@@ -98,7 +98,7 @@ pub(super) fn check_corrections(
                 let title = format!("the correction of `{}` at {time_s} s is larger than its range", module.name);
                 let [value, rest, last] = [*value, rest, last].map(|value| in_units(module.kind, value));
                 let label = format!("{value} here, and setpoints are from {rest} to {last}");
-                let help = "corrections are in m, rad or Pa, as `softlimb trials --csv` writes them";
+                let help = "corrections are in m, rad or Pa, as `softlimb learn --csv` writes them";
                 return Err(scene.diagnostic(corrections.span, &title, &label, Some(help)));
             }
         }

@@ -8,26 +8,25 @@
 //! assert!(error.render(false).contains("did you mean `name`?"));
 //! ```
 //!
-//! The schema is a table ([`reference()`] writes it as a page), the reader follows that table, and `build` turns what it reads into
+//! The schema is a table ([`reference()`] writes it as a page), the reader follows that table, and `read` turns what it reads into
 //! a [`Scene`]. Values keep their place in the text ([`Located`]), so that a later room which finds, say, a target beyond the
 //! limit pressure can point at it with [`Scene::diagnostic`].
 //!
 //! This room does not know what a limb can reach, and no other room knows TOML or units.
 
-mod build;
 pub mod collision;
 mod data;
 mod error;
 mod quantity;
+mod read;
 mod reader;
-mod redesign;
 mod reference;
-mod refit;
 mod schema;
 mod source;
 mod suggest;
 mod unit;
 mod value;
+mod writer;
 
 use std::path::Path;
 
@@ -37,10 +36,10 @@ pub use data::{
     Sensor, SetpointKind, Spread, Supply, Target, Valve, Weight,
 };
 pub use error::{Problems, SceneError, Unreadable};
-pub use redesign::{Redesign, RedesignedTarget, redesigned};
+pub use quantity::{Quantity, quantity};
 pub use reference::reference;
-pub use refit::{RewriteError, rewritten};
 pub use source::{Located, SCENE_BYTES_MAX, Span};
+pub use writer::{Redesign, RedesignedTarget, RewriteError, redesigned, rewritten};
 
 use source::Source;
 
@@ -49,7 +48,7 @@ use source::Source;
 /// # Errors
 /// [`SceneError::Unreadable`] if the file is missing, a directory, larger than [`SCENE_BYTES_MAX`] or not UTF-8; else as [`parse`].
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
-    build::scene(Source::read(path.as_ref())?)
+    read::scene(Source::read(path.as_ref())?)
 }
 
 /// Checks the text of a scene; `name` stands for the file in diagnostics.
@@ -57,5 +56,5 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 /// # Errors
 /// [`SceneError::Invalid`] with every problem found.
 pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
-    build::scene(Source::new(name, text))
+    read::scene(Source::new(name, text))
 }

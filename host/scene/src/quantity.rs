@@ -1,6 +1,61 @@
 //! Numbers with a unit, as a user writes them: `"6.5 mm"`.
 
+use std::fmt;
+
 use super::unit::{Scale, parse_unit};
+
+/// A quantity outside a scene, such as an option of a command; displayed as typed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    si: f64,
+    scale: Scale,
+    unit: String,
+    text: String,
+}
+
+/// Reads `"6.5 mm"`, or a plain number in `unit`; the quantity has the dimension of `unit`.
+///
+/// # Errors
+/// The rule that the text breaks.
+///
+/// # Panics
+/// If `unit` is not a unit of scenes.
+pub fn quantity(text: &str, unit: &str) -> Result<Quantity, String> {
+    let default = parse_unit(unit).expect("a unit of scenes");
+    let wanted = default.dimension.name();
+    let text = text.trim();
+    let (value, scale, typed) = match parse_quantity(text) {
+        Ok((value, scale)) => (value, scale, text[number_length(text)..].trim()),
+        Err(NotAQuantity::UnitMissing) => (text.replace('_', "").parse().unwrap_or(f64::NAN), default, unit),
+        Err(NotAQuantity::UnitUnknown(part)) => return Err(format!("`{part}` is not a unit")),
+        Err(NotAQuantity::Number) => return Err(format!("{wanted} starts with a finite number")),
+    };
+    if scale.dimension != default.dimension {
+        return Err(format!("this is {}: give {wanted}, in {unit} for example", scale.dimension.name()));
+    }
+    let si = scale.to_si(value);
+    let unit = if typed == "1" { String::new() } else { typed.to_owned() };
+    if si.is_finite() { Ok(Quantity { si, scale, unit, text: text.to_owned() }) } else { Err("too large".to_owned()) }
+}
+
+impl Quantity {
+    /// The value in SI units.
+    pub fn si(&self) -> f64 {
+        self.si
+    }
+
+    /// An SI value in the unit of this quantity.
+    pub fn shown(&self, si: f64) -> String {
+        let number = show_number(self.scale.of_si(si));
+        if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
 
 /// Why a text is not a quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +129,26 @@ mod tests {
         ] {
             let (value, scale) = parse_quantity(text).unwrap();
             assert_eq!(scale.to_si(value), si, "{text}");
+        }
+    }
+
+    #[test]
+    fn an_option_is_read_in_its_own_unit_and_shown_in_the_one_typed() {
+        for (text, si, shown) in [("60", 60e3, "50 kPa"), ("0.6bar", 60e3, "0.5 bar"), ("-1 MPa", -1e6, "0.05 MPa")] {
+            let found = quantity(text, "kPa").unwrap();
+            assert!((found.si() - si).abs() < 1e-9, "{text}");
+            assert_eq!((found.shown(50e3).as_str(), found.to_string().as_str()), (shown, text));
+        }
+        assert_eq!(quantity("5 %", "1").unwrap().si(), 0.05);
+        assert_eq!(quantity("0.05", "1").unwrap().shown(0.5), "0.5");
+        for (text, words) in [
+            ("3 mm", "this is a length: give a pressure, in kPa for example"),
+            ("1 furlong", "`furlong` is not a unit"),
+            ("x", "a pressure starts with a finite number"),
+            ("NaN", "a pressure starts with a finite number"),
+            ("1e308 GPa", "too large"),
+        ] {
+            assert_eq!(quantity(text, "kPa").unwrap_err(), words, "{text}");
         }
     }
 

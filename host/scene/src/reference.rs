@@ -12,7 +12,7 @@ Units combine as in `\"1080 kg/m3\"` and `\"0.144 dm3/(s bar)\"`; a percentage i
 Air flows are volumes at the reference atmosphere of ISO 8778, so `NL` and `L` are the same. An unknown key is an error.
 ";
 
-/// The page `docs/scene-reference.md`, in Markdown: every key with its range and default.
+/// The page `docs/reference/scene.md`, in Markdown: every key with its range and default.
 pub fn reference() -> String {
     let sections: Vec<String> = SECTIONS.iter().map(section).collect();
     format!("{INTRODUCTION}\n{}", sections.join("\n"))

@@ -7,5 +7,6 @@ mod scene_files;
 mod scene_hostile;
 mod scene_redesign;
 mod scene_reference;
+mod scene_refit;
 mod scene_support;
 mod scene_values;

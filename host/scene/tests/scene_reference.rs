@@ -1,14 +1,14 @@
-//! `docs/scene-reference.md` is what the schema says. To write it anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test -p softlimb-scene scene_reference`.
+//! `docs/reference/scene.md` is what the schema says. To write it anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test -p softlimb-scene scene_reference`.
 
 #[test]
 fn the_reference_page_is_up_to_date() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene-reference.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/scene.md");
     let page = softlimb_scene::reference();
     if std::env::var_os("SOFTLIMB_WRITE_REFERENCE").is_some() {
         std::fs::write(path, &page).unwrap();
     }
     let written = std::fs::read_to_string(path).unwrap();
-    assert!(written == page, "docs/scene-reference.md is out of date: run this test with SOFTLIMB_WRITE_REFERENCE=1");
+    assert!(written == page, "docs/reference/scene.md is out of date: run this test with SOFTLIMB_WRITE_REFERENCE=1");
 }
 
 #[test]

@@ -1,73 +1,89 @@
 //! `softlimb calibrate`: parameters from measurements.
 
 mod creep;
-mod limb;
+mod pressure;
 mod tension;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use serde_json::Value;
+use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
 
-use super::kept::write;
-use super::{Failure, Outcome, say, warn};
-use softlimb_rig::calibrate::{Law, Noise, Property, Settings};
-use softlimb_scene::{Scene, rewritten};
+use super::shared::{above_zero, show, write};
+use super::{Failure, Outcome, warn};
+use softlimb_rig::calibrate::{Noise, Property, Settings};
+use softlimb_scene::{Quantity, Scene, rewritten};
 
-/// Fit moduli, fibers, walls and sensors to tensile tests and to pressures and deformations
+/// Fit parameters to measurements: materials, fibers, walls, sensors, creep
 #[derive(Args)]
-#[command(after_help = "Examples:\n  softlimb calibrate --tension silicone.csv --law yeoh\n  \
-                  softlimb calibrate scene.toml --data finger.csv --fit shear_modulus,pressure_offset\n  \
-                  softlimb calibrate --run run.mcap --fit shear_modulus --per module --write fitted.toml\n\n\
-                  Files and method: docs/calibrate.md")]
+#[command(after_help = "Files and method: docs/guide/calibrate.md\n\nExamples:\n  \
+                  softlimb calibrate tension silicone.csv --law yeoh\n  \
+                  softlimb calibrate pressure finger.csv --scene scenes/single-bending.toml --fit shear_modulus,pressure_offset\n  \
+                  softlimb calibrate run run.mcap --fit shear_modulus --per module --write fitted.toml")]
 pub(super) struct Calibrate {
-    /// The scene that describes the actuators; --run takes that of the log where none is given
-    scene: Option<PathBuf>,
-    /// A tensile test: CSV with stretch or strain and nominal_stress_pa or force_n
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["data", "run", "fit", "creep"])]
-    tension: Option<PathBuf>,
-    /// Pressures and deformations: CSV with module, pressure_pa and axial_stretch, outer_radius_m, bend_angle_rad or twist_rad
-    #[arg(long, value_name = "FILE", requires = "scene", conflicts_with = "run")]
-    data: Option<PathBuf>,
-    /// The log of a run: the ends of its holds
-    #[arg(long, value_name = "FILE", conflicts_with = "creep")]
-    run: Option<PathBuf>,
-    /// What to find: shear_modulus, yeoh_c1, yeoh_c2, yeoh_c3, fiber_modulus, fiber_angle, wall, inner_radius, length, pressure_offset, pressure_gain
-    #[arg(long, value_name = "WHAT", value_delimiter = ',', value_parser = property)]
-    fit: Vec<Property>,
-    /// Find the creep of a step response, --data with a column time_s
-    #[arg(long, requires = "data", conflicts_with = "fit")]
-    creep: bool,
-    /// One value for all modules of a material or winding, or one for each module
-    #[arg(long, value_enum, default_value_t = Per::Part)]
-    per: Per,
-    /// The law of a tensile test
-    #[arg(long, value_enum, default_value_t = LawWord::Yeoh)]
-    law: LawWord,
-    /// Undeformed section of the specimen of a tensile test with forces, m2
-    #[arg(long, value_name = "M2", value_parser = positive)]
-    section_m2: Option<f64>,
-    /// Use a tensile test up to this stretch
-    #[arg(long, value_name = "STRETCH", value_parser = positive)]
-    up_to: Option<f64>,
-    /// The material of the scene that a tensile test is about
-    #[arg(long, value_name = "NAME")]
-    material: Option<String>,
-    /// Accuracy of a measurement, as a share of the largest one of its kind; what cannot be told at this accuracy is refused
-    #[arg(long, value_name = "SHARE", default_value_t = 0.002, value_parser = positive)]
-    accuracy: f64,
+    #[command(subcommand)]
+    mode: Mode,
+}
+
+#[derive(Subcommand)]
+enum Mode {
+    Tension(tension::TensionMode),
+    Pressure(pressure::Pressure),
+    Creep(creep::Creep),
+    Run(pressure::Run),
+}
+
+impl Calibrate {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        match &self.mode {
+            Mode::Tension(mode) => mode.run(),
+            Mode::Pressure(mode) => mode.run(),
+            Mode::Creep(mode) => mode.run(),
+            Mode::Run(mode) => mode.run(),
+        }
+    }
+}
+
+/// Options of every fit.
+#[derive(Args)]
+struct Fitting {
+    /// Accuracy of a measurement over the largest one of its kind; a parameter that the data do not determine this well is refused
+    #[arg(long, value_name = "RATIO", default_value = "0.002", value_parser = above_zero("1", f64::INFINITY))]
+    accuracy: Quantity,
     /// Share of intervals that hold the true value
-    #[arg(long, value_name = "SHARE", default_value_t = 0.95, value_parser = positive)]
-    confidence: f64,
-    /// Print the answer as JSON
+    #[arg(long, value_name = "RATIO", default_value = "0.95", value_parser = above_zero("1", f64::INFINITY))]
+    confidence: Quantity,
+    /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+impl Fitting {
+    fn settings(&self) -> Settings {
+        Settings { noise: Noise::FromResiduals, confidence: self.confidence.si() }
+    }
+}
+
+/// Files of a fit.
+#[derive(Args)]
+struct Files {
     /// Draw measurements, model and residuals
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     /// Write the scene with the values found; its comments stay
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
+}
+
+/// Unknowns of a fit of pressures and deformations.
+#[derive(Args)]
+struct Unknowns {
+    /// Parameters to find: shear_modulus, yeoh_c1, yeoh_c2, yeoh_c3, fiber_modulus, fiber_angle, wall, inner_radius, length, pressure_offset, pressure_gain
+    #[arg(long, value_name = "WHAT", required = true, value_delimiter = ',', num_args = 1, value_parser = property)]
+    fit: Vec<Property>,
+    /// One value for all modules of a material or winding, or one for each module
+    #[arg(long, value_enum, default_value_t = Per::Part)]
+    per: Per,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -78,57 +94,28 @@ enum Per {
     Module,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum LawWord {
-    NeoHookean,
-    /// With C1 and C2
-    #[value(name = "yeoh-2")]
-    YeohTwo,
-    /// With C1, C2 and C3
-    Yeoh,
-}
-
-impl From<LawWord> for Law {
-    fn from(word: LawWord) -> Self {
-        match word {
-            LawWord::NeoHookean => Self::NeoHookean,
-            LawWord::YeohTwo => Self::YeohTwo,
-            LawWord::Yeoh => Self::Yeoh,
-        }
-    }
-}
-
-/// What a way of calibrating has to say.
-struct Said {
+/// Result of a fit.
+struct Fitted<T> {
     table: String,
-    json: Value,
+    json: T,
     svg: String,
     /// Scene and actuators to be written.
     scene: Option<(Scene, Vec<fra_model::ActuatorParameters<f64>>)>,
     warnings: Vec<String>,
 }
 
-impl Calibrate {
-    pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let said = match (&self.tension, &self.data, &self.run) {
-            (Some(file), _, _) => self.tension(file)?,
-            (None, Some(file), _) if self.creep => self.creep(file)?,
-            (None, None, None) => {
-                return Err(Failure::wrong_line("give measurements: --tension, --data or --run"));
-            }
-            _ if self.fit.is_empty() => {
-                return Err(Failure::wrong_line(
-                    "say what to find: --fit shear_modulus, or --creep for a step response",
-                ));
-            }
-            (None, Some(file), _) => self.read_table(file)?,
-            (None, None, Some(file)) => self.read_log(file)?,
-        };
-        self.tell(said)
-    }
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a, T> {
+    #[serde(flatten)]
+    fit: &'a T,
+    scene_changes: &'a [String],
+    warnings: &'a [String],
+}
 
-    fn tell(&self, said: Said) -> Result<Outcome, Failure> {
-        let written = match (&said.scene, &self.write) {
+impl<T: Serialize> Fitted<T> {
+    fn finish(&self, fitting: &Fitting, files: &Files) -> Result<Outcome, Failure> {
+        let written = match (&self.scene, &files.write) {
             (Some((scene, wanted)), _) => Some(rewritten(scene, wanted).map_err(Failure::new)?),
             (None, Some(_)) => {
                 return Err(Failure::wrong_line("--write needs a scene, and a fit of what a scene may say"));
@@ -136,41 +123,22 @@ impl Calibrate {
             (None, None) => None,
         };
         let changes = written.as_ref().map_or(&[][..], |(_, changes)| changes);
-        if self.json {
-            let mut json = said.json;
-            json["scene_changes"] = changes.into();
-            json["warnings"] = said.warnings.clone().into();
-            say(&json.to_string())?;
-        } else {
+        show(fitting.json, &Printed { fit: &self.json, scene_changes: changes, warnings: &self.warnings }, || {
             let list = changes.iter().map(|line| format!("  {line}\n")).collect::<String>();
             let list = if list.is_empty() { list } else { format!("\nin the scene:\n{list}") };
-            say(&format!("{}{list}", said.table))?;
+            format!("{}{list}", self.table)
+        })?;
+        if let Some(file) = &files.svg {
+            write(file, &self.svg)?;
         }
-        if let Some(file) = &self.svg {
-            write(file, &said.svg)?;
-        }
-        if let (Some(file), Some((text, _))) = (&self.write, &written) {
+        if let (Some(file), Some((text, _))) = (&files.write, &written) {
             write(file, text)?;
         }
-        Ok(warn(&said.warnings))
+        Ok(warn(&self.warnings))
     }
-
-    fn settings(&self) -> Settings {
-        Settings { noise: Noise::FromResiduals, confidence: self.confidence }
-    }
-}
-
-/// A failure about a file of measurements.
-fn about(file: &Path) -> impl Fn(&dyn std::fmt::Display) -> Failure {
-    move |error| Failure::new(format!("{}: {error}", file.display()))
 }
 
 fn property(word: &str) -> Result<Property, String> {
     let known = || Property::ALL.iter().map(|property| property.word()).collect::<Vec<_>>().join(", ");
     Property::of_word(word).ok_or_else(|| format!("known are {}", known()))
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err("finite and > 0".into()) }
 }

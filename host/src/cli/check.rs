@@ -1,16 +1,16 @@
-//! `softlimb check`: is this scene sound, and can the limb do what it asks?
+//! `softlimb check`: the scene, and the reach of its limb.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 
+use super::shared::{limb, show};
 use super::{Failure, Outcome};
-use softlimb_chart::{WEIGHTLESS, labelled};
+use softlimb_chart::labelled;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::{ModuleInverse, Plan};
-use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
@@ -26,21 +26,16 @@ pub(super) struct Check {
 
 impl Check {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let scene = scene::load(&self.scene)?;
-        let limb = Limb::new(&scene)?;
+        let (scene, limb) = limb(&self.scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let inverses = motion::inverses(&scene, &limb)?;
         let sent = motion::sent(&scene, &limb, &plan)?;
         motion::check_goals(&scene, &limb, &sent, &inverses)?;
         let highest = highest_pressures(&sent);
         let warnings = [plan.warnings.clone(), scene.winding_warnings()].concat();
-        if self.json {
-            let mut json = report(&scene, &limb, &plan, &highest, &inverses);
-            json["warnings"] = warnings.clone().into();
-            super::say(&json.to_string())?;
-        } else {
-            super::say(&table(&scene, &limb, &plan, &highest, &inverses))?;
-        }
+        show(self.json, &Printed::new(&scene, &limb, &plan, &highest, &inverses, &warnings), || {
+            table(&scene, &limb, &plan, &highest, &inverses)
+        })?;
         Ok(super::warn(&warnings))
     }
 }
@@ -57,49 +52,89 @@ fn highest_pressures(plan: &Plan) -> Vec<f64> {
     })
 }
 
-fn report(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> serde_json::Value {
-    let modules: Vec<_> = limb
-        .modules()
-        .iter()
-        .zip(highest)
-        .zip(inverses)
-        .map(|((module, pressure), inverse)| {
-            json!({
-                "name": module.name,
-                "highest_pressure_pa": pressure,
-                "pressure_max_pa": module.pressure_max_pa,
-                "tables": inverse.tables().is_some(),
-                "inverse_error": inverse.error(),
-                "no_tables_because": inverse.reason().map(|reason| reason.to_string()),
-            })
-        })
-        .collect();
-    let phases: Vec<_> = plan
-        .phases
-        .iter()
-        .map(|phase| {
-            json!({
-                "name": phase.name,
-                "start_s": phase.start_us as f64 * 1e-6,
-                "move_s": phase.move_us as f64 * 1e-6,
-                "hold_s": phase.hold_us as f64 * 1e-6,
-                "via_points": phase.via_points,
-                "clearance_m": phase.nearest.map(|nearest| nearest.distance_m),
-                "nearest_obstacle": phase.nearest.map(|nearest| &scene.obstacles()[nearest.obstacle].name.value),
-            })
-        })
-        .collect();
-    json!({
-        "scene": scene.name(),
-        WEIGHTLESS: scene.weightless(),
-        "channels": scene.channels(),
-        "rest_length_m": scene.rest_length_m(),
-        "mass_kg": scene.mass_kg(),
-        "duration_s": plan.duration_us() as f64 * 1e-6,
-        "modules": modules,
-        "phases": phases,
-        "weight": plan.weighed().map(|weighed| json!({"model": weighed.tier.name(), "error": weighed.error})),
-    })
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    weightless: bool,
+    channels: usize,
+    rest_length_m: f64,
+    mass_kg: f64,
+    duration_s: f64,
+    modules: Vec<PrintedModule<'a>>,
+    phases: Vec<PrintedPhase<'a>>,
+    weight: Option<PrintedWeight>,
+    warnings: &'a [String],
+}
+
+#[derive(Serialize)]
+struct PrintedModule<'a> {
+    name: &'a str,
+    highest_pressure_pa: f64,
+    pressure_max_pa: f64,
+    tables: bool,
+    inverse_error: Option<f64>,
+    no_tables_because: Option<String>,
+}
+
+#[derive(Serialize)]
+struct PrintedPhase<'a> {
+    name: &'a str,
+    start_s: f64,
+    move_s: f64,
+    hold_s: f64,
+    via_points: usize,
+    clearance_m: Option<f64>,
+    nearest_obstacle: Option<&'a str>,
+}
+
+/// The model that corrects for weight, and its error over the length.
+#[derive(Serialize)]
+struct PrintedWeight {
+    model: &'static str,
+    error: f64,
+}
+
+impl<'a> Printed<'a> {
+    fn new(
+        scene: &'a Scene,
+        limb: &'a Limb,
+        plan: &'a Plan,
+        highest: &[f64],
+        inverses: &[ModuleInverse],
+        warnings: &'a [String],
+    ) -> Self {
+        let modules =
+            limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| PrintedModule {
+                name: &module.name,
+                highest_pressure_pa: *pressure,
+                pressure_max_pa: module.pressure_max_pa,
+                tables: inverse.tables().is_some(),
+                inverse_error: inverse.error(),
+                no_tables_because: inverse.reason().map(|reason| reason.to_string()),
+            });
+        let phases = plan.phases.iter().map(|phase| PrintedPhase {
+            name: &phase.name,
+            start_s: phase.start_us as f64 * 1e-6,
+            move_s: phase.move_us as f64 * 1e-6,
+            hold_s: phase.hold_us as f64 * 1e-6,
+            via_points: phase.via_points,
+            clearance_m: phase.nearest.map(|nearest| nearest.distance_m),
+            nearest_obstacle: phase.nearest.map(|nearest| scene.obstacles()[nearest.obstacle].name.value.as_str()),
+        });
+        Self {
+            scene: scene.name(),
+            weightless: scene.weightless(),
+            channels: scene.channels(),
+            rest_length_m: scene.rest_length_m(),
+            mass_kg: scene.mass_kg(),
+            duration_s: plan.duration_us() as f64 * 1e-6,
+            modules: modules.collect(),
+            phases: phases.collect(),
+            weight: plan.weighed().map(|weighed| PrintedWeight { model: weighed.tier.name(), error: weighed.error }),
+            warnings,
+        }
+    }
 }
 
 fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> String {

@@ -1,4 +1,4 @@
-//! `softlimb eval`: ask the actuator model.
+//! `softlimb eval`: the actuator model alone.
 
 use std::fmt::Write;
 use std::fs::File;
@@ -6,24 +6,24 @@ use std::io::{self, BufReader, stdin, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
-use serde_json::json;
+use serde::Serialize;
 
+use super::shared::{limb, show};
 use super::{Failure, Outcome};
 use crate::query as eval;
 use crate::query::{Curve, Scalar};
-use softlimb_limb::Limb;
-use softlimb_scene as scene;
 
-/// Ask the actuator model: pressure curves of a scene's actuators, or a batch of questions
+/// Evaluate the actuator model: pressure curves of a scene's actuators, or a batch of queries
 #[derive(Args)]
 #[command(
     group = ArgGroup::new("question").required(true).args(["scene", "batch"]),
-    after_help = "Examples:\n  softlimb eval scenes/single-bending.toml\n  softlimb eval --batch questions.jsonl --scalar f32"
+    after_help = "Format of queries and answers: docs/reference/eval-batch.md\n\nExamples:\n  \
+                  softlimb eval scenes/single-bending.toml\n  softlimb eval --batch queries.jsonl --scalar f32"
 )]
 pub(super) struct Eval {
-    /// The scene whose actuators are asked
+    /// The scene of the actuators
     scene: Option<PathBuf>,
-    /// A file of questions, one JSON object a line (`-` for standard input); see docs/eval-batch.md
+    /// A file of queries, one JSON object a line (`-` for standard input)
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
     /// Precision of a batch
@@ -43,6 +43,14 @@ enum ScalarName {
     F64,
     /// Single precision, as on the MCU
     F32,
+}
+
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    curves: &'a [Curve],
+    warnings: &'a [String],
 }
 
 impl Eval {
@@ -74,15 +82,11 @@ impl Eval {
     }
 
     fn print_curves(&self, path: &Path) -> Result<Outcome, Failure> {
-        let scene = scene::load(path)?;
-        let limb = Limb::new(&scene)?;
+        let (scene, limb) = limb(path)?;
         let curves = eval::curves(&limb, usize::from(self.steps));
         let warnings = scene.winding_warnings();
-        if self.json {
-            super::say(&json!({"scene": scene.name(), "curves": curves, "warnings": warnings}).to_string())?;
-        } else {
-            super::say(&curves.iter().map(table).collect::<Vec<_>>().join("\n"))?;
-        }
+        let printed = Printed { scene: scene.name(), curves: &curves, warnings: &warnings };
+        show(self.json, &printed, || curves.iter().map(table).collect::<Vec<_>>().join("\n"))?;
         let complete = curves.iter().all(|curve| curve.limit_pressure_pa.is_none());
         let outcome = super::warn(&warnings);
         Ok(if complete { outcome } else { Outcome::DoneWithWarnings })

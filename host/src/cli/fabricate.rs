@@ -1,20 +1,20 @@
-//! `softlimb fabricate`: what a workshop needs to make the actuators of a scene.
+//! `softlimb fabricate`: sheets, thread paths and molds for the actuators of a scene.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use super::shared::{parts, quantity, show};
+use super::{Failure, Outcome, warn};
 use clap::Args;
-use serde_json::json;
-
-use super::{Failure, Outcome};
 use softlimb_files::{make_folder, write_whole};
 use softlimb_limb::fabricate::{FabricateError, Hand, Piece, Settings, Thread, Tolerances, mold, path, plan, sheet};
 use softlimb_scene as scene;
+use softlimb_scene::Quantity;
 
-/// Sheets, paths of the thread and molds for the actuators of a scene
+/// Write sheets, thread paths and molds for the actuators of a scene
 #[derive(Args)]
 #[command(
-    after_help = "Writes sheet.html and sheet.md, and for each module MODULE-thread-HAND.csv and the parts of its mold as STL files in mm.\n\
+    after_help = "Writes sheet.html and sheet.md, and for each module MODULE-thread-HAND.csv and the parts of its mold as STL files in mm.\n\n\
                   Example: softlimb fabricate scenes/pick-and-place-a.toml --out workshop"
 )]
 pub(super) struct Fabricate {
@@ -33,65 +33,61 @@ pub(super) struct Fabricate {
     no_mold: bool,
 }
 
-/// What the workshop works with.
+/// Thread, casting and tolerances of a workshop.
 #[derive(Args)]
 struct Workshop {
     /// The thread: force per strain `E A` in N, diameter in mm
-    #[arg(long, value_name = "N,MM", value_delimiter = ',', num_args = 1, default_value = "772,0.178")]
-    thread: Vec<f64>,
-    /// Distance of turns along the axis near the hoop, else of threads across, mm [default: what the scene's stiffness asks for]
-    #[arg(long, value_name = "MM")]
-    spacing: Option<f64>,
-    /// Thinnest wall that can be cast, mm
-    #[arg(long, value_name = "MM", default_value_t = 1.0)]
-    wall_min: f64,
-    /// Largest distance of chords from curves, mm
-    #[arg(long, value_name = "MM", default_value_t = 0.05)]
-    chord: f64,
+    #[arg(long, value_name = "N,MM", default_value = "772,0.178", allow_hyphen_values = true)]
+    thread: String,
+    /// Distance of turns along the axis near the hoop, else of threads across, mm [default: by the stiffness of the scene]
+    #[arg(long, value_name = "MM", value_parser = quantity("mm", 0.01, 1e3))]
+    spacing: Option<Quantity>,
+    /// Thinnest wall that can be cast, 0.1 to 50 mm
+    #[arg(long, value_name = "MM", default_value = "1 mm", value_parser = quantity("mm", 0.1, 50.0))]
+    wall_min: Quantity,
+    /// Largest distance of chords from curves, 0.001 to 1 mm
+    #[arg(long, value_name = "MM", default_value = "0.05 mm", value_parser = quantity("mm", 1e-3, 1.0))]
+    chord: Quantity,
     #[command(flatten)]
     tolerances: Allowed,
 }
 
-/// How far parts may be off.
+/// Tolerances of parts.
 #[derive(Args)]
 pub(super) struct Allowed {
-    /// Tolerance of the wall, mm
-    #[arg(long, value_name = "MM", default_value_t = 0.1)]
-    wall: f64,
-    /// Tolerance of the fiber angle, deg
-    #[arg(long, value_name = "DEG", default_value_t = 1.0)]
-    angle: f64,
-    /// Tolerance of the elastomer's modulus, %
-    #[arg(long, value_name = "%", default_value_t = 10.0)]
-    modulus: f64,
+    /// Tolerance of the wall, 0 to 5 mm
+    #[arg(long, value_name = "MM", default_value = "0.1 mm", value_parser = quantity("mm", 0.0, 5.0))]
+    pub(super) wall: Quantity,
+    /// Tolerance of the fiber angle, 0 to 10 deg
+    #[arg(long, value_name = "DEG", default_value = "1 deg", value_parser = quantity("deg", 0.0, 10.0))]
+    angle: Quantity,
+    /// Relative tolerance of the elastomer's modulus, 0 to 50 %
+    #[arg(long, value_name = "%", default_value = "10 %", value_parser = quantity("%", 0.0, 50.0))]
+    modulus: Quantity,
 }
 
 impl Allowed {
     pub(super) fn tolerances(&self) -> Tolerances {
-        Tolerances { wall_m: self.wall * 1e-3, angle_rad: self.angle.to_radians(), modulus: self.modulus * 1e-2 }
+        Tolerances { wall_m: self.wall.si(), angle_rad: self.angle.si(), modulus: self.modulus.si() }
     }
 }
 
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "walls +- {} mm, angles +- {} deg, moduli +- {} %", self.wall, self.angle, self.modulus)
+        let [wall, angle, modulus] = [&self.wall, &self.angle, &self.modulus].map(|typed| typed.shown(typed.si()));
+        write!(f, "walls +- {wall}, angles +- {angle}, moduli +- {modulus}")
     }
 }
 
 impl Workshop {
     fn settings(&self) -> Result<Settings, Failure> {
-        let [stiffness_n, diameter] = self.thread[..] else {
-            let count = self.thread.len();
-            return Err(Failure::wrong_line(format!(
-                "--thread has {count} values: two are wanted, E A in N and diameter in mm"
-            )));
-        };
+        let [stiffness_n, diameter_m] = parts("--thread", &self.thread, [("N", 1e6), ("mm", 5.0)])?;
         Ok(Settings {
-            thread: Thread { stiffness_n, diameter_m: diameter * 1e-3 },
-            spacing_m: self.spacing.map(|mm| mm * 1e-3),
+            thread: Thread { stiffness_n, diameter_m },
+            spacing_m: self.spacing.as_ref().map(Quantity::si),
             tolerances: self.tolerances.tolerances(),
-            wall_min_m: self.wall_min * 1e-3,
-            chord_m: self.chord * 1e-3,
+            wall_min_m: self.wall_min.si(),
+            chord_m: self.chord.si(),
         })
     }
 }
@@ -121,11 +117,10 @@ impl Fabricate {
         write(&folder.join("sheet.md"), &sheet::markdown(&sheet))?;
         let count = pieces.iter().map(|piece| self.files(piece).len()).sum::<usize>() + 2;
         super::note(&format!("wrote {count} files to {}", folder.display()));
-        let text = if self.json { json!(sheet).to_string() } else { table(&pieces) };
-        super::say(&text)?;
-        let warnings = pieces.iter().flat_map(|piece| piece.warnings.iter().map(move |text| (piece, text)));
-        let count = warnings.map(|(piece, text)| super::note(&format!("warning: {}: {text}", piece.name))).count();
-        Ok(if count == 0 { Outcome::Done } else { Outcome::DoneWithWarnings })
+        show(self.json, &sheet, || table(&pieces))?;
+        let of =
+            |piece: &Piece| piece.warnings.iter().map(|text| format!("{}: {text}", piece.name)).collect::<Vec<_>>();
+        Ok(warn(&pieces.iter().flat_map(of).collect::<Vec<_>>()))
     }
 
     fn write_piece(&self, folder: &Path, piece: &Piece, settings: &Settings) -> Result<(), Failure> {

@@ -1,37 +1,37 @@
 //! The command line: one file per verb. The only room that prints and that knows exit codes.
 //!
-//! Results go to standard output, talk to standard error. Exit codes: 0 done, 1 failed, 2 the command line is wrong,
+//! Results go to standard output, messages to standard error. Exit codes: 0 done, 1 failed, 2 the command line is wrong,
 //! 3 done with warnings.
 
 mod calibrate;
 mod check;
+mod completions;
 mod design;
 mod eval;
 mod fabricate;
 mod failure;
-mod fem;
-mod kept;
+pub mod fea;
+mod learn;
 mod payload;
 mod report;
+mod retired;
 mod run;
+mod shared;
 mod statics;
 mod tolerance;
-mod trials;
 mod workspace;
 mod workspace_loaded;
 
+use std::any::TypeId;
+use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub use failure::Failure;
-pub use kept::{read, write};
-
-/// Parts of `fem compare` that the laboratory shares.
-pub mod fea {
-    pub use super::fem::{Calculix, as_json, text};
-}
+pub use shared::{read, write};
 
 /// How a verb ended that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +47,8 @@ pub enum Outcome {
     name = "softlimb",
     version,
     about = "Design, simulate and run a limb of fiber-reinforced actuators",
-    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 done with warnings.\n\
+    after_help = "Options take values with units: 60kPa, \"0.6 bar\". A plain number is in the unit that the help names.\n\
+                  Exit codes: 0 done, 1 failed, 2 wrong command line, 3 done with warnings.\n\n\
                   Start here: softlimb run scenes/pick-and-place-a.toml"
 )]
 struct Arguments {
@@ -58,37 +59,68 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Check(check::Check),
-    Design(design::Design),
-    Eval(eval::Eval),
     Run(run::Run),
     Report(report::Report),
-    Fem(fem::Fem),
-    Fabricate(fabricate::Fabricate),
-    Calibrate(calibrate::Calibrate),
+    Eval(eval::Eval),
+    Design(design::Design),
     Payload(payload::Payload),
+    Calibrate(calibrate::Calibrate),
+    Learn(learn::Learn),
+    Fea(fea::Fea),
     Workspace(workspace::Workspace),
     Statics(statics::Statics),
     Tolerance(tolerance::Tolerance),
-    Trials(trials::Trials),
+    Fabricate(fabricate::Fabricate),
+    Completions(completions::Completions),
+}
+
+impl Verb {
+    fn run(&self) -> Result<Outcome, Failure> {
+        match self {
+            Self::Check(verb) => verb.run(),
+            Self::Run(verb) => verb.run(),
+            Self::Report(verb) => verb.run(),
+            Self::Eval(verb) => verb.run(),
+            Self::Design(verb) => verb.run(),
+            Self::Payload(verb) => verb.run(),
+            Self::Calibrate(verb) => verb.run(),
+            Self::Learn(verb) => verb.run(),
+            Self::Fea(verb) => verb.run(),
+            Self::Workspace(verb) => verb.run(),
+            Self::Statics(verb) => verb.run(),
+            Self::Tolerance(verb) => verb.run(),
+            Self::Fabricate(verb) => verb.run(),
+            Self::Completions(verb) => verb.run(),
+        }
+    }
+}
+
+/// The grammar of the command.
+pub fn command() -> Command {
+    with_negative_numbers(Arguments::command())
+}
+
+/// Lets every option that is no path or name take a value that begins with a minus, so that its own range answers.
+pub fn with_negative_numbers(command: Command) -> Command {
+    let is_text = |arg: &Arg| {
+        let of = arg.get_value_parser().type_id();
+        of == TypeId::of::<PathBuf>() || of == TypeId::of::<String>()
+    };
+    let takes_numbers = move |arg: &Arg| !arg.is_positional() && arg.get_action().takes_values() && !is_text(arg);
+    let lenient = move |arg: Arg| if takes_numbers(&arg) { arg.allow_hyphen_values(true) } else { arg };
+    command.mut_args(lenient).mut_subcommands(with_negative_numbers)
 }
 
 /// Parses the command line, runs a verb, and returns its exit code.
 pub fn main() -> ExitCode {
-    finish(Arguments::try_parse().map(|arguments| match arguments.verb {
-        Verb::Check(verb) => verb.run(),
-        Verb::Design(verb) => verb.run(),
-        Verb::Eval(verb) => verb.run(),
-        Verb::Run(verb) => verb.run(),
-        Verb::Report(verb) => verb.run(),
-        Verb::Fem(verb) => verb.run(),
-        Verb::Fabricate(verb) => verb.run(),
-        Verb::Calibrate(verb) => verb.run(),
-        Verb::Payload(verb) => verb.run(),
-        Verb::Workspace(verb) => verb.run(),
-        Verb::Statics(verb) => verb.run(),
-        Verb::Tolerance(verb) => verb.run(),
-        Verb::Trials(verb) => verb.run(),
-    }))
+    let words: Vec<OsString> = std::env::args_os().collect();
+    if let Some(failure) = retired::answer(&words) {
+        return finish(Ok(Err(failure)));
+    }
+    let parsed = command().try_get_matches_from(words);
+    let parsed =
+        parsed.and_then(|matches| Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command())));
+    finish(parsed.map(|arguments| arguments.verb.run()))
 }
 
 /// The exit code of a parsed command line that ran, or of one that could not be parsed.
@@ -121,7 +153,7 @@ pub fn say(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Talks to the user on standard error. Where nobody listens there is nobody to tell either.
+/// Writes a message to standard error. Where nobody listens there is nobody to tell either.
 pub fn note(text: &str) {
     let _ = writeln!(stderr().lock(), "{text}");
 }

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::run::Printed;
+use super::shared::show;
 use super::{Failure, Outcome};
 use softlimb_rig::record;
 use softlimb_rig::report;
@@ -15,7 +17,7 @@ use softlimb_rig::run;
 pub(super) struct Report {
     /// The recorded run (MCAP)
     log: PathBuf,
-    /// Where the HTML goes; default: beside the log
+    /// The page [default: beside the log]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print the summary as JSON
@@ -34,13 +36,7 @@ impl Report {
         run::write_report(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
         let warnings = [super::run::warnings(&summary), log.incomplete.iter().cloned().collect()].concat();
-        if self.json {
-            let mut json = serde_json::json!(summary);
-            json["warnings"] = warnings.clone().into();
-            super::say(&json.to_string())?;
-        } else {
-            super::say(&summary.table())?;
-        }
+        show(self.json, &Printed { summary: &summary, warnings: &warnings }, || summary.table())?;
         super::note(&format!("wrote {}", out.display()));
         Ok(super::warn(&warnings))
     }

@@ -1,22 +1,22 @@
 //! `softlimb run`: check, plan, stream to the simulated MCU, record, report.
 
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 
-use super::{Failure, Outcome};
+use super::shared::{bar, show};
+use super::{Failure, Outcome, warn};
 use softlimb_rig::report;
 use softlimb_rig::report::{Miss, Summary};
 use softlimb_rig::run;
-use softlimb_rig::run::{Mcu, Progress, RunError, RunOptions};
+use softlimb_rig::run::{Mcu, RunError, RunOptions};
 use softlimb_scene as scene;
 
 /// Run a scene: check, plan, stream to the simulated MCU, record, report
 #[derive(Args)]
-#[command(after_help = "Writes run.mcap and run.html; those of an earlier run in the same folder are replaced.\n\
+#[command(after_help = "Writes run.mcap and run.html; those of an earlier run in the same folder are replaced.\n\n\
                   Example: softlimb run scenes/pick-and-place-a.toml")]
 pub(super) struct Run {
     /// The scene file
@@ -24,10 +24,10 @@ pub(super) struct Run {
     /// Folder for run.mcap and run.html [default: out/<scene>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Seed of everything random in the plant [default: the scene's]
+    /// Seed of the plant [default: the scene's]
     #[arg(long)]
     seed: Option<u64>,
-    /// What runs the controller
+    /// Device of the controller
     #[arg(long, value_enum, default_value_t = Device::Simulated)]
     mcu: Device,
     /// The image for an emulated device [default: where `cargo xtask firmware` puts it]
@@ -38,7 +38,7 @@ pub(super) struct Run {
     json: bool,
 }
 
-/// What runs the controller.
+/// Device of the controller.
 #[derive(Clone, Copy, ValueEnum)]
 enum Device {
     /// This computer
@@ -47,6 +47,14 @@ enum Device {
     Cosim,
     /// The flashed image in qemu-system-arm, through its serial port
     Qemu,
+}
+
+/// The result of `--json`, of a run and of a report.
+#[derive(Serialize)]
+pub(super) struct Printed<'a> {
+    #[serde(flatten)]
+    pub(super) summary: &'a Summary,
+    pub(super) warnings: &'a [String],
 }
 
 impl Run {
@@ -66,10 +74,12 @@ impl Run {
             out: self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name())),
             mcu: self.mcu(),
         };
-        let bar = Bar::new();
+        let bar = bar(1000, "running");
         let cancel = AtomicBool::new(false);
-        let outcome = run::run(&scene, &options, &cancel, |progress| bar.show(progress));
-        bar.finish();
+        let outcome = run::run(&scene, &options, &cancel, |progress| {
+            bar.set_position((1e3 * progress.time_s / progress.duration_s.max(1e-9)) as u64);
+        });
+        bar.finish_and_clear();
         let (files, stopped) = match outcome {
             Ok(files) => (files, None),
             Err(RunError::Stopped { cause, files }) => (*files, Some(cause)),
@@ -77,15 +87,9 @@ impl Run {
         };
         let summary = report::summary(&files.run);
         let warnings = [warnings(&summary), scene.winding_warnings()].concat();
-        if self.json {
-            let mut json = serde_json::json!(summary);
-            json["warnings"] = warnings.clone().into();
-            super::say(&json.to_string())?;
-        } else {
-            super::say(&summary.table())?;
-        }
+        show(self.json, &Printed { summary: &summary, warnings: &warnings }, || summary.table())?;
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
-        let outcome = super::warn(&warnings);
+        let outcome = warn(&warnings);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
     }
 }
@@ -112,35 +116,6 @@ impl From<RunError> for Failure {
         match error {
             RunError::Scene(error) => error.into(),
             other => Self::new(other),
-        }
-    }
-}
-
-/// Progress on a terminal; nothing elsewhere.
-struct Bar(Option<ProgressBar>);
-
-impl Bar {
-    fn new() -> Self {
-        if !stderr().is_terminal() {
-            return Self(None);
-        }
-        let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %  {elapsed_precise}");
-        let bar = ProgressBar::new(1000).with_message("running");
-        Self(Some(match style {
-            Ok(style) => bar.with_style(style.progress_chars("=> ")),
-            Err(_) => bar,
-        }))
-    }
-
-    fn show(&self, progress: Progress) {
-        if let Some(bar) = &self.0 {
-            bar.set_position((1e3 * progress.time_s / progress.duration_s.max(1e-9)) as u64);
-        }
-    }
-
-    fn finish(&self) {
-        if let Some(bar) = &self.0 {
-            bar.finish_and_clear();
         }
     }
 }

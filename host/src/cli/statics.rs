@@ -1,52 +1,39 @@
-//! `softlimb statics`: what does weight do to the limb?
+//! `softlimb statics`: the limb under its weight and a payload.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::{Failure, Outcome};
+use super::shared::{limb, quantity, show};
+use super::{Failure, Outcome, warn};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Answer, Load, LoadedLimb, Lost, cheapest};
 use softlimb_motion as motion;
-use softlimb_scene as scene;
-use softlimb_scene::Scene;
+use softlimb_scene::{Quantity, Scene};
 
 /// Ratio of a tube's compression to its load of buckling above which no rod is right.
 const BUCKLED: f64 = 0.5;
 
-/// The limb under its weight and a payload at the end of each phase: deflection, stiffness, margins
+/// Deflection, stiffness and margins under weight and a payload, at the end of each phase
 #[derive(Args)]
-#[command(after_help = "Example: softlimb statics scenes/pick-and-place-a.toml --payload 0.5 --spacers 5\n\n\
-                        What the columns mean, and what the model leaves out: docs/statics.md")]
+#[command(after_help = "Columns, and limits of the model: docs/guide/statics.md\n\n\
+                        Example: softlimb statics scenes/pick-and-place-a.toml --payload 0.5kg --spacers 5")]
 pub(super) struct Statics {
     /// The scene file
     scene: PathBuf,
-    /// Mass at the tip, kg, in place of the phases' own `payload`
-    #[arg(long, value_name = "KG", value_parser = mass)]
-    payload: Option<f64>,
+    /// Mass at the tip, 0 to 100 kg, in place of the phases' own `payload`
+    #[arg(long, value_name = "KG", value_parser = quantity("kg", 0.0, 100.0))]
+    payload: Option<Quantity>,
     /// Plates in each module, in place of the modules' own `spacers`
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=50))]
     spacers: Option<u8>,
-    /// Error of the tip that may be left, % of the limb's length
-    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, value_parser = percent)]
-    tolerance: f64,
+    /// Largest error of the tip over the limb's length, 0.001 to 50 %
+    #[arg(long, value_name = "PERCENT", default_value = "1 %", value_parser = quantity("%", 0.001, 50.0))]
+    tolerance: Quantity,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
-}
-
-fn mass(text: &str) -> Result<f64, String> {
-    number(text, 0.0, 100.0, "kg")
-}
-
-fn percent(text: &str) -> Result<f64, String> {
-    number(text, 0.001, 50.0, "%")
-}
-
-fn number(text: &str, least: f64, most: f64, unit: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|found| (least..=most).contains(found));
-    found.ok_or_else(|| format!("a number of {least} to {most} {unit}"))
 }
 
 /// What happens at the end of a phase.
@@ -70,27 +57,70 @@ struct Loaded {
     bent_back: Option<usize>,
 }
 
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    mass_kg: f64,
+    phases: Vec<PrintedPhase<'a>>,
+}
+
+#[derive(Serialize)]
+struct PrintedPhase<'a> {
+    name: &'a str,
+    payload_kg: f64,
+    free_tip_m: [f64; 3],
+    #[serde(flatten)]
+    found: Balance<'a>,
+}
+
+/// The equilibrium under the load, or the reason that there is none.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Balance<'a> {
+    Found {
+        tip_m: [f64; 3],
+        deflection_m: f64,
+        tip_stiffness_n_per_m: Option<[f64; 3]>,
+        stability: f64,
+        buckling_ratio: f64,
+        weakest_module: Option<&'a str>,
+        bent_back: Option<&'a str>,
+        tier: &'static str,
+        order_error: f64,
+        bundle_error: f64,
+        rods_error: Option<f64>,
+        bundle_shift_m: Option<[f64; 3]>,
+        newton_iterations: usize,
+    },
+    Lost {
+        lost: String,
+    },
+}
+
 impl Statics {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let scene = scene::load(&self.scene)?;
-        let limb = Limb::new(&scene)?;
+        let (scene, limb) = limb(&self.scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let phases = plan.phases.iter().zip(scene.phases());
         let rows: Vec<Row> = phases
             .map(|(planned, phase)| {
                 let end_us = (planned.start_us + planned.move_us + planned.hold_us) as f64;
                 let pressures: Vec<f64> = plan.states_at(end_us).iter().map(|state| state.pressure_pa).collect();
-                self.row(&scene, &limb, &planned.name, &pressures, self.payload.unwrap_or(phase.payload_kg))
+                self.row(
+                    &scene,
+                    &limb,
+                    &planned.name,
+                    &pressures,
+                    self.payload.as_ref().map_or(phase.payload_kg, Quantity::si),
+                )
             })
             .collect::<Result<_, _>>()?;
-        if self.json {
-            super::say(&json!({"scene": scene.name(), "mass_kg": scene.mass_kg(), "phases": rows.iter().map(|row| row.json(&limb)).collect::<Vec<_>>()}).to_string())?;
-        } else {
-            super::say(&table(&scene, &rows))?;
-        }
-        let warnings: Vec<String> = rows.iter().flat_map(|row| row.warnings(&limb, self.tolerance * 1e-2)).collect();
-        warnings.iter().for_each(|warning| super::note(&format!("warning: {warning}")));
-        Ok(if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+        let phases = rows.iter().map(|row| row.printed(&limb)).collect();
+        let printed = Printed { scene: scene.name(), mass_kg: scene.mass_kg(), phases };
+        show(self.json, &printed, || table(&scene, &rows))?;
+        let warnings: Vec<String> = rows.iter().flat_map(|row| row.warnings(&limb, self.tolerance.si())).collect();
+        Ok(warn(&warnings))
     }
 
     fn row(
@@ -113,7 +143,7 @@ impl Statics {
             ))
         })?;
         let free_tip_m: [f64; 3] = loaded.free_tip().translation.vector.into();
-        let answer = cheapest(&loaded, self.tolerance * 1e-2, scene.rest_length_m());
+        let answer = cheapest(&loaded, self.tolerance.si(), scene.rest_length_m());
         let found = answer.map(|answer| Loaded::new(&loaded, answer, free_tip_m));
         Ok(Row { phase: phase.to_owned(), payload_kg, free_tip_m, found })
     }
@@ -138,34 +168,27 @@ impl Loaded {
 }
 
 impl Row {
-    fn json(&self, limb: &Limb) -> Value {
-        let head = json!({"name": self.phase, "payload_kg": self.payload_kg, "free_tip_m": self.free_tip_m});
-        let name = |module: Option<usize>| module.map(|index| limb.modules()[index].name.clone());
-        let body = match &self.found {
-            Err(lost) => json!({"lost": lost.to_string()}),
-            Ok(found) => json!({
-                "tip_m": found.tip_m,
-                "deflection_m": found.deflection_m,
-                "tip_stiffness_n_per_m": found.stiffness_n_per_m,
-                "stability": found.stability,
-                "buckling_ratio": found.buckling_ratio,
-                "weakest_module": name(found.weakest),
-                "bent_back": name(found.bent_back),
-                "tier": found.answer.tier.name(),
-                "order_error": found.answer.order_error,
-                "bundle_error": found.answer.bundle_error,
-                "rods_error": found.answer.tubes.as_ref().map(|(_, rods)| rods),
-                "bundle_shift_m": found.answer.bundle_shift_m.map(|shift| shift.as_slice().to_vec()),
-                "newton_iterations": found.answer.shape.iterations,
-            }),
+    fn printed<'a>(&'a self, limb: &'a Limb) -> PrintedPhase<'a> {
+        let name = |module: Option<usize>| module.map(|index| limb.modules()[index].name.as_str());
+        let found = match &self.found {
+            Err(lost) => Balance::Lost { lost: lost.to_string() },
+            Ok(found) => Balance::Found {
+                tip_m: found.tip_m,
+                deflection_m: found.deflection_m,
+                tip_stiffness_n_per_m: found.stiffness_n_per_m,
+                stability: found.stability,
+                buckling_ratio: found.buckling_ratio,
+                weakest_module: name(found.weakest),
+                bent_back: name(found.bent_back),
+                tier: found.answer.tier.name(),
+                order_error: found.answer.order_error,
+                bundle_error: found.answer.bundle_error,
+                rods_error: found.answer.tubes.as_ref().map(|(_, rods)| *rods),
+                bundle_shift_m: found.answer.bundle_shift_m.map(Into::into),
+                newton_iterations: found.answer.shape.iterations,
+            },
         };
-        match (head, body) {
-            (Value::Object(mut head), Value::Object(body)) => {
-                head.extend(body);
-                Value::Object(head)
-            }
-            (head, _) => head,
-        }
+        PrintedPhase { name: &self.phase, payload_kg: self.payload_kg, free_tip_m: self.free_tip_m, found }
     }
 
     fn warnings(&self, limb: &Limb, tolerance: f64) -> Vec<String> {

@@ -1,28 +1,26 @@
-//! `softlimb tolerance`: what do fabrication tolerances do to the tip?
+//! `softlimb tolerance`: displacement of the tip by fabrication tolerances.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::num::NonZero;
 use std::path::PathBuf;
-use std::thread;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::fabricate::Allowed;
-use super::kept::write;
-use super::{Failure, Outcome};
-use softlimb_chart::{WEIGHTLESS, labelled};
-use softlimb_limb::Limb;
+use super::shared::{limb, show, threads, write_if};
+use super::{Failure, Outcome, warn};
+use softlimb_chart::labelled;
+use softlimb_limb::fabricate::Tolerances;
 use softlimb_limb::tolerance;
 use softlimb_limb::tolerance::{PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
 use softlimb_motion as motion;
-use softlimb_scene as scene;
 
-/// What walls, fiber angles and moduli within their tolerances do to the tip at the end of each phase
+/// Displacement of the tip by tolerances of walls, fiber angles and moduli, at the end of each phase
 #[derive(Args)]
-#[command(after_help = "Every actuator is off by its own; pressures are those of the nominal limb.\n\
-                  Example: softlimb tolerance scenes/pick-and-place-a.toml --modulus 5 --svg tolerance.svg\n\n\
-                  What is assumed and what the columns mean: docs/tolerance.md")]
+#[command(after_help = "Every actuator has its own deviations; pressures are those of the nominal limb.\n\
+                  Assumptions and columns: docs/explanation/tolerance.md\n\n\
+                  Example: softlimb tolerance scenes/pick-and-place-a.toml --modulus 5 --svg tolerance.svg")]
 pub(super) struct Tolerance {
     /// The scene file
     scene: PathBuf,
@@ -37,7 +35,7 @@ pub(super) struct Tolerance {
     /// Seed of the limbs
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Threads; default: as many as processors. The limbs do not depend on it
+    /// Threads; the limbs do not depend on it [default: one for each processor]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Write how many limbs stay within a distance
@@ -62,8 +60,17 @@ impl From<Unanswerable> for Failure {
 
 impl Tolerance {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let scene = scene::load(&self.scene)?;
-        let limb = Limb::new(&scene)?;
+        let (scene, limb) = limb(&self.scene)?;
+        let wall = &self.allowed.wall;
+        for module in limb.modules() {
+            let parameters = module.actuator.parameters();
+            let thickness_m = parameters.outer_radius_m - parameters.inner_radius_m;
+            if wall.si() >= thickness_m {
+                let (name, most) = (&module.name, wall.shown(thickness_m));
+                let text = format!("--wall {wall} is not allowed: less than the wall of `{name}`, {most}");
+                return Err(Failure::wrong_line(text));
+            }
+        }
         let plan = motion::plan(&scene, &limb)?;
         let pose = |phase: &motion::PlannedPhase| {
             let end_us = (phase.start_us + phase.move_us + phase.hold_us) as f64;
@@ -74,66 +81,58 @@ impl Tolerance {
         let settings = Settings { tolerances: self.allowed.tolerances(), shared_modulus: self.modulus_shared };
         let study = Study::new(&limb, &poses, settings)?;
         let linear = tolerance::linear(&study)?;
-        let samples = tolerance::sample(&study, &linear, self.samples as usize, self.seed, self.threads());
+        let samples = tolerance::sample(&study, &linear, self.samples as usize, self.seed, threads(self.threads));
         let statistics = Statistics::new(&linear, &samples, limb.modules().len());
-        if let Some(file) = &self.csv {
-            write(file, &csv(&study, &samples))?;
-        }
-        if let Some(file) = &self.svg {
-            write(file, &tolerance::picture(&labelled(scene.name(), true), &study, &samples))?;
-        }
+        write_if(self.csv.as_ref(), || csv(&study, &samples))?;
+        write_if(self.svg.as_ref(), || tolerance::picture(&labelled(scene.name(), true), &study, &samples))?;
         let names: Vec<&str> = study.modules().collect();
-        if self.json {
-            super::say(&self.answer(scene.name(), &study, &statistics, &names).to_string())?;
-        } else {
-            super::say(&self.table(scene.name(), &study, &statistics, &names))?;
-        }
-        let warnings = lost(&study, &statistics, &names, samples.len());
-        warnings.iter().for_each(|warning| super::note(&format!("warning: {warning}")));
-        Ok(if warnings.is_empty() { Outcome::Done } else { Outcome::DoneWithWarnings })
+        show(self.json, &self.printed(scene.name(), &study, &statistics, &names), || {
+            self.table(scene.name(), &study, &statistics, &names)
+        })?;
+        Ok(warn(&lost(&study, &statistics, &names, samples.len())))
     }
 
-    fn threads(&self) -> usize {
-        self.threads.map_or_else(|| thread::available_parallelism().map_or(1, NonZero::get), usize::from)
-    }
-
-    fn answer(&self, scene: &str, study: &Study<'_>, statistics: &Statistics, modules: &[&str]) -> Value {
-        let tolerances = self.allowed.tolerances();
-        let phase = |(index, found): (usize, &PhaseStatistics)| {
+    fn printed<'a>(
+        &self,
+        scene: &'a str,
+        study: &'a Study<'_>,
+        statistics: &Statistics,
+        modules: &[&'a str],
+    ) -> Printed<'a> {
+        let phase = |(pose, (index, found)): (&'a Pose, (usize, &PhaseStatistics))| {
             let shares = found.shares.iter().map(|share| {
-                let value = json!({
-                    "linear": share.linear, "sampled": share.sampled.value, "standard_error": share.sampled.error,
-                });
-                (name(share.varied, modules).to_owned(), value)
+                let (sampled, standard_error) = (share.sampled.value, share.sampled.error);
+                (name(share.varied, modules), PrintedShare { linear: share.linear, sampled, standard_error })
             });
             let lost = modules.iter().zip(&found.lost).filter(|(_, count)| **count > 0);
-            json!({
-                "name": study.poses()[index].name,
-                "pressures_pa": study.poses()[index].pressures_pa,
-                "nominal_tip_m": point(study.nominal_tip_m(index)),
-                "linear_rms_m": found.linear_rms_m,
-                "rms_m": found.rms_m.value,
-                "rms_standard_error_m": found.rms_m.error,
-                "linear_p95_m": found.p95_m[0],
-                "p95_m": found.p95_m[1],
-                "max_m": found.max_m,
-                "mean_displacement_m": point(found.mean_m),
-                "departure_m": found.departure_m,
-                "linear_is_enough": found.linear_is_enough(),
-                "shares": shares.collect::<serde_json::Map<_, _>>(),
-                "samples": found.answered,
-                "lost": lost.map(|(module, count)| ((*module).to_owned(), json!(count))).collect::<serde_json::Map<_, _>>(),
-            })
+            PrintedPhase {
+                name: &pose.name,
+                pressures_pa: &pose.pressures_pa,
+                nominal_tip_m: study.nominal_tip_m(index).into(),
+                linear_rms_m: found.linear_rms_m,
+                rms_m: found.rms_m.value,
+                rms_standard_error_m: found.rms_m.error,
+                linear_p95_m: found.p95_m[0],
+                p95_m: found.p95_m[1],
+                max_m: found.max_m,
+                mean_displacement_m: found.mean_m.into(),
+                departure_m: found.departure_m,
+                linear_is_enough: found.linear_is_enough(),
+                shares: shares.collect(),
+                samples: found.answered,
+                lost: lost.map(|(module, count)| (*module, *count)).collect(),
+            }
         };
-        json!({
-            "scene": scene,
-            WEIGHTLESS: true,
-            "tolerances": {"wall_m": tolerances.wall_m, "angle_rad": tolerances.angle_rad, "modulus": tolerances.modulus},
-            "modulus_shared": self.modulus_shared,
-            "samples": self.samples,
-            "seed": self.seed,
-            "phases": statistics.poses.iter().enumerate().map(phase).collect::<Vec<_>>(),
-        })
+        let Tolerances { wall_m, angle_rad, modulus } = self.allowed.tolerances();
+        Printed {
+            scene,
+            weightless: true,
+            tolerances: PrintedTolerances { wall_m, angle_rad, modulus },
+            modulus_shared: self.modulus_shared,
+            samples: self.samples,
+            seed: self.seed,
+            phases: study.poses().iter().zip(statistics.poses.iter().enumerate()).map(phase).collect(),
+        }
     }
 
     /// Writing to a string cannot fail.
@@ -199,15 +198,56 @@ impl Tolerance {
     }
 }
 
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    weightless: bool,
+    tolerances: PrintedTolerances,
+    modulus_shared: bool,
+    samples: u32,
+    seed: u64,
+    phases: Vec<PrintedPhase<'a>>,
+}
+
+#[derive(Serialize)]
+struct PrintedTolerances {
+    wall_m: f64,
+    angle_rad: f64,
+    modulus: f64,
+}
+
+#[derive(Serialize)]
+struct PrintedPhase<'a> {
+    name: &'a str,
+    pressures_pa: &'a [f64],
+    nominal_tip_m: [f64; 3],
+    linear_rms_m: f64,
+    rms_m: f64,
+    rms_standard_error_m: f64,
+    linear_p95_m: f64,
+    p95_m: f64,
+    max_m: f64,
+    mean_displacement_m: [f64; 3],
+    departure_m: f64,
+    linear_is_enough: bool,
+    shares: BTreeMap<&'a str, PrintedShare>,
+    samples: usize,
+    lost: BTreeMap<&'a str, usize>,
+}
+
+#[derive(Serialize)]
+struct PrintedShare {
+    linear: f64,
+    sampled: f64,
+    standard_error: f64,
+}
+
 fn name<'a>(varied: Varied, modules: &[&'a str]) -> &'a str {
     match varied {
         Varied::Kind(kind) => kind.word(),
         Varied::Module(index) => modules[index],
     }
-}
-
-fn point(of: nalgebra::Vector3<f64>) -> [f64; 3] {
-    of.into()
 }
 
 fn verdict(study: &Study<'_>, statistics: &Statistics) -> String {

@@ -1,60 +1,58 @@
-//! `softlimb workspace`: where can the tip be?
+//! `softlimb workspace`: the reachable tip positions.
 
 use std::fmt::Write;
-use std::num::NonZero;
 use std::path::PathBuf;
-use std::thread;
 
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::kept::write;
+use super::shared::{limb, quantity, show, threads, write_if};
 use super::{Failure, Outcome};
-use softlimb_chart::{WEIGHTLESS, labelled};
+use softlimb_chart::labelled;
 use softlimb_limb::Limb;
 use softlimb_limb::workspace;
 use softlimb_limb::workspace::{Command, Convergence, Extents, Grid, Points, Reach};
-use softlimb_scene as scene;
+use softlimb_scene::Quantity;
 
 /// Names of what is measured.
 pub(super) const NAMES: [&str; 4] = ["x", "y", "z", "distance"];
 /// Numbers of samples whose convergence is shown, as shares of all.
 const SHARES: [usize; 4] = [1000, 100, 10, 1];
 
-/// Find the tip's extents exactly, and sample its workspace for pictures and volume
+/// Find the exact extents of the tip, and sample its workspace for pictures and volume
 #[derive(Args)]
-#[command(after_help = "Example: softlimb workspace scenes/pick-and-place-a.toml --svg workspace.svg\n\n\
-                        What is and is not looked at: docs/workspace.md")]
+#[command(after_help = "Scope: docs/guide/workspace.md\n\n\
+                        Example: softlimb workspace scenes/pick-and-place-a.toml --svg workspace.svg")]
 pub(super) struct Workspace {
     /// The scene file
     scene: PathBuf,
-    /// What is free to choose
+    /// The free pressures
     #[arg(long, value_enum, default_value_t = Pressures::Actuators)]
     pressures: Pressures,
-    /// Under the limb's own weight: poses that fall, buckle or bend backwards are counted and not shown as reached
+    /// Under the limb's own weight: poses that fall, buckle or bend backwards are counted as not reached
     #[arg(long)]
     pub(super) loaded: bool,
-    /// Mass at the tip, kg
-    #[arg(long, value_name = "KG", requires = "loaded", default_value_t = 0.0, value_parser = mass)]
-    pub(super) payload: f64,
+    /// Mass at the tip, 0 to 100 kg
+    #[arg(long, value_name = "KG", requires = "loaded", default_value = "0 kg", value_parser = quantity("kg", 0.0, 100.0))]
+    pub(super) payload: Quantity,
     /// Plates in each module, in place of the modules' own `spacers`
     #[arg(long, value_name = "N", requires = "loaded", value_parser = clap::value_parser!(u8).range(0..=50))]
     pub(super) spacers: Option<u8>,
-    /// Number of samples; default: 1000000, or 4096 with `--loaded`
+    /// Number of samples [default: 1000000, or 4096 with --loaded]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     samples: Option<u32>,
-    /// How the samples fill the box of pressures
+    /// Distribution of the samples in the box of pressures
     #[arg(long, value_enum, default_value_t = Filling::Faces)]
     pub(super) points: Filling,
     /// Seed of the samples
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
-    /// Threads; default: as many as processors. The samples do not depend on it
+    /// Threads; the samples do not depend on it [default: one for each processor]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Side of the cubes that are counted, mm; default: 20, or 100 with `--loaded`
-    #[arg(long, value_parser = cell)]
-    cell: Option<f64>,
+    pub(super) threads: Option<u16>,
+    /// Side of the counted cubes, 1 to 1000 mm [default: 20 mm, or 100 mm with --loaded]
+    #[arg(long, value_name = "MM", value_parser = quantity("mm", 1.0, 1e3))]
+    cell: Option<Quantity>,
     /// Write side and front view
     #[arg(long, value_name = "FILE")]
     pub(super) svg: Option<PathBuf>,
@@ -94,16 +92,6 @@ impl From<Filling> for Points {
     }
 }
 
-fn cell(text: &str) -> Result<f64, String> {
-    let side: f64 = text.parse().map_err(|_| "a number of mm, 1 to 1000".to_owned())?;
-    if (1.0..=1000.0).contains(&side) { Ok(side) } else { Err("1 to 1000 mm".to_owned()) }
-}
-
-fn mass(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|found| (0.0..=100.0).contains(found));
-    found.ok_or_else(|| "a number of 0 to 100 kg".to_owned())
-}
-
 /// Everything that is shown.
 struct Answer<'a> {
     name: &'a str,
@@ -118,8 +106,7 @@ struct Answer<'a> {
 
 impl Workspace {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let scene = scene::load(&self.scene)?;
-        let limb = Limb::new(&scene)?;
+        let (scene, limb) = limb(&self.scene)?;
         let command = match self.pressures {
             Pressures::Actuators => Command::Actuators,
             Pressures::Modules => Command::Modules,
@@ -130,9 +117,9 @@ impl Workspace {
         if self.loaded {
             return self.run_loaded(&scene, &limb, &space, &extents);
         }
-        let (count, threads) = (self.count(1_000_000), self.threads());
+        let (count, threads) = (self.count(1_000_000), threads(self.threads));
         let tips = workspace::sample_single(&space, self.points.into(), count, self.seed, threads);
-        let cell_m = self.cell_m(20.0);
+        let cell_m = self.cell_m(0.02);
         let counts = SHARES.map(|share| (count / share).max(1));
         let answer = Answer {
             name: scene.name(),
@@ -144,17 +131,10 @@ impl Workspace {
             space,
             cell_m,
         };
-        if let Some(file) = &self.csv {
-            write(file, &csv(&tips))?;
-        }
-        if let Some(file) = &self.svg {
-            write(file, &workspace::picture(&labelled(scene.name(), true), &answer.grids[0], &rest_m(&limb)))?;
-        }
-        if self.json {
-            super::say(&answer.json().to_string())?
-        } else {
-            super::say(&answer.table())?
-        }
+        write_if(self.csv.as_ref(), || csv(&tips))?;
+        let title = labelled(scene.name(), true);
+        write_if(self.svg.as_ref(), || workspace::picture(&title, &answer.grids[0], &rest_m(&limb)))?;
+        show(self.json, &answer.printed(), || answer.table())?;
         Ok(Outcome::Done)
     }
 
@@ -162,12 +142,8 @@ impl Workspace {
         self.samples.unwrap_or(by_default) as usize
     }
 
-    pub(super) fn cell_m(&self, by_default_mm: f64) -> f64 {
-        self.cell.unwrap_or(by_default_mm) * 1e-3
-    }
-
-    pub(super) fn threads(&self) -> usize {
-        self.threads.map_or_else(|| thread::available_parallelism().map_or(1, NonZero::get), usize::from)
+    pub(super) fn cell_m(&self, by_default: f64) -> f64 {
+        self.cell.as_ref().map_or(by_default, Quantity::si)
     }
 }
 
@@ -186,54 +162,123 @@ pub(super) fn csv<T: Copy + Into<f64>>(tips: &[[T; 3]]) -> String {
     text
 }
 
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    weightless: bool,
+    axes: Vec<Axis<'a>>,
+    table_error: f64,
+    extents: Vec<Extent<PrintedReach<'a>>>,
+    kinematics: Kinematics,
+    volume: Volume,
+    convergence: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Axis<'a> {
+    module: &'a str,
+    channels: [usize; 2],
+    pressure_max_pa: f64,
+    ends_at_limit_point: bool,
+}
+
+/// Range of a coordinate or of the distance.
+#[derive(Serialize)]
+pub(super) struct Extent<R> {
+    pub(super) measure: &'static str,
+    pub(super) least: R,
+    pub(super) largest: R,
+    pub(super) range_m: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) range_without_load_m: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct PrintedReach<'a> {
+    value_m: f64,
+    tip_m: [f64; 3],
+    pressures_pa: &'a [f64],
+    best_corner_m: f64,
+    table_error_m: f64,
+}
+
+impl<'a> From<&'a Reach> for PrintedReach<'a> {
+    fn from(reach: &'a Reach) -> Self {
+        Self {
+            value_m: reach.value_m,
+            tip_m: reach.tip_m,
+            pressures_pa: &reach.pressures_pa,
+            best_corner_m: reach.corner_m,
+            table_error_m: reach.table_error_m,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Kinematics {
+    origin_m: [f64; 3],
+    rotation: [[f64; 3]; 3],
+    modules: Vec<workspace::ModuleTable>,
+}
+
+/// Volume of the counted cubes.
+#[derive(Serialize)]
+pub(super) struct Volume {
+    cell_m: f64,
+    volume_m3: f64,
+    with_double_cells_m3: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    with_a_quarter_of_the_samples_m3: Option<f64>,
+}
+
+impl Volume {
+    pub(super) fn new(cell_m: f64, [fine, coarse]: &[Grid; 2]) -> Self {
+        let (volume_m3, with_double_cells_m3) = (fine.volume_m3(), coarse.volume_m3());
+        Self { cell_m, volume_m3, with_double_cells_m3, with_a_quarter_of_the_samples_m3: None }
+    }
+}
+
+#[derive(Serialize)]
+struct Row {
+    samples: usize,
+    missing: [f64; 3],
+}
+
 impl Answer<'_> {
-    fn json(&self) -> Value {
-        let reach = |reach: &Reach| {
-            json!({
-                "value_m": reach.value_m,
-                "tip_m": reach.tip_m,
-                "pressures_pa": reach.pressures_pa,
-                "best_corner_m": reach.corner_m,
-                "table_error_m": reach.table_error_m,
-            })
-        };
-        let extents: Vec<_> = NAMES
-            .iter()
-            .zip(&self.extents.of)
-            .enumerate()
-            .map(|(index, (name, [least, largest]))| {
-                json!({"measure": name, "least": reach(least), "largest": reach(largest), "range_m": self.extents.range_m(index)})
-            })
-            .collect();
-        let axes: Vec<_> = self
-            .space
-            .axes()
-            .iter()
-            .map(|axis| {
-                json!({
-                    "module": self.limb.modules()[axis.module].name,
-                    "channels": [axis.channels.start, axis.channels.end],
-                    "pressure_max_pa": axis.pressure_max_pa,
-                    "ends_at_limit_point": axis.ends_at_limit,
-                })
-            })
-            .collect();
-        let rows: Vec<_> = self.rows.iter().map(|row| json!({"samples": row.count, "missing": row.missing})).collect();
-        json!({
-            "scene": self.name,
-            WEIGHTLESS: true,
-            "axes": axes,
-            "table_error": self.space.error(),
-            "extents": extents,
-            "kinematics": {"origin_m": self.space.base(), "rotation": self.space.rotation(), "modules": self.space.tables()},
-            "volume": {
-                "cell_m": self.cell_m,
-                "volume_m3": self.grids[0].volume_m3(),
-                "with_double_cells_m3": self.grids[1].volume_m3(),
-                "with_a_quarter_of_the_samples_m3": self.thinned.volume_m3(),
+    fn printed(&self) -> Printed<'_> {
+        let extents =
+            NAMES.iter().zip(&self.extents.of).enumerate().map(|(index, (&measure, [least, largest]))| Extent {
+                measure,
+                least: least.into(),
+                largest: largest.into(),
+                range_m: self.extents.range_m(index),
+                range_without_load_m: None,
+            });
+        let axes = self.space.axes().iter().map(|axis| Axis {
+            module: &self.limb.modules()[axis.module].name,
+            channels: [axis.channels.start, axis.channels.end],
+            pressure_max_pa: axis.pressure_max_pa,
+            ends_at_limit_point: axis.ends_at_limit,
+        });
+        let rows = self.rows.iter().map(|row| Row { samples: row.count, missing: row.missing });
+        Printed {
+            scene: self.name,
+            weightless: true,
+            axes: axes.collect(),
+            table_error: self.space.error(),
+            extents: extents.collect(),
+            kinematics: Kinematics {
+                origin_m: self.space.base(),
+                rotation: self.space.rotation(),
+                modules: self.space.tables(),
             },
-            "convergence": rows,
-        })
+            volume: Volume {
+                with_a_quarter_of_the_samples_m3: Some(self.thinned.volume_m3()),
+                ..Volume::new(self.cell_m, &self.grids)
+            },
+            convergence: rows.collect(),
+        }
     }
 
     /// Writing to a string cannot fail.

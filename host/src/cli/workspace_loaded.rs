@@ -1,13 +1,12 @@
-//! `softlimb workspace --loaded`: where can the tip be under weight?
+//! `softlimb workspace --loaded`: the reachable tip positions under weight.
 
 use std::fmt::Write;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::kept::write;
-use super::workspace::{NAMES, Workspace, csv, rest_m};
+use super::shared::{show, threads, write_if};
+use super::workspace::{Extent, NAMES, Volume, Workspace, csv, rest_m};
 use super::{Failure, Outcome};
-use softlimb_chart::WEIGHTLESS;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_limb::workspace;
@@ -36,10 +35,10 @@ impl Workspace {
     ) -> Result<Outcome, Failure> {
         let bays: Vec<usize> =
             scene.modules().iter().map(|module| usize::from(self.spacers.unwrap_or(module.spacers)) + 1).collect();
-        let load = Load { payload_kg: self.payload, ..Load::default() };
+        let load = Load { payload_kg: self.payload.si(), ..Load::default() };
         let loaded =
             Loaded::new(space, |pressures_pa: &[f64]| LoadedLimb::new(scene, limb, pressures_pa, &bays, &load));
-        let (points, count, threads) = (self.points.into(), self.count(4096), self.threads());
+        let (points, count, threads) = (self.points.into(), self.count(4096), threads(self.threads));
         let poses = loaded.sample(points, count, self.seed, threads);
         let extents = loaded_extents(&loaded, &poses, (points, self.seed), threads).ok_or_else(|| {
             Failure::new(format!(
@@ -48,28 +47,20 @@ impl Workspace {
             ))
         })?;
         let tips: Vec<[f64; 3]> = poses.iter().flatten().copied().collect();
-        let cell_m = self.cell_m(100.0);
+        let cell_m = self.cell_m(0.1);
         let answer = Answer {
             scene,
             limb,
-            payload_kg: self.payload,
+            payload_kg: self.payload.si(),
             free,
             extents,
             tally: loaded.tally(&poses),
             grids: [cell_m, 2.0 * cell_m].map(|side| Grid::new(&tips, side)),
             cell_m,
         };
-        if let Some(file) = &self.csv {
-            write(file, &csv(&tips))?;
-        }
-        if let Some(file) = &self.svg {
-            write(file, &workspace::picture(scene.name(), &answer.grids[0], &rest_m(limb)))?;
-        }
-        if self.json {
-            super::say(&answer.json().to_string())?
-        } else {
-            super::say(&answer.table())?
-        }
+        write_if(self.csv.as_ref(), || csv(&tips))?;
+        write_if(self.svg.as_ref(), || workspace::picture(scene.name(), &answer.grids[0], &rest_m(limb)))?;
+        show(self.json, &answer.printed(), || answer.table())?;
         Ok(Outcome::Done)
     }
 }
@@ -99,54 +90,74 @@ fn unreached(tally: &Tally, limb: &Limb) -> Vec<String> {
     parts
 }
 
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    weightless: bool,
+    mass_kg: f64,
+    payload_kg: f64,
+    extents: Vec<Extent<PrintedReach<'a>>>,
+    poses: Poses<'a>,
+    volume: Volume,
+}
+
+#[derive(Serialize)]
+struct PrintedReach<'a> {
+    value_m: f64,
+    tip_m: [f64; 3],
+    pressures_pa: &'a [f64],
+    error_m: f64,
+    at_border: bool,
+}
+
+impl<'a> From<&'a LoadedReach> for PrintedReach<'a> {
+    fn from(reach: &'a LoadedReach) -> Self {
+        let LoadedReach { value_m, tip_m, ref pressures_pa, error_m, at_border } = *reach;
+        Self { value_m, tip_m, pressures_pa, error_m, at_border }
+    }
+}
+
+/// Numbers of sampled poses.
+#[derive(Serialize)]
+struct Poses<'a> {
+    all: usize,
+    reached: usize,
+    fall: usize,
+    no_equilibrium: usize,
+    modules: Vec<&'a str>,
+    buckle_by_module: &'a [usize],
+    bent_back_by_module: &'a [usize],
+}
+
 impl Answer<'_> {
-    fn json(&self) -> Value {
-        let reach = |reach: &LoadedReach| {
-            json!({
-                "value_m": reach.value_m,
-                "tip_m": reach.tip_m,
-                "pressures_pa": reach.pressures_pa,
-                "error_m": reach.error_m,
-                "at_border": reach.at_border,
-            })
-        };
-        let extents: Vec<_> = NAMES
-            .iter()
-            .zip(&self.extents.of)
-            .enumerate()
-            .map(|(index, (name, [least, largest]))| {
-                json!({
-                    "measure": name,
-                    "least": reach(least),
-                    "largest": reach(largest),
-                    "range_m": self.extents.range_m(index),
-                    "range_without_load_m": self.free.range_m(index),
-                })
-            })
-            .collect();
-        let modules: Vec<_> = self.limb.modules().iter().map(|module| module.name.as_str()).collect();
+    fn printed(&self) -> Printed<'_> {
+        let extents =
+            NAMES.iter().zip(&self.extents.of).enumerate().map(|(index, (&measure, [least, largest]))| Extent {
+                measure,
+                least: least.into(),
+                largest: largest.into(),
+                range_m: self.extents.range_m(index),
+                range_without_load_m: Some(self.free.range_m(index)),
+            });
         let tally = &self.tally;
-        json!({
-            "scene": self.scene.name(),
-            WEIGHTLESS: false,
-            "mass_kg": self.scene.mass_kg(),
-            "payload_kg": self.payload_kg,
-            "extents": extents,
-            "poses": {
-                "all": tally.total(),
-                "reached": tally.reached,
-                "fall": tally.falls,
-                "no_equilibrium": tally.no_equilibrium,
-                "modules": modules,
-                "buckle_by_module": tally.buckles,
-                "bent_back_by_module": tally.bent_back,
+        Printed {
+            scene: self.scene.name(),
+            weightless: false,
+            mass_kg: self.scene.mass_kg(),
+            payload_kg: self.payload_kg,
+            extents: extents.collect(),
+            poses: Poses {
+                all: tally.total(),
+                reached: tally.reached,
+                fall: tally.falls,
+                no_equilibrium: tally.no_equilibrium,
+                modules: self.limb.modules().iter().map(|module| module.name.as_str()).collect(),
+                buckle_by_module: &tally.buckles,
+                bent_back_by_module: &tally.bent_back,
             },
-            "volume": {
-                "cell_m": self.cell_m,
-                "volume_m3": self.grids[0].volume_m3(),
-                "with_double_cells_m3": self.grids[1].volume_m3(),
-            },
-        })
+            volume: Volume::new(self.cell_m, &self.grids),
+        }
     }
 
     /// Writing to a string cannot fail.

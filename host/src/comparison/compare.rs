@@ -19,7 +19,7 @@ pub struct Row {
     pub rest: f64,
     /// Gauge pressure, kPa.
     pub pressure_kpa: f64,
-    /// By the equations of `docs/model.md`; `None` where there is no equilibrium.
+    /// By the equations of `docs/explanation/model.md`; `None` where there is no equilibrium.
     pub analytic: Option<f64>,
     /// By the bending polynomial fitted to the section.
     pub calibrated: Option<f64>,

@@ -1,6 +1,6 @@
 //! Questions to the actuator model from other programs: a JSON object a line in, one a line out, in order.
 //!
-//! `docs/eval-batch.md` describes the interface.
+//! `docs/reference/eval-batch.md` describes the interface.
 
 use std::io::{self, BufRead, Write};
 use std::num::NonZero;

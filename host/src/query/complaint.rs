@@ -2,7 +2,7 @@
 
 use serde_json::error::Category;
 
-/// Words of the parser, and what a reader who knows JSON and `docs/eval-batch.md` calls them.
+/// Words of the parser, and what a reader who knows JSON and `docs/reference/eval-batch.md` calls them.
 const WORDS: [(&str, &str); 10] = [
     ("expected ident", "expected value"),
     ("unknown variant", "unknown value"),

@@ -1,4 +1,4 @@
-//! `softlimb fem compare` and `fem calibrate`.
+//! `softlimb fea compare` and `fea calibrate`.
 
 use crate::cli::desk::Desk;
 
@@ -15,7 +15,7 @@ fn in_place(desk: &Desk, script: &str) -> String {
 #[test]
 fn a_scene_is_compared() {
     let desk = Desk::with_scene("small", "small");
-    let done = desk.softlimb("fem compare scene.toml --json");
+    let done = desk.softlimb("fea compare scene.toml --json");
     assert_eq!(done.code, Some(0), "{}", done.err);
     let rows = done.json()["rows"].as_array().unwrap().clone();
     assert_eq!(rows.len(), 6);
@@ -24,7 +24,7 @@ fn a_scene_is_compared() {
         assert!(row["analytic_difference"].as_f64().unwrap().abs() < 0.03, "{row}");
         assert!(row["calculix"].is_null(), "{row}");
     }
-    let table = desk.softlimb("fem compare scene.toml --svg picture.svg").out;
+    let table = desk.softlimb("fea compare scene.toml --svg picture.svg").out;
     assert!(table.starts_with("finger: bend angle, deg\n"), "{table}");
     assert!(table.lines().last().is_some_and(|line| line.starts_with("a curve takes the section ")), "{table}");
     assert!(std::fs::read_to_string(desk.path("picture.svg")).unwrap().starts_with("<svg "));
@@ -34,11 +34,11 @@ fn a_scene_is_compared() {
 fn a_run_of_calculix_that_fails_costs_its_column_only() {
     let desk = Desk::with_scene("small", "small");
     let program = in_place(&desk, "kill -9 $$");
-    let done = desk.softlimb(&format!("fem compare scene.toml --calculix --ccx {program}"));
+    let done = desk.softlimb(&format!("fea compare scene.toml --calculix --ccx {program}"));
     assert_eq!(done.code, Some(3), "{}", done.err);
     assert!(done.err.contains("warning: finger: CalculiX was killed by signal 9"), "{}", done.err);
     assert!(done.out.contains("finger: bend angle, deg"), "{}", done.out);
-    let missing = desk.softlimb("fem compare scene.toml --calculix --ccx no-such-program");
+    let missing = desk.softlimb("fea compare scene.toml --calculix --ccx no-such-program");
     assert_eq!(missing.code, Some(1));
     assert!(missing.err.contains("apt-get install calculix-ccx"), "{}", missing.err);
 }
@@ -49,11 +49,11 @@ fn run_and_compare_end_calculix_by_the_same_option() {
     let program = in_place(&desk, "exec sleep 60");
     for verb in ["run", "compare --calculix"] {
         for seconds in ["0", "-1", "nan", "soon"] {
-            let done = desk.softlimb(&format!("fem {verb} scene.toml --timeout-s {seconds}"));
+            let done = desk.softlimb(&format!("fea {verb} scene.toml --timeout {seconds}"));
             assert_eq!(done.code, Some(2), "{verb} {seconds}: {}", done.err);
-            assert!(done.err.contains("--timeout-s"), "{verb} {seconds}: {}", done.err);
+            assert!(done.err.contains("--timeout"), "{verb} {seconds}: {}", done.err);
         }
-        let done = desk.softlimb(&format!("fem {verb} scene.toml --ccx {program} --timeout-s 0.3"));
+        let done = desk.softlimb(&format!("fea {verb} scene.toml --ccx {program} --timeout 0.3"));
         let expected = if verb == "run" { (1, "the time was up") } else { (3, "took more than 0.3 s") };
         assert_eq!(done.code, Some(expected.0), "{verb}: {}", done.err);
         assert!(done.err.contains(expected.1), "{verb}: {}", done.err);
@@ -61,36 +61,9 @@ fn run_and_compare_end_calculix_by_the_same_option() {
 }
 
 #[test]
-fn a_record_keeps_what_is_not_asked() {
-    let desk = Desk::new();
-    let done = desk.softlimb("fem compare --only extension --tsv all.tsv");
-    assert_eq!(done.code, Some(0), "{}", done.err);
-    let first = std::fs::read_to_string(desk.path("all.tsv")).unwrap();
-    desk.softlimb("fem compare --only twisting --tsv all.tsv");
-    let both = std::fs::read_to_string(desk.path("all.tsv")).unwrap();
-    assert!(both.starts_with(&first) && both.lines().count() == first.lines().count() + 24, "{both}");
-    desk.put("all.tsv", "not a record\n");
-    let wrong = desk.softlimb("fem compare --only extension --tsv all.tsv");
-    assert_eq!(wrong.code, Some(1));
-    assert!(wrong.err.contains("line 1 of the comparison"), "{}", wrong.err);
-    assert_eq!(std::fs::read_to_string(desk.path("all.tsv")).unwrap(), "not a record\n");
-}
-
-#[test]
-fn a_page_without_a_place_and_an_unknown_case_are_refused() {
-    let desk = Desk::new();
-    desk.put("page.md", "# Nothing\n");
-    let done = desk.softlimb("fem compare --page page.md");
-    assert_eq!(done.code, Some(1));
-    assert!(done.err.contains("page.md has no place for the table"), "{}", done.err);
-    let done = desk.softlimb("fem compare --only hovering");
-    assert!(done.code == Some(1) && done.err.contains("no case has \"hovering\" in its name"), "{}", done.err);
-}
-
-#[test]
 fn a_scene_is_calibrated() {
     let desk = Desk::with_scene("small", "small");
-    let done = desk.softlimb("fem calibrate scene.toml --thread 772,3,0.18 --json");
+    let done = desk.softlimb("fea calibrate scene.toml --thread 772,3,0.18 --json");
     assert_eq!(done.code, Some(0), "{}", done.err);
     let module = &done.json()["modules"][0];
     assert!(module["bending"]["verified_error"].as_f64().unwrap() < 5e-3, "{module}");
@@ -113,7 +86,7 @@ fn what_cannot_be_calibrated_is_said() {
             .unwrap()
             .replace("material =", "winding = \"net\"\nmaterial ="),
     );
-    let done = desk.softlimb("fem calibrate scene.toml --thread 772,3,0.18 --json");
+    let done = desk.softlimb("fea calibrate scene.toml --thread 772,3,0.18 --json");
     assert_eq!(done.code, Some(3), "{}", done.err);
     let module = &done.json()["modules"][0];
     assert!(module["thread"]["error"].as_str().unwrap().contains("the winding is at 60 deg"), "{module}");
@@ -125,9 +98,10 @@ fn a_calibration_that_makes_no_sense_is_refused() {
     for (arguments, code, word) in [
         ("--thread 772,3", 2, "--thread has 2 values"),
         ("--thread 772,0.1,0.18", 1, "is not allowed: less than the spacing"),
+        ("--thread 772,-3mm,0.18", 2, "--thread: -3mm is not allowed: the range is > 0 mm, at most 10000 mm"),
         ("--module toe", 1, "there is no module \"toe\": one of finger"),
     ] {
-        let done = desk.softlimb(&format!("fem calibrate scene.toml {arguments}"));
+        let done = desk.softlimb(&format!("fea calibrate scene.toml {arguments}"));
         assert!(done.code == Some(code) && done.err.contains(word), "{word}: {}", done.err);
     }
 }
@@ -140,7 +114,7 @@ const FINGER: &str = r#"{"motion":"extension","problem":"forward","inner_radius_
 fn an_actuator_needs_no_scene() {
     let desk = Desk::with_scene("small", "small");
     desk.put("finger.json", FINGER);
-    let done = desk.softlimb("fem export finger.json --out decks --points 2");
+    let done = desk.softlimb("fea export finger.json --out decks --points 2");
     assert_eq!(done.code, Some(0), "{}", done.err);
     let deck = std::fs::read_to_string(desk.path("decks/finger.inp")).unwrap();
     // The last step ends at the pressure of the file, in MPa.
@@ -160,11 +134,11 @@ fn an_actuator_needs_no_scene() {
     ] {
         assert!(FINGER.contains(from));
         desk.put("finger.json", FINGER.replace(from, to));
-        let done = desk.softlimb("fem export finger.json --out refused");
+        let done = desk.softlimb("fea export finger.json --out refused");
         assert_eq!(done.code, Some(1), "{}", done.err);
         assert!(done.err.contains(expected), "{expected}: {}", done.err);
         assert!(!desk.path("refused").exists());
     }
-    let done = desk.softlimb("fem export finger.json --bundle");
+    let done = desk.softlimb("fea export finger.json --bundle");
     assert_eq!(done.code, Some(2), "{}", done.err);
 }

@@ -40,8 +40,8 @@ fn printed(desk: &Desk, line: &str) -> [Answer; 2] {
 const OF_A_LIMB: [&str; 4] = [
     "check scene.toml",
     "run scene.toml --out results",
-    "trials scene.toml --rehearsals 0 --trials 1",
-    "design scene.toml --out designed.toml",
+    "learn scene.toml --iterations 0 --trials 1",
+    "design limb scene.toml --out designed.toml",
 ];
 
 #[test]
@@ -93,8 +93,8 @@ const OF_A_BENDER: [&str; 5] = [
     "check scene.toml",
     "eval scene.toml",
     "run scene.toml --out results",
-    "design scene.toml --out designed.toml",
-    "calibrate scene.toml --data bends.csv --fit shear_modulus",
+    "design limb scene.toml --out designed.toml",
+    "calibrate pressure bends.csv --scene scene.toml --fit shear_modulus",
 ];
 
 /// A desk with a finger wound at an angle, and what its model makes of pressures.

@@ -2,20 +2,21 @@
 
 use crate::cli::desk::Desk;
 
-const VERBS: [&str; 13] = [
+const VERBS: [&str; 14] = [
     "check",
-    "calibrate",
+    "run",
+    "report",
     "eval",
     "design",
     "payload",
-    "run",
-    "report",
-    "bench",
-    "fem",
-    "fabricate",
+    "calibrate",
+    "learn",
+    "fea",
     "workspace",
     "statics",
     "tolerance",
+    "fabricate",
+    "completions",
 ];
 
 #[test]
@@ -41,6 +42,35 @@ fn every_verb_shows_an_example_of_itself() {
         let help = Desk::new().softlimb(&format!("{verb} --help")).done();
         let examples = help.out.split_once("Example").map(|(_, rest)| rest).unwrap_or_default();
         assert!(examples.contains(&format!("softlimb {verb} ")), "{verb}: {}", help.out);
+    }
+}
+
+#[test]
+fn a_retired_line_is_answered_with_its_present_form() {
+    for (line, now) in [
+        ("trials scene.toml", "softlimb learn SCENE"),
+        ("fem run scene.toml", "softlimb fea"),
+        ("bench accuracy", "cargo xtask lab accuracy"),
+        ("design --problem reach.json", "softlimb design actuators FILE.json"),
+        ("design scene.toml --json", "softlimb design limb SCENE"),
+        ("payload scene.toml", "softlimb payload capacity SCENE"),
+        ("payload --problem=forces.json", "softlimb design bundle FILE.json"),
+        ("payload scene.toml --track 5,10", "softlimb payload track SCENE --loads 5,10"),
+        ("payload scene.toml --estimate tips.csv", "softlimb payload estimate SCENE --data FILE.csv"),
+        ("calibrate --tension silicone.csv", "softlimb calibrate tension FILE.csv"),
+        ("fea run scene.toml --pressure-kpa 60", "--pressure 60kPa"),
+        ("learn scene.toml --rehearsals 3", "--iterations"),
+    ] {
+        let answer = Desk::with_scene("small", "small").softlimb(line).failed(2, &["is now", now]);
+        assert_eq!(answer.err.lines().count(), 1, "{}", answer.err);
+    }
+}
+
+#[test]
+fn completions_name_every_verb() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = Desk::new().softlimb(&format!("completions {shell}")).done().out;
+        assert!(VERBS.iter().all(|verb| script.contains(verb)), "{shell}");
     }
 }
 

@@ -17,7 +17,7 @@ pub struct Frame<M> {
     pub message: M,
 }
 
-/// What a decoder has seen; each count stays at its maximum.
+/// Counts of a decoder; each saturates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounters {
     /// Accepted frames.
@@ -64,7 +64,7 @@ const TOO_MANY: usize = MAX_BODY_LEN + 1;
 
 /// Eats bytes one by one and yields the messages of one direction.
 ///
-/// Whatever came before, the frame after the next delimiter is decoded as if the decoder were new.
+/// Any bytes may precede: the frame after the next delimiter is decoded as by a new decoder.
 #[derive(Debug)]
 pub struct Decoder<M> {
     cobs: DecoderState,
@@ -96,7 +96,7 @@ impl<M> Decoder<M> {
         }
     }
 
-    /// What was accepted and rejected so far.
+    /// Counts of accepted and rejected frames so far.
     #[must_use]
     pub fn counters(&self) -> LinkCounters {
         self.counters

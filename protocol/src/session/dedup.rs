@@ -4,7 +4,7 @@ use crate::codec::Message;
 use crate::layout::Delivery;
 use crate::message::{Ack, HostMessage};
 
-/// What to do with a frame that just arrived.
+/// Treatment of a frame that just arrived.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Arrival {
     /// Apply it, answer it, and [`record`](SeqDedup::record) the answer.

@@ -1,4 +1,4 @@
-//! What the two ends remember so that a reliable message is applied once.
+//! Session state of both ends: a reliable message is applied once.
 
 mod dedup;
 mod sender;

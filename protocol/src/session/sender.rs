@@ -43,7 +43,7 @@ impl fmt::Display for SendError {
 
 impl Error for SendError {}
 
-/// What the caller does next.
+/// Next action of the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SenderStep<'a> {
     /// Nothing in flight.
@@ -116,7 +116,7 @@ impl ReliableSender {
         Ok(seq)
     }
 
-    /// What to do now.
+    /// Action that is due now.
     pub fn poll(&mut self, now_us: u64) -> SenderStep<'_> {
         let attempts_max = self.policy.attempts_max.max(1);
         let exhausted = self.pending.take_if(|pending| now_us >= pending.due_us && pending.attempts >= attempts_max);

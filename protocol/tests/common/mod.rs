@@ -1,9 +1,13 @@
 //! Helpers of the tests: a decoder run to its end, arbitrary messages, a seeded generator.
-#![allow(dead_code, reason = "each test binary uses its part")]
+
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
 use softlimb_protocol::*;
+
+pub(crate) use samples::samples;
 
 /// Everything a new decoder yields for `bytes`.
 pub(crate) fn decode_all<M: Message>(bytes: &[u8]) -> Vec<Result<Frame<M>, FrameError>> {

@@ -3,7 +3,7 @@
 use std::process::{Command, Stdio};
 
 use super::{Board, Files, Sizes, build};
-use crate::image::Trouble;
+use crate::trouble::Trouble;
 
 /// What to do where nothing that writes is installed.
 const INSTALL: &str = "\

@@ -1,8 +1,8 @@
-//! The actuators that are asked about.
+//! Actuators of the queries.
 
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement, State, Target};
 
-/// One actuator and the pressure it is asked about.
+/// One actuator and the pressure of its queries.
 pub(crate) struct Case {
     pub(crate) name: &'static str,
     pub(crate) parameters: ActuatorParameters<f32>,

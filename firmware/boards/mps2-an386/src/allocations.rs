@@ -1,10 +1,10 @@
-//! Pressures for a wanted wrench, for nine actuators of a board and for 27.
+//! Pressures for a desired wrench, for nine actuators of a board and for 27.
 
 use core::hint::black_box;
 
 use fra_model::{Allocated, Allocation, AllocationStatus};
 
-use crate::Desk;
+use crate::Bench;
 use crate::answer::{Answer, Note};
 
 /// Largest pressure, Pa.
@@ -33,7 +33,7 @@ impl<const N: usize> Answer for Allocated<f32, 6, N> {
     }
 }
 
-/// Actuators that push and turn in many directions: what a pascal of each adds, m2 and m3.
+/// Actuators that push and turn in many directions: the wrench per pascal of each, m2 and m3.
 fn columns<const N: usize>() -> [[f32; 6]; N] {
     let mut last = 1_u32;
     let mut number = || {
@@ -50,19 +50,19 @@ fn columns<const N: usize>() -> [[f32; 6]; N] {
     columns
 }
 
-/// All questions; whether each had its answer.
-pub(crate) fn put_all(desk: &mut impl Desk) -> bool {
-    put::<9>(desk, "nine pressures") && put::<27>(desk, "27 pressures")
+/// All queries; whether each had its answer.
+pub(crate) fn put_all(bench: &mut impl Bench) -> bool {
+    put::<9>(bench, "nine pressures") && put::<27>(bench, "27 pressures")
 }
 
-fn put<const N: usize>(desk: &mut impl Desk, name: &str) -> bool {
+fn put<const N: usize>(bench: &mut impl Bench, name: &str) -> bool {
     let (columns, limits) = (columns::<N>(), [[0.0, LIMIT_PA]; N]);
-    let built = desk.put("new, allocation", name, || {
+    let built = bench.put("new, allocation", name, || {
         Allocation::<f32, 6, N>::new(black_box(&columns), &limits, &WEIGHTS, black_box(REGULARISER))
     });
     let Ok(allocation) = built else { return false };
-    let cold = desk.put("allocation, cold", name, || black_box(&allocation).solve(black_box(&BEFORE)));
-    let warm = desk.put("allocation, warm", name, || {
+    let cold = bench.put("allocation, cold", name, || black_box(&allocation).solve(black_box(&BEFORE)));
+    let warm = bench.put("allocation, warm", name, || {
         black_box(&allocation).solve_from(black_box(&cold.pressures_pa), black_box(&NOW))
     });
     [cold.status, warm.status].into_iter().all(|status| status == AllocationStatus::Solved)

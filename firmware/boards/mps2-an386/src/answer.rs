@@ -1,8 +1,8 @@
 //! Answers as the line of a table.
 
 use fra_model::{
-    Actuator, Held, InvalidParameter, Load, Lookup, NoDerivative, NotFinite, SeriesSolution, Solution, State, Status,
-    Tracker, Volume,
+    Actuator, Blocked, InvalidParameter, Load, Lookup, NoDerivative, NotFinite, SeriesSolution, Solution, State,
+    Status, Tracker, Volume,
 };
 use nalgebra::Isometry3;
 
@@ -67,7 +67,7 @@ impl Answer for Load<f32> {
     }
 }
 
-impl Answer for Held<f32> {
+impl Answer for Blocked<f32> {
     fn note(&self) -> Note {
         let loads = [self.force_n, self.torque_nm].into_iter().chain(self.by_pressure);
         Note::of(name(self.status), self.iterations, loads.chain(self.stiffness.into_iter().flatten()))

@@ -1,10 +1,10 @@
-//! Questions to the link: a message into bytes, and back, with nine channels.
+//! Queries to the link: a message into bytes, and back, with nine channels.
 
 use core::hint::black_box;
 
 use softlimb_protocol::*;
 
-use crate::Desk;
+use crate::Bench;
 use crate::answer::{Answer, Note};
 use crate::upload::{CHANNELS, knot};
 
@@ -32,10 +32,10 @@ impl Answer for Written {
     }
 }
 
-/// Puts all questions; whether the frames hold what was put into them.
-pub(crate) fn put_all(desk: &mut impl Desk) -> bool {
+/// Puts all queries; whether the frames hold what was put into them.
+pub(crate) fn put_all(bench: &mut impl Bench) -> bool {
     let telemetry = DeviceMessage::from(telemetry());
-    let sent = desk.put("frame, encode a Telemetry", NAME, || written(black_box(&telemetry)));
+    let sent = bench.put("frame, encode a Telemetry", NAME, || written(black_box(&telemetry)));
     let mut decoder = Decoder::<DeviceMessage>::new();
     let same = |message: DeviceMessage| message == telemetry;
     let kept = sent.0[..sent.1]
@@ -45,7 +45,7 @@ pub(crate) fn put_all(desk: &mut impl Desk) -> bool {
 
     let setpoint = knot(17, 1_234_567);
     let frame = written(&HostMessage::from(setpoint.clone()));
-    let read = desk.put("frame, decode a Setpoint", NAME, || Read(read(black_box(&frame))));
+    let read = bench.put("frame, decode a Setpoint", NAME, || Read(read(black_box(&frame))));
     kept && read.0 == Some(setpoint)
 }
 

@@ -1,34 +1,34 @@
-//! The whole model in `f32` on a Cortex-M4F: what it answers, and what each answer costs.
+//! The whole model in `f32` on a Cortex-M4F: its answers and their cost.
 //!
-//! Prints the table of `desk`. On a computer with an operating system the same program prints the same answers: their bits must be equal.
+//! Prints the table of `bench`. On a computer with an operating system the same program prints the same answers: their bits must be equal.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 mod actuators;
 mod allocations;
 mod answer;
+mod bench;
 #[cfg(target_os = "none")]
 mod board;
-mod desk;
-mod questions;
+mod queries;
 mod series;
 mod tables;
 
-use desk::Desk;
+use bench::Bench;
 
-/// Puts every question; whether each was answered.
-fn put_all(desk: &mut impl Desk) -> bool {
-    let solved = [questions::put_all(desk), series::put_all(desk), tables::put_all(desk), allocations::put_all(desk)];
+/// Puts every query; whether each was answered.
+fn put_all(bench: &mut impl Bench) -> bool {
+    let solved = [queries::put_all(bench), series::put_all(bench), tables::put_all(bench), allocations::put_all(bench)];
     solved.into_iter().all(|well| well)
 }
 
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    desk::run(put_all)
+    bench::run(put_all)
 }
 
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {
-    desk::run(put_all)
+    bench::run(put_all)
 }

@@ -1,4 +1,4 @@
-//! What a host sends to a device with nine channels: a configuration, knots, the start.
+//! Messages of a host to a device with nine channels: a configuration, knots, the start.
 
 use fra_model::TABLE_COEFFICIENTS;
 use softlimb_protocol::*;
@@ -20,7 +20,7 @@ const LENGTH_M: f32 = 0.24;
 
 /// How the device comes to a pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum Inverse {
     /// By tables of the highest degree: their cost depends on nothing else.
     Tables,
     /// By solving the model: wound actuators that extend, expand and twist.
@@ -67,7 +67,7 @@ fn kind(channel: usize) -> &'static Kind {
 }
 
 /// Hello, then the messages of a configuration, in order.
-pub(crate) fn configuration(way: Way, mut send: impl FnMut(HostMessage)) {
+pub(crate) fn configuration(by: Inverse, mut send: impl FnMut(HostMessage)) {
     send(Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION }.into());
     let begin = ConfigBegin { session: SESSION, channels: CHANNELS as u8 };
     let mut hash = ConfigHash::begin(&begin);
@@ -78,7 +78,7 @@ pub(crate) fn configuration(way: Way, mut send: impl FnMut(HostMessage)) {
         let part = actuator(channel);
         hash.add_channel(&part);
         send(part.into());
-        if way == Way::Tables {
+        if by == Inverse::Tables {
             let (volume, inverse) = (volume(channel), inverse(channel));
             hash.add_volume(&volume);
             send(volume.into());

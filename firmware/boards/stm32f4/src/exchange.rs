@@ -1,20 +1,20 @@
-//! What the co-simulated controller and whoever simulates its surroundings tell each other each tick.
+//! Messages between the co-simulated controller and the simulator of its surroundings, each tick.
 //!
-//! One question, one answer, little-endian, each a fixed part and the link's bytes behind it. Both sides wait for each other, so that
+//! One query, one answer, little-endian, each a fixed part and the link's bytes behind it. Both sides wait for each other, so that
 //! nothing depends on how long either takes.
 
 use softlimb_firmware::{AdcCode, ValvePulse};
 
 use crate::pins::{CHANNELS, TickInputs, TickOutputs};
 
-/// The most bytes of the link in one question; more wait for the next tick.
+/// The most bytes of the link in one query; more wait for the next tick.
 pub const RECEIVED_MAX: usize = 2048;
 
 /// The most bytes of the link in one answer.
 pub const SENT_MAX: usize = 256;
 
-/// Length of the fixed part of a question, bytes.
-pub const QUESTION_LEN: usize = 8 + 1 + 2 + 2 + 2 * (CHANNELS + 1);
+/// Length of the fixed part of a query, bytes.
+pub const QUERY_LEN: usize = 8 + 1 + 2 + 2 + 2 * (CHANNELS + 1);
 
 /// Length of the fixed part of an answer, bytes.
 pub const ANSWER_LEN: usize = 4 + 4 * CHANNELS + 1 + 1 + 2;
@@ -23,9 +23,9 @@ const STOP_PRESSED: u8 = 1;
 const LAST: u8 = 2;
 const AFTER_CRASH: u8 = 4;
 
-/// What a tick begins with.
+/// Start of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Question {
+pub struct Query {
     /// Time and samples.
     pub inputs: TickInputs,
     /// Bytes that the link takes, at most [`SENT_MAX`].
@@ -38,7 +38,7 @@ pub struct Question {
     pub after_crash: bool,
 }
 
-/// What a tick ends with.
+/// End of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {
     /// Counts of the processor's timer that the turn has taken.
@@ -49,11 +49,11 @@ pub struct Answer {
     pub sent: u16,
 }
 
-impl Question {
+impl Query {
     /// The fixed part.
     #[must_use]
-    pub fn encode(&self) -> [u8; QUESTION_LEN] {
-        let mut bytes = [0; QUESTION_LEN];
+    pub fn encode(&self) -> [u8; QUERY_LEN] {
+        let mut bytes = [0; QUERY_LEN];
         let mut writer = Writer(bytes.iter_mut());
         let flags = u8::from(self.inputs.emergency_stop) * STOP_PRESSED
             + u8::from(self.last) * LAST
@@ -69,9 +69,9 @@ impl Question {
         bytes
     }
 
-    /// The question behind a fixed part. Every sequence of bytes is one.
+    /// The query behind a fixed part. Every sequence of bytes is one.
     #[must_use]
-    pub fn decode(bytes: &[u8; QUESTION_LEN]) -> Self {
+    pub fn decode(bytes: &[u8; QUERY_LEN]) -> Self {
         let mut reader = Reader(bytes.iter());
         let now_us = u64::from_le_bytes(reader.take());
         let [flags] = reader.take();
@@ -153,9 +153,8 @@ mod tests {
         }
         for (emergency_stop, last) in [(false, false), (true, false), (false, true), (true, true)] {
             let inputs = TickInputs { now_us: u64::MAX - 7, pressure, supply: AdcCode(0xabcd), emergency_stop };
-            let question =
-                Question { inputs, room: 0x1234, received: 0x0567, last, after_crash: emergency_stop != last };
-            assert_eq!(Question::decode(&question.encode()), question);
+            let query = Query { inputs, room: 0x1234, received: 0x0567, last, after_crash: emergency_stop != last };
+            assert_eq!(Query::decode(&query.encode()), query);
             let outputs = TickOutputs { valves, supply_open: last, pump_duty: 200 };
             let answer = Answer { cost: 0x89ab_cdef, outputs, sent: 0x00fe };
             assert_eq!(Answer::decode(&answer.encode()), answer);
@@ -163,11 +162,11 @@ mod tests {
     }
 
     #[test]
-    fn the_last_byte_of_each_part_is_in_use() {
+    fn last_byte_of_each_part_is_in_use() {
         let inputs =
             TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0xff00), emergency_stop: false };
         assert_eq!(
-            Question { inputs, room: 0, received: 0, last: false, after_crash: false }.encode().last(),
+            Query { inputs, room: 0, received: 0, last: false, after_crash: false }.encode().last(),
             Some(&0xff)
         );
         assert_eq!(Answer { cost: 0, outputs: TickOutputs::SAFE, sent: 0xff00 }.encode().last(), Some(&0xff));

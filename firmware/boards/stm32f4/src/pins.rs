@@ -1,4 +1,4 @@
-//! Which pin does what. The table in `docs/hardware.md` is printed from here.
+//! Function of each pin. The table in `docs/reference/hardware.md` is printed from here.
 
 use core::fmt;
 
@@ -8,10 +8,10 @@ pub const CHANNELS: usize = 9;
 /// The controller of this board.
 pub type Controller = softlimb_firmware::Controller<CHANNELS>;
 
-/// What its tick reads.
+/// Inputs of its tick.
 pub type TickInputs = softlimb_firmware::TickInputs<CHANNELS>;
 
-/// What its tick decides.
+/// Outputs of its tick.
 pub type TickOutputs = softlimb_firmware::TickOutputs<CHANNELS>;
 
 /// Converter inputs: the channels' sensors and the supply's.

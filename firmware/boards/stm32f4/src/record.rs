@@ -1,4 +1,4 @@
-//! What is remembered over a reset: why the program stopped. Four words in memory that the start-up leaves alone.
+//! Record kept over a reset: the reason why the program stopped. Four words in memory that the start-up leaves alone.
 
 use softlimb_firmware::BootInfo;
 use softlimb_protocol::BootCause;
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_record_survives_and_anything_else_is_none() {
+    fn record_survives_and_anything_else_is_none() {
         for crash in
             [Crash::Panic { line: 17 }, Crash::HardFault { address: 0x0800_1234 }, Crash::HardFault { address: 0 }]
         {
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_remembered_crash_counts_more_than_the_flags() {
+    fn remembered_crash_counts_more_than_the_flags() {
         let cause = |crash, bits: &[u32]| boot_info(crash, ResetFlags(bits.iter().map(|bit| 1 << bit).sum())).cause;
         assert_eq!(cause(Some(Crash::Panic { line: 1 }), &[28, 26]), BootCause::Panic);
         assert_eq!(cause(None, &[28, 26]), BootCause::Software);

@@ -1,4 +1,4 @@
-//! Coil times of a tick as what the ports are told every 100 us.
+//! Coil times of a tick as port writes every 100 us.
 //!
 //! Outputs decided in one tick are applied from the start of the next: always one tick later, whatever the computation took. Times are
 //! rounded to the grid. Only the last tick of a pulse has one that is not on it, so that a whole pulse is off by 50 us at most.
@@ -11,7 +11,7 @@ pub const SLOTS: usize = 10;
 /// Length of a slot, us.
 pub const SLOT_US: u16 = 100;
 
-/// What the ports are told in one slot: values of their bit set and reset registers.
+/// Port writes of one slot: values of their bit set and reset registers.
 pub type Words = [u32; PORTS];
 
 /// Everything off.
@@ -55,7 +55,7 @@ impl PumpDensity {
     }
 }
 
-/// What the ports are told in each slot of one tick.
+/// Port writes of each slot of one tick.
 #[must_use]
 pub fn schedule(outputs: &TickOutputs, pump: &mut PumpDensity) -> [Words; SLOTS] {
     let mut slots = [OFF; SLOTS];
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pulse_is_on_from_the_start_for_its_time_and_nothing_else_is() {
+    fn pulse_is_on_from_the_start_for_its_time_and_nothing_else_is() {
         for (time_us, expected) in [(0, 0), (49, 0), (50, 1), (400, 4), (449, 4), (450, 5), (1_000, 10)] {
             for (channel, pin) in FILL.into_iter().enumerate() {
                 let slots = schedule(&outputs(channel, time_us, 0), &mut PumpDensity::new());
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_cannot_go_on_lets_all_the_air_out_and_none_in() {
+    fn program_that_cannot_go_on_lets_all_the_air_out_and_none_in() {
         for vent in VENT {
             assert!(is_on(&VENTING, vent), "{vent}");
         }
@@ -146,14 +146,14 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_is_never_energized_together() {
+    fn pair_is_never_energized_together() {
         let slots = schedule(&outputs(2, 1_000, 300), &mut PumpDensity::new());
         assert_eq!(slots_on(&slots, VENT[2]), [0, 1, 2]);
         assert_eq!(slots_on(&slots, FILL[2]), [3, 4, 5, 6, 7, 8, 9]);
     }
 
     #[test]
-    fn the_pump_runs_for_its_share_of_the_slots() {
+    fn pump_runs_for_its_share_of_the_slots() {
         for duty in [0, 1, 64, 128, 254, 255] {
             let mut density = PumpDensity::new();
             let run = TickOutputs { supply_open: true, pump_duty: duty, ..TickOutputs::SAFE };

@@ -1,16 +1,14 @@
 //! Plants shared by the tests.
-#![allow(dead_code, reason = "each test binary uses its own part")]
 
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
 use softlimb_plant::*;
 
-/// Coils of one channel: nothing, filling, venting.
-pub const HOLD: ChannelDrive = ChannelDrive { fill_us: 0, vent_us: 0 };
-pub const FILL: ChannelDrive = ChannelDrive { fill_us: 1_000, vent_us: 0 };
-pub const VENT: ChannelDrive = ChannelDrive { fill_us: 0, vent_us: 1_000 };
+/// Coils of one channel: nothing, filling.
+pub(crate) const HOLD: ChannelDrive = ChannelDrive { fill_us: 0, vent_us: 0 };
+pub(crate) const FILL: ChannelDrive = ChannelDrive { fill_us: 1_000, vent_us: 0 };
 
 /// An extending actuator of about 80 mL.
-pub fn extender() -> ActuatorParameters<f64> {
+pub(crate) fn extender() -> ActuatorParameters<f64> {
     ActuatorParameters {
         motion: Motion::Extension,
         inner_radius_m: 11e-3,
@@ -29,7 +27,7 @@ pub fn extender() -> ActuatorParameters<f64> {
 }
 
 /// A bending actuator of about 11 mL.
-pub fn bender() -> ActuatorParameters<f64> {
+pub(crate) fn bender() -> ActuatorParameters<f64> {
     ActuatorParameters {
         motion: Motion::Bending,
         inner_radius_m: 6e-3,
@@ -41,12 +39,12 @@ pub fn bender() -> ActuatorParameters<f64> {
 }
 
 /// A plant of `channels` nominal extenders.
-pub fn settings(seed: u64, channels: usize) -> PlantSettings {
+pub(crate) fn settings(seed: u64, channels: usize) -> PlantSettings {
     PlantSettings::new(seed, vec![ChannelSettings::new(extender()); channels])
 }
 
 /// Steps `ticks` times with the same coils on every channel.
-pub fn run(plant: &mut Plant, ticks: usize, coils: ChannelDrive) {
+pub(crate) fn run(plant: &mut Plant, ticks: usize, coils: ChannelDrive) {
     let channels = [coils; 64];
     for _ in 0..ticks {
         plant.step(&Drive { channels: &channels, supply_open: true, pump: 1.0 });
@@ -55,7 +53,7 @@ pub fn run(plant: &mut Plant, ticks: usize, coils: ChannelDrive) {
 
 /// A valve command per tick that is different for each channel and repeats for each call:
 /// 20 ms periods with pulses of every length.
-pub fn pulses(tick: usize, channel: usize) -> ChannelDrive {
+pub(crate) fn pulses(tick: usize, channel: usize) -> ChannelDrive {
     let period = tick / 20;
     let at_us = (tick % 20) * 1_000;
     let mix = (period * 7_919 + channel * 104_729) % 1_000;

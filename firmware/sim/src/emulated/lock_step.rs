@@ -1,4 +1,4 @@
-//! The twin image: the controller on an emulated processor, asked and answering once a tick.
+//! The twin image: the controller on an emulated processor, one query and one answer a tick.
 
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use softlimb_firmware::{AdcCode, Board};
-use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, Question, RECEIVED_MAX, SENT_MAX};
+use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, Query, RECEIVED_MAX, SENT_MAX};
 use softlimb_image_stm32f4::pins::{CHANNELS, TickInputs};
 
 use super::channels::{narrowed, widened};
@@ -26,7 +26,7 @@ const COUNTS_PER_1000: u64 = 1344;
 /// A turn takes a fraction of a millisecond; an image that takes this long hangs.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What the turns so far have cost, instructions.
+/// Cost of the turns so far, instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     /// The dearest turn.
@@ -77,7 +77,7 @@ impl LockStep {
         })
     }
 
-    /// What the turns so far have cost.
+    /// Cost of the turns so far.
     #[must_use]
     pub fn cost(&self) -> Cost {
         self.cost
@@ -94,8 +94,8 @@ impl LockStep {
         self.cost = Cost { worst: worst.max(instructions), total: total + instructions, turns: turns + 1 };
     }
 
-    fn ask(&mut self, question: &Question, received: &[u8]) -> io::Result<()> {
-        let mut bytes = question.encode().to_vec();
+    fn ask(&mut self, query: &Query, received: &[u8]) -> io::Result<()> {
+        let mut bytes = query.encode().to_vec();
         bytes.extend(received);
         self.progress.fetch_add(1, Ordering::Relaxed);
         self.to_image.write_all(&bytes)?;
@@ -120,8 +120,8 @@ impl Processor for LockStep {
         let count = board.read_link(&mut received);
         let room = board.link_room().min(SENT_MAX) as u16;
         let after_crash = std::mem::take(&mut self.after_crash);
-        let question = Question { inputs, room, received: count as u16, last: false, after_crash };
-        self.ask(&question, received.get(..count).unwrap_or(&received))?;
+        let query = Query { inputs, room, received: count as u16, last: false, after_crash };
+        self.ask(&query, received.get(..count).unwrap_or(&received))?;
         let (answer, sent) = self.listen()?;
         self.note_cost(answer.cost);
         board.apply(&widened(&answer.outputs));
@@ -147,11 +147,11 @@ impl Drop for LockStep {
         let inputs =
             TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0), emergency_stop: false };
         // An image that is gone already needs no farewell.
-        let _ = self.ask(&Question { inputs, room: 0, received: 0, last: true, after_crash: false }, &[]);
+        let _ = self.ask(&Query { inputs, room: 0, received: 0, last: true, after_crash: false }, &[]);
     }
 }
 
-/// Ends an emulator that makes no progress between a question and its answer, so that whoever waits for it sees its end.
+/// Ends an emulator that makes no progress between a query and its answer, so that whoever waits for it sees its end.
 fn watch(qemu: Weak<Mutex<Qemu>>, progress: Arc<AtomicU64>) {
     thread::spawn(move || {
         let mut seen = 0;
@@ -159,7 +159,7 @@ fn watch(qemu: Weak<Mutex<Qemu>>, progress: Arc<AtomicU64>) {
             thread::sleep(PATIENCE);
             let Some(qemu) = qemu.upgrade() else { return };
             let now = progress.load(Ordering::Relaxed);
-            // Odd between a question and its answer.
+            // Odd between a query and its answer.
             if now == seen && now % 2 == 1 {
                 qemu.lock().unwrap_or_else(PoisonError::into_inner).kill();
                 return;

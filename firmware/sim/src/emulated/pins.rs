@@ -1,4 +1,4 @@
-//! What the ports of the board are told, as what becomes of the valves: the way back from `schedule`.
+//! From port writes back to valve pulses: the inverse of `schedule`.
 
 use softlimb_firmware::ValvePulse;
 use softlimb_image_stm32f4::pins::{FILL, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT};
@@ -42,7 +42,7 @@ mod tests {
     use softlimb_image_stm32f4::schedule::{PumpDensity, schedule};
 
     #[test]
-    fn what_is_scheduled_is_what_the_valves_get_to_the_slot() {
+    fn schedule_reaches_the_valves_to_the_slot() {
         let mut wanted = TickOutputs { supply_open: true, pump_duty: 255, ..TickOutputs::SAFE };
         for (number, pulse) in (0..).zip(&mut wanted.valves) {
             let time_us = 100 * number;
@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn the_half_in_use_is_read() {
+    fn half_in_use_is_read() {
         let mut coils = vec![0; COILS_LEN];
         coils[HALF_LEN] = 7;
         coils[2 * HALF_LEN] = 1;

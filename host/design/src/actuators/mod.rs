@@ -3,11 +3,11 @@
 //!
 //! Segments with pressures of their own do not talk to each other, and given a geometry the pressure of a phase is an explicit
 //! inverse. So each segment is searched alone, in its geometry alone. On one supply line the pressures are common, and all is searched
-//! together. Derivatives are exact. `docs/design.md` has the equations and the format of problems and answers.
+//! together. Derivatives are exact. `docs/explanation/actuator-design.md` has the equations and the format of problems and answers.
 
 mod actuator;
 mod answer;
-mod file;
+pub(crate) mod file;
 pub mod kinds;
 mod objective;
 mod problem;
@@ -21,7 +21,7 @@ pub use actuator::Counts;
 pub use answer::{
     Answer, Design, DesignError, PhaseAnswer, SegmentAnswer, Terms, search, search_watched, solve, solve_watched,
 };
-pub use file::ProblemError;
 pub use objective::Objective;
 pub use problem::{Bounds, Geometry, GeometryBounds, Goal, Problem, Segment, Sizes, Winding};
 pub use search::{Effort, Progress, Starts};
+pub use softlimb_files::problem::ProblemError;

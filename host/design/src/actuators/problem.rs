@@ -149,7 +149,7 @@ impl Problem {
 }
 
 impl Segment {
-    /// Whether its bend rises with every pressure: walls that do not soften have no limit point (`docs/model.md`, section 5).
+    /// Whether its bend rises with every pressure: walls that do not soften have no limit point (`docs/explanation/model.md`, section 5).
     pub(crate) fn bends_without_limit(&self) -> bool {
         let stiffens = match self.material {
             Material::NeoHookean { .. } => true,

@@ -1,12 +1,14 @@
-//! Problem files: JSON, described in `docs/payload.md`. What is wrong is said with field, value, allowed range and line.
+//! Problem files: JSON, described in `docs/reference/bundle-problem.md`. What is wrong is said with field, value, allowed range and line.
 
-use fra_model::{Families, Material, Placement};
+use fra_model::{Material, Placement};
 use serde::Deserialize;
 
 use super::problem::{Attachment, ForceProblem, Sample};
-use crate::actuators::{Bounds, ProblemError, Winding};
-use softlimb_files::json_line::line_of;
+use crate::actuators::file::{families, material};
+use crate::actuators::{Bounds, Winding};
 use softlimb_files::object::Object;
+use softlimb_files::problem;
+use softlimb_files::problem::{ProblemError, Refused, bounds_from, positive_bounds, require};
 
 /// Most actuators and samples of a file.
 const MOST: usize = 100;
@@ -81,41 +83,22 @@ struct SampleSpec {
     held_length_m: Option<f64>,
 }
 
-/// A field and what is wrong with it; the line is found when the message is made.
-type Refused = (String, String);
-
-fn require(accepted: bool, field: &str, value: f64, allowed: &str) -> Result<(), Refused> {
-    if accepted { Ok(()) } else { Err((field.into(), format!("= {value} is not allowed: {allowed}"))) }
-}
-
-/// Ordered bounds, the lower one at least `least`, or more than it.
-fn ordered(field: &str, [low, high]: Bounds, least: f64, more: bool) -> Result<(), Refused> {
-    let allowed = if more { format!("> {least}") } else { format!(">= {least}") };
-    require(if more { low > least } else { low >= least }, &format!("{field}[0]"), low, &allowed)?;
-    require(high >= low && high.is_finite(), &format!("{field}[1]"), high, &format!("at least {low}, the lower bound"))
-}
-
 impl ForceProblem {
     /// Reads a problem file.
     ///
     /// # Errors
     /// [`ProblemError`] at the first value that is not accepted.
     pub fn read(text: &str) -> Result<Self, ProblemError> {
-        let Object(file) = serde_json::from_str::<Object<File>>(text).map_err(|error| {
-            let message = error.to_string();
-            let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message).to_owned();
-            ProblemError::Format { line: error.line(), column: error.column(), message }
-        })?;
-        file.problem().map_err(|(field, message)| ProblemError::Value { line: line_of(text, &field), field, message })
+        problem::read(text, File::problem)
     }
 }
 
 impl File {
     fn problem(&self) -> Result<ForceProblem, Refused> {
-        require(self.format == 1, "format", f64::from(self.format), "1")?;
+        require(self.format == 1, "format", self.format, "1")?;
         for (field, count) in [("actuators", self.actuators.len()), ("samples", self.samples.len())] {
             let allowed = "1 to 100 items";
-            require((1..=MOST).contains(&count), field, count as f64, allowed)?;
+            require((1..=MOST).contains(&count), field, count, allowed)?;
         }
         let bounds = self.bounds.0.checked()?;
         let Weights { force_per_n, torque_per_nm } = self.weights.0;
@@ -142,10 +125,10 @@ impl File {
 
 impl BoundsSpec {
     fn checked(&self) -> Result<&Self, Refused> {
-        ordered("bounds.inner_radius_m", self.inner_radius_m, 0.0, true)?;
-        ordered("bounds.wall_m", self.wall_m, 0.0, true)?;
-        ordered("bounds.length_m", self.length_m, 0.0, true)?;
-        ordered("bounds.angle_deg", self.angle_deg, -90.0, false)?;
+        positive_bounds("bounds.inner_radius_m", self.inner_radius_m)?;
+        positive_bounds("bounds.wall_m", self.wall_m)?;
+        positive_bounds("bounds.length_m", self.length_m)?;
+        bounds_from("bounds.angle_deg", self.angle_deg, -90.0)?;
         require(self.angle_deg[1] <= 90.0, "bounds.angle_deg[1]", self.angle_deg[1], "-90 to 90, from the hoop")?;
         require(self.pressure_max_pa > 0.0, "bounds.pressure_max_pa", self.pressure_max_pa, "> 0")?;
         Ok(self)
@@ -154,32 +137,18 @@ impl BoundsSpec {
 
 impl MaterialSpec {
     fn material(&self) -> Result<Material<f64>, Refused> {
-        let wrong = |field: &str, message: &str| Err((format!("material.{field}"), message.into()));
-        match (self.law.as_str(), self.shear_modulus_pa, self.c_pa) {
-            ("neo-hookean", Some(shear_modulus_pa), None) => {
-                require(shear_modulus_pa > 0.0, "material.shear_modulus_pa", shear_modulus_pa, "> 0")?;
-                Ok(Material::NeoHookean { shear_modulus_pa })
-            }
-            ("yeoh", None, Some(c_pa)) => {
-                require(c_pa[0] > 0.0, "material.c_pa[0]", c_pa[0], "> 0")?;
-                Ok(Material::Yeoh { c_pa })
-            }
-            ("neo-hookean", None, None) => wrong("shear_modulus_pa", "is missing: a number, Pa"),
-            ("yeoh", None, None) => wrong("c_pa", "is missing: three numbers, Pa"),
-            ("neo-hookean", ..) => wrong("c_pa", "is not allowed: a neo-hookean material has none"),
-            ("yeoh", ..) => wrong("shear_modulus_pa", "is not allowed: a yeoh material has c_pa"),
-            _ => wrong("law", "is not allowed: \"neo-hookean\" or \"yeoh\""),
-        }
+        let material = material(&self.law, self.shear_modulus_pa, self.c_pa, "material")?;
+        let (field, value) = match material {
+            Material::NeoHookean { shear_modulus_pa } => ("material.shear_modulus_pa", shear_modulus_pa),
+            Material::Yeoh { c_pa } => ("material.c_pa[0]", c_pa[0]),
+        };
+        require(value > 0.0, field, value, "> 0").map(|()| material)
     }
 }
 
 impl FiberSpec {
     fn winding(&self) -> Result<Winding, Refused> {
-        let families = match self.families {
-            1 => Families::One,
-            2 => Families::Two,
-            n => return Err(("fiber.families".into(), format!("= {n} is not allowed: 1 or 2"))),
-        };
+        let families = families(self.families, "fiber")?;
         require(self.modulus_pa >= 0.0, "fiber.modulus_pa", self.modulus_pa, ">= 0")?;
         require(self.thickness_m > 0.0, "fiber.thickness_m", self.thickness_m, "> 0")?;
         let (modulus_pa, thickness_m) = (self.modulus_pa, self.thickness_m);
@@ -190,10 +159,10 @@ impl FiberSpec {
 impl AttachmentSpec {
     fn attachment(&self, index: usize) -> Result<Attachment, Refused> {
         let at = format!("actuators[{index}]");
-        ordered(&format!("{at}.radius_m"), self.radius_m, 0.0, false)?;
+        bounds_from(&format!("{at}.radius_m"), self.radius_m, 0.0)?;
         let signed = [("azimuth_deg", self.azimuth_deg), ("height_m", self.height_m)];
         for (name, bounds) in signed.into_iter().chain([("slope_x", self.slope_x), ("slope_y", self.slope_y)]) {
-            ordered(&format!("{at}.{name}"), bounds, -1e4, false)?;
+            bounds_from(&format!("{at}.{name}"), bounds, -1e4)?;
         }
         Ok(Attachment {
             name: self.name.clone(),

@@ -3,7 +3,7 @@
 //! `f = sum_i D_i F_i`: the loads `F_i` by geometry and pressure from the model's own derivatives, `D_i` by point and axis as written
 //! here. A length `l` that the surroundings hold makes the stretch `l/L`, hence `dF/dL` also has `-(l/L) dF/dl`.
 
-use fra_model::{Actuator, ActuatorParameters, Fiber, Held, Motion, Parameter, Placement, Status};
+use fra_model::{Actuator, ActuatorParameters, Blocked, Fiber, Motion, Parameter, Placement, Status};
 use nalgebra::{Vector2, Vector3, Vector6};
 
 use super::answer::{Answer, answer};
@@ -33,7 +33,7 @@ pub(super) struct Placed {
     pub(super) values: Vec<f64>,
     actuator: Actuator<f64>,
     /// One for each sample.
-    pub(super) held: Vec<Held<f64>>,
+    pub(super) held: Vec<Blocked<f64>>,
     pub(super) point_m: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
 }
@@ -71,7 +71,7 @@ impl<'a> Forces<'a> {
         let actuator = Actuator::new(&self.parameters(*inner, *wall, *length, *angle)).ok()?;
         let hold = |(pressure, sample): (&f64, &super::Sample)| {
             let held_length = sample.held_length_m.unwrap_or(*length);
-            actuator.held(*pressure, held_length / length, 0.0).ok().filter(|held| held.status == Status::Solved)
+            actuator.blocked(*pressure, held_length / length, 0.0).ok().filter(|held| held.status == Status::Solved)
         };
         let held = pressures.iter().zip(&self.problem.samples).map(hold).collect::<Option<Vec<_>>>()?;
         let point_m = Vector3::new(radius * azimuth.cos(), radius * azimuth.sin(), *height);
@@ -104,7 +104,7 @@ impl<'a> Forces<'a> {
     fn load_slope(&self, placed: &Placed, sample: usize, quantity: Quantity) -> Option<Vector2<f64>> {
         let held = &placed.held[sample];
         let by = |parameter: Parameter| {
-            let load = placed.actuator.held_sensitivity(held, parameter).ok()?;
+            let load = placed.actuator.blocked_sensitivity(held, parameter).ok()?;
             Some(-Vector2::new(load.force_n, load.torque_nm))
         };
         // The winding follows the outer radius, and that the inner one and the wall.

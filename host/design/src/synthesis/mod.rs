@@ -5,7 +5,7 @@
 //! (`response.rs`, `table.rs`); after that a limb is a chain of screws whose points have closed derivatives by every variable (`arc.rs`,
 //! `chain.rs`), and squared errors of the tip and squared penetrations are bounded least squares (`objective.rs`, `descent.rs`), started
 //! again where they end badly (`search.rs`). What is found is settled and confirmed with the model itself (`realise.rs`, `confirm.rs`).
-//! `docs/design-path.md` has the equations and the figures.
+//! `docs/explanation/limb-synthesis.md` has the equations and the figures.
 
 mod aim;
 mod arc;

@@ -13,7 +13,7 @@ fn effort(seed: u64) -> Effort {
 
 #[test]
 fn what_can_be_reached_is_reached_for_every_seed() {
-    for seed in 0..samples(999) as u64 {
+    for seed in 0..u64::from(samples(999)) {
         let kind = [Kind::A, Kind::B, Kind::C][seed as usize % 3];
         let problem = kind.problem(seed);
         let answer = solve(&problem, &effort(seed)).expect("an answer");
@@ -95,13 +95,13 @@ fn what_cannot_be_reached_is_approached_as_far_as_can_be_for_every_seed() {
     let farthest: Vec<f64> = Kind::D.problem(0).segments().iter().map(farthest).collect();
     let mut unreachable = 0;
     let problems = samples(100);
-    for seed in 0..problems as u64 {
+    for seed in 0..u64::from(problems) {
         let problem = Kind::D.problem(seed);
         let optimum: f64 = problem.segments().iter().zip(&farthest).map(|(s, f)| least_objective(s, *f)).sum();
         let answer = solve(&problem, &effort(seed)).expect("an answer");
         let gap = objective(&problem, &answer) / optimum - 1.0;
         assert!(gap <= 1e-8, "{seed}: {gap:e} above the optimum {optimum}");
-        unreachable += usize::from(optimum > 1.0);
+        unreachable += u32::from(optimum > 1.0);
     }
     assert_eq!(unreachable, problems, "of {problems} problems are beyond reach");
 }
@@ -165,7 +165,7 @@ fn a_compromise_that_no_segment_would_choose_is_found() {
     ];
     for (targets, least) in cases {
         let problem = Problem::read(&twist_bend_and_length(&targets)).expect("a problem");
-        for seed in 0..samples(4) as u64 {
+        for seed in 0..u64::from(samples(4)) {
             let answer = solve(&problem, &effort(seed)).expect("an answer");
             let gap = objective(&problem, &answer) / least - 1.0;
             assert!(gap <= 1e-6, "{seed}: {gap:e} above {least}");

@@ -100,7 +100,7 @@ fn twists_beyond_reach_are_approached_as_far_as_can_be_on_the_ridge() {
         },
         20,
     );
-    let (mut on_ridge, problems) = (0, samples(100));
+    let (mut on_ridge, problems) = (0, samples(100) as usize);
     for seed in 0..problems {
         let [a, b] =
             [0.2, 3.0].map(|factor| -factor * 0.3 * most * (0.6 + 2.0 * spread(seed, (10.0 * factor) as usize)));
@@ -118,7 +118,7 @@ fn twists_beyond_reach_are_approached_as_far_as_can_be_on_the_ridge() {
 
 #[test]
 fn radii_beyond_reach_are_approached_as_far_as_can_be_on_the_ridge() {
-    let (mut on_ridge, problems) = (0, samples(100));
+    let (mut on_ridge, problems) = (0, samples(100) as usize);
     for seed in 0..problems {
         let targets = [0.008 + 0.0006 * spread(seed, 1), 0.019 + 0.002 * spread(seed, 2)];
         let text = extension(&[

@@ -2,7 +2,7 @@
 //!
 //! The wall is a body of revolution that may twist: unknowns are the change of the radius, the turn about the axis and the shift along
 //! it, as functions of radius and axial place, in nine-node rectangles with three discontinuous pressures each, exactly
-//! incompressible. `docs/validation.md` has the results; its mid-length rates are those of the thick-walled tube, which is one of the tests.
+//! incompressible. `docs/evidence/validation.md` has the results; its mid-length rates are those of the thick-walled tube, which is one of the tests.
 
 mod band;
 mod body;

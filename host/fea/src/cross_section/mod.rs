@@ -2,7 +2,7 @@
 //! constant stretch, bends and twist of the axis, and its shape is unknown.
 //!
 //! Nine-node elements with linear pressures keep the volume of the wall; one potential gives residual and stiffness. All motions and
-//! their combinations, fibers in the wall or on a surface, a strain-limiting line or strip, loads on the end. `docs/section-fe.md` derives it.
+//! their combinations, fibers in the wall or on a surface, a strain-limiting line or strip, loads on the end. `docs/explanation/cross-section.md` derives it.
 //!
 //! ```
 //! use fra_model::{ActuatorParameters, Material, Motion};

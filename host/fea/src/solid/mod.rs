@@ -2,7 +2,7 @@
 //!
 //! An actuator or a bundle becomes a structured mesh of quadratic elements with solid caps ([`Model`]) and a deck that CalculiX and Abaqus
 //! read ([`Deck`]). [`run`] starts CalculiX with it and reduces what it prints to the strains in the middle of the length and between
-//! the ends ([`Point`]). What is modelled how, and how close it comes, is in `docs/fem-decks.md`.
+//! the ends ([`Point`]). What is modelled how, and how close it comes, is in `docs/explanation/solid-elements.md`.
 //!
 //! This room knows nothing of scenes, reads no clock and prints nothing. It is independent of the model's equations: of `fra-model` it uses
 //! the parameters alone, so that it can judge them.

@@ -74,7 +74,7 @@ pub enum SymmetryUse {
     Whole,
 }
 
-/// How a deck is made. The default is right for the comparisons of `docs/fem-decks.md`.
+/// How a deck is made. The default is right for the comparisons of `docs/explanation/solid-elements.md`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Smeared or threads.

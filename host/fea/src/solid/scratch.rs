@@ -2,12 +2,11 @@
 
 use std::fs::{self, File, OpenOptions};
 use std::io;
-use std::path::{Path, PathBuf};
-use std::process;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::path::Path;
 use std::time::Duration;
 
 use softlimb_files::FileError;
+use tempfile::TempDir;
 
 use super::FemError;
 
@@ -21,43 +20,27 @@ const YOUNG: Duration = Duration::from_secs(60);
 /// A new folder among the system's temporary ones; removed with everything in it when this value goes.
 #[derive(Debug)]
 pub(crate) struct Scratch {
-    folder: PathBuf,
+    folder: TempDir,
     lock: File,
 }
 
 impl Scratch {
     /// Makes one, and removes those that processes left behind which ended without doing so.
     pub(crate) fn new() -> Result<Self, FemError> {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
         let parent = std::env::temp_dir();
-        loop {
-            let count = COUNT.fetch_add(1, Ordering::Relaxed);
-            let folder = parent.join(format!("{PREFIX}{}-{count}", process::id()));
-            match fs::create_dir(&folder) {
-                Ok(()) => {
-                    let path = folder.join(LOCK);
-                    let mut how = OpenOptions::new();
-                    let lock = how
-                        .read(true)
-                        .write(true)
-                        .create_new(true)
-                        .open(&path)
-                        .map_err(FileError::at("create", &path))?;
-                    // Where files cannot be locked nothing is ever removed.
-                    let _ = lock.lock();
-                    let scratch = Self { folder, lock };
-                    scratch.sweep(&parent);
-                    return Ok(scratch);
-                }
-                // Left over from a process of the same number.
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(FileError::at("create", &folder)(error).into()),
-            }
-        }
+        let folder = TempDir::with_prefix_in(PREFIX, &parent).map_err(FileError::at("create a folder in", &parent))?;
+        let path = folder.path().join(LOCK);
+        let mut how = OpenOptions::new();
+        let lock = how.read(true).write(true).create_new(true).open(&path).map_err(FileError::at("create", &path))?;
+        // Where files cannot be locked nothing is ever removed.
+        let _ = lock.lock();
+        let scratch = Self { folder, lock };
+        scratch.sweep(&parent);
+        Ok(scratch)
     }
 
     pub(crate) fn path(&self) -> &Path {
-        &self.folder
+        self.folder.path()
     }
 
     /// The lock once more, for whoever works in the folder: it is free when nobody has it open any longer.
@@ -82,12 +65,5 @@ impl Scratch {
                 let _ = fs::remove_dir_all(entry.path());
             }
         }
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // What cannot be removed is left to the next run, or to the system's own cleaning.
-        let _ = fs::remove_dir_all(&self.folder);
     }
 }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Methods for eq. (14) side by side, on problems made by seed.
 
-Asked are `softlimb design`, and of the Python package index a particle swarm (pyswarms), CMA-ES (cma), differential
-evolution and least squares from many starts (scipy). They ask the same model: `softlimb design --problem FILE --evaluate`.
-Every method gets as many evaluations as it is told; `softlimb design` takes what it takes. The least objective that any of
+Asked are `softlimb design actuators`, and of the Python package index a particle swarm (pyswarms), CMA-ES (cma), differential
+evolution and least squares from many starts (scipy). They ask the same model: `softlimb design actuators FILE --evaluate`.
+Every method gets as many evaluations as it is told; `softlimb design actuators` takes what it takes. The least objective that any of
 them finds is the best known, and gaps are relative to it.
 
     python3 -m venv venv && venv/bin/pip install numpy scipy cma pyswarms
@@ -49,7 +49,7 @@ class Model:
         self.file = Path(folder) / "problem.json"
         self.file.write_text(json.dumps(problem))
         self.program = program
-        command = [program, "design", "--problem", str(self.file), "--evaluate"]
+        command = [program, "design", "actuators", str(self.file), "--evaluate"]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         segments = problem["segments"]
         lines = 1 if problem["shared_pressure"] else len(segments)
@@ -85,7 +85,7 @@ class Model:
 
     def design(self, seed, starts=None):
         more = [] if starts is None else ["--starts", str(starts)]
-        command = [self.program, "design", "--problem", str(self.file), "--json", "--seed", str(seed), *more]
+        command = [self.program, "design", "actuators", str(self.file), "--json", "--seed", str(seed), *more]
         answer = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
         self.evaluations = answer["cost"]["evaluations"]
         self.least = answer["objective"]

@@ -19,7 +19,7 @@ use crate::published::Published;
     after_help = "Times are relative to Newton's method from rest to 1e-10 on an extension actuator in double precision, \
                   measured in the same run.\n\
                   The published table: cargo xtask lab accuracy --instructions --mcu firmware/boards/mps2-an386/counts.tsv \
-                  --tsv tests/golden/accuracy.tsv --svg docs/accuracy.svg --page docs/accuracy.md"
+                  --tsv tests/golden/accuracy.tsv --svg docs/evidence/accuracy.svg --page docs/evidence/accuracy.md"
 )]
 pub(crate) struct Accuracy {
     /// Number of actuators

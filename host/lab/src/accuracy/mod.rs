@@ -1,6 +1,6 @@
 //! Speed against error: every method, motion and scalar over a seeded set of actuators, against a reference of its own.
 //!
-//! [`accuracy`] makes the table; how to read it is in `docs/accuracy.md`, which is made from it.
+//! [`accuracy`] makes the table; how to read it is in `docs/evidence/accuracy.md`, which is made from it.
 
 mod callgrind;
 mod command;

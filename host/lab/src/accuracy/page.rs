@@ -1,4 +1,4 @@
-//! The tables of `docs/accuracy.md`.
+//! The tables of `docs/evidence/accuracy.md`.
 
 use std::fmt::Write;
 

@@ -6,7 +6,7 @@ use softlimb::comparison::Case;
 /// Sizes: inner and outer radius and length, m.
 const SIZES: [[f64; 3]; 2] = [[6e-3, 8e-3, 60e-3], [10e-3, 14e-3, 100e-3]];
 
-/// Dragon Skin 30: fits to tension up to a stretch of 2 (`docs/model.md`), neo-Hookean and Yeoh.
+/// Dragon Skin 30: fits to tension up to a stretch of 2 (`docs/explanation/model.md`), neo-Hookean and Yeoh.
 const MATERIALS: [(&str, Material<f64>); 2] = [
     ("neo-Hookean", Material::NeoHookean { shear_modulus_pa: 0.223e6 }),
     ("Yeoh", Material::Yeoh { c_pa: [86.56e3, 13.805e3, -1466.1] }),

@@ -16,7 +16,7 @@ use crate::published::Published;
 #[derive(Args)]
 #[command(
     after_help = "The file of --tsv keeps the cases that are left out, and CalculiX's answers to the same pressures. All of it:\n  \
-                  cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/validation.svg --page docs/validation.md"
+                  cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/evidence/validation.svg --page docs/evidence/validation.md"
 )]
 pub(crate) struct Validation {
     /// Only cases whose name contains this

@@ -1,4 +1,4 @@
-//! The table of `docs/validation.md`.
+//! The table of `docs/evidence/validation.md`.
 
 use softlimb::comparison::{Comparison, percent};
 

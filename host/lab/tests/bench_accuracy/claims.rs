@@ -1,4 +1,4 @@
-//! What `docs/accuracy.md` says beside its tables.
+//! What `docs/evidence/accuracy.md` says beside its tables.
 
 use crate::bench_accuracy::published;
 

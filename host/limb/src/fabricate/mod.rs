@@ -2,7 +2,7 @@
 //!
 //! [`plan`] resolves how an actuator is wound and cast, or says at the scene's line why it cannot be made. [`sheet`] writes that down,
 //! [`path`] walks along the thread, [`mold`] shapes the core and the shells. [`tolerance`] has how far wall, angle and modulus
-//! may be off, as the sheet says it. `docs/fabrication.md` has the conventions.
+//! may be off, as the sheet says it. `docs/explanation/fabrication.md` has the conventions.
 //!
 //! This room takes scenes and gives texts and meshes; it reads and writes no file.
 

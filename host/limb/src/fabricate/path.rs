@@ -3,7 +3,8 @@
 //! By its arc length `s`, from the actuator's base: turned by `s cos a/R` about the axis, and at the height `s sin a`.
 
 use std::f64::consts::TAU;
-use std::fmt::Write;
+
+use softlimb_files::table;
 
 use super::winding::{Hand, Winding};
 
@@ -41,13 +42,11 @@ pub fn points(winding: &Winding, hand: Hand, chord_m: f64) -> Vec<Point> {
 
 /// The points as comma-separated values with a line of names.
 pub fn csv(points: &[Point]) -> String {
-    let mut text = "start,turn_deg,x_m,y_m,z_m,arc_m\n".to_owned();
-    for point in points {
+    let row = |point: &Point| {
         let [x, y, z] = point.place_m;
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{},{},{x},{y},{z},{}", point.start + 1, point.turn_rad.to_degrees(), point.arc_m);
-    }
-    text
+        [f64::from(point.start + 1), point.turn_rad.to_degrees(), x, y, z, point.arc_m].map(|value| value.to_string())
+    };
+    table::written(&["start", "turn_deg", "x_m", "y_m", "z_m", "arc_m"], points.iter().map(row))
 }
 
 /// Largest angle between points on a circle whose chord stays within a distance of it, rad.

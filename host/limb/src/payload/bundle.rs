@@ -150,7 +150,7 @@ impl Mounted {
     pub fn push(&self, pressure_pa: f64) -> Result<Push, PayloadError> {
         match self.hold {
             Hold::Straight { axial_stretch, twist_rad } => {
-                let held = self.actuator.held(pressure_pa, axial_stretch, twist_rad)?;
+                let held = self.actuator.blocked(pressure_pa, axial_stretch, twist_rad)?;
                 if held.status != Status::Solved {
                     return Err(self.no_balance(pressure_pa));
                 }
@@ -187,7 +187,7 @@ impl Mounted {
     /// As [`push`](Self::push).
     pub fn axial_stiffness(&self, pressure_pa: f64) -> Result<Option<f64>, PayloadError> {
         let Hold::Straight { axial_stretch, twist_rad } = self.hold else { return Ok(None) };
-        let held = self.actuator.held(pressure_pa, axial_stretch, twist_rad)?;
+        let held = self.actuator.blocked(pressure_pa, axial_stretch, twist_rad)?;
         if held.status == Status::Solved { Ok(Some(held.stiffness[0][0])) } else { Err(self.no_balance(pressure_pa)) }
     }
 }

@@ -202,7 +202,7 @@ fn critical_n(module: &LimbModule, state: &State<f64>, case: &LoadCase) -> Resul
     if module.motion == Motion::Bending {
         return Ok(None);
     }
-    let held = module.actuator.held(state.pressure_pa, state.axial_stretch, state.twist_rad)?;
+    let held = module.actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad)?;
     if held.status != Status::Solved {
         return Err(PayloadError::NoBalance { name: module.name.clone(), pressure_pa: state.pressure_pa });
     }

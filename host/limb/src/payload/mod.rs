@@ -1,8 +1,8 @@
 //! Force and payload: what bundles of actuators push and turn with, eqs. (15)-(17) of the paper, the largest load that a bundle or a limb
 //! can hold, and the design of a bundle for wanted forces, eq. (18).
 //!
-//! Forces come from the model's own energy, [`fra_model::Actuator::held`]: the pressure Jacobian that the paper prints is not their
-//! derivative. `docs/payload.md` has the derivation, the file format and the figures.
+//! Forces come from the model's own energy, [`fra_model::Actuator::blocked`]: the pressure Jacobian that the paper prints is not their
+//! derivative. `docs/explanation/payload.md` has the derivation, the file format and the figures.
 
 pub mod bundle;
 mod capacity;

@@ -33,7 +33,7 @@ pub struct Tangent {
 impl Tangent {
     /// The tube at a pressure; `None` where the branch of its equilibria does not get there.
     ///
-    /// Axial and torsional stiffness are those of the model at constant pressure ([`Actuator::held`]). A straight wall is taken to have the same axial
+    /// Axial and torsional stiffness are those of the model at constant pressure ([`Actuator::blocked`]). A straight wall is taken to have the same axial
     /// modulus everywhere, so that `EI = EA (r_o^2 + r_i^2)/4`. In the plane of a bending actuator `EI` is the model's own change of
     /// moment with the bend; its line is given a hundred times the stiffness of the wall. `GA` is half of `mu A`, as of a thin round tube.
     pub fn of(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
@@ -57,7 +57,7 @@ impl Tangent {
 
 fn straight(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangent> {
     let (parameters, state) = (actuator.parameters(), &solution.state);
-    let held = actuator.held(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
+    let held = actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
     let bending_nm2 = axial * gyration_m2(state.inner_radius_m, state.outer_radius_m);

@@ -3,7 +3,7 @@
 //!
 //! Two routes to the same figures. [`linear`] takes exact derivatives of the model through bundle and limb; [`sample`] makes limbs by seed
 //! and asks the model for each. [`Statistics`] puts them side by side. Unlike actuators in a bundle also bend it: it takes the shape of
-//! least energy of its tubes, each a spring at its own free state, as in [`crate::statics`]. `docs/tolerance.md` has the conventions.
+//! least energy of its tubes, each a spring at its own free state, as in [`crate::statics`]. `docs/explanation/tolerance.md` has the conventions.
 
 mod input;
 mod linear;

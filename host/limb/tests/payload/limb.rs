@@ -56,7 +56,7 @@ fn along_the_limb_the_weakest_module_decides() {
     assert_eq!(found.outcome, Outcome::Solved);
     let module = &limb.modules()[0];
     let most = module.reference_max_pa.min(module.curve.pressure_max_pa());
-    let push = -3.0 * module.actuator.held(most, 1.0, 0.0).unwrap().force_n;
+    let push = -3.0 * module.actuator.blocked(most, 1.0, 0.0).unwrap().force_n;
     assert!((found.load_n - push).abs() < 1e-6 * push, "{} against {push}", found.load_n);
     // The load that one bay of the isotropic wall buckles at is of this size: 3 mu I with the length of a third, and mu A/2 in shear, which
     // an elastica that shears has in series: 1/N = 1/E + 1/(G + N).

@@ -264,7 +264,7 @@ fn what_rods_leave_out_of_tubes_is_told() {
     let mut stream = Stream(77);
     let (mut compared, mut judged, mut within, mut by_square, mut lost) = (0, 0, 0, 0, 0);
     let (mut ratios, mut left): (Vec<f64>, Vec<f64>) = Default::default();
-    let limbs = samples(120);
+    let limbs = samples(120) as usize;
     for case in 0..limbs {
         let limb = random_limb(&mut stream, 1 + case % 3);
         let load = load_for(&limb, 0.01 * 50_f64.powf(stream.next()));
@@ -308,7 +308,7 @@ fn what_rods_leave_out_of_tubes_is_told() {
 /// Every tube a rod of its own, beside the solution that shares nothing with it: the tip, and what is told of its error.
 #[test]
 fn tubes_of_the_limb_are_the_tubes_that_are_shot() {
-    let limbs = samples(120);
+    let limbs = samples(120) as usize;
     for seed in [77, 78] {
         let mut stream = Stream(seed);
         let (mut compared, mut judged, mut within) = (0, 0, 0);
@@ -349,11 +349,11 @@ fn tubes_of_the_limb_are_the_tubes_that_are_shot() {
         println!("draw {seed}: {compared} limbs; rods are off by up to {rods:.2} %, tubes by up to {tubes:.3} %");
         println!("with their told error added by up to {:.4} %", 100.0 * finest);
         println!(
-            "still above 0.1 %: {judged}; told within 0.4 to 2.5: {within}, {:.2} to {:.2}",
-            told[0],
-            told[judged - 1]
+            "still above 0.1 %: {judged}; told within 0.4 to 2.5: {within}, {:.2?} to {:.2?}",
+            told.first(),
+            told.last()
         );
-        assert!(compared * 120 >= limbs * 35 && judged * 120 >= limbs * 5, "{compared} {judged} of {limbs}");
+        assert!(compared >= limbs * 35 / 120 && judged >= limbs * 5 / 120, "{compared} {judged} of {limbs}");
         assert_eq!(within, judged);
         assert!(tubes < 0.05 * rods && 100.0 * finest < 0.005 * rods, "{tubes} {finest}");
     }
@@ -365,7 +365,8 @@ fn tubes_are_right_where_one_of_them_is_near_buckling() {
     let mut stream = Stream(79);
     let (mut compared, mut missed, mut both_fall): (usize, usize, usize) = Default::default();
     let (mut rods, mut tubes, mut told): (f64, f64, Vec<f64>) = Default::default();
-    for case in 0..30 {
+    let limbs = samples(30).max(6) as usize;
+    for case in 0..limbs {
         let limb = random_limb(&mut stream, 1 + case % 3);
         let load = load_for(&limb, 0.5 + 0.45 * stream.next());
         let exact = limb.tip_by_tubes(load);
@@ -395,7 +396,8 @@ fn tubes_are_right_where_one_of_them_is_near_buckling() {
         "tubes off by up to {tubes:.2} %, above 0.1 % {}; told within 0.4 to 2.5: {within}, {told:.2?}",
         told.len()
     );
-    assert!(compared >= 8 && missed * 4 <= compared && tubes < 0.05 * rods, "{compared} {missed} {rods} {tubes}");
+    assert!(compared * 30 >= limbs * 8 && missed * 4 <= compared, "{compared} {missed} of {limbs}");
+    assert!(tubes < 0.05 * rods, "{rods} {tubes}");
     assert_eq!(within, told.len());
 }
 

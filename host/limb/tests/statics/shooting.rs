@@ -115,7 +115,7 @@ fn two_hundred_limbs_against_shooting() {
     let (mut judged, mut within, mut unnamed) = (0, 0, 0);
     let mut linear = [0; 2];
     let mut taken = [0; Tier::ALL.len()];
-    let limbs = samples(200);
+    let limbs = samples(200) as usize;
     for _ in 0..limbs {
         let load = stream.between(0.05, 0.6);
         let rod = random_rod(&mut stream, load);

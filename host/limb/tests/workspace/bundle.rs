@@ -50,7 +50,7 @@ fn equal_pressures_are_the_kinematics_of_the_modules() {
     }
 }
 
-/// Stretch and bends of a bundle whose tubes follow the model at any stretch ([`fra_model::Held`]), by Newton's method: forces and moments vanish.
+/// Stretch and bends of a bundle whose tubes follow the model at any stretch ([`fra_model::Blocked`]), by Newton's method: forces and moments vanish.
 fn nonlinear(limb: &softlimb_limb::Limb, pressures_pa: [f64; 3]) -> Vector3<f64> {
     let module = &limb.modules()[0];
     let places: Vec<[f64; 2]> =
@@ -62,7 +62,7 @@ fn nonlinear(limb: &softlimb_limb::Limb, pressures_pa: [f64; 3]) -> Vector3<f64>
         let mut slope = Matrix3::from_diagonal(&Vector3::new(0.0, own, own));
         for (place, pressure_pa) in places.iter().zip(pressures_pa) {
             let arm = Vector3::new(1.0, -place[0], -place[1]);
-            let held = module.actuator.held(pressure_pa, arm.dot(&at), 0.0).expect("a stretch");
+            let held = module.actuator.blocked(pressure_pa, arm.dot(&at), 0.0).expect("a stretch");
             residual += arm * held.force_n;
             slope += arm * arm.transpose() * (held.stiffness[0][0] * module.length_m());
         }

@@ -115,7 +115,7 @@ fn what_falls_or_buckles_is_counted_and_not_reached() {
     assert_eq!(poses.iter().filter(buckles).count(), tally.buckles.iter().sum::<usize>());
 }
 
-/// The scenes' limb hung up as the paper's was, under parts of its weight, for `docs/workspace.md`: the more of it, the less it lifts itself.
+/// The scenes' limb hung up as the paper's was, under parts of its weight, for `docs/explanation/workspace.md`: the more of it, the less it lifts itself.
 #[test]
 fn the_hanging_limb_beside_the_paper_s() {
     let both = reference("[0, 0, -1]", "[1, 0, 0]");

@@ -1,6 +1,6 @@
 //! Creep from the response to a step of the pressure.
 //!
-//! `q(t) = q_rest + a (1 + x (1 - exp(-t/tau)))`: what follows slowly is a share `x` of what follows at once, `docs/plant.md`. There the
+//! `q(t) = q_rest + a (1 + x (1 - exp(-t/tau)))`: what follows slowly is a share `x` of what follows at once, `docs/explanation/plant.md`. There the
 //! share is one of the volume's change; it is the same of a deformation that grows in proportion to the volume.
 
 use nalgebra::{DMatrix, DVector};

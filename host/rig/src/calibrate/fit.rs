@@ -104,7 +104,7 @@ pub struct Fit {
 ///     material: Material::NeoHookean { shear_modulus_pa: 0.25e6 },
 ///     fiber: None,
 /// };
-/// // The angles of docs/model.md for a modulus of 0.2 MPa.
+/// // The angles of docs/explanation/model.md for a modulus of 0.2 MPa.
 /// let seen = [(10e3, 12.9_f64), (30e3, 43.0), (60e3, 101.8)].map(|(reading_pa, degrees)| Observation {
 ///     body: 0,
 ///     reading_pa,

@@ -2,7 +2,7 @@
 //! actuators.
 //!
 //! [`fit`] finds parameters of actuators by least squares with the exact derivatives of the model, gives each its confidence interval,
-//! and refuses what the data cannot tell. Files are read and drawn elsewhere; nothing here opens one. `docs/calibrate.md` has the equations.
+//! and refuses what the data cannot tell. Files are read and drawn elsewhere; nothing here opens one. `docs/explanation/calibration.md` has the equations.
 
 mod body;
 mod creep;

@@ -1,6 +1,6 @@
 //! What the walls have crept at the ends of phases.
 //!
-//! The scene's `creep_share` `x` and `creep_time` `tau` as `docs/plant.md` has them, one branch in the volume of an actuator,
+//! The scene's `creep_share` `x` and `creep_time` `tau` as `docs/explanation/plant.md` has them, one branch in the volume of an actuator,
 //! `tau dV_c/dt = x (V - V_0) - V_c`, along the setpoints. The shape is that of the volume with its creep, at a higher pressure.
 
 use fra_model::{Actuator, Load, State, Status};

@@ -2,7 +2,7 @@
 //!
 //! A camera sees the tip at the ends of phases, without the load and with it ([`Sighting`]). The difference of the two does not hold where the
 //! camera stands, and little of what the model gets wrong about the limb without load; the mass whose weight makes it, by the nonlinear statics of
-//! the limb with its creep, is sought by least squares ([`mass`]). `docs/payload.md` has the equations and the format of the table.
+//! the limb with its creep, is sought by least squares ([`mass`]). `docs/explanation/payload-estimation.md` has the equations, `docs/guide/estimate-a-payload.md` the format of the table.
 
 mod creep;
 mod limb;

@@ -3,7 +3,7 @@
 //!
 //! [`Recorder`] writes a run while it happens, [`read`] brings the whole run back
 //! as a [`RunLog`] of plain data. The byte layout is described in
-//! `docs/log-format.md`. This is the only room that knows the container format;
+//! `docs/reference/log.md`. This is the only room that knows the container format;
 //! it knows nothing of ports, scenes or figures.
 
 mod cdr;

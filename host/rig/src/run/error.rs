@@ -8,6 +8,7 @@ use softlimb_sim::{EmulatorError, SimError};
 use super::RunFiles;
 use crate::link::LinkError;
 use crate::record::RecordError;
+use softlimb_files::FileError;
 use softlimb_scene::SceneError;
 
 /// Why there is no run, or no whole one.
@@ -49,13 +50,8 @@ pub enum RunError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// The report cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Report {
-        /// The report.
-        path: PathBuf,
-        /// What the operating system says.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Report(#[from] FileError),
     /// The folder for the results cannot be made.
     #[error("cannot create the folder {}: {source}", path.display())]
     Folder {

@@ -7,7 +7,6 @@ mod observed;
 mod prepared;
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -20,6 +19,7 @@ use crate::record;
 use crate::record::{LinkSummary, Recorder, RunInfo, RunLog};
 use crate::report;
 use crate::simulate;
+use softlimb_files::write_whole;
 use softlimb_scene::Scene;
 
 use assemble::{Assembler, Seen};
@@ -133,19 +133,7 @@ fn finish_report(log: &Path) -> Result<RunFiles, RunError> {
 /// # Errors
 /// [`RunError::Report`].
 pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
-    // A name that nothing has: the log itself could be called like a half-written report.
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.new", std::process::id()));
-    let partial = path.with_file_name(name);
-    let html = report::html(log);
-    let written = fs::File::create_new(&partial)
-        .and_then(|mut file| file.write_all(html.as_bytes()))
-        .and_then(|()| fs::rename(&partial, path));
-    written.map_err(|source| {
-        // A partial file is of no use to anyone; that it cannot be removed adds nothing to the message.
-        let _ = fs::remove_file(&partial);
-        RunError::Report { path: path.to_owned(), source }
-    })
+    Ok(write_whole(path, &report::html(log))?)
 }
 
 /// The recording of a run, from the moment its configuration is known.

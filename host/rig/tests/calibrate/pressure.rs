@@ -73,7 +73,7 @@ fn a_shared_unknown_is_one_and_others_are_each_their_own() {
     assert_eq!(found.freedom, 22 - 3);
 }
 
-/// Bends of three tubes by a program of its own, `docs/model.md` section 5: 0.2 MPa within the half per cent that it is good to.
+/// Bends of three tubes by a program of its own, `docs/explanation/model.md` section 5: 0.2 MPa within the half per cent that it is good to.
 #[test]
 fn the_tabulated_bends_have_the_modulus_they_were_computed_with() {
     for (inner_radius_m, outer_radius_m, table) in
@@ -114,7 +114,7 @@ fn noise_around_no_pressure_does_not_bias_the_offset_of_a_bend() {
         material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
         fiber: None,
     };
-    // Straight on average; 12.9 deg at 10 kPa by the table of docs/model.md. The sensor reads 100 Pa too much.
+    // Straight on average; 12.9 deg at 10 kPa by the table of docs/explanation/model.md. The sensor reads 100 Pa too much.
     let points = [(40.0, 0.0), (160.0, 0.0), (10_060.0, 12.9), (10_140.0, 12.9)];
     let data = points.map(|(reading_pa, degrees): (f64, f64)| Observation {
         body: 0,
@@ -143,7 +143,7 @@ fn a_start_too_soft_for_the_pressures_is_hardened_first() {
 
 /// Noisy sets of a statistic.
 fn sets() -> usize {
-    samples(400)
+    samples(400) as usize
 }
 
 /// How many of [`sets`] noisy sets have the truth in the interval of each unknown.

@@ -221,7 +221,7 @@ fn a_camera_weighs_the_load_of_drawn_limbs_and_setpoints_for_that_mass_track_as_
     let goals: Vec<(f64, Vector3<f64>)> =
         ends_us(&free).into_iter().map(|end_us| (end_us, free.tip_m(&limb, end_us).into())).collect();
     // Drawn limbs, and how many of them run with setpoints for the mass as well.
-    let (drawn, tracked) = (samples(20).max(4) as u64, samples(4).max(2) as u64);
+    let (drawn, tracked) = (u64::from(samples(20).max(4)), u64::from(samples(4).max(2)));
     let (mut held, mut offs, mut off_mm) = (0, Vec::new(), Vector3::zeros());
     for parts in FIRST..FIRST + drawn {
         let trial = Trial { load_n, repeats: 1, rehearsals: 1, parts, noise: 50 };

@@ -32,7 +32,7 @@ section! {
 }
 
 section! {
-    /// What is added to the planned setpoints in a run, as `softlimb trials --csv` writes it for one limb; it is straight between the rows and
+    /// What is added to the planned setpoints in a run, as `softlimb learn --csv` writes it for one limb; it is straight between the rows and
     /// constant before the first and after the last. A corrected setpoint ends where its module's range ends.
     corrections, "[corrections]";
     FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s` and one per module, by the modules' names and in their order, and 2 to 10000 rows: m, rad or Pa as the module's setpoints are, or 1 for a stretch. Times are those since the start of the run, and rise.";

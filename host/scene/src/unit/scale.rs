@@ -7,6 +7,7 @@ pub(crate) struct Dimension(pub(super) [i16; 5]);
 impl Dimension {
     pub(crate) const RATIO: Self = Self([0; 5]);
     pub(crate) const LENGTH: Self = Self([1, 0, 0, 0, 0]);
+    pub(crate) const AREA: Self = Self([2, 0, 0, 0, 0]);
     pub(crate) const VOLUME: Self = Self([3, 0, 0, 0, 0]);
     pub(crate) const MASS: Self = Self([0, 1, 0, 0, 0]);
     pub(crate) const TIME: Self = Self([0, 0, 1, 0, 0]);
@@ -26,9 +27,10 @@ impl Dimension {
 
     /// What a message calls a quantity of this dimension, with its article.
     pub(crate) fn name(self) -> &'static str {
-        const NAMES: [(Dimension, &str); 18] = [
+        const NAMES: [(Dimension, &str); 19] = [
             (Dimension::RATIO, "a plain number"),
             (Dimension::LENGTH, "a length"),
+            (Dimension::AREA, "an area"),
             (Dimension::VOLUME, "a volume"),
             (Dimension::MASS, "a mass"),
             (Dimension::TIME, "a time"),

@@ -1,53 +1,89 @@
-//! Creep from the response to a step.
+//! `softlimb calibrate creep`: creep from the response to a step.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
-use serde_json::json;
+use clap::Args;
+use serde::Serialize;
 
-use super::super::Failure;
-use super::super::kept::read;
-use super::limb::loaded;
-use super::{Calibrate, Said, about};
-use softlimb_rig::calibrate::{Body, Point, Points, Step, fit_creep};
+use super::super::shared::{about, read, show};
+use super::super::{Failure, Outcome};
+use super::Fitting;
+use softlimb_rig::calibrate::{Body, Point, Points, Step, Value, fit_creep};
+use softlimb_rig::record::Quantity;
+use softlimb_scene as scene;
 
 /// What the pressure of a step may move by, as a share of its largest.
 const STEADY: f64 = 0.02;
 
-impl Calibrate {
-    pub(super) fn creep(&self, file: &Path) -> Result<Said, Failure> {
-        if self.svg.is_some() || self.write.is_some() {
-            return Err(Failure::wrong_line("--creep prints its values: no --svg and no --write"));
-        }
-        let scene = loaded(self.scene.as_deref())?;
+/// Fit the creep of modules to the response to a pressure step
+#[derive(Args)]
+#[command(after_help = "Files and method: docs/guide/calibrate.md\n\n\
+                        Example: softlimb calibrate creep step.csv --scene scenes/single-bending.toml")]
+pub(super) struct Creep {
+    /// The step, a CSV file with module, time_s, pressure_pa and a deformation
+    #[arg(value_name = "FILE")]
+    step: PathBuf,
+    /// The scene that describes the actuators
+    #[arg(long, value_name = "SCENE")]
+    scene: PathBuf,
+    #[command(flatten)]
+    fitting: Fitting,
+}
+
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed {
+    creep: Vec<Answer>,
+    scene_changes: &'static [String],
+    warnings: &'static [String],
+}
+
+#[derive(Serialize)]
+struct Answer {
+    module: String,
+    quantity: Quantity,
+    estimates: Vec<Estimate>,
+    modelled: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct Estimate {
+    name: String,
+    value: f64,
+    interval: [f64; 2],
+}
+
+impl Creep {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let scene = scene::load(&self.scene)?;
+        let about = about(&self.step);
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
-        let points = Points::read(&read(file)?, &names).map_err(|error| about(file)(&error))?;
+        let points = Points::read(&read(&self.step)?, &names).map_err(|error| about(&error))?;
         if !points.timed {
-            return Err(about(file)(&"--creep needs a column time_s: the time since the pressure was raised"));
+            return Err(about(&"creep needs a column time_s: the time since the pressure was raised"));
         }
         let (mut table, mut answers) = (String::new(), Vec::new());
         for module in scene.modules() {
             let of: Vec<&Point> = points.points.iter().filter(|point| point.name == *module.name).collect();
             let Some(first) = of.first() else { continue };
             if let Some(other) = of.iter().find(|point| point.quantity != first.quantity) {
-                return Err(about(file)(&format!("line {}: one deformation for each module, for --creep", other.line)));
+                return Err(about(&format!("line {}: one deformation for each module", other.line)));
             }
             let most_pa = of.iter().map(|point| point.reading_pa).fold(f64::NEG_INFINITY, f64::max);
             if let Some(low) = of.iter().find(|point| point.reading_pa < (1.0 - STEADY) * most_pa) {
                 let (line, kpa) = (low.line, most_pa * 1e-3);
-                return Err(about(file)(&format!(
-                    "line {line}: the pressure of a step stands still, here at {kpa:.2} kPa"
-                )));
+                return Err(about(&format!("line {line}: the pressure of a step stands still, here at {kpa:.2} kPa")));
             }
             let rest = Body::new(module.name.as_str(), module.actuator()).at_rest(first.quantity);
             let largest = of.iter().map(|point| (point.value - rest).abs()).fold(0.0, f64::max);
             let step = Step {
                 rest,
                 points: of.iter().map(|point| [point.time_s.unwrap_or(0.0), point.value]).collect(),
-                accuracy: (self.accuracy * largest).max(f64::MIN_POSITIVE),
+                accuracy: (self.fitting.accuracy.si() * largest).max(f64::MIN_POSITIVE),
             };
-            let fit = fit_creep(&step, &self.settings())
-                .map_err(|error| about(file)(&format!("{}: {error}", *module.name)))?;
+            let fit = fit_creep(&step, &self.fitting.settings())
+                .map_err(|error| about(&format!("{}: {error}", *module.name)))?;
             let [_, share, time] = &fit.values[..] else { continue };
             let _ = writeln!(
                 table,
@@ -60,14 +96,16 @@ impl Calibrate {
                 time.interval[0],
                 time.interval[1]
             );
-            let value = |value: &softlimb_rig::calibrate::Value| json!({"name": value.name, "value": value.value, "interval": value.interval});
-            answers.push(json!({
-                "module": *module.name,
-                "quantity": first.quantity,
-                "estimates": fit.values.iter().map(value).collect::<Vec<_>>(),
-                "modelled": fit.modelled,
-            }));
+            let estimate =
+                |value: &Value| Estimate { name: value.name.to_string(), value: value.value, interval: value.interval };
+            answers.push(Answer {
+                module: module.name.to_string(),
+                quantity: first.quantity,
+                estimates: fit.values.iter().map(estimate).collect(),
+                modelled: fit.modelled,
+            });
         }
-        Ok(Said { table, json: json!({ "creep": answers }), svg: String::new(), scene: None, warnings: Vec::new() })
+        show(self.fitting.json, &Printed { creep: answers, scene_changes: &[], warnings: &[] }, || table)?;
+        Ok(Outcome::Done)
     }
 }

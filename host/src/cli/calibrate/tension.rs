@@ -1,38 +1,94 @@
-//! Tensile tests.
+//! `softlimb calibrate tension`: the law of a material from a tensile test.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
+use clap::{Args, ValueEnum};
 use fra_model::{ActuatorParameters, Material, Motion};
-use serde_json::json;
+use serde::Serialize;
 
-use super::super::Failure;
-use super::super::kept::read;
-use super::{Calibrate, Said, about};
+use super::super::shared::{about, above_zero, read};
+use super::super::{Failure, Outcome};
+use super::{Files, Fitted, Fitting};
 use softlimb_limb::Limb;
-use softlimb_rig::calibrate::{Tension, TensionFit, fit_tension, tension_picture};
+use softlimb_rig::calibrate::{Law, Tension, TensionFit, fit_tension, tension_picture};
 use softlimb_scene as scene;
-use softlimb_scene::Scene;
+use softlimb_scene::{Quantity, Scene};
 
-impl Calibrate {
-    pub(super) fn tension(&self, file: &Path) -> Result<Said, Failure> {
-        let test = Tension::read(&read(file)?, self.section_m2).map_err(|error| about(file)(&error))?;
-        let test = self.up_to.map_or_else(|| test.clone(), |stretch| test.up_to(stretch));
-        let settings = self.settings();
-        let fit = fit_tension(&test, self.law.into(), self.accuracy, &settings).map_err(|error| about(file)(&error))?;
+/// Fit the law of a material to a tensile test
+#[derive(Args)]
+#[command(
+    name = "tension",
+    after_help = "Files and method: docs/guide/calibrate.md\n\n\
+                        Example: softlimb calibrate tension silicone.csv --law yeoh"
+)]
+pub(super) struct TensionMode {
+    /// The test, a CSV file with stretch or strain and nominal_stress_pa or force_n
+    #[arg(value_name = "FILE")]
+    test: PathBuf,
+    /// The scene whose material is replaced
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<PathBuf>,
+    /// The law
+    #[arg(long, value_enum, default_value_t = LawWord::Yeoh)]
+    law: LawWord,
+    /// Undeformed cross-section of the specimen, for a test with forces, m2
+    #[arg(long, value_name = "M2", value_parser = above_zero("m2", 1.0))]
+    section: Option<Quantity>,
+    /// Largest stretch of the test that is used
+    #[arg(long, value_name = "STRETCH", value_parser = above_zero("1", f64::INFINITY))]
+    up_to: Option<Quantity>,
+    /// The material of the scene [default: the only one]
+    #[arg(long, value_name = "NAME")]
+    material: Option<String>,
+    #[command(flatten)]
+    fitting: Fitting,
+    #[command(flatten)]
+    files: Files,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum LawWord {
+    NeoHookean,
+    /// With C1 and C2
+    #[value(name = "yeoh-2")]
+    YeohTwo,
+    /// With C1, C2 and C3
+    Yeoh,
+}
+
+impl From<LawWord> for Law {
+    fn from(word: LawWord) -> Self {
+        match word {
+            LawWord::NeoHookean => Self::NeoHookean,
+            LawWord::YeohTwo => Self::YeohTwo,
+            LawWord::Yeoh => Self::Yeoh,
+        }
+    }
+}
+
+impl TensionMode {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let about = about(&self.test);
+        let section_m2 = self.section.as_ref().map(Quantity::si);
+        let test = Tension::read(&read(&self.test)?, section_m2).map_err(|error| about(&error))?;
+        let test = self.up_to.as_ref().map_or_else(|| test.clone(), |stretch| test.up_to(stretch.si()));
+        let fit = fit_tension(&test, self.law.into(), self.fitting.accuracy.si(), &self.fitting.settings());
+        let fit = fit.map_err(|error| about(&error))?;
         let scene = self.scene.as_ref().map(scene::load).transpose()?;
         let mut warnings = warnings(&fit);
         let wanted = match &scene {
             Some(scene) => Some(self.with_material(scene, &fit, &mut warnings)?),
             None => None,
         };
-        Ok(Said {
-            table: table(&test, &fit, self.confidence),
-            json: json(&test, &fit),
+        let fitted = Fitted {
+            table: table(&test, &fit, self.fitting.confidence.si()),
+            json: printed(&test, &fit),
             svg: tension_picture(&test, &fit),
             scene: scene.zip(wanted),
             warnings,
-        })
+        };
+        fitted.finish(&self.fitting, &self.files)
     }
 
     /// The scene's actuators with the fitted material, and a warning where the limb stretches it further than the test did.
@@ -130,20 +186,48 @@ fn coefficients(material: &Material<f64>) -> String {
     }
 }
 
-fn json(test: &Tension, fit: &TensionFit) -> serde_json::Value {
-    let values = fit.values.iter().map(|value| {
-        json!({
-            "name": value.name, "value": value.value, "standard_deviation": value.standard_deviation,
-            "interval": value.interval,
-        })
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed {
+    law: &'static str,
+    estimates: Vec<Estimate>,
+    rms_pa: f64,
+    tested_stretch: [f64; 2],
+    softens_at_stretch: Option<f64>,
+    points: Vec<Point>,
+}
+
+#[derive(Serialize)]
+struct Estimate {
+    name: String,
+    value: f64,
+    standard_deviation: f64,
+    interval: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct Point {
+    stretch: f64,
+    nominal_stress_pa: f64,
+    law_pa: f64,
+}
+
+fn printed(test: &Tension, fit: &TensionFit) -> Printed {
+    let estimates = fit.values.iter().map(|value| Estimate {
+        name: value.name.to_string(),
+        value: value.value,
+        standard_deviation: value.standard_deviation,
+        interval: value.interval,
     });
     let points = test.points().iter().zip(&fit.modelled_pa);
-    json!({
-        "law": fit.law.word(),
-        "estimates": values.collect::<Vec<_>>(),
-        "rms_pa": fit.rms_pa,
-        "tested_stretch": fit.tested,
-        "softens_at_stretch": fit.softens_at,
-        "points": points.map(|([stretch, stress], model)| json!({"stretch": stretch, "nominal_stress_pa": stress, "law_pa": model})).collect::<Vec<_>>(),
-    })
+    let points =
+        points.map(|([stretch, stress], law)| Point { stretch: *stretch, nominal_stress_pa: *stress, law_pa: *law });
+    Printed {
+        law: fit.law.word(),
+        estimates: estimates.collect(),
+        rms_pa: fit.rms_pa,
+        tested_stretch: fit.tested,
+        softens_at_stretch: fit.softens_at,
+        points: points.collect(),
+    }
 }

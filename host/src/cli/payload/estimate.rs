@@ -1,42 +1,55 @@
-//! The mass on the tip, from where the tip was seen.
+//! `softlimb payload estimate`: the mass on the tip, from measured tip positions.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
+use clap::Args;
 use nalgebra::Vector3;
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::Payload;
-use crate::cli::kept::read;
-use crate::cli::{Failure, Outcome, note, say};
-use softlimb_limb::Limb;
+use crate::cli::shared::{about, limb, quantity, read, show};
+use crate::cli::{Failure, Outcome, note};
 use softlimb_limb::statics::GRAVITY_M_PER_S2;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_rig::payload_estimation::{Mass, Sighting, mass};
-use softlimb_scene as scene;
+use softlimb_scene::Quantity;
 
-pub(super) fn run(command: &Payload, file: &Path, table: &Path) -> Result<Outcome, Failure> {
-    let percent = command.stiffness_error;
-    if !(0.0..=50.0).contains(&percent) {
-        return Err(Failure::wrong_line(format!("--stiffness-error = {percent} is not allowed: 0 to 50 %")));
+/// Estimate the mass on the tip from tip positions measured without and with it
+#[derive(Args)]
+#[command(after_help = "Format of the data: docs/guide/estimate-a-payload.md\n\n\
+                        Example: softlimb payload estimate scenes/loaded/carry-hanging.toml --data tips.csv")]
+pub(super) struct Estimate {
+    /// The scene file
+    scene: PathBuf,
+    /// Tip positions at the ends of the phases, without and with the load, a CSV file
+    #[arg(long, value_name = "FILE")]
+    data: PathBuf,
+    /// Relative error of the limb's stiffness, 0 to 50 %, that the interval of the estimate covers
+    #[arg(long, value_name = "PERCENT", default_value = "10 %", value_parser = quantity("%", 0.0, 50.0))]
+    stiffness_error: Quantity,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Estimate {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let (scene, limb) = limb(&self.scene)?;
+        let plan = motion::sent(&scene, &limb, &motion::plan(&scene, &limb)?)?;
+        let about = about(&self.data);
+        let seen = Sighting::read(&read(&self.data)?, &limb, &plan).map_err(|error| about(&error))?;
+        let found = mass(&scene, &limb, &plan, &seen, self.stiffness_error.si()).map_err(|error| about(&error))?;
+        let percent = 100.0 * self.stiffness_error.si();
+        show(self.json, &printed(scene.name(), &found, &seen, &plan), || {
+            text(scene.name(), &found, &seen, &plan, percent)
+        })?;
+        if found.interval_kg[0] <= 0.0 {
+            note("warning: the interval reaches zero: the data do not show whether there is a load");
+            return Ok(Outcome::DoneWithWarnings);
+        }
+        Ok(Outcome::Done)
     }
-    let scene = scene::load(file)?;
-    let limb = Limb::new(&scene)?;
-    let plan = motion::sent(&scene, &limb, &motion::plan(&scene, &limb)?)?;
-    let about = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", table.display()));
-    let seen = Sighting::read(&read(table)?, &limb, &plan).map_err(|error| about(&error))?;
-    let found = mass(&scene, &limb, &plan, &seen, 1e-2 * percent).map_err(|error| about(&error))?;
-    if command.json {
-        say(&json(scene.name(), &found, &seen, &plan).to_string())?;
-    } else {
-        say(&text(scene.name(), &found, &seen, &plan, percent))?;
-    }
-    if found.interval_kg[0] <= 0.0 {
-        note("warning: the interval reaches zero: what was seen with the load is not told from what was seen without");
-        return Ok(Outcome::DoneWithWarnings);
-    }
-    Ok(Outcome::Done)
 }
 
 /// Writing to a string cannot fail.
@@ -85,27 +98,61 @@ fn cells(way_m: &Vector3<f64>) -> String {
     format!("{:.3}, {:.3}, {:.3}", 1e3 * way_m.x, 1e3 * way_m.y, 1e3 * way_m.z)
 }
 
-fn json(name: &str, found: &Mass, seen: &[Sighting], plan: &Plan) -> Value {
-    let ways = found.ways.iter().map(|way| {
-        json!({
-            "phase": plan.phases[way.phase].name,
-            "seen_m": way.seen_m.as_slice(),
-            "modelled_m": way.modelled_m.as_slice(),
-        })
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    mass_kg: f64,
+    weight_n: f64,
+    interval_kg: [f64; 2],
+    scatter_kg: f64,
+    stiffness_kg: f64,
+    degrees_of_freedom: usize,
+    left_m: f64,
+    phases: Vec<Displacement<'a>>,
+    rows: Vec<Row<'a>>,
+}
+
+/// Displacement of the tip by the load at the end of a phase, m.
+#[derive(Serialize)]
+struct Displacement<'a> {
+    phase: &'a str,
+    seen_m: [f64; 3],
+    modelled_m: [f64; 3],
+}
+
+/// A row of the data and its residual.
+#[derive(Serialize)]
+struct Row<'a> {
+    line: usize,
+    phase: &'a str,
+    load: &'static str,
+    residual_m: [f64; 3],
+}
+
+fn printed<'a>(scene: &'a str, found: &Mass, seen: &[Sighting], plan: &'a Plan) -> Printed<'a> {
+    let phase = |index: usize| plan.phases[index].name.as_str();
+    let displacements = found.ways.iter().map(|way| Displacement {
+        phase: phase(way.phase),
+        seen_m: way.seen_m.into(),
+        modelled_m: way.modelled_m.into(),
     });
-    let rows = seen.iter().zip(&found.residuals_m).map(|(one, left)| {
-        json!({"line": one.line, "phase": plan.phases[one.phase].name, "load": load(one), "residual_m": left.as_slice()})
+    let rows = seen.iter().zip(&found.residuals_m).map(|(one, left)| Row {
+        line: one.line,
+        phase: phase(one.phase),
+        load: load(one),
+        residual_m: (*left).into(),
     });
-    json!({
-        "scene": name,
-        "mass_kg": found.kg,
-        "weight_n": found.kg * GRAVITY_M_PER_S2,
-        "interval_kg": found.interval_kg,
-        "scatter_kg": found.scatter_kg,
-        "stiffness_kg": found.stiffness_kg,
-        "degrees_of_freedom": found.freedom,
-        "left_m": found.left_m,
-        "phases": ways.collect::<Vec<_>>(),
-        "rows": rows.collect::<Vec<_>>(),
-    })
+    Printed {
+        scene,
+        mass_kg: found.kg,
+        weight_n: found.kg * GRAVITY_M_PER_S2,
+        interval_kg: found.interval_kg,
+        scatter_kg: found.scatter_kg,
+        stiffness_kg: found.stiffness_kg,
+        degrees_of_freedom: found.freedom,
+        left_m: found.left_m,
+        phases: displacements.collect(),
+        rows: rows.collect(),
+    }
 }

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use softlimb_design::blocked::BlockedDesign;
+use softlimb_design::bundle::ActuatorAnswer;
 use softlimb_limb::Limb;
 use softlimb_limb::payload::{Active, Capacity, Holding, LoadCase, Outcome as Ended};
 use softlimb_scene::Scene;
@@ -29,6 +30,57 @@ pub(super) struct Report<'a> {
     pub(super) case: LoadCase,
     pub(super) poses: Vec<Pose>,
     pub(super) designs: Option<(String, Vec<BlockedDesign>)>,
+}
+
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    mass_kg: f64,
+    direction: [f64; 3],
+    spacers: u32,
+    buckling_share: f64,
+    structure: &'static str,
+    motions: Vec<&'static str>,
+    poses: Vec<PrintedPose<'a>>,
+    designs: Vec<PrintedDesign<'a>>,
+}
+
+#[derive(Serialize)]
+struct PrintedPose<'a> {
+    name: &'a str,
+    tip_m: [f64; 3],
+    outcome: &'static str,
+    load_n: Option<f64>,
+    certified_bound_n: Option<f64>,
+    load_to_weight: Option<f64>,
+    load_without_buckling_n: Option<f64>,
+    own_weights_held: Option<f64>,
+    unbalanced_modules: &'a [String],
+    push_to_critical: f64,
+    limits: Vec<String>,
+    remainder: f64,
+    modules: Vec<PrintedModule<'a>>,
+}
+
+#[derive(Serialize)]
+struct PrintedModule<'a> {
+    name: &'a str,
+    weight_moment_nm: f64,
+    arm_m: f64,
+    critical_n: Option<f64>,
+    ends_at_limit_point: bool,
+    pressures_pa: Option<&'a Vec<f64>>,
+    pushes_n: Option<&'a Vec<f64>>,
+}
+
+#[derive(Serialize)]
+struct PrintedDesign<'a> {
+    wanted_n: f64,
+    objective: f64,
+    actuator: Option<&'a ActuatorAnswer>,
+    push_n_by_pressure_pa: &'a [[f64; 2]],
+    printed_jacobian_n: f64,
 }
 
 impl Pose {
@@ -74,38 +126,36 @@ impl Pose {
         if self.found.largest_n > 0.0 { self.found.remainder_n / self.found.largest_n } else { 0.0 }
     }
 
-    fn json(&self) -> Value {
+    fn printed(&self) -> PrintedPose<'_> {
         let load = |found: &Capacity| (found.outcome == Ended::Solved).then_some(found.load_n);
-        let modules = self.holding.modules.iter().enumerate().map(|(index, module)| {
-            json!({
-                "name": module.name,
-                "weight_moment_nm": module.weight_moment_nm,
-                "arm_m": module.arm_m,
-                "critical_n": module.critical_n,
-                "ends_at_limit_point": module.ends_at_limit_point,
-                "pressures_pa": self.found.pressures_pa.get(index),
-                "pushes_n": self.found.pushes_n.get(index),
-            })
+        let modules = self.holding.modules.iter().enumerate().map(|(index, module)| PrintedModule {
+            name: &module.name,
+            weight_moment_nm: module.weight_moment_nm,
+            arm_m: module.arm_m,
+            critical_n: module.critical_n,
+            ends_at_limit_point: module.ends_at_limit_point,
+            pressures_pa: self.found.pressures_pa.get(index),
+            pushes_n: self.found.pushes_n.get(index),
         });
-        json!({
-            "name": self.name,
-            "tip_m": self.holding.tip_m,
-            "outcome": match self.found.outcome {
+        PrintedPose {
+            name: &self.name,
+            tip_m: self.holding.tip_m,
+            outcome: match self.found.outcome {
                 Ended::Solved => "solved",
                 Ended::Infeasible => "infeasible",
                 Ended::Unbounded => "unbounded",
             },
-            "load_n": load(&self.found),
-            "certified_bound_n": load(&self.found).map(|_| self.found.bound_n),
-            "load_to_weight": load(&self.found).map(|load| load / self.holding.weight_n),
-            "load_without_buckling_n": load(&self.unbuckled),
-            "own_weights_held": load(&self.own),
-            "unbalanced_modules": self.unbalanced,
-            "push_to_critical": self.buckling(),
-            "limits": self.limits(),
-            "remainder": self.remainder(),
-            "modules": modules.collect::<Vec<_>>(),
-        })
+            load_n: load(&self.found),
+            certified_bound_n: load(&self.found).map(|_| self.found.bound_n),
+            load_to_weight: load(&self.found).map(|load| load / self.holding.weight_n),
+            load_without_buckling_n: load(&self.unbuckled),
+            own_weights_held: load(&self.own),
+            unbalanced_modules: &self.unbalanced,
+            push_to_critical: self.buckling(),
+            limits: self.limits(),
+            remainder: self.remainder(),
+            modules: modules.collect(),
+        }
     }
 
     fn row(&self) -> String {
@@ -160,27 +210,25 @@ impl Report<'_> {
         names
     }
 
-    pub(super) fn json(&self) -> Value {
-        let designs = self.designs.iter().flat_map(|(_, designs)| designs).map(|design| {
-            json!({
-                "wanted_n": design.wanted_n,
-                "objective": design.answer.objective,
-                "actuator": design.answer.actuators.first(),
-                "push_n_by_pressure_pa": design.curve,
-                "printed_jacobian_n": design.printed_n,
-            })
+    pub(super) fn answer(&self) -> impl Serialize {
+        let designs = self.designs.iter().flat_map(|(_, designs)| designs).map(|design| PrintedDesign {
+            wanted_n: design.wanted_n,
+            objective: design.answer.objective,
+            actuator: design.answer.actuators.first(),
+            push_n_by_pressure_pa: &design.curve,
+            printed_jacobian_n: design.printed_n,
         });
-        json!({
-            "scene": self.scene.name(),
-            "mass_kg": self.scene.mass_kg(),
-            "direction": self.case.direction,
-            "spacers": self.case.spacers,
-            "buckling_share": self.case.buckling_share,
-            "structure": "soft",
-            "motions": self.motions(),
-            "poses": self.poses.iter().map(Pose::json).collect::<Vec<_>>(),
-            "designs": designs.collect::<Vec<_>>(),
-        })
+        Printed {
+            scene: self.scene.name(),
+            mass_kg: self.scene.mass_kg(),
+            direction: self.case.direction,
+            spacers: self.case.spacers,
+            buckling_share: self.case.buckling_share,
+            structure: "soft",
+            motions: self.motions(),
+            poses: self.poses.iter().map(Pose::printed).collect(),
+            designs: designs.collect(),
+        }
     }
 
     /// Writing to a string cannot fail.

@@ -1,89 +1,144 @@
-//! A scene under loads: Table 4 of the paper.
+//! `softlimb payload track`: a scene under loads, Table 4 of the paper.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
-use serde_json::json;
+use clap::Args;
+use serde::Serialize;
 
-use super::Payload;
-use crate::cli::kept::write;
-use crate::cli::{Failure, Outcome, say};
+use crate::cli::shared::{quantity, show, write_if};
+use crate::cli::{Failure, Outcome};
 use softlimb_rig::track::{Seen, Tracked, Trial, UnderLoad, sightings, track};
 use softlimb_scene as scene;
-use softlimb_scene::Scene;
+use softlimb_scene::{Quantity, Scene};
 
 /// Seeds of noise are far from those of parts, so that no run has noise of the seed that made its parts.
 const NOISE: u64 = 1_000;
 
-pub(super) fn run(command: &Payload, file: &Path, loads_n: &[f64]) -> Result<Outcome, Failure> {
-    if let Some(load) = loads_n.iter().find(|load| !(0.0..=500.0).contains(*load)) {
-        return Err(Failure::new(format!("--track: {load} N is not within 0 to 500 N")));
-    }
-    if command.tips.is_some() && loads_n.len() != 1 {
-        let count = loads_n.len();
-        return Err(Failure::wrong_line(format!("--tips takes one load: --track has {count}")));
-    }
-    if !(0.0..=100.0).contains(&command.camera) {
-        return Err(Failure::wrong_line(format!("--camera = {} is not allowed: 0 to 100 mm", command.camera)));
-    }
-    let scene = scene::load(file)?;
-    let trial = |load_n: f64| Trial {
-        load_n,
-        repeats: command.repeats,
-        rehearsals: command.rehearsals,
-        parts: command.seed.unwrap_or(scene.seed()),
-        noise: NOISE,
-    };
-    let rows: Vec<UnderLoad> = loads_n.iter().map(|load| track(&scene, &trial(*load))).collect::<Result<_, _>>()?;
-    let seen = match (&command.tips, loads_n) {
-        (Some(file), [load_n]) => {
-            Some((file, tips(&scene, &sightings(&scene, &trial(*load_n), 1e-3 * command.camera)?)))
-        }
-        _ => None,
-    };
-    if command.json {
-        let rows: Vec<_> = rows
-            .iter()
-            .map(|row| {
-                json!({
-                    "load_n": row.load_n,
-                    "time_s": row.time_s,
-                    "uncorrected": json_of(&row.uncorrected),
-                    "corrected": json_of(&row.corrected),
-                    "taught": json_of(&row.taught),
-                })
-            })
-            .collect();
-        say(&json!({"scene": scene.name(), "repeats": command.repeats, "rehearsals": command.rehearsals, "loads": rows}).to_string())?;
-        return seen.map_or(Ok(Outcome::Done), |(file, text)| write(file, &text).map(|()| Outcome::Done));
-    }
-    let mut lines = vec![
-        format!(
-            "{}: tip off its goals at the ends of {} phases, {} runs of the same limb; repeatability of the last place",
-            scene.name(),
-            scene.phases().len(),
-            command.repeats
-        ),
-        format!(
-            "{:>6} {:>7}  {:^26}  {:^26}  {:^26}",
-            "load",
-            "time",
-            "uncorrected",
-            "corrected by the model",
-            format!("after {} rehearsals", command.rehearsals)
-        ),
-        format!("{:>6} {:>7}  {h}  {h}  {h}", "N", "s", h = format!("{:>8} {:>8} {:>8}", "RMSE", "max", "repeat")),
-        format!("{:>6} {:>7}  {h}  {h}  {h}", "", "", h = format!("{:>8} {:>8} {:>8}", "mm", "mm", "mm")),
-    ];
-    lines.extend(rows.iter().map(|row| {
-        let parts = [&row.uncorrected, &row.corrected, &row.taught].map(cells);
-        format!("{:6.1} {:7.2}  {}", row.load_n, row.time_s, parts.join("  "))
-    }));
-    say(&lines.join("\n"))?;
-    seen.map_or(Ok(Outcome::Done), |(file, text)| write(file, &text).map(|()| Outcome::Done))
+/// Run a scene with loads at the tip: tip error without correction, corrected by the model, and after learning
+#[derive(Args)]
+#[command(after_help = "Method: docs/guide/track-under-load.md\n\n\
+                        Example: softlimb payload track scenes/loaded/carry-hanging.toml --loads 5,10,15,20")]
+pub(super) struct Track {
+    /// The scene file
+    scene: PathBuf,
+    /// Loads at the tip, 0 to 500 N
+    #[arg(long, value_name = "N,N,...", required = true, value_delimiter = ',', num_args = 1, value_parser = quantity("N", 0.0, 500.0))]
+    loads: Vec<Quantity>,
+    /// Counted runs of each kind
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100))]
+    repeats: u64,
+    /// Iterations of learning before the runs that are counted as learned
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=100))]
+    iterations: u64,
+    /// With one load: write the tip positions that a camera measures without and with it, for `payload estimate`
+    #[arg(long, value_name = "FILE")]
+    tips: Option<PathBuf>,
+    /// Standard deviation of a coordinate that the camera measures, 0 to 100 mm
+    #[arg(long, value_name = "MM", requires = "tips", default_value = "0.2 mm", value_parser = quantity("mm", 0.0, 100.0))]
+    camera: Quantity,
+    /// Seed of the limb's parts [default: the scene's]
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
-/// The table that `--estimate` reads. Writing to a string cannot fail.
+/// The result of `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    scene: &'a str,
+    repeats: u64,
+    rehearsals: u64,
+    loads: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    load_n: f64,
+    time_s: f64,
+    uncorrected: Errors,
+    corrected: Errors,
+    taught: Errors,
+}
+
+/// Tip errors at the ends of the phases, m.
+#[derive(Serialize)]
+struct Errors {
+    rmse_m: f64,
+    max_m: f64,
+    repeatability_m: f64,
+}
+
+impl From<&Tracked> for Errors {
+    fn from(tracked: &Tracked) -> Self {
+        Self { rmse_m: tracked.rmse_m, max_m: tracked.max_m, repeatability_m: tracked.repeatability_m }
+    }
+}
+
+impl From<&UnderLoad> for Row {
+    fn from(row: &UnderLoad) -> Self {
+        let [uncorrected, corrected, taught] = [&row.uncorrected, &row.corrected, &row.taught].map(Errors::from);
+        Self { load_n: row.load_n, time_s: row.time_s, uncorrected, corrected, taught }
+    }
+}
+
+impl Track {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let loads_n: Vec<f64> = self.loads.iter().map(Quantity::si).collect();
+        if self.tips.is_some() && loads_n.len() != 1 {
+            let count = loads_n.len();
+            return Err(Failure::wrong_line(format!("--tips takes one load: --loads has {count}")));
+        }
+        let scene = scene::load(&self.scene)?;
+        let trial = |load_n: f64| Trial {
+            load_n,
+            repeats: self.repeats,
+            rehearsals: self.iterations,
+            parts: self.seed.unwrap_or(scene.seed()),
+            noise: NOISE,
+        };
+        let rows: Vec<UnderLoad> = loads_n.iter().map(|load| track(&scene, &trial(*load))).collect::<Result<_, _>>()?;
+        let seen = match self.tips {
+            Some(_) => sightings(&scene, &trial(loads_n[0]), self.camera.si())?,
+            None => Vec::new(),
+        };
+        let loads = rows.iter().map(Row::from).collect();
+        let printed = Printed { scene: scene.name(), repeats: self.repeats, rehearsals: self.iterations, loads };
+        show(self.json, &printed, || self.table(&scene, &rows))?;
+        write_if(self.tips.as_ref(), || tips(&scene, &seen))?;
+        Ok(Outcome::Done)
+    }
+
+    fn table(&self, scene: &Scene, rows: &[UnderLoad]) -> String {
+        let mut lines = vec![
+            format!(
+                "{}: tip off its goals at the ends of {} phases, {} runs of the same limb; repeatability of the last place",
+                scene.name(),
+                scene.phases().len(),
+                self.repeats
+            ),
+            format!(
+                "{:>6} {:>7}  {:^26}  {:^26}  {:^26}",
+                "load",
+                "time",
+                "uncorrected",
+                "corrected by the model",
+                format!("after {} iterations", self.iterations)
+            ),
+            format!("{:>6} {:>7}  {h}  {h}  {h}", "N", "s", h = format!("{:>8} {:>8} {:>8}", "RMSE", "max", "repeat")),
+            format!("{:>6} {:>7}  {h}  {h}  {h}", "", "", h = format!("{:>8} {:>8} {:>8}", "mm", "mm", "mm")),
+        ];
+        lines.extend(rows.iter().map(|row| {
+            let parts = [&row.uncorrected, &row.corrected, &row.taught].map(cells);
+            format!("{:6.1} {:7.2}  {}", row.load_n, row.time_s, parts.join("  "))
+        }));
+        lines.join("\n")
+    }
+}
+
+/// The table that `payload estimate` reads. Writing to a string cannot fail.
 fn tips(scene: &Scene, seen: &[Seen]) -> String {
     let mut text = "phase,load,x_m,y_m,z_m".to_owned();
     scene.modules().iter().for_each(|module| text.extend([",", &module.name, "_kpa"]));
@@ -102,8 +157,4 @@ fn tips(scene: &Scene, seen: &[Seen]) -> String {
 fn cells(tracked: &Tracked) -> String {
     let [rmse, max, repeat] = [tracked.rmse_m, tracked.max_m, tracked.repeatability_m].map(|m| 1e3 * m);
     format!("{rmse:8.2} {max:8.2} {repeat:8.2}")
-}
-
-fn json_of(tracked: &Tracked) -> serde_json::Value {
-    json!({"rmse_m": tracked.rmse_m, "max_m": tracked.max_m, "repeatability_m": tracked.repeatability_m})
 }

@@ -1,4 +1,4 @@
-//! What touches the chip. The one place of the workspace with unsafe code: registers, memory that the start-up leaves alone, and the
+//! Access to the chip. The one place of the workspace with unsafe code: registers, memory that the start-up leaves alone, and the
 //! handler of faults, which has no stack to rely on.
 #![allow(unsafe_code, reason = "addresses of registers and of the linker; each use says why it is sound")]
 

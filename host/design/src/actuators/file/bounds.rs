@@ -3,8 +3,8 @@
 use fra_model::Motion;
 use serde::Deserialize;
 
-use super::{Refused, missing, require, superfluous};
 use crate::actuators::problem::{Bounds, GeometryBounds, Sizes};
+use softlimb_files::problem::{Refused, missing, ordered, positive_bounds, require, superfluous};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,7 +31,7 @@ impl BoundsSpec {
         };
         let names = sizes.names().map(|name| format!("{at}.{name}"));
         for (name, bounds) in names.iter().zip(sizes_m) {
-            ordered(name, bounds, 0.0)?;
+            positive_bounds(name, bounds)?;
         }
         let more = match sizes {
             Sizes::InnerAndWall => None,
@@ -42,7 +42,7 @@ impl BoundsSpec {
             let allowed = format!("more than {most}, the largest {other}");
             require(least > most, &format!("{name}[0]"), least, &allowed)?;
         }
-        ordered(&format!("{at}.length_m"), self.length_m, 0.0)?;
+        positive_bounds(&format!("{at}.length_m"), self.length_m)?;
         let angle = format!("{at}.angle_deg");
         let angle_deg = if motion == Motion::Bending {
             superfluous(self.angle_deg.as_ref(), angle, "a bending actuator is wound along the hoop")?;
@@ -52,15 +52,9 @@ impl BoundsSpec {
             for (end, value) in bounds.iter().enumerate() {
                 require(value.abs() <= 90.0, &format!("{angle}[{end}]"), value, "-90 to 90, from the hoop")?;
             }
-            ordered(&angle, bounds, f64::NEG_INFINITY)?;
+            ordered(&angle, bounds)?;
             bounds
         };
         Ok(GeometryBounds { sizes, sizes_m, length_m: self.length_m, angle_rad: angle_deg.map(f64::to_radians) })
     }
-}
-
-/// Bounds of which the first is more than `least` and does not exceed the second.
-fn ordered(field: &str, [low, high]: Bounds, least: f64) -> Result<(), Refused> {
-    require(low > least, &format!("{field}[0]"), low, "> 0")?;
-    require(high >= low, &format!("{field}[1]"), high, &format!("at least {low}, the lower bound"))
 }

@@ -1,4 +1,4 @@
-//! Problem files: JSON, described in `docs/design.md`. What is wrong is said with field, value, allowed range and line.
+//! Problem files: JSON, described in `docs/reference/actuator-problem.md`. What is wrong is said with field, value, allowed range and line.
 
 mod bounds;
 mod segment;
@@ -9,33 +9,10 @@ use serde::Deserialize;
 
 use super::problem::{MOST, Problem, Segment};
 use segment::SegmentSpec;
-use softlimb_files::json_line::line_of;
 use softlimb_files::object::Object;
-
-/// What is wrong with a problem file.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ProblemError {
-    /// It is no JSON, or not of this format.
-    #[error("line {line}, column {column}: {message}")]
-    Format {
-        /// From 1.
-        line: usize,
-        /// From 1; 0 for the whole line.
-        column: usize,
-        /// In the words of the parser.
-        message: String,
-    },
-    /// A value that is not accepted.
-    #[error("line {line}: {field} {message}")]
-    Value {
-        /// From 1.
-        line: usize,
-        /// As in `segments[0].bounds.wall_m[1]`.
-        field: String,
-        /// Value and allowed range.
-        message: String,
-    },
-}
+use softlimb_files::problem;
+use softlimb_files::problem::{ProblemError, Refused, missing, require};
+pub(crate) use winding::{families, material};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,33 +33,13 @@ struct Weights {
     twist_per_rad2: Option<f64>,
 }
 
-/// A field and what is wrong with it; the line is found when the message is made.
-type Refused = (String, String);
-
-fn require(accepted: bool, field: &str, value: impl std::fmt::Display, allowed: &str) -> Result<(), Refused> {
-    if accepted { Ok(()) } else { Err((field.into(), format!("= {value} is not allowed: {allowed}"))) }
-}
-
-fn missing<T>(value: Option<T>, field: String, what: &str) -> Result<T, Refused> {
-    value.ok_or_else(|| (field, format!("is missing: {what}")))
-}
-
-fn superfluous<T>(value: Option<&T>, field: String, why: &str) -> Result<(), Refused> {
-    if value.is_none() { Ok(()) } else { Err((field, format!("is not allowed: {why}"))) }
-}
-
 impl Problem {
     /// Reads a problem file.
     ///
     /// # Errors
     /// [`ProblemError`] at the first value that is not accepted.
     pub fn read(text: &str) -> Result<Self, ProblemError> {
-        let Object(file) = serde_json::from_str::<Object<File>>(text).map_err(|error| {
-            let message = error.to_string();
-            let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message).to_owned();
-            ProblemError::Format { line: error.line(), column: error.column(), message }
-        })?;
-        file.problem().map_err(|(field, message)| ProblemError::Value { line: line_of(text, &field), field, message })
+        problem::read(text, File::problem)
     }
 }
 

@@ -3,11 +3,12 @@
 use fra_model::{Actuator, Motion};
 use serde::Deserialize;
 
+use super::Weights;
 use super::bounds::BoundsSpec;
 use super::winding::{FiberSpec, MaterialSpec};
-use super::{Refused, Weights, missing, require, superfluous};
 use crate::actuators::problem::{Goal, MOST, Segment};
 use softlimb_files::object::Object;
+use softlimb_files::problem::{Refused, missing, require, superfluous};
 
 /// The share of the limit pressure that stays unused where a file does not say.
 const LIMIT_MARGIN: f64 = 0.05;

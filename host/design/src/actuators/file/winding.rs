@@ -4,8 +4,8 @@ use fra_model::{Families, Material, Placement};
 use serde::Deserialize;
 
 use super::segment::Name;
-use super::{Refused, missing, require, superfluous};
 use crate::actuators::problem::Winding;
+use softlimb_files::problem::{Refused, missing, require, superfluous};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,30 +26,49 @@ pub(super) struct FiberSpec {
 
 impl MaterialSpec {
     pub(super) fn material(&self, at: &str) -> Result<Material<f64>, Refused> {
-        let (modulus, c_pa) = (format!("{at}.shear_modulus_pa"), format!("{at}.c_pa"));
-        match self.law {
-            Name::NeoHookean => {
-                superfluous(self.c_pa.as_ref(), c_pa, "a neo-hookean material has none")?;
-                let shear_modulus_pa = missing(self.shear_modulus_pa, modulus, "a number, Pa")?;
-                Ok(Material::NeoHookean { shear_modulus_pa })
-            }
-            Name::Yeoh => {
-                superfluous(self.shear_modulus_pa.as_ref(), modulus, "a yeoh material has c_pa")?;
-                Ok(Material::Yeoh { c_pa: missing(self.c_pa, c_pa, "three numbers, Pa")? })
-            }
-            _ => Err((format!("{at}.law"), "is not allowed: \"neo-hookean\" or \"yeoh\"".into())),
+        let law = match self.law {
+            Name::NeoHookean => "neo-hookean",
+            Name::Yeoh => "yeoh",
+            _ => "",
+        };
+        material(law, self.shear_modulus_pa, self.c_pa, at)
+    }
+}
+
+/// A material by the name of its law, with the coefficients of that law and no other.
+pub(crate) fn material(
+    law: &str,
+    shear_modulus_pa: Option<f64>,
+    c_pa: Option<[f64; 3]>,
+    at: &str,
+) -> Result<Material<f64>, Refused> {
+    let (modulus, c) = (format!("{at}.shear_modulus_pa"), format!("{at}.c_pa"));
+    match law {
+        "neo-hookean" => {
+            superfluous(c_pa.as_ref(), c, "a neo-hookean material has none")?;
+            Ok(Material::NeoHookean { shear_modulus_pa: missing(shear_modulus_pa, modulus, "a number, Pa")? })
         }
+        "yeoh" => {
+            superfluous(shear_modulus_pa.as_ref(), modulus, "a yeoh material has c_pa")?;
+            Ok(Material::Yeoh { c_pa: missing(c_pa, c, "three numbers, Pa")? })
+        }
+        _ => Err((format!("{at}.law"), "is not allowed: \"neo-hookean\" or \"yeoh\"".into())),
+    }
+}
+
+/// Families of helices by their number.
+pub(crate) fn families(number: u8, at: &str) -> Result<Families, Refused> {
+    match number {
+        1 => Ok(Families::One),
+        2 => Ok(Families::Two),
+        n => Err((format!("{at}.families"), format!("= {n} is not allowed: 1 or 2"))),
     }
 }
 
 impl FiberSpec {
     /// The winding; `thinnest_m` is the least wall within the bounds.
     pub(super) fn winding(&self, at: &str, thinnest_m: f64) -> Result<Winding, Refused> {
-        let families = match self.families {
-            1 => Families::One,
-            2 => Families::Two,
-            n => return Err((format!("{at}.families"), format!("= {n} is not allowed: 1 or 2"))),
-        };
+        let families = families(self.families, at)?;
         let placement = match self.placement {
             None | Some(Name::Sheet) => Placement::Sheet,
             Some(Name::Layer) => Placement::Layer,

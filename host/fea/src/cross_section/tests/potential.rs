@@ -1,4 +1,4 @@
-//! The potential of `docs/section-fe.md`, section 1, written out a second time.
+//! The potential of `docs/explanation/cross-section.md`, section 1, written out a second time.
 //!
 //! Nothing of it is shared with the solver but where the nodes of the mesh are and which unknown is which: Cartesian gradients in place of
 //! polar ones, the lumen as cones over its outline in place of an integral along it, parameters in their own units.

@@ -1,5 +1,5 @@
 //! The energy of a straight tube by any number of nodes, or with the closed form of the neo-Hookean wall: the equations of
-//! `docs/model.md`, section 3, once more and with the choice of the integration left open.
+//! `docs/explanation/model.md`, section 3, once more and with the choice of the integration left open.
 
 use fra_model::{ActuatorParameters, Families, Material, Placement};
 

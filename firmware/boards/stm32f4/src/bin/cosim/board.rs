@@ -1,20 +1,20 @@
-//! The controller's surroundings in lock-step: one question and one answer a tick.
+//! The controller's surroundings in lock-step: one query and one answer a tick.
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use softlimb_firmware::Board;
-use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, QUESTION_LEN, Question, RECEIVED_MAX, SENT_MAX};
+use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, QUERY_LEN, Query, RECEIVED_MAX, SENT_MAX};
 use softlimb_image_stm32f4::hardware::host::{Gone, Streams};
 use softlimb_image_stm32f4::pins::{CHANNELS, TickInputs, TickOutputs};
 
 /// The processor's timer counts from here to zero.
 const LARGEST: u32 = 0x00ff_ffff;
 
-const NOTHING: [u8; QUESTION_LEN] = [0; QUESTION_LEN];
+const NOTHING: [u8; QUERY_LEN] = [0; QUERY_LEN];
 
 /// What the present tick has been told and has answered.
 pub(crate) struct LockStep {
-    question: [u8; QUESTION_LEN],
+    query: [u8; QUERY_LEN],
     received: [u8; RECEIVED_MAX],
     /// Of the bytes received, those that the controller has, and all.
     taken: usize,
@@ -30,7 +30,7 @@ pub(crate) struct LockStep {
 impl LockStep {
     pub(crate) const fn new() -> Self {
         Self {
-            question: NOTHING,
+            query: NOTHING,
             received: [0; RECEIVED_MAX],
             taken: 0,
             arrived: 0,
@@ -48,21 +48,21 @@ impl LockStep {
         timer.set_reload(LARGEST);
     }
 
-    /// Waits for the next question; false for the last one.
+    /// Waits for the next query; false for the last one.
     pub(crate) fn ask(&mut self, streams: &Streams) -> Result<bool, Gone> {
-        streams.read(&mut self.question)?;
-        let question = Question::decode(&self.question);
-        let bytes = self.received.get_mut(..usize::from(question.received)).ok_or(Gone)?;
+        streams.read(&mut self.query)?;
+        let query = Query::decode(&self.query);
+        let bytes = self.received.get_mut(..usize::from(query.received)).ok_or(Gone)?;
         streams.read(bytes)?;
         self.arrived = bytes.len();
-        self.room = usize::from(question.room).min(SENT_MAX);
+        self.room = usize::from(query.room).min(SENT_MAX);
         (self.taken, self.sent) = (0, 0);
-        Ok(!question.last)
+        Ok(!query.last)
     }
 
     /// Whether this is the first tick after a crash.
     pub(crate) fn is_after_crash(&self) -> bool {
-        Question::decode(&self.question).after_crash
+        Query::decode(&self.query).after_crash
     }
 
     /// Takes what the turn has cost, from the timer that was cleared when it began.
@@ -85,7 +85,7 @@ impl LockStep {
 
 impl Board<CHANNELS> for LockStep {
     fn inputs(&mut self) -> TickInputs {
-        Question::decode(&self.question).inputs
+        Query::decode(&self.query).inputs
     }
 
     fn apply(&mut self, outputs: &TickOutputs) {

@@ -1,0 +1,5 @@
+//! Tests of the plant, one binary.
+
+mod common;
+mod faults_and_settings;
+mod plant;

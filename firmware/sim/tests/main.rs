@@ -1,0 +1,4 @@
+//! Tests of the simulated device, one binary.
+
+mod common;
+mod device;

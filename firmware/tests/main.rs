@@ -1,0 +1,15 @@
+//! Tests of the controller, one binary.
+
+mod after_crash;
+mod board;
+mod closed_loop;
+mod common;
+mod configuration;
+mod faults;
+mod link_loss;
+mod pressure_tracking;
+mod sessions;
+mod spec;
+mod spec_limits;
+mod states;
+mod tables;

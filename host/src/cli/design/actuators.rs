@@ -1,0 +1,157 @@
+//! `softlimb design actuators`: geometry and pressures for target deformations, eq. (14), or its terms at given points.
+
+use std::fmt::Write;
+use std::io::{BufRead, ErrorKind, Write as _, stdin, stdout};
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use crate::cli::shared::{about, read, show};
+use crate::cli::{Failure, Outcome};
+use softlimb_design::actuators::{Answer, Effort, Objective, Problem, SegmentAnswer, solve};
+
+/// Find geometry and pressures for target deformations, eq. (14) of the paper
+#[derive(Args)]
+#[command(after_help = "Format of problems and answers: docs/reference/actuator-problem.md\n\n\
+                        Example: softlimb design actuators reach.json --json")]
+pub(super) struct Actuators {
+    /// The problem, a JSON file
+    #[arg(value_name = "FILE")]
+    problem: PathBuf,
+    #[command(flatten)]
+    search: Search,
+    /// Evaluate points of the unit box from standard input, one JSON array a line, in place of a search
+    #[arg(long, conflicts_with_all = ["json", "starts", "seed"])]
+    evaluate: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Options of the search of eq. (14).
+#[derive(Args)]
+pub(super) struct Search {
+    /// Seed of the starts of the search
+    #[arg(long, default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Most local solves of the search for target deformations
+    #[arg(long, value_name = "N", default_value_t = Effort::default().starts as u32, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    starts: u32,
+}
+
+impl Search {
+    pub(super) fn solve(&self, problem: &Problem) -> Result<Answer, Failure> {
+        let default = Effort::default();
+        let starts = self.starts as usize;
+        // More starts than usual are a wish for more search: no bound but theirs then.
+        let evaluations = if starts > default.starts { u64::MAX } else { default.evaluations };
+        let effort = Effort { seed: self.seed, starts, agreeing: default.agreeing.max(starts / 8), evaluations };
+        solve(problem, &effort).map_err(Failure::new)
+    }
+}
+
+impl Actuators {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let problem = Problem::read(&read(&self.problem)?).map_err(|error| about(&self.problem)(&error))?;
+        if self.evaluate {
+            return evaluate(&problem);
+        }
+        let answer = self.search.solve(&problem)?;
+        show(self.json, &answer, || table(&answer))?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// The objective of eq. (14) at a point; null where the model has no equilibrium.
+#[derive(Serialize)]
+struct Evaluation {
+    differences: Option<Vec<f64>>,
+    objective: Option<f64>,
+}
+
+/// Answers points of the unit box, one JSON array of numbers a line, with eq. (14), one JSON object a line.
+fn evaluate(problem: &Problem) -> Result<Outcome, Failure> {
+    let mut objective = Objective::new(problem);
+    let mut out = stdout().lock();
+    for (index, line) in stdin().lock().lines().enumerate() {
+        let line = line.map_err(|error| Failure::new(format!("cannot read standard input: {error}")))?;
+        let point = point(&line, objective.width());
+        let point = point.map_err(|message| Failure::new(format!("standard input, line {}: {message}", index + 1)))?;
+        let differences = objective.differences(&point);
+        let sum = differences.as_ref().map(|all| all.iter().map(|one| one * one).sum::<f64>());
+        let answer = serde_json::to_string(&Evaluation { objective: sum, differences }).map_err(Failure::new)?;
+        match writeln!(out, "{answer}").and_then(|()| out.flush()) {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => break,
+            Err(error) => return Err(Failure::new(format!("cannot write to standard output: {error}"))),
+            Ok(()) => {}
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// A point of the box, or what is wrong with it.
+fn point(line: &str, width: usize) -> Result<Vec<f64>, String> {
+    let point: Vec<f64> = serde_json::from_str(line).map_err(|error| format!("no array of numbers: {error}"))?;
+    if point.len() != width {
+        return Err(format!(
+            "[{} numbers] is not allowed: {width}, those of the geometries and a share for each pressure",
+            point.len()
+        ));
+    }
+    match point.iter().position(|x| !(0.0..=1.0).contains(x)) {
+        Some(axis) => Err(format!("[{axis}] = {} is not allowed: 0 to 1", point[axis])),
+        None => Ok(point),
+    }
+}
+
+/// The answer as text. Writing to a string cannot fail.
+pub(super) fn table(answer: &Answer) -> String {
+    let mut text = format!("{}: objective {:.6e}\n", answer.status.replace('_', " "), answer.objective);
+    let terms = &answer.terms;
+    let _ = writeln!(
+        text,
+        "terms: length {:.3e}, outer radius {:.3e}, bend angle {:.3e}, twist {:.3e}",
+        terms.length, terms.outer_radius, terms.bend_angle, terms.twist
+    );
+    answer.segments.iter().for_each(|segment| one(&mut text, segment));
+    let cost = &answer.cost;
+    let _ = writeln!(
+        text,
+        "\ncost: {} model solves, {} derivatives, {} evaluations",
+        cost.solves, cost.derivatives, cost.evaluations
+    );
+    text
+}
+
+fn one(text: &mut String, segment: &SegmentAnswer) {
+    let _ = writeln!(
+        text,
+        "\n{}: inner radius {:.4} mm, outer radius {:.4} mm, length {:.3} mm, fiber angle {:.3} deg",
+        segment.name,
+        segment.inner_radius_m * 1e3,
+        segment.outer_radius_m * 1e3,
+        segment.length_m * 1e3,
+        segment.angle_deg
+    );
+    let active = if segment.active_bounds.is_empty() { "none".into() } else { segment.active_bounds.join(", ") };
+    let condition = segment.condition.map_or("-".into(), |value| format!("{value:.3}"));
+    let starts = segment.starts;
+    let _ = writeln!(
+        text,
+        "  active bounds: {active}; condition {condition}; {} of {} starts agree",
+        starts.agreeing, starts.made
+    );
+    let _ = writeln!(text, "{:>12} {:>14} {:>14} {:>12}", "kPa", "target", "found", "difference");
+    for phase in &segment.phases {
+        let target = phase.target.map_or("-".into(), |value| format!("{value:.6}"));
+        let bound = phase.bound.unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "{:12.3} {target:>14} {:14.6} {:12.3e} {bound}",
+            phase.pressure_pa * 1e-3,
+            phase.found,
+            phase.residual
+        );
+    }
+}

@@ -1,0 +1,120 @@
+//! `softlimb payload capacity`: the largest load at the tip in every pose, its pressures and limits; the push of four designs.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fra_model::{Motion, State};
+
+use super::report::{Pose, Report};
+use crate::cli::shared::{above_zero, limb, quantity, show, write};
+use crate::cli::{Failure, Outcome, note};
+use softlimb_design::blocked::{blocked_designs, picture};
+use softlimb_limb::Limb;
+use softlimb_limb::payload::{LoadCase, capacity, held_limb};
+use softlimb_motion as motion;
+use softlimb_scene::{Quantity, Scene};
+
+/// Standard gravity, down in the scene's frame, m/s2.
+const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
+
+/// Find the largest load at the tip in every pose of a scene
+#[derive(Args)]
+#[command(
+    name = "capacity",
+    after_help = "Terms and limits: docs/explanation/payload.md\n\n\
+                        Example: softlimb payload capacity scenes/pick-and-place-a.toml --svg push.svg"
+)]
+pub(super) struct CapacityMode {
+    /// The scene file
+    scene: PathBuf,
+    /// Direction of the load at the tip, in the scene's frame
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 1, default_value = "0,0,-1",
+        value_parser = quantity("1", f64::NEG_INFINITY, f64::INFINITY))]
+    direction: Vec<Quantity>,
+    /// Rings in each module that keep its actuators together
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100))]
+    spacers: u32,
+    /// Largest push of an actuator over the buckling load of its bay
+    #[arg(long, value_name = "RATIO", default_value = "0.5", value_parser = above_zero("1", 1.0))]
+    buckling_share: Quantity,
+    /// Draw the push of four designs against pressure
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl CapacityMode {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let case = self.case()?;
+        let (scene, limb) = limb(&self.scene)?;
+        let plan = motion::plan(&scene, &limb)?;
+        let rest = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
+        let mut shapes: Vec<(String, Vec<State<f64>>)> = vec![("at rest".into(), rest)];
+        for phase in &plan.phases {
+            let states = limb.modules().iter().zip(&phase.values).map(|(module, value)| module.state_at(*value));
+            shapes.extend(states.collect::<Option<Vec<_>>>().map(|states| (phase.name.clone(), states)));
+        }
+        let poses = shapes.into_iter().map(|(name, states)| pose(&scene, &limb, name, &states, &case));
+        let poses = poses.collect::<Result<Vec<_>, Failure>>()?;
+        let straight =
+            limb.modules().iter().find(|module| matches!(module.motion, Motion::Extension | Motion::Expansion));
+        let designs = match straight {
+            Some(module) => blocked_designs(module).map_err(Failure::new)?.map(|found| (module.name.clone(), found)),
+            None => None,
+        };
+        let report = Report { scene: &scene, limb: &limb, case, poses, designs };
+        show(self.json, &report.answer(), || report.table())?;
+        match (&self.svg, &report.designs) {
+            (Some(file), Some((name, designs))) => write(file, &picture(name, designs))?,
+            (Some(_), None) => return Err(Failure::new("--svg: the scene has no module that extends or expands")),
+            (None, _) => {}
+        }
+        let fallen = report.poses.iter().filter(|pose| !pose.holds()).count();
+        if fallen > 0 {
+            note(&format!(
+                "warning: in {fallen} of {} poses pressures cannot hold the limb's own weight",
+                report.poses.len()
+            ));
+            return Ok(Outcome::DoneWithWarnings);
+        }
+        Ok(Outcome::Done)
+    }
+
+    fn case(&self) -> Result<LoadCase, Failure> {
+        let direction: Vec<f64> = self.direction.iter().map(Quantity::si).collect();
+        let &[x, y, z] = &direction[..] else {
+            let count = direction.len();
+            return Err(Failure::wrong_line(format!("--direction has {count} values: three are required, X,Y,Z")));
+        };
+        let length = (x * x + y * y + z * z).sqrt();
+        if !(length.is_finite() && length > 0.0) {
+            return Err(Failure::wrong_line(format!(
+                "--direction {x},{y},{z} is not allowed: a finite direction of length > 0"
+            )));
+        }
+        Ok(LoadCase {
+            direction: [x, y, z],
+            gravity_m_per_s2: GRAVITY,
+            spacers: self.spacers,
+            buckling_share: self.buckling_share.si(),
+        })
+    }
+}
+
+fn pose(scene: &Scene, limb: &Limb, name: String, states: &[State<f64>], case: &LoadCase) -> Result<Pose, Failure> {
+    let holding = held_limb(scene, limb, states, case).map_err(Failure::new)?;
+    let free = LoadCase { buckling_share: f64::INFINITY, ..*case };
+    let unbuckled = held_limb(scene, limb, states, &free).map_err(Failure::new)?;
+    let unbalanced = holding.unbalanced().map_err(Failure::new)?;
+    let unbalanced = unbalanced.into_iter().map(str::to_owned).collect();
+    Ok(Pose {
+        name,
+        unbalanced,
+        own: capacity(&holding.own_weight()).map_err(Failure::new)?,
+        found: capacity(&holding.question).map_err(Failure::new)?,
+        unbuckled: capacity(&unbuckled.question).map_err(Failure::new)?,
+        holding,
+    })
+}

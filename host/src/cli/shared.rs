@@ -1,0 +1,143 @@
+//! Shared parts of the verbs: reading, writing, printing, progress, and options with units.
+
+use std::fmt::Display;
+use std::fs;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::thread::available_parallelism;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use super::{Failure, note, say};
+use softlimb_files::write_whole;
+use softlimb_limb::Limb;
+use softlimb_scene::{Quantity, Scene};
+
+/// Destinations of a table.
+#[derive(Args)]
+pub(super) struct Kept {
+    /// Print the table as JSON
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Write the table as tab-separated values
+    #[arg(long, value_name = "FILE")]
+    pub(super) tsv: Option<PathBuf>,
+    /// Write the picture
+    #[arg(long, value_name = "FILE")]
+    pub(super) svg: Option<PathBuf>,
+}
+
+/// Prints a result as one line of JSON or as text.
+pub(super) fn show<T: Serialize>(as_json: bool, result: &T, text: impl FnOnce() -> String) -> Result<(), Failure> {
+    if as_json { say(&serde_json::to_string(result).map_err(Failure::new)?) } else { say(&text()) }
+}
+
+/// A scene and its limb.
+pub(super) fn limb(file: &Path) -> Result<(Scene, Limb), Failure> {
+    let scene = softlimb_scene::load(file)?;
+    let limb = Limb::new(&scene)?;
+    Ok((scene, limb))
+}
+
+/// A failure about a file.
+pub(super) fn about(file: &Path) -> impl Fn(&dyn Display) -> Failure {
+    move |error| Failure::new(format!("{}: {error}", file.display()))
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// [`Failure`] that names the file.
+pub fn read(file: &Path) -> Result<String, Failure> {
+    fs::read_to_string(file).map_err(|error| Failure::file("read", file, &error))
+}
+
+/// Writes a file, whole or not at all, and says so.
+///
+/// # Errors
+/// [`Failure`] that names the file.
+pub fn write(file: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), Failure> {
+    write_whole(file, content).map_err(Failure::new)?;
+    note(&format!("wrote {}", file.display()));
+    Ok(())
+}
+
+/// Writes a file if its name is given.
+pub(super) fn write_if(file: Option<&PathBuf>, content: impl FnOnce() -> String) -> Result<(), Failure> {
+    file.map_or(Ok(()), |file| write(file, &content()))
+}
+
+/// Progress on a terminal; nothing elsewhere.
+pub(super) fn bar(length: u64, message: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix} [{bar:40}] {percent:>3} %  {elapsed_precise}  {msg}");
+    let style = style.map_or_else(|_| ProgressStyle::default_bar(), |style| style.progress_chars("=> "));
+    ProgressBar::new(length).with_style(style).with_prefix(message)
+}
+
+/// Number of threads: as given, or one for each processor.
+pub(super) fn threads(given: Option<u16>) -> usize {
+    given.map_or_else(|| available_parallelism().map_or(1, NonZero::get), usize::from)
+}
+
+/// Parser of an option from `low` to `high`, both in `unit`, which is also the unit of a plain number.
+pub(super) fn quantity(
+    unit: &'static str,
+    low: f64,
+    high: f64,
+) -> impl Fn(&str) -> Result<Quantity, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let found = softlimb_scene::quantity(text, unit)?;
+        let [low, high] = ends(unit, [low, high])?;
+        if (low..=high).contains(&found.si()) {
+            return Ok(found);
+        }
+        Err(format!("the range is {} to {}", found.shown(low), found.shown(high)))
+    }
+}
+
+/// Parser of an option above 0 and up to `high` in `unit`, which is also the unit of a plain number.
+pub(super) fn above_zero(
+    unit: &'static str,
+    high: f64,
+) -> impl Fn(&str) -> Result<Quantity, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let found = softlimb_scene::quantity(text, unit)?;
+        let [zero, high] = ends(unit, [0.0, high])?;
+        if found.si() > zero && found.si() <= high {
+            return Ok(found);
+        }
+        let bound = if high.is_finite() { format!(", at most {}", found.shown(high)) } else { String::new() };
+        Err(format!("the range is > {}{bound}", found.shown(zero)))
+    }
+}
+
+/// Values of an option with several parts, such as `772,3mm,0.2`, each above 0 and up to a bound in its unit.
+pub(super) fn parts<const N: usize>(
+    flag: &str,
+    text: &str,
+    rules: [(&'static str, f64); N],
+) -> Result<[f64; N], Failure> {
+    let texts: Vec<&str> = text.split(',').collect();
+    let texts = <[&str; N]>::try_from(texts).map_err(|texts| {
+        let units = rules.map(|(unit, _)| unit).join(", ");
+        Failure::wrong_line(format!("{flag} has {} values: {N} are required, in {units}", texts.len()))
+    })?;
+    let mut values = [0.0; N];
+    for ((value, text), (unit, high)) in values.iter_mut().zip(texts).zip(rules) {
+        let read = above_zero(unit, high)(text);
+        *value = read.map_err(|rule| Failure::wrong_line(format!("{flag}: {text} is not allowed: {rule}")))?.si();
+    }
+    Ok(values)
+}
+
+/// Ends of a range in SI units; an infinite one stays so.
+fn ends(unit: &str, range: [f64; 2]) -> Result<[f64; 2], String> {
+    let one = softlimb_scene::quantity(&format!("1 {unit}"), unit)?.si();
+    let end = |end: f64| match end.is_finite() {
+        true => softlimb_scene::quantity(&end.to_string(), unit).map(|found| found.si()),
+        false => Ok(end * one),
+    };
+    Ok([end(range[0])?, end(range[1])?])
+}
