@@ -119,7 +119,7 @@ pub(crate) fn breaches(file: &Path, text: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_word_is_caught_outside_its_room_and_free_inside() {
+fn words_are_caught_outside_their_room_and_free_inside() {
     for rule in RULES {
         let abroad = rule.within.first().unwrap_or(&"firmware/plant/src");
         for word in rule.words {
@@ -135,7 +135,7 @@ fn every_word_is_caught_outside_its_room_and_free_inside() {
 }
 
 #[test]
-fn a_room_is_not_its_namesake() {
+fn room_is_not_its_namesake() {
     assert_eq!(breaches(Path::new("host/rig/src/records.rs"), "use mcap::Writer;\n").len(), 1);
     assert_eq!(breaches(Path::new("host/scene/src/unit/tests.rs"), "println!()").len(), 0);
 }

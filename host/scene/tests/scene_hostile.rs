@@ -62,7 +62,7 @@ fn not_utf8() {
 }
 
 #[test]
-fn a_file_of_100_mb_is_refused_by_its_size() {
+fn file_of_100_mb_is_refused_by_its_size() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("huge.toml");
     let mut huge = File::create(&path).unwrap();
@@ -77,7 +77,7 @@ fn a_file_of_100_mb_is_refused_by_its_size() {
 
 #[test]
 #[cfg(unix)]
-fn a_device_without_end_is_refused_too() {
+fn device_without_end_is_refused_too() {
     // Reading ends after a bounded number of bytes, or never.
     let error = load("/dev/zero").unwrap_err();
     assert!(matches!(error, SceneError::Unreadable { reason: Unreadable::TooLarge, .. }), "{error}");
@@ -107,7 +107,7 @@ fn answers(text: &str) -> bool {
 }
 
 #[test]
-fn every_beginning_and_every_gap_of_a_scene_has_an_answer() {
+fn beginnings_and_gaps_of_a_scene_have_an_answer() {
     let mut wrong = 0;
     for at in 0..SCENE.len() {
         wrong += usize::from(!answers(&SCENE[..at]));
@@ -118,7 +118,7 @@ fn every_beginning_and_every_gap_of_a_scene_has_an_answer() {
 }
 
 #[test]
-fn every_value_replaced_by_every_type_has_an_answer() {
+fn values_replaced_by_any_type_have_an_answer() {
     let odd = [
         "-1",
         "0",
@@ -147,7 +147,7 @@ fn every_value_replaced_by_every_type_has_an_answer() {
 }
 
 #[test]
-fn a_mebibyte_of_anything_has_a_short_answer() {
+fn mebibyte_of_anything_has_a_short_answer() {
     let one = 1 << 20;
     let keys: String = (0..50_000).map(|i| format!("k{i} = {i}\n")).collect();
     let modules = "[[module]]\n".repeat(one / 11);

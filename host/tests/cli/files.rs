@@ -22,19 +22,19 @@ fn refused(desk: &Desk, name: &str, words: &[&str]) {
 }
 
 #[test]
-fn a_missing_scene() {
+fn missing_scene() {
     refused(&Desk::new(), "no-such.toml", &["there is no such file"]);
 }
 
 #[test]
-fn a_folder_for_a_scene() {
+fn folder_for_a_scene() {
     let desk = Desk::new();
     std::fs::create_dir(desk.path("folder")).unwrap();
     refused(&desk, "folder", &["it is a directory"]);
 }
 
 #[test]
-fn an_empty_scene() {
+fn empty_scene() {
     let desk = Desk::new();
     desk.put("scene.toml", "");
     refused(&desk, "scene.toml", &["the scene is empty"]);
@@ -43,7 +43,7 @@ fn an_empty_scene() {
 }
 
 #[test]
-fn a_scene_that_is_not_utf_8() {
+fn scene_that_is_not_utf_8() {
     let desk = Desk::new();
     let mut bytes = SCENE.as_bytes().to_vec();
     // The `m` of "small", on the second line.
@@ -54,7 +54,7 @@ fn a_scene_that_is_not_utf_8() {
 }
 
 #[test]
-fn a_hundred_megabytes_are_refused() {
+fn hundred_megabytes_are_refused() {
     let desk = Desk::new();
     File::create(desk.path("huge")).unwrap().set_len(100 << 20).unwrap();
     for (line, word) in [
@@ -71,7 +71,7 @@ fn a_hundred_megabytes_are_refused() {
 /// From a pipe, which has no size, every verb takes little more than a scene may have.
 #[test]
 #[cfg(unix)]
-fn a_scene_without_end_is_left_after_its_greatest_size() {
+fn scene_without_end_is_left_after_its_greatest_size() {
     let desk = Desk::new();
     for verb in SCENE_VERBS {
         let mut child = Command::new(env!("CARGO_BIN_EXE_softlimb"))
@@ -93,7 +93,7 @@ fn a_scene_without_end_is_left_after_its_greatest_size() {
 }
 
 #[test]
-fn a_line_of_a_hundred_megabytes_is_one_invalid_question() {
+fn line_of_a_hundred_megabytes_is_one_invalid_question() {
     let desk = Desk::new();
     File::create(desk.path("huge")).unwrap().set_len(100 << 20).unwrap();
     let answer = desk.softlimb("eval --batch huge").done();

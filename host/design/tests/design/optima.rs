@@ -107,7 +107,7 @@ fn what_cannot_be_reached_is_approached_as_far_as_can_be_for_every_seed() {
 }
 
 #[test]
-fn one_segment_on_a_line_of_its_own_is_the_same_problem() {
+fn segment_on_a_line_of_its_own_is_the_same_problem() {
     // Searched with the pressures as variables here, with the pressures eliminated there.
     for targets in ["[0.15, 0.16, 0.29, 0.12]", "[0.11, 0.4]", "[0.2, 0.2, 0.5]"] {
         let text = extension(&[("[0.2, 0.21]", targets)]);

@@ -130,7 +130,7 @@ fn slender(length_m: f64) -> Limb {
 }
 
 #[test]
-fn a_tube_alone_is_an_elastica_and_buckles_where_euler_says() {
+fn tube_alone_is_an_elastica_and_buckles_where_euler_says() {
     let mut level = slender(LENGTH_M);
     level.base.rotation = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2);
     level.gravity_m_per_s2 = 10.0;

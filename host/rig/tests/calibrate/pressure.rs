@@ -54,7 +54,7 @@ fn the_sensor_is_found_from_a_known_actuator() {
 
 /// One modulus for two tubes, a wall for each.
 #[test]
-fn a_shared_unknown_is_one_and_others_are_each_their_own() {
+fn shared_unknown_is_one_and_others_are_each_their_own() {
     let (one, other) = (Tube::soft(), Tube { outer: 12.4e-3, length: 0.1, ..Tube::soft() });
     let mut data = one.observed(0, &grid(1.02, 1.3, 6), EXACT);
     data.extend(other.observed(1, &grid(1.02, 1.25, 5), EXACT));
@@ -130,7 +130,7 @@ fn noise_around_no_pressure_does_not_bias_the_offset_of_a_bend() {
 }
 
 #[test]
-fn a_start_too_soft_for_the_pressures_is_hardened_first() {
+fn start_too_soft_for_the_pressures_is_hardened_first() {
     // Axial fibers: the limit point is at mu ln(R_o/R_i).
     let tube = Tube { angle: std::f64::consts::FRAC_PI_2, fiber_modulus: 40e6, ..Tube::soft() };
     let held = grid(9.2e-3, 10.5e-3, 6).into_iter().map(|inner| tube.at_inner_radius(inner));
