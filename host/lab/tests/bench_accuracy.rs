@@ -1,10 +1,8 @@
 //! Error against cost: the table is what the program finds, the page is what the table says, and the page's sentences hold.
 //!
 //! `tests/golden/accuracy.tsv` is the published table over the whole set; `cargo xtask lab accuracy --help` shows the command that writes it
-//! with page and picture. `tests/golden/accuracy-check.tsv` is that over the beginning of the set, which the tests compute anew, and
-//! `tests/golden/accuracy-check-tenth.tsv` that over a tenth of this beginning, for short runs.
-//! `SOFTLIMB_WRITE_ACCURACY=1 cargo test -p softlimb-lab bench_accuracy` writes the one of its size, and page and picture from the published
-//! table.
+//! with page and picture. `tests/golden/accuracy-check.tsv` is that over the beginning of the set, which the tests compute anew;
+//! `SOFTLIMB_WRITE_ACCURACY=1 cargo test -p softlimb-lab bench_accuracy` writes it, and page and picture from the published table.
 
 mod claims;
 mod command;
@@ -18,10 +16,8 @@ use softlimb_lab::accuracy as bench;
 use softlimb_lab::accuracy::{Report, Row, SEED, Settings};
 use softlimb_lab::generated_section::replaced;
 
-use crate::samples::samples;
-
-/// Actuators of the tests' whole sample.
-const FEW: u32 = 100;
+/// Actuators the tests ask about.
+const FEW: usize = 100;
 /// A largest error may rise by this factor before the table has to be written anew, and fall by the second.
 const WORSE: f64 = 2.0;
 const BETTER: f64 = 20.0;
@@ -35,12 +31,6 @@ fn repository(path: &str) -> String {
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(repository(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
-}
-
-/// The table of the tests for the size of this run's sample.
-fn check() -> &'static str {
-    let is_whole = samples(FEW) == FEW;
-    if is_whole { "tests/golden/accuracy-check.tsv" } else { "tests/golden/accuracy-check-tenth.tsv" }
 }
 
 /// The published table.
@@ -59,14 +49,14 @@ fn compiler() -> String {
 fn found() -> &'static Report {
     static FOUND: OnceLock<Report> = OnceLock::new();
     FOUND.get_or_init(|| {
-        let mut report = bench::accuracy(&Settings { seed: SEED, actuators: samples(FEW) as usize }, None, |_| ());
+        let mut report = bench::accuracy(&Settings { seed: SEED, actuators: FEW }, None, |_| ());
         if !bench::missing_instruments().contains(&"valgrind") {
             let arguments = ["accuracy", "--workload"].map(str::to_owned);
             bench::count(&mut report, Path::new(env!("CARGO_BIN_EXE_softlimb-lab")), &arguments).expect("counts");
         }
         if std::env::var_os("SOFTLIMB_WRITE_ACCURACY").is_some() {
             let text = format!("# compiler\t{}\n{}", compiler(), report.tsv());
-            std::fs::write(repository(check()), text).unwrap();
+            std::fs::write(repository("tests/golden/accuracy-check.tsv"), text).unwrap();
         }
         report
     })
@@ -75,7 +65,7 @@ fn found() -> &'static Report {
 /// The table of the tests and the compiler that counted.
 fn golden() -> (Report, String) {
     found();
-    let text = read(check());
+    let text = read("tests/golden/accuracy-check.tsv");
     let (head, table) = text.split_once('\n').expect("lines");
     let compiler = head.strip_prefix("# compiler\t").expect("the compiler heads the table");
     (Report::from_tsv(table).unwrap(), compiler.to_owned())
