@@ -172,7 +172,7 @@ fn unsafe_code_stays_where_registers_are() {
 }
 
 #[test]
-fn what_runs_on_the_mcu_is_no_std() {
+fn packages_of_the_mcu_are_no_std() {
     let packages = packages();
     for name in NO_STD {
         let package = packages.iter().find(|package| package.name == *name).expect("a package of the workspace");
@@ -193,7 +193,7 @@ fn words_stay_in_their_rooms() {
 }
 
 #[test]
-fn every_dependency_is_explained_and_every_explanation_is_needed() {
+fn dependencies_are_explained_and_explanations_needed() {
     let documented =
         dependencies::documented(&read("docs/reference/dependencies.md")).expect("docs/reference/dependencies.md");
     let declared = dependencies::declared(&packages());

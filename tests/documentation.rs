@@ -32,7 +32,7 @@ fn documents() -> Vec<(String, String)> {
 }
 
 #[test]
-fn the_summary_lists_every_page_once() {
+fn summary_lists_every_page_once() {
     let book = root().join("docs");
     let listed = pages::links(&read("docs/SUMMARY.md"));
     let unique: BTreeSet<_> = listed.iter().cloned().collect();
@@ -88,7 +88,7 @@ fn tests_named_without_their_file_exist() {
 }
 
 #[test]
-fn the_table_of_the_pins_is_that_of_the_code() {
+fn table_of_the_pins_is_that_of_the_code() {
     let table = softlimb_image_stm32f4::pins::Table.to_string();
     let document = read("docs/reference/hardware.md");
     let home = "`cargo run -p softlimb-image-stm32f4 --bin softlimb-stm32f4` prints this table";
@@ -102,7 +102,7 @@ fn block<'a>(document: &'a str, mark: &str) -> &'a str {
 }
 
 #[test]
-fn the_examples_of_the_batch_interface_are_what_it_answers() {
+fn examples_of_the_batch_interface_are_what_it_answers() {
     let document = read("docs/reference/eval-batch.md");
     for (asked, answered) in [("jsonl in", "jsonl out"), ("jsonl series in", "jsonl series out")] {
         let mut output = Vec::new();

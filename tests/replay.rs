@@ -35,7 +35,7 @@ fn timeless(run: &RunLog) -> RunLog {
 }
 
 #[test]
-fn the_same_seed_writes_the_same_bytes() {
+fn same_seed_writes_the_same_bytes() {
     let (first, second) = (ran(4), ran(4));
     assert_eq!(timeless(&first.files.run), timeless(&second.files.run));
     let (first, second) = (bytes(&first), bytes(&second));
@@ -45,7 +45,7 @@ fn the_same_seed_writes_the_same_bytes() {
 }
 
 #[test]
-fn another_seed_is_another_plant_under_the_same_plan() {
+fn seeds_give_other_plants_under_the_same_plan() {
     let (first, other) = (ran(4), ran(5));
     assert!(said(&bytes(&first)) != said(&bytes(&other)));
     let (first, other) = (&first.files.run, &other.files.run);
@@ -61,7 +61,7 @@ fn another_seed_is_another_plant_under_the_same_plan() {
 }
 
 #[test]
-fn a_report_made_again_from_the_log_is_the_same_page() {
+fn report_made_again_from_the_log_is_the_same_page() {
     let ran = ran(4);
     let again = ran.files.report.with_file_name("again.html");
     write_report(&again, &record::read(&ran.files.log).unwrap()).unwrap();
@@ -71,7 +71,7 @@ fn a_report_made_again_from_the_log_is_the_same_page() {
 }
 
 #[test]
-fn a_log_that_was_cut_off_agrees_with_the_whole_one_as_far_as_it_goes() {
+fn log_that_was_cut_off_agrees_with_the_whole_one_as_far_as_it_goes() {
     let ran = ran(4);
     let whole = &ran.files.run;
     let log = bytes(&ran);

@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_batch_is_answered_as_one_by_one() {
+    fn batch_is_answered_as_one_by_one() {
         let actuators: Vec<_> = (0..5000).map(actuator).collect();
         let pressures_pa: Vec<_> = (0..5000).map(|i| -1e4 + 17.0 * f64::from(i)).collect();
         let one_by_one: Vec<_> = actuators
@@ -287,14 +287,14 @@ mod tests {
     }
 
     #[test]
-    fn a_pressure_that_is_no_number_is_refused() {
+    fn pressure_that_is_no_number_is_refused() {
         let actuators = [actuator(1), actuator(2)];
         let blank = actuators[0].forward(0.0, &Load::none()).expect("finite");
         let error = forward(&actuators, &[1e3, f64::NAN], &mut [blank; 2]).expect_err("not finite");
         assert_eq!(error.field, "pressure_pa");
     }
     #[test]
-    fn of_several_refusals_the_first_piece_has_the_say() {
+    fn first_refusal_of_several_is_reported() {
         let actuators: Vec<_> = (0..5000).map(actuator).collect();
         let blank = actuators[0].forward(0.0, &Load::none()).expect("finite");
         let mut pressures_pa = vec![1e3; 5000];

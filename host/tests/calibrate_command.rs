@@ -97,7 +97,7 @@ fn desk(files: &[(&str, &str)]) -> tempfile::TempDir {
 }
 
 #[test]
-fn a_table_gives_the_material_and_a_scene_that_keeps_its_comments() {
+fn table_gives_the_material_and_a_scene_that_keeps_its_comments() {
     let folder = desk(&[("scene.toml", SCENE), ("arm.csv", &table())]);
     let line = "calibrate pressure arm.csv --scene scene.toml --fit shear_modulus,fiber_angle --write fitted.toml --svg fit.svg --json";
     let answer = softlimb(folder.path(), line);
@@ -120,7 +120,7 @@ fn a_table_gives_the_material_and_a_scene_that_keeps_its_comments() {
 }
 
 #[test]
-fn a_module_of_its_own_gets_a_material_of_its_own() {
+fn module_of_its_own_gets_a_material_of_its_own() {
     let folder = desk(&[("scene.toml", SCENE), ("arm.csv", &table())]);
     let line = "calibrate pressure arm.csv --scene scene.toml --fit shear_modulus,wall --per module --write fitted.toml --accuracy 1e-5";
     let answer = softlimb(folder.path(), line);
@@ -155,7 +155,7 @@ fn the_log_of_a_run_gives_the_moduli_of_the_limb_that_ran() {
 }
 
 #[test]
-fn a_tensile_test_goes_into_the_scene_with_a_warning_where_it_does_not_reach() {
+fn tensile_test_goes_into_the_scene_with_a_warning_where_it_does_not_reach() {
     let mut csv = "stretch,nominal_stress_kpa\n".to_owned();
     for stretch in grid(1.01, 1.05, 9) {
         let _ = writeln!(csv, "{stretch},{}", 180.0 * (stretch - stretch.powi(-2)));
@@ -174,7 +174,7 @@ fn a_tensile_test_goes_into_the_scene_with_a_warning_where_it_does_not_reach() {
 }
 
 #[test]
-fn a_step_gives_the_creep_of_a_scene() {
+fn step_gives_the_creep_of_a_scene() {
     let mut csv = "pressure_pa,time_s,bend_angle_rad,module\n".to_owned();
     for time in grid(0.05, 12.0, 60) {
         let _ = writeln!(csv, "30000,{time},{},finger", 0.7 * (1.0 + 0.08 * (1.0 - (-time / 4.0_f64).exp())));
@@ -190,7 +190,7 @@ fn a_step_gives_the_creep_of_a_scene() {
 }
 
 #[test]
-fn what_is_wrong_is_said_with_its_place() {
+fn errors_have_their_place() {
     let bad = "module,pressure_pa,axial_stretch\narm,1e3,1.01\nleg,2e3,1.02\n";
     let folder = desk(&[("scene.toml", SCENE), ("bad.csv", bad), ("arm.csv", &table())]);
     for (line, code, expected) in [

@@ -16,7 +16,7 @@ fn softlimb(problem: &str, more: &[&str]) -> Output {
 }
 
 #[test]
-fn an_answer_is_json_with_everything_that_is_known_of_it() {
+fn answer_is_json_with_everything_that_is_known_of_it() {
     let output = softlimb(EXTENSION, &["--json"]);
     assert!(output.status.success());
     let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -37,7 +37,7 @@ fn an_answer_is_json_with_everything_that_is_known_of_it() {
 }
 
 #[test]
-fn a_table_is_for_people_and_mistakes_name_file_and_line() {
+fn table_is_for_people_and_mistakes_name_file_and_line() {
     let output = softlimb(EXTENSION, &[]);
     let text = String::from_utf8(output.stdout).expect("UTF-8");
     assert!(text.starts_with("reached: objective ") && text.contains("arm: inner radius"), "{text}");

@@ -49,7 +49,7 @@ fn points_of_the_box_are_answered_with_the_objective_of_their_geometry_and_press
 }
 
 #[test]
-fn what_is_no_point_of_the_box_is_refused_by_line() {
+fn points_outside_the_box_are_refused_by_line() {
     for (line, message) in [
         (
             "[0, 0, 0, 0, 0]",

@@ -60,7 +60,7 @@ fn single_precision_answers_are_single_precision() {
 }
 
 #[test]
-fn beyond_the_limit_the_answer_is_the_limit_pressure() {
+fn answer_beyond_the_limit_is_the_limit_pressure() {
     let tube = json!({"id": 1, "motion": "expansion", "problem": "forward", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3,
         "length_m": 0.1, "material": {"law": "neo-hookean", "shear_modulus_pa": 0.2226e6},
         "fiber": {"angle_deg": 90, "families": 2, "modulus_pa": 361e6, "placement": "sheet", "thickness_m": 0.178e-3},
@@ -73,7 +73,7 @@ fn beyond_the_limit_the_answer_is_the_limit_pressure() {
 
 /// Every value in the order of the fields: what a derived reader would take for the object.
 #[test]
-fn an_array_is_no_object_whatever_it_holds() {
+fn array_is_no_object_whatever_it_holds() {
     let question = r#"["b","bending","forward",6e-3,8e-3,0.1,{"law":"neo-hookean","shear_modulus_pa":2e5},null,3e4,null,null,null]"#;
     let fiber = json!([3, 2, 361e6, "sheet", 0.178e-3, null]);
     let cases = [
@@ -124,7 +124,7 @@ fn messages_are_in_the_words_of_json() {
 }
 
 #[test]
-fn a_line_that_cannot_be_answered_says_why_and_the_others_are_answered() {
+fn line_that_cannot_be_answered_says_why_and_the_others_are_answered() {
     let no_pressure = {
         let mut b = bender();
         b.as_object_mut().unwrap().remove("pressure_pa");

@@ -37,7 +37,7 @@ fn answers_do_not_depend_on_the_number_of_threads() {
 
 /// Each line alone, after as many empty lines as stand before it in the batch, has the answer that it has in the batch.
 #[test]
-fn every_answer_is_that_of_its_line_with_its_number() {
+fn answers_are_those_of_their_lines_with_their_numbers() {
     let lines = lines();
     let together = answered(&lines.join(&b'\n'), 3, Scalar::F64);
     let mut together = together.split_inclusive(|byte| *byte == b'\n');

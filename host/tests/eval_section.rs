@@ -29,7 +29,7 @@ fn with(mut base: Value, key: &str, value: Value) -> Value {
 
 /// 42.6 deg: an independent program's finite elements, with a thin stiff layer and a narrow strip in place of the ideal ones.
 #[test]
-fn a_bend_comes_with_its_discretisation_error() {
+fn bend_comes_with_its_discretisation_error() {
     let answer = ask(&with(tube("bending", "forward"), "pressure_pa", json!(30e3)));
     assert_eq!(answer["status"], "ok");
     let angle = number(&answer, "bend_angle_rad");
@@ -52,7 +52,7 @@ fn straight_tubes_have_the_analytic_answers() {
 }
 
 #[test]
-fn an_inverse_leads_back() {
+fn inverse_leads_back() {
     let inverse = ask(&with(tube("bending", "inverse"), "target", json!({"bend_angle_rad": 0.6})));
     assert_eq!(inverse["status"], "ok", "{inverse}");
     assert!((number(&inverse, "bend_angle_rad") - 0.6).abs() < 1e-9);
@@ -62,7 +62,7 @@ fn an_inverse_leads_back() {
 
 /// A target that the actuator has at rest takes no pressure.
 #[test]
-fn an_inverse_of_rest_is_no_pressure() {
+fn inverse_of_rest_is_no_pressure() {
     let fiber = json!({"angle_deg": 30, "families": 1, "modulus_pa": 5e7, "thickness_m": 2e-4});
     for (motion, target) in [
         ("bending", json!({"bend_angle_rad": 0})),
@@ -80,7 +80,7 @@ fn an_inverse_of_rest_is_no_pressure() {
 
 /// A radius next to the limit point, which the secant may overstep.
 #[test]
-fn an_inverse_next_to_a_limit_point_is_found() {
+fn inverse_next_to_a_limit_point_is_found() {
     for radius_m in [8.5e-3, 9e-3, 9.4e-3] {
         let answer = ask(&with(tube("expansion", "inverse"), "target", json!({"outer_radius_m": radius_m})));
         assert_eq!(answer["status"], "ok", "{radius_m}: {answer}");
@@ -89,7 +89,7 @@ fn an_inverse_next_to_a_limit_point_is_found() {
 }
 
 #[test]
-fn beyond_the_limit_point_there_is_no_number() {
+fn pressures_beyond_the_limit_point_have_no_number() {
     // 0.75 mu ln(R_o/R_i) = 43.15 kPa.
     let answer = ask(&with(tube("extension", "forward"), "pressure_pa", json!(60e3)));
     assert_eq!((&answer["status"], &answer["outer_radius_m"]), (&json!("no_solution"), &Value::Null));
@@ -99,7 +99,7 @@ fn beyond_the_limit_point_there_is_no_number() {
 }
 
 #[test]
-fn what_the_section_cannot_be_asked_is_refused() {
+fn queries_beyond_the_section_are_refused() {
     let message = |answer: Value| {
         assert_eq!(answer["status"], "invalid", "{answer}");
         answer["message"].as_str().expect("a message").to_owned()

@@ -127,7 +127,7 @@ fn targets_lead_back_through_text() {
 }
 
 #[test]
-fn the_limit_names_its_segment() {
+fn limit_names_its_segment() {
     let answer = ask(&forward(json!([twister(), expander()]), 90e3), Scalar::F64);
     assert_eq!((&answer["status"], &answer["limit_segment"]), (&json!("no_solution"), &json!(1)));
     // 63.5 kPa: tabulated for this expansion actuator.
@@ -137,7 +137,7 @@ fn the_limit_names_its_segment() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_segment() {
+fn errors_are_named_with_their_segment() {
     let with = |mut base: Value, key: &str, value: Value| {
         base[key] = value;
         base
@@ -192,7 +192,7 @@ fn what_is_wrong_is_named_with_its_segment() {
 
 /// An `id` may hold anything, the word included.
 #[test]
-fn an_id_does_not_make_a_series() {
+fn id_does_not_make_a_series() {
     let mut question = bender();
     question.as_object_mut().unwrap().remove("bend_direction_deg");
     question["id"] = json!({"segments": [1]});
@@ -205,7 +205,7 @@ fn an_id_does_not_make_a_series() {
 
 /// `SeriesTarget` of the model and targets of the interface are the same three.
 #[test]
-fn every_target_of_the_model_can_be_asked_for() {
+fn targets_of_the_model_are_all_available() {
     for (target, field) in [
         (SeriesTarget::Extension(1e-3), "extension_m"),
         (SeriesTarget::Twist(-0.1), "twist_rad"),

@@ -107,7 +107,7 @@ fn run_without_calculix_says_what_to_install() {
 }
 
 #[test]
-fn a_run_that_gives_nothing_fails_and_writes_no_file() {
+fn run_that_gives_nothing_fails_and_writes_no_file() {
     let fake = Fake::new("echo ' *ERROR: too many cutbacks'; echo '1 1 1U 9 0.1 0.1 0.1' > actuator.sta; exit 201");
     let scene = scene("single-bending.toml");
     let line = format!("fea run {} --ccx {} --tsv figures.tsv", scene.display(), fake.path("ccx").display());
@@ -144,7 +144,7 @@ fn figures_are_shown_even_if_their_file_cannot_be_written() {
 }
 
 #[test]
-fn a_run_that_ends_before_its_first_pressure_says_how_far_it_came_and_why() {
+fn run_that_ends_before_its_first_pressure_says_how_far_it_came_and_why() {
     let scene = scene("single-bending.toml");
     let options = "--fibers threads --spacing 4mm --around 8 --along 8";
     let fake = at_rest("0.9990000E+00", "echo ' *ERROR: too many cutbacks'; exit 201");
@@ -171,7 +171,7 @@ fn left_behind(parent: &Path, name: &str, age_s: u64) -> File {
 }
 
 #[test]
-fn a_run_removes_what_killed_ones_left() {
+fn run_removes_what_killed_ones_left() {
     let temporary = tempfile::tempdir().unwrap();
     let names = ["softlimb-fem-1-0", "softlimb-fem-1-1", "softlimb-fem-1-2", "another-1-3"];
     let locks: Vec<File> =
@@ -204,7 +204,7 @@ fn calculix_ends_with_the_run_that_is_killed() {
 }
 
 #[test]
-fn a_relative_path_to_the_program_is_meant_from_where_the_user_is() {
+fn relative_path_to_the_program_is_meant_from_where_the_user_is() {
     let fake = Fake::new("echo ' *ERROR reading: it was started'; exit 201");
     let line = format!("fea run {} --ccx ./ccx", scene("single-bending.toml").display());
     let answer = softlimb(fake.folder.path(), &line);

@@ -114,7 +114,7 @@ fn wrong_tables_and_words_are_answered_with_line_column_value_and_what_is_allowe
 }
 
 #[test]
-fn a_load_that_is_not_told_from_none_is_warned_of() {
+fn load_that_is_not_told_from_none_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.toml"), empty()).unwrap();
     std::fs::write(folder.path().join("tips.csv"), two(1e-3, 1.1e-3)).unwrap();
@@ -137,7 +137,7 @@ fn a_load_that_is_not_told_from_none_is_warned_of() {
 }
 
 #[test]
-fn the_tips_of_a_simulated_limb_tell_its_load() {
+fn tips_of_a_simulated_limb_tell_its_load() {
     let folder = tempfile::tempdir().unwrap();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/loaded/carry-hanging.toml");
     let track = ["--loads", "10", "--repeats", "1", "--iterations", "1", "--tips", "tips.csv", "--json"];

@@ -24,7 +24,7 @@ fn text(bytes: &[u8]) -> String {
 const SCENE: &str = "scenes/pick-and-place-a.toml";
 
 #[test]
-fn every_pose_of_a_scene_has_its_largest_load_with_a_certificate() {
+fn poses_of_a_scene_have_their_largest_load_with_a_certificate() {
     let output = payload(&[SCENE, "--direction", "-1,0,0", "--spacers", "3", "--json"]);
     let said: Value = serde_json::from_slice(&output.stdout).unwrap();
     let poses = said["poses"].as_array().unwrap();
@@ -52,7 +52,7 @@ fn every_pose_of_a_scene_has_its_largest_load_with_a_certificate() {
 }
 
 #[test]
-fn the_table_and_the_picture_are_for_people() {
+fn table_and_the_picture_are_for_people() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("push.svg");
     let output = payload(&[SCENE, "--svg", picture.to_str().unwrap()]);
@@ -88,7 +88,7 @@ fn wrong_words_and_wrong_scenes_are_answered() {
 }
 
 #[test]
-fn a_problem_is_answered_and_its_mistakes_are_named() {
+fn problem_is_answered_and_its_mistakes_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("forces.json");
     fs::write(&file, FORCES).unwrap();

@@ -1,5 +1,5 @@
 //! The README shows what its first command prints. After a change that is meant to change it:
-//! `UPDATE_README=1 cargo test -p softlimb --test readme`.
+//! `UPDATE_README=1 cargo test -p softlimb readme`.
 
 use softlimb_rig::report;
 use softlimb_rig::run::{Mcu, RunOptions, run};
@@ -17,7 +17,7 @@ fn timeless(table: &str) -> Vec<&str> {
 }
 
 #[test]
-fn the_table_of_the_readme_is_the_table_of_the_run() {
+fn table_of_the_readme_is_the_table_of_the_run() {
     let readme = std::fs::read_to_string(repository("README.md")).unwrap();
     let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a block of output");
     let scene = scene::load(repository("scenes/pick-and-place-a.toml")).unwrap();

@@ -28,7 +28,7 @@ fn desk() -> tempfile::TempDir {
 }
 
 #[test]
-fn the_answer_is_a_table_files_and_the_same_json_on_any_number_of_threads() {
+fn answer_is_a_table_files_and_the_same_json_on_any_number_of_threads() {
     let desk = desk();
     let output = run(desk.path(), &["scene.toml", "--samples", "40", "--svg", "a.svg", "--csv", "a.csv"]);
     let [out, err] = texts(&output);
@@ -88,7 +88,7 @@ fn limbs_that_cannot_hold_the_pressure_are_a_warning() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_named() {
+fn impossible_queries_are_named() {
     let desk = desk();
     for (words, code, names) in [
         (vec!["scene.toml", "--wall", "-0.1"], 2, vec!["--wall", "'-0.1'", "the range is 0 mm to 5 mm"]),

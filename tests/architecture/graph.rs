@@ -149,7 +149,7 @@ fn paths_are_taken_apart() {
 }
 
 #[test]
-fn a_circle_is_found() {
+fn circle_is_found() {
     let graph = |edges: &[(&str, &str)]| {
         let mut graph = Graph::new();
         for (from, to) in edges {

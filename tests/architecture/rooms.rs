@@ -99,7 +99,7 @@ pub(crate) const RULES: &[Rule] = &[
 impl Rule {
     fn holds_in(&self, file: &Path) -> bool {
         let within = self.within.is_empty() || self.within.iter().any(|folder| file.starts_with(folder));
-        // `host/src/run` owns both `host/src/run.rs` and `host/src/run/...`.
+        // `host/rig/src/run` owns both `host/rig/src/run.rs` and `host/rig/src/run/...`.
         let owned =
             self.owners.iter().any(|owner| file.starts_with(owner) || file.with_extension("") == Path::new(owner));
         within && !owned
@@ -119,7 +119,7 @@ pub(crate) fn breaches(file: &Path, text: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_word_is_caught_outside_its_room_and_free_inside() {
+fn words_are_caught_outside_their_room_and_free_inside() {
     for rule in RULES {
         let abroad = rule.within.first().unwrap_or(&"firmware/plant/src");
         for word in rule.words {
@@ -135,7 +135,7 @@ fn every_word_is_caught_outside_its_room_and_free_inside() {
 }
 
 #[test]
-fn a_room_is_not_its_namesake() {
+fn room_is_not_its_namesake() {
     assert_eq!(breaches(Path::new("host/rig/src/records.rs"), "use mcap::Writer;\n").len(), 1);
     assert_eq!(breaches(Path::new("host/scene/src/unit/tests.rs"), "println!()").len(), 0);
 }

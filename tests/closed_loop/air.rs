@@ -55,7 +55,7 @@ fn tracking_is_the_same_from_a_regulator_and_from_a_pump() {
 }
 
 #[test]
-fn what_leaves_the_reservoir_is_in_the_chambers() {
+fn air_that_leaves_the_reservoir_is_in_the_chambers() {
     let volume_m3 = 1e-3;
     let run = fill(reservoir_alone(volume_m3));
     let (first, last) = (run.moments.first().unwrap(), run.moments.last().unwrap());

@@ -56,7 +56,7 @@ fn relative_rmse(run: &Run, channel: usize, subject: &Subject, span_s: (f64, f64
 }
 
 #[test]
-fn every_motion_and_material_reaches_the_deformation_it_is_told() {
+fn motions_and_materials_reach_their_setpoint() {
     let (names, subjects): (Vec<_>, Vec<_>) = subjects().into_iter().unzip();
     let wanted: Vec<_> = subjects.iter().map(setpoint).collect();
     let run = run(nominal(&subjects), &subjects, SECONDS, |channel, time_s| wanted[channel](time_s));

@@ -28,7 +28,7 @@ fn follow(seconds: f64, pressure_pa: impl Fn(f64) -> f64) -> Run {
 const STEPS: [(f64, f64, f64); 2] = [(0.5, 60e3, 0.115), (2.0, 20e3, 0.295)];
 
 #[test]
-fn a_step_up_and_a_step_down_settle() {
+fn step_up_and_a_step_down_settle() {
     let wanted_pa = |time_s: f64| if (0.5..2.0).contains(&time_s) { 60e3 } else { 20e3 };
     let run = follow(3.5, wanted_pa);
     for (from_s, wanted_pa, open_s) in STEPS {
@@ -48,7 +48,7 @@ fn a_step_up_and_a_step_down_settle() {
 }
 
 #[test]
-fn a_ramp_is_followed_without_lag() {
+fn ramp_is_followed_without_lag() {
     let wanted_pa = |time_s: f64| 10e3 + 20e3 * (time_s - 0.5).clamp(0.0, 3.0);
     let run = follow(4.0, wanted_pa);
     let ramp = run.between(1.0, 3.5);
@@ -61,7 +61,7 @@ fn a_ramp_is_followed_without_lag() {
 }
 
 #[test]
-fn a_sine_is_followed() {
+fn sine_is_followed() {
     let wanted_pa = |time_s: f64| 45e3 + 20e3 * (TAU * 0.5 * (time_s - 0.5).max(0.0)).sin();
     let run = follow(4.5, wanted_pa);
     let rmse_pa = run.pressure_rmse_pa(0, (0.5, 4.5), wanted_pa);

@@ -9,7 +9,7 @@ use crate::support::{Ran, names, run, scene_with};
 use crate::travel;
 
 #[test]
-fn every_scene_runs_without_a_fault_and_leaves_a_log_and_a_report() {
+fn scenes_run_without_a_fault_and_leave_a_log_and_a_report() {
     for name in names() {
         let scene = scene_with(&name, "");
         let ran = run(&scene, scene.seed());
@@ -67,7 +67,7 @@ fn of(stats: Option<ErrorStats>) -> ErrorStats {
 }
 
 #[test]
-fn every_phase_ends_at_its_target() {
+fn phases_end_at_their_target() {
     for name in names() {
         let scene = scene_with(&name, "");
         let ran = run(&scene, scene.seed());

@@ -26,7 +26,7 @@ fn largest(errors: impl Iterator<Item = f64>) -> f64 {
 }
 
 #[test]
-fn without_spread_and_creep_the_truth_is_the_model_of_the_controller() {
+fn truth_without_spread_and_creep_is_the_model_of_the_controller() {
     for name in names() {
         let scene = scene_with(&name, &[NO_SPREAD, NO_CREEP].concat());
         for (module, travel, samples) in modules(&run(&scene, scene.seed())) {
@@ -47,7 +47,7 @@ fn without_spread_and_creep_the_truth_is_the_model_of_the_controller() {
 }
 
 #[test]
-fn without_spread_the_actuators_are_off_by_their_creep() {
+fn actuators_without_spread_are_off_by_their_creep() {
     for name in names() {
         let scene = scene_with(&name, NO_SPREAD);
         for (module, travel, samples) in modules(&run(&scene, scene.seed())) {

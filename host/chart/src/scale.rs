@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_span_holds_its_values_with_a_margin() {
+    fn span_holds_its_values_with_a_margin() {
         assert_eq!(span([-1.0, f64::NAN, 1.0]), [-1.1, 1.1]);
         assert_eq!(span([]), [0.0, 1.0]);
         for values in [[4.0; 2], [0.0; 2], [f64::MIN, f64::MAX]] {

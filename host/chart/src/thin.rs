@@ -93,13 +93,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_line_is_its_ends() {
+    fn straight_line_is_its_ends() {
         let line = (0..1000).map(|i| [f64::from(i) * 0.5, 100.0 - f64::from(i) * 0.1]);
         assert_eq!(thin(line), [vec![[0.0, 100.0], [499.5, 100.0 - 99.9]]]);
     }
 
     #[test]
-    fn no_peak_is_lost() {
+    fn peaks_are_kept() {
         let mut noisy: Vec<_> = (0..60_000).map(|i| [f64::from(i) * 0.01, 50.0]).collect();
         noisy[12_345][1] = 3.0;
         noisy[40_000][1] = 97.0;
@@ -115,13 +115,13 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_turns_back_keeps_its_turn() {
+    fn line_that_turns_back_keeps_its_turn() {
         let back = [[0.0, 0.0], [10.0, 0.0], [4.0, 0.0]];
         assert_eq!(thin(back), [back.to_vec()]);
     }
 
     #[test]
-    fn a_circle_stays_round() {
+    fn circle_stays_round() {
         let circle = (0..=2000).map(|i| {
             let angle = f64::from(i) * std::f64::consts::TAU / 2000.0;
             [100.0 * angle.cos(), 100.0 * angle.sin()]

@@ -11,7 +11,7 @@ fn complaint(from: &str, to: &str) -> ProblemError {
 }
 
 #[test]
-fn a_value_out_of_range_is_named_with_its_range_and_line() {
+fn value_out_of_range_is_named_with_its_range_and_line() {
     assert!(ForceProblem::read(FORCES).is_ok());
     for (from, to, message) in [
         ("\"force_per_n\": 1", "\"force_per_n\": -1", "line 4: weights.force_per_n = -1 is not allowed: >= 0"),
@@ -48,7 +48,7 @@ fn a_value_out_of_range_is_named_with_its_range_and_line() {
 }
 
 #[test]
-fn what_is_no_problem_file_is_refused_where_the_parser_stopped() {
+fn malformed_problem_files_are_refused_where_the_parser_stopped() {
     for (from, to, line) in
         [("\"families\"", "\"placement\": \"layer\", \"families\"", 6), ("{\"law\"", "[{\"law\"", 5)]
     {

@@ -69,7 +69,7 @@ fn moves_are_free_of_collisions_between_their_ends() {
 }
 
 #[test]
-fn an_answer_depends_on_the_seed_alone() {
+fn answer_depends_on_the_seed_alone() {
     let posed = Kind::E.pose(11).unwrap();
     let once = |seed| design(&posed.task, &posed.spaces, &Effort { seed, ..Effort::default() }).unwrap();
     assert_eq!(once(3), once(3));

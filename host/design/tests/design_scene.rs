@@ -153,7 +153,7 @@ fn group_c_is_designed_and_keeps_clear() {
 }
 
 #[test]
-fn what_a_design_cannot_take_is_shown_at_its_line() {
+fn entries_beyond_a_design_are_shown_at_their_line() {
     let text = include_str!("../../../scenes/pick-and-place-a.toml")
         .replace("circle_radius = \"30 mm\"", "circle_radius = \"17 mm\"");
     let wide = read(&format!("{text}{OPEN}"));

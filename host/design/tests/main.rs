@@ -4,3 +4,5 @@ mod bundle_files;
 mod design;
 mod design_path;
 mod design_scene;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;

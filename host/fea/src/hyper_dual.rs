@@ -88,7 +88,7 @@ impl Sum for HyperDual {
 
 /// `x y^2 - 3 x` at (2, 5) along (1, 4) and (7, -1), derivatives by hand.
 #[test]
-fn a_polynomial_has_the_derivatives_found_by_hand() {
+fn polynomial_has_the_derivatives_found_by_hand() {
     let x = HyperDual::moving(2.0, [1.0, 7.0]);
     let y = HyperDual::moving(5.0, [4.0, -1.0]);
     let f = x * y.squared() - x * 3.0;

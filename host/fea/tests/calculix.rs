@@ -81,7 +81,7 @@ fn hold(what: &str, found: f64, expected: f64, bar: f64) {
 }
 
 #[test]
-fn a_plain_tube_grows_as_the_thick_wall_equations_say() {
+fn plain_tube_grows_as_the_thick_wall_equations_say() {
     if !is_installed() {
         return;
     }
@@ -120,7 +120,7 @@ fn smeared_windings_extend_expand_and_twist_as_the_thick_wall_equations_say() {
 }
 
 #[test]
-fn a_smeared_winding_bends_as_the_section_says() {
+fn smeared_winding_bends_as_the_section_says() {
     if !is_installed() {
         return;
     }
@@ -163,7 +163,7 @@ fn threads_close_to_each_other_do_what_the_sheet_does() {
 
 /// Two families that cross, two thirds of the wall apart on its very surface, against the sheet by the section finite elements.
 #[test]
-fn a_double_helix_of_threads_does_what_the_sheet_does() {
+fn double_helix_of_threads_does_what_the_sheet_does() {
     if !is_installed() {
         return;
     }
@@ -212,7 +212,7 @@ fn distant_rings_do_what_the_period_of_a_thread_says() {
 }
 
 #[test]
-fn a_pressure_beyond_the_limit_point_gets_no_figures() {
+fn pressure_beyond_the_limit_point_gets_no_figures() {
     if !is_installed() {
         return;
     }
@@ -229,7 +229,7 @@ fn a_pressure_beyond_the_limit_point_gets_no_figures() {
 }
 
 #[test]
-fn a_bundle_extends_like_one_of_its_actuators() {
+fn bundle_extends_like_one_of_its_actuators() {
     if !is_installed() {
         return;
     }

@@ -3,4 +3,6 @@
 mod calculix;
 mod fem;
 mod meridian;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
 mod section;

@@ -50,7 +50,7 @@ fn mid_length_has_the_rates_of_the_thick_walled_tube() {
 
 /// A sheet on the inner face is as good as one next to it, and a winding on the face of the lumen is not left out.
 #[test]
-fn a_sheet_on_the_inner_face_is_there() {
+fn sheet_on_the_inner_face_is_there() {
     let at = |radius_m: f64| {
         let mut parameters = tube(NEO_HOOKEAN, 5.0, Families::Two, Placement::Sheet);
         parameters.fiber = parameters.fiber.map(|fiber| Fiber { radius_m, ..fiber });
@@ -126,7 +126,7 @@ fn dense_threads_are_a_sheet() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn nonsense_is_refused() {
     let parameters = tube(NEO_HOOKEAN, 5.0, Families::Two, Placement::Sheet);
     let bare = ActuatorParameters { fiber: None, ..parameters };
     // 0.75 mu ln(R_o/R_i) = 43.15 kPa is the limit pressure of a long bare tube; caps hold it a little.

@@ -140,7 +140,7 @@ mod tests {
 }"#;
 
     #[test]
-    fn every_value_is_on_the_line_it_begins_on() {
+    fn values_have_the_line_they_begin_on() {
         for (path, line) in [("", 1), ("d", 6), ("e", 7), ("missing", 1), ("d.x", 6)] {
             assert_eq!(line_of(TEXT, path), line, "{path}");
         }

@@ -231,14 +231,14 @@ mod tests {
     }
 
     #[test]
-    fn an_open_quote_is_an_error_at_its_line() {
+    fn open_quote_is_an_error_at_its_line() {
         let table = Table::cut("a,b\n1,2\n\n3,\"4\n5,6\n7,8\n").unwrap();
         let error = table.rows()[1].written(1, "b", [0.0, 9.0]).unwrap_err().to_string();
         assert_eq!(error, "line 4, column `b`: `4 5,6 7,8` is not allowed: a number from 0 to 9");
     }
 
     #[test]
-    fn a_written_table_reads_back() {
+    fn written_table_reads_back() {
         let text = written(&["phase", "x_m"], [["hold, then", "1"], ["say \"x\"", "2.5"]]);
         assert_eq!(text, "phase,x_m\n\"hold, then\",1\n\"say \"\"x\"\"\",2.5\n");
         assert_eq!(cut(&text)[1], (2, vec!["hold, then".to_owned(), "1".into()]));

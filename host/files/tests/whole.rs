@@ -8,7 +8,7 @@ use std::process::Command;
 use softlimb_files::write_whole;
 
 #[test]
-fn a_file_that_cannot_be_written_leaves_nothing_behind() {
+fn file_that_cannot_be_written_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("there");
     fs::create_dir(&place).unwrap();
@@ -18,7 +18,7 @@ fn a_file_that_cannot_be_written_leaves_nothing_behind() {
 }
 
 #[test]
-fn a_link_stays_a_link_to_the_file_that_is_written() {
+fn link_stays_a_link_to_the_file_that_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     fs::create_dir(at("elsewhere")).unwrap();
@@ -40,7 +40,7 @@ fn a_link_stays_a_link_to_the_file_that_is_written() {
 }
 
 #[test]
-fn a_pipe_gets_the_text_and_stays_a_pipe() {
+fn pipe_gets_the_text_and_stays_a_pipe() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());

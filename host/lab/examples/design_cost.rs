@@ -1,6 +1,6 @@
 //! What designs cost and how good they are, over problems by kind and seed: `softlimb_design::actuators` on one thread.
 //!
-//!     cargo run --release -p softlimb --example design_cost [SEEDS [KINDS [swarm|tune|longer]]]
+//!     cargo run --release -p softlimb-lab --example design_cost [SEEDS [KINDS [swarm|tune|longer]]]
 //!
 //! `swarm` runs the particle swarm on the same problems; `tune` runs it with several settings until 1e-8; `longer` compares with a search
 //! of twenty times as many agreeing descents from other starts.

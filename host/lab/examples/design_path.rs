@@ -1,6 +1,6 @@
 //! How well limbs are found for tasks of tip way-points among obstacles.
 //!
-//!     cargo run --release -p softlimb --example design_path SEEDS [KINDS] [EVALUATIONS] [moves]
+//!     cargo run --release -p softlimb-lab --example design_path SEEDS [KINDS] [EVALUATIONS] [moves]
 //!
 //! prints objective and time for each seed, and how many of them are below some bounds; with `moves` the moves from rest and
 //! from each way-point to the next keep clear too, which not every task allows. With `evaluate KIND SEED` it answers the objective

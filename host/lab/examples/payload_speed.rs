@@ -1,6 +1,6 @@
 //! Allocation of pressures beside Clarabel on the same trajectories, and the largest load of a bundle, in one run:
 //!
-//!     cargo run --release -p softlimb --example payload_speed
+//!     cargo run --release -p softlimb-lab --example payload_speed
 //!
 //! Times are of this machine: read the ratios.
 

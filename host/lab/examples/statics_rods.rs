@@ -1,6 +1,6 @@
-//! Rods under load with their tips and times, for `host/benches/statics/compare.py`: one line of JSON.
+//! Rods under load with their tips and times, for `host/lab/benches/statics/compare.py`: one line of JSON.
 //!
-//!     cargo run --release -p softlimb --example statics_rods
+//!     cargo run --release -p softlimb-lab --example statics_rods
 //!
 //! A heavy level cantilever, and a limb of three modules, hanging with a payload and level without. Each is told as the rod that is solved,
 //! so that another program can solve the same one.

@@ -1,6 +1,6 @@
 //! What a loaded pose costs, and how far each tier is from the finest: a hanging limb of a scene, its bend changed a little from pose to pose.
 //!
-//!     cargo run --release -p softlimb --example statics_speed
+//!     cargo run --release -p softlimb-lab --example statics_speed
 
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
 //! Prints what tables cost and how far they are off, beside the model they replace.
 //!
-//! `cargo run --release -p softlimb --example table_speed`
+//! `cargo run --release -p softlimb-lab --example table_speed`
 //!
 //! Instructions of the device's lookups on this machine, each called 100 000 times:
 //! `valgrind --tool=callgrind --toggle-collect='*counted_*' target/release/examples/table_speed counted`

@@ -1,6 +1,6 @@
 //! What puts the mass on the tip of a drawn limb off, one difference from the model at a time.
 //!
-//!     cargo run --release -p softlimb --example weighing_limbs [LIMBS]
+//!     cargo run --release -p softlimb-lab --example weighing_limbs [LIMBS]
 //!
 //! Limbs that the plant draws hang by the statics at the setpoints, without noise, valves and creep. Each is taken with its mirror image, whose
 //! parameters are off by as much to the other side: half the sum of both is what is no matter of chance.

@@ -1,6 +1,6 @@
-//! What the workspace of a scene costs, for `host/benches/workspace/compare.py`: one line of JSON.
+//! What the workspace of a scene costs, for `host/lab/benches/workspace/compare.py`: one line of JSON.
 //!
-//!     cargo run --release -p softlimb --example workspace_speed scenes/pick-and-place-a.toml
+//!     cargo run --release -p softlimb-lab --example workspace_speed scenes/pick-and-place-a.toml
 
 use std::time::Instant;
 

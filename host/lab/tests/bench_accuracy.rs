@@ -1,8 +1,8 @@
 //! Error against cost: the table is what the program finds, the page is what the table says, and the page's sentences hold.
 //!
-//! `tests/golden/accuracy.tsv` is the published table over the whole set; `softlimb-lab accuracy --help` shows the command that writes it
+//! `tests/golden/accuracy.tsv` is the published table over the whole set; `cargo xtask lab accuracy --help` shows the command that writes it
 //! with page and picture. `tests/golden/accuracy-check.tsv` is that over the beginning of the set, which the tests compute anew;
-//! `SOFTLIMB_WRITE_ACCURACY=1 cargo test -p softlimb --test bench_accuracy` writes it, and page and picture from the published table.
+//! `SOFTLIMB_WRITE_ACCURACY=1 cargo test -p softlimb-lab bench_accuracy` writes it, and page and picture from the published table.
 
 mod claims;
 mod command;

@@ -71,7 +71,7 @@ fn the_barrier_is_never_better_and_needs_far_more() {
 
 /// Pushes that the model itself has at the answer, by its public face.
 #[test]
-fn the_answer_is_what_its_bundle_does() {
+fn answer_is_what_its_bundle_does() {
     use nalgebra::{Vector3, Vector6};
     use softlimb_limb::payload::lever;
     let problem = kind("P2", 3).unwrap();
@@ -112,7 +112,7 @@ fn text() -> String {
 }
 
 #[test]
-fn a_file_is_read_and_solved() {
+fn file_is_read_and_solved() {
     let problem = ForceProblem::read(&text()).unwrap();
     let found = search(&problem, &Effort::default()).unwrap();
     assert_eq!(found.status, "reached", "{found:?}");
@@ -127,7 +127,7 @@ fn a_file_is_read_and_solved() {
 }
 
 #[test]
-fn what_is_wrong_with_a_file_is_said_with_its_line() {
+fn errors_in_a_file_have_their_line() {
     for (from, to, expected) in [
         ("\"format\": 1", "\"format\": 2", "line 2: format = 2 is not allowed: 1"),
         ("[0.003, 0.006]", "[0.006, 0.003]", "line 7: bounds.wall_m[1] = 0.003 is not allowed: at least 0.006"),

@@ -20,7 +20,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn a_record_keeps_what_is_not_asked() {
+fn record_keeps_what_is_not_asked() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("all.tsv");
     let done = lab(folder.path(), "validation --only extension --tsv all.tsv");
@@ -37,7 +37,7 @@ fn a_record_keeps_what_is_not_asked() {
 }
 
 #[test]
-fn a_page_without_a_place_and_an_unknown_case_are_refused() {
+fn page_without_a_place_and_an_unknown_case_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("page.md"), "# Nothing\n").expect("written");
     for (line, code, words) in [
@@ -52,7 +52,7 @@ fn a_page_without_a_place_and_an_unknown_case_are_refused() {
 }
 
 #[test]
-fn the_swarm_finds_the_neighbourhood_that_projection_finds_exactly() {
+fn swarm_finds_the_neighbourhood_that_projection_finds_exactly() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("reach.json"), EXTENSION).expect("written");
     let output = lab(folder.path(), "design --problem reach.json --evaluations 5000 --json");
@@ -63,7 +63,7 @@ fn the_swarm_finds_the_neighbourhood_that_projection_finds_exactly() {
 }
 
 #[test]
-fn a_problem_is_answered_by_both_methods() {
+fn problem_is_answered_by_both_methods() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("forces.json"), FORCES).expect("written");
     let output = lab(folder.path(), "payload --problem forces.json --json");

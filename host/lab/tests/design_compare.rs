@@ -29,7 +29,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn both_methods_are_compared_on_the_same_problem() {
+fn methods_are_compared_on_the_same_problem() {
     let files = ["--evaluations", "3000", "--seeds", "2", "--tsv", "c.tsv", "--svg", "c.svg"];
     let output = softlimb(EXTENSION, &files, "");
     let table = text(&output.stdout);

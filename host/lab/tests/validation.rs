@@ -56,7 +56,7 @@ fn page_and_picture_show_the_record() {
 
 /// Four motions, two sizes, two materials, six pressures each, every one answered by every model.
 #[test]
-fn the_record_is_whole() {
+fn record_is_whole() {
     let recorded = recorded();
     assert_eq!(recorded.rows.len(), 4 * 2 * 2 * 6);
     for row in &recorded.rows {

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn the_curve_is_the_model_between_its_nodes() {
+    fn curve_is_the_model_between_its_nodes() {
         for (motion, angle) in [(Motion::Extension, 3.0), (Motion::Twisting, 28.0), (Motion::Bending, 0.0)] {
             let actuator = Actuator::new(&parameters(motion, angle)).unwrap();
             let curve = StateCurve::new(&actuator, 60e3);
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn the_curve_ends_below_the_limit_point() {
+    fn curve_ends_below_the_limit_point() {
         let actuator = Actuator::new(&parameters(Motion::Expansion, 90.0)).unwrap();
         let limit = actuator.forward(1e6, &Load::none()).unwrap().limit_pressure_pa.unwrap();
         let curve = StateCurve::new(&actuator, 1e6);

@@ -2,6 +2,8 @@
 
 mod fabricate;
 mod payload;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
 mod statics;
 mod tolerance;
 mod workspace;

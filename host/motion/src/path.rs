@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn a_series_passes_its_rows_smoothly_and_stays_between_them() {
+    fn series_passes_its_rows_smoothly_and_stays_between_them() {
         let rows = [0.0, 1.0, 1.5, 1.2, 1.2, 0.0].map(|value| vec![value]).to_vec();
         let times_us = vec![0.0, 1e6, 3e6, 3.5e6, 5e6, 6e6];
         let path = Path::Series { rows: rows.clone(), times_us: times_us.clone() };

@@ -14,7 +14,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_move_starts_and_ends_at_rest_and_is_fastest_in_the_middle() {
+    fn move_starts_and_ends_at_rest_and_is_fastest_in_the_middle() {
         let h = 1e-4;
         let rate = |t: f64| (minimum_jerk(t + h) - minimum_jerk(t - h)) / (2.0 * h);
         assert_eq!((minimum_jerk(-1.0), minimum_jerk(0.0), minimum_jerk(1.0), minimum_jerk(2.0)), (0.0, 0.0, 1.0, 1.0));

@@ -113,7 +113,7 @@ fn inverse_kinematics_finds_poses_made_by_the_model() {
 }
 
 #[test]
-fn what_the_limb_cannot_do_is_said_at_the_line_that_asks_for_it() {
+fn impossible_goals_are_reported_at_their_line() {
     let error = changed("pick-and-place-a", "\"75 deg\"", "\"350 deg\"").unwrap_err();
     assert!(error.contains("bend_angle = \"350 deg\"") && error.contains("`elbow` would need"), "{error}");
     assert!(error.contains("it reaches 0.00 deg to"), "{error}");

@@ -152,7 +152,7 @@ fn the_dense_table_is_the_model_to_a_billionth() {
 }
 
 #[test]
-fn at_the_neutral_angle_the_pressure_is_a_function_of_the_root() {
+fn pressure_at_the_neutral_angle_is_a_function_of_the_root() {
     let neutral = actuator(Motion::Extension, 0.5_f64.sqrt().atan().to_degrees(), Families::Two, 361e6);
     let curve = StateCurve::new(&neutral, 97e3);
     let subject = Subject::new(&neutral, SetpointKind::AxialStretch, &curve);
@@ -170,7 +170,7 @@ fn at_the_neutral_angle_the_pressure_is_a_function_of_the_root() {
 }
 
 #[test]
-fn a_wrong_table_is_found_out() {
+fn wrong_table_is_found_out() {
     let (_, actuator, kind, pressure_max_pa) = smooth().remove(0);
     let curve = StateCurve::new(&actuator, pressure_max_pa);
     let subject = Subject::new(&actuator, kind, &curve);
@@ -199,7 +199,7 @@ fn a_wrong_table_is_found_out() {
 }
 
 #[test]
-fn what_cannot_be_tabulated_says_why() {
+fn untabulated_actuators_have_a_reason() {
     let refused = |actuator: &Actuator<f64>, kind, pressure_max_pa, budget| {
         let curve = StateCurve::new(actuator, pressure_max_pa);
         device_tables(&Subject::new(actuator, kind, &curve), budget, ATMOSPHERE_PA).expect_err("this has no table")
@@ -225,7 +225,7 @@ fn what_cannot_be_tabulated_says_why() {
 }
 
 #[test]
-fn the_error_falls_with_the_degree_to_that_of_the_grid() {
+fn error_falls_with_the_degree_to_that_of_the_grid() {
     let (_, actuator, kind, pressure_max_pa) = smooth().remove(4);
     let curve = StateCurve::new(&actuator, pressure_max_pa);
     let subject = Subject::new(&actuator, kind, &curve);

@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn the_valley_of_rosenbrock_is_followed_to_its_end() {
+    fn valley_of_rosenbrock_is_followed_to_its_end() {
         // In the unit box: x = 4a - 2, y = 4b - 2; the minimum is at (1, 1).
         let r = |p: &[f64]| {
             let [x, y] = [4.0 * p[0] - 2.0, 4.0 * p[1] - 2.0];
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_face_of_the_box_stops_the_descent_where_the_bounded_minimum_is() {
+    fn face_of_the_box_stops_the_descent_where_the_bounded_minimum_is() {
         // (a + b - 3)^2 + (a - b)^2/4 with a <= 1, b <= 1: the corner; with b pulled to 0.5 as well: along the face a = 1.
         let r = |p: &[f64]| vec![p[0] + p[1] - 3.0, 2.0 * (p[1] - 0.5)];
         let j = |_: &[f64]| vec![vec![1.0, 1.0], vec![0.0, 2.0]];

@@ -39,7 +39,7 @@ fn cause(result: Result<Summary, LinkError>) -> (LinkError, u64, VentOutcome) {
 }
 
 #[test]
-fn an_over_pressure_is_named_with_channel_and_pressure() {
+fn over_pressure_is_named_with_channel_and_pressure() {
     let mut mcu = device(&settings(3));
     let options = StreamOptions::new(SESSION);
     let (result, told) =
@@ -58,7 +58,7 @@ fn an_over_pressure_is_named_with_channel_and_pressure() {
 }
 
 #[test]
-fn a_latched_fault_is_reported_and_cleared_only_on_request() {
+fn latched_fault_is_reported_and_cleared_only_on_request() {
     let mut mcu = device(&settings(1));
     let options = StreamOptions::new(SESSION);
     let press = |mcu: &mut SimulatedMcu| mcu.set_emergency_stop(true);
@@ -79,7 +79,7 @@ fn a_latched_fault_is_reported_and_cleared_only_on_request() {
 }
 
 #[test]
-fn a_cut_link_ends_the_run_and_the_device_holds_then_ramps_down() {
+fn cut_link_ends_the_run_and_the_device_holds_then_ramps_down() {
     let mut mcu = device(&settings(2));
     let options = StreamOptions::new(SESSION);
     let cut = |mcu: &mut SimulatedMcu| mcu.set_line_faults(LineFaults::CUT).unwrap();
@@ -119,7 +119,7 @@ fn until_state(mcu: &mut SimulatedMcu, state: DeviceState) -> u64 {
 }
 
 #[test]
-fn after_a_cut_the_next_run_takes_the_device_over_and_vents_it_first() {
+fn next_run_after_a_cut_takes_the_device_over_and_vents_it_first() {
     let mut mcu = device(&settings(1));
     let cut = |mcu: &mut SimulatedMcu| mcu.set_line_faults(LineFaults::CUT).unwrap();
     let (result, _) = disturbed(&mut mcu, 1, &StreamOptions::new(SESSION), 1_500_000, cut);
@@ -133,7 +133,7 @@ fn after_a_cut_the_next_run_takes_the_device_over_and_vents_it_first() {
 }
 
 #[test]
-fn a_short_interruption_is_survived_even_if_the_device_noticed() {
+fn short_interruption_is_survived_even_if_the_device_noticed() {
     let mut mcu = device(&settings(1));
     // Nobody hears anybody for 300 ms; what the device says meanwhile is lost.
     let interrupt = |mcu: &mut SimulatedMcu| {
@@ -150,7 +150,7 @@ fn a_short_interruption_is_survived_even_if_the_device_noticed() {
 }
 
 #[test]
-fn a_canceled_run_is_vented_and_no_error() {
+fn canceled_run_is_vented_and_no_error() {
     let cancel = AtomicBool::new(false);
     let mut mcu = device(&settings(2));
     let options = StreamOptions { cancel: Some(&cancel), ..StreamOptions::new(SESSION) };
@@ -183,7 +183,7 @@ fn canceling_before_the_start_moves_nothing_and_during_venting_changes_nothing()
 }
 
 #[test]
-fn a_supply_that_never_comes_up_is_named() {
+fn supply_that_never_comes_up_is_named() {
     let mut settings = settings(1);
     settings.plant.supply = softlimb_sim::plant::Supply::Regulated { pressure_pa: 80e3 };
     let options = StreamOptions { supply_max_us: 3_000_000, ..StreamOptions::new(SESSION) };
@@ -195,7 +195,7 @@ fn a_supply_that_never_comes_up_is_named() {
 }
 
 #[test]
-fn an_open_sensor_keeps_the_device_from_becoming_ready() {
+fn open_sensor_keeps_the_device_from_becoming_ready() {
     let mut mcu = device(&settings(2));
     mcu.inject(1, ChannelFault::SensorOpen).unwrap();
     let result = stream(&mut mcu, &configuration(2), &knots(2, 1.0), &StreamOptions::new(SESSION), |_, _| {});
@@ -204,7 +204,7 @@ fn an_open_sensor_keeps_the_device_from_becoming_ready() {
 }
 
 #[test]
-fn a_refused_value_is_named_with_its_field_and_channel() {
+fn refused_value_is_named_with_its_field_and_channel() {
     let mut configuration = configuration(3);
     configuration.channels[2].inner_radius_m = f32::NAN;
     let mut mcu = device(&settings(3));
@@ -215,7 +215,7 @@ fn a_refused_value_is_named_with_its_field_and_channel() {
 }
 
 #[test]
-fn a_setpoint_out_of_range_is_named_with_its_channel() {
+fn setpoint_out_of_range_is_named_with_its_channel() {
     let mut knots = knots(2, 1.0);
     knots[20].values[1] = 110_001;
     let mut mcu = device(&settings(2));
@@ -235,7 +235,7 @@ fn setpoints_too_dense_for_the_buffer_are_refused_before_anything_moves() {
 }
 
 #[test]
-fn a_second_program_is_turned_away_while_the_first_one_speaks() {
+fn second_program_is_turned_away_while_the_first_one_speaks() {
     let mut mcu = device(&settings(1));
     let mut second = None;
     stream(
@@ -258,7 +258,7 @@ fn a_second_program_is_turned_away_while_the_first_one_speaks() {
 }
 
 #[test]
-fn a_device_that_is_switched_off_is_a_clear_message() {
+fn device_that_is_switched_off_is_a_clear_message() {
     let settings = SimSettings { line_faults: LineFaults::CUT, ..settings(1) };
     let error =
         stream(&mut device(&settings), &configuration(1), &knots(1, 1.0), &StreamOptions::new(SESSION), |_, _| {});

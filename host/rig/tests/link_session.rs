@@ -47,7 +47,7 @@ fn transmitted(session: &mut Session, now_us: u64) -> (u64, Vec<Frame<HostMessag
 }
 
 #[test]
-fn a_hello_is_repeated_until_answered_and_heartbeats_begin_then() {
+fn hello_is_repeated_until_answered_and_heartbeats_begin_then() {
     let mut session = session();
     assert_eq!(transmitted(&mut session, 0), (u64::MAX, vec![]), "nothing to say yet");
     session.request(1_000, &HELLO.into()).unwrap();
@@ -68,7 +68,7 @@ fn a_hello_is_repeated_until_answered_and_heartbeats_begin_then() {
 }
 
 #[test]
-fn a_silent_device_is_given_up() {
+fn silent_device_is_given_up() {
     let mut session = session();
     session.request(0, &HELLO.into()).unwrap();
     for now_us in [0, 50_000, 100_000] {
@@ -153,7 +153,7 @@ impl Transport for Firmware {
 }
 
 #[test]
-fn another_schema_or_version_ends_the_conversation_after_the_hello() {
+fn foreign_schema_or_version_ends_the_session_after_the_hello() {
     for reply in [reply(PROTOCOL_VERSION, SCHEMA_HASH ^ 1), reply(PROTOCOL_VERSION + 1, SCHEMA_HASH)] {
         let wrong = reply.schema_hash;
         let mut firmware = Firmware { reply, now_us: 0, answers: vec![], heard: vec![] };

@@ -32,7 +32,7 @@ fn assert_tracks_the_knots(told: &Told, knots: &[Knot]) {
 }
 
 #[test]
-fn a_run_over_a_good_line() {
+fn run_over_a_good_line() {
     let (channels, knots) = (2, knots(2, 4.0));
     let mut mcu = device(&settings(channels));
     let (summary, told) = run(&mut mcu, channels, &knots);
@@ -59,7 +59,7 @@ fn a_run_over_a_good_line() {
 }
 
 #[test]
-fn the_true_pressures_follow() {
+fn true_pressures_follow() {
     let (channels, knots) = (2, knots(2, 4.0));
     let mut mcu = device(&settings(channels));
     let (mut square, mut count, mut start_us) = (0.0, 0, 0);
@@ -91,7 +91,7 @@ fn the_true_pressures_follow() {
 }
 
 #[test]
-fn one_percent_of_corrupted_bytes_costs_repetitions_and_nothing_else() {
+fn corrupted_bytes_cost_repetitions_and_nothing_else() {
     let (channels, knots) = (3, knots(3, 6.0));
     for seed in 0..4 {
         let mut settings = settings(channels);
@@ -149,7 +149,7 @@ impl Transport for Sleepy {
 }
 
 #[test]
-fn a_host_stall_of_600_ms_is_bridged_by_the_buffer() {
+fn host_stall_of_600_ms_is_bridged_by_the_buffer() {
     let (channels, knots) = (2, knots(2, 4.0));
     let mut sleepy = Sleepy { mcu: device(&settings(channels)), from_us: 2_000_000, length_us: 600_000 };
     let mut told = Told::default();
@@ -165,7 +165,7 @@ fn a_host_stall_of_600_ms_is_bridged_by_the_buffer() {
 }
 
 #[test]
-fn a_device_whose_clock_is_wrong_and_fast_runs_by_its_own_time() {
+fn device_whose_clock_is_wrong_and_fast_runs_by_its_own_time() {
     let (channels, knots) = (1, knots(1, 20.0));
     let mut settings = settings(channels);
     settings.clock_offset_us = 86_400_000_000;
@@ -196,7 +196,7 @@ fn a_device_whose_clock_is_wrong_and_fast_runs_by_its_own_time() {
 }
 
 #[test]
-fn a_slow_line_needs_a_longer_lead_and_gets_it() {
+fn slow_line_needs_a_longer_lead_and_gets_it() {
     let (channels, knots) = (9, knots(9, 2.0));
     let mut settings = settings(channels);
     settings.baud = 115_200;
@@ -207,7 +207,7 @@ fn a_slow_line_needs_a_longer_lead_and_gets_it() {
 }
 
 #[test]
-fn the_same_run_twice_gives_the_same_bits() {
+fn same_run_twice_gives_the_same_bits() {
     let (channels, knots) = (2, knots(2, 2.0));
     let once = || {
         let mut settings = settings(channels);
@@ -223,7 +223,7 @@ fn the_same_run_twice_gives_the_same_bits() {
 }
 
 #[test]
-fn two_runs_follow_each_other_on_one_device() {
+fn runs_follow_each_other_on_one_device() {
     let (channels, knots) = (1, knots(1, 1.5));
     let mut mcu = device(&settings(channels));
     run(&mut mcu, channels, &knots);

@@ -9,6 +9,8 @@ mod link_stream;
 mod record_log;
 mod report_page;
 mod report_summary;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
 mod scene_runs;
 mod synthetic_run;
 mod table_scenes;

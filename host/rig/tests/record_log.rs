@@ -26,7 +26,7 @@ fn stream(run: &RunLog, recorder: &mut Recorder) {
 }
 
 #[test]
-fn a_run_reads_back_exactly() {
+fn run_reads_back_exactly() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut run = crate::synthetic_run::run();
@@ -53,7 +53,7 @@ fn a_run_reads_back_exactly() {
 }
 
 #[test]
-fn a_run_that_nobody_observed_reads_back() {
+fn run_that_nobody_observed_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut run = crate::synthetic_run::run();
@@ -81,7 +81,7 @@ fn equal_runs_give_equal_files() {
 }
 
 #[test]
-fn the_name_is_given_only_to_a_finished_log() {
+fn name_is_given_only_to_a_finished_log() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     std::fs::write(&path, "the log before").unwrap();
@@ -101,7 +101,7 @@ fn the_name_is_given_only_to_a_finished_log() {
 }
 
 #[test]
-fn while_the_run_goes_on_the_disk_is_at_most_half_a_second_behind() {
+fn disk_is_at_most_half_a_second_behind_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let run = crate::synthetic_run::run();
@@ -118,7 +118,7 @@ fn while_the_run_goes_on_the_disk_is_at_most_half_a_second_behind() {
 }
 
 #[test]
-fn a_log_cut_off_anywhere_gives_its_beginning() {
+fn log_cut_off_anywhere_gives_its_beginning() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let run = crate::synthetic_run::run();
@@ -137,7 +137,7 @@ fn a_log_cut_off_anywhere_gives_its_beginning() {
 }
 
 #[test]
-fn no_flipped_bit_goes_unnoticed() {
+fn flipped_bits_are_noticed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut run = crate::synthetic_run::run();
@@ -166,7 +166,7 @@ fn channels_that_no_device_has_are_refused() {
 }
 
 #[test]
-fn a_flipped_bit_ends_the_log_there_and_says_so() {
+fn flipped_bit_ends_the_log_there_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let run = crate::synthetic_run::run();
@@ -182,7 +182,7 @@ fn a_flipped_bit_ends_the_log_there_and_says_so() {
 }
 
 #[test]
-fn what_is_no_log_is_refused_in_words() {
+fn malformed_logs_are_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.mcap");
     let missing = record::read(&path).unwrap_err();
@@ -201,7 +201,7 @@ fn what_is_no_log_is_refused_in_words() {
 }
 
 #[test]
-fn a_folder_that_is_not_there_is_named() {
+fn folder_that_is_not_there_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("no/run.mcap");
     let error = Recorder::create(&path, &crate::synthetic_run::info()).unwrap_err().to_string();
@@ -209,7 +209,7 @@ fn a_folder_that_is_not_there_is_named() {
 }
 
 #[test]
-fn a_sample_that_does_not_fit_the_run_is_refused_and_the_log_goes_on() {
+fn sample_that_does_not_fit_the_run_is_refused_and_the_log_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let run = crate::synthetic_run::run();

@@ -49,7 +49,7 @@ fn assert_balanced(svg: &str) {
 }
 
 #[test]
-fn the_page_shows_every_module_and_needs_nothing_else() {
+fn page_shows_every_module_and_needs_nothing_else() {
     let page = html(&crate::synthetic_run::run());
     assert_sound(&page);
     // Two tip views, two error charts, deformation and pressures of three modules, supply.
@@ -87,7 +87,7 @@ fn text_from_outside_is_escaped() {
 }
 
 #[test]
-fn no_value_of_a_log_makes_a_broken_drawing() {
+fn drawings_are_whole_for_any_values_of_a_log() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 0.0] {
         let mut run = crate::synthetic_run::run();
         for sample in run.samples.iter_mut().skip(100).step_by(7) {
@@ -106,7 +106,7 @@ fn no_value_of_a_log_makes_a_broken_drawing() {
 }
 
 #[test]
-fn a_log_of_nothing_still_makes_a_page() {
+fn log_of_nothing_still_makes_a_page() {
     let mut run = crate::synthetic_run::run();
     run.samples.clear();
     run.shapes.clear();
@@ -119,7 +119,7 @@ fn a_log_of_nothing_still_makes_a_page() {
 }
 
 #[test]
-fn the_states_of_the_device_are_told() {
+fn states_of_the_device_are_told() {
     let mut run = crate::synthetic_run::run();
     run.samples[0].state = 1;
     run.samples[1500..].iter_mut().for_each(|sample| sample.state = 3);
@@ -127,7 +127,7 @@ fn the_states_of_the_device_are_told() {
 }
 
 #[test]
-fn one_sample_is_drawn_as_a_dot() {
+fn lone_samples_are_drawn_as_dots() {
     let mut run = crate::synthetic_run::run();
     run.samples.truncate(1);
     let page = html(&run);
@@ -136,7 +136,7 @@ fn one_sample_is_drawn_as_a_dot() {
 }
 
 #[test]
-fn what_was_not_observed_is_not_in_the_legend() {
+fn unobserved_quantities_are_not_in_the_legend() {
     let legend = |run: &RunLog| between(&html(run), "class=\"legend\"", "</text>").join(" ");
     let mut run = crate::synthetic_run::run();
     assert!(legend(&run).contains(">achieved") && legend(&run).contains(">chamber"));
@@ -165,7 +165,7 @@ fn scale(svg: &str, class: &str, coordinate: &str) -> f64 {
 }
 
 #[test]
-fn the_tip_views_have_equal_axes_and_one_scale() {
+fn tip_views_have_equal_axes_and_one_scale() {
     let page = html(&crate::synthetic_run::run());
     let views: Vec<_> = drawings(&page).into_iter().filter(|svg| svg.contains("view\"")).collect();
     assert_eq!(views.len(), 2);
@@ -177,7 +177,7 @@ fn the_tip_views_have_equal_axes_and_one_scale() {
 }
 
 #[test]
-fn each_phase_is_a_band_over_the_time_charts() {
+fn phases_are_bands_over_the_time_charts() {
     let page = html(&crate::synthetic_run::run());
     let tip_error = drawings(&page).into_iter().find(|svg| svg.contains("aria-label=\"Tip error\"")).unwrap();
     // Four phases, every second one shaded: 5 of 20 s each.
@@ -193,7 +193,7 @@ fn each_phase_is_a_band_over_the_time_charts() {
 }
 
 #[test]
-fn among_obstacles_each_phase_has_a_pair_of_views_to_one_scale() {
+fn views_of_obstacles_are_a_pair_a_phase_to_one_scale() {
     use softlimb_rig::record::{NearestInfo, SolidInfo};
     let mut run = crate::synthetic_run::run();
     assert!(!html(&run).contains("Among the obstacles"));

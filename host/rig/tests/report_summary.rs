@@ -28,7 +28,7 @@ fn close(stats: Option<ErrorStats>, rmse: f64, max: f64) {
 }
 
 #[test]
-fn a_perfect_run_has_no_error() {
+fn perfect_run_has_no_error() {
     let summary = summary(&perfect());
     let all = ErrorStats { rmse: 0.0, max: 0.0, samples: 2001 };
     assert_eq!(summary.tip.error_m, Some(all));
@@ -39,7 +39,7 @@ fn a_perfect_run_has_no_error() {
 }
 
 #[test]
-fn a_sine_of_whole_periods_has_its_root_mean_square() {
+fn sine_of_whole_periods_has_its_root_mean_square() {
     let mut run = perfect();
     run.samples.pop(); // 2000 samples: ten whole periods of 2 s
     for sample in &mut run.samples {
@@ -87,7 +87,7 @@ fn pressure_errors_of_sensor_and_chamber_are_apart() {
 }
 
 #[test]
-fn only_the_scheduled_time_counts() {
+fn scheduled_time_alone_counts() {
     let mut run = perfect();
     let mut before = run.samples[0].clone();
     before.time_s = -1.0;
@@ -108,7 +108,7 @@ fn only_the_scheduled_time_counts() {
 }
 
 #[test]
-fn what_nobody_observed_is_absent_and_not_zero() {
+fn unobserved_values_are_absent_and_not_zero() {
     let mut run = perfect();
     run.wall_s = None;
     for sample in &mut run.samples {
@@ -127,7 +127,7 @@ fn what_nobody_observed_is_absent_and_not_zero() {
 }
 
 #[test]
-fn the_real_time_factor_is_run_time_over_wall_time() {
+fn real_time_factor_is_run_time_over_wall_time() {
     let mut run = perfect();
     run.wall_s = Some(0.25);
     assert_eq!(summary(&run).real_time_factor, Some(80.0)); // 20 s in 0.25 s
@@ -136,7 +136,7 @@ fn the_real_time_factor_is_run_time_over_wall_time() {
 }
 
 #[test]
-fn an_empty_run_has_a_summary() {
+fn empty_run_has_a_summary() {
     let mut run = perfect();
     run.samples.clear();
     let summary = summary(&run);
@@ -160,7 +160,7 @@ fn json_is_in_si_units_and_says_which() {
 }
 
 #[test]
-fn the_table_shows_people_units() {
+fn table_shows_people_units() {
     let mut run = perfect();
     for sample in &mut run.samples {
         sample.modules[1].achieved = Some(sample.modules[1].setpoint + std::f64::consts::FRAC_PI_6);
@@ -179,7 +179,7 @@ fn the_table_shows_people_units() {
 }
 
 #[test]
-fn the_table_is_aligned_and_at_most_100_columns_wide() {
+fn table_is_aligned_and_at_most_100_columns_wide() {
     let mut run = perfect();
     run.info.scene_name = "a scene with a name that goes on and on, ".repeat(9);
     run.info.weightless = true;

@@ -47,7 +47,7 @@ fn plant_takes(scene: &Scene) -> Result<(), String> {
 }
 
 #[test]
-fn the_plant_takes_the_ends_of_every_range() {
+fn plant_takes_the_ends_of_every_range() {
     let scenes = scenes_at_the_ends("plant");
     assert!(scenes.len() >= 40, "{}", scenes.len());
     for (said, scene) in scenes {
@@ -56,7 +56,7 @@ fn the_plant_takes_the_ends_of_every_range() {
 }
 
 #[test]
-fn the_device_takes_the_ends_of_every_range() {
+fn device_takes_the_ends_of_every_range() {
     let scenes = scenes_at_the_ends("controller");
     assert!(scenes.len() >= 10, "{}", scenes.len());
     for (said, scene) in scenes {
@@ -75,7 +75,7 @@ fn the_device_takes_the_ends_of_every_range() {
 
 /// A bound that nobody needs would also pass the tests above.
 #[test]
-fn the_smallest_reservoir_is_the_one_the_plant_takes() {
+fn smallest_reservoir_is_the_one_the_plant_takes() {
     let valve = "[plant.valve]\nconductance = \"5 dm3/(s bar)\"\n[plant.supply]\nreservoir_volume = ";
     // One valve: 25 C / (5e-3 per s and Pa) = 25 x 5e-8 / 5e-3 m3 = 0.25 L.
     let sound = parse(&format!("{ONE_FINGER}\n{valve}\"0.251 L\""), "a.toml").unwrap();

@@ -79,7 +79,7 @@ fn inverses(scene: &Scene) -> Result<Vec<ModuleInverse>, SceneError> {
 }
 
 #[test]
-fn a_scene_says_how_the_pressure_is_found() {
+fn scene_says_how_the_pressure_is_found() {
     let of = |text: &str| {
         let scene = hand(text);
         (scene.controller().inverse, scene.controller().inverse_error)
@@ -94,7 +94,7 @@ fn a_scene_says_how_the_pressure_is_found() {
 }
 
 #[test]
-fn every_channel_is_sent_the_tables_of_its_module() {
+fn channels_get_the_tables_of_their_module() {
     let scene = hand("");
     let limb = Limb::new(&scene).unwrap();
     let inverses = motion::inverses(&scene, &limb).unwrap();
@@ -115,7 +115,7 @@ fn every_channel_is_sent_the_tables_of_its_module() {
 }
 
 #[test]
-fn the_scenes_of_the_repository_need_no_solver_on_the_device() {
+fn scenes_of_the_repository_need_no_solver_on_the_device() {
     for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes")).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
@@ -129,7 +129,7 @@ fn the_scenes_of_the_repository_need_no_solver_on_the_device() {
 
 /// The table of a finger built from its section's finite elements gives the bend that these elements have at its pressures.
 #[test]
-fn a_table_can_carry_the_finite_elements_of_the_section() {
+fn table_can_carry_the_finite_elements_of_the_section() {
     let scene = hand("bending = \"section-fe\"");
     let limb = Limb::new(&scene).unwrap();
     let all = inverses(&scene).unwrap();
@@ -153,7 +153,7 @@ fn a_table_can_carry_the_finite_elements_of_the_section() {
 
 /// A thin wall flattens as it bends, which the analytic model does not know: of two goals within its reach the finite elements allow one.
 #[test]
-fn a_goal_beyond_the_finite_elements_is_refused_where_it_is_written() {
+fn goal_beyond_the_finite_elements_is_refused_where_it_is_written() {
     let thin = HAND.replacen("inner_radius = \"10 mm\"", "inner_radius = \"12.5 mm\"\npressure_max = \"54 kPa\"", 1);
     let with = |angle_rad: f64, bending: &str| {
         let target = format!("bend_angle = \"{} deg\"", angle_rad.to_degrees());
@@ -189,7 +189,7 @@ fn a_goal_beyond_the_finite_elements_is_refused_where_it_is_written() {
 }
 
 #[test]
-fn a_table_that_errs_more_than_the_scene_allows_is_not_sent() {
+fn table_that_errs_more_than_the_scene_allows_is_not_sent() {
     let scene = hand("inverse = \"table\"\ninverse_error = \"0.0001 %\"");
     let error = inverses(&scene).unwrap_err().render(false);
     for word in ["no inverse table for the module `finger`", "more than 1.0e-6", "`inverse_error`"] {
@@ -220,7 +220,7 @@ fn a_table_that_errs_more_than_the_scene_allows_is_not_sent() {
 }
 
 #[test]
-fn a_module_that_the_device_does_not_solve_needs_tables_within_the_budget() {
+fn module_that_the_device_does_not_solve_needs_tables_within_the_budget() {
     let error = inverses(&hand("inverse = \"model\"")).unwrap_err().render(false);
     for word in
         ["hand.toml", "the device needs tables for the module `finger`", "straight", "leave out `inverse = \"model\"`"]
@@ -247,7 +247,7 @@ fn a_module_that_the_device_does_not_solve_needs_tables_within_the_budget() {
 }
 
 #[test]
-fn a_run_by_tables_is_the_run_by_the_model() {
+fn run_by_tables_is_the_run_by_the_model() {
     let reached = |controller: &str| {
         let folder = tempfile::tempdir().unwrap();
         let options = RunOptions { seed: 1, out: folder.path().to_owned(), mcu: Mcu::Here };

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn an_option_is_read_in_its_own_unit_and_shown_in_the_one_typed() {
+    fn option_is_read_in_its_own_unit_and_shown_in_the_one_typed() {
         for (text, si, shown) in [("60", 60e3, "50 kPa"), ("0.6bar", 60e3, "0.5 bar"), ("-1 MPa", -1e6, "0.05 MPa")] {
             let found = quantity(text, "kPa").unwrap();
             assert!((found.si() - si).abs() < 1e-9, "{text}");
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_quantity() {
+    fn malformed_quantities() {
         for text in ["", "mm", "inf m", "NaN Pa", "1e999 m", "--1 m", ". m", "½ m"] {
             assert_eq!(parse_quantity(text), Err(NotAQuantity::Number), "{text}");
         }

@@ -57,7 +57,7 @@ fn windings() {
 }
 
 #[test]
-fn the_base() {
+fn base() {
     expect(&changed("[limb]", "[limb]\nbase_direction = [0, 0, 0]"), "`base_direction` has no direction", "[0, 0, 0]");
     expect(
         &changed("[limb]", "[limb]\nbase_direction = [0, 1, 0]\nbase_up = [0, -2, 0]"),
@@ -75,7 +75,7 @@ fn names() {
 }
 
 #[test]
-fn a_misspelled_table_is_one_problem() {
+fn misspelled_table_is_one_problem() {
     let typo = SCENE.replace("[[module]]", "[[modul]]");
     let error = parse(&typo, "arm.toml").unwrap_err();
     assert_eq!(error.to_string(), "arm.toml:17:3: unknown key `modul`");

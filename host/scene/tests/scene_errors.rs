@@ -4,7 +4,7 @@ use crate::scene_support::{SCENE, changed, picture};
 use softlimb_scene::parse;
 
 #[test]
-fn the_scene_that_the_other_tests_break_is_right() {
+fn scene_that_the_other_tests_break_is_right() {
     parse(SCENE, "arm.toml").unwrap();
 }
 
@@ -71,7 +71,7 @@ fn wrong_dimension() {
 }
 
 #[test]
-fn a_number_meant_in_another_unit() {
+fn number_meant_in_another_unit() {
     assert_eq!(
         picture("\"240 mm\"", "240"),
         r#"error: `length` must be from 5 mm to 5000 mm
@@ -387,7 +387,7 @@ fn color_is_only_in_the_colored_picture() {
 }
 
 #[test]
-fn another_room_points_at_a_value_of_the_scene() {
+fn diagnostics_point_at_a_value_of_the_scene() {
     let scene = parse(SCENE, "arm.toml").unwrap();
     let softlimb_scene::Goal::Targets(targets) = &scene.phases()[1].goal else { panic!("a way-point") };
     let span = targets[0].value.span;
@@ -406,7 +406,7 @@ fn another_room_points_at_a_value_of_the_scene() {
 }
 
 #[test]
-fn a_payload_on_a_limb_without_weight() {
+fn payload_on_a_limb_without_weight() {
     let payload = "duration = \"2 s\"\npayload = \"0.5 kg\"";
     assert_eq!(
         picture("duration = \"2 s\"", payload),

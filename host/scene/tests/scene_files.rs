@@ -17,7 +17,7 @@ fn scene(name: &str) -> Scene {
 }
 
 #[test]
-fn every_scene_loads_under_its_own_name() {
+fn scenes_load_under_their_own_name() {
     let mut count = 0;
     for entry in std::fs::read_dir(folder()).unwrap() {
         let path = entry.unwrap().path();

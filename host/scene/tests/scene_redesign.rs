@@ -91,7 +91,7 @@ fn targets_take_the_place_of_goals() {
 }
 
 #[test]
-fn another_limb_takes_the_place_of_the_old_one() {
+fn new_limb_takes_the_place_of_the_old_one() {
     let scene = read(SCENE);
     let named = |name: &str, like: &str, motion, winding: Option<f64>| Redesign {
         name: name.into(),
@@ -113,7 +113,7 @@ fn another_limb_takes_the_place_of_the_old_one() {
 }
 
 #[test]
-fn what_cannot_be_written_is_said_and_not_left_as_it_was() {
+fn unwritable_entries_are_reported_and_not_left_as_they_were() {
     // Windings on one line are no tables of their own, so that there is no place for a copy.
     let inline = "windings = { hoop-like = { angle = \"3 deg\", families = 2, modulus = \"361 MPa\", thickness = \"0.178 mm\" }, \
                   helix = { angle = \"28 deg\", families = 1, modulus = \"361 MPa\", thickness = \"0.178 mm\" } }\n\n";

@@ -1,7 +1,7 @@
-//! `docs/reference/scene.md` is what the schema says. To write it anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test --test scene_reference`.
+//! `docs/reference/scene.md` is what the schema says. To write it anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test -p softlimb-scene scene_reference`.
 
 #[test]
-fn the_reference_page_is_up_to_date() {
+fn reference_page_is_up_to_date() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/scene.md");
     let page = softlimb_scene::reference();
     if std::env::var_os("SOFTLIMB_WRITE_REFERENCE").is_some() {
@@ -12,7 +12,7 @@ fn the_reference_page_is_up_to_date() {
 }
 
 #[test]
-fn every_default_of_the_page_is_accepted_by_the_reader() {
+fn defaults_of_the_page_are_accepted_by_the_reader() {
     let page = softlimb_scene::reference();
     let mut count = 0;
     for (section, header) in page.split("\n## `").skip(1).filter_map(|part| Some((part, part.split_once('`')?.0))) {

@@ -21,7 +21,7 @@ fn with(text: &str, from: &str, to: &str) -> String {
 }
 
 #[test]
-fn the_same_parameters_leave_the_text_as_it_was() {
+fn same_parameters_leave_the_text_as_it_was() {
     let scene = read(SCENE);
     assert_eq!(rewritten(&scene, &unchanged(&scene)).unwrap(), (SCENE.to_owned(), Vec::new()));
     let error = rewritten(&scene, &unchanged(&scene)[1..]).unwrap_err();
@@ -29,7 +29,7 @@ fn the_same_parameters_leave_the_text_as_it_was() {
 }
 
 #[test]
-fn a_number_changes_and_the_line_around_it_does_not() {
+fn number_changes_and_the_line_around_it_does_not() {
     let text = with(SCENE, "outer_radius = ", "# measured twice\nouter_radius   = ");
     let scene = read(&text);
     let mut wanted = unchanged(&scene);
@@ -68,7 +68,7 @@ fn another_law_takes_the_place_of_the_one_before() {
 }
 
 #[test]
-fn a_module_of_its_own_gets_a_copy_of_the_part_it_shared() {
+fn module_of_its_own_gets_a_copy_of_the_part_it_shared() {
     let scene = read(SCENE);
     let mut wanted = unchanged(&scene);
     let material = Material::NeoHookean { shear_modulus_pa: 2.125e5 };

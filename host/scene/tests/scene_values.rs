@@ -39,7 +39,7 @@ fn numbers_and_strings_with_units_say_the_same() {
 }
 
 #[test]
-fn a_module_is_what_its_table_says() {
+fn module_is_what_its_table_says() {
     let scene = scene(SCENE);
     let [upper, elbow] = scene.modules() else { panic!("{} modules", scene.modules().len()) };
     let fiber = Fiber {
@@ -71,14 +71,14 @@ fn targets_are_located_and_in_the_order_of_the_modules() {
 }
 
 #[test]
-fn a_percentage_is_a_plain_number_over_100() {
+fn percentage_is_a_plain_number_over_100() {
     let scene = scene(&changed("1.1 }", "\"110 %\" }"));
     let Goal::Targets(targets) = &scene.phases()[0].goal else { panic!("a way-point") };
     near(*targets[0].value, 1.1);
 }
 
 #[test]
-fn a_pressure_target_sets_the_kind_of_the_module() {
+fn pressure_target_sets_the_kind_of_the_module() {
     let text = changed("axial_stretch = 1.1", "pressure = \"6 psi\"");
     let scene = scene(&text.replace("axial_stretch = 1.2", "pressure = \"0.4 bar\""));
     assert_eq!(scene.modules()[0].setpoint_kind, SetpointKind::Pressure);
@@ -87,14 +87,14 @@ fn a_pressure_target_sets_the_kind_of_the_module() {
 }
 
 #[test]
-fn a_way_point_takes_the_place_of_targets() {
+fn way_point_takes_the_place_of_targets() {
     let scene = scene(&changed("targets = { upper = { axial_stretch = 1.2 } }", "tip = [\"50 cm\", 0, -0.125]"));
     let Goal::Tip(tip) = &scene.phases()[1].goal else { panic!("targets") };
     assert_eq!(**tip, [0.5, 0.0, -0.125]);
 }
 
 #[test]
-fn the_frame_of_the_base_is_orthonormal() {
+fn frame_of_the_base_is_orthonormal() {
     let limb = "[limb]\nbase_position = [\"1 m\", \"20 cm\", -3]\nbase_direction = [3, 0, 4]\nbase_up = [0, 0, 2]";
     let limb = scene(&changed("[limb]", limb)).limb().clone();
     assert_eq!(limb.base_position_m, [1.0, 0.2, -3.0]);
@@ -105,7 +105,7 @@ fn the_frame_of_the_base_is_orthonormal() {
 }
 
 #[test]
-fn what_is_left_out_has_the_defaults_of_the_reference() {
+fn omitted_entries_have_the_defaults_of_the_reference() {
     let scene = scene(&changed("[limits]\npressure_max = \"100 kPa\"\n", ""));
     assert_eq!(*scene.limits().pressure_max_pa, 100e3);
     assert_eq!(scene.limits().pressure_max_pa.span, Span::NOWHERE);
@@ -125,7 +125,7 @@ fn what_is_left_out_has_the_defaults_of_the_reference() {
 }
 
 #[test]
-fn a_plant_of_its_own() {
+fn plant_of_its_own() {
     let text = format!(
         "{SCENE}\n[controller]\nlink_loss = \"vent\"\ntelemetry_period = \"5 ms\"\n
          [plant]\nsupply = {{ kind = \"regulated\", pressure = \"2.5 bar\" }}\nsensor.bits = 10\nambient.temperature = \"30 °C\"\n"

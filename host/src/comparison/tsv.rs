@@ -100,12 +100,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn written_scenes_are_read() {
         assert_eq!(Comparison::from_tsv(&sample().tsv()), Ok(sample()));
     }
 
     #[test]
-    fn what_was_recorded_stays_where_nothing_new_is_said() {
+    fn recorded_values_stay_without_new_ones() {
         let mut recorded = sample();
         recorded.rows[0].solid = Some(12.8);
         recorded.rows.push(Row { case: "twisting".into(), ..recorded.rows[0].clone() });
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_wrong_line_is_named() {
+    fn first_wrong_line_is_named() {
         let text = sample().tsv().replace("20\t-", "twenty\t-");
         let error = Comparison::from_tsv(&text).expect_err("no number");
         assert!(error.to_string().starts_with("line 3 of the comparison"), "{error}");

@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_in_writing_ends_the_work() {
+    fn error_in_writing_ends_the_work() {
         let threads = NonZero::new(2).expect("not zero");
         let done =
             in_order(threads, BufReader::new(io::repeat(b'\n')), Closed(100_000), |chunk| Ok(chunk.lines.clone()));

@@ -59,7 +59,7 @@ fn single_precision_is_near_to_double_and_not_the_same() {
 }
 
 #[test]
-fn a_batch_that_cannot_be_read() {
+fn batch_that_cannot_be_read() {
     let desk = Desk::new();
     std::fs::create_dir(desk.path("folder")).unwrap();
     desk.softlimb("eval --batch missing.jsonl").failed(1, &["cannot read missing.jsonl"]);

@@ -13,7 +13,7 @@ fn in_place(desk: &Desk, script: &str) -> String {
 }
 
 #[test]
-fn a_scene_is_compared() {
+fn scene_is_compared() {
     let desk = Desk::with_scene("small", "small");
     let done = desk.softlimb("fea compare scene.toml --json");
     assert_eq!(done.code, Some(0), "{}", done.err);
@@ -31,7 +31,7 @@ fn a_scene_is_compared() {
 }
 
 #[test]
-fn a_run_of_calculix_that_fails_costs_its_column_only() {
+fn run_of_calculix_that_fails_costs_its_column_only() {
     let desk = Desk::with_scene("small", "small");
     let program = in_place(&desk, "kill -9 $$");
     let done = desk.softlimb(&format!("fea compare scene.toml --calculix --ccx {program}"));
@@ -61,7 +61,7 @@ fn run_and_compare_end_calculix_by_the_same_option() {
 }
 
 #[test]
-fn a_scene_is_calibrated() {
+fn scene_is_calibrated() {
     let desk = Desk::with_scene("small", "small");
     let done = desk.softlimb("fea calibrate scene.toml --thread 772,3,0.18 --json");
     assert_eq!(done.code, Some(0), "{}", done.err);
@@ -76,7 +76,7 @@ fn a_scene_is_calibrated() {
 
 /// What one module cannot be told keeps the rest, and the reason is given.
 #[test]
-fn what_cannot_be_calibrated_is_said() {
+fn impossible_calibrations_are_reported() {
     let winding =
         "[windings.net]\nangle = \"60 deg\"\nfamilies = 2\nmodulus = \"1 MPa\"\nthickness = \"0.1 mm\"\n\n[limb]";
     let desk = Desk::with_scene("[limb]", winding);
@@ -93,7 +93,7 @@ fn what_cannot_be_calibrated_is_said() {
 }
 
 #[test]
-fn a_calibration_that_makes_no_sense_is_refused() {
+fn calibration_that_makes_no_sense_is_refused() {
     let desk = Desk::with_scene("small", "small");
     for (arguments, code, word) in [
         ("--thread 772,3", 2, "--thread has 2 values"),
@@ -111,7 +111,7 @@ const FINGER: &str = r#"{"motion":"extension","problem":"forward","inner_radius_
 "fiber":{"angle_deg":3,"families":2,"modulus_pa":3.61e8,"thickness_m":0.000178},"pressure_pa":4e4}"#;
 
 #[test]
-fn an_actuator_needs_no_scene() {
+fn actuator_needs_no_scene() {
     let desk = Desk::with_scene("small", "small");
     desk.put("finger.json", FINGER);
     let done = desk.softlimb("fea export finger.json --out decks --points 2");

@@ -108,7 +108,7 @@ fn wound_desk(angle: &str) -> Desk {
 }
 
 #[test]
-fn a_bender_wound_far_from_the_hoop_is_warned_of() {
+fn bender_wound_far_from_the_hoop_is_warned_of() {
     let desk = wound_desk("20 deg");
     for line in OF_A_BENDER {
         for (line, json) in [(line.to_owned(), false), (format!("{line} --json"), true)] {
@@ -132,7 +132,7 @@ fn a_bender_wound_far_from_the_hoop_is_warned_of() {
 }
 
 #[test]
-fn a_bender_wound_near_the_hoop_is_not_warned_of() {
+fn bender_wound_near_the_hoop_is_not_warned_of() {
     for angle in ["3 deg", "-5 deg"] {
         let desk = wound_desk(angle);
         for line in OF_A_BENDER {

@@ -31,7 +31,7 @@ fn corrections_are_added_to_what_is_sent_and_not_to_what_is_wanted() {
 }
 
 #[test]
-fn what_learning_writes_a_scene_takes() {
+fn corrections_of_learning_are_read_by_a_scene() {
     let desk = Desk::new();
     desk.put("scene.toml", SCENE.replace("0.2 s", "1 s"));
     let found = desk.softlimb("learn scene.toml --iterations 2 --trials 1 --csv learned.csv --json").done().json();

@@ -20,7 +20,7 @@ fn printing_to(desk: &Desk, line: &str, out: impl Into<Stdio>) -> (Option<i32>, 
 }
 
 #[test]
-fn a_reader_that_went_away_is_no_failure() {
+fn reader_that_went_away_is_no_failure() {
     let desk = Desk::with_scene("small", "small");
     for line in VERBS {
         let (reader, writer) = std::io::pipe().expect("a pipe");
@@ -32,7 +32,7 @@ fn a_reader_that_went_away_is_no_failure() {
 /// `/dev/full` is a disk without room.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_fails_with_a_message() {
+fn full_disk_fails_with_a_message() {
     let desk = Desk::with_scene("small", "small");
     for line in VERBS {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");

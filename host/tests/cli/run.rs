@@ -23,7 +23,7 @@ fn one_object(answer: &Answer) -> Value {
 }
 
 #[test]
-fn a_run_leaves_a_log_and_a_report_and_nothing_else() {
+fn run_leaves_a_log_and_a_report_and_nothing_else() {
     let desk = desk();
     let answer = desk.softlimb("run scene.toml --out results").done();
     assert_eq!(desk.content(), ["results", "results/run.html", "results/run.mcap", "scene.toml"]);
@@ -40,7 +40,7 @@ fn results_go_to_a_folder_of_the_scene_s_name() {
 }
 
 #[test]
-fn away_from_a_terminal_there_is_no_progress_bar_and_no_color() {
+fn progress_bar_and_color_are_for_terminals_only() {
     let desk = desk();
     let answer = desk.softlimb("run scene.toml --out results").done();
     assert_eq!(answer.err.lines().count(), 2, "{}", answer.err);
@@ -63,7 +63,7 @@ fn json_is_one_object_for_programs() {
 }
 
 #[test]
-fn the_seed_of_the_command_line_wins() {
+fn seed_of_the_command_line_wins() {
     let desk = desk();
     let run = |line: &str| {
         let mut json = one_object(&desk.softlimb(line).done());
@@ -81,7 +81,7 @@ fn the_seed_of_the_command_line_wins() {
 }
 
 #[test]
-fn a_second_run_replaces_the_first() {
+fn second_run_replaces_the_first() {
     let desk = desk();
     desk.softlimb("run scene.toml --out results --seed 1").done();
     desk.softlimb("run scene.toml --out results --seed 2").done();
@@ -91,7 +91,7 @@ fn a_second_run_replaces_the_first() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_made_fails_with_its_name() {
+fn folder_that_cannot_be_made_fails_with_its_name() {
     let desk = desk();
     desk.put("file", "precious");
     for folder in ["file", "file/results"] {
@@ -104,12 +104,12 @@ fn a_folder_that_cannot_be_made_fails_with_its_name() {
 /// `/proc` takes no folder, from no user.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_in_a_place_that_takes_none_fails_with_its_name() {
+fn folder_in_a_place_that_takes_none_fails_with_its_name() {
     desk().softlimb("run scene.toml --out /proc/softlimb").failed(1, &["/proc/softlimb"]);
 }
 
 #[test]
-fn a_log_that_cannot_take_its_name_is_kept_whole_beside_it() {
+fn log_that_cannot_take_its_name_is_kept_whole_beside_it() {
     let desk = desk();
     std::fs::create_dir_all(desk.path("results/run.mcap")).unwrap();
     desk.softlimb("run scene.toml --out results").failed(1, &["results/run.mcap"]);
@@ -118,7 +118,7 @@ fn a_log_that_cannot_take_its_name_is_kept_whole_beside_it() {
 }
 
 #[test]
-fn a_report_that_cannot_take_its_name_leaves_the_log_and_no_half_report() {
+fn report_that_cannot_take_its_name_leaves_the_log_and_no_half_report() {
     let desk = desk();
     std::fs::create_dir_all(desk.path("results/run.html")).unwrap();
     desk.softlimb("run scene.toml --out results").failed(1, &["cannot write", "results/run.html"]);
@@ -129,7 +129,7 @@ fn a_report_that_cannot_take_its_name_leaves_the_log_and_no_half_report() {
 }
 
 #[test]
-fn a_run_that_the_device_stops_fails_and_keeps_what_happened() {
+fn run_that_the_device_stops_fails_and_keeps_what_happened() {
     let desk = Desk::with_scene("name = \"small\"", NO_AIR);
     let run = desk.softlimb("run scene.toml --out results");
     assert_eq!((run.code, run.err.matches("error: ").count()), (Some(1), 1), "{run:?}");
@@ -145,7 +145,7 @@ fn a_run_that_the_device_stops_fails_and_keeps_what_happened() {
 }
 
 #[test]
-fn a_report_never_replaces_its_log() {
+fn report_never_replaces_its_log() {
     let desk = desk();
     desk.softlimb("run scene.toml --out results").done();
     let log = std::fs::read(desk.path("results/run.mcap")).unwrap();
@@ -167,7 +167,7 @@ fn a_report_never_replaces_its_log() {
 }
 
 #[test]
-fn a_log_that_was_cut_off_is_reported_with_a_warning() {
+fn log_that_was_cut_off_is_reported_with_a_warning() {
     let desk = desk();
     desk.softlimb("run scene.toml --out results").done();
     let log = std::fs::read(desk.path("results/run.mcap")).unwrap();

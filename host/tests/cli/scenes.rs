@@ -39,7 +39,7 @@ fn line_of(mistake: &Mistake) -> usize {
 }
 
 #[test]
-fn every_mistake_is_pointed_at_and_nothing_is_written() {
+fn mistakes_are_pointed_at_and_nothing_is_written() {
     for mistake in MISTAKES {
         let desk = Desk::with_scene(mistake.from, mistake.to);
         let place = format!("scene.toml:{}:", line_of(mistake));
@@ -52,7 +52,7 @@ fn every_mistake_is_pointed_at_and_nothing_is_written() {
 }
 
 #[test]
-fn a_sound_scene_is_checked_without_writing() {
+fn sound_scene_is_checked_without_writing() {
     let desk = Desk::with_scene("small", "small");
     let answer = desk.softlimb("check scene.toml").done();
     assert!(answer.out.starts_with("small, weightless: 1 modules, 1 channels, 0.255 m at rest"), "{}", answer.out);

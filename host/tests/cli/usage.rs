@@ -31,13 +31,13 @@ fn help_names_every_verb_the_exit_codes_and_where_to_start() {
 }
 
 #[test]
-fn the_version_is_the_package_s() {
+fn version_is_the_package_s() {
     let version = Desk::new().softlimb("--version").done();
     assert_eq!(version.out, format!("softlimb {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
-fn every_verb_shows_an_example_of_itself() {
+fn verbs_show_an_example_of_themselves() {
     for verb in VERBS {
         let help = Desk::new().softlimb(&format!("{verb} --help")).done();
         let examples = help.out.split_once("Example").map(|(_, rest)| rest).unwrap_or_default();
@@ -46,7 +46,7 @@ fn every_verb_shows_an_example_of_itself() {
 }
 
 #[test]
-fn a_retired_line_is_answered_with_its_present_form() {
+fn retired_line_is_answered_with_its_present_form() {
     for (line, now) in [
         ("trials scene.toml", "softlimb learn SCENE"),
         ("fem run scene.toml", "softlimb fea"),
@@ -75,20 +75,20 @@ fn completions_name_every_verb() {
 }
 
 #[test]
-fn a_verb_that_is_none_is_a_wrong_command_line() {
+fn verb_that_is_none_is_a_wrong_command_line() {
     let answer = Desk::new().softlimb("runn scene.toml").failed(2, &["runn"]);
     assert!(answer.err.contains("run"), "no suggestion: {}", answer.err);
 }
 
 #[test]
-fn no_verb_shows_the_help_and_is_wrong() {
+fn missing_verb_shows_the_help_and_fails() {
     let answer = Desk::new().softlimb("");
     assert_eq!((answer.code, answer.out.as_str()), (Some(2), ""));
     assert!(answer.err.contains("Usage: softlimb <COMMAND>"), "{}", answer.err);
 }
 
 #[test]
-fn a_missing_argument_is_named() {
+fn missing_argument_is_named() {
     for verb in ["check", "run"] {
         Desk::new().softlimb(verb).failed(2, &["<SCENE>", "Usage:"]);
     }

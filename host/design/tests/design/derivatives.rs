@@ -15,7 +15,7 @@ fn fixed(problem: &str, sizes: [f64; 4]) -> Problem {
 }
 
 #[test]
-fn no_neighbour_of_an_answer_is_better() {
+fn answers_are_better_than_their_neighbours() {
     let text = crate::design::common::extension(&[("[0.2, 0.21]", "[0.12, 0.31, 0.2]")]);
     let problem = Problem::read(&text).expect("a problem");
     let answer = solve(&problem, &Effort::default()).expect("an answer");
@@ -35,7 +35,7 @@ fn no_neighbour_of_an_answer_is_better() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_answer() {
+fn same_seed_gives_the_same_answer() {
     for kind in [Kind::B, Kind::D] {
         let once = solve(&kind.problem(7), &Effort::default()).expect("an answer");
         assert_eq!(once, solve(&kind.problem(7), &Effort::default()).expect("an answer"));

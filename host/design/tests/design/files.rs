@@ -10,7 +10,7 @@ fn complaint(changes: &[(&str, &str)]) -> String {
 }
 
 #[test]
-fn a_value_out_of_range_is_named_with_its_range_and_line() {
+fn value_out_of_range_is_named_with_its_range_and_line() {
     for (from, to, message) in [
         ("\"format\": 1", "\"format\": 2", "line 2: format = 2 is not allowed: 1"),
         ("1e6", "-1", "line 3: weights.length_per_m2 = -1 is not allowed: >= 0"),
@@ -52,7 +52,7 @@ fn a_value_out_of_range_is_named_with_its_range_and_line() {
 }
 
 #[test]
-fn what_is_missing_too_much_or_does_not_fit_is_named() {
+fn missing_surplus_and_unfit_entries_are_named() {
     for (from, to, message) in [
         ("length_per_m2", "twist_per_rad2", "line 3: weights.length_per_m2 is missing: a segment has such targets"),
         (
@@ -81,7 +81,7 @@ fn what_is_missing_too_much_or_does_not_fit_is_named() {
 }
 
 #[test]
-fn what_is_no_problem_file_is_refused_where_the_parser_stopped() {
+fn malformed_problem_files_are_refused_where_the_parser_stopped() {
     let error = Problem::read(&extension(&[("\"name\"", "\"nmae\"")])).expect_err("an unknown field");
     assert!(matches!(&error, ProblemError::Format { line: 6, message, .. } if message.contains("nmae")), "{error}");
     let error =

@@ -12,7 +12,7 @@ fn answered(text: &str) -> (Problem, Answer) {
 }
 
 #[test]
-fn a_goal_that_is_the_start_needs_no_pressure() {
+fn goal_that_is_the_start_needs_no_pressure() {
     let text = extension(&[("[0.2, 0.21]", "[0.2, 0.2]"), ("[0.1, 0.3]", "[0.2, 0.2]")]);
     let (_, answer) = answered(&text);
     assert_eq!((answer.objective, answer.status), (0.0, "reached"));
@@ -62,7 +62,7 @@ const EXPANSION: &str = r#"{
 }"#;
 
 #[test]
-fn a_limit_point_within_the_pressure_range_is_kept_away_from() {
+fn limit_point_within_the_pressure_range_is_kept_away_from() {
     let (problem, answer) = answered(EXPANSION);
     let segment = &answer.segments[0];
     assert_eq!(segment.phases[1].bound, Some("limit_margin"));
@@ -108,7 +108,7 @@ fn terms_without_weight_and_phases_without_goal_change_nothing() {
 }
 
 #[test]
-fn a_phase_that_is_there_twice_counts_twice() {
+fn phase_that_is_there_twice_counts_twice() {
     let twice = answered(&extension(&[("[0.2, 0.21]", "[0.11, 0.45, 0.45]")])).1;
     let weighed =
         extension(&[("[0.2, 0.21]", "[0.11, 0.45]"), ("\"targets\"", "\"target_weights\": [1, 2], \"targets\"")]);
@@ -136,7 +136,7 @@ fn fiber_angles_of_both_signs_twist_both_ways() {
 }
 
 #[test]
-fn a_layer_as_thick_as_the_wall_is_a_smeared_winding() {
+fn layer_as_thick_as_the_wall_is_a_smeared_winding() {
     let with = |fiber: &str| {
         let text = extension(&[
             ("[0.2, 0.21]", "[0.11, 0.45]"),

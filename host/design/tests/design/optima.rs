@@ -5,6 +5,7 @@ use softlimb_design::actuators::kinds::Kind;
 use softlimb_design::actuators::{Effort, Geometry, Problem, Segment, solve};
 
 use crate::design::common::{extension, objective};
+use crate::samples::samples;
 
 fn effort(seed: u64) -> Effort {
     Effort { seed, ..Effort::default() }
@@ -12,7 +13,7 @@ fn effort(seed: u64) -> Effort {
 
 #[test]
 fn what_can_be_reached_is_reached_for_every_seed() {
-    for seed in 0..999 {
+    for seed in 0..u64::from(samples(999)) {
         let kind = [Kind::A, Kind::B, Kind::C][seed as usize % 3];
         let problem = kind.problem(seed);
         let answer = solve(&problem, &effort(seed)).expect("an answer");
@@ -93,19 +94,20 @@ fn least_objective(segment: &Segment, farthest: f64) -> f64 {
 fn what_cannot_be_reached_is_approached_as_far_as_can_be_for_every_seed() {
     let farthest: Vec<f64> = Kind::D.problem(0).segments().iter().map(farthest).collect();
     let mut unreachable = 0;
-    for seed in 0..100 {
+    let problems = samples(100);
+    for seed in 0..u64::from(problems) {
         let problem = Kind::D.problem(seed);
         let optimum: f64 = problem.segments().iter().zip(&farthest).map(|(s, f)| least_objective(s, *f)).sum();
         let answer = solve(&problem, &effort(seed)).expect("an answer");
         let gap = objective(&problem, &answer) / optimum - 1.0;
         assert!(gap <= 1e-8, "{seed}: {gap:e} above the optimum {optimum}");
-        unreachable += usize::from(optimum > 1.0);
+        unreachable += u32::from(optimum > 1.0);
     }
-    assert_eq!(unreachable, 100, "of 100 problems are beyond reach");
+    assert_eq!(unreachable, problems, "of {problems} problems are beyond reach");
 }
 
 #[test]
-fn one_segment_on_a_line_of_its_own_is_the_same_problem() {
+fn segment_on_a_line_of_its_own_is_the_same_problem() {
     // Searched with the pressures as variables here, with the pressures eliminated there.
     for targets in ["[0.15, 0.16, 0.29, 0.12]", "[0.11, 0.4]", "[0.2, 0.2, 0.5]"] {
         let text = extension(&[("[0.2, 0.21]", targets)]);
@@ -141,7 +143,7 @@ fn pressures_that_two_segments_have_in_common_are_found() {
 #[test]
 fn a_compromise_that_no_segment_would_choose_is_found() {
     // Twist, bend and length in four phases, and the least objective that scipy's least squares found from many starts
-    // (`host/benches/design/compare.py --kinds G --first 42` and `--first 71`). Pressures near to what the segments would choose for
+    // (`host/lab/benches/design/compare.py --kinds G --first 42` and `--first 71`). Pressures near to what the segments would choose for
     // themselves lead to 5963.47 and 30038.93.
     let cases = [
         (
@@ -163,7 +165,7 @@ fn a_compromise_that_no_segment_would_choose_is_found() {
     ];
     for (targets, least) in cases {
         let problem = Problem::read(&twist_bend_and_length(&targets)).expect("a problem");
-        for seed in 0..4 {
+        for seed in 0..u64::from(samples(4)) {
             let answer = solve(&problem, &effort(seed)).expect("an answer");
             let gap = objective(&problem, &answer) / least - 1.0;
             assert!(gap <= 1e-6, "{seed}: {gap:e} above {least}");

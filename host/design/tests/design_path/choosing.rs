@@ -26,7 +26,7 @@ fn all(choosing: &Choosing) -> Choice {
 }
 
 #[test]
-fn the_choice_is_the_same_on_any_number_of_threads_and_when_it_is_resumed() {
+fn choice_is_the_same_on_any_number_of_threads_and_when_it_is_resumed() {
     let whole = all(&SHORT);
     assert!(whole.finished() && whole.total == 4 + 16);
     assert_eq!(whole, all(&Choosing { threads: 1, ..SHORT }));
@@ -62,7 +62,7 @@ fn figures(limb: &Candidate) -> [f64; 5] {
 }
 
 #[test]
-fn the_list_holds_what_nothing_is_better_than_and_nothing_else() {
+fn list_holds_what_nothing_is_better_than_and_nothing_else() {
     let choice = all(&SHORT);
     let list = choice.pareto();
     assert!(list.len() >= 2 && list[0].does_it(), "{:?}", list.iter().map(|limb| figures(limb)).collect::<Vec<_>>());
@@ -83,7 +83,7 @@ fn the_list_holds_what_nothing_is_better_than_and_nothing_else() {
 }
 
 #[test]
-fn an_order_is_left_out_only_where_it_could_not_do_it_or_another_does_the_same() {
+fn order_is_left_out_only_where_it_could_not_do_it_or_another_does_the_same() {
     let choice = all(&SHORT);
     let mut left_out = 0;
     for searched in &choice.searched {

@@ -47,7 +47,7 @@ fn out_of_reach_is_answered_with_the_nearest_limb_and_its_distance() {
 }
 
 #[test]
-fn a_way_point_at_the_base_or_behind_it_is_out_of_reach_of_one_module() {
+fn way_point_at_the_base_or_behind_it_is_out_of_reach_of_one_module() {
     let spaces = modules(&[Motion::Bending]);
     for point in [[0.0; 3], [0.0, 0.0, -0.2]] {
         let found = design(&task(&[point]), &spaces, &EFFORT).unwrap();
@@ -91,7 +91,7 @@ fn a_wall_before_the_target_is_named() {
 }
 
 #[test]
-fn the_straight_limb_and_the_same_way_point_twice_are_no_trouble() {
+fn straight_limb_and_the_same_way_point_twice_are_no_trouble() {
     // Straight ahead a bending module has no direction: the tip does not move with its mount angle.
     let spaces = modules(&[Motion::Extension, Motion::Bending]);
     let straight = [0.0, 0.0, 0.45];
@@ -100,7 +100,7 @@ fn the_straight_limb_and_the_same_way_point_twice_are_no_trouble() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_with_its_place() {
+fn nonsense_is_refused_with_its_place() {
     let spaces = modules(&[Motion::Extension]);
     let good = task(&[[0.0, 0.0, 0.3]]);
     let message = |task: &Task, spaces: &[Space]| design(task, spaces, &EFFORT).unwrap_err().to_string();

@@ -27,7 +27,7 @@ fn carried(
 }
 
 #[test]
-fn a_task_carried_elsewhere_is_done_by_the_same_limb() {
+fn task_carried_elsewhere_is_done_by_the_same_limb() {
     for (kind, seed) in [(Kind::C, 1), (Kind::E, 4), (Kind::B, 2)] {
         let posed = kind.pose(seed).unwrap();
         let rotation = UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -1.1, 0.7));
@@ -50,7 +50,7 @@ fn a_task_carried_elsewhere_is_done_by_the_same_limb() {
 }
 
 #[test]
-fn a_mirrored_task_is_done_by_the_mirrored_limb() {
+fn mirrored_task_is_done_by_the_mirrored_limb() {
     // Mirrored at the plane y = 0: a module that bends towards the angle a bends towards -a. Two-family windings have no hand.
     for kind in [Kind::A, Kind::C, Kind::E] {
         let posed = kind.pose(5).unwrap();

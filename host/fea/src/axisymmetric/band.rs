@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_system_with_zeros_on_its_diagonal_is_solved() {
+    fn system_with_zeros_on_its_diagonal_is_solved() {
         let (size, reach) = (40, 3);
         let entry = |i: usize, j: usize| if i == j { 0.0 } else { ((i * 7 + j * 13) % 11) as f64 - 4.5 };
         let wanted: Vec<f64> = (0..size).map(|i| (i as f64 * 0.7).sin()).collect();
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_system_is_refused() {
+    fn singular_system_is_refused() {
         let mut band = Band::new(3, 1);
         band.add(0, 0, 1.0);
         band.add(2, 2, 1.0);

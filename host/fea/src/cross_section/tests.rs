@@ -205,7 +205,7 @@ fn the_chain_solves_the_system_that_the_columns_add_up_to() {
 
 /// Elimination of all but the strains against the inverse of what is eliminated.
 #[test]
-fn the_stiffness_is_the_condensed_matrix() {
+fn stiffness_is_the_condensed_matrix() {
     let mut chain = chain(&parameters(YEOH, Some(Placement::Sheet)), Limiter::None, Part::Ring);
     let state = somewhere(&chain, 29);
     let solved = chain.solve(&state, &[0.0; 4]).expect("regular");
@@ -227,7 +227,7 @@ fn the_stiffness_is_the_condensed_matrix() {
 }
 
 #[test]
-fn the_volume_of_a_screwed_cylinder_is_its_area_times_the_stretch() {
+fn volume_of_a_screwed_cylinder_is_its_area_times_the_stretch() {
     let chain = chain(&parameters(SOFT, None), Limiter::None, Part::Ring);
     let mut form = chain.rest().form;
     let area = chain.potential(&form).1;

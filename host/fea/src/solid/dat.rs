@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_cut_anywhere_gives_only_whole_blocks() {
+    fn file_cut_anywhere_gives_only_whole_blocks() {
         let whole = blocks(TEXT, 2).unwrap().whole;
         for end in 0..TEXT.len() {
             let cut = blocks(&TEXT[..end], 2).unwrap_or_else(|error| panic!("{end}: {error}"));

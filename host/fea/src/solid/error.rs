@@ -102,7 +102,7 @@ impl FemError {
 }
 
 #[test]
-fn a_full_disk_explains_output_that_is_not_whole_and_nothing_else() {
+fn full_disk_explains_output_that_is_not_whole_and_nothing_else() {
     let torn = || FemError::Garbage { file: "the .dat file", line: 3, what: "it ends".to_owned() };
     let failed = || FemError::Failed { code: 201, diagnosis: "no reason is given".to_owned() };
     for error in [torn(), failed(), FemError::NoOutput] {

@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn the_strains_of_an_exact_screw_are_read_back() {
+    fn strains_of_an_exact_screw_are_read_back() {
         for (bend, twist, stretch, swelling) in
             [(0.0, 0.0, 1.0, 1.0), (0.4, 0.0, 1.1, 1.02), (0.0, -1.3, 0.97, 1.3), (0.7, 0.9, 1.25, 0.95)]
         {
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_node_that_was_not_printed_is_named() {
+    fn node_that_was_not_printed_is_named() {
         let (gauges, mesh, mut moved) = moved(0.1, 0.0, 1.0, 1.0);
         moved.remove(&3);
         assert!(gauges.read(&mesh, &moved).unwrap_err().to_string().contains("node 4 is missing"));

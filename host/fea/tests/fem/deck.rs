@@ -114,7 +114,7 @@ fn ties_reproduce_every_linear_field_that_has_the_model_s_symmetry() {
 }
 
 #[test]
-fn no_displacement_is_determined_twice() {
+fn displacements_are_determined_once() {
     for (subject, options) in subjects() {
         let deck = read(&deck(&subject, &options).model);
         let dependent: Vec<_> = deck.ties.iter().map(|tie| (tie[0].0, tie[0].1)).collect();
@@ -210,7 +210,7 @@ fn numbers(line: &str) -> Vec<f64> {
 }
 
 #[test]
-fn both_programs_get_the_same_fibers_on_their_own_cards() {
+fn fibers_are_the_same_on_the_cards_of_both_programs() {
     let deck = deck(&Subject::single(wound(Motion::Extension, 30.0, Families::Two)), &Options::default());
     let calculix: Vec<f64> =
         block(&deck.calculix, "*USER MATERIAL, CONSTANTS=10").iter().flat_map(|l| numbers(l)).collect();
@@ -239,7 +239,7 @@ fn both_programs_get_the_same_fibers_on_their_own_cards() {
 }
 
 #[test]
-fn a_winding_of_no_modulus_bends_as_an_ideal_one_at_its_radius() {
+fn winding_of_no_modulus_bends_as_an_ideal_one_at_its_radius() {
     let stated = |motion, radius_m| {
         let mut parameters = wound(motion, 30.0, Families::Two);
         if let Some(fiber) = &mut parameters.fiber {
@@ -281,7 +281,7 @@ fn increments_as_small_as_allowed_are_as_many_as_they_need() {
 }
 
 #[test]
-fn a_negative_angle_mirrors_the_fibers() {
+fn negative_angle_mirrors_the_fibers() {
     let hoop = |angle| {
         let deck = deck(&Subject::single(wound(Motion::Twisting, angle, Families::One)), &Options::default());
         let constants =
@@ -315,7 +315,7 @@ fn materials_steps_and_loads_are_in_mm_and_mpa() {
 }
 
 #[test]
-fn a_yeoh_wall_with_fibers_in_it_is_the_wall_and_the_fibers_on_top() {
+fn yeoh_wall_with_fibers_in_it_is_the_wall_and_the_fibers_on_top() {
     let mut parameters = wound(Motion::Extension, 3.0, Families::Two);
     parameters.material = Material::Yeoh { c_pa: [86_560.0, 13_805.0, -1466.1] };
     if let Some(fiber) = &mut parameters.fiber {

@@ -33,7 +33,7 @@ fn share(model: &Model) -> f64 {
 }
 
 #[test]
-fn every_mesh_is_sound_and_fills_the_tube_whatever_symmetry_it_uses() {
+fn meshes_are_sound_and_fill_the_tube_with_any_symmetry() {
     for parameters in motions() {
         for fibers in [FiberModel::Smeared { layer_m: Some(0.1e-3) }, THREADS] {
             for symmetry in [SymmetryUse::Auto, SymmetryUse::Whole] {
@@ -57,7 +57,7 @@ fn every_mesh_is_sound_and_fills_the_tube_whatever_symmetry_it_uses() {
 }
 
 #[test]
-fn the_volume_converges_with_the_fourth_power_of_the_elements_around() {
+fn volume_converges_with_the_fourth_power_of_the_elements_around() {
     let error = |around| {
         let options = Options { around: Some(around), ..WHOLE };
         let model = Model::new(&Subject::single(plain(Motion::Expansion)), &options).unwrap();
@@ -90,7 +90,7 @@ fn symmetry_is_used_only_where_the_winding_has_it() {
 }
 
 #[test]
-fn a_bundle_has_its_actuators_side_by_side_and_a_connector() {
+fn bundle_has_its_actuators_side_by_side_and_a_connector() {
     let subject = Subject { actuators: 3, circle_radius_m: 10e-3, parameters: plain(Motion::Bending) };
     let model = Model::new(&subject, &WHOLE).unwrap();
     let all = model.mesh().quality(|_| true);
@@ -148,7 +148,7 @@ fn absurd_wishes_are_refused_with_field_value_and_range() {
 }
 
 #[test]
-fn the_estimate_of_nodes_is_close() {
+fn estimate_of_nodes_is_close() {
     for parameters in motions() {
         let model = Model::new(&Subject::single(parameters), &WHOLE).unwrap();
         let text = Model::new(&Subject::single(parameters), &Options { nodes_max: 100, ..WHOLE }).unwrap_err();

@@ -17,7 +17,7 @@ fn message(fake: &Fake) -> String {
 }
 
 #[test]
-fn a_run_that_goes_well_is_reduced_to_its_strains() {
+fn run_that_goes_well_is_reduced_to_its_strains() {
     let sta = "  STEP INC ATT ITRS TIME\n  1 1 1 4 0.5 0.5 0.5\n  1 2 1 3 1.0 1.0 0.5\n  2 1 1 5 2.0 1.0 1.0\n";
     let run = Fake::new(COPY).with("out.dat", good(&[0.5, 1.0, 2.0])).with("out.sta", sta).run().unwrap();
     assert_eq!((run.end.clone(), run.increments, run.iterations), (End::Finished, 3, 12));
@@ -35,7 +35,7 @@ fn a_run_that_goes_well_is_reduced_to_its_strains() {
 }
 
 #[test]
-fn a_program_that_is_not_there_is_named_with_its_package() {
+fn program_that_is_not_there_is_named_with_its_package() {
     let fake = Fake::new("");
     fs::remove_file(fake.path("ccx")).unwrap();
     let text = message(&fake);
@@ -43,7 +43,7 @@ fn a_program_that_is_not_there_is_named_with_its_package() {
 }
 
 #[test]
-fn a_program_that_cannot_be_started_says_why() {
+fn program_that_cannot_be_started_says_why() {
     let fake = Fake::new("").with("ccx", "no program");
     assert!(matches!(fake.run(), Err(FemError::Program { .. })));
 }
@@ -68,14 +68,14 @@ fn exit_201_before_the_first_increment_is_a_failure() {
 }
 
 #[test]
-fn nothing_of_a_killed_run_is_used() {
+fn results_of_a_killed_run_are_not_used() {
     let fake = Fake::new(&format!("{COPY}; kill -9 $$")).with("out.dat", good(&[1.0, 2.0]));
     let text = message(&fake);
     assert!(text.contains("killed by signal 9") && text.contains("memory"), "{text}");
 }
 
 #[test]
-fn a_run_that_takes_too_long_is_ended_and_what_converged_stands() {
+fn run_that_takes_too_long_is_ended_and_what_converged_stands() {
     let whole = good(&[1.0, 1.5]);
     for out in [whole.clone(), whole[..whole.len() - 30].to_owned()] {
         let body = "cp \"$HERE/out.dat\" actuator.dat; echo $$ > \"$HERE/id\"; : > \"$HERE/go\"; exec sleep 600";
@@ -111,7 +111,7 @@ fn half_written_and_foreign_output_is_no_result() {
 }
 
 #[test]
-fn no_output_is_said_to_be_none() {
+fn missing_output_is_reported() {
     for fake in [Fake::new("exit 0"), Fake::new(COPY).with("out.dat", "")] {
         let text = message(&fake);
         assert!(text.contains("wrote no .dat file") && !text.contains("line"), "{text}");
@@ -119,7 +119,7 @@ fn no_output_is_said_to_be_none() {
 }
 
 #[test]
-fn a_full_disk_is_named_whatever_the_exit_code() {
+fn full_disk_is_named_whatever_the_exit_code() {
     // /dev/full refuses every byte, as a full disk does.
     for end in ["exit 2", "exit 201", "exit 0"] {
         let body = format!("cat \"$HERE/out.dat\" > /dev/full; head -c 3000 \"$HERE/out.dat\" > actuator.dat; {end}");
@@ -129,7 +129,7 @@ fn a_full_disk_is_named_whatever_the_exit_code() {
 }
 
 #[test]
-fn what_an_earlier_run_left_is_not_taken_for_this_one_s() {
+fn results_of_an_earlier_run_are_not_used() {
     let kept = tempfile::tempdir().unwrap();
     fs::write(kept.path().join("actuator.dat"), good(&[1.0, 2.0])).unwrap();
     fs::write(kept.path().join("actuator.sta"), "1 1 1 4 2.0 1.0 1.0\n").unwrap();
@@ -140,7 +140,7 @@ fn what_an_earlier_run_left_is_not_taken_for_this_one_s() {
 }
 
 #[test]
-fn an_overstretched_fiber_is_tried_again_with_half_the_increment() {
+fn overstretched_fiber_is_tried_again_with_half_the_increment() {
     let body =
         "[ -f \"$HERE/again\" ] && cp actuator.inp \"$HERE/second.inp\" && cp \"$HERE/out.dat\" actuator.dat && exit 0
 : > \"$HERE/again\"; cp actuator.inp \"$HERE/first.inp\"; echo '*ERROR: fiber extension is too large'; exit 201";
@@ -155,7 +155,7 @@ fn an_overstretched_fiber_is_tried_again_with_half_the_increment() {
 }
 
 #[test]
-fn a_jump_of_the_lumen_is_seen_and_what_follows_is_not_used() {
+fn jump_of_the_lumen_is_seen_and_what_follows_is_not_used() {
     let times = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
     let jumping = |t: f64| 1.0 + 0.1 * t + if t > 1.4 { 1.0 } else { 0.0 };
     let run = Fake::new(COPY).with("out.dat", dat(&times, jumping, |_| 1.0)).run().unwrap();

@@ -68,7 +68,7 @@ fn a_layer_with_a_line_bends_as_another_program_says() {
 }
 
 #[test]
-fn a_stiff_strip_comes_to_be_the_line() {
+fn stiff_strip_comes_to_be_the_line() {
     let parameters = tube(Motion::Bending, 6.0, 8.0, SOFT);
     let line = at(&parameters, &Options::default(), 30e3).state.bend_rates_rad_per_m[0];
     let mut before = f64::INFINITY;
@@ -97,7 +97,7 @@ fn half_a_section_bends_as_the_whole_one() {
 
 /// One family and a line: the tube bends and twists. The mirrored winding twists the other way and bends the same.
 #[test]
-fn one_family_with_a_line_bends_and_twists() {
+fn single_family_with_a_line_bends_and_twists() {
     let mut parameters = wound(tube(Motion::Twisting, 6.0, 8.0, SOFT), 20.0, Placement::Sheet, 1000.0, 8.0);
     let options = Options { limiter: Some(Limiter::Line), ..Options::default() };
     let right = at(&parameters, &options, 30e3);
@@ -111,7 +111,7 @@ fn one_family_with_a_line_bends_and_twists() {
 
 /// Pure bending of a slender thin-walled tube by a moment: `M = E I kappa` with `E = 3 mu`, small bends.
 #[test]
-fn a_small_moment_bends_a_bare_tube_as_a_beam() {
+fn small_moment_bends_a_bare_tube_as_a_beam() {
     let parameters = tube(Motion::Extension, 6.0, 8.0, SOFT);
     let load = EndLoad { bending_moments_nm: [1e-6, 0.0], ..EndLoad::default() };
     let bent = curve(&parameters, &Options::default(), &[0.0], &load);
@@ -144,7 +144,7 @@ fn a_round_tube_bends_alike_in_all_directions() {
 }
 
 #[test]
-fn an_ideal_winding_is_the_limit_of_a_stiff_one() {
+fn ideal_winding_is_the_limit_of_a_stiff_one() {
     let bare = tube(Motion::Bending, 6.0, 8.0, SOFT);
     let ideal = at(&bare, &Options::default(), 40e3).state.bend_rates_rad_per_m[0];
     let hoop = |ratio: f64| {
@@ -161,7 +161,7 @@ fn an_ideal_winding_is_the_limit_of_a_stiff_one() {
 /// With a line that keeps its length a force along the axis is a moment, its lever the way from the axis to the line. Both bend about as
 /// in the trial field, which balances work about the line.
 #[test]
-fn a_force_is_a_moment_about_the_line() {
+fn force_is_a_moment_about_the_line() {
     let parameters = tube(Motion::Bending, 6.0, 7.0, SOFT);
     let rate = |load: &Load<f64>| {
         let answer = curve(&parameters, &Options::default(), &[20e3], &EndLoad::of(load, Motion::Bending)).answers[0];
@@ -180,7 +180,7 @@ fn a_force_is_a_moment_about_the_line() {
 
 /// Two families are needed for a bend in one plane; a single hoop family, which has no sense of twist, also does.
 #[test]
-fn a_hoop_family_bends_in_its_plane() {
+fn hoop_family_bends_in_its_plane() {
     let mut parameters = wound(tube(Motion::Bending, 6.0, 8.0, SOFT), 0.0, Placement::Sheet, 1000.0, 8.0);
     let two = at(&parameters, &Options::default(), 40e3).state;
     // Two families along the hoop are one of twice the stiffness.

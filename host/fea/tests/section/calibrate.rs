@@ -65,7 +65,7 @@ fn pressure_and_bend_rate_are_inverse() {
 }
 
 #[test]
-fn what_does_not_bend_has_no_polynomial() {
+fn straight_motions_have_no_polynomial() {
     let straight = Section::new(&tube(Motion::Extension, 6.0, 8.0, SOFT), &Options::default()).expect("valid");
     let error = straight.calibrate([5e3, 40e3]).expect_err("it stays straight");
     assert!(matches!(error, SectionError::NoBend { reason: "the actuator does not bend", .. }), "{error}");

@@ -30,7 +30,7 @@ fn no_pressure_beyond_the_limit_has_an_answer() {
 
 /// Asked for at once, without pressures on the way, what lies beyond the limit is not mistaken for something else.
 #[test]
-fn a_pressure_far_beyond_the_limit_is_not_jumped_to() {
+fn pressure_far_beyond_the_limit_is_not_jumped_to() {
     let parameters = tube(Motion::Expansion, 6.0, 8.0, SOFT);
     for pressure in [60e3, 90e3, 400e3] {
         let answer = curve(&parameters, &Options::default(), &[pressure], &EndLoad::default()).answers[0];
@@ -82,7 +82,7 @@ fn a_load_that_is_not_carried_is_said_so() {
 /// Pulled without pressure, a tube would shrink, and a stiff hoop winding is compressed. A surface that cannot bend folds then, at the
 /// shortest wave there is: the whole section shows it in its eigenvalues, although Newton's method finds the round state.
 #[test]
-fn a_compressed_winding_folds() {
+fn compressed_winding_folds() {
     let parameters = wound(tube(Motion::Extension, 6.0, 8.0, SOFT), 0.0, Placement::Sheet, 1e4, 8.0);
     let pulled = |symmetry, pressure, force_n| {
         let options = Options { symmetry, ..Options::default() };
@@ -137,7 +137,7 @@ fn stiff_families_keep_their_length() {
 
 /// A line is as good as inextensible: its stretch from the strains of the axis, the outer surface being a circle of the winding.
 #[test]
-fn the_line_keeps_its_length() {
+fn line_keeps_its_length() {
     let parameters = tube(Motion::Bending, 6.0, 8.0, SOFT);
     let line = Options { limiter: Some(Limiter::Line), ..Options::default() };
     let state = at(&parameters, &line, 40e3).state;

@@ -46,7 +46,7 @@ fn actuators_are_checked_as_the_model_checks_them() {
 
 /// The analytic model of bending does not look at the sheet's thickness, this one does.
 #[test]
-fn a_winding_of_a_bending_actuator_needs_what_is_computed_with() {
+fn winding_of_a_bending_actuator_needs_what_is_computed_with() {
     let mut parameters = wound(tube(Motion::Bending, 6.0, 8.0, SOFT), 5.0, Placement::Sheet, 10.0, 8.0);
     parameters.fiber = parameters.fiber.map(|fiber| Fiber { thickness_m: 0.0, ..fiber });
     let error = Section::new(&parameters, &Options::default()).expect_err("no thickness");

@@ -125,7 +125,7 @@ fn a_bare_tube_at_rest_has_the_stiffness_of_a_beam() {
 }
 
 #[test]
-fn a_part_of_the_section_has_no_stiffness_to_offer() {
+fn part_of_the_section_has_no_stiffness_to_offer() {
     let parameters = tube(Motion::Bending, 6.0, 8.0, SOFT);
     let answer = curve(&parameters, &Options::default(), &[20e3], &EndLoad::default()).answers[0];
     assert!(answer.equilibrium().expect("stable").stiffness.is_none());

@@ -99,7 +99,7 @@ fn end_force_and_torque_act_as_in_the_thick_wall_equations() {
 }
 
 #[test]
-fn the_whole_section_moves_as_its_wedge() {
+fn whole_section_moves_as_its_wedge() {
     let parameters = wound(tube(Motion::Twisting, 6.0, 8.0, DRAGON_SKIN), 30.0, Placement::Sheet, 1000.0, 7.5);
     let load = EndLoad { torque_nm: 2e-3, force_n: 1.0, ..EndLoad::default() };
     let ring = Options { symmetry: Symmetry::Ignore, ..Options::default() };

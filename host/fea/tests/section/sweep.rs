@@ -6,6 +6,8 @@ use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, M
 use softlimb_fea::cross_section::{EndLoad, Limiter, Options, Outcome, Section};
 use softlimb_numerics::Random;
 
+use crate::samples::samples;
+
 /// Uniform and log-uniform numbers.
 struct Numbers(Random);
 
@@ -67,7 +69,8 @@ fn straight(numbers: &mut Numbers) -> ActuatorParameters<f64> {
 fn random_straight_actuators_have_the_answers_of_the_thick_wall_equations() {
     let mut numbers = Numbers(Random::new(71, 0));
     let (mut solved, mut limits, mut worst) = (0, 0, 0.0);
-    for _ in 0..600 {
+    let actuators = samples(600);
+    for _ in 0..actuators {
         let parameters = straight(&mut numbers);
         let pressures: Vec<f64> = (0..4).map(|_| numbers.over(0.01, 1.0) * scale(&parameters)).collect();
         let section = Section::new(&parameters, &Options::default()).expect("valid");
@@ -97,7 +100,8 @@ fn random_straight_actuators_have_the_answers_of_the_thick_wall_equations() {
         }
     }
     println!("{solved} equilibria, {worst:.1e} of the volume at most; {limits} beyond the limit");
-    assert!(solved > 2300 && limits > 0);
+    // Four pressures each, of which the first stay below the limit.
+    assert!(600 * solved > 2300 * actuators && limits > 0, "{solved} {limits}");
 }
 
 /// An ideal winding with a line or a strip, two families with a strip, one family with a strip: the last one bends and twists.
@@ -123,7 +127,7 @@ fn bending(numbers: &mut Numbers) -> (ActuatorParameters<f64>, Options) {
 fn random_bending_actuators_all_have_answers() {
     let mut numbers = Numbers(Random::new(73, 0));
     let (mut worst, mut steps) = (0.0, 0);
-    for _ in 0..150 {
+    for _ in 0..samples(150) {
         let (parameters, options) = bending(&mut numbers);
         let highest = numbers.over(0.05, 1.0) * scale(&parameters);
         let section = Section::new(&parameters, &options).expect("valid");

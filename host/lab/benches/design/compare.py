@@ -8,7 +8,7 @@ them finds is the best known, and gaps are relative to it.
 
     python3 -m venv venv && venv/bin/pip install numpy scipy cma pyswarms
     cargo build --release -p softlimb
-    venv/bin/python host/benches/design/compare.py
+    venv/bin/python host/lab/benches/design/compare.py
 
 Several commands with a --first of their own share the work; the problems of a seed are the same.
 

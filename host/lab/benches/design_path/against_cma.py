@@ -3,7 +3,7 @@
 
 Needs Python 3 and the package cma (pip install cma). Both searches use the same objective function: this script asks for it through
 
-    cargo run --release -p softlimb --example design_path evaluate KIND SEED
+    cargo run --release -p softlimb-lab --example design_path evaluate KIND SEED
 
 which answers places of the unit box on its standard input. CMA-ES gets at least --evaluations objective values and at least as much time
 as the design took; the least objective is printed for the design, for CMA-ES after the same time (start, pipe and its own arithmetic included,
@@ -84,7 +84,7 @@ def main():
     parser.add_argument("--evaluations", type=int, default=20000, help="objective values that CMA-ES gets at least (default 20000)")
     parser.add_argument("--example", default=None, help="the example's program, where it is built already")
     arguments = parser.parse_args()
-    command = [arguments.example] if arguments.example else "cargo run --release -q -p softlimb --example design_path --".split()
+    command = [arguments.example] if arguments.example else "cargo run --release -q -p softlimb-lab --example design_path --".split()
     print("kind  median J, mm2 (and how many are at most 0.2): design  CMA-ES, equal time  CMA-ES, all evaluations   median time, s: design, CMA-ES")
     for kind in arguments.kinds:
         design = by_design(command, kind, arguments.seeds)

@@ -1,9 +1,9 @@
 """Limbs under load by PyElastica beside softlimb: the same rods, the tips and the times side by side, at equal error.
 
     python3 -m venv .venv && .venv/bin/pip install pyelastica
-    .venv/bin/python host/benches/statics/compare.py [--quick]
+    .venv/bin/python host/lab/benches/statics/compare.py [--quick]
 
-`cargo run --release --example statics_rods` tells the rods, its tips and its times. The truth is a solution of the same rods by collocation
+`cargo run --release -p softlimb-lab --example statics_rods` tells the rods, its tips and its times. The truth is a solution of the same rods by collocation
 (scipy), which shares no code with either. PyElastica solves them as it does everything: in time, damped until they rest. For each tier it is
 given as many elements as bring it to that tier's error, and no more.
 
@@ -30,7 +30,7 @@ import numpy as np
 from scipy.integrate import solve_bvp
 from scipy.spatial.transform import Rotation
 
-WORKSPACE = Path(__file__).resolve().parents[3]
+WORKSPACE = Path(__file__).resolve().parents[4]
 PROFILE = os.environ.get("SPEED_PROFILE", "release")
 RIGID_N = 8e3  # of rigid parts, against 1e3 N of tubes; what they yield is taken back (`stiffen`), and they bend not at all
 CHECK = 100  # most steps from one look at the rod to the next
@@ -305,7 +305,7 @@ def compare(case, tries, quick):
 
 def main():
     quick = "--quick" in sys.argv
-    command = ["cargo", "run", "--quiet", "--profile", PROFILE, "-p", "softlimb", "--example", "statics_rods"]
+    command = ["cargo", "run", "--quiet", "--profile", PROFILE, "-p", "softlimb-lab", "--example", "statics_rods"]
     out = subprocess.run(command, cwd=WORKSPACE, check=True, capture_output=True, text=True).stdout
     print(f"PyElastica {version('pyelastica')}")
     # Of time step and damping those first that rest soonest; they do not for every number of elements.

@@ -1,13 +1,13 @@
 """The workspace of a scene in numpy beside `softlimb workspace`: the same tables, the same answers, time side by side.
 
     python3 -m venv .venv && .venv/bin/pip install numpy
-    .venv/bin/python host/benches/workspace/compare.py [SCENE]
+    .venv/bin/python host/lab/benches/workspace/compare.py [SCENE]
 
 Takes the polynomials that `softlimb workspace --json` prints, computes tips with numpy on whole arrays (in the piece size that suits the
 cache best), and compares them with the samples that the command writes. Three ways in numpy: plainly, as the formulas are written, in double precision;
 tuned for speed (`tuned.py`), with polynomials as short as those of the product, in double and in single precision, which the product takes for samples.
 Times are the fastest of several runs on one thread, and of two processes beside two threads; those of the product come from
-`cargo run --release --example workspace_speed`. Nothing else should be running.
+`cargo run --release -p softlimb-lab --example workspace_speed`. Nothing else should be running.
 """
 
 import json
@@ -25,7 +25,7 @@ import numpy as np
 
 from tuned import Tuned
 
-WORKSPACE = Path(__file__).resolve().parents[3]
+WORKSPACE = Path(__file__).resolve().parents[4]
 PROFILE = os.environ.get("SPEED_PROFILE", "release")
 COUNT = 200_000
 SIZES = (512, 1024, 2048, 4096, 8192, 16384)
@@ -34,7 +34,7 @@ TOLERANCE = 3e-7
 
 
 def cargo(*words):
-    command = ["cargo", "run", "--quiet", "--profile", PROFILE, "-p", "softlimb", *words]
+    command = ["cargo", "run", "--quiet", "--profile", PROFILE, "-p", *words]
     return subprocess.run(command, cwd=WORKSPACE, check=True, capture_output=True, text=True).stdout
 
 
@@ -135,7 +135,7 @@ def main():
     scene = sys.argv[1] if len(sys.argv) > 1 else "scenes/pick-and-place-a.toml"
     with tempfile.TemporaryDirectory() as folder:
         csv = f"{folder}/tips.csv"
-        out = cargo("--bin", "softlimb", "--", "workspace", scene, "--json", "--samples", "20000", "--csv", csv, "--points", "even")
+        out = cargo("softlimb", "--bin", "softlimb", "--", "workspace", scene, "--json", "--samples", "20000", "--csv", csv, "--points", "even")
         written = np.loadtxt(csv, delimiter=",", skiprows=1)
     answer = json.loads(out)
     tables = answer["kinematics"]
@@ -147,7 +147,7 @@ def main():
         tuned = Tuned(tables, dtype, TOLERANCE)
         ways[name] = lambda piece, tuned=tuned: tuned.tips(piece.T).T
         pieces[name] = np.ascontiguousarray(2 * shares.T - 1).astype(dtype).T
-    own = json.loads(cargo("--example", "workspace_speed", "--", scene))
+    own = json.loads(cargo("softlimb-lab", "--example", "workspace_speed", "--", scene))
     times = {"softlimb, double precision": (own["double_s"], own["double_two_threads_s"])}
     times["softlimb, samples"] = (own["sample_s"], own["sample_two_threads_s"])
     for name, way in ways.items():

@@ -62,7 +62,7 @@ mod tests {
     use qd::Quad;
 
     #[test]
-    fn a_rule_of_n_nodes_is_exact_to_degree_2n_minus_1() {
+    fn rule_of_n_nodes_is_exact_to_degree_2n_minus_1() {
         for count in [2, 3, 8] {
             let rule = Rule::<Quad>::new(count);
             let degree = 2 * count - 1;
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hundred_nodes_integrate_a_pole_nearby_to_thirty_digits() {
+    fn hundred_nodes_integrate_a_pole_nearby_to_thirty_digits() {
         // int_0^1 dx/(x + 1/2)^2 = 2 - 2/3
         let rule = Rule::<Quad>::new(100);
         let half = Quad::of(0.5);

@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_that_is_none_is_refused() {
+    fn table_that_is_none_is_refused() {
         assert_eq!(join(&mut report(), "region,instructions\n"), Err(McuError::NoColumns));
         let broken = TABLE.replace("15204", "many");
         assert_eq!(join(&mut report(), &broken), Err(McuError::Line { line: 4 }));

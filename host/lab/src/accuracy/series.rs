@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_polynomial_is_its_own_series() {
+    fn polynomial_is_its_own_series() {
         // T_0 + 2 T_1 + 3 T_3.
         let value = |x: f64| 1.0 + 2.0 * x + 3.0 * (4.0 * x.powi(3) - 3.0 * x);
         let mut values = [0.0; TERMS];

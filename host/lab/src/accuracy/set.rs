@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_set_repeats_and_a_longer_one_begins_with_a_shorter() {
+    fn set_repeats_and_a_longer_one_begins_with_a_shorter() {
         let (long, short) = (samples(7, 24), samples(7, 12));
         for (a, b) in long.iter().zip(&short) {
             assert_eq!((a.parameters, a.pressure_pa), (b.parameters, b.pressure_pa));
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn both_scalars_hold_every_number() {
+    fn numbers_are_held_by_both_scalars() {
         for sample in samples(1, 40) {
             let p = sample.parameters;
             let fiber = p.fiber.expect("wound");

@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_table_is_read_as_it_was_written() {
+    fn table_is_read_as_it_was_written() {
         let text = "# seed\t3\n# actuators\t40\n# answered\t39\n# residual\t1.0e-28\n# last step\t2.0e-30\n# quadrature\t3.0e-29\n\
                     # polynomial of degree 8\t24.0\t16.0\n"
             .to_owned()
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_is_none_is_named() {
+    fn line_that_is_none_is_named() {
         let error = Report::from_tsv("# seed\t3\nforward\tforward\n").unwrap_err();
         assert!(error.to_string().starts_with("line 2 of the table"), "{error}");
         assert!(Report::from_tsv("# seed\tmany\n").is_err() && Report::from_tsv("# color\tred\n").is_err());

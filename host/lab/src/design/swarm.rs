@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_move_leaves_the_box() {
+    fn moves_stay_in_the_box() {
         let mut random = Random::new(1, 0);
         for faces in [Faces::Nearest, Faces::Reflective, Faces::Random] {
             for (x, velocity) in [(0.9, 0.2), (0.0, -1.0), (0.3, -0.4), (1.0, 3.0), (0.5, 0.1)] {

@@ -13,7 +13,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn the_table_is_printed_and_written() {
+fn table_is_printed_and_written() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(
         folder.path().join("page.md"),
@@ -47,7 +47,7 @@ fn json_holds_the_same_lines() {
 }
 
 #[test]
-fn what_cannot_be_done_is_refused_before_the_work() {
+fn impossible_commands_are_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("empty.md"), "nothing\n").unwrap();
     for (line, code, words) in [
@@ -66,7 +66,7 @@ fn what_cannot_be_done_is_refused_before_the_work() {
 }
 
 #[test]
-fn a_missing_instrument_is_named() {
+fn missing_instrument_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb-lab"));
     // A path without any program.

@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_functions_are_those_of_sine_and_cosine() {
+    fn functions_are_those_of_sine_and_cosine() {
         for angle in [0.5_f64, 1.0, 1.9, 1.99999, 2.00001, 2.5, 6.0] {
             let (sin, cos) = angle.sin_cos();
             let s = angle * angle;
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_is_a_rotation_and_a_shift_along_it_stays() {
+    fn turn_is_a_rotation_and_a_shift_along_it_stays() {
         let turn = Vector3::new(0.3, -0.7, 1.1);
         let exact = nalgebra::Rotation3::from_scaled_axis(turn).into_inner();
         let motion = Exponential::new(turn, turn * 2.0);

@@ -73,7 +73,7 @@ mod tests {
 
     /// A matrix whose inverse is known: `1 + u u^T` with that of Sherman and Morrison.
     #[test]
-    fn a_known_inverse_is_found_and_what_is_not_definite_refused() {
+    fn known_inverse_is_found_and_what_is_not_definite_refused() {
         for count in [1, 2, 3, 8, 24, 27] {
             let u = DVector::from_fn(count, |i, _| 0.3 * (i as f64 + 1.0).sin());
             let right = DVector::from_fn(count, |i, _| (i as f64 * 0.7).cos());

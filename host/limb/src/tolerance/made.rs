@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn beyond_the_axis_a_thread_is_the_one_from_the_other_side() {
+    fn thread_beyond_the_axis_is_the_one_from_the_other_side() {
         let degrees = |angle: f64| as_line(angle.to_radians()).to_degrees();
         for (angle, line) in [(90.0, 90.0), (91.0, -89.0), (-91.5, 88.5), (0.0, 0.0), (-90.0, -90.0)] {
             assert!((degrees(angle) - line).abs() < 1e-12, "{angle}");

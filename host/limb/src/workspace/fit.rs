@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn a_kink_is_owned_up_to() {
+    fn kink_is_owned_up_to() {
         let kink = |x: f64| Some([(x - 0.5).abs()]);
         let fit = fit(kink, 1e-10).unwrap();
         let worst = (0..1000).map(|i| f64::from(i) * 1e-3).map(|x| (value(&fit.powers[0], x) - (x - 0.5).abs()).abs());
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_value_is_not_fitted() {
+    fn absent_values_are_not_fitted() {
         assert!(fit(|x| (x < 0.9).then_some([x]), 1e-10).is_none());
     }
 }

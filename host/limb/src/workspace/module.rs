@@ -236,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_series_are_sine_and_cosine() {
+    fn series_are_sine_and_cosine() {
         for largest in [0.0_f64, 0.5, 2.0, 7.0] {
             let [sine, cosine] = series(largest);
             for share in [0.1, 0.5, 1.0] {

@@ -154,7 +154,7 @@ fn grooves_lie_under_the_threads() {
 }
 
 #[test]
-fn a_part_of_too_many_triangles_is_refused() {
+fn part_of_too_many_triangles_is_refused() {
     let piece = Tube { angle_deg: 1.0, length_mm: 2000.0, ..TUBE }.piece(0.18, 0.8).unwrap();
     let error = shells(&piece, 1e-6).unwrap_err();
     assert_eq!((error.field, error.value), ("chord_m", 1e-6));

@@ -94,7 +94,7 @@ fn threads_along_the_axis_are_straight_lines() {
 }
 
 #[test]
-fn the_file_reads_back_to_the_digit() {
+fn file_reads_back_to_the_digit() {
     let piece = TUBE.piece(0.3, 4.0).unwrap();
     let path = points(&piece.winding, Hand::Left, 5e-5);
     let text = csv(&path);

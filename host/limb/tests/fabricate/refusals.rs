@@ -15,7 +15,7 @@ fn refused(tube: Tube, diameter_mm: f64, spacing_mm: f64, expected: &[&str]) {
 }
 
 #[test]
-fn a_wall_too_thin_to_cast() {
+fn wall_too_thin_to_cast() {
     let thin = Tube { inner_mm: 13.3, winding_mm: 14.0, ..TUBE };
     refused(
         thin,
@@ -28,7 +28,7 @@ fn a_wall_too_thin_to_cast() {
 }
 
 #[test]
-fn a_groove_deeper_than_the_wall() {
+fn groove_deeper_than_the_wall() {
     let deep = Tube { winding_mm: 10.2, ..TUBE };
     refused(deep, 0.5, 4.0, &["deeper than the wall", "winding = \"thread\"", "0.500 mm", "10.200 mm", "10.250 mm"]);
     assert!(deep.piece(0.3, 4.0).is_ok());

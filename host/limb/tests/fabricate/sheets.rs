@@ -17,7 +17,7 @@ fn value<'a>(page: &'a Page, what: &str) -> &'a str {
 }
 
 #[test]
-fn the_numbers_are_those_of_the_geometry() {
+fn numbers_are_those_of_the_geometry() {
     let tube = Tube { angle_deg: 30.0, ..TUBE };
     let settings = settings(0.3, 4.0);
     let pieces = plan(&tube.scene(), &settings).unwrap();
@@ -67,7 +67,7 @@ fn turns_near_the_hoop_are_as_far_apart_as_the_scene_s_stiffness_asks_for() {
 }
 
 #[test]
-fn a_bending_actuator_says_where_its_layer_lies() {
+fn bending_actuator_says_where_its_layer_lies() {
     let scene = load(SCENE).unwrap();
     let settings = Settings { spacing_m: Some(2e-3), ..Settings::default() };
     let pieces = plan(&scene, &settings).unwrap();
@@ -87,7 +87,7 @@ fn a_bending_actuator_says_where_its_layer_lies() {
 }
 
 #[test]
-fn two_families_along_the_axis_are_one() {
+fn families_along_the_axis_are_one() {
     let expansion = Tube { motion: "expansion", angle_deg: 90.0, ..TUBE };
     let starts = |families: u8| {
         let scene = parse(&Tube { families, ..expansion }.text(), "tube.toml").unwrap();

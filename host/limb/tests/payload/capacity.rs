@@ -128,7 +128,7 @@ fn a_buckling_limit_ends_the_push_before_the_pressure_does() {
 
 /// A moment alone, about the axis through one actuator: the pair across pushes, with an upper bound by hand.
 #[test]
-fn a_moment_with_the_axial_force_balanced_by_a_pull_of_the_surroundings() {
+fn moment_with_the_axial_force_balanced_by_a_pull_of_the_surroundings() {
     // The surroundings push with half of what the bundle can do, so that pressures can go either way.
     let all = three(0.03, 1.0).wrench(&[1e5; 3]).unwrap()[2];
     let found =

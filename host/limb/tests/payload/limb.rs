@@ -26,7 +26,7 @@ const CASE: LoadCase = LoadCase {
 
 /// Straight out, forward: moments of the weights about the near end of each module by hand.
 #[test]
-fn the_weights_of_a_straight_limb_turn_about_its_base_as_by_hand() {
+fn weights_of_a_straight_limb_turn_about_its_base_as_by_hand() {
     let scene = scene_a();
     let limb = Limb::new(&scene).unwrap();
     let holding = held_limb(&scene, &limb, &rest(&limb), &CASE).unwrap();
@@ -47,7 +47,7 @@ fn the_weights_of_a_straight_limb_turn_about_its_base_as_by_hand() {
 
 /// Upwards out of the base's plane a load hangs on the limb alone: without gravity the sum of pushes holds a push along the limb.
 #[test]
-fn along_the_limb_the_weakest_module_decides() {
+fn weakest_module_decides_along_the_limb() {
     let scene = scene_a();
     let limb = Limb::new(&scene).unwrap();
     let case = LoadCase { direction: [-1.0, 0.0, 0.0], gravity_m_per_s2: [0.0; 3], ..CASE };

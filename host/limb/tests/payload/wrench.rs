@@ -149,7 +149,7 @@ fn pushes_add_up_and_colinear_actuators_lose_a_rank() {
 
 /// About another point the moment changes by the arm times the force, and nothing else.
 #[test]
-fn another_reference_point_changes_the_moment_by_the_arm() {
+fn moment_changes_with_the_reference_point_by_the_arm() {
     let (bundle, _) = tilted();
     let shift = Vector3::new(0.02, -0.01, 0.05);
     let mut shifted = bundle.clone();
@@ -163,7 +163,7 @@ fn another_reference_point_changes_the_moment_by_the_arm() {
 
 /// A bending actuator under the moment that its push at the bend answers stays at that bend.
 #[test]
-fn the_moment_of_a_bent_actuator_is_what_balances_it() {
+fn moment_of_a_bent_actuator_is_what_balances_it() {
     let q = fra_model::ActuatorParameters { motion: Motion::Bending, fiber: None, ..parameters(3.0, Families::Two) };
     let actuator = Actuator::new(&q).unwrap();
     for (angle, share) in [(0.5, 0.0), (0.5, 0.4), (0.5, 0.9), (1.2, 0.7)] {

@@ -135,7 +135,7 @@ fn a_soft_shear_is_no_instability_under_tension() {
 }
 
 #[test]
-fn of_several_shapes_it_is_the_one_that_the_load_leads_to() {
+fn shape_is_the_one_that_the_load_leads_to() {
     // A column leans a little to one side and carries twice its buckling load: it also has a shape on the other side.
     for lean in [0.05, -0.05] {
         let mut rod = level(vec![slender(LENGTH_M, EI, 1e5)]).split(2);

@@ -13,7 +13,7 @@ fn random_shape(stream: &mut Stream, count: usize, size: f64) -> DVector<f64> {
 }
 
 #[test]
-fn the_gradient_is_that_of_the_potential() {
+fn gradient_is_that_of_the_potential() {
     let mut stream = Stream(3);
     for _ in 0..20 {
         let rod = random_rod(&mut stream, 1.0);
@@ -34,7 +34,7 @@ fn the_gradient_is_that_of_the_potential() {
 }
 
 #[test]
-fn the_tangent_is_symmetric_and_the_slope_of_the_gradient() {
+fn tangent_is_symmetric_and_the_slope_of_the_gradient() {
     let mut stream = Stream(5);
     for _ in 0..20 {
         let rod = random_rod(&mut stream, 1.0);
@@ -60,7 +60,7 @@ fn the_tangent_is_symmetric_and_the_slope_of_the_gradient() {
 }
 
 #[test]
-fn the_potential_does_not_depend_on_the_frame() {
+fn potential_does_not_depend_on_the_frame() {
     let mut stream = Stream(8);
     for _ in 0..20 {
         let rod = random_rod(&mut stream, 0.3);
@@ -77,7 +77,7 @@ fn the_potential_does_not_depend_on_the_frame() {
 }
 
 #[test]
-fn without_load_nothing_moves() {
+fn unloaded_rods_do_not_move() {
     let mut stream = Stream(13);
     for bends in [Bends::Constant, Bends::Linear] {
         let rod = random_rod(&mut stream, 0.0);

@@ -28,7 +28,7 @@ fn loaded(direction: &str, density: f64, pressure_pa: f64, bays: usize, payload_
 }
 
 #[test]
-fn the_kinematic_tier_is_the_kinematics() {
+fn kinematic_tier_is_the_kinematics() {
     let (scene, limb) = scene("[1, 0, 0]", 1.0);
     let pressures: Vec<f64> = limb.modules().iter().flat_map(|module| vec![40e3; module.channels.len()]).collect();
     let loaded = LoadedLimb::new(&scene, &limb, &pressures, &[3, 3, 3], &Load::default()).expect("a limb");
@@ -58,7 +58,7 @@ fn tubes_without_load_are_the_kinematics() {
 }
 
 #[test]
-fn a_light_limb_needs_no_statics_and_a_heavy_one_does() {
+fn light_limb_needs_no_statics_and_a_heavy_one_does() {
     let (limb, length_m) = loaded("[0, 0, -1]", 1e-4, 0.0, 3, 0.0).expect("a limb");
     assert_eq!(cheapest(&limb, 0.01, length_m).expect("stable").tier, Tier::Kinematic);
     let (limb, length_m) = loaded("[0, 0, -1]", 1.0, 30e3, 3, 0.0).expect("a limb");

@@ -77,7 +77,7 @@ fn limbs_depend_on_their_seed_and_number_alone() {
 
 /// One kind switched off leaves the others as they were drawn.
 #[test]
-fn nothing_moves_what_is_not_off() {
+fn exact_tips_stay() {
     let found = statistics(&ALL_MOTIONS, &PRESSURES_KPA, settings(0.0, 0.0, 0.0), 12);
     let found = &found.poses[0];
     assert_eq!((found.rms_m.value, found.linear_rms_m, found.max_m, found.departure()), (0.0, 0.0, 0.0, 0.0));

@@ -6,7 +6,7 @@ use softlimb_limb::workspace::{Command, Workspace, extents};
 use crate::workspace::{Stream, limb_of, limb_with};
 
 #[test]
-fn an_extending_actuator_reaches_from_rest_to_its_longest() {
+fn extending_actuator_reaches_from_rest_to_its_longest() {
     let limb = limb_with(&[("extension", 1, "")]);
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
     let found = extents(&space).expect("extents");
@@ -20,7 +20,7 @@ fn an_extending_actuator_reaches_from_rest_to_its_longest() {
 
 /// Two arcs in a plane, all pressures of a fine lattice.
 #[test]
-fn two_bends_against_a_lattice_of_their_arcs() {
+fn workspace_of_two_bends_is_the_lattice_of_their_arcs() {
     let limb = limb_with(&[("bending", 3, ""), ("bending", 3, "mount_angle = \"180 deg\"")]);
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
     let found = extents(&space).expect("extents");

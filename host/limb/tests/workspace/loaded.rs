@@ -35,7 +35,7 @@ fn hung<'a>(
 }
 
 #[test]
-fn without_weight_it_is_the_workspace_of_the_kinematics() {
+fn workspace_without_weight_is_that_of_the_kinematics() {
     let both = limb_of("pick-and-place-a");
     let space = Workspace::new(&both.1, Command::Modules).expect("a workspace");
     let hang = hung(&both, 1, 0.0);
@@ -60,7 +60,7 @@ fn without_weight_it_is_the_workspace_of_the_kinematics() {
 
 /// A mass on an actuator is a mass on a spring: the lowest place is that of the pressure at which length and elongation are largest.
 #[test]
-fn a_hanging_actuator_is_a_spring() {
+fn hanging_actuator_is_a_spring() {
     let both =
         built(&text_with(&[("extension", 1, "")]).replace("base_direction = [0, 0, 1]", "base_direction = [0, 0, -1]"));
     let space = Workspace::new(&both.1, Command::Actuators).expect("a workspace");
@@ -96,7 +96,7 @@ fn poses_are_the_same_on_any_number_of_threads() {
 }
 
 #[test]
-fn what_falls_or_buckles_is_counted_and_not_reached() {
+fn poses_that_fall_or_buckle_are_counted_and_not_reached() {
     let heavy = reference("[0, 0, 1]", "[1, 0, 0]");
     let space = Workspace::new(&heavy.1, Command::Actuators).expect("a workspace");
     let loaded = Loaded::new(&space, hung(&heavy, 1, 50.0));

@@ -90,7 +90,7 @@ fn cubes_measure_a_ball() {
 }
 
 #[test]
-fn the_picture_shows_both_views() {
+fn picture_shows_both_views() {
     let (_, limb) = limb_of("pick-and-place-a");
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
     let grid = Grid::new(&sample(&space, Points::Faces, 2000, 1, 1), 0.05);

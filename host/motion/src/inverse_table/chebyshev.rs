@@ -31,7 +31,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_polynomial_has_the_coefficients_of_its_identity() {
+    fn polynomial_has_the_coefficients_of_its_identity() {
         // (2t-1)^3 = (3 T_1 + T_3)/4.
         let found = coefficients(|t| (2.0 * t - 1.0).powi(3));
         for (k, c) in found.iter().enumerate() {

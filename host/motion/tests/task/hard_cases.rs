@@ -10,7 +10,7 @@ fn phase(name: &str, goal: &str) -> String {
 }
 
 #[test]
-fn a_goal_where_the_limb_is_needs_no_pressure_and_the_shortest_time() {
+fn goal_where_the_limb_is_needs_no_pressure_and_the_shortest_time() {
     for tool in ["tip-waypoints", "reach-past-post"] {
         let text = with_phases(tool, &phase("stay", &format!("tip = {STRAIGHT}")));
         let (_, limb, plan) = planned(&text).unwrap();
@@ -22,7 +22,7 @@ fn a_goal_where_the_limb_is_needs_no_pressure_and_the_shortest_time() {
 }
 
 #[test]
-fn the_singular_straight_pose_is_reached_from_a_bent_one() {
+fn singular_straight_pose_is_reached_from_a_bent_one() {
     let bent = "targets = { elbow = { bend_angle = \"60 deg\" }, wrist = { axial_stretch = 1.1 } }";
     let tables = phase("bent", bent) + &phase("straight", &format!("tip = {STRAIGHT}"));
     let (_, limb, plan) = planned(&with_phases("pick-and-place-a", &tables)).unwrap();
@@ -30,14 +30,14 @@ fn the_singular_straight_pose_is_reached_from_a_bent_one() {
 }
 
 #[test]
-fn a_target_behind_the_base_is_refused_with_the_nearest_point() {
+fn target_behind_the_base_is_refused_with_the_nearest_point() {
     let message = refused(&with_phases("pick-and-place-a", &phase("behind", "tip = [-0.3, 0.0, 1.1]")));
     assert!(message.contains("the limb cannot reach this way-point"), "{message}");
     assert!(message.contains("tip = [-0.3") && message.contains("the nearest reachable point is"), "{message}");
 }
 
 #[test]
-fn an_obstacle_at_the_base_is_refused_at_its_table() {
+fn obstacle_at_the_base_is_refused_at_its_table() {
     let tables = "[[obstacle]]\nname = \"wall\"\nshape = \"sphere\"\ncenter = [0, 0, 1.1]\nradius = \"50 mm\"\n"
         .to_owned()
         + &phase("stay", &format!("tip = {STRAIGHT}"));
@@ -48,7 +48,7 @@ fn an_obstacle_at_the_base_is_refused_at_its_table() {
 }
 
 #[test]
-fn a_phase_of_no_time_is_refused_and_a_way_point_twice_is_not() {
+fn phase_of_no_time_is_refused_and_a_way_point_twice_is_not() {
     let none = with_phases("pick-and-place-a", &phase("now", &format!("tip = {STRAIGHT}\nduration = \"0 s\"")));
     assert!(refused(&none).contains("`duration` must be from 0.02 s"));
     let point = "tip = [0.66, 0.0, 0.68]";
@@ -78,7 +78,7 @@ fn a_direction_that_the_point_does_not_allow_is_refused_with_one_that_it_does() 
 }
 
 #[test]
-fn a_region_out_of_reach_is_refused() {
+fn region_out_of_reach_is_refused() {
     let tables = "[[region]]\nname = \"far\"\ncenter = [3, 0, 1]\nsize = [0.1, 0.1, 0.1]\n".to_owned()
         + &phase("throw", "inside = \"far\"");
     let message = refused(&with_phases("pick-and-place-a", &tables));

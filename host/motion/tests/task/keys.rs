@@ -28,7 +28,7 @@ fn obstacles_and_phases_are_read() {
 
 /// A box turned by a quarter about the third axis is as long along y as it was along x.
 #[test]
-fn a_box_is_turned() {
+fn box_is_turned() {
     let tables = format!(
         "[[obstacle]]\nname = \"bar\"\nshape = \"box\"\ncenter = [5, 0, 0]\nsize = [2, 0.1, 0.1]\nrotation = [0, 0, \"90 deg\"]\n{PHASE}"
     );
@@ -82,7 +82,7 @@ fn mistakes_are_shown_at_their_line() {
 }
 
 #[test]
-fn a_design_is_read_and_a_module_overrides_it() {
+fn design_is_read_and_a_module_overrides_it() {
     let design = "[design]\ninner_radius = [\"6 mm\", \"10 mm\"]\nwall = [\"3 mm\", \"5 mm\"]\nlimit_margin = 0.1\nshared_supply_line = true\n\
                   mount_angle = \"free\"\nmodules = [2, 3]\nmotions = [\"bending\", \"extension\"]\n";
     let text = with_phases("pick-and-place-a", &format!("{PHASE}{design}"));

@@ -50,7 +50,7 @@ fn of_a_family_of_solutions_the_nearest_is_taken() {
 
 /// Every solution that is listed is one, and the list begins with the nearest but for the first descent's.
 #[test]
-fn all_solutions_do_the_task() {
+fn solutions_meet_the_task() {
     let limb = Limb::new(&repository("pick-and-place-c")).unwrap();
     let task = TipTask { goal: TipGoal::Point([0.72, 0.0, 0.98]), aim: None, obstacles: &[], clearance_m: 0.0 };
     let found = solutions(&limb, &task, &[0.0; 3]);

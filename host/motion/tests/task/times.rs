@@ -38,7 +38,7 @@ fn a_valve_limit_scales_with_the_conductance() {
 
 /// A duration far below what the valves can do is said to be, with one that is enough and is not warned of.
 #[test]
-fn a_given_time_that_valves_cannot_follow_is_warned_of() {
+fn given_time_that_valves_cannot_follow_is_warned_of() {
     let text = |seconds: &str| with_phases("pick-and-place-a", &format!("{ELBOW}duration = \"{seconds} s\"\n"));
     let (_, _, plan) = planned(&text("0.05")).unwrap();
     let [warning] = &plan.warnings[..] else { panic!("{:?}", plan.warnings) };
@@ -50,7 +50,7 @@ fn a_given_time_that_valves_cannot_follow_is_warned_of() {
 
 /// A small reservoir with a weak pump cannot fill all modules: no duration helps once the pump stalls below the chambers.
 #[test]
-fn a_supply_that_never_suffices_is_refused() {
+fn supply_that_never_suffices_is_refused() {
     let goal = "[[phase]]\nname = \"all\"\ntargets = { shoulder = { pressure = \"95 kPa\" } }\n";
     let text = with_phases("pick-and-place-a", goal)
         + "\n[plant.supply]\npressure = \"101 kPa\"\nstall_pressure = \"102 kPa\"\n";
@@ -59,7 +59,7 @@ fn a_supply_that_never_suffices_is_refused() {
 
 /// Three quarters of an arc in the plane of the limb, followed in time: the tip is where the file says at the times it says.
 #[test]
-fn a_marker_series_is_followed_on_its_clock() {
+fn marker_series_is_followed_on_its_clock() {
     let folder = tempfile::tempdir().unwrap();
     let at = |time: f64| [0.78 + 0.03 * time.cos(), 0.0, 0.80 + 0.03 * time.sin()];
     let rows: Vec<String> = (0..=45)

@@ -221,7 +221,7 @@ mod tests {
     const FREE: [f64; 2] = [-1.0, 1.0];
 
     #[test]
-    fn an_error_is_taken_away_by_who_can() {
+    fn error_is_taken_away_by_who_can() {
         let (across, up) = (Vector3::x() * 0.1, Vector3::z() * 0.2);
         let error = Vector3::new(1e-3, 0.0, -2e-3);
         let found = step(&[across, up], &[FREE, FREE], &error);
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pause_has_instants_of_its_own() {
+    fn pause_has_instants_of_its_own() {
         let scene = scene();
         let instants = instants(Prepared::by_model(&scene).unwrap().plan());
         assert!(instants.is_sorted_by(|(a, _), (b, _)| a < b));

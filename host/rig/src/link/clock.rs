@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn one_exchange_gives_the_middle_and_no_drift() {
+    fn first_exchange_gives_the_middle_and_no_drift() {
         let mut estimator = ClockEstimator::default();
         assert_eq!(estimator.map(), None);
         estimator.add(1_000, 3_000, 50_000);

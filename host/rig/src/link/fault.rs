@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fault_says_what_where_and_how_much() {
+    fn fault_says_what_where_and_how_much() {
         let fault = Fault { time_us: 5, channel: 3, code: FaultCode::OverPressure.into(), value: 151_240 };
         assert_eq!(DeviceFault::from(&fault).to_string(), "over-pressure on channel 3 at 151.2 kPa");
         let system = Fault { channel: SYSTEM_CHANNEL, code: FaultCode::EmergencyStop.into(), ..fault };

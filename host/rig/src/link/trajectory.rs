@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_knot_is_repeated() {
+    fn last_knot_is_repeated() {
         let trajectory = Trajectory::new(&knots(&[0, 20_000]), 2, 500_000).unwrap();
         assert_eq!(trajectory.len(), 3);
         let (time_us, values) = trajectory.knot(2).unwrap();
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn the_offending_knot_is_named() {
+    fn offending_knot_is_named() {
         assert!(matches!(Trajectory::new(&[], 2, 0), Err(LinkError::EmptyTrajectory)));
         let error = Trajectory::new(&knots(&[0, 20, 20]), 2, 0).unwrap_err();
         assert!(matches!(error, LinkError::KnotTime { index: 2 }));
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn the_densest_stretch_counts() {
+    fn densest_stretch_counts() {
         let trajectory = Trajectory::new(&knots(&[0, 10, 20, 25, 30, 100]), 2, 1_000).unwrap();
         assert_eq!(trajectory.shortest_span_us(3), Some(10));
         assert_eq!(trajectory.shortest_span_us(7), None);

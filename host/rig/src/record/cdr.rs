@@ -207,7 +207,7 @@ mod tests {
     ];
 
     #[test]
-    fn writes_the_bytes_laid_out_by_hand() {
+    fn bytes_are_written_as_laid_out_by_hand() {
         let mut writer = CdrWriter::new();
         writer.u8(7);
         writer.u16(0x1234);
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_the_bytes_laid_out_by_hand() {
+    fn bytes_laid_out_by_hand_are_read() {
         let mut reader = CdrReader::new(&BY_HAND).unwrap();
         assert_eq!(reader.u8(), Ok(7));
         assert_eq!(reader.u16(), Ok(0x1234));
@@ -229,13 +229,13 @@ mod tests {
     }
 
     #[test]
-    fn refuses_big_endian_and_empty_input() {
+    fn big_endian_and_empty_input_are_refused() {
         assert_eq!(CdrReader::new(&[0, 0, 0, 0]).unwrap_err(), CdrError::Encapsulation);
         assert_eq!(CdrReader::new(&[]).unwrap_err(), CdrError::Encapsulation);
     }
 
     #[test]
-    fn a_count_beyond_the_message_is_an_error_not_an_allocation() {
+    fn count_beyond_the_message_is_an_error_not_an_allocation() {
         let message = [0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff];
         let mut reader = CdrReader::new(&message).unwrap();
         assert_eq!(reader.sequence(CdrReader::f64), Err(CdrError::Short { at: 8 }));
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_string_needs_its_closing_zero_and_utf8() {
+    fn string_needs_its_closing_zero_and_utf8() {
         for text in [[b'h', b'i'], [0xff, 0]] {
             let mut message = vec![0, 1, 0, 0, 2, 0, 0, 0];
             message.extend(text);

@@ -44,7 +44,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_observed_does_not_count() {
+    fn unobserved_samples_do_not_count() {
         let stats = ErrorStats::of([f64::NAN, 2.0, f64::INFINITY]).unwrap();
         assert_eq!(stats, ErrorStats { rmse: 2.0, max: 2.0, samples: 1 });
         assert_eq!(ErrorStats::of([f64::NAN]), None);

@@ -17,7 +17,7 @@ fn step(until: f64, count: usize, noise: impl FnMut() -> f64, accuracy: f64) -> 
 }
 
 #[test]
-fn an_exact_step_gives_share_and_time() {
+fn exact_step_gives_share_and_time() {
     let fit = fit_creep(&step(12.0, 60, || 0.0, 1e-6), &Settings::default()).unwrap();
     for (value, truth) in fit.values.iter().zip([0.15, 0.06, 3.0]) {
         assert!((value.value / truth - 1.0).abs() < 1e-8, "{}: {}", value.name, value.value);

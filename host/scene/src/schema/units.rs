@@ -60,7 +60,7 @@ mod tests {
     use crate::unit::parse_unit;
 
     #[test]
-    fn every_unit_of_the_schema_is_what_its_symbol_says() {
+    fn units_of_the_schema_are_those_of_their_symbols() {
         let keys = SECTIONS.iter().flat_map(|section| section.keys);
         let units = keys.filter_map(|key| match key {
             Key::Quantity(key) => Some(key.unit),

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn other_spellings() {
+    fn units_have_other_spellings() {
         is("µm", Dimension::LENGTH, 1e-6);
         is("dm³/(s·bar)", Dimension::SONIC_CONDUCTANCE, 1e-8);
         is("m^3", Dimension::VOLUME, 1.0);
@@ -154,13 +154,13 @@ mod tests {
     }
 
     #[test]
-    fn only_a_lone_celsius_has_an_offset() {
+    fn celsius_has_an_offset_only_alone() {
         assert_eq!(parse_unit("°C").unwrap().to_si(20.0), 293.15);
         is("W/degC", Dimension::HEAT_CONDUCTANCE, 1.0);
     }
 
     #[test]
-    fn what_is_not_a_unit_is_named() {
+    fn unknown_units_are_named() {
         for (text, part) in [("furlong", "furlong"), ("kg/mm)", ")"), ("", ""), ("m/", ""), ("(m", "("), ("m33", "3")] {
             assert_eq!(parse_unit(text).unwrap_err(), part, "{text}");
         }

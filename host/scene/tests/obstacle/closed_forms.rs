@@ -41,7 +41,7 @@ fn two_rods() {
 }
 
 #[test]
-fn a_rod_and_a_box() {
+fn rod_and_a_box() {
     let body = straight(1.0, 0.05);
     let none = UnitQuaternion::identity();
     check(&body, &Shape::cuboid([0.5, 0.0, 0.5], [0.1, 0.2, 0.3], none).unwrap(), 0.35);
@@ -55,7 +55,7 @@ fn a_rod_and_a_box() {
 
 /// From the centre of its circle every point of an arc is as far: the second order bound cannot tell where the minimum is, and need not.
 #[test]
-fn an_arc_and_a_ball() {
+fn arc_and_a_ball() {
     let body = arc(0.2, PI, 0.03);
     let ball = |x: f64, z: f64| Shape::sphere([x, 0.0, z], 0.05).unwrap();
     check(&body, &ball(0.2, 0.0), 0.2 - 0.08);
@@ -70,7 +70,7 @@ fn an_arc_and_a_ball() {
 
 /// A full circle of inner radius 0.15 about a rod through its middle, or off it by 0.04.
 #[test]
-fn a_ring_about_a_rod() {
+fn ring_about_a_rod() {
     let body = arc(0.2, 2.0 * PI, 0.05);
     for off in [0.0, 0.04] {
         let rod = Shape::capsule([0.2 + off, -1.0, 0.0], [0.2 + off, 1.0, 0.0], 0.01).unwrap();
@@ -79,7 +79,7 @@ fn a_ring_about_a_rod() {
 }
 
 #[test]
-fn a_body_without_pieces_has_no_clearance_and_parts_of_no_length_have_no_piece() {
+fn body_without_pieces_has_no_clearance_and_parts_of_no_length_have_no_piece() {
     let ball = Shape::sphere([0.0; 3], 1.0).unwrap();
     let mut body = Body::new(&Isometry3::identity());
     assert_eq!(body.clearance(&ball), None);
@@ -92,7 +92,7 @@ fn a_body_without_pieces_has_no_clearance_and_parts_of_no_length_have_no_piece()
 }
 
 #[test]
-fn what_is_not_finite_never_clears() {
+fn shapes_that_are_not_finite_never_clear() {
     let ball = Shape::sphere([0.0; 3], 1.0).unwrap();
     let mut body = Body::new(&Isometry3::translation(f64::NAN, 0.0, 0.0));
     body.rigid(0.5, 0.1);

@@ -26,7 +26,7 @@ fn sampled(parts: &Parts, shape: &Shape, steps: usize) -> (f64, f64) {
 
 /// Nothing sampled is nearer, and a sample is as near but for half a step (the distance is Lipschitz with 1).
 #[test]
-fn no_sample_is_nearer_than_the_clearance() {
+fn samples_are_no_nearer_than_the_clearance() {
     let mut random = Random::new(7);
     let mut overlaps = 0;
     for case in 0..400 {
@@ -42,7 +42,7 @@ fn no_sample_is_nearer_than_the_clearance() {
 
 /// The body's own formula of the arc against the poses of the kinematics, and its end.
 #[test]
-fn the_pieces_are_the_limb_of_the_kinematics() {
+fn pieces_are_the_limb_of_the_kinematics() {
     let mut random = Random::new(8);
     for _ in 0..100 {
         let parts = random.parts();
@@ -67,7 +67,7 @@ fn the_pieces_are_the_limb_of_the_kinematics() {
 }
 
 #[test]
-fn what_is_enough_agrees_with_the_clearance() {
+fn sufficient_distance_agrees_with_the_clearance() {
     let mut random = Random::new(9);
     for _ in 0..400 {
         let (body, shape) = (random.parts().body(), random.shape(0.6));

@@ -22,7 +22,7 @@ fn gradients_are_unit_and_distances_are_convex() {
 
 /// From outside, going back by the distance along the gradient ends on the surface.
 #[test]
-fn the_gradient_leads_to_the_surface() {
+fn gradient_leads_to_the_surface() {
     let mut random = Random::new(2);
     for _ in 0..3000 {
         let shape = random.shape(0.3);

@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_called_function_costs_is_not_counted_twice_and_what_is_not_ours_is_no_operation() {
+    fn callees_are_counted_once_and_foreign_code_is_no_operation() {
         let text = "positions: instr line\nevents: Ir\nob=(2) /lib/theirs\nfn=(3)\ncob=(1) /bin/ours\ncalls=1 0x1000 0\n0x1004 0 50\n\
                     ob=(1)\nfn=(1)\n0x1000 0 7\n0x1004 0 3\ncalls=1 0x2000 0\n0x1008 0 99\n\
                     fn=(2)\n0x2000 0 5\nob=(2)\nfn=(3)\n0x1004 0 2\nob=(1)\nfn=(1)\n0x1004 0 1\ntotals: 18\n";

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_system_is_no_root() {
+    fn singular_system_is_no_root() {
         assert!(root([0.1, 0.1, 0.0], 2, 30, |[x, y, _]: [f64; 3]| [x + y - 1.0, x + y - 2.0, 0.0]).is_none());
     }
 }

@@ -94,7 +94,7 @@ fn assert_in_order(device: &Device, count: i32) {
 }
 
 #[test]
-fn a_good_line_repeats_nothing_and_is_limited_by_the_device() {
+fn good_line_repeats_nothing_and_is_limited_by_the_device() {
     let (rounds, device, window) = rounds(300, 0, 1);
     assert_in_order(&device, 300);
     assert_eq!(window.repeated(), 0);
@@ -102,7 +102,7 @@ fn a_good_line_repeats_nothing_and_is_limited_by_the_device() {
 }
 
 #[test]
-fn every_knot_is_applied_once_in_order_whatever_is_lost() {
+fn knots_are_applied_once_in_order_whatever_is_lost() {
     for seed in 0..50 {
         for loss in [5, 30, 60] {
             let (_, device, window) = rounds(200, loss, seed);
@@ -113,7 +113,7 @@ fn every_knot_is_applied_once_in_order_whatever_is_lost() {
 }
 
 #[test]
-fn a_device_that_forgot_setpoints_is_an_error() {
+fn device_that_forgot_setpoints_is_an_error() {
     let mut window = Window::new(20_000);
     window.load(Trajectory::from_pairs(&[(0, vec![0]), (1_000, vec![0]), (2_000, vec![0])]));
     window.open(0, 0, 8);
