@@ -7,12 +7,19 @@ use serde_json::Value;
 use softlimb::query::{Scalar, batch, batch_on};
 
 const LINES: usize = 3000;
+/// The first so many lines are pressures of few tubes.
+const SWEEP: usize = 1000;
 /// One in so many lines is of any kind.
 const ANY: usize = 20;
 
 fn lines() -> Vec<Vec<u8>> {
     let mut lines = Lines::new(7);
-    (0..LINES).map(|i| if i % ANY == 0 { lines.any(i) } else { lines.tube(i) }).collect()
+    let line = |i| match i {
+        _ if i % ANY == 1 => lines.any(i),
+        ..SWEEP => lines.sweep(i),
+        _ => lines.tube(i),
+    };
+    (0..LINES).map(line).collect()
 }
 
 fn answered(input: &[u8], threads: usize, scalar: Scalar) -> Vec<u8> {

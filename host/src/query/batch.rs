@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Write};
 use std::num::NonZero;
 use std::thread;
 
-use fra_model::{Actuator, InvalidParameter, Load, Real, Solution, State, Status};
+use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Real, Solution, State, Status};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -64,25 +64,26 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
 pub fn batch_on(threads: NonZero<usize>, input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
     chunks::in_order(threads, input, output, |chunk| {
         let mut answers = Vec::with_capacity(chunk.lines.len());
-        let (mut rest, mut line) = (chunk.lines.as_slice(), vec![]);
-        let mut number = chunk.first_line;
-        while rest.read_until(b'\n', &mut line)? > 0 {
-            write_answer(line.strip_suffix(b"\n").unwrap_or(&line), number, scalar, &mut answers)?;
+        let mut solver = Solver { scalar, double: None, single: None };
+        let (mut rest, mut number) = (chunk.lines.as_slice(), chunk.first_line);
+        while !rest.is_empty() {
+            let lines = rest;
+            let line = &lines[..rest.skip_until(b'\n')?];
+            write_answer(line.strip_suffix(b"\n").unwrap_or(line), number, &mut solver, &mut answers)?;
             number += 1;
-            line.clear();
         }
         Ok(answers)
     })
 }
 
-fn write_answer(line: &[u8], number: usize, scalar: Scalar, out: &mut Vec<u8>) -> serde_json::Result<()> {
+fn write_answer(line: &[u8], number: usize, solver: &mut Solver, out: &mut Vec<u8>) -> serde_json::Result<()> {
     if line.trim_ascii().is_empty() {
         return Ok(());
     }
     let written = match request(line) {
-        Ok(request) => actuator(request, scalar).map(|answer| answer.write(out)),
+        Ok(request) => actuator(request, solver).map(|answer| answer.write(out)),
         Err(_) if is_about_a_series(line) => {
-            series(line, scalar).map(|answer| serde_json::to_writer(&mut *out, &answer))
+            series(line, solver.scalar).map(|answer| serde_json::to_writer(&mut *out, &answer))
         }
         Err(invalid) => Err(invalid),
     };
@@ -98,10 +99,7 @@ type Answered<T> = Result<T, (Value, String)>;
 
 /// A question about one actuator. A line about a series is none, because of its field `segments`.
 fn request(line: &[u8]) -> Answered<Request> {
-    match scan::request(line) {
-        Some(request) => Ok(request),
-        None => parsed(line),
-    }
+    scan::read(line).map_or_else(|| parsed(line), Ok)
 }
 
 fn is_about_a_series(line: &[u8]) -> bool {
@@ -116,10 +114,10 @@ pub(super) fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
     Ok(request)
 }
 
-fn actuator(request: Request, scalar: Scalar) -> Answered<Answer> {
-    let answer = |case: Case| match (case.model, scalar) {
-        (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solve_double(&case)?)),
-        (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solve_single(&case)?)),
+fn actuator(request: Request, solver: &mut Solver) -> Answered<Answer> {
+    let answer = |case: Case| match (case.model, solver.scalar) {
+        (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solver.solve_double(&case)?)),
+        (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solver.solve_single(&case)?)),
         (Model::SectionFe, Scalar::F64) => Ok(Answer::found(&by_section(&case)?)),
         (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
     };
@@ -147,30 +145,52 @@ fn id_of(line: &[u8]) -> Value {
     parsed.and_then(|value| value.get("id").cloned()).unwrap_or(Value::Null)
 }
 
-// An actuator is large: it is solved where it is built, by reference.
+/// Solves questions one after the other. It keeps the last actuator: batches often ask for many pressures of the same one.
+struct Solver {
+    scalar: Scalar,
+    double: Option<Built<f64>>,
+    single: Option<Built<f32>>,
+}
 
-fn solve_double(case: &Case) -> Result<Solution<f64>, String> {
-    match &Actuator::new(&case.parameters) {
-        Ok(actuator) => solve(actuator, case).map_err(|error| error.to_string()),
-        Err(error) => Err(as_written(*error).to_string()),
+/// An actuator, and the bits of the parameters it was built from, as they were written.
+struct Built<T: Real> {
+    bits: ActuatorParameters<u64>,
+    actuator: Actuator<T>,
+}
+
+impl Solver {
+    fn solve_double(&mut self, case: &Case) -> Result<Solution<f64>, String> {
+        solved(&mut self.double, case, |parameters| *parameters).map_err(|error| as_written(error).to_string())
+    }
+
+    fn solve_single(&mut self, case: &Case) -> Result<Solution<f64>, String> {
+        // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
+        case.parameters.check().map_err(|error| as_written(error).to_string())?;
+        let solution = solved(&mut self.single, case, convert::parameters);
+        let solution = solution.map_err(|error| convert::invalid(error).to_string())?;
+        Ok(Solution {
+            status: solution.status,
+            state: convert::state(&solution.state),
+            limit_pressure_pa: solution.limit_pressure_pa.map(convert::wide),
+            residual: convert::wide(solution.residual),
+            iterations: solution.iterations,
+        })
     }
 }
 
-fn solve_single(case: &Case) -> Result<Solution<f64>, String> {
-    // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
-    case.parameters.check().map_err(|error| as_written(error).to_string())?;
-    let solution = match &Actuator::<f32>::new(&convert::parameters(&case.parameters)) {
-        Ok(actuator) => solve(actuator, case),
-        Err(error) => Err(*error),
-    };
-    let solution = solution.map_err(|error| convert::invalid(error).to_string())?;
-    Ok(Solution {
-        status: solution.status,
-        state: convert::state(&solution.state),
-        limit_pressure_pa: solution.limit_pressure_pa.map(convert::wide),
-        residual: convert::wide(solution.residual),
-        iterations: solution.iterations,
-    })
+/// The answer of the last actuator, or of another one that takes its place.
+fn solved<T: Real>(
+    last: &mut Option<Built<T>>,
+    case: &Case,
+    rounded: impl Fn(&ActuatorParameters<f64>) -> ActuatorParameters<T>,
+) -> Result<Solution<T>, InvalidParameter<T>> {
+    // Bits, not numbers: the sign of a zero may show in an answer.
+    let bits = case.parameters.map(f64::to_bits);
+    if let Some(last) = last.as_ref().filter(|last| last.bits == bits) {
+        return solve(&last.actuator, case);
+    }
+    let built = Built { bits, actuator: Actuator::new(&rounded(&case.parameters))? };
+    solve(&last.insert(built).actuator, case)
 }
 
 fn solve<T: Real>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {

@@ -1,245 +1,244 @@
-//! A fast reader of the usual line about one actuator.
+//! A fast reader of JSON as programs usually write it.
 //!
-//! It accepts a part of what the strict reader accepts, with the same result: known fields, none twice and none `null`, strings without
-//! escapes. Of any other line it says nothing, and the strict reader decides.
+//! It accepts a part of what `serde_json` accepts, with the same result: no `null`, no empty lists, strings without escapes. Of any
+//! other text it says nothing, and `serde_json` decides.
 
-use serde_json::Value;
+use std::fmt;
+use std::mem;
 
-use super::request::{FiberSpec, Law, MaterialSpec, Model, MotionName, PlacementName, Problem, Request, TargetSpec};
-use softlimb_files::object::Object;
+use serde::de::{self, Deserialize, DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::forward_to_deserialize_any;
 
-/// The request in a line; `None` where the strict reader has to decide.
-pub(super) fn request(line: &[u8]) -> Option<Request> {
-    let mut scan = Scan(line);
-    let request = scan.request()?;
-    scan.peek().is_none().then_some(request)
+/// The value in a line; `None` where `serde_json` has to decide.
+pub(super) fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Option<T> {
+    let mut scan = Scan { text: std::str::from_utf8(line).ok()?, at: 0 };
+    let value = T::deserialize(&mut scan).ok()?;
+    scan.peek().is_none().then_some(value)
 }
 
-/// The bytes that are left to be read.
-struct Scan<'a>(&'a [u8]);
+/// A text, read up to a byte.
+struct Scan<'a> {
+    text: &'a str,
+    at: usize,
+}
 
-/// Fills a field that is empty so far.
-fn put<T>(field: &mut Option<T>, value: T) -> Option<()> {
-    field.replace(value).is_none().then_some(())
+/// The reader does not know this text.
+#[derive(Debug)]
+struct Unknown;
+
+impl fmt::Display for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("unknown")
+    }
+}
+
+impl std::error::Error for Unknown {}
+
+impl de::Error for Unknown {
+    fn custom<T: fmt::Display>(_: T) -> Self {
+        Self
+    }
 }
 
 impl<'a> Scan<'a> {
-    fn request(&mut self) -> Option<Request> {
-        let (mut id, mut model, mut motion, mut problem) = (None, None, None, None);
-        let (mut inner_radius_m, mut outer_radius_m, mut length_m) = (None, None, None);
-        let (mut material, mut fiber, mut pressure_pa, mut target) = (None, None, None, None);
-        let (mut external_force_n, mut external_torque_nm) = (None, None);
-        self.object(|scan, field| match field {
-            b"id" => put(&mut id, scan.id()?),
-            b"model" => put(&mut model, scan.model()?),
-            b"motion" => put(&mut motion, scan.motion()?),
-            b"problem" => put(&mut problem, scan.problem()?),
-            b"inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
-            b"outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
-            b"length_m" => put(&mut length_m, scan.number()?),
-            b"material" => put(&mut material, scan.material()?),
-            b"fiber" => put(&mut fiber, scan.fiber()?),
-            b"pressure_pa" => put(&mut pressure_pa, scan.number()?),
-            b"target" => put(&mut target, scan.target()?),
-            b"external_force_n" => put(&mut external_force_n, scan.number()?),
-            b"external_torque_nm" => put(&mut external_torque_nm, scan.number()?),
-            _ => None,
-        })?;
-        Some(Request {
-            id: id.unwrap_or_default(),
-            model: model.unwrap_or_default(),
-            motion: motion?,
-            problem: problem?,
-            inner_radius_m: inner_radius_m?,
-            outer_radius_m: outer_radius_m?,
-            length_m: length_m?,
-            material: Object(material?),
-            fiber: fiber.map(Object),
-            pressure_pa,
-            target: target.map(Object),
-            external_force_n,
-            external_torque_nm,
-        })
-    }
-
-    fn material(&mut self) -> Option<MaterialSpec> {
-        let (mut law, mut shear_modulus_pa, mut c_pa) = (None, None, None);
-        self.object(|scan, field| match field {
-            b"law" => put(&mut law, scan.law()?),
-            b"shear_modulus_pa" => put(&mut shear_modulus_pa, scan.number()?),
-            b"c_pa" => put(&mut c_pa, scan.three_numbers()?),
-            _ => None,
-        })?;
-        Some(MaterialSpec { law: law?, shear_modulus_pa, c_pa })
-    }
-
-    fn fiber(&mut self) -> Option<FiberSpec> {
-        let (mut angle_deg, mut families, mut modulus_pa) = (None, None, None);
-        let (mut placement, mut thickness_m, mut radius_m) = (None, None, None);
-        self.object(|scan, field| match field {
-            b"angle_deg" => put(&mut angle_deg, scan.number()?),
-            b"families" => put(&mut families, scan.families()?),
-            b"modulus_pa" => put(&mut modulus_pa, scan.number()?),
-            b"placement" => put(&mut placement, scan.placement()?),
-            b"thickness_m" => put(&mut thickness_m, scan.number()?),
-            b"radius_m" => put(&mut radius_m, scan.number()?),
-            _ => None,
-        })?;
-        let placement = placement.unwrap_or_default();
-        Some(FiberSpec { angle_deg, families, modulus_pa, placement, thickness_m, radius_m })
-    }
-
-    fn target(&mut self) -> Option<TargetSpec> {
-        let (mut axial_stretch, mut outer_radius_m, mut inner_radius_m) = (None, None, None);
-        let (mut twist_rad, mut bend_angle_rad) = (None, None);
-        self.object(|scan, field| match field {
-            b"axial_stretch" => put(&mut axial_stretch, scan.number()?),
-            b"outer_radius_m" => put(&mut outer_radius_m, scan.number()?),
-            b"inner_radius_m" => put(&mut inner_radius_m, scan.number()?),
-            b"twist_rad" => put(&mut twist_rad, scan.number()?),
-            b"bend_angle_rad" => put(&mut bend_angle_rad, scan.number()?),
-            _ => None,
-        })?;
-        Some(TargetSpec { axial_stretch, outer_radius_m, inner_radius_m, twist_rad, bend_angle_rad })
-    }
-
-    /// A string or a natural number.
-    fn id(&mut self) -> Option<Value> {
-        if self.peek()? != b'"' {
-            return Some(self.number_text()?.parse::<u64>().ok()?.into());
-        }
-        let text = std::str::from_utf8(self.word()?).ok()?;
-        text.bytes().all(|byte| byte >= b' ' && byte != b'\\').then(|| text.into())
-    }
-
-    fn model(&mut self) -> Option<Model> {
-        match self.word()? {
-            b"analytic" => Some(Model::Analytic),
-            b"section-fe" => Some(Model::SectionFe),
-            _ => None,
-        }
-    }
-
-    fn motion(&mut self) -> Option<MotionName> {
-        match self.word()? {
-            b"extension" => Some(MotionName::Extension),
-            b"expansion" => Some(MotionName::Expansion),
-            b"bending" => Some(MotionName::Bending),
-            b"twisting" => Some(MotionName::Twisting),
-            _ => None,
-        }
-    }
-
-    fn problem(&mut self) -> Option<Problem> {
-        match self.word()? {
-            b"forward" => Some(Problem::Forward),
-            b"inverse" => Some(Problem::Inverse),
-            _ => None,
-        }
-    }
-
-    fn law(&mut self) -> Option<Law> {
-        match self.word()? {
-            b"neo-hookean" => Some(Law::NeoHookean),
-            b"yeoh" => Some(Law::Yeoh),
-            _ => None,
-        }
-    }
-
-    fn placement(&mut self) -> Option<PlacementName> {
-        match self.word()? {
-            b"sheet" => Some(PlacementName::Sheet),
-            b"layer" => Some(PlacementName::Layer),
-            b"smeared" => Some(PlacementName::Smeared),
-            _ => None,
-        }
-    }
-
-    fn families(&mut self) -> Option<u8> {
-        match self.number_text()? {
-            "1" => Some(1),
-            "2" => Some(2),
-            _ => None,
-        }
-    }
-
-    fn three_numbers(&mut self) -> Option<[f64; 3]> {
-        self.token(b'[')?;
-        let first = self.number()?;
-        self.token(b',')?;
-        let second = self.number()?;
-        self.token(b',')?;
-        let third = self.number()?;
-        self.token(b']')?;
-        Some([first, second, third])
-    }
-
-    /// An object, whose values `value` reads by the name of their field.
-    #[inline(always)]
-    fn object(&mut self, mut value: impl FnMut(&mut Self, &'a [u8]) -> Option<()>) -> Option<()> {
-        self.token(b'{')?;
-        loop {
-            let field = self.word()?;
-            self.token(b':')?;
-            value(self, field)?;
-            if self.token(b',').is_none() {
-                return self.token(b'}');
-            }
-        }
-    }
-
-    fn number(&mut self) -> Option<f64> {
-        // A number too large is no number of the strict reader.
-        self.number_text()?.parse().ok().filter(|number: &f64| number.is_finite())
-    }
-
-    /// A number, for a parser that takes more than JSON does: numbers without digits on both sides of the point, and with zeros or a plus
-    /// in front.
-    #[inline(always)]
-    fn number_text(&mut self) -> Option<&'a str> {
-        self.peek()?;
-        let text = self.until(|byte| !byte.is_ascii_digit() && !matches!(byte, b'.' | b'-' | b'+' | b'e' | b'E'))?;
-        let digits = text.strip_prefix(b"-").unwrap_or(text);
-        let is_json = match digits {
-            [b'0'] | [b'0', b'e' | b'E', ..] | [b'0', b'.', b'0'..=b'9', ..] => true,
-            [b'1'..=b'9', rest @ ..] => match rest.iter().position(|byte| !byte.is_ascii_digit()) {
-                Some(end) if rest[end] == b'.' => rest.get(end + 1).is_some_and(u8::is_ascii_digit),
-                _ => true,
-            },
-            _ => false,
-        };
-        is_json.then(|| std::str::from_utf8(text).ok())?
-    }
-
-    /// What stands in quotes, as it stands there: with a quote that is escaped it ends too early, and is no word of the interface.
-    #[inline(always)]
-    fn word(&mut self) -> Option<&'a [u8]> {
-        self.token(b'"')?;
-        let word = self.until(|byte| byte == b'"')?;
-        self.0 = self.0.get(1..)?;
-        Some(word)
-    }
-
-    /// The bytes up to one.
-    #[inline(always)]
-    fn until(&mut self, is_end: impl Fn(u8) -> bool) -> Option<&'a [u8]> {
-        let end = self.0.iter().position(|byte| is_end(*byte))?;
-        let (bytes, rest) = self.0.split_at_checked(end)?;
-        self.0 = rest;
-        Some(bytes)
-    }
-
-    #[inline(always)]
-    fn token(&mut self, token: u8) -> Option<()> {
-        (self.peek()? == token).then(|| self.0 = &self.0[1..])
-    }
-
     /// The next byte that is no white space.
     #[inline(always)]
     fn peek(&mut self) -> Option<u8> {
-        while let [b' ' | b'\t' | b'\r' | b'\n', rest @ ..] = self.0 {
-            self.0 = rest;
+        while self.skip(b" \t\r\n") {}
+        self.text.as_bytes().get(self.at).copied()
+    }
+
+    /// Passes over one of some bytes, if it is next.
+    #[inline(always)]
+    fn skip(&mut self, bytes: &[u8]) -> bool {
+        let is_next = self.text.as_bytes().get(self.at).is_some_and(|byte| bytes.contains(byte));
+        self.at += usize::from(is_next);
+        is_next
+    }
+
+    #[inline(always)]
+    fn token(&mut self, token: u8) -> Result<(), Unknown> {
+        self.peek();
+        if self.skip(&[token]) { Ok(()) } else { Err(Unknown) }
+    }
+
+    /// The text between two quotes, as it stands there: with a quote that is escaped it ends too early, behind a backslash.
+    #[inline(always)]
+    fn word(&mut self) -> Result<&'a str, Unknown> {
+        self.token(b'"')?;
+        let rest = self.text.get(self.at..).ok_or(Unknown)?;
+        let end = rest.bytes().position(|byte| byte == b'"').ok_or(Unknown)?;
+        self.at += end + 1;
+        rest.get(..end).ok_or(Unknown)
+    }
+
+    #[inline(always)]
+    fn number(&mut self) -> Result<&'a str, Unknown> {
+        self.peek();
+        let start = self.at;
+        self.skip(b"-");
+        // Nothing but the point follows a zero in front.
+        if !self.skip(b"0") {
+            self.digits()?;
         }
-        self.0.first().copied()
+        if self.skip(b".") {
+            self.digits()?;
+        }
+        if self.skip(b"eE") {
+            self.skip(b"+-");
+            self.digits()?;
+        }
+        self.text.get(start..self.at).ok_or(Unknown)
+    }
+
+    #[inline(always)]
+    fn digits(&mut self) -> Result<(), Unknown> {
+        let start = self.at;
+        while self.text.as_bytes().get(self.at).is_some_and(u8::is_ascii_digit) {
+            self.at += 1;
+        }
+        if self.at > start { Ok(()) } else { Err(Unknown) }
+    }
+}
+
+impl<'de> Deserializer<'de> for &mut Scan<'de> {
+    type Error = Unknown;
+
+    /// A string or a natural number.
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unknown> {
+        if self.peek() != Some(b'"') {
+            return visitor.visit_u64(self.number()?.parse().map_err(|_| Unknown)?);
+        }
+        let word = self.word()?;
+        let is_plain = word.bytes().all(|byte| byte >= b' ' && byte != b'\\');
+        if is_plain { visitor.visit_borrowed_str(word) } else { Err(Unknown) }
+    }
+
+    #[inline]
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unknown> {
+        // A number too large is none of `serde_json`.
+        let number = self.number()?.parse().ok().filter(|number: &f64| number.is_finite());
+        visitor.visit_f64(number.ok_or(Unknown)?)
+    }
+
+    #[inline]
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unknown> {
+        visitor.visit_some(self)
+    }
+
+    /// No name of a field or a variant holds an escape.
+    #[inline]
+    fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unknown> {
+        visitor.visit_borrowed_str(self.word()?)
+    }
+
+    #[inline]
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unknown> {
+        self.token(b'{')?;
+        let value = visitor.visit_map(Items { scan: self, is_first: true })?;
+        self.token(b'}').map(|()| value)
+    }
+
+    #[inline]
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Unknown> {
+        self.deserialize_map(visitor)
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unknown> {
+        self.token(b'[')?;
+        let value = visitor.visit_seq(Items { scan: self, is_first: true })?;
+        self.token(b']').map(|()| value)
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Unknown> {
+        self.deserialize_seq(visitor)
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 char str string bytes byte_buf unit unit_struct newtype_struct
+        tuple_struct enum ignored_any
+    }
+}
+
+/// What stands in brackets, between commas.
+struct Items<'s, 'a> {
+    scan: &'s mut Scan<'a>,
+    is_first: bool,
+}
+
+impl Items<'_, '_> {
+    #[inline(always)]
+    fn has_next(&mut self) -> bool {
+        mem::take(&mut self.is_first) || self.scan.token(b',').is_ok()
+    }
+}
+
+impl<'a> MapAccess<'a> for Items<'_, 'a> {
+    type Error = Unknown;
+
+    #[inline]
+    fn next_key_seed<K: DeserializeSeed<'a>>(&mut self, seed: K) -> Result<Option<K::Value>, Unknown> {
+        if self.has_next() { seed.deserialize(&mut *self.scan).map(Some) } else { Ok(None) }
+    }
+
+    #[inline]
+    fn next_value_seed<V: DeserializeSeed<'a>>(&mut self, seed: V) -> Result<V::Value, Unknown> {
+        self.scan.token(b':')?;
+        seed.deserialize(&mut *self.scan)
+    }
+}
+
+impl<'a> SeqAccess<'a> for Items<'_, 'a> {
+    type Error = Unknown;
+
+    fn next_element_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<Option<T::Value>, Unknown> {
+        if self.has_next() { seed.deserialize(&mut *self.scan).map(Some) } else { Ok(None) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    fn same<T: PartialEq + fmt::Debug + de::DeserializeOwned>(text: &str, is_known: bool) {
+        let scanned: Option<T> = read(text.as_bytes());
+        assert_eq!(scanned.is_some(), is_known, "{text}");
+        if is_known {
+            assert_eq!(scanned, serde_json::from_str(text).ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn usual_text_is_read_as_by_serde_json() {
+        for text in ["0", "-0", "12", "0.1", "-1.50e-7", "1E+3", "2e0", " 18446744073709551615\n", "4.9e-324"] {
+            same::<f64>(text, true);
+        }
+        for text in ["12", "0", "\"a b\"", "\"\u{e9}\"", "\"\"", " \"x\" "] {
+            same::<Value>(text, true);
+        }
+        same::<[f64; 3]>("[1, 2.5 ,\t3]", true);
+        same::<Vec<u8>>("[1,255]", true);
+    }
+
+    #[test]
+    fn other_text_is_left_to_serde_json() {
+        for text in
+            ["", "-", "+1", "01", "-00", ".5", "1.", "1.e3", "1e", "1e+", "1e999", "NaN", "inf", "1 2", "0x1", "1_0"]
+        {
+            same::<f64>(text, false);
+        }
+        for text in ["null", "true", "-1", "1.0", "\"\\n\"", "\"a\\\"b\"", "\"a\nb\"", "\"a", "{}", "[]", "1,"] {
+            same::<Value>(text, false);
+        }
+        for text in ["[1,2]", "[1,2,3,4]", "[1,2,3", "[1,2,3,]", "[,1,2,3]", "[1 2,3,4]", "{1,2,3}"] {
+            same::<[f64; 3]>(text, false);
+        }
+        assert_eq!(read::<Value>(b"\"\xff\""), None);
     }
 }

@@ -12,7 +12,10 @@ const BY_SECTION: usize = 200;
 
 const PLACES: [&str; 4] = ["axial_stretch", "outer_radius_m", "inner_radius_m", "twist_rad"];
 
-pub(crate) struct Lines(ChaCha8Rng);
+/// Pressures of a tube, among [`Lines::sweep`].
+const PRESSURES: usize = 100;
+
+pub(crate) struct Lines(ChaCha8Rng, Option<Tube>);
 
 /// The tube of a line.
 struct Tube {
@@ -26,13 +29,29 @@ struct Tube {
 
 impl Lines {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
+        Self(ChaCha8Rng::seed_from_u64(seed), None)
     }
 
     /// A forward question of a straight neo-Hookean tube with a sheet.
     pub(crate) fn tube(&mut self, number: usize) -> Vec<u8> {
+        let tube = self.plain();
+        self.pressed(&tube, number)
+    }
+
+    /// As [`Lines::tube`], with many pressures of each tube, one after the other.
+    pub(crate) fn sweep(&mut self, number: usize) -> Vec<u8> {
+        let tube = self.1.take().filter(|_| !number.is_multiple_of(PRESSURES)).unwrap_or_else(|| self.plain());
+        let line = self.pressed(&tube, number);
+        self.1 = Some(tube);
+        line
+    }
+
+    fn plain(&mut self) -> Tube {
         let motion = self.one_of(&["extension", "expansion", "twisting"]);
-        let tube = self.wound(motion, (6e-3, 8e-3), true);
+        self.wound(motion, (6e-3, 8e-3), true)
+    }
+
+    fn pressed(&mut self, tube: &Tube, number: usize) -> Vec<u8> {
         let pressure_pa = self.between(0.02, 0.4) * tube.shear_pa * (tube.outer_m / tube.inner_m).ln();
         format!("{{\"id\":{number},\"problem\":\"forward\",{},\"pressure_pa\":{pressure_pa}}}", tube.fields)
             .into_bytes()
