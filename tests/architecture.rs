@@ -10,6 +10,8 @@ mod graph;
 mod rooms;
 #[path = "architecture/source.rs"]
 mod source;
+#[path = "architecture/words.rs"]
+mod words;
 #[path = "architecture/workspace.rs"]
 mod workspace;
 

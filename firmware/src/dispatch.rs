@@ -9,7 +9,7 @@ use softlimb_protocol::{
 use crate::channel::Channel;
 use crate::config::{ActiveConfig, ConfigError, StagedConfig, StagingError};
 use crate::controller::Controller;
-use crate::queue::{KNOTS, Refusal};
+use crate::queue::{KNOTS, QueueError};
 use crate::state::Event;
 use crate::valve::TICK_US;
 
@@ -261,10 +261,10 @@ impl<const N: usize> Controller<N> {
         }
         match self.queue.push(now_us, setpoint.index, setpoint.time_us, &setpoint.values) {
             Ok(()) => OK,
-            Err(Refusal::UnexpectedIndex { expected }) => (ResultCode::UnexpectedIndex, expected),
-            Err(Refusal::Full) => (ResultCode::QueueFull, 0),
-            Err(Refusal::Late) => (ResultCode::Late, 0),
-            Err(Refusal::TooManyValues) => (ResultCode::WrongChannelCount, config.channels.len() as u32),
+            Err(QueueError::UnexpectedIndex { expected }) => (ResultCode::UnexpectedIndex, expected),
+            Err(QueueError::Full) => (ResultCode::QueueFull, 0),
+            Err(QueueError::Late) => (ResultCode::Late, 0),
+            Err(QueueError::TooManyValues) => (ResultCode::WrongChannelCount, config.channels.len() as u32),
         }
     }
 }

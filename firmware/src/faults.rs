@@ -114,7 +114,7 @@ impl Faults {
     }
 
     /// Marks the oldest unreported occurrence as reported.
-    pub fn told(&mut self) {
+    pub fn mark_reported(&mut self) {
         self.pending.pop_front();
     }
 
@@ -172,8 +172,8 @@ mod tests {
         assert_eq!(faults.bits(), 0b10);
         assert!(faults.cuts_supply());
         assert_eq!(faults.untold(), Some(&over(3)));
-        faults.told();
-        faults.told();
+        faults.mark_reported();
+        faults.mark_reported();
         assert_eq!(faults.untold(), None);
         faults.clear();
         assert_eq!((faults.bits(), faults.cuts_supply()), (0, false));
@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(faults.bits(), 0b11);
         let mut told = 0;
         while faults.untold().is_some() {
-            faults.told();
+            faults.mark_reported();
             told += 1;
         }
         assert_eq!(told, PENDING);

@@ -55,7 +55,7 @@ pub use gas::{Absolute, Chamber};
 pub use inverse::{Inverse, InverseStatus};
 pub use pneumatics::Pneumatics;
 pub use pressure_loop::{LoopInput, PressureLoop};
-pub use queue::{KNOTS, KnotQueue, Refusal};
+pub use queue::{KNOTS, KnotQueue, QueueError};
 pub use reference::Reference;
 pub use sensor::{AdcCode, Sensor, SensorScale, ZeroCheck};
 pub use state::{Event, TRANSITIONS, next};

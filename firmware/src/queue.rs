@@ -15,7 +15,7 @@ struct Knot<const N: usize> {
 
 /// Why a knot was not accepted. Nothing of a refused knot is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum QueueError {
     /// Not the next index.
     UnexpectedIndex {
         /// The next index.
@@ -29,7 +29,7 @@ pub enum Refusal {
     TooManyValues,
 }
 
-impl core::fmt::Display for Refusal {
+impl core::fmt::Display for QueueError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::UnexpectedIndex { expected } => write!(f, "knot {expected} is expected next"),
@@ -40,7 +40,7 @@ impl core::fmt::Display for Refusal {
     }
 }
 
-impl core::error::Error for Refusal {}
+impl core::error::Error for QueueError {}
 
 /// The buffer.
 #[derive(Clone, Debug)]
@@ -61,19 +61,19 @@ impl<const N: usize> KnotQueue<N> {
     /// Takes a knot for a time in the future of `now_us`.
     ///
     /// # Errors
-    /// [`Refusal`]; the buffer is then as before.
-    pub fn push(&mut self, now_us: u64, index: u32, time_us: u64, values: &[i32]) -> Result<(), Refusal> {
+    /// [`QueueError`]; the buffer is then as before.
+    pub fn push(&mut self, now_us: u64, index: u32, time_us: u64, values: &[i32]) -> Result<(), QueueError> {
         if index != self.next_index {
-            return Err(Refusal::UnexpectedIndex { expected: self.next_index });
+            return Err(QueueError::UnexpectedIndex { expected: self.next_index });
         }
         if self.knots.is_full() {
-            return Err(Refusal::Full);
+            return Err(QueueError::Full);
         }
         if time_us <= now_us || time_us <= self.last_time_us {
-            return Err(Refusal::Late);
+            return Err(QueueError::Late);
         }
-        let values = Vec::from_slice(values).map_err(|_| Refusal::TooManyValues)?;
-        self.knots.push_back(Knot { time_us, values }).map_err(|_| Refusal::Full)?;
+        let values = Vec::from_slice(values).map_err(|_| QueueError::TooManyValues)?;
+        self.knots.push_back(Knot { time_us, values }).map_err(|_| QueueError::Full)?;
         self.next_index = index.wrapping_add(1);
         self.last_time_us = time_us;
         Ok(())
@@ -189,7 +189,7 @@ mod tests {
     fn duplicates_and_gaps_name_the_expected_index() {
         let mut queue = filled(&[(100, 1)]);
         for index in [0, 2, u32::MAX] {
-            assert_eq!(queue.push(0, index, 500, &[1]), Err(Refusal::UnexpectedIndex { expected: 1 }));
+            assert_eq!(queue.push(0, index, 500, &[1]), Err(QueueError::UnexpectedIndex { expected: 1 }));
         }
         assert_eq!(queue.push(0, 1, 500, &[1]), Ok(()));
     }
@@ -197,8 +197,8 @@ mod tests {
     #[test]
     fn late_knots_are_refused_and_can_be_sent_again_in_time() {
         let mut queue = filled(&[(100, 1)]);
-        assert_eq!(queue.push(50, 1, 100, &[1]), Err(Refusal::Late), "not after the previous one");
-        assert_eq!(queue.push(300, 1, 300, &[1]), Err(Refusal::Late), "not in the future");
+        assert_eq!(queue.push(50, 1, 100, &[1]), Err(QueueError::Late), "not after the previous one");
+        assert_eq!(queue.push(300, 1, 300, &[1]), Err(QueueError::Late), "not in the future");
         assert_eq!(queue.push(300, 1, 301, &[1]), Ok(()));
     }
 
@@ -209,7 +209,7 @@ mod tests {
             queue.push(0, index, 1_000 + u64::from(index), &[index as i32]).unwrap();
         }
         assert_eq!(queue.free(), 0);
-        assert_eq!(queue.push(0, 64, 9_000, &[0]), Err(Refusal::Full));
+        assert_eq!(queue.push(0, 64, 9_000, &[0]), Err(QueueError::Full));
         assert_eq!(queue.value(0, 1_000), Some(0.0));
         queue.advance(1_000);
         assert_eq!(queue.push(0, 64, 9_000, &[0]), Ok(()));

@@ -18,7 +18,7 @@ impl<const N: usize> Controller<N> {
             if !self.outbox.push(&message.into()) {
                 break;
             }
-            self.faults.told();
+            self.faults.mark_reported();
         }
         let Some(config) = &self.config else { return };
         if now_us < self.telemetry_due_us {

@@ -64,7 +64,7 @@ def main():
         np.savetxt(f"{folder}/sample.csv", columns, delimiter=",", fmt="%.17g")
         times = {}
         for _ in range(ROUNDS):
-            measured = rust_times("fra-model", "speed", folder) | rust_times("softlimb", "many", folder)
+            measured = rust_times("fra-model", "speed", folder) | rust_times("softlimb-lab", "batch", folder)
             measured["numpy_quadrature"] = numpy_time(tubes, quadrature)
             measured["numpy_closed"] = numpy_time(tubes, closed)
             measured["fsolve"], by_fsolve = fsolve_time(tubes)

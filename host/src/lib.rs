@@ -1,12 +1,12 @@
 //! softlimb on the host: the command, and the crates a library user may rely on.
 //!
 //! A scene file becomes a [`scene::Scene`], a [`limb::Limb`], a plan ([`motion`]), a run on a device with its log and report ([`rig`]).
-//! [`design`] searches limbs, [`fea`] judges the model, [`query`] answers questions to the actuator model alone, [`many`] for many
+//! [`design`] searches limbs, [`fea`] judges the model, [`query`] answers questions to the actuator model alone, [`batch`] for many
 //! actuators at once, and [`comparison`] puts the model beside finite elements. [`cli`] is the command line.
 
+pub mod batch;
 pub mod cli;
 pub mod comparison;
-pub mod many;
 pub mod query;
 
 pub use softlimb_design as design;

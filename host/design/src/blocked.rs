@@ -5,7 +5,7 @@ use fra_model::{Actuator, ActuatorParameters, Families, Motion, Placement};
 use nalgebra::Vector3;
 
 use crate::actuators::Winding;
-use crate::bundle::{Answer, Attachment, Effort, ForceProblem, Sample, search};
+use crate::bundle::{Answer, Attachment, Budget, ForceProblem, Sample, search};
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 use softlimb_limb::LimbModule;
 use softlimb_limb::payload::{Bundle, Hold, Mounted, PayloadError};
@@ -75,7 +75,7 @@ pub fn blocked_designs(module: &LimbModule) -> Result<Option<Vec<BlockedDesign>>
             force_per_n: 1.0,
             torque_per_nm: twist,
         };
-        let answer = search(&problem, &Effort::default())?;
+        let answer = search(&problem, &Budget::default())?;
         let found = &answer.actuators[0];
         let mut made = parameters;
         (made.inner_radius_m, made.outer_radius_m) = (found.inner_radius_m, found.outer_radius_m);

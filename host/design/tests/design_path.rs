@@ -10,7 +10,7 @@ mod symmetry;
 
 use nalgebra::Vector3;
 use softlimb_design::synthesis::kinds::Kind;
-use softlimb_design::synthesis::{Aim, Effort, design};
+use softlimb_design::synthesis::{Aim, Budget, design};
 
 use remade::Remade;
 
@@ -19,7 +19,7 @@ fn tasks_that_a_hidden_limb_does_are_done_to_a_micrometre() {
     for kind in Kind::ALL {
         for seed in 0..6 {
             let posed = kind.pose(seed).unwrap();
-            let found = design(&posed.task, &posed.spaces, &Effort { seed: 7, ..Effort::default() }).unwrap();
+            let found = design(&posed.task, &posed.spaces, &Budget { seed: 7, ..Budget::default() }).unwrap();
             assert!(found.does_it() && found.shortfall.is_none(), "{kind:?} {seed}: {:?}", found.shortfall);
             let remade = Remade::new(&posed.task, &posed.spaces, &found);
             for (answer, way_point) in found.way_points.iter().zip(&posed.task.way_points) {
@@ -44,7 +44,7 @@ fn moves_are_free_of_collisions_between_their_ends() {
         let mut posed = kind.pose(seed).unwrap();
         (posed.task.moves, posed.task.from_rest) = (true, true);
         posed.task.obstacles.truncate(2);
-        let found = design(&posed.task, &posed.spaces, &Effort { evaluations: 2000, ..Effort::default() }).unwrap();
+        let found = design(&posed.task, &posed.spaces, &Budget { evaluations: 2000, ..Budget::default() }).unwrap();
         let remade = Remade::new(&posed.task, &posed.spaces, &found);
         let mut least = f64::INFINITY;
         let mut before = remade.rest();
@@ -71,7 +71,7 @@ fn moves_are_free_of_collisions_between_their_ends() {
 #[test]
 fn answer_depends_on_the_seed_alone() {
     let posed = Kind::E.pose(11).unwrap();
-    let once = |seed| design(&posed.task, &posed.spaces, &Effort { seed, ..Effort::default() }).unwrap();
+    let once = |seed| design(&posed.task, &posed.spaces, &Budget { seed, ..Budget::default() }).unwrap();
     assert_eq!(once(3), once(3));
     assert_ne!(once(3).modules, once(4).modules);
 }

@@ -26,7 +26,7 @@ fn targets_are_reached_by_other_sizes_and_the_scene_can_be_run() {
     let wanted = read(&format!("{}{OPEN}", include_str!("../../../scenes/pick-and-place-a.toml")));
     assert!(!leads_the_tip(&wanted));
     let problem = targets(&wanted).unwrap_or_else(|error| panic!("{}", error.render(false)));
-    let answer = fit::solve(&problem, &fit::Effort::default()).unwrap();
+    let answer = fit::solve(&problem, &fit::Budget::default()).unwrap();
     assert!(answer.objective < 1e-12, "{}", answer.objective);
     let (modules, values) = redesigned_targets(&wanted, &answer);
     let designed = read(&scene::redesigned(&wanted, &modules, Some(&values)).unwrap());
@@ -53,7 +53,7 @@ fn designed_keeps_clear(text: &str) {
     let wanted = read(text);
     assert!(leads_the_tip(&wanted));
     let tasked = task(&wanted).unwrap();
-    let found = path::design(&tasked.task, &tasked.spaces, &path::Effort::default()).unwrap();
+    let found = path::design(&tasked.task, &tasked.spaces, &path::Budget::default()).unwrap();
     assert!(found.does_it(), "{:?}", found.shortfall);
     let designed = read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, &found), None).unwrap());
     let limb = Limb::new(&designed).unwrap();
@@ -111,7 +111,7 @@ fn moves_that_cannot_be_straight_are_left_to_the_planner() {
         motion::plan(&scene, &Limb::new(&scene).unwrap()).ok()
     };
     let via_points = |found: &path::Candidate| Some(planned(found)?.phases.iter().map(|phase| phase.via_points).sum());
-    let found = design_to_run(&tasked.task, &tasked.spaces, &path::Effort::default(), via_points).unwrap();
+    let found = design_to_run(&tasked.task, &tasked.spaces, &path::Budget::default(), via_points).unwrap();
     assert!(found.limb.does_it() && found.via_points.is_some_and(|count| count > 0), "{found:?}");
     let (scene, plan) = (designed(&found.limb), planned(&found.limb).unwrap());
     let limb = Limb::new(&scene).unwrap();
@@ -124,7 +124,7 @@ fn moves_that_cannot_be_straight_are_left_to_the_planner() {
         }
     }
     // A planner that refuses everything leaves the answer of the search for straight moves.
-    let refused = design_to_run(&tasked.task, &tasked.spaces, &path::Effort::default(), |_| None).unwrap();
+    let refused = design_to_run(&tasked.task, &tasked.spaces, &path::Budget::default(), |_| None).unwrap();
     assert!(!refused.limb.does_it() && refused.via_points.is_none() && refused.refused > 0);
 }
 

@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use softlimb_design::actuators::kinds::Kind;
-use softlimb_design::actuators::{Effort, Problem, Progress, search, solve};
+use softlimb_design::actuators::{Budget, Problem, Progress, search, solve};
 use softlimb_lab::design::{Faces, Swarm, swarm};
 
 fn main() {
@@ -37,7 +37,7 @@ fn spread(mut values: Vec<f64>) -> String {
 fn ours(kind: Kind, seeds: u64) {
     let (mut times, mut full, mut objectives, mut solves, mut evaluations) = (vec![], vec![], vec![], vec![], vec![]);
     for seed in 0..seeds {
-        let (problem, effort) = (kind.problem(seed), Effort { seed, ..Effort::default() });
+        let (problem, effort) = (kind.problem(seed), Budget { seed, ..Budget::default() });
         // The faster of two: the first may have met cold memory or another program.
         let searched = [0; 2].map(|_| {
             let begin = Instant::now();
@@ -129,8 +129,8 @@ fn try_settings(kind: Kind, seeds: u64, settings: Swarm, best: &mut (f64, Swarm)
 fn longer(kind: Kind, seeds: u64) {
     for seed in 0..seeds {
         let problem = kind.problem(seed);
-        let usual = solve(&problem, &Effort { seed, ..Effort::default() }).expect("an answer");
-        let effort = Effort { seed: seed + 1_000_000, starts: 100, agreeing: 100, evaluations: 30_000 };
+        let usual = solve(&problem, &Budget { seed, ..Budget::default() }).expect("an answer");
+        let effort = Budget { seed: seed + 1_000_000, starts: 100, agreeing: 100, evaluations: 30_000 };
         let other = solve(&problem, &effort).expect("an answer");
         let best = usual.objective.min(other.objective);
         println!(

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use fra_model::Motion;
 use softlimb_design::synthesis::kinds::{Kind, space};
-use softlimb_design::synthesis::{Choice, Choosing, Effort, Evaluator, Outcome, choose, design};
+use softlimb_design::synthesis::{Budget, Choice, Choosing, Evaluator, Outcome, choose, design};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let seeds: u64 = arguments.first().map_or(Ok(20), |text| text.parse())?;
     let kinds = arguments.get(1).map_or("ABCEH", String::as_str);
-    let evaluations = arguments.get(2).map_or(Ok(Effort::default().evaluations), |text| text.parse())?;
+    let evaluations = arguments.get(2).map_or(Ok(Budget::default().evaluations), |text| text.parse())?;
     let moves = arguments.get(3).is_some_and(|word| word == "moves");
     for letter in kinds.chars() {
         table(kind(&letter.to_string()), seeds, evaluations, moves)?;
@@ -45,7 +45,7 @@ fn table(kind: Kind, seeds: u64, evaluations: usize, moves: bool) -> Result<(), 
         let mut posed = kind.pose(seed)?;
         (posed.task.moves, posed.task.from_rest) = (moves, moves);
         let begin = Instant::now();
-        let found = design(&posed.task, &posed.spaces, &Effort { seed, evaluations })?;
+        let found = design(&posed.task, &posed.spaces, &Budget { seed, evaluations })?;
         let seconds = begin.elapsed().as_secs_f64();
         let spare = found.figures.spare_clearance_m.unwrap_or(f64::NAN);
         println!(

@@ -10,7 +10,7 @@ use std::time::Instant;
 use nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3, Vector4};
 use serde_json::{Value, json};
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Load, LoadedLimb, Piece, Rod, Tier, by_tier};
+use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, Piece, Rod, by_fidelity};
 use softlimb_scene as scene;
 
 const ROUNDS: usize = 200;
@@ -87,13 +87,13 @@ fn told(rod: &Rod) -> Value {
 
 fn case(name: &str, make: impl Fn(f64) -> Rod) -> Value {
     let (here, near) = (make(1.0), make(NEARBY));
-    let free = by_tier(&here, Tier::Kinematic, None).expect("the kinematics").1.tip().translation.vector;
-    let tiers = [Tier::Linear, Tier::Double, Tier::Fourfold].map(|tier| {
-        let (_, shape) = by_tier(&here, tier, None).expect("stable");
-        let start = by_tier(&near, tier, None).expect("stable").1.q;
+    let free = by_fidelity(&here, Fidelity::Kinematic, None).expect("the kinematics").1.tip().translation.vector;
+    let tiers = [Fidelity::Linear, Fidelity::Double, Fidelity::Fourfold].map(|tier| {
+        let (_, shape) = by_fidelity(&here, tier, None).expect("stable");
+        let start = by_fidelity(&near, tier, None).expect("stable").1.q;
         json!({
             "name": tier.name(), "tip_m": shape.tip().translation.vector.as_slice(),
-            "cold_us": fastest(|| drop(by_tier(&here, tier, None))), "warm_us": fastest(|| drop(by_tier(&here, tier, Some(&start)))),
+            "cold_us": fastest(|| drop(by_fidelity(&here, tier, None))), "warm_us": fastest(|| drop(by_fidelity(&here, tier, Some(&start)))),
         })
     });
     json!({ "name": name, "rod": told(&here), "free_tip_m": free.as_slice(), "tiers": tiers })

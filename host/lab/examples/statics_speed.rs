@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Load, LoadedLimb, Tier, by_tier};
+use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, by_fidelity};
 use softlimb_scene as scene;
 
 const ROUNDS: usize = 200;
@@ -32,13 +32,13 @@ fn main() {
         LoadedLimb::new(&scene, &limb, &pressures, &vec![6; limb.modules().len()], &Load::default()).expect("a limb")
     };
     let (here, near) = (at(40e3), at(40.4e3));
-    let fine = by_tier(&here.rod, Tier::Fourfold, None).expect("stable").1.tip().translation.vector;
+    let fine = by_fidelity(&here.rod, Fidelity::Fourfold, None).expect("stable").1.tip().translation.vector;
     println!("spring constants of nine tubes {:.1} us", fastest(|| drop(at(40e3))));
-    for tier in [Tier::Constant, Tier::Linear, Tier::Double, Tier::Fourfold] {
-        let (_, shape) = by_tier(&here.rod, tier, None).expect("stable");
+    for tier in [Fidelity::Constant, Fidelity::Linear, Fidelity::Double, Fidelity::Fourfold] {
+        let (_, shape) = by_fidelity(&here.rod, tier, None).expect("stable");
         let off = (shape.tip().translation.vector - fine).norm() / scene.rest_length_m();
-        let cold = fastest(|| drop(by_tier(&here.rod, tier, None)));
-        let warm = fastest(|| drop(by_tier(&near.rod, tier, Some(&shape.q))));
+        let cold = fastest(|| drop(by_fidelity(&here.rod, tier, None)));
+        let warm = fastest(|| drop(by_fidelity(&near.rod, tier, Some(&shape.q))));
         println!(
             "{:20} cold {cold:8.1} us ({} iterations), warm {warm:8.1} us, {:.4} % of the length from the finest",
             tier.name(),

@@ -7,7 +7,7 @@
 
 use fra_model::{Actuator, ActuatorParameters, Load as NoLoad, Material};
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Tangent, Tier, by_tier};
+use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Tangent, by_fidelity};
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_rig::payload_estimation::{Observation, mass};
@@ -88,7 +88,7 @@ fn seen(scene: &Scene, limb: &Limb, plan: &Plan, actuators: &[Actuator<f64>], ca
         for loaded in [false, true] {
             let load = Load { payload_kg: if loaded { LOAD_N / GRAVITY_M_PER_S2 } else { 0.0 }, ..Load::default() };
             let hung = LoadedLimb::of_bundles(scene, limb, bundles.clone(), &walls_kg, &load);
-            let tip_m = by_tier(&hung.rod, Tier::Fourfold, None).expect("stands").1.tip().translation.vector;
+            let tip_m = by_fidelity(&hung.rod, Fidelity::Fourfold, None).expect("stands").1.tip().translation.vector;
             let pressures_pa = pressures_pa.clone();
             seen.push(Observation { line: 0, phase, loaded, tip_m, accuracy_m: 1e-3, pressures_pa });
         }

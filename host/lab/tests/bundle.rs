@@ -1,6 +1,6 @@
 //! Eq. (18): what can be had, what is beyond, and files.
 
-use softlimb_design::bundle::{Effort, ForceProblem, search};
+use softlimb_design::bundle::{Budget, ForceProblem, search};
 use softlimb_lab::payload::{Barrier, barrier, kind};
 
 const SEEDS: u64 = 20;
@@ -22,7 +22,7 @@ fn what_some_bundle_has_is_found_for_every_seed() {
             let (count, samples) = (problem.actuators.len(), problem.samples.len());
             let all = if problem.shared { each + places[0] } else { count * each + places.iter().sum::<usize>() };
             assert_eq!(all + count * samples, numbers);
-            let found = search(&problem, &Effort::default()).unwrap();
+            let found = search(&problem, &Budget::default()).unwrap();
             let cost = found.evaluations + found.jacobians;
             most = most.max(found.objective);
             costs.push(cost);
@@ -37,9 +37,9 @@ fn what_some_bundle_has_is_found_for_every_seed() {
 fn beyond_capacity_no_other_start_and_no_barrier_is_better() {
     for seed in 0..SEEDS {
         let problem = kind("P1u", seed).unwrap();
-        let found = search(&problem, &Effort::default()).unwrap();
+        let found = search(&problem, &Budget::default()).unwrap();
         let cost = found.evaluations + found.jacobians;
-        let many = Effort { seed: 77 + seed, starts: 12, agreeing: 12, evaluations: u64::MAX };
+        let many = Budget { seed: 77 + seed, starts: 12, agreeing: 12, evaluations: u64::MAX };
         let best = search(&problem, &many).unwrap().objective;
         assert!(found.objective <= best * (1.0 + 1e-9), "seed {seed}: {} against {best}", found.objective);
         assert!(cost <= 100, "seed {seed}: {cost} evaluations and Jacobians");
@@ -52,7 +52,7 @@ fn the_barrier_is_never_better_and_needs_far_more() {
     for (name, seeds) in [("P1", 3), ("P1u", 3)] {
         for seed in 0..seeds {
             let problem = kind(name, seed).unwrap();
-            let found = search(&problem, &Effort::default()).unwrap();
+            let found = search(&problem, &Budget::default()).unwrap();
             let other = barrier(&problem, &Barrier::default()).unwrap();
             assert!(
                 found.objective <= other.objective * (1.0 + 1e-12),
@@ -75,7 +75,7 @@ fn answer_is_what_its_bundle_does() {
     use nalgebra::{Vector3, Vector6};
     use softlimb_limb::payload::lever;
     let problem = kind("P2", 3).unwrap();
-    let found = search(&problem, &Effort::default()).unwrap();
+    let found = search(&problem, &Budget::default()).unwrap();
     for (index, sample) in found.samples.iter().enumerate() {
         let mut sum = Vector6::zeros();
         for actuator in &found.actuators {
@@ -114,14 +114,14 @@ fn text() -> String {
 #[test]
 fn file_is_read_and_solved() {
     let problem = ForceProblem::read(&text()).unwrap();
-    let found = search(&problem, &Effort::default()).unwrap();
+    let found = search(&problem, &Budget::default()).unwrap();
     assert_eq!(found.status, "reached", "{found:?}");
     // No pressure and no load: nothing to do, and said so.
     let rest = text()
         .replace("[0, 0, 30], \"torque_nm\": [0.1, 0, 0]", "[0, 0, 0]")
         .replace("[0, 0, 15], \"torque_nm\": [0, 0.2, 0]", "[0, 0, 0]");
     let rest = rest.replace(", \"held_length_m\": 0.24", "");
-    let found = search(&ForceProblem::read(&rest).unwrap(), &Effort::default()).unwrap();
+    let found = search(&ForceProblem::read(&rest).unwrap(), &Budget::default()).unwrap();
     assert!(found.objective <= 1e-18);
     assert!(found.actuators.iter().flat_map(|a| &a.pressures_pa).all(|p| *p < 1e-3));
 }

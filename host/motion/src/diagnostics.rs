@@ -14,7 +14,7 @@ use super::setpoint::NoState;
 use super::space::Space;
 use super::timing::rate_max;
 use super::unreachable::{Shortcoming, Unreachable};
-use super::weight::NoPose;
+use super::weight::PoseError;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, SetpointKind, Span};
 
@@ -245,12 +245,12 @@ impl Words<'_> {
         self.at(span, &title, &label, Some(help))
     }
 
-    fn not_carried(&self, phase: usize, time_us: u64, cause: NoPose) -> SceneError {
+    fn not_carried(&self, phase: usize, time_us: u64, cause: PoseError) -> SceneError {
         let time_s = seconds(time_us);
         let label = match cause {
-            NoPose::NoEquilibrium => format!("{time_s:.2} s into the run an actuator has no equilibrium"),
-            NoPose::Lost(lost) => format!("{time_s:.2} s into the run {lost}"),
-            NoPose::Buckles { module, ratio } => {
+            PoseError::NoEquilibrium => format!("{time_s:.2} s into the run an actuator has no equilibrium"),
+            PoseError::EquilibriumError(lost) => format!("{time_s:.2} s into the run {lost}"),
+            PoseError::Buckles { module, ratio } => {
                 let (name, percent) = (&self.module(module).name, 100.0 * ratio);
                 format!(
                     "{time_s:.2} s into the run a tube of `{name}` carries {percent:.0} % of the load that it buckles at between two plates"

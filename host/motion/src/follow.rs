@@ -16,7 +16,7 @@ pub(super) enum NotFollowed {
     /// Its actuator has no closed forms.
     NoClosedForms,
     /// On the way of the plan it finds no pressure, or another one.
-    Lost {
+    EquilibriumError {
         /// Where the plan is then, gauge Pa.
         pressure_pa: f64,
     },
@@ -28,7 +28,9 @@ impl fmt::Display for NotFollowed {
             Self::NoClosedForms => {
                 f.write_str("the device solves straight, neo-Hookean tubes, bare or wound with a sheet")
             }
-            Self::Lost { pressure_pa } => write!(f, "the device loses its way at {:.2} kPa", pressure_pa * 1e-3),
+            Self::EquilibriumError { pressure_pa } => {
+                write!(f, "the device loses its way at {:.2} kPa", pressure_pa * 1e-3)
+            }
         }
     }
 }
@@ -57,7 +59,7 @@ pub(super) fn follow(
     let step_us = control_period_us.max(plan.knot_period_us);
     for time_us in (0..=plan.duration_us().div_ceil(step_us)).map(|step| (step * step_us) as f64) {
         let planned = plan.states_at(time_us).get(index).map_or(0.0, |state| state.pressure_pa);
-        let lost = NotFollowed::Lost { pressure_pa: planned };
+        let lost = NotFollowed::EquilibriumError { pressure_pa: planned };
         let value = plan.values_at(time_us).get(index).copied().unwrap_or_default();
         let found = next(&tracker, &here, module.target(value), value).ok_or(lost)?;
         let off = (f64::from(found.pressure_pa) - planned).abs();

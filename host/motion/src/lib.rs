@@ -32,5 +32,5 @@ pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
 pub use payload::{Carried, carried, payload_kg};
 pub use plan::{Plan, PlannedPhase};
-pub use weight::{NoPose, Nominal, OnLimb, Pose, Weighed, planned_slopes};
+pub use weight::{Nominal, OnLimb, Pose, PoseError, Weighed, planned_slopes};
 pub use wire::{to_wire, wire_kind};

@@ -3,7 +3,7 @@
 use super::air::Bottleneck;
 use super::inverse_kinematics::{Obstruction, Reach};
 use super::setpoint::NoState;
-use super::weight::NoPose;
+use super::weight::PoseError;
 
 /// A demand of a scene that the limb cannot meet. Phases, targets, modules and obstacles are indices; times are after the start of the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub(super) enum Unreachable {
     /// On the way the limb is too near an obstacle, or has no shape.
     PassesTooNear { phase: usize, time_us: u64, by: Option<Obstruction> },
     /// The limb does not carry its load.
-    NotCarried { phase: usize, time_us: u64, cause: NoPose },
+    NotCarried { phase: usize, time_us: u64, cause: PoseError },
     /// Under its load the tip does not reach the goal: its nearest point, the distance, and the pressures as fractions of their ranges.
     UnderLoad { phase: usize, tip_m: [f64; 3], distance_m: f64, fractions: Vec<f64> },
     /// Under its load the limb is too near an obstacle.

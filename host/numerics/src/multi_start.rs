@@ -18,9 +18,9 @@ pub struct MultiStart {
 /// Local solves of a multi-start search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LocalSolves {
-    /// Starts tried.
+    /// LocalSolves tried.
     pub starts: usize,
-    /// Starts from which the problem has a minimum.
+    /// LocalSolves from which the problem has a minimum.
     pub minima: usize,
     /// Minima that agree with the best.
     pub agreeing: usize,

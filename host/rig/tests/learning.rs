@@ -16,7 +16,7 @@ fn read(text: &str) -> Scene {
 fn designed(text: &str) -> Scene {
     let wanted = read(text);
     let tasked = task(&wanted).unwrap();
-    let found = path::design(&tasked.task, &tasked.spaces, &path::Effort::default()).unwrap();
+    let found = path::design(&tasked.task, &tasked.spaces, &path::Budget::default()).unwrap();
     assert!(found.does_it(), "{:?}", found.shortfall);
     read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, &found), None).unwrap())
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, warn};
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Answer, Load, LoadedLimb, Lost, cheapest};
+use softlimb_limb::statics::{Answer, EquilibriumError, Load, LoadedLimb, cheapest};
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
 
@@ -41,7 +41,7 @@ struct Row {
     phase: String,
     payload_kg: f64,
     free_tip_m: [f64; 3],
-    found: Result<Loaded, Lost>,
+    found: Result<Loaded, EquilibriumError>,
 }
 
 struct Loaded {
@@ -93,7 +93,7 @@ enum Balance<'a> {
         bundle_shift_m: Option<[f64; 3]>,
         newton_iterations: usize,
     },
-    Lost {
+    EquilibriumError {
         lost: String,
     },
 }
@@ -171,7 +171,7 @@ impl Row {
     fn printed<'a>(&'a self, limb: &'a Limb) -> PrintedPhase<'a> {
         let name = |module: Option<usize>| module.map(|index| limb.modules()[index].name.as_str());
         let found = match &self.found {
-            Err(lost) => Balance::Lost { lost: lost.to_string() },
+            Err(lost) => Balance::EquilibriumError { lost: lost.to_string() },
             Ok(found) => Balance::Found {
                 tip_m: found.tip_m,
                 deflection_m: found.deflection_m,

@@ -13,7 +13,7 @@ use super::{Failure, Outcome, warn};
 use softlimb_chart::labelled;
 use softlimb_limb::fabricate::Tolerances;
 use softlimb_limb::tolerance;
-use softlimb_limb::tolerance::{PhaseStatistics, Pose, Sample, Settings, Statistics, Study, Unanswerable, Varied};
+use softlimb_limb::tolerance::{PhaseStatistics, Pose, Sample, Settings, Statistics, Study, ToleranceError, Varied};
 use softlimb_motion as motion;
 
 /// Displacement of the tip by tolerances of walls, fiber angles and moduli, at the end of each phase
@@ -49,10 +49,10 @@ pub(super) struct Tolerance {
     json: bool,
 }
 
-impl From<Unanswerable> for Failure {
-    fn from(error: Unanswerable) -> Self {
+impl From<ToleranceError> for Failure {
+    fn from(error: ToleranceError) -> Self {
         match error {
-            Unanswerable::Range(error) => Self::wrong_line(error),
+            ToleranceError::Range(error) => Self::wrong_line(error),
             error => Self::new(error),
         }
     }

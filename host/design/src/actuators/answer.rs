@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::actuator::{Candidate, Counts};
 use super::problem::{Goal, Problem, Segment};
-use super::search::{self, Effort, Found, Progress, Starts};
+use super::search::{self, Budget, Found, Progress, SolveCounts};
 
 /// An objective below this share of `sum w q^2` is reached: differences below 1e-9 of what was asked.
 const REACHED: f64 = 1e-18;
@@ -86,7 +86,7 @@ pub struct SegmentAnswer {
     /// most that many times as much. `None` where no phase has a pressure or a derivative does not exist.
     pub condition: Option<f64>,
     /// Descents of the search for this segment; on one supply line of that for all.
-    pub starts: Starts,
+    pub starts: SolveCounts,
 }
 
 /// A design.
@@ -119,7 +119,7 @@ pub struct Design {
 ///
 /// # Errors
 /// [`DesignError::NoEquilibrium`].
-pub fn search(problem: &Problem, effort: &Effort) -> Result<Design, DesignError> {
+pub fn search(problem: &Problem, effort: &Budget) -> Result<Design, DesignError> {
     search_watched(problem, effort, &mut |_| {})
 }
 
@@ -130,7 +130,7 @@ pub fn search(problem: &Problem, effort: &Effort) -> Result<Design, DesignError>
 /// As [`search`].
 pub fn search_watched(
     problem: &Problem,
-    effort: &Effort,
+    effort: &Budget,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Design, DesignError> {
     let (mut counts, mut before) = (Counts::default(), 0.0);
@@ -164,7 +164,7 @@ pub fn search_watched(
 /// As [`solve`].
 pub fn solve_watched(
     problem: &Problem,
-    effort: &Effort,
+    effort: &Budget,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Answer, DesignError> {
     let design = search_watched(problem, effort, watch)?;
@@ -175,7 +175,7 @@ pub fn solve_watched(
 ///
 /// # Errors
 /// [`DesignError`] where the model has no equilibrium to offer.
-pub fn solve(problem: &Problem, effort: &Effort) -> Result<Answer, DesignError> {
+pub fn solve(problem: &Problem, effort: &Budget) -> Result<Answer, DesignError> {
     solve_watched(problem, effort, &mut |_| {})
 }
 

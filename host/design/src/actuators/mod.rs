@@ -23,5 +23,5 @@ pub use answer::{
 };
 pub use objective::Objective;
 pub use problem::{Bounds, Geometry, GeometryBounds, Goal, Problem, Segment, Sizes, Winding};
-pub use search::{Effort, Progress, Starts};
+pub use search::{Budget, Progress, SolveCounts};
 pub use softlimb_files::problem::ProblemError;

@@ -7,7 +7,7 @@
 use super::actuator::{Candidate, Counts};
 use super::answer::{Answer, DesignError, confirm};
 use super::problem::Problem;
-use super::search::{Found, Starts};
+use super::search::{Found, SolveCounts};
 
 /// Asks eq. (14) at points of the unit box.
 pub struct Objective<'a> {
@@ -69,7 +69,7 @@ impl<'a> Objective<'a> {
         let mut found = |(candidate, pressures_pa): (Candidate<'a>, Vec<f64>)| {
             let (place, others) = rest.split_at(candidate.segment.dimensions());
             rest = others;
-            let starts = Starts { made: 1, agreeing: 1 };
+            let starts = SolveCounts { made: 1, agreeing: 1 };
             Found { point: place.to_vec(), pressures_pa, objective, starts, counts: Counts::default() }
         };
         let parts: Vec<Found> = self.candidates(point).ok_or_else(nowhere)?.into_iter().map(&mut found).collect();

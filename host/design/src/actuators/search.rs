@@ -1,4 +1,4 @@
-//! Starts of a search, and the number of minima that must agree.
+//! Local solves of a search, and the number of minima that must agree.
 
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ const SAME: f64 = 1e-6;
 
 /// How long to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct Budget {
     /// Seed of the starts.
     pub seed: u64,
     /// Most starts, of each segment or of the limb on one supply line; at least 1.
@@ -34,7 +34,7 @@ pub struct Effort {
     pub evaluations: u64,
 }
 
-impl Default for Effort {
+impl Default for Budget {
     fn default() -> Self {
         Self { seed: 1, starts: 40, agreeing: 5, evaluations: 2500 }
     }
@@ -42,7 +42,7 @@ impl Default for Effort {
 
 /// How the local solves of a search ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Starts {
+pub struct SolveCounts {
     /// Local solves made; a geometry that reaches every goal at once counts as one.
     pub made: usize,
     /// Those that ended at the best objective.
@@ -108,7 +108,7 @@ pub(super) struct Found {
     pub(super) point: Vec<f64>,
     pub(super) pressures_pa: Vec<f64>,
     pub(super) objective: f64,
-    pub(super) starts: Starts,
+    pub(super) starts: SolveCounts,
     pub(super) counts: Counts,
 }
 
@@ -123,13 +123,13 @@ fn criteria(scale: f64) -> StoppingCriteria {
     StoppingCriteria { zero: 1e-24 * scale, relative: 1e-16, evaluations: 201, ..StoppingCriteria::default() }
 }
 
-impl Effort {
+impl Budget {
     fn multi_start(&self, criteria: StoppingCriteria) -> MultiStart {
         MultiStart { starts: self.starts, agreeing: self.agreeing, same: SAME, criteria }
     }
 }
 
-impl From<LocalSolves> for Starts {
+impl From<LocalSolves> for SolveCounts {
     fn from(solves: LocalSolves) -> Self {
         Self { made: solves.minima, agreeing: solves.agreeing }
     }
@@ -175,14 +175,14 @@ fn look(problem: &mut Watched<Separate>, random: &mut Random) -> Look {
 pub(super) fn separate(
     segment: &Segment,
     index: usize,
-    effort: &Effort,
+    effort: &Budget,
     watch: &mut dyn FnMut(&Progress),
 ) -> Option<Found> {
     let mut random = Random::new(effort.seed, index as u64);
     let mut problem = Watched::new(Separate { segment, counts: Counts::default() }, watch);
     let ranked = match look(&mut problem, &mut random) {
         Look::Exact { point, pressures_pa } => {
-            let starts = Starts { made: 1, agreeing: 1 };
+            let starts = SolveCounts { made: 1, agreeing: 1 };
             return Some(Found { point, pressures_pa, objective: 0.0, starts, counts: problem.problem.counts });
         }
         Look::Ranked(ranked) => ranked,
@@ -202,7 +202,7 @@ pub(super) fn separate(
 }
 
 /// The best geometries of segments on one supply line; `None` where the model answers nowhere.
-pub(super) fn shared(problem: &Problem, effort: &Effort, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
+pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
     let mut random = Random::new(effort.seed, 0);
     let mut limb = Watched::new(Shared { problem, counts: Counts::default() }, watch);
     // Every second start has pressures from anywhere: those that the segments would choose lead to the compromise nearest to them.
@@ -214,7 +214,7 @@ pub(super) fn shared(problem: &Problem, effort: &Effort, watch: &mut dyn FnMut(&
         point.extend(shares);
         Some(point)
     };
-    let effort = Effort { agreeing: effort.agreeing.max(ON_A_LINE), ..*effort };
+    let effort = Budget { agreeing: effort.agreeing.max(ON_A_LINE), ..*effort };
     let settings = effort.multi_start(criteria(scale(&problem.segments)));
     let spent = |limb: &Watched<Shared>| limb.problem.counts.evaluations >= effort.evaluations;
     let (minimum, solves) = multi_start(&mut limb, settings, spent, start, |_, minimum| minimum)?;

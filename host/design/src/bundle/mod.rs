@@ -13,4 +13,4 @@ mod search;
 pub use answer::{ActuatorAnswer, Answer, SampleAnswer};
 pub use forces::{Forces, Point};
 pub use problem::{Attachment, ForceProblem, Sample};
-pub use search::{Effort, search};
+pub use search::{Budget, search};

@@ -20,7 +20,7 @@ const SAME: f64 = 1e-9;
 
 /// How far a search goes.
 #[derive(Clone, Copy, Debug)]
-pub struct Effort {
+pub struct Budget {
     /// Seed of the starts but the first, which is the middle of the box.
     pub seed: u64,
     /// Most starts.
@@ -31,7 +31,7 @@ pub struct Effort {
     pub evaluations: u64,
 }
 
-impl Default for Effort {
+impl Default for Budget {
     fn default() -> Self {
         Self { seed: 1, starts: 20, agreeing: 2, evaluations: 100 }
     }
@@ -41,7 +41,7 @@ impl Default for Effort {
 ///
 /// # Errors
 /// [`PayloadError::Solver`] where no place has forces.
-pub fn search(problem: &ForceProblem, effort: &Effort) -> Result<Answer, PayloadError> {
+pub fn search(problem: &ForceProblem, effort: &Budget) -> Result<Answer, PayloadError> {
     let mut forces = Forces::new(problem);
     let width = forces.layout.width;
     let mut random = Random::new(effort.seed, 0);

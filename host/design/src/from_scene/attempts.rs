@@ -3,7 +3,7 @@
 //! The search knows straight moves alone and gives way-points up for them. Where a limb that keeps them is not found, or is not planned,
 //! the moves are left to the planner: limbs for the way-points alone, one seed after the other, until one can be run.
 
-use crate::synthesis::{Candidate, Effort, Space, Task, TaskError, design};
+use crate::synthesis::{Budget, Candidate, Space, Task, TaskError, design};
 
 /// Limbs that are designed for the way-points alone before that is given up.
 const LIMBS: u64 = 6;
@@ -28,7 +28,7 @@ pub struct Attempt {
 pub fn design_to_run(
     task: &Task,
     spaces: &[Space],
-    effort: &Effort,
+    effort: &Budget,
     plan: impl Fn(&Candidate) -> Option<usize>,
 ) -> Result<Attempt, TaskError> {
     let limb = design(task, spaces, effort)?;
@@ -39,7 +39,7 @@ pub fn design_to_run(
     let alone = Task { moves: false, ..task.clone() };
     let mut refused = 0;
     for more in 0..LIMBS {
-        let other = design(&alone, spaces, &Effort { seed: effort.seed.wrapping_add(more), ..*effort })?;
+        let other = design(&alone, spaces, &Budget { seed: effort.seed.wrapping_add(more), ..*effort })?;
         if !other.does_it() {
             // The way-points themselves cannot be had: another seed of the same search seldom helps.
             break;

@@ -21,14 +21,14 @@ const CONFIRMED: usize = 3;
 
 /// How long to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct Budget {
     /// Seed of the starts.
     pub seed: u64,
     /// Evaluations of all way-points with derivatives after which no descent begins; at least 1.
     pub evaluations: usize,
 }
 
-impl Default for Effort {
+impl Default for Budget {
     fn default() -> Self {
         Self { seed: 1, evaluations: 20_000 }
     }
@@ -40,7 +40,7 @@ impl Default for Effort {
 ///
 /// # Errors
 /// [`TaskError`] for numbers out of their range and for bounds that leave nothing which the model can solve.
-pub fn design(task: &Task, modules: &[Space], effort: &Effort) -> Result<Candidate, TaskError> {
+pub fn design(task: &Task, modules: &[Space], effort: &Budget) -> Result<Candidate, TaskError> {
     task.check()?;
     count("modules", modules.len(), 1..=MOST_MODULES)?;
     modules.iter().try_for_each(Space::check)?;

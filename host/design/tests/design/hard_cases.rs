@@ -1,13 +1,13 @@
 //! Problems that are degenerate, contradictory or at the end of what the model can do.
 
 use fra_model::{Actuator, Load};
-use softlimb_design::actuators::{Answer, Effort, Geometry, Problem, solve};
+use softlimb_design::actuators::{Answer, Budget, Geometry, Problem, solve};
 
 use crate::design::common::{extension, objective};
 
 fn answered(text: &str) -> (Problem, Answer) {
     let problem = Problem::read(text).unwrap_or_else(|error| panic!("{error}"));
-    let answer = solve(&problem, &Effort::default()).expect("an answer");
+    let answer = solve(&problem, &Budget::default()).expect("an answer");
     (problem, answer)
 }
 

@@ -2,13 +2,13 @@
 
 use fra_model::{Actuator, Load, Motion, Status};
 use softlimb_design::actuators::kinds::Kind;
-use softlimb_design::actuators::{Effort, Geometry, Problem, Segment, solve};
+use softlimb_design::actuators::{Budget, Geometry, Problem, Segment, solve};
 
 use crate::design::common::{extension, objective};
 use crate::samples::samples;
 
-fn effort(seed: u64) -> Effort {
-    Effort { seed, ..Effort::default() }
+fn effort(seed: u64) -> Budget {
+    Budget { seed, ..Budget::default() }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Segments whose best geometry lies where the highest pressure and the margin to the limit point meet.
 
 use fra_model::{Actuator, Load, Status};
-use softlimb_design::actuators::{Answer, Effort, Geometry, Problem, Segment, solve};
+use softlimb_design::actuators::{Answer, Budget, Geometry, Problem, Segment, solve};
 
 use crate::design::common::{extension, objective};
 use crate::samples::samples;
@@ -105,7 +105,7 @@ fn twists_beyond_reach_are_approached_as_far_as_can_be_on_the_ridge() {
         let [a, b] =
             [0.2, 3.0].map(|factor| -factor * 0.3 * most * (0.6 + 2.0 * spread(seed, (10.0 * factor) as usize)));
         let problem = read(&with(&format!("[{a}, {b}]")));
-        let answer = solve(&problem, &Effort { seed: seed as u64, ..Effort::default() }).expect("an answer");
+        let answer = solve(&problem, &Budget { seed: seed as u64, ..Budget::default() }).expect("an answer");
         let short = |target: f64| (target.abs() - 0.3 * most).max(0.0);
         let optimum = 1e6 * (short(a).powi(2) + short(b).powi(2));
         let gap = objective(&problem, &answer) / optimum - 1.0;
@@ -138,7 +138,7 @@ fn radii_beyond_reach_are_approached_as_far_as_can_be_on_the_ridge() {
             1e6 * targets.map(|target| short(target).powi(2)).iter().sum::<f64>()
         };
         let optimum = least(&mut |inner| least(&mut |wall| left([inner, wall, 0.0]), 36), 20);
-        let answer = solve(&problem, &Effort { seed: seed as u64, ..Effort::default() }).expect("an answer");
+        let answer = solve(&problem, &Budget { seed: seed as u64, ..Budget::default() }).expect("an answer");
         let gap = objective(&problem, &answer) / optimum - 1.0;
         assert!((-1e-5..=1e-8).contains(&gap), "{seed}: {gap:e} above {optimum}");
         on_ridge += usize::from(is_on_ridge(&problem, &answer, 1e-9));

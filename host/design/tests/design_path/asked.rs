@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use softlimb_design::synthesis::kinds::Kind;
-use softlimb_design::synthesis::{Aim, Direction, Effort, ModuleMotion, design};
+use softlimb_design::synthesis::{Aim, Budget, Direction, ModuleMotion, design};
 
 use crate::design_path::remade::Remade;
 
@@ -14,7 +14,7 @@ fn directions_and_boxes_are_met() {
     for (kind, seed, tolerance_rad) in [(Kind::E, 1, 0.0), (Kind::C, 4, 0.05), (Kind::E, 3, 0.3)] {
         let mut posed = kind.pose(seed).unwrap();
         posed.task.obstacles.clear();
-        let effort = |seed| Effort { seed, ..Effort::default() };
+        let effort = |seed| Budget { seed, ..Budget::default() };
         let by_chance = design(&posed.task, &posed.spaces, &effort(1)).unwrap();
         let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.5, -0.2));
         let half_m = Vector3::new(5e-3, 10e-3, 2e-3);
@@ -45,7 +45,7 @@ fn mass_and_air_are_those_of_tubes() {
     let mut posed = Kind::A.pose(3).unwrap();
     posed.task.obstacles.clear();
     posed.task.way_points.truncate(1);
-    let found = design(&posed.task, &posed.spaces, &Effort::default()).unwrap();
+    let found = design(&posed.task, &posed.spaces, &Budget::default()).unwrap();
     let count = f64::from(posed.task.actuators);
     let mut mass = posed.task.rigid_mass_kg[1];
     let mut air = 0.0;

@@ -3,10 +3,10 @@
 use fra_model::{Actuator, Load, Motion};
 use softlimb_design::actuators::Geometry;
 use softlimb_design::synthesis::kinds::{Kind, space};
-use softlimb_design::synthesis::{Effort, Obstacle, Shortfall, Space, Task, TaskError, WayPoint, design};
+use softlimb_design::synthesis::{Budget, Obstacle, Shortfall, Space, Task, TaskError, WayPoint, design};
 use softlimb_scene::collision::Shape;
 
-const EFFORT: Effort = Effort { seed: 1, evaluations: 1500 };
+const EFFORT: Budget = Budget { seed: 1, evaluations: 1500 };
 
 fn task(way_points: &[[f64; 3]]) -> Task {
     let mut task = Kind::A.pose(1).unwrap().task;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use softlimb_design::synthesis::kinds::Kind;
-use softlimb_design::synthesis::{Aim, Effort, Evaluator, Task, design};
+use softlimb_design::synthesis::{Aim, Budget, Evaluator, Task, design};
 use softlimb_scene::collision::Shape;
 
 /// The task with every point carried over by `point` and every direction of a box by `turn`.
@@ -34,7 +34,7 @@ fn task_carried_elsewhere_is_done_by_the_same_limb() {
         let motion = Isometry3::from_parts(Translation3::new(0.3, -2.0, 1.1), rotation);
         let mut moved = carried(&posed.task, |p| rotation * p + motion.translation.vector, |r| rotation * r);
         moved.base = motion * posed.task.base;
-        let effort = Effort::default();
+        let effort = Budget::default();
         let here = design(&posed.task, &posed.spaces, &effort).unwrap();
         let there = design(&moved, &posed.spaces, &effort).unwrap();
         assert!(here.does_it() && there.does_it());

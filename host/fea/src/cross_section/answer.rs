@@ -149,7 +149,7 @@ impl Answer {
 
 /// Work done for a curve on one of its two meshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
+pub struct Budget {
     /// Steps of load and pressure that were taken.
     pub increments: u32,
     /// Steps that were taken back and shortened.
@@ -160,7 +160,7 @@ pub struct Effort {
     pub unknowns: usize,
 }
 
-impl Effort {
+impl Budget {
     pub(super) fn of(work: Work, unknowns: usize) -> Self {
         Self { increments: work.increments, rejected: work.rejected, newton_iterations: work.newton, unknowns }
     }

@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use fra_model::{ActuatorParameters, Material, Motion};
-//! use softlimb::section::{EndLoad, Options, Section};
+//! use softlimb_fea::cross_section::{EndLoad, Options, Section};
 //! let parameters = ActuatorParameters {
 //!     motion: Motion::Bending,
 //!     inner_radius_m: 6e-3,
@@ -20,7 +20,7 @@
 //! let bent = curve.answers[2].equilibrium().expect("far from any limit");
 //! let angle = bent.state.bend_rates_rad_per_m[0] * parameters.length_m;
 //! assert!((angle.to_degrees() - 43.4).abs() < 0.1);
-//! # Ok::<(), softlimb::section::SectionError>(())
+//! # Ok::<(), softlimb_fea::cross_section::SectionError>(())
 //! ```
 
 mod answer;
@@ -44,7 +44,7 @@ mod tests;
 
 use fra_model::ActuatorParameters;
 
-pub use answer::{Answer, Effort, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
+pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
 pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};
 pub use error::SectionError;
 pub use options::{EndLoad, Limiter, Mesh, Options, Symmetry, Winding};
@@ -72,9 +72,9 @@ pub struct Curve {
     /// One answer for each pressure, in the order asked.
     pub answers: Vec<Answer>,
     /// The work on the finer mesh, whose answers they are.
-    pub effort: Effort,
+    pub effort: Budget,
     /// The work on the coarser one, for their errors.
-    pub coarse_effort: Effort,
+    pub coarse_effort: Budget,
 }
 
 impl Section {
@@ -107,7 +107,7 @@ impl Section {
     }
 
     /// The outcomes on one of the two meshes, without an estimate of the error.
-    fn on_mesh(&self, refine: usize, pressures_pa: &[f64], load: &EndLoad) -> (Vec<Outcome>, Effort) {
+    fn on_mesh(&self, refine: usize, pressures_pa: &[f64], load: &EndLoad) -> (Vec<Outcome>, Budget) {
         let part = if self.options.symmetry == Symmetry::Ignore { Part::Ring } else { self.build.part(load) };
         let Mesh { radial, around } = self.options.mesh;
         let grid = Grid::new(&self.build, part, radial / 2, around / 2, refine);
@@ -134,7 +134,7 @@ impl Section {
                 }
             };
         }
-        let effort = Effort::of(path.work, unknowns);
+        let effort = Budget::of(path.work, unknowns);
         (outcomes, effort)
     }
 

@@ -11,7 +11,7 @@ use softlimb::cli::{Failure, Outcome, read};
 use softlimb_design::actuators::Problem;
 use softlimb_design::actuators::kinds::Kind;
 
-use super::{Comparison, PLACE, Point, Question, Swarm, picture};
+use super::{Comparison, PLACE, Point, Query, Swarm, picture};
 use crate::published::Published;
 
 /// Compare the search of eq. (14) with the particle swarm: on a problem with several seeds, or on problems by kind and seed
@@ -73,11 +73,11 @@ fn run(command: &Design, problem: Option<Problem>) -> Result<Outcome, Failure> {
 }
 
 /// The problems: the one of the file with each seed, or those of the kinds.
-fn questions(command: &Design, problem: Option<Problem>) -> Result<Vec<Question>, Failure> {
+fn questions(command: &Design, problem: Option<Problem>) -> Result<Vec<Query>, Failure> {
     let seeds = (0..u64::from(command.seeds)).map(|index| command.seed.wrapping_add(index));
     if let (Some(problem), Some(file)) = (problem, command.problem.as_deref()) {
         let name = Path::file_stem(file).map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        return Ok(seeds.map(|seed| Question { group: name.clone(), seed, problem: problem.clone() }).collect());
+        return Ok(seeds.map(|seed| Query { group: name.clone(), seed, problem: problem.clone() }).collect());
     }
     let all: String = Kind::ALL.map(Kind::letter).iter().collect();
     let letters = command.kinds.as_ref().unwrap_or(&all);
@@ -86,7 +86,7 @@ fn questions(command: &Design, problem: Option<Problem>) -> Result<Vec<Question>
         let kind = Kind::ALL.into_iter().find(|kind| kind.letter() == letter.to_ascii_uppercase());
         let unknown = || Failure::new(format!("--kinds: {letter} is not allowed: some of {all}"));
         let kind = kind.ok_or_else(unknown)?;
-        let question = |seed| Question { group: kind.letter().to_string(), seed, problem: kind.problem(seed) };
+        let question = |seed| Query { group: kind.letter().to_string(), seed, problem: kind.problem(seed) };
         questions.extend(seeds.clone().map(question));
     }
     Ok(questions)

@@ -10,7 +10,7 @@ pub use picture::picture;
 pub use swarm::{Faces, Swarm, swarm};
 pub use table::{PLACE, Row};
 
-use softlimb_design::actuators::{DesignError, Effort, Problem, Progress, solve_watched};
+use softlimb_design::actuators::{Budget, DesignError, Problem, Progress, solve_watched};
 
 /// An objective as small counts as zero: a problem that has one can be reached.
 const REACHABLE: f64 = 1e-12;
@@ -20,7 +20,7 @@ const SOLVED: f64 = 1e-8;
 const NEAR: f64 = 1e-6;
 
 /// A problem to compare the methods on.
-pub struct Question {
+pub struct Query {
     /// Problems of one group share a chart and a line of the table.
     pub group: String,
     /// Seed of both methods.
@@ -67,9 +67,9 @@ pub struct Point {
 /// One method on one problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// As in the [`Question`].
+    /// As in the [`Query`].
     pub group: String,
-    /// As in the [`Question`].
+    /// As in the [`Query`].
     pub seed: u64,
     /// The method.
     pub method: Method,
@@ -89,7 +89,7 @@ impl Comparison {
     ///
     /// # Errors
     /// As [`solve`](softlimb_design::actuators::solve).
-    pub fn add(&mut self, question: &Question, settings: &Swarm, clock: &dyn Fn() -> f64) -> Result<(), DesignError> {
+    pub fn add(&mut self, question: &Query, settings: &Swarm, clock: &dyn Fn() -> f64) -> Result<(), DesignError> {
         for method in Method::ALL {
             let mut points = Vec::new();
             let begin = clock();
@@ -106,7 +106,7 @@ impl Comparison {
             };
             match method {
                 Method::Projection => {
-                    let effort = Effort { seed: question.seed, ..Effort::default() };
+                    let effort = Budget { seed: question.seed, ..Budget::default() };
                     let answer = solve_watched(&question.problem, &effort, &mut watch)?;
                     points.push(point(&Progress { objective: answer.objective, counts: answer.cost }));
                 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::{Barrier, KINDS, barrier, kind};
 use clap::Args;
 use softlimb::cli::{Failure, Outcome, read, say};
-use softlimb_design::bundle::{Effort, ForceProblem, search};
+use softlimb_design::bundle::{Budget, ForceProblem, search};
 
 /// Compare the search of eq. (18) with the paper's quasi-Newton method, on a problem or on problems by kind and seed
 #[derive(Args)]
@@ -66,7 +66,7 @@ impl Payload {
 
 fn row(name: &str, seed: u64, problem: &ForceProblem) -> Result<Row, Failure> {
     let begin = Instant::now();
-    let found = search(problem, &Effort::default()).map_err(Failure::new)?;
+    let found = search(problem, &Budget::default()).map_err(Failure::new)?;
     let own = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
     let other = barrier(problem, &Barrier::default()).map_err(Failure::new)?;

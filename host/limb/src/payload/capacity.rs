@@ -32,7 +32,7 @@ pub struct Linearised {
 
 /// Bundles that hold one load together.
 #[derive(Clone, Debug)]
-pub struct Question {
+pub struct LoadQuery {
     /// The bundles.
     pub bundles: Vec<Linearised>,
     /// What makes moments comparable with forces: a moment of this many N m counts as 1 N, m.
@@ -94,7 +94,7 @@ pub struct Capacity {
 ///
 /// # Errors
 /// [`PayloadError`] for limits and loads that make no sense, pressures that no state balances, or a solver that fails.
-pub fn capacity(question: &Question) -> Result<Capacity, PayloadError> {
+pub fn capacity(question: &LoadQuery) -> Result<Capacity, PayloadError> {
     check(question)?;
     let middle = |bundle: &Linearised| bundle.limits_pa.iter().map(|[low, high]| 0.5 * (low + high)).collect();
     let mut at: Vec<Vec<f64>> = question.bundles.iter().map(middle).collect();
@@ -135,7 +135,7 @@ fn nothing() -> Capacity {
     }
 }
 
-fn check(question: &Question) -> Result<(), PayloadError> {
+fn check(question: &LoadQuery) -> Result<(), PayloadError> {
     let arm = question.arm_m;
     require(arm.is_finite() && arm > 0.0, "arm_m", arm, "finite and > 0")?;
     for bundle in &question.bundles {
@@ -166,7 +166,7 @@ struct Affine {
     columns: Vec<Vector6<f64>>,
 }
 
-fn linearise(question: &Question, at: &[Vec<f64>]) -> Result<(Program, Vec<Affine>), PayloadError> {
+fn linearise(question: &LoadQuery, at: &[Vec<f64>]) -> Result<(Program, Vec<Affine>), PayloadError> {
     let width = at.iter().map(Vec::len).sum();
     let mut program = Program { columns: vec![Vec::new(); width], ..Program::default() };
     let (mut affine, mut first) = (Vec::new(), 0);
@@ -193,7 +193,7 @@ fn linearise(question: &Question, at: &[Vec<f64>]) -> Result<(Program, Vec<Affin
 }
 
 /// The rows of one bundle. A component that no pressure changes is left to the walls.
-fn rows(program: &mut Program, question: &Question, station: &Linearised, affine: &Affine, first: usize) {
+fn rows(program: &mut Program, question: &LoadQuery, station: &Linearised, affine: &Affine, first: usize) {
     let arm = |row: usize| if row < 3 { 1.0 } else { question.arm_m };
     let size = |row: usize| {
         let pairs = affine.columns.iter().zip(&station.limits_pa);
@@ -211,7 +211,7 @@ fn rows(program: &mut Program, question: &Question, station: &Linearised, affine
     }
 }
 
-fn split(question: &Question, all: &[f64]) -> Vec<Vec<f64>> {
+fn split(question: &LoadQuery, all: &[f64]) -> Vec<Vec<f64>> {
     let mut rest = all;
     let take = |bundle: &Linearised| {
         let (own, others) = rest.split_at(bundle.bundle.actuators.len());
@@ -222,7 +222,7 @@ fn split(question: &Question, all: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// The model's own wrenches at the answer, beside the affine ones.
-fn judge(question: &Question, affine: &[Affine], at: &[Vec<f64>], found: &mut Capacity) -> Result<(), PayloadError> {
+fn judge(question: &LoadQuery, affine: &[Affine], at: &[Vec<f64>], found: &mut Capacity) -> Result<(), PayloadError> {
     let mut size: f64 = 0.0;
     for ((station, affine), pressures) in question.bundles.iter().zip(affine).zip(at) {
         let (mut exact, mut taken) = (Vector6::zeros(), affine.constant);
@@ -248,11 +248,11 @@ fn judge(question: &Question, affine: &[Affine], at: &[Vec<f64>], found: &mut Ca
     Ok(())
 }
 
-fn arm(question: &Question, row: usize) -> f64 {
+fn arm(question: &LoadQuery, row: usize) -> f64 {
     if row < 3 { 1.0 } else { question.arm_m }
 }
 
-fn active(question: &Question, at: &[Vec<f64>], pushes_n: &[Vec<f64>]) -> Vec<Active> {
+fn active(question: &LoadQuery, at: &[Vec<f64>], pushes_n: &[Vec<f64>]) -> Vec<Active> {
     let mut active = Vec::new();
     for (bundle, station) in question.bundles.iter().enumerate() {
         for (actuator, ([low, high], pressure)) in station.limits_pa.iter().zip(&at[bundle]).enumerate() {

@@ -10,7 +10,7 @@ use fra_model::{Motion, State, Status};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, Vector6};
 
 use super::bundle::{Bundle, Hold, Mounted, PayloadError, require};
-use super::capacity::{Linearised, Question, capacity};
+use super::capacity::{Linearised, LoadQuery, capacity};
 use super::program::Outcome;
 use crate::statics::{column_n, shear_n};
 use crate::{Limb, LimbModule};
@@ -46,9 +46,9 @@ pub struct ModuleLoad {
 
 /// A limb in a pose as a question for its largest load.
 #[derive(Clone, Debug)]
-pub struct Holding {
+pub struct LimbCapacity {
     /// The bundles.
-    pub question: Question,
+    pub question: LoadQuery,
     /// The modules, in the order of the bundles.
     pub modules: Vec<ModuleLoad>,
     /// Weight of elastomer, connectors and end effector, N.
@@ -64,7 +64,12 @@ type Masses = Vec<(f64, Point3<f64>)>;
 ///
 /// # Errors
 /// [`PayloadError`] for a load case out of range, or a module that no pressure balances in this pose.
-pub fn held_limb(scene: &Scene, limb: &Limb, states: &[State<f64>], case: &LoadCase) -> Result<Holding, PayloadError> {
+pub fn limb_capacity(
+    scene: &Scene,
+    limb: &Limb,
+    states: &[State<f64>],
+    case: &LoadCase,
+) -> Result<LimbCapacity, PayloadError> {
     let direction = Vector3::from(case.direction);
     let length = direction.norm();
     require(length.is_finite() && length > 0.0, "direction", length, "a finite direction of length > 0")?;
@@ -75,8 +80,8 @@ pub fn held_limb(scene: &Scene, limb: &Limb, states: &[State<f64>], case: &LoadC
     require(states.len() == count, "states", states.len() as f64, "one for each module")?;
     let (poses, masses) = chain(scene, limb, states);
     let tip = poses[count] * Point3::origin();
-    let mut holding = Holding {
-        question: Question { bundles: Vec::new(), arm_m: 1.0 },
+    let mut holding = LimbCapacity {
+        question: LoadQuery { bundles: Vec::new(), arm_m: 1.0 },
         modules: Vec::new(),
         weight_n: scene.mass_kg() * gravity.norm(),
         tip_m: tip.coords.into(),
@@ -106,9 +111,9 @@ pub fn held_limb(scene: &Scene, limb: &Limb, states: &[State<f64>], case: &LoadC
     Ok(holding)
 }
 
-impl Holding {
+impl LimbCapacity {
     /// The same limb asked for the largest multiple of its own weights that it holds without any other load.
-    pub fn own_weight(&self) -> Question {
+    pub fn own_weight(&self) -> LoadQuery {
         let mut question = self.question.clone();
         for bundle in &mut question.bundles {
             bundle.per_load = std::mem::replace(&mut bundle.constant, Vector6::zeros());
@@ -123,7 +128,7 @@ impl Holding {
     pub fn unbalanced(&self) -> Result<Vec<&str>, PayloadError> {
         let mut names = Vec::new();
         for (bundle, module) in self.question.bundles.iter().zip(&self.modules) {
-            let alone = Question { bundles: vec![bundle.clone()], arm_m: self.question.arm_m };
+            let alone = LoadQuery { bundles: vec![bundle.clone()], arm_m: self.question.arm_m };
             if capacity(&alone)?.outcome == Outcome::Infeasible {
                 names.push(module.name.as_str());
             }

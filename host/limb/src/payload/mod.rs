@@ -10,6 +10,6 @@ mod limb;
 mod program;
 
 pub use bundle::{Bundle, Hold, Mounted, PayloadError, Push, lever, rank};
-pub use capacity::{Active, Capacity, Linearised, Question, capacity};
-pub use limb::{Holding, LoadCase, ModuleLoad, held_limb};
+pub use capacity::{Active, Capacity, Linearised, LoadQuery, capacity};
+pub use limb::{LimbCapacity, LoadCase, ModuleLoad, limb_capacity};
 pub use program::{Outcome, Program, Solution};

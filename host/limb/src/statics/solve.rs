@@ -40,7 +40,7 @@ pub struct Shape {
 
 /// Why there is no shape.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum Lost {
+pub enum EquilibriumError {
     /// The limb loses its stability.
     #[error("the limb loses its stability at {:.1} % of the load: the shape that it has without load ends there", 100.0 * share)]
     Unstable {
@@ -107,8 +107,8 @@ pub(super) fn least_relative(tangent: &DMatrix<f64>, unloaded: DMatrix<f64>) -> 
 /// The shape under the full loads; from `start`, a shape under nearby loads, where that leads to one, else from the limb without load.
 ///
 /// # Errors
-/// [`Lost`] where the branch of stable shapes ends before the full load.
-pub fn solve(rod: &Rod, bends: Bends, start: Option<&DVector<f64>>) -> Result<Shape, Lost> {
+/// [`EquilibriumError`] where the branch of stable shapes ends before the full load.
+pub fn solve(rod: &Rod, bends: Bends, start: Option<&DVector<f64>>) -> Result<Shape, EquilibriumError> {
     let mut iterations = 0;
     if let Some(start) = start.filter(|start| start.len() == rod.unknowns())
         && let Some((q, potential)) = newton(rod, bends, start, 1.0, &mut iterations)
@@ -130,7 +130,7 @@ pub fn solve(rod: &Rod, bends: Bends, start: Option<&DVector<f64>>) -> Result<Sh
             None => step *= 0.5,
         }
         if step < LEAST_STEP {
-            return Err(Lost::Unstable { share });
+            return Err(EquilibriumError::Unstable { share });
         }
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::input::{Kind, Place, Varied};
 use super::made::change;
 use super::shape::{arc, chain, mount};
-use super::study::{Nominal, Study, Unanswerable};
+use super::study::{Nominal, Study, ToleranceError};
 use crate::LimbModule;
 use crate::statics::{responses, shape_change};
 
@@ -26,20 +26,20 @@ pub struct Linear {
 /// The derivatives in every pose.
 ///
 /// # Errors
-/// [`Unanswerable::Derivative`] where a nominal actuator is at its limit point.
-pub fn linear(study: &Study<'_>) -> Result<Vec<Linear>, Unanswerable> {
+/// [`ToleranceError::Derivative`] where a nominal actuator is at its limit point.
+pub fn linear(study: &Study<'_>) -> Result<Vec<Linear>, ToleranceError> {
     (0..study.poses.len()).map(|pose| Linear::new(study, pose)).collect()
 }
 
 impl Linear {
-    fn new(study: &Study<'_>, pose: usize) -> Result<Self, Unanswerable> {
+    fn new(study: &Study<'_>, pose: usize) -> Result<Self, ToleranceError> {
         let modules = study.limb.modules();
         let nominal = &study.nominal[pose];
         let starts = chain(study.limb, nominal.iter().map(|module| &module.arc));
         let tip_m = study.nominal_tip_m(pose);
         let (mut gradients, mut module_of) = (Vec::new(), Vec::new());
         for (index, (module, nominal)) in modules.iter().zip(nominal).enumerate() {
-            let fail = |reason: String| Unanswerable::Derivative {
+            let fail = |reason: String| ToleranceError::Derivative {
                 phase: study.poses[pose].name.clone(),
                 module: module.name.clone(),
                 pressure_pa: study.poses[pose].pressures_pa[index],

@@ -20,4 +20,4 @@ pub use picture::picture;
 pub use sample::{Deviation, Sample, sample};
 pub use softlimb_numerics::statistics::Estimate;
 pub use statistics::{PhaseStatistics, Share, Statistics};
-pub use study::{Pose, Settings, Study, Unanswerable};
+pub use study::{Pose, Settings, Study, ToleranceError};

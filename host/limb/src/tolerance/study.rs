@@ -34,7 +34,7 @@ pub struct Settings {
 
 /// Why a question has no answer.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum Unanswerable {
+pub enum ToleranceError {
     /// A tolerance out of its range.
     #[error(transparent)]
     Range(#[from] OutOfRange),
@@ -88,9 +88,9 @@ impl<'a> Study<'a> {
     /// Checks tolerances and nominal poses.
     ///
     /// # Errors
-    /// [`Unanswerable::Range`] for a tolerance out of the range of [`Tolerances`] or as large as a wall, [`Unanswerable::Nominal`] for a
+    /// [`ToleranceError::Range`] for a tolerance out of the range of [`Tolerances`] or as large as a wall, [`ToleranceError::Nominal`] for a
     /// pose without equilibrium.
-    pub fn new(limb: &'a Limb, poses: &'a [Pose], settings: Settings) -> Result<Self, Unanswerable> {
+    pub fn new(limb: &'a Limb, poses: &'a [Pose], settings: Settings) -> Result<Self, ToleranceError> {
         settings.tolerances.check()?;
         for module in limb.modules() {
             let parameters = module.actuator.parameters();
@@ -102,7 +102,7 @@ impl<'a> Study<'a> {
         let pose = |pose: &Pose| {
             let modules = limb.modules().iter().zip(&places_m).zip(&pose.pressures_pa);
             let nominal = |((module, places), pressure): ((&LimbModule, &Vec<[f64; 2]>), &f64)| {
-                nominal(module, places, *pressure).ok_or_else(|| Unanswerable::Nominal {
+                nominal(module, places, *pressure).ok_or_else(|| ToleranceError::Nominal {
                     phase: pose.name.clone(),
                     module: module.name.clone(),
                     pressure_pa: *pressure,

@@ -7,7 +7,7 @@ use nalgebra::DVector;
 
 use super::sample::{Points, shares};
 use super::space::Workspace;
-use crate::statics::{LoadedLimb, Shape, Tier, by_tier};
+use crate::statics::{Fidelity, LoadedLimb, Shape, by_fidelity};
 
 /// Compression of a tube over its load of buckling above which no rod is right.
 const BUCKLED: f64 = 0.5;
@@ -18,7 +18,7 @@ const PIECE: usize = 64;
 
 /// Why a pose is not reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unreached {
+pub enum LoadedPoseError {
     /// An actuator has no equilibrium at its pressure.
     NoEquilibrium,
     /// The limb falls: the shape that it has without weight loses its stability while the weight grows.
@@ -54,12 +54,12 @@ pub struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, unreached: Unreached) {
+    fn add(&mut self, unreached: LoadedPoseError) {
         match unreached {
-            Unreached::NoEquilibrium => self.no_equilibrium += 1,
-            Unreached::Falls => self.falls += 1,
-            Unreached::Buckles(module) => self.buckles[module] += 1,
-            Unreached::BentBack(module) => self.bent_back[module] += 1,
+            LoadedPoseError::NoEquilibrium => self.no_equilibrium += 1,
+            LoadedPoseError::Falls => self.falls += 1,
+            LoadedPoseError::Buckles(module) => self.buckles[module] += 1,
+            LoadedPoseError::BentBack(module) => self.bent_back[module] += 1,
         }
     }
 
@@ -96,34 +96,40 @@ impl<'a, 'b, H: Fn(&[f64]) -> Option<LoadedLimb> + Sync> Loaded<'a, 'b, H> {
     /// of a pose nearby, on its branch.
     ///
     /// # Errors
-    /// [`Unreached`], as its variants say.
+    /// [`LoadedPoseError`], as its variants say.
     pub fn pose(
         &self,
         share: impl Fn(usize) -> f64,
-        tier: Tier,
+        tier: Fidelity,
         start: Option<&DVector<f64>>,
-    ) -> Result<Pose, Unreached> {
+    ) -> Result<Pose, LoadedPoseError> {
         let axes = self.space.axes().iter().enumerate();
         let pressures_pa: Vec<f64> = axes
             .flat_map(|(index, axis)| std::iter::repeat_n(share(index) * axis.pressure_max_pa, axis.channels.len()))
             .collect();
-        let limb = (self.hang)(&pressures_pa).ok_or(Unreached::NoEquilibrium)?;
-        let (rod, shape) = by_tier(&limb.rod, tier, start).map_err(|_| Unreached::Falls)?;
+        let limb = (self.hang)(&pressures_pa).ok_or(LoadedPoseError::NoEquilibrium)?;
+        let (rod, shape) = by_fidelity(&limb.rod, tier, start).map_err(|_| LoadedPoseError::Falls)?;
         if let Some(tube) = limb.buckling(&rod, &shape).filter(|tube| tube.ratio() > BUCKLED) {
-            return Err(Unreached::Buckles(tube.module));
+            return Err(LoadedPoseError::Buckles(tube.module));
         }
         if let Some(module) = limb.bent_back(&rod, &shape, BACKWARDS_RAD_PER_M) {
-            return Err(Unreached::BentBack(module));
+            return Err(LoadedPoseError::BentBack(module));
         }
         Ok(Pose { tip_m: shape.tip().translation.vector.into(), shape })
     }
 
     /// Poses of the first `count` samples by the linear tier, each from the limb without weight, so that neither their order nor the number of
     /// threads matters.
-    pub fn sample(&self, points: Points, count: usize, seed: u64, threads: usize) -> Vec<Result<[f64; 3], Unreached>> {
+    pub fn sample(
+        &self,
+        points: Points,
+        count: usize,
+        seed: u64,
+        threads: usize,
+    ) -> Vec<Result<[f64; 3], LoadedPoseError>> {
         let share = shares(self.space.axes().len(), points, seed);
         self.each(count, threads, |index| {
-            self.pose(|axis| share(index, axis), Tier::Linear, None).map(|pose| pose.tip_m)
+            self.pose(|axis| share(index, axis), Fidelity::Linear, None).map(|pose| pose.tip_m)
         })
     }
 
@@ -149,7 +155,7 @@ impl<'a, 'b, H: Fn(&[f64]) -> Option<LoadedLimb> + Sync> Loaded<'a, 'b, H> {
     }
 
     /// How many of the poses are reached.
-    pub fn tally(&self, poses: &[Result<[f64; 3], Unreached>]) -> Tally {
+    pub fn tally(&self, poses: &[Result<[f64; 3], LoadedPoseError>]) -> Tally {
         let none = vec![0; self.modules()];
         let mut tally = Tally { buckles: none.clone(), bent_back: none, ..Tally::default() };
         for pose in poses {

@@ -6,9 +6,9 @@ use nalgebra::DVector;
 
 use super::ascent::{Goal, Place, Surface, ascend};
 use super::extents::{Measure, best, corners};
-use super::loaded::{Loaded, Unreached};
+use super::loaded::{Loaded, LoadedPoseError};
 use super::sample::{Points, shares};
-use crate::statics::{LoadedLimb, Tier};
+use crate::statics::{Fidelity, LoadedLimb};
 
 /// Most corners that are looked at, as a power of two.
 const CORNERS_LOG2: usize = 10;
@@ -69,7 +69,7 @@ impl<H: Fn(&[f64]) -> Option<LoadedLimb> + Sync> Surface for Near<'_, '_, '_, H>
     fn tips(&self, count: usize, share: impl Fn(usize, usize) -> f64, tips: &mut [[f64; 3]]) {
         for (index, tip) in tips[..count].iter_mut().enumerate() {
             let start = self.last.borrow().clone();
-            let pose = self.loaded.pose(|axis| share(index, axis), Tier::Linear, start.as_ref());
+            let pose = self.loaded.pose(|axis| share(index, axis), Fidelity::Linear, start.as_ref());
             *tip = pose.as_ref().map_or([f64::NAN; 3], |pose| pose.tip_m);
             if let Ok(pose) = pose {
                 *self.last.borrow_mut() = Some(pose.shape.q);
@@ -81,7 +81,7 @@ impl<H: Fn(&[f64]) -> Option<LoadedLimb> + Sync> Surface for Near<'_, '_, '_, H>
 /// The extents of the poses that are reached; `samples` are those of [`Loaded::sample`] with the same points and seed. `None` where no pose is reached.
 pub fn loaded_extents<H: Fn(&[f64]) -> Option<LoadedLimb> + Sync>(
     loaded: &Loaded<'_, '_, H>,
-    samples: &[Result<[f64; 3], Unreached>],
+    samples: &[Result<[f64; 3], LoadedPoseError>],
     (points, seed): (Points, u64),
     threads: usize,
 ) -> Option<LoadedExtents> {
@@ -89,7 +89,7 @@ pub fn loaded_extents<H: Fn(&[f64]) -> Option<LoadedLimb> + Sync>(
     let (count, corner) = corners(axes, CORNERS_LOG2);
     let share = shares(axes, points, seed);
     let cornered = loaded.each(count, threads, |index| {
-        loaded.pose(|axis| corner(index, axis), Tier::Linear, None).map(|pose| pose.tip_m)
+        loaded.pose(|axis| corner(index, axis), Fidelity::Linear, None).map(|pose| pose.tip_m)
     });
     let place = |share: &dyn Fn(usize) -> f64| -> Place {
         std::array::from_fn(|axis| if axis < axes { share(axis) } else { 0.0 })
@@ -128,12 +128,12 @@ fn reach<H: Fn(&[f64]) -> Option<LoadedLimb> + Sync>(
     place: &Place,
 ) -> Option<LoadedReach> {
     let axes = loaded.space().axes();
-    let linear = loaded.pose(|axis| place[axis], Tier::Linear, None).ok()?.tip_m;
-    let fine = loaded.pose(|axis| place[axis], Tier::Fourfold, None).ok()?.tip_m;
+    let linear = loaded.pose(|axis| place[axis], Fidelity::Linear, None).ok()?.tip_m;
+    let fine = loaded.pose(|axis| place[axis], Fidelity::Fourfold, None).ok()?.tip_m;
     let error_m = linear.iter().zip(fine).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
     let beyond = |moved: usize, by: f64| {
         let there = (place[moved] + by).clamp(0.0, 1.0);
-        loaded.pose(|axis| if axis == moved { there } else { place[axis] }, Tier::Linear, None).is_err()
+        loaded.pose(|axis| if axis == moved { there } else { place[axis] }, Fidelity::Linear, None).is_err()
     };
     Some(LoadedReach {
         value_m: goal.sign * goal.of(&fine, &loaded.space().base()),

@@ -44,7 +44,7 @@ pub struct Axis {
 
 /// Why there is no workspace.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum NoWorkspace {
+pub enum WorkspaceError {
     /// The model has no answer at some pressure of a module's range.
     #[error("module `{0}`: the model has no equilibrium at some pressure of its range")]
     Module(String),
@@ -67,25 +67,25 @@ impl<'a> Workspace<'a> {
     /// Prepares a limb.
     ///
     /// # Errors
-    /// [`NoWorkspace`], as its variants say.
-    pub fn new(limb: &'a Limb, command: Command) -> Result<Self, NoWorkspace> {
+    /// [`WorkspaceError`], as its variants say.
+    pub fn new(limb: &'a Limb, command: Command) -> Result<Self, WorkspaceError> {
         let (mut modules, mut single, mut axes) = (Vec::new(), Vec::new(), Vec::new());
         for (index, module) in limb.modules().iter().enumerate() {
             let pressure_max_pa = highest_pressure_pa(module);
             let ends_at_limit = pressure_max_pa < module.reference_max_pa * (1.0 - 1e-9);
             let made = Module::new(module, pressure_max_pa, each(module, command));
-            let made = made.ok_or_else(|| NoWorkspace::Module(module.name.clone()))?;
+            let made = made.ok_or_else(|| WorkspaceError::Module(module.name.clone()))?;
             let width = module.channels.len() / made.axes();
             for axis in 0..made.axes() {
                 let start = module.channels.start + axis * width;
                 axes.push(Axis { module: index, channels: start..start + width, pressure_max_pa, ends_at_limit });
             }
             let picture = single::Module::new(&made.parts());
-            single.push(picture.ok_or_else(|| NoWorkspace::Module(module.name.clone()))?);
+            single.push(picture.ok_or_else(|| WorkspaceError::Module(module.name.clone()))?);
             modules.push(made);
         }
         if axes.len() > AXES_MAX {
-            return Err(NoWorkspace::TooMany(axes.len()));
+            return Err(WorkspaceError::TooMany(axes.len()));
         }
         Ok(Self { limb, command, modules, single, axes })
     }

@@ -1,7 +1,7 @@
 //! Largest loads against the enumeration of all vertices, and closed forms.
 
 use nalgebra::{DMatrix, DVector, Vector6};
-use softlimb_limb::payload::{Active, Linearised, Outcome, Program, Question, capacity};
+use softlimb_limb::payload::{Active, Linearised, LoadQuery, Outcome, Program, capacity};
 
 use super::common::*;
 
@@ -91,7 +91,7 @@ fn the_largest_load_is_that_of_the_best_vertex() {
     assert!(solved > 100 && infeasible > 5, "{solved} solved, {infeasible} infeasible");
 }
 
-fn question(circle_m: f64, per_load: [f64; 6], constant: [f64; 6], push_max_n: f64) -> Question {
+fn question(circle_m: f64, per_load: [f64; 6], constant: [f64; 6], push_max_n: f64) -> LoadQuery {
     let station = Linearised {
         name: "bundle".into(),
         bundle: three(circle_m, 1.0),
@@ -101,7 +101,7 @@ fn question(circle_m: f64, per_load: [f64; 6], constant: [f64; 6], push_max_n: f
         limits_pa: vec![[0.0, 1e5]; 3],
         push_max_n: vec![push_max_n; 3],
     };
-    Question { bundles: vec![station], arm_m: 0.03 }
+    LoadQuery { bundles: vec![station], arm_m: 0.03 }
 }
 
 /// Against a push along the axis all three push with all they have.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fra_model::State;
 use softlimb_limb::Limb;
-use softlimb_limb::payload::{LoadCase, Outcome, capacity, held_limb};
+use softlimb_limb::payload::{LoadCase, Outcome, capacity, limb_capacity};
 use softlimb_scene as scene;
 
 const GRAVITY: f64 = 9.80665;
@@ -29,7 +29,7 @@ const CASE: LoadCase = LoadCase {
 fn weights_of_a_straight_limb_turn_about_its_base_as_by_hand() {
     let scene = scene_a();
     let limb = Limb::new(&scene).unwrap();
-    let holding = held_limb(&scene, &limb, &rest(&limb), &CASE).unwrap();
+    let holding = limb_capacity(&scene, &limb, &rest(&limb), &CASE).unwrap();
     let wall = scene.modules()[0].elastomer_mass_kg();
     // Near ends at 0, 255 and 510 mm; modules of 240 mm, connectors of 15 mm and 300 g, a gripper of 50 mm and 400 g.
     let places = |k: f64| {
@@ -51,7 +51,7 @@ fn weakest_module_decides_along_the_limb() {
     let scene = scene_a();
     let limb = Limb::new(&scene).unwrap();
     let case = LoadCase { direction: [-1.0, 0.0, 0.0], gravity_m_per_s2: [0.0; 3], ..CASE };
-    let holding = held_limb(&scene, &limb, &rest(&limb), &case).unwrap();
+    let holding = limb_capacity(&scene, &limb, &rest(&limb), &case).unwrap();
     let found = capacity(&holding.question).unwrap();
     assert_eq!(found.outcome, Outcome::Solved);
     let module = &limb.modules()[0];
@@ -79,7 +79,7 @@ fn spacers_and_buckling_order_the_loads() {
     let limb = Limb::new(&scene).unwrap();
     let load = |spacers: u32, buckling_share: f64| {
         let case = LoadCase { direction: [-1.0, 0.0, 0.0], spacers, buckling_share, gravity_m_per_s2: [0.0; 3] };
-        capacity(&held_limb(&scene, &limb, &rest(&limb), &case).unwrap().question).unwrap().load_n
+        capacity(&limb_capacity(&scene, &limb, &rest(&limb), &case).unwrap().question).unwrap().load_n
     };
     let (none, two, free) = (load(0, 0.5), load(2, 0.5), load(0, f64::INFINITY));
     assert!(none < 0.7 * free, "without spacers the tubes buckle first: {none} of {free} N");
@@ -96,13 +96,13 @@ fn own_weights_are_held_in_proportion() {
         limb.modules().iter().zip(&plan.phases[1].values).map(|(m, v)| m.state_at(*v).unwrap()).collect();
     let share = |gravity: f64| {
         let case = LoadCase { gravity_m_per_s2: [0.0, 0.0, -gravity], ..CASE };
-        capacity(&held_limb(&scene, &limb, &bent, &case).unwrap().own_weight()).unwrap()
+        capacity(&limb_capacity(&scene, &limb, &bent, &case).unwrap().own_weight()).unwrap()
     };
     let (one, half) = (share(GRAVITY), share(0.5 * GRAVITY));
     assert_eq!(one.outcome, Outcome::Solved);
     assert!(one.load_n > 0.05 && one.load_n < 1.0, "{} of its own weights", one.load_n);
     assert!((half.load_n - 2.0 * one.load_n).abs() < 1e-6, "{} and {}", one.load_n, half.load_n);
-    let straight = held_limb(&scene, &limb, &rest(&limb), &CASE).unwrap();
+    let straight = limb_capacity(&scene, &limb, &rest(&limb), &CASE).unwrap();
     assert_eq!(capacity(&straight.question).unwrap().outcome, Outcome::Infeasible);
     let none = capacity(&straight.own_weight()).unwrap();
     assert!(none.outcome == Outcome::Solved && none.load_n.abs() < 1e-6, "{none:?}");
@@ -120,7 +120,7 @@ fn pressures_end_at_the_limit_point_where_that_comes_first() {
     let ends = |text: &str| -> Vec<bool> {
         let scene = scene::parse(text, "b.toml").unwrap();
         let limb = Limb::new(&scene).unwrap();
-        let holding = held_limb(&scene, &limb, &rest(&limb), &CASE).unwrap();
+        let holding = limb_capacity(&scene, &limb, &rest(&limb), &CASE).unwrap();
         let most: Vec<f64> = holding.question.bundles.iter().map(|bundle| bundle.limits_pa[0][1]).collect();
         // As `softlimb eval --batch` says of the same tube.
         assert!(most[0] <= 118_783.0, "{most:?}");
@@ -136,9 +136,9 @@ fn load_cases_that_make_no_sense_are_refused() {
     let scene = scene_a();
     let limb = Limb::new(&scene).unwrap();
     let states = rest(&limb);
-    let refused = |case: LoadCase| held_limb(&scene, &limb, &states, &case).unwrap_err().to_string();
+    let refused = |case: LoadCase| limb_capacity(&scene, &limb, &states, &case).unwrap_err().to_string();
     assert!(refused(LoadCase { direction: [0.0; 3], ..CASE }).contains("direction = 0"));
     assert!(refused(LoadCase { buckling_share: 0.0, ..CASE }).contains("buckling_share = 0"));
     assert!(refused(LoadCase { gravity_m_per_s2: [f64::NAN, 0.0, 0.0], ..CASE }).contains("gravity_m_per_s2"));
-    assert!(held_limb(&scene, &limb, &states[..1], &CASE).unwrap_err().to_string().contains("states = 1"));
+    assert!(limb_capacity(&scene, &limb, &states[..1], &CASE).unwrap_err().to_string().contains("states = 1"));
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use fra_model::Motion;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use softlimb_limb::statics::{
-    Bends, Bundle, LoadedLimb, Piece, Rod, Shape, Tangent, Tier, by_tubes, cheapest, cheapest_rod, solve,
+    Bends, Bundle, Fidelity, LoadedLimb, Piece, Rod, Shape, Tangent, by_tubes, cheapest, cheapest_rod, solve,
 };
 
 use crate::samples::samples;
@@ -445,14 +445,14 @@ fn tubes_are_taken_only_where_rods_do_not_do() {
         let load = load_for(&limb, 0.01 * 50_f64.powf(stream.next()));
         let (loaded, length_m) = (limb.loaded(load), limb.length_m());
         let Ok(fine) = cheapest_rod(&loaded, -1.0, length_m) else { continue };
-        assert!(fine.tier == Tier::Fourfold && fine.tubes.is_none());
+        assert!(fine.tier == Fidelity::Fourfold && fine.tubes.is_none());
         let by = |tolerance: f64| cheapest(&loaded, tolerance, length_m).expect("rods carry it");
-        assert!(by(1.5 * fine.error().max(0.01)).tier < Tier::Tubes);
+        assert!(by(1.5 * fine.error().max(0.01)).tier < Fidelity::Tubes);
         let sound = fine.buckling.is_some_and(|tube| tube.ratio() < 0.4);
         if sound && fine.bundle_error > 8.0 * fine.order_error.max(1e-5) {
             let answer = by(0.5 * fine.bundle_error);
             taken += 1;
-            assert_eq!(answer.tier, Tier::Tubes);
+            assert_eq!(answer.tier, Fidelity::Tubes);
             assert!(answer.error() <= 0.5 * fine.bundle_error);
             assert!(answer.tubes.is_some_and(|(_, rods)| rods >= fine.bundle_error));
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
-use softlimb_limb::statics::{Bends, Lost, Rod, solve};
+use softlimb_limb::statics::{Bends, EquilibriumError, Rod, solve};
 
 use crate::statics::{level, slender};
 
@@ -104,7 +104,7 @@ fn buckling_kg(parts: usize, shear_n: f64) -> f64 {
     rod.pieces[0].shear_n = shear_n;
     rod.pieces[0].masses = vec![(0.0, 1.0)];
     match solve(&rod.split(parts), Bends::Linear, None) {
-        Err(Lost::Unstable { share }) => share,
+        Err(EquilibriumError::Unstable { share }) => share,
         other => panic!("a column of 1 kg stands: {other:?}"),
     }
 }

@@ -2,7 +2,7 @@
 //! leaves none at the tip. Runge-Kutta on positions and directors; no code in common with the product.
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3, Vector4};
-use softlimb_limb::statics::{Judged, Rod, Tier, UNKNOWNS, choose};
+use softlimb_limb::statics::{Fidelity, Judged, Rod, UNKNOWNS, choose};
 
 use crate::samples::samples;
 use crate::statics::{Stream, random_rod};
@@ -102,7 +102,7 @@ fn newton(rod: &Rod, share: f64, start: Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 /// Tip by a tier with pieces that are split.
-fn by_tier(rod: &Rod, tier: Tier) -> Option<Vector3<f64>> {
+fn by_fidelity(rod: &Rod, tier: Fidelity) -> Option<Vector3<f64>> {
     let (parts, bends) = tier.pieces();
     softlimb_limb::statics::solve(&rod.split(parts), bends, None).ok().map(|shape| shape.tip().translation.vector)
 }
@@ -114,14 +114,15 @@ fn two_hundred_limbs_against_shooting() {
     let mut worst = [0.0_f64; 4];
     let (mut judged, mut within, mut unnamed) = (0, 0, 0);
     let mut linear = [0; 2];
-    let mut taken = [0; Tier::ALL.len()];
+    let mut taken = [0; Fidelity::ALL.len()];
     let limbs = samples(200) as usize;
     for _ in 0..limbs {
         let load = stream.between(0.05, 0.6);
         let rod = random_rod(&mut stream, load);
         assert_eq!(rod.unknowns(), 3 * UNKNOWNS);
         let length_m: f64 = rod.pieces.iter().map(|piece| piece.length_m + piece.rigid_m).sum();
-        let tiers = [Tier::Constant, Tier::Linear, Tier::Double, Tier::Fourfold].map(|tier| by_tier(&rod, tier));
+        let tiers = [Fidelity::Constant, Fidelity::Linear, Fidelity::Double, Fidelity::Fourfold]
+            .map(|tier| by_fidelity(&rod, tier));
         let (Some(exact), [Some(a), Some(b), Some(c), Some(d)]) = (tip(&rod), tiers) else {
             lost += 1;
             continue;
@@ -135,7 +136,7 @@ fn two_hundred_limbs_against_shooting() {
             linear[0] += usize::from((0.4..=2.5).contains(&((c - b).norm() / length_m / errors[1])));
         }
         let answer = choose(&rod, 0.01, length_m, |_, _, _| Judged::default()).expect("stable, as above");
-        taken[Tier::ALL.iter().position(|tier| *tier == answer.tier).expect("one of them")] += 1;
+        taken[Fidelity::ALL.iter().position(|tier| *tier == answer.tier).expect("one of them")] += 1;
         let error = (answer.shape.tip().translation.vector - exact).norm() / length_m;
         unnamed += usize::from(error > 0.01 && answer.order_error <= 0.01);
         if error > 1e-3 {

@@ -1,7 +1,7 @@
 //! Limbs of scenes: what they carry, which tier is taken, what is refused.
 
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Bundle, Load, LoadedLimb, Tangent, Tier, by_tier, cheapest, cheapest_rod};
+use softlimb_limb::statics::{Bundle, Fidelity, Load, LoadedLimb, Tangent, by_fidelity, cheapest, cheapest_rod};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -60,12 +60,12 @@ fn tubes_without_load_are_the_kinematics() {
 #[test]
 fn light_limb_needs_no_statics_and_a_heavy_one_does() {
     let (limb, length_m) = loaded("[0, 0, -1]", 1e-4, 0.0, 3, 0.0).expect("a limb");
-    assert_eq!(cheapest(&limb, 0.01, length_m).expect("stable").tier, Tier::Kinematic);
+    assert_eq!(cheapest(&limb, 0.01, length_m).expect("stable").tier, Fidelity::Kinematic);
     let (limb, length_m) = loaded("[0, 0, -1]", 1.0, 30e3, 3, 0.0).expect("a limb");
     let answer = cheapest_rod(&limb, 0.01, length_m).expect("a hanging limb is stable");
-    assert!(answer.tier >= Tier::Constant, "{:?}", answer.tier);
+    assert!(answer.tier >= Fidelity::Constant, "{:?}", answer.tier);
     // The finest tier agrees within what the answer says of itself.
-    let (_, shape) = by_tier(&limb.rod, Tier::Fourfold, None).expect("stable");
+    let (_, shape) = by_fidelity(&limb.rod, Fidelity::Fourfold, None).expect("stable");
     let off = (shape.tip().translation.vector - answer.shape.tip().translation.vector).norm() / length_m;
     assert!(off <= 2.5 * answer.order_error + 1e-4, "{off} {}", answer.order_error);
 }
@@ -73,7 +73,7 @@ fn light_limb_needs_no_statics_and_a_heavy_one_does() {
 #[test]
 fn hanging_straight_only_stretches() {
     let (limb, length_m) = loaded("[0, 0, -1]", 1.0, 0.0, 3, 0.5).expect("a limb");
-    let (_, shape) = by_tier(&limb.rod, Tier::Fourfold, None).expect("stable");
+    let (_, shape) = by_fidelity(&limb.rod, Fidelity::Fourfold, None).expect("stable");
     let tip = shape.tip().translation.vector;
     assert!((tip - limb.free_tip().translation.vector).xy().norm() < 1e-9);
     assert!(tip.z < limb.free_tip().translation.vector.z - 1e-3 * length_m, "{tip}");
@@ -93,7 +93,7 @@ fn hard_cases_are_answered_or_refused() {
                         // Tubes only where all of them stand.
                         let stands =
                             || answer.buckling.is_some_and(|tube| tube.ratio() < 1.0) && answer.stability(&limb) > 0.0;
-                        assert!(answer.tier != Tier::Tubes || stands());
+                        assert!(answer.tier != Fidelity::Tubes || stands());
                         let tip = answer.tip().translation.vector;
                         assert!(tip.iter().all(|x| x.is_finite()) && answer.error().is_finite());
                         flagged += usize::from(rods.error() > 0.01);

@@ -1,6 +1,6 @@
 //! Limbs made by seed: repeatable, as the linear route has them where tolerances are small, and not where they are not.
 
-use softlimb_limb::tolerance::{Kind, Settings, Statistics, Study, Unanswerable, Varied, linear, picture, sample};
+use softlimb_limb::tolerance::{Kind, Settings, Statistics, Study, ToleranceError, Varied, linear, picture, sample};
 
 use crate::tolerance::{limb_of, pose, settings};
 
@@ -118,7 +118,7 @@ fn limbs_without_an_answer_are_counted_where_they_end() {
     assert!(found.lost[1] > 50 && found.answered > 50 && !found.linear_is_enough(), "{found:?}");
     let poses = pose(&[20.0, 1.01e-3 * limit_pa]);
     let error = Study::new(&limb, &poses, settings(0.1, 1.0, 10.0)).expect_err("beyond the limit point");
-    assert!(matches!(&error, Unanswerable::Nominal { module, .. } if module == "m1"), "{error}");
+    assert!(matches!(&error, ToleranceError::Nominal { module, .. } if module == "m1"), "{error}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{GRAVITY_M_PER_S2, Load, LoadedLimb, Tangent};
-use softlimb_limb::workspace::{Command, Loaded, Points, Unreached, Workspace, extents, loaded_extents};
+use softlimb_limb::workspace::{Command, Loaded, LoadedPoseError, Points, Workspace, extents, loaded_extents};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -111,7 +111,7 @@ fn poses_that_fall_or_buckle_are_counted_and_not_reached() {
     let poses = loaded.sample(Points::Faces, 200, 1, 2);
     let tally = loaded.tally(&poses);
     assert!(tally.total() == 200 && tally.reached < 200 && tally.buckles.iter().sum::<usize>() > 0, "{tally:?}");
-    let buckles = |pose: &&Result<[f64; 3], Unreached>| matches!(pose, Err(Unreached::Buckles(_)));
+    let buckles = |pose: &&Result<[f64; 3], LoadedPoseError>| matches!(pose, Err(LoadedPoseError::Buckles(_)));
     assert_eq!(poses.iter().filter(buckles).count(), tally.buckles.iter().sum::<usize>());
 }
 

@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::nominal::{NoPose, Nominal, OnLimb, Pose};
+use super::nominal::{Nominal, OnLimb, Pose, PoseError};
 use softlimb_limb::{Limb, LimbModule};
 
 /// The tip has arrived within this, m: on the way, and at a goal.
@@ -49,7 +49,7 @@ impl<'a> Corrector<'a> {
         start_pa: &[f64],
         wanted_m: &Vector3<f64>,
         (on, arrived_m): (OnLimb, f64),
-    ) -> Result<Corrected, NoPose> {
+    ) -> Result<Corrected, PoseError> {
         let home = self.shares(home_pa);
         let mut shares = self.shares(start_pa);
         let mut here = self.at(&shares, wanted_m, on)?;
@@ -79,7 +79,7 @@ impl<'a> Corrector<'a> {
         Ok(here)
     }
 
-    fn at(&mut self, shares: &DVector<f64>, wanted_m: &Vector3<f64>, on: OnLimb) -> Result<Corrected, NoPose> {
+    fn at(&mut self, shares: &DVector<f64>, wanted_m: &Vector3<f64>, on: OnLimb) -> Result<Corrected, PoseError> {
         let pressures_pa: Vec<f64> = shares.iter().zip(&self.spans_pa).map(|(share, span)| share * span).collect();
         let pose = self.nominal.at(&pressures_pa, on)?;
         let off_m = (pose.tip_m() - wanted_m).norm();

@@ -9,7 +9,7 @@ mod correct;
 mod nominal;
 mod slopes;
 
-pub use nominal::{NoPose, Nominal, OnLimb, Pose};
+pub use nominal::{Nominal, OnLimb, Pose, PoseError};
 pub use slopes::planned_slopes;
 
 use fra_model::State;
@@ -23,7 +23,7 @@ use super::wire::to_wire;
 use correct::{AT_GOAL_M, Corrector, ON_THE_WAY_M};
 use nominal::pressures_pa;
 use softlimb_limb::Limb;
-use softlimb_limb::statics::Tier;
+use softlimb_limb::statics::Fidelity;
 use softlimb_scene::Scene;
 
 /// Distance from its place up to which the tip of the loaded limb counts as there, m; as that of a way-point without load.
@@ -39,7 +39,7 @@ type Way<'a> = (&'a [Vec<State<f64>>], &'a [Vector3<f64>]);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weighed {
     /// The model that was taken.
-    pub tier: Tier,
+    pub tier: Fidelity,
     /// The largest error that it says of itself at the ends of phases, as a share of the limb's length.
     pub error: f64,
     /// Tip of the nominal limb under load at each knot, m.
@@ -86,12 +86,12 @@ pub(super) fn corrected(
 
 /// The model that poses need, and the largest error that it says of itself, as a share of the limb's length.
 struct Judged {
-    tier: Tier,
+    tier: Fidelity,
     error: f64,
 }
 
 impl Judged {
-    fn at_rest(scene: &Scene, limb: &Limb, carried: &[Carried], error: f64) -> Result<Self, NoPose> {
+    fn at_rest(scene: &Scene, limb: &Limb, carried: &[Carried], error: f64) -> Result<Self, PoseError> {
         let at_rest = vec![0.0; limb.modules().len()];
         let on = OnLimb::whole(carried.first().map_or(0.0, |carried| carried.move_kg));
         let (tier, error) = Nominal::tier_for(scene, limb, &at_rest, on, error)?;
@@ -219,7 +219,7 @@ fn on_limb(carried: &[Carried], phases: &[PlannedPhase], time_us: u64) -> OnLimb
     }
 }
 
-fn not_carried(phases: &[PlannedPhase], time_us: u64, cause: NoPose) -> Unreachable {
+fn not_carried(phases: &[PlannedPhase], time_us: u64, cause: PoseError) -> Unreachable {
     Unreachable::NotCarried { phase: phase_at(phases, time_us), time_us, cause }
 }
 

@@ -4,7 +4,9 @@ use fra_model::State;
 use nalgebra::{DVector, Vector3};
 
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Buckling, Load, LoadedLimb, Lost, Rod, Shape, Tier, by_tier, cheapest_rod};
+use softlimb_limb::statics::{
+    Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Shape, by_fidelity, cheapest_rod,
+};
 use softlimb_scene::Scene;
 
 /// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.
@@ -32,7 +34,7 @@ pub struct Nominal<'a> {
     scene: &'a Scene,
     limb: &'a Limb,
     bays: Vec<usize>,
-    tier: Tier,
+    tier: Fidelity,
     last: Option<DVector<f64>>,
 }
 
@@ -49,11 +51,11 @@ pub struct Pose {
 
 /// Why there is no shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum NoPose {
+pub enum PoseError {
     /// An actuator has no equilibrium at its pressure.
     NoEquilibrium,
     /// The limb falls.
-    Lost(Lost),
+    EquilibriumError(EquilibriumError),
     /// A tube buckles between two plates.
     Buckles {
         /// Index of its module.
@@ -72,39 +74,40 @@ impl Pose {
     /// The pose, where no tube buckles in it.
     ///
     /// # Errors
-    /// [`NoPose::Buckles`].
-    pub fn unbuckled(self) -> Result<Self, NoPose> {
+    /// [`PoseError::Buckles`].
+    pub fn unbuckled(self) -> Result<Self, PoseError> {
         stands(self.limb.buckling(&self.rod, &self.shape))?;
         Ok(self)
     }
 }
 
-fn stands(worst: Option<Buckling>) -> Result<(), NoPose> {
+fn stands(worst: Option<Buckling>) -> Result<(), PoseError> {
     match worst {
-        Some(tube) if tube.ratio() >= 1.0 => Err(NoPose::Buckles { module: tube.module, ratio: tube.ratio() }),
+        Some(tube) if tube.ratio() >= 1.0 => Err(PoseError::Buckles { module: tube.module, ratio: tube.ratio() }),
         _ => Ok(()),
     }
 }
 
 impl<'a> Nominal<'a> {
     /// The limb by one tier.
-    pub fn new(scene: &'a Scene, limb: &'a Limb, tier: Tier) -> Self {
+    pub fn new(scene: &'a Scene, limb: &'a Limb, tier: Fidelity) -> Self {
         let bays = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
         Self { scene, limb, bays, tier, last: None }
     }
 
     /// The tier.
-    pub fn tier(&self) -> Tier {
+    pub fn tier(&self) -> Fidelity {
         self.tier
     }
 
     /// The shape at gauge pressures, Pa, one a module.
     ///
     /// # Errors
-    /// [`NoPose`].
-    pub fn at(&mut self, pressures_pa: &[f64], on: OnLimb) -> Result<Pose, NoPose> {
-        let limb = self.loaded(pressures_pa, on).ok_or(NoPose::NoEquilibrium)?;
-        let (rod, shape) = by_tier(&limb.rod, self.tier, self.last.as_ref()).map_err(NoPose::Lost)?;
+    /// [`PoseError`].
+    pub fn at(&mut self, pressures_pa: &[f64], on: OnLimb) -> Result<Pose, PoseError> {
+        let limb = self.loaded(pressures_pa, on).ok_or(PoseError::NoEquilibrium)?;
+        let (rod, shape) =
+            by_fidelity(&limb.rod, self.tier, self.last.as_ref()).map_err(PoseError::EquilibriumError)?;
         self.last = Some(shape.q.clone());
         Ok(Pose { limb, rod, shape })
     }
@@ -147,18 +150,19 @@ impl<'a> Nominal<'a> {
     /// The cheapest tier of rods for a pose, from the linear one on, and the error that it says of itself, as a share of the limb's length.
     ///
     /// # Errors
-    /// [`NoPose`].
+    /// [`PoseError`].
     pub fn tier_for(
         scene: &Scene,
         limb: &Limb,
         pressures_pa: &[f64],
         on: OnLimb,
         error: f64,
-    ) -> Result<(Tier, f64), NoPose> {
-        let loaded = Nominal::new(scene, limb, Tier::Linear).loaded(pressures_pa, on).ok_or(NoPose::NoEquilibrium)?;
-        let answer = cheapest_rod(&loaded, error, scene.rest_length_m()).map_err(NoPose::Lost)?;
+    ) -> Result<(Fidelity, f64), PoseError> {
+        let loaded =
+            Nominal::new(scene, limb, Fidelity::Linear).loaded(pressures_pa, on).ok_or(PoseError::NoEquilibrium)?;
+        let answer = cheapest_rod(&loaded, error, scene.rest_length_m()).map_err(PoseError::EquilibriumError)?;
         stands(answer.buckling)?;
-        Ok((answer.tier.max(Tier::Linear), answer.error()))
+        Ok((answer.tier.max(Fidelity::Linear), answer.error()))
     }
 }
 

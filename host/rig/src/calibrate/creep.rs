@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::descent::{Local, descend};
 use super::estimate::{Column, Shown, Value, enough, judge};
-use super::{Refusal, Settings};
+use super::{CalibrationError, Settings};
 
 const NAMES: [&str; 3] = ["immediate", "creep_share", "creep_time_s"];
 
@@ -34,12 +34,13 @@ pub struct CreepFit {
 /// Finds what follows at once, the share that creeps, and its time constant.
 ///
 /// # Errors
-/// [`Refusal`]; above all where the series is too short to tell how far the creep goes and how fast.
-pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, Refusal> {
+/// [`CalibrationError`]; above all where the series is too short to tell how far the creep goes and how fast.
+pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, CalibrationError> {
     settings.check()?;
     let points = &step.points;
     enough(points.len(), NAMES.len(), settings.noise)?;
-    let invalid = |field, value, allowed| Refusal::Invalid { field, value, place: "the series".into(), allowed };
+    let invalid =
+        |field, value, allowed| CalibrationError::Invalid { field, value, place: "the series".into(), allowed };
     if !(step.accuracy.is_finite() && step.accuracy > 0.0) {
         return Err(invalid("accuracy", step.accuracy, "finite and > 0"));
     }
@@ -72,7 +73,7 @@ pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, Refusal> 
             let slopes = [size * (1.0 + share * (1.0 - left)), a * (1.0 - left), -a * share * left * point[0] / time];
             slopes.iter().enumerate().for_each(|(k, slope)| local.jacobian[(row, k)] = slope / step.accuracy);
         }
-        Ok::<_, Refusal>(local)
+        Ok::<_, CalibrationError>(local)
     };
     let end = descend(start, at)?;
     let time = end.place[2].exp();
@@ -91,7 +92,7 @@ pub fn fit_creep(step: &Step, settings: &Settings) -> Result<CreepFit, Refusal> 
     let advice = "Measure for two or three time constants, from the first tenth of one on; a share too small to be seen has no time.";
     let judged = judge(&columns, &end.local.residuals, &scaled, settings, |_| advice.into())?;
     if !end.settled {
-        return Err(Refusal::NotSettled { steps: end.steps });
+        return Err(CalibrationError::NotSettled { steps: end.steps });
     }
     let modelled = points.iter().zip(&end.local.residuals).map(|(point, r)| point[1] + r * step.accuracy).collect();
     Ok(CreepFit { values: judged.values(&NAMES, &columns), modelled })

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Property, Refusal, Settings};
+use super::{CalibrationError, Property, Settings};
 use softlimb_numerics::statistics::student_quantile;
 
 /// Columns of the Jacobian whose condition exceeds this are the same column, whatever the accuracy of the data.
@@ -100,14 +100,14 @@ pub(super) struct Judgement {
 /// Judges an answer. `jacobian` is that of the residuals in units of the stated accuracy by the unknowns in units of their tolerance.
 ///
 /// # Errors
-/// [`Refusal::TooFewPoints`] and [`Refusal::NotIdentified`].
+/// [`CalibrationError::TooFewPoints`] and [`CalibrationError::NotIdentified`].
 pub(super) fn judge(
     columns: &[Column],
     residuals: &DVector<f64>,
     jacobian: &DMatrix<f64>,
     settings: &Settings,
     advise: impl Fn(&[usize]) -> String,
-) -> Result<Judgement, Refusal> {
+) -> Result<Judgement, CalibrationError> {
     let Settings { noise, confidence } = *settings;
     let (points, unknowns) = jacobian.shape();
     enough(points, unknowns, noise)?;
@@ -116,7 +116,7 @@ pub(super) fn judge(
     let condition = condition(jacobian);
     let svd = jacobian.clone().svd(false, true);
     let (Some(directions), singular) = (svd.v_t, svd.singular_values) else {
-        return Err(Refusal::NotSettled { steps: 0 });
+        return Err(CalibrationError::NotSettled { steps: 0 });
     };
     let least = singular.imin();
     let variance = |k: usize| (0..unknowns).map(|i| (directions[(i, k)] / singular[i]).powi(2)).sum::<f64>();
@@ -142,9 +142,9 @@ pub(super) fn judge(
 }
 
 /// Refuses fewer points than it takes.
-pub(super) fn enough(points: usize, unknowns: usize, noise: Noise) -> Result<(), Refusal> {
+pub(super) fn enough(points: usize, unknowns: usize, noise: Noise) -> Result<(), CalibrationError> {
     let needed = unknowns + usize::from(noise == Noise::FromResiduals);
-    if points < needed { Err(Refusal::TooFewPoints { unknowns, points, needed }) } else { Ok(()) }
+    if points < needed { Err(CalibrationError::TooFewPoints { unknowns, points, needed }) } else { Ok(()) }
 }
 
 /// Condition number with columns of equal length; infinite where one of them is zero.
@@ -167,7 +167,7 @@ fn confused(
     jacobian: &DMatrix<f64>,
     direction: DVector<f64>,
     advise: impl Fn(&[usize]) -> String,
-) -> Refusal {
+) -> CalibrationError {
     let largest = direction.amax();
     let direction = direction / largest;
     let mut named: Vec<usize> = (0..columns.len()).filter(|k| direction[*k].abs() >= NAMED).collect();
@@ -175,7 +175,7 @@ fn confused(
     // The first of them grows.
     let sign = named.first().map_or(1.0, |first| direction[*first].signum());
     let changes = named.iter().map(|k| change(&columns[*k], sign * direction[*k])).collect();
-    Refusal::NotIdentified {
+    CalibrationError::NotIdentified {
         names: named.iter().map(|k| columns[*k].name.clone()).collect(),
         changes,
         moved: (jacobian * direction).amax(),

@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::body::{Answer, NoAnswer};
 use super::descent::{Local, descend};
+use super::error::advice;
 use super::estimate::{Column, Estimate, Noise, enough, judge};
-use super::refusal::advice;
-use super::{Body, Property, Refusal};
+use super::{Body, CalibrationError, Property};
 use crate::record::Quantity;
 
 /// A pressure and the deformation it went with, at rest.
@@ -57,10 +57,10 @@ impl Default for Settings {
 
 impl Settings {
     /// Refuses a confidence that is none.
-    pub(super) fn check(&self) -> Result<(), Refusal> {
+    pub(super) fn check(&self) -> Result<(), CalibrationError> {
         let (field, value, allowed) = ("confidence", self.confidence, "0.5 to 0.9999");
         let accepted = (0.5..=0.9999).contains(&value);
-        accepted.then_some(()).ok_or(Refusal::Invalid { field, value, place: "the settings".into(), allowed })
+        accepted.then_some(()).ok_or(CalibrationError::Invalid { field, value, place: "the settings".into(), allowed })
     }
 }
 
@@ -94,8 +94,8 @@ pub struct Fit {
 ///
 /// ```
 /// use fra_model::*;
-/// use softlimb::calibrate::{Body, Observation, Property, Settings, Unknown, fit};
-/// use softlimb::record::Quantity;
+/// use softlimb_rig::calibrate::{Body, Observation, Property, Settings, Unknown, fit};
+/// use softlimb_rig::record::Quantity;
 /// let finger = ActuatorParameters {
 ///     motion: Motion::Bending,
 ///     inner_radius_m: 6e-3,
@@ -115,17 +115,17 @@ pub struct Fit {
 /// let unknown = [Unknown::of(Property::ShearModulus, 0)];
 /// let found = fit(&[Body::new("finger", finger)], &seen, &unknown, &Settings::default())?;
 /// assert!((found.estimates[0].value - 0.2e6).abs() < 1e3);
-/// # Ok::<(), softlimb::calibrate::Refusal>(())
+/// # Ok::<(), softlimb_rig::calibrate::CalibrationError>(())
 /// ```
 ///
 /// # Errors
-/// [`Refusal`], as its variants say; above all where the data cannot tell what is asked.
+/// [`CalibrationError`], as its variants say; above all where the data cannot tell what is asked.
 pub fn fit(
     bodies: &[Body],
     observations: &[Observation],
     unknowns: &[Unknown],
     settings: &Settings,
-) -> Result<Fit, Refusal> {
+) -> Result<Fit, CalibrationError> {
     settings.check()?;
     check(bodies, observations)?;
     let starts = unknowns.iter().map(|unknown| start(bodies, unknown)).collect::<Result<Vec<f64>, _>>()?;
@@ -159,7 +159,7 @@ pub fn fit(
     let advise = |named: &[usize]| advice(&named.iter().map(|k| unknowns[*k].property).collect::<Vec<_>>());
     let judged = judge(&columns, &end.local.residuals, &jacobian, settings, advise)?;
     if !end.settled {
-        return Err(Refusal::NotSettled { steps: end.steps });
+        return Err(CalibrationError::NotSettled { steps: end.steps });
     }
     let estimates = columns
         .into_iter()
@@ -234,7 +234,7 @@ impl Problem<'_> {
     }
 
     /// A place from which every observation has an answer: the start, or the start with harder walls.
-    fn solvable(&self, start: DVector<f64>) -> Result<DVector<f64>, Refusal> {
+    fn solvable(&self, start: DVector<f64>) -> Result<DVector<f64>, CalibrationError> {
         let first = self.local(&start);
         let Err((_, NoAnswer::BeyondLimit(_))) = &first else {
             return first.map(|_| start).map_err(|error| self.refused(error));
@@ -253,20 +253,23 @@ impl Problem<'_> {
         first.map(|_| start).map_err(|error| self.refused(error))
     }
 
-    fn refused(&self, (row, error): Trouble) -> Refusal {
+    fn refused(&self, (row, error): Trouble) -> CalibrationError {
         let seen = &self.observations[row];
         let body = self.bodies[seen.body].name.clone();
         match error {
-            NoAnswer::Invalid(error) => {
-                Refusal::Invalid { field: error.field, value: error.value, place: body, allowed: error.allowed }
-            }
-            NoAnswer::BeyondLimit(limit_pa) => Refusal::NoEquilibrium {
+            NoAnswer::Invalid(error) => CalibrationError::Invalid {
+                field: error.field,
+                value: error.value,
+                place: body,
+                allowed: error.allowed,
+            },
+            NoAnswer::BeyondLimit(limit_pa) => CalibrationError::NoEquilibrium {
                 body,
                 reading_pa: seen.reading_pa,
                 limit_pa,
                 hint: "check the parameters of the start, or leave these points out",
             },
-            NoAnswer::NoDerivative => Refusal::NoEquilibrium {
+            NoAnswer::NoDerivative => CalibrationError::NoEquilibrium {
                 body,
                 reading_pa: seen.reading_pa,
                 limit_pa: None,
@@ -287,11 +290,11 @@ fn name(bodies: &[Body], unknown: &Unknown) -> String {
 }
 
 /// The value an unknown starts with.
-fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, Refusal> {
+fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, CalibrationError> {
     let property = unknown.property;
     let value = |index: usize| {
         let body = &bodies[index];
-        property.value(body).ok_or_else(|| Refusal::NoSuchProperty {
+        property.value(body).ok_or_else(|| CalibrationError::NoSuchProperty {
             body: body.name.clone(),
             property,
             because: if property.is_of_winding() {
@@ -303,7 +306,7 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, Refusal> {
     };
     let known = |index: &usize| *index < bodies.len();
     let Some(first) = unknown.bodies.first().filter(|_| unknown.bodies.iter().all(known)) else {
-        return Err(Refusal::Invalid {
+        return Err(CalibrationError::Invalid {
             field: "bodies",
             value: unknown.bodies.len() as f64,
             place: format!("the unknown {property}"),
@@ -314,7 +317,7 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, Refusal> {
     for other in &unknown.bodies[1..] {
         let other_value = value(*other)?;
         if (other_value - start).abs() > 1e-9 * start.abs() {
-            return Err(Refusal::Different {
+            return Err(CalibrationError::Different {
                 property,
                 first: bodies[*first].name.clone(),
                 first_value: start,
@@ -327,8 +330,9 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, Refusal> {
     Ok(start)
 }
 
-fn check(bodies: &[Body], observations: &[Observation]) -> Result<(), Refusal> {
-    let invalid = |field, value, place: String, allowed| Err(Refusal::Invalid { field, value, place, allowed });
+fn check(bodies: &[Body], observations: &[Observation]) -> Result<(), CalibrationError> {
+    let invalid =
+        |field, value, place: String, allowed| Err(CalibrationError::Invalid { field, value, place, allowed });
     for body in bodies {
         if !(body.pressure_gain.is_finite() && body.pressure_gain > 0.0) {
             return invalid("pressure_gain", body.pressure_gain, body.name.clone(), "finite and > 0");

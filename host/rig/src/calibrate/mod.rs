@@ -7,24 +7,24 @@
 mod body;
 mod creep;
 mod descent;
+mod error;
 mod estimate;
 mod fit;
 mod holds;
 mod picture;
 mod points;
 mod property;
-mod refusal;
 mod runs;
 mod tension;
 
 pub use body::Body;
 pub use creep::{CreepFit, Step, fit_creep};
+pub use error::CalibrationError;
 pub use estimate::{Estimate, Noise, Value};
 pub use fit::{Fit, Observation, Settings, Unknown, fit};
 pub use holds::{Hold, holds};
 pub use picture::{picture, tension_picture};
 pub use points::{Point, Points};
 pub use property::Property;
-pub use refusal::Refusal;
 pub use softlimb_files::table::TableError;
 pub use tension::{Law, Tension, TensionFit, fit_tension};

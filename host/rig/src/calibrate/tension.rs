@@ -7,7 +7,7 @@ use fra_model::Material;
 use nalgebra::{DMatrix, DVector};
 
 use super::estimate::{Column, Shown, Value, enough, judge};
-use super::{Refusal, Settings};
+use super::{CalibrationError, Settings};
 use softlimb_files::table::{Known, Table, TableError};
 
 /// A law of the elastomer.
@@ -151,15 +151,20 @@ fn shares(law: Law, stretch: f64) -> Vec<f64> {
 /// accuracy is refused.
 ///
 /// # Errors
-/// [`Refusal`].
-pub fn fit_tension(test: &Tension, law: Law, accuracy: f64, settings: &Settings) -> Result<TensionFit, Refusal> {
+/// [`CalibrationError`].
+pub fn fit_tension(
+    test: &Tension,
+    law: Law,
+    accuracy: f64,
+    settings: &Settings,
+) -> Result<TensionFit, CalibrationError> {
     settings.check()?;
     let points = &test.points;
     let most_pa = points.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
     let accuracy_pa = accuracy * most_pa;
     if !(accuracy_pa.is_finite() && accuracy_pa > 0.0) {
         let (place, allowed) = ("the tensile test".into(), "> 0, with a stress that is not 0");
-        return Err(Refusal::Invalid { field: "accuracy", value: accuracy, place, allowed });
+        return Err(CalibrationError::Invalid { field: "accuracy", value: accuracy, place, allowed });
     }
     let names = law.names();
     // The undeformed state says nothing: any law is free of stress there.
@@ -176,7 +181,7 @@ pub fn fit_tension(test: &Tension, law: Law, accuracy: f64, settings: &Settings)
     let material = law.material(values.as_slice());
     if material.shear_modulus_pa() <= 0.0 {
         let (field, value) = ("shear_modulus_pa", material.shear_modulus_pa());
-        return Err(Refusal::Invalid { field, value, place: "the fitted law".into(), allowed: "> 0" });
+        return Err(CalibrationError::Invalid { field, value, place: "the fitted law".into(), allowed: "> 0" });
     }
     let stretches = || points.iter().map(|point| point[0]);
     Ok(TensionFit {

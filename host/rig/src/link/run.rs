@@ -145,7 +145,9 @@ impl<T: Transport> Run<'_, T> {
             let device_us = clock.device_us(now_us);
             match self.driver.session.state() {
                 // A host that overslept the end finds the device holding.
-                Some(DeviceState::Running | DeviceState::Holding) if self.is_over(device_us, end_us) => return Ok(()),
+                Some(DeviceState::Running | DeviceState::Holding) if self.is_over(device_us, end_us) => {
+                    return Ok(());
+                }
                 Some(DeviceState::Running) => has_run = true,
                 Some(DeviceState::Ready) if !has_run && device_us < start_us + STATE_NEWS_US => {}
                 Some(DeviceState::Ready) if !has_run => {

@@ -4,12 +4,14 @@ use nalgebra::{DVector, Vector3};
 
 use super::creep::crept;
 use super::{EstimationError, Observation};
-use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, Tier, by_tier, positions};
+use softlimb_limb::statics::{
+    Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, by_fidelity, positions,
+};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
 
 /// The finest tier of rods, by which the simulated limb hangs too: a few poses cost nothing.
-const TIER: Tier = Tier::Fourfold;
+const TIER: Fidelity = Fidelity::Fourfold;
 
 /// The limb of one observation, from mass to mass; each solve starts from the last shape.
 pub(super) struct Posed {
@@ -55,7 +57,7 @@ impl Posed {
         let weight_n = Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2);
         self.rod.tip_force_n = weight_n * kg;
         let falls = EstimationError::Falls { line: self.line };
-        let (rod, shape) = by_tier(&self.rod, TIER, self.last.as_ref()).map_err(|_| falls.clone())?;
+        let (rod, shape) = by_fidelity(&self.rod, TIER, self.last.as_ref()).map_err(|_| falls.clone())?;
         let compliance = shape.compliance_m_per_n(&rod, TIER.pieces().1).ok_or(falls)?;
         let at_m = shape.tip().translation.vector;
         self.last = Some(shape.q);

@@ -8,13 +8,13 @@ use nalgebra::DVector;
 use softlimb_sim::plant::Truth;
 
 use crate::record::FaultRecord;
-use softlimb_limb::statics::{Bundle, Load, LoadedLimb, Lost, Tangent, Tier, by_tier};
+use softlimb_limb::statics::{Bundle, EquilibriumError, Fidelity, Load, LoadedLimb, Tangent, by_fidelity};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Carried, Plan, carried, payload_kg};
 use softlimb_scene::{Scene, SetpointKind};
 
 /// The finest tier of rods: what plans a limb uses a coarser one.
-const TIER: Tier = Tier::Fourfold;
+const TIER: Fidelity = Fidelity::Fourfold;
 /// Compression of a tube over its load of buckling from which no rod is right, and at which it has buckled.
 const NEAR_BUCKLING: f64 = 0.5;
 const BUCKLED: f64 = 1.0;
@@ -81,9 +81,9 @@ impl<'a> Hanging<'a> {
             );
             return (None, faults);
         };
-        let (rod, shape) = match by_tier(&limb.rod, TIER, self.last.as_ref()) {
+        let (rod, shape) = match by_fidelity(&limb.rod, TIER, self.last.as_ref()) {
             Ok(found) => found,
-            Err(Lost::Unstable { share }) => {
+            Err(EquilibriumError::Unstable { share }) => {
                 self.lost = true;
                 let carries =
                     format!("the limb falls: it carries {:.1} % of its load, and where to is not known", 100.0 * share);

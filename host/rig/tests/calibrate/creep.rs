@@ -1,6 +1,6 @@
 //! Creep from steps, by its closed form.
 
-use softlimb_rig::calibrate::{Refusal, Settings, Step, fit_creep};
+use softlimb_rig::calibrate::{CalibrationError, Settings, Step, fit_creep};
 
 use crate::calibrate::noise::{Noise, is_binomial};
 use crate::calibrate::tube::grid;
@@ -42,10 +42,10 @@ fn intervals_of_creep_hold_the_truth_about_as_often_as_they_say() {
 fn a_step_too_short_for_its_creep_is_refused() {
     let mut noise = Noise::seeded(7);
     let short = fit_creep(&step(0.6, 40, || 2e-4 * noise.normal(), 2e-4), &Settings::default()).unwrap_err();
-    assert!(matches!(short, Refusal::NotIdentified { .. }), "{short}");
+    assert!(matches!(short, CalibrationError::NotIdentified { .. }), "{short}");
     assert!(short.to_string().contains("two or three time constants"), "{short}");
     let still = Step { rest: 1.0, points: vec![[0.1, 1.0], [0.2, 1.0], [0.3, 1.0], [0.4, 1.0]], accuracy: 1e-4 };
     assert!(fit_creep(&still, &Settings::default()).unwrap_err().to_string().contains("different from that at rest"));
     let few = Step { points: vec![[0.1, 1.1], [0.2, 1.2]], ..still };
-    assert!(matches!(fit_creep(&few, &Settings::default()), Err(Refusal::TooFewPoints { needed: 4, .. })));
+    assert!(matches!(fit_creep(&few, &Settings::default()), Err(CalibrationError::TooFewPoints { needed: 4, .. })));
 }

@@ -1,23 +1,23 @@
 //! Data that cannot tell what is asked, and questions that make no sense.
 
-use softlimb_rig::calibrate::{Fit, Noise, Observation, Property, Refusal, Settings, Unknown, fit};
+use softlimb_rig::calibrate::{CalibrationError, Fit, Noise, Observation, Property, Settings, Unknown, fit};
 
 use crate::calibrate::tube::{Tube, grid};
 
 /// An accuracy that a good camera has.
 const CAMERA: f64 = 1e-3;
 
-fn asked(tube: &Tube, data: &[Observation], properties: &[Property]) -> Result<Fit, Refusal> {
+fn asked(tube: &Tube, data: &[Observation], properties: &[Property]) -> Result<Fit, CalibrationError> {
     let unknowns: Vec<_> = properties.iter().map(|property| Unknown::of(*property, 0)).collect();
     fit(&[tube.body("arm")], data, &unknowns, &Settings::default())
 }
 
 /// Names and text of a refusal for want of information.
-fn confused(answer: Result<Fit, Refusal>) -> (Vec<String>, String) {
+fn confused(answer: Result<Fit, CalibrationError>) -> (Vec<String>, String) {
     match answer {
-        Err(refusal @ Refusal::NotIdentified { .. }) => {
+        Err(refusal @ CalibrationError::NotIdentified { .. }) => {
             let text = refusal.to_string();
-            let Refusal::NotIdentified { names, .. } = refusal else { unreachable!() };
+            let CalibrationError::NotIdentified { names, .. } = refusal else { unreachable!() };
             (names, text)
         }
         other => panic!("{other:?}"),
@@ -43,7 +43,7 @@ fn two_unknowns_from_one_point_are_refused_also_when_it_is_repeated() {
     let tube = Tube { angle: 0.05, ..Tube::soft() };
     let point = tube.observed(0, &[1.2], CAMERA)[0];
     let both = [Property::ShearModulus, Property::PressureOffset];
-    let few = Refusal::TooFewPoints { unknowns: 2, points: 1, needed: 3 };
+    let few = CalibrationError::TooFewPoints { unknowns: 2, points: 1, needed: 3 };
     assert_eq!(asked(&tube, &[point], &both), Err(few.clone()));
     assert!(few.to_string().contains("3 points are the fewest"), "{few}");
     let (names, text) = confused(asked(&tube, &[point; 20], &both));
@@ -113,6 +113,9 @@ fn pressures_beyond_every_limit_point_are_refused_with_the_limit() {
     let mut data = tube.seen(0, held, CAMERA);
     data[0].reading_pa = 900e3;
     let refused = asked(&tube, &data, &[Property::FiberModulus]).unwrap_err();
-    assert!(matches!(refused, Refusal::NoEquilibrium { limit_pa: Some(limit), .. } if limit < 200e3), "{refused}");
+    assert!(
+        matches!(refused, CalibrationError::NoEquilibrium { limit_pa: Some(limit), .. } if limit < 200e3),
+        "{refused}"
+    );
     assert!(refused.to_string().contains("at 900000 Pa (its limit point is at"), "{refused}");
 }

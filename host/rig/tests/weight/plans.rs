@@ -3,7 +3,7 @@
 use fra_model::State;
 use nalgebra::Vector3;
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Load, LoadedLimb, Tier, by_tier};
+use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, by_fidelity};
 use softlimb_motion as motion;
 use softlimb_motion::{Nominal, OnLimb, Plan, carried, payload_kg};
 use softlimb_scene::Scene;
@@ -25,12 +25,12 @@ fn refused(scene: &Scene) -> String {
 }
 
 /// The tip of the loaded nominal limb, straight from the statics.
-fn tip(scene: &Scene, limb: &Limb, states: &[State<f64>], payload_kg: f64, tier: Tier) -> Vector3<f64> {
+fn tip(scene: &Scene, limb: &Limb, states: &[State<f64>], payload_kg: f64, tier: Fidelity) -> Vector3<f64> {
     let channels: Vec<f64> = states.iter().flat_map(|state| [state.pressure_pa.max(0.0); 3]).collect();
     let bays: Vec<usize> = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
     let load = Load { payload_kg, ..Load::default() };
     let loaded = LoadedLimb::new(scene, limb, &channels, &bays, &load).expect("a bundle");
-    by_tier(&loaded.rod, tier, None).expect("it stands").1.tip().translation.vector
+    by_fidelity(&loaded.rod, tier, None).expect("it stands").1.tip().translation.vector
 }
 
 #[test]
@@ -49,8 +49,8 @@ fn under_load_the_tip_is_at_the_goals_of_the_plan_without() {
             let goal = Vector3::from(limb.tip(&free.states_at(time_us as f64)));
             let states = plan.states_at(time_us as f64);
             let [coarse, fine] =
-                [weighed.tier, Tier::Fourfold].map(|tier| (tip(&scene, &limb, &states, kg, tier) - goal).norm());
-            let sag = (tip(&scene, &limb, &free.states_at(time_us as f64), kg, Tier::Fourfold) - goal).norm();
+                [weighed.tier, Fidelity::Fourfold].map(|tier| (tip(&scene, &limb, &states, kg, tier) - goal).norm());
+            let sag = (tip(&scene, &limb, &free.states_at(time_us as f64), kg, Fidelity::Fourfold) - goal).norm();
             println!(
                 "{}: {:.1} mm off without correction, {:.4} with, {:.3} by the finest model",
                 phase.name,
@@ -88,7 +88,7 @@ fn derivatives_of_the_loaded_tip_are_those_of_differences() {
     let scene = repository("loaded/carry-hanging", "");
     let limb = Limb::new(&scene).expect("a limb");
     let (pressures, spans, on) = ([30e3, 60e3, 20e3], [4e4, 15e4, 9e4], OnLimb::whole(0.7));
-    let mut nominal = Nominal::new(&scene, &limb, Tier::Linear);
+    let mut nominal = Nominal::new(&scene, &limb, Fidelity::Linear);
     let pose = nominal.at(&pressures, on).expect("it stands");
     let velocities = nominal.velocities_m(&pose, &pressures, on, &spans).expect("stable");
     for module in 0..3 {

@@ -73,13 +73,13 @@ fn coefficients(u: f64) -> [f64; 3] {
 /// A limb as a solid: its centre line with a radius along it.
 ///
 /// ```
-/// use softlimb::obstacle::{Body, Shape};
+/// use softlimb_scene::collision::{Body, Shape};
 ///
 /// let mut body = Body::new(&nalgebra::Isometry3::identity());
 /// body.rigid(1.0, 0.05);
 /// let ball = Shape::sphere([0.3, 0.0, 0.5], 0.1)?;
 /// assert!((body.clearance(&ball).unwrap().distance_m - 0.15).abs() < 1e-5);
-/// # Ok::<(), softlimb::range::OutOfRange>(())
+/// # Ok::<(), softlimb_files::range::OutOfRange>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {

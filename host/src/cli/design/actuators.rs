@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::cli::shared::{about, read, show};
 use crate::cli::{Failure, Outcome};
-use softlimb_design::actuators::{Answer, Effort, Objective, Problem, SegmentAnswer, solve};
+use softlimb_design::actuators::{Answer, Budget, Objective, Problem, SegmentAnswer, solve};
 
 /// Find geometry and pressures for target deformations, eq. (14) of the paper
 #[derive(Args)]
@@ -36,17 +36,17 @@ pub(super) struct Search {
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
     /// Most local solves of the search for target deformations
-    #[arg(long, value_name = "N", default_value_t = Effort::default().starts as u32, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = Budget::default().starts as u32, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     starts: u32,
 }
 
 impl Search {
     pub(super) fn solve(&self, problem: &Problem) -> Result<Answer, Failure> {
-        let default = Effort::default();
+        let default = Budget::default();
         let starts = self.starts as usize;
         // More starts than usual are a wish for more search: no bound but theirs then.
         let evaluations = if starts > default.starts { u64::MAX } else { default.evaluations };
-        let effort = Effort { seed: self.seed, starts, agreeing: default.agreeing.max(starts / 8), evaluations };
+        let effort = Budget { seed: self.seed, starts, agreeing: default.agreeing.max(starts / 8), evaluations };
         solve(problem, &effort).map_err(Failure::new)
     }
 }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::cli::shared::{about, read, show};
 use crate::cli::{Failure, Outcome};
-use softlimb_design::bundle::{Answer, Effort, ForceProblem, search};
+use softlimb_design::bundle::{Answer, Budget, ForceProblem, search};
 
 /// Design a bundle of actuators for target forces and moments, eq. (18) of the paper
 #[derive(Args)]
@@ -18,7 +18,7 @@ pub(super) struct Bundle {
     #[arg(value_name = "FILE")]
     problem: PathBuf,
     /// Seed of the starts after the first, which is the middle of the bounds
-    #[arg(long, default_value_t = Effort::default().seed)]
+    #[arg(long, default_value_t = Budget::default().seed)]
     seed: u64,
     /// Print JSON
     #[arg(long)]
@@ -28,7 +28,7 @@ pub(super) struct Bundle {
 impl Bundle {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let problem = ForceProblem::read(&read(&self.problem)?).map_err(|error| about(&self.problem)(&error))?;
-        let effort = Effort { seed: self.seed, ..Effort::default() };
+        let effort = Budget { seed: self.seed, ..Budget::default() };
         let answer = search(&problem, &effort).map_err(Failure::new)?;
         show(self.json, &answer, || table(&answer))?;
         Ok(Outcome::Done)

@@ -14,7 +14,7 @@ use softlimb_design::from_scene::{
     BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
 };
 use softlimb_design::synthesis as path;
-use softlimb_design::synthesis::{Candidate, Choice, Choosing, Effort};
+use softlimb_design::synthesis::{Budget, Candidate, Choice, Choosing};
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
@@ -80,7 +80,7 @@ impl LimbDesign {
         let tasked = task(&scene)?;
         match scene.design().and_then(|design| design.choice.as_ref()) {
             None => {
-                let effort = Effort { seed: self.search.seed, ..Effort::default() };
+                let effort = Budget { seed: self.search.seed, ..Budget::default() };
                 let plan = |limb: &Candidate| self.via_points(&scene, &tasked, limb);
                 let found = design_to_run(&tasked.task, &tasked.spaces, &effort, plan).map_err(Failure::new)?;
                 let outcome = self.finish(&scene, &tasked, &found.limb, Vec::new());

@@ -10,7 +10,7 @@ use crate::cli::shared::{above_zero, limb, quantity, show, write};
 use crate::cli::{Failure, Outcome, note};
 use softlimb_design::blocked::{blocked_designs, picture};
 use softlimb_limb::Limb;
-use softlimb_limb::payload::{LoadCase, capacity, held_limb};
+use softlimb_limb::payload::{LoadCase, capacity, limb_capacity};
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
 
@@ -104,9 +104,9 @@ impl CapacityMode {
 }
 
 fn pose(scene: &Scene, limb: &Limb, name: String, states: &[State<f64>], case: &LoadCase) -> Result<Pose, Failure> {
-    let holding = held_limb(scene, limb, states, case).map_err(Failure::new)?;
+    let holding = limb_capacity(scene, limb, states, case).map_err(Failure::new)?;
     let free = LoadCase { buckling_share: f64::INFINITY, ..*case };
-    let unbuckled = held_limb(scene, limb, states, &free).map_err(Failure::new)?;
+    let unbuckled = limb_capacity(scene, limb, states, &free).map_err(Failure::new)?;
     let unbalanced = holding.unbalanced().map_err(Failure::new)?;
     let unbalanced = unbalanced.into_iter().map(str::to_owned).collect();
     Ok(Pose {

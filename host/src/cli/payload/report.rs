@@ -7,13 +7,13 @@ use serde::Serialize;
 use softlimb_design::blocked::BlockedDesign;
 use softlimb_design::bundle::ActuatorAnswer;
 use softlimb_limb::Limb;
-use softlimb_limb::payload::{Active, Capacity, Holding, LoadCase, Outcome as Ended};
+use softlimb_limb::payload::{Active, Capacity, LimbCapacity, LoadCase, Outcome as Ended};
 use softlimb_scene::Scene;
 
 /// A pose with its largest loads.
 pub(super) struct Pose {
     pub(super) name: String,
-    pub(super) holding: Holding,
+    pub(super) holding: LimbCapacity,
     pub(super) found: Capacity,
     /// The largest load if tubes did not buckle.
     pub(super) unbuckled: Capacity,

@@ -6,8 +6,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement};
-use softlimb::many;
-use softlimb::many::Many;
+use softlimb::batch;
+use softlimb::batch::ActuatorBatch;
 
 /// Runs of which the fastest counts.
 const RUNS: u32 = 200;
@@ -46,13 +46,13 @@ fn main() {
         for piece in PIECES.map(|piece| piece.min(rows.len())) {
             let (actuators, pressures_pa, solutions) =
                 (&actuators[..piece], &pressures_pa[..piece], &mut solutions[..piece]);
-            let many = Many::new(actuators);
+            let many = ActuatorBatch::new(actuators);
             prepared = prepared.min(fastest(piece, || {
                 many.forward(pressures_pa, solutions).expect("finite");
                 black_box(&solutions);
             }));
             as_they_come = as_they_come.min(fastest(piece, || {
-                many::forward(actuators, pressures_pa, solutions).expect("finite");
+                batch::forward(actuators, pressures_pa, solutions).expect("finite");
                 black_box(&solutions);
             }));
         }

@@ -6,7 +6,7 @@ use super::Property;
 
 /// Why a fit gives no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
+pub enum CalibrationError {
     /// There are no more points than unknowns, so that nothing is left to judge them by.
     #[error(
         "{unknowns} unknown{} from {points} point{}: {needed} points are the fewest, at different loads, \

@@ -18,7 +18,7 @@ const PIECE: usize = 512;
 
 /// The equilibria of actuators, each at its own gauge pressure, Pa, without external load, written to `solutions`.
 ///
-/// The answers are those of [`Actuator::forward`] of each, up to rounding. For several pressures of the same actuators, [`Many`] is
+/// The answers are those of [`Actuator::forward`] of each, up to rounding. For several pressures of the same actuators, [`ActuatorBatch`] is
 /// faster.
 ///
 /// # Panics
@@ -38,13 +38,13 @@ pub fn forward(
 
 /// Actuators laid out to be solved side by side at any number of pressures.
 #[derive(Debug)]
-pub struct Many<'a> {
+pub struct ActuatorBatch<'a> {
     actuators: &'a [Actuator<f64>],
     lanes: usize,
     groups: Vec<Prepared<f64>>,
 }
 
-impl<'a> Many<'a> {
+impl<'a> ActuatorBatch<'a> {
     /// Lays the actuators out for the vector units that are there.
     pub fn new(actuators: &'a [Actuator<f64>]) -> Self {
         let lanes = Arch::new().dispatch(Width);
@@ -281,7 +281,7 @@ mod tests {
         assert_equal(&solutions, &one_by_one);
         for count in [5000, 4097, 1, 0] {
             let mut solutions = vec![one_by_one[0]; count];
-            Many::new(&actuators[..count]).forward(&pressures_pa[..count], &mut solutions).expect("finite");
+            ActuatorBatch::new(&actuators[..count]).forward(&pressures_pa[..count], &mut solutions).expect("finite");
             assert_equal(&solutions, &one_by_one[..count]);
         }
     }
@@ -299,7 +299,7 @@ mod tests {
         let blank = actuators[0].forward(0.0, &Load::none()).expect("finite");
         let mut pressures_pa = vec![1e3; 5000];
         (pressures_pa[2 * PIECE + 3], pressures_pa[3 * PIECE]) = (f64::INFINITY, f64::NAN);
-        let many = Many::new(&actuators);
+        let many = ActuatorBatch::new(&actuators);
         for _ in 0..20 {
             let error = many.forward(&pressures_pa, &mut vec![blank; 5000]).expect_err("not finite");
             assert_eq!((error.field, error.value), ("pressure_pa", f64::INFINITY));

@@ -6,7 +6,7 @@ use super::buckling::Buckling;
 use super::load::LoadedLimb;
 use super::plates::Plates;
 use super::rod::{Rod, UNKNOWNS};
-use super::solve::{Bends, Lost, Shape, solve};
+use super::solve::{Bends, EquilibriumError, Shape, solve};
 
 /// What a tier leaves of the error of the one before, at most: strains are constant along a piece and pieces are halved.
 const LEFT: f64 = 0.25;
@@ -18,7 +18,7 @@ const BUCKLED: f64 = 0.5;
 
 /// Models of a limb under load, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Tier {
+pub enum Fidelity {
     /// No load at all: the kinematics.
     Kinematic,
     /// A constant bend, twist, stretch and shear a module.
@@ -33,7 +33,7 @@ pub enum Tier {
     Tubes,
 }
 
-impl Tier {
+impl Fidelity {
     /// All of them, the cheapest first.
     pub const ALL: [Self; 6] =
         [Self::Kinematic, Self::Constant, Self::Linear, Self::Double, Self::Fourfold, Self::Tubes];
@@ -69,7 +69,7 @@ impl Tier {
 #[derive(Clone, Debug)]
 pub struct Answer {
     /// The tier.
-    pub tier: Tier,
+    pub tier: Fidelity,
     /// The chain it was solved on.
     pub rod: Rod,
     /// The shape; that without load for the kinematics.
@@ -77,9 +77,9 @@ pub struct Answer {
     /// Its error by the distance of its tip from that of the next tier, as a share of the limb's length.
     pub order_error: f64,
     /// By how much tubes between plates would have the tip elsewhere, m ([`LoadedLimb::tubes_shift_m`]); `None` where a tube buckles. Of
-    /// [`Tier::Tubes`] how far they have it from where the finest rods do.
+    /// [`Fidelity::Tubes`] how far they have it from where the finest rods do.
     pub bundle_shift_m: Option<Vector3<f64>>,
-    /// The same as a share of the length; 1 where a tube buckles, 0 for [`Tier::Tubes`], which leaves nothing out of a bundle.
+    /// The same as a share of the length; 1 where a tube buckles, 0 for [`Fidelity::Tubes`], which leaves nothing out of a bundle.
     pub bundle_error: f64,
     /// Where tubes took the place of rods: the tubes, and the error of the rods, whose shape `shape` is.
     pub tubes: Option<(Plates, f64)>,
@@ -117,14 +117,14 @@ impl Answer {
     }
 }
 
-/// By one tier of rods, [`Tier::Fourfold`] for [`Tier::Tubes`]; `start` are the unknowns of an earlier answer of it.
+/// By one tier of rods, [`Fidelity::Fourfold`] for [`Fidelity::Tubes`]; `start` are the unknowns of an earlier answer of it.
 ///
 /// # Errors
-/// [`Lost`] where the limb does not carry the load.
-pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(Rod, Shape), Lost> {
+/// [`EquilibriumError`] where the limb does not carry the load.
+pub fn by_fidelity(rod: &Rod, tier: Fidelity, start: Option<&DVector<f64>>) -> Result<(Rod, Shape), EquilibriumError> {
     let (parts, bends) = tier.pieces();
     let rod = rod.split(parts);
-    if tier == Tier::Kinematic {
+    if tier == Fidelity::Kinematic {
         let q = DVector::zeros(rod.unknowns());
         let potential = rod.potential(&q, 1.0);
         return Ok((rod, Shape { q, potential, iterations: 0, steps: 0 }));
@@ -137,8 +137,8 @@ pub fn by_tier(rod: &Rod, tier: Tier, start: Option<&DVector<f64>>) -> Result<(R
 /// plates where no rods do. Where tubes have no shape that the one without load leads to, the answer is that of the rods.
 ///
 /// # Errors
-/// [`Lost`] where the limb does not carry the load.
-pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
+/// [`EquilibriumError`] where the limb does not carry the load.
+pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, EquilibriumError> {
     let answer = cheapest_rod(limb, tolerance, length_m)?;
     let tubes = (answer.error() > tolerance).then(|| by_tubes(limb, tolerance, length_m)).flatten();
     Ok(tubes.unwrap_or(answer))
@@ -168,7 +168,7 @@ pub fn by_tubes(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Option<Answ
         (coarse, plates) = (plates, next);
     }
     Some(Answer {
-        tier: Tier::Tubes,
+        tier: Fidelity::Tubes,
         order_error: told(&coarse, &plates),
         bundle_shift_m: Some(way(&rods.shape.tip(), &plates.tip())),
         bundle_error: 0.0,
@@ -178,14 +178,14 @@ pub fn by_tubes(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Option<Answ
     })
 }
 
-/// The cheapest tier of [`Tier::CHOICE`] whose error is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest.
+/// The cheapest tier of [`Fidelity::CHOICE`] whose error is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest.
 ///
 /// The error is judged by the distance from the next tier, over 3/4, since the next one leaves up to a quarter of it; that of the finest
 /// is a quarter of the error of the one before. What a rod leaves out of a bundle is the same for all tiers and does not choose between them.
 ///
 /// # Errors
-/// [`Lost`] where the limb does not carry the load.
-pub fn cheapest_rod(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, Lost> {
+/// [`EquilibriumError`] where the limb does not carry the load.
+pub fn cheapest_rod(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, EquilibriumError> {
     let judge = |rod: &Rod, shape: &Shape, bends| Judged {
         buckling: limb.buckling(rod, shape),
         shift_m: limb.tubes_shift_m(rod, shape, bends),
@@ -211,17 +211,17 @@ pub fn choose(
     tolerance: f64,
     length_m: f64,
     judge: impl Fn(&Rod, &Shape, Bends) -> Judged,
-) -> Result<Answer, Lost> {
-    let mut last = by_tier(rod, Tier::Kinematic, None)?;
-    for pair in Tier::CHOICE.windows(2) {
+) -> Result<Answer, EquilibriumError> {
+    let mut last = by_fidelity(rod, Fidelity::Kinematic, None)?;
+    for pair in Fidelity::CHOICE.windows(2) {
         let start = begin(&last, pair[0], pair[1]);
-        let next = by_tier(rod, pair[1], start.as_ref())?;
+        let next = by_fidelity(rod, pair[1], start.as_ref())?;
         let distance = (next.1.tip().translation.vector - last.1.tip().translation.vector).norm() / length_m;
         let estimate = distance / (1.0 - LEFT);
         let found = if estimate <= tolerance {
             let judged = judge(&next.0, &next.1, pair[1].pieces().1);
             (pair[0], last, estimate, judged)
-        } else if pair[1] == Tier::Fourfold {
+        } else if pair[1] == Fidelity::Fourfold {
             let judged = judge(&next.0, &next.1, pair[1].pieces().1);
             (pair[1], next, LEFT * estimate, judged)
         } else {
@@ -242,13 +242,13 @@ pub fn choose(
         });
     }
     // The last pair has returned.
-    Err(Lost::Unstable { share: 0.0 })
+    Err(EquilibriumError::Unstable { share: 0.0 })
 }
 
 /// Unknowns of the next tier to begin with: those of the same pieces, or the bends of a whole piece read off at the halves.
-fn begin((rod, shape): &(Rod, Shape), from: Tier, to: Tier) -> Option<DVector<f64>> {
+fn begin((rod, shape): &(Rod, Shape), from: Fidelity, to: Fidelity) -> Option<DVector<f64>> {
     let (own, next) = (from.pieces().0, to.pieces().0);
-    if from == Tier::Kinematic {
+    if from == Fidelity::Kinematic {
         return None;
     }
     if own == next {
