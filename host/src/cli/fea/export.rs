@@ -14,7 +14,7 @@ use softlimb_fea::solid::{Deck, Model};
 #[derive(Args)]
 #[command(
     after_help = "Writes NAME.inp (CalculiX: ccx NAME), NAME-abaqus.inp (Abaqus) and NAME-model.inc, which both include.\n\
-                  Examples:\n  softlimb fea export scenes/pick-and-place-a.toml --module elbow --bundle\n  \
+                  Examples:\n  softlimb fea export scenes/pick-and-place-a.toml --module elbow --bundle --around 8 --along 20\n  \
                   softlimb fea export finger.json --fibers threads"
 )]
 pub(super) struct Export {
