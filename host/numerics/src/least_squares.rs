@@ -117,6 +117,7 @@ pub fn minimise<P: SumOfSquares>(
     let (mut evaluations, mut idle) = (1, 0);
     let mut damping = 1e-3;
     let mut model = None;
+    let mut lowered = None;
     while evaluations < criteria.evaluations && objective > criteria.zero {
         if criteria.least_gain > 0.0 && idle >= IDLE {
             break;
@@ -125,11 +126,12 @@ pub fn minimise<P: SumOfSquares>(
         let hessian = if with_secant { &here.normal + &secant } else { here.normal.clone() };
         let Some((step, predicted)) = bounded_step(&hessian, &here, &point, &mut damping) else { break };
         if predicted <= criteria.relative * objective {
-            // No reduction is left at this damping; without damping there may be.
-            if damping <= LEAST_DAMPING || predicted == 0.0 {
+            // No reduction is left at this damping; without damping there may be. Where the step has raised a lowered damping, none is.
+            if damping <= LEAST_DAMPING || predicted == 0.0 || lowered.is_some_and(|lowered| damping > lowered) {
                 break;
             }
             damping = (damping * 1e-3).max(LEAST_DAMPING);
+            lowered = Some(damping);
             idle += 1;
             model = Some(here);
             continue;
@@ -137,6 +139,7 @@ pub fn minimise<P: SumOfSquares>(
         let there = (&point + &step).map(|x| x.clamp(0.0, 1.0));
         let next = problem.evaluate(there.as_slice());
         evaluations += 1;
+        lowered = None;
         let reached = next.as_ref().map_or(f64::INFINITY, |next| problem.objective(next));
         let actual = objective - reached;
         let gain = actual / predicted;
@@ -323,5 +326,14 @@ mod tests {
                 .evaluations,
             3
         );
+    }
+
+    #[test]
+    fn solve_ends_where_a_variable_has_no_effect() {
+        // The second column of the Jacobian is zero: each step without damping fails and raises it again.
+        let r = |p: &[f64]| vec![p[0] - 0.3, 1.0];
+        let j = |_: &[f64]| vec![vec![1.0, 0.0], vec![0.0, 0.0]];
+        let end = minimise(&mut Formula(r, j), &[0.9, 0.5], StoppingCriteria::default()).unwrap();
+        assert!((end.point[0] - 0.3).abs() < 1e-6 && (end.objective - 1.0).abs() < 1e-12, "{:?}", end.point);
     }
 }
