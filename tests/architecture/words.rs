@@ -18,7 +18,7 @@ pub(crate) fn used(code: &str, words: &[String]) -> Vec<String> {
     let named = items.filter_map(|item| {
         let (kind, rest) = item.strip_prefix("const fn ").map(|rest| ("fn", rest)).or_else(|| item.split_once(' '))?;
         let name = rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()?;
-        kinds.contains(&kind).then(|| (kind, name))
+        kinds.contains(&kind).then_some((kind, name))
     });
     let found = named.filter(|(_, name)| words.contains(&name.to_lowercase()));
     found.map(|(kind, name)| format!("{kind} {name}")).collect()
