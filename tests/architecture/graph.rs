@@ -26,6 +26,17 @@ pub(crate) fn graph(source: &Path) -> Graph {
     graph
 }
 
+/// The graph of the rooms, which are the folders right below the source folder: an edge wherever some folder of one names one of the other.
+pub(crate) fn rooms(graph: &Graph, source: &Path) -> Graph {
+    let room = |folder: &Path| Some(PathBuf::from(folder.strip_prefix(source).ok()?.components().next()?.as_os_str()));
+    let mut rooms = Graph::new();
+    let edges = graph.iter().flat_map(|(from, targets)| targets.iter().map(move |to| (from, to)));
+    for (from, to) in edges.filter_map(|(from, to)| Some((room(from)?, room(to)?))).filter(|(from, to)| from != to) {
+        rooms.entry(from).or_default().insert(to);
+    }
+    rooms
+}
+
 /// A circle of the graph, as the folders along it; `None` where there is none.
 pub(crate) fn circle(graph: &Graph) -> Option<Vec<PathBuf>> {
     let mut done = BTreeSet::new();
@@ -158,6 +169,9 @@ fn circle_is_found() {
         graph
     };
     assert_eq!(circle(&graph(&[("a", "b"), ("b", "c"), ("a", "c")])), None);
+    // Folders without a circle in rooms with one.
+    let folders = graph(&[("src/a", "src/b/c"), ("src/b", "src/a")]);
+    assert!(circle(&folders).is_none() && circle(&rooms(&folders, Path::new("src"))).is_some());
     let found = circle(&graph(&[("a", "b"), ("b", "c"), ("c", "b")])).expect("a circle");
     assert_eq!(found, [PathBuf::from("b"), PathBuf::from("c")]);
 }

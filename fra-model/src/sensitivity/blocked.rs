@@ -4,13 +4,13 @@
 //! `M = pi R_i^3 mu1 u_g` with the derivative of every factor.
 
 use crate::actuator::Actuator;
-use crate::model::energy::Wall;
 use crate::number::dual::Dual;
 use crate::number::real::Real;
 use crate::number::scalar::Scalar;
 use crate::parameters::{InvalidParameter, Motion};
 use crate::solution::{Load, Status};
 use crate::solve::blocked::Blocked;
+use crate::solve::energy::Wall;
 
 use super::NoDerivative;
 use super::inputs::{Inputs, Parameter};

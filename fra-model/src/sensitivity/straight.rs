@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::model::energy::{Derivatives, Wall};
 use crate::number::double_double::DoubleDouble;
 use crate::number::dual::Dual;
 use crate::number::real::{Real, epsilon, real};
 use crate::number::scalar::{Scalar, largest};
 use crate::parameters::{ActuatorParameters, Families, InvalidParameter};
 use crate::solution::{State, Target};
+use crate::solve::energy::{Derivatives, Wall};
 
 use super::inputs::{Inputs, Parameter};
 use super::{Change, Fixed, NoDerivative, Slope, slopes};

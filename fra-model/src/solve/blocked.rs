@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use crate::model::energy::Wall;
 use crate::number::real::{Real, epsilon, real};
 use crate::solution::{State, Status};
+use crate::solve::energy::Wall;
 
 /// Largest lumen volume of the search, as a share of that at rest.
 const LARGEST_VOLUME: f64 = 1e6;

@@ -8,8 +8,8 @@
 
 use nalgebra::Vector3;
 
-use crate::model::energy::{Derivatives, Wall};
 use crate::number::scalar::{Scalar, dot, largest, magnitudes};
+use crate::solve::energy::{Derivatives, Wall};
 use crate::solve::residual::Residual;
 
 /// Most Newton iterations to settle at one volume, or under one load.

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 
-use crate::model::energy::Derivatives;
 use crate::number::scalar::{Scalar, largest};
 use crate::solve::continuation::{
     BLINDING, Continuation, FAR, Outcome, SETTLE_ITERATIONS, STALL, gradient_noise, is_plain, positive,
 };
+use crate::solve::energy::Derivatives;
 
 /// Smallest step of the load relative to what is applied, and to all of it.
 const SMALLEST_SHARE: f64 = 1e-6;

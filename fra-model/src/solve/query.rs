@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 
-use crate::model::energy::Wall;
 use crate::number::double_double::DoubleDouble;
 use crate::number::real::{Real, real};
 use crate::number::scalar::Scalar;
 use crate::solve::continuation::{Continuation, Outcome, Point};
+use crate::solve::energy::Wall;
 use crate::solve::refine::{Wanted, refined};
 use crate::solve::residual::Residual;
 

@@ -6,11 +6,11 @@
 
 use nalgebra::Vector3;
 
-use crate::model::energy::{Derivatives, Wall};
 use crate::number::double_double::DoubleDouble;
 use crate::number::real::{Real, epsilon, real};
 use crate::number::scalar::{Scalar, dot};
 use crate::solve::continuation::Point;
+use crate::solve::energy::{Derivatives, Wall};
 use crate::solve::residual::Residual;
 
 /// Most corrections: the first usually does, near a limit point it takes several.

@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 
-use crate::model::energy::Wall;
 use crate::number::real::{Real, epsilon, real};
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::solution::{Load, Solution, State, Status, Target};
 use crate::solve::blocked::{Blocked, block};
 use crate::solve::closed_form::{ClosedForm, Equilibrium};
 use crate::solve::continuation::{LARGEST_PRESSURE, Outcome, Point};
+use crate::solve::energy::Wall;
 use crate::solve::query::{Answer, Direction, Query};
 use crate::solve::residual::Residual;
 use crate::solve::size::Size;

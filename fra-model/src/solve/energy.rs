@@ -6,6 +6,8 @@
 //! `u_e = N_ext/(pi R_i^2 mu1)`, `u_w = P/mu1`, `u_g = M_ext/(pi R_i^3 mu1)`,
 //! which are eqs. (7) and (9) of the paper with their misprints corrected, and the torque balance it leaves out.
 //!
+//! A wall holds the handle of its closed-form solver; hence its place beside the solvers.
+//!
 //! All strains are written in forms that do not cancel when small: `p = (r/R)^2 = 1 + eta`, `q = lambda^2 = 1 + eps`.
 
 use nalgebra::{Matrix3, Vector3};
