@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, warn};
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Answer, EquilibriumError, Load, LoadedLimb, cheapest};
+use softlimb_limb::statics::{Answer, EquilibriumError, LOAD_FACTOR_MAX, Load, LoadedLimb, Standing};
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
 
@@ -41,20 +41,7 @@ struct Row {
     phase: String,
     payload_kg: f64,
     free_tip_m: [f64; 3],
-    found: Result<Loaded, EquilibriumError>,
-}
-
-struct Loaded {
-    answer: Answer,
-    tip_m: [f64; 3],
-    deflection_m: f64,
-    /// Along the scene's axes, N/m.
-    stiffness_n_per_m: Option<[f64; 3]>,
-    stability: f64,
-    buckling_ratio: f64,
-    /// Module of the tube that is closest to buckling, and one that is bent backwards.
-    weakest: Option<usize>,
-    bent_back: Option<usize>,
+    found: Result<Standing, EquilibriumError>,
 }
 
 /// The result of `--json`.
@@ -82,10 +69,11 @@ enum Balance<'a> {
         tip_m: [f64; 3],
         deflection_m: f64,
         tip_stiffness_n_per_m: Option<[f64; 3]>,
-        stability: f64,
-        buckling_ratio: f64,
+        load_factor: f64,
+        buckling_margin: f64,
         weakest_module: Option<&'a str>,
         bent_back: Option<&'a str>,
+        second_tip_m: Option<[f64; 3]>,
         tier: &'static str,
         order_error: f64,
         bundle_error: f64,
@@ -143,27 +131,8 @@ impl Statics {
             ))
         })?;
         let free_tip_m: [f64; 3] = loaded.free_tip().translation.vector.into();
-        let answer = cheapest(&loaded, self.tolerance.si(), scene.rest_length_m());
-        let found = answer.map(|answer| Loaded::new(&loaded, answer, free_tip_m));
+        let found = loaded.stand(self.tolerance.si(), scene.rest_length_m());
         Ok(Row { phase: phase.to_owned(), payload_kg, free_tip_m, found })
-    }
-}
-
-impl Loaded {
-    fn new(limb: &LoadedLimb, answer: Answer, free_tip_m: [f64; 3]) -> Self {
-        let tip_m: [f64; 3] = answer.tip().translation.vector.into();
-        let deflection_m = tip_m.iter().zip(free_tip_m).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-        let compliance = answer.compliance_m_per_n();
-        Self {
-            tip_m,
-            deflection_m,
-            stiffness_n_per_m: compliance.map(|by| [0, 1, 2].map(|axis| 1.0 / by[(axis, axis)])),
-            stability: answer.stability(limb),
-            buckling_ratio: answer.buckling.map_or(0.0, |tube| tube.ratio()),
-            weakest: answer.buckling.map(|tube| tube.module),
-            bent_back: limb.bent_back(&answer.rod, &answer.shape, 1e-9),
-            answer,
-        }
     }
 }
 
@@ -174,12 +143,13 @@ impl Row {
             Err(lost) => Balance::EquilibriumError { lost: lost.to_string() },
             Ok(found) => Balance::Found {
                 tip_m: found.tip_m,
-                deflection_m: found.deflection_m,
+                deflection_m: found.sag_m,
                 tip_stiffness_n_per_m: found.stiffness_n_per_m,
-                stability: found.stability,
-                buckling_ratio: found.buckling_ratio,
-                weakest_module: name(found.weakest),
+                load_factor: found.load_factor,
+                buckling_margin: found.buckling_margin,
+                weakest_module: name(found.weakest_module),
                 bent_back: name(found.bent_back),
+                second_tip_m: found.second_tip_m,
                 tier: found.answer.tier.name(),
                 order_error: found.answer.order_error,
                 bundle_error: found.answer.bundle_error,
@@ -199,14 +169,17 @@ impl Row {
         };
         let mut warnings = Vec::new();
         let name = |module: Option<usize>| module.map_or("", |index| limb.modules()[index].name.as_str());
-        if found.buckling_ratio > BUCKLED {
-            let (ratio, module) = (100.0 * found.buckling_ratio, name(found.weakest));
+        if 1.0 / found.buckling_margin > BUCKLED {
+            let (ratio, module) = (100.0 / found.buckling_margin, name(found.weakest_module));
             warnings.push(format!("phase `{phase}`: buckling: a tube of `{module}` carries {ratio:.0} % of the load that it buckles at between two plates; more `spacers` help"));
         } else if found.answer.error() > tolerance {
             let error = 100.0 * found.answer.error();
             warnings.push(format!(
                 "phase `{phase}`: the tip is known to {error:.1} % of the length only, by the finest model there is"
             ));
+        }
+        if let Some([x, y, z]) = found.second_tip_m {
+            warnings.push(format!("phase `{phase}`: the limb has a second stable shape, with its tip at ({x:.3}, {y:.3}, {z:.3}) m, where a load leads to that grows at full pressure"));
         }
         if found.bent_back.is_some() {
             let module = name(found.bent_back);
@@ -225,13 +198,18 @@ fn model(answer: &Answer) -> String {
         .map_or_else(|| name.to_owned(), |(_, error)| format!("{name} (rods are {:.2} % off)", 100.0 * error))
 }
 
+/// The factor as printed: the largest stands for all that are larger.
+fn load_factor(factor: f64) -> String {
+    if factor < LOAD_FACTOR_MAX { format!("{factor:.2}") } else { format!("> {factor:.0}") }
+}
+
 fn table(scene: &Scene, rows: &[Row]) -> String {
     let mut lines = vec![
         format!("{}: {:.2} kg, {:.3} m at rest", scene.name(), scene.mass_kg(), scene.rest_length_m()),
         String::new(),
         format!(
             "{:16} {:>7} {:>23} {:>10} {:>20} {:>9} {:>9} {:>7}  model",
-            "phase", "payload", "tip x, y, z", "deflection", "stiffness x, y, z", "stability", "buckling", "error"
+            "phase", "payload", "tip x, y, z", "deflection", "stiffness x, y, z", "load fac.", "buckling", "error"
         ),
         format!("{:16} {:>7} {:>23} {:>10} {:>20} {:>9} {:>9} {:>7}", "", "kg", "m", "mm", "N/m", "", "%", "%"),
     ];
@@ -245,11 +223,11 @@ fn table(scene: &Scene, rows: &[Row]) -> String {
                     .stiffness_n_per_m
                     .map_or_else(String::new, |k| format!("{:.1}, {:.1}, {:.1}", k[0], k[1], k[2]));
                 format!(
-                    "{head} {:>23} {:10.1} {stiffness:>20} {:9.3} {:9.1} {:7.2}  {}",
+                    "{head} {:>23} {:10.1} {stiffness:>20} {:>9} {:9.1} {:7.2}  {}",
                     format!("{x:.3}, {y:.3}, {z:.3}"),
-                    found.deflection_m * 1e3,
-                    found.stability,
-                    100.0 * found.buckling_ratio,
+                    found.sag_m * 1e3,
+                    load_factor(found.load_factor),
+                    100.0 / found.buckling_margin,
                     100.0 * found.answer.error(),
                     model(&found.answer),
                 )

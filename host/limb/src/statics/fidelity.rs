@@ -101,13 +101,13 @@ impl Answer {
         }
     }
 
-    /// Least eigenvalue of the tangent relative to that without load, of the limb that this is: 1 without load, 0 where it loses its stability.
-    pub fn stability(&self, limb: &LoadedLimb) -> f64 {
+    /// The share of all loads, at the same pressures, at which the limb loses its stability, from 1 to [`LOAD_FACTOR_MAX`], which stands for that and more.
+    ///
+    /// [`LOAD_FACTOR_MAX`]: super::LOAD_FACTOR_MAX
+    pub fn load_factor(&self) -> f64 {
         match &self.tubes {
-            Some((plates, _)) => {
-                limb.tubes_at_rest(plates.fine).map_or(f64::NEG_INFINITY, |unloaded| plates.stability(&unloaded))
-            }
-            None => self.shape.stability(&self.rod, self.tier.pieces().1),
+            Some((plates, _)) => plates.load_factor(),
+            None => self.shape.load_factor(&self.rod, self.tier.pieces().1),
         }
     }
 

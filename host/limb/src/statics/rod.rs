@@ -166,6 +166,27 @@ impl Rod {
         self.pieces.iter().map(of).sum()
     }
 
+    /// The rod while its pressures and loads grow: up to a share of 1 its strains without load lie between those of rest and its own, beyond that the
+    /// loads alone are larger.
+    pub fn grown(&self, share: f64) -> Self {
+        let mut grown = self.bearing(share);
+        let pressure = share.min(1.0);
+        for piece in &mut grown.pieces {
+            let rest = [1.0, 0.0, 0.0, 0.0];
+            piece.free = [0, 1, 2, 3].map(|a: usize| rest[a] + pressure * (piece.free[a] - rest[a]));
+            piece.free_shear = piece.free_shear.map(|shear| pressure * shear);
+        }
+        grown
+    }
+
+    /// The rod under a share of its loads.
+    pub(super) fn bearing(&self, share: f64) -> Self {
+        let mut bearing = self.clone();
+        bearing.gravity_m_per_s2 *= share;
+        bearing.tip_force_n *= share;
+        bearing
+    }
+
     /// The potential of a shape under a share of the loads, with its derivatives.
     ///
     /// # Panics

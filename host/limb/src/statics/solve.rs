@@ -1,6 +1,6 @@
-//! The equilibrium under load that is connected to the limb without load.
+//! The equilibrium under load that is connected to the limb at rest.
 //!
-//! Newton's method with the tangent of the potential, while the loads grow. Each accepted shape is a minimum of the potential: its tangent
+//! Newton's method with the tangent of the potential, while pressures and loads grow together. Each accepted shape is a minimum of the potential: its tangent
 //! is positive definite. Where that ends, so does the answer.
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3};
@@ -15,6 +15,15 @@ pub(super) const LONGEST_TURN_RAD: f64 = 0.7;
 const LEAST_STEP: f64 = 1e-4;
 /// Steps are taken until they are below this, in strain and in rad.
 const CONVERGED: f64 = 1e-10;
+/// Changes up to this are no jump to another shape, in strain and in rad; of larger ones Newton's first step is off by at most this share.
+const NEAR: f64 = 0.2;
+const STRAYS: f64 = 0.5;
+
+/// The largest load factor that is looked for.
+pub const LOAD_FACTOR_MAX: f64 = 4.0;
+/// The longest and the shortest step towards it.
+const LOAD_STEP: f64 = 0.25;
+const LEAST_LOAD_STEP: f64 = 1e-3;
 
 /// Which unknowns are free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,9 +51,9 @@ pub struct Shape {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum EquilibriumError {
     /// The limb loses its stability.
-    #[error("the limb loses its stability at {:.1} % of the load: the shape that it has without load ends there", 100.0 * share)]
+    #[error("the limb loses its stability at {:.1} % of its pressures and loads, which grow together", 100.0 * share)]
     Unstable {
-        /// Share of the load that it still carries.
+        /// Share of pressures and loads that it still carries.
         share: f64,
     },
 }
@@ -85,41 +94,66 @@ impl Shape {
         tangent
     }
 
-    /// The least eigenvalue of the tangent relative to that without load: 1 without load, 0 where the shape loses its stability.
-    pub fn stability(&self, rod: &Rod, bends: Bends) -> f64 {
-        let mut unloaded = rod.potential(&DVector::zeros(rod.unknowns()), 0.0).tangent;
-        let mut tangent = self.potential.tangent.clone();
-        hold(&mut unloaded, bends);
-        hold(&mut tangent, bends);
-        least_relative(&tangent, unloaded)
+    /// The share of all loads, at the pressures of the shape, at which the limb loses its stability, from 1 to [`LOAD_FACTOR_MAX`], which stands for
+    /// that and more: the equilibrium is followed, in space, while the loads grow on.
+    pub fn load_factor(&self, rod: &Rod, bends: Bends) -> f64 {
+        let (mut q, mut iterations) = (self.q.clone(), 0);
+        follow_load(|share| {
+            let found = newton(&rod.grown(share), bends, &q, &mut iterations);
+            found.map(|(next, _)| q = next).is_some()
+        })
     }
 }
 
-/// The least eigenvalue of a tangent relative to that without load.
-pub(super) fn least_relative(tangent: &DMatrix<f64>, unloaded: DMatrix<f64>) -> f64 {
-    let Some(root) = unloaded.cholesky() else { return f64::NEG_INFINITY };
-    let root = root.l();
-    let half = root.solve_lower_triangular(tangent).unwrap_or_else(|| tangent.clone());
-    let both = root.solve_lower_triangular(&half.transpose()).unwrap_or(half);
-    (0.5 * (&both + both.transpose())).symmetric_eigenvalues().min()
+/// The largest share of the loads, from 1 to [`LOAD_FACTOR_MAX`], that steps from each share to the next reach; `reaches` takes a step.
+pub(super) fn follow_load(mut reaches: impl FnMut(f64) -> bool) -> f64 {
+    let (mut share, mut step) = (1.0, LOAD_STEP);
+    while share < LOAD_FACTOR_MAX && step >= LEAST_LOAD_STEP {
+        let next = f64::min(share + step, LOAD_FACTOR_MAX);
+        if reaches(next) {
+            (share, step) = (next, f64::min(2.0 * step, LOAD_STEP));
+        } else {
+            step *= 0.5;
+        }
+    }
+    share
 }
 
-/// The shape under the full loads; from `start`, a shape under nearby loads, where that leads to one, else from the limb without load.
+/// The shape under the full loads; from `start`, a shape under nearby loads, where that leads to one, else from the limb at rest, whose pressures and
+/// loads grow together.
 ///
 /// # Errors
-/// [`EquilibriumError`] where the branch of stable shapes ends before the full load.
+/// [`EquilibriumError`] where the path of stable shapes ends before the full load.
 pub fn solve(rod: &Rod, bends: Bends, start: Option<&DVector<f64>>) -> Result<Shape, EquilibriumError> {
     let mut iterations = 0;
     if let Some(start) = start.filter(|start| start.len() == rod.unknowns())
-        && let Some((q, potential)) = newton(rod, bends, start, 1.0, &mut iterations)
+        && let Some((q, potential)) = newton(rod, bends, start, &mut iterations)
     {
         return Ok(Shape { q, potential, iterations, steps: 1 });
     }
-    let mut q = DVector::zeros(rod.unknowns());
+    follow(|share| rod.grown(share), rod.unknowns(), bends, iterations)
+}
+
+/// The shape that growing loads lead to from the limb at its full pressures: another one than [`solve`]'s where the limb has two.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_pressurized(rod: &Rod, bends: Bends) -> Result<Shape, EquilibriumError> {
+    follow(|share| rod.bearing(share), rod.unknowns(), bends, 0)
+}
+
+/// Follows the equilibria of `at`, whose argument grows from 0 to 1, from the shape without load.
+fn follow(
+    at: impl Fn(f64) -> Rod,
+    unknowns: usize,
+    bends: Bends,
+    mut iterations: usize,
+) -> Result<Shape, EquilibriumError> {
+    let mut q = DVector::zeros(unknowns);
     let (mut share, mut step, mut steps) = (0.0, 1.0, 0);
     loop {
         let next: f64 = f64::min(share + step, 1.0);
-        match newton(rod, bends, &q, next, &mut iterations) {
+        match newton(&at(next), bends, &q, &mut iterations) {
             Some((found, potential)) => {
                 steps += 1;
                 if next >= 1.0 {
@@ -135,18 +169,14 @@ pub fn solve(rod: &Rod, bends: Bends, start: Option<&DVector<f64>>) -> Result<Sh
     }
 }
 
-/// The next minimum of the potential; `None` where the tangent is not positive definite, a piece turns by too much, or it takes too long.
-fn newton(
-    rod: &Rod,
-    bends: Bends,
-    start: &DVector<f64>,
-    share: f64,
-    iterations: &mut usize,
-) -> Option<(DVector<f64>, Potential)> {
+/// The next minimum of the potential; `None` where the tangent is not positive definite, a piece turns by too much, the shape is not the one that
+/// the first step heads for, or it takes too long.
+fn newton(rod: &Rod, bends: Bends, start: &DVector<f64>, iterations: &mut usize) -> Option<(DVector<f64>, Potential)> {
     let mut q = start.clone();
+    let mut headed: Option<DVector<f64>> = None;
     for _ in 0..ITERATIONS {
         *iterations += 1;
-        let mut potential = rod.potential(&q, share);
+        let mut potential = rod.potential(&q, 1.0);
         let step = if bends == Bends::Constant {
             release(&mut potential.gradient);
             let mut tangent = potential.tangent.clone();
@@ -155,12 +185,19 @@ fn newton(
         } else {
             newton_step(&potential.tangent, &potential.gradient)?
         };
-        let size = size(rod, &step);
-        if size <= CONVERGED {
-            return Some((q, potential));
+        let size_of_step = size(rod, &step);
+        if size_of_step <= CONVERGED {
+            let strayed =
+                |headed: &DVector<f64>| size_of_change(rod, &q, headed) > STRAYS * size_of_change(rod, headed, start);
+            let near = size_of_change(rod, &q, start) <= NEAR;
+            return (near || !headed.as_ref().is_some_and(strayed)).then_some((q, potential));
         }
         q -= step;
-        if size > LONGEST_TURN_RAD || size_of_change(rod, &q, start) > LONGEST_TURN_RAD || !size.is_finite() {
+        headed.get_or_insert_with(|| q.clone());
+        if size_of_step > LONGEST_TURN_RAD
+            || size_of_change(rod, &q, start) > LONGEST_TURN_RAD
+            || !size_of_step.is_finite()
+        {
             return None;
         }
     }

@@ -16,7 +16,7 @@ use self::tube::{Follows, Held, about, torque, turned};
 use super::buckling::{Buckling, critical_n};
 use super::load::LoadedLimb;
 use super::rod::Behind;
-use super::solve::{LONGEST_TURN_RAD, least_relative, size};
+use super::solve::{LONGEST_TURN_RAD, follow_load, size};
 
 /// Iterations with the plates held, and of all together; how small the last step of the latter is, in strain and in rad.
 const HELD: usize = 6;
@@ -186,24 +186,6 @@ impl Plates {
         Some(given.fixed_view::<3, 3>(0, 0).into_owned())
     }
 
-    /// The tangent by the motion of each plate against the one before, in the frame of that one.
-    fn tangent_by_bays(&self) -> DMatrix<f64> {
-        let poses = self.poses();
-        let count = self.tangent.nrows();
-        let mut by = DMatrix::zeros(count, count);
-        for bay in 0..self.bays.len() {
-            let before = if bay == 0 { self.base } else { poses[bay - 1] };
-            let frame = before.rotation.to_rotation_matrix().into_inner();
-            for (plate, pose) in poses.iter().enumerate().skip(bay) {
-                let arm = pose.translation.vector - poses[bay].translation.vector;
-                by.view_mut((6 * plate, 6 * bay), (3, 3)).copy_from(&frame);
-                by.view_mut((6 * plate, 6 * bay + 3), (3, 3)).copy_from(&(-arm.cross_matrix() * frame));
-                by.view_mut((6 * plate + 3, 6 * bay + 3), (3, 3)).copy_from(&frame);
-            }
-        }
-        by.tr_mul(&(&self.tangent * &by))
-    }
-
     /// The tube that is closest to buckling, of the limb that this is.
     pub fn buckling(&self, limb: &LoadedLimb) -> Option<Buckling> {
         let of_bay = |bay: &Bay| {
@@ -223,8 +205,18 @@ impl Plates {
         self.bays.iter().flat_map(of_bay).max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// The least eigenvalue of the tangent relative to that of the shape without load: 1 without load, 0 where the shape loses its stability.
-    pub fn stability(&self, unloaded: &Self) -> f64 {
-        least_relative(&self.tangent_by_bays(), unloaded.tangent_by_bays())
+    /// The share of all loads at which the plates lose their stability, as [`Shape::load_factor`] of rods.
+    ///
+    /// [`Shape::load_factor`]: super::Shape::load_factor
+    pub fn load_factor(&self) -> f64 {
+        let mut plates = self.clone();
+        follow_load(|share| {
+            let mut next = plates.clone();
+            let found = next.settle(share).is_some();
+            if found {
+                plates = next;
+            }
+            found
+        })
     }
 }

@@ -33,13 +33,15 @@ impl LoadedLimb {
         Some(plates)
     }
 
-    /// The same under the loads as they grow from zero; `None` where the shape without load does not lead there.
+    /// The same under pressures and loads that grow together from zero; `None` where the limb at rest does not lead there.
     pub fn tubes_grown(&self, fine: usize) -> Option<Plates> {
-        let mut plates = self.tubes_at_rest(fine)?;
+        let full = self.between(&self.rod, &DVector::zeros(self.rod.unknowns()), fine)?;
+        let mut plates = full.at_rest();
         let (mut share, mut step) = (0.0, 0.25);
         while share < 1.0 {
             let mut next = plates.clone();
             let to = f64::min(share + step, 1.0);
+            next.pressurize(&full, to);
             if next.settle(to).is_some() {
                 (plates, share, step) = (next, to, 2.0 * step);
             } else if step <= LEAST_STEP {
@@ -107,6 +109,32 @@ impl LoadedLimb {
             tangent: nalgebra::DMatrix::zeros(0, 0),
             fine,
         })
+    }
+}
+
+impl Plates {
+    /// The same tubes without pressure and load.
+    fn at_rest(&self) -> Self {
+        let mut plates = self.clone();
+        for bay in &mut plates.bays {
+            let of_tube = |tube: &Held| tube.rod.pieces.iter().map(|piece| piece.length_m).sum::<f64>();
+            let length_m = bay.tubes.first().map_or(0.0, of_tube);
+            bay.way = Isometry3::translation(0.0, 0.0, length_m);
+            for tube in &mut bay.tubes {
+                tube.q.fill(0.0);
+                tube.forces_n.fill(0.0);
+            }
+        }
+        plates.pressurize(self, 0.0);
+        plates
+    }
+
+    /// Gives the tubes a share of the pressures of `full`.
+    fn pressurize(&mut self, full: &Self, share: f64) {
+        let tubes = self.bays.iter_mut().flat_map(|bay| &mut bay.tubes);
+        for (tube, full) in tubes.zip(full.bays.iter().flat_map(|bay| &bay.tubes)) {
+            tube.rod.pieces = full.rod.grown(share).pieces;
+        }
     }
 }
 
