@@ -10,12 +10,13 @@ const NODES: usize = 257;
 pub struct StateCurve {
     states: Vec<State<f64>>,
     step_pa: f64,
+    limit_point_pa: Option<f64>,
 }
 
 impl StateCurve {
     /// Solves the curve of an unloaded actuator up to `pressure_max_pa`, or to just below its limit point.
     pub fn new(actuator: &Actuator<f64>, pressure_max_pa: f64) -> Self {
-        let reach = reachable_pressure(actuator, pressure_max_pa);
+        let (reach, limit_point_pa) = reachable_pressure(actuator, pressure_max_pa);
         let step_pa = reach / (NODES - 1) as f64;
         let mut states = vec![actuator.rest()];
         for node in 1..NODES {
@@ -26,12 +27,17 @@ impl StateCurve {
                 _ => break,
             }
         }
-        Self { states, step_pa }
+        Self { states, step_pa, limit_point_pa }
     }
 
     /// The highest pressure of the curve, gauge Pa.
     pub fn pressure_max_pa(&self) -> f64 {
         self.step_pa * (self.states.len() - 1) as f64
+    }
+
+    /// The actuator's limit point where it comes before the highest pressure that the curve was to have, gauge Pa.
+    pub fn limit_point_pa(&self) -> Option<f64> {
+        self.limit_point_pa
     }
 
     /// The states at the nodes, from rest upwards.
@@ -113,12 +119,15 @@ fn slopes([a, b, c, d]: [f64; 4], at_start: bool, at_end: bool) -> [f64; 2] {
     [slope_b, slope_c]
 }
 
-/// The module's limit, or a little below the actuator's limit point where that comes first.
-fn reachable_pressure(actuator: &Actuator<f64>, pressure_max_pa: f64) -> f64 {
+/// The module's limit, or a little below the actuator's limit point where that comes first; and that point.
+fn reachable_pressure(actuator: &Actuator<f64>, pressure_max_pa: f64) -> (f64, Option<f64>) {
     match actuator.forward(pressure_max_pa, &Load::none()) {
-        Ok(solution) if solution.status == Status::Solved => pressure_max_pa,
-        Ok(solution) => solution.limit_pressure_pa.map_or(0.0, |limit| 0.98 * limit.clamp(0.0, pressure_max_pa)),
-        Err(_) => 0.0,
+        Ok(solution) if solution.status == Status::Solved => (pressure_max_pa, None),
+        Ok(solution) => {
+            let limit = solution.limit_pressure_pa;
+            (limit.map_or(0.0, |limit| 0.98 * limit.clamp(0.0, pressure_max_pa)), limit)
+        }
+        Err(_) => (0.0, None),
     }
 }
 

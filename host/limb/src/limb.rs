@@ -94,6 +94,11 @@ impl LimbModule {
         self.curve.states()[node].pressure_pa
     }
 
+    /// The lower of the highest pressure that the scene allows and the actuator's limit point, gauge Pa.
+    pub fn ceiling_pa(&self) -> f64 {
+        self.curve.limit_point_pa().map_or(self.pressure_max_pa, |limit| limit.min(self.pressure_max_pa))
+    }
+
     /// The state at a setpoint by the curve; `None` where no pressure of the range gives it. Setpoints that the rounding to wire units
     /// has put beyond an end of the range have the state of that end.
     pub fn state_at(&self, value: f64) -> Option<State<f64>> {

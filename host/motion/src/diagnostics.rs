@@ -14,7 +14,7 @@ use super::setpoint::NoState;
 use super::space::Space;
 use super::timing::rate_max;
 use super::unreachable::{Shortcoming, Unreachable};
-use super::weight::PoseError;
+use super::weight::{self, Margins, PoseError};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, SetpointKind, Span};
 
@@ -35,6 +35,14 @@ pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
     let (mut plan, shortcomings) = super::plan::plan(scene, limb).map_err(|why| words.diagnostic(&why))?;
     plan.warnings = shortcomings.iter().map(|one| words.warning(one)).collect();
     Ok(plan)
+}
+
+/// Margins at the end of each phase of a plan; none of a limb without weight.
+///
+/// # Errors
+/// A diagnostic at the phase in which the limb falls or a tube buckles, empty or loaded.
+pub fn margins(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Margins>, SceneError> {
+    weight::margins(scene, limb, plan).map_err(|why| Words { scene, limb }.diagnostic(&why))
 }
 
 /// A plan as it is sent: with the corrections of its scene.

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::check_margins::{self, PrintedMargins};
 use super::shared::{limb, show};
 use super::{Failure, Outcome};
 use softlimb_chart::labelled;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
-use softlimb_motion::{ModuleInverse, Plan};
+use softlimb_motion::{Margins, ModuleInverse, Plan};
 use softlimb_scene::Scene;
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
@@ -32,10 +33,18 @@ impl Check {
         let sent = motion::sent(&scene, &limb, &plan)?;
         motion::check_goals(&scene, &limb, &sent, &inverses)?;
         let highest = highest_pressures(&sent);
-        let warnings = [plan.warnings.clone(), scene.winding_warnings()].concat();
-        show(self.json, &Printed::new(&scene, &limb, &plan, &highest, &inverses, &warnings), || {
-            table(&scene, &limb, &plan, &highest, &inverses)
-        })?;
+        let margins = motion::margins(&scene, &limb, &sent)?;
+        let too_small = check_margins::warnings(&scene, &limb, &plan, &margins);
+        let warnings = [plan.warnings.clone(), scene.winding_warnings(), too_small].concat();
+        let known = Known {
+            scene: &scene,
+            limb: &limb,
+            plan: &plan,
+            highest: &highest,
+            inverses: &inverses,
+            margins: &margins,
+        };
+        show(self.json, &known.printed(&warnings), || known.table())?;
         Ok(super::warn(&warnings))
     }
 }
@@ -86,6 +95,9 @@ struct PrintedPhase<'a> {
     via_points: usize,
     clearance_m: Option<f64>,
     nearest_obstacle: Option<&'a str>,
+    /// Absent of a weightless limb.
+    #[serde(flatten)]
+    margins: Option<PrintedMargins<'a>>,
 }
 
 /// The model that corrects for weight, and its error over the length.
@@ -95,15 +107,22 @@ struct PrintedWeight {
     error: f64,
 }
 
-impl<'a> Printed<'a> {
-    fn new(
-        scene: &'a Scene,
-        limb: &'a Limb,
-        plan: &'a Plan,
-        highest: &[f64],
-        inverses: &[ModuleInverse],
-        warnings: &'a [String],
-    ) -> Self {
+/// Findings of a check.
+#[derive(Clone, Copy)]
+struct Known<'a> {
+    scene: &'a Scene,
+    limb: &'a Limb,
+    plan: &'a Plan,
+    /// Highest gauge pressure of each module, Pa.
+    highest: &'a [f64],
+    inverses: &'a [ModuleInverse],
+    /// One a phase, or none of a weightless limb.
+    margins: &'a [Margins],
+}
+
+impl<'a> Known<'a> {
+    fn printed(self, warnings: &'a [String]) -> Printed<'a> {
+        let Self { scene, limb, plan, highest, inverses, margins } = self;
         let modules =
             limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| PrintedModule {
                 name: &module.name,
@@ -113,7 +132,7 @@ impl<'a> Printed<'a> {
                 inverse_error: inverse.error(),
                 no_tables_because: inverse.reason().map(|reason| reason.to_string()),
             });
-        let phases = plan.phases.iter().map(|phase| PrintedPhase {
+        let phases = plan.phases.iter().enumerate().map(|(index, phase)| PrintedPhase {
             name: &phase.name,
             start_s: phase.start_us as f64 * 1e-6,
             move_s: phase.move_us as f64 * 1e-6,
@@ -121,8 +140,9 @@ impl<'a> Printed<'a> {
             via_points: phase.via_points,
             clearance_m: phase.nearest.map(|nearest| nearest.distance_m),
             nearest_obstacle: phase.nearest.map(|nearest| scene.obstacles()[nearest.obstacle].name.value.as_str()),
+            margins: margins.get(index).map(|margins| PrintedMargins::new(limb, margins)),
         });
-        Self {
+        Printed {
             scene: scene.name(),
             weightless: scene.weightless(),
             channels: scene.channels(),
@@ -135,28 +155,35 @@ impl<'a> Printed<'a> {
             warnings,
         }
     }
-}
 
-fn table(scene: &Scene, limb: &Limb, plan: &Plan, highest: &[f64], inverses: &[ModuleInverse]) -> String {
-    let heading = format!(
-        "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
-        labelled(scene.name(), scene.weightless()),
-        limb.modules().len(),
-        scene.channels(),
-        scene.rest_length_m(),
-        scene.mass_kg(),
-        plan.phases.len(),
-        plan.duration_us() as f64 * 1e-6,
-    );
-    let modules = limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| {
-        let (highest_kpa, allowed_kpa) = (pressure * 1e-3, module.pressure_max_pa * 1e-3);
-        format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa, by {inverse}", module.name)
-    });
-    let weight = plan.weighed().map(|weighed| {
+    fn table(self) -> String {
+        let Self { scene, limb, plan, highest, inverses, margins } = self;
+        let heading = format!(
+            "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
+            labelled(scene.name(), scene.weightless()),
+            limb.modules().len(),
+            scene.channels(),
+            scene.rest_length_m(),
+            scene.mass_kg(),
+            plan.phases.len(),
+            plan.duration_us() as f64 * 1e-6,
+        );
+        let modules = limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| {
+            let (highest_kpa, allowed_kpa) = (pressure * 1e-3, module.pressure_max_pa * 1e-3);
+            format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa, by {inverse}", module.name)
+        });
+        let weight = plan.weighed().map(|weighed| {
         let (model, error) = (weighed.tier.name(), 100.0 * weighed.error);
         format!("  corrected for weight by the model `{model}`, which says of itself that it errs by {error:.2} % of the length")
     });
-    std::iter::once(heading).chain(modules).chain(weight).chain(phase_rows(scene, plan)).collect::<Vec<_>>().join("\n")
+        std::iter::once(heading)
+            .chain(modules)
+            .chain(weight)
+            .chain(phase_rows(scene, plan))
+            .chain(check_margins::rows(plan, margins))
+            .collect::<Vec<_>>()
+            .join("\n")
+    }
 }
 
 /// Where there are obstacles or moves whose time the plan chose, a line a phase.

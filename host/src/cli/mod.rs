@@ -5,6 +5,7 @@
 
 mod calibrate;
 mod check;
+mod check_margins;
 mod completions;
 mod design;
 mod eval;

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::check_margins::load_factor;
 use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, warn};
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Answer, EquilibriumError, LOAD_FACTOR_MAX, Load, LoadedLimb, Standing};
+use softlimb_limb::statics::{Answer, EquilibriumError, Load, LoadedLimb, Standing};
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
 
@@ -196,11 +197,6 @@ fn model(answer: &Answer) -> String {
         .tubes
         .as_ref()
         .map_or_else(|| name.to_owned(), |(_, error)| format!("{name} (rods are {:.2} % off)", 100.0 * error))
-}
-
-/// The factor as printed: the largest stands for all that are larger.
-fn load_factor(factor: f64) -> String {
-    if factor < LOAD_FACTOR_MAX { format!("{factor:.2}") } else { format!("> {factor:.0}") }
 }
 
 fn table(scene: &Scene, rows: &[Row]) -> String {

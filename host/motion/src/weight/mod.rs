@@ -6,9 +6,14 @@
 
 mod clear;
 mod correct;
+mod margins;
 mod nominal;
 mod slopes;
 
+pub(crate) use margins::margins;
+pub use margins::{
+    BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, PRESSURE_SHARE_MAX, SAG_SHARE_MAX, STIFFNESS_MIN_N_PER_M,
+};
 pub use nominal::{Nominal, OnLimb, Pose, PoseError};
 pub use slopes::planned_slopes;
 

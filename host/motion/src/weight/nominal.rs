@@ -81,7 +81,7 @@ impl Pose {
     }
 }
 
-fn stands(worst: Option<Buckling>) -> Result<(), PoseError> {
+pub(super) fn stands(worst: Option<Buckling>) -> Result<(), PoseError> {
     match worst {
         Some(tube) if tube.ratio() >= 1.0 => Err(PoseError::Buckles { module: tube.module, ratio: tube.ratio() }),
         _ => Ok(()),
@@ -137,7 +137,7 @@ impl<'a> Nominal<'a> {
         if pressure_pa < 0.5 * span_pa { STEP * span_pa } else { -STEP * span_pa }
     }
 
-    fn loaded(&self, pressures_pa: &[f64], on: OnLimb) -> Option<LoadedLimb> {
+    pub(super) fn loaded(&self, pressures_pa: &[f64], on: OnLimb) -> Option<LoadedLimb> {
         let of_module = self.limb.modules().iter().zip(pressures_pa);
         let channels: Vec<f64> =
             of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect();
@@ -145,6 +145,25 @@ impl<'a> Nominal<'a> {
         let mut limb = LoadedLimb::new(self.scene, self.limb, &channels, &self.bays, &load)?;
         limb.rod.gravity_m_per_s2 *= on.share;
         Some(limb)
+    }
+
+    /// The limb at gauge pressures, Pa, one a module, ready to be loaded.
+    ///
+    /// # Errors
+    /// [`PoseError::NoEquilibrium`].
+    pub(super) fn at_pressures(
+        scene: &Scene,
+        limb: &Limb,
+        pressures_pa: &[f64],
+        on: OnLimb,
+    ) -> Result<LoadedLimb, PoseError> {
+        Nominal::new(scene, limb, Fidelity::Linear).loaded(pressures_pa, on).ok_or(PoseError::NoEquilibrium)
+    }
+
+    /// The same limb with another number of spacers in a module.
+    pub(super) fn with_spacers(mut self, module: usize, spacers: usize) -> Self {
+        self.bays[module] = spacers + 1;
+        self
     }
 
     /// The cheapest tier of rods for a pose, from the linear one on, and the error that it says of itself, as a share of the limb's length.
@@ -158,8 +177,7 @@ impl<'a> Nominal<'a> {
         on: OnLimb,
         error: f64,
     ) -> Result<(Fidelity, f64), PoseError> {
-        let loaded =
-            Nominal::new(scene, limb, Fidelity::Linear).loaded(pressures_pa, on).ok_or(PoseError::NoEquilibrium)?;
+        let loaded = Self::at_pressures(scene, limb, pressures_pa, on)?;
         let answer = cheapest_rod(&loaded, error, scene.rest_length_m()).map_err(PoseError::EquilibriumError)?;
         stands(answer.buckling)?;
         Ok((answer.tier.max(Fidelity::Linear), answer.error()))
