@@ -5,6 +5,7 @@ mod bundles;
 mod closed_forms;
 mod derivatives;
 mod shooting;
+mod springs;
 mod tiers;
 mod tubes;
 
