@@ -77,7 +77,7 @@ fn bundles_have_their_places() {
     let row: Vec<_> = Arrangement::Row { spacing_m: 0.03 }.positions_m(4).collect();
     let expected = [[0.0, -0.045], [0.0, -0.015], [0.0, 0.015], [0.0, 0.045]];
     for (found, expected) in row.iter().zip(expected) {
-        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-17), "{row:?}");
+        assert!(found.iter().zip(expected).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-17), "{row:?}");
     }
     let circle: Vec<_> = Arrangement::Circle { radius_m: 2.0 }.positions_m(3).collect();
     let root = 3.0_f64.sqrt();
