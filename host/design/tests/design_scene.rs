@@ -66,7 +66,8 @@ fn designed_keeps_clear(text: &str) {
         for (index, point) in points.iter().enumerate() {
             let module = (index.saturating_sub(1) / per_module).min(states.len() - 1);
             let last = index + 1 == points.len();
-            let thick_m = if last { 0.035 } else { designed.modules()[module].reach_m() + states[module].outer_radius_m };
+            let thick_m =
+                if last { 0.035 } else { designed.modules()[module].reach_m() + states[module].outer_radius_m };
             for obstacle in designed.obstacles() {
                 let spare = obstacle.shape.distance(&(*point).into()).distance_m - thick_m;
                 // What is asked is 5 mm.
