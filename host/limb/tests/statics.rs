@@ -4,6 +4,7 @@ mod beam;
 mod bundles;
 mod closed_forms;
 mod derivatives;
+mod shares;
 mod shooting;
 mod springs;
 mod tiers;

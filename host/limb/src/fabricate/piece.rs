@@ -1,11 +1,12 @@
 //! One kind of actuator, ready to be made: its winding, its layers, and whether a workshop can make it.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use fra_model::{ActuatorParameters, Motion, Placement};
 
 use super::winding::winding_radius_m;
 use super::{FabricateError, Settings, Winding};
+use crate::Limb;
 use softlimb_scene::{Module, Scene, SceneError, Span};
 
 /// Width of the open top of a groove over that of its floor, for a depth of one width.
@@ -99,9 +100,12 @@ impl Piece {
 /// How the actuators of every module of a scene are made, in the order of the modules.
 ///
 /// # Errors
-/// [`FabricateError::Invalid`] for the settings; [`FabricateError::Scene`] at the line of the first module that cannot be made with them.
+/// [`FabricateError::Invalid`] for the settings; [`FabricateError::Scene`] at the line of the first module that cannot be made with them, or
+/// that [`Limb::new`] refuses.
 pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateError> {
     settings.check()?;
+    // Bundles that hold each other are not worth a mold.
+    Limb::new(scene)?;
     let mut first_channel = 0;
     let pieces = scene.modules().iter().map(|module| {
         let copies = copies(module, first_channel);
@@ -112,12 +116,10 @@ pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateE
 }
 
 fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
-    let count = usize::from(module.actuators);
-    let place = |index: usize| {
-        let angle = module.mount_angle_rad + TAU * index as f64 / count as f64;
-        [module.circle_radius_m * angle.cos(), module.circle_radius_m * angle.sin()]
-    };
-    (0..count).map(|index| Copy { channel: first_channel + index, place_m: place(index) }).collect()
+    let (sin, cos) = module.mount_angle_rad.sin_cos();
+    let place = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+    let copy = |(index, at)| Copy { channel: first_channel + index, place_m: place(at) };
+    module.positions_m().into_iter().enumerate().map(copy).collect()
 }
 
 fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings) -> Result<Piece, SceneError> {

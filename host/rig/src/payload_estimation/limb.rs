@@ -4,7 +4,7 @@ use nalgebra::{DVector, Vector3};
 
 use super::creep::crept;
 use super::{EstimationError, Observation};
-use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Settled, Spring, positions};
+use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Settled, Spring};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
 
@@ -65,6 +65,6 @@ impl Posed {
 fn bundle(module: &LimbModule, bays: usize, pressure_pa: f64, crept_m3: f64) -> Option<Bundle> {
     let state = crept(&module.actuator, pressure_pa, crept_m3)?;
     let tube = Spring::new(&module.actuator, pressure_pa)?.about(&state);
-    let tubes = positions(module).into_iter().map(|place| (place, tube.clone())).collect();
+    let tubes = module.positions_m().into_iter().map(|place| (place, tube.clone())).collect();
     Bundle::of_springs(module.motion, tubes, module.length_m() / bays as f64)
 }
