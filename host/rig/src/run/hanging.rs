@@ -101,7 +101,7 @@ impl<'a> Hanging<'a> {
                 return (None, faults);
             }
         };
-        self.last = Some((limb.strains(&rod, &shape), shape.q.clone()));
+        self.last = Some((limb.strains(&rod, &shape.q), shape.q.clone()));
         if let Some(tube) = limb.buckling(&rod, &shape).filter(|tube| tube.ratio() > NEAR_BUCKLING) {
             let (name, percent) = (&self.limb.modules()[tube.module].name, 100.0 * tube.ratio());
             if tube.ratio() >= BUCKLED {
