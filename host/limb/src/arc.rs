@@ -34,7 +34,7 @@ impl From<&Segment<f64>> for Arc {
 impl Arc {
     /// Pose of its end, seen from its start.
     pub(crate) fn pose(&self) -> Isometry3<f64> {
-        let [f1, f2, ..] = coefficients(self.turn_rad.norm());
+        let [f1, f2, ..] = coefficients(self.turn_rad.norm_squared());
         let sideways = self.turn_rad.cross(&Vector3::z());
         let path = Vector3::z() + sideways * f1 + self.turn_rad.cross(&sideways) * f2;
         let end = Translation3::from(path * self.length_m);
@@ -44,10 +44,11 @@ impl Arc {
     /// Change of its end, seen from its start, for a change of its parameters.
     pub fn change(&self, by: &Self) -> Twist {
         let (w, dw, e) = (self.turn_rad, by.turn_rad, Vector3::z());
-        let [f1, f2, g1, g2] = coefficients(w.norm());
+        let [f1, f2, g1, g2] = coefficients(w.norm_squared());
         let (we, dwe) = (w.cross(&e), dw.cross(&e));
         let inwards = w.cross(&we);
-        let turn = w.dot(&dw);
+        // Change of the square of the angle.
+        let turn = 2.0 * w.dot(&dw);
         let path = e + we * f1 + inwards * f2;
         let change_of_path = dwe * f1 + we * (g1 * turn) + (dw.cross(&we) + w.cross(&dwe)) * f2 + inwards * (g2 * turn);
         let across = w.cross(&dw);
@@ -58,22 +59,26 @@ impl Arc {
     }
 }
 
-/// `f1 = (1 - cos t)/t^2`, `f2 = (t - sin t)/t^3`, and `f1'/t`, `f2'/t`; by series where the quotients cancel.
-fn coefficients(t: f64) -> [f64; 4] {
-    let s = t * t;
-    if t < 0.3 {
-        let series = |a: f64, b: f64, c: f64, d: f64| a + s * (b + s * (c + s * d));
+/// Square of the angle below which the coefficients are series: their quotients cancel there.
+const SMALL: f64 = 0.04;
+
+/// `f1 = (1 - cos t)/t^2`, `f2 = (t - sin t)/t^3`, and their derivatives by `t^2`, of `t^2`.
+pub fn coefficients(square: f64) -> [f64; 4] {
+    let q = square;
+    if q < SMALL {
+        let series = |c: [f64; 5]| c[0] + q * (c[1] + q * (c[2] + q * (c[3] + q * c[4])));
         return [
-            series(0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0),
-            series(1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0),
-            series(-1.0 / 12.0, 1.0 / 180.0, -1.0 / 6720.0, 1.0 / 453_600.0),
-            series(-1.0 / 60.0, 1.0 / 1260.0, -1.0 / 60_480.0, 1.0 / 4_989_600.0),
+            series([0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]),
+            series([1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0, 1.0 / 39_916_800.0]),
+            series([-1.0 / 24.0, 1.0 / 360.0, -1.0 / 13_440.0, 1.0 / 907_200.0, -1.0 / 95_800_320.0]),
+            series([-1.0 / 120.0, 1.0 / 2520.0, -1.0 / 120_960.0, 1.0 / 9_979_200.0, -1.0 / 1_245_404_160.0]),
         ];
     }
+    let t = q.sqrt();
     let (sin, cos) = t.sin_cos();
-    let half = (0.5 * t).sin();
-    let f1 = 2.0 * half * half / s;
-    [f1, (t - sin) / (s * t), (sin / t - 2.0 * f1) / s, (3.0 * sin - t * (2.0 + cos)) / (s * s * t)]
+    let (half, sinc) = ((0.5 * t).sin(), sin / t);
+    let (f1, f2) = (2.0 * half * half / q, (1.0 - sinc) / q);
+    [f1, f2, (0.5 * sinc - f1) / q, ((sinc - cos) / (2.0 * q) - f2) / q]
 }
 
 #[cfg(test)]

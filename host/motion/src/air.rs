@@ -2,6 +2,7 @@
 
 use fra_model::State;
 
+use super::plan::Plan;
 use super::profile::minimum_jerk;
 use softlimb_limb::Limb;
 use softlimb_scene::{Line, Scene, Supply};
@@ -166,6 +167,31 @@ impl<'a> Air<'a> {
         let charged = stall_pressure_pa + (supply.0 - stall_pressure_pa) * (-rate * time_s).exp();
         Reservoir(charged.min(pressure_pa.max(supply.0)) - stiffness * drawn_kg)
     }
+}
+
+/// Air that the fill valves take and the lowest supply in one run of a plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirDemand {
+    /// Volume of the air at the reference state of ISO 8778 (100 kPa, 20 degC), m3.
+    pub volume_m3: f64,
+    /// The lowest gauge pressure of the supply, Pa; that of a regulated one.
+    pub supply_min_pa: f64,
+}
+
+/// Air that a plan needs, knot by knot, by the free volumes of its states.
+pub fn air_demand(scene: &Scene, limb: &Limb, plan: &Plan) -> AirDemand {
+    let air = Air::new(scene, limb);
+    let step_s = plan.knot_period_us as f64 * 1e-6;
+    let row = |knot: usize| -> Vec<(f64, f64)> {
+        plan.states_at((knot as u64 * plan.knot_period_us) as f64).iter().map(|state| air.air(state)).collect()
+    };
+    let (mut supply, mut drawn_kg, mut supply_min_pa) = (air.full(), 0.0, air.full().0);
+    for knot in 1..plan.knots().len() {
+        let own_kg = air.drawn_kg(&[row(knot - 1), row(knot)]);
+        supply = air.recharged(supply, own_kg, step_s);
+        (drawn_kg, supply_min_pa) = (drawn_kg + own_kg, f64::min(supply_min_pa, supply.0));
+    }
+    AirDemand { volume_m3: drawn_kg / REFERENCE_DENSITY_KG_PER_M3, supply_min_pa }
 }
 
 /// Sonic conductance of a tube by Eckersten's formula, `0.029 d^2/sqrt(L/d^1.25 + 510)`.

@@ -24,7 +24,7 @@ mod unreachable;
 mod weight;
 mod wire;
 
-pub use air::{dead_volume_m3, line_conductance_m3_per_s_pa};
+pub use air::{AirDemand, air_demand, dead_volume_m3, line_conductance_m3_per_s_pa};
 pub use clear::Nearness;
 pub use diagnostics::{margins, plan, sent};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};

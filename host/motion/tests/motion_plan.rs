@@ -127,3 +127,19 @@ fn impossible_goals_are_reported_at_their_line() {
     let error = changed("pick-and-place-a", "[limits]", "[limits]\nangle_rate_max = \"10 deg/s\"").unwrap_err();
     assert!(error.contains("this move is too fast") && error.contains("a duration of 7.50 s is enough"), "{error}");
 }
+
+/// A finger that only fills: the air of the run is that in chamber and line at the end, less that at the start.
+#[test]
+fn air_of_a_run_that_only_fills_is_what_is_in_the_chamber() {
+    let scene = scene("single-bending");
+    let limb = Limb::new(&scene).unwrap();
+    let plan = motion::plan(&scene, &limb).unwrap();
+    let demand = motion::air_demand(&scene, &limb, &plan);
+    let (ambient, dead_m3) = (&scene.plant().ambient, motion::dead_volume_m3(&scene));
+    let ends = [0, plan.duration_us()].map(|time_us| plan.states_at(time_us as f64)[0]);
+    let joule = ends.map(|state| (state.pressure_pa + ambient.pressure_pa) * (state.volume_m3 + dead_m3));
+    // At ISO 8778's reference the density of air is 1.185 kg/m3.
+    let expected_m3 = (joule[1] - joule[0]) / (287.05 * ambient.temperature_k * 1.185);
+    assert!((demand.volume_m3 / expected_m3 - 1.0).abs() < 1e-9, "{demand:?} {expected_m3}");
+    assert!(demand.supply_min_pa > 0.0);
+}

@@ -11,7 +11,7 @@ use super::{Failure, Outcome};
 use softlimb_chart::labelled;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
-use softlimb_motion::{Margins, ModuleInverse, Plan};
+use softlimb_motion::{AirDemand, Margins, ModuleInverse, Plan};
 use softlimb_scene::Scene;
 
 /// Check a scene: keys, units, ranges, and that the limb reaches every target
@@ -36,6 +36,7 @@ impl Check {
         let margins = motion::margins(&scene, &limb, &sent)?;
         let too_small = check_margins::warnings(&scene, &limb, &plan, &margins);
         let warnings = [plan.warnings.clone(), scene.winding_warnings(), too_small].concat();
+        let air = motion::air_demand(&scene, &limb, &sent);
         let known = Known {
             scene: &scene,
             limb: &limb,
@@ -43,6 +44,7 @@ impl Check {
             highest: &highest,
             inverses: &inverses,
             margins: &margins,
+            air,
         };
         show(self.json, &known.printed(&warnings), || known.table())?;
         Ok(super::warn(&warnings))
@@ -70,6 +72,9 @@ struct Printed<'a> {
     rest_length_m: f64,
     mass_kg: f64,
     duration_s: f64,
+    /// Air of one run at 100 kPa and 20 degC, m3, and the lowest supply, Pa gauge.
+    air_m3: f64,
+    supply_lowest_pa: f64,
     modules: Vec<PrintedModule<'a>>,
     phases: Vec<PrintedPhase<'a>>,
     weight: Option<PrintedWeight>,
@@ -118,11 +123,12 @@ struct Known<'a> {
     inverses: &'a [ModuleInverse],
     /// One a phase, or none of a weightless limb.
     margins: &'a [Margins],
+    air: AirDemand,
 }
 
 impl<'a> Known<'a> {
     fn printed(self, warnings: &'a [String]) -> Printed<'a> {
-        let Self { scene, limb, plan, highest, inverses, margins } = self;
+        let Self { scene, limb, plan, highest, inverses, margins, air } = self;
         let modules =
             limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| PrintedModule {
                 name: &module.name,
@@ -149,6 +155,8 @@ impl<'a> Known<'a> {
             rest_length_m: scene.rest_length_m(),
             mass_kg: scene.mass_kg(),
             duration_s: plan.duration_us() as f64 * 1e-6,
+            air_m3: air.volume_m3,
+            supply_lowest_pa: air.supply_min_pa,
             modules: modules.collect(),
             phases: phases.collect(),
             weight: plan.weighed().map(|weighed| PrintedWeight { model: weighed.tier.name(), error: weighed.error }),
@@ -157,7 +165,7 @@ impl<'a> Known<'a> {
     }
 
     fn table(self) -> String {
-        let Self { scene, limb, plan, highest, inverses, margins } = self;
+        let Self { scene, limb, plan, highest, inverses, margins, air } = self;
         let heading = format!(
             "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
             labelled(scene.name(), scene.weightless()),
@@ -172,12 +180,18 @@ impl<'a> Known<'a> {
             let (highest_kpa, allowed_kpa) = (pressure * 1e-3, module.pressure_max_pa * 1e-3);
             format!("  {:<16} up to {highest_kpa:6.2} kPa of {allowed_kpa:6.2} kPa, by {inverse}", module.name)
         });
+        let air = format!(
+            "  air of one run {:.2} litres at 100 kPa, supply at least {:.0} kPa",
+            1e3 * air.volume_m3,
+            1e-3 * air.supply_min_pa
+        );
         let weight = plan.weighed().map(|weighed| {
-        let (model, error) = (weighed.tier.name(), 100.0 * weighed.error);
-        format!("  corrected for weight by the model `{model}`, which says of itself that it errs by {error:.2} % of the length")
-    });
+            let (model, error) = (weighed.tier.name(), 100.0 * weighed.error);
+            format!("  corrected for weight by the model `{model}`, with an error of {error:.2} % of the length")
+        });
         std::iter::once(heading)
             .chain(modules)
+            .chain([air])
             .chain(weight)
             .chain(phase_rows(scene, plan))
             .chain(check_margins::rows(plan, margins))

@@ -5,9 +5,7 @@
 //! `l (a beta, b beta tau, 1 - b beta^2)`, and a change of the rotation by `dw` turns the end by `V dw`.
 
 use nalgebra::{Matrix3, Vector3};
-
-/// Square of the angle below which the coefficients are series.
-const SMALL: f64 = 0.04;
+use softlimb_limb::arc::coefficients;
 
 /// One end of an arc, seen from its start, with the derivatives of both its place and its direction.
 #[derive(Clone, Copy, Debug)]
@@ -20,25 +18,6 @@ pub(super) struct Arc {
     pub(super) turn: [Vector3<f64>; 2],
     /// Direction of the end.
     pub(super) rotation: Matrix3<f64>,
-}
-
-/// `a`, `b` and their derivatives by `t^2`.
-fn coefficients(square: f64) -> [f64; 4] {
-    let q = square;
-    if q < SMALL {
-        let series = |c: [f64; 5]| c[0] + q * (c[1] + q * (c[2] + q * (c[3] + q * c[4])));
-        return [
-            series([0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]),
-            series([1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0, 1.0 / 39_916_800.0]),
-            series([-1.0 / 24.0, 1.0 / 360.0, -1.0 / 13_440.0, 1.0 / 907_200.0, -1.0 / 95_800_320.0]),
-            series([-1.0 / 120.0, 1.0 / 2520.0, -1.0 / 120_960.0, 1.0 / 9_979_200.0, -1.0 / 1_245_404_160.0]),
-        ];
-    }
-    let t = q.sqrt();
-    let (sin, cos) = t.sin_cos();
-    let sinc = sin / t;
-    let (a, b) = ((1.0 - cos) / q, (1.0 - sinc) / q);
-    [a, b, (0.5 * sinc - a) / q, ((sinc - cos) / (2.0 * q) - b) / q]
 }
 
 /// The point of the centre line at a length, m, seen from the start, with a bend and a twist up to there, rad.
