@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Write};
 use std::num::NonZero;
 use std::thread;
 
-use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Real, Solution, State, Status};
+use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Precision, Real, Solution, State, Status};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -179,7 +179,7 @@ impl Solver {
 }
 
 /// The answer of the last actuator, or of another one that takes its place.
-fn solved<T: Real>(
+fn solved<T: Precision>(
     last: &mut Option<Built<T>>,
     case: &Case,
     rounded: impl Fn(&ActuatorParameters<f64>) -> ActuatorParameters<T>,
@@ -193,7 +193,7 @@ fn solved<T: Real>(
     solve(&last.insert(built).actuator, case)
 }
 
-fn solve<T: Real>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
+fn solve<T: Precision>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
     let load: Load<T> = convert::load(&case.load);
     match case.question {
         Question::Forward { pressure_pa } => actuator.forward(nalgebra::convert(pressure_pa), &load),
