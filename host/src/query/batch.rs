@@ -62,7 +62,8 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
 /// As [`batch`].
 pub fn batch_on(threads: NonZero<usize>, input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
     chunks::in_order(threads, input, output, |chunk| {
-        let mut answers = Vec::with_capacity(chunk.lines.len());
+        // An answer is about as long as its question.
+        let mut answers = Vec::with_capacity(chunk.lines.len() + chunk.lines.len() / 4);
         let mut solver = Solver { scalar, double: None, single: None };
         let (mut rest, mut number) = (chunk.lines.as_slice(), chunk.first_line);
         while !rest.is_empty() {

@@ -7,10 +7,9 @@ use std::str;
 
 use serde_json::Value;
 
-/// Lines, read up to a byte.
+/// Lines, as far as they are not read.
 pub(super) struct Scan<'a> {
-    text: &'a [u8],
-    at: usize,
+    rest: &'a [u8],
 }
 
 /// Powers of ten that a double holds exactly.
@@ -22,16 +21,18 @@ const POWERS: [f64; 23] = [
 const EXACT: u64 = 1 << f64::MANTISSA_DIGITS;
 /// Digits that a `u64` holds, whatever they are.
 const DIGITS: usize = 19;
+/// A one in each byte.
+const EACH: u64 = 0x0101_0101_0101_0101;
 
 impl<'a> Scan<'a> {
     pub(super) fn new(text: &'a [u8]) -> Self {
-        Self { text, at: 0 }
+        Self { rest: text }
     }
 
     /// The text after the end of the line, if that is next.
     pub(super) fn after_line(mut self) -> Option<&'a [u8]> {
         self.space();
-        match self.text.get(self.at..)? {
+        match self.rest {
             [] => Some(&[]),
             [b'\n', rest @ ..] => Some(rest),
             _ => None,
@@ -68,7 +69,7 @@ impl<'a> Scan<'a> {
     /// A string or a natural number.
     pub(super) fn id(&mut self) -> Option<Value> {
         self.space();
-        if self.text.get(self.at) != Some(&b'"') {
+        if self.rest.first() != Some(&b'"') {
             return self.natural().map(Value::from);
         }
         let word = self.word()?;
@@ -80,10 +81,10 @@ impl<'a> Scan<'a> {
     #[inline(always)]
     pub(super) fn word(&mut self) -> Option<&'a [u8]> {
         self.token(b'"')?;
-        let rest = self.text.get(self.at..)?;
-        let end = rest.iter().position(|byte| *byte == b'"')?;
-        self.at += end + 1;
-        rest.get(..end)
+        let end = first_quote(self.rest)?;
+        let word = self.rest.get(..end)?;
+        self.rest = self.rest.get(end + 1..)?;
+        Some(word)
     }
 
     pub(super) fn natural(&mut self) -> Option<u64> {
@@ -95,28 +96,27 @@ impl<'a> Scan<'a> {
 
     pub(super) fn number(&mut self) -> Option<f64> {
         self.space();
-        let start = self.at;
-        let is_negative = self.skip(b'-');
+        // A copy, which stays in registers.
+        let mut scan = Scan { rest: self.rest };
+        let is_negative = scan.skip(b'-');
         let mut mantissa = 0;
-        let mut digits = self.whole(&mut mantissa)?;
+        let mut digits = scan.whole(&mut mantissa)?;
         let mut exponent = 0;
-        if self.skip(b'.') {
-            let fraction = self.digits(&mut mantissa)?;
+        if scan.skip(b'.') {
+            let fraction = scan.digits(&mut mantissa)?;
             digits += fraction;
             exponent = -i32::try_from(fraction).ok()?;
         }
-        if self.skip(b'e') || self.skip(b'E') {
-            exponent += self.exponent()?;
+        if scan.skip(b'e') || scan.skip(b'E') {
+            exponent += scan.exponent()?;
         }
-        let power = POWERS.get(exponent.unsigned_abs() as usize);
-        if let (true, true, Some(power)) = (digits <= DIGITS, mantissa <= EXACT, power) {
-            // Both are exact, so that the one operation rounds as the decimal number does.
-            let value = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
-            return Some(if is_negative { -value } else { value });
+        let value = if digits <= DIGITS { decimal(mantissa, exponent) } else { None };
+        let text = self.rest.get(..self.rest.len() - scan.rest.len())?;
+        self.rest = scan.rest;
+        match value {
+            Some(value) => Some(if is_negative { -value } else { value }),
+            None => other_number(text),
         }
-        let number: f64 = str::from_utf8(self.text.get(start..self.at)?).ok()?.parse().ok()?;
-        // A number too large is none of `serde_json`.
-        number.is_finite().then_some(number)
     }
 
     fn exponent(&mut self) -> Option<i32> {
@@ -139,16 +139,18 @@ impl<'a> Scan<'a> {
     /// Appends digits, one at least, to a number, and counts them. The number is of no use where there are more than a `u64` holds.
     #[inline(always)]
     fn digits(&mut self, value: &mut u64) -> Option<usize> {
-        let start = self.at;
-        while let Some(eight) = self.text.get(self.at..).and_then(<[u8]>::first_chunk).and_then(eight_digits) {
+        let length = self.rest.len();
+        while let Some((text, rest)) = self.rest.split_first_chunk()
+            && let Some(eight) = eight_digits(u64::from_le_bytes(*text))
+        {
             *value = value.wrapping_mul(100_000_000).wrapping_add(eight);
-            self.at += 8;
+            self.rest = rest;
         }
-        while let Some(digit @ b'0'..=b'9') = self.text.get(self.at) {
+        while let [digit @ b'0'..=b'9', rest @ ..] = self.rest {
             *value = value.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
-            self.at += 1;
+            self.rest = rest;
         }
-        let count = self.at - start;
+        let count = length - self.rest.len();
         (count > 0).then_some(count)
     }
 
@@ -161,26 +163,68 @@ impl<'a> Scan<'a> {
     /// White space, but for the end of the line.
     #[inline(always)]
     fn space(&mut self) {
-        while let Some(b' ' | b'\t' | b'\r') = self.text.get(self.at) {
-            self.at += 1;
+        while let [b' ' | b'\t' | b'\r', rest @ ..] = self.rest {
+            self.rest = rest;
         }
     }
 
     /// Passes over a byte, if it is next.
     #[inline(always)]
     fn skip(&mut self, byte: u8) -> bool {
-        let is_next = self.text.get(self.at) == Some(&byte);
-        self.at += usize::from(is_next);
-        is_next
+        match self.rest {
+            [first, rest @ ..] if *first == byte => {
+                self.rest = rest;
+                true
+            }
+            _ => false,
+        }
     }
+}
+
+/// The double nearest to `mantissa 10^exponent`, in one rounding; `None` where that takes more.
+#[inline(always)]
+fn decimal(mantissa: u64, exponent: i32) -> Option<f64> {
+    let power = *POWERS.get(exponent.unsigned_abs() as usize)?;
+    if mantissa <= EXACT {
+        // Both are exact, and the one operation rounds.
+        return Some(if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power });
+    }
+    if !(-18..0).contains(&exponent) {
+        return None;
+    }
+    // More than 56 bits of the quotient: the last is below the rounding, and stands for all after it. The conversion rounds.
+    let (dividend, divisor) = (u128::from(mantissa) << 64, u128::from(power as u64));
+    let (quotient, is_exact) = (dividend / divisor, dividend.is_multiple_of(divisor));
+    Some((quotient | u128::from(!is_exact)) as f64 * (1.0 / 18_446_744_073_709_551_616.0))
+}
+
+/// A number too large is none of `serde_json`.
+#[cold]
+fn other_number(text: &[u8]) -> Option<f64> {
+    str::from_utf8(text).ok()?.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// The place of the first quote.
+#[inline(always)]
+fn first_quote(text: &[u8]) -> Option<usize> {
+    let mut rest = text;
+    while let Some((eight, after)) = rest.split_first_chunk() {
+        // The lowest byte that is zero borrows from its highest bit; those above it may, too.
+        let other = u64::from_le_bytes(*eight) ^ (u64::from(b'"') * EACH);
+        let zeros = other.wrapping_sub(EACH) & !other & (0x80 * EACH);
+        if zeros != 0 {
+            return Some(text.len() - rest.len() + (zeros.trailing_zeros() / 8) as usize);
+        }
+        rest = after;
+    }
+    let end = rest.iter().position(|byte| *byte == b'"')?;
+    Some(text.len() - rest.len() + end)
 }
 
 /// The number that eight digits make, added up side by side: pairs, then fours, then all; `None` where one is no digit.
 #[inline(always)]
-fn eight_digits(text: &[u8; 8]) -> Option<u64> {
-    const EACH: u64 = 0x0101_0101_0101_0101;
+fn eight_digits(text: u64) -> Option<u64> {
     const LOW: u64 = 0x0000_00ff_0000_00ff;
-    let text = u64::from_le_bytes(*text);
     // A digit has a high half of 3, and keeps it with 6 added.
     let high = (text & (0xf0 * EACH)) | ((text.wrapping_add(6 * EACH) & (0xf0 * EACH)) >> 4);
     if high != 0x33 * EACH {
@@ -281,14 +325,29 @@ mod tests {
     }
 
     #[test]
+    fn first_quote_is_found_at_any_place() {
+        for length in 0..40_usize {
+            // Neighbours of a quote in value and sign, and quotes behind it.
+            let other = |i: usize| [b'!', b'#', 0xa2, 0, b'a'][i % 5];
+            let text: Vec<u8> = (0..length).map(other).collect();
+            assert_eq!(first_quote(&text), None);
+            for place in 0..length {
+                let mut text = text.clone();
+                text[place..].iter_mut().step_by(1 + place % 3).for_each(|byte| *byte = b'"');
+                assert_eq!(first_quote(&text), Some(place), "{length}");
+            }
+        }
+    }
+
+    #[test]
     fn eight_digits_are_no_other_bytes() {
-        assert_eq!(eight_digits(b"12345678"), Some(12_345_678));
-        assert_eq!(eight_digits(b"00000009"), Some(9));
+        assert_eq!(eight_digits(u64::from_le_bytes(*b"12345678")), Some(12_345_678));
+        assert_eq!(eight_digits(u64::from_le_bytes(*b"00000009")), Some(9));
         for byte in (0..=255_u8).filter(|byte| !byte.is_ascii_digit()) {
             for place in 0..8 {
                 let mut text = *b"12345678";
                 text[place] = byte;
-                assert_eq!(eight_digits(&text), None, "{byte} at {place}");
+                assert_eq!(eight_digits(u64::from_le_bytes(text)), None, "{byte} at {place}");
             }
         }
     }
