@@ -62,9 +62,8 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
 /// As [`batch`].
 pub fn batch_on(threads: NonZero<usize>, input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
     chunks::in_order(threads, input, output, |chunk| {
-        // An answer is about as long as its question.
-        let mut answers = Vec::with_capacity(chunk.lines.len() + chunk.lines.len() / 4);
-        let mut solver = Solver { scalar, double: None, single: None };
+        let mut answers = Vec::with_capacity(chunk.lines.len());
+        let mut solver = Solver { scalar, double: Last::none(), single: Last::none() };
         let (mut rest, mut number) = (chunk.lines.as_slice(), chunk.first_line);
         while !rest.is_empty() {
             rest = write_next(rest, number, &mut solver, &mut answers)?;
@@ -164,14 +163,21 @@ fn id_of(line: &[u8]) -> Value {
 /// Solves questions one after the other. It keeps the last actuator: batches often ask for many pressures of the same one.
 struct Solver {
     scalar: Scalar,
-    double: Option<Built<f64>>,
-    single: Option<Built<f32>>,
+    double: Last<f64>,
+    single: Last<f32>,
 }
 
-/// An actuator, and the bits of the parameters it was built from, as they were written.
-struct Built<T: Real> {
-    bits: ActuatorParameters<u64>,
-    actuator: Actuator<T>,
+/// The last actuator's parameters, as the bits they were written in, and itself once it was asked for twice: most of a batch of different
+/// actuators are not worth a copy.
+struct Last<T: Real> {
+    bits: Option<ActuatorParameters<u64>>,
+    actuator: Option<Actuator<T>>,
+}
+
+impl<T: Real> Last<T> {
+    fn none() -> Self {
+        Self { bits: None, actuator: None }
+    }
 }
 
 impl Solver {
@@ -196,17 +202,25 @@ impl Solver {
 
 /// The answer of the last actuator, or of another one that takes its place.
 fn solved<T: Precision>(
-    last: &mut Option<Built<T>>,
+    last: &mut Last<T>,
     case: &Case,
     rounded: impl Fn(&ActuatorParameters<f64>) -> ActuatorParameters<T>,
 ) -> Result<Solution<T>, InvalidParameter<T>> {
     // Bits, not numbers: the sign of a zero may show in an answer.
-    let bits = case.parameters.map(f64::to_bits);
-    if let Some(last) = last.as_ref().filter(|last| last.bits == bits) {
-        return solve(&last.actuator, case);
+    let bits = Some(case.parameters.map(f64::to_bits));
+    if last.bits == bits {
+        let actuator = match &mut last.actuator {
+            Some(actuator) => actuator,
+            none => none.insert(Actuator::new(&rounded(&case.parameters))?),
+        };
+        return solve(actuator, case);
     }
-    let built = Built { bits, actuator: Actuator::new(&rounded(&case.parameters))? };
-    solve(&last.insert(built).actuator, case)
+    (last.bits, last.actuator) = (bits, None);
+    // Asked where it was built.
+    match &Actuator::new(&rounded(&case.parameters)) {
+        Ok(actuator) => solve(actuator, case),
+        Err(error) => Err(*error),
+    }
 }
 
 fn solve<T: Precision>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
