@@ -13,9 +13,6 @@ use super::{Failure, Outcome};
 use crate::query as eval;
 use crate::query::{Curve, Scalar};
 
-/// Bytes of a batch's file that are read at a time.
-const READ_AHEAD: usize = 256 << 10;
-
 /// Evaluate the actuator model: pressure curves of a scene's actuators, or a batch of queries
 #[derive(Args)]
 #[command(
@@ -74,7 +71,7 @@ impl Eval {
             eval::batch(stdin().lock(), stdout().lock(), scalar)
         } else {
             let input = File::open(file).map_err(|error| Failure::file("read", file, &error))?;
-            eval::batch(BufReader::with_capacity(READ_AHEAD, input), stdout().lock(), scalar)
+            eval::batch(BufReader::new(input), stdout().lock(), scalar)
         };
         match done {
             Ok(()) => Ok(Outcome::Done),
