@@ -241,7 +241,7 @@ fn eight_digits(text: u64) -> Option<u64> {
 mod tests {
     use super::*;
 
-    fn read<T>(text: &[u8], value: impl FnOnce(&mut Scan) -> Option<T>) -> Option<T> {
+    fn read<'a, T>(text: &'a [u8], value: impl FnOnce(&mut Scan<'a>) -> Option<T>) -> Option<T> {
         let mut scan = Scan::new(text);
         let value = value(&mut scan)?;
         scan.after_line().filter(|rest| rest.is_empty()).map(|_| value)
