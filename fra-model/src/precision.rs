@@ -8,16 +8,19 @@ use crate::{Blocked, NoDerivative, Parameter};
 
 /// A scalar of [`Actuator`]: `f32` or `f64`.
 ///
-/// The solvers of `f64` are compiled in this crate, once, instead of in every crate that calls them. Those of `f32` are compiled in
-/// the calling program, with its settings: an image for a device asks for small code.
+/// The solvers are compiled in this crate, once, instead of in every crate that calls them. For a device, those of `f32` are compiled
+/// in the calling program, with its settings: an image asks for small code.
 pub trait Precision: Real + sealed::Sealed {
     entry_points!();
 }
 
-impl Precision for f32 {}
+// Not generic: this is what compiles them here.
+impl Precision for f32 {
+    #[cfg(not(target_os = "none"))]
+    entry_points!();
+}
 
 impl Precision for f64 {
-    // Not generic: this is what compiles them here.
     entry_points!();
 }
 
