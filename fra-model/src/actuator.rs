@@ -2,6 +2,7 @@
 
 use crate::number::real::Real;
 use crate::parameters::{ActuatorParameters, InvalidParameter, Motion, require};
+use crate::precision::Precision;
 use crate::solution::{Load, Solution, State, Target};
 use crate::solve::bend::Bender;
 use crate::solve::blocked::Blocked;
@@ -24,41 +25,18 @@ enum Body<T: Real> {
     Bending(Bender<T>),
 }
 
-impl<T: Real> Actuator<T> {
+impl<T: Precision> Actuator<T> {
     /// Checks the parameters and prepares the solver.
     ///
     /// # Errors
     /// [`InvalidParameter`] names the first field that is not accepted.
     pub fn new(parameters: &ActuatorParameters<T>) -> Result<Self, InvalidParameter<T>> {
-        parameters.check()?;
-        let body = match parameters.motion {
-            Motion::Bending => Body::Bending(Bender::new(parameters)),
-            Motion::Extension | Motion::Expansion | Motion::Twisting => Body::Straight(Tube::new(parameters)),
-        };
-        Ok(Self { parameters: *parameters, body })
-    }
-
-    /// The same actuator, solved by continuation alone: slower, for comparison.
-    #[doc(hidden)]
-    pub fn by_search(self) -> Self {
-        let body = match self.body {
-            Body::Straight(tube) => Body::Straight(tube.by_search()),
-            bending => bending,
-        };
-        Self { body, ..self }
-    }
-
-    /// The parameters it was built from.
-    pub fn parameters(&self) -> &ActuatorParameters<T> {
-        &self.parameters
+        T::prepare(parameters)
     }
 
     /// The state without pressure and load.
     pub fn rest(&self) -> State<T> {
-        match &self.body {
-            Body::Straight(tube) => tube.rest(),
-            Body::Bending(bender) => bender.rest(),
-        }
+        T::rest(self)
     }
 
     /// The equilibrium at a gauge pressure, Pa, reached from rest by first applying the load, then the pressure.
@@ -66,7 +44,7 @@ impl<T: Real> Actuator<T> {
     /// # Errors
     /// [`InvalidParameter`] when the pressure or the load is not finite.
     pub fn forward(&self, pressure_pa: T, load: &Load<T>) -> Result<Solution<T>, InvalidParameter<T>> {
-        self.solve_forward(None, pressure_pa, load)
+        T::forward(self, None, pressure_pa, load)
     }
 
     /// [`forward`](Self::forward), started from an earlier state of this actuator under the same load; from rest where that fails.
@@ -79,7 +57,7 @@ impl<T: Real> Actuator<T> {
         pressure_pa: T,
         load: &Load<T>,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
-        self.solve_forward(Some(start), pressure_pa, load)
+        T::forward(self, Some(start), pressure_pa, load)
     }
 
     /// [`forward_from`](Self::forward_from) without the restart from rest, and with bounded work as
@@ -94,12 +72,7 @@ impl<T: Real> Actuator<T> {
         load: &Load<T>,
         budget: u32,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
-        load.check()?;
-        require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
-        Ok(match &self.body {
-            Body::Straight(tube) => tube.forward_near(start, pressure_pa, load, budget),
-            Body::Bending(bender) => bender.forward(Some(start), pressure_pa, load),
-        })
+        T::forward_near(self, start, pressure_pa, load, budget)
     }
 
     /// The gauge pressure at which the actuator reaches a deformation, and the state there.
@@ -110,7 +83,7 @@ impl<T: Real> Actuator<T> {
     /// # Errors
     /// [`InvalidParameter`] when the target is out of its range or not one of this motion's, or the load is not finite.
     pub fn inverse(&self, target: Target<T>, load: &Load<T>) -> Result<Solution<T>, InvalidParameter<T>> {
-        self.solve_inverse(None, target, load)
+        T::inverse(self, None, target, load)
     }
 
     /// [`inverse`](Self::inverse), started from an earlier state of this actuator under the same load: of several pressures
@@ -124,7 +97,7 @@ impl<T: Real> Actuator<T> {
         target: Target<T>,
         load: &Load<T>,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
-        self.solve_inverse(Some(start), target, load)
+        T::inverse(self, Some(start), target, load)
     }
 
     /// [`inverse_from`](Self::inverse_from) without the restart from rest, in bounded time: about `budget`
@@ -141,11 +114,7 @@ impl<T: Real> Actuator<T> {
         load: &Load<T>,
         budget: u32,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
-        load.check()?;
-        match &self.body {
-            Body::Straight(tube) => tube.inverse_near(start, target, load, budget),
-            Body::Bending(bender) => bender.inverse(target, load),
-        }
+        T::inverse_near(self, start, target, load, budget)
     }
 
     /// Blocked force and torque of a straight actuator at an axial stretch, a twist, rad, and a gauge pressure, Pa, with its
@@ -156,18 +125,24 @@ impl<T: Real> Actuator<T> {
     /// # Errors
     /// [`InvalidParameter`] when a value is not finite, the stretch is not positive, or the actuator bends.
     pub fn blocked(&self, pressure_pa: T, axial_stretch: T, twist_rad: T) -> Result<Blocked<T>, InvalidParameter<T>> {
-        require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
-        let positive = axial_stretch.is_finite() && axial_stretch > T::zero();
-        require(positive, "axial_stretch", axial_stretch, "finite and > 0")?;
-        require(twist_rad.is_finite(), "twist_rad", twist_rad, "finite")?;
-        match &self.body {
-            Body::Straight(tube) => Ok(tube.blocked(pressure_pa, axial_stretch, twist_rad)),
-            Body::Bending(_) => Err(InvalidParameter {
-                field: "axial_stretch",
-                value: axial_stretch,
-                allowed: "straight actuators only: a bending one is held by its load",
-            }),
-        }
+        T::blocked(self, pressure_pa, axial_stretch, twist_rad)
+    }
+}
+
+impl<T: Real> Actuator<T> {
+    /// The same actuator, solved by continuation alone: slower, for comparison.
+    #[doc(hidden)]
+    pub fn by_search(self) -> Self {
+        let body = match self.body {
+            Body::Straight(tube) => Body::Straight(tube.by_search()),
+            bending => bending,
+        };
+        Self { body, ..self }
+    }
+
+    /// The parameters it was built from.
+    pub fn parameters(&self) -> &ActuatorParameters<T> {
+        &self.parameters
     }
 
     /// The tube of a straight actuator.
@@ -178,7 +153,24 @@ impl<T: Real> Actuator<T> {
         }
     }
 
-    fn solve_forward(
+    /// [`Actuator::new`]; this and the following are called by [`Precision`] alone.
+    pub(crate) fn prepare(parameters: &ActuatorParameters<T>) -> Result<Self, InvalidParameter<T>> {
+        parameters.check()?;
+        let body = match parameters.motion {
+            Motion::Bending => Body::Bending(Bender::new(parameters)),
+            Motion::Extension | Motion::Expansion | Motion::Twisting => Body::Straight(Tube::new(parameters)),
+        };
+        Ok(Self { parameters: *parameters, body })
+    }
+
+    pub(crate) fn solve_rest(&self) -> State<T> {
+        match &self.body {
+            Body::Straight(tube) => tube.rest(),
+            Body::Bending(bender) => bender.rest(),
+        }
+    }
+
+    pub(crate) fn solve_forward(
         &self,
         start: Option<&State<T>>,
         pressure_pa: T,
@@ -192,7 +184,22 @@ impl<T: Real> Actuator<T> {
         })
     }
 
-    fn solve_inverse(
+    pub(crate) fn solve_forward_near(
+        &self,
+        start: &State<T>,
+        pressure_pa: T,
+        load: &Load<T>,
+        budget: u32,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        load.check()?;
+        require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
+        Ok(match &self.body {
+            Body::Straight(tube) => tube.forward_near(start, pressure_pa, load, budget),
+            Body::Bending(bender) => bender.forward(Some(start), pressure_pa, load),
+        })
+    }
+
+    pub(crate) fn solve_inverse(
         &self,
         start: Option<&State<T>>,
         target: Target<T>,
@@ -202,6 +209,40 @@ impl<T: Real> Actuator<T> {
         match &self.body {
             Body::Straight(tube) => tube.inverse(start, target, load),
             Body::Bending(bender) => bender.inverse(target, load),
+        }
+    }
+
+    pub(crate) fn solve_inverse_near(
+        &self,
+        start: &State<T>,
+        target: Target<T>,
+        load: &Load<T>,
+        budget: u32,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        load.check()?;
+        match &self.body {
+            Body::Straight(tube) => tube.inverse_near(start, target, load, budget),
+            Body::Bending(bender) => bender.inverse(target, load),
+        }
+    }
+
+    pub(crate) fn solve_blocked(
+        &self,
+        pressure_pa: T,
+        axial_stretch: T,
+        twist_rad: T,
+    ) -> Result<Blocked<T>, InvalidParameter<T>> {
+        require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
+        let positive = axial_stretch.is_finite() && axial_stretch > T::zero();
+        require(positive, "axial_stretch", axial_stretch, "finite and > 0")?;
+        require(twist_rad.is_finite(), "twist_rad", twist_rad, "finite")?;
+        match &self.body {
+            Body::Straight(tube) => Ok(tube.blocked(pressure_pa, axial_stretch, twist_rad)),
+            Body::Bending(_) => Err(InvalidParameter {
+                field: "axial_stretch",
+                value: axial_stretch,
+                allowed: "straight actuators only: a bending one is held by its load",
+            }),
         }
     }
 }

@@ -6,6 +6,7 @@ use core::ops::Range;
 use crate::actuator::Actuator;
 use crate::number::real::Real;
 use crate::parameters::InvalidParameter;
+use crate::precision::Precision;
 use crate::solution::{Load, Solution, State, Status};
 use crate::solve::closed_form::{ClosedForm, Column, Columns, LANES, Lanes};
 use crate::solve::size::Size;
@@ -134,7 +135,7 @@ impl<T: Real> Answers<T> {
 /// # Errors
 /// [`InvalidParameter`] of a pressure that is not finite; the solutions are then of no use.
 #[inline(always)]
-pub fn forward_prepared<T: Real, V: Lanes<T>>(
+pub fn forward_prepared<T: Precision, V: Lanes<T>>(
     token: V,
     groups: &[Prepared<T>],
     actuators: &[Actuator<T>],
@@ -154,7 +155,7 @@ pub fn forward_prepared<T: Real, V: Lanes<T>>(
 /// # Errors
 /// [`InvalidParameter`] of a pressure that is not finite; the solutions are then of no use.
 #[inline(always)]
-pub fn forward_many<T: Real, V: Lanes<T>>(
+pub fn forward_many<T: Precision, V: Lanes<T>>(
     token: V,
     actuators: &[Actuator<T>],
     pressures_pa: &[T],
@@ -181,7 +182,7 @@ struct Batch<'a, T: Real> {
     count: usize,
 }
 
-impl<T: Real> Batch<'_, T> {
+impl<T: Precision> Batch<'_, T> {
     /// One correction for a group.
     #[inline(always)]
     fn solve<V: Lanes<T>>(

@@ -8,6 +8,7 @@ use crate::number::dual::Dual;
 use crate::number::real::Real;
 use crate::number::scalar::Scalar;
 use crate::parameters::{InvalidParameter, Motion};
+use crate::precision::Precision;
 use crate::solution::{Load, Status};
 use crate::solve::blocked::Blocked;
 use crate::solve::energy::Wall;
@@ -15,7 +16,7 @@ use crate::solve::energy::Wall;
 use super::NoDerivative;
 use super::inputs::{Inputs, Parameter};
 
-impl<T: Real> Actuator<T> {
+impl<T: Precision> Actuator<T> {
     /// Derivatives of the blocked loads with respect to one input; `blocked` is a result of [`Actuator::blocked`],
     /// at constant axial stretch and twist: N and N m per unit of the input. By the pressure it is `blocked.by_pressure`.
     ///
@@ -23,6 +24,17 @@ impl<T: Real> Actuator<T> {
     /// [`NoDerivative`]: an input that the loads do not depend on (force and torque are answers here), an actuator that bends, or a
     /// blocked state without balance.
     pub fn blocked_sensitivity(&self, blocked: &Blocked<T>, parameter: Parameter) -> Result<Load<T>, NoDerivative<T>> {
+        T::blocked_sensitivity(self, blocked, parameter)
+    }
+}
+
+impl<T: Real> Actuator<T> {
+    /// Called by [`Precision`] alone.
+    pub(crate) fn blocked_derivative(
+        &self,
+        blocked: &Blocked<T>,
+        parameter: Parameter,
+    ) -> Result<Load<T>, NoDerivative<T>> {
         if blocked.status != Status::Solved {
             return Err(NoDerivative::NotAnEquilibrium);
         }

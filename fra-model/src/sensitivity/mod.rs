@@ -20,6 +20,7 @@ use crate::number::dual::Dual;
 use crate::number::real::Real;
 use crate::number::scalar::Scalar;
 use crate::parameters::{InvalidParameter, Motion};
+use crate::precision::Precision;
 use crate::solution::{Load, State, Target};
 
 use bent::BentPoint;
@@ -104,7 +105,7 @@ struct Change<T> {
     deformation: [T; 3],
 }
 
-impl<T: Real> Actuator<T> {
+impl<T: Precision> Actuator<T> {
     /// The inputs that the equilibria of this actuator depend on.
     ///
     /// ```
@@ -146,7 +147,7 @@ impl<T: Real> Actuator<T> {
         load: &Load<T>,
         parameter: Parameter,
     ) -> Result<State<T>, NoDerivative<T>> {
-        Ok(self.point(state, load)?.change(parameter, Fixed::Pressure)?.state)
+        T::sensitivity(self, state, load, None, parameter)
     }
 
     /// The counterpart of [`sensitivity`](Self::sensitivity) for the inverse problem: the change with an input when the pressure is
@@ -164,10 +165,7 @@ impl<T: Real> Actuator<T> {
         target: Target<T>,
         parameter: Parameter,
     ) -> Result<State<T>, NoDerivative<T>> {
-        if parameter == Parameter::Pressure {
-            return Err(NoDerivative::NotAnInput(parameter));
-        }
-        Ok(self.point(state, load)?.change(parameter, Fixed::Target(target))?.state)
+        T::sensitivity(self, state, load, Some(target), parameter)
     }
 
     /// Condition number of the forward problem at an equilibrium: `sum over all inputs p of |p| max|dd/dp| / max|d|`, where `d` is the
@@ -179,6 +177,27 @@ impl<T: Real> Actuator<T> {
     /// # Errors
     /// [`NoDerivative`], as its variants say.
     pub fn condition(&self, state: &State<T>, load: &Load<T>) -> Result<T, NoDerivative<T>> {
+        T::condition(self, state, load)
+    }
+}
+
+impl<T: Real> Actuator<T> {
+    /// [`Actuator::sensitivity`], or [`Actuator::inverse_sensitivity`] for a target; called by [`Precision`] alone, as the next.
+    pub(crate) fn derivative(
+        &self,
+        state: &State<T>,
+        load: &Load<T>,
+        target: Option<Target<T>>,
+        parameter: Parameter,
+    ) -> Result<State<T>, NoDerivative<T>> {
+        if target.is_some() && parameter == Parameter::Pressure {
+            return Err(NoDerivative::NotAnInput(parameter));
+        }
+        let fixed = target.map_or(Fixed::Pressure, Fixed::Target);
+        Ok(self.point(state, load)?.change(parameter, fixed)?.state)
+    }
+
+    pub(crate) fn condition_number(&self, state: &State<T>, load: &Load<T>) -> Result<T, NoDerivative<T>> {
         let point = self.point(state, load)?;
         let deformation = largest(point.deformation());
         if deformation == T::zero() {
@@ -186,7 +205,7 @@ impl<T: Real> Actuator<T> {
         }
         let inputs = Inputs::new(self.parameters(), state.pressure_pa, load);
         let mut sum = T::zero();
-        for parameter in self.inputs() {
+        for parameter in Parameter::ALL {
             let value = Scalar::abs(inputs.get(parameter).unwrap_or(T::zero()));
             if value > T::zero() {
                 sum += value * largest(point.change(parameter, Fixed::Pressure)?.deformation);

@@ -14,6 +14,7 @@ use crate::actuator::Actuator;
 use crate::model::limb::{Link, Segment, tip_pose};
 use crate::number::real::Real;
 use crate::parameters::{InvalidParameter, Motion, require};
+use crate::precision::Precision;
 use crate::solution::{Load, Solution, State, Status};
 
 use sum::Sum;
@@ -133,7 +134,7 @@ pub struct SeriesSolution<T> {
     pub iterations: u32,
 }
 
-impl<'a, T: Real> Series<'a, T> {
+impl<'a, T: Precision> Series<'a, T> {
     /// Checks that the segments make one tube: at least one, all with the same inner and the same outer radius.
     ///
     /// # Errors

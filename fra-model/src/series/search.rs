@@ -5,6 +5,7 @@
 
 use crate::number::real::{Real, epsilon, real};
 use crate::parameters::InvalidParameter;
+use crate::precision::Precision;
 use crate::sensitivity::Parameter;
 use crate::solution::{Load, State, Status};
 
@@ -41,7 +42,7 @@ impl<T: Real> At<T> {
     }
 }
 
-struct Search<'s, 'a, T: Real> {
+struct Search<'s, 'a, T: Precision> {
     series: &'s Series<'a, T>,
     load: &'s Load<T>,
     target: SeriesTarget<T>,
@@ -50,13 +51,13 @@ struct Search<'s, 'a, T: Real> {
 
 type Found<T> = Result<SeriesSolution<T>, InvalidParameter<T>>;
 
-pub(super) fn search<T: Real>(series: &Series<'_, T>, target: SeriesTarget<T>, load: &Load<T>) -> Found<T> {
+pub(super) fn search<T: Precision>(series: &Series<'_, T>, target: SeriesTarget<T>, load: &Load<T>) -> Found<T> {
     let mut search = Search { series, load, target, iterations: 0 };
     let found = search.raise()?;
     Ok(SeriesSolution { iterations: search.iterations, ..found })
 }
 
-impl<T: Real> Search<'_, '_, T> {
+impl<T: Precision> Search<'_, '_, T> {
     fn at(&mut self, pressure: T) -> Result<At<T>, InvalidParameter<T>> {
         let (mut slope, zero) = (T::zero(), T::zero());
         let (segments, load, target) = (self.series.segments(), self.load, self.target);

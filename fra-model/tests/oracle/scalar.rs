@@ -1,8 +1,8 @@
 //! The two scalars of the model, to and from `f64`.
 
-use fra_model::Real;
+use fra_model::Precision;
 
-pub(crate) trait Scalar: Real + std::fmt::Debug {
+pub(crate) trait Scalar: Precision + std::fmt::Debug {
     const NAME: &'static str;
     const EPSILON: f64;
     fn rounded(value: f64) -> Self;

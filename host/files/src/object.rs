@@ -9,6 +9,7 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 
 /// A `T` written as a JSON object. Deriving alone would take an array of the fields' values as well, in an order that
 /// the interface does not promise.
+#[derive(Clone, Copy, Debug)]
 pub struct Object<T>(pub T);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {

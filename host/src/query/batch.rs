@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Write};
 use std::num::NonZero;
 use std::thread;
 
-use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Real, Solution, State, Status};
+use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Precision, Real, Solution, State, Status};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -14,8 +14,8 @@ use serde_json::Value;
 use super::chunks;
 use super::complaint;
 use super::convert;
+use super::fields;
 use super::request::{Case, Model, Question, Request};
-use super::scan;
 use super::section_fe::{self, Discretisation, Found};
 use super::series::{SeriesAnswer, SeriesRequest};
 use softlimb_files::object::Object;
@@ -31,7 +31,6 @@ pub enum Scalar {
 
 /// A line of output about one actuator.
 struct Answer {
-    id: Value,
     status: &'static str,
     pressure_pa: Option<f64>,
     axial_stretch: Option<f64>,
@@ -64,32 +63,55 @@ pub fn batch(input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Res
 pub fn batch_on(threads: NonZero<usize>, input: impl BufRead, output: impl Write, scalar: Scalar) -> io::Result<()> {
     chunks::in_order(threads, input, output, |chunk| {
         let mut answers = Vec::with_capacity(chunk.lines.len());
-        let mut solver = Solver { scalar, double: None, single: None };
+        let mut solver = Solver { scalar, double: Last::none(), single: Last::none() };
         let (mut rest, mut number) = (chunk.lines.as_slice(), chunk.first_line);
         while !rest.is_empty() {
-            let lines = rest;
-            let line = &lines[..rest.skip_until(b'\n')?];
-            write_answer(line.strip_suffix(b"\n").unwrap_or(line), number, &mut solver, &mut answers)?;
+            rest = write_next(rest, number, &mut solver, &mut answers)?;
             number += 1;
         }
         Ok(answers)
     })
 }
 
-fn write_answer(line: &[u8], number: usize, solver: &mut Solver, out: &mut Vec<u8>) -> serde_json::Result<()> {
-    if line.trim_ascii().is_empty() {
-        return Ok(());
+/// Writes the answer to the first of some lines, and returns the others.
+fn write_next<'a>(
+    lines: &'a [u8],
+    number: usize,
+    solver: &mut Solver,
+    out: &mut Vec<u8>,
+) -> serde_json::Result<&'a [u8]> {
+    // Most lines end where their question ends, and are read once.
+    if let Some((request, rest)) = fields::read(lines) {
+        write_answer(actuator(&request, solver), &request.id, number, out)?;
+        return Ok(rest);
     }
-    let written = match request(line) {
-        Ok(request) => actuator(request, solver).map(|answer| answer.write(out)),
-        Err(_) if is_about_a_series(line) => {
-            series(line, solver.scalar).map(|answer| serde_json::to_writer(&mut *out, &answer))
-        }
-        Err(invalid) => Err(invalid),
-    };
-    written.unwrap_or_else(|(id, message)| {
-        Answer::without_state(id, "invalid", Some(format!("line {number}: {message}"))).write(out)
-    })?;
+    let end = lines.iter().position(|byte| *byte == b'\n');
+    let (line, rest) = end.map_or((lines, &[][..]), |end| (&lines[..end], &lines[end + 1..]));
+    if line.trim_ascii().is_empty() {
+        return Ok(rest);
+    }
+    match parsed::<Request>(line) {
+        Ok(request) => write_answer(actuator(&request, solver), &request.id, number, out)?,
+        Err(_) if is_about_a_series(line) => match series(line, solver.scalar) {
+            Ok(answer) => {
+                serde_json::to_writer(&mut *out, &answer)?;
+                out.push(b'\n');
+            }
+            Err((id, message)) => write_answer(Err(message), &id, number, out)?,
+        },
+        Err((id, message)) => write_answer(Err(message), &id, number, out)?,
+    }
+    Ok(rest)
+}
+
+fn write_answer(
+    answer: Result<Answer, String>,
+    id: &Value,
+    number: usize,
+    out: &mut Vec<u8>,
+) -> serde_json::Result<()> {
+    let invalid = |message| Answer::without_state("invalid", Some(format!("line {number}: {message}")));
+    answer.unwrap_or_else(invalid).write(id, out)?;
     out.push(b'\n');
     Ok(())
 }
@@ -97,11 +119,7 @@ fn write_answer(line: &[u8], number: usize, solver: &mut Solver, out: &mut Vec<u
 /// An answer, or the `id` and what is wrong.
 type Answered<T> = Result<T, (Value, String)>;
 
-/// A question about one actuator. A line about a series is none, because of its field `segments`.
-fn request(line: &[u8]) -> Answered<Request> {
-    scan::read(line).map_or_else(|| parsed(line), Ok)
-}
-
+/// Whether a line that is no question about one actuator is one about a series: because of its field `segments`.
 fn is_about_a_series(line: &[u8]) -> bool {
     const FIELD: &[u8] = b"\"segments\"";
     // Most lines do not hold the word, and need not be read twice.
@@ -114,16 +132,13 @@ pub(super) fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
     Ok(request)
 }
 
-fn actuator(request: Request, solver: &mut Solver) -> Answered<Answer> {
-    let answer = |case: Case| match (case.model, solver.scalar) {
+fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
+    let case = request.case()?;
+    match (case.model, solver.scalar) {
         (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solver.solve_double(&case)?)),
         (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solver.solve_single(&case)?)),
         (Model::SectionFe, Scalar::F64) => Ok(Answer::found(&by_section(&case)?)),
         (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
-    };
-    match request.case().and_then(answer) {
-        Ok(answer) => Ok(Answer { id: request.id, ..answer }),
-        Err(message) => Err((request.id, message)),
     }
 }
 
@@ -148,14 +163,21 @@ fn id_of(line: &[u8]) -> Value {
 /// Solves questions one after the other. It keeps the last actuator: batches often ask for many pressures of the same one.
 struct Solver {
     scalar: Scalar,
-    double: Option<Built<f64>>,
-    single: Option<Built<f32>>,
+    double: Last<f64>,
+    single: Last<f32>,
 }
 
-/// An actuator, and the bits of the parameters it was built from, as they were written.
-struct Built<T: Real> {
-    bits: ActuatorParameters<u64>,
-    actuator: Actuator<T>,
+/// The last actuator's parameters, as the bits they were written in, and itself once it was asked for twice: most of a batch of different
+/// actuators are not worth a copy.
+struct Last<T: Real> {
+    bits: Option<ActuatorParameters<u64>>,
+    actuator: Option<Actuator<T>>,
+}
+
+impl<T: Real> Last<T> {
+    fn none() -> Self {
+        Self { bits: None, actuator: None }
+    }
 }
 
 impl Solver {
@@ -179,21 +201,29 @@ impl Solver {
 }
 
 /// The answer of the last actuator, or of another one that takes its place.
-fn solved<T: Real>(
-    last: &mut Option<Built<T>>,
+fn solved<T: Precision>(
+    last: &mut Last<T>,
     case: &Case,
     rounded: impl Fn(&ActuatorParameters<f64>) -> ActuatorParameters<T>,
 ) -> Result<Solution<T>, InvalidParameter<T>> {
     // Bits, not numbers: the sign of a zero may show in an answer.
-    let bits = case.parameters.map(f64::to_bits);
-    if let Some(last) = last.as_ref().filter(|last| last.bits == bits) {
-        return solve(&last.actuator, case);
+    let bits = Some(case.parameters.map(f64::to_bits));
+    if last.bits == bits {
+        let actuator = match &mut last.actuator {
+            Some(actuator) => actuator,
+            none => none.insert(Actuator::new(&rounded(&case.parameters))?),
+        };
+        return solve(actuator, case);
     }
-    let built = Built { bits, actuator: Actuator::new(&rounded(&case.parameters))? };
-    solve(&last.insert(built).actuator, case)
+    (last.bits, last.actuator) = (bits, None);
+    // Asked where it was built.
+    match &Actuator::new(&rounded(&case.parameters)) {
+        Ok(actuator) => solve(actuator, case),
+        Err(error) => Err(*error),
+    }
 }
 
-fn solve<T: Real>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
+fn solve<T: Precision>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
     let load: Load<T> = convert::load(&case.load);
     match case.question {
         Question::Forward { pressure_pa } => actuator.forward(nalgebra::convert(pressure_pa), &load),
@@ -223,9 +253,8 @@ pub(super) fn word(status: Status) -> &'static str {
 }
 
 impl Answer {
-    fn without_state(id: Value, status: &'static str, message: Option<String>) -> Self {
+    fn without_state(status: &'static str, message: Option<String>) -> Self {
         Self {
-            id,
             status,
             pressure_pa: None,
             axial_stretch: None,
@@ -242,7 +271,7 @@ impl Answer {
     }
 
     fn of(solution: &Solution<f64>) -> Self {
-        let blank = Self::without_state(Value::Null, word(solution.status), None);
+        let blank = Self::without_state(word(solution.status), None);
         let common = Self {
             limit_pressure_pa: solution.limit_pressure_pa,
             residual: Some(solution.residual),
@@ -253,7 +282,7 @@ impl Answer {
     }
 
     fn found(found: &Found) -> Self {
-        let blank = Self::without_state(Value::Null, word(found.status), None);
+        let blank = Self::without_state(word(found.status), None);
         let Found { limit_pressure_pa, iterations, error, .. } = *found;
         let common = Self { limit_pressure_pa, iterations, discretisation_error: error, ..blank };
         found.state.iter().fold(common, Self::with)
@@ -272,8 +301,8 @@ impl Answer {
     }
 
     /// Appends the answer as JSON. By hand, since a derived one would look for characters to escape in the names of its fields.
-    fn write(&self, out: &mut Vec<u8>) -> serde_json::Result<()> {
-        append(out, "{\"id\":", &self.id)?;
+    fn write(&self, id: &Value, out: &mut Vec<u8>) -> serde_json::Result<()> {
+        append(out, "{\"id\":", id)?;
         append(out, ",\"status\":", self.status)?;
         append(out, ",\"pressure_pa\":", &self.pressure_pa)?;
         append(out, ",\"axial_stretch\":", &self.axial_stretch)?;

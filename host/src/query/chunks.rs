@@ -7,8 +7,12 @@ use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Bytes of input that a thread takes at a time: some fifty lines, which outweigh the hand-over and keep slow lines apart.
+/// Bytes of input that a thread takes at a time, at first: some fifty lines, which keep slow lines apart.
 const CHUNK: u64 = 16 << 10;
+/// The same once many chunks were read: lines that are so many are fast, and their hand-over counts.
+const LARGE_CHUNK: u64 = 64 << 10;
+/// Chunks after which they are large.
+const MANY: usize = 32;
 /// Chunks a thread may be ahead of the writer.
 const AHEAD: usize = 8;
 
@@ -48,8 +52,10 @@ pub(super) fn in_order(
         let mut pending = VecDeque::new();
         let mut workers = 0;
         let mut first_line = 1;
+        let mut chunks = 0;
         let end = loop {
-            let (lines, end) = read(&mut input);
+            let (lines, end) = read(&mut input, if chunks < MANY { CHUNK } else { LARGE_CHUNK });
+            chunks += 1;
             if lines.is_empty() {
                 break end;
             }
@@ -92,9 +98,10 @@ fn write(answers: &Receiver<Answers>, output: &mut impl Write) -> io::Result<()>
 }
 
 /// The next whole lines, none at the end of the input, and what ended the reading.
-fn read(input: &mut impl BufRead) -> (Vec<u8>, io::Result<()>) {
-    let mut lines = Vec::with_capacity(CHUNK as usize + CHUNK as usize / 4);
-    let read = input.by_ref().take(CHUNK).read_to_end(&mut lines);
+fn read(input: &mut impl BufRead, length: u64) -> (Vec<u8>, io::Result<()>) {
+    // The last line ends beyond.
+    let mut lines = Vec::with_capacity(length as usize + CHUNK as usize / 4);
+    let read = input.by_ref().take(length).read_to_end(&mut lines);
     let is_whole = lines.last().is_none_or(|byte| *byte == b'\n');
     let read = match read {
         Ok(_) if !is_whole => input.read_until(b'\n', &mut lines),

@@ -5,6 +5,7 @@ mod chunks;
 mod complaint;
 mod convert;
 mod curve;
+mod fields;
 mod request;
 mod scan;
 mod section_fe;

@@ -7,7 +7,7 @@ use serde_json::Value;
 use softlimb_files::object::Object;
 
 /// A line of a batch, as it is written.
-#[derive(Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Request {
     /// Copied to the answer.
@@ -29,7 +29,7 @@ pub(super) struct Request {
 }
 
 /// What answers.
-#[derive(Clone, Copy, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum Model {
     /// The equations of the tube and of the bending section.
@@ -39,7 +39,7 @@ pub(super) enum Model {
     SectionFe,
 }
 
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum MotionName {
     Extension,
@@ -48,21 +48,21 @@ pub(super) enum MotionName {
     Twisting,
 }
 
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum Problem {
     Forward,
     Inverse,
 }
 
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum Law {
     NeoHookean,
     Yeoh,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialSpec {
     pub(super) law: Law,
@@ -70,7 +70,7 @@ pub(super) struct MaterialSpec {
     pub(super) c_pa: Option<[f64; 3]>,
 }
 
-#[derive(Clone, Copy, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum PlacementName {
     #[default]
@@ -79,7 +79,7 @@ pub(super) enum PlacementName {
     Smeared,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FiberSpec {
     pub(super) angle_deg: Option<f64>,
@@ -91,7 +91,7 @@ pub(super) struct FiberSpec {
     pub(super) radius_m: Option<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TargetSpec {
     #[serde(default, deserialize_with = "present")]

@@ -1,8 +1,8 @@
 //! One question about segments in series, as a line of JSON, and its answer.
 
 use fra_model::{
-    Actuator, ActuatorParameters, InvalidParameter, InvalidSeries, Load, Real, Series, SeriesSolution, SeriesTarget,
-    Solution, State, Status,
+    Actuator, ActuatorParameters, InvalidParameter, InvalidSeries, Load, Precision, Real, Series, SeriesSolution,
+    SeriesTarget, Solution, State, Status,
 };
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
@@ -150,7 +150,7 @@ impl SeriesCase {
         self.solve(id, &Series::new(&rounded).map_err(wide)?)
     }
 
-    fn solve<T: Real>(&self, id: Value, series: &Series<'_, T>) -> Result<SeriesAnswer, String> {
+    fn solve<T: Precision>(&self, id: Value, series: &Series<'_, T>) -> Result<SeriesAnswer, String> {
         let load: Load<T> = convert::load(&self.load);
         let mut states = vec![];
         let each = |_: usize, solution: &Solution<T>| states.push(solution.state);
@@ -164,7 +164,7 @@ impl SeriesCase {
         Ok(SeriesAnswer::of(id, &solution, &states, &tip))
     }
 
-    fn actuators<T: Real>(
+    fn actuators<T: Precision>(
         &self,
         scalar: impl Fn(&ActuatorParameters<f64>) -> ActuatorParameters<T>,
         error: impl Fn(InvalidParameter<T>) -> InvalidParameter<f64>,

@@ -12,7 +12,7 @@ use super::set::Sample;
 const NEARBY: f64 = 0.99;
 
 /// A scalar of the product.
-pub(super) trait Scalar: Number + fra_model::Real {
+pub(super) trait Scalar: Number + fra_model::Precision {
     const NAME: &'static str;
 }
 
