@@ -15,6 +15,7 @@ mod reach;
 mod ridge;
 mod search;
 mod shared;
+mod slopes;
 
 pub(super) use actuator::Candidate;
 pub use actuator::Counts;
