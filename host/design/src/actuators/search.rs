@@ -20,6 +20,8 @@ const LOOKED_AT: [[f64; 4]; 5] =
 const ON_A_LINE: usize = 8;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
+/// The same while they are settled: differences are not exact to more.
+const FINE: f64 = 1e-8;
 /// Objectives within this share of each other agree.
 const SAME: f64 = 1e-6;
 
@@ -223,7 +225,7 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
         limb.start(point, shares)
     };
     let effort = Budget { agreeing: effort.agreeing.max(ON_A_LINE), ..*effort };
-    let criteria = criteria(scale(&problem.segments));
+    let criteria = StoppingCriteria { relative: 1e-12, least_gain: FINE, ..criteria(scale(&problem.segments)) };
     let settings = effort.multi_start(StoppingCriteria { least_gain: ROUGH, ..criteria });
     let spent = |limb: &Watched<Shared>| limb.problem.counts.evaluations >= effort.evaluations;
     let refine = |limb: &mut Watched<_>, rough| {

@@ -16,9 +16,15 @@ use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, 
 /// `rho` as a multiple of the objective: a solve ends about its inverse beyond a margin.
 const STIFFNESS: f64 = 1e3;
 /// Largest violation of a margin at the end, as a share of the highest pressure.
-const VIOLATION: f64 = 1e-10;
+const VIOLATION: f64 = 1e-9;
 /// Most updates of the multipliers.
-const UPDATES: usize = 12;
+const UPDATES: usize = 10;
+/// Where an update leaves more than this share of the violation before it, `rho` grows ...
+const SLOW: f64 = 0.1;
+/// ... by this factor.
+const STIFFER: f64 = 10.0;
+/// A descent whose rough minimum is as many times the least objective found is not gone on with.
+const HOPELESS: f64 = 1.5;
 
 /// The least squares of a limb with one pressure: the geometry of every segment, then the share of every phase.
 pub(super) struct Shared<'a> {
@@ -29,6 +35,8 @@ pub(super) struct Shared<'a> {
     rho: f64,
     /// A multiplier over `rho` for each segment and phase in turn.
     multipliers: Vec<f64>,
+    /// The least objective of all descents so far.
+    least: f64,
 }
 
 /// Geometries with pressures.
@@ -53,7 +61,7 @@ impl<'a> Shared<'a> {
     pub(super) fn new(problem: &'a Problem) -> Self {
         let highest_pa = problem.segments.iter().map(|segment| segment.pressure_max_pa).fold(f64::INFINITY, f64::min);
         let multipliers = vec![0.0; problem.segments.len() * problem.phases()];
-        Self { problem, counts: Counts::default(), highest_pa, rho: 0.0, multipliers }
+        Self { problem, counts: Counts::default(), highest_pa, rho: 0.0, multipliers, least: f64::INFINITY }
     }
 
     /// Variables of the geometry, all segments.
@@ -140,21 +148,35 @@ impl<'a> Shared<'a> {
 
     /// Goes on from a rough minimum until the margins are kept, and then takes back what is left above them.
     pub(super) fn settle(&mut self, rough: Minimum<Line<'a>>, criteria: StoppingCriteria) -> Minimum<Line<'a>> {
-        let mut best = rough;
+        let (mut best, mut stiffness, mut before) = (rough, STIFFNESS, f64::INFINITY);
+        self.update(&best.evaluation);
         for _ in 0..UPDATES {
-            let violation = self.update(&best.evaluation);
-            let rho = STIFFNESS * sum_of_squares(&self.differences(&best.evaluation)).max(criteria.zero);
-            self.multipliers.iter_mut().for_each(|multiplier| *multiplier *= self.rho / rho);
-            self.rho = rho;
+            let objective = sum_of_squares(&self.differences(&best.evaluation));
+            if objective > HOPELESS * self.least {
+                break;
+            }
+            self.stiffen(stiffness * objective.max(criteria.zero));
             let Some(next) = minimise(self, &best.point, criteria) else { break };
             best = next;
+            let violation = self.update(&best.evaluation);
             if violation <= VIOLATION {
                 break;
             }
+            if violation > SLOW * before {
+                stiffness *= STIFFER;
+            }
+            before = violation;
         }
         let allowed = self.allowed(&best.point, &best.evaluation);
         let (objective, evaluation) = allowed.unwrap_or((f64::INFINITY, best.evaluation));
+        self.least = self.least.min(objective);
         Minimum { objective, evaluation, ..best }
+    }
+
+    /// Changes `rho`, the multipliers themselves unchanged.
+    fn stiffen(&mut self, rho: f64) {
+        self.multipliers.iter_mut().for_each(|multiplier| *multiplier *= self.rho / rho);
+        self.rho = rho;
     }
 
     /// Eq. (14) with no pressure above a cap.
