@@ -9,7 +9,7 @@ use super::actuator::{Candidate, Counts};
 
 /// Half the width of a difference, as a share of the size or the pressure, or in rad.
 const HALF: f64 = 1e-5;
-/// Least pressure whose share is taken, as a share of the highest one.
+/// Least value whose share is taken: of the highest pressure, or in rad.
 const LEAST: f64 = 0.01;
 
 /// The derivatives at one pressure.
@@ -36,6 +36,7 @@ pub(super) fn slopes(
     counts: &mut Counts,
 ) -> Option<Vec<Slopes>> {
     let segment = candidate.segment;
+    let is_explicit = segment.bends_without_limit();
     let mut all = vec![Slopes::default(); states.len()];
     for axis in 0..segment.dimensions() {
         let [low, width] = segment.axis(axis);
@@ -60,13 +61,22 @@ pub(super) fn slopes(
         for (slopes, state) in all.iter_mut().zip(states) {
             let mut at = |side: &Option<Moved>| {
                 let moved = side.as_ref()?;
-                let there = moved.candidate.near(state, state.pressure_pa, counts)?;
-                Some((moved.by, moved.candidate.measure(&there)))
+                Some((moved.by, ordinate(&moved.candidate, state, counts)?))
             };
-            slopes.by_place[axis] = slope(at(&sides[0]), candidate.measure(state), at(&sides[1]))?;
+            let here = if is_explicit { state.pressure_pa } else { candidate.measure(state) };
+            slopes.by_place[axis] = slope(at(&sides[0]), here, at(&sides[1]))?;
         }
     }
     for (slopes, state) in all.iter_mut().zip(states) {
+        if is_explicit {
+            let value = candidate.measure(state);
+            let step = HALF * value.max(LEAST);
+            let mut at = |by: f64| Some((by, candidate.inverse(value + by, counts)?.pressure_pa));
+            slopes.by_pressure = 1.0 / slope(at(-step), state.pressure_pa, at(step))?;
+            // At a given pressure: dq/dx = -(dP/dx)/(dP/dq).
+            [0, 1].into_iter().for_each(|axis| slopes.by_place[axis] *= -slopes.by_pressure);
+            continue;
+        }
         let step = HALF * state.pressure_pa.max(LEAST * segment.pressure_max_pa);
         let mut at = |by: f64| {
             let there = candidate.near(state, state.pressure_pa + by, counts)?;
@@ -75,6 +85,14 @@ pub(super) fn slopes(
         slopes.by_pressure = slope(at(-step), candidate.measure(state), at(step))?;
     }
     Some(all)
+}
+
+/// The deformation at the pressure of a state; of a bend, whose pressure is explicit, the pressure at its deformation.
+fn ordinate(moved: &Candidate, state: &State<f64>, counts: &mut Counts) -> Option<f64> {
+    if moved.segment.bends_without_limit() {
+        return Some(moved.inverse(moved.measure(state), counts)?.pressure_pa);
+    }
+    Some(moved.measure(&moved.near(state, state.pressure_pa, counts)?))
 }
 
 /// From both sides, or from the one that there is.
