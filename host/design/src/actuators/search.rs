@@ -17,7 +17,7 @@ const TRIALS: usize = 24;
 const LOOKED_AT: [[f64; 4]; 5] =
     [[0.5, 0.5, 0.5, 0.5], [0.8, 0.2, 0.7, 0.5], [1.0, 0.0, 1.0, 0.5], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 1.0]];
 /// As many minima at least must agree on one supply line: the best basin may be one that few starts lie in.
-const ON_A_LINE: usize = 8;
+const ON_A_LINE: usize = 16;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
 /// The same while they are settled: differences are not exact to more.
@@ -32,7 +32,7 @@ pub struct Budget {
     pub seed: u64,
     /// Most starts, of each segment or of the limb on one supply line; at least 1.
     pub starts: usize,
-    /// As many local solves must end at the best objective before the search stops early; on one supply line at least eight.
+    /// As many local solves must end at the best objective before the search stops early; on one supply line at least sixteen.
     pub agreeing: usize,
     /// No local solve begins after as many evaluations.
     pub evaluations: u64,
