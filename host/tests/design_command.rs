@@ -47,3 +47,15 @@ fn table_is_for_people_and_mistakes_name_file_and_line() {
     let rest = text.split_once("reach.json: ").map(|(_, rest)| rest.trim_end());
     assert_eq!(rest, Some("line 15: segments[0].bounds.pressure_max_pa = -1 is not allowed: > 0"));
 }
+
+#[test]
+fn starts_on_one_line_that_do_not_agree_are_a_warning() {
+    let line = EXTENSION
+        .replace("\"format\": 1,", "\"format\": 1, \"shared_pressure\": true,")
+        .replace("[0.2, 0.21]", "[0.11, 0.4]");
+    let output = softlimb(&line, &["--starts", "1"]);
+    let text = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(text.contains("warning: 1 of 1 starts agree on the least objective"), "{text}");
+    assert_eq!(softlimb(&line, &[]).status.code(), Some(0));
+}

@@ -6,3 +6,4 @@ mod files;
 mod hard_cases;
 mod optima;
 mod ridge;
+mod wide_lines;

@@ -70,12 +70,34 @@ impl<'a> Candidate<'a> {
         (solution.status == Status::Solved).then_some(solution.state)
     }
 
+    /// The state at a pressure, of a geometry and a pressure next to those of a state.
+    pub(super) fn near(&self, state: &State<f64>, pressure_pa: f64, counts: &mut Counts) -> Option<State<f64>> {
+        // The closed form from rest is cheaper than any start; a bend has none.
+        let from = (self.segment.motion == Motion::Bending).then_some(state);
+        let solution = self.forward(from, pressure_pa, counts)?;
+        (solution.status == Status::Solved).then_some(solution.state)
+    }
+
     /// The state at a deformation.
     pub(crate) fn inverse(&self, value: f64, counts: &mut Counts) -> Option<State<f64>> {
         let target = self.segment.target(value, self.geometry.length_m)?;
         counts.solves += 1;
         let solution = self.actuator.inverse(target, &Load::none()).ok()?;
         (solution.status == Status::Solved).then_some(solution.state)
+    }
+
+    /// The margin below the limit point, where that is less than a pressure or the pressure has no state at all; else no cap is known.
+    pub(super) fn cap_below(&self, pressure_pa: f64, counts: &mut Counts) -> Option<Option<Cap>> {
+        if self.segment.bends_without_limit() {
+            return Some(None);
+        }
+        let share = 1.0 - self.segment.limit_margin;
+        let beyond = self.forward(None, pressure_pa / share, counts)?;
+        if beyond.status == Status::Solved {
+            return Some(None);
+        }
+        let limit = beyond.limit_pressure_pa?;
+        Some(Some(Cap { pressure_pa: share * limit, limit: Some(beyond.state) }))
     }
 
     /// The highest pressure: that of the bounds, or the margin below the limit point where that is less.

@@ -12,6 +12,9 @@ const REACHED: f64 = 1e-18;
 /// A variable as near to a bound, as a share of the bounds' distance, is on it.
 const ON_BOUND: f64 = 1e-9;
 
+/// As many starts on one supply line must agree on the least objective.
+const SEVERAL: usize = 4;
+
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
@@ -106,6 +109,14 @@ pub struct Answer {
     pub seed: u64,
     /// What the answer has cost, its confirmation included.
     pub cost: Counts,
+}
+
+impl Answer {
+    /// The starts of a search on one supply line where fewer than four ended at the least objective: there may be a better design.
+    pub fn disagreeing_starts(&self) -> Option<SolveCounts> {
+        let starts = self.segments.first()?.starts;
+        (self.shared_pressure && self.status != "reached" && starts.agreeing < SEVERAL).then_some(starts)
+    }
 }
 
 /// Geometry and pressures as a search has found them.

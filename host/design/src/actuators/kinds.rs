@@ -136,3 +136,48 @@ fn pull_apart(segment: &Segment, values: &mut [f64]) {
         };
     }
 }
+
+/// A supply line with wide bounds and targets that contradict each other, to measure searches on: two to five segments of any motion, two
+/// to five phases, each target that of a hidden design of its own, so that no common pressures have them all. Pressures reach beyond limit points.
+pub fn wide_line(seed: u64) -> Problem {
+    let mut random = Random::new(seed, 0x51de);
+    let count = 2 + (random.uniform() * 4.0) as usize;
+    let phases = 2 + (random.uniform() * 4.0) as usize;
+    let segment = |index: usize| {
+        let motions = [Motion::Extension, Motion::Twisting, Motion::Bending, Motion::Expansion];
+        let mut segment = wide(motions[(random.uniform() * 4.0) as usize]);
+        segment.name = format!("{} {}", segment.name, index + 1);
+        while segment.goals.len() < phases {
+            segment.goals.extend(hidden_goal(&segment, &mut random).map(Some));
+        }
+        segment
+    };
+    Problem { segments: (0..count).map(segment).collect(), shared_pressure: true }
+}
+
+/// [`bounded`] with wide bounds.
+fn wide(motion: Motion) -> Segment {
+    let mut segment = bounded(motion);
+    let angle_deg: [f64; 2] = match motion {
+        Motion::Twisting => [10.0, 60.0],
+        Motion::Expansion => [60.0, 90.0],
+        Motion::Extension | Motion::Bending => [0.0, 35.0],
+    };
+    segment.bounds.sizes_m = [[4e-3, 20e-3], [1.5e-3, 8e-3]];
+    segment.bounds.length_m = [0.05, 0.5];
+    segment.bounds.angle_rad = angle_deg.map(f64::to_radians);
+    segment.pressure_max_pa = 120e3;
+    segment
+}
+
+/// What a hidden design does at a hidden pressure below its limit point; `None` where that is not known.
+fn hidden_goal(segment: &Segment, random: &mut Random) -> Option<Goal> {
+    let geometry = segment.geometry(&random.point(segment.dimensions()));
+    let pressure_pa = segment.pressure_max_pa * random.uniform();
+    let actuator = Actuator::new(&segment.parameters(&geometry)).ok()?;
+    let solution = actuator.forward(pressure_pa, &Load::none()).ok()?;
+    let value = segment.measure(&solution.state, geometry.length_m);
+    let is_length = matches!(segment.motion, Motion::Extension | Motion::Expansion);
+    let weight = if is_length { PER_M2 } else { PER_RAD2 };
+    (solution.status == Status::Solved).then_some(Goal { value, weight })
+}

@@ -3,7 +3,9 @@
 //!
 //! Segments with pressures of their own do not talk to each other, and given a geometry the pressure of a phase is an explicit
 //! inverse. So each segment is searched alone, in its geometry alone. On one supply line the pressures are common, and all is searched
-//! together. Derivatives are exact. `docs/explanation/actuator-design.md` has the equations and the format of problems and answers.
+//! together, by differences; other derivatives are exact.
+//!
+//! `docs/explanation/actuator-design.md` has the equations and the format of problems and answers.
 
 mod actuator;
 mod answer;
@@ -15,6 +17,7 @@ mod reach;
 mod ridge;
 mod search;
 mod shared;
+mod slopes;
 
 pub(super) use actuator::Candidate;
 pub use actuator::Counts;

@@ -17,7 +17,11 @@ const TRIALS: usize = 24;
 const LOOKED_AT: [[f64; 4]; 5] =
     [[0.5, 0.5, 0.5, 0.5], [0.8, 0.2, 0.7, 0.5], [1.0, 0.0, 1.0, 0.5], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 1.0]];
 /// As many minima at least must agree on one supply line: the best basin may be one that few starts lie in.
-const ON_A_LINE: usize = 8;
+const ON_A_LINE: usize = 16;
+/// Least relative gain of a step before the margins to limit points are settled.
+const ROUGH: f64 = 1e-2;
+/// The same while they are settled: differences are not exact to more.
+const FINE: f64 = 1e-8;
 /// Objectives within this share of each other agree.
 const SAME: f64 = 1e-6;
 
@@ -28,7 +32,7 @@ pub struct Budget {
     pub seed: u64,
     /// Most starts, of each segment or of the limb on one supply line; at least 1.
     pub starts: usize,
-    /// As many local solves must end at the best objective before the search stops early; on one supply line at least eight.
+    /// As many local solves must end at the best objective before the search stops early; on one supply line at least sixteen.
     pub agreeing: usize,
     /// No local solve begins after as many evaluations.
     pub evaluations: u64,
@@ -61,6 +65,11 @@ pub struct Progress {
 /// A least-squares problem that counts what it costs.
 pub(super) trait Counted: LeastSquares {
     fn counts(&self) -> Counts;
+
+    /// Whether an evaluation is a design that may be made: within every margin to a limit point.
+    fn is_allowed(&self, _: &Self::Evaluation) -> bool {
+        true
+    }
 }
 
 /// A problem, and somebody who is told when an evaluation is better than all before.
@@ -89,7 +98,9 @@ impl<L: Counted> LeastSquares for Watched<'_, L> {
 
     fn evaluate(&mut self, point: &[f64]) -> Option<L::Evaluation> {
         let evaluation = self.problem.evaluate(point)?;
-        self.tell(sum_of_squares(&self.problem.residuals(&evaluation)));
+        if self.problem.is_allowed(&evaluation) {
+            self.tell(sum_of_squares(&self.problem.residuals(&evaluation)));
+        }
         Some(evaluation)
     }
 
@@ -204,20 +215,26 @@ pub(super) fn separate(
 /// The best geometries of segments on one supply line; `None` where the model answers nowhere.
 pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
     let mut random = Random::new(effort.seed, 0);
-    let mut limb = Watched::new(Shared { problem, counts: Counts::default() }, watch);
+    let mut limb = Watched::new(Shared::new(problem), watch);
     // Every second start has pressures from anywhere: those that the segments would choose lead to the compromise nearest to them.
     let start = |limb: &mut Watched<Shared>, index: usize| {
         let limb = &mut limb.problem;
         let width = limb.dimensions();
-        let mut point = if index == 0 { vec![0.5; width] } else { random.point(width) };
-        let shares = if index.is_multiple_of(2) { limb.shares(&point)? } else { random.point(problem.phases()) };
-        point.extend(shares);
-        Some(point)
+        let point = if index == 0 { vec![0.5; width] } else { random.point(width) };
+        let shares = (!index.is_multiple_of(2)).then(|| random.point(problem.phases()));
+        limb.start(point, shares)
     };
     let effort = Budget { agreeing: effort.agreeing.max(ON_A_LINE), ..*effort };
-    let settings = effort.multi_start(criteria(scale(&problem.segments)));
+    let criteria = StoppingCriteria { relative: 1e-12, least_gain: FINE, ..criteria(scale(&problem.segments)) };
+    let settings = effort.multi_start(StoppingCriteria { least_gain: ROUGH, ..criteria });
     let spent = |limb: &Watched<Shared>| limb.problem.counts.evaluations >= effort.evaluations;
-    let (minimum, solves) = multi_start(&mut limb, settings, spent, start, |_, minimum| minimum)?;
+    let refine = |limb: &mut Watched<_>, rough| {
+        let minimum = Shared::settle(&mut limb.problem, rough, criteria);
+        limb.tell(minimum.objective);
+        minimum
+    };
+    let (minimum, solves) = multi_start(&mut limb, settings, spent, start, refine)?;
+    minimum.objective.is_finite().then_some(())?;
     let (pressures_pa, objective) = (minimum.evaluation.pressures_pa, minimum.objective);
     Some(Found { point: minimum.point, pressures_pa, objective, starts: solves.into(), counts: limb.problem.counts })
 }

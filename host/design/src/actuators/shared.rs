@@ -1,72 +1,193 @@
 //! Segments on one supply line: one pressure a phase for all of them, so that geometry and pressures are searched together.
 //!
-//! A pressure is searched as a share of the highest one that every segment may be given at its geometry: every place of the unit box is
-//! then within the margin to the limit points, and the bound moves with the geometry as it does in truth.
+//! A pressure is searched as a share of the highest one of the bounds. The margins to the limit points are constraints,
+//! `c = (P - (1 - margin) P_limit)/P_max <= 0` for each phase and each segment, by the augmented Lagrangian: rows
+//! `sqrt(rho) max(0, c + m)` are added to the least squares, and after each solve `m` becomes `max(0, c + m)`. So a limit point is
+//! solved for only where a pressure is near it, and where several segments are at their margins at once the objective has no kink.
 
 use fra_model::State;
 
 use super::actuator::{Candidate, Cap, Counts};
-use super::problem::{Goal, Problem};
+use super::problem::{Goal, Problem, Segment};
 use super::search::Counted;
-use softlimb_numerics::least_squares::LeastSquares;
+use super::slopes::slopes;
+use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise, sum_of_squares};
+
+/// `rho` as a multiple of the objective: a solve ends about its inverse beyond a margin.
+const STIFFNESS: f64 = 1e3;
+/// Largest violation of a margin at the end, as a share of the highest pressure.
+const VIOLATION: f64 = 1e-9;
+/// Most updates of the multipliers.
+const UPDATES: usize = 10;
+/// Where an update leaves more than this share of the violation before it, `rho` grows ...
+const SLOW: f64 = 0.1;
+/// ... by this factor.
+const STIFFER: f64 = 10.0;
+/// A descent whose rough minimum is as many times the least objective found is not gone on with.
+const HOPELESS: f64 = 1.5;
 
 /// The least squares of a limb with one pressure: the geometry of every segment, then the share of every phase.
 pub(super) struct Shared<'a> {
-    pub(super) problem: &'a Problem,
+    problem: &'a Problem,
     pub(super) counts: Counts,
+    /// The highest pressure that the bounds of all segments allow, Pa.
+    highest_pa: f64,
+    rho: f64,
+    /// A multiplier over `rho` for each segment and phase in turn.
+    multipliers: Vec<f64>,
+    /// The least objective of all descents so far.
+    least: f64,
 }
 
 /// Geometries with pressures.
 pub(super) struct Line<'a> {
     candidates: Vec<Candidate<'a>>,
-    caps: Vec<Cap>,
-    /// The segment whose cap is the least.
-    least: usize,
+    /// The caps that a pressure is near to or above.
+    caps: Vec<Option<Cap>>,
     pub(super) pressures_pa: Vec<f64>,
     /// A state for each segment and phase in turn.
     states: Vec<State<f64>>,
-    shares: Vec<f64>,
+    place: Vec<f64>,
+}
+
+impl Line<'_> {
+    /// Pressure above a segment's cap, Pa; negative below it.
+    fn excess_pa(&self, segment: usize, phase: usize) -> f64 {
+        self.caps[segment].map_or(f64::NEG_INFINITY, |cap| self.pressures_pa[phase] - cap.pressure_pa)
+    }
 }
 
 impl<'a> Shared<'a> {
+    pub(super) fn new(problem: &'a Problem) -> Self {
+        let highest_pa = problem.segments.iter().map(|segment| segment.pressure_max_pa).fold(f64::INFINITY, f64::min);
+        let multipliers = vec![0.0; problem.segments.len() * problem.phases()];
+        Self { problem, counts: Counts::default(), highest_pa, rho: 0.0, multipliers, least: f64::INFINITY }
+    }
+
     /// Variables of the geometry, all segments.
     pub(super) fn dimensions(&self) -> usize {
         self.problem.segments.iter().map(|segment| segment.dimensions()).sum()
     }
 
-    fn candidates(&mut self, place: &[f64]) -> Option<(Vec<Candidate<'a>>, Vec<Cap>)> {
+    fn candidates(&self, place: &[f64]) -> Option<Vec<Candidate<'a>>> {
         let mut rest = place;
-        let mut candidates = Vec::new();
-        let mut caps = Vec::new();
-        for segment in &self.problem.segments {
+        let mut candidate = |segment: &'a Segment| {
             let (here, others) = rest.split_at(segment.dimensions());
-            let candidate = Candidate::new(segment, here)?;
-            caps.push(candidate.cap(&mut self.counts)?);
-            candidates.push(candidate);
             rest = others;
-        }
-        Some((candidates, caps))
+            Candidate::new(segment, here)
+        };
+        let problem: &'a Problem = self.problem;
+        problem.segments.iter().map(&mut candidate).collect()
     }
 
-    /// Shares to begin with at a geometry: the mean of what the segments would choose for themselves.
-    pub(super) fn shares(&mut self, place: &[f64]) -> Option<Vec<f64>> {
+    /// A start at a geometry: shares of the highest pressure there, or the mean of what the segments would choose for themselves. No
+    /// pressure is above a cap; multipliers and penalty begin anew.
+    pub(super) fn start(&mut self, mut point: Vec<f64>, shares: Option<Vec<f64>>) -> Option<Vec<f64>> {
         self.counts.evaluations += 1;
-        let (candidates, caps) = self.candidates(place)?;
-        let cap = caps.iter().map(|cap| cap.pressure_pa).fold(f64::INFINITY, f64::min);
+        let candidates = self.candidates(&point)?;
+        let mut highest = self.highest_pa;
+        for candidate in &candidates {
+            highest = candidate.cap_below(highest, &mut self.counts)?.map_or(highest, |cap| cap.pressure_pa);
+        }
+        let shares = shares.unwrap_or_else(|| self.preferred(&candidates, highest));
+        point.extend(shares.iter().map(|share| share * highest / self.highest_pa));
+        self.multipliers.fill(0.0);
+        self.rho = 0.0;
+        let line = self.evaluate(&point)?;
+        self.rho = STIFFNESS * sum_of_squares(&self.differences(&line));
+        Some(point)
+    }
+
+    fn preferred(&mut self, candidates: &[Candidate], highest_pa: f64) -> Vec<f64> {
         let mut shares = Vec::new();
         for phase in 0..self.problem.phases() {
             let (mut sum, mut count) = (0.0, 0.0);
-            for candidate in &candidates {
+            for candidate in candidates {
                 let goal = candidate.segment.goals[phase].filter(|goal| goal.weight > 0.0);
                 let Some(state) = goal.and_then(|goal| candidate.inverse(goal.value, &mut self.counts)) else {
                     continue;
                 };
-                sum += (state.pressure_pa / cap).clamp(0.0, 1.0);
+                sum += (state.pressure_pa / highest_pa).clamp(0.0, 1.0);
                 count += 1.0;
             }
             shares.push(if count > 0.0 { sum / count } else { 0.5 });
         }
-        Some(shares)
+        shares
+    }
+
+    /// Eq. (14) without the constraints.
+    fn differences(&self, line: &Line<'a>) -> Vec<f64> {
+        let mut states = line.states.iter();
+        let found = line
+            .candidates
+            .iter()
+            .flat_map(|candidate| candidate.segment.goals.iter().map(move |goal| (candidate, goal)));
+        found.zip(&mut states).map(|((candidate, goal), state)| difference(goal, candidate.measure(state))).collect()
+    }
+
+    /// `c + m` of a segment and a phase.
+    fn pressed(&self, line: &Line<'a>, segment: usize, phase: usize) -> f64 {
+        line.excess_pa(segment, phase) / self.highest_pa + self.multipliers[segment * self.problem.phases() + phase]
+    }
+
+    fn margins(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let phases = self.problem.phases();
+        (0..self.problem.segments.len()).flat_map(move |segment| (0..phases).map(move |phase| (segment, phase)))
+    }
+
+    /// Updates the multipliers; the largest violation, as a share of the highest pressure.
+    fn update(&mut self, line: &Line<'a>) -> f64 {
+        let mut worst: f64 = 0.0;
+        let pressed: Vec<f64> = self.margins().map(|(i, k)| self.pressed(line, i, k).max(0.0)).collect();
+        for (before, after) in self.multipliers.iter_mut().zip(pressed) {
+            worst = worst.max((after - *before).abs());
+            *before = after;
+        }
+        worst
+    }
+
+    /// Goes on from a rough minimum until the margins are kept, and then takes back what is left above them.
+    pub(super) fn settle(&mut self, rough: Minimum<Line<'a>>, criteria: StoppingCriteria) -> Minimum<Line<'a>> {
+        let (mut best, mut stiffness, mut before) = (rough, STIFFNESS, f64::INFINITY);
+        self.update(&best.evaluation);
+        for _ in 0..UPDATES {
+            let objective = sum_of_squares(&self.differences(&best.evaluation));
+            if objective > HOPELESS * self.least {
+                break;
+            }
+            self.stiffen(stiffness * objective.max(criteria.zero));
+            let Some(next) = minimise(self, &best.point, criteria) else { break };
+            best = next;
+            let violation = self.update(&best.evaluation);
+            if violation <= VIOLATION {
+                break;
+            }
+            if violation > SLOW * before {
+                stiffness *= STIFFER;
+            }
+            before = violation;
+        }
+        let allowed = self.allowed(&best.point, &best.evaluation);
+        let (objective, evaluation) = allowed.unwrap_or((f64::INFINITY, best.evaluation));
+        self.least = self.least.min(objective);
+        Minimum { objective, evaluation, ..best }
+    }
+
+    /// Changes `rho`, the multipliers themselves unchanged.
+    fn stiffen(&mut self, rho: f64) {
+        self.multipliers.iter_mut().for_each(|multiplier| *multiplier *= self.rho / rho);
+        self.rho = rho;
+    }
+
+    /// Eq. (14) with no pressure above a cap.
+    fn allowed(&mut self, point: &[f64], line: &Line<'a>) -> Option<(f64, Line<'a>)> {
+        let caps = line.caps.iter().flatten().map(|cap| cap.pressure_pa);
+        let most = caps.fold(self.highest_pa, f64::min) / self.highest_pa;
+        let mut point = point.to_vec();
+        point[self.dimensions()..].iter_mut().for_each(|share| *share = share.min(most));
+        self.multipliers.fill(0.0);
+        let evaluation = self.evaluate(&point)?;
+        Some((sum_of_squares(&self.differences(&evaluation)), evaluation))
     }
 }
 
@@ -79,6 +200,10 @@ impl Counted for Shared<'_> {
     fn counts(&self) -> Counts {
         self.counts
     }
+
+    fn is_allowed(&self, line: &Self::Evaluation) -> bool {
+        self.margins().all(|(segment, phase)| line.excess_pa(segment, phase) <= 0.0)
+    }
 }
 
 impl<'a> LeastSquares for Shared<'a> {
@@ -86,54 +211,60 @@ impl<'a> LeastSquares for Shared<'a> {
 
     fn evaluate(&mut self, point: &[f64]) -> Option<Line<'a>> {
         self.counts.evaluations += 1;
-        let shares = point[self.dimensions()..].to_vec();
-        let (candidates, caps) = self.candidates(point)?;
-        let least = (0..caps.len()).min_by(|a, b| caps[*a].pressure_pa.total_cmp(&caps[*b].pressure_pa))?;
-        let pressures_pa: Vec<f64> = shares.iter().map(|share| share * caps[least].pressure_pa).collect();
-        let mut states = Vec::new();
-        for candidate in &candidates {
+        let (place, shares) = point.split_at(self.dimensions());
+        let candidates = self.candidates(place)?;
+        let pressures_pa: Vec<f64> = shares.iter().map(|share| share * self.highest_pa).collect();
+        let (mut states, mut caps) = (Vec::new(), Vec::new());
+        for (candidate, multipliers) in candidates.iter().zip(self.multipliers.chunks(pressures_pa.len())) {
+            let near = pressures_pa.iter().zip(multipliers).map(|(pressure, m)| pressure + m * self.highest_pa);
+            caps.push(candidate.cap_below(near.fold(0.0, f64::max), &mut self.counts)?);
             for pressure_pa in &pressures_pa {
                 states.push(candidate.at(*pressure_pa, &mut self.counts)?);
             }
         }
-        Some(Line { candidates, caps, least, pressures_pa, states, shares })
+        Some(Line { candidates, caps, pressures_pa, states, place: place.to_vec() })
     }
 
     fn residuals(&self, line: &Line<'a>) -> Vec<f64> {
-        let mut states = line.states.iter();
-        let found = line
-            .candidates
-            .iter()
-            .flat_map(|candidate| candidate.segment.goals.iter().map(move |goal| (candidate, goal)));
-        found.zip(&mut states).map(|((candidate, goal), state)| difference(goal, candidate.measure(state))).collect()
+        let mut residuals = self.differences(line);
+        let root = self.rho.sqrt();
+        residuals.extend(self.margins().map(|(i, k)| root * self.pressed(line, i, k).max(0.0)));
+        residuals
     }
 
     fn jacobian(&mut self, line: &Line<'a>) -> Option<Vec<Vec<f64>>> {
         self.counts.evaluations += 1;
-        let (geometry, phases) = (self.dimensions(), line.shares.len());
-        let cap = line.caps[line.least];
-        let moved = line.candidates[line.least].cap_by_place(&cap, &mut self.counts)?;
-        let offset = |index: usize| line.candidates[..index].iter().map(|c| c.segment.dimensions()).sum::<usize>();
-        let mut rows = Vec::new();
+        let (geometry, phases) = (self.dimensions(), line.pressures_pa.len());
+        let (mut goals, mut margins) = (Vec::new(), Vec::new());
+        let (mut first, root) = (0, self.rho.sqrt());
         for (index, candidate) in line.candidates.iter().enumerate() {
+            let width = candidate.segment.dimensions();
+            let place = &line.place[first..first + width];
+            let states = &line.states[index * phases..(index + 1) * phases];
+            let slopes = slopes(candidate, place, states, &mut self.counts)?;
             for (phase, goal) in candidate.segment.goals.iter().enumerate() {
                 let mut row = vec![0.0; geometry + phases];
-                if let Some(goal) = goal.filter(|goal| goal.weight > 0.0) {
-                    let state = &line.states[index * phases + phase];
-                    let scale = goal.weight.sqrt();
-                    let by_place = candidate.by_place(state, &mut self.counts)?;
-                    let by_pressure = candidate.by_pressure(state, &mut self.counts)?;
-                    let own = offset(index);
-                    (0..candidate.segment.dimensions()).for_each(|i| row[own + i] += scale * by_place[i]);
-                    let least = offset(line.least);
-                    let by_cap = scale * by_pressure * line.shares[phase];
-                    (0..line.candidates[line.least].segment.dimensions())
-                        .for_each(|i| row[least + i] += by_cap * moved[i]);
-                    row[geometry + phase] = scale * by_pressure * cap.pressure_pa;
-                }
-                rows.push(row);
+                let scale = goal.map_or(0.0, |goal| goal.weight.sqrt());
+                (0..width).for_each(|i| row[first + i] = scale * slopes[phase].by_place[i]);
+                row[geometry + phase] = scale * slopes[phase].by_pressure * self.highest_pa;
+                goals.push(row);
             }
+            let is_pressed: Vec<bool> = (0..phases).map(|phase| self.pressed(line, index, phase) > 0.0).collect();
+            let moved = match line.caps[index].filter(|_| is_pressed.contains(&true)) {
+                Some(cap) => candidate.cap_by_place(&cap, &mut self.counts)?,
+                None => [0.0; 4],
+            };
+            for (phase, is_pressed) in is_pressed.into_iter().enumerate() {
+                let mut row = vec![0.0; geometry + phases];
+                if is_pressed {
+                    (0..width).for_each(|i| row[first + i] = -root * moved[i] / self.highest_pa);
+                    row[geometry + phase] = root;
+                }
+                margins.push(row);
+            }
+            first += width;
         }
-        Some(rows)
+        goals.append(&mut margins);
+        Some(goals)
     }
 }

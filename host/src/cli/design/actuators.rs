@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::cli::shared::{about, read, show};
-use crate::cli::{Failure, Outcome};
+use crate::cli::{Failure, Outcome, warn};
 use softlimb_design::actuators::{Answer, Budget, Objective, Problem, SegmentAnswer, solve};
 
 /// Find geometry and pressures for target deformations, eq. (14) of the paper
@@ -59,7 +59,13 @@ impl Actuators {
         }
         let answer = self.search.solve(&problem)?;
         show(self.json, &answer, || table(&answer))?;
-        Ok(Outcome::Done)
+        let doubt = answer.disagreeing_starts().map(|starts| {
+            format!(
+                "{} of {} starts agree on the least objective: there may be a better design; search longer with --starts",
+                starts.agreeing, starts.made
+            )
+        });
+        Ok(warn(doubt.as_slice()))
     }
 }
 

@@ -1,0 +1,20 @@
+//! Supply lines with wide bounds and targets that contradict each other.
+
+use softlimb_design::actuators::kinds::wide_line;
+use softlimb_design::actuators::{Budget, solve};
+
+use crate::design::common::objective;
+
+#[test]
+fn least_objective_of_a_wide_line_is_found() {
+    // By another method: exact derivatives, and pressures as shares of the least cap of all segments.
+    for (seed, least) in
+        [(3, 33562.61244831), (6, 656868.97398073), (7, 61243.76794992), (8, 820362.16842716), (10, 12511.09178179)]
+    {
+        let problem = wide_line(seed);
+        let answer = solve(&problem, &Budget::default()).expect("an answer");
+        let gap = objective(&problem, &answer) / least - 1.0;
+        assert!(gap <= 1e-6, "{seed}: {gap:e} above {least}");
+        assert_eq!(answer.disagreeing_starts(), None, "{seed}");
+    }
+}
