@@ -46,6 +46,7 @@ mod tracker;
 pub use actuator::Actuator;
 pub use allocation::{Allocated, Allocation, AllocationStatus};
 pub use batch::{Prepared, forward_many, forward_prepared};
+pub use model::arrangement::Arrangement;
 pub use model::limb::{Link, Segment, tip_pose};
 pub use number::real::Real;
 pub use parameters::{ActuatorParameters, Families, Fiber, InvalidParameter, Material, Motion, Placement};

@@ -24,12 +24,12 @@ pub struct Segment<T> {
 }
 
 impl<T: Real> Segment<T> {
-    /// The centre line of a bundle whose actuators, `circle_radius_m` off its axis, are all in `state`.
+    /// The centre line of a bundle whose actuators are all in `state`, the farthest `reach_m` off its axis.
     ///
-    /// A bending bundle is bent about the mean of its inextensible lines; `state.axial_stretch` of a bending actuator is that
-    /// of its axis, `R_o` outside of that line. The actuators of a twisting bundle become helices around its axis: of their
+    /// The inextensible lines of a bending bundle are at one height, as in [`Arrangement::Row`](crate::Arrangement::Row), so that
+    /// it bends as each of its actuators does; `state.axial_stretch` is that of their axes, `R_o` outside of the lines. The actuators of a twisting bundle become helices around its axis: of their
     /// length `l` the bundle keeps `sqrt(l^2 - (d Phi)^2)`. `None` when the twist is too large for that.
-    pub fn of_bundle(motion: Motion, length_m: T, circle_radius_m: T, state: &State<T>) -> Option<Self> {
+    pub fn of_bundle(motion: Motion, length_m: T, reach_m: T, state: &State<T>) -> Option<Self> {
         let length = length_m * state.axial_stretch;
         match motion {
             Motion::Extension | Motion::Expansion => {
@@ -39,7 +39,7 @@ impl<T: Real> Segment<T> {
                 Some(Self { length_m: length, bend_angle_rad: state.bend_angle_rad, twist_rad: T::zero() })
             }
             Motion::Twisting => {
-                let around = circle_radius_m * state.twist_rad;
+                let around = reach_m * state.twist_rad;
                 let square = length * length - around * around;
                 (square > T::zero()).then(|| Self {
                     length_m: square.sqrt(),

@@ -46,10 +46,12 @@ pub fn blocked_designs(module: &LimbModule) -> Result<Option<Vec<BlockedDesign>>
     let own = bundle(&parameters, count)?.wrench(&vec![most; count])?[2];
     let angle = fiber.angle_rad;
     let around = |value: f64| [value * (1.0 - AROUND), value * (1.0 + AROUND)];
+    let positions_m = module.positions_m();
+    let azimuth_rad = |i: usize| positions_m[i][1].atan2(positions_m[i][0]).rem_euclid(std::f64::consts::TAU);
     let attachment = |i: usize| Attachment {
         name: format!("{} {}", module.name, i + 1),
-        radius_m: [module.circle_radius_m(); 2],
-        azimuth_rad: [std::f64::consts::TAU * i as f64 / count as f64; 2],
+        radius_m: [positions_m[i][0].hypot(positions_m[i][1]); 2],
+        azimuth_rad: [azimuth_rad(i); 2],
         height_m: [0.0; 2],
         slopes: [[0.0; 2]; 2],
     };

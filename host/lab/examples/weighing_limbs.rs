@@ -70,14 +70,13 @@ fn seen(scene: &Scene, limb: &Limb, plan: &Plan, actuators: &[Actuator<f64>], ca
         let pressures_pa: Vec<f64> = plan.states_at(end_us).iter().map(|state| state.pressure_pa).collect();
         let bundle = |index: usize| {
             let (module, pressure_pa) = (&limb.modules()[index], pressures_pa[index]);
+            let positions_m = module.positions_m();
             let tubes = module.channels.clone().enumerate().map(|(place, channel)| {
-                let turn = std::f64::consts::TAU * place as f64 / module.channels.len() as f64;
                 let own = case.module.is_none_or(|only| only == index);
                 let pick = |own| if own { &actuators[channel] } else { &module.actuator };
                 let springs = Tangent::of(pick(own && case.springs), pressure_pa)?;
                 let shape = pick(own && case.shape).forward(pressure_pa, &NoLoad::none()).ok()?.state;
-                let place = [turn.cos(), turn.sin()].map(|share| share * module.circle_radius_m());
-                Some((place, springs.about(&shape, module.length_m())))
+                Some((positions_m[place], springs.about(&shape, module.length_m())))
             });
             let bays = f64::from(scene.modules()[index].spacers + 1);
             Bundle::of_tubes(module.motion, tubes.collect::<Option<_>>()?, module.length_m() / bays)

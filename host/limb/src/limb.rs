@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use fra_model::{Actuator, InvalidParameter, Link, Motion, Segment, State, Target};
+use fra_model::{Actuator, Arrangement, InvalidParameter, Link, Motion, Segment, State, Target};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::StateCurve;
+use crate::statics::check_bundles;
 use softlimb_scene::collision::Body;
 use softlimb_scene::{Module, Scene, SceneError, SetpointKind};
 
@@ -34,7 +35,7 @@ pub struct LimbModule {
     /// Its states over the pressure range.
     pub curve: StateCurve,
     length_m: f64,
-    circle_radius_m: f64,
+    arrangement: Arrangement<f64>,
     mount_angle_rad: f64,
     rigid_length_m: f64,
     /// Length and radius of the tool behind the connector, m.
@@ -116,12 +117,27 @@ impl LimbModule {
 
     /// Radius of the module about its centre line in a state, m.
     pub fn radius_m(&self, state: &State<f64>) -> f64 {
-        self.circle_radius_m + state.outer_radius_m
+        self.reach_m() + state.outer_radius_m
     }
 
-    /// Distance of an actuator's axis from the module's, m.
-    pub fn circle_radius_m(&self) -> f64 {
-        self.circle_radius_m
+    /// Places of its actuators, with `x` at the mount angle.
+    pub fn arrangement(&self) -> Arrangement<f64> {
+        self.arrangement
+    }
+
+    /// Place `[x, y]` of each actuator's axis, m, with `x` at the mount angle.
+    pub fn positions_m(&self) -> Vec<[f64; 2]> {
+        self.arrangement.positions_m(self.count()).collect()
+    }
+
+    /// Distance of the farthest of its actuators' axes from the module's, m; >= 0.
+    pub fn reach_m(&self) -> f64 {
+        self.arrangement.reach_m(self.count())
+    }
+
+    /// Number of actuators; a scene has at most nine a module.
+    fn count(&self) -> u8 {
+        u8::try_from(self.channels.len()).unwrap_or(u8::MAX)
     }
 
     /// Length of one actuator at rest, m.
@@ -147,7 +163,7 @@ impl LimbModule {
 
     /// The module's link in a state; a bundle that cannot take the twist keeps its rest shape.
     pub fn link(&self, state: &State<f64>) -> Link<f64> {
-        let segment = Segment::of_bundle(self.motion, self.length_m, self.circle_radius_m, state).unwrap_or(Segment {
+        let segment = Segment::of_bundle(self.motion, self.length_m, self.reach_m(), state).unwrap_or(Segment {
             length_m: self.length_m,
             bend_angle_rad: 0.0,
             twist_rad: 0.0,
@@ -160,7 +176,8 @@ impl Limb {
     /// Builds the limb of a scene.
     ///
     /// # Errors
-    /// A diagnostic at the module whose actuator the model refuses.
+    /// A diagnostic at the module whose actuator the model refuses, or whose bending actuators hold each other
+    /// ([`check_bundles`](crate::statics::check_bundles)).
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let limb = scene.limb();
         let count = scene.modules().len();
@@ -173,6 +190,7 @@ impl Limb {
             first_channel = channels.end;
             modules.push(build_module(scene, module, channels, tool_m)?);
         }
+        check_bundles(scene, &modules)?;
         Ok(Self { base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up), modules })
     }
 
@@ -256,7 +274,7 @@ fn build_module(
         curve: StateCurve::new(&actuator, reference_max_pa(*module.pressure_max_pa)),
         actuator,
         length_m: *module.length_m,
-        circle_radius_m: module.circle_radius_m,
+        arrangement: module.arrangement,
         mount_angle_rad: module.mount_angle_rad,
         rigid_length_m: scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
         tool_m,

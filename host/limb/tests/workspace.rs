@@ -36,10 +36,15 @@ pub(crate) fn text_with(modules: &[(&str, u8, &str)]) -> String {
             "twisting" => "winding = \"helix\"\n",
             _ => "winding = \"hoops\"\n",
         };
+        // Bending actuators in a row, others on a circle; both reach 30 mm.
+        let places = match (*motion, *actuators) {
+            (_, 1) => String::new(),
+            ("bending", count) => format!("arrangement = \"row\"\nspacing = \"{} mm\"", 60.0 / f64::from(count - 1)),
+            _ => "circle_radius = \"30 mm\"".to_owned(),
+        };
         text += &format!(
-            "[[module]]\nname = \"m{index}\"\nmotion = \"{motion}\"\nactuators = {actuators}\ncircle_radius = \"{} mm\"\n\
+            "[[module]]\nname = \"m{index}\"\nmotion = \"{motion}\"\nactuators = {actuators}\n{places}\n\
              inner_radius = \"10 mm\"\nouter_radius = \"14 mm\"\nlength = \"240 mm\"\nmaterial = \"silicone\"\n{winding}{more}\n",
-            if *actuators > 1 { 30 } else { 0 },
         );
     }
     text + "[[phase]]\nname = \"p\"\nduration = \"5 s\"\ntargets = { m0 = { pressure = \"10 kPa\" } }\n[limits]\npressure_max = \"100 kPa\"\n"

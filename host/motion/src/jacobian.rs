@@ -117,14 +117,14 @@ fn place(
 
 /// Derivative of a module's centre line by its pressure, 1/Pa; that of [`Segment::of_bundle`].
 fn segment_slope(module: &LimbModule, state: &State<f64>, slope: &State<f64>, segment: &Segment<f64>) -> Segment<f64> {
-    let (length, circle) = (module.length_m(), module.circle_radius_m());
+    let (length, reach) = (module.length_m(), module.reach_m());
     let straight = Segment { length_m: length * slope.axial_stretch, bend_angle_rad: 0.0, twist_rad: 0.0 };
     match module.motion {
         Motion::Extension | Motion::Expansion => straight,
         Motion::Bending => Segment { bend_angle_rad: slope.bend_angle_rad, ..straight },
         Motion::Twisting => {
             let along = length * length * state.axial_stretch * slope.axial_stretch;
-            let around = circle * circle * state.twist_rad * slope.twist_rad;
+            let around = reach * reach * state.twist_rad * slope.twist_rad;
             Segment { length_m: (along - around) / segment.length_m, bend_angle_rad: 0.0, twist_rad: slope.twist_rad }
         }
     }

@@ -1,6 +1,6 @@
 //! A scene with the modules that a design found: the author's text, and what is read from it.
 
-use fra_model::Motion;
+use fra_model::{Arrangement, Motion};
 use softlimb_scene as scene;
 use softlimb_scene::{Goal, Redesign, Scene, SetpointKind, redesigned};
 
@@ -25,7 +25,7 @@ fn unchanged(scene: &Scene) -> Vec<Redesign> {
         name: module.name.to_string(),
         like: module.name.to_string(),
         motion: word(*module.motion),
-        bundle: (module.actuators, module.circle_radius_m),
+        bundle: (module.actuators, module.arrangement),
         mount_angle_rad: module.mount_angle_rad,
         radii_m: [*module.inner_radius_m, *module.outer_radius_m],
         length_m: *module.length_m,
@@ -41,7 +41,7 @@ fn modules_as_they_are_make_the_same_limb() {
     for (before, after) in scene.modules().iter().zip(again.modules()) {
         assert_eq!(before.actuator(), after.actuator());
         assert_eq!(before.mount_angle_rad, after.mount_angle_rad);
-        assert_eq!((before.actuators, before.circle_radius_m), (after.actuators, after.circle_radius_m));
+        assert_eq!((before.actuators, before.arrangement), (after.actuators, after.arrangement));
     }
     assert_eq!(scene.limb(), again.limb());
 }
@@ -97,7 +97,7 @@ fn new_limb_takes_the_place_of_the_old_one() {
         name: name.into(),
         like: like.into(),
         motion,
-        bundle: (3, 0.03),
+        bundle: (3, Arrangement::Circle { radius_m: 0.03 }),
         mount_angle_rad: 0.0,
         radii_m: [0.009, 0.013],
         length_m: 0.2,

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::scene_support::{SCENE, changed};
-use fra_model::{Families, Fiber, Material, Motion, Placement};
+use fra_model::{Arrangement, Families, Fiber, Material, Motion, Placement};
 use softlimb_scene::{Goal, LinkLoss, Scene, SetpointKind, Span, Supply, parse};
 
 #[track_caller]
@@ -52,7 +52,7 @@ fn module_is_what_its_table_says() {
     };
     assert_eq!(upper.fiber.map(|fiber| fiber.value), Some(fiber));
     assert_eq!(*upper.material, Material::NeoHookean { shear_modulus_pa: 0.2e6 });
-    assert_eq!((*upper.motion, upper.actuators, upper.circle_radius_m), (Motion::Extension, 3, 0.03));
+    assert_eq!((*upper.motion, upper.actuators, upper.arrangement), (Motion::Extension, 3, Arrangement::Circle { radius_m: 0.03 }));
     assert_eq!((*elbow.motion, elbow.fiber, *elbow.length_m), (Motion::Bending, None, 0.24));
     assert_eq!((upper.setpoint_kind, elbow.setpoint_kind), (SetpointKind::AxialStretch, SetpointKind::BendAngle));
     assert_eq!(*elbow.pressure_max_pa, 100e3);

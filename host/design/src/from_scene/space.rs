@@ -1,8 +1,6 @@
 //! What may be chosen of one module.
 
-use std::f64::consts::PI;
-
-use fra_model::{Fiber, Motion, Placement};
+use fra_model::{Arrangement, Fiber, Motion, Placement};
 
 use crate::actuators::{Bounds, GeometryBounds, Segment, Sizes, Winding};
 use softlimb_limb::reference_max_pa;
@@ -54,18 +52,18 @@ fn pair(bounds: Option<Located<Bounds>>, own: f64) -> Bounds {
 
 /// Actuators of the largest size must still have room side by side.
 fn overlap(scene: &Scene, module: &Module, bounds: &ModuleBounds, outer_m: f64) -> Result<(), SceneError> {
-    let room = module.circle_radius_m * (PI / f64::from(module.actuators)).sin();
-    if module.actuators == 1 || outer_m <= room * (1.0 + 1e-9) {
+    let Some(apart_m) = module.arrangement.nearest_m(module.actuators) else { return Ok(()) };
+    let room = 0.5 * apart_m;
+    if outer_m <= room * (1.0 + 1e-9) {
         return Ok(());
     }
     let span = bounds.wall_m.or(bounds.inner_radius_m).map_or(module.span, |bounds| bounds.span);
     let label = format!("an outer radius of up to {:.3} mm", outer_m * 1e3);
-    let help = format!(
-        "on a circle of {:.3} mm {} actuators have room up to {:.3} mm each",
-        module.circle_radius_m * 1e3,
-        module.actuators,
-        room * 1e3
-    );
+    let places = match module.arrangement {
+        Arrangement::Circle { radius_m } => format!("on a circle of {:.3} mm", radius_m * 1e3),
+        Arrangement::Row { spacing_m } => format!("in a row of a spacing of {:.3} mm", spacing_m * 1e3),
+    };
+    let help = format!("{places} {} actuators have room up to {:.3} mm each", module.actuators, room * 1e3);
     let title = format!("within these bounds the actuators of `{}` may overlap", *module.name);
     Err(scene.diagnostic(span, &title, &label, Some(&help)))
 }

@@ -59,7 +59,7 @@ pub fn redesigned_targets(scene: &Scene, answer: &fit::Answer) -> (Vec<Redesign>
             name: module.name.to_string(),
             like: module.name.to_string(),
             motion: module.motion.name(),
-            bundle: (module.actuators, module.circle_radius_m),
+            bundle: (module.actuators, module.arrangement),
             mount_angle_rad: module.mount_angle_rad,
             radii_m: [segment.inner_radius_m, segment.outer_radius_m],
             length_m: segment.length_m,

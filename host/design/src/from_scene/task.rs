@@ -30,12 +30,12 @@ pub struct Tasked {
 /// The task of a scene: its way-points, regions and obstacles, with its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase whose goal is none for the tip, at a module that is not mounted as the first, and those of the bounds.
+/// A diagnostic at a phase whose goal is none for the tip, at a module with another number of actuators than the first, and those of the bounds.
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     let modules = scene.modules();
-    let mounted = |index: usize| (modules[index].actuators, modules[index].circle_radius_m);
-    if let Some(other) = (1..modules.len()).find(|index| mounted(*index) != mounted(0)) {
-        let title = "a design for the tip needs modules with as many actuators on equal circles";
+    let actuators = modules[0].actuators;
+    if let Some(other) = (1..modules.len()).find(|index| modules[*index].actuators != actuators) {
+        let title = "a design for the tip needs modules with as many actuators each";
         return Err(scene.diagnostic(modules[other].span, title, "this one differs from the first", None).into());
     }
     let patterns = patterns(scene);
@@ -46,14 +46,12 @@ pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     }
     let limb = scene.limb();
     let tool = limb.end_effector.as_ref();
-    let (actuators, circle_radius_m) = mounted(0);
-    // A plate covers the circle of its actuators.
-    let outer_m = spaces.iter().map(widest).fold(0.0, f64::max);
+    // A plate covers its actuators.
+    let plate_m = spaces.iter().map(|space| space.reach_m + widest(space)).fold(0.0, f64::max);
     let task = Task {
         base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up),
         actuators: u32::from(actuators),
-        circle_radius_m,
-        connector_m: [limb.connector_length_m, circle_radius_m + outer_m],
+        connector_m: [limb.connector_length_m, plate_m],
         tool_m: tool.map_or([0.0; 2], |tool| [tool.length_m, tool.radius_m]),
         rigid_mass_kg: [limb.connector_mass_kg, tool.map_or(0.0, |tool| tool.mass_kg)],
         way_points,
@@ -90,6 +88,7 @@ fn space(scene: &Scene, index: usize) -> Result<Space, SceneError> {
     let own = module.mount_angle_rad;
     Ok(Space {
         segment: segment(scene, module, bounds)?,
+        reach_m: module.reach_m(),
         mount_angle_rad: if free { [own - PI, own + PI] } else { [own; 2] },
         density_kg_per_m3: module.density_kg_per_m3,
     })
@@ -157,7 +156,7 @@ pub fn redesigned_limb(scene: &Scene, tasked: &Tasked, candidate: &Candidate) ->
                 name: if chosen { format!("{}-{}", pattern.motion.name(), index + 1) } else { found.name.clone() },
                 like: pattern.name.to_string(),
                 motion: pattern.motion.name(),
-                bundle: (pattern.actuators, pattern.circle_radius_m),
+                bundle: (pattern.actuators, pattern.arrangement),
                 mount_angle_rad: if *pattern.motion == Motion::Bending {
                     found.mount_angle_rad
                 } else {

@@ -36,7 +36,7 @@ pub(super) fn confirm(exact: &Exact, sections: &[Space]) -> Result<Candidate, Ta
         .collect();
     let mut made = Vec::new();
     for (module, space) in final_spaces.iter().enumerate() {
-        let section = Section::new(space, &[0.5; 4], task.circle_radius_m).map_err(|reason| refused(space, reason))?;
+        let section = Section::new(space, &[0.5; 4]).map_err(|reason| refused(space, reason))?;
         let last = module + 1 == final_spaces.len();
         made.push(Made {
             section,

@@ -84,7 +84,7 @@ impl Kind {
         let mut task = empty_task(count);
         let hidden: Vec<Space> =
             spaces.iter().map(|space| space.at_section(std::array::from_fn(|_| random.uniform()))).collect();
-        let tables = fine_tables(&task, &hidden)?;
+        let tables = fine_tables(&hidden)?;
         let layout = Layout::new(&hidden.iter().collect::<Vec<_>>(), count);
         let place = random.point(layout.width());
         let objective = Objective::new(&task, layout, tables.iter().collect(), 0);
@@ -120,6 +120,7 @@ pub fn space(motion: Motion) -> Space {
             limit_margin: 0.05,
             goals: Vec::new(),
         },
+        reach_m: 25e-3,
         mount_angle_rad: [-PI, PI],
         density_kg_per_m3: 1080.0,
     }
@@ -129,7 +130,6 @@ fn empty_task(way_points: usize) -> Task {
     Task {
         base: Isometry3::identity(),
         actuators: 3,
-        circle_radius_m: 25e-3,
         connector_m: [15e-3, 40e-3],
         tool_m: [50e-3, 15e-3],
         rigid_mass_kg: [0.1, 0.2],

@@ -76,10 +76,10 @@ impl Shape {
         let mut tip = task.base;
         let mut links = Vec::new();
         for (index, (made, state)) in made.iter().zip(&states).enumerate() {
-            let segment = Segment::of_bundle(made.section.motion(), made.length_m(), task.circle_radius_m, state)
+            let segment = Segment::of_bundle(made.section.motion(), made.length_m(), made.section.reach_m(), state)
                 .unwrap_or(Segment { length_m: made.length_m(), bend_angle_rad: 0.0, twist_rad: 0.0 });
             let link = Link { segment, mount_angle_rad: made.mount_angle_rad, rigid_length_m: made.rigid_m };
-            let radius_m = task.circle_radius_m + state.outer_radius_m;
+            let radius_m = made.section.reach_m() + state.outer_radius_m;
             body.module(&segment, made.mount_angle_rad, radius_m);
             body.rigid(task.connector_m[0], task.connector_m[1]);
             if index + 1 == states.len() {

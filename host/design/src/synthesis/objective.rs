@@ -98,7 +98,7 @@ impl<'a> Objective<'a> {
             let from = pose.from.map_or(0.0, |_| 1.0 - pose.share);
             bundle.by[field] = [x, y, z, per_length, 0.0, by_share * pose.share, by_share * from];
         }
-        bundle.value[RADIUS] += self.task.circle_radius_m;
+        bundle.value[RADIUS] += self.tables[module].reach_m();
         let last = module + 1 == self.tables.len();
         bundle.rigid_m = self.task.connector_m[0] + if last { self.task.tool_m[0] } else { 0.0 };
         bundle
@@ -238,7 +238,7 @@ mod tests {
                 posed.spaces[2] = space(fra_model::Motion::Expansion);
             }
             let tables: Vec<_> =
-                posed.spaces.iter().map(|space| Table::new(space, posed.task.circle_radius_m).unwrap()).collect();
+                posed.spaces.iter().map(|space| Table::new(space).unwrap()).collect();
             let layout = Layout::new(&posed.spaces.iter().collect::<Vec<_>>(), posed.task.way_points.len());
             let objective = Objective::new(&posed.task, layout, tables.iter().collect(), 2);
             let mut random = Random::new(1, 1);

@@ -44,7 +44,7 @@ pub fn design(task: &Task, modules: &[Space], effort: &Budget) -> Result<Candida
     task.check()?;
     count("modules", modules.len(), 1..=MOST_MODULES)?;
     modules.iter().try_for_each(Space::check)?;
-    let tables = modules.iter().map(|space| Table::new(space, task.circle_radius_m)).collect::<Result<Vec<_>, _>>()?;
+    let tables = modules.iter().map(Table::new).collect::<Result<Vec<_>, _>>()?;
     let order: Vec<usize> = (0..modules.len()).collect();
     let mut random = Random::new(effort.seed, 0);
     Order { task, spaces: modules.iter().collect(), tables: order.iter().map(|index| &tables[*index]).collect() }
@@ -99,7 +99,7 @@ impl Order<'_> {
     /// A minimum, settled and confirmed by the model; and the evaluations that took.
     fn confirmed(&self, layout: &Layout, minimum: &LocalMinimum) -> Result<(Candidate, usize), TaskError> {
         let sections = sections(&self.spaces, layout, &minimum.place);
-        let tables = fine_tables(self.task, &sections)?;
+        let tables = fine_tables(&sections)?;
         let mut exact = Exact::new(self.task, &sections, &tables, (layout, minimum), ON_A_MOVE);
         let spent = exact.settle();
         Ok((confirm(&exact, &sections)?, spent))
@@ -171,7 +171,7 @@ impl<'a> Evaluator<'a> {
     /// As [`design`].
     pub fn new(task: &'a Task, modules: &[Space]) -> Result<Self, TaskError> {
         task.check()?;
-        let tables = modules.iter().map(|space| Table::new(space, task.circle_radius_m)).collect::<Result<_, _>>()?;
+        let tables = modules.iter().map(Table::new).collect::<Result<_, _>>()?;
         let layout = Layout::new(&modules.iter().collect::<Vec<_>>(), task.way_points.len());
         Ok(Self { task, layout, tables })
     }

@@ -44,8 +44,8 @@ pub(super) fn sections(spaces: &[&Space], layout: &Layout, place: &[f64]) -> Vec
 }
 
 /// The tables of given sections.
-pub(super) fn fine_tables(task: &Task, sections: &[Space]) -> Result<Vec<Table>, TaskError> {
-    sections.iter().map(|space| Table::fine(space, task.circle_radius_m)).collect()
+pub(super) fn fine_tables(sections: &[Space]) -> Result<Vec<Table>, TaskError> {
+    sections.iter().map(Table::fine).collect()
 }
 
 impl<'a> Exact<'a> {

@@ -25,14 +25,14 @@ const BISECTIONS: usize = 50;
 /// A section with the two ends of its range.
 pub(super) struct Section<'a> {
     pub(super) candidate: Candidate<'a>,
-    circle_radius_m: f64,
+    reach_m: f64,
     rest: State<f64>,
     end: State<f64>,
 }
 
 impl<'a> Section<'a> {
     /// `place` is that of the geometry in its unit box. The error says why there is no such section.
-    pub(super) fn new(space: &'a Space, place: &[f64; 4], circle_radius_m: f64) -> Result<Self, String> {
+    pub(super) fn new(space: &'a Space, place: &[f64; 4]) -> Result<Self, String> {
         let geometry = space.segment.geometry(place);
         let what = |reason: &str| {
             format!(
@@ -50,7 +50,7 @@ impl<'a> Section<'a> {
         let cap = candidate.cap(counts).ok_or_else(|| what("its limit point is not found"))?;
         let end =
             candidate.at(cap.pressure_pa, counts).ok_or_else(|| what("no equilibrium at its highest pressure"))?;
-        let mut section = Self { rest: candidate.actuator.rest(), candidate, circle_radius_m, end };
+        let mut section = Self { rest: candidate.actuator.rest(), candidate, reach_m: space.reach_m, end };
         if !section.straight_lean(&section.end) {
             section.end = section.last(cap.pressure_pa, |section, state| section.straight_lean(state));
         }
@@ -67,7 +67,7 @@ impl<'a> Section<'a> {
     /// Whether the actuators of the bundle lean no more than they may.
     fn straight_lean(&self, state: &State<f64>) -> bool {
         let length_m = self.candidate.geometry.length_m * state.axial_stretch;
-        self.motion() != Motion::Twisting || self.circle_radius_m * state.twist_rad.abs() <= MOST_LEAN * length_m
+        self.motion() != Motion::Twisting || self.reach_m * state.twist_rad.abs() <= MOST_LEAN * length_m
     }
 
     /// The last state up to a pressure for which a property that holds at rest still does.
@@ -103,6 +103,11 @@ impl<'a> Section<'a> {
     /// The highest gauge pressure, Pa.
     pub(super) fn cap_pa(&self) -> f64 {
         self.end.pressure_pa
+    }
+
+    /// Distance of the farthest actuator from the module's axis, m.
+    pub(super) fn reach_m(&self) -> f64 {
+        self.reach_m
     }
 
     /// The motion.
@@ -154,7 +159,7 @@ impl<'a> Section<'a> {
             Motion::Bending => (state.axial_stretch, bend, 0.0),
             // Helices around the axis of the bundle keep `sqrt(l^2 - (d Phi)^2)` of their length `l`.
             Motion::Twisting => {
-                ((state.axial_stretch.powi(2) - (self.circle_radius_m * twist).powi(2)).max(0.0).sqrt(), 0.0, twist)
+                ((state.axial_stretch.powi(2) - (self.reach_m * twist).powi(2)).max(0.0).sqrt(), 0.0, twist)
             }
         };
         [length, bend, twist, state.outer_radius_m, state.pressure_pa]

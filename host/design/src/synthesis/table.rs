@@ -24,6 +24,8 @@ pub(super) struct Table {
     depth: usize,
     /// Coefficients by section node, field and share.
     coefficients: Vec<f64>,
+    /// Distance of the farthest actuator from the module's axis, m.
+    reach_m: f64,
 }
 
 /// The response of one section: polynomials in the share, with their derivatives by the section.
@@ -78,16 +80,16 @@ fn transform(values: &mut [f64], count: usize, stride: usize) {
 
 impl Table {
     /// The table of all sections within the bounds.
-    pub(super) fn new(space: &Space, circle_radius_m: f64) -> Result<Self, TaskError> {
-        Self::with(space, circle_radius_m, SEARCH_DEPTH)
+    pub(super) fn new(space: &Space) -> Result<Self, TaskError> {
+        Self::with(space, SEARCH_DEPTH)
     }
 
     /// A table with the most nodes in the share, for bounds that leave one section.
-    pub(super) fn fine(space: &Space, circle_radius_m: f64) -> Result<Self, TaskError> {
-        Self::with(space, circle_radius_m, DEPTH)
+    pub(super) fn fine(space: &Space) -> Result<Self, TaskError> {
+        Self::with(space, DEPTH)
     }
 
-    fn with(space: &Space, circle_radius_m: f64, depth: usize) -> Result<Self, TaskError> {
+    fn with(space: &Space, depth: usize) -> Result<Self, TaskError> {
         let sizes = section_widths(space).map(|width| if width > 0.0 { NODES } else { 1 });
         let shares = nodes(depth);
         let mut values = Vec::with_capacity(sizes.iter().product::<usize>() * FIELDS * depth);
@@ -95,7 +97,7 @@ impl Table {
         for x in &along[0] {
             for y in &along[1] {
                 for z in &along[2] {
-                    let section = Section::new(space, &[*x, *y, 0.5, *z], circle_radius_m);
+                    let section = Section::new(space, &[*x, *y, 0.5, *z]);
                     let fields = section.and_then(|section| section.fields(&shares)).map_err(|reason| {
                         TaskError::Bounds { place: format!("module {}", space.segment.name), reason }
                     })?;
@@ -108,7 +110,12 @@ impl Table {
         transform(&mut values, sizes[2], inner);
         transform(&mut values, sizes[1], inner * sizes[2]);
         transform(&mut values, sizes[0], inner * sizes[2] * sizes[1]);
-        Ok(Self { sizes, depth, coefficients: values })
+        Ok(Self { sizes, depth, coefficients: values, reach_m: space.reach_m })
+    }
+
+    /// Distance of the farthest actuator from the module's axis, m.
+    pub(super) fn reach_m(&self) -> f64 {
+        self.reach_m
     }
 
     /// The response of the section at a place of its unit box.

@@ -73,8 +73,6 @@ pub struct Task {
     pub base: Isometry3<f64>,
     /// Actuators of a module.
     pub actuators: u32,
-    /// Distance of the actuators from the module's axis, m; >= 0.
-    pub circle_radius_m: f64,
     /// Length and radius of the rigid part behind every module, m; >= 0.
     pub connector_m: [f64; 2],
     /// Length and radius of the end effector, m; >= 0.
@@ -96,6 +94,8 @@ pub struct Task {
 pub struct Space {
     /// Motion, material, winding, bounds of the geometry and pressure; its goals are not used.
     pub segment: Segment,
+    /// Distance of the farthest actuator from the module's axis, m; >= 0.
+    pub reach_m: f64,
     /// Bounds of the direction that it bends towards, rad about the limb's axis; a width of a full turn or more leaves it free.
     pub mount_angle_rad: Bounds,
     /// Density of the elastomer, kg/m3; > 0.
@@ -183,7 +183,6 @@ impl Task {
         let task = || "task".to_owned();
         count("actuators", self.actuators as usize, 1..=100)?;
         at(task, finite("base position_m", &self.base.translation.vector))?;
-        at(task, non_negative("circle_radius_m", self.circle_radius_m))?;
         let rigid = [("connector_m", self.connector_m), ("tool_m", self.tool_m), ("rigid_mass_kg", self.rigid_mass_kg)];
         for (field, values) in rigid {
             at(task, values.into_iter().try_for_each(|value| non_negative(field, value)))?;
@@ -227,6 +226,7 @@ impl Space {
         let sizes = bounds.sizes.names().into_iter().zip(bounds.sizes_m);
         sizes.into_iter().try_for_each(|(name, range)| at(place, ordered(name, range, 0.0)))?;
         at(place, ordered("length_m", bounds.length_m, 0.0))?;
+        at(place, non_negative("reach_m", self.reach_m))?;
         if self.motion() != Motion::Bending {
             at(place, ordered("fiber_angle_rad", bounds.angle_rad, -1.571))?;
         }

@@ -46,7 +46,7 @@ impl Variant {
     }
 
     fn new(task: Task, spaces: Vec<Space>, more_clearance_m: f64) -> Result<Self, TaskError> {
-        let tables = spaces.iter().map(|space| Table::new(space, task.circle_radius_m)).collect::<Result<_, _>>()?;
+        let tables = spaces.iter().map(Table::new).collect::<Result<_, _>>()?;
         Ok(Self { task, spaces, tables, more_clearance_m })
     }
 

@@ -59,7 +59,7 @@ fn mass_and_air_are_those_of_tubes() {
         let after = match module.motion {
             ModuleMotion::Extension => {
                 let links = Remade::new(&posed.task, &posed.spaces, &found).at_pressures(&answer.pressure_pa);
-                let outside = links[index].1 - posed.task.circle_radius_m;
+                let outside = links[index].1 - posed.spaces[index].reach_m;
                 let length = stretch * module.length_m;
                 PI * outside * outside * length - PI * (outer * outer - inner * inner) * module.length_m
             }

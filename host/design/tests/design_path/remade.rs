@@ -31,12 +31,12 @@ impl<'a> Remade<'a> {
         let count = states.len();
         let link = |(index, state): (usize, State<f64>)| {
             let parameters = self.actuators[index].parameters();
-            let circle = self.task.circle_radius_m;
-            let segment = Segment::of_bundle(parameters.motion, parameters.length_m, circle, &state).unwrap();
+            let reach = self.spaces[index].reach_m;
+            let segment = Segment::of_bundle(parameters.motion, parameters.length_m, reach, &state).unwrap();
             let tool = if index + 1 == count { self.task.tool_m[0] } else { 0.0 };
             let rigid_length_m = self.task.connector_m[0] + tool;
             let link = Link { segment, mount_angle_rad: self.mounts[index], rigid_length_m };
-            (link, circle + state.outer_radius_m)
+            (link, reach + state.outer_radius_m)
         };
         states.into_iter().enumerate().map(link).collect()
     }

@@ -1,6 +1,6 @@
 //! What a user says about a deck: which actuators, which fibers, how fine.
 
-use fra_model::{ActuatorParameters, Fiber, Placement};
+use fra_model::{ActuatorParameters, Arrangement, Fiber, Placement};
 
 use super::FemError;
 use softlimb_files::range::{OutOfRange, positive, require};
@@ -12,14 +12,14 @@ pub struct Subject {
     pub parameters: ActuatorParameters<f64>,
     /// Number of actuators side by side, 1 to 9.
     pub actuators: u8,
-    /// Distance of their axes from the axis of the bundle, m; >= 0, and large enough for them to lie side by side.
-    pub circle_radius_m: f64,
+    /// Their places, far enough apart for them to lie side by side; they bend towards `x`.
+    pub arrangement: Arrangement<f64>,
 }
 
 impl Subject {
     /// One actuator.
     pub fn single(parameters: ActuatorParameters<f64>) -> Self {
-        Self { parameters, actuators: 1, circle_radius_m: 0.0 }
+        Self { parameters, actuators: 1, arrangement: Arrangement::Circle { radius_m: 0.0 } }
     }
 
     /// Checks the parameters and the place of the actuators.
@@ -39,11 +39,17 @@ impl Subject {
         require((0.02..=5.0).contains(&wall), "wall / inner_radius_m", wall, "0.02 to 5")?;
         let count = f64::from(self.actuators);
         require((1..=9).contains(&self.actuators), "actuators", count, "1 to 9")?;
-        let radius = self.circle_radius_m;
-        require(radius.is_finite() && radius >= 0.0, "circle_radius_m", radius, "finite and >= 0")?;
-        let least = self.parameters.outer_radius_m / (std::f64::consts::PI / count).sin();
-        let apart = self.actuators == 1 || radius >= least * (1.0 - 1e-9);
-        require(apart, "circle_radius_m", radius, format!("at least {least:.6} m for {count} actuators side by side"))?;
+        // How far neighbouring axes are apart, per length that is given.
+        let (field, given, per_length) = match self.arrangement {
+            Arrangement::Circle { radius_m } => {
+                ("circle_radius_m", radius_m, 2.0 * (std::f64::consts::PI / count).sin())
+            }
+            Arrangement::Row { spacing_m } => ("spacing_m", spacing_m, 1.0),
+        };
+        require(given.is_finite() && given >= 0.0, field, given, "finite and >= 0")?;
+        let least = 2.0 * self.parameters.outer_radius_m / per_length;
+        let apart = self.actuators == 1 || given >= least * (1.0 - 1e-9);
+        require(apart, field, given, format!("at least {least:.6} m for {count} actuators side by side"))?;
         Ok(())
     }
 }

@@ -1,7 +1,5 @@
 //! Parts of a model beside its mesh: what holds it, trusses, elastomers, gauges.
 
-use std::f64::consts::TAU;
-
 use fra_model::Material;
 
 use super::gauge::{Gauges, Ring, Section};
@@ -152,12 +150,12 @@ pub(crate) fn connect(mesh: &mut Mesh, ties: &mut Ties, tubes: &[Tube], subject:
     }
 }
 
-/// The axes of the actuators, mm: evenly on their circle, the first on the side to which modules bend.
+/// The axes of the actuators, mm; modules bend towards the first coordinate.
 pub(crate) fn places(subject: &Subject) -> Vec<[f64; 2]> {
-    let count = u32::from(subject.actuators);
-    let radius = if count == 1 { 0.0 } else { subject.circle_radius_m * 1e3 };
-    let angle = |n: u32| TAU * f64::from(n) / f64::from(count);
-    (0..count).map(|n| [radius * angle(n).cos(), radius * angle(n).sin()]).collect()
+    if subject.actuators == 1 {
+        return vec![[0.0; 2]];
+    }
+    subject.arrangement.positions_m(subject.actuators).map(|place| place.map(|m| m * 1e3)).collect()
 }
 
 /// The sections that are measured.

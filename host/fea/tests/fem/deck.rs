@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use fra_model::{ActuatorParameters, Families, Material, Motion, Placement};
+use fra_model::{ActuatorParameters, Arrangement, Families, Material, Motion, Placement};
 use softlimb_fea::solid::{Around, Deck, FiberModel, Model, Options, Subject, SymmetryUse};
 
 use crate::fem::motions;
@@ -84,7 +84,7 @@ fn threads(mm: f64) -> Options {
 }
 
 fn subjects() -> Vec<(Subject, Options)> {
-    let bundle = Subject { parameters: plain(Motion::Bending), actuators: 3, circle_radius_m: 11e-3 };
+    let bundle = Subject { parameters: plain(Motion::Bending), actuators: 3, arrangement: Arrangement::Circle { radius_m: 11e-3 } };
     let coarse = Options { around: Some(8), along: Some(6), ..Options::default() };
     let singles = motions().map(Subject::single);
     let smeared = singles.iter().map(|subject| (*subject, Options::default()));

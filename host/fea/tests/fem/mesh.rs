@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use fra_model::{Families, Motion};
+use fra_model::{Arrangement, Families, Motion};
 use softlimb_fea::solid::{Around, FemError, FiberModel, Model, Options, Part, Subject, SymmetryUse};
 use softlimb_files::range::OutOfRange;
 
@@ -91,7 +91,7 @@ fn symmetry_is_used_only_where_the_winding_has_it() {
 
 #[test]
 fn bundle_has_its_actuators_side_by_side_and_a_connector() {
-    let subject = Subject { actuators: 3, circle_radius_m: 10e-3, parameters: plain(Motion::Bending) };
+    let subject = Subject { actuators: 3, arrangement: Arrangement::Circle { radius_m: 10e-3 }, parameters: plain(Motion::Bending) };
     let model = Model::new(&subject, &WHOLE).unwrap();
     let all = model.mesh().quality(|_| true);
     assert!(all.worst_jacobian > 0.3, "{all:?}");
@@ -100,7 +100,7 @@ fn bundle_has_its_actuators_side_by_side_and_a_connector() {
     assert!((wall / (3.0 * PI * (outer * outer - 36.0) * 60.0) - 1.0).abs() < 2e-4, "{wall}");
     let plate = model.mesh().quality(|element| element.part == Part::Plate);
     assert!(plate.volume_mm3 > 3.0 * PI * 64.0 * 3.2);
-    let gap = Subject { circle_radius_m: 9e-3, ..subject };
+    let gap = Subject { arrangement: Arrangement::Circle { radius_m: 9e-3 }, ..subject };
     let refused = Model::new(&gap, &WHOLE).unwrap_err().to_string();
     assert!(refused.contains("circle_radius_m = 0.009") && refused.contains("at least 0.009238 m"), "{refused}");
 }

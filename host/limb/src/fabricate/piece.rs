@@ -1,6 +1,6 @@
 //! One kind of actuator, ready to be made: its winding, its layers, and whether a workshop can make it.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use fra_model::{ActuatorParameters, Motion, Placement};
 
@@ -112,12 +112,10 @@ pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateE
 }
 
 fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
-    let count = usize::from(module.actuators);
-    let place = |index: usize| {
-        let angle = module.mount_angle_rad + TAU * index as f64 / count as f64;
-        [module.circle_radius_m * angle.cos(), module.circle_radius_m * angle.sin()]
-    };
-    (0..count).map(|index| Copy { channel: first_channel + index, place_m: place(index) }).collect()
+    let (sin, cos) = module.mount_angle_rad.sin_cos();
+    let place = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+    let copy = |(index, at)| Copy { channel: first_channel + index, place_m: place(at) };
+    module.positions_m().into_iter().enumerate().map(copy).collect()
 }
 
 fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings) -> Result<Piece, SceneError> {

@@ -4,8 +4,6 @@
 //! bending moments of a bundle that extends or expands, the three moments of one that twists, and the moment in the plane of the bend of
 //! one that bends. The rest, shear before all, is left to the walls, and the pose taken for what it is: how far a limb sags is no question here.
 
-use std::f64::consts::TAU;
-
 use fra_model::{Motion, State, Status};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, Vector6};
 
@@ -106,7 +104,7 @@ pub fn limb_capacity(
         });
         holding.question.bundles.push(station);
     }
-    let radius = limb.modules().iter().map(LimbModule::circle_radius_m).fold(0.0, f64::max);
+    let radius = limb.modules().iter().map(LimbModule::reach_m).fold(0.0, f64::max);
     holding.question.arm_m = if radius > 0.0 { radius } else { 0.01 };
     Ok(holding)
 }
@@ -174,9 +172,9 @@ fn station(
     } else {
         Hold::Straight { axial_stretch: state.axial_stretch, twist_rad: state.twist_rad }
     };
+    let positions_m = module.positions_m();
     let mounted = |i: usize| {
-        let (sin, cos) = (TAU * i as f64 / count as f64).sin_cos();
-        let point = Vector3::new(cos, sin, 0.0) * module.circle_radius_m();
+        let point = Vector3::new(positions_m[i][0], positions_m[i][1], 0.0);
         let axis = if bends { Vector3::y() } else { Vector3::z() };
         Mounted::new(&format!("{} {}", module.name, i + 1), module.actuator, hold, point, axis)
     };

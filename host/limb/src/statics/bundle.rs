@@ -7,8 +7,6 @@
 //! has a part of that S already, `a^2/12` over the bending stiffness of the bundle: it is taken off the slide, so that a chain of plates and the
 //! rod yield alike to small loads.
 
-use std::f64::consts::TAU;
-
 use fra_model::Motion;
 use nalgebra::{Matrix4, Vector4};
 
@@ -57,8 +55,8 @@ pub struct Bundle {
 impl Bundle {
     /// The bundle of a module with a gauge pressure, Pa, in each actuator, and `bays` >= 1 stretches between plates, so `bays - 1` spacers.
     ///
-    /// `None` where an actuator has no equilibrium at its pressure, or where there is not one pressure per actuator. The lines of a bending
-    /// bundle are taken to bend about their mean, as the kinematics do it; they do not add to its stiffness in that plane.
+    /// `None` where an actuator has no equilibrium at its pressure, or where there is not one pressure per actuator. The lines of bending
+    /// actuators at different heights hold each other; in a row along the axis of bending they add no stiffness in its plane.
     pub fn new(module: &LimbModule, pressures_pa: &[f64], bays: usize) -> Option<Self> {
         if pressures_pa.len() != module.channels.len() || bays == 0 {
             return None;
@@ -66,7 +64,7 @@ impl Bundle {
         // Bundles mostly have one pressure, and the model is what costs.
         let mut known: Vec<(f64, Tangent)> = Vec::new();
         let mut tubes = Vec::with_capacity(pressures_pa.len());
-        for (position, pressure_pa) in positions(module).into_iter().zip(pressures_pa) {
+        for (position, pressure_pa) in module.positions_m().into_iter().zip(pressures_pa) {
             let found = known.iter().find(|(pressure, _)| pressure == pressure_pa).map(|(_, tangent)| *tangent);
             let tangent = found.or_else(|| Tangent::of(&module.actuator, *pressure_pa))?;
             known.push((*pressure_pa, tangent));
@@ -157,23 +155,16 @@ pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> Option
     let mut own = Matrix4::from_diagonal(&Vector4::new(0.0, tube.bending_nm2, tube.across_nm2, tube.torsion_nm2));
     let arm = Vector4::new(1.0, -x, -y, 0.0);
     if motion == Motion::Bending {
-        own[(0, 0)] += tube.axial_n;
-        // The walls at both sides; the lines would not let it bend at all.
+        // Plates that bend by `u` ask a line at the height `x` for the stretch `lambda - u x`.
+        let line = Vector4::new(1.0, -x, 0.0, 0.0);
+        own += line * line.transpose() * tube.axial_n;
+        // Across, the walls at both sides count alone: a line goes slack where it is pushed.
         own[(2, 2)] += tube.axial_n / LINE * y * y;
+        let rest = rest + Vector4::new(x * tube.bend_rad_per_m, 0.0, 0.0, 0.0);
         return Some((own, rest));
     }
     own += arm * arm.transpose() * tube.axial_n;
     let turn = Vector4::new(0.0, 0.0, 0.0, coupling);
     own += arm * turn.transpose() + turn * arm.transpose();
     Some((own, rest))
-}
-
-/// Places of the actuators in the section, m: the first at the mount angle, the others evenly around.
-pub fn positions(module: &LimbModule) -> Vec<[f64; 2]> {
-    let count = module.channels.len();
-    let place = |index: usize| {
-        let (sin, cos) = (TAU * index as f64 / count as f64).sin_cos();
-        [cos, sin].map(|share| share * module.circle_radius_m())
-    };
-    (0..count).map(place).collect()
 }

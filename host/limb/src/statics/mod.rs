@@ -6,6 +6,7 @@
 
 mod between;
 mod buckling;
+mod bend_share;
 mod bundle;
 mod deformed;
 mod exponential;
@@ -23,7 +24,7 @@ mod tube;
 
 pub use buckling::Buckling;
 pub(crate) use buckling::column_n;
-pub use bundle::positions;
+pub use bend_share::{BEND_SHARE_MIN, BendShare, check_bundles};
 pub use bundle::{Bundle, Free};
 pub use deformed::Deformed;
 pub use fidelity::{Answer, Fidelity, Judged, by_fidelity, by_tubes, cheapest, cheapest_rod, choose};

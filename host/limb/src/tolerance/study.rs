@@ -9,7 +9,7 @@ use super::made::made;
 use super::shape::{free, tip};
 use crate::arc::Arc;
 use crate::fabricate::Tolerances;
-use crate::statics::{Tangent, positions};
+use crate::statics::Tangent;
 use crate::{Limb, LimbModule};
 use softlimb_files::range::{OutOfRange, require};
 
@@ -98,7 +98,7 @@ impl<'a> Study<'a> {
             let allowed = format!("less than the wall of `{}`, {wall_m:.6}", module.name);
             require(off_m < wall_m, "wall_m", off_m, allowed)?;
         }
-        let places_m: Vec<_> = limb.modules().iter().map(positions).collect();
+        let places_m: Vec<_> = limb.modules().iter().map(LimbModule::positions_m).collect();
         let pose = |pose: &Pose| {
             let modules = limb.modules().iter().zip(&places_m).zip(&pose.pressures_pa);
             let nominal = |((module, places), pressure): ((&LimbModule, &Vec<[f64; 2]>), &f64)| {

@@ -8,7 +8,7 @@ use super::bundle::Tubes;
 use super::fit::{Fit, fit};
 use super::lanes::Pack;
 use crate::LimbModule;
-use crate::statics::{Tangent, positions};
+use crate::statics::Tangent;
 
 /// Relative error that the polynomials are made to.
 const TOLERANCE: f64 = 1e-10;
@@ -191,7 +191,7 @@ fn one_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
 
 /// The centre line of the module with all actuators in one state.
 fn segment(module: &LimbModule, tangent: &Tangent) -> Option<Segment<f64>> {
-    let around = module.circle_radius_m() * tangent.twist_rad_per_m;
+    let around = module.reach_m() * tangent.twist_rad_per_m;
     let around = if module.motion == Motion::Twisting { around } else { 0.0 };
     let square = tangent.stretch * tangent.stretch - around * around;
     (square > 0.0).then(|| Segment {
@@ -210,8 +210,8 @@ fn each_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
     // No bend is larger than that of two tubes side by side without any stiffness of their own.
     let strain = (at(1.0)?[0] - at(0.0)?[0]).abs();
     let angle = 2.0 * strain * module.length_m()
-        / module.circle_radius_m().max(0.5 * module.actuator.parameters().outer_radius_m);
-    let places_m = positions(module);
+        / module.reach_m().max(0.5 * module.actuator.parameters().outer_radius_m);
+    let places_m = module.positions_m();
     Some((Shape::Each(Tubes { powers, places_m }), error, angle + 0.1))
 }
 

@@ -176,7 +176,7 @@ fn highest_pressure_pa(module: &LimbModule) -> f64 {
     let leans = |pressure_pa: f64| {
         let state = module.curve.at(pressure_pa);
         let length_m = module.length_m() * state.axial_stretch;
-        module.motion == Motion::Twisting && module.circle_radius_m() * state.twist_rad.abs() > MOST_LEAN * length_m
+        module.motion == Motion::Twisting && module.reach_m() * state.twist_rad.abs() > MOST_LEAN * length_m
     };
     if !leans(end_pa) {
         return end_pa;

@@ -42,16 +42,21 @@ targets = { m0 = { pressure = "1 kPa" } }
 pressure_max = "150 kPa"
 "#;
 
-/// A limb of modules as `motion, winding, actuators, more keys`; one actuator lies on the axis, several 30 mm off it.
+/// A limb of modules as `motion, winding, actuators, more keys`; one actuator lies on the axis, several reach 30 mm off it: bending ones in a row.
 pub(crate) fn text_of(modules: &[(&str, &str, u8, &str)]) -> String {
     let mut text = HEAD.to_owned();
     for (index, (motion, winding, actuators, more)) in modules.iter().enumerate() {
         let winding = if winding.is_empty() { String::new() } else { format!("winding = \"{winding}\"\n") };
         let material = if more.contains("material") { "" } else { "material = \"silicone\"\n" };
+        // Bending actuators in a row, others on a circle; both reach 30 mm.
+        let places = match (*motion, *actuators) {
+            (_, 1) => String::new(),
+            ("bending", count) => format!("arrangement = \"row\"\nspacing = \"{} mm\"", 60.0 / f64::from(count - 1)),
+            _ => "circle_radius = \"30 mm\"".to_owned(),
+        };
         text += &format!(
-            "[[module]]\nname = \"m{index}\"\nmotion = \"{motion}\"\nactuators = {actuators}\ncircle_radius = \"{} mm\"\n\
+            "[[module]]\nname = \"m{index}\"\nmotion = \"{motion}\"\nactuators = {actuators}\n{places}\n\
              inner_radius = \"10 mm\"\nouter_radius = \"14 mm\"\nlength = \"240 mm\"\n{material}{winding}{more}\n",
-            if *actuators > 1 { 30 } else { 0 },
         );
     }
     text

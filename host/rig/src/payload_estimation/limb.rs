@@ -5,7 +5,7 @@ use nalgebra::{DVector, Vector3};
 use super::creep::crept;
 use super::{EstimationError, Observation};
 use softlimb_limb::statics::{
-    Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, by_fidelity, positions,
+    Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, by_fidelity,
 };
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
@@ -69,6 +69,6 @@ impl Posed {
 fn bundle(module: &LimbModule, bays: usize, pressure_pa: f64, crept_m3: f64) -> Option<Bundle> {
     let state = crept(&module.actuator, pressure_pa, crept_m3)?;
     let tube = Tangent::of(&module.actuator, pressure_pa)?.about(&state, module.length_m());
-    let tubes = positions(module).into_iter().map(|place| (place, tube)).collect();
+    let tubes = module.positions_m().into_iter().map(|place| (place, tube)).collect();
     Bundle::of_tubes(module.motion, tubes, module.length_m() / bays as f64)
 }

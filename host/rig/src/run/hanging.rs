@@ -147,7 +147,7 @@ impl<'a> Hanging<'a> {
         let (actuators, walls_kg) = self.known.as_ref()?;
         let modules = self.limb.modules().iter().zip(self.scene.modules());
         let bundles = modules.map(|(module, described)| {
-            let tubes = softlimb_limb::statics::positions(module).into_iter().zip(module.channels.clone());
+            let tubes = module.positions_m().into_iter().zip(module.channels.clone());
             let tubes = tubes.map(|(place, channel)| Some((place, tube(module, &actuators[channel], truth, channel)?)));
             let bay_m = module.length_m() / f64::from(described.spacers + 1);
             Bundle::of_tubes(module.motion, tubes.collect::<Option<_>>()?, bay_m)

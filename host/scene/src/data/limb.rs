@@ -1,6 +1,6 @@
 //! Base, connectors, modules.
 
-use fra_model::{ActuatorParameters, Fiber, Material, Motion};
+use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion};
 
 use super::SetpointKind;
 use crate::source::{Located, Span};
@@ -47,8 +47,8 @@ pub struct Module {
     pub motion: Located<Motion>,
     /// Number of actuators, each with its own channel; 1 to 9.
     pub actuators: u8,
-    /// Distance from the connector's center to each actuator's axis, m; >= 0.
-    pub circle_radius_m: f64,
+    /// Places of the actuators on the connector, seen with `x` at the mount angle.
+    pub arrangement: Arrangement<f64>,
     /// Rotation about the limb's axis, rad.
     pub mount_angle_rad: f64,
     /// Plates between its connectors, 0 to 50.
@@ -84,6 +84,16 @@ impl Module {
             material: *self.material,
             fiber: self.fiber.map(|fiber| *fiber),
         }
+    }
+
+    /// Place `[x, y]` of each actuator's axis on the connector, m, with `x` at the mount angle.
+    pub fn positions_m(&self) -> Vec<[f64; 2]> {
+        self.arrangement.positions_m(self.actuators).collect()
+    }
+
+    /// Distance from the connector's center to the farthest of its actuators' axes, m; >= 0.
+    pub fn reach_m(&self) -> f64 {
+        self.arrangement.reach_m(self.actuators)
     }
 
     /// Mass of the walls of its actuators, kg.

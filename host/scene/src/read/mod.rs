@@ -1,5 +1,6 @@
 //! From the text of a scene to the checked scene.
 
+mod arrangement;
 mod check;
 mod corrections;
 mod design;

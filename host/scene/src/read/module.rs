@@ -1,9 +1,8 @@
 //! Modules: geometry, and the parts they name.
 
-use std::f64::consts::PI;
-
 use fra_model::{Families, Fiber, Motion, Placement};
 
+use super::arrangement::arrangement;
 use super::design::module_bounds;
 use super::parts::{Elastomer, Parts, Winding};
 use crate::data::{Limits, Module, ModuleBounds, SetpointKind};
@@ -69,7 +68,7 @@ fn draft<'a>(
     let inner = reader.quantity(&keys::INNER_RADIUS);
     let outer = reader.quantity(&keys::OUTER_RADIUS);
     let wall = inner.zip(outer).and_then(|(inner, outer)| wall(reader, inner, outer));
-    let circle = circle_radius(reader, actuators, outer);
+    let arrangement = arrangement(reader, motion, actuators, outer);
     let length = reader.quantity(&keys::LENGTH);
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
     let spacers = reader.integer(&keys::SPACERS);
@@ -87,7 +86,7 @@ fn draft<'a>(
             name: name?.map(str::to_owned),
             motion: motion?,
             actuators: u8::try_from(*actuators?).ok()?,
-            circle_radius_m: circle?,
+            arrangement: arrangement?,
             mount_angle_rad: *mount_angle?,
             spacers: u8::try_from(*spacers?).ok()?,
             inner_radius_m: inner,
@@ -116,30 +115,6 @@ fn wall(reader: &Reader<'_>, inner: Located<f64>, outer: Located<f64>) -> Option
     );
     let outer_label = format!("the outer radius is {}", Unit::MM.show_si(*outer));
     reader.log().note(problem.label(outer.span, outer_label))
-}
-
-/// The circle of the actuators' axes, on which they must have room side by side.
-fn circle_radius(reader: &Reader<'_>, actuators: Option<Located<i64>>, outer: Option<Located<f64>>) -> Option<f64> {
-    let radius = reader.maybe(&keys::CIRCLE_RADIUS)?;
-    let count = *actuators?;
-    let Some(radius) = radius else {
-        return if count == 1 {
-            Some(0.0)
-        } else {
-            reader.missing(keys::CIRCLE_RADIUS.name, " for two or more actuators")
-        };
-    };
-    let outer = outer?;
-    // The axes are a chord of 2 r sin(pi/n) apart. Actuators may touch, so rounding must not part them.
-    let half_chord = *radius * (PI / count as f64).sin();
-    if count == 1 || half_chord >= *outer * (1.0 - 1e-9) {
-        return Some(*radius);
-    }
-    let label = format!("the axes are {} apart", Unit::MM.show_si(2.0 * half_chord));
-    let wide = format!("each is {} wide", Unit::MM.show_si(2.0 * *outer));
-    let least = *outer / (PI / count as f64).sin();
-    let help = format!("{count} actuators need a `circle_radius` of at least {}", Unit::MM.show_si(least));
-    reader.log().note(Problem::at(radius.span, "the actuators overlap", label).label(outer.span, wide).help(help))
 }
 
 type Wall = Option<(Located<f64>, Located<f64>)>;

@@ -76,8 +76,10 @@ section! {
     module, "[[module]]";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name; targets use it.";
     MOTION: Choice { name: "motion", words: &["extension", "expansion", "bending", "twisting"], presence: Required } = "The motion the actuators are wound for.";
-    ACTUATORS: Integer { name: "actuators", min: 1, max: 9, presence: Default(3) } = "Actuators in parallel, evenly on a circle. Each has its own channel.";
-    CIRCLE_RADIUS: Quantity { name: "circle_radius", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("0 for one actuator, else required") } = "Distance from the connector's center to each actuator's axis. The actuators must not overlap.";
+    ACTUATORS: Integer { name: "actuators", min: 1, max: 9, presence: Default(3) } = "Actuators in parallel. Each has its own channel.";
+    ARRANGEMENT: Choice { name: "arrangement", words: &["circle", "row"], presence: Default("circle") } = "Places of the actuators: evenly on a circle, the first towards `mount_angle`; or in a row along the axis of bending, at right angles to `mount_angle`. Several bending actuators need a row, because on a circle their strips hold each other. Twisting actuators need a circle.";
+    CIRCLE_RADIUS: Quantity { name: "circle_radius", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("circle only: 0 for one actuator, else required") } = "Distance from the connector's center to each actuator's axis. The actuators must not overlap.";
+    SPACING: Quantity { name: "spacing", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("row only: 0 for one actuator, else required") } = "Distance between the axes of neighbouring actuators of a row, at least their outer diameter.";
     MOUNT_ANGLE: Quantity { name: "mount_angle", unit: Unit::DEG, min: -360.0, max: 360.0, presence: Default(0.0) } = "Rotation of the module about the limb's axis.";
     SPACERS: Integer { name: "spacers", min: 0, max: 50, presence: Default(0) } = "Rigid plates that hold the actuators together, evenly between the connectors; without weight. They keep the tubes from buckling.";
     INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Inner radius at rest.";

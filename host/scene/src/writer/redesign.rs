@@ -1,5 +1,6 @@
 //! A scene with other modules: the text of its author, with the sizes that a design found.
 
+use fra_model::Arrangement;
 use toml_edit::{ArrayOfTables, InlineTable, Item, Table, Value};
 
 use super::RewriteError;
@@ -16,8 +17,8 @@ pub struct Redesign {
     pub like: String,
     /// Word of the motion, as in a scene.
     pub motion: &'static str,
-    /// Number of actuators and radius of the circle they stand on, m.
-    pub bundle: (u8, f64),
+    /// Number of actuators and their places.
+    pub bundle: (u8, Arrangement<f64>),
     /// Rotation about the limb's axis, rad.
     pub mount_angle_rad: f64,
     /// Inner and outer radius at rest, m.
@@ -85,6 +86,14 @@ fn differs(scene: &Scene, index: usize, wanted: &Redesign) -> Option<&'static st
     if !sizes.iter().all(|(a, b)| near(*a, *b)) {
         return Some("sizes");
     }
+    let apart = match (module.arrangement, wanted.bundle.1) {
+        (Arrangement::Circle { radius_m: a }, Arrangement::Circle { radius_m: b })
+        | (Arrangement::Row { spacing_m: a }, Arrangement::Row { spacing_m: b }) => near(a, b),
+        _ => false,
+    };
+    if module.actuators != wanted.bundle.0 || !apart {
+        return Some("arrangement");
+    }
     let angle_rad = module.fiber.as_ref().map(|fiber| fiber.angle_rad);
     if wanted.winding.is_some() && !wanted.winding.zip(angle_rad).is_some_and(|(a, b)| along(a, b)) {
         return Some("fiber angle");
@@ -110,15 +119,31 @@ fn named(table: &Table, name: &str) -> bool {
 }
 
 fn resize(table: &mut Table, redesign: &Redesign) {
-    let (actuators, circle_radius_m) = redesign.bundle;
+    let (actuators, arrangement) = redesign.bundle;
     put(table, module::NAME.name, redesign.name.as_str().into());
     put(table, module::MOTION.name, redesign.motion.into());
     put(table, module::ACTUATORS.name, i64::from(actuators).into());
-    put(table, module::CIRCLE_RADIUS.name, millimetres(circle_radius_m));
+    arrange(table, &arrangement);
     put(table, module::MOUNT_ANGLE.name, degrees(redesign.mount_angle_rad));
     put(table, module::INNER_RADIUS.name, millimetres(redesign.radii_m[0]));
     put(table, module::OUTER_RADIUS.name, millimetres(redesign.radii_m[1]));
     put(table, module::LENGTH.name, millimetres(redesign.length_m));
+}
+
+/// Writes the places of the actuators; the keys of the other arrangement go.
+fn arrange(table: &mut Table, arrangement: &Arrangement<f64>) {
+    match arrangement {
+        Arrangement::Circle { radius_m } => {
+            table.remove(module::ARRANGEMENT.name);
+            table.remove(module::SPACING.name);
+            put(table, module::CIRCLE_RADIUS.name, millimetres(*radius_m));
+        }
+        Arrangement::Row { spacing_m } => {
+            table.remove(module::CIRCLE_RADIUS.name);
+            put(table, module::ARRANGEMENT.name, "row".into());
+            put(table, module::SPACING.name, millimetres(*spacing_m));
+        }
+    }
 }
 
 /// Gives a module a winding of its own: a copy of another one with its own angle.

@@ -97,7 +97,7 @@ impl Arguments {
         let scene = scene::load(&self.file)?;
         let module = self.module(&scene)?;
         let single = Subject::single(module.actuator());
-        let bundle = Subject { actuators: module.actuators, circle_radius_m: module.circle_radius_m, ..single };
+        let bundle = Subject { actuators: module.actuators, arrangement: module.arrangement, ..single };
         let (subject, part) = if self.bundle { (bundle, "-bundle") } else { (single, "") };
         Ok((format!("{}-{}{part}", scene.name(), file_name(&module.name)), subject, *module.pressure_max_pa))
     }
