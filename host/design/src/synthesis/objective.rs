@@ -237,8 +237,7 @@ mod tests {
             if kind == Kind::B {
                 posed.spaces[2] = space(fra_model::Motion::Expansion);
             }
-            let tables: Vec<_> =
-                posed.spaces.iter().map(|space| Table::new(space).unwrap()).collect();
+            let tables: Vec<_> = posed.spaces.iter().map(|space| Table::new(space).unwrap()).collect();
             let layout = Layout::new(&posed.spaces.iter().collect::<Vec<_>>(), posed.task.way_points.len());
             let objective = Objective::new(&posed.task, layout, tables.iter().collect(), 2);
             let mut random = Random::new(1, 1);

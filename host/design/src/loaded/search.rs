@@ -1,0 +1,212 @@
+//! The search: bounded least squares on what the margins lack, from several starts, then with a rising reserve.
+
+use super::evaluate::{Evaluation, evaluate};
+use super::space::LimbSpace;
+use super::task::LoadedTask;
+use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise};
+use softlimb_numerics::{Kronecker, Random};
+
+/// Step of a derivative in the unit box.
+const STEP: f64 = 2e-3;
+/// A sum of squares that counts as nothing lacking.
+pub(super) const NOTHING: f64 = 1e-6;
+/// Reserve that a limb is sought with, and by how much it is raised at a time.
+const RESERVE: f64 = 0.01;
+const RAISE: f64 = 0.05;
+
+/// Bounds of a search.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Seed of the starts.
+    pub seed: u64,
+    /// Limbs that are looked at before any is improved.
+    pub samples: usize,
+    /// Rounds of local solves; as many solves a round as `abreast`.
+    pub rounds: usize,
+    /// Local solves of a round, each in a thread of its own; the answer depends on it.
+    pub abreast: usize,
+    /// Steps of a local solve.
+    pub steps: usize,
+    /// Rises of the reserve.
+    pub raises: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { seed: 0, samples: 64, rounds: 6, abreast: 2, steps: 25, raises: 6 }
+    }
+}
+
+/// Result of a search.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The limb.
+    pub evaluation: Evaluation,
+    /// Its point of the unit box.
+    pub point: Vec<f64>,
+    /// Whether every margin is kept.
+    pub reached: bool,
+    /// The largest reserve that all margins were found with.
+    pub reserve: f64,
+    /// Limbs judged.
+    pub evaluations: usize,
+}
+
+struct Problem<'a> {
+    task: &'a LoadedTask,
+    space: &'a LimbSpace,
+    reserve: f64,
+    evaluations: usize,
+    warm: Option<Evaluation>,
+}
+
+impl Problem<'_> {
+    fn at(&mut self, point: &[f64]) -> Option<Evaluation> {
+        self.evaluations += 1;
+        evaluate(self.task, self.space, &self.space.sizes(point), self.reserve, self.warm.as_ref())
+    }
+}
+
+/// A point with its limb.
+struct At {
+    point: Vec<f64>,
+    limb: Evaluation,
+}
+
+impl LeastSquares for Problem<'_> {
+    type Evaluation = At;
+
+    fn evaluate(&mut self, point: &[f64]) -> Option<At> {
+        Some(At { point: point.to_vec(), limb: self.at(point)? })
+    }
+
+    fn residuals(&self, at: &At) -> Vec<f64> {
+        at.limb.lacks.iter().map(|lack| lack.value).collect()
+    }
+
+    fn jacobian(&mut self, at: &At) -> Option<Vec<Vec<f64>>> {
+        self.warm = Some(at.limb.clone());
+        let here: Vec<f64> = self.residuals(at);
+        let mut rows = vec![vec![0.0; at.point.len()]; here.len()];
+        for axis in 0..at.point.len() {
+            let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
+            let mut point = at.point.clone();
+            point[axis] += step;
+            let Some(there) = self.at(&point) else { continue };
+            for (row, (there, here)) in rows.iter_mut().zip(there.lacks.iter().zip(&here)) {
+                row[axis] = (there.value - here) / step;
+            }
+        }
+        Some(rows)
+    }
+}
+
+/// Searches for a limb that keeps every margin, and then for one that keeps them with a reserve.
+///
+/// `start` is a first guess in the unit box. `stop` is asked between local solves. `None` where no limb of the samples stands at all.
+pub fn search(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    start: &[f64],
+    effort: &Effort,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Found> {
+    let axes = start.len();
+    let mut evaluations = 0;
+    let mut starts = sample(task, space, start, effort);
+    evaluations += starts.len();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut queue = starts.into_iter().map(|(_, point)| point);
+    let mut best: Option<(Minimum<At>, f64)> = None;
+    for _ in 0..effort.rounds {
+        let points: Vec<Vec<f64>> = queue.by_ref().take(effort.abreast.max(1)).collect();
+        let solves = abreast(&points, |point| local(task, space, point, RESERVE, effort.steps, axes));
+        for (minimum, count) in solves.into_iter().flatten() {
+            evaluations += count;
+            if best.as_ref().is_none_or(|(best, _)| minimum.objective < best.objective) {
+                best = Some((minimum, RESERVE));
+            }
+        }
+        if best.as_ref().is_some_and(|(best, _)| best.objective <= NOTHING) || stop() {
+            break;
+        }
+    }
+    let (mut best, mut reserve) = best?;
+    let reached = best.objective <= NOTHING;
+    if reached {
+        let mut raise = RAISE;
+        for _ in 0..effort.raises {
+            if stop() {
+                break;
+            }
+            let next = reserve + raise;
+            let Some((minimum, count)) = local(task, space, &best.point, next, effort.steps, axes) else { break };
+            evaluations += count;
+            if minimum.objective <= NOTHING {
+                (best, reserve, raise) = (minimum, next, 1.6 * raise);
+            } else {
+                raise *= 0.4;
+            }
+        }
+    }
+    Some(Found {
+        point: best.point,
+        reached,
+        reserve: if reached { reserve } else { 0.0 },
+        evaluation: best.evaluation.limb,
+        evaluations,
+    })
+}
+
+/// Limbs of the box with the sum of squares of what they lack; those that do not stand are left out.
+fn sample(task: &LoadedTask, space: &LimbSpace, start: &[f64], effort: &Effort) -> Vec<(f64, Vec<f64>)> {
+    let axes = start.len();
+    let spread = Kronecker::new(axes.max(1), effort.seed);
+    let mut random = Random::new(effort.seed, 1);
+    let near = |random: &mut Random| start.iter().map(|x| (x + 0.2 * random.normal()).clamp(0.0, 1.0)).collect();
+    let point = |index: usize| match index {
+        0 => start.to_vec(),
+        odd if odd % 2 == 1 => near(&mut random),
+        even => (0..axes).map(|axis| spread.coordinate(even, axis)).collect::<Vec<f64>>(),
+    };
+    let points: Vec<Vec<f64>> = (0..effort.samples.max(1)).map(point).collect();
+    let shares: Vec<Vec<Vec<f64>>> =
+        points.chunks(points.len().div_ceil(effort.abreast.max(1))).map(<[_]>::to_vec).collect();
+    let judged = abreast(&shares, |points| {
+        let judge = |point: &Vec<f64>| {
+            let limb = evaluate(task, space, &space.sizes(point), RESERVE, None)?;
+            Some((limb.objective(), point.clone()))
+        };
+        points.iter().filter_map(judge).collect::<Vec<_>>()
+    });
+    judged.into_iter().flatten().collect()
+}
+
+fn local(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    start: &[f64],
+    reserve: f64,
+    steps: usize,
+    axes: usize,
+) -> Option<(Minimum<At>, usize)> {
+    let mut problem = Problem { task, space, reserve, evaluations: 0, warm: None };
+    let criteria = StoppingCriteria {
+        zero: NOTHING,
+        relative: 1e-4,
+        least_gain: 1e-2,
+        evaluations: steps.max(1),
+        ..StoppingCriteria::default()
+    };
+    let _ = axes;
+    let minimum = minimise(&mut problem, start, criteria)?;
+    Some((minimum, problem.evaluations))
+}
+
+/// Applies `work` to every item, each in a thread of its own, in their order.
+fn abreast<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    std::thread::scope(|scope| {
+        let handles: Vec<_> = items.iter().map(|item| scope.spawn(|| work(item))).collect();
+        handles.into_iter().filter_map(|handle| handle.join().ok()).collect()
+    })
+}
