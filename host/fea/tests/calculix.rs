@@ -242,7 +242,11 @@ fn bundle_extends_like_one_of_its_actuators() {
         increment: Some(0.5),
         ..Options::default()
     };
-    let bundle = run(Subject { parameters, actuators: 3, arrangement: Arrangement::Circle { radius_m: 10e-3 } }, options, &[10e3]);
+    let bundle = run(
+        Subject { parameters, actuators: 3, arrangement: Arrangement::Circle { radius_m: 10e-3 } },
+        options,
+        &[10e3],
+    );
     let single = run(Subject::single(parameters), options, &[10e3]);
     let ends = [&bundle, &single].map(|run| run.points[0].ends.expect("converged"));
     hold("strain between the ends", ends[0].axial_stretch - 1.0, ends[1].axial_stretch - 1.0, 1e-2);

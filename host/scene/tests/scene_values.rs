@@ -52,7 +52,10 @@ fn module_is_what_its_table_says() {
     };
     assert_eq!(upper.fiber.map(|fiber| fiber.value), Some(fiber));
     assert_eq!(*upper.material, Material::NeoHookean { shear_modulus_pa: 0.2e6 });
-    assert_eq!((*upper.motion, upper.actuators, upper.arrangement), (Motion::Extension, 3, Arrangement::Circle { radius_m: 0.03 }));
+    assert_eq!(
+        (*upper.motion, upper.actuators, upper.arrangement),
+        (Motion::Extension, 3, Arrangement::Circle { radius_m: 0.03 })
+    );
     assert_eq!((*elbow.motion, elbow.fiber, *elbow.length_m), (Motion::Bending, None, 0.24));
     assert_eq!((upper.setpoint_kind, elbow.setpoint_kind), (SetpointKind::AxialStretch, SetpointKind::BendAngle));
     assert_eq!(*elbow.pressure_max_pa, 100e3);

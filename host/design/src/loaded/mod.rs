@@ -4,8 +4,10 @@
 //! pressures are found under load, pose by pose, and every margin is a residual that is zero where it is kept. [`search`] drives the sum of
 //! squares to zero from several starts, and then raises the reserve of all margins.
 
+mod bounds;
 mod built;
 mod clearance;
+mod confirm;
 mod evaluate;
 mod inverse;
 mod limits;
@@ -14,11 +16,13 @@ mod search;
 mod space;
 mod task;
 
+pub use bounds::{ActiveBound, active_bounds};
 pub use built::Built;
+pub use confirm::{ConfirmedPose, REACHED_M, confirm};
 pub use evaluate::{Evaluation, LoadState, PoseState, evaluate};
 pub use limits::{Margin, StandingLimits};
 pub use residuals::Lack;
-pub use space::{BaseSpace, LimbSizes, LimbSpace, ModuleSizes, ModuleSpace, Variable};
 pub use search::{Effort, Found, search};
+pub use space::{BaseSpace, LimbSizes, LimbSpace, ModuleSizes, ModuleSpace, Variable};
 
 pub use task::{CarriedBody, LoadedPose, LoadedTask};

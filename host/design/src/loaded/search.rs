@@ -1,5 +1,7 @@
 //! The search: bounded least squares on what the margins lack, from several starts, then with a rising reserve.
 
+use std::panic::resume_unwind;
+
 use super::evaluate::{Evaluation, evaluate};
 use super::space::LimbSpace;
 use super::task::LoadedTask;
@@ -68,9 +70,9 @@ impl Problem<'_> {
 }
 
 /// A point with its limb.
-struct At {
+pub(super) struct At {
     point: Vec<f64>,
-    limb: Evaluation,
+    pub(super) limb: Evaluation,
 }
 
 impl LeastSquares for Problem<'_> {
@@ -111,7 +113,6 @@ pub fn search(
     effort: &Effort,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Found> {
-    let axes = start.len();
     let mut evaluations = 0;
     let mut starts = sample(task, space, start, effort);
     evaluations += starts.len();
@@ -120,7 +121,7 @@ pub fn search(
     let mut best: Option<(Minimum<At>, f64)> = None;
     for _ in 0..effort.rounds {
         let points: Vec<Vec<f64>> = queue.by_ref().take(effort.abreast.max(1)).collect();
-        let solves = abreast(&points, |point| local(task, space, point, RESERVE, effort.steps, axes));
+        let solves = abreast(&points, |point| local(task, space, point, RESERVE, effort.steps));
         for (minimum, count) in solves.into_iter().flatten() {
             evaluations += count;
             if best.as_ref().is_none_or(|(best, _)| minimum.objective < best.objective) {
@@ -131,31 +132,46 @@ pub fn search(
             break;
         }
     }
-    let (mut best, mut reserve) = best?;
+    let (best, _) = best?;
     let reached = best.objective <= NOTHING;
+    let (mut point, mut limb, mut reserve) = (best.point, best.evaluation.limb, 0.0);
     if reached {
-        let mut raise = RAISE;
-        for _ in 0..effort.raises {
-            if stop() {
-                break;
-            }
-            let next = reserve + raise;
-            let Some((minimum, count)) = local(task, space, &best.point, next, effort.steps, axes) else { break };
+        reserve = RESERVE;
+        if let Some((minimum, higher, count)) = raised(task, space, &point, RESERVE, effort.raises, effort.steps, stop)
+        {
             evaluations += count;
-            if minimum.objective <= NOTHING {
-                (best, reserve, raise) = (minimum, next, 1.6 * raise);
-            } else {
-                raise *= 0.4;
-            }
+            (point, limb, reserve) = (minimum.point, minimum.evaluation.limb, higher);
         }
     }
-    Some(Found {
-        point: best.point,
-        reached,
-        reserve: if reached { reserve } else { 0.0 },
-        evaluation: best.evaluation.limb,
-        evaluations,
-    })
+    Some(Found { point, reached, reserve, evaluation: limb, evaluations })
+}
+
+/// The limb with the largest reserve that rises of it lead to from a limb that keeps `reserve`, that reserve, and the limbs judged.
+pub(super) fn raised(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    start: &[f64],
+    reserve: f64,
+    raises: usize,
+    steps: usize,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<(Minimum<At>, f64, usize)> {
+    let (mut best, mut evaluations) = local(task, space, start, reserve, steps)?;
+    let (mut reserve, mut raise) = (reserve, RAISE);
+    for _ in 0..raises {
+        if stop() {
+            break;
+        }
+        let next = reserve + raise;
+        let Some((minimum, count)) = local(task, space, &best.point, next, steps) else { break };
+        evaluations += count;
+        if minimum.objective <= NOTHING {
+            (best, reserve, raise) = (minimum, next, 1.6 * raise);
+        } else {
+            raise *= 0.4;
+        }
+    }
+    Some((best, reserve, evaluations))
 }
 
 /// Limbs of the box with the sum of squares of what they lack; those that do not stand are left out.
@@ -182,13 +198,13 @@ fn sample(task: &LoadedTask, space: &LimbSpace, start: &[f64], effort: &Effort) 
     judged.into_iter().flatten().collect()
 }
 
-fn local(
+/// The limb that least squares lead to, and the limbs judged.
+pub(super) fn local(
     task: &LoadedTask,
     space: &LimbSpace,
     start: &[f64],
     reserve: f64,
     steps: usize,
-    axes: usize,
 ) -> Option<(Minimum<At>, usize)> {
     let mut problem = Problem { task, space, reserve, evaluations: 0, warm: None };
     let criteria = StoppingCriteria {
@@ -198,7 +214,6 @@ fn local(
         evaluations: steps.max(1),
         ..StoppingCriteria::default()
     };
-    let _ = axes;
     let minimum = minimise(&mut problem, start, criteria)?;
     Some((minimum, problem.evaluations))
 }
@@ -207,6 +222,6 @@ fn local(
 fn abreast<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     std::thread::scope(|scope| {
         let handles: Vec<_> = items.iter().map(|item| scope.spawn(|| work(item))).collect();
-        handles.into_iter().filter_map(|handle| handle.join().ok()).collect()
+        handles.into_iter().map(|handle| handle.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
     })
 }

@@ -52,8 +52,8 @@ pub struct ModuleSpace {
     pub spread_m: Bounds,
     /// Largest distance of its plates, m; > 0. Each module has as few spacers as keep it.
     pub bay_m: f64,
-    /// Mount angle, rad.
-    pub mount_angle_rad: f64,
+    /// Bounds of the mount angle, rad.
+    pub mount_angle_rad: Bounds,
     /// Highest gauge pressure, Pa; > 0.
     pub pressure_max_pa: f64,
 }
@@ -144,23 +144,55 @@ impl LimbSpace {
         self.variables().iter().map(share).collect()
     }
 
-    /// Pose of the base.
-    pub fn base(&self, sizes: &LimbSizes) -> Isometry3<f64> {
-        base_pose(sizes.position_m, self.direction(sizes.pitch_rad), self.base.up)
+    /// The same with other bounds of one of its [`variables`](Self::variables).
+    pub(super) fn with_bounds(&self, variable: usize, bounds: Bounds) -> Self {
+        let mut space = self.clone();
+        let base = space.base.position_m.iter_mut().chain(std::iter::once(&mut space.base.pitch_rad));
+        let sizes = space.modules.iter_mut().flat_map(ModuleSpace::axes_mut);
+        let open = base.map(Some).chain(sizes).flatten().filter(|[low, high]| high > low);
+        open.skip(variable).take(1).for_each(|old| *old = bounds);
+        space
     }
 
-    /// Direction of the first module at a pitch.
-    pub fn direction(&self, pitch_rad: f64) -> [f64; 3] {
+    /// A first guess: sizes that have stood level with a bottle, as far as the bounds allow.
+    pub fn first_guess(&self) -> Vec<f64> {
+        self.point(|variable| {
+            let middle = 0.5 * (variable.bounds[0] + variable.bounds[1]);
+            let Some(module) = variable.module else { return middle };
+            // Of a bender, of the module at the base, of others.
+            let of = |values: [f64; 3]| match (self.modules[module].motion, module) {
+                (Motion::Bending, _) => values[0],
+                (_, 0) => values[1],
+                _ => values[2],
+            };
+            match variable.name {
+                "inner_radius" => of([14e-3, 12e-3, 10e-3]),
+                "wall" => of([8e-3, 6e-3, 5e-3]),
+                "length" => 0.19,
+                "circle_radius" => 0.062,
+                _ => middle,
+            }
+        })
+    }
+
+    /// Pose of the base.
+    pub fn base(&self, sizes: &LimbSizes) -> Isometry3<f64> {
+        let [direction, up] = self.directions(sizes.pitch_rad);
+        base_pose(sizes.position_m, direction, up)
+    }
+
+    /// Unit vectors along the first module and towards which modules bend at a mount angle of 0, at a pitch, rad.
+    pub fn directions(&self, pitch_rad: f64) -> [[f64; 3]; 2] {
         let along = Vector3::from(self.base.direction).normalize();
         let up = Vector3::from(self.base.up);
         let normal = (up - along * along.dot(&up)).normalize();
         let (sin, cos) = pitch_rad.sin_cos();
-        (along * cos + normal * sin).into()
+        [(along * cos + normal * sin).into(), (normal * cos - along * sin).into()]
     }
 }
 
 impl ModuleSpace {
-    fn axes(&self) -> [(&'static str, Bounds); 5] {
+    fn axes(&self) -> [(&'static str, Bounds); 6] {
         let angle_rad = if self.motion == Motion::Bending { [0.0; 2] } else { self.angle_rad };
         let spread_m = if self.actuators == 1 { [0.0; 2] } else { self.spread_m };
         [
@@ -169,14 +201,27 @@ impl ModuleSpace {
             ("length", self.length_m),
             ("fiber_angle", angle_rad),
             (if self.in_row { "spacing" } else { "circle_radius" }, spread_m),
+            ("mount_angle", self.mount_angle_rad),
         ]
     }
 
-    fn sizes(&self, [inner_m, wall_m, length_m, angle_rad, spread_m]: [f64; 5]) -> ModuleSizes {
+    /// The bounds of [`axes`](Self::axes), in their order; `None` for those that are none of it.
+    fn axes_mut(&mut self) -> [Option<&mut Bounds>; 6] {
+        let (wound, many) = (self.motion != Motion::Bending, self.actuators != 1);
+        [
+            Some(&mut self.inner_radius_m),
+            Some(&mut self.wall_m),
+            Some(&mut self.length_m),
+            wound.then_some(&mut self.angle_rad),
+            many.then_some(&mut self.spread_m),
+            Some(&mut self.mount_angle_rad),
+        ]
+    }
+
+    fn sizes(&self, [inner_m, wall_m, length_m, angle_rad, spread_m, mount_angle_rad]: [f64; 6]) -> ModuleSizes {
         let outer_m = inner_m + wall_m;
         let spread_m = if self.actuators == 1 { 0.0 } else { spread_m.max(self.least_spread_m(outer_m)) };
         let spacers = ((length_m / self.bay_m).ceil() - 1.0).clamp(0.0, 50.0) as u8;
-        let mount_angle_rad = self.mount_angle_rad;
         ModuleSizes { radii_m: [inner_m, outer_m], length_m, angle_rad, spread_m, spacers, mount_angle_rad }
     }
 

@@ -84,7 +84,11 @@ fn threads(mm: f64) -> Options {
 }
 
 fn subjects() -> Vec<(Subject, Options)> {
-    let bundle = Subject { parameters: plain(Motion::Bending), actuators: 3, arrangement: Arrangement::Circle { radius_m: 11e-3 } };
+    let bundle = Subject {
+        parameters: plain(Motion::Bending),
+        actuators: 3,
+        arrangement: Arrangement::Circle { radius_m: 11e-3 },
+    };
     let coarse = Options { around: Some(8), along: Some(6), ..Options::default() };
     let singles = motions().map(Subject::single);
     let smeared = singles.iter().map(|subject| (*subject, Options::default()));

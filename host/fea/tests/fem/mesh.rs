@@ -91,7 +91,11 @@ fn symmetry_is_used_only_where_the_winding_has_it() {
 
 #[test]
 fn bundle_has_its_actuators_side_by_side_and_a_connector() {
-    let subject = Subject { actuators: 3, arrangement: Arrangement::Circle { radius_m: 10e-3 }, parameters: plain(Motion::Bending) };
+    let subject = Subject {
+        actuators: 3,
+        arrangement: Arrangement::Circle { radius_m: 10e-3 },
+        parameters: plain(Motion::Bending),
+    };
     let model = Model::new(&subject, &WHOLE).unwrap();
     let all = model.mesh().quality(|_| true);
     assert!(all.worst_jacobian > 0.3, "{all:?}");

@@ -4,9 +4,9 @@
 //! are a chain of rods ([`Rod`]) whose potential has a minimum ([`solve`]) as long as the limb is stable. [`cheapest`] takes as
 //! many unknowns as a tolerance needs.
 
+mod bend_share;
 mod between;
 mod buckling;
-mod bend_share;
 mod bundle;
 mod deformed;
 mod exponential;
@@ -22,9 +22,9 @@ mod step;
 mod tip_response;
 mod tube;
 
+pub use bend_share::{BEND_SHARE_MIN, BendShare, check_bundles};
 pub use buckling::Buckling;
 pub(crate) use buckling::column_n;
-pub use bend_share::{BEND_SHARE_MIN, BendShare, check_bundles};
 pub use bundle::{Bundle, Free};
 pub use deformed::Deformed;
 pub use fidelity::{Answer, Fidelity, Judged, by_fidelity, by_tubes, cheapest, cheapest_rod, choose};

@@ -209,8 +209,8 @@ fn each_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
     let Fit { powers, error } = fit(at, TOLERANCE)?;
     // No bend is larger than that of two tubes side by side without any stiffness of their own.
     let strain = (at(1.0)?[0] - at(0.0)?[0]).abs();
-    let angle = 2.0 * strain * module.length_m()
-        / module.reach_m().max(0.5 * module.actuator.parameters().outer_radius_m);
+    let angle =
+        2.0 * strain * module.length_m() / module.reach_m().max(0.5 * module.actuator.parameters().outer_radius_m);
     let places_m = module.positions_m();
     Some((Shape::Each(Tubes { powers, places_m }), error, angle + 0.1))
 }

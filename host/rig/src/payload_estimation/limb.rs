@@ -4,9 +4,7 @@ use nalgebra::{DVector, Vector3};
 
 use super::creep::crept;
 use super::{EstimationError, Observation};
-use softlimb_limb::statics::{
-    Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, by_fidelity,
-};
+use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, by_fidelity};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
 

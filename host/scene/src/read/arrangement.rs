@@ -34,7 +34,9 @@ pub(super) fn arrangement(
     if *kind == Kind::Row && motion.is_some_and(|motion| *motion == Motion::Twisting) && *actuators? > 1 {
         let title = "`twisting` actuators need `arrangement = \"circle\"`";
         let label = "in a row they would be helices of different radii and lengths";
-        return reader.log().note(Problem::at(kind.span, title, label).help("remove this key and give `circle_radius`"));
+        return reader
+            .log()
+            .note(Problem::at(kind.span, title, label).help("remove this key and give `circle_radius`"));
     }
     let distance = distance?;
     Some(match *kind {
