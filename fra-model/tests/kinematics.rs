@@ -70,3 +70,31 @@ fn a_twisting_bundle_shortens_by_its_helices() {
     let impossible = State { twist_rad: 20.0, ..state };
     assert!(Segment::of_bundle(Motion::Twisting, 0.24, 0.02, &impossible).is_none());
 }
+
+/// Places by hand: a row along `y`, a circle from `x` on. Distances are those of the places, which the shortcuts do not use.
+#[test]
+fn bundles_have_their_places() {
+    let row: Vec<_> = Arrangement::Row { spacing_m: 0.03 }.positions_m(4).collect();
+    let expected = [[0.0, -0.045], [0.0, -0.015], [0.0, 0.015], [0.0, 0.045]];
+    for (found, expected) in row.iter().zip(expected) {
+        assert!(found.iter().zip(expected).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-17), "{row:?}");
+    }
+    let circle: Vec<_> = Arrangement::Circle { radius_m: 2.0 }.positions_m(3).collect();
+    let root = 3.0_f64.sqrt();
+    for (found, expected) in circle.iter().zip([[2.0, 0.0], [-1.0, root], [-1.0, -root]]) {
+        assert!(found.iter().zip(expected).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-15), "{circle:?}");
+    }
+    for arrangement in [Arrangement::Circle { radius_m: 0.03_f64 }, Arrangement::Row { spacing_m: 0.03 }] {
+        assert_eq!(arrangement.nearest_m(1), None);
+        for count in 2..=9 {
+            let places: Vec<_> = arrangement.positions_m(count).collect();
+            let apart = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+            let pairs = (0..places.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+            let nearest = pairs.map(|(i, j)| apart(&places[i], &places[j])).fold(f64::INFINITY, f64::min);
+            let reach = places.iter().map(|place| place[0].hypot(place[1])).fold(0.0, f64::max);
+            assert!((arrangement.nearest_m(count).unwrap() - nearest).abs() < 1e-15, "{arrangement:?} {count}");
+            assert!((arrangement.reach_m(count) - reach).abs() < 1e-15, "{arrangement:?} {count}");
+        }
+    }
+    assert_eq!(Arrangement::Row { spacing_m: 0.03 }.reach_m(1), 0.0);
+}

@@ -58,17 +58,16 @@ fn designed_keeps_clear(text: &str) {
     let designed = read(&scene::redesigned(&wanted, &redesigned_limb(&wanted, &tasked, &found), None).unwrap());
     let limb = Limb::new(&designed).unwrap();
     let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
-    let reach_m = designed.modules()[0].reach_m();
-    assert!(designed.modules().iter().all(|module| (module.reach_m() - reach_m).abs() < 1e-12));
     let mut nearest_m = vec![f64::INFINITY; designed.phases().len()];
     for step in 0..=2000 {
         let states = plan.states_at(plan.duration_us() as f64 * f64::from(step) / 2000.0);
         let points = limb.backbone(&states);
         let per_module = (points.len() - 1) / states.len();
         for (index, point) in points.iter().enumerate() {
-            let state = &states[(index.saturating_sub(1) / per_module).min(states.len() - 1)];
+            let module = (index.saturating_sub(1) / per_module).min(states.len() - 1);
             let last = index + 1 == points.len();
-            let thick_m = if last { 0.035 } else { reach_m + state.outer_radius_m };
+            let thick_m =
+                if last { 0.035 } else { designed.modules()[module].reach_m() + states[module].outer_radius_m };
             for obstacle in designed.obstacles() {
                 let spare = obstacle.shape.distance(&(*point).into()).distance_m - thick_m;
                 // What is asked is 5 mm.

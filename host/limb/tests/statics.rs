@@ -4,7 +4,9 @@ mod beam;
 mod bundles;
 mod closed_forms;
 mod derivatives;
+mod shares;
 mod shooting;
+mod springs;
 mod tiers;
 mod tubes;
 

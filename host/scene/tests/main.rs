@@ -1,6 +1,7 @@
 //! Tests of scenes, one module a subject.
 
 mod obstacle;
+mod scene_arrangement;
 mod scene_checks;
 mod scene_errors;
 mod scene_files;

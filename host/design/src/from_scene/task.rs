@@ -7,7 +7,7 @@ use fra_model::Motion;
 use super::error::BriefError;
 use super::space::segment;
 use crate::synthesis::{Aim, Candidate, Direction, Obstacle, Space, Task, WayPoint};
-use softlimb_limb::base_pose;
+use softlimb_limb::{Limb, base_pose};
 use softlimb_scene::collision::Shape;
 use softlimb_scene::{Goal, ModuleBounds, Phase, Redesign, Scene, SceneError};
 
@@ -30,8 +30,10 @@ pub struct Tasked {
 /// The task of a scene: its way-points, regions and obstacles, with its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase whose goal is none for the tip, at a module with another number of actuators than the first, and those of the bounds.
+/// A diagnostic at a phase whose goal is none for the tip, at a module with another number of actuators than the first, and those of the bounds and of [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
+    // A bundle that holds itself is refused before it is searched for.
+    Limb::new(scene)?;
     let modules = scene.modules();
     let actuators = modules[0].actuators;
     if let Some(other) = (1..modules.len()).find(|index| modules[*index].actuators != actuators) {

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::space::{LimbSizes, LimbSpace};
 use super::task::LoadedTask;
-use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, LoadedLimb, Piece, Rod, Tangent};
+use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, LoadedLimb, Piece, Rod, Spring};
 
 /// One module of it.
 #[derive(Clone, Debug)]
@@ -103,9 +103,9 @@ impl Built {
     /// The bundle of a module at a share of its pressure; `None` where it has no equilibrium.
     pub(super) fn bundle(&self, index: usize, share: f64) -> Option<Bundle> {
         let module = &self.modules[index];
-        let tangent = Tangent::of(&module.actuator, share * self.spans_pa[index])?;
-        let tubes = module.positions_m.iter().map(|place| (*place, tangent)).collect();
-        Bundle::of_tubes(module.motion, tubes, module.bay_m)
+        let spring = Spring::new(&module.actuator, share * self.spans_pa[index])?;
+        let springs = module.positions_m.iter().map(|place| (*place, spring.clone())).collect();
+        Bundle::of_springs(module.motion, springs, module.bay_m)
     }
 
     /// The rod of a module with a bundle, with what is fixed behind it.

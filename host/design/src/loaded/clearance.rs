@@ -12,8 +12,8 @@ const ALONG: usize = 12;
 
 /// Centres and radii of balls along a limb in equilibrium, m.
 fn balls(built: &Built, task: &LoadedTask, stand: &Stand) -> Vec<(Vector3<f64>, f64)> {
-    let line: Vec<Vector3<f64>> = stand.limb.rod.line_m(&stand.shape).into_iter().map(Vector3::from).collect();
-    let rigid = |index: usize| stand.limb.rod.pieces[index].rigid_m > 0.0;
+    let line: Vec<Vector3<f64>> = stand.rod.line_m(&stand.shape).into_iter().map(Vector3::from).collect();
+    let rigid = |index: usize| stand.rod.pieces[index].rigid_m > 0.0;
     let steps = (line.len() - 1 - (0..built.len()).filter(|index| rigid(*index)).count()) / built.len();
     let mut all = Vec::new();
     let mut first = 0;
@@ -29,7 +29,7 @@ fn balls(built: &Built, task: &LoadedTask, stand: &Stand) -> Vec<(Vector3<f64>, 
         all.push((line[first], module.radius_m));
         if rigid(index) {
             let (from, to) = (line[first], line[first + 1]);
-            let length_m = stand.limb.rod.pieces[index].rigid_m;
+            let length_m = stand.rod.pieces[index].rigid_m;
             let connector = (task.connector_m / length_m).min(1.0);
             all.push((from.lerp(&to, connector), module.radius_m));
             if connector < 1.0 {

@@ -165,18 +165,18 @@ fn pose_state(built: &Built, task: &LoadedTask, pose: &LoadedPose, start: &Stand
 }
 
 fn load_state(built: &Built, held: &Stand, kg: f64) -> Option<LoadState> {
-    let stand = Stand::at(built, &held.shares, kg, Some(&held.shape.q)).ok()?;
-    let (limb, shape) = (&stand.limb, &stand.shape);
-    let compliance = shape.compliance_m_per_n(&limb.rod, Bends::Linear)?[(2, 2)];
-    let bends = limb.rod.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)).enumerate();
+    let stand = Stand::at(built, &held.shares, kg, Some(held)).ok()?;
+    let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
+    let compliance = shape.compliance_m_per_n(rod, Bends::Linear)?[(2, 2)];
+    let bends = rod.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)).enumerate();
     let bends = bends.filter(|(index, _)| built.is_bending(*index));
     let least = bends.map(|(_, (piece, q))| piece.free[1] + q[2] - q[3].abs()).fold(f64::INFINITY, f64::min);
     Some(LoadState {
         payload_kg: kg,
-        load_factor: shape.load_factor(&limb.rod, Bends::Linear),
+        load_factor: shape.load_factor(rod, Bends::Linear),
         stiffness_n_per_m: 1.0 / compliance,
         sag_m: (stand.tip_m() - limb.free_tip().translation.vector).norm(),
-        buckling_ratio: limb.buckling(&limb.rod, shape).map_or(0.0, |tube| tube.ratio()),
+        buckling_ratio: limb.buckling(rod, shape).map_or(0.0, |tube| tube.ratio()),
         least_bend_rad_per_m: least,
     })
 }
@@ -188,14 +188,14 @@ fn ways(built: &Built, task: &LoadedTask, poses: &mut [PoseState]) {
         let to = poses[index].stand.shares.clone();
         let from =
             index.checked_sub(1).map_or_else(|| vec![0.0; to.len()], |before| poses[before].stand.shares.clone());
-        let mut q = index.checked_sub(1).map(|before| poses[before].stand.shape.q.clone());
+        let mut last = index.checked_sub(1).map(|before| poses[before].stand.clone());
         for share in WAY {
             let shares: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + share * (b - a)).collect();
-            let Ok(stand) = Stand::at(built, &shares, kg, q.as_ref()) else { continue };
+            let Ok(stand) = Stand::at(built, &shares, kg, last.as_ref()) else { continue };
             let found = spare_m(built, task, &stand, carried.as_ref());
             let least = [poses[index].spare_m, found].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
             poses[index].spare_m = least;
-            q = Some(stand.shape.q);
+            last = Some(stand);
         }
     }
 }

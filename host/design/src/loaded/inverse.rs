@@ -3,11 +3,11 @@
 //! Newton's method on the tip with the tangent of the statics. Where several pressures do, the step is the shortest from the pressures at
 //! hand; a pressure that leaves its range is held at its end.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3, Vector4};
 
 use super::built::Built;
 use crate::synthesis::Aim;
-use softlimb_limb::statics::{Bends, EquilibriumError, LoadedLimb, Shape, solve};
+use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod, Settled, Shape};
 
 /// The tip has arrived within this, m.
 pub(super) const ARRIVED_M: f64 = 1e-7;
@@ -25,6 +25,7 @@ const HARDLY_M: f64 = 1e-3;
 pub(super) struct Stand {
     pub(super) shares: Vec<f64>,
     pub(super) limb: LoadedLimb,
+    pub(super) rod: Rod,
     pub(super) shape: Shape,
 }
 
@@ -33,12 +34,23 @@ impl Stand {
     ///
     /// # Errors
     /// The share of pressures and loads that is still carried.
-    pub(super) fn at(built: &Built, shares: &[f64], kg: f64, start: Option<&DVector<f64>>) -> Result<Self, f64> {
+    pub(super) fn at(built: &Built, shares: &[f64], kg: f64, start: Option<&Self>) -> Result<Self, f64> {
         let limb = built.loaded(shares, kg).ok_or(0.0)?;
-        match solve(&limb.rod, Bends::Linear, start) {
-            Ok(shape) => Ok(Self { shares: shares.to_vec(), limb, shape }),
+        let near = start.and_then(|start| limb.at_strains(&start.strains()).ok().zip(Some(&start.shape.q)));
+        let settled = match near {
+            Some((limb, q)) => limb.settle(Fidelity::Linear, Some(q)),
+            None => limb.settle(Fidelity::Linear, None),
+        };
+        match settled {
+            Ok(Settled { limb, rod, shape }) => Ok(Self { shares: shares.to_vec(), limb, rod, shape }),
             Err(EquilibriumError::Unstable { share }) => Err(share),
+            Err(EquilibriumError::Overstrained { .. } | EquilibriumError::Unsettled) => Err(0.0),
         }
+    }
+
+    /// Mean strains of its modules.
+    fn strains(&self) -> Vec<Vector4<f64>> {
+        self.limb.strains(&self.rod, &self.shape)
     }
 
     /// Position of the tip, m.
@@ -61,7 +73,7 @@ pub(super) fn nearest(aim: &Aim, point_m: &Vector3<f64>) -> Vector3<f64> {
 
 /// The limb with its tip at the aim under a payload, kg, or as near as it gets, and what is missing, m.
 pub(super) fn reach(built: &Built, from: &Stand, kg: f64, aim: &Aim) -> Result<(Stand, Vector3<f64>), f64> {
-    let mut here = Stand::at(built, &from.shares, kg, Some(&from.shape.q))?;
+    let mut here = Stand::at(built, &from.shares, kg, Some(from))?;
     let miss = |stand: &Stand| {
         let tip_m = stand.tip_m();
         nearest(aim, &tip_m) - tip_m
@@ -76,7 +88,7 @@ pub(super) fn reach(built: &Built, from: &Stand, kg: f64, aim: &Aim) -> Result<(
         let found = loop {
             let tried: Vec<f64> =
                 here.shares.iter().zip(step.iter()).map(|(at, by)| (at + share * by).clamp(0.0, 1.0)).collect();
-            if let Ok(there) = Stand::at(built, &tried, kg, Some(&here.shape.q)) {
+            if let Ok(there) = Stand::at(built, &tried, kg, Some(&here)) {
                 let left = miss(&there);
                 if left.norm() < missing.norm() * (1.0 - 1e-4 * share) {
                     break Some((there, left));
@@ -101,14 +113,14 @@ pub(super) fn reach(built: &Built, from: &Stand, kg: f64, aim: &Aim) -> Result<(
 fn step(built: &Built, here: &Stand, kg: f64, missing: &Vector3<f64>) -> Option<DVector<f64>> {
     let count = here.shares.len();
     let signs: Vec<f64> = here.shares.iter().map(|share| if *share < 0.5 { STEP } else { -STEP }).collect();
+    let strains = here.strains();
     let moved = |module: usize| {
-        let bundle = built.bundle(module, here.shares[module] + signs[module])?;
-        let mut rod = here.limb.rod.clone();
-        rod.pieces[module] = built.piece(module, &bundle, kg);
-        Some(rod)
+        let mut shares = here.shares.clone();
+        shares[module] += signs[module];
+        Some(built.loaded(&shares, kg)?.at_strains(&strains).ok()?.rod)
     };
     let others = (0..count).map(moved).collect::<Option<Vec<_>>>()?;
-    let responses = here.shape.tip_responses_m(&here.limb.rod, Bends::Linear, &others)?;
+    let responses = here.shape.tip_responses_m(&here.rod, Bends::Linear, &others)?;
     let jacobian = DMatrix::from_fn(3, count, |row, column| responses[column][row] / signs[column]);
     let mut held = vec![None; count];
     for _ in 0..=count {

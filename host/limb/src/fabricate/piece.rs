@@ -6,6 +6,7 @@ use fra_model::{ActuatorParameters, Motion, Placement};
 
 use super::winding::winding_radius_m;
 use super::{FabricateError, Settings, Winding};
+use crate::Limb;
 use softlimb_scene::{Module, Scene, SceneError, Span};
 
 /// Width of the open top of a groove over that of its floor, for a depth of one width.
@@ -99,9 +100,12 @@ impl Piece {
 /// How the actuators of every module of a scene are made, in the order of the modules.
 ///
 /// # Errors
-/// [`FabricateError::Invalid`] for the settings; [`FabricateError::Scene`] at the line of the first module that cannot be made with them.
+/// [`FabricateError::Invalid`] for the settings; [`FabricateError::Scene`] at the line of the first module that cannot be made with them, or
+/// that [`Limb::new`] refuses.
 pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateError> {
     settings.check()?;
+    // Bundles that hold each other are not worth a mold.
+    Limb::new(scene)?;
     let mut first_channel = 0;
     let pieces = scene.modules().iter().map(|module| {
         let copies = copies(module, first_channel);

@@ -9,7 +9,8 @@ use super::{Hand, Piece, Settings, Winding};
 
 pub(super) fn page(piece: &Piece, settings: &Settings) -> Page {
     let copies = piece.copies.iter().map(|copy| {
-        let [up, side] = copy.place_m.map(|m| m * 1e3);
+        // Hundredths of a millimetre; adding 0 takes the sign of a zero.
+        let [up, side] = copy.place_m.map(|m| (m * 1e5).round() / 1e2 + 0.0);
         CopyRow { channel: copy.channel, place: format!("{up:.2} mm towards up, {side:.2} mm to the side") }
     });
     let mut tables = vec![dimensions(piece, settings), winding(piece, settings)];

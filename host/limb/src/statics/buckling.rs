@@ -65,7 +65,8 @@ impl LoadedLimb {
             (0..self.bundles[module].tubes.len()).map(move |tube| {
                 let compression_n = -self.force_n(module, tube, &middle.strain);
                 let bundle = &self.bundles[module];
-                let critical_n = critical_n(&bundle.tubes[tube].1, bundle.free.stretch, bundle.bay_m);
+                let stretch = bundle.free.stretch + middle.strain.x;
+                let critical_n = critical_n(&bundle.tubes[tube].1, stretch, bundle.bay_m);
                 Buckling { module, tube, compression_n, critical_n }
             })
         };

@@ -10,6 +10,7 @@
 use fra_model::Motion;
 use nalgebra::{Matrix4, Vector4};
 
+use super::spring::{Spring, TubeStrain};
 use super::tube::{LINE, Tangent};
 use crate::LimbModule;
 
@@ -50,6 +51,8 @@ pub struct Bundle {
     pub bay_m: f64,
     /// Position of each tube in the section, m, and the tube.
     pub tubes: Vec<([f64; 2], Tangent)>,
+    /// The models of the tubes; none of tubes that are linear springs.
+    springs: Vec<Spring>,
 }
 
 impl Bundle {
@@ -62,15 +65,46 @@ impl Bundle {
             return None;
         }
         // Bundles mostly have one pressure, and the model is what costs.
-        let mut known: Vec<(f64, Tangent)> = Vec::new();
-        let mut tubes = Vec::with_capacity(pressures_pa.len());
+        let mut known: Vec<(f64, Spring)> = Vec::new();
+        let mut springs = Vec::with_capacity(pressures_pa.len());
         for (position, pressure_pa) in module.positions_m().into_iter().zip(pressures_pa) {
-            let found = known.iter().find(|(pressure, _)| pressure == pressure_pa).map(|(_, tangent)| *tangent);
-            let tangent = found.or_else(|| Tangent::of(&module.actuator, *pressure_pa))?;
-            known.push((*pressure_pa, tangent));
-            tubes.push((position, tangent));
+            let found = known.iter().find(|(pressure, _)| pressure == pressure_pa).map(|(_, spring)| spring.clone());
+            let spring = found.or_else(|| Spring::new(&module.actuator, *pressure_pa))?;
+            known.push((*pressure_pa, spring.clone()));
+            springs.push((position, spring));
         }
-        Self::of_tubes(module.motion, tubes, module.length_m() / bays as f64)
+        Self::of_springs(module.motion, springs, module.length_m() / bays as f64)
+    }
+
+    /// The bundle of tubes at places of the section, m, by their models, with plates `bay_m` apart. `None` where their energy has no minimum.
+    pub fn of_springs(motion: Motion, springs: Vec<([f64; 2], Spring)>, bay_m: f64) -> Option<Self> {
+        let tubes = springs.iter().map(|(place, spring)| (*place, spring.tangent())).collect();
+        let springs = springs.into_iter().map(|(_, spring)| spring).collect();
+        Some(Self { springs, ..Self::of_tubes(motion, tubes, bay_m)? })
+    }
+
+    /// The same bundle with its tubes' springs about strains of the bundle: stretch, bends and twist, as [`Bundle::stiffness`] has them.
+    ///
+    /// `None` where a tube has no stable equilibrium there, or where its tubes are linear springs.
+    pub(super) fn strained(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Self> {
+        if self.springs.is_empty() {
+            return None;
+        }
+        let mut known: Vec<(TubeStrain, &Spring, Tangent)> = Vec::new();
+        let mut tubes = Vec::with_capacity(self.tubes.len());
+        for ((place, _), spring) in self.tubes.iter().zip(&self.springs) {
+            let own = tube_strain(motion, *place, strain);
+            let found = known.iter().find(|(strain, other, _)| *strain == own && other.is_like(spring));
+            let tangent = found.map(|(.., tangent)| *tangent).or_else(|| spring.tangent_at(&own))?;
+            known.push((own, spring, tangent));
+            tubes.push((*place, tangent));
+        }
+        Some(Self { springs: self.springs.clone(), ..Self::of_tubes(motion, tubes, self.bay_m)? })
+    }
+
+    /// Whether its tubes know their models.
+    pub(super) fn has_springs(&self) -> bool {
+        !self.springs.is_empty()
     }
 
     /// The bundle of tubes at places of the section, m, with plates `bay_m` apart. `None` where their energy has no minimum.
@@ -91,7 +125,7 @@ impl Bundle {
         let turning = |([x, y], tube): &([f64; 2], Tangent)| slide_n(tube, mean_nm2(tube), long_m) * (x * x + y * y);
         stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
         let free = Free { stretch: free[0], bend_rad_per_m: [free[1], free[2]], twist_rad_per_m: free[3] };
-        Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes })
+        Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes, springs: Vec::new() })
     }
 
     /// Stretches between plates in a module of this length at rest, m.
@@ -167,4 +201,14 @@ pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> Option
     let turn = Vector4::new(0.0, 0.0, 0.0, coupling);
     own += arm * turn.transpose() + turn * arm.transpose();
     Some((own, rest))
+}
+
+/// Strains of a tube at a place of the section, m, where its bundle has these.
+fn tube_strain(motion: Motion, [x, y]: [f64; 2], bundle: &Vector4<f64>) -> TubeStrain {
+    let [stretch, bend_x, bend_y, twist] = <[f64; 4]>::from(*bundle);
+    match motion {
+        Motion::Bending => [stretch, bend_x, 0.0],
+        Motion::Twisting => [stretch, 0.0, twist],
+        Motion::Extension | Motion::Expansion => [stretch - bend_x * x - bend_y * y, 0.0, 0.0],
+    }
 }

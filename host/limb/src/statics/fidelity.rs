@@ -134,23 +134,30 @@ pub fn by_fidelity(rod: &Rod, tier: Fidelity, start: Option<&DVector<f64>>) -> R
 }
 
 /// The cheapest tier whose error is at most `tolerance` (a share of the limb's length at rest, `length_m`), or the finest: rods, and tubes between
-/// plates where no rods do. Where tubes have no shape that the one without load leads to, the answer is that of the rods.
+/// plates where no rods do. Where tubes have no shape that the limb at rest leads to, the answer is that of the rods.
+///
+/// Springs are those about the strains of the linear rods ([`LoadedLimb::settle`]).
 ///
 /// # Errors
 /// [`EquilibriumError`] where the limb does not carry the load.
 pub fn cheapest(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, EquilibriumError> {
-    let answer = cheapest_rod(limb, tolerance, length_m)?;
-    let tubes = (answer.error() > tolerance).then(|| by_tubes(limb, tolerance, length_m)).flatten();
+    let limb = limb.settle(Fidelity::Linear, None)?.limb;
+    let answer = of_rods(&limb, tolerance, length_m)?;
+    let tubes = (answer.error() > tolerance).then(|| of_tubes(&limb, tolerance, length_m)).flatten();
     Ok(tubes.unwrap_or(answer))
 }
 
 /// The limb with every tube a rod of its own, in as few pieces as have an error of at most `tolerance` (a share of `length_m`), or in the most.
-/// `None` where rods have no shape or tubes none that the one without load leads to.
+/// `None` where rods have no shape or tubes none that the limb at rest leads to.
 ///
-/// The error is a third of the distance from half as many pieces, which have four times the error.
+/// The error is a third of the distance from half as many pieces, which have four times the error. Springs are those of [`cheapest`].
 pub fn by_tubes(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Option<Answer> {
+    of_tubes(&limb.settle(Fidelity::Linear, None).ok()?.limb, tolerance, length_m)
+}
+
+fn of_tubes(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Option<Answer> {
     // No distance is below that tolerance, so that the finest is taken.
-    let rods = cheapest_rod(limb, -1.0, length_m).ok()?;
+    let rods = of_rods(limb, -1.0, length_m).ok()?;
     let sound = rods.buckling.is_none_or(|tube| tube.ratio() <= BUCKLED);
     let of = |fine: usize| {
         let near = sound.then(|| limb.tubes_near(&rods.rod, &rods.shape.q, fine)).flatten();
@@ -182,10 +189,15 @@ pub fn by_tubes(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Option<Answ
 ///
 /// The error is judged by the distance from the next tier, over 3/4, since the next one leaves up to a quarter of it; that of the finest
 /// is a quarter of the error of the one before. What a rod leaves out of a bundle is the same for all tiers and does not choose between them.
+/// Springs are those of [`cheapest`].
 ///
 /// # Errors
 /// [`EquilibriumError`] where the limb does not carry the load.
 pub fn cheapest_rod(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, EquilibriumError> {
+    of_rods(&limb.settle(Fidelity::Linear, None)?.limb, tolerance, length_m)
+}
+
+fn of_rods(limb: &LoadedLimb, tolerance: f64, length_m: f64) -> Result<Answer, EquilibriumError> {
     let judge = |rod: &Rod, shape: &Shape, bends| Judged {
         buckling: limb.buckling(rod, shape),
         shift_m: limb.tubes_shift_m(rod, shape, bends),

@@ -1,7 +1,7 @@
 //! A limb of a scene as a chain of rods.
 
 use fra_model::Motion;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Vector3, Vector4};
 
 use super::bundle::Bundle;
 use super::rod::{Piece, Rod};
@@ -27,6 +27,12 @@ pub struct LoadedLimb {
     pub rod: Rod,
     pub(super) bundles: Vec<Bundle>,
     pub(super) motions: Vec<Motion>,
+    /// Tip without load: that of the springs about the shape without load.
+    free_tip: Isometry3<f64>,
+    /// Factor of all stiffnesses.
+    stiffer: f64,
+    /// Strains of each module that the springs are about: stretch, bends and twist.
+    pub(super) strains: Vec<Vector4<f64>>,
 }
 
 impl LoadedLimb {
@@ -58,7 +64,14 @@ impl LoadedLimb {
             gravity_m_per_s2: Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2),
             tip_force_n: Vector3::from(load.force_n),
         };
-        Self { rod, bundles, motions: modules.iter().map(|module| module.motion).collect() }
+        Self::whole(rod, bundles, modules.iter().map(|module| module.motion).collect())
+    }
+
+    fn whole(rod: Rod, bundles: Vec<Bundle>, motions: Vec<Motion>) -> Self {
+        let q = nalgebra::DVector::zeros(rod.unknowns());
+        let free_tip = rod.potential(&q, 0.0).poses.last().copied().unwrap_or(rod.base);
+        let strains = rod.pieces.iter().map(|piece| Vector4::from(piece.free)).collect();
+        Self { rod, bundles, motions, free_tip, stiffer: 1.0, strains }
     }
 
     /// A chain at hand, with the kind and the bundle of each of its pieces.
@@ -68,13 +81,34 @@ impl LoadedLimb {
     pub fn of_rod(rod: Rod, bundles: Vec<(Motion, Bundle)>) -> Self {
         assert_eq!(rod.pieces.len(), bundles.len(), "a bundle a piece");
         let (motions, bundles) = bundles.into_iter().unzip();
-        Self { rod, bundles, motions }
+        Self::whole(rod, bundles, motions)
+    }
+
+    /// The same limb with all stiffnesses times a factor; its shape without load stays.
+    #[must_use]
+    pub fn stiffened(mut self, factor: f64) -> Self {
+        self.stiffer *= factor;
+        for piece in &mut self.rod.pieces {
+            piece.stiffness *= factor;
+            piece.shear_n *= factor;
+        }
+        self
+    }
+
+    /// Puts a bundle in the place of a module's own.
+    pub(super) fn set_bundle(&mut self, module: usize, bundle: Bundle) {
+        let piece = &mut self.rod.pieces[module];
+        let free = bundle.free;
+        piece.free = [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m];
+        piece.stiffness = bundle.stiffness * self.stiffer;
+        piece.shear_n = bundle.shear_n * self.stiffer;
+        piece.sway = bundle.sway;
+        self.bundles[module] = bundle;
     }
 
     /// Tip without any load: the kinematics.
     pub fn free_tip(&self) -> Isometry3<f64> {
-        let q = nalgebra::DVector::zeros(self.rod.unknowns());
-        self.rod.potential(&q, 0.0).poses.last().copied().unwrap_or(self.rod.base)
+        self.free_tip
     }
 }
 

@@ -56,6 +56,15 @@ pub enum EquilibriumError {
         /// Share of pressures and loads that it still carries.
         share: f64,
     },
+    /// A tube has no stable equilibrium at the strain that the load gives it.
+    #[error("a tube of module {} has no stable equilibrium at the strain that the load gives it", module + 1)]
+    Overstrained {
+        /// Index of its module.
+        module: usize,
+    },
+    /// Shape and springs do not agree with each other.
+    #[error("the shape under the load and the springs of the tubes do not settle")]
+    Unsettled,
 }
 
 impl Shape {

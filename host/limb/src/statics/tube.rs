@@ -99,7 +99,7 @@ fn bending(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangent
 }
 
 /// Mean square of the distance of the wall from a diameter, m2.
-fn gyration_m2(inner_m: f64, outer_m: f64) -> f64 {
+pub(super) fn gyration_m2(inner_m: f64, outer_m: f64) -> f64 {
     0.25 * (inner_m * inner_m + outer_m * outer_m)
 }
 

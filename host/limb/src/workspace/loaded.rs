@@ -7,7 +7,7 @@ use nalgebra::DVector;
 
 use super::sample::{Points, shares};
 use super::space::Workspace;
-use crate::statics::{Fidelity, LoadedLimb, Shape, by_fidelity};
+use crate::statics::{Fidelity, LoadedLimb, Settled, Shape};
 
 /// Compression of a tube over its load of buckling above which no rod is right.
 const BUCKLED: f64 = 0.5;
@@ -108,7 +108,7 @@ impl<'a, 'b, H: Fn(&[f64]) -> Option<LoadedLimb> + Sync> Loaded<'a, 'b, H> {
             .flat_map(|(index, axis)| std::iter::repeat_n(share(index) * axis.pressure_max_pa, axis.channels.len()))
             .collect();
         let limb = (self.hang)(&pressures_pa).ok_or(LoadedPoseError::NoEquilibrium)?;
-        let (rod, shape) = by_fidelity(&limb.rod, tier, start).map_err(|_| LoadedPoseError::Falls)?;
+        let Settled { limb, rod, shape } = limb.settle(tier, start).map_err(|_| LoadedPoseError::Falls)?;
         if let Some(tube) = limb.buckling(&rod, &shape).filter(|tube| tube.ratio() > BUCKLED) {
             return Err(LoadedPoseError::Buckles(tube.module));
         }

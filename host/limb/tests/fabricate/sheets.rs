@@ -77,9 +77,10 @@ fn bending_actuator_says_where_its_layer_lies() {
     assert_eq!(value(elbow, "where"), "at 0 deg, along the axis");
     assert_eq!(value(elbow, "distance from the axis"), "14.000 mm");
     assert_eq!(value(elbow, "side of the limb"), "180.00 deg from up");
-    // Three actuators 30 mm from the limb's axis, the first towards where the module bends, which is down.
+    // Three actuators in a row of a spacing of 34 mm, at right angles to where the module bends, which is down.
     let places: Vec<_> = elbow.copies.iter().map(|copy| copy.place.as_str()).collect();
-    assert_eq!(places[0], "-30.00 mm towards up, 0.00 mm to the side");
+    let side = |mm: &str| format!("0.00 mm towards up, {mm} mm to the side");
+    assert_eq!(places, [side("34.00"), side("0.00"), side("-34.00")]);
     assert_eq!(elbow.copies.iter().map(|copy| copy.channel).collect::<Vec<_>>(), [3, 4, 5]);
     assert!(sheet.pages[0].tables.iter().all(|table| table.title != "Strain-limiting layer"));
     // A lead of two distances, both hands.

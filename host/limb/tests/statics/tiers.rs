@@ -19,7 +19,13 @@ fn scene(direction: &str, density: f64) -> (Scene, Limb) {
     (scene, limb)
 }
 
-fn loaded(direction: &str, density: f64, pressure_pa: f64, bays: usize, payload_kg: f64) -> Option<(LoadedLimb, f64)> {
+pub(crate) fn loaded(
+    direction: &str,
+    density: f64,
+    pressure_pa: f64,
+    bays: usize,
+    payload_kg: f64,
+) -> Option<(LoadedLimb, f64)> {
     let (scene, limb) = scene(direction, density);
     let load = Load { payload_kg, ..Load::default() };
     let pressures = vec![pressure_pa; limb.channels()];

@@ -1,7 +1,7 @@
 //! The workspace under weight: without it, against a spring, and what is not reached.
 
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{GRAVITY_M_PER_S2, Load, LoadedLimb, Tangent};
+use softlimb_limb::statics::{GRAVITY_M_PER_S2, Load, LoadedLimb};
 use softlimb_limb::workspace::{Command, Loaded, LoadedPoseError, Points, Workspace, extents, loaded_extents};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
@@ -71,9 +71,10 @@ fn hanging_actuator_is_a_spring() {
     let found = loaded_extents(&loaded, &poses, (Points::Faces, 1), 1).expect("reached");
     let module = &both.1.modules()[0];
     let depth = |share: f64| {
-        let tube = Tangent::of(&module.actuator, share * space.axes()[0].pressure_max_pa).expect("a tube");
         let wall_kg = both.0.mass_kg() - both.0.limb().connector_mass_kg;
-        module.length_m() * (tube.stretch + GRAVITY_M_PER_S2 * (kg + 0.5 * wall_kg) / tube.axial_n)
+        let load = fra_model::Load { force_n: GRAVITY_M_PER_S2 * (kg + 0.5 * wall_kg), torque_nm: 0.0 };
+        let pressure_pa = share * space.axes()[0].pressure_max_pa;
+        module.length_m() * module.actuator.forward(pressure_pa, &load).expect("finite").state.axial_stretch
     };
     let all: Vec<f64> = (0..=1000).map(|i| depth(f64::from(i) * 1e-3)).collect();
     let (most, least) = all.iter().fold((0.0_f64, 9.0_f64), |(most, least), d| (most.max(*d), least.min(*d)));

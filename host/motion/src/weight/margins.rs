@@ -1,7 +1,7 @@
 //! Margins of the loaded limb at the end of each phase.
 
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{BUCKLING_MARGIN_MAX, Fidelity, LOAD_FACTOR_MAX, Standing, by_fidelity};
+use softlimb_limb::statics::{BUCKLING_MARGIN_MAX, Fidelity, LOAD_FACTOR_MAX, Settled, Standing};
 use softlimb_scene::Scene;
 
 use super::nominal::{Nominal, OnLimb, PoseError, pressures_pa, stands};
@@ -123,8 +123,8 @@ fn spacers_enough(scene: &Scene, limb: &Limb, pressures_pa: &[f64], payload_kg: 
         let nominal = Nominal::new(scene, limb, Fidelity::Double).with_spacers(module, *spacers);
         let ratio = |payload_kg: f64| {
             let loaded = nominal.loaded(pressures_pa, OnLimb::whole(payload_kg))?;
-            let (rod, shape) = by_fidelity(&loaded.rod, nominal.tier(), None).ok()?;
-            let of_module = loaded.buckling(&rod, &shape);
+            let Settled { limb, rod, shape } = loaded.settle(nominal.tier(), None).ok()?;
+            let of_module = limb.buckling(&rod, &shape);
             Some(of_module.map_or(0.0, |tube| tube.ratio()))
         };
         [0.0, 0.5, 1.0]

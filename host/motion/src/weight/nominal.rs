@@ -1,11 +1,11 @@
 //! The nominal limb under load at pressures of its modules.
 
 use fra_model::State;
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Vector3, Vector4};
 
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{
-    Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Shape, by_fidelity, cheapest_rod,
+    Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Settled, Shape, cheapest_rod,
 };
 use softlimb_scene::Scene;
 
@@ -35,7 +35,8 @@ pub struct Nominal<'a> {
     limb: &'a Limb,
     bays: Vec<usize>,
     tier: Fidelity,
-    last: Option<DVector<f64>>,
+    /// Strains of the modules in the last pose, and its unknowns.
+    last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
 }
 
 /// A loaded shape of the nominal limb.
@@ -106,9 +107,13 @@ impl<'a> Nominal<'a> {
     /// [`PoseError`].
     pub fn at(&mut self, pressures_pa: &[f64], on: OnLimb) -> Result<Pose, PoseError> {
         let limb = self.loaded(pressures_pa, on).ok_or(PoseError::NoEquilibrium)?;
-        let (rod, shape) =
-            by_fidelity(&limb.rod, self.tier, self.last.as_ref()).map_err(PoseError::EquilibriumError)?;
-        self.last = Some(shape.q.clone());
+        let limb = match &self.last {
+            Some((strains, _)) => limb.at_strains(strains).unwrap_or(limb),
+            None => limb,
+        };
+        let start = self.last.as_ref().map(|(_, q)| q);
+        let Settled { limb, rod, shape } = limb.settle(self.tier, start).map_err(PoseError::EquilibriumError)?;
+        self.last = Some((limb.strains(&rod, &shape), shape.q.clone()));
         Ok(Pose { limb, rod, shape })
     }
 
@@ -121,11 +126,12 @@ impl<'a> Nominal<'a> {
         spans_pa: &[f64],
     ) -> Option<Vec<Vector3<f64>>> {
         let (parts, bends) = self.tier.pieces();
+        let strains = pose.limb.strains(&pose.rod, &pose.shape);
         let moved = |module: usize| {
             let mut pressures_pa = pressures_pa.to_vec();
             // Towards the middle of the range: there is an equilibrium on that side.
             pressures_pa[module] += self.step_pa(pressures_pa[module], spans_pa[module]);
-            Some(self.loaded(&pressures_pa, on)?.rod.split(parts))
+            Some(self.loaded(&pressures_pa, on)?.at_strains(&strains).ok()?.rod.split(parts))
         };
         let others = (0..pressures_pa.len()).map(moved).collect::<Option<Vec<_>>>()?;
         let responses = pose.shape.tip_responses_m(&pose.rod, bends, &others)?;

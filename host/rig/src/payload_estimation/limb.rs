@@ -4,7 +4,7 @@ use nalgebra::{DVector, Vector3};
 
 use super::creep::crept;
 use super::{EstimationError, Observation};
-use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Rod, Tangent, by_fidelity};
+use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Settled, Spring};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
 
@@ -14,7 +14,7 @@ const TIER: Fidelity = Fidelity::Fourfold;
 /// The limb of one observation, from mass to mass; each solve starts from the last shape.
 pub(super) struct Posed {
     line: usize,
-    rod: Rod,
+    limb: LoadedLimb,
     last: Option<DVector<f64>>,
 }
 
@@ -42,23 +42,21 @@ impl Posed {
         let bundles =
             bundles.collect::<Option<_>>().ok_or(EstimationError::NoEquilibrium { line: observation.line })?;
         let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
-        let mut rod = LoadedLimb::of_bundles(scene, limb, bundles, &walls_kg, &Load::default()).rod;
-        for piece in &mut rod.pieces {
-            piece.stiffness *= stiffer;
-            piece.shear_n *= stiffer;
-        }
-        Ok(Self { line: observation.line, rod, last: None })
+        let limb = LoadedLimb::of_bundles(scene, limb, bundles, &walls_kg, &Load::default()).stiffened(stiffer);
+        Ok(Self { line: observation.line, limb, last: None })
     }
 
     /// The tip under a mass, kg. Below zero it is lifted: a mass near zero has errors of both signs.
     pub(super) fn under(&mut self, kg: f64) -> Result<Tip, EstimationError> {
         let weight_n = Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2);
-        self.rod.tip_force_n = weight_n * kg;
+        self.limb.rod.tip_force_n = weight_n * kg;
         let falls = EstimationError::Falls { line: self.line };
-        let (rod, shape) = by_fidelity(&self.rod, TIER, self.last.as_ref()).map_err(|_| falls.clone())?;
+        let Settled { limb, rod, shape } = self.limb.settle(TIER, self.last.as_ref()).map_err(|_| falls.clone())?;
         let compliance = shape.compliance_m_per_n(&rod, TIER.pieces().1).ok_or(falls)?;
         let at_m = shape.tip().translation.vector;
         self.last = Some(shape.q);
+        // The next mass begins with these springs.
+        self.limb = limb;
         Ok(Tip { at_m, slope_m_per_kg: compliance * weight_n })
     }
 }
@@ -66,7 +64,7 @@ impl Posed {
 /// Equal tubes: springs at their pressure about the shape that they have with their creep.
 fn bundle(module: &LimbModule, bays: usize, pressure_pa: f64, crept_m3: f64) -> Option<Bundle> {
     let state = crept(&module.actuator, pressure_pa, crept_m3)?;
-    let tube = Tangent::of(&module.actuator, pressure_pa)?.about(&state, module.length_m());
-    let tubes = module.positions_m().into_iter().map(|place| (place, tube)).collect();
-    Bundle::of_tubes(module.motion, tubes, module.length_m() / bays as f64)
+    let tube = Spring::new(&module.actuator, pressure_pa)?.about(&state);
+    let tubes = module.positions_m().into_iter().map(|place| (place, tube.clone())).collect();
+    Bundle::of_springs(module.motion, tubes, module.length_m() / bays as f64)
 }

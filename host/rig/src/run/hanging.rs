@@ -4,11 +4,11 @@
 //! milliseconds; what swings is left out.
 
 use fra_model::{Actuator, State};
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector4};
 use softlimb_sim::plant::Truth;
 
 use crate::record::FaultRecord;
-use softlimb_limb::statics::{Bundle, EquilibriumError, Fidelity, Load, LoadedLimb, Tangent, by_fidelity};
+use softlimb_limb::statics::{Bundle, EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Carried, Plan, carried, payload_kg};
 use softlimb_scene::{Scene, SetpointKind};
@@ -35,7 +35,8 @@ pub(super) struct Hanging<'a> {
     carried: Vec<Carried>,
     /// True actuators, one a channel, and masses of the walls, kg, one a module; known from the first sample on.
     known: Option<(Vec<Actuator<f64>>, Vec<f64>)>,
-    last: Option<DVector<f64>>,
+    /// Strains of the modules at the last sample, and its unknowns.
+    last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
     lost: bool,
     /// What has been told, by code and module.
     told: Vec<(u8, usize)>,
@@ -81,8 +82,17 @@ impl<'a> Hanging<'a> {
             );
             return (None, faults);
         };
-        let (rod, shape) = match by_fidelity(&limb.rod, TIER, self.last.as_ref()) {
+        let limb = match &self.last {
+            Some((strains, _)) => limb.at_strains(strains).unwrap_or(limb),
+            None => limb,
+        };
+        let Settled { limb, rod, shape } = match limb.settle(TIER, self.last.as_ref().map(|(_, q)| q)) {
             Ok(found) => found,
+            Err(why @ (EquilibriumError::Overstrained { .. } | EquilibriumError::Unsettled)) => {
+                self.lost = true;
+                tell(FALLS, 0.0, format!("{why}: the limb's shape is not known from here on"));
+                return (None, faults);
+            }
             Err(EquilibriumError::Unstable { share }) => {
                 self.lost = true;
                 let carries =
@@ -91,7 +101,7 @@ impl<'a> Hanging<'a> {
                 return (None, faults);
             }
         };
-        self.last = Some(shape.q.clone());
+        self.last = Some((limb.strains(&rod, &shape), shape.q.clone()));
         if let Some(tube) = limb.buckling(&rod, &shape).filter(|tube| tube.ratio() > NEAR_BUCKLING) {
             let (name, percent) = (&self.limb.modules()[tube.module].name, 100.0 * tube.ratio());
             if tube.ratio() >= BUCKLED {
@@ -148,18 +158,18 @@ impl<'a> Hanging<'a> {
         let modules = self.limb.modules().iter().zip(self.scene.modules());
         let bundles = modules.map(|(module, described)| {
             let tubes = module.positions_m().into_iter().zip(module.channels.clone());
-            let tubes = tubes.map(|(place, channel)| Some((place, tube(module, &actuators[channel], truth, channel)?)));
+            let tubes = tubes.map(|(place, channel)| Some((place, tube(&actuators[channel], truth, channel)?)));
             let bay_m = module.length_m() / f64::from(described.spacers + 1);
-            Bundle::of_tubes(module.motion, tubes.collect::<Option<_>>()?, bay_m)
+            Bundle::of_springs(module.motion, tubes.collect::<Option<_>>()?, bay_m)
         });
         Some(LoadedLimb::of_bundles(self.scene, self.limb, bundles.collect::<Option<_>>()?, walls_kg, load))
     }
 }
 
 /// A true tube: springs at its pressure about the shape that it has, creep included. Below ambient pressure those at rest, as the plant has it.
-fn tube(module: &LimbModule, actuator: &Actuator<f64>, truth: &Truth, channel: usize) -> Option<Tangent> {
+fn tube(actuator: &Actuator<f64>, truth: &Truth, channel: usize) -> Option<Spring> {
     let channel = truth.channels.get(channel)?;
-    Some(Tangent::of(actuator, channel.pressure_pa.max(0.0))?.about(&channel.shape, module.length_m()))
+    Some(Spring::new(actuator, channel.pressure_pa.max(0.0))?.about(&channel.shape))
 }
 
 fn actuators(truth: &Truth) -> Option<Vec<Actuator<f64>>> {

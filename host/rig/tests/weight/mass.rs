@@ -4,7 +4,7 @@ use std::num::NonZero;
 
 use nalgebra::Vector3;
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, by_fidelity};
+use softlimb_limb::statics::{Fidelity, Load, LoadedLimb};
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_rig::learning::{Settings, observe};
@@ -65,7 +65,7 @@ fn tip_m(scene: &Scene, limb: &Limb, pressures_pa: &[f64], payload_kg: f64) -> V
     let bays: Vec<usize> = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
     let loaded = LoadedLimb::new(scene, limb, &channels, &bays, &Load { payload_kg, ..Load::default() })
         .expect("an equilibrium");
-    by_fidelity(&loaded.rod, Fidelity::Fourfold, None).expect("stands").1.tip().translation.vector
+    loaded.settle(Fidelity::Fourfold, None).expect("stands").shape.tip().translation.vector
 }
 
 #[test]

@@ -1,0 +1,128 @@
+//! The model behind a tube of a bundle: its springs about the strains that a load gives it.
+//!
+//! The wall of a tube is no linear spring: a straightened bender is stiffer than a free one, a stretched tube too. At a strain the model
+//! gives the tube's force and slope, and these are the force and slope of a linear spring with a rest of its own. Springs about the strains of
+//! a shape, and the shape of these springs, are found by turns; that is Newton's method on the walls, and a few turns do.
+
+use fra_model::{Actuator, Load, Motion, Parameter, State, Status};
+
+use super::tube::{Tangent, gyration_m2};
+
+/// Iterations for the moment of a bend, and the bend that is off by then, as a share of the larger of itself and 1 rad/m.
+const ITERATIONS: usize = 20;
+const CONVERGED: f64 = 1e-11;
+
+/// Strains of a tube per length at rest: stretch, bend (rad/m) and twist (rad/m).
+pub type TubeStrain = [f64; 3];
+
+/// A tube at a gauge pressure, by the model of its actuator.
+#[derive(Clone, Debug)]
+pub struct Spring {
+    actuator: Actuator<f64>,
+    pressure_pa: f64,
+    /// Strains without load less those of the model: creep.
+    crept: TubeStrain,
+    free: Tangent,
+}
+
+impl Spring {
+    /// The tube of an actuator at a gauge pressure, Pa; `None` where the branch of its equilibria does not get there.
+    pub fn new(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
+        let free = Tangent::of(actuator, pressure_pa)?;
+        Some(Self { actuator: actuator.clone(), pressure_pa, crept: [0.0; 3], free })
+    }
+
+    /// The same tube with another shape without load, that of `state`: one that has crept.
+    pub fn about(mut self, state: &State<f64>) -> Self {
+        let free = self.free.about(state, self.actuator.parameters().length_m);
+        let crept = [
+            free.stretch - self.free.stretch,
+            free.bend_rad_per_m - self.free.bend_rad_per_m,
+            free.twist_rad_per_m - self.free.twist_rad_per_m,
+        ];
+        self.crept = [0, 1, 2].map(|axis: usize| self.crept[axis] + crept[axis]);
+        self.free = free;
+        self
+    }
+
+    /// Whether another tube has the same pressure and shape without load, so the same springs where actuators are equal.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.pressure_pa == other.pressure_pa
+            && self.free == other.free
+            && self.actuator.parameters() == other.actuator.parameters()
+    }
+
+    /// Its springs about the shape without load.
+    pub fn tangent(&self) -> Tangent {
+        self.free
+    }
+
+    /// Its springs about a strain: forces and slopes there are the model's. `None` where it has no equilibrium at the strain, or no stable one.
+    ///
+    /// A bender that is bent backwards, which is beyond the model, has the springs of a straight one; a tube that is wound to twist keeps those
+    /// about the shape without load.
+    pub fn tangent_at(&self, strain: &TubeStrain) -> Option<Tangent> {
+        let [stretch, bend] = [0, 1].map(|axis: usize| strain[axis] - self.crept[axis]);
+        let mut tangent = match self.actuator.parameters().motion {
+            Motion::Twisting => return Some(self.free),
+            Motion::Bending => self.bent(f64::max(bend, 0.0)),
+            Motion::Extension | Motion::Expansion => self.stretched(stretch),
+        }?;
+        let [stretch, bend, twist] = self.crept;
+        tangent.stretch += stretch;
+        tangent.bend_rad_per_m += bend;
+        tangent.twist_rad_per_m += twist;
+        Some(tangent)
+    }
+
+    fn stretched(&self, stretch: f64) -> Option<Tangent> {
+        let length_m = self.actuator.parameters().length_m;
+        let blocked = self.actuator.blocked(self.pressure_pa, stretch, 0.0).ok()?;
+        let [[axial, coupling], [_, torsion]] = blocked.stiffness.map(|row| row.map(|entry| entry * length_m));
+        let bending_nm2 = axial * gyration_m2(blocked.state.inner_radius_m, blocked.state.outer_radius_m);
+        let stable = blocked.status == Status::Solved && axial > 0.0 && torsion > 0.0;
+        // The rest of springs with this force at the strain.
+        stable.then_some(Tangent {
+            stretch: stretch - blocked.force_n / axial,
+            bend_rad_per_m: 0.0,
+            twist_rad_per_m: 0.0,
+            axial_n: axial,
+            bending_nm2,
+            across_nm2: bending_nm2,
+            torsion_nm2: torsion,
+            coupling_nm: coupling,
+            shear_n: self.free.shear_n,
+            outer_radius_m: blocked.state.outer_radius_m,
+        })
+    }
+
+    /// The moment that holds a bend, by Newton's method.
+    fn bent(&self, bend_rad_per_m: f64) -> Option<Tangent> {
+        let length_m = self.actuator.parameters().length_m;
+        let mut state = self.actuator.forward(self.pressure_pa, &Load::none()).ok()?.state;
+        let mut load = Load::none();
+        for _ in 0..ITERATIONS {
+            let by_moment = self.actuator.sensitivity(&state, &load, Parameter::Torque).ok()?.bend_angle_rad;
+            let bending_nm2 = length_m / by_moment;
+            if !(bending_nm2 > 0.0 && bending_nm2.is_finite()) {
+                return None;
+            }
+            let off = bend_rad_per_m - state.bend_angle_rad / length_m;
+            if off.abs() <= CONVERGED * f64::max(1.0, bend_rad_per_m) {
+                let rest = bend_rad_per_m - load.torque_nm / bending_nm2;
+                return Some(Tangent { bend_rad_per_m: rest, bending_nm2, ..self.uncrept() });
+            }
+            load.torque_nm += bending_nm2 * off;
+            let solution = self.actuator.forward_from(&state, self.pressure_pa, &load).ok()?;
+            if solution.status != Status::Solved {
+                return None;
+            }
+            state = solution.state;
+        }
+        None
+    }
+
+    fn uncrept(&self) -> Tangent {
+        Tangent { stretch: self.free.stretch - self.crept[0], ..self.free }
+    }
+}
