@@ -136,7 +136,7 @@ impl LimbSpace {
     }
 
     /// The point of the unit box nearest to values of the variables, in their order.
-    pub fn point(&self, value_of: impl Fn(&Variable) -> f64) -> Vec<f64> {
+    pub fn point(&self, mut value_of: impl FnMut(&Variable) -> f64) -> Vec<f64> {
         let share = |variable: &Variable| {
             let [low, high] = variable.bounds;
             ((value_of(variable) - low) / (high - low)).clamp(0.0, 1.0)
