@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::search::{Found, NOTHING, local, raised};
-use super::space::{LimbSpace, Variable};
+use super::space::{HOME, LimbSpace, Variable};
 use super::task::LoadedTask;
 
 /// A variable this near to the end of its range, as a share of it, is at its bound.
@@ -48,7 +48,7 @@ pub fn active_bounds(
     for (index, variable) in variables.iter().enumerate() {
         let share = found.point[index];
         let at_high = share >= 1.0 - AT_END;
-        if !at_high && share > AT_END {
+        if variable.name == HOME || (!at_high && share > AT_END) {
             continue;
         }
         let [low, high] = variable.bounds;
@@ -63,7 +63,7 @@ pub fn active_bounds(
         let bound = if at_high { high } else { low };
         all.extend(tried(task, found, (name, variable.name, bound), &values, steps, stop, moved));
     }
-    let full = AT_PRESSURE / (1.0 + found.reserve);
+    let full = AT_PRESSURE;
     if found.evaluation.poses.iter().any(|pose| pose.shares.iter().any(|share| *share >= full)) {
         let highest = space.modules.iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
         let moved = |by: f64| {

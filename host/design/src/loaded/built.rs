@@ -1,5 +1,6 @@
 //! A limb of certain sizes whose pressures can be chosen.
 
+use std::cell::RefCell;
 use std::f64::consts::PI;
 
 use fra_model::{Actuator, Load, Motion, Status};
@@ -19,6 +20,8 @@ pub(super) struct BuiltModule {
     bay_m: f64,
     mount_angle_rad: f64,
     wall_kg: f64,
+    /// Tubes at the pressures that were asked for.
+    springs: RefCell<Vec<(f64, Spring)>>,
     /// Radius of the module about its centre line at rest, m.
     pub(super) radius_m: f64,
 }
@@ -36,19 +39,20 @@ pub struct Built {
 }
 
 impl Built {
-    /// The limb of sizes; `None` where the model cannot take an actuator.
-    pub fn new(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes) -> Option<Self> {
+    /// The limb of sizes, whose pressures keep their margin with a reserve; `None` where the model cannot take an actuator.
+    pub fn new(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes, reserve: f64) -> Option<Self> {
         let mut modules = Vec::with_capacity(space.modules.len());
         let mut spans_pa = Vec::with_capacity(space.modules.len());
         for (module, size) in space.modules.iter().zip(&sizes.modules) {
             let actuator = Actuator::new(&module.actuator(size)).ok()?;
             let limit_pa = ceiling_pa(&actuator, module.pressure_max_pa)?;
-            spans_pa.push(task.limits.pressure_share * limit_pa);
+            spans_pa.push(task.limits.pressure_share / (1.0 + reserve) * limit_pa);
             let arrangement = module.arrangement(size);
             let [inner_m, outer_m] = size.radii_m;
             let section_m2 = PI * (outer_m - inner_m) * (outer_m + inner_m);
             modules.push(BuiltModule {
                 motion: module.motion,
+                springs: RefCell::default(),
                 actuator,
                 positions_m: arrangement.positions_m(module.actuators).collect(),
                 length_m: size.length_m,
@@ -103,7 +107,16 @@ impl Built {
     /// The bundle of a module at a share of its pressure; `None` where it has no equilibrium.
     pub(super) fn bundle(&self, index: usize, share: f64) -> Option<Bundle> {
         let module = &self.modules[index];
-        let spring = Spring::new(&module.actuator, share * self.spans_pa[index])?;
+        let pressure_pa = share * self.spans_pa[index];
+        let known = module.springs.borrow().iter().find(|(at, _)| *at == pressure_pa).map(|(_, spring)| spring.clone());
+        let spring = match known {
+            Some(spring) => spring,
+            None => {
+                let spring = Spring::new(&module.actuator, pressure_pa)?;
+                module.springs.borrow_mut().push((pressure_pa, spring.clone()));
+                spring
+            }
+        };
         let springs = module.positions_m.iter().map(|place| (*place, spring.clone())).collect();
         Bundle::of_springs(module.motion, springs, module.bay_m)
     }

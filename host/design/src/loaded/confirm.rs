@@ -53,13 +53,13 @@ pub struct ConfirmedPose {
 
 /// Judges the limb of a search by the cheapest model whose error is at most `tolerance`, a share of its length.
 pub fn confirm(task: &LoadedTask, space: &LimbSpace, found: &Found, tolerance: f64) -> Vec<ConfirmedPose> {
-    let Some(built) = Built::new(task, space, &found.evaluation.sizes) else { return Vec::new() };
+    let Some(built) = Built::new(task, space, &found.evaluation.sizes, 0.0) else { return Vec::new() };
     (0..task.poses.len()).map(|index| confirm_pose(task, &built, found, index, tolerance)).collect()
 }
 
 fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize, tolerance: f64) -> ConfirmedPose {
     let (pose, state) = (&task.poses[index], &found.evaluation.poses[index]);
-    let length_m = built.length_m;
+    let (length_m, home) = (built.length_m, &found.evaluation.sizes.home);
     let stand_at =
         |shares: &[f64], kg: f64| -> Option<Standing> { built.loaded(shares, kg)?.stand(tolerance, length_m).ok() };
     // By rods under the load of the move, then with the aim moved by what the finer model has elsewhere.
@@ -68,7 +68,7 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize, t
         let (mut here, mut aim_m) = (start.clone(), place);
         let mut best: Option<(f64, Stand, Standing)> = None;
         for _ in 0..CORRECTIONS {
-            let Ok((next, _)) = reach(built, &here, kg, &Aim::Point(aim_m)) else { break };
+            let Ok((next, _)) = reach(built, &here, home, kg, &Aim::Point(aim_m)) else { break };
             here = next;
             let Some(fine) = stand_at(&here.shares, kg) else { break };
             let off = place - nalgebra::Vector3::from(fine.tip_m);
@@ -97,7 +97,7 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize, t
         stiffness_n_per_m: 0.0,
         sag_m: f64::INFINITY,
         buckling_margin: 0.0,
-        pressure_share: task.limits.pressure_share * state.shares.iter().copied().fold(0.0, f64::max),
+        pressure_share: 0.0,
         tilt_rad: state.tilt_rad,
         spare_m: state.spare_m.map(|(spare, _)| spare),
         lacks: Vec::new(),

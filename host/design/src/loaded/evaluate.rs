@@ -9,21 +9,21 @@ use super::residuals::{Lack, of_pose};
 use super::space::{LimbSizes, LimbSpace};
 use super::task::{LoadedPose, LoadedTask};
 use crate::synthesis::Aim;
-use softlimb_limb::statics::{Bends, UNKNOWNS};
+use softlimb_limb::statics::{Bends, Rod, Shape, UNKNOWNS, solve};
 
-/// Shares of a payload that a pose is judged with.
-const LOADS: [f64; 3] = [0.0, 0.5, 1.0];
+/// Shares of a payload that a pose is judged with; the limb found is judged with half of it, too.
+pub(super) const LOADS: [f64; 2] = [0.0, 1.0];
 /// Shares of the way between two poses that are looked at.
 const WAY: [f64; 3] = [0.25, 0.5, 0.75];
 /// Shares of the pressures that the first pose is sought from.
-const FIRST: [f64; 3] = [0.35, 0.1, 0.7];
+const FIRST: [f64; 2] = [0.1, 0.7];
 
 /// A pose under a share of its payload, at the pressures that hold all of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadState {
     /// Payload, kg.
     pub payload_kg: f64,
-    /// Load factor.
+    /// Load factor, up to that which is enough with the reserve.
     pub load_factor: f64,
     /// Vertical stiffness of the tip, N/m.
     pub stiffness_n_per_m: f64,
@@ -50,7 +50,7 @@ pub struct PoseState {
     pub turned_rad: f64,
     /// Angle between the end effector and the vertical, rad.
     pub tilt_rad: f64,
-    /// The states without, with half and with all of the payload; fewer where the limb does not carry it.
+    /// The states without and with all of the payload; fewer where the limb does not carry it.
     pub loads: Vec<LoadState>,
     /// Share of the load that is not carried; 0 where all is.
     pub not_carried: f64,
@@ -90,18 +90,18 @@ pub fn evaluate(
     reserve: f64,
     warm: Option<&Evaluation>,
 ) -> Option<Evaluation> {
-    let built = Built::new(task, space, sizes)?;
+    let built = Built::new(task, space, sizes, reserve)?;
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, pose) in task.poses.iter().enumerate() {
         let near = warm.and_then(|warm| warm.poses.get(index)).map(|pose| &pose.stand);
         let start = match (near, poses.last()) {
             (Some(near), _) => near.clone(),
             (None, Some(before)) => before.stand.clone(),
-            (None, None) => first(&built, pose.move_kg)?,
+            (None, None) => first(&built, sizes, pose.move_kg)?,
         };
-        let found = pose_state(&built, task, pose, &start)
-            .or_else(|| pose_state(&built, task, pose, &poses.last()?.stand))
-            .or_else(|| pose_state(&built, task, pose, &first(&built, pose.move_kg)?))?;
+        let found = pose_state(&built, task, pose, &start, (&sizes.home, reserve))
+            .or_else(|| pose_state(&built, task, pose, &poses.last()?.stand, (&sizes.home, reserve)))
+            .or_else(|| pose_state(&built, task, pose, &first(&built, sizes, pose.move_kg)?, (&sizes.home, reserve)))?;
         poses.push(found);
     }
     if !task.obstacles.is_empty() && task.moves {
@@ -112,12 +112,19 @@ pub fn evaluate(
     Some(Evaluation { sizes: sizes.clone(), lacks, poses, mass_kg: built.mass_kg(), length_m: built.length_m })
 }
 
-fn first(built: &Built, kg: f64) -> Option<Stand> {
-    FIRST.iter().find_map(|share| Stand::at(built, &vec![*share; built.len()], kg, None).ok())
+fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {
+    let home = Stand::at(built, &sizes.home, kg, None).ok();
+    home.or_else(|| FIRST.iter().find_map(|share| Stand::at(built, &vec![*share; built.len()], kg, None).ok()))
 }
 
-fn pose_state(built: &Built, task: &LoadedTask, pose: &LoadedPose, start: &Stand) -> Option<PoseState> {
-    let (moved, missing_m) = reach(built, start, pose.move_kg, &pose.aim).ok()?;
+fn pose_state(
+    built: &Built,
+    task: &LoadedTask,
+    pose: &LoadedPose,
+    start: &Stand,
+    (home, reserve): (&[f64], f64),
+) -> Option<PoseState> {
+    let (moved, missing_m) = reach(built, start, home, pose.move_kg, &pose.aim).ok()?;
     let mut not_carried = 0.0;
     let held = if pose.hold_kg == pose.move_kg {
         moved.clone()
@@ -127,7 +134,7 @@ fn pose_state(built: &Built, task: &LoadedTask, pose: &LoadedPose, start: &Stand
         let mut held = moved.clone();
         for part in [0.5, 1.0] {
             let kg = pose.move_kg + part * (pose.hold_kg - pose.move_kg);
-            match reach(built, &held, kg, &aim) {
+            match reach(built, &held, home, kg, &aim) {
                 Ok((next, left)) if left.norm() <= 1e-3 => held = next,
                 Ok((next, left)) => {
                     not_carried += left.norm() / built.length_m * 10.0;
@@ -141,8 +148,9 @@ fn pose_state(built: &Built, task: &LoadedTask, pose: &LoadedPose, start: &Stand
     let spare_m = spare_m(built, task, &moved, pose.carried.as_ref());
     let mut loads = Vec::with_capacity(LOADS.len());
     let payload_kg = pose.payload_kg();
+    let enough = task.limits.load_factor * (1.0 + reserve);
     for share in LOADS.iter().skip(if payload_kg > 0.0 { 0 } else { LOADS.len() - 1 }) {
-        match load_state(built, &held, share * payload_kg) {
+        match load_state(built, &held, share * payload_kg, enough) {
             Some(state) => loads.push(state),
             None => not_carried += 1.0 / LOADS.len() as f64,
         }
@@ -164,7 +172,13 @@ fn pose_state(built: &Built, task: &LoadedTask, pose: &LoadedPose, start: &Stand
     })
 }
 
-fn load_state(built: &Built, held: &Stand, kg: f64) -> Option<LoadState> {
+/// The load factor, or `enough` where it is at least that: one step there is much cheaper than the way to where the limb falls.
+fn load_factor(rod: &Rod, shape: &Shape, enough: f64) -> f64 {
+    let reached = solve(&rod.grown(enough), Bends::Linear, Some(&shape.q)).is_ok_and(|found| found.steps == 1);
+    if reached { enough } else { shape.load_factor(rod, Bends::Linear) }
+}
+
+fn load_state(built: &Built, held: &Stand, kg: f64, enough: f64) -> Option<LoadState> {
     let stand = Stand::at(built, &held.shares, kg, Some(held)).ok()?;
     let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
     let compliance = shape.compliance_m_per_n(rod, Bends::Linear)?[(2, 2)];
@@ -173,7 +187,7 @@ fn load_state(built: &Built, held: &Stand, kg: f64) -> Option<LoadState> {
     let least = bends.map(|(_, (piece, q))| piece.free[1] + q[2] - q[3].abs()).fold(f64::INFINITY, f64::min);
     Some(LoadState {
         payload_kg: kg,
-        load_factor: shape.load_factor(rod, Bends::Linear),
+        load_factor: load_factor(rod, shape, enough),
         stiffness_n_per_m: 1.0 / compliance,
         sag_m: (stand.tip_m() - limb.free_tip().translation.vector).norm(),
         buckling_ratio: limb.buckling(rod, shape).map_or(0.0, |tube| tube.ratio()),

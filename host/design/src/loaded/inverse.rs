@@ -1,7 +1,7 @@
 //! Inverse kinematics under load: pressures that bring the tip of the loaded limb to an aim.
 //!
-//! Newton's method on the tip with the tangent of the statics. Where several pressures do, the step is the shortest from the pressures at
-//! hand; a pressure that leaves its range is held at its end.
+//! Newton's method on the tip with the tangent of the statics. Where several pressures do, those nearest to `home` are taken, in shares of
+//! the ranges; a pressure that leaves its range is held at its end.
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector4};
 
@@ -72,7 +72,13 @@ pub(super) fn nearest(aim: &Aim, point_m: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The limb with its tip at the aim under a payload, kg, or as near as it gets, and what is missing, m.
-pub(super) fn reach(built: &Built, from: &Stand, kg: f64, aim: &Aim) -> Result<(Stand, Vector3<f64>), f64> {
+pub(super) fn reach(
+    built: &Built,
+    from: &Stand,
+    home: &[f64],
+    kg: f64,
+    aim: &Aim,
+) -> Result<(Stand, Vector3<f64>), f64> {
     let mut here = Stand::at(built, &from.shares, kg, Some(from))?;
     let miss = |stand: &Stand| {
         let tip_m = stand.tip_m();
@@ -83,14 +89,14 @@ pub(super) fn reach(built: &Built, from: &Stand, kg: f64, aim: &Aim) -> Result<(
         if missing.norm() <= ARRIVED_M {
             break;
         }
-        let Some(step) = step(built, &here, kg, &missing) else { break };
+        let Some(step) = step(built, &here, home, kg, &missing) else { break };
         let mut share = f64::min(1.0, LONGEST / step.amax().max(1e-12));
         let found = loop {
             let tried: Vec<f64> =
                 here.shares.iter().zip(step.iter()).map(|(at, by)| (at + share * by).clamp(0.0, 1.0)).collect();
             if let Ok(there) = Stand::at(built, &tried, kg, Some(&here)) {
                 let left = miss(&there);
-                if left.norm() < missing.norm() * (1.0 - 1e-4 * share) {
+                if left.norm() < f64::max(missing.norm() * (1.0 - 1e-4 * share), ARRIVED_M) {
                     break Some((there, left));
                 }
             }
@@ -110,7 +116,7 @@ pub(super) fn reach(built: &Built, from: &Stand, kg: f64, aim: &Aim) -> Result<(
 }
 
 /// The step in shares that takes the tip by `missing`, in the ranges.
-fn step(built: &Built, here: &Stand, kg: f64, missing: &Vector3<f64>) -> Option<DVector<f64>> {
+fn step(built: &Built, here: &Stand, home: &[f64], kg: f64, missing: &Vector3<f64>) -> Option<DVector<f64>> {
     let count = here.shares.len();
     let signs: Vec<f64> = here.shares.iter().map(|share| if *share < 0.5 { STEP } else { -STEP }).collect();
     let strains = here.strains();
@@ -122,16 +128,19 @@ fn step(built: &Built, here: &Stand, kg: f64, missing: &Vector3<f64>) -> Option<
     let others = (0..count).map(moved).collect::<Option<Vec<_>>>()?;
     let responses = here.shape.tip_responses_m(&here.rod, Bends::Linear, &others)?;
     let jacobian = DMatrix::from_fn(3, count, |row, column| responses[column][row] / signs[column]);
+    // From home the shortest way to where the tip shall be, as the tangent has it.
+    let away = DVector::from_fn(count, |index, _| home[index] - here.shares[index]);
     let mut held = vec![None; count];
     for _ in 0..=count {
-        let (mut free, mut left) = (jacobian.clone(), DVector::from_column_slice(missing.as_slice()));
+        let mut free = jacobian.clone();
+        let mut left = DVector::from_column_slice(missing.as_slice()) - &jacobian * &away;
         for (index, by) in held.iter().enumerate() {
             let Some(by) = by else { continue };
-            left -= jacobian.column(index) * *by;
+            left -= jacobian.column(index) * (*by - away[index]);
             free.column_mut(index).fill(0.0);
         }
         let square = &free * free.transpose() + DMatrix::identity(3, 3) * (HARDLY_M * HARDLY_M);
-        let mut next = free.transpose() * square.cholesky()?.solve(&left);
+        let mut next = &away + free.transpose() * square.cholesky()?.solve(&left);
         held.iter().enumerate().for_each(|(index, by)| by.iter().for_each(|by| next[index] = *by));
         let outside = |index: usize| {
             let there = here.shares[index] + next[index];

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::built::Built;
-use super::evaluate::PoseState;
+use super::evaluate::{LOADS, PoseState};
 use super::limits::Margin;
 use super::task::LoadedTask;
 
@@ -39,11 +39,7 @@ pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &Pos
     state.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
     push(Margin::Carries, FALLS * state.not_carried);
-    // A pressure over its range less the reserve.
-    for share in &state.shares {
-        push(Margin::Pressure, (share * more - 1.0).max(0.0) / SHARE);
-    }
-    let states = if task.poses[pose].payload_kg() > 0.0 { 3 } else { 1 };
+    let states = if task.poses[pose].payload_kg() > 0.0 { LOADS.len() } else { 1 };
     for index in 0..states {
         // A load that is not carried has no margins: it counts above.
         let Some(load) = state.loads.get(index) else {

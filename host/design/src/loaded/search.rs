@@ -35,7 +35,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { seed: 0, samples: 64, rounds: 6, abreast: 2, steps: 25, raises: 6 }
+        Self { seed: 0, samples: 64, rounds: 6, abreast: 2, steps: 40, raises: 6 }
     }
 }
 
@@ -210,7 +210,7 @@ pub(super) fn local(
     let criteria = StoppingCriteria {
         zero: NOTHING,
         relative: 1e-4,
-        least_gain: 1e-2,
+        least_gain: 5e-3,
         evaluations: steps.max(1),
         ..StoppingCriteria::default()
     };

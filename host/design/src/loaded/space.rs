@@ -9,6 +9,8 @@ use softlimb_limb::base_pose;
 
 /// Air between actuators side by side, m.
 const APART_M: f64 = 1e-3;
+/// Name of the variables that are no sizes: the pressures that poses stay near to.
+pub(super) const HOME: &str = "home";
 
 /// Where a limb may start.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +95,8 @@ pub struct LimbSizes {
     pub pitch_rad: f64,
     /// Its modules.
     pub modules: Vec<ModuleSizes>,
+    /// Pressures that poses stay near to where several pressures do, as shares of the highest.
+    pub home: Vec<f64>,
 }
 
 /// One open variable.
@@ -119,6 +123,7 @@ impl LimbSpace {
         for (index, module) in self.modules.iter().enumerate() {
             all.extend(module.axes().map(|(name, bounds)| (Some(index), name, bounds)));
         }
+        all.extend((0..self.modules.len()).map(|index| (Some(index), HOME, [0.0, 1.0])));
         let open = all.into_iter().filter(|(_, _, [low, high])| high > low);
         open.map(|(module, name, bounds)| Variable { module, name, bounds }).collect()
     }
@@ -131,8 +136,10 @@ impl LimbSpace {
             |bounds: Bounds| if bounds[1] > bounds[0] { at(bounds, shares.next().unwrap_or(0.5)) } else { bounds[0] };
         let position_m = self.base.position_m.map(&mut next);
         let pitch_rad = next(self.base.pitch_rad);
-        let modules = self.modules.iter().map(|module| module.sizes(module.axes().map(|(_, bounds)| next(bounds))));
-        LimbSizes { position_m, pitch_rad, modules: modules.collect() }
+        let modules: Vec<ModuleSizes> =
+            self.modules.iter().map(|module| module.sizes(module.axes().map(|(_, bounds)| next(bounds)))).collect();
+        let home = self.modules.iter().map(|_| next([0.0, 1.0])).collect();
+        LimbSizes { position_m, pitch_rad, modules, home }
     }
 
     /// The point of the unit box nearest to values of the variables, in their order.
@@ -170,6 +177,7 @@ impl LimbSpace {
                 "wall" => of([8e-3, 6e-3, 5e-3]),
                 "length" => 0.19,
                 "circle_radius" => 0.062,
+                HOME => 0.4,
                 _ => middle,
             }
         })
