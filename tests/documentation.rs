@@ -4,6 +4,8 @@
 mod citations;
 #[path = "documentation/pages.rs"]
 mod pages;
+#[path = "documentation/retired.rs"]
+mod retired;
 
 use std::collections::BTreeSet;
 
@@ -85,6 +87,17 @@ fn tests_named_without_their_file_exist() {
         }
     }
     assert!(count > 100, "only {count} names of tests were found");
+}
+
+#[test]
+fn documented_commands_are_of_this_version() {
+    let retired = retired::rows(&read("host/src/cli/retired.rs"));
+    assert!(retired.len() > 10, "only {} retired forms were found", retired.len());
+    let found = documents().into_iter().flat_map(|(path, text)| {
+        retired::used(&text, &retired).into_iter().map(|used| format!("{path}: {used}")).collect::<Vec<_>>()
+    });
+    let found: Vec<String> = found.collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 #[test]

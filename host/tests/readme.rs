@@ -1,4 +1,4 @@
-//! The README shows what its first command prints. After a change that is meant to change it:
+//! README and first tutorial show what the first command prints. After a change that is meant to change it:
 //! `UPDATE_README=1 cargo test -p softlimb readme`.
 
 use softlimb_rig::report;
@@ -10,6 +10,9 @@ fn repository(path: &str) -> String {
     format!("{}/../{path}", env!("CARGO_MANIFEST_DIR"))
 }
 
+/// Pages whose first block of text is the table.
+const PAGES: [&str; 2] = ["README.md", "docs/tutorial/first-run.md"];
+
 /// Everything but the second line, which holds the time the run took.
 fn timeless(table: &str) -> Vec<&str> {
     let lines = table.trim().lines().map(str::trim_end);
@@ -18,16 +21,19 @@ fn timeless(table: &str) -> Vec<&str> {
 
 #[test]
 fn table_of_the_readme_is_the_table_of_the_run() {
-    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
-    let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a block of output");
     let scene = scene::load(repository("scenes/pick-and-place-a.toml")).unwrap();
     let out = tempfile::tempdir().unwrap();
     let options = RunOptions { seed: scene.seed(), out: out.path().join("run"), mcu: Mcu::Here };
     let files = run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap();
     let table = report::summary(&files.run).table();
-    if std::env::var_os("UPDATE_README").is_some() {
-        std::fs::write(repository("README.md"), readme.replacen(shown, &format!("{}\n", table.trim()), 1)).unwrap();
-        return;
+    for path in PAGES {
+        let page = std::fs::read_to_string(repository(path)).unwrap();
+        let shown =
+            page.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a block of output");
+        if std::env::var_os("UPDATE_README").is_some() {
+            std::fs::write(repository(path), page.replacen(shown, &format!("{}\n", table.trim()), 1)).unwrap();
+        } else {
+            assert_eq!(timeless(shown), timeless(&table), "{path}: see the head of this test");
+        }
     }
-    assert_eq!(timeless(shown), timeless(&table), "see the head of this test");
 }

@@ -1,8 +1,8 @@
-//! Public names against the retired words of the glossary.
+//! Public names against the retired words of `CONTRIBUTING.md`.
 
 /// The words of the table "Retired words" whose cell has no restriction in parentheses.
-pub(crate) fn retired(glossary: &str) -> Vec<String> {
-    let (_, table) = glossary.split_once("## Retired words").expect("the table of retired words");
+pub(crate) fn retired(page: &str) -> Vec<String> {
+    let (_, table) = page.split_once("## Retired words").expect("the table of retired words");
     let rows = table
         .lines()
         .filter(|line| line.starts_with("| ") && !line.starts_with("| Do not") && !line.starts_with("| ---"));

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use softlimb_limb::Limb;
-use softlimb_limb::statics::LOAD_FACTOR_MAX;
+use softlimb_limb::statics::{BUCKLING_MARGIN_MAX, LOAD_FACTOR_MAX};
 use softlimb_motion::{
     BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, PRESSURE_SHARE_MAX, Plan, SAG_SHARE_MAX, STIFFNESS_MIN_N_PER_M,
 };
@@ -51,13 +51,13 @@ pub(super) fn rows(plan: &Plan, margins: &[Margins]) -> Vec<String> {
     let units = format!("  {:<16} {:>7} {:>11} {:>9} {:>8} {:>9} {:>9}", "", "kg", "", "N/m", "mm", "", "%");
     let row = |(phase, margins): (&softlimb_motion::PlannedPhase, &Margins)| {
         format!(
-            "  {:<16} {:7.2} {:>11} {:9.1} {:8.1} {:9.1} {:9.1}",
+            "  {:<16} {:7.2} {:>11} {:9.1} {:8.1} {:>9} {:9.1}",
             phase.name,
             margins.payload_kg,
             load_factor(margins.load_factor),
             margins.stiffness_n_per_m,
             1e3 * margins.sag_m,
-            margins.buckling_margin,
+            buckling_margin(margins.buckling_margin),
             100.0 * margins.pressure_share,
         )
     };
@@ -67,6 +67,10 @@ pub(super) fn rows(plan: &Plan, margins: &[Margins]) -> Vec<String> {
 /// The factor as printed: the largest stands for all that are larger.
 pub(super) fn load_factor(factor: f64) -> String {
     if factor < LOAD_FACTOR_MAX { format!("{factor:.2}") } else { format!("> {factor:.0}") }
+}
+
+fn buckling_margin(margin: f64) -> String {
+    if margin < BUCKLING_MARGIN_MAX { format!("{margin:.1}") } else { format!("> {margin:.0}") }
 }
 
 /// A warning for each margin that is too small, with a change that helps.

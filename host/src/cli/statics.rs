@@ -9,7 +9,7 @@ use super::check_margins::load_factor;
 use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, warn};
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Answer, EquilibriumError, Load, LoadedLimb, Standing};
+use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, EquilibriumError, Load, LoadedLimb, Standing};
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
 
@@ -199,6 +199,11 @@ fn model(answer: &Answer) -> String {
         .map_or_else(|| name.to_owned(), |(_, error)| format!("{name} (rods are {:.2} % off)", 100.0 * error))
 }
 
+/// Compression over the load of buckling, %; the largest margin stands for tubes that are pulled.
+fn buckling_percent(margin: f64) -> String {
+    if margin < BUCKLING_MARGIN_MAX { format!("{:.1}", 100.0 / margin) } else { format!("< {:.0}", 100.0 / margin) }
+}
+
 fn table(scene: &Scene, rows: &[Row]) -> String {
     let mut lines = vec![
         format!("{}: {:.2} kg, {:.3} m at rest", scene.name(), scene.mass_kg(), scene.rest_length_m()),
@@ -219,11 +224,11 @@ fn table(scene: &Scene, rows: &[Row]) -> String {
                     .stiffness_n_per_m
                     .map_or_else(String::new, |k| format!("{:.1}, {:.1}, {:.1}", k[0], k[1], k[2]));
                 format!(
-                    "{head} {:>23} {:10.1} {stiffness:>20} {:>9} {:9.1} {:7.2}  {}",
+                    "{head} {:>23} {:10.1} {stiffness:>20} {:>9} {:>9} {:7.2}  {}",
                     format!("{x:.3}, {y:.3}, {z:.3}"),
                     found.sag_m * 1e3,
                     load_factor(found.load_factor),
-                    100.0 / found.buckling_margin,
+                    buckling_percent(found.buckling_margin),
                     100.0 * found.answer.error(),
                     model(&found.answer),
                 )

@@ -25,7 +25,7 @@ pub(super) fn check(file: &[u8], places: &[(String, &str)]) -> Result<(), String
         }
     }
     if found.is_empty() {
-        println!("xtask: no double precision, no text of floating-point numbers, no place of this computer in it");
+        println!("xtask: no double precision, no text of floating-point numbers, no paths of the build computer in it");
         return Ok(());
     }
     Err(format!("the image must not hold\n  {}", found.join("\n  ")))

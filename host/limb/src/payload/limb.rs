@@ -21,8 +21,8 @@ pub struct LoadCase {
     pub direction: [f64; 3],
     /// Gravity in the scene's frame, m/s2.
     pub gravity_m_per_s2: [f64; 3],
-    /// Rings that keep the actuators of a module together between its connectors, in each module.
-    pub spacers: u32,
+    /// Spacers in each module in place of its own; `None` for its own.
+    pub spacers: Option<u32>,
     /// The share of the load that a bay buckles at which a push may reach, > 0; infinite for no such limit.
     pub buckling_share: f64,
 }
@@ -94,7 +94,9 @@ pub fn limb_capacity(
         };
         let constant = masses[index..].iter().flatten().map(|(kg, at)| wrench(&(gravity * *kg), at)).sum();
         let per_load = wrench(&(direction / length), &tip);
-        let (station, critical_n) = station(module, &states[index], constant, per_load, case)?;
+        let spacers = case.spacers.unwrap_or_else(|| scene.modules()[index].spacers.into());
+        let (station, critical_n) =
+            station(module, &states[index], constant, per_load, (case.buckling_share, spacers))?;
         holding.modules.push(ModuleLoad {
             name: module.name.clone(),
             weight_moment_nm: station.constant.fixed_rows::<3>(3).norm(),
@@ -143,7 +145,7 @@ fn chain(scene: &Scene, limb: &Limb, states: &[State<f64>]) -> (Vec<Isometry3<f6
         let (start, link) = (poses[index], module.link(state));
         let [connector_m, tool_m] = module.rigid_parts_m();
         let end = start * link.pose_at(1.0);
-        let walls = scene.modules()[index].elastomer_mass_kg();
+        let walls = scene.modules()[index].mass_kg();
         // Simpson's rule along the arc.
         let share = |share: f64, weight: f64| (walls * weight, start * link.pose_at(share) * Point3::origin());
         let behind = |z: f64| end * Point3::new(0.0, 0.0, z);
@@ -163,7 +165,7 @@ fn station(
     state: &State<f64>,
     constant: Vector6<f64>,
     per_load: Vector6<f64>,
-    case: &LoadCase,
+    (buckling_share, spacers): (f64, u32),
 ) -> Result<(Linearised, Option<f64>), PayloadError> {
     let count = module.channels.len();
     let bends = module.motion == Motion::Bending;
@@ -179,8 +181,8 @@ fn station(
         Mounted::new(&format!("{} {}", module.name, i + 1), module.actuator, hold, point, axis)
     };
     let bundle = Bundle { actuators: (0..count).map(mounted).collect::<Result<_, _>>()? };
-    let critical_n = critical_n(module, state, case)?;
-    let push_max = critical_n.map_or(f64::INFINITY, |critical_n| critical_n * case.buckling_share);
+    let critical_n = critical_n(module, state, spacers)?;
+    let push_max = critical_n.map_or(f64::INFINITY, |critical_n| critical_n * buckling_share);
     let rows = match module.motion {
         Motion::Extension | Motion::Expansion => [false, false, true, true, true, false],
         Motion::Twisting => [false, false, false, true, true, true],
@@ -201,7 +203,7 @@ fn station(
 }
 
 /// As [`column_n`] has it, with `E I = (dN/dl) l (r_i^2 + r_o^2)/4`: the section as a ring whose axial stiffness is the model's own.
-fn critical_n(module: &LimbModule, state: &State<f64>, case: &LoadCase) -> Result<Option<f64>, PayloadError> {
+fn critical_n(module: &LimbModule, state: &State<f64>, spacers: u32) -> Result<Option<f64>, PayloadError> {
     if module.motion == Motion::Bending {
         return Ok(None);
     }
@@ -212,7 +214,7 @@ fn critical_n(module: &LimbModule, state: &State<f64>, case: &LoadCase) -> Resul
     let length = module.length_m() * state.axial_stretch;
     let radii = held.state.inner_radius_m.powi(2) + held.state.outer_radius_m.powi(2);
     let bending = held.stiffness[0][0] * length * radii / 4.0;
-    let bay = length / f64::from(case.spacers + 1);
+    let bay = length / f64::from(spacers + 1);
     // Stiffness per length is that of the length as it is.
     Ok(Some(column_n(bending, shear_n(&module.actuator) * state.axial_stretch, bay)))
 }

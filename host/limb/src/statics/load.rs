@@ -45,11 +45,15 @@ impl LoadedLimb {
         }
         let modules = limb.modules().iter().zip(bays);
         let bundles = modules.map(|(module, bays)| Bundle::new(module, &pressures_pa[module.channels.clone()], *bays));
-        let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
+        // As many spacers as there are plates between the connectors, which need not be those of the scene.
+        let mass_kg = |(module, bays): (&Module, &usize)| {
+            module.elastomer_mass_kg() + bays.saturating_sub(1) as f64 * module.spacer_mass_kg
+        };
+        let walls_kg: Vec<f64> = scene.modules().iter().zip(bays).map(mass_kg).collect();
         Some(Self::of_bundles(scene, limb, bundles.collect::<Option<_>>()?, &walls_kg, load))
     }
 
-    /// The limb of a scene whose modules are these bundles, with walls of these masses, kg.
+    /// The limb of a scene whose modules are these bundles, with walls and spacers of these masses, kg.
     ///
     /// # Panics
     /// When there are not as many bundles and masses as modules.

@@ -37,7 +37,7 @@ impl LoadedLimb {
             return Ok(settled);
         }
         for _ in 0..TURNS {
-            let strains = settled.limb.strains(&settled.rod, &settled.shape);
+            let strains = settled.limb.strains(&settled.rod, &settled.shape.q);
             if settled.limb.change(&strains) <= CONVERGED {
                 return Ok(settled);
             }
@@ -49,14 +49,14 @@ impl LoadedLimb {
         Err(EquilibriumError::Unsettled)
     }
 
-    /// Mean strains of each module in a shape of `rod`, which may have each module in several pieces: stretch, bends and twist.
-    pub fn strains(&self, rod: &Rod, shape: &Shape) -> Vec<Vector4<f64>> {
+    /// Mean strains of each module at unknowns `q` of `rod`, which may have each module in several pieces: stretch, bends and twist.
+    pub fn strains(&self, rod: &Rod, q: &DVector<f64>) -> Vec<Vector4<f64>> {
         let parts = (rod.pieces.len() / self.rod.pieces.len().max(1)).max(1);
         let of_module = |(pieces, q): (&[Piece], &[f64])| {
             let of_piece = |(piece, q): (&Piece, &[f64])| Vector4::from(piece.free) + piece.differences(q)[0];
             pieces.iter().zip(q.chunks(UNKNOWNS)).map(of_piece).sum::<Vector4<f64>>() / pieces.len() as f64
         };
-        rod.pieces.chunks(parts).zip(shape.q.as_slice().chunks(parts * UNKNOWNS)).map(of_module).collect()
+        rod.pieces.chunks(parts).zip(q.as_slice().chunks(parts * UNKNOWNS)).map(of_module).collect()
     }
 
     /// The limb with its tubes' springs about strains of its modules.

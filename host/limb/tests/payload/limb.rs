@@ -20,7 +20,7 @@ fn rest(limb: &Limb) -> Vec<State<f64>> {
 const CASE: LoadCase = LoadCase {
     direction: [0.0, 0.0, -1.0],
     gravity_m_per_s2: [0.0, 0.0, -GRAVITY],
-    spacers: 2,
+    spacers: Some(2),
     buckling_share: f64::INFINITY,
 };
 
@@ -78,7 +78,12 @@ fn spacers_and_buckling_order_the_loads() {
     let scene = scene_a();
     let limb = Limb::new(&scene).unwrap();
     let load = |spacers: u32, buckling_share: f64| {
-        let case = LoadCase { direction: [-1.0, 0.0, 0.0], spacers, buckling_share, gravity_m_per_s2: [0.0; 3] };
+        let case = LoadCase {
+            direction: [-1.0, 0.0, 0.0],
+            spacers: Some(spacers),
+            buckling_share,
+            gravity_m_per_s2: [0.0; 3],
+        };
         capacity(&limb_capacity(&scene, &limb, &rest(&limb), &case).unwrap().question).unwrap().load_n
     };
     let (none, two, free) = (load(0, 0.5), load(2, 0.5), load(0, f64::INFINITY));

@@ -87,7 +87,7 @@ fn crept_tubes_are_free_in_their_own_shape() {
 fn settled_limbs_are_about_their_own_strains() {
     let (limb, length_m) = loaded("[0, 0, -1]", 1.0, 30e3, 6, 0.3).expect("a limb");
     let cold = limb.settle(Fidelity::Double, None).expect("stands");
-    let about = limb.at_strains(&cold.limb.strains(&cold.rod, &cold.shape)).expect("stable");
+    let about = limb.at_strains(&cold.limb.strains(&cold.rod, &cold.shape.q)).expect("stable");
     let warm = about.settle(Fidelity::Double, Some(&cold.shape.q)).expect("stands");
     let tip = |settled: &softlimb_limb::statics::Settled| settled.shape.tip().translation.vector;
     assert!((tip(&cold) - tip(&warm)).norm() < 1e-8 * length_m);

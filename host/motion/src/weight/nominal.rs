@@ -113,7 +113,7 @@ impl<'a> Nominal<'a> {
         };
         let start = self.last.as_ref().map(|(_, q)| q);
         let Settled { limb, rod, shape } = limb.settle(self.tier, start).map_err(PoseError::EquilibriumError)?;
-        self.last = Some((limb.strains(&rod, &shape), shape.q.clone()));
+        self.last = Some((limb.strains(&rod, &shape.q), shape.q.clone()));
         Ok(Pose { limb, rod, shape })
     }
 
@@ -126,17 +126,23 @@ impl<'a> Nominal<'a> {
         spans_pa: &[f64],
     ) -> Option<Vec<Vector3<f64>>> {
         let (parts, bends) = self.tier.pieces();
-        let strains = pose.limb.strains(&pose.rod, &pose.shape);
-        let moved = |module: usize| {
-            let mut pressures_pa = pressures_pa.to_vec();
+        let strains = pose.limb.strains(&pose.rod, &pose.shape.q);
+        let responding = pose.shape.responding(&pose.rod, bends)?;
+        let velocity = |module: usize| {
+            let mut moved_pa = pressures_pa.to_vec();
             // Towards the middle of the range: there is an equilibrium on that side.
-            pressures_pa[module] += self.step_pa(pressures_pa[module], spans_pa[module]);
-            Some(self.loaded(&pressures_pa, on)?.at_strains(&strains).ok()?.rod.split(parts))
+            let step_pa = self.step_pa(pressures_pa[module], spans_pa[module]);
+            moved_pa[module] += step_pa;
+            let other = self.loaded(&moved_pa, on)?;
+            // Springs go with the strains, which the response of these springs tells.
+            let near = other.at_strains(&strains).ok()?;
+            let rod = near.rod.split(parts);
+            let (_, change) = responding.to(&rod);
+            let there = other.at_strains(&near.strains(&rod, &(&pose.shape.q + change))).ok()?;
+            let (tip_m, _) = responding.to(&there.rod.split(parts));
+            Some(tip_m * (spans_pa[module] / step_pa))
         };
-        let others = (0..pressures_pa.len()).map(moved).collect::<Option<Vec<_>>>()?;
-        let responses = pose.shape.tip_responses_m(&pose.rod, bends, &others)?;
-        let steps = pressures_pa.iter().zip(spans_pa).map(|(pressure, span)| self.step_pa(*pressure, *span) / span);
-        Some(responses.into_iter().zip(steps).map(|(response, step)| response / step).collect())
+        (0..pressures_pa.len()).map(velocity).collect()
     }
 
     fn step_pa(&self, pressure_pa: f64, span_pa: f64) -> f64 {

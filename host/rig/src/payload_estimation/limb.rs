@@ -41,7 +41,7 @@ impl Posed {
         });
         let bundles =
             bundles.collect::<Option<_>>().ok_or(EstimationError::NoEquilibrium { line: observation.line })?;
-        let walls_kg: Vec<f64> = scene.modules().iter().map(Module::elastomer_mass_kg).collect();
+        let walls_kg: Vec<f64> = scene.modules().iter().map(Module::mass_kg).collect();
         let limb = LoadedLimb::of_bundles(scene, limb, bundles, &walls_kg, &Load::default()).stiffened(stiffer);
         Ok(Self { line: observation.line, limb, last: None })
     }

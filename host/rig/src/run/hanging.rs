@@ -33,7 +33,7 @@ pub(super) struct Hanging<'a> {
     limb: &'a Limb,
     plan: &'a Plan,
     carried: Vec<Carried>,
-    /// True actuators, one a channel, and masses of the walls, kg, one a module; known from the first sample on.
+    /// True actuators, one a channel, and masses of walls and spacers, kg, one a module; known from the first sample on.
     known: Option<(Vec<Actuator<f64>>, Vec<f64>)>,
     /// Strains of the modules at the last sample, and its unknowns.
     last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
@@ -101,7 +101,7 @@ impl<'a> Hanging<'a> {
                 return (None, faults);
             }
         };
-        self.last = Some((limb.strains(&rod, &shape), shape.q.clone()));
+        self.last = Some((limb.strains(&rod, &shape.q), shape.q.clone()));
         if let Some(tube) = limb.buckling(&rod, &shape).filter(|tube| tube.ratio() > NEAR_BUCKLING) {
             let (name, percent) = (&self.limb.modules()[tube.module].name, 100.0 * tube.ratio());
             if tube.ratio() >= BUCKLED {
@@ -176,7 +176,7 @@ fn actuators(truth: &Truth) -> Option<Vec<Actuator<f64>>> {
     truth.channels.iter().map(|channel| Actuator::new(&channel.parameters.actuator).ok()).collect()
 }
 
-/// Masses of the modules' true walls, kg.
+/// Masses of the modules' true walls and their spacers, kg.
 fn walls_kg(scene: &Scene, limb: &Limb, truth: &Truth) -> Vec<f64> {
     let of_channel = |parameters: &fra_model::ActuatorParameters<f64>| {
         let (inner, outer) = (parameters.inner_radius_m, parameters.outer_radius_m);
@@ -184,7 +184,8 @@ fn walls_kg(scene: &Scene, limb: &Limb, truth: &Truth) -> Vec<f64> {
     };
     let of_module = |(module, described): (&LimbModule, &softlimb_scene::Module)| {
         let channels = truth.channels.iter().take(module.channels.end).skip(module.channels.start);
-        channels.map(|channel| of_channel(&channel.parameters.actuator)).sum::<f64>() * described.density_kg_per_m3
+        let walls_m3: f64 = channels.map(|channel| of_channel(&channel.parameters.actuator)).sum();
+        walls_m3 * described.density_kg_per_m3 + described.spacers_mass_kg()
     };
     limb.modules().iter().zip(scene.modules()).map(of_module).collect()
 }

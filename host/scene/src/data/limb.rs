@@ -53,6 +53,8 @@ pub struct Module {
     pub mount_angle_rad: f64,
     /// Plates between its connectors, 0 to 50.
     pub spacers: u8,
+    /// Mass of one of them, kg; 0 to 5.
+    pub spacer_mass_kg: f64,
     /// Inner radius at rest, m; > 0.
     pub inner_radius_m: Located<f64>,
     /// Outer radius at rest, m; > inner radius.
@@ -101,5 +103,15 @@ impl Module {
         let (inner, outer) = (*self.inner_radius_m, *self.outer_radius_m);
         let section = std::f64::consts::PI * (outer - inner) * (outer + inner);
         f64::from(self.actuators) * section * *self.length_m * self.density_kg_per_m3
+    }
+
+    /// Mass of its spacers, kg.
+    pub fn spacers_mass_kg(&self) -> f64 {
+        f64::from(self.spacers) * self.spacer_mass_kg
+    }
+
+    /// Mass between its connectors, kg: walls and spacers.
+    pub fn mass_kg(&self) -> f64 {
+        self.elastomer_mass_kg() + self.spacers_mass_kg()
     }
 }

@@ -155,9 +155,9 @@ impl Scene {
         modules + self.limb.end_effector.as_ref().map_or(0.0, |tool| tool.length_m)
     }
 
-    /// Mass of elastomer, connectors and end effector, kg. Fibers, tubes and air are not counted.
+    /// Mass of elastomer, spacers, connectors and end effector, kg. Fibers, tubes and air are not counted.
     pub fn mass_kg(&self) -> f64 {
-        let modules: f64 = self.modules.iter().map(|m| m.elastomer_mass_kg() + self.limb.connector_mass_kg).sum();
+        let modules: f64 = self.modules.iter().map(|m| m.mass_kg() + self.limb.connector_mass_kg).sum();
         modules + self.limb.end_effector.as_ref().map_or(0.0, |tool| tool.mass_kg)
     }
 

@@ -72,6 +72,7 @@ fn draft<'a>(
     let length = reader.quantity(&keys::LENGTH);
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
     let spacers = reader.integer(&keys::SPACERS);
+    let spacer_mass = reader.quantity(&keys::SPACER_MASS);
     let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, materials.find(reader.log(), name)?)));
     let bounds = module_bounds(reader).unwrap_or_default();
     let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall));
@@ -89,6 +90,7 @@ fn draft<'a>(
             arrangement: arrangement?,
             mount_angle_rad: *mount_angle?,
             spacers: u8::try_from(*spacers?).ok()?,
+            spacer_mass_kg: *spacer_mass?,
             inner_radius_m: inner,
             outer_radius_m: outer,
             length_m: length?,

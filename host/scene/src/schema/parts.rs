@@ -82,7 +82,8 @@ section! {
     CIRCLE_RADIUS: Quantity { name: "circle_radius", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("circle only: 0 for one actuator, else required") } = "Distance from the connector's center to each actuator's axis. The actuators must not overlap.";
     SPACING: Quantity { name: "spacing", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("row only: 0 for one actuator, else required") } = "Distance between the axes of neighbouring actuators of a row, at least their outer diameter.";
     MOUNT_ANGLE: Quantity { name: "mount_angle", unit: Unit::DEG, min: -360.0, max: 360.0, presence: Default(0.0) } = "Rotation of the module about the limb's axis.";
-    SPACERS: Integer { name: "spacers", min: 0, max: 50, presence: Default(0) } = "Rigid plates that hold the actuators together, evenly between the connectors; without weight. They keep the tubes from buckling.";
+    SPACERS: Integer { name: "spacers", min: 0, max: 50, presence: Default(0) } = "Rigid plates that hold the actuators together, evenly between the connectors. They keep the tubes from buckling.";
+    SPACER_MASS: Quantity { name: "spacer_mass", unit: Unit::KG, min: 0.0, max: 5.0, presence: Default(0.0) } = "Mass of one of its spacers; counted as spread along the module.";
     INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Inner radius at rest.";
     OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Outer radius at rest, above `inner_radius`.";
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";

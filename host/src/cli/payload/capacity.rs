@@ -31,9 +31,9 @@ pub(super) struct CapacityMode {
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 1, default_value = "0,0,-1",
         value_parser = quantity("1", f64::NEG_INFINITY, f64::INFINITY))]
     direction: Vec<Quantity>,
-    /// Rings in each module that keep its actuators together
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100))]
-    spacers: u32,
+    /// Plates in each module, in place of the modules' own `spacers`
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100))]
+    spacers: Option<u32>,
     /// Largest push of an actuator over the buckling load of its bay
     #[arg(long, value_name = "RATIO", default_value = "0.5", value_parser = above_zero("1", 1.0))]
     buckling_share: Quantity,

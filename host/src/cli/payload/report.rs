@@ -38,7 +38,8 @@ struct Printed<'a> {
     scene: &'a str,
     mass_kg: f64,
     direction: [f64; 3],
-    spacers: u32,
+    /// One a module.
+    spacers: Vec<u32>,
     buckling_share: f64,
     structure: &'static str,
     motions: Vec<&'static str>,
@@ -222,7 +223,7 @@ impl Report<'_> {
             scene: self.scene.name(),
             mass_kg: self.scene.mass_kg(),
             direction: self.case.direction,
-            spacers: self.case.spacers,
+            spacers: self.spacers(),
             buckling_share: self.case.buckling_share,
             structure: "soft",
             motions: self.motions(),
@@ -231,9 +232,16 @@ impl Report<'_> {
         }
     }
 
+    /// Spacers of each module.
+    fn spacers(&self) -> Vec<u32> {
+        let own = self.scene.modules().iter().map(|module| u32::from(module.spacers));
+        own.map(|own| self.case.spacers.unwrap_or(own)).collect()
+    }
+
     /// Writing to a string cannot fail.
     pub(super) fn table(&self) -> String {
         let [x, y, z] = self.case.direction;
+        let spacers: Vec<String> = self.spacers().iter().map(u32::to_string).collect();
         let mut text = format!(
             "{}: soft; {}; {:.2} kg; load at the tip along ({x}, {y}, {z})\n",
             self.scene.name(),
@@ -242,8 +250,9 @@ impl Report<'_> {
         );
         let _ = writeln!(
             text,
-            "{} spacers in a module; a push may reach {} of what its bay buckles at\n",
-            self.case.spacers, self.case.buckling_share
+            "{} spacers in the modules; a push may reach {} of what its bay buckles at\n",
+            spacers.join(", "),
+            self.case.buckling_share
         );
         text.push_str("pose          load, N  /weight unbuckled, N     own highest,   push/ certified      off\n");
         text.push_str(
