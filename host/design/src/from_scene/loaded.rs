@@ -149,6 +149,7 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
         length_m: pair(bounds.length_m, *module.length_m),
         angle_rad: pair(bounds.fiber_angle_rad, module.fiber.as_ref().map_or(0.0, |fiber| fiber.angle_rad)),
         spread_m: pair(spread, own_m),
+        spacer_kg: module.spacer_mass_kg,
         bay_m: design.map_or(f64::INFINITY, |design| design.bay_m),
         mount_angle_rad: [module.mount_angle_rad - turn, module.mount_angle_rad + turn],
         pressure_max_pa: *module.pressure_max_pa,

@@ -19,7 +19,8 @@ pub(super) struct BuiltModule {
     pub(super) length_m: f64,
     bay_m: f64,
     mount_angle_rad: f64,
-    wall_kg: f64,
+    /// Mass of walls and spacers, kg.
+    between_kg: f64,
     /// Tubes at the pressures that were asked for.
     springs: RefCell<Vec<(f64, Spring)>>,
     /// Radius of the module about its centre line at rest, m.
@@ -58,7 +59,8 @@ impl Built {
                 length_m: size.length_m,
                 bay_m: size.length_m / (f64::from(size.spacers) + 1.0),
                 mount_angle_rad: size.mount_angle_rad,
-                wall_kg: f64::from(module.actuators) * section_m2 * size.length_m * module.density_kg_per_m3,
+                between_kg: f64::from(module.actuators) * section_m2 * size.length_m * module.density_kg_per_m3
+                    + f64::from(size.spacers) * module.spacer_kg,
                 radius_m: arrangement.reach_m(module.actuators) + outer_m,
             });
         }
@@ -76,6 +78,11 @@ impl Built {
     /// Highest pressure of a module that keeps the margin, Pa.
     pub fn span_pa(&self, module: usize) -> f64 {
         self.spans_pa[module]
+    }
+
+    /// Motion of a module.
+    pub(super) fn motion(&self, module: usize) -> Motion {
+        self.modules[module].motion
     }
 
     /// Whether a module bends.
@@ -100,7 +107,7 @@ impl Built {
 
     /// Mass without payload, kg.
     pub fn mass_kg(&self) -> f64 {
-        let walls: f64 = self.modules.iter().map(|module| module.wall_kg).sum();
+        let walls: f64 = self.modules.iter().map(|module| module.between_kg).sum();
         walls + self.modules.len() as f64 * self.connector[1] + self.tool[1]
     }
 
@@ -142,7 +149,7 @@ impl Built {
             sway: bundle.sway,
             length_m: module.length_m,
             mount_angle_rad: module.mount_angle_rad,
-            kg_per_m: module.wall_kg / module.length_m,
+            kg_per_m: module.between_kg / module.length_m,
             rigid_m,
             masses,
         }

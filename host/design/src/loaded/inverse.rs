@@ -50,7 +50,7 @@ impl Stand {
 
     /// Mean strains of its modules.
     fn strains(&self) -> Vec<Vector4<f64>> {
-        self.limb.strains(&self.rod, &self.shape)
+        self.limb.strains(&self.rod, &self.shape.q)
     }
 
     /// Position of the tip, m.
@@ -120,14 +120,16 @@ fn step(built: &Built, here: &Stand, home: &[f64], kg: f64, missing: &Vector3<f6
     let count = here.shares.len();
     let signs: Vec<f64> = here.shares.iter().map(|share| if *share < 0.5 { STEP } else { -STEP }).collect();
     let strains = here.strains();
-    let moved = |module: usize| {
-        let mut shares = here.shares.clone();
-        shares[module] += signs[module];
-        Some(built.loaded(&shares, kg)?.at_strains(&strains).ok()?.rod)
+    let responding = here.shape.responding(&here.rod, Bends::Linear)?;
+    let column = |module: usize| {
+        let bundle = built.bundle(module, here.shares[module] + signs[module])?;
+        let bundle = bundle.strained(built.motion(module), &strains[module])?;
+        let mut rod = here.rod.clone();
+        rod.pieces[module] = built.piece(module, &bundle, kg);
+        Some(responding.to(&rod).0 / signs[module])
     };
-    let others = (0..count).map(moved).collect::<Option<Vec<_>>>()?;
-    let responses = here.shape.tip_responses_m(&here.rod, Bends::Linear, &others)?;
-    let jacobian = DMatrix::from_fn(3, count, |row, column| responses[column][row] / signs[column]);
+    let columns = (0..count).map(column).collect::<Option<Vec<_>>>()?;
+    let jacobian = DMatrix::from_fn(3, count, |row, column| columns[column][row]);
     // From home the shortest way to where the tip shall be, as the tangent has it.
     let away = DVector::from_fn(count, |index, _| home[index] - here.shares[index]);
     let mut held = vec![None; count];

@@ -54,6 +54,8 @@ pub struct ModuleSpace {
     pub spread_m: Bounds,
     /// Largest distance of its plates, m; > 0. Each module has as few spacers as keep it.
     pub bay_m: f64,
+    /// Mass of a spacer, kg; >= 0.
+    pub spacer_kg: f64,
     /// Bounds of the mount angle, rad.
     pub mount_angle_rad: Bounds,
     /// Highest gauge pressure, Pa; > 0.
