@@ -137,7 +137,7 @@ fn a_task_out_of_reach_names_the_bound_that_forbids_it() {
     let found = found(&wanted);
     assert!(!found.reached);
     assert!(found.evaluation.lacks.iter().any(|lack| lack.margin == Margin::Reach && lack.value.abs() > 0.1));
-    let bounds = active_bounds(&design.task, &design.space, &found, 15, &|| false);
+    let bounds = active_bounds(&design.task, &design.space, &found, 2, &|| false);
     let length = bounds.iter().find(|bound| bound.name == "length").unwrap_or_else(|| panic!("{bounds:?}"));
     assert!(length.moved_to > length.bound && length.left < 0.9, "{length:?}");
 }

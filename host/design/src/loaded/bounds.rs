@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::search::{Found, NOTHING, local, raised};
+use super::search::{Found, NOTHING, RAISE_STEPS, local, raised};
 use super::space::{HOME, LimbSpace, Variable};
 use super::task::LoadedTask;
 
@@ -34,12 +34,12 @@ pub struct ActiveBound {
 
 /// The bounds that a limb lies at. Of a limb that keeps every margin each is moved once, of another one until the margins are kept.
 ///
-/// `stop` is asked before each local solve.
+/// `abreast` is the number of threads; `stop` is asked before each local solve.
 pub fn active_bounds(
     task: &LoadedTask,
     space: &LimbSpace,
     found: &Found,
-    steps: usize,
+    abreast: usize,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<ActiveBound> {
     let variables = space.variables();
@@ -61,7 +61,7 @@ pub fn active_bounds(
             (space.with_bounds(index, bounds), if at_high { bounds[1] } else { bounds[0] })
         };
         let bound = if at_high { high } else { low };
-        all.extend(tried(task, found, (name, variable.name, bound), &values, steps, stop, moved));
+        all.extend(tried(task, found, (name, variable.name, bound), &values, abreast, stop, moved));
     }
     let full = AT_PRESSURE;
     if found.evaluation.poses.iter().any(|pose| pose.shares.iter().any(|share| *share >= full)) {
@@ -71,7 +71,7 @@ pub fn active_bounds(
             wider.modules.iter_mut().for_each(|module| module.pressure_max_pa *= 1.0 + 0.5 * by);
             (wider, highest * (1.0 + 0.5 * by))
         };
-        all.extend(tried(task, found, (None, "pressure_max", highest), &values, steps, stop, moved));
+        all.extend(tried(task, found, (None, "pressure_max", highest), &values, abreast, stop, moved));
     }
     all
 }
@@ -85,7 +85,7 @@ fn tried(
     found: &Found,
     (module, name, bound): (Option<String>, &'static str, f64),
     values: &[f64],
-    steps: usize,
+    abreast: usize,
     stop: &(dyn Fn() -> bool + Sync),
     moved: impl Fn(f64) -> (LimbSpace, f64),
 ) -> Option<ActiveBound> {
@@ -101,10 +101,10 @@ fn tried(
         let mut bound =
             ActiveBound { module: module.clone(), name, bound, moved_to, reached: false, reserve: 0.0, left: 1.0 };
         if found.reached {
-            let (_, reserve, _) = raised(task, &wider, &start, found.reserve, 2, steps, stop)?;
+            let (_, reserve, _) = raised(task, &wider, &start, found.reserve, (1, abreast), stop)?;
             return Some(ActiveBound { reached: true, reserve, left: 0.0, ..bound });
         }
-        let Some((minimum, _)) = local(task, &wider, &start, 0.0, steps) else { continue };
+        let Some((minimum, _)) = local(task, &wider, &start, 0.0, (RAISE_STEPS, abreast)) else { continue };
         bound.reached = minimum.objective <= NOTHING;
         bound.left = if bound.reached { 0.0 } else { (minimum.objective / before).sqrt() };
         let ends = bound.reached;

@@ -15,6 +15,8 @@ pub(super) const NOTHING: f64 = 1e-6;
 /// Reserve that a limb is sought with, and by how much it is raised at a time.
 const RESERVE: f64 = 0.01;
 const RAISE: f64 = 0.05;
+/// Steps of a local solve with another reserve or another bound.
+pub(super) const RAISE_STEPS: usize = 10;
 
 /// Bounds of a search.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +37,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { seed: 0, samples: 64, rounds: 6, abreast: 2, steps: 40, raises: 6 }
+        Self { seed: 0, samples: 64, rounds: 5, abreast: 2, steps: 40, raises: 3 }
     }
 }
 
@@ -60,12 +62,27 @@ struct Problem<'a> {
     reserve: f64,
     evaluations: usize,
     warm: Option<Evaluation>,
+    /// Threads of a Jacobian.
+    abreast: usize,
 }
 
 impl Problem<'_> {
     fn at(&mut self, point: &[f64]) -> Option<Evaluation> {
         self.evaluations += 1;
         evaluate(self.task, self.space, &self.space.sizes(point), self.reserve, self.warm.as_ref())
+    }
+}
+
+impl Problem<'_> {
+    /// Derivative of the residuals by one variable; zeros where the limb beside does not stand.
+    fn column(&self, at: &At, here: &[f64], axis: usize) -> Vec<f64> {
+        let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
+        let mut point = at.point.clone();
+        point[axis] += step;
+        match evaluate(self.task, self.space, &self.space.sizes(&point), self.reserve, Some(&at.limb)) {
+            Some(there) => there.lacks.iter().zip(here).map(|(there, here)| (there.value - here) / step).collect(),
+            None => vec![0.0; here.len()],
+        }
     }
 }
 
@@ -89,17 +106,12 @@ impl LeastSquares for Problem<'_> {
     fn jacobian(&mut self, at: &At) -> Option<Vec<Vec<f64>>> {
         self.warm = Some(at.limb.clone());
         let here: Vec<f64> = self.residuals(at);
-        let mut rows = vec![vec![0.0; at.point.len()]; here.len()];
-        for axis in 0..at.point.len() {
-            let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
-            let mut point = at.point.clone();
-            point[axis] += step;
-            let Some(there) = self.at(&point) else { continue };
-            for (row, (there, here)) in rows.iter_mut().zip(there.lacks.iter().zip(&here)) {
-                row[axis] = (there.value - here) / step;
-            }
-        }
-        Some(rows)
+        self.evaluations += at.point.len();
+        let axes: Vec<usize> = (0..at.point.len()).collect();
+        let parts: Vec<&[usize]> = axes.chunks(axes.len().div_ceil(self.abreast.max(1)).max(1)).collect();
+        let columns = abreast(&parts, |axes| axes.iter().map(|axis| self.column(at, &here, *axis)).collect::<Vec<_>>());
+        let columns: Vec<Vec<f64>> = columns.into_iter().flatten().collect();
+        Some((0..here.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
     }
 }
 
@@ -121,7 +133,7 @@ pub fn search(
     let mut best: Option<(Minimum<At>, f64)> = None;
     for _ in 0..effort.rounds {
         let points: Vec<Vec<f64>> = queue.by_ref().take(effort.abreast.max(1)).collect();
-        let solves = abreast(&points, |point| local(task, space, point, RESERVE, effort.steps));
+        let solves = abreast(&points, |point| local(task, space, point, RESERVE, (effort.steps, 1)));
         for (minimum, count) in solves.into_iter().flatten() {
             evaluations += count;
             if best.as_ref().is_none_or(|(best, _)| minimum.objective < best.objective) {
@@ -137,7 +149,8 @@ pub fn search(
     let (mut point, mut limb, mut reserve) = (best.point, best.evaluation.limb, 0.0);
     if reached {
         reserve = RESERVE;
-        if let Some((minimum, higher, count)) = raised(task, space, &point, RESERVE, effort.raises, effort.steps, stop)
+        if let Some((minimum, higher, count)) =
+            raised(task, space, &point, RESERVE, (effort.raises, effort.abreast), stop)
         {
             evaluations += count;
             (point, limb, reserve) = (minimum.point, minimum.evaluation.limb, higher);
@@ -152,18 +165,17 @@ pub(super) fn raised(
     space: &LimbSpace,
     start: &[f64],
     reserve: f64,
-    raises: usize,
-    steps: usize,
+    (raises, abreast): (usize, usize),
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<(Minimum<At>, f64, usize)> {
-    let (mut best, mut evaluations) = local(task, space, start, reserve, steps)?;
+    let (mut best, mut evaluations) = local(task, space, start, reserve, (RAISE_STEPS, abreast))?;
     let (mut reserve, mut raise) = (reserve, RAISE);
     for _ in 0..raises {
         if stop() {
             break;
         }
         let next = reserve + raise;
-        let Some((minimum, count)) = local(task, space, &best.point, next, steps) else { break };
+        let Some((minimum, count)) = local(task, space, &best.point, next, (RAISE_STEPS, abreast)) else { break };
         evaluations += count;
         if minimum.objective <= NOTHING {
             (best, reserve, raise) = (minimum, next, 1.6 * raise);
@@ -204,9 +216,9 @@ pub(super) fn local(
     space: &LimbSpace,
     start: &[f64],
     reserve: f64,
-    steps: usize,
+    (steps, abreast): (usize, usize),
 ) -> Option<(Minimum<At>, usize)> {
-    let mut problem = Problem { task, space, reserve, evaluations: 0, warm: None };
+    let mut problem = Problem { task, space, reserve, evaluations: 0, warm: None, abreast };
     let criteria = StoppingCriteria {
         zero: NOTHING,
         relative: 1e-4,

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -17,10 +16,6 @@ use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
-
-/// Time after which no further local solve begins: of the search, and of the search for what bounds cost.
-const SEARCH: Duration = Duration::from_secs(45);
-const BOUNDS: Duration = Duration::from_secs(20);
 
 /// What is printed with `--json`.
 #[derive(Serialize)]
@@ -52,19 +47,15 @@ struct Printed<'a> {
 /// Designs a limb under load and writes the scene with it to `file`.
 pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Result<Outcome, Failure> {
     let design = loaded_design(scene)?;
-    let started = Instant::now();
     let effort = Effort { seed, ..Effort::default() };
     let (task, space) = (&design.task, &design.space);
-    let stop = || started.elapsed() > SEARCH;
-    let found = search(task, space, &space.first_guess(), &effort, &stop).ok_or_else(|| {
+    let found = search(task, space, &space.first_guess(), &effort, &|| false).ok_or_else(|| {
         Failure::new("no limb within the bounds stands under its own weight in the first phase: raise `pressure_max` or the bounds of `[design]`")
     })?;
     let tolerance = scene.weight().map_or(1e-3, |weight| weight.error);
     let phases = confirm(task, space, &found, tolerance);
     let reached = found.reached && phases.iter().all(|phase| phase.lacks.is_empty());
-    let searched = Instant::now();
-    let stop = || searched.elapsed() > BOUNDS;
-    let bounds = active_bounds(task, space, &found, effort.steps, &stop);
+    let bounds = active_bounds(task, space, &found, effort.abreast, &|| false);
     let text = loaded_text(scene, &design, &found.evaluation.sizes).map_err(Failure::new)?;
     write_whole(file, &text).map_err(Failure::new)?;
     let refused = refused(file)?;
