@@ -12,8 +12,10 @@ use softlimb_numerics::{Kronecker, Random};
 const STEP: f64 = 2e-3;
 /// A sum of squares that counts as nothing lacking.
 pub(super) const NOTHING: f64 = 1e-6;
+/// Standard deviation of a hop from the best limb, in the unit box.
+const HOP: f64 = 0.02;
 /// Reserve that a limb is sought with, and by how much it is raised at a time.
-const RESERVE: f64 = 0.01;
+const RESERVE: f64 = 0.03;
 const RAISE: f64 = 0.05;
 /// Steps of a local solve with another reserve or another bound.
 pub(super) const RAISE_STEPS: usize = 10;
@@ -37,7 +39,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { seed: 0, samples: 64, rounds: 5, abreast: 2, steps: 40, raises: 3 }
+        Self { seed: 0, samples: 64, rounds: 12, abreast: 2, steps: 40, raises: 3 }
     }
 }
 
@@ -130,33 +132,50 @@ pub fn search(
     evaluations += starts.len();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut queue = starts.into_iter().map(|(_, point)| point);
-    let mut best: Option<(Minimum<At>, f64)> = None;
+    let mut best: Option<(Minimum<At>, bool)> = None;
+    let mut random = Random::new(effort.seed, 2);
     for _ in 0..effort.rounds {
-        let points: Vec<Vec<f64>> = queue.by_ref().take(effort.abreast.max(1)).collect();
-        let solves = abreast(&points, |point| local(task, space, point, RESERVE, (effort.steps, 1)));
-        for (minimum, count) in solves.into_iter().flatten() {
+        // One solve goes on from beside the best limb: a kink of the residuals is left, or a better valley found.
+        let beside = best.as_ref().map(|(best, _)| {
+            let step = |x: &f64| (x + HOP * random.normal()).clamp(0.0, 1.0);
+            best.point.iter().map(step).collect::<Vec<f64>>()
+        });
+        let fresh = queue.by_ref().take(effort.abreast.saturating_sub(usize::from(beside.is_some())).max(1));
+        let points: Vec<Vec<f64>> = beside.into_iter().chain(fresh).collect();
+        let solves = abreast(&points, |point| {
+            let (minimum, count) = local(task, space, point, RESERVE, (effort.steps, 1))?;
+            let keeps = keeps(task, space, &minimum);
+            Some((minimum, keeps, count))
+        });
+        for (minimum, keeps, count) in solves.into_iter().flatten() {
             evaluations += count;
-            if best.as_ref().is_none_or(|(best, _)| minimum.objective < best.objective) {
-                best = Some((minimum, RESERVE));
+            let merit = |minimum: &Minimum<At>, keeps: bool| (!keeps, minimum.objective);
+            if best.as_ref().is_none_or(|(best, kept)| merit(&minimum, keeps) < merit(best, *kept)) {
+                best = Some((minimum, keeps));
             }
         }
-        if best.as_ref().is_some_and(|(best, _)| best.objective <= NOTHING) || stop() {
+        if best.as_ref().is_some_and(|(_, keeps)| *keeps) || stop() {
             break;
         }
     }
-    let (best, _) = best?;
-    let reached = best.objective <= NOTHING;
-    let (mut point, mut limb, mut reserve) = (best.point, best.evaluation.limb, 0.0);
-    if reached {
-        reserve = RESERVE;
-        if let Some((minimum, higher, count)) =
-            raised(task, space, &point, RESERVE, (effort.raises, effort.abreast), stop)
-        {
-            evaluations += count;
-            (point, limb, reserve) = (minimum.point, minimum.evaluation.limb, higher);
-        }
+    let (best, reached) = best?;
+    let mut reserve = if reached && best.objective <= NOTHING { RESERVE } else { 0.0 };
+    let (mut point, mut limb) = (best.point, best.evaluation.limb);
+    if reserve > 0.0
+        && let Some((minimum, higher, count)) =
+            raised(task, space, &point, reserve, (effort.raises, effort.abreast), stop)
+    {
+        evaluations += count;
+        (point, limb, reserve) = (minimum.point, minimum.evaluation.limb, higher);
     }
     Some(Found { point, reached, reserve, evaluation: limb, evaluations })
+}
+
+/// Whether every margin is kept without a reserve.
+fn keeps(task: &LoadedTask, space: &LimbSpace, minimum: &Minimum<At>) -> bool {
+    let limb = &minimum.evaluation.limb;
+    minimum.objective <= NOTHING
+        || evaluate(task, space, &limb.sizes, 0.0, Some(limb)).is_some_and(|limb| limb.objective() <= NOTHING)
 }
 
 /// The limb with the largest reserve that rises of it lead to from a limb that keeps `reserve`, that reserve, and the limbs judged.
