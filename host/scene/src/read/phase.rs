@@ -78,8 +78,10 @@ pub(super) fn phases(
 fn note_payload(readers: &[Reader<'_>], phases: &[Option<Phase>]) {
     let loaded = |phase: &Option<Phase>| phase.as_ref().is_some_and(|phase| phase.payload_kg > 0.0);
     let first = readers.iter().zip(phases).find(|(_, phase)| loaded(phase));
-    let written =
-        |reader: &Reader<'_>| [keys::PAYLOAD.name, keys::OBJECT.name].iter().find_map(|key| reader.key_span(key));
+    let written = |reader: &Reader<'_>| -> Option<Span> {
+        let values = [keys::PAYLOAD.name, keys::OBJECT.name].map(|key| reader.value(key));
+        values.into_iter().flatten().next().map(|value| value.span().into())
+    };
     let Some((reader, span)) = first.and_then(|(reader, _)| Some((reader, written(reader)?))) else { return };
     let label = "the limb is weightless: this mass would be ignored".to_owned();
     let problem = Problem::at(span, "a payload needs `[weight]`", label);
