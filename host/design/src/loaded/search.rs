@@ -10,8 +10,8 @@ use softlimb_numerics::{Kronecker, Random};
 
 /// Step of a derivative in the unit box.
 const STEP: f64 = 2e-3;
-/// A sum of squares that counts as nothing lacking.
-pub(super) const NOTHING: f64 = 1e-6;
+/// A sum of squares that counts as nothing lacking: 0.03 mm, or 0.1 % of a limit, which the reserve covers.
+pub(super) const NOTHING: f64 = 1e-5;
 /// Standard deviation of a hop from the best limb, in the unit box.
 const HOP: f64 = 0.02;
 /// Reserve that a limb is sought with, and by how much it is raised at a time.
