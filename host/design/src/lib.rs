@@ -9,4 +9,5 @@ pub mod actuators;
 pub mod blocked;
 pub mod bundle;
 pub mod from_scene;
+pub mod loaded;
 pub mod synthesis;

@@ -4,5 +4,6 @@ mod bundle_files;
 mod design;
 mod design_path;
 mod design_scene;
+mod loaded;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;

@@ -32,14 +32,14 @@ use std::path::Path;
 
 pub use data::{
     Aim, Ambient, BendingModel, Bounds, Chamber, Choice, Controller, Corrections, Design, EndEffector, Goal, Gripper,
-    InverseChoice, Limb, Limits, Line, LinkLoss, Marker, Module, ModuleBounds, Obstacle, Phase, Plant, Region, Scene,
-    Sensor, SetpointKind, Spread, Supply, Target, Valve, Weight,
+    InverseChoice, Limb, Limits, Line, LinkLoss, Marker, Module, ModuleBounds, Object, Obstacle, Phase, Plant, Region,
+    Scene, Sensor, SetpointKind, Spread, Supply, Target, Valve, Weight,
 };
 pub use error::{Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};
 pub use reference::reference;
 pub use source::{Located, SCENE_BYTES_MAX, Span};
-pub use writer::{Redesign, RedesignedTarget, RewriteError, redesigned, rewritten};
+pub use writer::{Rebase, Redesign, RedesignedTarget, RewriteError, redesigned, redesigned_at, rewritten};
 
 use source::Source;
 

@@ -6,12 +6,14 @@
 
 mod attempts;
 mod error;
+mod loaded;
 mod space;
 mod targets;
 mod task;
 
 pub use attempts::{Attempt, design_to_run};
 pub use error::BriefError;
+pub use loaded::{LoadedDesign, loaded_design, loaded_text};
 pub use targets::{redesigned_targets, targets};
 pub use task::{Tasked, redesigned_limb, task};
 

@@ -14,7 +14,7 @@ use softlimb_scene::{Goal, ModuleBounds, Phase, Redesign, Scene, SceneError};
 /// Way-points that a marker series is designed for; the run follows all of it.
 const MARKERS: usize = 12;
 /// Kept beside the clearance that a scene asks for, m: what the sizes in its file are rounded by, and more.
-const SPARE_M: f64 = 2e-4;
+pub(super) const SPARE_M: f64 = 2e-4;
 
 /// A task and the modules it may be done with.
 #[derive(Clone, Debug)]
@@ -126,7 +126,7 @@ fn way_points_of(scene: &Scene, phase: &Phase) -> Result<Vec<WayPoint>, SceneErr
 const INSIDE_M: f64 = 1e-3;
 
 /// A region as an aim. Regions are boxes; of another solid its centre.
-fn inside(shape: &Shape) -> Aim {
+pub(super) fn inside(shape: &Shape) -> Aim {
     match shape {
         Shape::Box { center_m, half_m, rotation } => {
             let half_m = half_m.map(|half| half - INSIDE_M.min(0.2 * half));

@@ -86,7 +86,7 @@ impl Bundle {
     /// The same bundle with its tubes' springs about strains of the bundle: stretch, bends and twist, as [`Bundle::stiffness`] has them.
     ///
     /// `None` where a tube has no stable equilibrium there, or where its tubes are linear springs.
-    pub(super) fn strained(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Self> {
+    pub fn strained(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Self> {
         if self.springs.is_empty() {
             return None;
         }

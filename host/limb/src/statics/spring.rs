@@ -4,7 +4,7 @@
 //! gives the tube's force and slope, and these are the force and slope of a linear spring with a rest of its own. Springs about the strains of
 //! a shape, and the shape of these springs, are found by turns; that is Newton's method on the walls, and a few turns do.
 
-use fra_model::{Actuator, Load, Motion, Parameter, State, Status};
+use fra_model::{Actuator, Load, Motion, Parameter, State, Status, Target};
 
 use super::tube::{Tangent, gyration_m2};
 
@@ -99,8 +99,10 @@ impl Spring {
     /// The moment that holds a bend, by Newton's method.
     fn bent(&self, bend_rad_per_m: f64) -> Option<Tangent> {
         let length_m = self.actuator.parameters().length_m;
-        let mut state = self.actuator.forward(self.pressure_pa, &Load::none()).ok()?.state;
-        let mut load = Load::none();
+        let (mut state, mut load) = match self.bent_by_inverse(bend_rad_per_m) {
+            Some(start) => start,
+            None => (self.actuator.forward(self.pressure_pa, &Load::none()).ok()?.state, Load::none()),
+        };
         for _ in 0..ITERATIONS {
             let by_moment = self.actuator.sensitivity(&state, &load, Parameter::Torque).ok()?.bend_angle_rad;
             let bending_nm2 = length_m / by_moment;
@@ -120,6 +122,23 @@ impl Spring {
             state = solution.state;
         }
         None
+    }
+
+    /// State and load at a bend: the moment on a wall of hooped fibers is linear in the pressure, so that two pressures at the bend give it.
+    /// `None` where the model has no pressure for one of them; what rounding leaves is Newton's.
+    fn bent_by_inverse(&self, bend_rad_per_m: f64) -> Option<(State<f64>, Load<f64>)> {
+        let angle_rad = bend_rad_per_m * self.actuator.parameters().length_m;
+        let at = |torque_nm: f64| {
+            let load = Load { torque_nm, ..Load::none() };
+            let solution = self.actuator.inverse(Target::BendAngle(angle_rad), &load).ok()?;
+            (solution.status == Status::Solved).then_some((solution.state, load))
+        };
+        // The moment that holds a change of the bend by 1 rad/m about the free one.
+        let scale_nm = -self.free.bending_nm2;
+        let [free_pa, held_pa] = [at(0.0)?.0.pressure_pa, at(scale_nm)?.0.pressure_pa];
+        let torque_nm = scale_nm * (self.pressure_pa - free_pa) / (held_pa - free_pa);
+        at(torque_nm)
+            .filter(|(state, _)| (state.pressure_pa - self.pressure_pa).abs() <= 1e-9 * f64::max(self.pressure_pa, 1e3))
     }
 
     fn uncrept(&self) -> Tangent {

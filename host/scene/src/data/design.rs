@@ -19,6 +19,12 @@ pub struct Design {
     pub limit_margin: f64,
     /// Share of the highest pressure a device follows that is kept free; 0..=0.5.
     pub pressure_reserve: f64,
+    /// Largest distance of the plates of a module, m; > 0.
+    pub bay_m: f64,
+    /// Bounds of the angle by which the base may be turned from its direction towards its `up`, rad.
+    pub base_pitch_rad: Option<Located<Bounds>>,
+    /// The box that the base may be in: its index in [`Scene::regions`](super::Scene::regions).
+    pub base_region: Option<Located<usize>>,
     /// Whether all modules have the same pressure.
     pub shared_supply_line: bool,
     /// Whether modules may be turned about the limb's axis.
@@ -51,6 +57,10 @@ pub struct ModuleBounds {
     pub length_m: Option<Located<Bounds>>,
     /// Fiber angle from the hoop direction, rad.
     pub fiber_angle_rad: Option<Located<Bounds>>,
+    /// Radius of the circle of its actuators, m.
+    pub circle_radius_m: Option<Located<Bounds>>,
+    /// Distance of neighbours in the row of its actuators, m.
+    pub spacing_m: Option<Located<Bounds>>,
 }
 
 impl ModuleBounds {
@@ -61,6 +71,8 @@ impl ModuleBounds {
             wall_m: self.wall_m.or(other.wall_m),
             length_m: self.length_m.or(other.length_m),
             fiber_angle_rad: self.fiber_angle_rad.or(other.fiber_angle_rad),
+            circle_radius_m: self.circle_radius_m.or(other.circle_radius_m),
+            spacing_m: self.spacing_m.or(other.spacing_m),
         }
     }
 }

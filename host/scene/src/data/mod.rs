@@ -16,7 +16,7 @@ pub use motion::{
     BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, Weight,
 };
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
-pub use task::{Aim, Gripper, Marker, Obstacle, Region};
+pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
 
 use super::error::{Problem, Problems, SceneError};
 use super::source::{Located, Source, Span};
@@ -38,6 +38,7 @@ pub struct Scene {
     pub(super) corrections: Option<Located<Corrections>>,
     pub(super) obstacles: Vec<Obstacle>,
     pub(super) regions: Vec<Region>,
+    pub(super) objects: Vec<Object>,
     pub(super) design: Option<Design>,
     pub(super) limits: Limits,
     pub(super) controller: Controller,
@@ -94,6 +95,11 @@ impl Scene {
     /// The boxes that phases may name.
     pub fn regions(&self) -> &[Region] {
         &self.regions
+    }
+
+    /// The things that phases may carry.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
     }
 
     /// What a design may choose; `None` where the scene leaves nothing open.

@@ -78,6 +78,8 @@ pub struct Phase {
     pub hold_us: u64,
     /// Mass that the tip carries, kg; >= 0.
     pub payload_kg: f64,
+    /// The object that this mass is: its index in [`Scene::objects`](super::Scene::objects).
+    pub object: Option<usize>,
     /// What the move shall reach.
     pub goal: Goal,
     /// How the end effector shall point at the end of the move; only with a goal of the tip.

@@ -27,6 +27,24 @@ pub struct Region {
     pub span: Span,
 }
 
+/// A thing that the tip carries: upright, hanging from where it is grasped.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Object {
+    /// Name, unique among the objects.
+    pub name: Located<String>,
+    /// Radius about its vertical axis, m; > 0.
+    pub radius_m: f64,
+    /// Height, m; > 0.
+    pub height_m: f64,
+    /// Height above its bottom at which the tip holds it, m; 0 to `height_m`.
+    pub grasp_m: f64,
+    /// Mass, kg; >= 0.
+    pub mass_kg: f64,
+    /// The header of its table.
+    pub span: Span,
+}
+
 /// The direction that the end effector shall have at the end of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -4,29 +4,38 @@ use fra_model::Motion;
 use toml::de::DeValue;
 
 use super::module::{Draft, MOTIONS};
-use crate::data::{Choice, Design, ModuleBounds};
+use super::phase::region_named;
+use crate::collision::Shape;
+use crate::data::{Choice, Design, ModuleBounds, Region};
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
-use crate::schema::{bounds, design as keys};
+use crate::schema::{Pair, bounds, design as keys};
 use crate::source::Located;
 use crate::value::wrong_type;
 
 /// The `[design]` of a scene; the inner `None` where it has none.
-pub(super) fn design(root: &Reader<'_>, drafts: &[Draft<'_>]) -> Option<Option<Design>> {
+pub(super) fn design(root: &Reader<'_>, drafts: &[Draft<'_>], regions: Option<&[Region]>) -> Option<Option<Design>> {
     let Some(value) = root.value(schema::scene::DESIGN.name) else { return Some(None) };
     let reader = Reader::open(root.log(), value, &keys::SECTION, &quoted(schema::scene::DESIGN.name))?;
-    let [inner, wall, length, angle] =
-        [keys::INNER_RADIUS, keys::WALL, keys::LENGTH, keys::FIBER_ANGLE].map(|key| reader.pair(&key));
+    let common = pairs(
+        &reader,
+        [keys::INNER_RADIUS, keys::WALL, keys::LENGTH, keys::FIBER_ANGLE, keys::CIRCLE_RADIUS, keys::SPACING],
+    );
+    let (bay, base_pitch) = (reader.quantity(&keys::BAY), reader.pair(&keys::BASE_PITCH));
+    let base_region = base_region(&reader, regions);
     let limit_margin = reader.quantity(&keys::LIMIT_MARGIN);
     let shared_supply_line = reader.flag(&keys::SHARED_SUPPLY_LINE);
     let pressure_reserve = reader.quantity(&keys::PRESSURE_RESERVE);
     let mount_angle_free = reader.choice(&keys::MOUNT_ANGLE, &[false, true]);
     let choice = choice(&reader);
-    let common = ModuleBounds { inner_radius_m: inner?, wall_m: wall?, length_m: length?, fiber_angle_rad: angle? };
+    let common = common?;
     Some(Some(Design {
         common,
         modules: drafts.iter().map(|draft| draft.bounds.or(&common)).collect(),
+        bay_m: *bay?,
+        base_pitch_rad: base_pitch?,
+        base_region: base_region?,
         limit_margin: *limit_margin?,
         shared_supply_line: shared_supply_line?,
         pressure_reserve: *pressure_reserve?,
@@ -40,9 +49,35 @@ pub(super) fn module_bounds(module: &Reader<'_>) -> Option<ModuleBounds> {
     let name = schema::module::BOUNDS.name;
     let Some(value) = module.value(name) else { return Some(ModuleBounds::default()) };
     let reader = Reader::open(module.log(), value, &bounds::SECTION, &quoted(name))?;
-    let [inner, wall, length, angle] =
-        [bounds::INNER_RADIUS, bounds::WALL, bounds::LENGTH, bounds::FIBER_ANGLE].map(|key| reader.pair(&key));
-    Some(ModuleBounds { inner_radius_m: inner?, wall_m: wall?, length_m: length?, fiber_angle_rad: angle? })
+    use bounds::{CIRCLE_RADIUS, FIBER_ANGLE, INNER_RADIUS, LENGTH, SPACING, WALL};
+    pairs(&reader, [INNER_RADIUS, WALL, LENGTH, FIBER_ANGLE, CIRCLE_RADIUS, SPACING])
+}
+
+fn pairs(reader: &Reader<'_>, keys: [Pair; 6]) -> Option<ModuleBounds> {
+    let [inner, wall, length, angle, circle, spacing] = keys.map(|key| reader.pair(&key));
+    Some(ModuleBounds {
+        inner_radius_m: inner?,
+        wall_m: wall?,
+        length_m: length?,
+        fiber_angle_rad: angle?,
+        circle_radius_m: circle?,
+        spacing_m: spacing?,
+    })
+}
+
+/// The box that the base may be in.
+fn base_region(reader: &Reader<'_>, regions: Option<&[Region]>) -> Option<Option<Located<usize>>> {
+    let Some(name) = reader.maybe_text(&keys::BASE_REGION)? else { return Some(None) };
+    let regions = regions?;
+    let found = region_named(reader, name, regions)?;
+    if let Shape::Box { rotation, .. } = &regions[found.value].shape
+        && rotation.angle() > 1e-9
+    {
+        let title = "the base needs a region without `rotation`";
+        let label = "this box is turned".to_owned();
+        return reader.log().note(Problem::at(found.span, title, label));
+    }
+    Some(Some(found))
 }
 
 fn choice(reader: &Reader<'_>) -> Option<Option<Located<Choice>>> {

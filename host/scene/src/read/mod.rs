@@ -82,10 +82,12 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let mut drafts = module::modules(&root, &materials, &windings, limits.as_ref());
     let obstacles = task::obstacles(&root);
     let regions = task::regions(&root);
-    let design = design::design(&root, &drafts);
+    let objects = task::objects(&root);
+    let design = design::design(&root, &drafts, regions.as_deref());
     let markers = markers::markers(&root, &source.name);
     let corrections = corrections::corrections(&root, &source.name, &drafts);
-    let phases = phase::phases(&root, &mut drafts, regions.as_deref(), markers.as_ref(), weight.as_ref());
+    let phases =
+        phase::phases(&root, &mut drafts, (regions.as_deref(), objects.as_deref()), markers.as_ref(), weight.as_ref());
     check::channels(log, &drafts);
     check::pressures(log, &drafts, phases.as_deref(), limits.as_ref(), plant.as_ref());
     if let Some(plant) = &plant {
@@ -105,6 +107,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
         corrections: corrections?,
         obstacles: obstacles?,
         regions: regions?,
+        objects: objects?,
         design: design?,
         limits: limits?,
         controller: controller?,

@@ -8,7 +8,7 @@ use toml::de::DeValue;
 use super::limb::unit;
 use super::module::{Draft, note_duplicate};
 use super::settings::microseconds;
-use crate::data::{Aim, Goal, Gripper, Marker, Phase, Region, SetpointKind, Target, Weight, weightless};
+use crate::data::{Aim, Goal, Gripper, Marker, Object, Phase, Region, SetpointKind, Target, Weight, weightless};
 use crate::error::{Problem, quoted};
 use crate::reader::{Reader, Value};
 use crate::schema;
@@ -36,7 +36,7 @@ const QUANTITIES: [(Quantity, SetpointKind); 6] = [
 pub(super) fn phases(
     root: &Reader<'_>,
     drafts: &mut [Draft<'_>],
-    regions: Option<&[Region]>,
+    (regions, objects): (Option<&[Region]>, Option<&[Object]>),
     markers: Option<&Option<Located<Vec<Marker>>>>,
     weight: Option<&Option<Weight>>,
 ) -> Option<Vec<Phase>> {
@@ -61,7 +61,7 @@ pub(super) fn phases(
         let name = reader.text(&keys::NAME);
         note_duplicate(reader, "phase", name, names.iter().copied());
         names.extend(name);
-        phases.push(phase(reader, name, drafts, &mut kinds, regions));
+        phases.push(phase(reader, name, drafts, &mut kinds, (regions, objects)));
     }
     for (draft, kind) in drafts.iter_mut().zip(kinds) {
         if let (Some(module), Some((kind, _))) = (&mut draft.module, kind) {
@@ -78,11 +78,13 @@ pub(super) fn phases(
 fn note_payload(readers: &[Reader<'_>], phases: &[Option<Phase>]) {
     let loaded = |phase: &Option<Phase>| phase.as_ref().is_some_and(|phase| phase.payload_kg > 0.0);
     let first = readers.iter().zip(phases).find(|(_, phase)| loaded(phase));
-    let Some((reader, value)) = first.and_then(|(reader, _)| Some((reader, reader.value(keys::PAYLOAD.name)?))) else {
-        return;
+    let written = |reader: &Reader<'_>| -> Option<Span> {
+        let values = [keys::PAYLOAD.name, keys::OBJECT.name].map(|key| reader.value(key));
+        values.into_iter().flatten().next().map(|value| value.span().into())
     };
+    let Some((reader, span)) = first.and_then(|(reader, _)| Some((reader, written(reader)?))) else { return };
     let label = "the limb is weightless: this mass would be ignored".to_owned();
-    let problem = Problem::at(value.span().into(), "a payload needs `[weight]`", label);
+    let problem = Problem::at(span, "a payload needs `[weight]`", label);
     let help = "add a table `[weight]` (with `simulated = true`, its default) so that the limb carries itself and the payload, or leave out \
                 `payload`; `softlimb statics --payload KG` loads a scene without it";
     reader.log().note::<()>(problem.help(help));
@@ -93,11 +95,12 @@ fn phase(
     name: Option<Located<&str>>,
     drafts: &[Draft<'_>],
     kinds: &mut [Option<(SetpointKind, Span)>],
-    regions: Option<&[Region]>,
+    (regions, objects): (Option<&[Region]>, Option<&[Object]>),
 ) -> Option<Phase> {
     let duration = reader.maybe(&keys::DURATION);
     let hold = reader.quantity(&keys::HOLD);
     let payload = reader.quantity(&keys::PAYLOAD);
+    let object = object(reader, objects);
     let gripper = reader.maybe_choice(&keys::GRIPPER, &[Gripper::Open, Gripper::Close]);
     let (tip, inside) = (reader.vector(&keys::TIP), reader.maybe_text(&keys::INSIDE));
     let goal = match (reader.value(keys::TARGETS.name), tip?, inside?) {
@@ -115,12 +118,29 @@ fn phase(
         name: name?.map(str::to_owned),
         move_us: duration?.map(|duration| duration.map(microseconds)),
         hold_us: microseconds(*hold?),
-        payload_kg: *payload?,
+        payload_kg: payload?.value + object?.map_or(0.0, |index| objects.map_or(0.0, |all| all[index].mass_kg)),
+        object: object?,
         goal,
         aim: aim(reader)?,
         gripper: gripper?.map(|gripper| *gripper),
         span: reader.span(),
     })
+}
+
+/// The object that the tip carries; the inner `None` where there is none.
+fn object(reader: &Reader<'_>, objects: Option<&[Object]>) -> Option<Option<usize>> {
+    let Some(name) = reader.maybe_text(&keys::OBJECT)? else { return Some(None) };
+    reader.forbid(&[keys::PAYLOAD.name], "with `object`, whose mass is carried")?;
+    let objects = objects?;
+    if let Some(index) = objects.iter().position(|object| object.name.value == name.value) {
+        return Some(Some(index));
+    }
+    let help = match closest(name.value, objects.iter().map(|object| object.name.value.as_str())) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => "define it as an `[[object]]`".to_owned(),
+    };
+    let title = format!("unknown object {}", quoted(name.value));
+    reader.log().note(Problem::at(name.span, title, "no such object").help(help))
 }
 
 /// The direction of the end effector; the inner `None` where none is asked for.
@@ -137,7 +157,7 @@ fn aim(reader: &Reader<'_>) -> Option<Option<Aim>> {
     Some(Some(Aim { direction: direction.map(|_| along), tolerance_rad: *tolerance }))
 }
 
-fn region_named(reader: &Reader<'_>, name: Located<&str>, regions: &[Region]) -> Option<Located<usize>> {
+pub(super) fn region_named(reader: &Reader<'_>, name: Located<&str>, regions: &[Region]) -> Option<Located<usize>> {
     if let Some(index) = regions.iter().position(|region| region.name.value == name.value) {
         return Some(name.map(|_| index));
     }
@@ -157,6 +177,7 @@ fn series(markers: &Located<Vec<Marker>>) -> Vec<Phase> {
         move_us,
         hold_us: 0,
         payload_kg: 0.0,
+        object: None,
         goal,
         aim: None,
         gripper: None,

@@ -4,11 +4,11 @@ use nalgebra::UnitQuaternion;
 
 use super::module::note_duplicate;
 use crate::collision::Shape;
-use crate::data::{Obstacle, Region};
+use crate::data::{Object, Obstacle, Region};
 use crate::error::Problem;
 use crate::reader::Reader;
 use crate::schema;
-use crate::schema::{Unit, Vector, obstacle as keys, region};
+use crate::schema::{Unit, Vector, object, obstacle as keys, region};
 use crate::source::{Located, Span};
 
 /// Most obstacles, and most regions, of a scene.
@@ -37,6 +37,32 @@ pub(super) fn regions(root: &Reader<'_>) -> Option<Vec<Region>> {
         shape,
         |name, shape, span| Region { name, shape, span },
     )
+}
+
+/// Things that the tip may carry.
+pub(super) fn objects(root: &Reader<'_>) -> Option<Vec<Object>> {
+    let readers = root.maybe_tables(&schema::scene::OBJECT, &object::SECTION, MOST)?;
+    let mut names: Vec<Located<&str>> = Vec::new();
+    let mut all = Vec::new();
+    for reader in &readers {
+        let name = reader.text(&object::NAME);
+        note_duplicate(reader, "object", name, names.iter().copied());
+        names.extend(name);
+        all.push(name.and_then(|name| object(reader, name.map(str::to_owned))));
+    }
+    all.into_iter().collect()
+}
+
+fn object(reader: &Reader<'_>, name: Located<String>) -> Option<Object> {
+    let [radius, height, grasp, mass] =
+        [object::RADIUS, object::HEIGHT, object::GRASP, object::MASS].map(|key| reader.quantity(&key));
+    let (radius, height, grasp) = (radius?, height?, grasp?);
+    if *grasp > *height {
+        let title = "an object is grasped within its height";
+        let label = format!("it is {} high", Unit::MM.show_si(*height));
+        return reader.log().note(Problem::at(grasp.span, title, label));
+    }
+    Some(Object { name, radius_m: *radius, height_m: *height, grasp_m: *grasp, mass_kg: *mass?, span: reader.span() })
 }
 
 fn named<'a, T>(

@@ -11,7 +11,7 @@ pub(super) use choice::{bounds, design};
 pub(super) use motion::{controller, limits, phase, target, weight};
 pub(super) use parts::{connector, end_effector, limb, material, module, scene, winding};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, valve};
-pub(super) use task::{corrections, markers, obstacle, region};
+pub(super) use task::{corrections, markers, object, obstacle, region};
 pub(super) use units::Unit;
 
 /// Whether a key must be written, and what holds when it is not.
@@ -161,7 +161,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 26] = [
+pub(super) const SECTIONS: [Section; 27] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -174,6 +174,7 @@ pub(super) const SECTIONS: [Section; 26] = [
     target::SECTION,
     obstacle::SECTION,
     region::SECTION,
+    object::SECTION,
     markers::SECTION,
     corrections::SECTION,
     design::SECTION,

@@ -18,6 +18,7 @@ section! {
     CORRECTIONS: Nested { name: "corrections", shape: "table `[corrections]`", presence: Optional("none") } = "What is added to the planned setpoints, so that the limb that is there goes where the plan says.";
     OBSTACLE: Nested { name: "obstacle", shape: "tables `[[obstacle]]`, up to 50", presence: Optional("none") } = "What the limb keeps clear of.";
     REGION: Nested { name: "region", shape: "tables `[[region]]`, up to 50", presence: Optional("none") } = "Boxes that phases name.";
+    OBJECT: Nested { name: "object", shape: "tables `[[object]]`, up to 50", presence: Optional("none") } = "Things that the tip carries in phases that name them.";
     DESIGN: Nested { name: "design", shape: "table `[design]`", presence: Optional("nothing is left open") } = "What `softlimb design` may choose.";
     LIMITS: Nested { name: "limits", shape: "table `[limits]`", presence: Optional("the defaults below") } = "Bounds that hold for all modules.";
     CONTROLLER: Nested { name: "controller", shape: "table `[controller]`", presence: Optional("the defaults below") } = "Settings of the pressure controller.";

@@ -26,6 +26,16 @@ section! {
 }
 
 section! {
+    /// A thing that the tip carries: upright, hanging from where it is grasped, as a bottle by its neck. It is taken for a capsule.
+    object, "[[object]]";
+    NAME: Text { name: "name", is_name: true, presence: Required } = "Name; phases use it.";
+    RADIUS: Quantity { name: "radius", unit: Unit::MM, min: 0.1, max: 1e4, presence: Required } = "Radius about its vertical axis.";
+    HEIGHT: Quantity { name: "height", unit: Unit::MM, min: 0.1, max: 1e4, presence: Required } = "Height.";
+    GRASP: Quantity { name: "grasp", unit: Unit::MM, min: 0.0, max: 1e4, presence: Required } = "Height above its bottom at which the tip holds it, at most `height`.";
+    MASS: Quantity { name: "mass", unit: Unit::KG, min: 0.0, max: 100.0, presence: Required } = "Mass.";
+}
+
+section! {
     /// Where the tip shall be when. The limb first moves to the first position; the series runs from there.
     markers, "[markers]";
     FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s,x_m,y_m,z_m` and 2 to 10000 rows; times rise, from any value.";

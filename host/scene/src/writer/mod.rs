@@ -1,9 +1,11 @@
 //! Scenes with other values: the text as its author wrote it, comments and order, read again before it is handed out.
 
 mod draft;
+mod rebase;
 mod redesign;
 mod refit;
 
+pub use rebase::{Rebase, redesigned_at};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};
 pub use refit::rewritten;
 

@@ -77,6 +77,9 @@ impl LimbDesign {
                 "not every target is reached: see the differences above",
             );
         }
+        if !scene.weightless() {
+            return super::loaded::design(&scene, &self.file_out(), self.search.seed, self.json);
+        }
         let tasked = task(&scene)?;
         match scene.design().and_then(|design| design.choice.as_ref()) {
             None => {

@@ -4,6 +4,7 @@ mod actuators;
 mod bundle;
 mod candidates;
 mod limb;
+mod loaded;
 
 use clap::{Args, Subcommand};
 

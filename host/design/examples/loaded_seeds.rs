@@ -1,0 +1,48 @@
+//! Limbs under load from several seeds: `cargo run --release -p softlimb-design --example loaded_seeds -- SCENE [FIRST] [LAST]`.
+
+use std::time::Instant;
+
+use softlimb_design::from_scene::loaded_design;
+use softlimb_design::loaded::{Effort, confirm, search};
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |index: usize, other: u64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(other);
+    let Some(file) = arguments.first() else { return };
+    let scene = softlimb_scene::load(file).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let design = loaded_design(&scene).unwrap_or_else(|error| panic!("{error}"));
+    let (task, space) = (&design.task, &design.space);
+    for seed in number(1, 1)..=number(2, 10) {
+        let started = Instant::now();
+        let effort = Effort { seed, ..Effort::default() };
+        let Some(found) = search(task, space, &space.first_guess(), &effort, &|| false) else {
+            println!("seed {seed}: nothing stands");
+            continue;
+        };
+        let searched = started.elapsed();
+        let poses = confirm(task, space, &found, 1e-3);
+        let lacks: Vec<_> = poses.iter().flat_map(|pose| pose.lacks.iter().map(|lack| lack.name())).collect();
+        let worst_m = poses.iter().map(|pose| pose.tip_error_m).fold(0.0, f64::max);
+        let limb = &found.evaluation;
+        println!(
+            "seed {seed}: reached {} confirmed {} reserve {:.2}, objective {:.1e}, {:.2} kg, {:.3} m, tip {:.3} mm, {} limbs in {:.1} s and {:.1} s; lacks {lacks:?}",
+            found.reached,
+            lacks.is_empty(),
+            found.reserve,
+            limb.objective(),
+            limb.mass_kg,
+            limb.length_m,
+            1e3 * worst_m,
+            found.evaluations,
+            searched.as_secs_f64(),
+            (started.elapsed() - searched).as_secs_f64(),
+        );
+        if !found.reached {
+            let mut lacks: Vec<_> = limb.lacks.iter().filter(|lack| lack.value.abs() > 1e-2).collect();
+            lacks.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
+            lacks.truncate(4);
+            println!("  {lacks:?}");
+        }
+        println!("  {:?}", limb.sizes);
+    }
+}

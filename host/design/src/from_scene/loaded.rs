@@ -1,0 +1,202 @@
+//! A scene with weight as a search for a limb under load, and its result as a scene.
+
+use std::f64::consts::PI;
+
+use fra_model::{Arrangement, Motion, Placement};
+
+use super::error::BriefError;
+use super::task::{SPARE_M, inside};
+use crate::actuators::Winding;
+use crate::loaded::{
+    BaseSpace, CarriedBody, LimbSizes, LimbSpace, LoadedPose, LoadedTask, ModuleSpace, StandingLimits,
+};
+use crate::synthesis::{Aim, Direction, Obstacle};
+use softlimb_scene::collision::Shape;
+use softlimb_scene::{
+    Bounds, Goal, Gripper, Located, Module, ModuleBounds, Phase, Rebase, Redesign, RewriteError, Scene, SceneError,
+    redesigned_at,
+};
+
+/// A limb under load to search for.
+#[derive(Clone, Debug)]
+pub struct LoadedDesign {
+    /// What it shall do.
+    pub task: LoadedTask,
+    /// What it may be.
+    pub space: LimbSpace,
+}
+
+/// The task of a scene with weight: its phases with what they carry, its obstacles, and its modules within their bounds.
+///
+/// # Errors
+/// A diagnostic at a phase that does not lead the tip to a place, at a choice of kinds, and at a winding within the wall.
+pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
+    if let Some(choice) = scene.design().and_then(|design| design.choice.as_ref()) {
+        let title = "kinds of modules are not chosen under weight";
+        let help = Some("remove `modules` and `motions`, or search without `[weight]` first");
+        return Err(scene.diagnostic(choice.span, title, "motions and their order are left open here", help).into());
+    }
+    let modules = scene.modules().iter().enumerate();
+    let modules = modules.map(|(index, module)| module_space(scene, index, module)).collect::<Result<_, _>>()?;
+    let limb = scene.limb();
+    let tool = limb.end_effector.as_ref();
+    let reserve = scene.design().map_or(0.0, |design| design.pressure_reserve.max(design.limit_margin));
+    let own = StandingLimits::default();
+    let limits = StandingLimits { pressure_share: own.pressure_share.min(1.0 - reserve), ..own };
+    let obstacle = |obstacle: &softlimb_scene::Obstacle| Obstacle {
+        name: obstacle.name.to_string(),
+        shape: obstacle.shape.clone(),
+        clearance_m: scene.limits().clearance_m + SPARE_M,
+    };
+    let task = LoadedTask {
+        connector_m: limb.connector_length_m,
+        connector_kg: limb.connector_mass_kg,
+        tool_m: tool.map_or([0.0; 2], |tool| [tool.length_m, tool.radius_m]),
+        tool_kg: tool.map_or(0.0, |tool| tool.mass_kg),
+        poses: poses(scene)?,
+        obstacles: scene.obstacles().iter().map(obstacle).collect(),
+        moves: true,
+        limits,
+    };
+    Ok(LoadedDesign { task, space: LimbSpace { base: base(scene), modules } })
+}
+
+/// The scene with a limb of these sizes.
+///
+/// # Errors
+/// [`RewriteError`].
+pub fn loaded_text(scene: &Scene, design: &LoadedDesign, sizes: &LimbSizes) -> Result<String, RewriteError> {
+    let modules = scene.modules().iter().zip(&design.space.modules).zip(&sizes.modules);
+    let redesigns: Vec<Redesign> = modules
+        .map(|((module, space), sizes)| Redesign {
+            name: module.name.to_string(),
+            like: module.name.to_string(),
+            motion: module.motion.name(),
+            bundle: (
+                module.actuators,
+                if space.in_row {
+                    Arrangement::Row { spacing_m: sizes.spread_m }
+                } else {
+                    Arrangement::Circle { radius_m: sizes.spread_m }
+                },
+            ),
+            mount_angle_rad: sizes.mount_angle_rad,
+            radii_m: sizes.radii_m,
+            length_m: sizes.length_m,
+            winding: module
+                .fiber
+                .as_ref()
+                .map(|fiber| if *module.motion == Motion::Bending { fiber.angle_rad } else { sizes.angle_rad }),
+        })
+        .collect();
+    let spacers: Vec<u8> = sizes.modules.iter().map(|module| module.spacers).collect();
+    let [direction, up] = design.space.directions(sizes.pitch_rad);
+    redesigned_at(scene, &redesigns, &spacers, &Rebase { position_m: sizes.position_m, direction, up })
+}
+
+fn base(scene: &Scene) -> BaseSpace {
+    let limb = scene.limb();
+    let design = scene.design();
+    let region = design.and_then(|design| design.base_region.as_ref()).map(|index| &scene.regions()[index.value].shape);
+    let position_m = match region {
+        Some(Shape::Box { center_m, half_m, .. }) => {
+            [0, 1, 2].map(|axis| [center_m[axis] - half_m[axis], center_m[axis] + half_m[axis]])
+        }
+        _ => limb.base_position_m.map(|at| [at; 2]),
+    };
+    let pitch_rad = design.and_then(|design| design.base_pitch_rad).map_or([0.0; 2], |pitch| *pitch);
+    BaseSpace { position_m, direction: limb.base_direction, up: limb.base_up, pitch_rad }
+}
+
+fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSpace, SceneError> {
+    let open = ModuleBounds::default();
+    let design = scene.design();
+    let bounds = design.and_then(|design| design.modules.get(index)).unwrap_or(&open);
+    let pair = |bounds: Option<Located<Bounds>>, own: f64| bounds.map_or([own; 2], |bounds| *bounds);
+    let bender = *module.motion == Motion::Bending;
+    let winding = match &module.fiber {
+        Some(fiber) if !bender => {
+            if fiber.placement == Placement::Layer || fiber.radius_m != *module.outer_radius_m {
+                let title = "a design winds actuators on their outer face or through the whole wall";
+                let help = Some("give the module a winding without `radius`");
+                return Err(scene.diagnostic(fiber.span, title, "this one lies within the wall", help));
+            }
+            Some(Winding {
+                families: fiber.families,
+                modulus_pa: fiber.modulus_pa,
+                placement: fiber.placement,
+                thickness_m: fiber.thickness_m,
+            })
+        }
+        _ => None,
+    };
+    let (in_row, own_m, spread) = match module.arrangement {
+        Arrangement::Circle { radius_m } => (false, radius_m, bounds.circle_radius_m),
+        Arrangement::Row { spacing_m } => (true, spacing_m, bounds.spacing_m),
+    };
+    let turn = if bender && design.is_some_and(|design| design.mount_angle_free) { PI } else { 0.0 };
+    let inner_m = *module.inner_radius_m;
+    Ok(ModuleSpace {
+        name: module.name.to_string(),
+        motion: *module.motion,
+        actuators: module.actuators,
+        in_row,
+        material: *module.material,
+        density_kg_per_m3: module.density_kg_per_m3,
+        winding,
+        inner_radius_m: pair(bounds.inner_radius_m, inner_m),
+        wall_m: pair(bounds.wall_m, *module.outer_radius_m - inner_m),
+        length_m: pair(bounds.length_m, *module.length_m),
+        angle_rad: pair(bounds.fiber_angle_rad, module.fiber.as_ref().map_or(0.0, |fiber| fiber.angle_rad)),
+        spread_m: pair(spread, own_m),
+        spacer_kg: module.spacer_mass_kg,
+        bay_m: design.map_or(f64::INFINITY, |design| design.bay_m),
+        mount_angle_rad: [module.mount_angle_rad - turn, module.mount_angle_rad + turn],
+        pressure_max_pa: *module.pressure_max_pa,
+    })
+}
+
+fn poses(scene: &Scene) -> Result<Vec<LoadedPose>, SceneError> {
+    let mut before: (f64, Option<CarriedBody>) = (0.0, None);
+    let mut all = Vec::with_capacity(scene.phases().len());
+    for phase in scene.phases() {
+        let body = phase.object.map(|index| {
+            let object = &scene.objects()[index];
+            CarriedBody {
+                radius_m: object.radius_m,
+                above_m: object.height_m - object.grasp_m,
+                below_m: object.grasp_m,
+            }
+        });
+        // The gripper takes up or puts down at the end of the move.
+        let (moved, held) = match phase.gripper {
+            Some(Gripper::Close) => (before, (phase.payload_kg, body)),
+            Some(Gripper::Open) => ((phase.payload_kg, body), (0.0, None)),
+            None => ((phase.payload_kg, body), (phase.payload_kg, body)),
+        };
+        before = held;
+        all.push(LoadedPose {
+            name: phase.name.to_string(),
+            aim: aim(scene, phase)?,
+            direction: phase
+                .aim
+                .map(|aim| Direction { axis: aim.direction.value.into(), tolerance_rad: aim.tolerance_rad }),
+            move_kg: moved.0,
+            hold_kg: held.0,
+            carried: moved.1,
+        });
+    }
+    Ok(all)
+}
+
+fn aim(scene: &Scene, phase: &Phase) -> Result<Aim, SceneError> {
+    match &phase.goal {
+        Goal::Tip(tip) => Ok(Aim::Point(tip.value.into())),
+        Goal::Inside(region) => Ok(inside(&scene.regions()[region.value].shape)),
+        Goal::Targets(_) | Goal::Series(_) => {
+            let title = "a design under weight is for places of the tip";
+            let help = Some("give all phases `tip` or `inside`");
+            Err(scene.diagnostic(phase.span, title, "this phase has another goal", help))
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Bounds that a limb found lies at, and what each costs: the search goes on from it with that one bound moved.
+
+use serde::Serialize;
+
+use super::search::{Found, NOTHING, RAISE_STEPS, local, raised};
+use super::space::{HOME, LimbSpace, Variable};
+use super::task::LoadedTask;
+
+/// A variable this near to the end of its range, as a share of it, is at its bound.
+const AT_END: f64 = 1e-3;
+/// By which shares of its range a bound is moved outwards, one after the other.
+const MOVES: [f64; 3] = [0.2, 0.5, 1.0];
+/// A pressure this near to its limit, as a share of it, is at it; with the reserve that was found.
+const AT_PRESSURE: f64 = 0.99;
+
+/// A bound that the limb lies at.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ActiveBound {
+    /// Name of its module; `None` for the base and for pressures of all modules.
+    pub module: Option<String>,
+    /// Its key in a scene.
+    pub name: &'static str,
+    /// Its value in SI units.
+    pub bound: f64,
+    /// The value it was moved to.
+    pub moved_to: f64,
+    /// Whether every margin is kept with the bound moved.
+    pub reached: bool,
+    /// The reserve that is found with it moved.
+    pub reserve: f64,
+    /// Share of what is lacking that is left with it moved; 0 where nothing is.
+    pub left: f64,
+}
+
+/// The bounds that a limb lies at. Of a limb that keeps every margin each is moved once, of another one until the margins are kept.
+///
+/// `abreast` is the number of threads; `stop` is asked before each local solve.
+pub fn active_bounds(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    found: &Found,
+    abreast: usize,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<ActiveBound> {
+    let variables = space.variables();
+    let values: Vec<f64> = found.point.iter().zip(&variables).map(|(share, v)| value(v, *share)).collect();
+    let mut all = Vec::new();
+    for (index, variable) in variables.iter().enumerate() {
+        let share = found.point[index];
+        let at_high = share >= 1.0 - AT_END;
+        if variable.name == HOME || (!at_high && share > AT_END) {
+            continue;
+        }
+        let [low, high] = variable.bounds;
+        let name = variable.module.map(|module| space.modules[module].name.clone());
+        let moved = |by: f64| {
+            let by = by * (high - low);
+            // A size stays positive.
+            let bounds = if at_high { [low, high + by] } else { [(low - by).max(0.25 * low.abs()), high] };
+            let bounds = if variable.module.is_none() && !at_high { [low - by, high] } else { bounds };
+            (space.with_bounds(index, bounds), if at_high { bounds[1] } else { bounds[0] })
+        };
+        let bound = if at_high { high } else { low };
+        all.extend(tried(task, found, (name, variable.name, bound), &values, abreast, stop, moved));
+    }
+    let full = AT_PRESSURE;
+    if found.evaluation.poses.iter().any(|pose| pose.shares.iter().any(|share| *share >= full)) {
+        let highest = space.modules.iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
+        let moved = |by: f64| {
+            let mut wider = space.clone();
+            wider.modules.iter_mut().for_each(|module| module.pressure_max_pa *= 1.0 + 0.5 * by);
+            (wider, highest * (1.0 + 0.5 * by))
+        };
+        all.extend(tried(task, found, (None, "pressure_max", highest), &values, abreast, stop, moved));
+    }
+    all
+}
+
+fn value(variable: &Variable, share: f64) -> f64 {
+    variable.bounds[0] + share * (variable.bounds[1] - variable.bounds[0])
+}
+
+fn tried(
+    task: &LoadedTask,
+    found: &Found,
+    (module, name, bound): (Option<String>, &'static str, f64),
+    values: &[f64],
+    abreast: usize,
+    stop: &(dyn Fn() -> bool + Sync),
+    moved: impl Fn(f64) -> (LimbSpace, f64),
+) -> Option<ActiveBound> {
+    let mut best: Option<ActiveBound> = None;
+    let before = found.evaluation.objective().max(NOTHING);
+    for by in MOVES {
+        if stop() {
+            break;
+        }
+        let (wider, moved_to) = moved(by);
+        let mut known = values.iter();
+        let start = wider.point(|_| known.next().copied().unwrap_or_default());
+        let mut bound =
+            ActiveBound { module: module.clone(), name, bound, moved_to, reached: false, reserve: 0.0, left: 1.0 };
+        if found.reached {
+            let (_, reserve, _) = raised(task, &wider, &start, found.reserve, (1, abreast), stop)?;
+            return Some(ActiveBound { reached: true, reserve, left: 0.0, ..bound });
+        }
+        let Some((minimum, _)) = local(task, &wider, &start, 0.0, (RAISE_STEPS, abreast)) else { continue };
+        bound.reached = minimum.objective <= NOTHING;
+        bound.left = if bound.reached { 0.0 } else { (minimum.objective / before).sqrt() };
+        let ends = bound.reached;
+        best = Some(bound);
+        if ends {
+            break;
+        }
+    }
+    best
+}

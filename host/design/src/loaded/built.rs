@@ -1,0 +1,181 @@
+//! A limb of certain sizes whose pressures can be chosen.
+
+use std::cell::RefCell;
+use std::f64::consts::PI;
+
+use fra_model::{Actuator, Load, Motion, Status};
+use nalgebra::{Isometry3, Vector3};
+
+use super::space::{LimbSizes, LimbSpace};
+use super::task::LoadedTask;
+use softlimb_limb::statics::{Bundle, GRAVITY_M_PER_S2, LoadedLimb, Piece, Rod, Spring};
+
+/// One module of it.
+#[derive(Clone, Debug)]
+pub(super) struct BuiltModule {
+    motion: Motion,
+    actuator: Actuator<f64>,
+    positions_m: Vec<[f64; 2]>,
+    pub(super) length_m: f64,
+    bay_m: f64,
+    mount_angle_rad: f64,
+    /// Mass of walls and spacers, kg.
+    between_kg: f64,
+    /// Tubes at the pressures that were asked for.
+    springs: RefCell<Vec<(f64, Spring)>>,
+    /// Radius of the module about its centre line at rest, m.
+    pub(super) radius_m: f64,
+}
+
+/// A limb of certain sizes. Pressures are shares of [`span_pa`](Self::span_pa).
+#[derive(Clone, Debug)]
+pub struct Built {
+    base: Isometry3<f64>,
+    pub(super) modules: Vec<BuiltModule>,
+    spans_pa: Vec<f64>,
+    connector: [f64; 2],
+    tool: [f64; 2],
+    /// Length at rest from base to tip, m.
+    pub length_m: f64,
+}
+
+impl Built {
+    /// The limb of sizes, whose pressures keep their margin with a reserve; `None` where the model cannot take an actuator.
+    pub fn new(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes, reserve: f64) -> Option<Self> {
+        let mut modules = Vec::with_capacity(space.modules.len());
+        let mut spans_pa = Vec::with_capacity(space.modules.len());
+        for (module, size) in space.modules.iter().zip(&sizes.modules) {
+            let actuator = Actuator::new(&module.actuator(size)).ok()?;
+            let limit_pa = ceiling_pa(&actuator, module.pressure_max_pa)?;
+            spans_pa.push(task.limits.pressure_share / (1.0 + reserve) * limit_pa);
+            let arrangement = module.arrangement(size);
+            let [inner_m, outer_m] = size.radii_m;
+            let section_m2 = PI * (outer_m - inner_m) * (outer_m + inner_m);
+            modules.push(BuiltModule {
+                motion: module.motion,
+                springs: RefCell::default(),
+                actuator,
+                positions_m: arrangement.positions_m(module.actuators).collect(),
+                length_m: size.length_m,
+                bay_m: size.length_m / (f64::from(size.spacers) + 1.0),
+                mount_angle_rad: size.mount_angle_rad,
+                between_kg: f64::from(module.actuators) * section_m2 * size.length_m * module.density_kg_per_m3
+                    + f64::from(size.spacers) * module.spacer_kg,
+                radius_m: arrangement.reach_m(module.actuators) + outer_m,
+            });
+        }
+        let rigid_m = modules.len() as f64 * task.connector_m + task.tool_m[0];
+        Some(Self {
+            base: space.base(sizes),
+            length_m: modules.iter().map(|module| module.length_m).sum::<f64>() + rigid_m,
+            modules,
+            spans_pa,
+            connector: [task.connector_m, task.connector_kg],
+            tool: [task.tool_m[0], task.tool_kg],
+        })
+    }
+
+    /// Highest pressure of a module that keeps the margin, Pa.
+    pub fn span_pa(&self, module: usize) -> f64 {
+        self.spans_pa[module]
+    }
+
+    /// Motion of a module.
+    pub(super) fn motion(&self, module: usize) -> Motion {
+        self.modules[module].motion
+    }
+
+    /// Whether a module bends.
+    pub(super) fn is_bending(&self, module: usize) -> bool {
+        self.modules[module].motion == Motion::Bending
+    }
+
+    /// Number of modules.
+    pub fn len(&self) -> usize {
+        self.modules.len()
+    }
+
+    /// Whether it has no module.
+    pub fn is_empty(&self) -> bool {
+        self.modules.is_empty()
+    }
+
+    /// Pressures of shares, Pa.
+    pub fn pressures_pa(&self, shares: &[f64]) -> Vec<f64> {
+        shares.iter().zip(&self.spans_pa).map(|(share, span)| share * span).collect()
+    }
+
+    /// Mass without payload, kg.
+    pub fn mass_kg(&self) -> f64 {
+        let walls: f64 = self.modules.iter().map(|module| module.between_kg).sum();
+        walls + self.modules.len() as f64 * self.connector[1] + self.tool[1]
+    }
+
+    /// The bundle of a module at a share of its pressure; `None` where it has no equilibrium.
+    pub(super) fn bundle(&self, index: usize, share: f64) -> Option<Bundle> {
+        let module = &self.modules[index];
+        let pressure_pa = share * self.spans_pa[index];
+        let known = module.springs.borrow().iter().find(|(at, _)| *at == pressure_pa).map(|(_, spring)| spring.clone());
+        let spring = match known {
+            Some(spring) => spring,
+            None => {
+                let spring = Spring::new(&module.actuator, pressure_pa)?;
+                module.springs.borrow_mut().push((pressure_pa, spring.clone()));
+                spring
+            }
+        };
+        let springs = module.positions_m.iter().map(|place| (*place, spring.clone())).collect();
+        Bundle::of_springs(module.motion, springs, module.bay_m)
+    }
+
+    /// The rod of a module with a bundle, with what is fixed behind it.
+    pub(super) fn piece(&self, index: usize, bundle: &Bundle, payload_kg: f64) -> Piece {
+        let module = &self.modules[index];
+        let [connector_m, connector_kg] = self.connector;
+        let mut masses = vec![(0.5 * connector_m, connector_kg)];
+        let mut rigid_m = connector_m;
+        if index + 1 == self.modules.len() {
+            let [tool_m, tool_kg] = self.tool;
+            rigid_m += tool_m;
+            masses.push((connector_m + 0.5 * tool_m, tool_kg));
+            masses.push((rigid_m, payload_kg));
+        }
+        let free = bundle.free;
+        Piece {
+            free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
+            free_shear: [0.0; 2],
+            stiffness: bundle.stiffness,
+            shear_n: bundle.shear_n,
+            sway: bundle.sway,
+            length_m: module.length_m,
+            mount_angle_rad: module.mount_angle_rad,
+            kg_per_m: module.between_kg / module.length_m,
+            rigid_m,
+            masses,
+        }
+    }
+
+    /// The limb at shares of its pressures with a payload, kg; `None` where an actuator has no equilibrium.
+    pub fn loaded(&self, shares: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
+        let bundles =
+            shares.iter().enumerate().map(|(index, share)| self.bundle(index, *share)).collect::<Option<Vec<_>>>()?;
+        let pieces = bundles.iter().enumerate().map(|(index, bundle)| self.piece(index, bundle, payload_kg));
+        let rod = Rod {
+            base: self.base,
+            pieces: pieces.collect(),
+            gravity_m_per_s2: Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2),
+            tip_force_n: Vector3::zeros(),
+        };
+        let motions = self.modules.iter().map(|module| module.motion);
+        Some(LoadedLimb::of_rod(rod, motions.zip(bundles).collect()))
+    }
+}
+
+/// The lower of the highest pressure and the limit point, Pa.
+fn ceiling_pa(actuator: &Actuator<f64>, pressure_max_pa: f64) -> Option<f64> {
+    let solution = actuator.forward(pressure_max_pa, &Load::none()).ok()?;
+    if solution.status == Status::Solved {
+        return Some(pressure_max_pa);
+    }
+    solution.limit_pressure_pa.map(|limit| limit.min(pressure_max_pa)).filter(|limit| *limit > 0.0)
+}

@@ -1,0 +1,88 @@
+//! Clearance of the loaded limb and of what it carries: balls along the deformed centre line.
+
+use nalgebra::Vector3;
+
+use super::built::Built;
+use super::inverse::Stand;
+use super::task::{CarriedBody, LoadedTask};
+
+/// Balls between two points of the centre line, and along the carried body.
+const BETWEEN: usize = 4;
+const ALONG: usize = 12;
+
+/// Centres and radii of balls along a limb in equilibrium, m.
+fn balls(built: &Built, task: &LoadedTask, stand: &Stand) -> Vec<(Vector3<f64>, f64)> {
+    let line: Vec<Vector3<f64>> = stand.rod.line_m(&stand.shape).into_iter().map(Vector3::from).collect();
+    let rigid = |index: usize| stand.rod.pieces[index].rigid_m > 0.0;
+    let steps = (line.len() - 1 - (0..built.len()).filter(|index| rigid(*index)).count()) / built.len();
+    let mut all = Vec::new();
+    let mut first = 0;
+    for (index, module) in built.modules.iter().enumerate() {
+        for step in first..first + steps {
+            let [before, after] = [slope(&line, step), slope(&line, step + 1)];
+            all.extend((0..BETWEEN).map(|part| {
+                let share = part as f64 / BETWEEN as f64;
+                (cubic(line[step], line[step + 1], before, after, share), module.radius_m)
+            }));
+        }
+        first += steps;
+        all.push((line[first], module.radius_m));
+        if rigid(index) {
+            let (from, to) = (line[first], line[first + 1]);
+            let length_m = stand.rod.pieces[index].rigid_m;
+            let connector = (task.connector_m / length_m).min(1.0);
+            all.push((from.lerp(&to, connector), module.radius_m));
+            if connector < 1.0 {
+                let share = |part: usize| connector + (1.0 - connector) * part as f64 / BETWEEN as f64;
+                all.extend((0..=BETWEEN).map(|part| (from.lerp(&to, share(part)), task.tool_m[1])));
+            }
+            first += 1;
+        }
+    }
+    all
+}
+
+/// Change of the line per step at a point.
+fn slope(line: &[Vector3<f64>], at: usize) -> Vector3<f64> {
+    let unit = |from: usize, to: usize| (line[to] - line[from]).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+    let before = (at > 0).then(|| unit(at - 1, at));
+    let after = (at + 1 < line.len()).then(|| unit(at, at + 1));
+    match (before, after) {
+        (Some(before), Some(after)) => (before + after) * 0.5,
+        (one, other) => one.or(other).unwrap_or_else(Vector3::zeros),
+    }
+}
+
+/// Hermite's cubic between two points with unit slopes.
+fn cubic(from: Vector3<f64>, to: Vector3<f64>, before: Vector3<f64>, after: Vector3<f64>, t: f64) -> Vector3<f64> {
+    let chord = (to - from).norm();
+    let (t2, t3) = (t * t, t * t * t);
+    from * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + before * (chord * (t3 - 2.0 * t2 + t))
+        + to * (3.0 * t2 - 2.0 * t3)
+        + after * (chord * (t3 - t2))
+}
+
+/// Balls of a body that hangs from the tip.
+fn hanging(tip_m: &Vector3<f64>, body: &CarriedBody) -> Vec<(Vector3<f64>, f64)> {
+    let (top, bottom) = (body.above_m - body.radius_m, body.radius_m - body.below_m);
+    let (top, bottom) = if top >= bottom { (top, bottom) } else { (0.5 * (top + bottom), 0.5 * (top + bottom)) };
+    let at = |part: usize| bottom + (top - bottom) * part as f64 / ALONG as f64;
+    (0..=ALONG).map(|part| (tip_m + Vector3::z() * at(part), body.radius_m)).collect()
+}
+
+/// Least distance to an obstacle less the clearance that is asked for, m, and the index of the obstacle; `None` without obstacles.
+pub(super) fn spare_m(
+    built: &Built,
+    task: &LoadedTask,
+    stand: &Stand,
+    carried: Option<&CarriedBody>,
+) -> Option<(f64, usize)> {
+    let mut all = balls(built, task, stand);
+    all.extend(carried.iter().flat_map(|body| hanging(&stand.tip_m(), body)));
+    let of = |(index, obstacle): (usize, &crate::synthesis::Obstacle)| {
+        let distances = all.iter().map(|(center, radius)| obstacle.shape.distance(center).distance_m - radius);
+        (distances.fold(f64::INFINITY, f64::min) - obstacle.clearance_m, index)
+    };
+    task.obstacles.iter().enumerate().map(of).min_by(|a, b| a.0.total_cmp(&b.0))
+}

@@ -1,0 +1,69 @@
+//! Margins that a limb under load keeps.
+
+use serde::Serialize;
+
+/// Least margins of a limb under load, in every pose, without its load, with half and with all of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StandingLimits {
+    /// Least load factor; >= 1.
+    pub load_factor: f64,
+    /// Least vertical stiffness of the tip, N/m; >= 0.
+    pub stiffness_n_per_m: f64,
+    /// Largest sag over the length at rest; > 0.
+    pub sag_share: f64,
+    /// Least buckling margin of a tube; >= 1.
+    pub buckling_margin: f64,
+    /// Highest pressure over the lower of the scene's limit and the limit point; 0..1.
+    pub pressure_share: f64,
+}
+
+impl Default for StandingLimits {
+    /// Those that `check` asks of a limb on a body.
+    fn default() -> Self {
+        Self { load_factor: 1.5, stiffness_n_per_m: 40.0, sag_share: 0.4, buckling_margin: 3.0, pressure_share: 0.85 }
+    }
+}
+
+/// What a design keeps a distance from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Margin {
+    /// The tip is where it shall be.
+    Reach,
+    /// The end effector points where it shall.
+    Direction,
+    /// The limb carries the load at all.
+    Carries,
+    /// Load factor to the first instability.
+    LoadFactor,
+    /// Vertical stiffness of the tip.
+    Stiffness,
+    /// Sag of the tip.
+    Sag,
+    /// Buckling of a tube between two plates.
+    Buckling,
+    /// Pressure below its limit and the limit point.
+    Pressure,
+    /// A bending module is not bent backwards.
+    BentBack,
+    /// Distance from obstacles.
+    Clearance,
+}
+
+impl Margin {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reach => "reach",
+            Self::Direction => "direction",
+            Self::Carries => "carrying",
+            Self::LoadFactor => "load factor",
+            Self::Stiffness => "stiffness",
+            Self::Sag => "sag",
+            Self::Buckling => "buckling",
+            Self::Pressure => "pressure",
+            Self::BentBack => "bending backwards",
+            Self::Clearance => "clearance",
+        }
+    }
+}

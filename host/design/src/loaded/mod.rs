@@ -1,0 +1,28 @@
+//! Design of a limb under its own weight and that of what it carries: a search over sizes around the statics.
+//!
+//! [`LoadedTask`] says what the tip shall do and with which loads, [`ModuleSpace`] what each module may be. [`evaluate`] judges one limb:
+//! pressures are found under load, pose by pose, and every margin is a residual that is zero where it is kept. [`search`] drives the sum of
+//! squares to zero from several starts, and then raises the reserve of all margins.
+
+mod bounds;
+mod built;
+mod clearance;
+mod confirm;
+mod evaluate;
+mod inverse;
+mod limits;
+mod residuals;
+mod search;
+mod space;
+mod task;
+
+pub use bounds::{ActiveBound, active_bounds};
+pub use built::Built;
+pub use confirm::{ConfirmedPose, REACHED_M, confirm};
+pub use evaluate::{Evaluation, LoadState, PoseState, evaluate};
+pub use limits::{Margin, StandingLimits};
+pub use residuals::Lack;
+pub use search::{Effort, Found, search};
+pub use space::{BaseSpace, LimbSizes, LimbSpace, ModuleSizes, ModuleSpace, Variable};
+
+pub use task::{CarriedBody, LoadedPose, LoadedTask};

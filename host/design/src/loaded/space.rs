@@ -1,0 +1,272 @@
+//! What a limb may be: bounds, and their unit box.
+
+use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion};
+use nalgebra::{Isometry3, Vector3};
+use serde::Serialize;
+
+use crate::actuators::{Bounds, Winding};
+use softlimb_limb::base_pose;
+
+/// Air between actuators side by side, m.
+const APART_M: f64 = 1e-3;
+/// Name of the variables that are no sizes: the pressures that poses stay near to.
+pub(super) const HOME: &str = "home";
+
+/// Where a limb may start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseSpace {
+    /// Bounds of the position along each axis, m.
+    pub position_m: [Bounds; 3],
+    /// Direction of the first module at a pitch of 0; not zero.
+    pub direction: [f64; 3],
+    /// Direction towards which modules bend at a mount angle of 0; not along `direction`.
+    pub up: [f64; 3],
+    /// Bounds of the pitch, rad: from `direction` towards `up`.
+    pub pitch_rad: Bounds,
+}
+
+/// What one module may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModuleSpace {
+    /// Its name.
+    pub name: String,
+    /// Its motion.
+    pub motion: Motion,
+    /// Number of actuators, 1 to 9.
+    pub actuators: u8,
+    /// Whether they stand in a row along the axis of bending, not on a circle.
+    pub in_row: bool,
+    /// The elastomer.
+    pub material: Material<f64>,
+    /// Its density, kg/m3; > 0.
+    pub density_kg_per_m3: f64,
+    /// The winding but for its angle; `None` for bending.
+    pub winding: Option<Winding>,
+    /// Bounds of the inner radius, m; > 0.
+    pub inner_radius_m: Bounds,
+    /// Bounds of the wall, m; > 0.
+    pub wall_m: Bounds,
+    /// Bounds of the length, m; > 0.
+    pub length_m: Bounds,
+    /// Bounds of the fiber angle, rad; unused for bending.
+    pub angle_rad: Bounds,
+    /// Bounds of the circle's radius or of the distance of neighbours in the row, m. Actuators never overlap, whatever this says.
+    pub spread_m: Bounds,
+    /// Largest distance of its plates, m; > 0. Each module has as few spacers as keep it.
+    pub bay_m: f64,
+    /// Mass of a spacer, kg; >= 0.
+    pub spacer_kg: f64,
+    /// Bounds of the mount angle, rad.
+    pub mount_angle_rad: Bounds,
+    /// Highest gauge pressure, Pa; > 0.
+    pub pressure_max_pa: f64,
+}
+
+/// What a limb may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimbSpace {
+    /// Where it starts.
+    pub base: BaseSpace,
+    /// Its modules from the base outwards.
+    pub modules: Vec<ModuleSpace>,
+}
+
+/// Sizes of one module.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ModuleSizes {
+    /// Inner and outer radius, m.
+    pub radii_m: [f64; 2],
+    /// Length, m.
+    pub length_m: f64,
+    /// Fiber angle, rad.
+    pub angle_rad: f64,
+    /// Radius of the circle or distance of neighbours in the row, m; 0 for one actuator.
+    pub spread_m: f64,
+    /// Plates between its connectors.
+    pub spacers: u8,
+    /// Mount angle, rad.
+    pub mount_angle_rad: f64,
+}
+
+/// Sizes of a limb and where it starts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LimbSizes {
+    /// Where it starts, m.
+    pub position_m: [f64; 3],
+    /// Its pitch, rad.
+    pub pitch_rad: f64,
+    /// Its modules.
+    pub modules: Vec<ModuleSizes>,
+    /// Pressures that poses stay near to where several pressures do, as shares of the highest.
+    pub home: Vec<f64>,
+}
+
+/// One open variable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Variable {
+    /// The module it belongs to; `None` for the base.
+    pub module: Option<usize>,
+    /// Its name as in a scene.
+    pub name: &'static str,
+    /// Its bounds in SI units.
+    pub bounds: Bounds,
+}
+
+fn at([low, high]: Bounds, share: f64) -> f64 {
+    low + share * (high - low)
+}
+
+impl LimbSpace {
+    /// All variables that are open, in the order of the unit box.
+    pub fn variables(&self) -> Vec<Variable> {
+        let mut all: Vec<(Option<usize>, &'static str, Bounds)> =
+            self.base.position_m.iter().map(|bounds| (None, "base_position", *bounds)).collect();
+        all.push((None, "base_pitch", self.base.pitch_rad));
+        for (index, module) in self.modules.iter().enumerate() {
+            all.extend(module.axes().map(|(name, bounds)| (Some(index), name, bounds)));
+        }
+        all.extend((0..self.modules.len()).map(|index| (Some(index), HOME, [0.0, 1.0])));
+        let open = all.into_iter().filter(|(_, _, [low, high])| high > low);
+        open.map(|(module, name, bounds)| Variable { module, name, bounds }).collect()
+    }
+
+    /// The sizes at a point of the unit box, which has as many axes as there are [`variables`](Self::variables).
+    pub fn sizes(&self, point: &[f64]) -> LimbSizes {
+        let mut shares = point.iter().copied();
+        // What is not open takes no share.
+        let mut next =
+            |bounds: Bounds| if bounds[1] > bounds[0] { at(bounds, shares.next().unwrap_or(0.5)) } else { bounds[0] };
+        let position_m = self.base.position_m.map(&mut next);
+        let pitch_rad = next(self.base.pitch_rad);
+        let modules: Vec<ModuleSizes> =
+            self.modules.iter().map(|module| module.sizes(module.axes().map(|(_, bounds)| next(bounds)))).collect();
+        let home = self.modules.iter().map(|_| next([0.0, 1.0])).collect();
+        LimbSizes { position_m, pitch_rad, modules, home }
+    }
+
+    /// The point of the unit box nearest to values of the variables, in their order.
+    pub fn point(&self, mut value_of: impl FnMut(&Variable) -> f64) -> Vec<f64> {
+        let share = |variable: &Variable| {
+            let [low, high] = variable.bounds;
+            ((value_of(variable) - low) / (high - low)).clamp(0.0, 1.0)
+        };
+        self.variables().iter().map(share).collect()
+    }
+
+    /// The same with other bounds of one of its [`variables`](Self::variables).
+    pub(super) fn with_bounds(&self, variable: usize, bounds: Bounds) -> Self {
+        let mut space = self.clone();
+        let base = space.base.position_m.iter_mut().chain(std::iter::once(&mut space.base.pitch_rad));
+        let sizes = space.modules.iter_mut().flat_map(ModuleSpace::axes_mut);
+        let open = base.map(Some).chain(sizes).flatten().filter(|[low, high]| high > low);
+        open.skip(variable).take(1).for_each(|old| *old = bounds);
+        space
+    }
+
+    /// A first guess: sizes that have stood level with a bottle, as far as the bounds allow.
+    pub fn first_guess(&self) -> Vec<f64> {
+        self.point(|variable| {
+            let middle = 0.5 * (variable.bounds[0] + variable.bounds[1]);
+            let Some(module) = variable.module else { return middle };
+            // Of a bender, of the module at the base, of others.
+            let of = |values: [f64; 3]| match (self.modules[module].motion, module) {
+                (Motion::Bending, _) => values[0],
+                (_, 0) => values[1],
+                _ => values[2],
+            };
+            match variable.name {
+                "inner_radius" => of([14e-3, 12e-3, 10e-3]),
+                "wall" => of([8e-3, 6e-3, 5e-3]),
+                "length" => 0.19,
+                "circle_radius" => 0.062,
+                HOME => 0.4,
+                _ => middle,
+            }
+        })
+    }
+
+    /// Pose of the base.
+    pub fn base(&self, sizes: &LimbSizes) -> Isometry3<f64> {
+        let [direction, up] = self.directions(sizes.pitch_rad);
+        base_pose(sizes.position_m, direction, up)
+    }
+
+    /// Unit vectors along the first module and towards which modules bend at a mount angle of 0, at a pitch, rad.
+    pub fn directions(&self, pitch_rad: f64) -> [[f64; 3]; 2] {
+        let along = Vector3::from(self.base.direction).normalize();
+        let up = Vector3::from(self.base.up);
+        let normal = (up - along * along.dot(&up)).normalize();
+        let (sin, cos) = pitch_rad.sin_cos();
+        [(along * cos + normal * sin).into(), (normal * cos - along * sin).into()]
+    }
+}
+
+impl ModuleSpace {
+    fn axes(&self) -> [(&'static str, Bounds); 6] {
+        let angle_rad = if self.motion == Motion::Bending { [0.0; 2] } else { self.angle_rad };
+        let spread_m = if self.actuators == 1 { [0.0; 2] } else { self.spread_m };
+        [
+            ("inner_radius", self.inner_radius_m),
+            ("wall", self.wall_m),
+            ("length", self.length_m),
+            ("fiber_angle", angle_rad),
+            (if self.in_row { "spacing" } else { "circle_radius" }, spread_m),
+            ("mount_angle", self.mount_angle_rad),
+        ]
+    }
+
+    /// The bounds of [`axes`](Self::axes), in their order; `None` for those that are none of it.
+    fn axes_mut(&mut self) -> [Option<&mut Bounds>; 6] {
+        let (wound, many) = (self.motion != Motion::Bending, self.actuators != 1);
+        [
+            Some(&mut self.inner_radius_m),
+            Some(&mut self.wall_m),
+            Some(&mut self.length_m),
+            wound.then_some(&mut self.angle_rad),
+            many.then_some(&mut self.spread_m),
+            Some(&mut self.mount_angle_rad),
+        ]
+    }
+
+    fn sizes(&self, [inner_m, wall_m, length_m, angle_rad, spread_m, mount_angle_rad]: [f64; 6]) -> ModuleSizes {
+        let outer_m = inner_m + wall_m;
+        let spread_m = if self.actuators == 1 { 0.0 } else { spread_m.max(self.least_spread_m(outer_m)) };
+        let spacers = ((length_m / self.bay_m).ceil() - 1.0).clamp(0.0, 50.0) as u8;
+        ModuleSizes { radii_m: [inner_m, outer_m], length_m, angle_rad, spread_m, spacers, mount_angle_rad }
+    }
+
+    /// The least spread at which actuators of an outer radius have room, m.
+    fn least_spread_m(&self, outer_m: f64) -> f64 {
+        let apart_m = 2.0 * outer_m + APART_M;
+        if self.in_row { apart_m } else { 0.5 * apart_m / (std::f64::consts::PI / f64::from(self.actuators)).sin() }
+    }
+
+    /// Places of its actuators.
+    pub(super) fn arrangement(&self, sizes: &ModuleSizes) -> Arrangement<f64> {
+        if self.in_row {
+            Arrangement::Row { spacing_m: sizes.spread_m }
+        } else {
+            Arrangement::Circle { radius_m: sizes.spread_m }
+        }
+    }
+
+    /// One of its actuators.
+    pub(super) fn actuator(&self, sizes: &ModuleSizes) -> ActuatorParameters<f64> {
+        let [inner_radius_m, outer_radius_m] = sizes.radii_m;
+        ActuatorParameters {
+            motion: self.motion,
+            inner_radius_m,
+            outer_radius_m,
+            length_m: sizes.length_m,
+            material: self.material,
+            fiber: self.winding.filter(|_| self.motion != Motion::Bending).map(|winding| Fiber {
+                angle_rad: sizes.angle_rad,
+                families: winding.families,
+                modulus_pa: winding.modulus_pa,
+                placement: winding.placement,
+                thickness_m: winding.thickness_m,
+                radius_m: outer_radius_m,
+            }),
+        }
+    }
+}

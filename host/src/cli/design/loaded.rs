@@ -1,0 +1,216 @@
+//! `softlimb design limb` for a scene with weight: a limb that stands under its loads.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::cli::shared::show;
+use crate::cli::{Failure, Outcome, note, warn};
+use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
+use softlimb_design::loaded::{
+    ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds, confirm, search,
+};
+use softlimb_files::write_whole;
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
+
+/// What is printed with `--json`.
+#[derive(Serialize)]
+struct Printed<'a> {
+    /// The design file.
+    file: &'a Path,
+    /// Whether every phase is reached with every margin.
+    reached: bool,
+    /// Share by which every margin is better than its limit.
+    reserve: f64,
+    /// The limits.
+    limits: StandingLimits,
+    /// Mass without payload, kg.
+    mass_kg: f64,
+    /// Length at rest, m.
+    length_m: f64,
+    /// Sizes of the limb.
+    sizes: &'a LimbSizes,
+    /// The phases.
+    phases: &'a [ConfirmedPose],
+    /// Bounds that the limb lies at, and what each costs.
+    bounds: &'a [ActiveBound],
+    /// Limbs judged.
+    evaluations: usize,
+    /// Why the planner refuses the design; `None` where it takes it.
+    refused: Option<String>,
+}
+
+/// Designs a limb under load and writes the scene with it to `file`.
+pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Result<Outcome, Failure> {
+    let design = loaded_design(scene)?;
+    let effort = Effort { seed, ..Effort::default() };
+    let (task, space) = (&design.task, &design.space);
+    let found = search(task, space, &space.first_guess(), &effort, &|| false).ok_or_else(|| {
+        Failure::new("no limb within the bounds stands under its own weight in the first phase: raise `pressure_max` or the bounds of `[design]`")
+    })?;
+    let tolerance = scene.weight().map_or(1e-3, |weight| weight.error);
+    let phases = confirm(task, space, &found, tolerance);
+    let reached = found.reached && phases.iter().all(|phase| phase.lacks.is_empty());
+    let bounds = active_bounds(task, space, &found, effort.abreast, &|| false);
+    let text = loaded_text(scene, &design, &found.evaluation.sizes).map_err(Failure::new)?;
+    write_whole(file, &text).map_err(Failure::new)?;
+    let refused = refused(file)?;
+    let printed = Printed {
+        file,
+        reached,
+        reserve: found.reserve,
+        limits: task.limits,
+        mass_kg: found.evaluation.mass_kg,
+        length_m: found.evaluation.length_m,
+        sizes: &found.evaluation.sizes,
+        phases: &phases,
+        bounds: &bounds,
+        evaluations: found.evaluations,
+        refused,
+    };
+    show(json, &printed, || table(scene, &design, &found, &printed))?;
+    note(&format!("design: {}", file.display()));
+    let outcome = warn(&scene::load(file)?.winding_warnings());
+    if let Some(why) = &printed.refused {
+        note(&format!("warning: the planner refuses the design: {why}"));
+    }
+    if reached && printed.refused.is_none() {
+        return Ok(outcome);
+    }
+    if !reached {
+        note("warning: not every margin is kept: see what is lacking above");
+    }
+    Ok(Outcome::DoneWithWarnings)
+}
+
+/// Why the planner refuses a design.
+fn refused(file: &Path) -> Result<Option<String>, Failure> {
+    let designed = scene::load(file)?;
+    let limb = Limb::new(&designed)?;
+    Ok(motion::plan(&designed, &limb).err().map(|error| error.to_string()))
+}
+
+/// Result as text. Writing to a string cannot fail.
+fn table(scene: &Scene, design: &LoadedDesign, found: &Found, printed: &Printed<'_>) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}: {} under load; mass {:.2} kg, length {:.3} m, reserve of every margin {:.0} %, {} limbs judged",
+        scene.name(),
+        if printed.reached { "reached" } else { "nearest found" },
+        printed.mass_kg,
+        printed.length_m,
+        100.0 * printed.reserve,
+        printed.evaluations
+    );
+    let [x, y, z] = printed.sizes.position_m;
+    let pitch_deg = printed.sizes.pitch_rad.to_degrees();
+    let _ = writeln!(text, "base at ({x:.3}, {y:.3}, {z:.3}) m, pitch {pitch_deg:.1} deg\n");
+    let _ = writeln!(
+        text,
+        "  {:<14} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7}",
+        "module", "inner", "outer", "length", "spread", "spacers", "fiber", "mount"
+    );
+    let _ = writeln!(
+        text,
+        "  {:<14} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7}",
+        "", "mm", "mm", "mm", "mm", "", "deg", "deg"
+    );
+    for (module, sizes) in design.space.modules.iter().zip(&printed.sizes.modules) {
+        let [inner, outer] = sizes.radii_m.map(|radius| 1e3 * radius);
+        let _ = writeln!(
+            text,
+            "  {:<14} {inner:8.2} {outer:8.2} {:8.1} {:8.1} {:8} {:7.1} {:7.1}",
+            module.name,
+            1e3 * sizes.length_m,
+            1e3 * sizes.spread_m,
+            sizes.spacers,
+            sizes.angle_rad.to_degrees(),
+            sizes.mount_angle_rad.to_degrees()
+        );
+    }
+    phases(&mut text, printed);
+    bounds(&mut text, found.reached, printed);
+    text
+}
+
+fn phases(text: &mut String, printed: &Printed<'_>) {
+    let limits = &printed.limits;
+    let _ = writeln!(
+        text,
+        "\n  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9}  pressures, kPa",
+        "phase", "payload", "tip error", "load factor", "stiffness", "sag", "buckling", "pressure", "clearance"
+    );
+    let _ = writeln!(
+        text,
+        "  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9}",
+        "", "kg", "mm", "", "N/m", "% of L", "", "%", "mm spare"
+    );
+    let _ = writeln!(
+        text,
+        "  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9}",
+        "limit",
+        "",
+        "<= 0.1",
+        format!(">= {}", limits.load_factor),
+        format!(">= {}", limits.stiffness_n_per_m),
+        format!("<= {:.0}", 100.0 * limits.sag_share),
+        format!(">= {}", limits.buckling_margin),
+        format!("<= {:.0}", 100.0 * limits.pressure_share),
+        ">= 0"
+    );
+    for phase in printed.phases {
+        let pressures: Vec<_> = phase.pressures_pa.iter().map(|pressure| format!("{:.1}", 1e-3 * pressure)).collect();
+        let _ = writeln!(
+            text,
+            "  {:<14} {:7.2} {:9.3} {:11.2} {:9.1} {:8.1} {:8.1} {:8.1} {:>9}  {}",
+            phase.name,
+            phase.payload_kg,
+            1e3 * phase.tip_error_m,
+            phase.load_factor,
+            phase.stiffness_n_per_m,
+            100.0 * phase.sag_m / printed.length_m,
+            phase.buckling_margin,
+            100.0 * phase.pressure_share,
+            phase.spare_m.map_or("-".to_owned(), |spare| format!("{:.1}", 1e3 * spare)),
+            pressures.join(", ")
+        );
+    }
+    for phase in printed.phases.iter().filter(|phase| !phase.lacks.is_empty()) {
+        let names: Vec<_> = phase.lacks.iter().map(|margin| margin.name()).collect();
+        let _ = writeln!(text, "  phase `{}` lacks: {}", phase.name, names.join(", "));
+    }
+}
+
+fn bounds(text: &mut String, reached: bool, printed: &Printed<'_>) {
+    if printed.bounds.is_empty() {
+        return;
+    }
+    let _ = writeln!(text, "\n  active bounds, and the same search with one of them moved:");
+    for bound in printed.bounds {
+        let module = bound.module.as_ref().map_or(String::new(), |name| format!("{name} "));
+        let [from, to] = [bound.bound, bound.moved_to].map(|value| shown(bound.name, value));
+        let gain = if reached {
+            format!("reserve {:.0} % instead of {:.0} %", 100.0 * bound.reserve, 100.0 * printed.reserve)
+        } else if bound.reached {
+            "every margin is kept: this bound forbids the task".to_owned()
+        } else {
+            format!("{:.0} % of what is lacking is left", 100.0 * bound.left)
+        };
+        let _ = writeln!(text, "  {module}{} = {from}: with {to} {gain}", bound.name);
+    }
+}
+
+/// A value of a key with its unit.
+fn shown(key: &str, value: f64) -> String {
+    match key {
+        "pressure_max" => format!("{:.1} kPa", 1e-3 * value),
+        "base_pitch" | "fiber_angle" | "mount_angle" => format!("{:.1} deg", value.to_degrees()),
+        "base_position" => format!("{value:.3} m"),
+        _ => format!("{:.1} mm", 1e3 * value),
+    }
+}
