@@ -29,7 +29,7 @@ impl Spring {
     /// The tube of an actuator at a gauge pressure, Pa; `None` where the branch of its equilibria does not get there.
     pub fn new(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
         let free = Tangent::of(actuator, pressure_pa)?;
-        Some(Self { actuator: actuator.clone(), pressure_pa, crept: [0.0; 3], free })
+        Some(Self { actuator: *actuator, pressure_pa, crept: [0.0; 3], free })
     }
 
     /// The same tube with another shape without load, that of `state`: one that has crept.
