@@ -66,25 +66,26 @@ struct PrintedPhase<'a> {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Balance<'a> {
-    Found {
-        tip_m: [f64; 3],
-        deflection_m: f64,
-        tip_stiffness_n_per_m: Option<[f64; 3]>,
-        load_factor: f64,
-        buckling_margin: f64,
-        weakest_module: Option<&'a str>,
-        bent_back: Option<&'a str>,
-        second_tip_m: Option<[f64; 3]>,
-        tier: &'static str,
-        order_error: f64,
-        bundle_error: f64,
-        rods_error: Option<f64>,
-        bundle_shift_m: Option<[f64; 3]>,
-        newton_iterations: usize,
-    },
-    EquilibriumError {
-        lost: String,
-    },
+    Found(Box<Found<'a>>),
+    EquilibriumError { lost: String },
+}
+
+#[derive(Serialize)]
+struct Found<'a> {
+    tip_m: [f64; 3],
+    deflection_m: f64,
+    tip_stiffness_n_per_m: Option<[f64; 3]>,
+    load_factor: f64,
+    buckling_margin: f64,
+    weakest_module: Option<&'a str>,
+    bent_back: Option<&'a str>,
+    second_tip_m: Option<[f64; 3]>,
+    tier: &'static str,
+    order_error: f64,
+    bundle_error: f64,
+    rods_error: Option<f64>,
+    bundle_shift_m: Option<[f64; 3]>,
+    newton_iterations: usize,
 }
 
 impl Statics {
@@ -142,7 +143,7 @@ impl Row {
         let name = |module: Option<usize>| module.map(|index| limb.modules()[index].name.as_str());
         let found = match &self.found {
             Err(lost) => Balance::EquilibriumError { lost: lost.to_string() },
-            Ok(found) => Balance::Found {
+            Ok(found) => Balance::Found(Box::new(Found {
                 tip_m: found.tip_m,
                 deflection_m: found.sag_m,
                 tip_stiffness_n_per_m: found.stiffness_n_per_m,
@@ -157,7 +158,7 @@ impl Row {
                 rods_error: found.answer.tubes.as_ref().map(|(_, rods)| *rods),
                 bundle_shift_m: found.answer.bundle_shift_m.map(Into::into),
                 newton_iterations: found.answer.shape.iterations,
-            },
+            })),
         };
         PrintedPhase { name: &self.phase, payload_kg: self.payload_kg, free_tip_m: self.free_tip_m, found }
     }
