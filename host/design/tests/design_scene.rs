@@ -139,17 +139,17 @@ fn off_goal(scene: &Scene, goal: &Goal, tip: nalgebra::Vector3<f64>) -> f64 {
 
 #[test]
 fn group_a_is_designed_and_keeps_clear() {
-    designed_keeps_clear(include_str!("problems/weightless-a.toml"));
+    designed_keeps_clear(include_str!("../../../scenes/open/group-a.toml"));
 }
 
 #[test]
 fn group_b_is_designed_and_keeps_clear() {
-    designed_keeps_clear(include_str!("problems/weightless-b.toml"));
+    designed_keeps_clear(include_str!("../../../scenes/open/group-b.toml"));
 }
 
 #[test]
 fn group_c_is_designed_and_keeps_clear() {
-    designed_keeps_clear(include_str!("problems/weightless-c.toml"));
+    designed_keeps_clear(include_str!("../../../scenes/open/group-c.toml"));
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn entries_beyond_a_design_are_shown_at_their_line() {
     let wide = read(&format!("{text}{OPEN}"));
     let error = targets(&wide).unwrap_err().render(false);
     assert!(error.contains("may overlap") && error.contains("wall = "), "{error}");
-    let mixed = include_str!("problems/weightless-a.toml")
+    let mixed = include_str!("../../../scenes/open/group-a.toml")
         .replace("tip = [0.74, 0, 0.83]", "targets = { elbow = { bend_angle = \"30 deg\" } }");
     let error = task(&read(&mixed)).unwrap_err().to_string();
     assert!(error.contains("either for the tip or for targets"), "{error}");

@@ -39,17 +39,17 @@ fn hits_its_targets(text: &str) {
 
 #[test]
 fn group_a_hits_its_targets() {
-    hits_its_targets(include_str!("../../design/tests/problems/weightless-a.toml"));
+    hits_its_targets(include_str!("../../../scenes/open/group-a.toml"));
 }
 
 #[test]
 fn group_b_hits_its_targets() {
-    hits_its_targets(include_str!("../../design/tests/problems/weightless-b.toml"));
+    hits_its_targets(include_str!("../../../scenes/open/group-b.toml"));
 }
 
 #[test]
 fn group_c_hits_its_targets() {
-    hits_its_targets(include_str!("../../design/tests/problems/weightless-c.toml"));
+    hits_its_targets(include_str!("../../../scenes/open/group-c.toml"));
 }
 
 #[test]
