@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use fra_model::{Actuator, Link, Load, Motion, Parameter, Segment, State, Status, Tracker, tip_pose};
+use fra_model::{Actuator, Arrangement, Link, Load, Motion, Parameter, Segment, State, Status, Tracker, tip_pose};
 use nalgebra::Isometry3;
 
 use crate::Bench;
@@ -26,10 +26,20 @@ impl Answer for Count {
     }
 }
 
+/// A place `[x, y]` as an answer.
+struct Place([f32; 2]);
+
+impl Answer for Place {
+    fn note(&self) -> Note {
+        Note::of("-", 0, self.0)
+    }
+}
+
 /// Puts all queries; whether each had the answer it must have: that there is a solution.
 pub(crate) fn put_all(bench: &mut impl Bench) -> bool {
     let answered = CASES.each_ref().map(|case| put(bench, case));
     limb(bench);
+    places(bench);
     answered.into_iter().all(|well| well)
 }
 
@@ -145,4 +155,21 @@ fn limb(bench: &mut impl Bench) {
     let links = [link(0.0, 0.0, 0.0), link(1.1, 0.0, 3.0), link(0.0, 0.7, 0.0)];
     bench.put("pose within a link", "bending", || black_box(links[1]).pose_at(black_box(0.3)));
     bench.put("pose of a tip", "three modules", || tip_pose(&Isometry3::identity(), black_box(links)));
+}
+
+/// The places of the actuators of a bundle.
+fn places(bench: &mut impl Bench) {
+    let arrangements = [
+        ("circle of three", Arrangement::Circle { radius_m: CIRCLE_RADIUS_M }),
+        ("row of three", Arrangement::Row { spacing_m: 0.034 }),
+    ];
+    for (name, arrangement) in arrangements {
+        let count = 3;
+        bench.put("place of an actuator", name, || Place(black_box(arrangement).position_m(black_box(1), count)));
+        bench.put("last place of a bundle", name, || {
+            black_box(arrangement).positions_m(black_box(count)).last().map(Place)
+        });
+        bench.put("reach of a bundle", name, || black_box(arrangement).reach_m(black_box(count)));
+        bench.put("nearest two of a bundle", name, || black_box(arrangement).nearest_m(black_box(count)));
+    }
 }
