@@ -101,3 +101,35 @@ fn slope(below: Option<(f64, f64)>, here: f64, above: Option<(f64, f64)>) -> Opt
     let slope = (to.1 - from.1) / (to.0 - from.0);
     slope.is_finite().then_some(slope)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::actuators::kinds::wide_line;
+
+    #[test]
+    fn differences_are_the_exact_derivatives() {
+        let (mut counts, mut compared) = (Counts::default(), 0);
+        for seed in 0..20 {
+            let problem = wide_line(seed);
+            for segment in problem.segments() {
+                let place = &[0.4, 0.7, 0.3, 0.2][..segment.dimensions()];
+                let candidate = Candidate::new(segment, place).unwrap();
+                let cap = candidate.cap(&mut counts).unwrap().pressure_pa;
+                let states = [0.3, 0.9].map(|share| candidate.at(share * cap, &mut counts).unwrap());
+                let found = slopes(&candidate, place, &states, &mut counts).unwrap();
+                for (slopes, state) in found.iter().zip(&states) {
+                    let exact = candidate.by_place(state, &mut counts).unwrap();
+                    let most = exact.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+                    for (found, exact) in slopes.by_place.iter().zip(exact) {
+                        assert!((found - exact).abs() <= 1e-7 * most, "{:?}: {found} {exact}", segment.motion);
+                    }
+                    let exact = candidate.by_pressure(state, &mut counts).unwrap();
+                    assert!((slopes.by_pressure / exact - 1.0).abs() <= 1e-7, "{:?}", segment.motion);
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 100, "{compared}");
+    }
+}
