@@ -138,7 +138,7 @@ fn pull_apart(segment: &Segment, values: &mut [f64]) {
 }
 
 /// A supply line with wide bounds and targets that contradict each other, to measure searches on: two to five segments of any motion, two
-/// to five phases, each target that of a hidden design of its own, so that no common pressures have them all. Pressures reach beyond limit points.
+/// to five phases, each target from another hidden design, so that no common pressures meet them all. Pressures reach beyond limit points.
 pub fn wide_line(seed: u64) -> Problem {
     let mut random = Random::new(seed, 0x51de);
     let count = 2 + (random.uniform() * 4.0) as usize;

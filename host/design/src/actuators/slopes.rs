@@ -1,7 +1,7 @@
 //! Derivatives of a segment's deformation by its geometry and pressure, as central differences of model solves.
 //!
 //! A closed-form solve takes less than a microsecond and an exact derivative, in double-double arithmetic, fifty. A search on one supply
-//! line asks for hundreds of thousands. The relative error is about 1e-9; it does not move the minimum that a search ends at.
+//! line asks for hundreds of thousands. The relative error is below 1e-7; it does not move the minimum that a search ends at.
 
 use fra_model::{Motion, State};
 

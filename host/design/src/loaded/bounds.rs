@@ -28,13 +28,13 @@ pub struct ActiveBound {
     pub reached: bool,
     /// The reserve that is found with it moved.
     pub reserve: f64,
-    /// Share of what is lacking that is left with it moved; 0 where nothing is.
+    /// Remaining share of the shortfall after the move; 0 for a task that is met.
     pub left: f64,
 }
 
 /// The bounds that a limb lies at. Of a limb that keeps every margin each is moved once, of another one until the margins are kept.
 ///
-/// `abreast` is the number of threads; `stop` is asked before each local solve.
+/// `abreast` is the number of threads; each local solve calls `stop` first.
 pub fn active_bounds(
     task: &LoadedTask,
     space: &LimbSpace,

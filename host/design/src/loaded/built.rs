@@ -140,18 +140,12 @@ impl Built {
             masses.push((connector_m + 0.5 * tool_m, tool_kg));
             masses.push((rigid_m, payload_kg));
         }
-        let free = bundle.free;
         Piece {
-            free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
-            free_shear: [0.0; 2],
-            stiffness: bundle.stiffness,
-            shear_n: bundle.shear_n,
-            sway: bundle.sway,
-            length_m: module.length_m,
             mount_angle_rad: module.mount_angle_rad,
             kg_per_m: module.between_kg / module.length_m,
             rigid_m,
             masses,
+            ..bundle.piece(module.length_m)
         }
     }
 

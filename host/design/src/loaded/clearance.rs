@@ -71,7 +71,7 @@ fn hanging(tip_m: &Vector3<f64>, body: &CarriedBody) -> Vec<(Vector3<f64>, f64)>
     (0..=ALONG).map(|part| (tip_m + Vector3::z() * at(part), body.radius_m)).collect()
 }
 
-/// Least distance to an obstacle less the clearance that is asked for, m, and the index of the obstacle; `None` without obstacles.
+/// Least distance to an obstacle less the required clearance, m, and the index of the obstacle; `None` without obstacles.
 pub(super) fn spare_m(
     built: &Built,
     task: &LoadedTask,

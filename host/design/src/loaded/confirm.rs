@@ -13,7 +13,7 @@ use softlimb_limb::statics::Standing;
 
 /// The tip counts as at its aim within this, m.
 pub const REACHED_M: f64 = 1e-4;
-/// Corrections of the aim by what the finer model has elsewhere.
+/// Corrections of the aim by the tip offset of the finer model.
 const CORRECTIONS: usize = 6;
 /// Shares of a payload that a pose is judged with.
 const LOADS: [f64; 3] = [0.0, 0.5, 1.0];
@@ -62,7 +62,7 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize, t
     let (length_m, home) = (built.length_m, &found.evaluation.sizes.home);
     let stand_at =
         |shares: &[f64], kg: f64| -> Option<Standing> { built.loaded(shares, kg)?.stand(tolerance, length_m).ok() };
-    // By rods under the load of the move, then with the aim moved by what the finer model has elsewhere.
+    // By rods under the load of the move, then with the aim moved by the tip offset of the finer model.
     let place = nearest(&pose.aim, &state.tip_m.into());
     let corrected = |start: &Stand, kg: f64| {
         let (mut here, mut aim_m) = (start.clone(), place);

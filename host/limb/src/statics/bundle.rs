@@ -10,6 +10,7 @@
 use fra_model::Motion;
 use nalgebra::{Matrix4, Vector4};
 
+use super::rod::Piece;
 use super::spring::{Spring, TubeStrain};
 use super::tube::{LINE, Tangent};
 use crate::LimbModule;
@@ -126,6 +127,23 @@ impl Bundle {
         stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
         let free = Free { stretch: free[0], bend_rad_per_m: [free[1], free[2]], twist_rad_per_m: free[3] };
         Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes, springs: Vec::new() })
+    }
+
+    /// The bundle as a rod of a length at rest, m, without mass and with nothing behind it.
+    pub fn piece(&self, length_m: f64) -> Piece {
+        let Free { stretch, bend_rad_per_m: [x, y], twist_rad_per_m } = self.free;
+        Piece {
+            free: [stretch, x, y, twist_rad_per_m],
+            free_shear: [0.0; 2],
+            stiffness: self.stiffness,
+            shear_n: self.shear_n,
+            sway: self.sway,
+            length_m,
+            mount_angle_rad: 0.0,
+            kg_per_m: 0.0,
+            rigid_m: 0.0,
+            masses: Vec::new(),
+        }
     }
 
     /// Stretches between plates in a module of this length at rest, m.

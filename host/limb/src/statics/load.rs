@@ -102,11 +102,9 @@ impl LoadedLimb {
     /// Puts a bundle in the place of a module's own.
     pub(super) fn set_bundle(&mut self, module: usize, bundle: Bundle) {
         let piece = &mut self.rod.pieces[module];
-        let free = bundle.free;
-        piece.free = [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m];
-        piece.stiffness = bundle.stiffness * self.stiffer;
-        piece.shear_n = bundle.shear_n * self.stiffer;
-        piece.sway = bundle.sway;
+        let Piece { free, stiffness, shear_n, sway, .. } = bundle.piece(piece.length_m);
+        (piece.free, piece.sway) = (free, sway);
+        (piece.stiffness, piece.shear_n) = (stiffness * self.stiffer, shear_n * self.stiffer);
         self.bundles[module] = bundle;
     }
 
@@ -125,18 +123,12 @@ fn piece(scene: &Scene, module: &LimbModule, index: usize, (bundle, wall_kg): (&
         }
         masses.push((module.rigid_length_m(), load.payload_kg));
     }
-    let free = bundle.free;
     Piece {
-        free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
-        free_shear: [0.0; 2],
-        stiffness: bundle.stiffness,
-        shear_n: bundle.shear_n,
-        sway: bundle.sway,
-        length_m: module.length_m(),
         mount_angle_rad: module.mount_angle_rad(),
         kg_per_m: wall_kg / module.length_m(),
         rigid_m: module.rigid_length_m(),
         masses,
+        ..bundle.piece(module.length_m())
     }
 }
 
