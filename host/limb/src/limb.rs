@@ -161,6 +161,13 @@ impl LimbModule {
         [self.rigid_length_m - tool_m, tool_m]
     }
 
+    /// Adds the rigid parts behind the module to a body.
+    pub(crate) fn rigid_shape(&self, body: &mut Body) {
+        let [connector_m, tool_m] = self.rigid_parts_m();
+        body.rigid(connector_m, self.radius_m(&self.curve.states()[0]));
+        body.rigid(tool_m, self.tool_m.map_or(0.0, |(_, radius)| radius));
+    }
+
     /// The module's link in a state; a bundle that cannot take the twist keeps its rest shape.
     pub fn link(&self, state: &State<f64>) -> Link<f64> {
         let segment = Segment::of_bundle(self.motion, self.length_m, self.reach_m(), state).unwrap_or(Segment {
@@ -226,10 +233,8 @@ impl Limb {
     pub fn shape<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>, body: &mut Body) {
         body.restart(&self.base);
         for (module, state) in self.modules.iter().zip(states) {
-            let [connector_m, tool_m] = module.rigid_parts_m();
             body.module(&module.link(state).segment, module.mount_angle_rad, module.radius_m(state));
-            body.rigid(connector_m, module.radius_m(&module.curve.states()[0]));
-            body.rigid(tool_m, module.tool_m.map_or(0.0, |(_, radius)| radius));
+            module.rigid_shape(body);
         }
     }
 

@@ -2,13 +2,18 @@
 
 use fra_model::State;
 
+use super::carrier::Carrier;
 use super::goal::shapes;
+use super::payload::{Carrying, carried};
 use super::plan::PlannedPhase;
 use super::space::Space;
 use super::unreachable::Unreachable;
 use softlimb_limb::Limb;
+use softlimb_limb::statics::Fidelity;
 use softlimb_scene::Scene;
-use softlimb_scene::collision::Body;
+
+/// Setpoints and states at the knots, and their period, us.
+pub(super) type Way<'a> = (&'a [Vec<f64>], &'a [Vec<State<f64>>], u64);
 
 /// Where the body is nearest to an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,13 +32,15 @@ pub struct Nearness {
 ///
 /// # Errors
 /// [`Unreachable::AtRest`].
-pub(super) fn start(scene: &Scene, limb: &Limb, space: &Space<'_>, start: &[f64]) -> Result<(), Unreachable> {
-    let Some(states) = space.states(start) else { return Ok(()) };
-    let nearest = space.nearest(&limb.body(&states), scene.limits().clearance_m);
+pub(super) fn start(scene: &Scene, space: &Space<'_>, start: &[f64]) -> Result<(), Unreachable> {
+    let Some(body) = space.body(start) else { return Ok(()) };
+    let nearest = space.nearest(&body, scene.limits().clearance_m);
     nearest.map_or(Ok(()), |by| Err(Unreachable::AtRest(by)))
 }
 
 /// Proves that no setpoint between two knots brings the limb too near an obstacle, and notes the least clearance of every phase.
+///
+/// Under the load by the statics of a tier, or without load.
 ///
 /// # Errors
 /// [`Unreachable::PassesTooNear`].
@@ -41,33 +48,42 @@ pub(super) fn prove(
     scene: &Scene,
     limb: &Limb,
     phases: &mut [PlannedPhase],
-    (rows, states): (&[Vec<f64>], &[Vec<State<f64>>]),
-    period_us: u64,
+    (rows, states, period_us): Way<'_>,
+    tier: Option<Fidelity>,
 ) -> Result<(), Unreachable> {
     if scene.obstacles().is_empty() {
         return Ok(());
     }
-    let space = Space::new(limb, shapes(scene), scene.limits().clearance_m);
-    let mut body = Body::new(limb.base());
-    for (index, phase) in phases.iter_mut().enumerate() {
+    let carried = carried(scene.phases());
+    for (index, (phase, carried)) in phases.iter_mut().zip(&carried).enumerate() {
+        let space = |object| {
+            let carrying = Carrying { payload_kg: carried.moved.payload_kg, object };
+            let carrier = Carrier::new(scene, limb, tier, carrying);
+            Space::new(carrier, shapes(scene), scene.limits().clearance_m)
+        };
+        let [moved, held] = [carried.moved.object, carried.held_object()].map(space);
         let end_us = phase.start_us + phase.move_us + phase.hold_us;
         let knots = (phase.start_us / period_us) as usize..=(end_us.div_ceil(period_us) as usize).min(rows.len() - 1);
         let mut nearest: Option<Nearness> = None;
         for knot in knots {
             let time_us = knot as u64 * period_us;
-            let new = knot == 0 || rows[knot] != rows[knot - 1] || nearest.is_none();
+            let share = phase.held_share(time_us);
+            let handed = carried.held != carried.moved && share > 0.0 && share < 1.0;
+            let new = knot == 0 || rows[knot] != rows[knot - 1] || nearest.is_none() || handed;
             if !new {
                 continue;
             }
-            limb.shape(&states[knot], &mut body);
+            let at = if time_us > phase.start_us + phase.move_us { &held } else { &moved };
+            at.carrier().load(carried.handed_kg(share));
+            let Some(body) = at.carrier().body_in(&states[knot]) else { continue };
             let enough_m = nearest.map_or(f64::INFINITY, |known| known.distance_m);
-            if let Some(found) = space.nearest(&body, enough_m) {
+            if let Some(found) = at.nearest(&body, enough_m) {
                 let (distance_m, point_m) = (found.clearance.distance_m, found.clearance.point_m.into());
                 nearest = Some(Nearness { distance_m, obstacle: found.obstacle, time_us, point_m });
             }
             if knot > 0
                 && time_us > phase.start_us
-                && let Some(blocked) = space.blocked(&rows[knot - 1], &rows[knot])
+                && let Some(blocked) = at.blocked(&rows[knot - 1], &rows[knot])
             {
                 return Err(Unreachable::PassesTooNear { phase: index, time_us, by: blocked.by });
             }

@@ -5,8 +5,9 @@
 use nalgebra::Vector3;
 
 use super::air::Bottleneck;
-use super::goal::{pressures, shapes, states, tip_task, values};
-use super::inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, angle, misses, solutions, solve};
+use super::carrier::Carrier;
+use super::goal::{pressures, shapes, tip_task, values};
+use super::inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, angle, misses, solutions_of};
 use super::plan::{Plan, check_corrections};
 use super::route::{approach, ranges, route};
 use super::schedule::planning_space;
@@ -15,6 +16,7 @@ use super::space::Space;
 use super::timing::rate_max;
 use super::unreachable::{Shortcoming, Unreachable};
 use super::weight::{self, Margins, PoseError};
+use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, SetpointKind, Span};
 
@@ -124,15 +126,7 @@ impl Words<'_> {
                 self.at(self.phase(*phase).span, title, &label, None)
             }
             Unreachable::NotCarried { phase, time_us, cause } => self.not_carried(*phase, *time_us, *cause),
-            Unreachable::UnderLoad { phase, tip_m, distance_m, fractions } => {
-                self.under_load(*phase, *tip_m, *distance_m, fractions)
-            }
-            Unreachable::LoadedTooNear { phase, time_us, obstacle, distance_m } => {
-                let near = self.near(*obstacle, *distance_m);
-                let label = format!("{:.2} s into the run {near}", seconds(*time_us));
-                let title = "under its load the limb comes too near an obstacle in this phase";
-                self.at(self.phase(*phase).span, title, &label, None)
-            }
+            Unreachable::UnderLoad { phase, nearest } => self.under_load(self.goal_span(*phase), nearest),
             Unreachable::Correction { time_s, module, value } => self.correction(*time_s, *module, *value),
         }
     }
@@ -274,23 +268,27 @@ impl Words<'_> {
         self.at(self.phase(phase).span, title, &label, Some(help))
     }
 
-    fn under_load(&self, phase: usize, tip_m: [f64; 3], distance_m: f64, fractions: &[f64]) -> SceneError {
-        let ends = self.limb.modules().iter().zip(fractions);
+    fn under_load(&self, span: Span, nearest: &Reach) -> SceneError {
+        let ends = self.limb.modules().iter().zip(&nearest.pressures_pa);
+        let ends = ends.map(|(module, pressure)| (module, pressure / module.single_valued_max_pa()));
         let ends: Vec<String> = ends
             .filter_map(|(module, fraction)| match fraction {
-                low if *low < AT_END => Some(format!("`{}` has no pressure left", module.name)),
-                high if *high > 1.0 - AT_END => Some(format!("`{}` is at its highest pressure", module.name)),
+                low if low < AT_END => Some(format!("`{}` has no pressure left", module.name)),
+                high if high > 1.0 - AT_END => Some(format!("`{}` is at its highest pressure", module.name)),
                 _ => None,
             })
             .collect();
         let because =
             if ends.is_empty() { "no pressures of its modules move the tip there".to_owned() } else { ends.join(", ") };
-        let label = format!("under its load the nearest the tip gets is {:.1} mm away: {because}", 1e3 * distance_m);
-        let [x, y, z] = tip_m.map(|v| v * 1e3);
-        let help = format!(
-            "the nearest reachable point is [\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]; `[weight]` with `compensated = false` plans without weight"
-        );
-        self.at(self.goal_span(phase), "the limb cannot reach this goal under its load", &label, Some(&help))
+        let label = format!("under its load {}: {because}", missed(nearest));
+        let help = format!("{}; `[weight]` with `compensated = false` plans without weight", nearest_point(nearest));
+        self.at(span, "the limb cannot reach this goal under its load", &label, Some(&help))
+    }
+
+    /// The space that a phase is planned in, with the statics that nearly any limb needs.
+    fn space(&self, phase: usize) -> Space<'_> {
+        let compensated = self.scene.weight().is_some_and(|weight| weight.compensated);
+        planning_space(self.scene, self.limb, phase, compensated.then_some(Fidelity::Linear))
     }
 
     /// Finds the demand on the tip that cannot be met. `nearest` is the best with all of them.
@@ -300,14 +298,14 @@ impl Words<'_> {
         let Some(task) = tip_task(self.scene, self.phase(phase), &shapes) else {
             return self.at(span, "the limb cannot reach this goal", &missed(nearest), None);
         };
-        let space = planning_space(self.scene, self.limb);
+        let space = self.space(phase);
         let start = pressures(self.limb, before);
-        WhyNot { words: self, limb: self.limb, space: &space, task, span, before, start: &start }.diagnostic(nearest)
+        WhyNot { words: self, space: &space, task, span, before, start: &start }.diagnostic(nearest)
     }
 
     /// The obstacle on the straight way to a goal, the greatest clearance with a way, and the nearest point with one.
     fn no_way(&self, phase: usize, from: &[f64], to: &[f64]) -> SceneError {
-        let space = planning_space(self.scene, self.limb);
+        let space = self.space(phase);
         let blocked = space.blocked(from, to).and_then(|blocked| Some((blocked.share, blocked.by?)));
         let label = blocked.map_or(String::new(), |(share, by)| {
             let near = self.too_near(&by);
@@ -315,7 +313,7 @@ impl Words<'_> {
         });
         let ranges = ranges(self.limb);
         let possible = |clearance_m: f64| {
-            let other = Space::new(self.limb, shapes(self.scene), clearance_m);
+            let other = self.space(phase).requiring(clearance_m);
             route(&other, &ranges, from, to).is_some()
         };
         // Quarters of what is asked for: finer steps would take long and say little more.
@@ -334,7 +332,7 @@ impl Words<'_> {
     fn nearest_with_way(&self, space: &Space<'_>, phase: usize, before: &[f64]) -> Option<String> {
         let shapes = shapes(self.scene);
         let task = tip_task(self.scene, self.phase(phase), &shapes)?;
-        let (distance_m, tip_m) = approached(self.limb, space, &task, before)?;
+        let (distance_m, tip_m) = approached(space, &task, before)?;
         Some(format!("the nearest point that a way was found to is {}", away(tip_m, distance_m)))
     }
 }
@@ -368,7 +366,6 @@ fn no_state(cause: &NoState, module: &LimbModule) -> String {
 /// A goal of the tip that was not reached.
 struct WhyNot<'a> {
     words: &'a Words<'a>,
-    limb: &'a Limb,
     /// The planner's space.
     space: &'a Space<'a>,
     task: TipTask<'a>,
@@ -381,9 +378,12 @@ struct WhyNot<'a> {
 impl WhyNot<'_> {
     /// Drops one demand after the other to find the one that cannot be met. `nearest` is the best with all of them.
     fn diagnostic(&self, nearest: &Reach) -> SceneError {
-        let (words, limb, start) = (self.words, self.limb, self.start);
+        let (words, carrier, start) = (self.words, self.space.carrier(), self.start);
         let place = TipTask { aim: None, obstacles: &[], ..self.task };
-        let free = solutions(limb, &place, start);
+        let free = solutions_of(carrier, &place, start);
+        if !free[0].reached() && carrier.is_loaded() {
+            return words.under_load(self.span, &free[0]);
+        }
         if !free[0].reached() {
             let title = match self.task.goal {
                 TipGoal::Point(_) => "the limb cannot reach this way-point",
@@ -393,9 +393,9 @@ impl WhyNot<'_> {
             return words.at(self.span, title, &missed(&free[0]), Some(&help));
         }
         if let Some(aim) = self.task.aim {
-            let pointed = solve(limb, &TipTask { obstacles: &[], ..self.task }, start);
+            let pointed = solutions_of(carrier, &TipTask { obstacles: &[], ..self.task }, start).swap_remove(0);
             if !pointed.reached() {
-                let off = |reach: &Reach| direction_off(limb, reach, *aim.direction);
+                let off = |reach: &Reach| direction_off(carrier, reach, *aim.direction);
                 let least = free.iter().map(off).fold(f64::INFINITY, f64::min).to_degrees();
                 let enough =
                     format!("a `direction_tolerance` of \"{:.1} deg\" is enough", (least * 10.0).ceil() / 10.0);
@@ -413,11 +413,11 @@ impl WhyNot<'_> {
     }
 
     fn blocked(&self, free: &[Reach], nearest: &Reach) -> SceneError {
-        let (words, limb, task) = (self.words, self.limb, &self.task);
-        let pointed = solutions(limb, &TipTask { obstacles: &[], ..*task }, &free[0].pressures_pa);
+        let (words, carrier, task) = (self.words, self.space.carrier(), &self.task);
+        let pointed = solutions_of(carrier, &TipTask { obstacles: &[], ..*task }, &free[0].pressures_pa);
         let widest = pointed
             .iter()
-            .filter_map(|reach| self.space.nearest(&limb.body(&states(limb, reach)), f64::INFINITY))
+            .filter_map(|reach| self.space.nearest(&carrier.body(&reach.pressures_pa)?, f64::INFINITY))
             .max_by(|a, b| a.clearance.distance_m.total_cmp(&b.clearance.distance_m));
         let Some(widest) = widest else {
             return words.at(self.span, "the limb finds no way to be here", &missed(nearest), None);
@@ -439,14 +439,15 @@ impl WhyNot<'_> {
         if self.task.obstacles.is_empty() && free.allowed() && self.task.aim.is_none() {
             return nearest_point(free);
         }
-        let points = misses(self.limb, &self.task, self.start);
+        let carrier = self.space.carrier();
+        let points = misses(carrier, &self.task, self.start);
         let Some(nearest) = points.first() else {
             return "nothing near it was found that is clear".to_owned();
         };
-        let ranges = ranges(self.limb);
-        let has_way = |point: &&Reach| route(self.space, &ranges, self.before, &values(self.limb, point)).is_some();
+        let ranges = ranges(carrier.limb());
+        let has_way = |point: &&Reach| route(self.space, &ranges, self.before, &values(carrier.limb(), point)).is_some();
         let found = points.iter().take(POINTS).find(has_way).map(|found| (found.distance_m, found.tip_m));
-        let approached = approached(self.limb, self.space, &self.task, self.before);
+        let approached = approached(self.space, &self.task, self.before);
         let with_way = found.into_iter().chain(approached).min_by(|a, b| a.0.total_cmp(&b.0));
         let here = format!("the nearest {what} is {}", away(nearest.tip_m, nearest.distance_m));
         match with_way {
@@ -463,15 +464,15 @@ impl WhyNot<'_> {
 }
 
 /// How near to its goal the tip gets on ways that are clear, m, and where that is; `None` where no end of a way keeps the direction.
-fn approached(limb: &Limb, space: &Space<'_>, task: &TipTask<'_>, before: &[f64]) -> Option<(f64, [f64; 3])> {
+fn approached(space: &Space<'_>, task: &TipTask<'_>, before: &[f64]) -> Option<(f64, [f64; 3])> {
     let off = |values: &[f64]| {
-        let pose = limb.tip_pose(&space.states(values)?);
+        let pose = *space.body(values)?.end();
         let axis = pose.rotation * Vector3::z();
         let turned = task.aim.map_or(0.0, |aim| angle(&axis, &Vector3::from(*aim.direction)) - aim.tolerance_rad);
         let tip_m = pose.translation.vector;
         (turned <= 0.0).then(|| (task.goal.distance_m(&tip_m), tip_m.into()))
     };
-    off(&approach(space, &ranges(limb), before, |values| Some(off(values)?.0)))
+    off(&approach(space, &ranges(space.carrier().limb()), before, |values| Some(off(values)?.0)))
 }
 
 /// A point, as a scene says it, and how far it is off.
@@ -496,7 +497,7 @@ fn point(tip_m: [f64; 3]) -> String {
     format!("[\"{x:.1} mm\", \"{y:.1} mm\", \"{z:.1} mm\"]")
 }
 
-fn direction_off(limb: &Limb, reach: &Reach, direction: [f64; 3]) -> f64 {
-    let axis = limb.tip_pose(&states(limb, reach)).rotation * Vector3::z();
-    angle(&axis, &direction.into())
+fn direction_off(carrier: &Carrier<'_>, reach: &Reach, direction: [f64; 3]) -> f64 {
+    let body = carrier.body(&reach.pressures_pa);
+    body.map_or(f64::INFINITY, |body| angle(&(body.end().rotation * Vector3::z()), &direction.into()))
 }

@@ -1,43 +1,134 @@
 //! The setpoints that reach the goal of a phase.
 
-use super::inverse_kinematics::{Reach, TipGoal, TipTask, solutions, solve};
+use fra_model::State;
+use nalgebra::Vector3;
+
+use super::carrier::Carrier;
+use super::inverse_kinematics::{Reach, TipGoal, TipTask, solutions_of, solve_near};
 use super::setpoint::state_at;
 use super::space::Space;
 use super::unreachable::Unreachable;
+use super::weight::pressures_pa;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::collision::Shape;
-use softlimb_scene::{Goal, Phase, Scene};
+use softlimb_scene::{Goal, Phase, Scene, Target};
 
-/// Rows of setpoints, each of which meets the goal of a phase at its end; the preferred one first.
+/// Most solutions that are considered.
+const SOLUTIONS: usize = 4;
+/// The tip of tubes between plates is brought this near to its goal, m, in this many turns at most.
+const REFINED_M: f64 = 2e-6;
+const REFINEMENTS: usize = 6;
+
+/// Rows of setpoints, each of which meets the goal of a phase at its end; the preferred one first. The move begins at `before`; modules without
+/// a target keep the setpoint that they were `asked` for.
 ///
 /// # Errors
 /// [`Unreachable`]: a target, a way-point, a region or a direction.
 pub(super) fn goals(
     scene: &Scene,
-    limb: &Limb,
     space: &Space<'_>,
     phase: usize,
-    before: &[f64],
+    (before, asked): (&[f64], &[f64]),
 ) -> Result<Vec<Vec<f64>>, Unreachable> {
     match &scene.phases()[phase].goal {
         Goal::Targets(targets) => {
-            let mut goal = before.to_vec();
-            for (index, target) in targets.iter().enumerate() {
-                let module = &limb.modules()[target.module];
-                state_at(module, &module.actuator.rest(), target.value.value).map_err(|cause| Unreachable::Target {
-                    phase,
-                    target: index,
-                    cause,
-                })?;
-                goal[target.module] = target.value.value;
-            }
-            check_clear(scene, limb, space, (before, &goal), phase)?;
+            check_targets(space.carrier().limb(), phase, targets)?;
+            let goal = with_load(space.carrier(), phase, &with_targets(targets, asked))?;
+            check_clear(scene, space, (before, &goal), phase)?;
             Ok(vec![goal])
         }
-        Goal::Tip(_) | Goal::Inside(_) => tip_goals(scene, limb, phase, before),
+        Goal::Tip(_) | Goal::Inside(_) => tip_goals(scene, space, phase, before),
         // A series is planned row by row, as way-points.
         Goal::Series(_) => Ok(vec![before.to_vec()]),
     }
+}
+
+/// Setpoints with those of targets in their places.
+pub(super) fn with_targets(targets: &[Target], asked: &[f64]) -> Vec<f64> {
+    let mut goal = asked.to_vec();
+    targets.iter().for_each(|target| goal[target.module] = target.value.value);
+    goal
+}
+
+fn check_targets(limb: &Limb, phase: usize, targets: &[Target]) -> Result<(), Unreachable> {
+    for (index, target) in targets.iter().enumerate() {
+        let module = &limb.modules()[target.module];
+        state_at(module, &module.actuator.rest(), target.value.value).map_err(|cause| Unreachable::Target {
+            phase,
+            target: index,
+            cause,
+        })?;
+    }
+    Ok(())
+}
+
+/// Setpoints that bring the tip under load to where given ones have it without; those themselves without load.
+fn with_load(carrier: &Carrier<'_>, phase: usize, values: &[f64]) -> Result<Vec<f64>, Unreachable> {
+    if !carrier.is_loaded() {
+        return Ok(values.to_vec());
+    }
+    let states: Vec<State<f64>> = states_at(carrier.limb(), values);
+    let tip_m = carrier.limb().tip(&states);
+    kept(carrier, phase, values, tip_m.into())
+}
+
+/// Setpoints near others that hold the tip under load at a place, m.
+///
+/// # Errors
+/// [`Unreachable::UnderLoad`].
+pub(super) fn kept(
+    carrier: &Carrier<'_>,
+    phase: usize,
+    near: &[f64],
+    tip_m: Vector3<f64>,
+) -> Result<Vec<f64>, Unreachable> {
+    let task = TipTask { goal: TipGoal::Point(tip_m.into()), aim: None, obstacles: &[], clearance_m: 0.0 };
+    let start = pressures_pa(&states_at(carrier.limb(), near));
+    let found = refined(carrier, &task, solve_near(carrier, &task, &start));
+    if found.reached() { Ok(values(carrier.limb(), &found)) } else { Err(Unreachable::UnderLoad { phase, nearest: found }) }
+}
+
+/// The tip at setpoints, m, as tubes between plates have it under load; `None` where the limb does not stand.
+pub(super) fn tip_m(carrier: &Carrier<'_>, values: &[f64]) -> Option<Vector3<f64>> {
+    let states = states_at(carrier.limb(), values);
+    let rods_m = carrier.body_in(&states)?.end().translation.vector;
+    Some(rods_m + carrier.tubes_shift_m(&pressures_pa(&states)))
+}
+
+/// A reach whose tip is at its goal as tubes between plates have it: the goal of the rods is moved by what the tubes are off.
+fn refined(carrier: &Carrier<'_>, task: &TipTask<'_>, found: Reach) -> Reach {
+    if !carrier.is_loaded() || !found.distance_m.is_finite() {
+        return found;
+    }
+    let mut here = found;
+    for turn in 0.. {
+        let rods_m = Vector3::from(here.tip_m);
+        let tip_m = rods_m + carrier.tubes_shift_m(&here.pressures_pa);
+        let missing_m = task.goal.missing_m(&tip_m);
+        if missing_m.norm() <= REFINED_M || turn == REFINEMENTS {
+            return Reach { tip_m: tip_m.into(), distance_m: task.goal.distance_m(&tip_m), ..here };
+        }
+        let aimed = TipTask { goal: TipGoal::Point((rods_m + missing_m).into()), ..*task };
+        let next = solve_near(carrier, &aimed, &here.pressures_pa);
+        if !next.distance_m.is_finite() {
+            return here;
+        }
+        here = next;
+    }
+    here
+}
+
+/// The goal of the tip that is nearest to where a move begins, under load; `None` where it is not found at once, or without load.
+pub(super) fn near_goal(scene: &Scene, space: &Space<'_>, phase: usize, before: &[f64]) -> Option<Vec<f64>> {
+    let carrier = space.carrier();
+    if !carrier.is_loaded() {
+        return None;
+    }
+    let shapes = shapes(scene);
+    let task = tip_task(scene, &scene.phases()[phase], &shapes)?;
+    let start = pressures_pa(&states_at(carrier.limb(), before));
+    let found = refined(carrier, &task, solve_near(carrier, &task, &start));
+    found.reached().then(|| values(carrier.limb(), &found))
 }
 
 /// The setpoints at one position of a marker series, from those at the position before.
@@ -46,16 +137,22 @@ pub(super) fn goals(
 /// [`Unreachable::Marker`].
 pub(super) fn marker(
     scene: &Scene,
-    limb: &Limb,
+    space: &Space<'_>,
     phase: usize,
     (position, tip_m): (usize, [f64; 3]),
     before: &[f64],
 ) -> Result<Vec<f64>, Unreachable> {
-    let shapes = shapes(scene);
+    let (carrier, shapes) = (space.carrier(), shapes(scene));
     let task =
         TipTask { goal: TipGoal::Point(tip_m), aim: None, obstacles: &shapes, clearance_m: scene.limits().clearance_m };
-    let nearest = solve(limb, &task, &pressures(limb, before));
-    if nearest.reached() { Ok(values(limb, &nearest)) } else { Err(Unreachable::Marker { phase, position, nearest }) }
+    let start = pressures(carrier.limb(), before);
+    let near = Some(solve_near(carrier, &task, &start)).filter(|near| carrier.is_loaded() && near.reached());
+    let nearest = near.unwrap_or_else(|| solutions_of(carrier, &task, &start).swap_remove(0));
+    if nearest.reached() {
+        Ok(values(carrier.limb(), &nearest))
+    } else {
+        Err(Unreachable::Marker { phase, position, nearest })
+    }
 }
 
 /// The solids of a scene.
@@ -73,12 +170,14 @@ pub(super) fn tip_task<'a>(scene: &'a Scene, phase: &Phase, obstacles: &'a [&'a 
     Some(TipTask { goal, aim: phase.aim, obstacles, clearance_m: scene.limits().clearance_m })
 }
 
-fn tip_goals(scene: &Scene, limb: &Limb, phase: usize, before: &[f64]) -> Result<Vec<Vec<f64>>, Unreachable> {
-    let shapes = shapes(scene);
+fn tip_goals(scene: &Scene, space: &Space<'_>, phase: usize, before: &[f64]) -> Result<Vec<Vec<f64>>, Unreachable> {
+    let (carrier, shapes) = (space.carrier(), shapes(scene));
     let Some(task) = tip_task(scene, &scene.phases()[phase], &shapes) else { return Ok(vec![before.to_vec()]) };
-    let mut found = solutions(limb, &task, &pressures(limb, before));
-    if found.iter().all(Reach::reached) {
-        return Ok(found.iter().map(|reach| values(limb, reach)).collect());
+    let found = solutions_of(carrier, &task, &pressures(carrier.limb(), before));
+    let mut found: Vec<Reach> = found.into_iter().take(SOLUTIONS).map(|reach| refined(carrier, &task, reach)).collect();
+    if found.iter().any(Reach::reached) {
+        found.retain(Reach::reached);
+        return Ok(found.iter().map(|reach| values(carrier.limb(), reach)).collect());
     }
     Err(Unreachable::Tip { phase, before: before.to_vec(), nearest: found.swap_remove(0) })
 }
@@ -86,15 +185,20 @@ fn tip_goals(scene: &Scene, limb: &Limb, phase: usize, before: &[f64]) -> Result
 /// Checks that setpoints which are given keep the limb clear.
 fn check_clear(
     scene: &Scene,
-    limb: &Limb,
     space: &Space<'_>,
     (before, goal): (&[f64], &[f64]),
     phase: usize,
 ) -> Result<(), Unreachable> {
-    let Some(states) = space.states(goal) else { return Ok(()) };
-    let Some(by) = space.nearest(&limb.body(&states), scene.limits().clearance_m) else { return Ok(()) };
+    let Some(body) = space.body(goal) else { return Ok(()) };
+    let Some(by) = space.nearest(&body, scene.limits().clearance_m) else { return Ok(()) };
     let fraction = space.blocked(before, goal).map_or(0.0, |blocked| blocked.share);
     Err(Unreachable::TooNear { phase, by, fraction })
+}
+
+/// The states at setpoints of a plan, each of which has one.
+fn states_at(limb: &Limb, values: &[f64]) -> Vec<State<f64>> {
+    let modules = limb.modules().iter().zip(values);
+    modules.map(|(module, value)| module.state_at(*value).unwrap_or_else(|| module.actuator.rest())).collect()
 }
 
 /// The states of a reach.

@@ -14,6 +14,7 @@ use nalgebra::Vector3;
 
 use descent::descend;
 use problem::Problem;
+use super::carrier::Carrier;
 use softlimb_limb::Limb;
 
 /// The tip counts as arrived within this distance, m.
@@ -65,12 +66,24 @@ pub fn solve(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
     solutions(limb, task, start_pa).swap_remove(0)
 }
 
+/// Where the descent from `start_pa` alone ends.
+pub(super) fn solve_near(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
+    let problem = Problem::new(carrier, task);
+    let home = problem.shares(start_pa);
+    problem.reach(&redundancy::settle(&problem, descend(&problem, home.clone()), &home))
+}
+
 /// All different solutions found from `start_pa` and from starts spread over the range. First the one that the first descent from
 /// `start_pa` arrives at, then by the distance from there in shares of the pressure ranges. Where there is none, the nearest miss alone.
 ///
 /// Of a limb that can reach its target in many ways each solution is moved along them towards `start_pa`.
 pub fn solutions(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
-    let problem = Problem::new(limb, task);
+    solutions_of(&Carrier::free(limb), task, start_pa)
+}
+
+/// [`solutions`] of a limb with what it carries.
+pub(super) fn solutions_of(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
+    let problem = Problem::new(carrier, task);
     let home = problem.shares(start_pa);
     let mut all = ends(&problem, &home);
     let from_home = |reach: &Reach| distance(&problem.shares(&reach.pressures_pa), &home);
@@ -88,15 +101,15 @@ pub fn solutions(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach
 }
 
 /// Where a task cannot be done: what keeps direction and clearance, the nearest to its place first.
-pub(super) fn misses(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
-    let problem = Problem::new(limb, task);
+pub(super) fn misses(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
+    let problem = Problem::new(carrier, task);
     let mut kept: Vec<Reach> = ends(&problem, &problem.shares(start_pa)).into_iter().filter(Reach::allowed).collect();
     kept.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
     different(&problem, kept)
 }
 
 /// Where the descents from a posture and, if that is not enough, from starts spread over the range end.
-fn ends(problem: &Problem<'_>, home: &[f64]) -> Vec<Reach> {
+fn ends(problem: &Problem<'_, '_>, home: &[f64]) -> Vec<Reach> {
     let end = |start: Vec<f64>| problem.reach(&redundancy::settle(problem, descend(problem, start), home));
     let first = end(home.to_vec());
     let needs_more = !first.arrived() || problem.has_obstacles();
@@ -104,7 +117,7 @@ fn ends(problem: &Problem<'_>, home: &[f64]) -> Vec<Reach> {
 }
 
 /// The first of those that are the same.
-fn different(problem: &Problem<'_>, all: Vec<Reach>) -> Vec<Reach> {
+fn different(problem: &Problem<'_, '_>, all: Vec<Reach>) -> Vec<Reach> {
     let mut found: Vec<Reach> = Vec::new();
     for reach in all {
         let shares = problem.shares(&reach.pressures_pa);

@@ -63,8 +63,8 @@ impl<'a> Differential<'a> {
         all
     }
 
-    /// Velocity by each pressure, m/Pa, of a point of the body: in `piece` of [`Limb::body`] at a share of its length; and the growth of
-    /// the body's radius there.
+    /// Velocity by each pressure, m/Pa, of a point of the body: in `piece` of [`Limb::body`], or of what hangs from the tip behind it, at a share
+    /// of its length; and the growth of the body's radius there.
     pub(super) fn body_velocities(
         &self,
         piece: usize,
@@ -72,7 +72,8 @@ impl<'a> Differential<'a> {
         point_m: &Vector3<f64>,
     ) -> (Vec<Vector3<f64>>, Vec<f64>) {
         let mut growth = vec![0.0; self.ends.len()];
-        let Some((index, flexible)) = owner(self.limb, piece) else { return (self.velocities(point_m, 0), growth) };
+        // What hangs from the tip does not turn with it.
+        let Some((index, flexible)) = owner(self.limb, piece) else { return (self.tip_velocities(), growth) };
         if !flexible {
             return (self.velocities(point_m, index + 1), growth);
         }

@@ -3,6 +3,7 @@
 //! Planning returns a typed reason where the limb cannot meet a demand; `diagnostics` alone turns it into an error at the scene's line.
 
 mod air;
+mod carrier;
 mod clear;
 mod diagnostics;
 mod follow;
@@ -30,10 +31,10 @@ pub use diagnostics::{margins, plan, sent};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
-pub use payload::{Carried, carried, payload_kg};
+pub use payload::{Carried, Carrying, carried, payload_kg};
 pub use plan::{Plan, PlannedPhase};
 pub use weight::{
-    BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, Nominal, OnLimb, PRESSURE_SHARE_MAX, Pose, PoseError, SAG_SHARE_MAX,
+    BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, Nominal, PRESSURE_SHARE_MAX, Pose, PoseError, SAG_SHARE_MAX,
     STIFFNESS_MIN_N_PER_M, Weighed, planned_slopes,
 };
 pub use wire::{to_wire, wire_kind};

@@ -4,11 +4,13 @@ use fra_model::State;
 
 use super::clear::{self, Nearness};
 use super::path::Path;
+use super::profile::minimum_jerk;
 use super::schedule::schedule;
 use super::setpoint::state_at;
 use super::unreachable::{Shortcoming, Unreachable};
-use super::weight::{self, Weighed};
+use super::weight::{self, Judged, Weighed};
 use super::wire::{from_wire, to_wire};
+use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Corrections, Gripper, Scene, SetpointKind};
 
@@ -23,7 +25,7 @@ pub struct PlannedPhase {
     pub move_us: u64,
     /// Time it rests at its goal, us.
     pub hold_us: u64,
-    /// Setpoint of every module at its end.
+    /// Setpoint of every module at the end of the move.
     pub values: Vec<f64>,
     /// What the gripper is told at the end of the move.
     pub gripper: Option<Gripper>,
@@ -32,6 +34,42 @@ pub struct PlannedPhase {
     /// Where the body comes nearest to an obstacle from the start of the move to the end of the pause; `None` without obstacles.
     pub nearest: Option<Nearness>,
     pub(super) path: Path,
+    /// Setpoints of the hold, at equal shares of the mass that changes hands in it.
+    pub(super) held: Vec<Vec<f64>>,
+}
+
+impl PlannedPhase {
+    /// Share of the hold's change of mass, and of setpoints with it, at a time of the run.
+    pub(super) fn held_share(&self, time_us: u64) -> f64 {
+        let end_us = self.start_us + self.move_us;
+        match time_us.checked_sub(end_us) {
+            None => 0.0,
+            Some(_) if self.hold_us == 0 => 1.0,
+            Some(since_us) => minimum_jerk(since_us as f64 / self.hold_us as f64),
+        }
+    }
+
+    /// Share of the move at a time of the run, 0 to 1.
+    pub(super) fn move_share(&self, time_us: u64) -> f64 {
+        minimum_jerk(time_us.saturating_sub(self.start_us) as f64 / self.move_us as f64)
+    }
+
+    /// Setpoints at a time of the run, from its start on.
+    fn at(&self, time_us: u64) -> Vec<f64> {
+        let share = self.held_share(time_us);
+        if share <= 0.0 || self.hold_us == 0 {
+            return self.path.at((time_us - self.start_us) as f64);
+        }
+        let place = share * (self.held.len() - 1) as f64;
+        let before = (place as usize).min(self.held.len().saturating_sub(2));
+        let (from, to) = (&self.held[before], &self.held[(before + 1).min(self.held.len() - 1)]);
+        from.iter().zip(to).map(|(a, b)| a + (b - a) * (place - before as f64)).collect()
+    }
+
+    /// Setpoints that the next phase begins with.
+    pub(super) fn last(&self) -> &[f64] {
+        if self.hold_us == 0 { &self.values } else { self.held.last().unwrap_or(&self.values) }
+    }
 }
 
 /// All setpoints of a run: one row per knot, one value per module.
@@ -142,8 +180,32 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 /// # Errors
 /// [`Unreachable`].
 pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
+    let Some(weight) = scene.weight().filter(|weight| weight.compensated) else {
+        return planned(scene, limb, None);
+    };
+    let mut judged = Judged::at_rest(scene, limb, weight.error)?;
+    loop {
+        let tier = judged.tier;
+        let (mut plan, mut shortcomings) = planned(scene, limb, Some(tier))?;
+        judged.look(scene, limb, &plan, weight.error);
+        // The poses may need more of a model than the limb at rest.
+        if judged.tier > tier {
+            continue;
+        }
+        if judged.error > weight.error {
+            shortcomings.push(Shortcoming::Statics { error: judged.error, allowed: weight.error });
+        }
+        if let Some(weighed) = &mut plan.weighed {
+            weighed.error = judged.error;
+        }
+        return Ok((plan, shortcomings));
+    }
+}
+
+/// The plan of the limb under its weight by a tier of the statics, or without weight.
+fn planned(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
     let start: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
-    let (mut phases, mut shortcomings) = schedule(scene, limb, &start)?;
+    let (mut phases, shortcomings) = schedule(scene, limb, tier, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
     let states = states(limb, &phases, &knots, knot_period_us)?;
@@ -151,19 +213,11 @@ pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>
         .iter()
         .map(|knot| limb.modules().iter().zip(knot).map(|(m, wire)| from_wire(m.kind, *wire)).collect())
         .collect();
-    clear::prove(scene, limb, &mut phases, (&rows, &states), knot_period_us)?;
+    let way = (&rows[..], &states[..], knot_period_us);
+    clear::prove(scene, limb, &mut phases, way, tier)?;
+    let weighed = tier.map(|tier| weight::weigh(scene, limb, &phases, way, tier)).transpose()?;
     let kinds = limb.modules().iter().map(|m| m.kind).collect();
-    let Some((knots, mut weighed)) = weight::corrected(scene, limb, &mut phases, &states, knot_period_us)? else {
-        let warnings = Vec::new();
-        return Ok((Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: None }, shortcomings));
-    };
-    let states = self::states(limb, &phases, &knots, knot_period_us)?;
-    if let Some(allowed) = scene.weight().map(|weight| weight.error).filter(|allowed| weighed.error > *allowed) {
-        shortcomings.push(Shortcoming::Statics { error: weighed.error, allowed });
-    }
-    weight::weigh(scene, limb, &phases, &states, knot_period_us, &mut weighed)?;
-    let warnings = Vec::new();
-    Ok((Plan { knot_period_us, phases, warnings, kinds, knots, states, weighed: Some(weighed) }, shortcomings))
+    Ok((Plan { knot_period_us, phases, warnings: Vec::new(), kinds, knots, states, weighed }, shortcomings))
 }
 
 /// Checks that corrections are within the ranges of their modules: larger ones are in another unit, or of another limb.
@@ -193,7 +247,7 @@ fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) ->
     let kinds: Vec<SetpointKind> = limb.modules().iter().map(|module| module.kind).collect();
     let value_at = |time_us: u64| -> Vec<i32> {
         let Some(phase) = phases.get(phase_at(phases, time_us)) else { return to_wire_row(&kinds, start) };
-        to_wire_row(&kinds, &phase.path.at((time_us - phase.start_us) as f64))
+        to_wire_row(&kinds, &phase.at(time_us))
     };
     (0..=end_us.div_ceil(period_us)).map(|knot| value_at(knot * period_us)).collect()
 }

@@ -1,8 +1,10 @@
 //! The phases of a scene on the clock: where each goes, by which way, and how long it takes.
 
 use super::air::{Air, Bottleneck, Reservoir};
-use super::goal::{goals, marker, shapes};
+use super::carrier::Carrier;
+use super::goal::{goals, kept, marker, near_goal, shapes, tip_m, with_targets};
 use super::path::Path;
+use super::payload::{Carrying, carried};
 use super::plan::PlannedPhase;
 use super::profile::PEAK_RATE;
 use super::route::{ranges, route};
@@ -10,16 +12,20 @@ use super::space::Space;
 use super::timing::{Shortest, rate_max, shortest};
 use super::unreachable::{Shortcoming, Unreachable};
 use softlimb_limb::Limb;
+use softlimb_limb::statics::Fidelity;
 use softlimb_scene::{Goal, Scene};
 
 /// By how much more than required the ways are planned to clear, m, so that setpoints rounded to wire units still do.
 const SPARE_M: f64 = 1e-5;
 /// Most goals for which a way is looked for.
 const GOALS: usize = 4;
+/// Parts of a mass that changes hands.
+const HANDED: usize = 4;
 
-/// The space that moves are planned in.
-pub(super) fn planning_space<'a>(scene: &'a Scene, limb: &'a Limb) -> Space<'a> {
-    Space::new(limb, shapes(scene), scene.limits().clearance_m + SPARE_M)
+/// The space that the move of a phase is planned in: under load by the statics of a tier, or without load.
+pub(super) fn planning_space<'a>(scene: &'a Scene, limb: &'a Limb, phase: usize, tier: Option<Fidelity>) -> Space<'a> {
+    let moved = carried(scene.phases()).get(phase).map_or_else(Carrying::default, |carried| carried.moved);
+    Space::new(Carrier::new(scene, limb, tier, moved), shapes(scene), scene.limits().clearance_m + SPARE_M)
 }
 
 /// Plans all phases from rest, with the moves that valves and supply cannot follow.
@@ -29,23 +35,31 @@ pub(super) fn planning_space<'a>(scene: &'a Scene, limb: &'a Limb) -> Space<'a> 
 pub(super) fn schedule(
     scene: &Scene,
     limb: &Limb,
+    tier: Option<Fidelity>,
     start: &[f64],
 ) -> Result<(Vec<PlannedPhase>, Vec<Shortcoming>), Unreachable> {
-    let space = planning_space(scene, limb);
-    super::clear::start(scene, limb, &space, start)?;
+    super::clear::start(scene, &planning_space(scene, limb, 0, tier), start)?;
     let air = Air::new(scene, limb);
-    let planner = Planner { scene, limb, space, air };
+    let planner = Planner { scene, limb, tier, air };
     let (mut phases, mut warnings) = (Vec::<PlannedPhase>::new(), Vec::new());
     let (mut values, mut start_us, mut supply) = (start.to_vec(), 0, planner.air.full());
+    // Setpoints as they are asked for, before they are corrected for a load.
+    let mut asked = values.clone();
     for (index, phase) in scene.phases().iter().enumerate() {
+        let space = planning_space(scene, limb, index, tier);
         let path = match &phase.goal {
-            Goal::Series(_) => planner.series(index, &values)?,
-            _ => planner.legs(index, &values, supply, &mut warnings)?,
+            Goal::Series(_) => planner.series(&space, index, &values)?,
+            _ => planner.legs(&space, index, (&values, &asked), supply, &mut warnings)?,
         };
         let (Path::Legs { rows, times_us } | Path::Series { rows, times_us }) = &path;
         let move_us = times_us.last().map_or(1, |time| *time as u64);
-        supply = planner.spent(&path, phase.hold_us, supply);
         values = rows.last().unwrap_or(&values).clone();
+        asked = match &phase.goal {
+            Goal::Targets(targets) => with_targets(targets, &asked),
+            _ => values.clone(),
+        };
+        let held = planner.held(&space, index, &values)?;
+        supply = planner.spent(&path, &held, phase.hold_us, supply);
         let planned = PlannedPhase {
             name: phase.name.to_string(),
             start_us,
@@ -56,7 +70,9 @@ pub(super) fn schedule(
             via_points: if matches!(path, Path::Legs { .. }) { rows.len().saturating_sub(2) } else { 0 },
             nearest: None,
             path,
+            held,
         };
+        values = planned.last().to_vec();
         start_us += planned.move_us + planned.hold_us;
         phases.push(planned);
     }
@@ -66,7 +82,7 @@ pub(super) fn schedule(
 struct Planner<'a> {
     scene: &'a Scene,
     limb: &'a Limb,
-    space: Space<'a>,
+    tier: Option<Fidelity>,
     air: Air<'a>,
 }
 
@@ -74,12 +90,13 @@ impl Planner<'_> {
     /// A path of straight legs to a goal of a phase.
     fn legs(
         &self,
+        space: &Space<'_>,
         phase: usize,
-        before: &[f64],
+        from: (&[f64], &[f64]),
         supply: Reservoir,
         warnings: &mut Vec<Shortcoming>,
     ) -> Result<Path, Unreachable> {
-        let rows = self.way(phase, before)?;
+        let rows = self.way(space, phase, from)?;
         let mut shorts = Vec::new();
         let mut left = supply;
         for leg in rows.windows(2) {
@@ -106,27 +123,54 @@ impl Planner<'_> {
     }
 
     /// The way to the first goal that can be reached.
-    fn way(&self, phase: usize, before: &[f64]) -> Result<Vec<Vec<f64>>, Unreachable> {
+    fn way(
+        &self,
+        space: &Space<'_>,
+        phase: usize,
+        (before, asked): (&[f64], &[f64]),
+    ) -> Result<Vec<Vec<f64>>, Unreachable> {
         let ranges = ranges(self.limb);
-        let goals = goals(self.scene, self.limb, &self.space, phase, before)?;
-        let straight = goals.iter().take(GOALS).find(|goal| self.space.blocked(before, goal).is_none());
+        // Under load the other goals take long to find.
+        if let Some(near) = near_goal(self.scene, space, phase, before)
+            && space.blocked(before, &near).is_none()
+        {
+            return Ok(vec![before.to_vec(), near]);
+        }
+        let goals = goals(self.scene, space, phase, (before, asked))?;
+        let straight = goals.iter().take(GOALS).find(|goal| space.blocked(before, goal).is_none());
         if let Some(goal) = straight {
             return Ok(vec![before.to_vec(), goal.clone()]);
         }
-        let found = goals.iter().take(GOALS).find_map(|goal| route(&self.space, &ranges, before, goal));
+        let found = goals.iter().take(GOALS).find_map(|goal| route(space, &ranges, before, goal));
         found.ok_or_else(|| {
             let goal = goals.first().map_or(before, |goal| goal);
             Unreachable::NoWay { phase, from: before.to_vec(), to: goal.to_vec() }
         })
     }
 
+    /// Setpoints that keep the tip where it is while a mass changes hands, at equal shares of it; those at the end of the move alone where none does.
+    fn held(&self, space: &Space<'_>, phase: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Unreachable> {
+        let carried = carried(self.scene.phases())[phase];
+        let mut rows = vec![values.to_vec()];
+        if self.tier.is_none() || carried.held.payload_kg == carried.moved.payload_kg {
+            return Ok(rows);
+        }
+        let Some(tip_m) = tip_m(space.carrier(), values) else { return Ok(rows) };
+        let carrier = Carrier::new(self.scene, self.limb, self.tier, Carrying { object: None, ..carried.held });
+        for part in 1..=HANDED {
+            carrier.load(carried.handed_kg(part as f64 / HANDED as f64));
+            rows.push(kept(&carrier, phase, &rows[part - 1], tip_m)?);
+        }
+        Ok(rows)
+    }
+
     /// The path of a marker series.
-    fn series(&self, phase: usize, before: &[f64]) -> Result<Path, Unreachable> {
+    fn series(&self, space: &Space<'_>, phase: usize, before: &[f64]) -> Result<Path, Unreachable> {
         let markers = self.scene.markers().map_or(&[][..], |markers| &markers.value);
         let (mut rows, mut times_us) = (vec![before.to_vec()], vec![0.0]);
         for (index, row) in markers.iter().enumerate().skip(1) {
             let last = rows.last().map_or(before, |row| row);
-            let values = marker(self.scene, self.limb, phase, (index, row.tip_m), last)?;
+            let values = marker(self.scene, space, phase, (index, row.tip_m), last)?;
             rows.push(values);
             times_us.push((row.time_s * 1e6).round());
         }
@@ -191,11 +235,15 @@ impl Planner<'_> {
     }
 
     /// The supply after a phase.
-    fn spent(&self, path: &Path, hold_us: u64, supply: Reservoir) -> Reservoir {
+    fn spent(&self, path: &Path, held: &[Vec<f64>], hold_us: u64, supply: Reservoir) -> Reservoir {
         let (Path::Legs { rows, times_us } | Path::Series { rows, times_us }) = path;
         let legs = rows.windows(2).zip(times_us.windows(2));
         let left =
             legs.fold(supply, |left, (leg, time)| self.drawn(&leg[0], &leg[1], (time[1] - time[0]) * 1e-6, left));
-        self.air.recharged(left, 0.0, hold_us as f64 * 1e-6)
+        let hold_s = hold_us as f64 * 1e-6;
+        match held {
+            [first, .., last] if hold_us > 0 => self.drawn(first, last, hold_s, left),
+            _ => self.air.recharged(left, 0.0, hold_s),
+        }
     }
 }

@@ -4,21 +4,29 @@
 //! moves no point of the body by more than `|dl| + (l/2 + d) |dw|`, with `l` its length and `d` the length of all that follows it; its
 //! surface moves by the growth of its radius more. So where the body clears by `c` more than required at a share, it keeps clear at all
 //! shares within `c/v`, `v` being the sum of these speeds. Halving what is left open proves the whole move, or finds where it is blocked.
+//!
+//! Under load the body at both ends of a stretch says how far its points move on it. Where that, with a margin for the way between, fits into
+//! the clearance of both ends the stretch is clear; else it is halved. That is no proof: a body that goes far and comes back within a stretch
+//! is not seen.
 
 use fra_model::State;
 
+use super::carrier::Carrier;
 use super::inverse_kinematics::Obstruction;
-use softlimb_limb::{Limb, LimbModule};
-use softlimb_scene::collision::{Body, Shape};
+use softlimb_limb::LimbModule;
+use softlimb_scene::collision::{Body, Piece, Shape, TOLERANCE_M};
 
 /// Speeds are those between nodes of the state curve; between nodes its cubic is this much steeper at most.
 const STEEPER: f64 = 1.05;
 /// A stretch of a move that is shorter than this share is not divided any more.
 const SHORTEST: f64 = 1e-6;
+/// Under load, the longest way of a point over the distance of its ends, and the way below which a stretch is not divided any more, m.
+const DETOUR: f64 = 1.5;
+const FINEST_M: f64 = 1e-5;
 
 /// What setpoints a limb may have among obstacles.
 pub(super) struct Space<'a> {
-    limb: &'a Limb,
+    carrier: Carrier<'a>,
     obstacles: Vec<&'a Shape>,
     required_m: f64,
     /// Cells of each module's state curve.
@@ -46,13 +54,29 @@ pub(super) struct Blocked {
 
 impl<'a> Space<'a> {
     /// The space of a limb that keeps `required_m` from each obstacle.
-    pub(super) fn new(limb: &'a Limb, obstacles: Vec<&'a Shape>, required_m: f64) -> Self {
-        Self { limb, obstacles, required_m, cells: limb.modules().iter().map(cells).collect() }
+    pub(super) fn new(carrier: Carrier<'a>, obstacles: Vec<&'a Shape>, required_m: f64) -> Self {
+        let cells = carrier.limb().modules().iter().map(cells).collect();
+        Self { carrier, obstacles, required_m, cells }
+    }
+
+    /// The same space with another clearance, m.
+    pub(super) fn requiring(self, required_m: f64) -> Self {
+        Self { required_m, ..self }
+    }
+
+    /// The limb with what it carries.
+    pub(super) fn carrier(&self) -> &Carrier<'a> {
+        &self.carrier
     }
 
     /// The states at setpoints; `None` where a module has none.
     pub(super) fn states(&self, values: &[f64]) -> Option<Vec<State<f64>>> {
-        self.limb.modules().iter().zip(values).map(|(module, value)| module.state_at(*value)).collect()
+        self.carrier.limb().modules().iter().zip(values).map(|(module, value)| module.state_at(*value)).collect()
+    }
+
+    /// The body at setpoints; `None` where the limb has no shape.
+    pub(super) fn body(&self, values: &[f64]) -> Option<Body> {
+        self.carrier.body_in(&self.states(values)?)
     }
 
     /// The obstacle nearest to the body where any is nearer than `enough_m`.
@@ -72,9 +96,36 @@ impl<'a> Space<'a> {
         if self.obstacles.is_empty() {
             return None;
         }
+        if self.carrier.is_loaded() {
+            let [Some(first), Some(last)] = [from, to].map(|values| self.body(values)) else {
+                return Some(Blocked { share: 0.0, by: None });
+            };
+            return self.blocked_between((from, to), (0.0, &first), (1.0, &last));
+        }
         let speed_m = self.speed_m(from, to);
-        let mut body = Body::new(self.limb.base());
-        self.blocked_within((from, to), (0.5, 0.5), speed_m, &mut body)
+        self.blocked_within((from, to), (0.5, 0.5), speed_m)
+    }
+
+    /// Looks between two shares of a move under load, whose bodies these are.
+    fn blocked_between(&self, ends: (&[f64], &[f64]), before: (f64, &Body), after: (f64, &Body)) -> Option<Blocked> {
+        let way_m = way_m(before.1, after.1);
+        let enough_m = self.required_m + 0.5 * DETOUR * way_m + TOLERANCE_M;
+        let mut near = false;
+        for (share, body) in [before, after] {
+            if let Some(found) = self.nearest(body, enough_m) {
+                if found.clearance.distance_m < self.required_m {
+                    return Some(Blocked { share, by: Some(found) });
+                }
+                near = true;
+            }
+        }
+        if !near || way_m < FINEST_M {
+            return None;
+        }
+        let share = 0.5 * (before.0 + after.0);
+        let Some(middle) = self.body(&between(ends, share)) else { return Some(Blocked { share, by: None }) };
+        let first = self.blocked_between(ends, before, (share, &middle));
+        first.or_else(|| self.blocked_between(ends, (share, &middle), after))
     }
 
     /// Looks at the shares `middle - half .. middle + half`.
@@ -83,24 +134,21 @@ impl<'a> Space<'a> {
         ends: (&[f64], &[f64]),
         (middle, half): (f64, f64),
         speed_m: f64,
-        body: &mut Body,
     ) -> Option<Blocked> {
-        let values: Vec<f64> = ends.0.iter().zip(ends.1).map(|(a, b)| a + (b - a) * middle).collect();
-        let Some(states) = self.states(&values) else { return Some(Blocked { share: middle, by: None }) };
-        self.limb.shape(&states, body);
-        let found = self.nearest(body, self.required_m + half * speed_m + softlimb_scene::collision::TOLERANCE_M)?;
+        let Some(body) = self.body(&between(ends, middle)) else { return Some(Blocked { share: middle, by: None }) };
+        let found = self.nearest(&body, self.required_m + half * speed_m + TOLERANCE_M)?;
         if found.clearance.distance_m < self.required_m || half < SHORTEST {
             return Some(Blocked { share: middle, by: Some(found) });
         }
         let half = 0.5 * half;
-        let first = self.blocked_within(ends, (middle - half, half), speed_m, body);
-        first.or_else(|| self.blocked_within(ends, (middle + half, half), speed_m, body))
+        let first = self.blocked_within(ends, (middle - half, half), speed_m);
+        first.or_else(|| self.blocked_within(ends, (middle + half, half), speed_m))
     }
 
     /// No point of the body's surface moves farther than this over the whole move, m.
     fn speed_m(&self, from: &[f64], to: &[f64]) -> f64 {
         let (mut speed_m, mut behind_m, mut grows_m) = (0.0, 0.0_f64, 0.0_f64);
-        for (index, module) in self.limb.modules().iter().enumerate().rev() {
+        for (index, module) in self.carrier.limb().modules().iter().enumerate().rev() {
             behind_m += module.rigid_parts_m().iter().sum::<f64>();
             let (low, high) = (from[index].min(to[index]), from[index].max(to[index]));
             let touched = self.cells[index].iter().filter(|cell| cell.from <= high && cell.to >= low);
@@ -118,6 +166,20 @@ impl<'a> Space<'a> {
         }
         speed_m + grows_m
     }
+}
+
+/// The setpoints at a share of a move.
+fn between((from, to): (&[f64], &[f64]), share: f64) -> Vec<f64> {
+    from.iter().zip(to).map(|(a, b)| a + (b - a) * share).collect()
+}
+
+/// The longest way of a point of the surface from one body to another, m.
+fn way_m(from: &Body, to: &Body) -> f64 {
+    let of_piece = |(a, b): (&Piece, &Piece)| {
+        let ways = [0.0, 0.5, 1.0].map(|share| (b.point_m(share) - a.point_m(share)).norm());
+        ways.into_iter().fold(0.0, f64::max) + (b.radius_m() - a.radius_m()).abs()
+    };
+    from.pieces().iter().zip(to.pieces()).map(of_piece).fold(0.0, f64::max)
 }
 
 fn cells(module: &LimbModule) -> Vec<Cell> {
@@ -144,6 +206,7 @@ fn cells(module: &LimbModule) -> Vec<Cell> {
 mod tests {
     use super::*;
     use crate::jacobian::Differential;
+    use softlimb_limb::Limb;
     use softlimb_scene as scene;
 
     fn limb() -> Limb {
@@ -163,7 +226,7 @@ mod tests {
     fn verdicts_on_moves_agree_with_samples() {
         let limb = limb();
         let balls = [[0.6, -0.1, 0.9], [0.5, 0.1, 1.25]].map(|center| Shape::sphere(center, 0.05).unwrap());
-        let space = Space::new(&limb, balls.iter().collect(), 0.01);
+        let space = Space::new(Carrier::free(&limb), balls.iter().collect(), 0.01);
         let least_at = |from: &[f64], to: &[f64], share: f64| {
             let values: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + (b - a) * share).collect();
             let body = limb.body(&space.states(&values).unwrap());

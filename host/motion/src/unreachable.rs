@@ -32,10 +32,8 @@ pub(super) enum Unreachable {
     PassesTooNear { phase: usize, time_us: u64, by: Option<Obstruction> },
     /// The limb does not carry its load.
     NotCarried { phase: usize, time_us: u64, cause: PoseError },
-    /// Under its load the tip does not reach the goal: its nearest point, the distance, and the pressures as fractions of their ranges.
-    UnderLoad { phase: usize, tip_m: [f64; 3], distance_m: f64, fractions: Vec<f64> },
-    /// Under its load the limb is too near an obstacle.
-    LoadedTooNear { phase: usize, time_us: u64, obstacle: usize, distance_m: f64 },
+    /// Under its load the tip does not get to where it shall be.
+    UnderLoad { phase: usize, nearest: Reach },
     /// A correction of the scene is larger than the range of its module.
     Correction { time_s: f64, module: usize, value: f64 },
 }

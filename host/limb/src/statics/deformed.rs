@@ -1,8 +1,14 @@
 //! What a loaded shape looks like: the deformation of each module, and the centre line.
 
+use fra_model::State;
+use nalgebra::{DVector, Vector3};
+
 use super::load::LoadedLimb;
-use super::rod::{Rod, UNKNOWNS};
+use super::rod::{Rod, STEPS, UNKNOWNS};
 use super::solve::Shape;
+use super::step::Step;
+use crate::Limb;
+use softlimb_scene::collision::Body;
 
 /// How a module is deformed under load, from end to end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,5 +45,34 @@ impl Rod {
     /// Points along the centre line of a shape from the base to the tip, m: the ends of its steps and of its rigid parts.
     pub fn line_m(&self, shape: &Shape) -> Vec<[f64; 3]> {
         self.points_m(shape.q.as_slice())
+    }
+}
+
+impl Limb {
+    /// Makes `body` the limb as a solid at unknowns `q` of a chain of its modules, which may have each in several pieces; radii are those of
+    /// [`Limb::shape`] in states without load.
+    pub fn loaded_shape<'a>(
+        &self,
+        rod: &Rod,
+        q: &DVector<f64>,
+        states: impl IntoIterator<Item = &'a State<f64>>,
+        body: &mut Body,
+    ) {
+        body.restart(self.base());
+        let parts = (rod.pieces.len() / self.modules().len().max(1)).max(1);
+        let pieces = rod.pieces.chunks(parts).zip(q.as_slice().chunks(parts * UNKNOWNS));
+        for ((module, state), (pieces, q)) in self.modules().iter().zip(states).zip(pieces) {
+            for (piece, q) in pieces.iter().zip(q.chunks(UNKNOWNS)) {
+                let turned = |vector: &Vector3<f64>| {
+                    let (sin, cos) = piece.mount_angle_rad.sin_cos();
+                    Vector3::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y, vector.z)
+                };
+                for step in 0..STEPS {
+                    let [turn, shift] = Step::screw(piece, q, step);
+                    body.screw(&turned(&turn), &turned(&shift), module.radius_m(state));
+                }
+            }
+            module.rigid_shape(body);
+        }
     }
 }

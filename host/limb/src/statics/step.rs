@@ -49,6 +49,14 @@ impl Sums {
 }
 
 impl Step {
+    /// Turn and shift of a step of a piece, in its own frame.
+    pub(super) fn screw(piece: &Piece, q: &[f64], index: usize) -> [Vector3<f64>; 2] {
+        let h = piece.length_m / STEPS as f64;
+        let [k, slope, v] = piece.strain(q, (2 * index + 1) as f64 / STEPS as f64 - 1.0);
+        let t = h * h * h / 12.0;
+        [k * h + k.cross(&slope) * t, v * h - slope.cross(&v) * t]
+    }
+
     /// A step of a piece from a place on.
     pub(super) fn new(piece: &Piece, q: &[f64], index: usize, rotation: Matrix3<f64>, origin: Vector3<f64>) -> Self {
         let h = piece.length_m / STEPS as f64;

@@ -12,15 +12,15 @@ const ITERATIONS: usize = 200;
 
 /// Goes down from a start in the unit box until the residuals vanish or no step helps; again with a larger weight where direction or
 /// clearance are then missed.
-pub(super) fn descend(problem: &Problem<'_>, start: Vec<f64>) -> Vec<f64> {
+pub(super) fn descend(problem: &Problem<'_, '_>, start: Vec<f64>) -> Vec<f64> {
     let start: Vec<f64> = start.into_iter().map(|share| share.clamp(0.0, 1.0)).collect();
     let [first, last] = WEIGHTS;
     let shares = descend_with(problem, start, first);
     if problem.reach(&shares).allowed() { shares } else { descend_with(problem, shares, last) }
 }
 
-fn descend_with(problem: &Problem<'_>, mut shares: Vec<f64>, weight: f64) -> Vec<f64> {
-    let mut here = problem.linear(&shares, weight);
+fn descend_with(problem: &Problem<'_, '_>, mut shares: Vec<f64>, weight: f64) -> Vec<f64> {
+    let Some(mut here) = problem.linear(&shares, weight) else { return shares };
     let mut damping = 1e-3;
     let mut small_steps = 0;
     for _ in 0..ITERATIONS {
@@ -30,14 +30,15 @@ fn descend_with(problem: &Problem<'_>, mut shares: Vec<f64>, weight: f64) -> Vec
         }
         let Some(step) = step(&here.jacobian, &here.residual, &shares, damping) else { break };
         let next: Vec<f64> = shares.iter().zip(step.iter()).map(|(s, d)| (s + d).clamp(0.0, 1.0)).collect();
-        let there = problem.linear(&next, weight);
-        let gain = miss - there.residual.norm();
-        if gain > 0.0 {
-            small_steps = if gain < 1e-7 * miss { small_steps + 1 } else { 0 };
-            (shares, here) = (next, there);
-            damping = (damping * 0.2).max(1e-15);
-        } else {
-            damping *= 10.0;
+        let better = problem.linear(&next, weight).filter(|there| there.residual.norm() < miss);
+        match better {
+            Some(there) => {
+                let gain = miss - there.residual.norm();
+                small_steps = if gain < 1e-7 * miss { small_steps + 1 } else { 0 };
+                (shares, here) = (next, there);
+                damping = (damping * 0.2).max(1e-15);
+            }
+            None => damping *= 10.0,
         }
     }
     shares

@@ -3,8 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{LEVER_M, Reach, angle};
-use crate::jacobian::Differential;
-use softlimb_limb::Limb;
+use crate::carrier::{Carrier, Posture};
 use softlimb_scene::Aim;
 use softlimb_scene::collision::{Clearance, Shape};
 
@@ -23,6 +22,17 @@ impl TipGoal<'_> {
         match self {
             Self::Point(target) => (Vector3::from(*target) - point_m).norm(),
             Self::Inside(shape) => shape.distance(point_m).distance_m.max(0.0),
+        }
+    }
+
+    /// The way from a point into it, m; 0 inside.
+    pub(crate) fn missing_m(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Point(target) => Vector3::from(*target) - point_m,
+            Self::Inside(shape) => {
+                let there = shape.distance(point_m);
+                there.gradient * -there.distance_m.max(0.0)
+            }
         }
     }
 }
@@ -56,8 +66,8 @@ const SPARE_M: f64 = 2e-5;
 pub(super) const WEIGHTS: [f64; 2] = [30.0, 1000.0];
 
 /// A task of a limb, in shares of the modules' pressure ranges.
-pub(super) struct Problem<'a> {
-    pub(super) limb: &'a Limb,
+pub(super) struct Problem<'a, 'l> {
+    carrier: &'a Carrier<'l>,
     task: &'a TipTask<'a>,
     spans: Vec<f64>,
 }
@@ -68,9 +78,10 @@ pub(super) struct Linear {
     pub(super) jacobian: DMatrix<f64>,
 }
 
-impl<'a> Problem<'a> {
-    pub(super) fn new(limb: &'a Limb, task: &'a TipTask<'a>) -> Self {
-        Self { limb, task, spans: limb.modules().iter().map(|module| module.single_valued_max_pa()).collect() }
+impl<'a, 'l> Problem<'a, 'l> {
+    pub(super) fn new(carrier: &'a Carrier<'l>, task: &'a TipTask<'a>) -> Self {
+        let spans = carrier.limb().modules().iter().map(|module| module.single_valued_max_pa()).collect();
+        Self { carrier, task, spans }
     }
 
     /// Whether anything stands in the way.
@@ -88,26 +99,28 @@ impl<'a> Problem<'a> {
         shares.iter().zip(&self.spans).map(|(share, span)| share * span).collect()
     }
 
-    /// What holds at a point, without weights.
+    /// What holds at a point, without weights; infinitely far off where the limb does not stand.
     pub(super) fn reach(&self, shares: &[f64]) -> Reach {
         let pressures_pa = self.pressures(shares);
-        let at = Differential::new(self.limb, &pressures_pa);
-        let tip = at.tip().translation.vector;
+        let Some(body) = self.carrier.body(&pressures_pa) else {
+            let [distance_m, angle_rad, shortfall_m] = [f64::INFINITY; 3];
+            return Reach { pressures_pa, tip_m: [f64::NAN; 3], distance_m, angle_rad, shortfall_m };
+        };
+        let tip = body.end().translation.vector;
         let distance_m = self.task.goal.distance_m(&tip);
-        let axis = at.tip().rotation * Vector3::z();
+        let axis = body.end().rotation * Vector3::z();
         let angle_rad = self
             .task
             .aim
             .map_or(0.0, |aim| (angle(&axis, &Vector3::from(*aim.direction)) - aim.tolerance_rad).max(0.0));
-        let body = self.limb.body(at.states());
         let nearest = self.task.obstacles.iter().filter_map(|shape| body.nearest(shape, self.task.clearance_m));
         let shortfall_m = nearest.map(|found| self.task.clearance_m - found.distance_m).fold(0.0, f64::max);
         Reach { pressures_pa, tip_m: tip.into(), distance_m, angle_rad, shortfall_m }
     }
 
-    /// Residuals and derivatives.
-    pub(super) fn linear(&self, shares: &[f64], weight: f64) -> Linear {
-        let at = Differential::new(self.limb, &self.pressures(shares));
+    /// Residuals and derivatives; `None` where the limb does not stand.
+    pub(super) fn linear(&self, shares: &[f64], weight: f64) -> Option<Linear> {
+        let at = self.carrier.posture(&self.pressures(shares))?;
         let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
         self.tip_rows(&at, &mut rows);
         self.aim_row(&at, weight, &mut rows);
@@ -115,10 +128,10 @@ impl<'a> Problem<'a> {
         let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(value, _)| *value));
         let count = self.spans.len();
         let jacobian = DMatrix::from_fn(rows.len(), count, |row, column| rows[row].1[column] * self.spans[column]);
-        Linear { residual, jacobian }
+        Some(Linear { residual, jacobian })
     }
 
-    fn tip_rows(&self, at: &Differential<'_>, rows: &mut Vec<(f64, Vec<f64>)>) {
+    fn tip_rows(&self, at: &Posture<'_>, rows: &mut Vec<(f64, Vec<f64>)>) {
         let (tip, velocities) = (at.tip().translation.vector, at.tip_velocities());
         match self.task.goal {
             TipGoal::Point(target) => {
@@ -137,26 +150,25 @@ impl<'a> Problem<'a> {
         }
     }
 
-    fn aim_row(&self, at: &Differential<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
+    fn aim_row(&self, at: &Posture<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
         let Some(aim) = self.task.aim else { return };
         let (axis, wanted) = (at.tip().rotation * Vector3::z(), Vector3::from(*aim.direction));
         let off = angle(&axis, &wanted);
         // The turn that lessens the angle fastest; any across where the axis is opposite.
         let turn = axis.cross(&wanted).try_normalize(1e-12).unwrap_or_else(|| at.tip().rotation * Vector3::x());
-        let slope = at.tip_rotations().map(|rotation| -turn.dot(&rotation)).collect();
+        let slope = at.tip_rotations().iter().map(|rotation| -turn.dot(rotation)).collect();
         let spare = 1e-3 * aim.tolerance_rad;
         rows.push(one_sided(off - aim.tolerance_rad + spare, slope, weight * LEVER_M));
     }
 
-    fn obstacle_rows(&self, at: &Differential<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
+    fn obstacle_rows(&self, at: &Posture<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
         if self.task.obstacles.is_empty() {
             return;
         }
-        let body = self.limb.body(at.states());
         let wanted_m = self.task.clearance_m + SPARE_M;
         for shape in self.task.obstacles {
-            let Some(found) = body.nearest(shape, wanted_m + 1e-6) else { continue };
-            let (velocities, growth) = at.body_velocities(found.piece, found.share, &found.point_m);
+            let Some(found) = at.body().nearest(shape, wanted_m + 1e-6) else { continue };
+            let (velocities, growth) = at.body_velocities(&found);
             let slope = velocities.iter().zip(growth).map(|(v, grows)| grows - found.away.dot(v)).collect();
             rows.push(one_sided(wanted_m - found.distance_m, slope, weight));
         }

@@ -15,14 +15,15 @@ const STEP_MIN: f64 = 1e-5;
 /// Moves a solution along the other solutions towards `home`, as far as that brings it nearer. What is no solution stays.
 ///
 /// Each step goes along the directions that change no residual in first order and is then corrected by a descent.
-pub(super) fn settle(problem: &Problem<'_>, solution: Vec<f64>, home: &[f64]) -> Vec<f64> {
+pub(super) fn settle(problem: &Problem<'_, '_>, solution: Vec<f64>, home: &[f64]) -> Vec<f64> {
     let mut shares = solution;
     if !problem.reach(&shares).reached() {
         return shares;
     }
     for _ in 0..ITERATIONS {
         let towards = DVector::from_iterator(home.len(), home.iter().zip(&shares).map(|(home, here)| home - here));
-        let Some(along) = along_solutions(&problem.linear(&shares, 1.0).jacobian, &towards, &shares) else { break };
+        let Some(here) = problem.linear(&shares, 1.0) else { break };
+        let Some(along) = along_solutions(&here.jacobian, &towards, &shares) else { break };
         if along.norm() < STEP_MIN {
             break;
         }

@@ -4,8 +4,7 @@ use softlimb_limb::Limb;
 use softlimb_limb::statics::{BUCKLING_MARGIN_MAX, Fidelity, LOAD_FACTOR_MAX, Settled, Standing};
 use softlimb_scene::Scene;
 
-use super::nominal::{Nominal, OnLimb, PoseError, pressures_pa, stands};
-use super::not_carried;
+use super::nominal::{Nominal, PoseError, pressures_pa, stands};
 use crate::payload::carried;
 use crate::plan::Plan;
 use crate::unreachable::Unreachable;
@@ -57,11 +56,11 @@ pub struct Margins {
 /// [`Unreachable::NotCarried`] where the limb falls or a tube buckles, empty or loaded.
 pub(crate) fn margins(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Margins>, Unreachable> {
     let Some(weight) = scene.weight().filter(|weight| weight.simulated) else { return Ok(Vec::new()) };
-    let of_phase = |(phase, carried): (&crate::PlannedPhase, crate::Carried)| {
+    let of_phase = |(index, (phase, carried)): (usize, (&crate::PlannedPhase, crate::Carried))| {
         let end_us = phase.start_us + phase.move_us + phase.hold_us;
         let pressures_pa = pressures_pa(&plan.states_at(end_us as f64));
         let (pressure_share, fullest_module) = fullest(limb, &pressures_pa);
-        let payload_kg = carried.move_kg.max(carried.hold_kg);
+        let payload_kg = carried.payload_kg();
         let mut margins = Margins {
             payload_kg,
             load_factor: LOAD_FACTOR_MAX,
@@ -78,7 +77,7 @@ pub(crate) fn margins(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Mar
         let loads: &[f64] = if payload_kg > 0.0 { &[0.0, 0.5, 1.0] } else { &[0.0] };
         for share in loads {
             let standing = standing(scene, limb, &pressures_pa, share * payload_kg, weight.error)
-                .map_err(|cause| not_carried(&plan.phases, end_us.saturating_sub(1), cause))?;
+                .map_err(|cause| Unreachable::NotCarried { phase: index, time_us: end_us, cause })?;
             margins.worsen(&standing);
         }
         if let Some(module) = margins.weakest_module.filter(|_| margins.buckling_margin < BUCKLING_MARGIN_MIN) {
@@ -86,7 +85,7 @@ pub(crate) fn margins(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Mar
         }
         Ok(margins)
     };
-    plan.phases.iter().zip(carried(scene.phases())).map(of_phase).collect()
+    plan.phases.iter().zip(carried(scene.phases())).enumerate().map(of_phase).collect()
 }
 
 fn standing(
@@ -96,7 +95,7 @@ fn standing(
     payload_kg: f64,
     error: f64,
 ) -> Result<Standing, PoseError> {
-    let loaded = Nominal::at_pressures(scene, limb, pressures_pa, OnLimb::whole(payload_kg))?;
+    let loaded = Nominal::at_pressures(scene, limb, pressures_pa, payload_kg)?;
     let standing = loaded.stand(error, scene.rest_length_m()).map_err(PoseError::EquilibriumError)?;
     stands(standing.answer.buckling)?;
     Ok(standing)
@@ -122,7 +121,7 @@ fn spacers_enough(scene: &Scene, limb: &Limb, pressures_pa: &[f64], payload_kg: 
     (first..=SPACERS_MAX).find(|spacers| {
         let nominal = Nominal::new(scene, limb, Fidelity::Double).with_spacers(module, *spacers);
         let ratio = |payload_kg: f64| {
-            let loaded = nominal.loaded(pressures_pa, OnLimb::whole(payload_kg))?;
+            let loaded = nominal.loaded(pressures_pa, payload_kg)?;
             let Settled { limb, rod, shape } = loaded.settle(nominal.tier(), None).ok()?;
             let of_module = limb.buckling(&rod, &shape);
             Some(of_module.map_or(0.0, |tube| tube.ratio()))

@@ -5,28 +5,14 @@ use nalgebra::{DVector, Vector3, Vector4};
 
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{
-    Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Settled, Shape, cheapest_rod,
+    Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Settled, Shape, by_tubes, cheapest_rod,
 };
 use softlimb_scene::Scene;
 
 /// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.
 const STEP: f64 = 1e-5;
-
-/// What is on the limb.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OnLimb {
-    /// Mass at the tip, kg.
-    pub payload_kg: f64,
-    /// Share of all weights.
-    pub share: f64,
-}
-
-impl OnLimb {
-    /// All weights, with a mass at the tip, kg.
-    pub fn whole(payload_kg: f64) -> Self {
-        Self { payload_kg, share: 1.0 }
-    }
-}
+/// Error of the tip that tubes between plates may have, m.
+const TUBES_M: f64 = 2e-5;
 
 /// The limb of a scene as its plan knows it, under load: from pose to pose, each beginning from the one before.
 #[derive(Clone, Debug)]
@@ -37,6 +23,18 @@ pub struct Nominal<'a> {
     tier: Fidelity,
     /// Strains of the modules in the last pose, and its unknowns.
     last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
+}
+
+/// A pose with the pressure of one module moved.
+#[derive(Clone, Debug)]
+pub(crate) struct Moved {
+    /// The step of the pressure, Pa.
+    pub(crate) step_pa: f64,
+    /// By how much the tip moves, m.
+    pub(crate) tip_m: Vector3<f64>,
+    /// Unknowns and chain.
+    pub(crate) q: DVector<f64>,
+    pub(crate) rod: Rod,
 }
 
 /// A loaded shape of the nominal limb.
@@ -105,8 +103,8 @@ impl<'a> Nominal<'a> {
     ///
     /// # Errors
     /// [`PoseError`].
-    pub fn at(&mut self, pressures_pa: &[f64], on: OnLimb) -> Result<Pose, PoseError> {
-        let limb = self.loaded(pressures_pa, on).ok_or(PoseError::NoEquilibrium)?;
+    pub fn at(&mut self, pressures_pa: &[f64], payload_kg: f64) -> Result<Pose, PoseError> {
+        let limb = self.loaded(pressures_pa, payload_kg).ok_or(PoseError::NoEquilibrium)?;
         let limb = match &self.last {
             Some((strains, _)) => limb.at_strains(strains).unwrap_or(limb),
             None => limb,
@@ -117,46 +115,54 @@ impl<'a> Nominal<'a> {
         Ok(Pose { limb, rod, shape })
     }
 
-    /// Velocity of the tip of a pose by each module's pressure, as a share of `spans_pa`, m.
-    pub fn velocities_m(
-        &self,
-        pose: &Pose,
-        pressures_pa: &[f64],
-        on: OnLimb,
-        spans_pa: &[f64],
-    ) -> Option<Vec<Vector3<f64>>> {
+    /// The shape with the pressure of each module moved by a step, to first order; `None` where a pose is not stable.
+    pub(crate) fn moved(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Moved>> {
         let (parts, bends) = self.tier.pieces();
         let strains = pose.limb.strains(&pose.rod, &pose.shape.q);
         let responding = pose.shape.responding(&pose.rod, bends)?;
-        let velocity = |module: usize| {
+        let of_module = |module: usize| {
             let mut moved_pa = pressures_pa.to_vec();
-            // Towards the middle of the range: there is an equilibrium on that side.
-            let step_pa = self.step_pa(pressures_pa[module], spans_pa[module]);
+            let step_pa = self.step_pa(module, pressures_pa[module]);
             moved_pa[module] += step_pa;
-            let other = self.loaded(&moved_pa, on)?;
+            let other = self.loaded(&moved_pa, payload_kg)?;
             // Springs go with the strains, which the response of these springs tells.
             let near = other.at_strains(&strains).ok()?;
             let rod = near.rod.split(parts);
             let (_, change) = responding.to(&rod);
             let there = other.at_strains(&near.strains(&rod, &(&pose.shape.q + change))).ok()?;
-            let (tip_m, _) = responding.to(&there.rod.split(parts));
-            Some(tip_m * (spans_pa[module] / step_pa))
+            let rod = there.rod.split(parts);
+            let (tip_m, change) = responding.to(&rod);
+            Some(Moved { step_pa, tip_m, q: &pose.shape.q + change, rod })
         };
-        (0..pressures_pa.len()).map(velocity).collect()
+        (0..pressures_pa.len()).map(of_module).collect()
     }
 
-    fn step_pa(&self, pressure_pa: f64, span_pa: f64) -> f64 {
+    /// Velocity of the tip of a pose by each module's pressure, m/Pa; `None` where the pose is not stable.
+    pub fn velocities_m_per_pa(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Vector3<f64>>> {
+        let moved = self.moved(pose, pressures_pa, payload_kg)?;
+        Some(moved.into_iter().map(|moved| moved.tip_m / moved.step_pa).collect())
+    }
+
+    /// By how much tubes between plates have the tip elsewhere at gauge pressures, Pa, one a module; `None` where either does not stand.
+    pub fn tubes_shift_m(&mut self, pressures_pa: &[f64], payload_kg: f64) -> Option<Vector3<f64>> {
+        let rods_m = self.at(pressures_pa, payload_kg).ok()?.tip_m();
+        let length_m = self.scene.rest_length_m();
+        let tubes = by_tubes(&self.loaded(pressures_pa, payload_kg)?, TUBES_M / length_m, length_m)?;
+        Some(tubes.tip().translation.vector - rods_m)
+    }
+
+    /// A step of a pressure, towards the middle of its range: there is an equilibrium on that side.
+    fn step_pa(&self, module: usize, pressure_pa: f64) -> f64 {
+        let span_pa = self.limb.modules()[module].single_valued_max_pa();
         if pressure_pa < 0.5 * span_pa { STEP * span_pa } else { -STEP * span_pa }
     }
 
-    pub(super) fn loaded(&self, pressures_pa: &[f64], on: OnLimb) -> Option<LoadedLimb> {
+    pub(super) fn loaded(&self, pressures_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
         let of_module = self.limb.modules().iter().zip(pressures_pa);
         let channels: Vec<f64> =
             of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect();
-        let load = Load { payload_kg: on.payload_kg, ..Load::default() };
-        let mut limb = LoadedLimb::new(self.scene, self.limb, &channels, &self.bays, &load)?;
-        limb.rod.gravity_m_per_s2 *= on.share;
-        Some(limb)
+        let load = Load { payload_kg, ..Load::default() };
+        LoadedLimb::new(self.scene, self.limb, &channels, &self.bays, &load)
     }
 
     /// The limb at gauge pressures, Pa, one a module, ready to be loaded.
@@ -167,9 +173,9 @@ impl<'a> Nominal<'a> {
         scene: &Scene,
         limb: &Limb,
         pressures_pa: &[f64],
-        on: OnLimb,
+        payload_kg: f64,
     ) -> Result<LoadedLimb, PoseError> {
-        Nominal::new(scene, limb, Fidelity::Linear).loaded(pressures_pa, on).ok_or(PoseError::NoEquilibrium)
+        Nominal::new(scene, limb, Fidelity::Linear).loaded(pressures_pa, payload_kg).ok_or(PoseError::NoEquilibrium)
     }
 
     /// The same limb with another number of spacers in a module.
@@ -186,10 +192,10 @@ impl<'a> Nominal<'a> {
         scene: &Scene,
         limb: &Limb,
         pressures_pa: &[f64],
-        on: OnLimb,
+        payload_kg: f64,
         error: f64,
     ) -> Result<(Fidelity, f64), PoseError> {
-        let loaded = Self::at_pressures(scene, limb, pressures_pa, on)?;
+        let loaded = Self::at_pressures(scene, limb, pressures_pa, payload_kg)?;
         let answer = cheapest_rod(&loaded, error, scene.rest_length_m()).map_err(PoseError::EquilibriumError)?;
         stands(answer.buckling)?;
         Ok((answer.tier.max(Fidelity::Linear), answer.error()))
@@ -197,6 +203,6 @@ impl<'a> Nominal<'a> {
 }
 
 /// Pressures of states, Pa; below ambient pressure 0.
-pub(super) fn pressures_pa(states: &[State<f64>]) -> Vec<f64> {
+pub(crate) fn pressures_pa(states: &[State<f64>]) -> Vec<f64> {
     states.iter().map(|state| state.pressure_pa.max(0.0)).collect()
 }

@@ -13,7 +13,7 @@ use crate::record::{
     Sample, Shape, SolidInfo,
 };
 use softlimb_limb::{Limb, LimbModule};
-use softlimb_motion::{Carried, Nominal, OnLimb, Plan, carried, payload_kg};
+use softlimb_motion::{Carried, Nominal, Plan, carried, payload_kg};
 use softlimb_numerics::statistics::mean;
 use softlimb_scene::collision::Shape as Shape3;
 use softlimb_scene::{Gripper, Scene, SetpointKind};
@@ -116,9 +116,9 @@ impl<'a> Assembler<'a> {
     /// Where the model has the tip; under load where the plan has, and not at all (NaN) where the nominal limb would fall.
     fn tip_modelled_m(&mut self, time_us: u64, states: &[State<f64>]) -> [f64; 3] {
         let Some((nominal, carried)) = &mut self.weighed else { return self.limb.tip(states) };
-        let on = OnLimb::whole(payload_kg(carried, &self.plan.phases, time_us));
+        let payload_kg = payload_kg(carried, &self.plan.phases, time_us);
         let pressures: Vec<f64> = states.iter().map(|state| state.pressure_pa.max(0.0)).collect();
-        nominal.at(&pressures, on).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
+        nominal.at(&pressures, payload_kg).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
     }
 
     /// A fault on the clock of the run; one before the start is told at its start.

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Fidelity, Load, LoadedLimb};
 use softlimb_motion as motion;
-use softlimb_motion::{Nominal, OnLimb, Plan, carried, payload_kg};
+use softlimb_motion::{Nominal, Plan, carried, payload_kg};
 use softlimb_scene::Scene;
 
 use crate::weight::{HANGING, NO_SPREAD, before, log, longer_m, parsed, repository};
@@ -43,8 +43,8 @@ fn under_load_the_tip_is_at_the_goals_of_the_plan_without() {
     for (phase, carried) in plan.phases.iter().zip(carried(scene.phases())) {
         // The gripper acts at the end of the move: just before, and after the hold.
         for (time_us, kg) in [
-            (phase.start_us + phase.move_us, carried.move_kg),
-            (phase.start_us + phase.move_us + phase.hold_us, carried.hold_kg),
+            (phase.start_us + phase.move_us, carried.moved.payload_kg),
+            (phase.start_us + phase.move_us + phase.hold_us, carried.held.payload_kg),
         ] {
             let goal = Vector3::from(limb.tip(&free.states_at(time_us as f64)));
             let states = plan.states_at(time_us as f64);
@@ -87,10 +87,10 @@ fn a_hanging_module_is_told_to_be_shorter_by_what_its_load_adds() {
 fn derivatives_of_the_loaded_tip_are_those_of_differences() {
     let scene = repository("loaded/carry-hanging", "");
     let limb = Limb::new(&scene).expect("a limb");
-    let (pressures, spans, on) = ([30e3, 60e3, 20e3], [4e4, 15e4, 9e4], OnLimb::whole(0.7));
+    let (pressures, spans, on) = ([30e3, 60e3, 20e3], [4e4, 15e4, 9e4], 0.7);
     let mut nominal = Nominal::new(&scene, &limb, Fidelity::Linear);
     let pose = nominal.at(&pressures, on).expect("it stands");
-    let velocities = nominal.velocities_m(&pose, &pressures, on, &spans).expect("stable");
+    let velocities = nominal.velocities_m_per_pa(&pose, &pressures, on).expect("stable");
     for module in 0..3 {
         let mut moved = |way: f64| {
             let mut p = pressures;
@@ -98,7 +98,8 @@ fn derivatives_of_the_loaded_tip_are_those_of_differences() {
             nominal.at(&p, on).expect("it stands").tip_m()
         };
         let slope = (moved(1.0) - moved(-1.0)) / 2e-3;
-        assert!((velocities[module] - slope).norm() < 1e-4 * slope.norm(), "{module}: {} {slope}", velocities[module]);
+        let velocity = velocities[module] * spans[module];
+        assert!((velocity - slope).norm() < 1e-4 * slope.norm(), "{module}: {velocity} {slope}");
     }
 }
 

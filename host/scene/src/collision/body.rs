@@ -1,7 +1,7 @@
 //! The body of a limb: pieces of a centre line, each of one radius.
 
 use fra_model::{Link, Segment};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Angle below which the coefficients of the centre line are series.
 const SMALL_ANGLE_RAD: f64 = 0.1;
@@ -108,6 +108,35 @@ impl Body {
         self.end *= link.pose();
     }
 
+    /// Adds the centre line of a part whose end is at the exponential of a screw: of a turn (rad) and a shift (m) in the frame of its start.
+    pub fn screw(&mut self, turn: &Vector3<f64>, shift: &Vector3<f64>, radius_m: f64) {
+        let (rotation, length_m) = (self.end.rotation, shift.norm());
+        if length_m > 0.0 {
+            let along = shift / length_m;
+            let piece = self.piece(rotation * along, length_m, radius_m, rotation * turn, turn.cross(&along).norm());
+            self.end.translation.vector = piece.point_m(1.0);
+            self.pieces.push(piece);
+        }
+        self.end.rotation = rotation * UnitQuaternion::from_scaled_axis(*turn);
+    }
+
+    /// Adds a body of revolution that hangs upright from the end and leaves the end where it is: how far it reaches above and below the end (m;
+    /// >= 0), and its radius (m; >= 0). Its ends are rounded.
+    pub fn hanging(&mut self, above_m: f64, below_m: f64, radius_m: f64) {
+        let (top_m, bottom_m) = (above_m - radius_m, radius_m - below_m);
+        let middle_m = 0.5 * (top_m + bottom_m);
+        let (top_m, bottom_m) = (top_m.max(middle_m), bottom_m.min(middle_m));
+        let end_m = self.end.translation.vector;
+        self.pieces.push(Piece {
+            start_m: end_m + Vector3::z() * top_m,
+            length_m: top_m - bottom_m,
+            radius_m,
+            angle_rad: 0.0,
+            curvature_per_m: 0.0,
+            frame: [-Vector3::z(), Vector3::zeros(), Vector3::zeros()],
+        });
+    }
+
     /// Adds a straight rigid part, as a connector or a tool, of a length (m; >= 0) and a radius (m; >= 0).
     pub fn rigid(&mut self, length_m: f64, radius_m: f64) {
         self.add(length_m, radius_m, Vector3::zeros(), 0.0);
@@ -120,15 +149,20 @@ impl Body {
             return;
         }
         let (along, turn) = (self.end.rotation * Vector3::z(), self.end.rotation * turn);
+        self.pieces.push(self.piece(along, length_m, radius_m, turn, bend_rad.abs()));
+    }
+
+    /// The piece from the end on with a tangent at its start, and a turn, rad, of which `bend_rad` curves it.
+    fn piece(&self, along: Vector3<f64>, length_m: f64, radius_m: f64, turn: Vector3<f64>, bend_rad: f64) -> Piece {
         let across = turn.cross(&along);
-        self.pieces.push(Piece {
+        Piece {
             start_m: self.end.translation.vector,
             length_m,
             radius_m,
             angle_rad: turn.norm(),
-            curvature_per_m: bend_rad.abs() / length_m,
+            curvature_per_m: bend_rad / length_m,
             frame: [along, across, turn.cross(&across)],
-        });
+        }
     }
 
     /// Its pieces from the base outwards. Parts of no length have none.
