@@ -68,9 +68,13 @@ pub fn solve(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
 
 /// Where the descent from `start_pa` alone ends.
 pub(super) fn solve_near(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
-    let problem = Problem::new(carrier, task);
-    let home = problem.shares(start_pa);
-    problem.reach(&redundancy::settle(&problem, descend(&problem, home.clone()), &home))
+    let end = |margin: bool| {
+        let problem = Problem::new(carrier, task, margin);
+        let home = problem.shares(start_pa);
+        problem.reach(&redundancy::settle(&problem, descend(&problem, home.clone()), &home))
+    };
+    let kept = carrier.is_loaded().then(|| end(true)).filter(Reach::reached);
+    kept.unwrap_or_else(|| end(false))
 }
 
 /// All different solutions found from `start_pa` and from starts spread over the range. First the one that the first descent from
@@ -81,16 +85,21 @@ pub fn solutions(limb: &Limb, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach
     solutions_of(&Carrier::free(limb), task, start_pa)
 }
 
-/// [`solutions`] of a limb with what it carries.
+/// [`solutions`] of a limb with what it carries. Under load those are sought first that leave a margin to the highest pressures.
 pub(super) fn solutions_of(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
-    let problem = Problem::new(carrier, task);
+    let within = |margin: bool| solutions_within(&Problem::new(carrier, task, margin), start_pa);
+    let kept = carrier.is_loaded().then(|| within(true)).filter(|found| found[0].reached());
+    kept.unwrap_or_else(|| within(false))
+}
+
+fn solutions_within(problem: &Problem<'_, '_>, start_pa: &[f64]) -> Vec<Reach> {
     let home = problem.shares(start_pa);
-    let mut all = ends(&problem, &home);
+    let mut all = ends(problem, &home);
     let from_home = |reach: &Reach| distance(&problem.shares(&reach.pressures_pa), &home);
     let mut good: Vec<Reach> = all.iter().filter(|reach| reach.reached()).cloned().collect();
     let keeps_first = all[0].reached();
     good[usize::from(keeps_first)..].sort_by(|a, b| from_home(a).total_cmp(&from_home(b)));
-    let mut found = different(&problem, good);
+    let mut found = different(problem, good);
     if found.is_empty() {
         let badness =
             |reach: &Reach| (!reach.allowed(), reach.distance_m + reach.shortfall_m + LEVER_M * reach.angle_rad);
@@ -102,7 +111,7 @@ pub(super) fn solutions_of(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: 
 
 /// Where a task cannot be done: what keeps direction and clearance, the nearest to its place first.
 pub(super) fn misses(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
-    let problem = Problem::new(carrier, task);
+    let problem = Problem::new(carrier, task, false);
     let mut kept: Vec<Reach> = ends(&problem, &problem.shares(start_pa)).into_iter().filter(Reach::allowed).collect();
     kept.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
     different(&problem, kept)

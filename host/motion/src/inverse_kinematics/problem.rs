@@ -4,6 +4,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{LEVER_M, Reach, angle};
 use crate::carrier::{Carrier, Posture};
+use crate::weight::PRESSURE_SHARE_MAX;
+use softlimb_limb::LimbModule;
 use softlimb_scene::Aim;
 use softlimb_scene::collision::{Clearance, Shape};
 
@@ -79,9 +81,13 @@ pub(super) struct Linear {
 }
 
 impl<'a, 'l> Problem<'a, 'l> {
-    pub(super) fn new(carrier: &'a Carrier<'l>, task: &'a TipTask<'a>) -> Self {
-        let spans = carrier.limb().modules().iter().map(|module| module.single_valued_max_pa()).collect();
-        Self { carrier, task, spans }
+    /// With whole ranges, or with those that leave a margin to the highest pressure and the limit point.
+    pub(super) fn new(carrier: &'a Carrier<'l>, task: &'a TipTask<'a>, margin: bool) -> Self {
+        let span = |module: &LimbModule| {
+            let whole_pa = module.single_valued_max_pa();
+            if margin { whole_pa.min(PRESSURE_SHARE_MAX * module.ceiling_pa()) } else { whole_pa }
+        };
+        Self { carrier, task, spans: carrier.limb().modules().iter().map(span).collect() }
     }
 
     /// Whether anything stands in the way.
