@@ -16,7 +16,7 @@ use devices::Images;
 use softlimb_rig::run::Mcu;
 use support::{Ran, run_on, scene_with};
 
-const SCENE: &str = "pick-and-place-a";
+const SCENE: &str = "weightless-a";
 
 /// Name of the record that only a finished log has; it holds the time that the run took.
 const END: &[u8] = b"softlimb.end";

@@ -10,7 +10,24 @@ mod nominal;
 mod spread;
 mod support;
 
+use std::sync::LazyLock;
+
 use softlimb_rig::record::{ModuleSample, Quantity};
+use softlimb_scene::Scene;
+use support::{Ran, names, run, scene_with};
+
+/// The name of every scene with the scene and its run as it is.
+static AS_IT_IS: LazyLock<Vec<(String, Scene, Ran)>> = LazyLock::new(|| {
+    let run_of = |name: String| {
+        let scene = scene_with(&name, "");
+        let ran = run(&scene, scene.seed());
+        (name, scene, ran)
+    };
+    std::thread::scope(|scope| {
+        let runs: Vec<_> = names().into_iter().map(|name| scope.spawn(|| run_of(name))).collect();
+        runs.into_iter().map(|run| run.join().expect("a run")).collect()
+    })
+});
 
 /// The value of a quantity at rest, in the unit of the log. Scenes with other quantities than these have no travel to compare with.
 fn at_rest(quantity: Quantity) -> f64 {

@@ -38,13 +38,10 @@ fn softlimb(folder: &Path, line: &str) -> Answer {
 #[test]
 fn export_writes_a_deck_for_both_programs() {
     let folder = tempfile::tempdir().unwrap();
-    let line =
-        format!("fea export {} --module shoulder --out decks --points 2", scene("pick-and-place-a.toml").display());
+    let line = format!("fea export {} --module shoulder --out decks --points 2", scene("weightless-a.toml").display());
     let answer = softlimb(folder.path(), &line);
     assert_eq!(answer.code, Some(0), "{}", answer.err);
-    for name in
-        ["pick-and-place-a-shoulder.inp", "pick-and-place-a-shoulder-abaqus.inp", "pick-and-place-a-shoulder-model.inc"]
-    {
+    for name in ["weightless-a-shoulder.inp", "weightless-a-shoulder-abaqus.inp", "weightless-a-shoulder-model.inc"] {
         assert!(folder.path().join("decks").join(name).is_file(), "{name}: {}", answer.out);
         assert!(answer.out.contains(name));
     }
@@ -54,11 +51,11 @@ fn export_writes_a_deck_for_both_programs() {
 #[test]
 fn export_of_a_bundle_has_all_its_actuators() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene("pick-and-place-a.toml");
+    let scene = scene("weightless-a.toml");
     let line = format!("fea export {} --module elbow --bundle --around 8 --along 20", scene.display());
     let answer = softlimb(folder.path(), &line);
     assert_eq!(answer.code, Some(0), "{}", answer.err);
-    let text = std::fs::read_to_string(folder.path().join("out/fea/pick-and-place-a-elbow-bundle-model.inc")).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("out/fea/weightless-a-elbow-bundle-model.inc")).unwrap();
     for set in ["LAYER_1", "LAYER_2", "LAYER_3", "PLATE", "LINE"] {
         assert!(text.contains(&format!("ELSET={set}")), "{set}");
     }

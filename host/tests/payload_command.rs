@@ -21,7 +21,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-const SCENE: &str = "scenes/pick-and-place-a.toml";
+const SCENE: &str = "scenes/weightless-a.toml";
 
 #[test]
 fn poses_of_a_scene_have_their_largest_load_with_a_certificate() {

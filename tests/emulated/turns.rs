@@ -57,7 +57,7 @@ fn turns_that_solve_the_model_end_within_their_tick() {
 
 /// The twin with the plant of a scene, the scene's configuration, and its knots.
 pub(crate) fn with_scene(images: &Images) -> (SimulatedMcu<LockStep>, DeviceConfiguration, Vec<Knot>) {
-    let scene = scene_with("pick-and-place-a", "");
+    let scene = scene_with("weightless-a", "");
     let limb = Limb::new(&scene).expect("a limb");
     let plan = motion::plan(&scene, &limb).expect("a plan");
     let inverses = motion::inverses(&scene, &limb).expect("tables");

@@ -5,24 +5,22 @@ use softlimb_rig::record::Sample;
 use softlimb_rig::report::ErrorStats;
 use softlimb_scene::Goal;
 
-use crate::support::{Ran, names, run, scene_with};
-use crate::travel;
+use crate::support::Ran;
+use crate::{AS_IT_IS, travel};
 
 #[test]
 fn scenes_run_without_a_fault_and_leave_a_log_and_a_report() {
-    for name in names() {
-        let scene = scene_with(&name, "");
-        let ran = run(&scene, scene.seed());
+    for (name, scene, ran) in &*AS_IT_IS {
         assert_eq!(ran.left_behind(), ["run.html", "run.mcap"], "{name}");
-        assert_eq!((&ran.summary.scene, ran.summary.seed), (&name, scene.seed()));
+        assert_eq!((&ran.summary.scene, ran.summary.seed), (name, scene.seed()));
         assert_eq!(ran.summary.faults, [], "{name}");
         assert_eq!(ran.summary.incomplete, None, "{name}");
         assert_eq!(record::read(&ran.files.log).unwrap(), ran.files.run, "{name}");
         let page = std::fs::read_to_string(&ran.files.report).unwrap();
         assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"), "{name}");
         let end_s = ran.files.run.info.phases.last().map_or(0.0, |phase| phase.end_s());
-        complete(&name, &ran, end_s);
-        within_bars(&name, &ran);
+        complete(name, ran, end_s);
+        within_bars(name, ran, scene.weight().is_some_and(|weight| weight.simulated));
     }
 }
 
@@ -35,8 +33,8 @@ fn complete(name: &str, ran: &Ran, end_s: f64) {
     assert_eq!((link.retransmitted, link.crc_errors, link.telemetry_lost), (0, 0, 0), "{name}");
 }
 
-/// Bars on the scene as it is, with an ordinary plant.
-fn within_bars(name: &str, ran: &Ran) {
+/// Bars on the scene as it is, with an ordinary plant. Limbs that carry themselves have wide tubes, and springs that are off by 3 % sag otherwise.
+fn within_bars(name: &str, ran: &Ran, loaded: bool) {
     let summary = &ran.summary;
     let pressure = of(summary.pressure.true_error_pa);
     let (tip, tracking) = (of(summary.tip.error_m), of(summary.tip.tracking_error_m));
@@ -48,10 +46,11 @@ fn within_bars(name: &str, ran: &Ran) {
         1e3 * tracking.rmse,
         summary.real_time_factor.unwrap()
     );
-    assert!(pressure.rmse < 600.0 && pressure.max < 2_000.0, "{name}: {pressure:?}");
+    let (pressure_max, tip_max) = if loaded { (4_000.0, 50e-3) } else { (2_000.0, 40e-3) };
+    assert!(pressure.rmse < 600.0 && pressure.max < pressure_max, "{name}: {pressure:?}");
     // On limbs of 0.25 m to 0.8 m; a hundredth is what tracking may cost, a twentieth what actuators of 3 % other moduli and 6 % creep may.
     assert!(tracking.rmse < 8e-3, "{name}: {tracking:?}");
-    assert!(tip.rmse < 40e-3, "{name}: {tip:?}");
+    assert!(tip.rmse < tip_max, "{name}: {tip:?}");
     for module in &summary.modules {
         let (error, tracking) = (of(module.error), of(module.tracking_error));
         // What happened is the model's error on top of the tracking's, so it cannot be free of the latter.
@@ -68,24 +67,22 @@ fn of(stats: Option<ErrorStats>) -> ErrorStats {
 
 #[test]
 fn phases_end_at_their_target() {
-    for name in names() {
-        let scene = scene_with(&name, "");
-        let ran = run(&scene, scene.seed());
+    for (name, scene, ran) in &*AS_IT_IS {
         let log = &ran.files.run;
         for (phase, info) in scene.phases().iter().zip(&log.info.phases) {
             let end = log.samples.iter().rfind(|sample| sample.time_s <= info.end_s() + 1e-6).unwrap();
             match &phase.goal {
-                Goal::Tip(point) => tip_arrives(&name, end, **point),
+                Goal::Tip(point) => tip_arrives(name, end, **point),
                 Goal::Inside(region) => {
                     let inside = scene.regions()[region.value].shape.distance(&end.tip_setpoint_m.into());
                     assert!(inside.distance_m < 2e-4, "{name}: {inside:?}");
                 }
                 Goal::Series(_) => {
-                    tip_arrives(&name, end, scene.markers().and_then(|markers| markers.last()).unwrap().tip_m);
+                    tip_arrives(name, end, scene.markers().and_then(|markers| markers.last()).unwrap().tip_m);
                 }
                 Goal::Targets(targets) => {
                     for target in targets {
-                        module_arrives(&name, &ran, end, target.module, *target.value);
+                        module_arrives(name, ran, end, target.module, *target.value);
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use crate::support::{run, scene_with};
 
-const SCENE: &str = "pick-and-place-b";
+const SCENE: &str = "weightless-b";
 
 #[test]
 fn eight_plants_are_driven_without_a_fault() {

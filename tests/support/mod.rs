@@ -41,6 +41,12 @@ pub(crate) fn names() -> Vec<String> {
     names
 }
 
+/// Names of the scenes without weight.
+pub(crate) fn weightless() -> Vec<String> {
+    let light = |name: &String| !scene_with(name, "").weight().is_some_and(|weight| weight.simulated);
+    names().into_iter().filter(light).collect()
+}
+
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
 }

@@ -23,7 +23,7 @@ fiber_angle = [\"2 deg\", \"10 deg\"]
 
 #[test]
 fn targets_are_reached_by_other_sizes_and_the_scene_can_be_run() {
-    let wanted = read(&format!("{}{OPEN}", include_str!("../../../scenes/pick-and-place-a.toml")));
+    let wanted = read(&format!("{}{OPEN}", include_str!("../../../scenes/weightless-a.toml")));
     assert!(!leads_the_tip(&wanted));
     let problem = targets(&wanted).unwrap_or_else(|error| panic!("{}", error.render(false)));
     let answer = fit::solve(&problem, &fit::Budget::default()).unwrap();
@@ -154,7 +154,7 @@ fn group_c_is_designed_and_keeps_clear() {
 
 #[test]
 fn entries_beyond_a_design_are_shown_at_their_line() {
-    let text = include_str!("../../../scenes/pick-and-place-a.toml")
+    let text = include_str!("../../../scenes/weightless-a.toml")
         .replace("circle_radius = \"30 mm\"", "circle_radius = \"17 mm\"");
     let wide = read(&format!("{text}{OPEN}"));
     let error = targets(&wide).unwrap_err().render(false);

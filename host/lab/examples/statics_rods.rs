@@ -54,7 +54,7 @@ fn cantilever(share: f64) -> Rod {
 /// The limb of a scene, hanging or level, with plates every 60 mm. The lines of its bending module stretch as its walls do, not a
 /// hundred times less: that would cost a program that follows waves in time ten times the steps.
 fn limb(share: f64, direction: &str, up: &str, payload_kg: f64) -> Rod {
-    let text = std::fs::read_to_string("scenes/pick-and-place-a.toml").expect("run from the root of the workspace");
+    let text = std::fs::read_to_string("scenes/weightless-a.toml").expect("run from the root of the workspace");
     let text = text
         .replace("base_direction = [1, 0, 0]", &format!("base_direction = {direction}"))
         .replace("base_up = [0, 0, 1]", &format!("base_up = {up}"));

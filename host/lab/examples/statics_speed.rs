@@ -21,7 +21,7 @@ fn fastest(mut run: impl FnMut()) -> f64 {
 }
 
 fn main() {
-    let text = std::fs::read_to_string("scenes/pick-and-place-a.toml").expect("run from the root of the workspace");
+    let text = std::fs::read_to_string("scenes/weightless-a.toml").expect("run from the root of the workspace");
     let text = text
         .replace("base_direction = [1, 0, 0]", "base_direction = [0, 0, -1]")
         .replace("base_up = [0, 0, 1]", "base_up = [1, 0, 0]");

@@ -1,6 +1,6 @@
 //! What the workspace of a scene costs, for `host/lab/benches/workspace/compare.py`: one line of JSON.
 //!
-//!     cargo run --release -p softlimb-lab --example workspace_speed scenes/pick-and-place-a.toml
+//!     cargo run --release -p softlimb-lab --example workspace_speed scenes/weightless-a.toml
 
 use std::time::Instant;
 
@@ -22,7 +22,7 @@ fn fastest(mut run: impl FnMut()) -> f64 {
 }
 
 fn main() {
-    let file = std::env::args().nth(1).unwrap_or_else(|| "scenes/pick-and-place-a.toml".into());
+    let file = std::env::args().nth(1).unwrap_or_else(|| "scenes/weightless-a.toml".into());
     let scene = scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let limb = Limb::new(&scene).unwrap_or_else(|error| panic!("{error}"));
     let space = &Workspace::new(&limb, Command::Actuators).expect("a workspace");

@@ -69,7 +69,8 @@ impl<'a> Carrier<'a> {
 
     /// By how much tubes between plates have the tip elsewhere at gauge pressures, Pa; 0 without load.
     pub(super) fn tubes_shift_m(&self, pressures_pa: &[f64]) -> Vector3<f64> {
-        let shift = |loaded: &Loaded<'_>| loaded.nominal.borrow_mut().tubes_shift_m(pressures_pa, loaded.payload_kg.get());
+        let shift =
+            |loaded: &Loaded<'_>| loaded.nominal.borrow_mut().tubes_shift_m(pressures_pa, loaded.payload_kg.get());
         self.loaded.as_ref().and_then(shift).unwrap_or_else(Vector3::zeros)
     }
 

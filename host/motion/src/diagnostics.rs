@@ -422,6 +422,10 @@ impl WhyNot<'_> {
         let Some(widest) = widest else {
             return words.at(self.span, "the limb finds no way to be here", &missed(nearest), None);
         };
+        // Clear of all obstacles by rods, but not at its place by tubes between plates.
+        if carrier.is_loaded() && widest.clearance.distance_m >= task.clearance_m {
+            return words.under_load(self.span, nearest);
+        }
         let name = words.obstacle(widest.obstacle);
         let label = words.too_near(&widest);
         let mut help = self.offer(nearest, "point that is clear");
@@ -445,7 +449,8 @@ impl WhyNot<'_> {
             return "nothing near it was found that is clear".to_owned();
         };
         let ranges = ranges(carrier.limb());
-        let has_way = |point: &&Reach| route(self.space, &ranges, self.before, &values(carrier.limb(), point)).is_some();
+        let has_way =
+            |point: &&Reach| route(self.space, &ranges, self.before, &values(carrier.limb(), point)).is_some();
         let found = points.iter().take(POINTS).find(has_way).map(|found| (found.distance_m, found.tip_m));
         let approached = approached(self.space, &self.task, self.before);
         let with_way = found.into_iter().chain(approached).min_by(|a, b| a.0.total_cmp(&b.0));

@@ -85,7 +85,11 @@ pub(super) fn kept(
     let task = TipTask { goal: TipGoal::Point(tip_m.into()), aim: None, obstacles: &[], clearance_m: 0.0 };
     let start = pressures_pa(&states_at(carrier.limb(), near));
     let found = refined(carrier, &task, solve_near(carrier, &task, &start));
-    if found.reached() { Ok(values(carrier.limb(), &found)) } else { Err(Unreachable::UnderLoad { phase, nearest: found }) }
+    if found.reached() {
+        Ok(values(carrier.limb(), &found))
+    } else {
+        Err(Unreachable::UnderLoad { phase, nearest: found })
+    }
 }
 
 /// The tip at setpoints, m, as tubes between plates have it under load; `None` where the limb does not stand.

@@ -12,9 +12,9 @@ pub use problem::{Obstruction, TipGoal, TipTask};
 
 use nalgebra::Vector3;
 
+use super::carrier::Carrier;
 use descent::descend;
 use problem::Problem;
-use super::carrier::Carrier;
 use softlimb_limb::Limb;
 
 /// The tip counts as arrived within this distance, m.

@@ -129,12 +129,7 @@ impl<'a> Space<'a> {
     }
 
     /// Looks at the shares `middle - half .. middle + half`.
-    fn blocked_within(
-        &self,
-        ends: (&[f64], &[f64]),
-        (middle, half): (f64, f64),
-        speed_m: f64,
-    ) -> Option<Blocked> {
+    fn blocked_within(&self, ends: (&[f64], &[f64]), (middle, half): (f64, f64), speed_m: f64) -> Option<Blocked> {
         let Some(body) = self.body(&between(ends, middle)) else { return Some(Blocked { share: middle, by: None }) };
         let found = self.nearest(&body, self.required_m + half * speed_m + TOLERANCE_M)?;
         if found.clearance.distance_m < self.required_m || half < SHORTEST {

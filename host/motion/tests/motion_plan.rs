@@ -21,7 +21,7 @@ fn changed(name: &str, from: &str, to: &str) -> Result<Plan, String> {
 
 #[test]
 fn phases_end_at_their_targets_and_modules_left_out_keep_theirs() {
-    let scene = scene("pick-and-place-a");
+    let scene = scene("weightless-a");
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     let end_of = |phase: usize| {
@@ -43,7 +43,7 @@ fn phases_end_at_their_targets_and_modules_left_out_keep_theirs() {
 /// its inextensible line, whose length stays 240 mm.
 #[test]
 fn the_tip_of_a_plane_limb_is_where_geometry_puts_it() {
-    let scene = scene("pick-and-place-a");
+    let scene = scene("weightless-a");
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
     let (shoulder, bend, wrist) = (1.12 * 0.24, 75.0_f64.to_radians(), 1.16 * 0.24);
@@ -62,7 +62,7 @@ fn the_tip_of_a_plane_limb_is_where_geometry_puts_it() {
 
 #[test]
 fn planned_states_are_equilibria_of_the_model() {
-    for name in ["pick-and-place-b", "pick-and-place-c", "tip-waypoints"] {
+    for name in ["weightless-b", "weightless-c", "tip-waypoints"] {
         let scene = scene(name);
         let limb = Limb::new(&scene).unwrap();
         let plan = motion::plan(&scene, &limb).unwrap();
@@ -98,7 +98,7 @@ fn way_points_are_reached_by_the_tip() {
 /// Where the model itself has been, inverse kinematics finds a way.
 #[test]
 fn inverse_kinematics_finds_poses_made_by_the_model() {
-    for name in ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"] {
+    for name in ["weightless-a", "weightless-b", "weightless-c"] {
         let limb = Limb::new(&scene(name)).unwrap();
         for step in 0..30_u32 {
             let share = |i: u32| f64::from((step * (7 + 4 * i) + 3 * i) % 31) / 31.0 * 0.8;
@@ -114,17 +114,17 @@ fn inverse_kinematics_finds_poses_made_by_the_model() {
 
 #[test]
 fn impossible_goals_are_reported_at_their_line() {
-    let error = changed("pick-and-place-a", "\"75 deg\"", "\"350 deg\"").unwrap_err();
+    let error = changed("weightless-a", "\"75 deg\"", "\"350 deg\"").unwrap_err();
     assert!(error.contains("bend_angle = \"350 deg\"") && error.contains("`elbow` would need"), "{error}");
     assert!(error.contains("it reaches 0.00 deg to"), "{error}");
-    let error = changed("pick-and-place-a", "axial_stretch = 1.16", "axial_stretch = 0.9").unwrap_err();
+    let error = changed("weightless-a", "axial_stretch = 1.16", "axial_stretch = 0.9").unwrap_err();
     assert!(error.contains("a vacuum, which the valves cannot make"), "{error}");
     let error = changed("tip-waypoints", "tip = [0.768, -0.172, 0.895]", "tip = [2, 0, 0]").unwrap_err();
     assert!(
         error.contains("the limb cannot reach this way-point") && error.contains("nearest reachable point"),
         "{error}"
     );
-    let error = changed("pick-and-place-a", "[limits]", "[limits]\nangle_rate_max = \"10 deg/s\"").unwrap_err();
+    let error = changed("weightless-a", "[limits]", "[limits]\nangle_rate_max = \"10 deg/s\"").unwrap_err();
     assert!(error.contains("this move is too fast") && error.contains("a duration of 7.50 s is enough"), "{error}");
 }
 

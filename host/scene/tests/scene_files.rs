@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use fra_model::{Actuator, Load, Status, Target};
 use softlimb_scene::{Goal, Module, Scene, SetpointKind, load};
 
-const PICK_AND_PLACE: [&str; 3] = ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"];
+const PICK_AND_PLACE: [&str; 3] = ["weightless-a", "weightless-b", "weightless-c"];
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes")

@@ -4,7 +4,7 @@ use fra_model::{ActuatorParameters, Material};
 use softlimb_scene as scene;
 use softlimb_scene::{RewriteError, Scene, rewritten};
 
-const SCENE: &str = include_str!("../../../scenes/pick-and-place-b.toml");
+const SCENE: &str = include_str!("../../../scenes/weightless-b.toml");
 
 fn read(text: &str) -> Scene {
     scene::parse(text, "refitted.toml").unwrap_or_else(|error| panic!("{}\n{text}", error.render(false)))

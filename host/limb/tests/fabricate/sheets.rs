@@ -9,7 +9,7 @@ use softlimb_scene::{load, parse};
 
 use crate::fabricate::common::{TUBE, Tube, settings};
 
-const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/pick-and-place-a.toml");
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/weightless-a.toml");
 
 fn value<'a>(page: &'a Page, what: &str) -> &'a str {
     let mut rows = page.tables.iter().flat_map(|table| &table.rows);

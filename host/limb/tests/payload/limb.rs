@@ -10,7 +10,7 @@ use softlimb_scene as scene;
 const GRAVITY: f64 = 9.80665;
 
 fn scene_a() -> scene::Scene {
-    scene::load(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/pick-and-place-a.toml")).unwrap()
+    scene::load(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/weightless-a.toml")).unwrap()
 }
 
 fn rest(limb: &Limb) -> Vec<State<f64>> {
@@ -118,7 +118,7 @@ fn own_weights_are_held_in_proportion() {
 /// The shoulder of one family has its limit point at 118.8 kPa: where that comes first, pressures end there, and it is said.
 #[test]
 fn pressures_end_at_the_limit_point_where_that_comes_first() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/pick-and-place-b.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/weightless-b.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let raised = text.replace("pressure_max = \"100 kPa\"", "pressure_max = \"130 kPa\"");
     assert_ne!(text, raised);

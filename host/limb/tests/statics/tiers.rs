@@ -6,7 +6,7 @@ use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
 fn scene(direction: &str, density: f64) -> (Scene, Limb) {
-    let file = format!("{}/../../scenes/pick-and-place-a.toml", env!("CARGO_MANIFEST_DIR"));
+    let file = format!("{}/../../scenes/weightless-a.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(file).expect("a scene");
     let text = text
         .replace("base_direction = [1, 0, 0]        # forward", &format!("base_direction = {direction}"))
@@ -51,7 +51,7 @@ fn kinematic_tier_is_the_kinematics() {
 #[test]
 fn tubes_without_load_are_the_kinematics() {
     for letter in ["a", "b", "c"] {
-        let file = format!("{}/../../scenes/pick-and-place-{letter}.toml", env!("CARGO_MANIFEST_DIR"));
+        let file = format!("{}/../../scenes/weightless-{letter}.toml", env!("CARGO_MANIFEST_DIR"));
         let scene = scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
         let limb = Limb::new(&scene).expect("a limb");
         let bays = vec![2; limb.modules().len()];

@@ -9,7 +9,7 @@ use crate::workspace::{Stream, limb_of, limb_with};
 
 #[test]
 fn the_polynomials_are_the_model_in_the_whole_box() {
-    for name in ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"] {
+    for name in ["weightless-a", "weightless-b", "weightless-c"] {
         let (_, limb) = limb_of(name);
         for command in [Command::Actuators, Command::Modules] {
             let space = Workspace::new(&limb, command).expect("a workspace");

@@ -59,7 +59,7 @@ fn workspace_of_two_bends_is_the_lattice_of_their_arcs() {
 /// Random places and a search that moves one pressure at a time, from each of them.
 #[test]
 fn no_other_search_gets_beyond_the_extents() {
-    for name in ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"] {
+    for name in ["weightless-a", "weightless-b", "weightless-c"] {
         let (_, limb) = limb_of(name);
         for command in [Command::Actuators, Command::Modules] {
             let space = Workspace::new(&limb, command).expect("a workspace");

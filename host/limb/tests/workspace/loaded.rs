@@ -16,7 +16,7 @@ fn built(text: &str) -> (Scene, Limb) {
 
 /// The reference limb with its base pointing elsewhere.
 fn reference(direction: &str, up: &str) -> (Scene, Limb) {
-    let file = format!("{}/../../scenes/pick-and-place-a.toml", env!("CARGO_MANIFEST_DIR"));
+    let file = format!("{}/../../scenes/weightless-a.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(file).expect("a scene");
     let turned = text
         .replace("base_direction = [1, 0, 0]", &format!("base_direction = {direction}"))
@@ -36,7 +36,7 @@ fn hung<'a>(
 
 #[test]
 fn workspace_without_weight_is_that_of_the_kinematics() {
-    let both = limb_of("pick-and-place-a");
+    let both = limb_of("weightless-a");
     let space = Workspace::new(&both.1, Command::Modules).expect("a workspace");
     let hang = hung(&both, 1, 0.0);
     let loaded = Loaded::new(&space, |pressures_pa: &[f64]| {
@@ -106,7 +106,7 @@ fn poses_that_fall_or_buckle_are_counted_and_not_reached() {
     assert_eq!((tally.reached, tally.total()), (0, 60), "{tally:?}");
     assert!(loaded_extents(&loaded, &poses, (Points::Faces, 1), 2).is_none());
     // Level, with slender bays: some of both.
-    let level = limb_of("pick-and-place-a");
+    let level = limb_of("weightless-a");
     let space = Workspace::new(&level.1, Command::Actuators).expect("a workspace");
     let loaded = Loaded::new(&space, hung(&level, 2, 0.0));
     let poses = loaded.sample(Points::Faces, 200, 1, 2);

@@ -8,7 +8,7 @@ use crate::workspace::{limb_of, limb_with};
 
 #[test]
 fn samples_depend_on_the_seed_alone() {
-    let (_, limb) = limb_of("pick-and-place-a");
+    let (_, limb) = limb_of("weightless-a");
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
     for points in [Points::Faces, Points::Even, Points::Random] {
         let one = sample(&space, points, 20_003, 5, 1);
@@ -23,7 +23,7 @@ fn samples_depend_on_the_seed_alone() {
 
 #[test]
 fn samples_stay_within_the_extents_and_come_closer() {
-    let (_, limb) = limb_of("pick-and-place-b");
+    let (_, limb) = limb_of("weightless-b");
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
     let found = extents(&space).expect("extents");
     let tips = sample(&space, Points::Faces, 100_000, 1, 2);
@@ -48,7 +48,7 @@ fn pictures_are_within_micrometres_of_the_samples() {
         ("expansion", 2, ""),
         ("extension", 1, ""),
     ]);
-    let scenes = ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"].map(|name| limb_of(name).1);
+    let scenes = ["weightless-a", "weightless-b", "weightless-c"].map(|name| limb_of(name).1);
     let mut worst = 0.0_f64;
     for limb in scenes.iter().chain([&mixed]) {
         for command in [Command::Actuators, Command::Modules] {
@@ -91,7 +91,7 @@ fn cubes_measure_a_ball() {
 
 #[test]
 fn picture_shows_both_views() {
-    let (_, limb) = limb_of("pick-and-place-a");
+    let (_, limb) = limb_of("weightless-a");
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
     let grid = Grid::new(&sample(&space, Points::Faces, 2000, 1, 1), 0.05);
     let rest: Vec<_> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();

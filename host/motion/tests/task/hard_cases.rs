@@ -25,13 +25,13 @@ fn goal_where_the_limb_is_needs_no_pressure_and_the_shortest_time() {
 fn singular_straight_pose_is_reached_from_a_bent_one() {
     let bent = "targets = { elbow = { bend_angle = \"60 deg\" }, wrist = { axial_stretch = 1.1 } }";
     let tables = phase("bent", bent) + &phase("straight", &format!("tip = {STRAIGHT}"));
-    let (_, limb, plan) = planned(&with_phases("pick-and-place-a", &tables)).unwrap();
+    let (_, limb, plan) = planned(&with_phases("weightless-a", &tables)).unwrap();
     assert!(off(&limb, &plan, 1, [0.815, 0.0, 1.1]) < 1e-4);
 }
 
 #[test]
 fn target_behind_the_base_is_refused_with_the_nearest_point() {
-    let message = refused(&with_phases("pick-and-place-a", &phase("behind", "tip = [-0.3, 0.0, 1.1]")));
+    let message = refused(&with_phases("weightless-a", &phase("behind", "tip = [-0.3, 0.0, 1.1]")));
     assert!(message.contains("the limb cannot reach this way-point"), "{message}");
     assert!(message.contains("tip = [-0.3") && message.contains("the nearest reachable point is"), "{message}");
 }
@@ -41,7 +41,7 @@ fn obstacle_at_the_base_is_refused_at_its_table() {
     let tables = "[[obstacle]]\nname = \"wall\"\nshape = \"sphere\"\ncenter = [0, 0, 1.1]\nradius = \"50 mm\"\n"
         .to_owned()
         + &phase("stay", &format!("tip = {STRAIGHT}"));
-    let message = refused(&with_phases("pick-and-place-a", &tables));
+    let message = refused(&with_phases("weightless-a", &tables));
     assert!(message.contains("the limb at rest is too near this obstacle") && message.contains("wall"), "{message}");
     // The bundle is 44 mm thick about a line through the ball's centre.
     assert!(message.contains("94.0 mm deep"), "{message}");
@@ -49,10 +49,10 @@ fn obstacle_at_the_base_is_refused_at_its_table() {
 
 #[test]
 fn phase_of_no_time_is_refused_and_a_way_point_twice_is_not() {
-    let none = with_phases("pick-and-place-a", &phase("now", &format!("tip = {STRAIGHT}\nduration = \"0 s\"")));
+    let none = with_phases("weightless-a", &phase("now", &format!("tip = {STRAIGHT}\nduration = \"0 s\"")));
     assert!(refused(&none).contains("`duration` must be from 0.02 s"));
     let point = "tip = [0.66, 0.0, 0.68]";
-    let (_, limb, plan) = planned(&with_phases("pick-and-place-a", &(phase("a", point) + &phase("b", point)))).unwrap();
+    let (_, limb, plan) = planned(&with_phases("weightless-a", &(phase("a", point) + &phase("b", point)))).unwrap();
     assert!(off(&limb, &plan, 1, [0.66, 0.0, 0.68]) < 1e-4);
     // The second move only corrects what the first left, some 1e-7 m.
     let moved = plan.phases[0].values.iter().zip(&plan.phases[1].values).map(|(a, b)| (a - b).abs());
@@ -65,7 +65,7 @@ fn phase_of_no_time_is_refused_and_a_way_point_twice_is_not() {
 fn a_direction_that_the_point_does_not_allow_is_refused_with_one_that_it_does() {
     let text = |tolerance: &str| {
         let goal = format!("tip = [0.66, 0.0, 0.68]\ndirection = [0, 1, 0]\ndirection_tolerance = \"{tolerance}\"");
-        with_phases("pick-and-place-a", &phase("turn", &goal))
+        with_phases("weightless-a", &phase("turn", &goal))
     };
     let message = refused(&text("2 deg"));
     assert!(message.contains("the tip gets there, but not in this direction"), "{message}");
@@ -81,6 +81,6 @@ fn a_direction_that_the_point_does_not_allow_is_refused_with_one_that_it_does() 
 fn region_out_of_reach_is_refused() {
     let tables = "[[region]]\nname = \"far\"\ncenter = [3, 0, 1]\nsize = [0.1, 0.1, 0.1]\n".to_owned()
         + &phase("throw", "inside = \"far\"");
-    let message = refused(&with_phases("pick-and-place-a", &tables));
+    let message = refused(&with_phases("weightless-a", &tables));
     assert!(message.contains("the limb cannot reach into this region"), "{message}");
 }

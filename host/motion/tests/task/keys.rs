@@ -9,7 +9,7 @@ use super::common::{repository, with_phases};
 const PHASE: &str = "[[phase]]\nname = \"p\"\ntip = [0.7, 0, 0.9]\n";
 
 fn wrong(tables: &str) -> String {
-    let text = with_phases("pick-and-place-a", tables);
+    let text = with_phases("weightless-a", tables);
     scene::parse(&text, "task.toml").map_or_else(|error| error.render(false), |_| panic!("accepted:\n{text}"))
 }
 
@@ -32,7 +32,7 @@ fn box_is_turned() {
     let tables = format!(
         "[[obstacle]]\nname = \"bar\"\nshape = \"box\"\ncenter = [5, 0, 0]\nsize = [2, 0.1, 0.1]\nrotation = [0, 0, \"90 deg\"]\n{PHASE}"
     );
-    let scene = scene::parse(&with_phases("pick-and-place-a", &tables), "task.toml").unwrap();
+    let scene = scene::parse(&with_phases("weightless-a", &tables), "task.toml").unwrap();
     let distance = scene.obstacles()[0].shape.distance(&nalgebra::Vector3::new(5.0, 3.0, 0.0)).distance_m;
     assert!((distance - 2.0).abs() < 1e-12);
 }
@@ -85,7 +85,7 @@ fn mistakes_are_shown_at_their_line() {
 fn design_is_read_and_a_module_overrides_it() {
     let design = "[design]\ninner_radius = [\"6 mm\", \"10 mm\"]\nwall = [\"3 mm\", \"5 mm\"]\nlimit_margin = 0.1\nshared_supply_line = true\n\
                   mount_angle = \"free\"\nmodules = [2, 3]\nmotions = [\"bending\", \"extension\"]\n";
-    let text = with_phases("pick-and-place-a", &format!("{PHASE}{design}"));
+    let text = with_phases("weightless-a", &format!("{PHASE}{design}"));
     let text = text.replacen(
         "motion = \"bending\"",
         "motion = \"bending\"\nbounds = { wall = [\"2 mm\", \"2 mm\"], length = [0.1, 0.2] }",
@@ -102,5 +102,5 @@ fn design_is_read_and_a_module_overrides_it() {
     let choice = design.choice.as_ref().unwrap();
     assert_eq!((choice.modules_min, choice.modules_max), (2, 3));
     assert_eq!(choice.motions, [Motion::Bending, Motion::Extension]);
-    assert!(repository("pick-and-place-a").design().is_none());
+    assert!(repository("weightless-a").design().is_none());
 }

@@ -17,7 +17,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// so the family can be gone through; none of it is nearer to where the limb was.
 #[test]
 fn of_a_family_of_solutions_the_nearest_is_taken() {
-    let limb = Limb::new(&repository("pick-and-place-a")).unwrap();
+    let limb = Limb::new(&repository("weightless-a")).unwrap();
     let modules = limb.modules();
     let (outer, length, connector, tool) = (0.014, 0.24, 0.015, 0.05);
     for (target, home_shares) in [
@@ -51,7 +51,7 @@ fn of_a_family_of_solutions_the_nearest_is_taken() {
 /// Every solution that is listed is one, and the list begins with the nearest but for the first descent's.
 #[test]
 fn solutions_meet_the_task() {
-    let limb = Limb::new(&repository("pick-and-place-c")).unwrap();
+    let limb = Limb::new(&repository("weightless-c")).unwrap();
     let task = TipTask { goal: TipGoal::Point([0.72, 0.0, 0.98]), aim: None, obstacles: &[], clearance_m: 0.0 };
     let found = solutions(&limb, &task, &[0.0; 3]);
     for reach in &found {

@@ -68,7 +68,7 @@ fn bar(x: f64, z: f64) -> String {
 
 fn going_to(obstacles: &str, tip_m: [f64; 3]) -> String {
     with_phases(
-        "pick-and-place-a",
+        "weightless-a",
         &format!("{obstacles}[[phase]]\nname = \"into\"\nduration = \"4 s\"\ntip = {tip_m:?}\n"),
     )
 }
@@ -131,7 +131,7 @@ fn a_clear_goal_without_a_way_is_refused_with_how_near_a_way_leads() {
 fn targets_that_end_in_an_obstacle_are_refused_at_their_line() {
     let tables = "[[obstacle]]\nname = \"floor\"\nshape = \"box\"\ncenter = [0.5, 0, 0.7]\nsize = [2, 2, 0.02]\n\
                   [[phase]]\nname = \"down\"\ntargets = { elbow = { bend_angle = \"80 deg\" } }\n";
-    let message = refused(&with_phases("pick-and-place-a", tables));
+    let message = refused(&with_phases("weightless-a", tables));
     assert!(message.contains("at this goal the limb is too near `floor`"), "{message}");
     assert!(message.contains("bend_angle = \"80 deg\"") && message.contains("% far"), "{message}");
 }

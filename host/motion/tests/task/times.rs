@@ -12,7 +12,7 @@ fn move_s(text: &str) -> f64 {
 /// The peak rate of a minimum-jerk move is 15/8 of the mean one.
 #[test]
 fn a_rate_limit_gives_its_closed_form() {
-    let text = with_phases("pick-and-place-a", ELBOW).replace("[limits]", "[limits]\nangle_rate_max = \"20 deg/s\"");
+    let text = with_phases("weightless-a", ELBOW).replace("[limits]", "[limits]\nangle_rate_max = \"20 deg/s\"");
     assert!((move_s(&text) - 1.875 * 60.0 / 20.0).abs() <= 0.010_001);
 }
 
@@ -23,7 +23,7 @@ fn a_valve_limit_scales_with_the_conductance() {
         let plant = format!(
             "[plant.supply]\nkind = \"regulated\"\npressure = \"200 kPa\"\n[plant.valve]\nconductance = \"{conductance} dm3/(s bar)\"\n"
         );
-        with_phases("pick-and-place-a", ELBOW) + "\n" + &plant
+        with_phases("weightless-a", ELBOW) + "\n" + &plant
     };
     let line = {
         let (d, l): (f64, f64) = (2.5e-3, 1.0);
@@ -39,21 +39,21 @@ fn a_valve_limit_scales_with_the_conductance() {
 /// A duration far below what the valves can do is said to be, with one that is enough and is not warned of.
 #[test]
 fn given_time_that_valves_cannot_follow_is_warned_of() {
-    let text = |seconds: &str| with_phases("pick-and-place-a", &format!("{ELBOW}duration = \"{seconds} s\"\n"));
+    let text = |seconds: &str| with_phases("weightless-a", &format!("{ELBOW}duration = \"{seconds} s\"\n"));
     let (_, _, plan) = planned(&text("0.05")).unwrap();
     let [warning] = &plan.warnings[..] else { panic!("{:?}", plan.warnings) };
     assert!(warning.starts_with("phase `bend` is faster than the valves of `elbow` can follow"), "{warning}");
     let enough = warning.split(": ").nth(1).unwrap().split(' ').next().unwrap();
     assert!(planned(&text(enough)).unwrap().2.warnings.is_empty());
-    assert!((move_s(&with_phases("pick-and-place-a", ELBOW)) - enough.parse::<f64>().unwrap()).abs() < 0.011);
+    assert!((move_s(&with_phases("weightless-a", ELBOW)) - enough.parse::<f64>().unwrap()).abs() < 0.011);
 }
 
 /// A small reservoir with a weak pump cannot fill all modules: no duration helps once the pump stalls below the chambers.
 #[test]
 fn supply_that_never_suffices_is_refused() {
     let goal = "[[phase]]\nname = \"all\"\ntargets = { shoulder = { pressure = \"95 kPa\" } }\n";
-    let text = with_phases("pick-and-place-a", goal)
-        + "\n[plant.supply]\npressure = \"101 kPa\"\nstall_pressure = \"102 kPa\"\n";
+    let text =
+        with_phases("weightless-a", goal) + "\n[plant.supply]\npressure = \"101 kPa\"\nstall_pressure = \"102 kPa\"\n";
     assert!(refused(&text).contains("the supply does not suffice"), "{}", refused(&text));
 }
 
@@ -70,7 +70,7 @@ fn marker_series_is_followed_on_its_clock() {
         })
         .collect();
     std::fs::write(folder.path().join("arc.csv"), format!("time_s,x_m,y_m,z_m\n{}\n", rows.join("\n"))).unwrap();
-    let text = with_phases("pick-and-place-a", "[markers]\nfile = \"arc.csv\"\n");
+    let text = with_phases("weightless-a", "[markers]\nfile = \"arc.csv\"\n");
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();
     let scene = softlimb_scene::load(&path).unwrap();

@@ -33,7 +33,7 @@ fn a_table_that_switches_all_off_changes_no_sample() {
 #[test]
 fn a_limb_that_cannot_carry_itself_is_said_to_fall_and_has_no_tip_from_there_on() {
     // Straight out, without spacers and air: the reference limb buckles.
-    let log = log(&repository("pick-and-place-a", "\n[weight]\ncompensated = false\n"));
+    let log = log(&repository("weightless-a", "\n[weight]\ncompensated = false\n"));
     let [fault] = &log.faults[..] else { panic!("{:?}", log.faults) };
     assert_eq!((fault.code, fault.channel), (240, 0xFF));
     assert!(fault.text.contains("shoulder") && fault.text.contains("buckles") && fault.time_s < 0.1, "{fault:?}");
