@@ -169,15 +169,11 @@ impl<T: Real> Actuator<T> {
     /// [`Actuator::new`]; this and the following are called by [`Precision`] alone.
     pub(crate) fn prepare(parameters: &ActuatorParameters<T>) -> Result<Self, InvalidParameter<T>> {
         parameters.check()?;
-        Ok(Self::prepare_checked(parameters))
-    }
-
-    fn prepare_checked(parameters: &ActuatorParameters<T>) -> Self {
         let body = match parameters.motion {
             Motion::Bending => Body::Bending(Bender::new(parameters)),
             Motion::Extension | Motion::Expansion | Motion::Twisting => Body::Straight(Tube::new(parameters)),
         };
-        Self { parameters: *parameters, body }
+        Ok(Self { parameters: *parameters, body })
     }
 
     pub(crate) fn solve_forward_once(
@@ -190,7 +186,7 @@ impl<T: Real> Actuator<T> {
         require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
         let is_plain = parameters.motion != Motion::Bending && load.is_none();
         let found = if is_plain { Tube::forward_once(parameters, pressure_pa) } else { None };
-        found.map_or_else(|| Self::prepare_checked(parameters).solve_forward(None, pressure_pa, load), Ok)
+        found.map_or_else(|| Self::prepare(parameters)?.solve_forward(None, pressure_pa, load), Ok)
     }
 
     pub(crate) fn solve_rest(&self) -> State<T> {

@@ -55,9 +55,12 @@ pub(crate) struct Equilibrium<T> {
 impl<T: Real> ClosedForm<T> {
     /// `None` for a wall without closed forms.
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Option<Self> {
-        let mut new = Self::near_rest(parameters)?;
-        new.certify();
-        Some(new)
+        // Where it is returned: it is large, and a copy costs a device as much as half of it.
+        let mut new = Self::near_rest(parameters);
+        if let Some(closed_form) = &mut new {
+            closed_form.certify();
+        }
+        new
     }
 
     /// The same for low pressures: only the first step from rest is certified.
