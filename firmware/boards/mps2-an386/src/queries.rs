@@ -77,9 +77,6 @@ fn solvers(
     let (name, none, target, pressure_pa) = (case.name, Load::none(), case.target(cold), case.pressure_pa);
     let search = actuator.by_search();
     let answers = [
-        bench.put("new and forward, once", name, || {
-            Actuator::forward_once(black_box(&case.parameters), black_box(pressure_pa), &none)
-        }),
         bench.put("forward, warm", name, || {
             black_box(actuator).forward_from(black_box(near), black_box(pressure_pa), &none)
         }),
