@@ -47,6 +47,19 @@ impl<T: Precision> Actuator<T> {
         T::forward(self, None, pressure_pa, load)
     }
 
+    /// [`new`](Self::new) and [`forward`](Self::forward) for a single query, with the same result. Of an unloaded straight actuator it
+    /// prepares only the parts of the solver that the query needs.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new) and [`forward`](Self::forward).
+    pub fn forward_once(
+        parameters: &ActuatorParameters<T>,
+        pressure_pa: T,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        T::forward_once(parameters, pressure_pa, load)
+    }
+
     /// [`forward`](Self::forward), started from an earlier state of this actuator under the same load; from rest where that fails.
     ///
     /// # Errors
@@ -161,6 +174,19 @@ impl<T: Real> Actuator<T> {
             Motion::Extension | Motion::Expansion | Motion::Twisting => Body::Straight(Tube::new(parameters)),
         };
         Ok(Self { parameters: *parameters, body })
+    }
+
+    pub(crate) fn solve_forward_once(
+        parameters: &ActuatorParameters<T>,
+        pressure_pa: T,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        parameters.check()?;
+        load.check()?;
+        require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
+        let is_plain = parameters.motion != Motion::Bending && load.is_none();
+        let found = if is_plain { Tube::forward_once(parameters, pressure_pa) } else { None };
+        found.map_or_else(|| Self::prepare(parameters)?.solve_forward(None, pressure_pa, load), Ok)
     }
 
     pub(crate) fn solve_rest(&self) -> State<T> {

@@ -55,6 +55,15 @@ macro_rules! entry_points {
         }
 
         #[doc(hidden)]
+        fn forward_once(
+            parameters: &ActuatorParameters<Self>,
+            pressure_pa: Self,
+            load: &Load<Self>,
+        ) -> Result<Solution<Self>, InvalidParameter<Self>> {
+            Actuator::solve_forward_once(parameters, pressure_pa, load)
+        }
+
+        #[doc(hidden)]
         fn forward_near(
             actuator: &Actuator<Self>,
             start: &State<Self>,

@@ -18,6 +18,11 @@ impl<T: Real> Load<T> {
         Self { force_n: T::zero(), torque_nm: T::zero() }
     }
 
+    /// Whether there is no external load.
+    pub(crate) fn is_none(&self) -> bool {
+        self.force_n == T::zero() && self.torque_nm == T::zero()
+    }
+
     pub(crate) fn check(&self) -> Result<(), InvalidParameter<T>> {
         require(self.force_n.is_finite(), "external_force_n", self.force_n, "finite")?;
         require(self.torque_nm.is_finite(), "external_torque_nm", self.torque_nm, "finite")

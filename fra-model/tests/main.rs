@@ -13,6 +13,7 @@ mod properties;
 mod published_and_independent;
 mod sensitivity;
 mod series;
+mod single_query;
 mod stress_integrals;
 mod sweep;
 mod table;

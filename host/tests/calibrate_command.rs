@@ -12,6 +12,7 @@ use crate::tube::{Tube, grid};
 /// Two modules of one material.
 const SCENE: &str = r#"format = 1
 name = "two"
+weight.simulated = false
 
 [materials.silicone]          # cast in spring
 law = "neo-hookean"

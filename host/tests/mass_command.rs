@@ -8,9 +8,9 @@ use serde_json::Value;
 /// A hanging limb with a payload.
 const HANGING: &str = include_str!("../rig/tests/weight/hanging.toml");
 
-/// [`HANGING`] with nothing to pick up, as a limb without weight may be.
+/// [`HANGING`] without weight and with nothing to pick up.
 fn empty() -> String {
-    HANGING.replace("payload = \"50 g\", ", "")
+    HANGING.replace("payload = \"50 g\", ", "") + "[weight]\nsimulated = false\n"
 }
 
 fn payload(folder: &Path, words: &[&str]) -> Output {

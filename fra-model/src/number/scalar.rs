@@ -43,6 +43,11 @@ pub(crate) trait Scalar:
     fn sin(self) -> Self;
     fn cos(self) -> Self;
 
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
+
     fn max(self, other: Self) -> Self {
         if self < other { other } else { self }
     }
@@ -119,6 +124,11 @@ impl<T: Real> Scalar for T {
     #[inline]
     fn cos(self) -> Self {
         sin_cos(self).1
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        sin_cos(self)
     }
 }
 

@@ -299,11 +299,11 @@ impl<T: Scalar> Winding<T> {
             Placement::Smeared => WallRule::new(T::one(), x_outer),
         };
         // At exactly a quarter turn the fibers are axial: the rounding of pi/2 shall not make them twist.
-        let cos = fiber.angle_rad.cos();
+        let (sin, cos) = fiber.angle_rad.sin_cos();
         let cos = if cos.abs() <= T::epsilon() { cos.without_value() } else { cos };
         Self {
             cos,
-            sin: fiber.angle_rad.sin(),
+            sin,
             modulus_ratio: fiber.modulus_pa / mu1,
             families: fiber.families,
             is_sheet: fiber.placement == Placement::Sheet,

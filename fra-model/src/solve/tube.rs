@@ -41,13 +41,25 @@ impl<T: Real> Tube<T> {
 
     /// The equilibrium at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
-        let unloaded = load.force_n == T::zero() && load.torque_nm == T::zero();
-        if let (None, true, Some(closed_form)) = (start, unloaded, self.closed_form())
+        if let (None, true, Some(closed_form)) = (start, load.is_none(), self.closed_form())
             && let Some(found) = closed_form.pressed(pressure_pa * self.size.per_shear_modulus)
         {
             return self.solved(&found, pressure_pa);
         }
         self.forward_in_general(start, pressure_pa, load)
+    }
+
+    /// The equilibrium at a gauge pressure without load, if the closed-form solver certifies it: [`forward`](Self::forward) of a new tube
+    /// without the preparation of other queries.
+    pub(crate) fn forward_once(parameters: &ActuatorParameters<T>, pressure_pa: T) -> Option<Solution<T>> {
+        let mut closed_form = ClosedForm::near_rest(parameters)?;
+        let size = Size::of_tube(parameters, closed_form.x_outer());
+        let pressure = pressure_pa * size.per_shear_modulus;
+        let found = closed_form.pressed_near_rest(pressure).or_else(|| {
+            closed_form.certify();
+            closed_form.pressed(pressure)
+        })?;
+        Some(solution(&size, &found, pressure_pa))
     }
 
     /// The same from another start, under a load, or without a certificate of the closed-form solver.
@@ -202,9 +214,7 @@ impl<T: Real> Tube<T> {
     /// The solution of the closed-form solver at a pressure.
     #[inline(always)]
     pub(crate) fn solved(&self, found: &Equilibrium<T>, pressure_pa: T) -> Solution<T> {
-        let Equilibrium { e, w, g, volume_rate, residual, evaluations, .. } = *found;
-        let state = self.stretched(e, w, g, volume_rate, pressure_pa);
-        Solution { status: Status::Solved, state, limit_pressure_pa: None, residual, iterations: evaluations }
+        solution(&self.size, found, pressure_pa)
     }
 
     /// The state at `(e, w, g)` with `dw/d(P/mu1)`.
@@ -229,6 +239,14 @@ impl<T: Real> Tube<T> {
     fn twist_rate_per_rad(&self) -> T {
         self.inner_radius_m / self.length_m
     }
+}
+
+/// The solution of the closed-form solver at a pressure, for a tube of a size.
+#[inline(always)]
+fn solution<T: Real>(size: &Size<T>, found: &Equilibrium<T>, pressure_pa: T) -> Solution<T> {
+    let Equilibrium { e, w, g, volume_rate, residual, evaluations, .. } = *found;
+    let state = size.state(e, w, g, volume_rate, pressure_pa);
+    Solution { status: Status::Solved, state, limit_pressure_pa: None, residual, iterations: evaluations }
 }
 
 /// The residual of a target: a straight tube's size and its twist rate, `R_i/L`, for a twist of 1 rad.

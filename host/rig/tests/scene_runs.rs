@@ -11,6 +11,7 @@ use softlimb_sim::SimulatedMcu;
 const ONE_FINGER: &str = r#"
 format = 1
 name = "minimal"
+weight.simulated = false
 materials.silicone = { law = "neo-hookean", shear_modulus = "0.2 MPa" }
 limb.connector = { length = 0, mass = 0 }
 module = [{ name = "a", motion = "bending", actuators = 1, inner_radius = 0.010, outer_radius = 0.014, length = 0.2, material = "silicone" }]

@@ -17,6 +17,7 @@ const HAND: &str = r#"
 format = 1
 name = "hand"
 seed = 3
+weight.simulated = false
 materials.silicone = { law = "neo-hookean", shear_modulus = "0.223 MPa" }
 windings.hoop = { angle = "3 deg", families = 2, modulus = "361 MPa", thickness = "0.178 mm" }
 limb.connector = { length = 0, mass = 0 }

@@ -17,9 +17,12 @@ use softlimb_scene::Scene;
 /// One module that hangs down and carries 50 g for a while, that is put down again.
 const HANGING: &str = include_str!("weight/hanging.toml");
 
-/// [`HANGING`] with nothing to pick up, as a limb without weight may be.
+/// Makes a limb weightless.
+const WEIGHTLESS: &str = "[weight]\nsimulated = false\n";
+
+/// [`HANGING`] without weight and with nothing to pick up.
 fn empty() -> String {
-    HANGING.replace("payload = \"50 g\", ", "")
+    HANGING.replace("payload = \"50 g\", ", "") + WEIGHTLESS
 }
 
 /// A plant whose actuators are exactly those of the scene and take their shape at once.
@@ -41,10 +44,10 @@ fn parsed(text: &str) -> Scene {
     scene::parse(text, "scene.toml").unwrap_or_else(|error| panic!("{}", error.render(false)))
 }
 
-/// A scene of the repository with more text behind it.
+/// A scene of the repository, with weight, with more text behind it.
 fn repository(name: &str, more: &str) -> Scene {
     let path = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    parsed(&(std::fs::read_to_string(path).unwrap() + more))
+    parsed(&(std::fs::read_to_string(path).unwrap().replace(WEIGHTLESS, "") + more))
 }
 
 fn log(scene: &Scene) -> RunLog {

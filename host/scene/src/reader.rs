@@ -224,6 +224,11 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Yes or no; `None` inside if it is left out.
+    pub(super) fn maybe_flag(&self, key: &Flag) -> Option<Option<bool>> {
+        self.value(key.name).map_or(Some(None), |_| self.flag(key).map(Some))
+    }
+
     /// A lower and an upper value in SI units; `None` inside if they are left out.
     pub(super) fn pair(&self, key: &Pair) -> Option<Option<Located<[f64; 2]>>> {
         let Some(value) = self.value(key.name) else { return Some(None) };

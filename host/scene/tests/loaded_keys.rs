@@ -23,7 +23,7 @@ fn refused(text: &str) -> String {
 
 #[test]
 fn an_object_is_a_mass_with_a_shape() {
-    let scene = parse(&with("object = \"bottle\"\n", "[weight]\n"), "arm.toml")
+    let scene = parse(&with("object = \"bottle\"\n", ""), "arm.toml")
         .unwrap_or_else(|e| panic!("{}", e.render(false)));
     let object = &scene.objects()[scene.phases()[1].object.unwrap()];
     assert_eq!((object.radius_m, object.height_m, object.grasp_m, object.mass_kg), (0.033, 0.16, 0.12, 0.6));
@@ -32,12 +32,12 @@ fn an_object_is_a_mass_with_a_shape() {
 
 #[test]
 fn wrong_objects_are_shown_at_their_line() {
-    let two = refused(&with("object = \"bottle\"\npayload = \"1 kg\"\n", "[weight]\n"));
+    let two = refused(&with("object = \"bottle\"\npayload = \"1 kg\"\n", ""));
     assert!(two.contains("payload") && two.contains("object"), "{two}");
-    let unknown = refused(&with("object = \"botle\"\n", "[weight]\n"));
+    let unknown = refused(&with("object = \"botle\"\n", ""));
     assert!(unknown.contains("unknown object `botle`") && unknown.contains("did you mean `bottle`"), "{unknown}");
-    let weightless = refused(&with("object = \"bottle\"\n", ""));
-    assert!(weightless.contains("a payload needs `[weight]`") && weightless.contains("object = "), "{weightless}");
+    let weightless = refused(&with("object = \"bottle\"\n", "[weight]\nsimulated = false\n"));
+    assert!(weightless.contains("a payload needs weight") && weightless.contains("object = "), "{weightless}");
     let high = refused(&with("", "").replace("grasp = \"120 mm\"", "grasp = \"170 mm\""));
     assert!(high.contains("grasped within its height") && high.contains("160 mm"), "{high}");
 }
@@ -57,4 +57,18 @@ fn a_design_may_open_base_and_spread() {
         &with("", more).replace("size = [0.2, 0.1, 0.3]", "size = [0.2, 0.1, 0.3]\nrotation = [\"5 deg\", 0, 0]"),
     );
     assert!(turned.contains("without `rotation`"), "{turned}");
+}
+
+#[test]
+fn a_scene_has_weight_unless_it_says_otherwise() {
+    let weight = |table: &str| {
+        let scene = parse(&with("", table), "arm.toml").unwrap_or_else(|error| panic!("{}", error.render(false)));
+        (scene.weightless(), scene.weight().map(|weight| (weight.simulated, weight.compensated, weight.error)))
+    };
+    assert_eq!(weight(""), (false, Some((true, true, 1e-3))));
+    assert_eq!(weight("[weight]\n"), weight(""));
+    assert_eq!(weight("[weight]\ncompensated = false\n"), (false, Some((true, false, 1e-3))));
+    assert_eq!(weight("[weight]\nsimulated = false\n"), (true, None));
+    // For a real limb, whose weight the simulated one is spared.
+    assert_eq!(weight("[weight]\nsimulated = false\ncompensated = true\n"), (true, Some((false, true, 1e-3))));
 }

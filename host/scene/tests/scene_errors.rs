@@ -407,24 +407,18 @@ fn diagnostics_point_at_a_value_of_the_scene() {
 
 #[test]
 fn payload_on_a_limb_without_weight() {
-    let payload = "duration = \"2 s\"\npayload = \"0.5 kg\"";
+    let payload = "[weight]\nsimulated = false\n\n[[phase]]\npayload = \"0.5 kg\"";
     assert_eq!(
-        picture("duration = \"2 s\"", payload),
-        r#"error: a payload needs `[weight]`
-  --> arm.toml:46:11
+        picture("[[phase]]", payload),
+        r#"error: a payload needs weight
+  --> arm.toml:42:11
    |
-46 | payload = "0.5 kg"
+42 | payload = "0.5 kg"
    |           ^^^^^^^^ the limb is weightless: this mass would be ignored
    |
-   = help: add a table `[weight]` (with `simulated = true`, its default) so that the limb carries itself and the payload, or leave out `payload`; `softlimb statics --payload KG` loads a scene without it"#
+   = help: leave out `simulated = false` of `[weight]` so that the limb carries itself and the payload, or leave out `payload`; `softlimb statics --payload KG` loads a scene without it"#
     );
-    let weighing = |table: &str| parse(&(changed("duration = \"2 s\"", payload) + table), "arm.toml");
-    assert!(!weighing("[weight]").unwrap().weightless());
-    weighing("[weight]\nsimulated = false").unwrap_err();
     // A mass of nothing is none.
-    assert!(
-        parse(&changed("duration = \"2 s\"", "duration = \"2 s\"\npayload = \"0 kg\""), "arm.toml")
-            .unwrap()
-            .weightless()
-    );
+    let scene = parse(&changed("[[phase]]", &payload.replace("0.5", "0")), "arm.toml").unwrap();
+    assert!(scene.weightless());
 }

@@ -216,10 +216,16 @@ fn solved<T: Precision>(
         return solve(actuator, case);
     }
     (last.bits, last.actuator) = (bits, None);
-    // Asked where it was built.
-    match &Actuator::new(&rounded(&case.parameters)) {
-        Ok(actuator) => solve(actuator, case),
-        Err(error) => Err(*error),
+    let parameters = rounded(&case.parameters);
+    match case.question {
+        Question::Forward { pressure_pa } => {
+            Actuator::forward_once(&parameters, nalgebra::convert(pressure_pa), &convert::load(&case.load))
+        }
+        // Asked where it was built.
+        Question::Inverse { .. } => match &Actuator::new(&parameters) {
+            Ok(actuator) => solve(actuator, case),
+            Err(error) => Err(*error),
+        },
     }
 }
 

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The smallest scene that moves: one bending actuator, one move of 1 s and a short rest.
+/// The smallest scene that moves: one weightless bending actuator, one move of 1 s and a short rest.
 pub(crate) const SCENE: &str = r#"format = 1
 name = "small"
 seed = 1
@@ -27,6 +27,9 @@ inner_radius = "10 mm"
 outer_radius = "14 mm"
 length = "240 mm"
 material = "silicone"
+
+[weight]
+simulated = false
 
 [[phase]]
 name = "bend"

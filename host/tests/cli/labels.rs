@@ -13,7 +13,7 @@ fn weightless() -> String {
 /// The same finger, hanging, under its own weight.
 fn weighing() -> String {
     weightless().replace("[limb]", "[limb]\nbase_direction = [0, 0, -1]\nbase_up = [1, 0, 0]")
-        + "\n[weight]\ncompensated = false\n"
+        .replace("simulated = false", "compensated = false")
 }
 
 /// The finger wound at an angle from the hoop.

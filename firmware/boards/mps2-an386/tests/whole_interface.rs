@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-/// What only a processor with vector registers has a use for.
-const HOST_ONLY: [&str; 3] = ["forward_many", "forward_prepared", "atanh_series"];
+/// What only a host has a use for: vector registers, and queries about actuators that come but once.
+const HOST_ONLY: [&str; 4] = ["forward_many", "forward_prepared", "atanh_series", "forward_once"];
 
 /// The text of all Rust files below a folder.
 fn source(folder: &Path) -> String {

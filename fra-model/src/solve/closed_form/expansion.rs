@@ -35,13 +35,16 @@ const REACH: f64 = 0.45;
 /// Certified steps after the first.
 const STEPS: u32 = 2;
 
+/// Least share that a certified step has of the first one, both over the change of the variable.
+pub(super) const LEAST: f64 = 0.0625;
+
 /// Orders that a scalar has a use for.
 fn orders<T: Real>() -> usize {
     if epsilon::<T>() > real::<T>(1e-9) { SINGLE_ORDERS } else { ORDERS }
 }
 
 impl<T: Real> Expansion<T> {
-    /// At rest, linearised.
+    /// At rest, linearised, with the first step certified.
     pub(super) fn new<const TWIST: bool>(c: &Constants<T>, norm: &Norm<T>, at_rest: &Linearised<T, TWIST>) -> Self {
         let (zero, one) = (T::zero(), T::one());
         let rate = at_rest.rate(c);
@@ -71,31 +74,37 @@ impl<T: Real> Expansion<T> {
         }
         let tail = if orders::<T>() > SINGLE_ORDERS { tail::<T, TWIST>(norm, &terms) } else { [zero; 2] };
         let (reach, short) = (real::<T>(CONTRACTION) / contraction, norm.size::<TWIST>(&first));
-        let mut new = Self { unit, contraction, reach, short, terms, tail };
-        if is_curved {
-            new.certify(&Path::<T, TWIST> { constants: c, force: zero, torque: zero, norm: *norm, floor: zero });
-        }
-        new
+        Self { unit, contraction, reach, short, terms, tail }
     }
 
-    /// Certifies steps towards pressure after the first, as long as the series stays with them.
+    /// `reach` and `short` with steps towards pressure after the first, as long as the series stays with them.
     ///
     /// Each begins before the one before it ends, so that none is short, and may be as long as the contraction factor at its beginning
     /// says.
     #[inline(always)]
-    fn certify<const TWIST: bool>(&mut self, path: &Path<'_, T, TWIST>) {
-        let (mut from, mut step) = (T::zero(), self.reach);
+    pub(super) fn certified<const TWIST: bool>(&self, path: &Path<'_, T, TWIST>) -> (T, T) {
+        let (mut reach, mut short) = (self.reach, self.short);
+        let is_curved = self.contraction > epsilon::<T>();
+        if !is_curved {
+            return (reach, short);
+        }
+        let (mut from, mut step) = (T::zero(), reach);
         for _ in 0..STEPS {
             let next = from + step * real(SHARE);
-            let Some((longest, size)) = self.step::<TWIST>(path, next, self.short * (next - from)) else { return };
+            let Some((longest, size)) = self.step::<TWIST>(path, next, short * (next - from)) else { break };
             // What is beyond the end of the step before it takes this one.
-            self.short = self.short.min(size * (T::one() - next / self.reach));
-            self.reach = (next + longest).min(real(REACH));
+            let beyond = short.min(size * (T::one() - next / reach));
+            if beyond < self.short * real(LEAST) {
+                break;
+            }
+            short = beyond;
+            reach = (next + longest).min(real(REACH));
             (from, step) = (next, longest);
-            if self.reach >= real(REACH) {
-                return;
+            if reach >= real(REACH) {
+                break;
             }
         }
+        (reach, short)
     }
 
     /// How far a step from a value of the variable may go, and its size over its length; `None` where the sum of the series is not near

@@ -1,6 +1,6 @@
 //! From rest to a pressure, without load: the series, and a correction of third order.
 
-use super::expansion::Expansion;
+use super::expansion::{Expansion, LEAST};
 use super::kernel::{Linearised, Unknowns};
 use super::path::{CONTRACTION, CORRECTION, End, Path};
 use super::{ClosedForm, Equilibrium, equilibrium};
@@ -26,6 +26,8 @@ const TINY_SINGLE: f64 = 2e-7;
 struct Close<T> {
     at: Unknowns<T>,
     last: T,
+    /// Lower bound of the size, where `last` is an upper one.
+    least: T,
     evaluations: u32,
 }
 
@@ -33,19 +35,36 @@ impl<T: Real> ClosedForm<T> {
     /// The equilibrium at a pressure, if the steps from rest to it are certified.
     #[inline(always)]
     pub(crate) fn pressed(&self, pressure: T) -> Option<Equilibrium<T>> {
-        let end = if self.twists_by_itself() { self.rise::<true>(pressure) } else { self.rise::<false>(pressure) };
+        self.equilibrium_at::<true>(pressure)
+    }
+
+    /// The same before [`certify`](Self::certify), if the steps after the first make no difference.
+    #[inline(always)]
+    pub(crate) fn pressed_near_rest(&self, pressure: T) -> Option<Equilibrium<T>> {
+        self.equilibrium_at::<false>(pressure)
+    }
+
+    #[inline(always)]
+    fn equilibrium_at<const CERTIFIED: bool>(&self, pressure: T) -> Option<Equilibrium<T>> {
+        let end = if self.twists_by_itself() {
+            self.rise::<true, CERTIFIED>(pressure)
+        } else {
+            self.rise::<false, CERTIFIED>(pressure)
+        };
         Some(equilibrium(end?))
     }
 
     #[inline(always)]
-    fn rise<const TWIST: bool>(&self, pressure: T) -> Option<End<T>> {
+    fn rise<const TWIST: bool, const CERTIFIED: bool>(&self, pressure: T) -> Option<End<T>> {
         let Expansion { unit, contraction, reach, short, .. } = self.expansion;
         let z = pressure * unit;
         (z <= reach && -z * contraction <= real(CONTRACTION)).then_some(())?;
         let path = self.path::<TWIST>(T::zero(), T::zero());
         let is_far = z.abs() * contraction > real(FAR);
         let at = if is_far { self.expansion.extrapolated::<TWIST>(z) } else { self.expansion.at::<TWIST>(z) };
-        let close = Close { at, last: short * z.abs(), evaluations: 0 };
+        let last = short * z.abs();
+        let least = if CERTIFIED { last } else { last * real(LEAST) };
+        let close = Close { at, last, least, evaluations: 0 };
         match path.correct(&close, pressure) {
             Corrected::Settled(end) => Some(end),
             Corrected::Close(close) => path.settle(close, pressure),
@@ -58,7 +77,7 @@ impl<T: Real> ClosedForm<T> {
 enum Corrected<T> {
     Settled(End<T>),
     Close(Close<T>),
-    /// The correction is too large for the step before it.
+    /// The correction is too large for the step before it, or may be.
     Lost,
 }
 
@@ -79,13 +98,18 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
         let rest = self.rest(&lin, pressure);
         let first = lin.solve(c, rest);
         let (last, evaluations) = (self.size(&first), from.evaluations + 1);
-        let is_short = last <= from.last * real(CORRECTION);
+        let is_short = last <= from.least * real(CORRECTION);
         if !is_short {
             return Corrected::Lost;
         }
         let rounding = (pressure.abs() + self.force.abs()) * epsilon();
         let at = from.at.plus(first);
-        if last <= from.last.min(self.norm.strain::<TWIST>(&at)) * tiny::<T>() {
+        let strain = self.norm.strain::<TWIST>(&at);
+        let [is_tiny, may_be_tiny] = [from.least, from.last].map(|before| last <= before.min(strain) * tiny::<T>());
+        if is_tiny != may_be_tiny {
+            return Corrected::Lost;
+        }
+        if is_tiny {
             // The step before it was certified: the contraction factor of this one is as much less as it is shorter.
             let residual = (rest.e.abs() + rest.w.abs() + rest.g.abs()) * tiny::<T>() + rounding;
             return Corrected::Settled(End { at, volume_rate: lin.rate(c).w, pressure, residual, evaluations });
@@ -95,7 +119,7 @@ impl<T: Real, const TWIST: bool> Path<'_, T, TWIST> {
         let step = first.plus(second);
         let at = from.at.plus(step);
         if !self.is_last(&first, &second, self.size(&at)) {
-            return Corrected::Close(Close { at, last, evaluations });
+            return Corrected::Close(Close { at, last, least: last, evaluations });
         }
         // What the second term leaves over is at least as much smaller than what the first one does.
         let leave = left.e.abs() + left.w.abs();

@@ -55,6 +55,17 @@ pub(crate) struct Equilibrium<T> {
 impl<T: Real> ClosedForm<T> {
     /// `None` for a wall without closed forms.
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Option<Self> {
+        // Where it is returned: it is large, and a copy costs a device as much as half of it.
+        let mut new = Self::near_rest(parameters);
+        if let Some(closed_form) = &mut new {
+            closed_form.certify();
+        }
+        new
+    }
+
+    /// The same for low pressures: only the first step from rest is certified.
+    #[inline(always)]
+    pub(crate) fn near_rest(parameters: &ActuatorParameters<T>) -> Option<Self> {
         let WarmStart { constants, families, norm, stiffness } = WarmStart::new(parameters)?;
         let zero = T::zero();
         let rest = Unknowns { e: zero, w: zero, g: zero, tension: zero };
@@ -64,6 +75,21 @@ impl<T: Real> ClosedForm<T> {
             Expansion::new(&constants, &norm, &Linearised::<T, false>::new(&constants, rest))
         };
         Some(Self { constants, families, norm, stiffness, expansion })
+    }
+
+    /// Certifies the steps after the first from rest.
+    pub(crate) fn certify(&mut self) {
+        let zero = T::zero();
+        (self.expansion.reach, self.expansion.short) = if self.twists_by_itself() {
+            self.expansion.certified(&self.path::<true>(zero, zero))
+        } else {
+            self.expansion.certified(&self.path::<false>(zero, zero))
+        };
+    }
+
+    /// `(R_o/R_i)^2`.
+    pub(crate) fn x_outer(&self) -> T {
+        self.constants.x_outer
     }
 
     fn twists_by_itself(&self) -> bool {

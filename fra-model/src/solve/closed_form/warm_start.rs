@@ -49,9 +49,8 @@ impl<T: Real> WarmStart<T> {
                 return None;
             }
             let radius = fiber.radius_m / parameters.inner_radius_m;
-            let sin = Scalar::sin(fiber.angle_rad);
+            let (sin, cos) = Scalar::sin_cos(fiber.angle_rad);
             // At exactly a quarter turn the fibers are axial: the rounding of pi/2 shall not make them twist.
-            let cos = Scalar::cos(fiber.angle_rad);
             constants.cos = if cos.abs() <= epsilon::<T>() { zero } else { cos };
             constants.sin2 = sin * sin;
             constants.neutral = neutral(fiber.angle_rad);

@@ -33,7 +33,7 @@ pub struct LoadedDesign {
 pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
     if let Some(choice) = scene.design().and_then(|design| design.choice.as_ref()) {
         let title = "kinds of modules are not chosen under weight";
-        let help = Some("remove `modules` and `motions`, or search without `[weight]` first");
+        let help = Some("remove `modules` and `motions`, or search with `simulated = false` in `[weight]` first");
         return Err(scene.diagnostic(choice.span, title, "motions and their order are left open here", help).into());
     }
     let modules = scene.modules().iter().enumerate();

@@ -1,6 +1,6 @@
 //! What the simulated limb does under load.
 
-use crate::weight::{HANGING, NO_SPREAD, before, empty, log, longer_m, parsed, repository};
+use crate::weight::{HANGING, NO_SPREAD, WEIGHTLESS, before, empty, log, longer_m, parsed, repository};
 
 #[test]
 fn a_hanging_bundle_is_as_long_as_its_tubes_under_their_share_and_carries_what_it_has_picked() {
@@ -24,9 +24,9 @@ fn a_hanging_bundle_is_as_long_as_its_tubes_under_their_share_and_carries_what_i
 }
 
 #[test]
-fn a_table_that_switches_all_off_changes_no_sample() {
-    let free = log(&repository("single-bending", ""));
-    let off = log(&repository("single-bending", "\n[weight]\nsimulated = false\ncompensated = false\n"));
+fn weight_that_is_not_simulated_is_not_compensated() {
+    let free = log(&repository("single-bending", WEIGHTLESS));
+    let off = log(&repository("single-bending", &(WEIGHTLESS.to_owned() + "compensated = false\n")));
     assert_eq!((free.samples, free.shapes), (off.samples, off.shapes));
 }
 

@@ -11,7 +11,6 @@ mod winding;
 pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
-pub(super) use motion::weightless;
 pub use motion::{
     BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, Weight,
 };
@@ -20,9 +19,6 @@ pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
 
 use super::error::{Problem, Problems, SceneError};
 use super::source::{Located, Source, Span};
-
-/// `error` of a `[weight]` that does not say.
-const WEIGHT_ERROR: f64 = 1e-3;
 
 /// A checked scene. There is no way to have one but [`parse`](super::parse) and [`load`](super::load).
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +38,7 @@ pub struct Scene {
     pub(super) design: Option<Design>,
     pub(super) limits: Limits,
     pub(super) controller: Controller,
-    pub(super) weight: Option<Weight>,
+    pub(super) weight: Weight,
     pub(super) plant: Plant,
 }
 
@@ -117,14 +113,14 @@ impl Scene {
         &self.controller
     }
 
-    /// What weight does in a run; `None` where the limb is taken to be without any.
+    /// What weight does in a run; `None` where it is neither simulated nor compensated.
     pub fn weight(&self) -> Option<&Weight> {
-        self.weight.as_ref()
+        Some(&self.weight).filter(|weight| weight.simulated || weight.compensated)
     }
 
     /// Whether the simulated limb carries neither its own weight nor a payload; all figures of it are labelled so.
     pub fn weightless(&self) -> bool {
-        weightless(self.weight.as_ref())
+        !self.weight.simulated
     }
 
     /// The pneumatics.
@@ -139,8 +135,7 @@ impl Scene {
         for phase in &mut scene.phases {
             (phase.payload_kg, phase.gripper) = (payload_kg, None);
         }
-        let error = self.weight.map_or(WEIGHT_ERROR, |weight| weight.error);
-        scene.weight = Some(Weight { simulated: true, compensated, error });
+        (scene.weight.simulated, scene.weight.compensated) = (true, compensated);
         scene
     }
 

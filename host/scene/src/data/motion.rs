@@ -122,11 +122,6 @@ pub struct Weight {
     pub error: f64,
 }
 
-/// Whether a simulated limb with this `[weight]` carries neither itself nor a payload.
-pub(crate) fn weightless(weight: Option<&Weight>) -> bool {
-    !weight.is_some_and(|weight| weight.simulated)
-}
-
 /// What the controller does when the host falls silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {

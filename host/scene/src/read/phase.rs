@@ -8,7 +8,7 @@ use toml::de::DeValue;
 use super::limb::unit;
 use super::module::{Draft, note_duplicate};
 use super::settings::microseconds;
-use crate::data::{Aim, Goal, Gripper, Marker, Object, Phase, Region, SetpointKind, Target, Weight, weightless};
+use crate::data::{Aim, Goal, Gripper, Marker, Object, Phase, Region, SetpointKind, Target, Weight};
 use crate::error::{Problem, quoted};
 use crate::reader::{Reader, Value};
 use crate::schema;
@@ -38,7 +38,7 @@ pub(super) fn phases(
     drafts: &mut [Draft<'_>],
     (regions, objects): (Option<&[Region]>, Option<&[Object]>),
     markers: Option<&Option<Located<Vec<Marker>>>>,
-    weight: Option<&Option<Weight>>,
+    weight: Option<&Weight>,
 ) -> Option<Vec<Phase>> {
     if let (Some(first), Some(second)) =
         (root.key_span(schema::scene::PHASE.name), root.key_span(schema::scene::MARKERS.name))
@@ -68,7 +68,7 @@ pub(super) fn phases(
             module.setpoint_kind = kind;
         }
     }
-    if weight.is_some_and(|weight| weightless(weight.as_ref())) {
+    if weight.is_some_and(|weight| !weight.simulated) {
         note_payload(&readers, &phases);
     }
     phases.into_iter().collect()
@@ -84,8 +84,8 @@ fn note_payload(readers: &[Reader<'_>], phases: &[Option<Phase>]) {
     };
     let Some((reader, span)) = first.and_then(|(reader, _)| Some((reader, written(reader)?))) else { return };
     let label = "the limb is weightless: this mass would be ignored".to_owned();
-    let problem = Problem::at(span, "a payload needs `[weight]`", label);
-    let help = "add a table `[weight]` (with `simulated = true`, its default) so that the limb carries itself and the payload, or leave out \
+    let problem = Problem::at(span, "a payload needs weight", label);
+    let help = "leave out `simulated = false` of `[weight]` so that the limb carries itself and the payload, or leave out \
                 `payload`; `softlimb statics --payload KG` loads a scene without it";
     reader.log().note::<()>(problem.help(help));
 }

@@ -94,14 +94,14 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
     })
 }
 
-/// The `[weight]` of a scene; the inner `None` where it has none.
-pub(super) fn weight(root: &Reader<'_>) -> Option<Option<Weight>> {
-    use schema::weight::*;
-    let name = schema::scene::WEIGHT.name;
-    let Some(value) = root.value(name) else { return Some(None) };
-    let reader = Reader::open(root.log(), value, &SECTION, &quoted(name))?;
-    let (simulated, compensated, error) = (reader.flag(&SIMULATED), reader.flag(&COMPENSATED), reader.quantity(&ERROR));
-    Some(Some(Weight { simulated: simulated?, compensated: compensated?, error: *error? }))
+pub(super) fn weight(root: &Reader<'_>) -> Option<Weight> {
+    optional_table(root, &schema::scene::WEIGHT, &schema::weight::SECTION, |reader| {
+        use schema::weight::*;
+        let simulated = reader.flag(&SIMULATED);
+        let compensated = reader.maybe_flag(&COMPENSATED);
+        let error = reader.quantity(&ERROR);
+        Some(Weight { simulated: simulated?, compensated: compensated?.or(simulated)?, error: *error? })
+    })
 }
 
 /// Period of the controller's tick, microseconds.

@@ -7,7 +7,7 @@ section! {
     phase, "[[phase]]";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
     DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Optional("the shortest that limits, valves and supply allow, with a reserve") } = "Time of the move.";
-    PAYLOAD: Quantity { name: "payload", unit: Unit::KG, min: 0.0, max: 100.0, presence: Default(0.0) } = "Mass that the tip carries in this phase, beside the end effector; refused where the limb is weightless (see `[weight]`). Where the gripper closes at the end of the move, the mass is taken up then; where it opens, it is put down then.";
+    PAYLOAD: Quantity { name: "payload", unit: Unit::KG, min: 0.0, max: 100.0, presence: Default(0.0) } = "Mass that the tip carries in this phase, beside the end effector; refused where the limb is weightless (`simulated = false` in `[weight]`). Where the gripper closes at the end of the move, the mass is taken up then; where it opens, it is put down then.";
     OBJECT: Text { name: "object", is_name: true, presence: Optional("none") } = "A name from `[[object]]`, instead of `payload`: the tip carries its mass, and a design keeps it clear of obstacles.";
     HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
     TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if the phase has another goal") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
@@ -42,11 +42,11 @@ section! {
 }
 
 section! {
-    /// The limb's own weight and the `payload` of each phase. With this table, which may be empty, the simulated limb hangs under them, and its
-    /// setpoints make up for them. Gravity points against the scene's third axis.
+    /// The limb's own weight and the `payload` of each phase. The simulated limb hangs under them, and its setpoints make up for them, unless
+    /// `simulated = false`. Gravity points against the scene's third axis.
     weight, "[weight]";
-    SIMULATED: Flag { name: "simulated", presence: Default(true) } = "Whether the simulated limb carries its weight and the payloads, on its true actuators and spacers.";
-    COMPENSATED: Flag { name: "compensated", presence: Default(true) } = "Whether setpoints are corrected by the nominal limb's statics, so that the tip under load is where the plan has it without.";
+    SIMULATED: Flag { name: "simulated", presence: Default(true) } = "Whether the simulated limb carries its weight and the payloads, on its true actuators and spacers. With `false` it is weightless, every figure of a run says so, and a `payload` is refused.";
+    COMPENSATED: Flag { name: "compensated", presence: Optional("the value of `simulated`") } = "Whether setpoints are corrected by the nominal limb's statics, so that the tip under load is where the plan has it without.";
     ERROR: Quantity { name: "error", unit: Unit::PERCENT, min: 0.001, max: 10.0, presence: Default(0.1) } = "Error of the tip that the correction's statics may have, of the limb's length; the cheapest model that keeps it is taken.";
 }
 
