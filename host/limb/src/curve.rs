@@ -1,9 +1,13 @@
 //! The states of one actuator over its pressure range, solved once and interpolated.
 
-use fra_model::{Actuator, Load, State, Status};
+use fra_model::{Actuator, Load, Motion, State, Status};
+
+use crate::statics::{Bundle, Spring};
 
 /// Nodes of the curve; cubic interpolation between them.
 const NODES: usize = 257;
+/// Slide of the ends of a tube over the distance of its plates up to which a twisting bundle is followed.
+const LEAN_MAX: f64 = 0.3;
 
 /// States at evenly spaced pressures from zero to the highest the branch reaches below the module's limit.
 #[derive(Clone, Debug)]
@@ -28,6 +32,23 @@ impl StateCurve {
             }
         }
         Self { states, step_pa, limit_point_pa }
+    }
+
+    /// The curve of a bundle of equal twisting actuators at a distance from its axis, m, which plates hold back that are `bay_m` apart at rest.
+    ///
+    /// Stretch and twist of the states are those of the bundle; radii and volume are those of an actuator in it. The curve ends where the ends of a
+    /// tube slide by 0.3 of the distance of their plates.
+    pub fn restrained(&self, actuator: &Actuator<f64>, radius_m: f64, bay_m: f64) -> Self {
+        let held = |free: &State<f64>| held(actuator, free, radius_m, bay_m);
+        let mut states = vec![self.states[0]];
+        states.extend(self.states.iter().skip(1).map_while(held));
+        let along: Vec<f64> = states.iter().map(|state| state.volume_m3).collect();
+        let last = states.len() - 1;
+        for (node, state) in states.iter_mut().enumerate().skip(1) {
+            let (before, after) = (node - 1, (node + 1).min(last));
+            state.compliance_m3_per_pa = (along[after] - along[before]) / (self.step_pa * (after - before) as f64);
+        }
+        Self { states, step_pa: self.step_pa, limit_point_pa: self.limit_point_pa }
     }
 
     /// The highest pressure of the curve, gauge Pa.
@@ -95,6 +116,22 @@ impl StateCurve {
         let node = |offset: isize| &self.states[cell.saturating_add_signed(offset).min(last)];
         ([node(-1), node(0), node(1), node(2)], position - cell as f64, (cell == 0, cell + 2 > last))
     }
+}
+
+/// The state of a bundle whose actuators alone have the state `free`.
+fn held(actuator: &Actuator<f64>, free: &State<f64>, radius_m: f64, bay_m: f64) -> Option<State<f64>> {
+    let length_m = actuator.parameters().length_m;
+    // Equal tubes on a circle do as one of them does about the axis.
+    let tube = ([radius_m, 0.0], Spring::at(actuator, free)?);
+    let bundle = Bundle::of_springs(Motion::Twisting, vec![tube], bay_m)?;
+    let leaning = bundle.leaning(Motion::Twisting, 0).filter(|leaning| leaning.slide.abs() <= LEAN_MAX)?;
+    let tube = actuator.blocked(free.pressure_pa, leaning.stretch, leaning.twist_rad_per_m * length_m).ok()?;
+    (tube.status == Status::Solved).then_some(State {
+        axial_stretch: bundle.free.stretch,
+        axial_strain: bundle.free.stretch - 1.0,
+        twist_rad: bundle.free.twist_rad_per_m * length_m,
+        ..tube.state
+    })
 }
 
 /// Cubic Hermite between the two middle values with central slopes; one-sided ones at the ends.

@@ -180,8 +180,7 @@ type Made = (Shape, f64, f64);
 
 fn one_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
     let at = |share: f64| {
-        let tangent = Tangent::of(&module.actuator, share * pressure_max_pa)?;
-        let segment = segment(module, &tangent)?;
+        let segment = segment(module, share * pressure_max_pa)?;
         Some([segment.length_m, segment.bend_angle_rad, segment.twist_rad])
     };
     let Fit { powers, error } = fit(at, TOLERANCE)?;
@@ -189,13 +188,14 @@ fn one_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
     Some((Shape::One(powers), error, 1.5 * (end[1].abs() + end[2].abs()) + 0.1))
 }
 
-/// The centre line of the module with all actuators in one state.
-fn segment(module: &LimbModule, tangent: &Tangent) -> Option<Segment<f64>> {
-    let around = module.reach_m() * tangent.twist_rad_per_m;
-    let around = if module.motion == Motion::Twisting { around } else { 0.0 };
-    let square = tangent.stretch * tangent.stretch - around * around;
-    (square > 0.0).then(|| Segment {
-        length_m: module.length_m() * square.sqrt(),
+/// The centre line of the module with all actuators at one pressure.
+fn segment(module: &LimbModule, pressure_pa: f64) -> Option<Segment<f64>> {
+    if module.is_restrained() {
+        return Some(module.link(&module.curve.at(pressure_pa)).segment);
+    }
+    let tangent = Tangent::of(&module.actuator, pressure_pa)?;
+    Some(Segment {
+        length_m: module.length_m() * tangent.stretch,
         bend_angle_rad: module.length_m() * tangent.bend_rad_per_m,
         twist_rad: module.length_m() * tangent.twist_rad_per_m,
     })
