@@ -1,5 +1,7 @@
 //! The states of one actuator over its pressure range, solved once and interpolated.
 
+use std::f64::consts::PI;
+
 use fra_model::{Actuator, Load, Motion, State, Status};
 
 use crate::statics::{Bundle, Spring};
@@ -34,12 +36,12 @@ impl StateCurve {
         Self { states, step_pa, limit_point_pa }
     }
 
-    /// The curve of a bundle of equal twisting actuators at a distance from its axis, m, which plates hold back that are `bay_m` apart at rest.
+    /// The curve of a bundle of equal twisting actuators on a circle, which plates hold back that are `bay_m` apart at rest.
     ///
     /// Stretch and twist of the states are those of the bundle; radii and volume are those of an actuator in it. The curve ends where the ends of a
-    /// tube slide by 0.3 of the distance of their plates.
-    pub fn restrained(&self, actuator: &Actuator<f64>, radius_m: f64, bay_m: f64) -> Self {
-        let held = |free: &State<f64>| held(actuator, free, radius_m, bay_m);
+    /// tube slide by 0.3 of the distance of their plates, or where the tubes touch halfway between them.
+    pub fn restrained(&self, actuator: &Actuator<f64>, positions_m: &[[f64; 2]], bay_m: f64) -> Self {
+        let held = |free: &State<f64>| held(actuator, free, positions_m, bay_m);
         let mut states = vec![self.states[0]];
         states.extend(self.states.iter().skip(1).map_while(held));
         let along: Vec<f64> = states.iter().map(|state| state.volume_m3).collect();
@@ -119,14 +121,20 @@ impl StateCurve {
 }
 
 /// The state of a bundle whose actuators alone have the state `free`.
-fn held(actuator: &Actuator<f64>, free: &State<f64>, radius_m: f64, bay_m: f64) -> Option<State<f64>> {
+fn held(actuator: &Actuator<f64>, free: &State<f64>, positions_m: &[[f64; 2]], bay_m: f64) -> Option<State<f64>> {
     let length_m = actuator.parameters().length_m;
     // Equal tubes on a circle do as one of them does about the axis.
+    let [x, y] = *positions_m.first()?;
+    let radius_m = x.hypot(y);
     let tube = ([radius_m, 0.0], Spring::at(actuator, free)?);
     let bundle = Bundle::of_springs(Motion::Twisting, vec![tube], bay_m)?;
     let leaning = bundle.leaning(Motion::Twisting, 0).filter(|leaning| leaning.slide.abs() <= LEAN_MAX)?;
     let tube = actuator.blocked(free.pressure_pa, leaning.stretch, leaning.twist_rad_per_m * length_m).ok()?;
-    (tube.status == Status::Solved).then_some(State {
+    // Halfway a tube is in the middle of the chord between its ends.
+    let turn_rad = bundle.free.twist_rad_per_m * bay_m;
+    let half_m = radius_m * (0.5 * turn_rad).cos() * (PI / positions_m.len() as f64).sin();
+    let clear = turn_rad.abs() < PI && half_m >= tube.state.outer_radius_m;
+    (tube.status == Status::Solved && clear).then_some(State {
         axial_stretch: bundle.free.stretch,
         axial_strain: bundle.free.stretch - 1.0,
         twist_rad: bundle.free.twist_rad_per_m * length_m,

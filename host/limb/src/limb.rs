@@ -297,7 +297,7 @@ fn build_module(
     };
     if built.is_restrained() {
         let bay_m = built.length_m / built.bays as f64;
-        built.curve = built.curve.restrained(&built.actuator, built.reach_m(), bay_m);
+        built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), bay_m);
     }
     Ok(built)
 }

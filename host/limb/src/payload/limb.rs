@@ -102,7 +102,7 @@ pub fn limb_capacity(
             weight_moment_nm: station.constant.fixed_rows::<3>(3).norm(),
             arm_m: station.per_load.fixed_rows::<3>(3).norm(),
             critical_n,
-            ends_at_limit_point: module.curve.pressure_max_pa() < module.reference_max_pa * (1.0 - 1e-9),
+            ends_at_limit_point: module.curve.limit_point_pa().is_some_and(|limit_pa| limit_pa < module.reference_max_pa),
         });
         holding.question.bundles.push(station);
     }

@@ -4,17 +4,19 @@
 
 use std::collections::BTreeMap;
 
+use fra_model::Actuator;
 use nalgebra::{Vector3, Vector4};
 
 use super::input::{Kind, Place, Varied};
-use super::made::change;
+use super::made::{change, made};
 use super::shape::{arc, chain, mount, shape};
 use super::study::{Nominal, Study, ToleranceError};
 use crate::LimbModule;
+use crate::fabricate::Tolerances;
 use crate::statics::{Spring, responses, shape_change};
 
-/// Step of a difference, of a tolerance.
-const STEP: f64 = 1e-2;
+/// Steps of differences of shapes: of a fiber angle, rad, a wall, m, and a modulus, of itself.
+const STEPS: [(Kind, f64); 3] = [(Kind::Angle, 1e-4), (Kind::Wall, 1e-6), (Kind::Modulus, 1e-4)];
 /// Variance of a number that is uniform in -1 to 1.
 const VARIANCE: f64 = 1.0 / 3.0;
 
@@ -122,23 +124,31 @@ fn differences(
     places_m: &[[f64; 2]],
     pressure_pa: f64,
 ) -> Option<Vec<[Vector4<f64>; 3]>> {
-    let tube = |place: Place| Spring::new(&study.made(module, &place)?, pressure_pa);
-    let nominal = tube([0.0; 3])?;
-    let of = |actuator: usize, kind: Kind, step: f64| {
+    let parameters = module.actuator.parameters();
+    let tube = |steps: &Tolerances, place: &Place| {
+        Spring::new(&Actuator::new(&made(parameters, steps, place)).ok()?, pressure_pa)
+    };
+    // The same steps whatever the tolerances, so that the derivatives are.
+    let steps = Tolerances { angle_rad: STEPS[0].1, wall_m: STEPS[1].1, modulus: STEPS[2].1 };
+    let nominal = tube(&steps, &[0.0; 3])?;
+    let of = |actuator: usize, kind: Kind, side: f64| {
         let mut off = [0.0; 3];
-        off[kind.index()] = step;
-        let off = tube(off)?;
+        off[kind.index()] = side;
+        let off = tube(&steps, &off)?;
         let tubes = places_m.iter().enumerate().map(|(other, place)| {
             (*place, if other == actuator { off.clone() } else { nominal.clone() })
         });
         shape(module, tubes.collect())
     };
-    let by = |actuator: usize, kind: Kind| Some((of(actuator, kind, STEP)? - of(actuator, kind, -STEP)?) / (2.0 * STEP));
+    let by = |actuator: usize, kind: Kind, step: f64| {
+        let slope = (of(actuator, kind, 1.0)? - of(actuator, kind, -1.0)?) / (2.0 * step);
+        Some(slope * kind.of(&study.settings.tolerances))
+    };
     (0..places_m.len())
         .map(|actuator| {
             let mut each = [Vector4::zeros(); 3];
-            for kind in Kind::ALL {
-                each[kind.index()] = by(actuator, kind)?;
+            for (kind, step) in STEPS {
+                each[kind.index()] = by(actuator, kind, step)?;
             }
             Some(each)
         })

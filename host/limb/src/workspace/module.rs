@@ -8,7 +8,7 @@ use super::bundle::Tubes;
 use super::fit::{Fit, fit};
 use super::lanes::Pack;
 use crate::LimbModule;
-use crate::statics::Tangent;
+use crate::statics::{Bundle, Tangent};
 
 /// Relative error that the polynomials are made to.
 const TOLERANCE: f64 = 1e-10;
@@ -190,14 +190,17 @@ fn one_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
 
 /// The centre line of the module with all actuators at one pressure.
 fn segment(module: &LimbModule, pressure_pa: f64) -> Option<Segment<f64>> {
-    if module.is_restrained() {
-        return Some(module.link(&module.curve.at(pressure_pa)).segment);
-    }
-    let tangent = Tangent::of(&module.actuator, pressure_pa)?;
+    let [stretch, bend_rad_per_m, twist_rad_per_m] = if module.is_restrained() {
+        let free = Bundle::new(module, &vec![pressure_pa; module.channels.len()], module.bays())?.free;
+        [free.stretch, 0.0, free.twist_rad_per_m]
+    } else {
+        let tangent = Tangent::of(&module.actuator, pressure_pa)?;
+        [tangent.stretch, tangent.bend_rad_per_m, tangent.twist_rad_per_m]
+    };
     Some(Segment {
-        length_m: module.length_m() * tangent.stretch,
-        bend_angle_rad: module.length_m() * tangent.bend_rad_per_m,
-        twist_rad: module.length_m() * tangent.twist_rad_per_m,
+        length_m: module.length_m() * stretch,
+        bend_angle_rad: module.length_m() * bend_rad_per_m,
+        twist_rad: module.length_m() * twist_rad_per_m,
     })
 }
 
