@@ -1,15 +1,9 @@
 //! The states of one actuator over its pressure range, solved once and interpolated.
 
-use std::f64::consts::PI;
-
-use fra_model::{Actuator, Load, Motion, State, Status};
-
-use crate::statics::{Bundle, Spring};
+use fra_model::{Actuator, Load, State, Status};
 
 /// Nodes of the curve; cubic interpolation between them.
 const NODES: usize = 257;
-/// Slide of the ends of a tube over the distance of its plates up to which a twisting bundle is followed.
-const LEAN_MAX: f64 = 0.3;
 
 /// States at evenly spaced pressures from zero to the highest the branch reaches below the module's limit.
 #[derive(Clone, Debug)]
@@ -36,21 +30,14 @@ impl StateCurve {
         Self { states, step_pa, limit_point_pa }
     }
 
-    /// The curve of a bundle of equal twisting actuators on a circle, which plates hold back that are `bay_m` apart at rest.
-    ///
-    /// Stretch and twist of the states are those of the bundle; radii and volume are those of an actuator in it. The curve ends where the ends of a
-    /// tube slide by 0.3 of the distance of their plates, or where the tubes touch halfway between them.
-    pub fn restrained(&self, actuator: &Actuator<f64>, positions_m: &[[f64; 2]], bay_m: f64) -> Self {
-        let held = |free: &State<f64>| held(actuator, free, positions_m, bay_m);
-        let mut states = vec![self.states[0]];
-        states.extend(self.states.iter().skip(1).map_while(held));
-        let along: Vec<f64> = states.iter().map(|state| state.volume_m3).collect();
-        let last = states.len() - 1;
-        for (node, state) in states.iter_mut().enumerate().skip(1) {
-            let (before, after) = (node - 1, (node + 1).min(last));
-            state.compliance_m3_per_pa = (along[after] - along[before]) / (self.step_pa * (after - before) as f64);
-        }
-        Self { states, step_pa: self.step_pa, limit_point_pa: self.limit_point_pa }
+    /// A curve of other states for the nodes of this one, as many as there are, from the one at rest on.
+    pub(crate) fn with_states(&self, states: Vec<State<f64>>) -> Self {
+        Self { states, ..*self }
+    }
+
+    /// The pressure between two nodes, Pa.
+    pub(crate) fn step_pa(&self) -> f64 {
+        self.step_pa
     }
 
     /// The highest pressure of the curve, gauge Pa.
@@ -118,28 +105,6 @@ impl StateCurve {
         let node = |offset: isize| &self.states[cell.saturating_add_signed(offset).min(last)];
         ([node(-1), node(0), node(1), node(2)], position - cell as f64, (cell == 0, cell + 2 > last))
     }
-}
-
-/// The state of a bundle whose actuators alone have the state `free`.
-fn held(actuator: &Actuator<f64>, free: &State<f64>, positions_m: &[[f64; 2]], bay_m: f64) -> Option<State<f64>> {
-    let length_m = actuator.parameters().length_m;
-    // Equal tubes on a circle do as one of them does about the axis.
-    let [x, y] = *positions_m.first()?;
-    let radius_m = x.hypot(y);
-    let tube = ([radius_m, 0.0], Spring::at(actuator, free)?);
-    let bundle = Bundle::of_springs(Motion::Twisting, vec![tube], bay_m)?;
-    let leaning = bundle.leaning(Motion::Twisting, 0).filter(|leaning| leaning.slide.abs() <= LEAN_MAX)?;
-    let tube = actuator.blocked(free.pressure_pa, leaning.stretch, leaning.twist_rad_per_m * length_m).ok()?;
-    // Halfway a tube is in the middle of the chord between its ends.
-    let turn_rad = bundle.free.twist_rad_per_m * bay_m;
-    let half_m = radius_m * (0.5 * turn_rad).cos() * (PI / positions_m.len() as f64).sin();
-    let clear = turn_rad.abs() < PI && half_m >= tube.state.outer_radius_m;
-    (tube.status == Status::Solved && clear).then_some(State {
-        axial_stretch: bundle.free.stretch,
-        axial_strain: bundle.free.stretch - 1.0,
-        twist_rad: bundle.free.twist_rad_per_m * length_m,
-        ..tube.state
-    })
 }
 
 /// Cubic Hermite between the two middle values with central slopes; one-sided ones at the ends.

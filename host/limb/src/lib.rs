@@ -10,6 +10,7 @@ mod curve;
 pub mod fabricate;
 mod limb;
 pub mod payload;
+mod restraint;
 pub mod statics;
 pub mod tolerance;
 pub mod workspace;

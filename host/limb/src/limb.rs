@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use fra_model::{Actuator, Arrangement, InvalidParameter, Link, Load, Motion, Segment, State, Status, Target};
+use fra_model::{Actuator, Arrangement, InvalidParameter, Link, Motion, Segment, State, Target};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::StateCurve;
-use crate::statics::{Bundle, Spring, check_bundles};
+use crate::statics::check_bundles;
 use softlimb_scene::collision::Body;
 use softlimb_scene::{Module, Scene, SceneError, SetpointKind};
 
@@ -143,37 +143,6 @@ impl LimbModule {
         u8::try_from(self.channels.len()).unwrap_or(u8::MAX)
     }
 
-    /// Whether plates hold its actuators back: twisting ones beside the axis.
-    pub fn is_restrained(&self) -> bool {
-        self.motion == Motion::Twisting && self.reach_m() > 0.0
-    }
-
-    /// Pressure at the end of its curve, gauge Pa, and the share of the twist that one of its actuators has there alone; `None` for a module that
-    /// is not restrained.
-    pub fn twist_share(&self) -> Option<(f64, f64)> {
-        let end = self.curve.states().last().filter(|state| self.is_restrained() && state.pressure_pa > 0.0)?;
-        let alone = self.actuator.forward(end.pressure_pa, &Load::none()).ok()?;
-        (alone.status == Status::Solved).then_some((end.pressure_pa, end.twist_rad / alone.state.twist_rad))
-    }
-
-    /// The state without load of this module where plates hold back these actuators, each with the state that it has alone: one for each place.
-    ///
-    /// `None` where they have no common equilibrium. Radii and volume are the means of theirs.
-    pub fn held_back(&self, alone: &[(Actuator<f64>, State<f64>)]) -> Option<State<f64>> {
-        let tubes = self.positions_m().into_iter().zip(alone);
-        let tubes = tubes.map(|(place, (actuator, state))| {
-            // Below ambient pressure the wall keeps its springs at rest.
-            Some((place, Spring::new(actuator, state.pressure_pa.max(0.0))?.about(state)))
-        });
-        let bundle = Bundle::of_springs(self.motion, tubes.collect::<Option<_>>()?, self.length_m / self.bays as f64)?;
-        let states: Vec<&State<f64>> = alone.iter().map(|(_, state)| state).collect();
-        let (first, others) = states.split_first()?;
-        let sum = others.iter().fold(**first, |sum, state| State::combine([&sum, state], |[a, b]| a + b));
-        let mean = State::combine([&sum], |[sum]| sum / states.len() as f64);
-        let (axial_stretch, twist_rad) = (bundle.free.stretch, bundle.free.twist_rad_per_m * self.length_m);
-        Some(State { axial_stretch, axial_strain: axial_stretch - 1.0, twist_rad, ..mean })
-    }
-
     /// Stretches between its plates: one more than its spacers.
     pub fn bays(&self) -> usize {
         self.bays
@@ -182,6 +151,11 @@ impl LimbModule {
     /// Length of one actuator at rest, m.
     pub fn length_m(&self) -> f64 {
         self.length_m
+    }
+
+    /// Distance of its plates at rest, m.
+    pub fn bay_m(&self) -> f64 {
+        self.length_m / self.bays as f64
     }
 
     /// Direction it bends towards: rotation about the limb's axis, rad.
@@ -322,8 +296,7 @@ fn build_module(
         tool_m,
     };
     if built.is_restrained() {
-        let bay_m = built.length_m / built.bays as f64;
-        built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), bay_m);
+        built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), built.bay_m());
     }
     Ok(built)
 }

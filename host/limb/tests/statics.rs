@@ -9,7 +9,6 @@ mod shooting;
 mod springs;
 mod tiers;
 mod tubes;
-mod tmp;
 mod twists;
 
 use nalgebra::{Isometry3, Matrix4, Vector3, Vector4};

@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector2, Vector3, Vector6};
 use super::bundle::{Bundle, Hold, Mounted, PayloadError, require};
 use super::capacity::{Linearised, LoadQuery, capacity};
 use super::program::Outcome;
-use crate::statics::{column_n, shear_n};
+use crate::statics::{Bundle as Tubes, column_n, shear_n};
 use crate::{Limb, LimbModule};
 use softlimb_scene::Scene;
 
@@ -171,8 +171,8 @@ fn station(
     let bends = module.motion == Motion::Bending;
     // Plates hold twisting actuators back: those are not in the state of their module.
     let pressures_pa = vec![state.pressure_pa; count];
-    let bundle = if module.is_restrained() { crate::statics::Bundle::new(module, &pressures_pa, module.bays()) } else { None };
-    let leaning = |i: usize| bundle.as_ref().and_then(|bundle| bundle.leaning(module.motion, i));
+    let held = module.is_restrained().then(|| Tubes::new(module, &pressures_pa, module.bays())).flatten();
+    let leaning = |i: usize| held.as_ref().and_then(|tubes| tubes.leaning(module.motion, i));
     let [axial_stretch, twist_rad] = leaning(0).map_or([state.axial_stretch, state.twist_rad], |leaning| {
         [leaning.stretch, leaning.twist_rad_per_m * module.length_m()]
     });

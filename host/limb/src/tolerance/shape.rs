@@ -15,7 +15,7 @@ pub(super) fn arc(module: &LimbModule, shape: &Vector4<f64>) -> Arc {
 /// Stretch, bends towards the module's `x` and `y` (rad/m) and twist (rad/m) without load of tubes at their places; `None` where their energy has no
 /// minimum, as where twisting tubes lean too far.
 pub(super) fn shape(module: &LimbModule, tubes: Vec<([f64; 2], Spring)>) -> Option<Vector4<f64>> {
-    let bundle = Bundle::of_springs(module.motion, tubes, module.length_m() / module.bays() as f64)?;
+    let bundle = Bundle::of_springs(module.motion, tubes, module.bay_m())?;
     let [x, y] = bundle.free.bend_rad_per_m;
     Some(Vector4::new(bundle.free.stretch, x, y, bundle.free.twist_rad_per_m))
 }
