@@ -17,3 +17,4 @@ pub mod workspace;
 
 pub use curve::StateCurve;
 pub use limb::{Limb, LimbModule, base_pose, measure, reference_max_pa};
+pub use restraint::TWIST_SHARE_MIN;

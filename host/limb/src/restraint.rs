@@ -8,10 +8,13 @@ use std::f64::consts::PI;
 use fra_model::{Actuator, Load, Motion, State, Status};
 
 use crate::statics::{Bundle, Spring};
-use crate::{LimbModule, StateCurve};
+use crate::{Limb, LimbModule, StateCurve};
 
 /// Slide of the ends of a tube over the distance of its plates up to which a twisting bundle is followed.
 const LEAN_MAX: f64 = 0.3;
+
+/// Share of the twist of one actuator alone below which a bundle is warned about.
+pub const TWIST_SHARE_MIN: f64 = 0.5;
 
 impl LimbModule {
     /// Whether plates hold its actuators back: twisting ones beside the axis.
@@ -43,6 +46,23 @@ impl LimbModule {
         let mean = State::combine([&sum], |[sum]| sum / states.len() as f64);
         let (axial_stretch, twist_rad) = (bundle.free.stretch, bundle.free.twist_rad_per_m * self.length_m());
         Some(State { axial_stretch, axial_strain: axial_stretch - 1.0, twist_rad, ..mean })
+    }
+}
+
+impl Limb {
+    /// Warnings of modules whose plates leave their actuators less than [`TWIST_SHARE_MIN`] of the twist of one alone.
+    pub fn restraint_warnings(&self) -> Vec<String> {
+        let low = |module: &LimbModule| {
+            let (pressure_pa, share) = module.twist_share().filter(|(_, share)| *share < TWIST_SHARE_MIN)?;
+            Some(format!(
+                "plates hold the actuators of `{}` back: at {:.2} kPa it has {:.0} % of the twist of one alone; fewer `spacers`, a smaller \
+                 `circle_radius` or `actuators = 1` leave more",
+                module.name,
+                1e-3 * pressure_pa,
+                100.0 * share
+            ))
+        };
+        self.modules().iter().filter_map(low).collect()
     }
 }
 

@@ -103,3 +103,76 @@ fn curves_are_the_equilibria_of_tubes_between_plates() {
     let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     assert!(least(&shares) < 0.2 && most(&shares) > 0.7 && most(&leans) > 0.2, "{shares:?} {leans:?}");
 }
+
+fn page_case(count: u8, radius_mm: f64, spacers: u8) -> Case {
+    Case { count, radius_mm, spacers, inner_mm: 10.0, wall_mm: 4.0, length_mm: 240.0, angle_deg: 28.0 }
+}
+
+/// The table of `docs/explanation/bundles.md`.
+#[test]
+fn table_of_twists_is_that_of_the_page() {
+    let page = include_str!("../../../../docs/explanation/bundles.md");
+    let pressure_pa = 20e3;
+    let mut missing = Vec::new();
+    for (radius_mm, spacers) in [(30.0, 0), (30.0, 1), (30.0, 5), (60.0, 0), (60.0, 1), (60.0, 5)] {
+        let case = page_case(3, radius_mm, spacers);
+        let scene = case.scene();
+        let limb = Limb::new(&scene).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let module = module(&limb);
+        let free = module.actuator.forward(pressure_pa, &fra_model::Load::none()).expect("finite").state;
+        let state = module.curve.at(pressure_pa);
+        assert_eq!(state.pressure_pa, pressure_pa, "on the curve");
+        let [twist_rad, length_m] = by_tubes(&scene, &limb, pressure_pa, state.twist_rad).expect("an equilibrium");
+        let row = format!(
+            "| {radius_mm:.0} mm | {:.0} mm | {:.1} % | {:.1} % | {:.4} | {:.4} |",
+            240.0 / f64::from(spacers + 1),
+            100.0 * state.twist_rad / free.twist_rad,
+            100.0 * twist_rad / free.twist_rad,
+            state.axial_stretch,
+            length_m / module.length_m()
+        );
+        println!("{row}");
+        missing.extend((!page.contains(&row)).then_some(row));
+    }
+    assert!(missing.is_empty(), "not in the page:\n{}", missing.join("\n"));
+}
+
+/// One on the axis does as it does alone, to the last bit.
+#[test]
+fn one_on_the_axis_twists_freely() {
+    let limb = Limb::new(&page_case(1, 0.0, 5).scene()).expect("a limb");
+    let module = module(&limb);
+    let alone = softlimb_limb::StateCurve::new(&module.actuator, module.reference_max_pa);
+    assert!(!module.is_restrained() && module.twist_share().is_none());
+    assert_eq!(module.curve.states(), alone.states());
+}
+
+/// Small twists by hand: a tube slides by `a t` and yields by its shear and its S in series; the torques of the free twist and of the slide balance.
+/// The free tube stretches along, which couples to the torque: the bundle keeps the axial force at zero.
+#[test]
+fn small_twists_are_those_of_springs_in_series() {
+    for (radius_mm, spacers) in [(30.0, 0), (45.0, 2), (60.0, 5)] {
+        let limb = Limb::new(&page_case(4, radius_mm, spacers).scene()).expect("a limb");
+        let module = module(&limb);
+        let pressure_pa = 200.0;
+        let tube = softlimb_limb::statics::Tangent::of(&module.actuator, pressure_pa).expect("a tube");
+        let (radius_m, bay_m) = (1e-3 * radius_mm, 0.24 / f64::from(spacers + 1));
+        let yields = bay_m / tube.shear_n + bay_m.powi(3) / (12.0 * tube.bending_nm2);
+        let slide = radius_m * radius_m * bay_m / yields;
+        let torsion = tube.torsion_nm2 - tube.coupling_nm * tube.coupling_nm / tube.axial_n;
+        let expected = torsion / (torsion + slide);
+        let free = module.actuator.forward(pressure_pa, &fra_model::Load::none()).expect("finite").state;
+        let found = module.curve.at(pressure_pa).twist_rad / free.twist_rad;
+        println!("{radius_mm} mm, {spacers} spacers: {found:.5}, by hand {expected:.5}");
+        assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+    }
+}
+
+/// `check` warns where little of the twist is left.
+#[test]
+fn low_shares_are_warned_about() {
+    let warnings = |radius_mm, spacers| Limb::new(&page_case(3, radius_mm, spacers).scene()).expect("a limb").restraint_warnings();
+    assert!(warnings(30.0, 0).is_empty());
+    let found = warnings(60.0, 5);
+    assert!(found.len() == 1 && found[0].contains("`shoulder`") && found[0].contains("% of the twist of one alone"), "{found:?}");
+}
