@@ -72,7 +72,7 @@ impl StateCurve {
             let pressure_pa = if at_high == at_low { low } else { low - at_low * (high - low) / (at_high - at_low) };
             let state = self.at(pressure_pa);
             let here = off(&state);
-            if here.abs() <= 1e-13 * whole || high - low <= 1e-12 * self.step_pa {
+            if here.abs() <= 1e-13 * whole || (high - low).abs() <= 1e-12 * self.step_pa {
                 return Some(state);
             }
             if here * at_high <= 0.0 {

@@ -75,14 +75,28 @@ impl StateCurve {
         let held = |free: &State<f64>| held(actuator, free, positions_m, bay_m);
         let mut states = vec![self.states()[0]];
         states.extend(self.states().iter().skip(1).map_while(held));
-        let along: Vec<f64> = states.iter().map(|state| state.volume_m3).collect();
-        let last = states.len() - 1;
-        for (node, state) in states.iter_mut().enumerate().skip(1) {
-            let (before, after) = (node - 1, (node + 1).min(last));
-            state.compliance_m3_per_pa = (along[after] - along[before]) / (self.step_pa() * (after - before) as f64);
+        let volumes_m3: Vec<f64> = states.iter().map(|state| state.volume_m3).collect();
+        for (node, state) in states.iter_mut().enumerate() {
+            if let Some(slope) = slope(&volumes_m3, node) {
+                state.compliance_m3_per_pa = slope / self.step_pa();
+            }
         }
         self.with_states(states)
     }
+}
+
+/// Derivative by the node of values at evenly spaced nodes, of the polynomial through five of them; `None` for fewer.
+fn slope(values: &[f64], node: usize) -> Option<f64> {
+    const WEIGHTS: [[f64; 5]; 5] = [
+        [-25.0, 48.0, -36.0, 16.0, -3.0],
+        [-3.0, -10.0, 18.0, -6.0, 1.0],
+        [1.0, -8.0, 0.0, 8.0, -1.0],
+        [-1.0, 6.0, -18.0, 10.0, 3.0],
+        [3.0, -16.0, 36.0, -48.0, 25.0],
+    ];
+    let first = node.saturating_sub(2).min(values.len().checked_sub(5)?);
+    let weights = WEIGHTS.get(node - first)?;
+    Some(weights.iter().zip(&values[first..]).map(|(weight, value)| weight * value).sum::<f64>() / 12.0)
 }
 
 /// The state of a bundle whose actuators alone have the state `free`.

@@ -11,7 +11,7 @@ use fra_model::Motion;
 use nalgebra::{Matrix4, Vector4};
 
 use super::rod::Piece;
-use super::restraint::{Leaning, equilibrium};
+use super::restraint::{Leaning, equilibrium, tangent};
 use super::spring::{Spring, TubeStrain};
 use super::tube::{LINE, Tangent};
 use crate::LimbModule;
@@ -103,7 +103,9 @@ impl Bundle {
         }
         for _ in 0..TURNS {
             let before = bundle.free.strain();
-            bundle = bundle.strained(motion, &before)?;
+            let tubes = bundle.tubes_at(motion, &before)?;
+            let rest = equilibrium(&tubes, bay_m, Some(&before))?;
+            bundle = Self { springs: bundle.springs, ..Self::about(rest, true, tubes, bay_m)? };
             let change = bundle.free.strain() - before;
             if change.x.abs().max(bay_m * change.fixed_rows::<3>(1).amax()) <= CONVERGED {
                 return Some(bundle);
@@ -116,6 +118,15 @@ impl Bundle {
     ///
     /// `None` where a tube has no stable equilibrium there, or where its tubes are linear springs.
     pub fn strained(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Self> {
+        let tubes = self.tubes_at(motion, strain)?;
+        let held = holds_back(motion, &tubes);
+        // The slide of leaning tubes is no linear spring either.
+        let rest = if held { tangent(&tubes, self.bay_m, strain)? } else { minimum(motion, &tubes)? };
+        Some(Self { springs: self.springs.clone(), ..Self::about(rest, held, tubes, self.bay_m)? })
+    }
+
+    /// Its tubes with their springs about strains of the bundle.
+    fn tubes_at(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Vec<([f64; 2], Tangent)>> {
         if self.springs.is_empty() {
             return None;
         }
@@ -135,7 +146,7 @@ impl Bundle {
             known.push((own, spring, tangent));
             tubes.push((*place, tangent));
         }
-        Some(Self { springs: self.springs.clone(), ..Self::of_tubes(motion, tubes, self.bay_m)? })
+        Some(tubes)
     }
 
     /// Whether its tubes know their models.
@@ -146,7 +157,17 @@ impl Bundle {
     /// The bundle of tubes at places of the section, m, with plates `bay_m` apart. `None` where their energy has no minimum.
     pub fn of_tubes(motion: Motion, tubes: Vec<([f64; 2], Tangent)>, bay_m: f64) -> Option<Self> {
         let held = holds_back(motion, &tubes);
-        let (free, mut stiffness) = if held { equilibrium(&tubes, bay_m)? } else { minimum(motion, &tubes)? };
+        let rest = if held { equilibrium(&tubes, bay_m, None)? } else { minimum(motion, &tubes)? };
+        Self::about(rest, held, tubes, bay_m)
+    }
+
+    /// The same with its shape without load and the stiffness there; that of tubes that plates hold back has their slide.
+    fn about(
+        (free, mut stiffness): (Vector4<f64>, Matrix4<f64>),
+        held: bool,
+        tubes: Vec<([f64; 2], Tangent)>,
+        bay_m: f64,
+    ) -> Option<Self> {
         let long_m = free[0] * bay_m;
         let slides = slides(&stiffness, &tubes, long_m);
         let mean = |of: fn(&Slide) -> f64| 0.5 * (of(&slides[0]) + of(&slides[1]));

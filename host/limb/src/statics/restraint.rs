@@ -161,8 +161,12 @@ fn stiffness(tube: &Tangent, radius_m: f64, bay_m: f64, at: Vector2<f64>) -> Opt
 /// Shape without load of twisting tubes at places of the section, m, with plates `bay_m` apart at rest, and the stiffness there: by stretch, bends and
 /// twist, per length at rest.
 ///
-/// `None` where there is no stable equilibrium, or tubes would lean too far.
-pub(super) fn equilibrium(tubes: &[([f64; 2], Tangent)], bay_m: f64) -> Option<(Vector4<f64>, Matrix4<f64>)> {
+/// `start` is a shape near it. `None` where there is no stable equilibrium, or tubes would lean too far.
+pub(super) fn equilibrium(
+    tubes: &[([f64; 2], Tangent)],
+    bay_m: f64,
+    start: Option<&Vector4<f64>>,
+) -> Option<(Vector4<f64>, Matrix4<f64>)> {
     let sum = |of: &dyn Fn(&([f64; 2], Tangent)) -> f64| tubes.iter().map(of).sum::<f64>();
     let stretch = sum(&|(_, tube)| tube.stretch) / tubes.len() as f64;
     let held = |(place, tube): &([f64; 2], Tangent)| {
@@ -170,7 +174,7 @@ pub(super) fn equilibrium(tubes: &[([f64; 2], Tangent)], bay_m: f64) -> Option<(
         tube.torsion_nm2 + slide * (place[0] * place[0] + place[1] * place[1])
     };
     let twist = sum(&|(_, tube)| tube.torsion_nm2 * tube.twist_rad_per_m) / sum(&held);
-    let mut shape = Vector4::new(stretch, 0.0, 0.0, twist);
+    let mut shape = start.copied().unwrap_or(Vector4::new(stretch, 0.0, 0.0, twist));
     let mut found = forces(tubes, bay_m, &shape)?;
     for _ in 0..ITERATIONS {
         let (force, stiffness) = found;
@@ -187,6 +191,16 @@ pub(super) fn equilibrium(tubes: &[([f64; 2], Tangent)], bay_m: f64) -> Option<(
     }
     found.1.cholesky()?;
     Some((shape, found.1))
+}
+
+/// The same of springs that have forces and slopes of the tubes at a strain of the bundle.
+pub(super) fn tangent(
+    tubes: &[([f64; 2], Tangent)],
+    bay_m: f64,
+    strain: &Vector4<f64>,
+) -> Option<(Vector4<f64>, Matrix4<f64>)> {
+    let (force, stiffness) = forces(tubes, bay_m, strain)?;
+    Some((strain - stiffness.cholesky()?.solve(&force), stiffness))
 }
 
 /// Forces of all tubes on stretch, bends and twist of their bundle, and their derivatives.
