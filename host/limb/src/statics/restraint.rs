@@ -57,7 +57,7 @@ impl Leaning {
             let long_m = own * bay_m;
             // Lean by bending, and by shear, per force.
             let bent = long_m * bay_m / (12.0 * mean_nm2(tube));
-            let series = Series::new(1.0 / (tube.shear_n * own * bent), arm_m / long_m, tube.shear_n * compliance(tube));
+            let series = Series::new(1.0 / (tube.shear_n * own * bent), arm_m / long_m);
             let bend = series.bend(chord_m / long_m)?;
             let next = stretch / series.height(bend);
             if (next - own).abs() <= CONVERGED {
@@ -76,11 +76,6 @@ impl Leaning {
     }
 }
 
-/// Axial compliance at a constant torque, 1/N.
-fn compliance(tube: &Tangent) -> f64 {
-    tube.torsion_nm2 / (tube.axial_n * tube.torsion_nm2 - tube.coupling_nm * tube.coupling_nm)
-}
-
 /// Slide and height of a tube by its lean `b`, over its length.
 struct Series {
     /// `r`, and `a cos(t/2)/h`.
@@ -91,15 +86,15 @@ struct Series {
 }
 
 impl Series {
-    /// By `r`, `a cos(t/2)/h`, and the shear stiffness over the axial one.
-    fn new(shear: f64, arm: f64, soft: f64) -> Self {
+    /// By `r` and `a cos(t/2)/h`.
+    fn new(shear: f64, arm: f64) -> Self {
         let r = shear;
         Self {
             shear,
             arm,
             slide: [
                 1.0 + r,
-                -36.0 / 35.0 + r * (0.4 * soft - 2.4) + 2.4 * arm * arm,
+                -36.0 / 35.0 + r * -2.4 + 2.4 * arm * arm,
                 3807.0 / 1925.0 + r * (54.0 / 7.0 + r * 153.0 / 35.0),
             ],
             height: [

@@ -81,7 +81,7 @@ impl Spring {
         Some(tangent)
     }
 
-    /// Springs of a twisting tube that plates hold at a strain: forces, torques and slopes there are the model's. `None` where it has no stable
+    /// Springs of a twisting tube that plates hold at a strain: forces, torques and their slopes there are the model's. `None` where it has no stable
     /// equilibrium.
     pub(super) fn wound_at(&self, strain: &TubeStrain) -> Option<Tangent> {
         let [stretch, twist] = [0, 2].map(|axis: usize| strain[axis] - self.crept[axis]);
@@ -90,17 +90,15 @@ impl Spring {
         let [[axial, coupling], [_, torsion]] = blocked.stiffness.map(|row| row.map(|entry| entry * length_m));
         let (force, torque, whole) =
             (blocked.force_n, blocked.torque_nm, axial * torsion - coupling * coupling);
-        let bending_nm2 = axial * gyration_m2(blocked.state.inner_radius_m, blocked.state.outer_radius_m);
         let stable = blocked.status == Status::Solved && axial > 0.0 && whole > 0.0;
         stable.then_some(Tangent {
             stretch: strain[0] - (torsion * force - coupling * torque) / whole,
             twist_rad_per_m: strain[2] - (axial * torque - coupling * force) / whole,
             axial_n: axial,
-            bending_nm2,
-            across_nm2: bending_nm2,
             torsion_nm2: torsion,
             coupling_nm: coupling,
             outer_radius_m: blocked.state.outer_radius_m,
+            // The bending stiffness stays that of the tube alone at its pressure: the lean of a tube is then one function of its bundle's strains.
             ..self.free
         })
     }

@@ -1,6 +1,6 @@
 //! Bundles of twisting actuators, which plates hold back, beside their tubes as rods of their own between the plates.
 
-use softlimb_limb::statics::{Load, LoadedLimb};
+use softlimb_limb::statics::{Bundle, Load, LoadedLimb};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Scene, parse};
 
@@ -114,6 +114,8 @@ fn table_of_twists_is_that_of_the_page() {
     let page = include_str!("../../../../docs/explanation/bundles.md");
     let pressure_pa = 20e3;
     let mut missing = Vec::new();
+    let alone = module(&Limb::new(&page_case(1, 0.0, 0).scene()).expect("a limb")).curve.at(pressure_pa).twist_rad;
+    println!("alone {:.1} deg", alone.to_degrees());
     for (radius_mm, spacers) in [(30.0, 0), (30.0, 1), (30.0, 5), (60.0, 0), (60.0, 1), (60.0, 5)] {
         let case = page_case(3, radius_mm, spacers);
         let scene = case.scene();
@@ -145,6 +147,23 @@ fn one_on_the_axis_twists_freely() {
     let alone = softlimb_limb::StateCurve::new(&module.actuator, module.reference_max_pa);
     assert!(!module.is_restrained() && module.twist_share().is_none());
     assert_eq!(module.curve.states(), alone.states());
+}
+
+/// Springs of equal tubes, as the statics and the simulated limb take them, rest in the states of the curve.
+#[test]
+fn statics_and_simulated_limb_rest_where_the_curve_is() {
+    let limb = Limb::new(&page_case(3, 45.0, 2).scene()).expect("a limb");
+    let module = module(&limb);
+    let states = module.curve.states();
+    for state in [&states[1], &states[states.len() / 2], &states[states.len() - 1]] {
+        let bundle = Bundle::new(module, &[state.pressure_pa; 3], module.bays()).expect("an equilibrium");
+        assert!((bundle.free.stretch - state.axial_stretch).abs() < 1e-9, "{:?}", bundle.free);
+        assert!((bundle.free.twist_rad_per_m * module.length_m() - state.twist_rad).abs() < 1e-9, "{:?}", bundle.free);
+        let alone = module.actuator.forward(state.pressure_pa, &fra_model::Load::none()).expect("finite").state;
+        let held = module.held_back(&[(module.actuator, alone); 3]).expect("an equilibrium");
+        assert!((held.axial_stretch - state.axial_stretch).abs() < 1e-9 && (held.twist_rad - state.twist_rad).abs() < 1e-9);
+        assert!(held.twist_rad.abs() < 0.9 * alone.twist_rad.abs());
+    }
 }
 
 /// Small twists by hand: a tube slides by `a t` and yields by its shear and its S in series; the torques of the free twist and of the slide balance.
