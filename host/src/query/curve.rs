@@ -72,7 +72,7 @@ fn held_back(module: &LimbModule, steps: usize) -> Curve {
         motion: module.motion.name(),
         equations: "tubes between plates, each from one strain energy",
         points: followed.map(|pressure_pa| point(&module.curve.at(pressure_pa))).collect(),
-        limit_pressure_pa: Some(module.curve.pressure_max_pa()),
+        limit_pressure_pa: Some(module.curve.pressure_max_pa()).filter(|end| *end < module.reference_max_pa * (1.0 - 1e-9)),
     }
 }
 
