@@ -33,7 +33,7 @@ pub struct Curve {
     pub equations: &'static str,
     /// The points from rest upwards.
     pub points: Vec<CurvePoint>,
-    /// Where the branch ends below the pressure asked for: its limit pressure, Pa; of a bundle that is held back the end of its curve.
+    /// Where the branch ends below the pressure asked for: its limit pressure, Pa.
     pub limit_pressure_pa: Option<f64>,
 }
 
@@ -72,7 +72,7 @@ fn held_back(module: &LimbModule, steps: usize) -> Curve {
         motion: module.motion.name(),
         equations: "tubes between plates, each from one strain energy",
         points: followed.map(|pressure_pa| point(&module.curve.at(pressure_pa))).collect(),
-        limit_pressure_pa: Some(module.curve.pressure_max_pa()).filter(|end| *end < module.reference_max_pa * (1.0 - 1e-9)),
+        limit_pressure_pa: module.curve.limit_point_pa(),
     }
 }
 

@@ -15,7 +15,11 @@ pub(super) fn refuse_restrained(scene: &Scene, limb: &Limb) -> Result<(), SceneE
     let Some((module, built)) = modules.find(|(_, built)| built.is_restrained()) else { return Ok(()) };
     let title = format!("the twisting actuators of `{}` hold each other back", *module.name);
     let reaches = built.twist_share().map_or(String::new(), |(pressure_pa, share)| {
-        format!("; as written this bundle has {:.0} % of the twist of one alone at {:.2} kPa", 100.0 * share, 1e-3 * pressure_pa)
+        format!(
+            "; as written this bundle has {:.0} % of the twist of one alone at {:.2} kPa",
+            100.0 * share,
+            1e-3 * pressure_pa
+        )
     });
     let label = format!("this design sizes one actuator alone{reaches}");
     Err(scene.diagnostic(module.span, &title, &label, Some("`actuators = 1`: one on the axis twists freely")))

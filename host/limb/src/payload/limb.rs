@@ -102,7 +102,10 @@ pub fn limb_capacity(
             weight_moment_nm: station.constant.fixed_rows::<3>(3).norm(),
             arm_m: station.per_load.fixed_rows::<3>(3).norm(),
             critical_n,
-            ends_at_limit_point: module.curve.limit_point_pa().is_some_and(|limit_pa| limit_pa < module.reference_max_pa),
+            ends_at_limit_point: module
+                .curve
+                .limit_point_pa()
+                .is_some_and(|limit_pa| limit_pa < module.reference_max_pa),
         });
         holding.question.bundles.push(station);
     }
@@ -186,7 +189,8 @@ fn station(
         let point = Vector3::new(positions_m[i][0], positions_m[i][1], 0.0);
         let axis = if bends { Vector3::y() } else { Vector3::z() };
         let mounted = Mounted::new(&format!("{} {}", module.name, i + 1), module.actuator, hold, point, axis)?;
-        let restraint = leaning(i).map_or_else(Vector2::zeros, |leaning| Vector2::new(leaning.pull_n, -leaning.moment_nm));
+        let restraint =
+            leaning(i).map_or_else(Vector2::zeros, |leaning| Vector2::new(leaning.pull_n, -leaning.moment_nm));
         Ok::<_, PayloadError>(Mounted { restraint, ..mounted })
     };
     let bundle = Bundle { actuators: (0..count).map(mounted).collect::<Result<_, _>>()? };

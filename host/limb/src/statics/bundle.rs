@@ -10,8 +10,8 @@
 use fra_model::Motion;
 use nalgebra::{Matrix4, Vector4};
 
-use super::rod::Piece;
 use super::restraint::{Leaning, equilibrium, tangent};
+use super::rod::Piece;
 use super::spring::{Spring, TubeStrain};
 use super::tube::{LINE, Tangent};
 use crate::LimbModule;

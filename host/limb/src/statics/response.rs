@@ -19,10 +19,7 @@ pub(crate) fn responses(motion: Motion, places_m: &[[f64; 2]], tube: &Tangent) -
 }
 
 /// Change of the free shape of a bundle's tube with a change of its own stretch, bend and twist rates.
-pub(crate) fn shape_change(
-    motion: Motion,
-    [stretch, bend_rad_per_m, twist_rad_per_m]: [f64; 3],
-) -> Vector4<f64> {
+pub(crate) fn shape_change(motion: Motion, [stretch, bend_rad_per_m, twist_rad_per_m]: [f64; 3]) -> Vector4<f64> {
     let twist_rad_per_m = if motion == Motion::Twisting { twist_rad_per_m } else { 0.0 };
     Vector4::new(stretch, bend_rad_per_m, 0.0, twist_rad_per_m)
 }

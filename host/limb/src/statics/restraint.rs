@@ -131,6 +131,9 @@ impl Series {
     }
 }
 
+/// A tube at its place in the section, m.
+type Placed = ([f64; 2], Tangent);
+
 /// Axial force, N, and moment about the axis of the bundle, N m, that a tube needs where the bundle has a stretch at its place and a twist.
 fn wrench(tube: &Tangent, radius_m: f64, bay_m: f64, at: Vector2<f64>) -> Option<Vector2<f64>> {
     let leaning = Leaning::of(tube, radius_m, bay_m, at.x, at.y)?;
@@ -158,17 +161,17 @@ fn stiffness(tube: &Tangent, radius_m: f64, bay_m: f64, at: Vector2<f64>) -> Opt
 ///
 /// `start` is a shape near it. `None` where there is no stable equilibrium, or tubes would lean too far.
 pub(super) fn equilibrium(
-    tubes: &[([f64; 2], Tangent)],
+    tubes: &[Placed],
     bay_m: f64,
     start: Option<&Vector4<f64>>,
 ) -> Option<(Vector4<f64>, Matrix4<f64>)> {
-    let sum = |of: &dyn Fn(&([f64; 2], Tangent)) -> f64| tubes.iter().map(of).sum::<f64>();
-    let stretch = sum(&|(_, tube)| tube.stretch) / tubes.len() as f64;
-    let held = |(place, tube): &([f64; 2], Tangent)| {
+    let sum = |of: &dyn Fn(&Placed) -> f64| tubes.iter().map(of).sum::<f64>();
+    let stretch = sum(&|(_, tube): &Placed| tube.stretch) / tubes.len() as f64;
+    let held = |(place, tube): &Placed| {
         let slide = slide_n(tube, mean_nm2(tube), tube.stretch * bay_m);
         tube.torsion_nm2 + slide * (place[0] * place[0] + place[1] * place[1])
     };
-    let twist = sum(&|(_, tube)| tube.torsion_nm2 * tube.twist_rad_per_m) / sum(&held);
+    let twist = sum(&|(_, tube): &Placed| tube.torsion_nm2 * tube.twist_rad_per_m) / sum(&held);
     let mut shape = start.copied().unwrap_or(Vector4::new(stretch, 0.0, 0.0, twist));
     let mut found = forces(tubes, bay_m, &shape)?;
     for _ in 0..ITERATIONS {
@@ -189,17 +192,13 @@ pub(super) fn equilibrium(
 }
 
 /// The same of springs that have forces and slopes of the tubes at a strain of the bundle.
-pub(super) fn tangent(
-    tubes: &[([f64; 2], Tangent)],
-    bay_m: f64,
-    strain: &Vector4<f64>,
-) -> Option<(Vector4<f64>, Matrix4<f64>)> {
+pub(super) fn tangent(tubes: &[Placed], bay_m: f64, strain: &Vector4<f64>) -> Option<(Vector4<f64>, Matrix4<f64>)> {
     let (force, stiffness) = forces(tubes, bay_m, strain)?;
     Some((strain - stiffness.cholesky()?.solve(&force), stiffness))
 }
 
 /// Forces of all tubes on stretch, bends and twist of their bundle, and their derivatives.
-fn forces(tubes: &[([f64; 2], Tangent)], bay_m: f64, shape: &Vector4<f64>) -> Option<(Vector4<f64>, Matrix4<f64>)> {
+fn forces(tubes: &[Placed], bay_m: f64, shape: &Vector4<f64>) -> Option<(Vector4<f64>, Matrix4<f64>)> {
     let (mut force, mut all) = (Vector4::zeros(), Matrix4::zeros());
     for ([x, y], tube) in tubes {
         let arm = Vector4::new(1.0, -x, -y, 0.0);

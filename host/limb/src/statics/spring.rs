@@ -88,8 +88,7 @@ impl Spring {
         let length_m = self.actuator.parameters().length_m;
         let blocked = self.actuator.blocked(self.pressure_pa, stretch, twist * length_m).ok()?;
         let [[axial, coupling], [_, torsion]] = blocked.stiffness.map(|row| row.map(|entry| entry * length_m));
-        let (force, torque, whole) =
-            (blocked.force_n, blocked.torque_nm, axial * torsion - coupling * coupling);
+        let (force, torque, whole) = (blocked.force_n, blocked.torque_nm, axial * torsion - coupling * coupling);
         let stable = blocked.status == Status::Solved && axial > 0.0 && whole > 0.0;
         stable.then_some(Tangent {
             stretch: strain[0] - (torsion * force - coupling * torque) / whole,

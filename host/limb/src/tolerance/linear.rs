@@ -135,9 +135,10 @@ fn differences(
         let mut off = [0.0; 3];
         off[kind.index()] = side;
         let off = tube(&steps, &off)?;
-        let tubes = places_m.iter().enumerate().map(|(other, place)| {
-            (*place, if other == actuator { off.clone() } else { nominal.clone() })
-        });
+        let tubes = places_m
+            .iter()
+            .enumerate()
+            .map(|(other, place)| (*place, if other == actuator { off.clone() } else { nominal.clone() }));
         shape(module, tubes.collect())
     };
     let by = |actuator: usize, kind: Kind, step: f64| {

@@ -79,18 +79,27 @@ fn curves_are_the_equilibria_of_tubes_between_plates() {
         let limb = Limb::new(&scene).unwrap_or_else(|error| panic!("{}", error.render(false)));
         let module = module(&limb);
         let state = module.curve.at(stream.between(0.3, 1.0) * module.curve.pressure_max_pa());
-        let [twist_rad, length_m] = by_tubes(&scene, &limb, state.pressure_pa, state.twist_rad).expect("an equilibrium");
+        let [twist_rad, length_m] =
+            by_tubes(&scene, &limb, state.pressure_pa, state.twist_rad).expect("an equilibrium");
         let rest_m = module.length_m();
         let (radius_m, bay) = (module.reach_m(), rest_m / module.bays() as f64);
         // A tube's end goes along its circle and along the axis.
         let motion_m = (length_m - rest_m).hypot(radius_m * twist_rad);
-        let off = [(state.twist_rad / twist_rad - 1.0).abs(), (state.axial_stretch * rest_m - length_m).abs() / motion_m];
+        let off =
+            [(state.twist_rad / twist_rad - 1.0).abs(), (state.axial_stretch * rest_m - length_m).abs() / motion_m];
         let free = module.actuator.forward(state.pressure_pa, &fra_model::Load::none()).expect("finite").state;
         let share = state.twist_rad / free.twist_rad;
         let lean = 2.0 * radius_m * (0.5 * twist_rad / module.bays() as f64).sin() / (bay * state.axial_stretch);
         println!(
             "{number}: {} at {:.1} mm, bays of {:.1} mm, {:.1} kPa: share {share:.3}, lean {lean:.3}, twist {:.2} deg, length {:.5}; off {:.4} % and {:.4} %",
-            case.count, 1e3 * radius_m, 1e3 * bay, 1e-3 * state.pressure_pa, twist_rad.to_degrees(), length_m / rest_m - 1.0, 100.0 * off[0], 100.0 * off[1]
+            case.count,
+            1e3 * radius_m,
+            1e3 * bay,
+            1e-3 * state.pressure_pa,
+            twist_rad.to_degrees(),
+            length_m / rest_m - 1.0,
+            100.0 * off[0],
+            100.0 * off[1]
         );
         worst = [0, 1].map(|i: usize| worst[i].max(off[i]));
         shares.push(share);
@@ -161,7 +170,9 @@ fn statics_and_simulated_limb_rest_where_the_curve_is() {
         assert!((bundle.free.twist_rad_per_m * module.length_m() - state.twist_rad).abs() < 1e-9, "{:?}", bundle.free);
         let alone = module.actuator.forward(state.pressure_pa, &fra_model::Load::none()).expect("finite").state;
         let held = module.held_back(&[(module.actuator, alone); 3]).expect("an equilibrium");
-        assert!((held.axial_stretch - state.axial_stretch).abs() < 1e-9 && (held.twist_rad - state.twist_rad).abs() < 1e-9);
+        assert!(
+            (held.axial_stretch - state.axial_stretch).abs() < 1e-9 && (held.twist_rad - state.twist_rad).abs() < 1e-9
+        );
         assert!(held.twist_rad.abs() < 0.9 * alone.twist_rad.abs());
     }
 }
@@ -190,8 +201,12 @@ fn small_twists_are_those_of_springs_in_series() {
 /// `check` warns where little of the twist is left.
 #[test]
 fn low_shares_are_warned_about() {
-    let warnings = |radius_mm, spacers| Limb::new(&page_case(3, radius_mm, spacers).scene()).expect("a limb").restraint_warnings();
+    let warnings =
+        |radius_mm, spacers| Limb::new(&page_case(3, radius_mm, spacers).scene()).expect("a limb").restraint_warnings();
     assert!(warnings(30.0, 0).is_empty());
     let found = warnings(60.0, 5);
-    assert!(found.len() == 1 && found[0].contains("`shoulder`") && found[0].contains("% of the twist of one alone"), "{found:?}");
+    assert!(
+        found.len() == 1 && found[0].contains("`shoulder`") && found[0].contains("% of the twist of one alone"),
+        "{found:?}"
+    );
 }
