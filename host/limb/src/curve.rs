@@ -30,6 +30,16 @@ impl StateCurve {
         Self { states, step_pa, limit_point_pa }
     }
 
+    /// A curve of other states for the nodes of this one, as many as there are, from the one at rest on.
+    pub(crate) fn with_states(&self, states: Vec<State<f64>>) -> Self {
+        Self { states, ..*self }
+    }
+
+    /// The pressure between two nodes, Pa.
+    pub(crate) fn step_pa(&self) -> f64 {
+        self.step_pa
+    }
+
     /// The highest pressure of the curve, gauge Pa.
     pub fn pressure_max_pa(&self) -> f64 {
         self.step_pa * (self.states.len() - 1) as f64
@@ -62,7 +72,7 @@ impl StateCurve {
             let pressure_pa = if at_high == at_low { low } else { low - at_low * (high - low) / (at_high - at_low) };
             let state = self.at(pressure_pa);
             let here = off(&state);
-            if here.abs() <= 1e-13 * whole || high - low <= 1e-12 * self.step_pa {
+            if here.abs() <= 1e-13 * whole || (high - low).abs() <= 1e-12 * self.step_pa {
                 return Some(state);
             }
             if here * at_high <= 0.0 {

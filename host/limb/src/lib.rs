@@ -10,9 +10,11 @@ mod curve;
 pub mod fabricate;
 mod limb;
 pub mod payload;
+mod restraint;
 pub mod statics;
 pub mod tolerance;
 pub mod workspace;
 
 pub use curve::StateCurve;
 pub use limb::{Limb, LimbModule, base_pose, measure, reference_max_pa};
+pub use restraint::TWIST_SHARE_MIN;

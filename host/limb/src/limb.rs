@@ -32,9 +32,12 @@ pub struct LimbModule {
     pub reference_max_pa: f64,
     /// The solver of one actuator.
     pub actuator: Actuator<f64>,
-    /// Its states over the pressure range.
+    /// Its states over the pressure range. Those of several twisting actuators are of the bundle as its plates hold it back
+    /// ([`StateCurve::restrained`]).
     pub curve: StateCurve,
     length_m: f64,
+    /// Stretches between plates.
+    bays: usize,
     arrangement: Arrangement<f64>,
     mount_angle_rad: f64,
     rigid_length_m: f64,
@@ -140,9 +143,19 @@ impl LimbModule {
         u8::try_from(self.channels.len()).unwrap_or(u8::MAX)
     }
 
+    /// Stretches between its plates: one more than its spacers.
+    pub fn bays(&self) -> usize {
+        self.bays
+    }
+
     /// Length of one actuator at rest, m.
     pub fn length_m(&self) -> f64 {
         self.length_m
+    }
+
+    /// Distance of its plates at rest, m.
+    pub fn bay_m(&self) -> f64 {
+        self.length_m / self.bays as f64
     }
 
     /// Direction it bends towards: rotation about the limb's axis, rad.
@@ -168,13 +181,14 @@ impl LimbModule {
         body.rigid(tool_m, self.tool_m.map_or(0.0, |(_, radius)| radius));
     }
 
-    /// The module's link in a state; a bundle that cannot take the twist keeps its rest shape.
+    /// The module's link in a state.
     pub fn link(&self, state: &State<f64>) -> Link<f64> {
-        let segment = Segment::of_bundle(self.motion, self.length_m, self.reach_m(), state).unwrap_or(Segment {
-            length_m: self.length_m,
-            bend_angle_rad: 0.0,
-            twist_rad: 0.0,
-        });
+        let [bend_angle_rad, twist_rad] = match self.motion {
+            Motion::Extension | Motion::Expansion => [0.0; 2],
+            Motion::Bending => [state.bend_angle_rad, 0.0],
+            Motion::Twisting => [0.0, state.twist_rad],
+        };
+        let segment = Segment { length_m: self.length_m * state.axial_stretch, bend_angle_rad, twist_rad };
         Link { segment, mount_angle_rad: self.mount_angle_rad, rigid_length_m: self.rigid_length_m }
     }
 }
@@ -269,21 +283,27 @@ fn build_module(
     let actuator = Actuator::new(&module.actuator()).map_err(|error: InvalidParameter<f64>| {
         scene.diagnostic(module.span, "the model cannot take this actuator", &error.to_string(), None)
     })?;
-    Ok(LimbModule {
+    let curve = StateCurve::new(&actuator, reference_max_pa(*module.pressure_max_pa));
+    let mut built = LimbModule {
         name: module.name.to_string(),
         motion: *module.motion,
         kind: module.setpoint_kind,
         channels,
         pressure_max_pa: *module.pressure_max_pa,
         reference_max_pa: reference_max_pa(*module.pressure_max_pa),
-        curve: StateCurve::new(&actuator, reference_max_pa(*module.pressure_max_pa)),
+        curve,
         actuator,
         length_m: *module.length_m,
+        bays: usize::from(module.spacers) + 1,
         arrangement: module.arrangement,
         mount_angle_rad: module.mount_angle_rad,
         rigid_length_m: scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
         tool_m,
-    })
+    };
+    if built.is_restrained() {
+        built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), built.bay_m());
+    }
+    Ok(built)
 }
 
 /// Where a device stops its reference: 3 kPa, at most a tenth, below the limit (`protocol/SPEC.md`, ConfigChannel).

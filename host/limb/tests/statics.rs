@@ -9,6 +9,7 @@ mod shooting;
 mod springs;
 mod tiers;
 mod tubes;
+mod twists;
 
 use nalgebra::{Isometry3, Matrix4, Vector3, Vector4};
 use softlimb_limb::statics::{Piece, Rod};

@@ -6,6 +6,7 @@ use fra_model::{State, Target, Tracker};
 
 use super::plan::Plan;
 use softlimb_limb::LimbModule;
+use softlimb_scene::SetpointKind;
 
 /// Largest difference of its pressures from those of the plan, as a share of the highest: about what the valves can do.
 const ERROR_MAX: f64 = 3e-3;
@@ -15,6 +16,8 @@ const ERROR_MAX: f64 = 3e-3;
 pub(super) enum NotFollowed {
     /// Its actuator has no closed forms.
     NoClosedForms,
+    /// Plates hold its actuators back, and the device solves one alone.
+    Restrained,
     /// On the way of the plan it finds no pressure, or another one.
     EquilibriumError {
         /// Where the plan is then, gauge Pa.
@@ -28,6 +31,7 @@ impl fmt::Display for NotFollowed {
             Self::NoClosedForms => {
                 f.write_str("the device solves straight, neo-Hookean tubes, bare or wound with a sheet")
             }
+            Self::Restrained => f.write_str("the device solves an actuator alone, and plates hold these back"),
             Self::EquilibriumError { pressure_pa } => {
                 write!(f, "the device loses its way at {:.2} kPa", pressure_pa * 1e-3)
             }
@@ -36,8 +40,14 @@ impl fmt::Display for NotFollowed {
 }
 
 /// Whether a device has a model of a module at all.
-pub(super) fn has_model(module: &LimbModule) -> bool {
-    tracker(module).is_some()
+///
+/// # Errors
+/// [`NotFollowed`] where it has none.
+pub(super) fn has_model(module: &LimbModule) -> Result<(), NotFollowed> {
+    if module.is_restrained() && module.kind != SetpointKind::Pressure {
+        return Err(NotFollowed::Restrained);
+    }
+    tracker(module).map(|_| ()).ok_or(NotFollowed::NoClosedForms)
 }
 
 fn tracker(module: &LimbModule) -> Option<Tracker<f32>> {

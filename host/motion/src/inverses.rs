@@ -96,7 +96,7 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
             (Ok(tables), None) => Ok(ModuleInverse::Table(tables)),
             (Ok(tables), Some(calibration)) => Ok(ModuleInverse::Section(tables, calibration)),
             (Err(reason), calibration) if controller.inverse == InverseChoice::Table || calibration.is_some() => {
-                Err(refused(scene, index, &reason, has_model(module)))
+                Err(refused(scene, index, &reason, has_model(module).is_ok()))
             }
             (Err(reason), _) => by_model(scene, module, index, Some(reason)),
         }
@@ -156,10 +156,9 @@ fn by_model(
     index: usize,
     reason: Option<NoTable>,
 ) -> Result<ModuleInverse, SceneError> {
-    if has_model(module) {
-        Ok(ModuleInverse::Model(reason))
-    } else {
-        Err(not_followed(scene, index, NotFollowed::NoClosedForms, reason))
+    match has_model(module) {
+        Ok(()) => Ok(ModuleInverse::Model(reason)),
+        Err(why) => Err(not_followed(scene, index, why, reason)),
     }
 }
 

@@ -111,24 +111,19 @@ fn place(
         twist_rad: segment.twist_rad * share,
     };
     let arc = |segment| Arc::from(&scaled(segment));
-    let local = arc(link.segment).change(&arc(segment_slope(module, state, slope, &link.segment)));
+    let local = arc(link.segment).change(&arc(segment_slope(module, slope)));
     let at = (start * link.pose_at(share)).translation.vector;
     (at, Twist { velocity: mount * local.velocity, rotation: mount * local.rotation })
 }
 
-/// Derivative of a module's centre line by its pressure, 1/Pa; that of [`Segment::of_bundle`].
-fn segment_slope(module: &LimbModule, state: &State<f64>, slope: &State<f64>, segment: &Segment<f64>) -> Segment<f64> {
-    let (length, reach) = (module.length_m(), module.reach_m());
-    let straight = Segment { length_m: length * slope.axial_stretch, bend_angle_rad: 0.0, twist_rad: 0.0 };
-    match module.motion {
-        Motion::Extension | Motion::Expansion => straight,
-        Motion::Bending => Segment { bend_angle_rad: slope.bend_angle_rad, ..straight },
-        Motion::Twisting => {
-            let along = length * length * state.axial_stretch * slope.axial_stretch;
-            let around = reach * reach * state.twist_rad * slope.twist_rad;
-            Segment { length_m: (along - around) / segment.length_m, bend_angle_rad: 0.0, twist_rad: slope.twist_rad }
-        }
-    }
+/// Derivative of a module's centre line by its pressure, 1/Pa; that of [`LimbModule::link`].
+fn segment_slope(module: &LimbModule, slope: &State<f64>) -> Segment<f64> {
+    let [bend_angle_rad, twist_rad] = match module.motion {
+        Motion::Extension | Motion::Expansion => [0.0; 2],
+        Motion::Bending => [slope.bend_angle_rad, 0.0],
+        Motion::Twisting => [0.0, slope.twist_rad],
+    };
+    Segment { length_m: module.length_m() * slope.axial_stretch, bend_angle_rad, twist_rad }
 }
 
 /// How the tip moves, m/Pa, and the module's setpoint, per Pa, with the pressure of each module.

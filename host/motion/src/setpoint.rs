@@ -3,6 +3,7 @@
 use fra_model::{Load, State, Status};
 
 use softlimb_limb::LimbModule;
+use softlimb_scene::SetpointKind;
 
 /// Reason why a module has no state at a setpoint. Pressures are gauge, Pa.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,9 @@ pub(super) enum NoState {
 /// # Errors
 /// [`NoState`].
 pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> Result<State<f64>, NoState> {
+    if module.is_restrained() {
+        return held_back(module, value);
+    }
     let none = Load::none();
     let solution = match module.target(value) {
         Some(target) => module.actuator.inverse_from(start, target, &none),
@@ -39,4 +43,34 @@ pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> R
         return Err(NoState::OverPressure(pressure_pa));
     }
     Ok(solution.state)
+}
+
+/// The state of a module whose plates hold its actuators back: by its curve, which is the model of the bundle.
+fn held_back(module: &LimbModule, value: f64) -> Result<State<f64>, NoState> {
+    let (rest, end) = module.range();
+    let within = module.kind != SetpointKind::Pressure || value <= end * (1.0 + 1e-9);
+    let found = module.state_at(value).filter(|_| within);
+    if let Some(state) = found {
+        let vacuum = module.kind == SetpointKind::Pressure && value < -1.0;
+        return if vacuum { Err(NoState::Vacuum(value)) } else { Ok(state) };
+    }
+    let (pressure_pa, share) = module.twist_share().unwrap_or_default();
+    let why = if (value - rest) * (end - rest) < 0.0 {
+        format!("`{}` moves the other way", module.name)
+    } else if pressure_pa < module.reference_max_pa * (1.0 - 1e-9) {
+        format!(
+            "plates hold the actuators of `{}` back: it ends at {:.2} kPa, where they lean too far or touch, with {:.0} % of the twist of one alone",
+            module.name,
+            pressure_pa * 1e-3,
+            100.0 * share
+        )
+    } else {
+        format!(
+            "plates hold the actuators of `{}` back: at {:.2} kPa it has {:.0} % of the twist of one alone",
+            module.name,
+            pressure_pa * 1e-3,
+            100.0 * share
+        )
+    };
+    Err(NoState::Invalid(why))
 }

@@ -35,7 +35,7 @@ impl Check {
         let highest = highest_pressures(&sent);
         let margins = motion::margins(&scene, &limb, &sent)?;
         let too_small = check_margins::warnings(&scene, &limb, &plan, &margins);
-        let warnings = [plan.warnings.clone(), scene.winding_warnings(), too_small].concat();
+        let warnings = [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small].concat();
         let air = motion::air_demand(&scene, &limb, &sent);
         let known = Known {
             scene: &scene,

@@ -22,7 +22,7 @@ pub struct CurvePoint {
     pub volume_m3: f64,
 }
 
-/// The curve of one module's actuator.
+/// The curve of one module's actuator, or of its bundle where plates hold its actuators back.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
     /// Name of the module.
@@ -43,6 +43,9 @@ pub fn curves(limb: &Limb, steps: usize) -> Vec<Curve> {
 }
 
 fn curve(module: &LimbModule, steps: usize) -> Curve {
+    if module.is_restrained() {
+        return held_back(module, steps);
+    }
     let mut points = vec![point(&module.actuator.rest())];
     let mut limit_pressure_pa = None;
     for step in 1..=steps {
@@ -58,6 +61,19 @@ fn curve(module: &LimbModule, steps: usize) -> Curve {
     }
     let (motion, equations) = (module.motion.name(), equations(module.motion));
     Curve { module: module.name.clone(), motion, equations, points, limit_pressure_pa }
+}
+
+/// The same of a bundle whose plates hold its actuators back, up to the end of its curve.
+fn held_back(module: &LimbModule, steps: usize) -> Curve {
+    let pressures_pa = (0..=steps).map(|step| module.pressure_max_pa * step as f64 / steps as f64);
+    let followed = pressures_pa.take_while(|pressure_pa| *pressure_pa <= module.curve.pressure_max_pa());
+    Curve {
+        module: module.name.clone(),
+        motion: module.motion.name(),
+        equations: "tubes between plates, each from one strain energy",
+        points: followed.map(|pressure_pa| point(&module.curve.at(pressure_pa))).collect(),
+        limit_pressure_pa: module.curve.limit_point_pa(),
+    }
 }
 
 /// The model's equations for a motion.

@@ -3,8 +3,27 @@
 use fra_model::{Arrangement, Fiber, Motion, Placement};
 
 use crate::actuators::{Bounds, GeometryBounds, Segment, Sizes, Winding};
-use softlimb_limb::reference_max_pa;
+use softlimb_limb::{Limb, reference_max_pa};
 use softlimb_scene::{Located, Module, ModuleBounds, Scene, SceneError};
+
+/// Refuses modules whose plates hold their actuators back: these searches size an actuator alone, and the bundle does not do as one of them.
+///
+/// # Errors
+/// A diagnostic at the first such module, with the share of the twist that it reaches as it is.
+pub(super) fn refuse_restrained(scene: &Scene, limb: &Limb) -> Result<(), SceneError> {
+    let mut modules = scene.modules().iter().zip(limb.modules());
+    let Some((module, built)) = modules.find(|(_, built)| built.is_restrained()) else { return Ok(()) };
+    let title = format!("the twisting actuators of `{}` hold each other back", *module.name);
+    let reaches = built.twist_share().map_or(String::new(), |(pressure_pa, share)| {
+        format!(
+            "; as written this bundle has {:.0} % of the twist of one alone at {:.2} kPa",
+            100.0 * share,
+            1e-3 * pressure_pa
+        )
+    });
+    let label = format!("this design sizes one actuator alone{reaches}");
+    Err(scene.diagnostic(module.span, &title, &label, Some("`actuators = 1`: one on the axis twists freely")))
+}
 
 /// A module's motion, material, winding and bounds, without goals. `bounds` are those of `[design]`; what has none keeps its value.
 ///

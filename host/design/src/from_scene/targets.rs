@@ -2,7 +2,7 @@
 
 use fra_model::Motion;
 
-use super::space::segment;
+use super::space::{refuse_restrained, segment};
 use crate::actuators as fit;
 use crate::actuators::{Problem, SegmentAnswer};
 use softlimb_limb::Limb;
@@ -16,10 +16,10 @@ const PER_RAD2: f64 = 1e4;
 /// yet may do as it likes.
 ///
 /// # Errors
-/// A diagnostic at a target that eq. (14) has no term for, and those of the bounds and of [`Limb::new`].
+/// A diagnostic at a target that eq. (14) has no term for, at a module whose actuators plates hold back, and those of the bounds and of [`Limb::new`].
 pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
     // A bundle that holds itself is refused before it is searched for.
-    Limb::new(scene)?;
+    refuse_restrained(scene, &Limb::new(scene)?)?;
     let open = ModuleBounds::default();
     let bounds = |index: usize| scene.design().and_then(|design| design.modules.get(index)).unwrap_or(&open);
     let mut segments = Vec::with_capacity(scene.modules().len());

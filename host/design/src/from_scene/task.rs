@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use fra_model::Motion;
 
 use super::error::BriefError;
-use super::space::segment;
+use super::space::{refuse_restrained, segment};
 use crate::synthesis::{Aim, Candidate, Direction, Obstacle, Space, Task, WayPoint};
 use softlimb_limb::{Limb, base_pose};
 use softlimb_scene::collision::Shape;
@@ -30,16 +30,11 @@ pub struct Tasked {
 /// The task of a scene: its way-points, regions and obstacles, with its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase whose goal is none for the tip, at a module with another number of actuators than the first, and those of the bounds and of [`Limb::new`].
+/// A diagnostic at a phase whose goal is none for the tip, at a module whose actuators plates hold back, and those of the bounds and of
+/// [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     // A bundle that holds itself is refused before it is searched for.
-    Limb::new(scene)?;
-    let modules = scene.modules();
-    let actuators = modules[0].actuators;
-    if let Some(other) = (1..modules.len()).find(|index| modules[*index].actuators != actuators) {
-        let title = "a design for the tip needs modules with as many actuators each";
-        return Err(scene.diagnostic(modules[other].span, title, "this one differs from the first", None).into());
-    }
+    refuse_restrained(scene, &Limb::new(scene)?)?;
     let patterns = patterns(scene);
     let spaces = patterns.iter().map(|index| space(scene, *index)).collect::<Result<Vec<_>, _>>()?;
     let mut way_points = Vec::new();
@@ -52,7 +47,6 @@ pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     let plate_m = spaces.iter().map(|space| space.reach_m + widest(space)).fold(0.0, f64::max);
     let task = Task {
         base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up),
-        actuators: u32::from(actuators),
         connector_m: [limb.connector_length_m, plate_m],
         tool_m: tool.map_or([0.0; 2], |tool| [tool.length_m, tool.radius_m]),
         rigid_mass_kg: [limb.connector_mass_kg, tool.map_or(0.0, |tool| tool.mass_kg)],
@@ -90,6 +84,7 @@ fn space(scene: &Scene, index: usize) -> Result<Space, SceneError> {
     let own = module.mount_angle_rad;
     Ok(Space {
         segment: segment(scene, module, bounds)?,
+        actuators: module.actuators.into(),
         reach_m: module.reach_m(),
         mount_angle_rad: if free { [own - PI, own + PI] } else { [own; 2] },
         density_kg_per_m3: module.density_kg_per_m3,

@@ -41,6 +41,7 @@ pub(super) fn confirm(exact: &Exact, sections: &[Space]) -> Result<Candidate, Ta
         made.push(Made {
             section,
             density_kg_per_m3: space.density_kg_per_m3,
+            actuators: space.actuators,
             name: &space.segment.name,
             mount_angle_rad: layout.mount_angle_rad(&exact.place, module),
             rigid_m: task.connector_m[0] + if last { task.tool_m[0] } else { 0.0 },
@@ -110,21 +111,21 @@ fn figures(
         pressure_max_pa: most(|answer| answer.pressure_pa.iter().copied().fold(0.0, f64::max)),
         mass_kg: modules.iter().map(|module| module.mass_kg).sum::<f64>() + task.rigid_mass_kg[1],
         spare_clearance_m,
-        air_m3: air(task, made, shapes),
+        air_m3: air(made, shapes),
     }
 }
 
 /// Gas put in from rest through all way-points, as its volume at atmospheric pressure, m3: isothermal, and what is vented is lost.
-fn air(task: &Task, made: &[Made], shapes: &[Shape]) -> f64 {
+fn air(made: &[Made], shapes: &[Shape]) -> f64 {
     let free = |state: &State<f64>| state.volume_m3 * (state.pressure_pa + ATMOSPHERE_PA) / ATMOSPHERE_PA;
     let mut sum = 0.0;
     for (module, made) in made.iter().enumerate() {
         let mut before = free(&made.section.candidate.actuator.rest());
         for shape in shapes {
             let now = free(&shape.states[module]);
-            sum += (now - before).max(0.0);
+            sum += f64::from(made.actuators) * (now - before).max(0.0);
             before = now;
         }
     }
-    sum * f64::from(task.actuators)
+    sum
 }

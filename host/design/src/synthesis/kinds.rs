@@ -120,7 +120,8 @@ pub fn space(motion: Motion) -> Space {
             limit_margin: 0.05,
             goals: Vec::new(),
         },
-        reach_m: 25e-3,
+        actuators: if motion == Motion::Twisting { 1 } else { 3 },
+        reach_m: if motion == Motion::Twisting { 0.0 } else { 25e-3 },
         mount_angle_rad: [-PI, PI],
         density_kg_per_m3: 1080.0,
     }
@@ -129,7 +130,6 @@ pub fn space(motion: Motion) -> Space {
 fn empty_task(way_points: usize) -> Task {
     Task {
         base: Isometry3::identity(),
-        actuators: 3,
         connector_m: [15e-3, 40e-3],
         tool_m: [50e-3, 15e-3],
         rigid_mass_kg: [0.1, 0.2],

@@ -14,6 +14,7 @@ use softlimb_scene::collision::Body;
 pub(super) struct Made<'a> {
     pub(super) section: Section<'a>,
     pub(super) density_kg_per_m3: f64,
+    pub(super) actuators: u32,
     pub(super) name: &'a str,
     pub(super) mount_angle_rad: f64,
     pub(super) rigid_m: f64,
@@ -46,7 +47,7 @@ impl Made<'_> {
 
     pub(super) fn design(&self, task: &Task) -> ModuleDesign {
         let geometry = &self.section.candidate.geometry;
-        let elastomer = self.wall_volume_m3() * self.density_kg_per_m3 * f64::from(task.actuators);
+        let elastomer = self.wall_volume_m3() * self.density_kg_per_m3 * f64::from(self.actuators);
         ModuleDesign {
             name: self.name.to_owned(),
             motion: self.section.motion().into(),

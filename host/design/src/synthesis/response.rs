@@ -1,8 +1,7 @@
 //! What a section does between rest and the highest pressure it may be given.
 //!
 //! A module's deformation is written as a share `u` of what its section reaches: of the stretch, the outer radius, the bend or the twist
-//! between rest (0) and the cap (1). The cap is the highest pressure, the margin below the limit point, where the deformation turns back,
-//! or where the actuators of a twisting bundle lean too much. As a function of the deformation, and not of the pressure, the state stays
+//! between rest (0) and the cap (1). The cap is the highest pressure, the margin below the limit point, or where the deformation turns back. As a function of the deformation, and not of the pressure, the state stays
 //! smooth up to a limit point.
 
 use fra_model::{Motion, State};
@@ -16,11 +15,8 @@ pub(super) const FIELDS: usize = 5;
 /// Index of the outer radius.
 pub(super) const RADIUS: usize = 3;
 
-/// Sine of the most that the actuators of a twisting bundle lean over: 60 degrees.
-const MOST_LEAN: f64 = 0.866;
 /// Pressures at which a deformation that turns back is looked for.
 const SCANNED: usize = 32;
-const BISECTIONS: usize = 50;
 
 /// A section with the two ends of its range.
 pub(super) struct Section<'a> {
@@ -51,9 +47,6 @@ impl<'a> Section<'a> {
         let end =
             candidate.at(cap.pressure_pa, counts).ok_or_else(|| what("no equilibrium at its highest pressure"))?;
         let mut section = Self { rest: candidate.actuator.rest(), candidate, reach_m: space.reach_m, end };
-        if !section.straight_lean(&section.end) {
-            section.end = section.last(cap.pressure_pa, |section, state| section.straight_lean(state));
-        }
         if section.states(&[0.25, 0.5, 0.75]).is_none() {
             section.end = section.before_turning(cap.pressure_pa);
         }
@@ -62,25 +55,6 @@ impl<'a> Section<'a> {
 
     fn at(&self, pressure_pa: f64) -> Option<State<f64>> {
         self.candidate.at(pressure_pa, &mut Counts::default())
-    }
-
-    /// Whether the actuators of the bundle lean no more than they may.
-    fn straight_lean(&self, state: &State<f64>) -> bool {
-        let length_m = self.candidate.geometry.length_m * state.axial_stretch;
-        self.motion() != Motion::Twisting || self.reach_m * state.twist_rad.abs() <= MOST_LEAN * length_m
-    }
-
-    /// The last state up to a pressure for which a property that holds at rest still does.
-    fn last(&self, pressure_pa: f64, holds: impl Fn(&Self, &State<f64>) -> bool) -> State<f64> {
-        let (mut low, mut high) = (self.rest, pressure_pa);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low.pressure_pa + high);
-            match self.at(middle).filter(|state| holds(self, state)) {
-                Some(state) => low = state,
-                None => high = middle,
-            }
-        }
-        low
     }
 
     /// The last of evenly spaced states up to which the deformation goes one way.
@@ -157,10 +131,7 @@ impl<'a> Section<'a> {
         let (length, bend, twist) = match self.motion() {
             Motion::Extension | Motion::Expansion => (state.axial_stretch, 0.0, 0.0),
             Motion::Bending => (state.axial_stretch, bend, 0.0),
-            // Helices around the axis of the bundle keep `sqrt(l^2 - (d Phi)^2)` of their length `l`.
-            Motion::Twisting => {
-                ((state.axial_stretch.powi(2) - (self.reach_m * twist).powi(2)).max(0.0).sqrt(), 0.0, twist)
-            }
+            Motion::Twisting => (state.axial_stretch, 0.0, twist),
         };
         [length, bend, twist, state.outer_radius_m, state.pressure_pa]
     }

@@ -71,8 +71,6 @@ pub struct Obstacle {
 pub struct Task {
     /// Where the limb starts: it runs along `z`, and modules with a mount angle of zero bend towards `x`.
     pub base: Isometry3<f64>,
-    /// Actuators of a module.
-    pub actuators: u32,
     /// Length and radius of the rigid part behind every module, m; >= 0.
     pub connector_m: [f64; 2],
     /// Length and radius of the end effector, m; >= 0.
@@ -94,7 +92,10 @@ pub struct Task {
 pub struct Space {
     /// Motion, material, winding, bounds of the geometry and pressure; its goals are not used.
     pub segment: Segment,
-    /// Distance of the farthest actuator from the module's axis, m; >= 0.
+    /// Number of its actuators, 1 to 100.
+    pub actuators: u32,
+    /// Distance of the farthest actuator from the module's axis, m; >= 0, and 0 for a twisting module: plates hold twisting actuators back that stand
+    /// beside the axis.
     pub reach_m: f64,
     /// Bounds of the direction that it bends towards, rad about the limb's axis; a width of a full turn or more leaves it free.
     pub mount_angle_rad: Bounds,
@@ -181,7 +182,6 @@ impl Task {
     /// [`TaskError`] with place, field, value and allowed range of the first that is not accepted.
     pub fn check(&self) -> Result<(), TaskError> {
         let task = || "task".to_owned();
-        count("actuators", self.actuators as usize, 1..=100)?;
         at(task, finite("base position_m", &self.base.translation.vector))?;
         let rigid = [("connector_m", self.connector_m), ("tool_m", self.tool_m), ("rigid_mass_kg", self.rigid_mass_kg)];
         for (field, values) in rigid {
@@ -226,7 +226,11 @@ impl Space {
         let sizes = bounds.sizes.names().into_iter().zip(bounds.sizes_m);
         sizes.into_iter().try_for_each(|(name, range)| at(place, ordered(name, range, 0.0)))?;
         at(place, ordered("length_m", bounds.length_m, 0.0))?;
+        count("actuators", self.actuators as usize, 1..=100)?;
         at(place, non_negative("reach_m", self.reach_m))?;
+        if self.motion() == Motion::Twisting {
+            at(place, require(self.reach_m == 0.0, "reach_m", self.reach_m, "0 for a twisting module"))?;
+        }
         if self.motion() != Motion::Bending {
             at(place, ordered("fiber_angle_rad", bounds.angle_rad, -1.571))?;
         }

@@ -46,11 +46,11 @@ fn mass_and_air_are_those_of_tubes() {
     posed.task.obstacles.clear();
     posed.task.way_points.truncate(1);
     let found = design(&posed.task, &posed.spaces, &Budget::default()).unwrap();
-    let count = f64::from(posed.task.actuators);
     let mut mass = posed.task.rigid_mass_kg[1];
     let mut air = 0.0;
     for (index, module) in found.modules.iter().enumerate() {
         let [inner, outer] = [module.inner_radius_m, module.outer_radius_m];
+        let count = f64::from(posed.spaces[index].actuators);
         mass += count * PI * (outer * outer - inner * inner) * module.length_m * 1080.0 + posed.task.rigid_mass_kg[0];
         // From rest to the only way-point: what is inside at the end, less what was. An incompressible straight wall keeps its section.
         let answer = &found.way_points[0];

@@ -81,6 +81,9 @@ pub struct Mounted {
     pub point_m: Vector3<f64>,
     /// Its axis `a_i`, a unit vector towards the connector. Of a bending actuator the axis it bends about.
     pub axis: Vector3<f64>,
+    /// Force along the axis, N, and moment about it, N m, on the connector that do not come from the shape it is held in: those of plates
+    /// that hold a twisting actuator back.
+    pub restraint: Vector2<f64>,
 }
 
 /// What one actuator does at a pressure, and how that changes with it.
@@ -140,7 +143,7 @@ impl Mounted {
         }
         let norm = axis.norm();
         require(norm.is_finite() && norm > 0.0, "axis", norm, "a finite direction of length > 0")?;
-        Ok(Self { name: name.into(), actuator, hold, point_m, axis: axis / norm })
+        Ok(Self { name: name.into(), actuator, hold, point_m, axis: axis / norm, restraint: Vector2::zeros() })
     }
 
     /// What it does at a gauge pressure, Pa.
@@ -155,7 +158,7 @@ impl Mounted {
                     return Err(self.no_balance(pressure_pa));
                 }
                 let [force, torque] = held.by_pressure;
-                let load = Vector2::new(-held.force_n, -held.torque_nm);
+                let load = self.restraint - Vector2::new(held.force_n, held.torque_nm);
                 Ok(Push { pressure_pa, load, by_pressure: Vector2::new(-force, -torque) })
             }
             Hold::Bent { bend_angle_rad } => self.bend(pressure_pa, bend_angle_rad),

@@ -5,12 +5,12 @@
 //! one that bends. The rest, shear before all, is left to the walls, and the pose taken for what it is: how far a limb sags is no question here.
 
 use fra_model::{Motion, State, Status};
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector2, Vector3, Vector6};
 
 use super::bundle::{Bundle, Hold, Mounted, PayloadError, require};
 use super::capacity::{Linearised, LoadQuery, capacity};
 use super::program::Outcome;
-use crate::statics::{column_n, shear_n};
+use crate::statics::{Bundle as Tubes, column_n, shear_n};
 use crate::{Limb, LimbModule};
 use softlimb_scene::Scene;
 
@@ -102,7 +102,10 @@ pub fn limb_capacity(
             weight_moment_nm: station.constant.fixed_rows::<3>(3).norm(),
             arm_m: station.per_load.fixed_rows::<3>(3).norm(),
             critical_n,
-            ends_at_limit_point: module.curve.pressure_max_pa() < module.reference_max_pa * (1.0 - 1e-9),
+            ends_at_limit_point: module
+                .curve
+                .limit_point_pa()
+                .is_some_and(|limit_pa| limit_pa < module.reference_max_pa),
         });
         holding.question.bundles.push(station);
     }
@@ -169,19 +172,29 @@ fn station(
 ) -> Result<(Linearised, Option<f64>), PayloadError> {
     let count = module.channels.len();
     let bends = module.motion == Motion::Bending;
+    // Plates hold twisting actuators back: those are not in the state of their module.
+    let pressures_pa = vec![state.pressure_pa; count];
+    let held = module.is_restrained().then(|| Tubes::new(module, &pressures_pa, module.bays())).flatten();
+    let leaning = |i: usize| held.as_ref().and_then(|tubes| tubes.leaning(module.motion, i));
+    let [axial_stretch, twist_rad] = leaning(0).map_or([state.axial_stretch, state.twist_rad], |leaning| {
+        [leaning.stretch, leaning.twist_rad_per_m * module.length_m()]
+    });
     let hold = if bends {
         Hold::Bent { bend_angle_rad: state.bend_angle_rad }
     } else {
-        Hold::Straight { axial_stretch: state.axial_stretch, twist_rad: state.twist_rad }
+        Hold::Straight { axial_stretch, twist_rad }
     };
     let positions_m = module.positions_m();
     let mounted = |i: usize| {
         let point = Vector3::new(positions_m[i][0], positions_m[i][1], 0.0);
         let axis = if bends { Vector3::y() } else { Vector3::z() };
-        Mounted::new(&format!("{} {}", module.name, i + 1), module.actuator, hold, point, axis)
+        let mounted = Mounted::new(&format!("{} {}", module.name, i + 1), module.actuator, hold, point, axis)?;
+        let restraint =
+            leaning(i).map_or_else(Vector2::zeros, |leaning| Vector2::new(leaning.pull_n, -leaning.moment_nm));
+        Ok::<_, PayloadError>(Mounted { restraint, ..mounted })
     };
     let bundle = Bundle { actuators: (0..count).map(mounted).collect::<Result<_, _>>()? };
-    let critical_n = critical_n(module, state, spacers)?;
+    let critical_n = critical_n(module, state, [axial_stretch, twist_rad], spacers)?;
     let push_max = critical_n.map_or(f64::INFINITY, |critical_n| critical_n * buckling_share);
     let rows = match module.motion {
         Motion::Extension | Motion::Expansion => [false, false, true, true, true, false],
@@ -203,11 +216,16 @@ fn station(
 }
 
 /// As [`column_n`] has it, with `E I = (dN/dl) l (r_i^2 + r_o^2)/4`: the section as a ring whose axial stiffness is the model's own.
-fn critical_n(module: &LimbModule, state: &State<f64>, spacers: u32) -> Result<Option<f64>, PayloadError> {
+fn critical_n(
+    module: &LimbModule,
+    state: &State<f64>,
+    [axial_stretch, twist_rad]: [f64; 2],
+    spacers: u32,
+) -> Result<Option<f64>, PayloadError> {
     if module.motion == Motion::Bending {
         return Ok(None);
     }
-    let held = module.actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad)?;
+    let held = module.actuator.blocked(state.pressure_pa, axial_stretch, twist_rad)?;
     if held.status != Status::Solved {
         return Err(PayloadError::NoBalance { name: module.name.clone(), pressure_pa: state.pressure_pa });
     }

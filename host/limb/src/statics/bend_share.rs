@@ -61,7 +61,7 @@ impl BendShare {
 fn shape(positions_m: &[[f64; 2]], slack: &[bool], tube: impl Fn(bool) -> Tangent) -> Option<Vector2<f64>> {
     let (mut stiffness, mut force) = (Matrix2::zeros(), Vector2::zeros());
     for (at, is_slack) in positions_m.iter().zip(slack) {
-        let (own, rest) = energy(Motion::Bending, *at, &tube(*is_slack))?;
+        let (own, rest) = energy(Motion::Bending, *at, &tube(*is_slack));
         stiffness += own.fixed_view::<2, 2>(0, 0);
         force += (own * rest).fixed_rows::<2>(0);
     }

@@ -10,10 +10,16 @@
 use fra_model::Motion;
 use nalgebra::{Matrix4, Vector4};
 
+use super::restraint::{Leaning, equilibrium, tangent};
 use super::rod::Piece;
 use super::spring::{Spring, TubeStrain};
 use super::tube::{LINE, Tangent};
 use crate::LimbModule;
+
+/// Turns for the springs of twisting tubes without load, and the change of a strain up to which they are right, times the distance of plates where
+/// it is a rate.
+const TURNS: usize = 20;
+const CONVERGED: f64 = 1e-10;
 
 /// The shape of a bundle, per length at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +30,14 @@ pub struct Free {
     pub bend_rad_per_m: [f64; 2],
     /// Twist, rad/m.
     pub twist_rad_per_m: f64,
+}
+
+impl Free {
+    /// Stretch, bends and twist, as [`Bundle::stiffness`] has them.
+    fn strain(&self) -> Vector4<f64> {
+        let [x, y] = self.bend_rad_per_m;
+        Vector4::new(self.stretch, x, y, self.twist_rad_per_m)
+    }
 }
 
 /// How plates slide against each other in one direction, per force across the bundle.
@@ -78,29 +92,61 @@ impl Bundle {
     }
 
     /// The bundle of tubes at places of the section, m, by their models, with plates `bay_m` apart. `None` where their energy has no minimum.
+    ///
+    /// Twisting tubes beside the axis are held far from their free shape: their springs are about the shape that they have between the plates.
     pub fn of_springs(motion: Motion, springs: Vec<([f64; 2], Spring)>, bay_m: f64) -> Option<Self> {
-        let tubes = springs.iter().map(|(place, spring)| (*place, spring.tangent())).collect();
+        let tubes: Vec<_> = springs.iter().map(|(place, spring)| (*place, spring.tangent())).collect();
         let springs = springs.into_iter().map(|(_, spring)| spring).collect();
-        Some(Self { springs, ..Self::of_tubes(motion, tubes, bay_m)? })
+        let mut bundle = Self { springs, ..Self::of_tubes(motion, tubes, bay_m)? };
+        if !holds_back(motion, &bundle.tubes) {
+            return Some(bundle);
+        }
+        for _ in 0..TURNS {
+            let before = bundle.free.strain();
+            let tubes = bundle.tubes_at(motion, &before)?;
+            let rest = equilibrium(&tubes, bay_m, Some(&before))?;
+            bundle = Self { springs: bundle.springs, ..Self::about(rest, true, tubes, bay_m)? };
+            let change = bundle.free.strain() - before;
+            if change.x.abs().max(bay_m * change.fixed_rows::<3>(1).amax()) <= CONVERGED {
+                return Some(bundle);
+            }
+        }
+        None
     }
 
     /// The same bundle with its tubes' springs about strains of the bundle: stretch, bends and twist, as [`Bundle::stiffness`] has them.
     ///
     /// `None` where a tube has no stable equilibrium there, or where its tubes are linear springs.
     pub fn strained(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Self> {
+        let tubes = self.tubes_at(motion, strain)?;
+        let held = holds_back(motion, &tubes);
+        // The slide of leaning tubes is no linear spring either.
+        let rest = if held { tangent(&tubes, self.bay_m, strain)? } else { minimum(motion, &tubes)? };
+        Some(Self { springs: self.springs.clone(), ..Self::about(rest, held, tubes, self.bay_m)? })
+    }
+
+    /// Its tubes with their springs about strains of the bundle.
+    fn tubes_at(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Vec<([f64; 2], Tangent)>> {
         if self.springs.is_empty() {
             return None;
         }
         let mut known: Vec<(TubeStrain, &Spring, Tangent)> = Vec::new();
         let mut tubes = Vec::with_capacity(self.tubes.len());
-        for ((place, _), spring) in self.tubes.iter().zip(&self.springs) {
-            let own = tube_strain(motion, *place, strain);
+        let held = holds_back(motion, &self.tubes);
+        for ((place, tube), spring) in self.tubes.iter().zip(&self.springs) {
+            let own = if held {
+                let leaning = leaning(*place, tube, self.bay_m, strain)?;
+                [leaning.stretch, 0.0, leaning.twist_rad_per_m]
+            } else {
+                tube_strain(motion, *place, strain)
+            };
             let found = known.iter().find(|(strain, other, _)| *strain == own && other.is_like(spring));
-            let tangent = found.map(|(.., tangent)| *tangent).or_else(|| spring.tangent_at(&own))?;
+            let about = || if held { spring.wound_at(&own) } else { spring.tangent_at(&own) };
+            let tangent = found.map(|(.., tangent)| *tangent).or_else(about)?;
             known.push((own, spring, tangent));
             tubes.push((*place, tangent));
         }
-        Some(Self { springs: self.springs.clone(), ..Self::of_tubes(motion, tubes, self.bay_m)? })
+        Some(tubes)
     }
 
     /// Whether its tubes know their models.
@@ -110,21 +156,28 @@ impl Bundle {
 
     /// The bundle of tubes at places of the section, m, with plates `bay_m` apart. `None` where their energy has no minimum.
     pub fn of_tubes(motion: Motion, tubes: Vec<([f64; 2], Tangent)>, bay_m: f64) -> Option<Self> {
-        let (mut stiffness, mut force) = (Matrix4::zeros(), Vector4::zeros());
-        for ([x, y], tube) in &tubes {
-            let (own, rest) = energy(motion, [*x, *y], tube)?;
-            stiffness += own;
-            force += own * rest;
-        }
-        // Turning the plates takes it from where the tubes want to be: from the free twist, so that it is no force there.
-        let free = stiffness.cholesky()?.solve(&force);
+        let held = holds_back(motion, &tubes);
+        let rest = if held { equilibrium(&tubes, bay_m, None)? } else { minimum(motion, &tubes)? };
+        Self::about(rest, held, tubes, bay_m)
+    }
+
+    /// The same with its shape without load and the stiffness there; that of tubes that plates hold back has their slide.
+    fn about(
+        (free, mut stiffness): (Vector4<f64>, Matrix4<f64>),
+        held: bool,
+        tubes: Vec<([f64; 2], Tangent)>,
+        bay_m: f64,
+    ) -> Option<Self> {
         let long_m = free[0] * bay_m;
         let slides = slides(&stiffness, &tubes, long_m);
         let mean = |of: fn(&Slide) -> f64| 0.5 * (of(&slides[0]) + of(&slides[1]));
         let shear_n = 1.0 / mean(|slide| slide.tubes - slide.bends);
         let sway = 0.5 * (sway(&slides[0], 0, &tubes, long_m) + sway(&slides[1], 1, &tubes, long_m));
-        let turning = |([x, y], tube): &([f64; 2], Tangent)| slide_n(tube, mean_nm2(tube), long_m) * (x * x + y * y);
-        stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
+        if !held {
+            let turning =
+                |([x, y], tube): &([f64; 2], Tangent)| slide_n(tube, mean_nm2(tube), long_m) * (x * x + y * y);
+            stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
+        }
         let free = Free { stretch: free[0], bend_rad_per_m: [free[1], free[2]], twist_rad_per_m: free[3] };
         Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes, springs: Vec::new() })
     }
@@ -144,6 +197,12 @@ impl Bundle {
             rigid_m: 0.0,
             masses: Vec::new(),
         }
+    }
+
+    /// How a tube leans in the shape without load, where plates hold twisting tubes back; `None` for other tubes.
+    pub(crate) fn leaning(&self, motion: Motion, tube: usize) -> Option<Leaning> {
+        let (place, tangent) = self.tubes.get(tube).filter(|_| holds_back(motion, &self.tubes))?;
+        leaning(*place, tangent, self.bay_m, &self.free.strain())
     }
 
     /// Stretches between plates in a module of this length at rest, m.
@@ -195,15 +254,32 @@ fn sway(slide: &Slide, axis: usize, tubes: &[([f64; 2], Tangent)], long_m: f64) 
     0.5 * (mean * slide.tubes * slide.tubes - (1.2 * slide.bends + 2.0 * own) * slide.bends) / (own * own)
 }
 
-/// The square form of one tube and its minimum. A twisted bundle is shorter than its tubes, which are helices then.
-pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> Option<(Matrix4<f64>, Vector4<f64>)> {
+/// Whether plates hold tubes back from the twist that they have alone.
+fn holds_back(motion: Motion, tubes: &[([f64; 2], Tangent)]) -> bool {
+    motion == Motion::Twisting && tubes.iter().any(|([x, y], _)| *x != 0.0 || *y != 0.0)
+}
+
+fn leaning([x, y]: [f64; 2], tube: &Tangent, bay_m: f64, strain: &Vector4<f64>) -> Option<Leaning> {
+    Leaning::of(tube, x.hypot(y), bay_m, strain.x - strain.y * x - strain.z * y, strain.w)
+}
+
+/// Shape of least energy of tubes that plates do not hold back, and the stiffness of stretch, bends and twist.
+fn minimum(motion: Motion, tubes: &[([f64; 2], Tangent)]) -> Option<(Vector4<f64>, Matrix4<f64>)> {
+    let (mut stiffness, mut force) = (Matrix4::zeros(), Vector4::zeros());
+    for (place, tube) in tubes {
+        let (own, rest) = energy(motion, *place, tube);
+        stiffness += own;
+        force += own * rest;
+    }
+    Some((stiffness.cholesky()?.solve(&force), stiffness))
+}
+
+/// The square form of one tube and its minimum.
+pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> (Matrix4<f64>, Vector4<f64>) {
     // What turns and is not wound to turn is held by the others, as the kinematics have it.
     let (twist, coupling) =
         if motion == Motion::Twisting { (tube.twist_rad_per_m, tube.coupling_nm) } else { (0.0, 0.0) };
-    let around = twist * x.hypot(y);
-    let square = tube.stretch * tube.stretch - around * around;
-    let stretch = (square > 0.0).then(|| square.sqrt())?;
-    let rest = Vector4::new(stretch, tube.bend_rad_per_m, 0.0, twist);
+    let rest = Vector4::new(tube.stretch, tube.bend_rad_per_m, 0.0, twist);
     let mut own = Matrix4::from_diagonal(&Vector4::new(0.0, tube.bending_nm2, tube.across_nm2, tube.torsion_nm2));
     let arm = Vector4::new(1.0, -x, -y, 0.0);
     if motion == Motion::Bending {
@@ -213,12 +289,12 @@ pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> Option
         // Across, the walls at both sides count alone: a line goes slack where it is pushed.
         own[(2, 2)] += tube.axial_n / LINE * y * y;
         let rest = rest + Vector4::new(x * tube.bend_rad_per_m, 0.0, 0.0, 0.0);
-        return Some((own, rest));
+        return (own, rest);
     }
     own += arm * arm.transpose() * tube.axial_n;
     let turn = Vector4::new(0.0, 0.0, 0.0, coupling);
     own += arm * turn.transpose() + turn * arm.transpose();
-    Some((own, rest))
+    (own, rest)
 }
 
 /// Strains of a tube at a place of the section, m, where its bundle has these.

@@ -15,6 +15,7 @@ mod load;
 mod newton_step;
 mod plates;
 mod response;
+mod restraint;
 mod rod;
 mod settled;
 mod solve;

@@ -32,6 +32,12 @@ impl Spring {
         Some(Self { actuator: *actuator, pressure_pa, crept: [0.0; 3], free })
     }
 
+    /// The tube of an actuator in a state without load; `None` where that is not stable.
+    pub(crate) fn at(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Self> {
+        let free = Tangent::at(actuator, state)?;
+        Some(Self { actuator: *actuator, pressure_pa: state.pressure_pa, crept: [0.0; 3], free })
+    }
+
     /// The same tube with another shape without load, that of `state`: one that has crept.
     pub fn about(mut self, state: &State<f64>) -> Self {
         let free = self.free.about(state, self.actuator.parameters().length_m);
@@ -73,6 +79,27 @@ impl Spring {
         tangent.bend_rad_per_m += bend;
         tangent.twist_rad_per_m += twist;
         Some(tangent)
+    }
+
+    /// Springs of a twisting tube that plates hold at a strain: forces, torques and their slopes there are the model's. `None` where it has no stable
+    /// equilibrium.
+    pub(super) fn wound_at(&self, strain: &TubeStrain) -> Option<Tangent> {
+        let [stretch, twist] = [0, 2].map(|axis: usize| strain[axis] - self.crept[axis]);
+        let length_m = self.actuator.parameters().length_m;
+        let blocked = self.actuator.blocked(self.pressure_pa, stretch, twist * length_m).ok()?;
+        let [[axial, coupling], [_, torsion]] = blocked.stiffness.map(|row| row.map(|entry| entry * length_m));
+        let (force, torque, whole) = (blocked.force_n, blocked.torque_nm, axial * torsion - coupling * coupling);
+        let stable = blocked.status == Status::Solved && axial > 0.0 && whole > 0.0;
+        stable.then_some(Tangent {
+            stretch: strain[0] - (torsion * force - coupling * torque) / whole,
+            twist_rad_per_m: strain[2] - (axial * torque - coupling * force) / whole,
+            axial_n: axial,
+            torsion_nm2: torsion,
+            coupling_nm: coupling,
+            outer_radius_m: blocked.state.outer_radius_m,
+            // The bending stiffness stays that of the tube alone at its pressure: the lean of a tube is then one function of its bundle's strains.
+            ..self.free
+        })
     }
 
     fn stretched(&self, stretch: f64) -> Option<Tangent> {

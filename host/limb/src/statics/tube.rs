@@ -1,6 +1,6 @@
 //! One pressurised tube as a spring: its state without load, and the tangent of the model there.
 
-use fra_model::{Actuator, Load, Motion, Parameter, Solution, State, Status};
+use fra_model::{Actuator, Load, Motion, Parameter, State, Status};
 
 /// By how much stiffer than the wall the inextensible line of a bending actuator is taken to be.
 pub(super) const LINE: f64 = 100.0;
@@ -40,9 +40,14 @@ impl Tangent {
         let solution = actuator.forward(pressure_pa, &Load::none()).ok()?;
         let solved = solution.status == Status::Solved;
         solved.then_some(())?;
+        Self::at(actuator, &solution.state)
+    }
+
+    /// The tube in a state without load; `None` where that is not stable.
+    pub(super) fn at(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Self> {
         match actuator.parameters().motion {
-            Motion::Bending => bending(actuator, &solution),
-            Motion::Extension | Motion::Expansion | Motion::Twisting => straight(actuator, &solution),
+            Motion::Bending => bending(actuator, state),
+            Motion::Extension | Motion::Expansion | Motion::Twisting => straight(actuator, state),
         }
     }
 }
@@ -55,8 +60,8 @@ impl Tangent {
     }
 }
 
-fn straight(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangent> {
-    let (parameters, state) = (actuator.parameters(), &solution.state);
+fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
+    let parameters = actuator.parameters();
     let held = actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
@@ -76,8 +81,8 @@ fn straight(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangen
     .filter(|tangent| tangent.axial_n > 0.0 && tangent.torsion_nm2 > 0.0)
 }
 
-fn bending(actuator: &Actuator<f64>, solution: &Solution<f64>) -> Option<Tangent> {
-    let (parameters, state) = (actuator.parameters(), &solution.state);
+fn bending(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
+    let parameters = actuator.parameters();
     let by_moment = actuator.sensitivity(state, &Load::none(), Parameter::Torque).ok()?.bend_angle_rad;
     // The wall alone, under its hoops: no radius changes, so that its axial modulus is 4 mu.
     let modulus_pa = 4.0 * parameters.material.shear_modulus_pa();

@@ -1,16 +1,22 @@
 //! The linear route: exact derivatives of the tip by every wall, angle and modulus.
+//!
+//! Plates hold twisting actuators back by stiffnesses that change with walls and moduli: the shapes of such bundles are differenced.
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
+use fra_model::Actuator;
+use nalgebra::{Vector3, Vector4};
 
 use super::input::{Kind, Place, Varied};
-use super::made::change;
-use super::shape::{arc, chain, mount};
+use super::made::{change, made};
+use super::shape::{arc, chain, mount, shape};
 use super::study::{Nominal, Study, ToleranceError};
 use crate::LimbModule;
-use crate::statics::{responses, shape_change};
+use crate::fabricate::Tolerances;
+use crate::statics::{Spring, responses, shape_change};
 
+/// Steps of differences of shapes: of a fiber angle, rad, a wall, m, and a modulus, of itself.
+const STEPS: [(Kind, f64); 3] = [(Kind::Angle, 1e-4), (Kind::Wall, 1e-6), (Kind::Modulus, 1e-4)];
 /// Variance of a number that is uniform in -1 to 1.
 const VARIANCE: f64 = 1.0 / 3.0;
 
@@ -96,7 +102,11 @@ fn shapes(
     index: usize,
     module: &LimbModule,
     nominal: &Nominal,
-) -> Result<Vec<[nalgebra::Vector4<f64>; 3]>, String> {
+) -> Result<Vec<[Vector4<f64>; 3]>, String> {
+    if module.is_restrained() {
+        return differences(study, module, &study.places_m[index], nominal.state.pressure_pa)
+            .ok_or_else(|| "a bundle next to it has no equilibrium".to_owned());
+    }
     let mut changes = [[0.0; 3]; 3];
     for kind in Kind::ALL {
         changes[kind.index()] = change(&module.actuator, &nominal.state, kind, &study.settings.tolerances)
@@ -104,7 +114,44 @@ fn shapes(
     }
     let each = responses(module.motion, &study.places_m[index], &nominal.tangent)
         .ok_or_else(|| "its bundle has no stiffness".to_owned())?;
-    let places = study.places_m[index].iter().zip(each);
-    let own = |[x, y]: [f64; 2], by| shape_change(module.motion, x.hypot(y), &nominal.tangent, by);
-    Ok(places.map(|(place, response)| changes.map(|by| response * own(*place, by))).collect())
+    Ok(each.into_iter().map(|response| changes.map(|by| response * shape_change(module.motion, by))).collect())
+}
+
+/// The same by central differences; `None` where a bundle next to the nominal one has no equilibrium.
+fn differences(
+    study: &Study<'_>,
+    module: &LimbModule,
+    places_m: &[[f64; 2]],
+    pressure_pa: f64,
+) -> Option<Vec<[Vector4<f64>; 3]>> {
+    let parameters = module.actuator.parameters();
+    let tube = |steps: &Tolerances, place: &Place| {
+        Spring::new(&Actuator::new(&made(parameters, steps, place)).ok()?, pressure_pa)
+    };
+    // The same steps whatever the tolerances, so that the derivatives are.
+    let steps = Tolerances { angle_rad: STEPS[0].1, wall_m: STEPS[1].1, modulus: STEPS[2].1 };
+    let nominal = tube(&steps, &[0.0; 3])?;
+    let of = |actuator: usize, kind: Kind, side: f64| {
+        let mut off = [0.0; 3];
+        off[kind.index()] = side;
+        let off = tube(&steps, &off)?;
+        let tubes = places_m
+            .iter()
+            .enumerate()
+            .map(|(other, place)| (*place, if other == actuator { off.clone() } else { nominal.clone() }));
+        shape(module, tubes.collect())
+    };
+    let by = |actuator: usize, kind: Kind, step: f64| {
+        let slope = (of(actuator, kind, 1.0)? - of(actuator, kind, -1.0)?) / (2.0 * step);
+        Some(slope * kind.of(&study.settings.tolerances))
+    };
+    (0..places_m.len())
+        .map(|actuator| {
+            let mut each = [Vector4::zeros(); 3];
+            for (kind, step) in STEPS {
+                each[kind.index()] = by(actuator, kind, step)?;
+            }
+            Some(each)
+        })
+        .collect()
 }

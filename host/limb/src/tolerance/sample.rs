@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 
 use super::input::{Kind, Place, Varied};
 use super::linear::Linear;
-use super::shape::{free, tip};
+use super::shape::{arc, shape, tip};
 use super::study::Study;
 use crate::arc::Arc;
-use crate::statics::Tangent;
+use crate::statics::Spring;
 use softlimb_numerics::Random;
 
 /// Where the tip of one limb is in one pose.
@@ -40,7 +40,7 @@ pub fn sample(study: &Study<'_>, linear: &[Linear], count: usize, seed: u64, thr
 }
 
 /// Tubes of one actuator, by pressure; `None` where it has no equilibrium there.
-type Tubes = Vec<Option<Tangent>>;
+type Tubes = Vec<Option<Spring>>;
 
 struct Maker<'a> {
     study: &'a Study<'a>,
@@ -108,7 +108,7 @@ impl<'a> Maker<'a> {
         let of_module = |(module, (pressures, _)): (&crate::LimbModule, &(Vec<f64>, _))| {
             let tubes = |channel: usize| {
                 let actuator = self.study.made(module, &places[channel]);
-                let at = |pressure: &f64| Tangent::of(actuator.as_ref()?, *pressure);
+                let at = |pressure: &f64| Spring::new(actuator.as_ref()?, *pressure);
                 pressures.iter().map(at).collect()
             };
             module.channels.clone().map(tubes).collect()
@@ -146,7 +146,7 @@ impl<'a> Maker<'a> {
         let module = &self.study.limb.modules()[index];
         let at = self.pressures[index].1[pose];
         let places = self.study.places_m[index].iter();
-        let each: Option<Vec<_>> = places.zip(tubes).map(|(place, tubes)| Some((*place, tubes[at]?))).collect();
-        free(module, each?)
+        let each: Option<Vec<_>> = places.zip(tubes).map(|(place, tubes)| Some((*place, tubes[at].clone()?))).collect();
+        Some(arc(module, &shape(module, each?)?))
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector4};
 
 use crate::arc::Arc;
-use crate::statics::{Bundle, Tangent};
+use crate::statics::{Bundle, Spring};
 use crate::{Limb, LimbModule};
 
 /// The centre line of a module with a shape: stretch, bends towards its `x` and `y` (rad/m), twist (rad/m); or a change of both.
@@ -12,13 +12,12 @@ pub(super) fn arc(module: &LimbModule, shape: &Vector4<f64>) -> Arc {
     Arc { length_m: shape[0] * length_m, turn_rad: Vector3::new(-shape[2], shape[1], shape[3]) * length_m }
 }
 
-/// The free centre line of a module of tubes at their places; `None` where their energy has no minimum, as where a twisting tube leans
-/// over too far.
-pub(super) fn free(module: &LimbModule, tubes: Vec<([f64; 2], Tangent)>) -> Option<Arc> {
-    // The distance of plates is no matter of the free shape.
-    let bundle = Bundle::of_tubes(module.motion, tubes, module.length_m())?;
+/// Stretch, bends towards the module's `x` and `y` (rad/m) and twist (rad/m) without load of tubes at their places; `None` where their energy has no
+/// minimum, as where twisting tubes lean too far.
+pub(super) fn shape(module: &LimbModule, tubes: Vec<([f64; 2], Spring)>) -> Option<Vector4<f64>> {
+    let bundle = Bundle::of_springs(module.motion, tubes, module.bay_m())?;
     let [x, y] = bundle.free.bend_rad_per_m;
-    Some(arc(module, &Vector4::new(bundle.free.stretch, x, y, bundle.free.twist_rad_per_m)))
+    Some(Vector4::new(bundle.free.stretch, x, y, bundle.free.twist_rad_per_m))
 }
 
 /// Rotation from the frame of a module's tubes to that of the limb.

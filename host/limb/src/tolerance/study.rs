@@ -6,10 +6,10 @@ use thiserror::Error;
 
 use super::input::Place;
 use super::made::made;
-use super::shape::{free, tip};
+use super::shape::{arc, shape, tip};
 use crate::arc::Arc;
 use crate::fabricate::Tolerances;
-use crate::statics::Tangent;
+use crate::statics::{Spring, Tangent};
 use crate::{Limb, LimbModule};
 use softlimb_files::range::{OutOfRange, require};
 
@@ -137,9 +137,9 @@ impl<'a> Study<'a> {
 
 fn nominal(module: &LimbModule, places_m: &[[f64; 2]], pressure_pa: f64) -> Option<Nominal> {
     let solution = module.actuator.forward(pressure_pa, &Load::none()).ok()?;
-    let tangent = (solution.status == Status::Solved).then(|| Tangent::of(&module.actuator, pressure_pa))??;
-    let arc = free(module, places_m.iter().map(|place| (*place, tangent)).collect())?;
-    Some(Nominal { state: solution.state, tangent, arc })
+    let tube = (solution.status == Status::Solved).then(|| Spring::new(&module.actuator, pressure_pa))??;
+    let shape = shape(module, places_m.iter().map(|place| (*place, tube.clone())).collect())?;
+    Some(Nominal { state: solution.state, tangent: tube.tangent(), arc: arc(module, &shape) })
 }
 
 fn batches(limb: &Limb, shared: bool) -> Vec<usize> {

@@ -8,7 +8,7 @@ use super::bundle::Tubes;
 use super::fit::{Fit, fit};
 use super::lanes::Pack;
 use crate::LimbModule;
-use crate::statics::Tangent;
+use crate::statics::{Bundle, Tangent};
 
 /// Relative error that the polynomials are made to.
 const TOLERANCE: f64 = 1e-10;
@@ -180,8 +180,7 @@ type Made = (Shape, f64, f64);
 
 fn one_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
     let at = |share: f64| {
-        let tangent = Tangent::of(&module.actuator, share * pressure_max_pa)?;
-        let segment = segment(module, &tangent)?;
+        let segment = segment(module, share * pressure_max_pa)?;
         Some([segment.length_m, segment.bend_angle_rad, segment.twist_rad])
     };
     let Fit { powers, error } = fit(at, TOLERANCE)?;
@@ -189,15 +188,19 @@ fn one_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
     Some((Shape::One(powers), error, 1.5 * (end[1].abs() + end[2].abs()) + 0.1))
 }
 
-/// The centre line of the module with all actuators in one state.
-fn segment(module: &LimbModule, tangent: &Tangent) -> Option<Segment<f64>> {
-    let around = module.reach_m() * tangent.twist_rad_per_m;
-    let around = if module.motion == Motion::Twisting { around } else { 0.0 };
-    let square = tangent.stretch * tangent.stretch - around * around;
-    (square > 0.0).then(|| Segment {
-        length_m: module.length_m() * square.sqrt(),
-        bend_angle_rad: module.length_m() * tangent.bend_rad_per_m,
-        twist_rad: module.length_m() * tangent.twist_rad_per_m,
+/// The centre line of the module with all actuators at one pressure.
+fn segment(module: &LimbModule, pressure_pa: f64) -> Option<Segment<f64>> {
+    let [stretch, bend_rad_per_m, twist_rad_per_m] = if module.is_restrained() {
+        let free = Bundle::new(module, &vec![pressure_pa; module.channels.len()], module.bays())?.free;
+        [free.stretch, 0.0, free.twist_rad_per_m]
+    } else {
+        let tangent = Tangent::of(&module.actuator, pressure_pa)?;
+        [tangent.stretch, tangent.bend_rad_per_m, tangent.twist_rad_per_m]
+    };
+    Some(Segment {
+        length_m: module.length_m() * stretch,
+        bend_angle_rad: module.length_m() * bend_rad_per_m,
+        twist_rad: module.length_m() * twist_rad_per_m,
     })
 }
 

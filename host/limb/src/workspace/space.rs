@@ -16,9 +16,6 @@ use crate::{Limb, LimbModule};
 /// Most pressures of a box: the channels of a device.
 pub(super) const AXES_MAX: usize = 27;
 
-/// Sine of the most that the tubes of a twisting bundle lean over: 60 degrees.
-const MOST_LEAN: f64 = 0.866;
-
 /// What is free to choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
@@ -71,7 +68,7 @@ impl<'a> Workspace<'a> {
     pub fn new(limb: &'a Limb, command: Command) -> Result<Self, WorkspaceError> {
         let (mut modules, mut single, mut axes) = (Vec::new(), Vec::new(), Vec::new());
         for (index, module) in limb.modules().iter().enumerate() {
-            let pressure_max_pa = highest_pressure_pa(module);
+            let pressure_max_pa = module.curve.pressure_max_pa();
             let ends_at_limit = pressure_max_pa < module.reference_max_pa * (1.0 - 1e-9);
             let made = Module::new(module, pressure_max_pa, each(module, command));
             let made = made.ok_or_else(|| WorkspaceError::Module(module.name.clone()))?;
@@ -170,25 +167,6 @@ impl<'a> Workspace<'a> {
     }
 }
 
-/// The end of the module's curve, or the highest pressure below at which its bundle leans no more than it may.
-fn highest_pressure_pa(module: &LimbModule) -> f64 {
-    let end_pa = module.curve.pressure_max_pa();
-    let leans = |pressure_pa: f64| {
-        let state = module.curve.at(pressure_pa);
-        let length_m = module.length_m() * state.axial_stretch;
-        module.motion == Motion::Twisting && module.reach_m() * state.twist_rad.abs() > MOST_LEAN * length_m
-    };
-    if !leans(end_pa) {
-        return end_pa;
-    }
-    let (mut low, mut high) = (0.0, end_pa);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if leans(middle) { high = middle } else { low = middle }
-    }
-    low
-}
-
 fn each(module: &LimbModule, command: Command) -> bool {
     let straight = matches!(module.motion, Motion::Extension | Motion::Expansion);
     command == Command::Actuators && straight && module.channels.len() > 1
@@ -196,7 +174,7 @@ fn each(module: &LimbModule, command: Command) -> bool {
 
 /// Motion across a module, rigid parts included, by its bundle.
 fn free_pose(module: &LimbModule, pressures_pa: &[f64]) -> Option<Isometry3<f64>> {
-    let free = Bundle::new(module, pressures_pa, 1)?.free;
+    let free = Bundle::new(module, pressures_pa, module.bays())?.free;
     let [x, y] = free.bend_rad_per_m;
     let azimuth_rad = y.atan2(x);
     let segment = Segment {

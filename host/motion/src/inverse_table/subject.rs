@@ -19,6 +19,8 @@ pub struct Subject<'a> {
     pub kind: SetpointKind,
     /// Its states from zero to the highest pressure of the table.
     pub curve: &'a StateCurve,
+    /// Whether the curve is the model: that of a bundle whose plates hold its actuators back.
+    pub by_curve: bool,
     /// The bend in place of the actuator's own, if its setpoints are bend angles.
     pub bend: Option<BendPolynomial>,
 }
@@ -26,12 +28,13 @@ pub struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// The actuators of a module.
     pub fn of(module: &'a LimbModule) -> Self {
-        Self::new(&module.actuator, module.kind, &module.curve)
+        let alone = Self::new(&module.actuator, module.kind, &module.curve);
+        Self { by_curve: module.is_restrained(), ..alone }
     }
 
     /// An actuator by its own model.
     pub fn new(actuator: &'a Actuator<f64>, kind: SetpointKind, curve: &'a StateCurve) -> Self {
-        Self { actuator, kind, curve, bend: None }
+        Self { actuator, kind, curve, by_curve: false, bend: None }
     }
 
     /// The polynomial in place of the model, and the length it bends.
@@ -71,6 +74,9 @@ impl<'a> Subject<'a> {
             return Ok(bend.bend_rate_rad_per_m(pressure_pa) * length_m);
         }
         let start: State<f64> = self.curve.at(pressure_pa);
+        if self.by_curve {
+            return Ok(measure(self.kind, &start));
+        }
         match self.actuator.forward_from(&start, pressure_pa, &Load::none()) {
             Ok(solution) if solution.status == Status::Solved => Ok(measure(self.kind, &solution.state)),
             _ => Err(NoTable::NotSolved { pressure_pa }),

@@ -1,6 +1,6 @@
 //! From telemetry, plan and truth to the samples of the log.
 
-use fra_model::State;
+use fra_model::{Actuator, State};
 use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
 use softlimb_sim::plant::Truth;
 
@@ -155,8 +155,18 @@ fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
     module.curve.at(mean(pressures_pa).unwrap_or(0.0))
 }
 
-/// The state of a module that holds its actuators together: the mean of theirs.
+/// The state of a module that holds its actuators together: the mean of theirs, or where plates hold them back their equilibrium.
 fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
+    let members = || module.channels.clone().filter_map(|channel| truth.channels.get(channel));
+    let alone = members().map(|member| {
+        let actuator = Actuator::new(&member.parameters.actuator).ok()?;
+        Some((actuator, State { pressure_pa: member.pressure_pa, ..member.shape }))
+    });
+    let held = || module.held_back(&alone.collect::<Option<Vec<_>>>()?);
+    module.is_restrained().then(held).flatten().unwrap_or_else(|| mean_state(module, truth))
+}
+
+fn mean_state(module: &LimbModule, truth: &Truth) -> State<f64> {
     let members = module.channels.clone().filter_map(|channel| truth.channels.get(channel));
     // The shape lags the chamber by its creep; the pressure is the chamber's own.
     let mut shapes = members.map(|member| State { pressure_pa: member.pressure_pa, ..member.shape });

@@ -86,9 +86,9 @@ impl LoadedLimb {
                 } else {
                     let kg_per_m = piece.kg_per_m / bundle.tubes.len() as f64;
                     let alone = |(place, tangent): &([f64; 2], Tangent)| {
-                        Some(tube(*place, alone(self.motions[module], *place, tangent, kg_per_m)?))
+                        tube(*place, alone(self.motions[module], tangent, kg_per_m))
                     };
-                    bundle.tubes.iter().map(alone).collect::<Option<_>>()?
+                    bundle.tubes.iter().map(alone).collect()
                 };
                 bays.push(Bay {
                     module,
@@ -177,13 +177,12 @@ impl Strains {
     }
 }
 
-/// A tube of a bundle as a rod of its own. One that is wound about the axis has sections parallel to the plates.
-fn alone(motion: Motion, [x, y]: [f64; 2], tangent: &Tangent, kg_per_m: f64) -> Option<Piece> {
-    let (stiffness, _) = energy(motion, [0.0; 2], tangent)?;
-    let (_, rest) = energy(motion, [x, y], tangent)?;
-    Some(Piece {
+/// A tube of a bundle as a rod of its own, with sections parallel to the plates.
+fn alone(motion: Motion, tangent: &Tangent, kg_per_m: f64) -> Piece {
+    let (stiffness, rest) = energy(motion, [0.0; 2], tangent);
+    Piece {
         free: [rest[0], 0.0, 0.0, rest[3]],
-        free_shear: [-rest[3] * y, rest[3] * x],
+        free_shear: [0.0; 2],
         stiffness,
         shear_n: tangent.shear_n,
         sway: 0.0,
@@ -192,5 +191,5 @@ fn alone(motion: Motion, [x, y]: [f64; 2], tangent: &Tangent, kg_per_m: f64) -> 
         kg_per_m,
         rigid_m: 0.0,
         masses: Vec::new(),
-    })
+    }
 }
