@@ -31,7 +31,7 @@ fn main() {
             continue;
         };
         let searched = started.elapsed();
-        let poses = confirm(task, space, &found, 1e-3);
+        let poses = confirm(task, space, &found);
         let lacks: Vec<_> = poses.iter().flat_map(|pose| pose.lacks.iter().map(|lack| lack.name())).collect();
         let worst_m = poses.iter().map(|pose| pose.tip_error_m).fold(0.0, f64::max);
         let limb = &found.evaluation;

@@ -103,7 +103,7 @@ fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
     let design = loaded_design(&wanted).unwrap();
     let found = found(&wanted);
     assert!(found.reached, "{:?}", found.evaluation.lacks);
-    let poses = confirm(&design.task, &design.space, &found, 1e-3);
+    let poses = confirm(&design.task, &design.space, &found);
     let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
     let limb = Limb::new(&designed).unwrap();
     let bays: Vec<usize> = designed.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();

@@ -1,24 +1,27 @@
-//! The limb found, judged once more by the finest model that a tolerance needs, each pose followed from rest.
+//! The limb found, judged once more by the finest statics, tubes between plates, each pose followed from rest.
 
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::built::Built;
-use super::inverse::{Stand, nearest, reach};
+use super::inverse::{Reached, Stand, nearest, reach};
 use super::limits::{Margin, StandingLimits};
 use super::search::Found;
 use super::space::LimbSpace;
 use super::task::LoadedTask;
 use crate::synthesis::Aim;
-use softlimb_limb::statics::Standing;
+use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb, by_tubes};
 
 /// The tip counts as at its aim within this, m.
 pub const REACHED_M: f64 = 1e-4;
-/// Corrections of the aim by the tip offset of the finer model.
+/// Tubes are cut into as many pieces as change their tip by no more than this, m.
+const PIECES_M: f64 = 2e-5;
+/// Corrections of the aim by the tip offset of the tubes.
 const CORRECTIONS: usize = 6;
 /// Shares of a payload that a pose is judged with.
 const LOADS: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// A pose under load as the finest model has it: the worst of no, half and all payload.
+/// A pose under load by tubes between plates: the worst of no, half and all payload.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ConfirmedPose {
     /// Name of the phase.
@@ -31,8 +34,6 @@ pub struct ConfirmedPose {
     pub tip_error_m: f64,
     /// The tip, m.
     pub tip_m: [f64; 3],
-    /// The model.
-    pub model: &'static str,
     /// Load factor.
     pub load_factor: f64,
     /// Vertical stiffness of the tip, N/m.
@@ -51,40 +52,60 @@ pub struct ConfirmedPose {
     pub lacks: Vec<Margin>,
 }
 
-/// Judges the limb of a search by the cheapest model whose error is at most `tolerance`, a share of its length.
-pub fn confirm(task: &LoadedTask, space: &LimbSpace, found: &Found, tolerance: f64) -> Vec<ConfirmedPose> {
+/// Judges the limb of a search by tubes between plates, pose by pose, each followed from rest.
+pub fn confirm(task: &LoadedTask, space: &LimbSpace, found: &Found) -> Vec<ConfirmedPose> {
     let Some(built) = Built::new(task, space, &found.evaluation.sizes, 0.0) else { return Vec::new() };
-    (0..task.poses.len()).map(|index| confirm_pose(task, &built, found, index, tolerance)).collect()
+    (0..task.poses.len()).map(|index| confirm_pose(task, &built, found, index)).collect()
 }
 
-fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize, tolerance: f64) -> ConfirmedPose {
-    let (pose, state) = (&task.poses[index], &found.evaluation.poses[index]);
-    let (length_m, home) = (built.length_m, &found.evaluation.sizes.home);
-    let stand_at =
-        |shares: &[f64], kg: f64| -> Option<Standing> { built.loaded(shares, kg)?.stand(tolerance, length_m).ok() };
-    // By rods under the load of the move, then with the aim moved by the tip offset of the finer model.
-    let place = nearest(&pose.aim, &state.tip_m.into());
-    let corrected = |start: &Stand, kg: f64| {
-        let (mut here, mut aim_m) = (start.clone(), place);
-        let mut best: Option<(f64, Stand, Standing)> = None;
-        for _ in 0..CORRECTIONS {
-            let Ok((next, _)) = reach(built, &here, home, kg, &Aim::Point(aim_m)) else { break };
-            here = next;
-            let Some(fine) = stand_at(&here.shares, kg) else { break };
-            let off = place - nalgebra::Vector3::from(fine.tip_m);
-            aim_m += off;
-            let error_m = off.norm();
-            if best.as_ref().is_none_or(|(least, ..)| error_m < *least) {
-                best = Some((error_m, here.clone(), fine));
-            }
-            if error_m <= 0.1 * REACHED_M {
-                break;
-            }
+/// Tubes between plates at shares of the pressures.
+fn by_plates(built: &Built, shares: &[f64], kg: f64) -> Option<(LoadedLimb, Answer)> {
+    let limb = built.loaded(shares, kg)?;
+    let answer = by_tubes(&limb, PIECES_M / built.length_m, built.length_m)?;
+    Some((limb, answer))
+}
+
+/// Pressures with which tubes between plates have their tip at a place.
+struct Corrected {
+    stand: Stand,
+    error_m: f64,
+    tip_m: Vector3<f64>,
+}
+
+/// By rods, with the aim moved by the tip offset of the tubes until these are at the place.
+fn corrected(built: &Built, start: &Stand, (home, kg): (&[f64], f64), place_m: &Vector3<f64>) -> Option<Corrected> {
+    let (mut here, mut aim_m, mut jacobian) = (start.clone(), *place_m, None);
+    let mut best: Option<Corrected> = None;
+    for _ in 0..CORRECTIONS {
+        let Ok(next) = reach(built, &here, (home, kg), &Aim::Point(aim_m), jacobian.as_ref()) else { break };
+        (here, jacobian) = (next.stand, next.jacobian);
+        let Some((_, fine)) = by_plates(built, &here.shares, kg) else { break };
+        let tip_m = fine.tip().translation.vector;
+        let off = place_m - tip_m;
+        aim_m += off;
+        let error_m = off.norm();
+        if best.as_ref().is_none_or(|best| error_m < best.error_m) {
+            best = Some(Corrected { stand: here.clone(), error_m, tip_m });
         }
-        best
+        if error_m <= 0.1 * REACHED_M {
+            break;
+        }
+    }
+    best
+}
+
+fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -> ConfirmedPose {
+    let (pose, state) = (&task.poses[index], &found.evaluation.poses[index]);
+    let home = found.evaluation.sizes.home.as_slice();
+    let place_m = nearest(&pose.aim, &state.tip_m.into());
+    // Shares of a design are of pressures that keep its reserve, too.
+    let start = |reached: &Reached| {
+        let shares: Vec<f64> =
+            reached.stand.shares.iter().map(|share| (share / (1.0 + found.reserve)).clamp(0.0, 1.0)).collect();
+        Stand { shares, ..reached.stand.clone() }
     };
-    let moved = corrected(&state.stand, pose.move_kg);
-    let held = if pose.hold_kg == pose.move_kg { moved.clone() } else { corrected(&state.stand, pose.hold_kg) };
+    let moved = corrected(built, &start(&state.moved), (home, pose.move_kg), &place_m);
+    let held = corrected(built, &start(&state.held), (home, pose.hold_kg), &place_m);
     let payload_kg = pose.payload_kg();
     let mut answer = ConfirmedPose {
         name: pose.name.clone(),
@@ -92,7 +113,6 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize, t
         pressures_pa: state.pressures_pa.clone(),
         tip_error_m: f64::INFINITY,
         tip_m: state.tip_m,
-        model: "none",
         load_factor: 0.0,
         stiffness_n_per_m: 0.0,
         sag_m: f64::INFINITY,
@@ -102,26 +122,26 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize, t
         spare_m: state.spare_m.map(|(spare, _)| spare),
         lacks: Vec::new(),
     };
-    if let (Some((moved_error, moved, fine)), Some((held_error, held, _))) = (&moved, &held) {
-        answer.tip_error_m = moved_error.max(*held_error);
-        answer.tip_m = fine.tip_m;
-        answer.model = fine.answer.tier.name();
-        answer.pressures_pa = built.pressures_pa(&moved.shares);
-        let highest = moved.shares.iter().chain(&held.shares).copied().fold(0.0, f64::max);
+    if let (Some(moved), Some(held)) = (&moved, &held) {
+        answer.tip_error_m = moved.error_m.max(held.error_m);
+        answer.tip_m = moved.tip_m.into();
+        answer.pressures_pa = built.pressures_pa(&moved.stand.shares);
+        let highest = moved.stand.shares.iter().chain(&held.stand.shares).copied().fold(0.0, f64::max);
         answer.pressure_share = task.limits.pressure_share * highest;
         let loads: &[f64] = if payload_kg > 0.0 { &LOADS } else { &[0.0] };
-        let states: Vec<Option<Standing>> =
-            loads.iter().map(|share| stand_at(&held.shares, share * payload_kg)).collect();
-        if states.iter().all(Option::is_some) {
-            let states: Vec<&Standing> = states.iter().flatten().collect();
-            let least = |of: &dyn Fn(&Standing) -> f64| states.iter().map(|s| of(s)).fold(f64::INFINITY, f64::min);
-            answer.load_factor = least(&|state| state.load_factor);
-            answer.stiffness_n_per_m = least(&|state| state.stiffness_n_per_m.map_or(0.0, |axes| axes[2]));
-            answer.buckling_margin = least(&|state| state.buckling_margin);
-            answer.sag_m = -least(&|state| -state.sag_m);
+        let states = loads.iter().map(|share| by_plates(built, &held.stand.shares, share * payload_kg));
+        if let Some(states) = states.collect::<Option<Vec<_>>>() {
+            let least = |of: &dyn Fn(&(LoadedLimb, Answer)) -> f64| states.iter().map(of).fold(f64::INFINITY, f64::min);
+            answer.load_factor = least(&|(_, tubes)| tubes.load_factor());
+            answer.stiffness_n_per_m = least(&|(_, tubes)| tubes.compliance_m_per_n().map_or(0.0, |by| 1.0 / by[(2, 2)]));
+            answer.buckling_margin =
+                least(&|(_, tubes)| 1.0 / tubes.buckling.map_or(0.0, |tube| tube.ratio())).min(BUCKLING_MARGIN_MAX);
+            answer.sag_m = -least(&|(limb, tubes)| {
+                -(tubes.tip().translation.vector - limb.free_tip().translation.vector).norm()
+            });
         }
     }
-    answer.lacks = lacks(&task.limits, &answer, length_m);
+    answer.lacks = lacks(&task.limits, &answer, built.length_m);
     if state.turned_rad > 1e-3 {
         answer.lacks.push(Margin::Direction);
     }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::built::Built;
 use super::clearance::spare_m;
-use super::inverse::{Stand, reach};
+use super::inverse::{Reached, Stand, reach};
 use super::residuals::{Lack, of_pose};
 use super::space::{LimbSizes, LimbSpace};
 use super::task::{LoadedPose, LoadedTask};
@@ -13,6 +13,8 @@ use softlimb_limb::statics::{Bends, Rod, Shape, UNKNOWNS, solve};
 
 /// Shares of a payload that a pose is judged with; the limb found is judged with half of it, too.
 pub(super) const LOADS: [f64; 2] = [0.0, 1.0];
+/// A tip that is off by more than this when the mass changes hands counts as a load that is not carried, m.
+const LOST_M: f64 = 1e-3;
 /// Shares of the way between two poses that are looked at.
 const WAY: [f64; 3] = [0.25, 0.5, 0.75];
 /// Shares of the pressures that the first pose is sought from.
@@ -56,7 +58,10 @@ pub struct PoseState {
     pub not_carried: f64,
     /// Least clearance beyond the one asked for, in the pose and on the way to it, m, and the obstacle.
     pub spare_m: Option<(f64, usize)>,
-    pub(super) stand: Stand,
+    pub(super) moved: Reached,
+    pub(super) held: Reached,
+    unloaded: Option<Stand>,
+    ways: Vec<Option<Stand>>,
 }
 
 /// A limb judged.
@@ -90,26 +95,55 @@ pub fn evaluate(
     reserve: f64,
     warm: Option<&Evaluation>,
 ) -> Option<Evaluation> {
+    judge(task, space, sizes, reserve, warm.map(|warm| (warm, false)))
+}
+
+/// The same for a derivative, from the limb that it is the derivative at: its Jacobians of the tip are used, too.
+pub(super) fn evaluate_beside(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    sizes: &LimbSizes,
+    reserve: f64,
+    at: &Evaluation,
+) -> Option<Evaluation> {
+    judge(task, space, sizes, reserve, Some((at, true)))
+}
+
+fn judge(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    sizes: &LimbSizes,
+    reserve: f64,
+    warm: Option<(&Evaluation, bool)>,
+) -> Option<Evaluation> {
     let built = Built::new(task, space, sizes, reserve)?;
+    let home = sizes.home.as_slice();
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, pose) in task.poses.iter().enumerate() {
-        let near = warm.and_then(|warm| warm.poses.get(index)).map(|pose| &pose.stand);
-        let start = match (near, poses.last()) {
-            (Some(near), _) => near.clone(),
-            (None, Some(before)) => before.stand.clone(),
-            (None, None) => first(&built, sizes, pose.move_kg)?,
+        let near = warm.and_then(|(warm, beside)| Some((warm.poses.get(index)?, beside)));
+        let own = match near {
+            Some((near, beside)) => pose_state(&built, task, pose, &Start::Warm { near, beside }, (home, reserve)),
+            None => None,
         };
-        let found = pose_state(&built, task, pose, &start, (&sizes.home, reserve))
-            .or_else(|| pose_state(&built, task, pose, &poses.last()?.stand, (&sizes.home, reserve)))
-            .or_else(|| pose_state(&built, task, pose, &first(&built, sizes, pose.move_kg)?, (&sizes.home, reserve)))?;
+        let after = || pose_state(&built, task, pose, &Start::Cold(&poses.last()?.held.stand), (home, reserve));
+        let anew = || pose_state(&built, task, pose, &Start::Cold(&first(&built, sizes, pose.move_kg)?), (home, reserve));
+        let found = own.or_else(after).or_else(anew)?;
         poses.push(found);
     }
     if !task.obstacles.is_empty() && task.moves {
-        ways(&built, task, &mut poses);
+        ways(&built, task, &mut poses, warm.map(|(warm, _)| warm));
     }
     let lacks =
         poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, &built, index, state, reserve)).collect();
     Some(Evaluation { sizes: sizes.clone(), lacks, poses, mass_kg: built.mass_kg(), length_m: built.length_m })
+}
+
+/// Where a pose is sought from.
+enum Start<'a> {
+    /// A stand of the same limb in another pose.
+    Cold(&'a Stand),
+    /// The same pose of a limb of nearly the same sizes; of one just beside it, the Jacobians serve, too.
+    Warm { near: &'a PoseState, beside: bool },
 }
 
 fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {
@@ -117,58 +151,95 @@ fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {
     home.or_else(|| FIRST.iter().find_map(|share| Stand::at(built, &vec![*share; built.len()], kg, None).ok()))
 }
 
+/// The limb as its pose is reached.
+fn moved(built: &Built, pose: &LoadedPose, start: &Start<'_>, home: &[f64]) -> Option<Reached> {
+    let (stand, jacobian) = match start {
+        Start::Cold(stand) => (*stand, None),
+        Start::Warm { near, beside } => (&near.moved.stand, near.moved.jacobian.as_ref().filter(|_| *beside)),
+    };
+    reach(built, stand, (home, pose.move_kg), &pose.aim, jacobian).ok()
+}
+
+/// The limb as its pose is held, with the tip where it was moved to, and the share of the load that is not carried.
+fn held(built: &Built, pose: &LoadedPose, start: &Start<'_>, home: &[f64], moved: &Reached) -> (Reached, f64) {
+    if pose.hold_kg == pose.move_kg {
+        return (moved.clone(), 0.0);
+    }
+    let aim = Aim::Point(moved.stand.tip_m());
+    if let Start::Warm { near, beside } = start {
+        let jacobian = near.held.jacobian.as_ref().filter(|_| *beside);
+        if let Ok(held) = reach(built, &near.held.stand, (home, pose.hold_kg), &aim, jacobian)
+            && held.missing_m.norm() <= LOST_M
+        {
+            return (held, 0.0);
+        }
+    }
+    // The mass changes hands step by step, and the tip stays.
+    let (mut held, mut not_carried) = (moved.clone(), 0.0);
+    for part in [0.5, 1.0] {
+        let kg = pose.move_kg + part * (pose.hold_kg - pose.move_kg);
+        match reach(built, &held.stand, (home, kg), &aim, None) {
+            Ok(next) => {
+                let left_m = next.missing_m.norm();
+                not_carried += if left_m <= LOST_M { 0.0 } else { left_m / built.length_m * 10.0 };
+                held = next;
+            }
+            Err(_) => not_carried += 0.5,
+        }
+    }
+    (held, not_carried)
+}
+
 fn pose_state(
     built: &Built,
     task: &LoadedTask,
     pose: &LoadedPose,
-    start: &Stand,
+    start: &Start<'_>,
     (home, reserve): (&[f64], f64),
 ) -> Option<PoseState> {
-    let (moved, missing_m) = reach(built, start, home, pose.move_kg, &pose.aim).ok()?;
-    let mut not_carried = 0.0;
-    let held = if pose.hold_kg == pose.move_kg {
-        moved.clone()
-    } else {
-        // The mass changes hands step by step, and the tip stays.
-        let aim = Aim::Point(moved.tip_m());
-        let mut held = moved.clone();
-        for part in [0.5, 1.0] {
-            let kg = pose.move_kg + part * (pose.hold_kg - pose.move_kg);
-            match reach(built, &held, home, kg, &aim) {
-                Ok((next, left)) if left.norm() <= 1e-3 => held = next,
-                Ok((next, left)) => {
-                    not_carried += left.norm() / built.length_m * 10.0;
-                    held = next;
-                }
-                Err(_) => not_carried += 0.5,
-            }
-        }
-        held
-    };
-    let spare_m = spare_m(built, task, &moved, pose.carried.as_ref());
+    let moved = moved(built, pose, start, home)?;
+    let (held, mut not_carried) = held(built, pose, start, home, &moved);
+    let spare_m = spare_m(built, task, &moved.stand, pose.carried.as_ref());
     let mut loads = Vec::with_capacity(LOADS.len());
+    let mut unloaded = None;
     let payload_kg = pose.payload_kg();
     let enough = task.limits.load_factor * (1.0 + reserve);
     for share in LOADS.iter().skip(if payload_kg > 0.0 { 0 } else { LOADS.len() - 1 }) {
-        match load_state(built, &held, share * payload_kg, enough) {
-            Some(state) => loads.push(state),
+        let kg = share * payload_kg;
+        let near = match start {
+            Start::Warm { near, .. } => near.unloaded.as_ref().filter(|_| *share == 0.0),
+            Start::Cold(_) => None,
+        };
+        let stand = if kg == pose.hold_kg {
+            Ok(held.stand.clone())
+        } else {
+            Stand::at(built, &held.stand.shares, kg, Some(near.unwrap_or(&held.stand)))
+        };
+        match stand.ok().and_then(|stand| Some((load_state(built, &stand, kg, enough)?, stand))) {
+            Some((state, stand)) => {
+                loads.push(state);
+                unloaded = unloaded.or((*share == 0.0).then_some(stand));
+            }
             None => not_carried += 1.0 / LOADS.len() as f64,
         }
     }
-    let axis = moved.shape.tip().rotation * Vector3::z();
+    let axis = moved.stand.shape.tip().rotation * Vector3::z();
     let turned_rad =
         pose.direction.map_or(0.0, |direction| (axis.angle(&direction.axis) - direction.tolerance_rad).max(0.0));
     Some(PoseState {
-        pressures_pa: built.pressures_pa(&held.shares),
-        shares: moved.shares.iter().zip(&held.shares).map(|(a, b)| a.max(*b)).collect(),
-        tip_m: moved.tip_m().into(),
-        missing_m,
+        pressures_pa: built.pressures_pa(&held.stand.shares),
+        shares: moved.stand.shares.iter().zip(&held.stand.shares).map(|(a, b)| a.max(*b)).collect(),
+        tip_m: moved.stand.tip_m().into(),
+        missing_m: moved.missing_m,
         turned_rad,
         tilt_rad: axis.angle(&-Vector3::z()),
         loads,
         not_carried,
         spare_m,
-        stand: held,
+        moved,
+        held,
+        unloaded,
+        ways: Vec::new(),
     })
 }
 
@@ -178,8 +249,7 @@ fn load_factor(rod: &Rod, shape: &Shape, enough: f64) -> f64 {
     if reached { enough } else { shape.load_factor(rod, Bends::Linear) }
 }
 
-fn load_state(built: &Built, held: &Stand, kg: f64, enough: f64) -> Option<LoadState> {
-    let stand = Stand::at(built, &held.shares, kg, Some(held)).ok()?;
+fn load_state(built: &Built, stand: &Stand, kg: f64, enough: f64) -> Option<LoadState> {
     let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
     let compliance = shape.compliance_m_per_n(rod, Bends::Linear)?[(2, 2)];
     let bends = rod.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)).enumerate();
@@ -195,21 +265,25 @@ fn load_state(built: &Built, held: &Stand, kg: f64, enough: f64) -> Option<LoadS
     })
 }
 
-/// Clearance on straight ways in the pressures, under what is carried on them.
-fn ways(built: &Built, task: &LoadedTask, poses: &mut [PoseState]) {
+/// Clearance on straight ways in the pressures, under what is carried on them: from rest to the first pose, and from each to the next.
+fn ways(built: &Built, task: &LoadedTask, poses: &mut [PoseState], warm: Option<&Evaluation>) {
     for index in 0..poses.len() {
         let (kg, carried) = (task.poses[index].move_kg, task.poses[index].carried);
-        let to = poses[index].stand.shares.clone();
-        let from =
-            index.checked_sub(1).map_or_else(|| vec![0.0; to.len()], |before| poses[before].stand.shares.clone());
-        let mut last = index.checked_sub(1).map(|before| poses[before].stand.clone());
-        for share in WAY {
+        let to = poses[index].moved.stand.shares.clone();
+        let before = index.checked_sub(1).map(|before| poses[before].held.stand.clone());
+        let from = before.as_ref().map_or_else(|| vec![0.0; to.len()], |before| before.shares.clone());
+        let mut last = before;
+        for (at, share) in WAY.iter().enumerate() {
             let shares: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + share * (b - a)).collect();
-            let Ok(stand) = Stand::at(built, &shares, kg, last.as_ref()) else { continue };
-            let found = spare_m(built, task, &stand, carried.as_ref());
-            let least = [poses[index].spare_m, found].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-            poses[index].spare_m = least;
-            last = Some(stand);
+            let near = warm.and_then(|warm| warm.poses.get(index)?.ways.get(at)?.as_ref());
+            let stand = Stand::at(built, &shares, kg, near.or(last.as_ref())).ok();
+            if let Some(stand) = &stand {
+                let found = spare_m(built, task, stand, carried.as_ref());
+                let least = [poses[index].spare_m, found].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+                poses[index].spare_m = least;
+                last = Some(stand.clone());
+            }
+            poses[index].ways.push(stand);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::panic::resume_unwind;
 
-use super::evaluate::{Evaluation, evaluate};
+use super::evaluate::{Evaluation, evaluate, evaluate_beside};
 use super::space::LimbSpace;
 use super::task::LoadedTask;
 use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise};
@@ -81,7 +81,7 @@ impl Problem<'_> {
         let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
         let mut point = at.point.clone();
         point[axis] += step;
-        match evaluate(self.task, self.space, &self.space.sizes(&point), self.reserve, Some(&at.limb)) {
+        match evaluate_beside(self.task, self.space, &self.space.sizes(&point), self.reserve, &at.limb) {
             Some(there) => there.lacks.iter().zip(here).map(|(there, here)| (there.value - here) / step).collect(),
             None => vec![0.0; here.len()],
         }
