@@ -39,7 +39,7 @@ fn main() {
             "seed {seed}: reached {} confirmed {} reserve {:.2}, objective {:.1e}, {:.2} kg, {:.3} m, tip {:.3} mm, {} limbs in {:.1} s and {:.1} s ({:.1} s of processors); lacks {lacks:?}",
             found.reached,
             lacks.is_empty(),
-            found.reserve,
+            found.by.reserve,
             limb.objective(),
             limb.mass_kg,
             limb.length_m,
@@ -54,6 +54,9 @@ fn main() {
             lacks.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
             lacks.truncate(4);
             println!("  {lacks:?}");
+        }
+        for pose in poses.iter().filter(|pose| !pose.lacks.is_empty()) {
+            println!("  {pose:?}");
         }
         println!("  {:?}", limb.sizes);
         if let Some(output) = arguments.get(3).filter(|_| lacks.is_empty()) {

@@ -6,16 +6,15 @@ use serde::Serialize;
 use super::built::Built;
 use super::inverse::{Reached, Stand, nearest, reach};
 use super::limits::{Margin, StandingLimits};
+use super::plates::by_plates;
 use super::search::Found;
 use super::space::LimbSpace;
 use super::task::LoadedTask;
 use crate::synthesis::Aim;
-use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb, by_tubes};
+use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb};
 
 /// The tip counts as at its aim within this, m.
 pub const REACHED_M: f64 = 1e-4;
-/// Tubes are cut into as many pieces as change their tip by no more than this, m.
-const PIECES_M: f64 = 2e-5;
 /// Corrections of the aim by the tip offset of the tubes.
 const CORRECTIONS: usize = 6;
 /// Shares of a payload that a pose is judged with.
@@ -58,13 +57,6 @@ pub fn confirm(task: &LoadedTask, space: &LimbSpace, found: &Found) -> Vec<Confi
     (0..task.poses.len()).map(|index| confirm_pose(task, &built, found, index)).collect()
 }
 
-/// Tubes between plates at shares of the pressures.
-fn by_plates(built: &Built, shares: &[f64], kg: f64) -> Option<(LoadedLimb, Answer)> {
-    let limb = built.loaded(shares, kg)?;
-    let answer = by_tubes(&limb, PIECES_M / built.length_m, built.length_m)?;
-    Some((limb, answer))
-}
-
 /// Pressures with which tubes between plates have their tip at a place.
 struct Corrected {
     stand: Stand,
@@ -73,8 +65,13 @@ struct Corrected {
 }
 
 /// By rods, with the aim moved by the tip offset of the tubes until these are at the place.
-fn corrected(built: &Built, start: &Stand, (home, kg): (&[f64], f64), place_m: &Vector3<f64>) -> Option<Corrected> {
-    let (mut here, mut aim_m, mut jacobian) = (start.clone(), *place_m, None);
+fn corrected(
+    built: &Built,
+    start: &Stand,
+    (home, kg): (&[f64], f64),
+    (place_m, shift_m): (&Vector3<f64>, &Vector3<f64>),
+) -> Option<Corrected> {
+    let (mut here, mut aim_m, mut jacobian) = (start.clone(), place_m - shift_m, None);
     let mut best: Option<Corrected> = None;
     for _ in 0..CORRECTIONS {
         let Ok(next) = reach(built, &here, (home, kg), &Aim::Point(aim_m), jacobian.as_ref()) else { break };
@@ -97,15 +94,16 @@ fn corrected(built: &Built, start: &Stand, (home, kg): (&[f64], f64), place_m: &
 fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -> ConfirmedPose {
     let (pose, state) = (&task.poses[index], &found.evaluation.poses[index]);
     let home = found.evaluation.sizes.home.as_slice();
+    let shifts_m = found.by.shifts_m.get(index).copied().unwrap_or_default();
     let place_m = nearest(&pose.aim, &state.tip_m.into());
     // Shares of a design are of pressures that keep its reserve, too.
     let start = |reached: &Reached| {
         let shares: Vec<f64> =
-            reached.stand.shares.iter().map(|share| (share / (1.0 + found.reserve)).clamp(0.0, 1.0)).collect();
+            reached.stand.shares.iter().map(|share| (share / (1.0 + found.by.reserve)).clamp(0.0, 1.0)).collect();
         Stand { shares, ..reached.stand.clone() }
     };
-    let moved = corrected(built, &start(&state.moved), (home, pose.move_kg), &place_m);
-    let held = corrected(built, &start(&state.held), (home, pose.hold_kg), &place_m);
+    let moved = corrected(built, &start(&state.moved), (home, pose.move_kg), (&place_m, &shifts_m[0]));
+    let held = corrected(built, &start(&state.held), (home, pose.hold_kg), (&place_m, &shifts_m[1]));
     let payload_kg = pose.payload_kg();
     let mut answer = ConfirmedPose {
         name: pose.name.clone(),

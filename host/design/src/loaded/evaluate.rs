@@ -13,8 +13,8 @@ use softlimb_limb::statics::{Bends, Rod, Shape, UNKNOWNS, solve};
 
 /// Shares of a payload that a pose is judged with; the limb found is judged with half of it, too.
 pub(super) const LOADS: [f64; 2] = [0.0, 1.0];
-/// A tip that is off by more than this when the mass changes hands counts as a load that is not carried, m.
-const LOST_M: f64 = 1e-3;
+/// A tip that is off by more than this in the pose of a limb of nearly the same sizes is sought step by step, too, m.
+const WARM_M: f64 = 1e-3;
 /// Shares of the way between two poses that are looked at.
 const WAY: [f64; 3] = [0.25, 0.5, 0.75];
 /// Shares of the pressures that the first pose is sought from.
@@ -44,7 +44,7 @@ pub struct PoseState {
     pub pressures_pa: Vec<f64>,
     /// The same over the highest that keep the margin.
     pub shares: Vec<f64>,
-    /// The tip, m.
+    /// The tip, m: that of rods with its shift.
     pub tip_m: [f64; 3],
     /// What is missing to the aim, m.
     pub missing_m: Vector3<f64>,
@@ -86,16 +86,32 @@ impl Evaluation {
     }
 }
 
-/// Judges a limb of sizes; `reserve` is the share by which every margin shall be better than its limit. `warm` is a limb of nearly the same
-/// sizes to start from. `None` where an actuator cannot be modelled or the limb does not stand in the first pose.
+/// What limbs are judged by beyond their task.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Judgement {
+    /// Share by which every margin shall be better than its limit.
+    pub reserve: f64,
+    /// Way from the tip of rods to that of tubes between plates in each pose, m: as it is reached and as it is held. Zero where there is none.
+    pub shifts_m: Vec<[Vector3<f64>; 2]>,
+}
+
+impl Judgement {
+    fn shift_m(&self, pose: usize) -> [Vector3<f64>; 2] {
+        self.shifts_m.get(pose).copied().unwrap_or_default()
+    }
+}
+
+/// Judges a limb of sizes. `warm` is a limb of nearly the same sizes to start from.
+///
+/// `None` where an actuator cannot be modelled or the limb does not stand in the first pose.
 pub fn evaluate(
     task: &LoadedTask,
     space: &LimbSpace,
     sizes: &LimbSizes,
-    reserve: f64,
+    by: &Judgement,
     warm: Option<&Evaluation>,
 ) -> Option<Evaluation> {
-    judge(task, space, sizes, reserve, warm.map(|warm| (warm, false)))
+    judge(task, space, sizes, by, warm.map(|warm| (warm, false)))
 }
 
 /// The same for a derivative, from the limb that it is the derivative at: its Jacobians of the tip are used, too.
@@ -103,30 +119,27 @@ pub(super) fn evaluate_beside(
     task: &LoadedTask,
     space: &LimbSpace,
     sizes: &LimbSizes,
-    reserve: f64,
+    by: &Judgement,
     at: &Evaluation,
 ) -> Option<Evaluation> {
-    judge(task, space, sizes, reserve, Some((at, true)))
+    judge(task, space, sizes, by, Some((at, true)))
 }
 
 fn judge(
     task: &LoadedTask,
     space: &LimbSpace,
     sizes: &LimbSizes,
-    reserve: f64,
+    by: &Judgement,
     warm: Option<(&Evaluation, bool)>,
 ) -> Option<Evaluation> {
-    let built = Built::new(task, space, sizes, reserve)?;
-    let home = sizes.home.as_slice();
+    let built = Built::new(task, space, sizes, by.reserve)?;
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, pose) in task.poses.iter().enumerate() {
         let near = warm.and_then(|(warm, beside)| Some((warm.poses.get(index)?, beside)));
-        let own = match near {
-            Some((near, beside)) => pose_state(&built, task, pose, &Start::Warm { near, beside }, (home, reserve)),
-            None => None,
-        };
-        let after = || pose_state(&built, task, pose, &Start::Cold(&poses.last()?.held.stand), (home, reserve));
-        let anew = || pose_state(&built, task, pose, &Start::Cold(&first(&built, sizes, pose.move_kg)?), (home, reserve));
+        let sought = Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift_m(index) };
+        let own = near.and_then(|(near, beside)| pose_state(&built, &sought, &Start::Warm { near, beside }));
+        let after = || pose_state(&built, &sought, &Start::Cold(&poses.last()?.held.stand));
+        let anew = || pose_state(&built, &sought, &Start::Cold(&first(&built, sizes, pose.move_kg)?));
         let found = own.or_else(after).or_else(anew)?;
         poses.push(found);
     }
@@ -134,8 +147,18 @@ fn judge(
         ways(&built, task, &mut poses, warm.map(|(warm, _)| warm));
     }
     let lacks =
-        poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, &built, index, state, reserve)).collect();
+        poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, &built, index, state, by.reserve)).collect();
     Some(Evaluation { sizes: sizes.clone(), lacks, poses, mass_kg: built.mass_kg(), length_m: built.length_m })
+}
+
+/// A pose and how it is judged.
+struct Sought<'a> {
+    task: &'a LoadedTask,
+    pose: &'a LoadedPose,
+    home: &'a [f64],
+    reserve: f64,
+    /// From the tip of rods to that of tubes, as the pose is reached and as it is held, m.
+    shift_m: [Vector3<f64>; 2],
 }
 
 /// Where a pose is sought from.
@@ -151,25 +174,37 @@ fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {
     home.or_else(|| FIRST.iter().find_map(|share| Stand::at(built, &vec![*share; built.len()], kg, None).ok()))
 }
 
+/// An aim elsewhere, by a way in m.
+fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
+    match aim {
+        Aim::Point(place_m) => Aim::Point(place_m + by_m),
+        Aim::Inside { center_m, half_m, rotation } => {
+            Aim::Inside { center_m: center_m + by_m, half_m: *half_m, rotation: *rotation }
+        }
+    }
+}
+
 /// The limb as its pose is reached.
-fn moved(built: &Built, pose: &LoadedPose, start: &Start<'_>, home: &[f64]) -> Option<Reached> {
+fn moved(built: &Built, sought: &Sought<'_>, start: &Start<'_>) -> Option<Reached> {
+    let aim = moved_aim(&sought.pose.aim, &-sought.shift_m[0]);
     let (stand, jacobian) = match start {
         Start::Cold(stand) => (*stand, None),
         Start::Warm { near, beside } => (&near.moved.stand, near.moved.jacobian.as_ref().filter(|_| *beside)),
     };
-    reach(built, stand, (home, pose.move_kg), &pose.aim, jacobian).ok()
+    reach(built, stand, (sought.home, sought.pose.move_kg), &aim, jacobian).ok()
 }
 
 /// The limb as its pose is held, with the tip where it was moved to, and the share of the load that is not carried.
-fn held(built: &Built, pose: &LoadedPose, start: &Start<'_>, home: &[f64], moved: &Reached) -> (Reached, f64) {
+fn held(built: &Built, sought: &Sought<'_>, start: &Start<'_>, moved: &Reached) -> (Reached, f64) {
+    let Sought { pose, home, shift_m, .. } = sought;
     if pose.hold_kg == pose.move_kg {
         return (moved.clone(), 0.0);
     }
-    let aim = Aim::Point(moved.stand.tip_m());
+    let aim = Aim::Point(moved.stand.tip_m() + shift_m[0] - shift_m[1]);
     if let Start::Warm { near, beside } = start {
         let jacobian = near.held.jacobian.as_ref().filter(|_| *beside);
         if let Ok(held) = reach(built, &near.held.stand, (home, pose.hold_kg), &aim, jacobian)
-            && held.missing_m.norm() <= LOST_M
+            && held.missing_m.norm() <= WARM_M
         {
             return (held, 0.0);
         }
@@ -179,26 +214,17 @@ fn held(built: &Built, pose: &LoadedPose, start: &Start<'_>, home: &[f64], moved
     for part in [0.5, 1.0] {
         let kg = pose.move_kg + part * (pose.hold_kg - pose.move_kg);
         match reach(built, &held.stand, (home, kg), &aim, None) {
-            Ok(next) => {
-                let left_m = next.missing_m.norm();
-                not_carried += if left_m <= LOST_M { 0.0 } else { left_m / built.length_m * 10.0 };
-                held = next;
-            }
+            Ok(next) => held = next,
             Err(_) => not_carried += 0.5,
         }
     }
     (held, not_carried)
 }
 
-fn pose_state(
-    built: &Built,
-    task: &LoadedTask,
-    pose: &LoadedPose,
-    start: &Start<'_>,
-    (home, reserve): (&[f64], f64),
-) -> Option<PoseState> {
-    let moved = moved(built, pose, start, home)?;
-    let (held, mut not_carried) = held(built, pose, start, home, &moved);
+fn pose_state(built: &Built, sought: &Sought<'_>, start: &Start<'_>) -> Option<PoseState> {
+    let Sought { task, pose, reserve, .. } = *sought;
+    let moved = moved(built, sought, start)?;
+    let (held, mut not_carried) = held(built, sought, start, &moved);
     let spare_m = spare_m(built, task, &moved.stand, pose.carried.as_ref());
     let mut loads = Vec::with_capacity(LOADS.len());
     let mut unloaded = None;
@@ -229,7 +255,7 @@ fn pose_state(
     Some(PoseState {
         pressures_pa: built.pressures_pa(&held.stand.shares),
         shares: moved.stand.shares.iter().zip(&held.stand.shares).map(|(a, b)| a.max(*b)).collect(),
-        tip_m: moved.stand.tip_m().into(),
+        tip_m: (moved.stand.tip_m() + sought.shift_m[0]).into(),
         missing_m: moved.missing_m,
         turned_rad,
         tilt_rad: axis.angle(&-Vector3::z()),

@@ -37,6 +37,9 @@ pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &Pos
     let mut lacks = Vec::new();
     let mut push = |margin, value| lacks.push(Lack { margin, pose, value });
     state.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
+    if task.poses[pose].hold_kg != task.poses[pose].move_kg {
+        state.held.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
+    }
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
     push(Margin::Carries, FALLS * state.not_carried);
     let states = if task.poses[pose].payload_kg() > 0.0 { LOADS.len() } else { 1 };
