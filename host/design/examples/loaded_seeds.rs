@@ -59,6 +59,11 @@ fn main() {
             println!("  {pose:?}");
         }
         println!("  {:?}", limb.sizes);
+        if !found.reached {
+            for pose in &limb.poses {
+                println!("  shares {:.3?} missing {:.4?} spare {:?} {:?}", pose.shares, pose.missing_m.as_slice(), pose.spare_m, pose.loads);
+            }
+        }
         if let Some(output) = arguments.get(3).filter(|_| lacks.is_empty()) {
             let text = loaded_text(&scene, &design, &limb.sizes).unwrap_or_else(|error| panic!("{error}"));
             std::fs::write(format!("{output}-{seed}.toml"), text).unwrap_or_else(|error| panic!("{error}"));
