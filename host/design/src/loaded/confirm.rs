@@ -4,8 +4,11 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::built::Built;
+use super::clearance::spare_m;
 use super::inverse::{Reached, Stand, nearest, reach};
 use super::limits::{Margin, StandingLimits};
+use super::local_solve::abreast;
+use super::moves::Move;
 use super::plates::by_plates;
 use super::search::Found;
 use super::space::LimbSpace;
@@ -15,6 +18,11 @@ use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb};
 
 /// The tip counts as at its aim within this, m.
 pub const REACHED_M: f64 = 1e-4;
+/// Points of a move, and of the change of mass at its end, that its clearance is taken at.
+const DENSE: usize = 48;
+const HAND_OVER: usize = 8;
+/// Threads that the poses are judged in.
+const THREADS: usize = 2;
 /// Corrections of the aim by the tip offset of the tubes.
 const CORRECTIONS: usize = 6;
 /// Shares of a payload that a pose is judged with.
@@ -43,18 +51,92 @@ pub struct ConfirmedPose {
     pub buckling_margin: f64,
     /// Highest pressure over the lower of limit and limit point.
     pub pressure_share: f64,
-    /// Angle of the end effector from pointing straight down, rad.
-    pub tilt_rad: f64,
+    /// Turn of the end effector since it grasped the carried body, rad; 0 without one. The body hangs upright: its grip lets it swing by this.
+    pub swing_rad: f64,
     /// Clearance beyond the one asked for, here and on the straight way to it, m; `None` without obstacles.
     pub spare_m: Option<f64>,
     /// Margins that are not kept.
     pub lacks: Vec<Margin>,
 }
 
-/// Judges the limb of a search by tubes between plates, pose by pose, each followed from rest.
+/// Judges the limb of a search by tubes between plates, pose by pose, each followed from rest, and the moves by dense samples.
 pub fn confirm(task: &LoadedTask, space: &LimbSpace, found: &Found) -> Vec<ConfirmedPose> {
     let Some(built) = Built::new(task, space, &found.evaluation.sizes, 0.0) else { return Vec::new() };
-    (0..task.poses.len()).map(|index| confirm_pose(task, &built, found, index)).collect()
+    let indices: Vec<usize> = (0..task.poses.len()).collect();
+    let confirmed = {
+        let halves: Vec<&[usize]> = indices.chunks(indices.len().div_ceil(THREADS).max(1)).collect();
+        let of = |half: &&[usize]| -> Vec<_> {
+            // Springs that are known are each thread's own.
+            let Some(built) = Built::new(task, space, &found.evaluation.sizes, 0.0) else { return Vec::new() };
+            half.iter().map(|index| confirm_pose(task, &built, found, *index)).collect()
+        };
+        abreast(&halves, of).into_iter().flatten()
+    };
+    let (mut poses, ends): (Vec<_>, Vec<_>) = confirmed.unzip();
+    let mut before: Option<&Ends> = None;
+    for (index, (pose, ends)) in poses.iter_mut().zip(&ends).enumerate() {
+        let Some(ends) = ends else { break };
+        let spare_m = dense_spare_m(task, &built, index, before, ends);
+        // A place on the way where the limb does not stand.
+        match spare_m {
+            None => pose.lacks.push(Margin::Carries),
+            Some(spare_m) if !task.obstacles.is_empty() => {
+                pose.spare_m = Some(pose.spare_m.unwrap_or(f64::INFINITY).min(spare_m));
+                pose.lacks.extend((spare_m < 0.0).then_some(Margin::Clearance));
+            }
+            Some(_) => {}
+        }
+        pose.lacks.dedup();
+        before = Some(ends);
+    }
+    poses
+}
+
+/// The corrected pressures of a pose as it is reached and as it is held.
+struct Ends {
+    moved: Corrected,
+    held: Corrected,
+}
+
+/// Least clearance beyond the one asked for on the way to a pose and while the mass changes hands there, m; infinite without obstacles. `None` where the
+/// limb does not stand on the way.
+fn dense_spare_m(
+    task: &LoadedTask,
+    built: &Built,
+    index: usize,
+    before: Option<&Ends>,
+    ends: &Ends,
+) -> Option<f64> {
+    let pose = &task.poses[index];
+    let rest = vec![0.0; built.len()];
+    let (moved, held) = (&ends.moved, &ends.held);
+    let way = Move {
+        from: before.map_or(&rest, |before| &before.held.stand.shares),
+        to: &moved.stand.shares,
+        kg: pose.move_kg,
+        shifts_m: [before.map_or_else(Vector3::zeros, |before| before.held.shift_m()), moved.shift_m()],
+    };
+    let mut near: Option<Stand> = None;
+    let mut least_m = f64::INFINITY;
+    for part in 0..=DENSE {
+        let share = part as f64 / DENSE as f64;
+        let stand = way.stand(built, share, near.as_ref())?;
+        let spare = spare_m(built, task, &stand, pose.carried.as_ref(), &way.shift_m(share));
+        least_m = spare.map_or(least_m, |(spare_m, _)| least_m.min(spare_m));
+        near = Some(stand);
+    }
+    // The mass changes hands while the pressures change in step.
+    for part in 0..=HAND_OVER {
+        let share = part as f64 / HAND_OVER as f64;
+        let kg = pose.move_kg + share * (pose.hold_kg - pose.move_kg);
+        let shifts_m = [moved.shift_m(), held.shift_m()];
+        let change = Move { from: &moved.stand.shares, to: &held.stand.shares, kg, shifts_m };
+        let stand = change.stand(built, share, near.as_ref())?;
+        let spare = spare_m(built, task, &stand, pose.carried.as_ref(), &change.shift_m(share));
+        least_m = spare.map_or(least_m, |(spare_m, _)| least_m.min(spare_m));
+        near = Some(stand);
+    }
+    Some(least_m)
 }
 
 /// Pressures with which tubes between plates have their tip at a place.
@@ -62,6 +144,13 @@ struct Corrected {
     stand: Stand,
     error_m: f64,
     tip_m: Vector3<f64>,
+}
+
+impl Corrected {
+    /// From the tip of the rods to that of the tubes, m.
+    fn shift_m(&self) -> Vector3<f64> {
+        self.tip_m - self.stand.tip_m()
+    }
 }
 
 /// By rods, with the aim moved by the tip offset of the tubes until these are at the place.
@@ -91,7 +180,7 @@ fn corrected(
     best
 }
 
-fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -> ConfirmedPose {
+fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -> (ConfirmedPose, Option<Ends>) {
     let (pose, state) = (&task.poses[index], &found.evaluation.poses[index]);
     let home = found.evaluation.sizes.home.as_slice();
     let shifts_m = found.by.shifts_m.get(index).copied().unwrap_or_default();
@@ -116,7 +205,7 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -
         sag_m: f64::INFINITY,
         buckling_margin: 0.0,
         pressure_share: 0.0,
-        tilt_rad: state.tilt_rad,
+        swing_rad: state.swing_rad,
         spare_m: state.spare_m.map(|(spare, _)| spare),
         lacks: Vec::new(),
     };
@@ -143,7 +232,7 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -
     if state.turned_rad > 1e-3 {
         answer.lacks.push(Margin::Direction);
     }
-    answer
+    (answer, moved.zip(held).map(|(moved, held)| Ends { moved, held }))
 }
 
 /// Margins that a pose does not keep.

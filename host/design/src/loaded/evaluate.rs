@@ -1,10 +1,11 @@
 //! One limb judged: its poses under load, and what every margin lacks.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::built::Built;
 use super::clearance::spare_m;
 use super::inverse::{Reached, Stand, reach};
+use super::moves::moves;
 use super::residuals::{Lack, of_pose};
 use super::space::{LimbSizes, LimbSpace};
 use super::task::{LoadedPose, LoadedTask};
@@ -15,8 +16,6 @@ use softlimb_limb::statics::{Bends, Rod, Shape, UNKNOWNS, solve};
 pub(super) const LOADS: [f64; 2] = [0.0, 1.0];
 /// A tip that is off by more than this in the pose of a limb of nearly the same sizes is sought step by step, too, m.
 const WARM_M: f64 = 1e-3;
-/// Shares of the way between two poses that are looked at.
-const WAY: [f64; 3] = [0.25, 0.5, 0.75];
 /// Shares of the pressures that the first pose is sought from.
 const FIRST: [f64; 2] = [0.1, 0.7];
 
@@ -50,8 +49,8 @@ pub struct PoseState {
     pub missing_m: Vector3<f64>,
     /// Angle between the end effector and the direction that it shall have, beyond the tolerance, rad.
     pub turned_rad: f64,
-    /// Angle between the end effector and the vertical, rad.
-    pub tilt_rad: f64,
+    /// Turn of the end effector since it grasped the carried body, rad; 0 without one. The body hangs upright: its grip lets it swing by this.
+    pub swing_rad: f64,
     /// The states without and with all of the payload; fewer where the limb does not carry it.
     pub loads: Vec<LoadState>,
     /// Share of the load that is not carried; 0 where all is.
@@ -61,7 +60,8 @@ pub struct PoseState {
     pub(super) moved: Reached,
     pub(super) held: Reached,
     unloaded: Option<Stand>,
-    ways: Vec<Option<Stand>>,
+    /// Stands on the way to it.
+    pub(super) way: Vec<Option<Stand>>,
 }
 
 /// A limb judged.
@@ -77,6 +77,11 @@ pub struct Evaluation {
     pub mass_kg: f64,
     /// Length at rest, m.
     pub length_m: f64,
+}
+
+/// The less of two clearances.
+pub(super) fn nearer(one: Option<(f64, usize)>, other: Option<(f64, usize)>) -> Option<(f64, usize)> {
+    [one, other].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 impl Evaluation {
@@ -96,7 +101,7 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    fn shift_m(&self, pose: usize) -> [Vector3<f64>; 2] {
+    pub(super) fn shift_m(&self, pose: usize) -> [Vector3<f64>; 2] {
         self.shifts_m.get(pose).copied().unwrap_or_default()
     }
 }
@@ -143,12 +148,25 @@ fn judge(
         let found = own.or_else(after).or_else(anew)?;
         poses.push(found);
     }
+    swing(task, &mut poses);
     if !task.obstacles.is_empty() && task.moves {
-        ways(&built, task, &mut poses, warm.map(|(warm, _)| warm));
+        moves(&built, task, by, &mut poses, warm.map(|(warm, _)| warm));
     }
     let lacks =
         poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, &built, index, state, by.reserve)).collect();
     Some(Evaluation { sizes: sizes.clone(), lacks, poses, mass_kg: built.mass_kg(), length_m: built.length_m })
+}
+
+/// Turns of the end effector since the pose before a body is carried.
+fn swing(task: &LoadedTask, poses: &mut [PoseState]) {
+    let mut grasped: Option<UnitQuaternion<f64>> = None;
+    for (pose, state) in task.poses.iter().zip(poses) {
+        let turn = state.moved.stand.shape.tip().rotation;
+        match (pose.carried, grasped) {
+            (Some(_), Some(grasp)) => state.swing_rad = (turn * grasp.inverse() * Vector3::z()).angle(&Vector3::z()),
+            _ => grasped = Some(turn),
+        }
+    }
 }
 
 /// A pose and how it is judged.
@@ -225,7 +243,8 @@ fn pose_state(built: &Built, sought: &Sought<'_>, start: &Start<'_>) -> Option<P
     let Sought { task, pose, reserve, .. } = *sought;
     let moved = moved(built, sought, start)?;
     let (held, mut not_carried) = held(built, sought, start, &moved);
-    let spare_m = spare_m(built, task, &moved.stand, pose.carried.as_ref());
+    let clear = |stand: &Stand, shift_m| spare_m(built, task, stand, pose.carried.as_ref(), shift_m);
+    let spare_m = nearer(clear(&moved.stand, &sought.shift_m[0]), clear(&held.stand, &sought.shift_m[1]));
     let mut loads = Vec::with_capacity(LOADS.len());
     let mut unloaded = None;
     let payload_kg = pose.payload_kg();
@@ -258,14 +277,14 @@ fn pose_state(built: &Built, sought: &Sought<'_>, start: &Start<'_>) -> Option<P
         tip_m: (moved.stand.tip_m() + sought.shift_m[0]).into(),
         missing_m: moved.missing_m,
         turned_rad,
-        tilt_rad: axis.angle(&-Vector3::z()),
+        swing_rad: 0.0,
         loads,
         not_carried,
         spare_m,
         moved,
         held,
         unloaded,
-        ways: Vec::new(),
+        way: Vec::new(),
     })
 }
 
@@ -289,27 +308,4 @@ fn load_state(built: &Built, stand: &Stand, kg: f64, enough: f64) -> Option<Load
         buckling_ratio: limb.buckling(rod, shape).map_or(0.0, |tube| tube.ratio()),
         least_bend_rad_per_m: least,
     })
-}
-
-/// Clearance on straight ways in the pressures, under what is carried on them: from rest to the first pose, and from each to the next.
-fn ways(built: &Built, task: &LoadedTask, poses: &mut [PoseState], warm: Option<&Evaluation>) {
-    for index in 0..poses.len() {
-        let (kg, carried) = (task.poses[index].move_kg, task.poses[index].carried);
-        let to = poses[index].moved.stand.shares.clone();
-        let before = index.checked_sub(1).map(|before| poses[before].held.stand.clone());
-        let from = before.as_ref().map_or_else(|| vec![0.0; to.len()], |before| before.shares.clone());
-        let mut last = before;
-        for (at, share) in WAY.iter().enumerate() {
-            let shares: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + share * (b - a)).collect();
-            let near = warm.and_then(|warm| warm.poses.get(index)?.ways.get(at)?.as_ref());
-            let stand = Stand::at(built, &shares, kg, near.or(last.as_ref())).ok();
-            if let Some(stand) = &stand {
-                let found = spare_m(built, task, stand, carried.as_ref());
-                let least = [poses[index].spare_m, found].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-                poses[index].spare_m = least;
-                last = Some(stand.clone());
-            }
-            poses[index].ways.push(stand);
-        }
-    }
 }

@@ -12,9 +12,11 @@ mod evaluate;
 mod inverse;
 mod limits;
 mod local_solve;
+mod moves;
 mod plates;
 mod residuals;
 mod search;
+mod seeded;
 mod space;
 mod task;
 
@@ -25,6 +27,7 @@ pub use evaluate::{Evaluation, Judgement, LoadState, PoseState, evaluate};
 pub use limits::{Margin, StandingLimits};
 pub use residuals::Lack;
 pub use search::{Effort, Found, search};
+pub use seeded::{Seeded, seeded};
 pub use space::{BaseSpace, LimbSizes, LimbSpace, ModuleSizes, ModuleSpace, Variable};
 
 pub use task::{CarriedBody, LoadedPose, LoadedTask};

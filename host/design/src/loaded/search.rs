@@ -13,6 +13,8 @@ const HOP: f64 = 0.02;
 /// Reserve that a limb is sought with, and by how much it is raised at a time.
 const RESERVE: f64 = 0.03;
 const RAISE: f64 = 0.05;
+/// Part of the reserve that a limb keeps at least, so that tubes between plates keep every margin, too.
+const KEPT: f64 = 0.4;
 /// Steps of a local solve with another reserve or another bound.
 pub(super) const RAISE_STEPS: usize = 10;
 /// Turns of a local solve and of the shifts of its tubes, and the change of a shift that is none, m.
@@ -63,7 +65,7 @@ pub struct Found {
 pub(super) struct Candidate {
     minimum: Minimum<At>,
     pub(super) by: Judgement,
-    /// Whether every margin is kept without a reserve.
+    /// Whether every margin is kept with a part of the reserve.
     keeps: bool,
 }
 
@@ -153,7 +155,7 @@ fn solved(
 ) -> Option<(Candidate, usize)> {
     let (minimum, count) = local(task, space, start, by, (steps, abreast))?;
     let limb = &minimum.evaluation.limb;
-    let bare = Judgement { reserve: 0.0, ..by.clone() };
+    let bare = Judgement { reserve: RESERVE.min(by.reserve) * KEPT, ..by.clone() };
     let keeps = minimum.objective <= NOTHING
         || evaluate(task, space, &limb.sizes, &bare, Some(limb)).is_some_and(|limb| limb.objective() <= NOTHING);
     Some((Candidate { minimum, by: by.clone(), keeps }, count))
