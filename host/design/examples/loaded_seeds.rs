@@ -4,7 +4,7 @@
 //! confirmed limb is written as a scene to `OUTPUT-SEED.toml`.
 //!
 //! `SCENE tasks FIRST LAST` does so for seeded tasks instead, which a hidden limb of the scene's bounds does, and prints for each that is not solved
-//! which bound forbids it. `SCENE evaluate` answers the sum of squares of what a limb lacks for points of the unit box on the standard input,
+//! which bound forbids it. `SCENE evaluate` answers the sum of squares of what a limb lacks and the largest lack for points of the unit box on the standard input,
 //! each a line, in blocks that an empty line ends; two threads share a block.
 
 use std::io::{BufRead, Write};
@@ -130,7 +130,8 @@ fn answer(design: &LoadedDesign) -> Result<(), Box<dyn std::error::Error>> {
     let (task, space) = (&design.task, &design.space);
     let objective = |point: &Vec<f64>| {
         let limb = evaluate(task, space, &space.sizes(point), &Judgement::default(), None);
-        limb.map_or(f64::INFINITY, |limb| limb.objective())
+        let largest = |limb: &Evaluation| limb.lacks.iter().map(|lack| lack.value.abs()).fold(0.0, f64::max);
+        limb.map_or([f64::INFINITY; 2], |limb| [limb.objective(), largest(&limb)])
     };
     let mut out = std::io::stdout().lock();
     let guess: Vec<String> = space.first_guess().iter().map(f64::to_string).collect();
@@ -144,7 +145,7 @@ fn answer(design: &LoadedDesign) -> Result<(), Box<dyn std::error::Error>> {
             continue;
         }
         let next = AtomicUsize::new(0);
-        let values = Mutex::new(vec![f64::INFINITY; block.len()]);
+        let values = Mutex::new(vec![[f64::INFINITY; 2]; block.len()]);
         std::thread::scope(|scope| {
             for _ in 0..2 {
                 scope.spawn(|| {
@@ -157,8 +158,8 @@ fn answer(design: &LoadedDesign) -> Result<(), Box<dyn std::error::Error>> {
                 });
             }
         });
-        for value in values.into_inner()? {
-            writeln!(out, "{value:e}")?;
+        for [objective, largest] in values.into_inner()? {
+            writeln!(out, "{objective:e} {largest:e}")?;
         }
         out.flush()?;
         block.clear();

@@ -99,3 +99,8 @@ pub(super) fn spare_m(
     };
     task.obstacles.iter().enumerate().map(of).min_by(|a, b| a.0.total_cmp(&b.0))
 }
+
+/// The less of two clearances.
+pub(super) fn nearer(one: Option<(f64, usize)>, other: Option<(f64, usize)>) -> Option<(f64, usize)> {
+    [one, other].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+}

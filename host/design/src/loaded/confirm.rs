@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::built::Built;
 use super::clearance::spare_m;
-use super::inverse::{Reached, Stand, nearest, reach};
+use super::inverse::{Stand, nearest, reach};
 use super::limits::{Margin, StandingLimits};
 use super::local_solve::abreast;
 use super::moves::Move;
@@ -61,13 +61,13 @@ pub struct ConfirmedPose {
 
 /// Judges the limb of a search by tubes between plates, pose by pose, each followed from rest, and the moves by dense samples.
 pub fn confirm(task: &LoadedTask, space: &LimbSpace, found: &Found) -> Vec<ConfirmedPose> {
-    let Some(built) = Built::new(task, space, &found.evaluation.sizes, 0.0) else { return Vec::new() };
+    let Some(built) = Built::new(task, space, &found.evaluation.sizes, found.by.reserve) else { return Vec::new() };
     let indices: Vec<usize> = (0..task.poses.len()).collect();
     let confirmed = {
         let halves: Vec<&[usize]> = indices.chunks(indices.len().div_ceil(THREADS).max(1)).collect();
         let of = |half: &&[usize]| -> Vec<_> {
             // Springs that are known are each thread's own.
-            let Some(built) = Built::new(task, space, &found.evaluation.sizes, 0.0) else { return Vec::new() };
+            let Some(built) = Built::new(task, space, &found.evaluation.sizes, found.by.reserve) else { return Vec::new() };
             half.iter().map(|index| confirm_pose(task, &built, found, *index)).collect()
         };
         abreast(&halves, of).into_iter().flatten()
@@ -185,14 +185,8 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -
     let home = found.evaluation.sizes.home.as_slice();
     let shifts_m = found.by.shifts_m.get(index).copied().unwrap_or_default();
     let place_m = nearest(&pose.aim, &state.tip_m.into());
-    // Shares of a design are of pressures that keep its reserve, too.
-    let start = |reached: &Reached| {
-        let shares: Vec<f64> =
-            reached.stand.shares.iter().map(|share| (share / (1.0 + found.by.reserve)).clamp(0.0, 1.0)).collect();
-        Stand { shares, ..reached.stand.clone() }
-    };
-    let moved = corrected(built, &start(&state.moved), (home, pose.move_kg), (&place_m, &shifts_m[0]));
-    let held = corrected(built, &start(&state.held), (home, pose.hold_kg), (&place_m, &shifts_m[1]));
+    let moved = corrected(built, &state.moved.stand, (home, pose.move_kg), (&place_m, &shifts_m[0]));
+    let held = corrected(built, &state.held.stand, (home, pose.hold_kg), (&place_m, &shifts_m[1]));
     let payload_kg = pose.payload_kg();
     let mut answer = ConfirmedPose {
         name: pose.name.clone(),
@@ -214,7 +208,7 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -
         answer.tip_m = moved.tip_m.into();
         answer.pressures_pa = built.pressures_pa(&moved.stand.shares);
         let highest = moved.stand.shares.iter().chain(&held.stand.shares).copied().fold(0.0, f64::max);
-        answer.pressure_share = task.limits.pressure_share * highest;
+        answer.pressure_share = task.limits.pressure_share / (1.0 + found.by.reserve) * highest;
         let loads: &[f64] = if payload_kg > 0.0 { &LOADS } else { &[0.0] };
         let states = loads.iter().map(|share| by_plates(built, &held.stand.shares, share * payload_kg));
         if let Some(states) = states.collect::<Option<Vec<_>>>() {

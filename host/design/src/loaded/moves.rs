@@ -3,9 +3,10 @@
 use nalgebra::Vector3;
 
 use super::built::Built;
-use super::clearance::spare_m;
-use super::evaluate::{Evaluation, Judgement, PoseState, nearer};
+use super::clearance::{nearer, spare_m};
+use super::evaluate::{Evaluation, Judgement};
 use super::inverse::Stand;
+use super::pose::PoseState;
 use super::task::LoadedTask;
 
 /// Parts that a move is looked at in, and how often those beside the nearest point are halved.

@@ -31,7 +31,7 @@ pub(super) fn shifts_m(
         let tubes = by_plates(&built, &reached.stand.shares, kg);
         tubes.map_or_else(Vector3::zeros, |(_, tubes)| tubes.tip().translation.vector - reached.stand.tip_m())
     };
-    let of_pose = |(pose, state): (&super::task::LoadedPose, &super::evaluate::PoseState)| {
+    let of_pose = |(pose, state): (&super::task::LoadedPose, &super::pose::PoseState)| {
         let moved = shift(&state.moved, pose.move_kg);
         [moved, if pose.hold_kg == pose.move_kg { moved } else { shift(&state.held, pose.hold_kg) }]
     };

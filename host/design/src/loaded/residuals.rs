@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::built::Built;
-use super::evaluate::{LOADS, PoseState};
 use super::limits::Margin;
+use super::pose::{LOADS, PoseState};
 use super::task::LoadedTask;
 
 /// Distance of the tip, m, and angle, rad, that count as one.

@@ -17,6 +17,8 @@ const RAISE: f64 = 0.05;
 const KEPT: f64 = 0.4;
 /// Steps of a local solve with another reserve or another bound.
 pub(super) const RAISE_STEPS: usize = 10;
+/// Steps of a local solve that tells a good start from a bad one.
+const SHORT_STEPS: usize = 8;
 /// Turns of a local solve and of the shifts of its tubes, and the change of a shift that is none, m.
 const SHIFT_TURNS: usize = 4;
 const SHIFTED_M: f64 = 5e-5;
@@ -30,6 +32,8 @@ pub struct Effort {
     pub seed: u64,
     /// Limbs that are looked at before any is improved.
     pub samples: usize,
+    /// The best of them, which are improved by a few steps each before the best of those is improved further.
+    pub short: usize,
     /// Rounds of local solves; as many solves a round as `abreast`.
     pub rounds: usize,
     /// Local solves of a round, each in a thread of its own; the answer depends on it.
@@ -42,7 +46,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { seed: 0, samples: 64, rounds: 12, abreast: 2, steps: 40, raises: 3 }
+        Self { seed: 0, samples: 64, short: 8, rounds: 12, abreast: 2, steps: 40, raises: 3 }
     }
 }
 
@@ -92,9 +96,27 @@ pub fn search(
     let mut starts = sample(task, space, start, effort);
     let mut evaluations = starts.len();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut queue = starts.into_iter().map(|(_, point)| point);
     let mut best: Option<Candidate> = None;
     let mut by = Judgement { reserve: RESERVE, shifts_m: Vec::new() };
+    // A few steps tell good starts from bad ones; the best of them go on first.
+    let short: Vec<Vec<f64>> = starts.drain(..starts.len().min(effort.short)).map(|(_, point)| point).collect();
+    let mut begun = Vec::with_capacity(short.len());
+    for points in short.chunks(effort.abreast.max(1)) {
+        let solves = abreast(points, |point| solved(task, space, point, &by, (SHORT_STEPS, 1)));
+        for (candidate, count) in solves.into_iter().flatten() {
+            evaluations += count;
+            begun.push(candidate);
+        }
+        if stop() {
+            break;
+        }
+    }
+    begun.sort_by(|a, b| a.minimum.objective.total_cmp(&b.minimum.objective));
+    for candidate in &begun {
+        eprintln!("  short: objective {:.2e} keeps {}", candidate.minimum.objective, candidate.keeps);
+    }
+    let rest = starts.into_iter().map(|(_, point)| point);
+    let mut queue = begun.into_iter().map(|candidate| candidate.minimum.point).chain(rest);
     let mut random = Random::new(effort.seed, 2);
     for _ in 0..effort.rounds {
         // One solve goes on from beside the best limb: a kink of the residuals is left, or a better valley found.
