@@ -13,9 +13,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use softlimb_design::from_scene::{loaded_design, loaded_text};
 use softlimb_design::from_scene::LoadedDesign;
-use softlimb_design::loaded::{Effort, Evaluation, Judgement, Lack, Seeded, active_bounds, confirm, evaluate, search, seeded};
+use softlimb_design::from_scene::{loaded_design, loaded_text};
+use softlimb_design::loaded::{
+    Effort, Evaluation, Judgement, Lack, Seeded, active_bounds, confirm, evaluate, search, seeded,
+};
 
 /// Processor time of all threads of this process, s; 0 where the system does not tell.
 fn processor_s() -> f64 {
@@ -76,7 +78,13 @@ fn main() {
         println!("  {:?}", limb.sizes);
         if !found.reached {
             for pose in &limb.poses {
-                println!("  shares {:.3?} missing {:.4?} spare {:?} {:?}", pose.shares, pose.missing_m.as_slice(), pose.spare_m, pose.loads);
+                println!(
+                    "  shares {:.3?} missing {:.4?} spare {:?} {:?}",
+                    pose.shares,
+                    pose.missing_m.as_slice(),
+                    pose.spare_m,
+                    pose.loads
+                );
             }
         }
         if let Some(output) = arguments.get(3).filter(|_| lacks.is_empty()) {
@@ -107,7 +115,10 @@ fn tasks(design: &LoadedDesign, seeds: RangeInclusive<u64>) {
         solved += u32::from(confirmed);
         let used_s = processor_s() - begin_s;
         let limbs = found.as_ref().map_or(0, |found| found.evaluations);
-        println!("task {seed}: confirmed {confirmed}, {limbs} limbs, {used_s:.1} s of processors; drawn in {:.1} s", drawn.as_secs_f64());
+        println!(
+            "task {seed}: confirmed {confirmed}, {limbs} limbs, {used_s:.1} s of processors; drawn in {:.1} s",
+            drawn.as_secs_f64()
+        );
         let Some(found) = found.filter(|_| !confirmed) else { continue };
         println!("  lacks {:?}", worst(&found.evaluation));
         for bound in active_bounds(&task, space, &found, 2, &|| false) {
@@ -149,7 +160,9 @@ fn answer(design: &LoadedDesign) -> Result<(), Box<dyn std::error::Error>> {
         std::thread::scope(|scope| {
             for _ in 0..2 {
                 scope.spawn(|| {
-                    while let Some((index, point)) = Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, block.get(i)?))) {
+                    while let Some((index, point)) =
+                        Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, block.get(i)?)))
+                    {
                         let value = objective(point);
                         if let Ok(mut values) = values.lock() {
                             values[index] = value;

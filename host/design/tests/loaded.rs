@@ -1,7 +1,9 @@
 //! Limbs designed under load: small tasks, judged by the statics of the product on the scene that is written.
 
 use softlimb_design::from_scene::{loaded_design, loaded_text};
-use softlimb_design::loaded::{Effort, Found, Margin, REACHED_M, StandingLimits, active_bounds, confirm, search, seeded};
+use softlimb_design::loaded::{
+    Effort, Found, Margin, REACHED_M, StandingLimits, active_bounds, confirm, search, seeded,
+};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_motion::{BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, PRESSURE_SHARE_MAX, SAG_SHARE_MAX, STIFFNESS_MIN_N_PER_M};

@@ -67,7 +67,9 @@ pub fn confirm(task: &LoadedTask, space: &LimbSpace, found: &Found) -> Vec<Confi
         let halves: Vec<&[usize]> = indices.chunks(indices.len().div_ceil(THREADS).max(1)).collect();
         let of = |half: &&[usize]| -> Vec<_> {
             // Springs that are known are each thread's own.
-            let Some(built) = Built::new(task, space, &found.evaluation.sizes, found.by.reserve) else { return Vec::new() };
+            let Some(built) = Built::new(task, space, &found.evaluation.sizes, found.by.reserve) else {
+                return Vec::new();
+            };
             half.iter().map(|index| confirm_pose(task, &built, found, *index)).collect()
         };
         abreast(&halves, of).into_iter().flatten()
@@ -100,13 +102,7 @@ struct Ends {
 
 /// Least clearance beyond the one asked for on the way to a pose and while the mass changes hands there, m; infinite without obstacles. `None` where the
 /// limb does not stand on the way.
-fn dense_spare_m(
-    task: &LoadedTask,
-    built: &Built,
-    index: usize,
-    before: Option<&Ends>,
-    ends: &Ends,
-) -> Option<f64> {
+fn dense_spare_m(task: &LoadedTask, built: &Built, index: usize, before: Option<&Ends>, ends: &Ends) -> Option<f64> {
     let pose = &task.poses[index];
     let rest = vec![0.0; built.len()];
     let (moved, held) = (&ends.moved, &ends.held);
@@ -214,12 +210,12 @@ fn confirm_pose(task: &LoadedTask, built: &Built, found: &Found, index: usize) -
         if let Some(states) = states.collect::<Option<Vec<_>>>() {
             let least = |of: &dyn Fn(&(LoadedLimb, Answer)) -> f64| states.iter().map(of).fold(f64::INFINITY, f64::min);
             answer.load_factor = least(&|(_, tubes)| tubes.load_factor());
-            answer.stiffness_n_per_m = least(&|(_, tubes)| tubes.compliance_m_per_n().map_or(0.0, |by| 1.0 / by[(2, 2)]));
+            answer.stiffness_n_per_m =
+                least(&|(_, tubes)| tubes.compliance_m_per_n().map_or(0.0, |by| 1.0 / by[(2, 2)]));
             answer.buckling_margin =
                 least(&|(_, tubes)| 1.0 / tubes.buckling.map_or(0.0, |tube| tube.ratio())).min(BUCKLING_MARGIN_MAX);
-            answer.sag_m = -least(&|(limb, tubes)| {
-                -(tubes.tip().translation.vector - limb.free_tip().translation.vector).norm()
-            });
+            answer.sag_m =
+                -least(&|(limb, tubes)| -(tubes.tip().translation.vector - limb.free_tip().translation.vector).norm());
         }
     }
     answer.lacks = lacks(&task.limits, &answer, built.length_m);

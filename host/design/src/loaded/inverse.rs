@@ -1,7 +1,7 @@
 //! Inverse kinematics under load: pressures that bring the tip of the loaded limb to an aim.
 //!
 //! Newton's method on the tip with the tangent of the statics. Where several pressures do, those nearest to `home` are taken, in shares of
-//! the ranges; a pressure that leaves its range is held at its end.
+//! the ranges; a pressure that leaves its range, and a little more at its high end, is held there.
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector4};
 
@@ -12,6 +12,8 @@ use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod,
 /// The tip has arrived within this, m.
 pub(super) const ARRIVED_M: f64 = 1e-6;
 const ITERATIONS: usize = 20;
+/// Highest share of a pressure. What is above 1 is a residual of its own: with a hard end the way of the tip would have a kink there.
+const MOST: f64 = 1.12;
 /// Longest step, as a share of the range of a pressure.
 const LONGEST: f64 = 0.3;
 const LEAST_STEP: f64 = 1.0 / 1024.0;
@@ -151,7 +153,7 @@ fn nearer(
     let mut share = f64::min(1.0, LONGEST / longest);
     while share >= LEAST_STEP {
         let shares: Vec<f64> =
-            here.shares.iter().zip(step.iter()).map(|(at, by)| (at + share * by).clamp(0.0, 1.0)).collect();
+            here.shares.iter().zip(step.iter()).map(|(at, by)| (at + share * by).clamp(0.0, MOST)).collect();
         if let Ok(there) = Stand::at(built, &shares, kg, Some(here)) {
             // A step towards home may take the tip away by what its own curvature makes, which the next step takes back.
             let curved_m = CURVED_M * (share * longest).powi(2);
@@ -200,13 +202,13 @@ fn step(jacobian: &Jacobian, shares: &[f64], home: &[f64], missing: &Vector3<f64
         held.iter().enumerate().for_each(|(index, by)| by.iter().for_each(|by| next[index] = *by));
         let outside = |index: usize| {
             let there = shares[index] + next[index];
-            (there - 1.0).max(-there)
+            (there - MOST).max(-there)
         };
         let open = (0..count).filter(|index| held[*index].is_none());
         let worst = open.max_by(|a, b| outside(*a).total_cmp(&outside(*b)));
         match worst.filter(|index| outside(*index) > 0.0) {
             None => return Some(next),
-            Some(index) => held[index] = Some((shares[index] + next[index]).clamp(0.0, 1.0) - shares[index]),
+            Some(index) => held[index] = Some((shares[index] + next[index]).clamp(0.0, MOST) - shares[index]),
         }
     }
     None

@@ -56,7 +56,10 @@ pub(super) fn moves(
             from: before.map_or(&rest, |before| &before.held.stand.shares),
             to: &pose.moved.stand.shares,
             kg: task.poses[index].move_kg,
-            shifts_m: [index.checked_sub(1).map_or_else(Vector3::zeros, |before| by.shift_m(before)[1]), by.shift_m(index)[0]],
+            shifts_m: [
+                index.checked_sub(1).map_or_else(Vector3::zeros, |before| by.shift_m(before)[1]),
+                by.shift_m(index)[0],
+            ],
         };
         let clear = |stand: &Stand, share| spare_m(built, task, stand, carried.as_ref(), &way.shift_m(share));
         let mut last = before.map(|before| before.held.stand.clone());
@@ -82,7 +85,8 @@ pub(super) fn moves(
             let Some(at) = nearest.filter(|point| spare(point) < FAR_M).map(|point| point.0) else { break };
             width *= 0.5;
             for share in [at - width, at + width].into_iter().filter(|share| (0.0..=1.0).contains(share)) {
-                let near = stands.iter().flatten().nth(((share * PARTS as f64) as usize).min(stands.len().saturating_sub(1)));
+                let near =
+                    stands.iter().flatten().nth(((share * PARTS as f64) as usize).min(stands.len().saturating_sub(1)));
                 if let Some(stand) = way.stand(built, share, near) {
                     points.push((share, clear(&stand, share)));
                 }

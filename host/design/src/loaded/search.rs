@@ -34,9 +34,9 @@ pub struct Effort {
     pub samples: usize,
     /// The best of them, which are improved by a few steps each before the best of those is improved further.
     pub short: usize,
-    /// Rounds of local solves; as many solves a round as `abreast`.
+    /// Rounds of two local solves: from beside the best limb, and from the next start.
     pub rounds: usize,
-    /// Local solves of a round, each in a thread of its own; the answer depends on it.
+    /// Threads; the answer does not depend on them.
     pub abreast: usize,
     /// Steps of a local solve.
     pub steps: usize,
@@ -59,7 +59,7 @@ pub struct Found {
     pub point: Vec<f64>,
     /// Whether every margin is kept.
     pub reached: bool,
-    /// The largest reserve that all margins were found with, and the shifts of its tubes.
+    /// The reserve that it was sought with, which all margins have where it is reached, and the shifts of its tubes.
     pub by: Judgement,
     /// Limbs judged.
     pub evaluations: usize,
@@ -112,9 +112,6 @@ pub fn search(
         }
     }
     begun.sort_by(|a, b| a.minimum.objective.total_cmp(&b.minimum.objective));
-    for candidate in &begun {
-        eprintln!("  short: objective {:.2e} keeps {}", candidate.minimum.objective, candidate.keeps);
-    }
     let rest = starts.into_iter().map(|(_, point)| point);
     let mut queue = begun.into_iter().map(|candidate| candidate.minimum.point).chain(rest);
     let mut random = Random::new(effort.seed, 2);
@@ -124,20 +121,21 @@ pub fn search(
             let step = |x: &f64| (x + HOP * random.normal()).clamp(0.0, 1.0);
             best.minimum.point.iter().map(step).collect::<Vec<f64>>()
         });
-        let fresh = queue.by_ref().take(effort.abreast.saturating_sub(usize::from(beside.is_some())).max(1));
-        let points: Vec<Vec<f64>> = beside.into_iter().chain(fresh).collect();
-        let solves = abreast(&points, |point| solved(task, space, point, &by, (effort.steps, 1)));
-        for (candidate, count) in solves.into_iter().flatten() {
+        for point in beside.into_iter().chain(queue.next()) {
+            let Some((candidate, count)) = solved(task, space, &point, &by, (effort.steps, effort.abreast)) else {
+                continue;
+            };
             evaluations += count;
-            eprintln!("  solve: {} limbs, objective {:.2e} keeps {}", count, candidate.minimum.objective, candidate.keeps);
             if best.as_ref().is_none_or(|best| candidate.merit() < best.merit()) {
                 best = Some(candidate);
+            }
+            if best.as_ref().is_some_and(|best| best.keeps) {
+                break;
             }
         }
         if let Some(found) = best.take_if(|best| best.keeps) {
             let (settled, count) = with_shifts(task, space, found, effort.abreast);
             evaluations += count;
-            eprintln!("  settled: {} limbs, objective {:.2e} keeps {}", count, settled.minimum.objective, settled.keeps);
             by.shifts_m = settled.by.shifts_m.clone();
             best = Some(settled);
         } else if let Some(best) = best.as_ref().filter(|best| best.minimum.objective <= NEAR) {
@@ -148,20 +146,16 @@ pub fn search(
         }
     }
     let mut best = best?;
-    if best.keeps && best.minimum.objective <= NOTHING {
+    if best.keeps {
         let (higher, count) = raised(task, space, &best.minimum.point, &best.by, (effort.raises, effort.abreast), stop);
         evaluations += count;
         let settled = higher.map(|higher| with_shifts(task, space, higher, effort.abreast));
-        eprintln!("  raised: {} limbs", count);
         if let Some((settled, count)) = settled {
             evaluations += count;
-            eprintln!("  settled: {} limbs, objective {:.2e} keeps {} reserve {}", count, settled.minimum.objective, settled.keeps, settled.by.reserve);
-            if settled.keeps && settled.minimum.objective <= NOTHING {
+            if settled.keeps {
                 best = settled;
             }
         }
-    } else {
-        best.by.reserve = 0.0;
     }
     let Candidate { minimum, by, keeps } = best;
     Some(Found { point: minimum.point, reached: keeps, by, evaluation: minimum.evaluation.limb, evaluations })
@@ -175,12 +169,19 @@ fn solved(
     by: &Judgement,
     (steps, abreast): (usize, usize),
 ) -> Option<(Candidate, usize)> {
-    let (minimum, count) = local(task, space, start, by, (steps, abreast))?;
-    let limb = &minimum.evaluation.limb;
-    let bare = Judgement { reserve: RESERVE.min(by.reserve) * KEPT, ..by.clone() };
-    let keeps = minimum.objective <= NOTHING
-        || evaluate(task, space, &limb.sizes, &bare, Some(limb)).is_some_and(|limb| limb.objective() <= NOTHING);
-    Some((Candidate { minimum, by: by.clone(), keeps }, count))
+    let (mut minimum, count) = local(task, space, start, by, (steps, abreast))?;
+    let (mut by, mut keeps) = (by.clone(), minimum.objective <= NOTHING);
+    if !keeps {
+        let less = Judgement { reserve: by.reserve.min(KEPT * RESERVE), ..by.clone() };
+        let limb = &minimum.evaluation.limb;
+        if let Some(limb) =
+            evaluate(task, space, &limb.sizes, &less, Some(limb)).filter(|limb| limb.objective() <= NOTHING)
+        {
+            (minimum.objective, minimum.evaluation.limb) = (limb.objective(), limb);
+            (by, keeps) = (less, true);
+        }
+    }
+    Some((Candidate { minimum, by, keeps }, count))
 }
 
 /// The limb solved for anew with the shifts of its own tubes, by turns, until both agree, and the limbs judged.
@@ -230,7 +231,7 @@ pub(super) fn raised(
             break;
         };
         evaluations += count;
-        if higher.minimum.objective <= NOTHING {
+        if higher.keeps && higher.by.reserve > best.by.reserve {
             (best, raise) = (higher, 1.6 * raise);
         } else {
             raise *= 0.4;

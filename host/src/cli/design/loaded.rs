@@ -61,7 +61,7 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     let printed = Printed {
         file,
         reached,
-        reserve: found.by.reserve,
+        reserve: if found.reached { found.by.reserve } else { 0.0 },
         limits: task.limits,
         mass_kg: found.evaluation.mass_kg,
         length_m: found.evaluation.length_m,
