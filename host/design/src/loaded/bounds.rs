@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::search::{Found, NOTHING, RAISE_STEPS, local, raised};
+use super::local_solve::{NOTHING, local};
+use super::search::{Found, RAISE_STEPS, raised};
 use super::space::{HOME, LimbSpace, Variable};
 use super::task::LoadedTask;
 
@@ -101,10 +102,10 @@ fn tried(
         let mut bound =
             ActiveBound { module: module.clone(), name, bound, moved_to, reached: false, reserve: 0.0, left: 1.0 };
         if found.reached {
-            let (_, reserve, _) = raised(task, &wider, &start, found.reserve, (1, abreast), stop)?;
-            return Some(ActiveBound { reached: true, reserve, left: 0.0, ..bound });
+            let (higher, _) = raised(task, &wider, &start, &found.by, (1, abreast), stop);
+            return Some(ActiveBound { reached: true, reserve: higher?.by.reserve, left: 0.0, ..bound });
         }
-        let Some((minimum, _)) = local(task, &wider, &start, 0.0, (RAISE_STEPS, abreast)) else { continue };
+        let Some((minimum, _)) = local(task, &wider, &start, &found.by, (RAISE_STEPS, abreast)) else { continue };
         bound.reached = minimum.objective <= NOTHING;
         bound.left = if bound.reached { 0.0 } else { (minimum.objective / before).sqrt() };
         let ends = bound.reached;

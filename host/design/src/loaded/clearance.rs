@@ -6,9 +6,10 @@ use super::built::Built;
 use super::inverse::Stand;
 use super::task::{CarriedBody, LoadedTask};
 
-/// Balls between two points of the centre line, and along the carried body.
+/// Balls between two points of the centre line of a module.
 const BETWEEN: usize = 4;
-const ALONG: usize = 12;
+/// Distance of balls along a straight part over their radius, at most: a capsule of its own is no more than 0.2 % of the radius beyond them.
+const APART: f64 = 0.12;
 
 /// Centres and radii of balls along a limb in equilibrium, m.
 fn balls(built: &Built, task: &LoadedTask, stand: &Stand) -> Vec<(Vector3<f64>, f64)> {
@@ -33,8 +34,7 @@ fn balls(built: &Built, task: &LoadedTask, stand: &Stand) -> Vec<(Vector3<f64>, 
             let connector = (task.connector_m / length_m).min(1.0);
             all.push((from.lerp(&to, connector), module.radius_m));
             if connector < 1.0 {
-                let share = |part: usize| connector + (1.0 - connector) * part as f64 / BETWEEN as f64;
-                all.extend((0..=BETWEEN).map(|part| (from.lerp(&to, share(part)), task.tool_m[1])));
+                all.extend(capsule(&from.lerp(&to, connector), &to, task.tool_m[1]));
             }
             first += 1;
         }
@@ -63,26 +63,44 @@ fn cubic(from: Vector3<f64>, to: Vector3<f64>, before: Vector3<f64>, after: Vect
         + after * (chord * (t3 - t2))
 }
 
-/// Balls of a body that hangs from the tip.
+/// Balls of a radius along a line, m. A line without radius is no body.
+fn capsule(from: &Vector3<f64>, to: &Vector3<f64>, radius_m: f64) -> Vec<(Vector3<f64>, f64)> {
+    if radius_m <= 0.0 {
+        return Vec::new();
+    }
+    let parts = ((to - from).norm() / (APART * radius_m)).ceil().clamp(1.0, 1000.0);
+    (0..=parts as usize).map(|part| (from.lerp(to, part as f64 / parts), radius_m)).collect()
+}
+
+/// Balls of a body that hangs from the tip: a capsule.
 fn hanging(tip_m: &Vector3<f64>, body: &CarriedBody) -> Vec<(Vector3<f64>, f64)> {
     let (top, bottom) = (body.above_m - body.radius_m, body.radius_m - body.below_m);
     let (top, bottom) = if top >= bottom { (top, bottom) } else { (0.5 * (top + bottom), 0.5 * (top + bottom)) };
-    let at = |part: usize| bottom + (top - bottom) * part as f64 / ALONG as f64;
-    (0..=ALONG).map(|part| (tip_m + Vector3::z() * at(part), body.radius_m)).collect()
+    capsule(&(tip_m + Vector3::z() * bottom), &(tip_m + Vector3::z() * top), body.radius_m)
 }
 
 /// Least distance to an obstacle less the required clearance, m, and the index of the obstacle; `None` without obstacles.
+///
+/// `shift_m` is the way from the tip of rods to that of tubes between plates: the body goes that way with it, from the base outwards.
 pub(super) fn spare_m(
     built: &Built,
     task: &LoadedTask,
     stand: &Stand,
     carried: Option<&CarriedBody>,
+    shift_m: &Vector3<f64>,
 ) -> Option<(f64, usize)> {
     let mut all = balls(built, task, stand);
-    all.extend(carried.iter().flat_map(|body| hanging(&stand.tip_m(), body)));
+    let count = all.len().max(1) as f64;
+    all.iter_mut().enumerate().for_each(|(index, (center, _))| *center += shift_m * ((index + 1) as f64 / count));
+    all.extend(carried.iter().flat_map(|body| hanging(&(stand.tip_m() + shift_m), body)));
     let of = |(index, obstacle): (usize, &crate::synthesis::Obstacle)| {
         let distances = all.iter().map(|(center, radius)| obstacle.shape.distance(center).distance_m - radius);
         (distances.fold(f64::INFINITY, f64::min) - obstacle.clearance_m, index)
     };
     task.obstacles.iter().enumerate().map(of).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The less of two clearances.
+pub(super) fn nearer(one: Option<(f64, usize)>, other: Option<(f64, usize)>) -> Option<(f64, usize)> {
+    [one, other].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
 }

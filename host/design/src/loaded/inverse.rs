@@ -1,7 +1,7 @@
 //! Inverse kinematics under load: pressures that bring the tip of the loaded limb to an aim.
 //!
 //! Newton's method on the tip with the tangent of the statics. Where several pressures do, those nearest to `home` are taken, in shares of
-//! the ranges; a pressure that leaves its range is held at its end.
+//! the ranges; a pressure that leaves its range, and a little more at its high end, is held there.
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector4};
 
@@ -10,15 +10,39 @@ use crate::synthesis::Aim;
 use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod, Settled, Shape};
 
 /// The tip has arrived within this, m.
-pub(super) const ARRIVED_M: f64 = 1e-7;
+pub(super) const ARRIVED_M: f64 = 1e-6;
 const ITERATIONS: usize = 20;
+/// Highest share of a pressure. What is above 1 is a residual of its own: with a hard end the way of the tip would have a kink there.
+const MOST: f64 = 1.12;
 /// Longest step, as a share of the range of a pressure.
 const LONGEST: f64 = 0.3;
-const LEAST_STEP: f64 = 1.0 / 32.0;
+const LEAST_STEP: f64 = 1.0 / 1024.0;
+/// Pressures are at home, or as near as the aim lets them, within this share; and the least change that is worth a step.
+const HOME: f64 = 1e-4;
+const LEAST_CHANGE: f64 = 1e-7;
+/// Steps that hardly bring the tip nearer, until it counts as near as it gets.
+const STALLS: usize = 3;
+/// Way of the tip by the curvature of a step, over the square of its largest share, m.
+const CURVED_M: f64 = 0.5;
+/// Part of the distance that a step with a known Jacobian may leave before the Jacobian is made anew.
+const SLOW: f64 = 0.2;
 /// Change of a share for a derivative.
 const STEP: f64 = 1e-5;
 /// A way of the tip below this for the whole range of a pressure counts as none, m.
 const HARDLY_M: f64 = 1e-3;
+
+/// Derivative of the tip, m, by the shares of the pressures.
+pub(super) type Jacobian = DMatrix<f64>;
+
+/// What a search for an aim leads to.
+#[derive(Clone, Debug)]
+pub(super) struct Reached {
+    pub(super) stand: Stand,
+    /// From the tip to the aim, m.
+    pub(super) missing_m: Vector3<f64>,
+    /// The Jacobian of the last step; `None` where no step was taken.
+    pub(super) jacobian: Option<Jacobian>,
+}
 
 /// A limb in equilibrium at shares of its pressures.
 #[derive(Clone, Debug)]
@@ -72,70 +96,102 @@ pub(super) fn nearest(aim: &Aim, point_m: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The limb with its tip at the aim under a payload, kg, or as near as it gets, and what is missing, m.
+///
+/// `known` is the Jacobian of a limb of nearly the same sizes and pressures. It is used while the tip comes nearer fast, and spares the
+/// derivatives; the pressures are nearest to `home` in its null space.
 pub(super) fn reach(
     built: &Built,
     from: &Stand,
-    home: &[f64],
-    kg: f64,
+    (home, kg): (&[f64], f64),
     aim: &Aim,
-) -> Result<(Stand, Vector3<f64>), f64> {
+    known: Option<&Jacobian>,
+) -> Result<Reached, f64> {
     let mut here = Stand::at(built, &from.shares, kg, Some(from))?;
     let miss = |stand: &Stand| {
         let tip_m = stand.tip_m();
         nearest(aim, &tip_m) - tip_m
     };
     let mut missing = miss(&here);
+    let (mut jacobian, mut fresh, mut stalls) = (known.cloned(), false, 0);
     for _ in 0..ITERATIONS {
-        if missing.norm() <= ARRIVED_M {
+        if jacobian.is_none() {
+            (jacobian, fresh) = (tip_jacobian(built, &here, kg), true);
+        }
+        let Some(step) = jacobian.as_ref().and_then(|by| step(by, &here.shares, home, &missing)) else { break };
+        let arrived = missing.norm() <= ARRIVED_M;
+        if step.amax() <= if arrived { HOME } else { LEAST_CHANGE } || stalls == STALLS {
             break;
         }
-        let Some(step) = step(built, &here, home, kg, &missing) else { break };
-        let mut share = f64::min(1.0, LONGEST / step.amax().max(1e-12));
-        let found = loop {
-            let tried: Vec<f64> =
-                here.shares.iter().zip(step.iter()).map(|(at, by)| (at + share * by).clamp(0.0, 1.0)).collect();
-            if let Ok(there) = Stand::at(built, &tried, kg, Some(&here)) {
-                let left = miss(&there);
-                if left.norm() < f64::max(missing.norm() * (1.0 - 1e-4 * share), ARRIVED_M) {
-                    break Some((there, left));
-                }
+        let Some((there, share)) = nearer(built, &here, kg, &step, missing.norm(), miss) else {
+            if fresh {
+                break;
             }
-            share *= 0.5;
-            if share < LEAST_STEP * LEAST_STEP {
-                break None;
-            }
+            jacobian = None;
+            continue;
         };
-        let Some((there, left)) = found else { break };
-        let gain = missing.norm() - left.norm();
+        let left = miss(&there);
+        let slow = share < 1.0 || left.norm() > SLOW * missing.norm();
+        stalls += usize::from(fresh && left.norm() > 0.95 * missing.norm());
         (here, missing) = (there, left);
-        if gain < 1e-3 * ARRIVED_M {
-            break;
+        if (fresh || slow) && missing.norm() > ARRIVED_M {
+            (jacobian, fresh) = (None, false);
         }
     }
-    Ok((here, missing))
+    Ok(Reached { stand: here, missing_m: missing, jacobian })
 }
 
-/// The step in shares that takes the tip by `missing`, in the ranges.
-fn step(built: &Built, here: &Stand, home: &[f64], kg: f64, missing: &Vector3<f64>) -> Option<DVector<f64>> {
+/// The stand that a step, or a part of it, leads to near the aim, and that part.
+fn nearer(
+    built: &Built,
+    here: &Stand,
+    kg: f64,
+    step: &DVector<f64>,
+    missing_m: f64,
+    miss: impl Fn(&Stand) -> Vector3<f64>,
+) -> Option<(Stand, f64)> {
+    let longest = step.amax().max(1e-12);
+    let mut share = f64::min(1.0, LONGEST / longest);
+    while share >= LEAST_STEP {
+        let shares: Vec<f64> =
+            here.shares.iter().zip(step.iter()).map(|(at, by)| (at + share * by).clamp(0.0, MOST)).collect();
+        if let Ok(there) = Stand::at(built, &shares, kg, Some(here)) {
+            // A step towards home may take the tip away by what its own curvature makes, which the next step takes back.
+            let curved_m = CURVED_M * (share * longest).powi(2);
+            if miss(&there).norm() < (missing_m * (1.0 - 1e-4 * share)).max(curved_m).max(ARRIVED_M) {
+                return Some((there, share));
+            }
+        }
+        share *= 0.5;
+    }
+    None
+}
+
+/// Derivative of the tip, m, by the shares of the pressures.
+fn tip_jacobian(built: &Built, here: &Stand, kg: f64) -> Option<Jacobian> {
     let count = here.shares.len();
-    let signs: Vec<f64> = here.shares.iter().map(|share| if *share < 0.5 { STEP } else { -STEP }).collect();
     let strains = here.strains();
     let responding = here.shape.responding(&here.rod, Bends::Linear)?;
     let column = |module: usize| {
-        let bundle = built.bundle(module, here.shares[module] + signs[module])?;
+        let sign = if here.shares[module] < 0.5 { STEP } else { -STEP };
+        let bundle = built.bundle(module, here.shares[module] + sign)?;
         let bundle = bundle.strained(built.motion(module), &strains[module])?;
         let mut rod = here.rod.clone();
         rod.pieces[module] = built.piece(module, &bundle, kg);
-        Some(responding.to(&rod).0 / signs[module])
+        Some(responding.to(&rod).0 / sign)
     };
     let columns = (0..count).map(column).collect::<Option<Vec<_>>>()?;
-    let jacobian = DMatrix::from_fn(3, count, |row, column| columns[column][row]);
+    Some(DMatrix::from_fn(3, count, |row, column| columns[column][row]))
+}
+
+/// The step in shares that takes the tip by `missing`, in the ranges.
+fn step(jacobian: &Jacobian, shares: &[f64], home: &[f64], missing: &Vector3<f64>) -> Option<DVector<f64>> {
+    let count = shares.len();
     // From home the shortest way to where the tip shall be, as the tangent has it.
-    let away = DVector::from_fn(count, |index, _| home[index] - here.shares[index]);
+    let away = DVector::from_fn(count, |index, _| home[index] - shares[index]);
     let mut held = vec![None; count];
     for _ in 0..=count {
         let mut free = jacobian.clone();
-        let mut left = DVector::from_column_slice(missing.as_slice()) - &jacobian * &away;
+        let mut left = DVector::from_column_slice(missing.as_slice()) - jacobian * &away;
         for (index, by) in held.iter().enumerate() {
             let Some(by) = by else { continue };
             left -= jacobian.column(index) * (*by - away[index]);
@@ -145,14 +201,14 @@ fn step(built: &Built, here: &Stand, home: &[f64], kg: f64, missing: &Vector3<f6
         let mut next = &away + free.transpose() * square.cholesky()?.solve(&left);
         held.iter().enumerate().for_each(|(index, by)| by.iter().for_each(|by| next[index] = *by));
         let outside = |index: usize| {
-            let there = here.shares[index] + next[index];
-            (there - 1.0).max(-there)
+            let there = shares[index] + next[index];
+            (there - MOST).max(-there)
         };
         let open = (0..count).filter(|index| held[*index].is_none());
         let worst = open.max_by(|a, b| outside(*a).total_cmp(&outside(*b)));
         match worst.filter(|index| outside(*index) > 0.0) {
             None => return Some(next),
-            Some(index) => held[index] = Some((here.shares[index] + next[index]).clamp(0.0, 1.0) - here.shares[index]),
+            Some(index) => held[index] = Some((shares[index] + next[index]).clamp(0.0, MOST) - shares[index]),
         }
     }
     None

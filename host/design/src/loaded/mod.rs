@@ -11,18 +11,25 @@ mod confirm;
 mod evaluate;
 mod inverse;
 mod limits;
+mod local_solve;
+mod moves;
+mod plates;
+mod pose;
 mod residuals;
 mod search;
+mod seeded;
 mod space;
 mod task;
 
 pub use bounds::{ActiveBound, active_bounds};
 pub use built::Built;
 pub use confirm::{ConfirmedPose, REACHED_M, confirm};
-pub use evaluate::{Evaluation, LoadState, PoseState, evaluate};
+pub use evaluate::{Evaluation, Judgement, evaluate};
 pub use limits::{Margin, StandingLimits};
+pub use pose::{LoadState, PoseState};
 pub use residuals::Lack;
 pub use search::{Effort, Found, search};
+pub use seeded::{Seeded, seeded};
 pub use space::{BaseSpace, LimbSizes, LimbSpace, ModuleSizes, ModuleSpace, Variable};
 
 pub use task::{CarriedBody, LoadedPose, LoadedTask};

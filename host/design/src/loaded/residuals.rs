@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::built::Built;
-use super::evaluate::{LOADS, PoseState};
 use super::limits::Margin;
+use super::pose::{LOADS, PoseState};
 use super::task::LoadedTask;
 
 /// Distance of the tip, m, and angle, rad, that count as one.
@@ -14,6 +14,8 @@ const ANGLE_RAD: f64 = 0.1;
 const CLEARANCE_M: f64 = 0.02;
 /// Share of a limit that counts as one.
 const SHARE: f64 = 0.25;
+/// Excess of a pressure over the highest that keeps its margin, as a share of it, that counts as one.
+const PRESSURE: f64 = 0.05;
 /// What a load that is not carried counts.
 const FALLS: f64 = 10.0;
 /// Backward bend that counts as one, rad/m.
@@ -37,7 +39,11 @@ pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &Pos
     let mut lacks = Vec::new();
     let mut push = |margin, value| lacks.push(Lack { margin, pose, value });
     state.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
+    if task.poses[pose].hold_kg != task.poses[pose].move_kg {
+        state.held.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
+    }
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
+    state.shares.iter().for_each(|share| push(Margin::Pressure, (share - 1.0).max(0.0) / PRESSURE));
     push(Margin::Carries, FALLS * state.not_carried);
     let states = if task.poses[pose].payload_kg() > 0.0 { LOADS.len() } else { 1 };
     for index in 0..states {

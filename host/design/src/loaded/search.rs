@@ -1,24 +1,29 @@
 //! The search: bounded least squares on what the margins lack, from several starts, then with a rising reserve.
 
-use std::panic::resume_unwind;
-
-use super::evaluate::{Evaluation, evaluate};
+use super::evaluate::{Evaluation, Judgement, evaluate};
+use super::local_solve::{At, NOTHING, abreast, local};
+use super::plates::shifts_m;
 use super::space::LimbSpace;
 use super::task::LoadedTask;
-use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise};
+use softlimb_numerics::least_squares::Minimum;
 use softlimb_numerics::{Kronecker, Random};
 
-/// Step of a derivative in the unit box.
-const STEP: f64 = 2e-3;
-/// A sum of squares that counts as nothing lacking: 0.03 mm, or 0.1 % of a limit, which the reserve covers.
-pub(super) const NOTHING: f64 = 1e-5;
 /// Standard deviation of a hop from the best limb, in the unit box.
 const HOP: f64 = 0.02;
 /// Reserve that a limb is sought with, and by how much it is raised at a time.
 const RESERVE: f64 = 0.03;
 const RAISE: f64 = 0.05;
+/// Part of the reserve that a limb keeps at least, so that tubes between plates keep every margin, too.
+const KEPT: f64 = 0.4;
 /// Steps of a local solve with another reserve or another bound.
 pub(super) const RAISE_STEPS: usize = 10;
+/// Steps of a local solve that tells a good start from a bad one.
+const SHORT_STEPS: usize = 8;
+/// Turns of a local solve and of the shifts of its tubes, and the change of a shift that is none, m.
+const SHIFT_TURNS: usize = 4;
+const SHIFTED_M: f64 = 5e-5;
+/// A sum of squares below which the shifts of a limb's tubes are worth knowing.
+const NEAR: f64 = 0.1;
 
 /// Bounds of a search.
 #[derive(Clone, Copy, Debug)]
@@ -27,9 +32,11 @@ pub struct Effort {
     pub seed: u64,
     /// Limbs that are looked at before any is improved.
     pub samples: usize,
-    /// Rounds of local solves; as many solves a round as `abreast`.
+    /// The best of them, which are improved by a few steps each before the best of those is improved further.
+    pub short: usize,
+    /// Rounds of two local solves: from beside the best limb, and from the next start.
     pub rounds: usize,
-    /// Local solves of a round, each in a thread of its own; the answer depends on it.
+    /// Threads; the answer does not depend on them.
     pub abreast: usize,
     /// Steps of a local solve.
     pub steps: usize,
@@ -39,7 +46,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { seed: 0, samples: 64, rounds: 12, abreast: 2, steps: 40, raises: 3 }
+        Self { seed: 0, samples: 64, short: 8, rounds: 12, abreast: 2, steps: 40, raises: 3 }
     }
 }
 
@@ -52,68 +59,27 @@ pub struct Found {
     pub point: Vec<f64>,
     /// Whether every margin is kept.
     pub reached: bool,
-    /// The largest reserve that all margins were found with.
-    pub reserve: f64,
+    /// The reserve that it was sought with, which all margins have where it is reached, and the shifts of its tubes.
+    pub by: Judgement,
     /// Limbs judged.
     pub evaluations: usize,
 }
 
-struct Problem<'a> {
-    task: &'a LoadedTask,
-    space: &'a LimbSpace,
-    reserve: f64,
-    evaluations: usize,
-    warm: Option<Evaluation>,
-    /// Threads of a Jacobian.
-    abreast: usize,
+/// A limb that a local solve has led to.
+pub(super) struct Candidate {
+    minimum: Minimum<At>,
+    pub(super) by: Judgement,
+    /// Whether every margin is kept with a part of the reserve.
+    keeps: bool,
 }
 
-impl Problem<'_> {
-    fn at(&mut self, point: &[f64]) -> Option<Evaluation> {
-        self.evaluations += 1;
-        evaluate(self.task, self.space, &self.space.sizes(point), self.reserve, self.warm.as_ref())
-    }
-}
-
-impl Problem<'_> {
-    /// Derivative of the residuals by one variable; zeros where the limb beside does not stand.
-    fn column(&self, at: &At, here: &[f64], axis: usize) -> Vec<f64> {
-        let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
-        let mut point = at.point.clone();
-        point[axis] += step;
-        match evaluate(self.task, self.space, &self.space.sizes(&point), self.reserve, Some(&at.limb)) {
-            Some(there) => there.lacks.iter().zip(here).map(|(there, here)| (there.value - here) / step).collect(),
-            None => vec![0.0; here.len()],
-        }
-    }
-}
-
-/// A point with its limb.
-pub(super) struct At {
-    point: Vec<f64>,
-    pub(super) limb: Evaluation,
-}
-
-impl LeastSquares for Problem<'_> {
-    type Evaluation = At;
-
-    fn evaluate(&mut self, point: &[f64]) -> Option<At> {
-        Some(At { point: point.to_vec(), limb: self.at(point)? })
+impl Candidate {
+    fn merit(&self) -> (bool, f64) {
+        (!self.keeps, self.minimum.objective)
     }
 
-    fn residuals(&self, at: &At) -> Vec<f64> {
-        at.limb.lacks.iter().map(|lack| lack.value).collect()
-    }
-
-    fn jacobian(&mut self, at: &At) -> Option<Vec<Vec<f64>>> {
-        self.warm = Some(at.limb.clone());
-        let here: Vec<f64> = self.residuals(at);
-        self.evaluations += at.point.len();
-        let axes: Vec<usize> = (0..at.point.len()).collect();
-        let parts: Vec<&[usize]> = axes.chunks(axes.len().div_ceil(self.abreast.max(1)).max(1)).collect();
-        let columns = abreast(&parts, |axes| axes.iter().map(|axis| self.column(at, &here, *axis)).collect::<Vec<_>>());
-        let columns: Vec<Vec<f64>> = columns.into_iter().flatten().collect();
-        Some((0..here.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
+    fn limb(&self) -> &Evaluation {
+        &self.minimum.evaluation.limb
     }
 }
 
@@ -127,82 +93,151 @@ pub fn search(
     effort: &Effort,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Found> {
-    let mut evaluations = 0;
     let mut starts = sample(task, space, start, effort);
-    evaluations += starts.len();
+    let mut evaluations = starts.len();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut queue = starts.into_iter().map(|(_, point)| point);
-    let mut best: Option<(Minimum<At>, bool)> = None;
-    let mut random = Random::new(effort.seed, 2);
-    for _ in 0..effort.rounds {
-        // One solve goes on from beside the best limb: a kink of the residuals is left, or a better valley found.
-        let beside = best.as_ref().map(|(best, _)| {
-            let step = |x: &f64| (x + HOP * random.normal()).clamp(0.0, 1.0);
-            best.point.iter().map(step).collect::<Vec<f64>>()
-        });
-        let fresh = queue.by_ref().take(effort.abreast.saturating_sub(usize::from(beside.is_some())).max(1));
-        let points: Vec<Vec<f64>> = beside.into_iter().chain(fresh).collect();
-        let solves = abreast(&points, |point| {
-            let (minimum, count) = local(task, space, point, RESERVE, (effort.steps, 1))?;
-            let keeps = keeps(task, space, &minimum);
-            Some((minimum, keeps, count))
-        });
-        for (minimum, keeps, count) in solves.into_iter().flatten() {
+    let mut best: Option<Candidate> = None;
+    let mut by = Judgement { reserve: RESERVE, shifts_m: Vec::new() };
+    // A few steps tell good starts from bad ones; the best of them go on first.
+    let short: Vec<Vec<f64>> = starts.drain(..starts.len().min(effort.short)).map(|(_, point)| point).collect();
+    let mut begun = Vec::with_capacity(short.len());
+    for points in short.chunks(effort.abreast.max(1)) {
+        let solves = abreast(points, |point| solved(task, space, point, &by, (SHORT_STEPS, 1)));
+        for (candidate, count) in solves.into_iter().flatten() {
             evaluations += count;
-            let merit = |minimum: &Minimum<At>, keeps: bool| (!keeps, minimum.objective);
-            if best.as_ref().is_none_or(|(best, kept)| merit(&minimum, keeps) < merit(best, *kept)) {
-                best = Some((minimum, keeps));
-            }
+            begun.push(candidate);
         }
-        if best.as_ref().is_some_and(|(_, keeps)| *keeps) || stop() {
+        if stop() {
             break;
         }
     }
-    let (best, reached) = best?;
-    let mut reserve = if reached && best.objective <= NOTHING { RESERVE } else { 0.0 };
-    let (mut point, mut limb) = (best.point, best.evaluation.limb);
-    if reserve > 0.0
-        && let Some((minimum, higher, count)) =
-            raised(task, space, &point, reserve, (effort.raises, effort.abreast), stop)
-    {
-        evaluations += count;
-        (point, limb, reserve) = (minimum.point, minimum.evaluation.limb, higher);
+    begun.sort_by(|a, b| a.minimum.objective.total_cmp(&b.minimum.objective));
+    let rest = starts.into_iter().map(|(_, point)| point);
+    let mut queue = begun.into_iter().map(|candidate| candidate.minimum.point).chain(rest);
+    let mut random = Random::new(effort.seed, 2);
+    for _ in 0..effort.rounds {
+        // One solve goes on from beside the best limb: a kink of the residuals is left, or a better valley found.
+        let beside = best.as_ref().map(|best| {
+            let step = |x: &f64| (x + HOP * random.normal()).clamp(0.0, 1.0);
+            best.minimum.point.iter().map(step).collect::<Vec<f64>>()
+        });
+        for point in beside.into_iter().chain(queue.next()) {
+            let Some((candidate, count)) = solved(task, space, &point, &by, (effort.steps, effort.abreast)) else {
+                continue;
+            };
+            evaluations += count;
+            if best.as_ref().is_none_or(|best| candidate.merit() < best.merit()) {
+                best = Some(candidate);
+            }
+            if best.as_ref().is_some_and(|best| best.keeps) {
+                break;
+            }
+        }
+        if let Some(found) = best.take_if(|best| best.keeps) {
+            let (settled, count) = with_shifts(task, space, found, effort.abreast);
+            evaluations += count;
+            by.shifts_m = settled.by.shifts_m.clone();
+            best = Some(settled);
+        } else if let Some(best) = best.as_ref().filter(|best| best.minimum.objective <= NEAR) {
+            by.shifts_m = shifts_m(task, space, best.limb(), RESERVE);
+        }
+        if best.as_ref().is_some_and(|best| best.keeps) || stop() {
+            break;
+        }
     }
-    Some(Found { point, reached, reserve, evaluation: limb, evaluations })
+    let mut best = best?;
+    if best.keeps {
+        let (higher, count) = raised(task, space, &best.minimum.point, &best.by, (effort.raises, effort.abreast), stop);
+        evaluations += count;
+        let settled = higher.map(|higher| with_shifts(task, space, higher, effort.abreast));
+        if let Some((settled, count)) = settled {
+            evaluations += count;
+            if settled.keeps {
+                best = settled;
+            }
+        }
+    }
+    let Candidate { minimum, by, keeps } = best;
+    Some(Found { point: minimum.point, reached: keeps, by, evaluation: minimum.evaluation.limb, evaluations })
 }
 
-/// Whether every margin is kept without a reserve.
-fn keeps(task: &LoadedTask, space: &LimbSpace, minimum: &Minimum<At>) -> bool {
-    let limb = &minimum.evaluation.limb;
-    minimum.objective <= NOTHING
-        || evaluate(task, space, &limb.sizes, 0.0, Some(limb)).is_some_and(|limb| limb.objective() <= NOTHING)
+/// The limb that a local solve leads to, and the limbs judged.
+fn solved(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    start: &[f64],
+    by: &Judgement,
+    (steps, abreast): (usize, usize),
+) -> Option<(Candidate, usize)> {
+    let (mut minimum, count) = local(task, space, start, by, (steps, abreast))?;
+    let (mut by, mut keeps) = (by.clone(), minimum.objective <= NOTHING);
+    if !keeps {
+        let less = Judgement { reserve: by.reserve.min(KEPT * RESERVE), ..by.clone() };
+        let limb = &minimum.evaluation.limb;
+        if let Some(limb) =
+            evaluate(task, space, &limb.sizes, &less, Some(limb)).filter(|limb| limb.objective() <= NOTHING)
+        {
+            (minimum.objective, minimum.evaluation.limb) = (limb.objective(), limb);
+            (by, keeps) = (less, true);
+        }
+    }
+    Some((Candidate { minimum, by, keeps }, count))
 }
 
-/// The limb with the largest reserve that rises of it lead to from a limb that keeps `reserve`, that reserve, and the limbs judged.
+/// The limb solved for anew with the shifts of its own tubes, by turns, until both agree, and the limbs judged.
+fn with_shifts(task: &LoadedTask, space: &LimbSpace, mut found: Candidate, abreast: usize) -> (Candidate, usize) {
+    let mut evaluations = 0;
+    for _ in 0..SHIFT_TURNS {
+        let shifts_m = shifts_m(task, space, found.limb(), found.by.reserve);
+        let change_m = (0..shifts_m.len()).flat_map(|pose| {
+            let before = found.by.shifts_m.get(pose).copied().unwrap_or_default();
+            [0, 1].map(|state: usize| (shifts_m[pose][state] - before[state]).norm())
+        });
+        let change_m = change_m.fold(0.0, f64::max);
+        if change_m <= SHIFTED_M {
+            return (found, evaluations);
+        }
+        let by = Judgement { shifts_m, ..found.by.clone() };
+        let Some((next, count)) = solved(task, space, &found.minimum.point, &by, (RAISE_STEPS, abreast)) else { break };
+        evaluations += count;
+        found = next;
+        if !found.keeps {
+            return (found, evaluations);
+        }
+    }
+    found.keeps = false;
+    (found, evaluations)
+}
+
+/// The limb with the largest reserve that rises of it lead to from a limb that keeps that of `by`, and the limbs judged.
 pub(super) fn raised(
     task: &LoadedTask,
     space: &LimbSpace,
     start: &[f64],
-    reserve: f64,
+    by: &Judgement,
     (raises, abreast): (usize, usize),
     stop: &(dyn Fn() -> bool + Sync),
-) -> Option<(Minimum<At>, f64, usize)> {
-    let (mut best, mut evaluations) = local(task, space, start, reserve, (RAISE_STEPS, abreast))?;
-    let (mut reserve, mut raise) = (reserve, RAISE);
+) -> (Option<Candidate>, usize) {
+    let Some((mut best, mut evaluations)) = solved(task, space, start, by, (RAISE_STEPS, abreast)) else {
+        return (None, 0);
+    };
+    let mut raise = RAISE;
     for _ in 0..raises {
         if stop() {
             break;
         }
-        let next = reserve + raise;
-        let Some((minimum, count)) = local(task, space, &best.point, next, (RAISE_STEPS, abreast)) else { break };
+        let next = Judgement { reserve: best.by.reserve + raise, ..best.by.clone() };
+        let Some((higher, count)) = solved(task, space, &best.minimum.point, &next, (RAISE_STEPS, abreast)) else {
+            break;
+        };
         evaluations += count;
-        if minimum.objective <= NOTHING {
-            (best, reserve, raise) = (minimum, next, 1.6 * raise);
+        if higher.keeps && higher.by.reserve > best.by.reserve {
+            (best, raise) = (higher, 1.6 * raise);
         } else {
             raise *= 0.4;
         }
     }
-    Some((best, reserve, evaluations))
+    (Some(best), evaluations)
 }
 
 /// Limbs of the box with the sum of squares of what they lack; those that do not stand are left out.
@@ -219,40 +254,13 @@ fn sample(task: &LoadedTask, space: &LimbSpace, start: &[f64], effort: &Effort) 
     let points: Vec<Vec<f64>> = (0..effort.samples.max(1)).map(point).collect();
     let shares: Vec<Vec<Vec<f64>>> =
         points.chunks(points.len().div_ceil(effort.abreast.max(1))).map(<[_]>::to_vec).collect();
+    let by = Judgement { reserve: RESERVE, ..Judgement::default() };
     let judged = abreast(&shares, |points| {
         let judge = |point: &Vec<f64>| {
-            let limb = evaluate(task, space, &space.sizes(point), RESERVE, None)?;
+            let limb = evaluate(task, space, &space.sizes(point), &by, None)?;
             Some((limb.objective(), point.clone()))
         };
         points.iter().filter_map(judge).collect::<Vec<_>>()
     });
     judged.into_iter().flatten().collect()
-}
-
-/// The limb that least squares lead to, and the limbs judged.
-pub(super) fn local(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    start: &[f64],
-    reserve: f64,
-    (steps, abreast): (usize, usize),
-) -> Option<(Minimum<At>, usize)> {
-    let mut problem = Problem { task, space, reserve, evaluations: 0, warm: None, abreast };
-    let criteria = StoppingCriteria {
-        zero: NOTHING,
-        relative: 1e-4,
-        least_gain: 5e-3,
-        evaluations: steps.max(1),
-        ..StoppingCriteria::default()
-    };
-    let minimum = minimise(&mut problem, start, criteria)?;
-    Some((minimum, problem.evaluations))
-}
-
-/// Applies `work` to every item, each in a thread of its own, in their order.
-fn abreast<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    std::thread::scope(|scope| {
-        let handles: Vec<_> = items.iter().map(|item| scope.spawn(|| work(item))).collect();
-        handles.into_iter().map(|handle| handle.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
-    })
 }

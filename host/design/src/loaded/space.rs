@@ -168,6 +168,10 @@ impl LimbSpace {
         self.point(|variable| {
             let middle = 0.5 * (variable.bounds[0] + variable.bounds[1]);
             let Some(module) = variable.module else { return middle };
+            // A lone tube has no spread that would make it stiff.
+            if self.modules[module].actuators == 1 && variable.name != HOME {
+                return middle;
+            }
             // Of a bender, of the module at the base, of others.
             let of = |values: [f64; 3]| match (self.modules[module].motion, module) {
                 (Motion::Bending, _) => values[0],

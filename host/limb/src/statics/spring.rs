@@ -4,13 +4,9 @@
 //! gives the tube's force and slope, and these are the force and slope of a linear spring with a rest of its own. Springs about the strains of
 //! a shape, and the shape of these springs, are found by turns; that is Newton's method on the walls, and a few turns do.
 
-use fra_model::{Actuator, Load, Motion, Parameter, State, Status, Target};
+use fra_model::{Actuator, Load, Motion, State, Status, Target};
 
-use super::tube::{Tangent, gyration_m2};
-
-/// Iterations for the moment of a bend, and the bend that is off by then, as a share of the larger of itself and 1 rad/m.
-const ITERATIONS: usize = 20;
-const CONVERGED: f64 = 1e-11;
+use super::tube::{Tangent, bender_nm2, gyration_m2, volume_by_angle_m3};
 
 /// Strains of a tube per length at rest: stretch, bend (rad/m) and twist (rad/m).
 pub type TubeStrain = [f64; 3];
@@ -123,49 +119,23 @@ impl Spring {
         })
     }
 
-    /// The moment that holds a bend, by Newton's method.
+    /// The springs of a bender about a bend.
+    ///
+    /// The moment on a wall of hooped fibers is linear in the pressure: `M = (p_0 - p) dV/dtheta`, where `p_0` holds the bend without load.
     fn bent(&self, bend_rad_per_m: f64) -> Option<Tangent> {
         let length_m = self.actuator.parameters().length_m;
-        let (mut state, mut load) = match self.bent_by_inverse(bend_rad_per_m) {
-            Some(start) => start,
-            None => (self.actuator.forward(self.pressure_pa, &Load::none()).ok()?.state, Load::none()),
-        };
-        for _ in 0..ITERATIONS {
-            let by_moment = self.actuator.sensitivity(&state, &load, Parameter::Torque).ok()?.bend_angle_rad;
-            let bending_nm2 = length_m / by_moment;
-            if !(bending_nm2 > 0.0 && bending_nm2.is_finite()) {
-                return None;
-            }
-            let off = bend_rad_per_m - state.bend_angle_rad / length_m;
-            if off.abs() <= CONVERGED * f64::max(1.0, bend_rad_per_m) {
-                let rest = bend_rad_per_m - load.torque_nm / bending_nm2;
-                return Some(Tangent { bend_rad_per_m: rest, bending_nm2, ..self.uncrept() });
-            }
-            load.torque_nm += bending_nm2 * off;
-            let solution = self.actuator.forward_from(&state, self.pressure_pa, &load).ok()?;
-            if solution.status != Status::Solved {
-                return None;
-            }
-            state = solution.state;
+        let solution = self.actuator.inverse(Target::BendAngle(bend_rad_per_m * length_m), &Load::none()).ok()?;
+        if solution.status != Status::Solved {
+            return None;
         }
-        None
-    }
-
-    /// State and load at a bend: the moment on a wall of hooped fibers is linear in the pressure, so that two pressures at the bend give it.
-    /// `None` where the model has no pressure for one of them; what rounding leaves is Newton's.
-    fn bent_by_inverse(&self, bend_rad_per_m: f64) -> Option<(State<f64>, Load<f64>)> {
-        let angle_rad = bend_rad_per_m * self.actuator.parameters().length_m;
-        let at = |torque_nm: f64| {
-            let load = Load { torque_nm, ..Load::none() };
-            let solution = self.actuator.inverse(Target::BendAngle(angle_rad), &load).ok()?;
-            (solution.status == Status::Solved).then_some((solution.state, load))
-        };
-        // The moment that holds a change of the bend by 1 rad/m about the free one.
-        let scale_nm = -self.free.bending_nm2;
-        let [free_pa, held_pa] = [at(0.0)?.0.pressure_pa, at(scale_nm)?.0.pressure_pa];
-        let torque_nm = scale_nm * (self.pressure_pa - free_pa) / (held_pa - free_pa);
-        at(torque_nm)
-            .filter(|(state, _)| (state.pressure_pa - self.pressure_pa).abs() <= 1e-9 * f64::max(self.pressure_pa, 1e3))
+        let torque_nm = (solution.state.pressure_pa - self.pressure_pa) * volume_by_angle_m3(&self.actuator);
+        let bending_nm2 = bender_nm2(&self.actuator, &solution.state);
+        let rest = bend_rad_per_m - torque_nm / bending_nm2;
+        (bending_nm2 > 0.0 && bending_nm2.is_finite()).then(|| Tangent {
+            bend_rad_per_m: rest,
+            bending_nm2,
+            ..self.uncrept()
+        })
     }
 
     fn uncrept(&self) -> Tangent {

@@ -1,6 +1,8 @@
 //! One pressurised tube as a spring: its state without load, and the tangent of the model there.
 
-use fra_model::{Actuator, Load, Motion, Parameter, State, Status};
+use std::f64::consts::PI;
+
+use fra_model::{Actuator, Load, Motion, State, Status};
 
 /// By how much stiffer than the wall the inextensible line of a bending actuator is taken to be.
 pub(super) const LINE: f64 = 100.0;
@@ -83,7 +85,6 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
 
 fn bending(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     let parameters = actuator.parameters();
-    let by_moment = actuator.sensitivity(state, &Load::none(), Parameter::Torque).ok()?.bend_angle_rad;
     // The wall alone, under its hoops: no radius changes, so that its axial modulus is 4 mu.
     let modulus_pa = 4.0 * parameters.material.shear_modulus_pa();
     let wall_n = modulus_pa * section_m2(actuator);
@@ -93,7 +94,7 @@ fn bending(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
         bend_rad_per_m: state.bend_angle_rad / parameters.length_m,
         twist_rad_per_m: 0.0,
         axial_n: LINE * wall_n,
-        bending_nm2: parameters.length_m / by_moment,
+        bending_nm2: bender_nm2(actuator, state),
         across_nm2,
         torsion_nm2: across_nm2 * 0.5,
         coupling_nm: 0.0,
@@ -103,6 +104,20 @@ fn bending(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     .filter(|tangent| tangent.bending_nm2.is_finite() && tangent.bending_nm2 > 0.0)
 }
 
+/// Growth of a bender's lumen with its bend, m3/rad: `pi R_f^2 R_o` with the radius of the winding, which keeps its size.
+pub(super) fn volume_by_angle_m3(actuator: &Actuator<f64>) -> f64 {
+    let parameters = actuator.parameters();
+    let winding_m = parameters.fiber.as_ref().map_or(parameters.outer_radius_m, |fiber| fiber.radius_m);
+    PI * winding_m * winding_m * parameters.outer_radius_m
+}
+
+/// Change of a bender's moment with its bend per length at constant pressure, N m2, at a state without load.
+///
+/// The moment is `(p_0(theta) - p) dV/dtheta`, and the compliance is `dV/dp_0`.
+pub(super) fn bender_nm2(actuator: &Actuator<f64>, state: &State<f64>) -> f64 {
+    actuator.parameters().length_m * volume_by_angle_m3(actuator).powi(2) / state.compliance_m3_per_pa
+}
+
 /// Mean square of the distance of the wall from a diameter, m2.
 pub(super) fn gyration_m2(inner_m: f64, outer_m: f64) -> f64 {
     0.25 * (inner_m * inner_m + outer_m * outer_m)
@@ -110,7 +125,7 @@ pub(super) fn gyration_m2(inner_m: f64, outer_m: f64) -> f64 {
 
 fn section_m2(actuator: &Actuator<f64>) -> f64 {
     let (inner, outer) = (actuator.parameters().inner_radius_m, actuator.parameters().outer_radius_m);
-    std::f64::consts::PI * (outer - inner) * (outer + inner)
+    PI * (outer - inner) * (outer + inner)
 }
 
 /// Shear stiffness `GA` of a wall, N: half of `mu A`, as of a thin round tube.

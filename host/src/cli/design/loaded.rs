@@ -52,8 +52,7 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     let found = search(task, space, &space.first_guess(), &effort, &|| false).ok_or_else(|| {
         Failure::new("no limb within the bounds stands under its own weight in the first phase: raise `pressure_max` or the bounds of `[design]`")
     })?;
-    let tolerance = scene.weight().map_or(1e-3, |weight| weight.error);
-    let phases = confirm(task, space, &found, tolerance);
+    let phases = confirm(task, space, &found);
     let reached = found.reached && phases.iter().all(|phase| phase.lacks.is_empty());
     let bounds = active_bounds(task, space, &found, effort.abreast, &|| false);
     let text = loaded_text(scene, &design, &found.evaluation.sizes).map_err(Failure::new)?;
@@ -62,7 +61,7 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     let printed = Printed {
         file,
         reached,
-        reserve: found.reserve,
+        reserve: if found.reached { found.by.reserve } else { 0.0 },
         limits: task.limits,
         mass_kg: found.evaluation.mass_kg,
         length_m: found.evaluation.length_m,
