@@ -4,5 +4,6 @@ mod common;
 mod hard_cases;
 mod keys;
 mod kinematics;
+mod loaded;
 mod obstacles;
 mod times;

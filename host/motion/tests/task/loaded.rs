@@ -1,0 +1,128 @@
+//! Limbs under weight: the shipped scenes stand in all phases, reach their goals and keep clear with what they carry.
+
+use nalgebra::{Isometry3, Vector3};
+use softlimb_limb::Limb;
+use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, by_tubes};
+use softlimb_motion as motion;
+use softlimb_motion::{Plan, carried, payload_kg};
+use softlimb_scene::{Goal, Object, Scene};
+
+use super::common::repository;
+
+const SCENES: [&str; 4] = ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c", "loaded/carry-hanging"];
+/// Time between two shapes that are looked at, us.
+const STEP_US: usize = 100_000;
+
+fn planned(name: &str) -> (Scene, Limb, Plan) {
+    let scene = repository(name);
+    let limb = Limb::new(&scene).expect("a limb");
+    let plan = motion::plan(&scene, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    (scene, limb, plan)
+}
+
+fn loaded(scene: &Scene, limb: &Limb, plan: &Plan, time_us: u64, kg: f64) -> LoadedLimb {
+    let states = plan.states_at(time_us as f64);
+    let modules = limb.modules().iter().zip(&states);
+    let channels: Vec<f64> =
+        modules.flat_map(|(module, state)| vec![state.pressure_pa.max(0.0); module.channels.len()]).collect();
+    let bays: Vec<usize> = scene.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
+    LoadedLimb::new(scene, limb, &channels, &bays, &Load { payload_kg: kg, ..Load::default() }).expect("a bundle")
+}
+
+#[test]
+fn shipped_limbs_stand_with_all_margins_in_all_phases() {
+    for name in SCENES {
+        let (scene, limb, plan) = planned(name);
+        let margins = motion::margins(&scene, &limb, &plan).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        assert_eq!(margins.len(), scene.phases().len());
+        for (phase, margins) in plan.phases.iter().zip(&margins) {
+            let place = format!("{name}, {}: {margins:?}", phase.name);
+            assert!(margins.load_factor >= 1.5 && margins.stiffness_n_per_m >= 40.0, "{place}");
+            assert!(margins.sag_m <= 0.4 * scene.rest_length_m() && margins.buckling_margin >= 3.0, "{place}");
+            assert!(margins.pressure_share <= 0.85 + 1e-4, "{place}");
+        }
+    }
+}
+
+#[test]
+fn planned_tips_are_at_their_goals_by_tubes_between_plates() {
+    for name in &SCENES[..3] {
+        let (scene, limb, plan) = planned(name);
+        for ((phase, wanted), carried) in plan.phases.iter().zip(scene.phases()).zip(carried(scene.phases())) {
+            let end_us = phase.start_us + phase.move_us;
+            for (time_us, kg) in [(end_us, carried.moved.payload_kg), (end_us + phase.hold_us, carried.held.payload_kg)]
+            {
+                let limb = loaded(&scene, &limb, &plan, time_us, kg);
+                let tip = by_tubes(&limb, 1e-5, scene.rest_length_m()).expect("it stands").tip();
+                let off_m = match &wanted.goal {
+                    Goal::Tip(goal) => (tip.translation.vector - Vector3::from(**goal)).norm(),
+                    Goal::Inside(region) => {
+                        scene.regions()[region.value].shape.distance(&tip.translation.vector).distance_m
+                    }
+                    Goal::Targets(_) | Goal::Series(_) => panic!("goals of the tip"),
+                };
+                assert!(off_m <= 1e-4, "{name}, {}: {off_m}", phase.name);
+            }
+        }
+    }
+}
+
+/// Points on the surface of an object that hangs from a tip, m: its rims and its side.
+fn surface(tip: &Isometry3<f64>, object: &Object) -> impl Iterator<Item = Vector3<f64>> + use<> {
+    let (tip_m, radius_m) = (tip.translation.vector, object.radius_m);
+    let (bottom_m, height_m) = (-object.grasp_m, object.height_m);
+    (0..16).flat_map(move |ring| {
+        (0..32).map(move |around| {
+            let angle = f64::from(around) * std::f64::consts::TAU / 32.0;
+            let height_m = bottom_m + height_m * f64::from(ring) / 15.0;
+            tip_m + Vector3::new(radius_m * angle.cos(), radius_m * angle.sin(), height_m)
+        })
+    })
+}
+
+#[test]
+fn sagging_body_and_bottle_keep_clear_all_the_way() {
+    for name in &SCENES[..3] {
+        let (scene, limb, plan) = planned(name);
+        let carried = carried(scene.phases());
+        let (mut body_m, mut bottle_m) = (f64::INFINITY, f64::INFINITY);
+        for time_us in (0..=plan.duration_us()).step_by(STEP_US) {
+            let index = plan.phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap();
+            let kg = payload_kg(&carried, &plan.phases, time_us);
+            let settled = loaded(&scene, &limb, &plan, time_us, kg).settle(Fidelity::Fourfold, None).expect("it stands");
+            let line = settled.rod.line_m(&settled.shape);
+            let states = plan.states_at(time_us as f64);
+            let radii = limb.modules().iter().zip(&states).map(|(module, state)| module.radius_m(state));
+            let radius_m = radii.fold(0.0, f64::max);
+            let moving = time_us < plan.phases[index].start_us + plan.phases[index].move_us;
+            let object = if moving { carried[index].moved.object } else { None };
+            for obstacle in scene.obstacles() {
+                let distance_m = |point: &Vector3<f64>| obstacle.shape.distance(point).distance_m;
+                for pair in line.windows(2) {
+                    let [from, to] = [Vector3::from(pair[0]), Vector3::from(pair[1])];
+                    let least = (0..=4).map(|part| distance_m(&from.lerp(&to, 0.25 * f64::from(part))));
+                    body_m = body_m.min(least.fold(f64::INFINITY, f64::min) - radius_m);
+                }
+                if let Some(object) = object {
+                    let points = surface(&settled.shape.tip(), &scene.objects()[object]);
+                    bottle_m = bottle_m.min(points.map(|point| distance_m(&point)).fold(f64::INFINITY, f64::min));
+                }
+            }
+        }
+        println!("{name}: body {:.1} mm, bottle {:.1} mm clear", 1e3 * body_m, 1e3 * bottle_m);
+        assert!(body_m >= 5e-3 && bottle_m >= 5e-3, "{name}: {body_m} {bottle_m}");
+    }
+}
+
+#[test]
+fn what_is_carried_counts_as_the_body() {
+    let path = format!("{}/../../scenes/pick-and-place-a.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    // A bar 50 mm below the gripper, where only the bottle would touch it.
+    let bar = "[[obstacle]]\nname = \"bar\"\nshape = \"capsule\"\nfrom = [0.74, -0.2, 0.78]\nto = [0.74, 0.2, 0.78]\nradius = \"5 mm\"\n\n[[region]]";
+    let scene = softlimb_scene::parse(&text.replacen("[[region]]", bar, 1), "task.toml").unwrap();
+    let limb = Limb::new(&scene).unwrap();
+    let Err(error) = motion::plan(&scene, &limb) else { panic!("the bottle passes through the bar") };
+    let text = error.render(false);
+    assert!(text.contains("lift") && text.contains("`bar`"), "{text}");
+}
