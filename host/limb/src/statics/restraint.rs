@@ -33,6 +33,9 @@ const STEPS: [f64; 2] = [1e-5, 1e-5];
 pub(crate) struct Leaning {
     /// Mean stretch of the tube, which leans and is longer than the distance of the plates.
     pub(crate) stretch: f64,
+    /// Its derivatives by the stretch and by the twist, rad/m, of the bundle.
+    by_stretch: f64,
+    by_twist_m: f64,
     /// Twist along the tube, rad per length at rest.
     pub(crate) twist_rad_per_m: f64,
     /// Slide of its ends over the distance of the plates.
@@ -52,25 +55,41 @@ impl Leaning {
         let (chord_m, arm_m) = (2.0 * radius_m * sin, radius_m * cos);
         let slide = chord_m / (stretch * bay_m);
         (stretch > 0.0 && slide.abs() <= SLIDE_MAX).then_some(())?;
-        let mut own = stretch;
-        for _ in 0..ITERATIONS {
+        // Distance of the plates over the length of the tube, with its lean and the lean by bending per force.
+        let leant = |own: f64, chord_m: f64, arm_m: f64| {
             let long_m = own * bay_m;
-            // Lean by bending, and by shear, per force.
             let bent = long_m * bay_m / (12.0 * mean_nm2(tube));
             let series = Series::new(1.0 / (tube.shear_n * own * bent), arm_m / long_m);
             let bend = series.bend(chord_m / long_m)?;
-            let next = stretch / series.height(bend);
-            if (next - own).abs() <= CONVERGED {
-                let force_n = bend / bent;
-                return Some(Self {
-                    stretch: own,
-                    twist_rad_per_m: twist_rad_per_m + 2.4 * series.arm * bend.powi(3) / bay_m,
-                    slide,
-                    pull_n: force_n * (chord_m / long_m - series.shear * bend),
-                    moment_nm: force_n * arm_m,
-                });
+            Some((series.height(bend), bend, bent, series))
+        };
+        let mut own = stretch;
+        for _ in 0..ITERATIONS {
+            let (height, bend, bent, series) = leant(own, chord_m, arm_m)?;
+            let next = stretch / height;
+            if (next - own).abs() > CONVERGED {
+                own = next;
+                continue;
             }
-            own = next;
+            let force_n = bend / bent;
+            let height_at = |own: f64, turn_rad: f64| {
+                let (sin, cos) = (0.5 * turn_rad).sin_cos();
+                leant(own, 2.0 * radius_m * sin, radius_m * cos).map(|(height, ..)| height)
+            };
+            let turn_rad = twist_rad_per_m * bay_m;
+            let [step, turned] = STEPS;
+            let by_own = (height_at(own + step, turn_rad)? - height_at(own - step, turn_rad)?) / (2.0 * step);
+            let by_turn = (height_at(own, turn_rad + turned)? - height_at(own, turn_rad - turned)?) / (2.0 * turned);
+            let yields = height + own * by_own;
+            return Some(Self {
+                stretch: own,
+                by_stretch: 1.0 / yields,
+                by_twist_m: -own * by_turn * bay_m / yields,
+                twist_rad_per_m: twist_rad_per_m + 2.4 * series.arm * bend.powi(3) / bay_m,
+                slide,
+                pull_n: force_n * (chord_m / (own * bay_m) - series.shear * bend),
+                moment_nm: force_n * arm_m,
+            });
         }
         None
     }
@@ -138,10 +157,10 @@ type Placed = ([f64; 2], Tangent);
 fn wrench(tube: &Tangent, radius_m: f64, bay_m: f64, at: Vector2<f64>) -> Option<Vector2<f64>> {
     let leaning = Leaning::of(tube, radius_m, bay_m, at.x, at.y)?;
     let (stretch, twist) = (leaning.stretch - tube.stretch, leaning.twist_rad_per_m - tube.twist_rad_per_m);
-    Some(Vector2::new(
-        tube.axial_n * stretch + tube.coupling_nm * twist - leaning.pull_n,
-        tube.coupling_nm * stretch + tube.torsion_nm2 * twist + leaning.moment_nm,
-    ))
+    // A force on the plates also works on the lean: it stretches a tube that it does not let shorten.
+    let carried_n = tube.axial_n * stretch + tube.coupling_nm * twist - leaning.pull_n;
+    let torque_nm = tube.coupling_nm * stretch + tube.torsion_nm2 * twist + leaning.moment_nm;
+    Some(Vector2::new(carried_n * leaning.by_stretch, torque_nm + carried_n * leaning.by_twist_m))
 }
 
 /// Derivatives of [`wrench`], by differences.

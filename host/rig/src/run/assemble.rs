@@ -157,13 +157,18 @@ fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
 
 /// The state of a module that holds its actuators together: the mean of theirs, or where plates hold them back their equilibrium.
 fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
-    let members = || module.channels.clone().filter_map(|channel| truth.channels.get(channel));
-    let alone = members().map(|member| {
+    let members = module.channels.clone().filter_map(|channel| truth.channels.get(channel));
+    let alone = members.map(|member| {
         let actuator = Actuator::new(&member.parameters.actuator).ok()?;
         Some((actuator, State { pressure_pa: member.pressure_pa, ..member.shape }))
     });
     let held = || module.held_back(&alone.collect::<Option<Vec<_>>>()?);
-    module.is_restrained().then(held).flatten().unwrap_or_else(|| mean_state(module, truth))
+    let mean = mean_state(module, truth);
+    if !module.is_restrained() {
+        return mean;
+    }
+    // Tubes that lean beyond the series touch: the nominal bundle is at its end there.
+    held().unwrap_or_else(|| State { pressure_pa: mean.pressure_pa, ..module.curve.at(mean.pressure_pa) })
 }
 
 fn mean_state(module: &LimbModule, truth: &Truth) -> State<f64> {
