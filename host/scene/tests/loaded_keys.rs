@@ -23,8 +23,7 @@ fn refused(text: &str) -> String {
 
 #[test]
 fn an_object_is_a_mass_with_a_shape() {
-    let scene = parse(&with("object = \"bottle\"\n", ""), "arm.toml")
-        .unwrap_or_else(|e| panic!("{}", e.render(false)));
+    let scene = parse(&with("object = \"bottle\"\n", ""), "arm.toml").unwrap_or_else(|e| panic!("{}", e.render(false)));
     let object = &scene.objects()[scene.phases()[1].object.unwrap()];
     assert_eq!((object.radius_m, object.height_m, object.grasp_m, object.mass_kg), (0.033, 0.16, 0.12, 0.6));
     assert_eq!((scene.phases()[0].payload_kg, scene.phases()[1].payload_kg), (0.0, 0.6));

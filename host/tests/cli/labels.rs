@@ -12,7 +12,8 @@ fn weightless() -> String {
 
 /// The same finger, hanging, under its own weight.
 fn weighing() -> String {
-    weightless().replace("[limb]", "[limb]\nbase_direction = [0, 0, -1]\nbase_up = [1, 0, 0]")
+    weightless()
+        .replace("[limb]", "[limb]\nbase_direction = [0, 0, -1]\nbase_up = [1, 0, 0]")
         .replace("simulated = false", "compensated = false")
 }
 
