@@ -121,8 +121,10 @@ fn scenes_of_the_repository_need_no_solver_on_the_device() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             let scene = load(&path).unwrap();
-            for inverse in inverses(&scene).unwrap() {
-                assert!(inverse.tables().is_some(), "{}: {inverse}", path.display());
+            for (module, inverse) in scene.modules().iter().zip(inverses(&scene).unwrap()) {
+                // This one works so near its limit point that no table of its volume is good enough; the device has its closed forms.
+                let steep = (scene.name(), module.name.as_str()) == ("pick-and-place-b", "shoulder");
+                assert_eq!(inverse.tables().is_some(), !steep, "{}: {inverse}", path.display());
             }
         }
     }
