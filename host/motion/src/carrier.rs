@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::jacobian::Differential;
 use super::payload::Carrying;
-use super::weight::{Nominal, pressures_pa};
+use super::weight::{Nominal, PoseError, pressures_pa};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
 use softlimb_scene::collision::{Body, Clearance};
@@ -72,6 +72,12 @@ impl<'a> Carrier<'a> {
         let shift =
             |loaded: &Loaded<'_>| loaded.nominal.borrow_mut().tubes_shift_m(pressures_pa, loaded.payload_kg.get());
         self.loaded.as_ref().and_then(shift).unwrap_or_else(Vector3::zeros)
+    }
+
+    /// Why the limb does not stand at gauge pressures, Pa; `None` where it does.
+    pub(super) fn falls(&self, pressures_pa: &[f64]) -> Option<PoseError> {
+        let loaded = self.loaded.as_ref()?;
+        loaded.nominal.borrow_mut().at(pressures_pa, loaded.payload_kg.get()).err()
     }
 
     /// The body at gauge pressures, Pa, with the pose of the tip at its end; `None` where the limb does not stand.

@@ -125,8 +125,8 @@ impl Words<'_> {
                 let label = format!("{:.2} s into the run {label}", seconds(*time_us));
                 self.at(self.phase(*phase).span, title, &label, None)
             }
-            Unreachable::NotCarried { phase, time_us, cause } => self.not_carried(*phase, *time_us, *cause),
-            Unreachable::UnderLoad { phase, nearest } => self.under_load(self.goal_span(*phase), nearest),
+            Unreachable::NotCarried { phase, time_us, cause } => self.not_carried(*phase, Some(*time_us), *cause),
+            Unreachable::UnderLoad { phase, nearest } => self.under_load(*phase, nearest),
             Unreachable::Correction { time_s, module, value } => self.correction(*time_s, *module, *value),
         }
     }
@@ -149,6 +149,12 @@ impl Words<'_> {
                 };
                 let name = &self.phase(*phase).name.value;
                 format!("phase `{name}` is faster than {because} can follow: {enough}")
+            }
+            Shortcoming::Off { phase, distance_m } => {
+                let (name, off_mm) = (&self.phase(*phase).name.value, 1e3 * distance_m);
+                format!(
+                    "phase `{name}`: under load the tip stays {off_mm:.1} mm from where its targets have it without, because three modules hold a tip and the limb has fewer; `compensated = false` in [weight] keeps the targets"
+                )
             }
             Shortcoming::Statics { error, allowed } => {
                 let [error, most] = [error, allowed].map(|error| 100.0 * error);
@@ -247,28 +253,43 @@ impl Words<'_> {
         self.at(span, &title, &label, Some(help))
     }
 
-    fn not_carried(&self, phase: usize, time_us: u64, cause: PoseError) -> SceneError {
-        let time_s = seconds(time_us);
+    /// A limb that falls at a time of the run, or at the pressures of a goal.
+    fn not_carried(&self, phase: usize, time_us: Option<u64>, cause: PoseError) -> SceneError {
+        let when = match time_us {
+            Some(time_us) => format!("{:.2} s into the run", seconds(time_us)),
+            None => "at the pressures of this goal".to_owned(),
+        };
         let label = match cause {
-            PoseError::NoEquilibrium => format!("{time_s:.2} s into the run an actuator has no equilibrium"),
-            PoseError::EquilibriumError(lost) => format!("{time_s:.2} s into the run {lost}"),
+            PoseError::NoEquilibrium => format!("{when} an actuator has no equilibrium"),
+            PoseError::EquilibriumError(lost) => format!("{when} {lost}"),
             PoseError::Buckles { module, ratio } => {
                 let (name, percent) = (&self.module(module).name, 100.0 * ratio);
                 format!(
-                    "{time_s:.2} s into the run a tube of `{name}` carries {percent:.0} % of the load that it buckles at between two plates"
+                    "{when} a tube of `{name}` carries {percent:.0} % of the load that it buckles at between two plates"
                 )
             }
         };
         let title = match time_us {
-            0 => "the limb does not carry its own weight at rest",
+            Some(0) => "the limb does not carry its own weight at rest",
             _ => "the limb does not carry its load in this phase",
         };
         let help = "let it hang (`base_direction`), give its modules `spacers`, or make it lighter or stiffer; \
-                    `[weight]` with `compensated = false` plans without";
+                    `[weight]` with `simulated = false` leaves weight out";
         self.at(self.phase(phase).span, title, &label, Some(help))
     }
 
-    fn under_load(&self, span: Span, nearest: &Reach) -> SceneError {
+    fn under_load(&self, phase: usize, nearest: &Reach) -> SceneError {
+        // Coarse rods may stand where fine ones fall.
+        let falls = |tier: &Fidelity| {
+            let space = planning_space(self.scene, self.limb, phase, Some(*tier));
+            space.carrier().falls(&nearest.pressures_pa)
+        };
+        if !nearest.distance_m.is_finite()
+            && let Some(cause) = Fidelity::CHOICE[1..].iter().find_map(falls)
+        {
+            return self.not_carried(phase, None, cause);
+        }
+        let span = self.goal_span(phase);
         let ends = self.limb.modules().iter().zip(&nearest.pressures_pa);
         let ends = ends.map(|(module, pressure)| (module, pressure / module.single_valued_max_pa()));
         let ends: Vec<String> = ends
@@ -281,7 +302,7 @@ impl Words<'_> {
         let because =
             if ends.is_empty() { "no pressures of its modules move the tip there".to_owned() } else { ends.join(", ") };
         let label = format!("under its load {}: {because}", missed(nearest));
-        let help = format!("{}; `[weight]` with `compensated = false` plans without weight", nearest_point(nearest));
+        let help = format!("{}; `[weight]` with `simulated = false` leaves weight out", nearest_point(nearest));
         self.at(span, "the limb cannot reach this goal under its load", &label, Some(&help))
     }
 
@@ -300,7 +321,7 @@ impl Words<'_> {
         };
         let space = self.space(phase);
         let start = pressures(self.limb, before);
-        WhyNot { words: self, space: &space, task, span, before, start: &start }.diagnostic(nearest)
+        WhyNot { words: self, space: &space, task, phase, span, before, start: &start }.diagnostic(nearest)
     }
 
     /// The obstacle on the straight way to a goal, the greatest clearance with a way, and the nearest point with one.
@@ -369,6 +390,7 @@ struct WhyNot<'a> {
     /// The planner's space.
     space: &'a Space<'a>,
     task: TipTask<'a>,
+    phase: usize,
     span: Span,
     /// Setpoints at the start of the move, and their pressures, Pa.
     before: &'a [f64],
@@ -382,7 +404,7 @@ impl WhyNot<'_> {
         let place = TipTask { aim: None, obstacles: &[], ..self.task };
         let free = solutions_of(carrier, &place, start);
         if !free[0].reached() && carrier.is_loaded() {
-            return words.under_load(self.span, &free[0]);
+            return words.under_load(self.phase, &free[0]);
         }
         if !free[0].reached() {
             let title = match self.task.goal {
@@ -424,7 +446,7 @@ impl WhyNot<'_> {
         };
         // Clear of all obstacles by rods, but not at its place by tubes between plates.
         if carrier.is_loaded() && widest.clearance.distance_m >= task.clearance_m {
-            return words.under_load(self.span, nearest);
+            return words.under_load(self.phase, nearest);
         }
         let name = words.obstacle(widest.obstacle);
         let label = words.too_near(&widest);

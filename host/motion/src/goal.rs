@@ -4,7 +4,7 @@ use fra_model::State;
 use nalgebra::Vector3;
 
 use super::carrier::Carrier;
-use super::inverse_kinematics::{Reach, TipGoal, TipTask, solutions_of, solve_near};
+use super::inverse_kinematics::{REACHED_M, Reach, TipGoal, TipTask, solutions_of, solve_near};
 use super::setpoint::state_at;
 use super::space::Space;
 use super::unreachable::Unreachable;
@@ -72,7 +72,10 @@ fn with_load(carrier: &Carrier<'_>, phase: usize, values: &[f64]) -> Result<Vec<
     kept(carrier, phase, values, tip_m.into())
 }
 
-/// Setpoints near others that hold the tip under load at a place, m.
+/// Modules that can hold the three coordinates of a tip; fewer hold it as near as they can.
+const ENOUGH_MODULES: usize = 3;
+
+/// Setpoints near others that hold the tip under load at a place, m, or next to it where the limb has too few modules for that.
 ///
 /// # Errors
 /// [`Unreachable::UnderLoad`].
@@ -85,11 +88,20 @@ pub(super) fn kept(
     let task = TipTask { goal: TipGoal::Point(tip_m.into()), aim: None, obstacles: &[], clearance_m: 0.0 };
     let start = pressures_pa(&states_at(carrier.limb(), near));
     let found = refined(carrier, &task, solve_near(carrier, &task, &start));
-    if found.reached() {
+    let few = carrier.limb().modules().len() < ENOUGH_MODULES && found.distance_m.is_finite();
+    if found.reached() || few {
         Ok(values(carrier.limb(), &found))
     } else {
         Err(Unreachable::UnderLoad { phase, nearest: found })
     }
+}
+
+/// How far under load the tip at setpoints is from where those that were asked for have it without, m; 0 where it counts as there.
+pub(super) fn off_m(carrier: &Carrier<'_>, values: &[f64], asked: &[f64]) -> f64 {
+    let limb = carrier.limb();
+    let there_m = Vector3::from(limb.tip(&states_at(limb, asked)));
+    let off_m = tip_m(carrier, values).map_or(0.0, |tip_m| (tip_m - there_m).norm());
+    if off_m > REACHED_M { off_m } else { 0.0 }
 }
 
 /// The tip at setpoints, m, as tubes between plates have it under load; `None` where the limb does not stand.

@@ -20,7 +20,7 @@ use softlimb_limb::Limb;
 /// The tip counts as arrived within this distance, m.
 const ARRIVED_M: f64 = 1e-7;
 /// Distance from a target up to which it counts as reached, m.
-const REACHED_M: f64 = 1e-4;
+pub(super) const REACHED_M: f64 = 1e-4;
 
 /// What the limb can do about a target.
 #[derive(Clone, Debug, PartialEq)]

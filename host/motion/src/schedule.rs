@@ -2,7 +2,7 @@
 
 use super::air::{Air, Bottleneck, Reservoir};
 use super::carrier::Carrier;
-use super::goal::{goals, kept, marker, near_goal, shapes, tip_m, with_targets};
+use super::goal::{goals, kept, marker, near_goal, off_m, shapes, tip_m, with_targets};
 use super::path::Path;
 use super::payload::{Carrying, carried};
 use super::plan::PlannedPhase;
@@ -58,6 +58,10 @@ pub(super) fn schedule(
             Goal::Targets(targets) => with_targets(targets, &asked),
             _ => values.clone(),
         };
+        if tier.is_some() && matches!(phase.goal, Goal::Targets(_)) {
+            let distance_m = off_m(space.carrier(), &values, &asked);
+            warnings.extend((distance_m > 0.0).then_some(Shortcoming::Off { phase: index, distance_m }));
+        }
         let held = planner.held(&space, index, &values)?;
         supply = planner.spent(&path, &held, phase.hold_us, supply);
         let planned = PlannedPhase {

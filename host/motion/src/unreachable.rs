@@ -43,6 +43,8 @@ pub(super) enum Unreachable {
 pub(super) enum Shortcoming {
     /// A phase is faster than the bottleneck can follow. A duration, s, would keep a reserve; `None` where none does.
     TooFast { phase: usize, because: Bottleneck, enough_s: Option<f64> },
+    /// Under load too few modules leave the tip this far, m, from where the targets of a phase have it without.
+    Off { phase: usize, distance_m: f64 },
     /// The finest statics has this error, as a share of the limb's length, and the scene allows this.
     Statics { error: f64, allowed: f64 },
 }

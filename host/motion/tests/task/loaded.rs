@@ -148,3 +148,40 @@ fn what_is_carried_counts_as_the_body() {
     let bare = text.replace("object = \"bottle\"", "payload = \"0.6 kg\"");
     assert!(plan(&bare).is_ok(), "the same mass without a body");
 }
+
+#[test]
+fn a_single_module_gets_as_near_to_its_targets_as_it_can_and_says_how_near() {
+    let path = format!("{}/../../scenes/single-bending.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let long = text.replace("[weight]\nsimulated = false\n", "");
+    let text = text.replace("length = \"240 mm\"", "length = \"120 mm\"");
+    let (light, heavy) = (text.clone(), text.replace("[weight]\nsimulated = false\n", ""));
+    assert_ne!(light, heavy);
+    let plan = |text: &str| {
+        let scene = softlimb_scene::parse(text, "finger.toml").unwrap();
+        let limb = Limb::new(&scene).unwrap();
+        let plan = motion::plan(&scene, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        (scene, limb, plan)
+    };
+    let (_, _, free) = plan(&light);
+    let (scene, limb, plan) = plan(&heavy);
+    for phase in &plan.phases {
+        let end_us = (phase.start_us + phase.move_us) as f64;
+        let wanted = Vector3::from(limb.tip(&free.states_at(end_us)));
+        let pressure_pa = plan.states_at(end_us)[0].pressure_pa;
+        let off_m = |share: f64| {
+            let channels = [share * pressure_pa];
+            let loaded = LoadedLimb::new(&scene, &limb, &channels, &[1], &Load::default()).expect("a bundle");
+            let tip = loaded.settle(Fidelity::Fourfold, None).expect("it stands").shape.tip();
+            (tip.translation.vector - wanted).norm()
+        };
+        let (here_m, others_m) = (off_m(1.0), [0.95, 1.05].map(off_m));
+        assert!(others_m.iter().all(|off_m| *off_m > here_m), "{}: {here_m} {others_m:?}", phase.name);
+        let said = plan.warnings.iter().find(|text| text.contains(&phase.name)).expect("a warning");
+        assert!(said.contains(&format!("the tip stays {:.0}.", (1e3 * here_m).floor())), "{said} {here_m}");
+    } // Twice as long it falls to the side before it is upright.
+    let scene = softlimb_scene::parse(&long, "finger.toml").unwrap();
+    let Err(error) = motion::plan(&scene, &Limb::new(&scene).unwrap()) else { panic!("it stands") };
+    let said = error.render(false);
+    assert!(said.contains("at the pressures of this goal the limb loses its stability"), "{said}");
+}
