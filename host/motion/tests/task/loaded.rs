@@ -1,5 +1,7 @@
 //! Limbs under weight: the shipped scenes stand in all phases, reach their goals and keep clear with what they carry.
 
+use std::sync::LazyLock;
+
 use nalgebra::{Isometry3, Vector3};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, by_tubes};
@@ -13,12 +15,15 @@ const SCENES: [&str; 4] = ["pick-and-place-a", "pick-and-place-b", "pick-and-pla
 /// Time between two shapes that are looked at, us.
 const STEP_US: usize = 100_000;
 
-fn planned(name: &str) -> (Scene, Limb, Plan) {
-    let scene = repository(name);
-    let limb = Limb::new(&scene).expect("a limb");
-    let plan = motion::plan(&scene, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
-    (scene, limb, plan)
-}
+/// The shipped scenes with their limbs and plans.
+static PLANNED: LazyLock<[(Scene, Limb, Plan); 4]> = LazyLock::new(|| {
+    SCENES.map(|name| {
+        let scene = repository(name);
+        let limb = Limb::new(&scene).expect("a limb");
+        let plan = motion::plan(&scene, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        (scene, limb, plan)
+    })
+});
 
 fn loaded(scene: &Scene, limb: &Limb, plan: &Plan, time_us: u64, kg: f64) -> LoadedLimb {
     let states = plan.states_at(time_us as f64);
@@ -31,9 +36,9 @@ fn loaded(scene: &Scene, limb: &Limb, plan: &Plan, time_us: u64, kg: f64) -> Loa
 
 #[test]
 fn shipped_limbs_stand_with_all_margins_in_all_phases() {
-    for name in SCENES {
-        let (scene, limb, plan) = planned(name);
-        let margins = motion::margins(&scene, &limb, &plan).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    for (scene, limb, plan) in &*PLANNED {
+        let name = scene.name();
+        let margins = motion::margins(scene, limb, plan).unwrap_or_else(|error| panic!("{}", error.render(false)));
         assert_eq!(margins.len(), scene.phases().len());
         for (phase, margins) in plan.phases.iter().zip(&margins) {
             let place = format!("{name}, {}: {margins:?}", phase.name);
@@ -46,13 +51,13 @@ fn shipped_limbs_stand_with_all_margins_in_all_phases() {
 
 #[test]
 fn planned_tips_are_at_their_goals_by_tubes_between_plates() {
-    for name in &SCENES[..3] {
-        let (scene, limb, plan) = planned(name);
+    for (scene, limb, plan) in &PLANNED[..3] {
+        let name = scene.name();
         for ((phase, wanted), carried) in plan.phases.iter().zip(scene.phases()).zip(carried(scene.phases())) {
             let end_us = phase.start_us + phase.move_us;
             for (time_us, kg) in [(end_us, carried.moved.payload_kg), (end_us + phase.hold_us, carried.held.payload_kg)]
             {
-                let limb = loaded(&scene, &limb, &plan, time_us, kg);
+                let limb = loaded(scene, limb, plan, time_us, kg);
                 let tip = by_tubes(&limb, 1e-5, scene.rest_length_m()).expect("it stands").tip();
                 let off_m = match &wanted.goal {
                     Goal::Tip(goal) => (tip.translation.vector - Vector3::from(**goal)).norm(),
@@ -96,17 +101,16 @@ fn radii_m(scene: &Scene, limb: &Limb, plan: &Plan, time_us: u64) -> Vec<[f64; 2
 
 #[test]
 fn sagging_body_and_bottle_keep_clear_all_the_way() {
-    for name in &SCENES[..3] {
-        let (scene, limb, plan) = planned(name);
+    for (scene, limb, plan) in &PLANNED[..3] {
+        let name = scene.name();
         let carried = carried(scene.phases());
         let (mut body_m, mut bottle_m) = (f64::INFINITY, f64::INFINITY);
         for time_us in (0..=plan.duration_us()).step_by(STEP_US) {
             let index = plan.phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap();
             let kg = payload_kg(&carried, &plan.phases, time_us);
-            let settled =
-                loaded(&scene, &limb, &plan, time_us, kg).settle(Fidelity::Fourfold, None).expect("it stands");
+            let settled = loaded(scene, limb, plan, time_us, kg).settle(Fidelity::Fourfold, None).expect("it stands");
             let line = settled.rod.line_m(&settled.shape);
-            let radii_m = radii_m(&scene, &limb, &plan, time_us);
+            let radii_m = radii_m(scene, limb, plan, time_us);
             assert_eq!(radii_m.len() + 1, line.len());
             let moving = time_us < plan.phases[index].start_us + plan.phases[index].move_us;
             let object = if moving { carried[index].moved.object } else { None };
