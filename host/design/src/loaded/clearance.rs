@@ -8,7 +8,7 @@ use super::task::{CarriedBody, LoadedTask};
 
 /// Balls between two points of the centre line of a module.
 const BETWEEN: usize = 4;
-/// Distance of balls along a straight part over their radius, at most: a capsule of its own is no more than 0.2 % of the radius beyond them.
+/// Largest spacing of balls along a straight part, over their radius: a capsule protrudes from them by at most 0.2 % of the radius.
 const APART: f64 = 0.12;
 
 /// Centres and radii of balls along a limb in equilibrium, m.

@@ -12,7 +12,7 @@ use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod,
 /// The tip has arrived within this, m.
 pub(super) const ARRIVED_M: f64 = 1e-6;
 const ITERATIONS: usize = 20;
-/// Highest share of a pressure. What is above 1 is a residual of its own: with a hard end the way of the tip would have a kink there.
+/// Highest share of a pressure. The excess over 1 is a separate residual, because a hard bound would put a kink into the path of the tip.
 const MOST: f64 = 1.12;
 /// Longest step, as a share of the range of a pressure.
 const LONGEST: f64 = 0.3;

@@ -91,7 +91,7 @@ pub(super) fn local(
     Some((minimum, problem.evaluations))
 }
 
-/// Applies `work` to every item, each in a thread of its own, in their order.
+/// Applies `work` to every item in its own thread; results keep the order of the items.
 pub(super) fn abreast<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     std::thread::scope(|scope| {
         let handles: Vec<_> = items.iter().map(|item| scope.spawn(|| work(item))).collect();

@@ -9,7 +9,7 @@ use super::inverse::Stand;
 use super::pose::PoseState;
 use super::task::LoadedTask;
 
-/// Parts that a move is looked at in, and how often those beside the nearest point are halved.
+/// Number of parts in which a move is sampled, and how often the parts next to the nearest point are halved.
 const PARTS: usize = 4;
 const HALVINGS: usize = 3;
 /// A move that is clear by more than this at all of its points is not looked at in more of them, m.

@@ -184,7 +184,7 @@ fn solved(
     Some((Candidate { minimum, by, keeps }, count))
 }
 
-/// The limb solved for anew with the shifts of its own tubes, by turns, until both agree, and the limbs judged.
+/// Solves for the limb and updates its tube shifts alternately until both agree. Returns the limb and the number of limbs evaluated.
 fn with_shifts(task: &LoadedTask, space: &LimbSpace, mut found: Candidate, abreast: usize) -> (Candidate, usize) {
     let mut evaluations = 0;
     for _ in 0..SHIFT_TURNS {

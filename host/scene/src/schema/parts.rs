@@ -22,7 +22,7 @@ section! {
     DESIGN: Nested { name: "design", shape: "table `[design]`", presence: Optional("nothing is left open") } = "What `softlimb design` may choose.";
     LIMITS: Nested { name: "limits", shape: "table `[limits]`", presence: Optional("the defaults below") } = "Bounds that hold for all modules.";
     CONTROLLER: Nested { name: "controller", shape: "table `[controller]`", presence: Optional("the defaults below") } = "Settings of the pressure controller.";
-    WEIGHT: Nested { name: "weight", shape: "table `[weight]`", presence: Optional("the defaults below") } = "What the weight of the limb and its payloads does in a run.";
+    WEIGHT: Nested { name: "weight", shape: "table `[weight]`", presence: Optional("the defaults below") } = "Effect of the limb's weight and its payloads on a run.";
     PLANT: Nested { name: "plant", shape: "table `[plant]`", presence: Optional("the defaults below") } = "Pneumatics: what the controller is told, and by how much the simulated truth differs from it.";
 }
 

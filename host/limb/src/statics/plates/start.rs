@@ -177,7 +177,7 @@ impl Strains {
     }
 }
 
-/// A tube of a bundle as a rod of its own, with sections parallel to the plates.
+/// One tube of a bundle as a separate rod, with sections parallel to the plates.
 fn alone(motion: Motion, tangent: &Tangent, kg_per_m: f64) -> Piece {
     let (stiffness, rest) = energy(motion, [0.0; 2], tangent);
     Piece {
