@@ -67,7 +67,7 @@ pub(crate) fn with_scene(images: &Images) -> (SimulatedMcu<LockStep>, DeviceConf
     };
     let rows = plan.knots().iter().zip(0..);
     let knots =
-        rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us, values: row(values) }).collect();
+        rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us(), values: row(values) }).collect();
     let twin = LockStep::start(&images.twin()).expect("the twin starts");
     let device = SimulatedMcu::with_processor(&simulate::settings(&scene, &limb, 1), twin).expect("good settings");
     (device, configuration, knots)

@@ -2,7 +2,7 @@
 
 use fra_model::State;
 
-use super::plan::Plan;
+use super::plan::Sent;
 use super::profile::minimum_jerk;
 use softlimb_limb::Limb;
 use softlimb_scene::{Line, Scene, Supply};
@@ -178,16 +178,17 @@ pub struct AirDemand {
     pub supply_min_pa: f64,
 }
 
-/// Air that a plan needs, knot by knot, by the free volumes of its states.
-pub fn air_demand(scene: &Scene, limb: &Limb, plan: &Plan) -> AirDemand {
+/// Air that the setpoints of a run need, knot by knot, by the free volumes of their states.
+pub fn air_demand(scene: &Scene, limb: &Limb, sent: &Sent) -> AirDemand {
     let air = Air::new(scene, limb);
-    let step_s = plan.knot_period_us as f64 * 1e-6;
-    let row = |knot: usize| -> Vec<(f64, f64)> {
-        plan.states_at((knot as u64 * plan.knot_period_us) as f64).iter().map(|state| air.air(state)).collect()
+    let step_s = sent.knot_period_us() as f64 * 1e-6;
+    let row = |knot: usize| -> Vec<f64> {
+        sent.states_at((knot as u64 * sent.knot_period_us()) as f64).iter().map(|state| air.air(state).1).collect()
     };
     let (mut supply, mut drawn_kg, mut supply_min_pa) = (air.full(), 0.0, air.full().0);
-    for knot in 1..plan.knots().len() {
-        let own_kg = air.drawn_kg(&[row(knot - 1), row(knot)]);
+    for knot in 1..sent.knots().len() {
+        let (before, after) = (row(knot - 1), row(knot));
+        let own_kg = before.iter().zip(&after).map(|(before, after)| (after - before).max(0.0)).sum();
         supply = air.recharged(supply, own_kg, step_s);
         (drawn_kg, supply_min_pa) = (drawn_kg + own_kg, f64::min(supply_min_pa, supply.0));
     }

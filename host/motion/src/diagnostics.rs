@@ -8,7 +8,7 @@ use super::air::Bottleneck;
 use super::carrier::Carrier;
 use super::goal::{pressures, shapes, tip_task, values};
 use super::inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, angle, misses, solutions_of};
-use super::plan::{Plan, check_corrections};
+use super::plan::{Plan, Sent, check_corrections};
 use super::route::{approach, ranges, route};
 use super::schedule::planning_space;
 use super::setpoint::NoState;
@@ -39,33 +39,32 @@ pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
     Ok(plan)
 }
 
-/// Margins at the end of each phase of a plan; none of a limb without weight.
+/// Margins at the end of each phase of a plan with its setpoints as they are sent; none of a limb without weight. Corrections count by the
+/// mean of a module's actuators, and in its highest pressure.
 ///
 /// # Errors
 /// A diagnostic at the phase in which the limb falls or a tube buckles, empty or loaded.
-pub fn margins(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Margins>, SceneError> {
-    weight::margins(scene, limb, plan).map_err(|why| Words { scene, limb }.diagnostic(&why))
+pub fn margins(scene: &Scene, limb: &Limb, plan: &Plan, sent: &Sent) -> Result<Vec<Margins>, SceneError> {
+    weight::margins(scene, limb, plan, sent).map_err(|why| Words { scene, limb }.diagnostic(&why))
 }
 
-/// A plan as it is sent: with the corrections of its scene.
+/// The setpoints of a plan as they are sent: with the corrections of its scene.
 ///
 /// # Errors
 /// A diagnostic at the file of corrections that are larger than what a module has, or at the phase in which a corrected setpoint leaves what
 /// the limb can reach.
-pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Plan, SceneError> {
-    let Some(corrections) = scene.corrections() else { return Ok(plan.clone()) };
+pub fn sent(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Sent, SceneError> {
+    let Some(corrections) = scene.corrections() else { return Ok(Sent::uncorrected(limb, plan)) };
     check_corrections(limb, corrections).map_err(|why| Words { scene, limb }.diagnostic(&why))?;
-    plan.corrected(scene, limb, corrections)
+    corrected(scene, limb, plan, corrections)
 }
 
-impl Plan {
-    /// The same phases with corrected setpoints, which end where the range of a module ends.
-    ///
-    /// # Errors
-    /// A diagnostic at the phase in which a corrected setpoint leaves what the limb can reach.
-    pub fn corrected(&self, scene: &Scene, limb: &Limb, corrections: &Corrections) -> Result<Self, SceneError> {
-        self.with(limb, corrections).map_err(|why| Words { scene, limb }.diagnostic(&why))
-    }
+/// The setpoints of a plan with corrections, which end where the range of a module ends.
+///
+/// # Errors
+/// A diagnostic at the phase in which a corrected setpoint leaves what the limb can reach.
+pub fn corrected(scene: &Scene, limb: &Limb, plan: &Plan, corrections: &Corrections) -> Result<Sent, SceneError> {
+    Sent::corrected(limb, plan, corrections).map_err(|why| Words { scene, limb }.diagnostic(&why))
 }
 
 /// A setpoint with its unit.

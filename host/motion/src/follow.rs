@@ -4,7 +4,7 @@ use std::fmt;
 
 use fra_model::{State, Target, Tracker};
 
-use super::plan::Plan;
+use super::plan::Sent;
 use softlimb_limb::LimbModule;
 use softlimb_scene::SetpointKind;
 
@@ -54,23 +54,23 @@ fn tracker(module: &LimbModule) -> Option<Tracker<f32>> {
     Tracker::new(&module.actuator.parameters().map(|value| value as f32)).ok().flatten()
 }
 
-/// Goes through a plan as the device does: from rest, a control period at a time, or from knot to knot where those are farther apart.
+/// Goes through the setpoints of a channel as the device does: from rest, a control period at a time, or from knot to knot where those are farther apart.
 ///
 /// # Errors
 /// [`NotFollowed`].
 pub(super) fn follow(
     module: &LimbModule,
-    index: usize,
-    plan: &Plan,
+    channel: usize,
+    sent: &Sent,
     control_period_us: u64,
 ) -> Result<(), NotFollowed> {
     let tracker = tracker(module).ok_or(NotFollowed::NoClosedForms)?;
     let mut here = tracker.rest();
-    let step_us = control_period_us.max(plan.knot_period_us);
-    for time_us in (0..=plan.duration_us().div_ceil(step_us)).map(|step| (step * step_us) as f64) {
-        let planned = plan.states_at(time_us).get(index).map_or(0.0, |state| state.pressure_pa);
+    let step_us = control_period_us.max(sent.knot_period_us());
+    for time_us in (0..=sent.duration_us().div_ceil(step_us)).map(|step| (step * step_us) as f64) {
+        let planned = sent.states_at(time_us).get(channel).map_or(0.0, |state| state.pressure_pa);
         let lost = NotFollowed::EquilibriumError { pressure_pa: planned };
-        let value = plan.values_at(time_us).get(index).copied().unwrap_or_default();
+        let value = sent.values_at(time_us).get(channel).copied().unwrap_or_default();
         let found = next(&tracker, &here, module.target(value), value).ok_or(lost)?;
         let off = (f64::from(found.pressure_pa) - planned).abs();
         (off <= ERROR_MAX * module.reference_max_pa).then_some(()).ok_or(lost)?;

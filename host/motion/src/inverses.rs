@@ -7,7 +7,7 @@ use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
 use super::diagnostics::in_units;
 use super::follow::{NotFollowed, follow, has_model};
-use super::plan::Plan;
+use super::plan::{Plan, Sent};
 use crate::inverse_table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
 use softlimb_limb::{Limb, LimbModule};
@@ -104,16 +104,27 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
     limb.modules().iter().enumerate().map(of_module).collect()
 }
 
-/// Goes through a plan as the device does where it solves the model, and holds every goal to the bends that the cubics reach: the plan
+/// Goes through what is sent as the device does where it solves the model, and holds every goal to the bends that the cubics reach: the plan
 /// itself knows the analytic model alone, and a device would stop at the end of its table without a word.
 ///
 /// # Errors
 /// A diagnostic at a module whose model the device does not follow, or at the first target or way-point that bends a module further than
 /// its cubic does at the highest pressure the device follows.
-pub fn check_goals(scene: &Scene, limb: &Limb, plan: &Plan, inverses: &[ModuleInverse]) -> Result<(), SceneError> {
+pub fn check_goals(
+    scene: &Scene,
+    limb: &Limb,
+    plan: &Plan,
+    sent: &Sent,
+    inverses: &[ModuleInverse],
+) -> Result<(), SceneError> {
     for (index, (module, inverse)) in limb.modules().iter().zip(inverses).enumerate() {
-        if let ModuleInverse::Model(reason) = inverse {
-            follow(module, index, plan, u64::from(scene.controller().control_period_us))
+        let ModuleInverse::Model(reason) = inverse else { continue };
+        for channel in module.channels.clone() {
+            let as_before = |row: &Vec<i32>| row[channel] == row[channel - 1];
+            if channel > module.channels.start && sent.knots().iter().all(as_before) {
+                continue;
+            }
+            follow(module, channel, sent, u64::from(scene.controller().control_period_us))
                 .map_err(|why| not_followed(scene, index, why, *reason))?;
         }
     }

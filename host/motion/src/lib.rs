@@ -27,12 +27,12 @@ mod wire;
 
 pub use air::{AirDemand, air_demand, dead_volume_m3, line_conductance_m3_per_s_pa};
 pub use clear::Nearness;
-pub use diagnostics::{margins, plan, sent};
+pub use diagnostics::{corrected, margins, plan, sent};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
 pub use payload::{Carried, Carrying, carried, payload_kg};
-pub use plan::{Plan, PlannedPhase};
+pub use plan::{Plan, PlannedPhase, Sent};
 pub use weight::{
     BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, Nominal, PRESSURE_SHARE_MAX, Pose, PoseError, SAG_SHARE_MAX,
     STIFFNESS_MIN_N_PER_M, Weighed, planned_slopes,

@@ -4,7 +4,7 @@ use fra_model::{Load, Status};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Bundle;
 use softlimb_motion as motion;
-use softlimb_motion::{Plan, solve_tip};
+use softlimb_motion::{Plan, Sent, solve_tip};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -70,7 +70,7 @@ fn planned_states_are_equilibria_of_the_model() {
         for step in 0..40 {
             let time_us = step as f64 / 40.0 * plan.duration_us() as f64;
             // On a knot nothing is interpolated.
-            let knot_us = (time_us / plan.knot_period_us as f64).floor() * plan.knot_period_us as f64;
+            let knot_us = (time_us / plan.knot_period_us() as f64).floor() * plan.knot_period_us() as f64;
             for ((module, state), value) in
                 limb.modules().iter().zip(plan.states_at(knot_us)).zip(plan.values_at(knot_us))
             {
@@ -143,7 +143,7 @@ fn air_of_a_run_that_only_fills_is_what_is_in_the_chamber() {
     let scene = scene("single-bending");
     let limb = Limb::new(&scene).unwrap();
     let plan = motion::plan(&scene, &limb).unwrap();
-    let demand = motion::air_demand(&scene, &limb, &plan);
+    let demand = motion::air_demand(&scene, &limb, &Sent::uncorrected(&limb, &plan));
     let (ambient, dead_m3) = (&scene.plant().ambient, motion::dead_volume_m3(&scene));
     let ends = [0, plan.duration_us()].map(|time_us| plan.states_at(time_us as f64)[0]);
     let joule = ends.map(|state| (state.pressure_pa + ambient.pressure_pa) * (state.volume_m3 + dead_m3));

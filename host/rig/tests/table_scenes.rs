@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use softlimb_fea::cross_section::{EndLoad, Options, Section};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
-use softlimb_motion::ModuleInverse;
 use softlimb_motion::inverse_table::{InverseFit, NoTable};
+use softlimb_motion::{ModuleInverse, Sent};
 use softlimb_protocol::TableArgument;
 use softlimb_rig::report;
 use softlimb_rig::run::{Mcu, RunOptions, run};
@@ -166,7 +166,7 @@ fn goal_beyond_the_finite_elements_is_refused_where_it_is_written() {
     let checked = |scene: &Scene| {
         let limb = Limb::new(scene)?;
         let plan = motion::plan(scene, &limb)?;
-        motion::check_goals(scene, &limb, &plan, &motion::inverses(scene, &limb)?)
+        motion::check_goals(scene, &limb, &plan, &Sent::uncorrected(&limb, &plan), &motion::inverses(scene, &limb)?)
     };
     // The bend that the elements themselves have at the highest pressure the device follows.
     let limb = Limb::new(&with(0.5, "section-fe")).unwrap();
@@ -242,7 +242,8 @@ fn module_that_the_device_does_not_solve_needs_tables_within_the_budget() {
     let neutral = neutral.unwrap_or_else(|error| panic!("{}", error.render(false)));
     let limb = Limb::new(&neutral).unwrap();
     let plan = motion::plan(&neutral, &limb).unwrap();
-    let checked = motion::check_goals(&neutral, &limb, &plan, &inverses(&neutral).unwrap());
+    let checked =
+        motion::check_goals(&neutral, &limb, &plan, &Sent::uncorrected(&limb, &plan), &inverses(&neutral).unwrap());
     let error = checked.unwrap_err().render(false);
     for word in ["tables for the module `finger`", "the device loses its way"] {
         assert!(error.contains(word), "{word}: {error}");

@@ -31,9 +31,9 @@ impl Check {
         let plan = motion::plan(&scene, &limb)?;
         let inverses = motion::inverses(&scene, &limb)?;
         let sent = motion::sent(&scene, &limb, &plan)?;
-        motion::check_goals(&scene, &limb, &sent, &inverses)?;
-        let highest = highest_pressures(&sent);
-        let margins = motion::margins(&scene, &limb, &sent)?;
+        motion::check_goals(&scene, &limb, &plan, &sent, &inverses)?;
+        let highest = sent.highest_pa(&limb);
+        let margins = motion::margins(&scene, &limb, &plan, &sent)?;
         let too_small = check_margins::warnings(&scene, &limb, &plan, &margins);
         let warnings = [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small].concat();
         let air = motion::air_demand(&scene, &limb, &sent);
@@ -49,18 +49,6 @@ impl Check {
         show(self.json, &known.printed(&warnings), || known.table())?;
         Ok(super::warn(&warnings))
     }
-}
-
-/// Highest gauge pressure of each module over the plan, Pa.
-fn highest_pressures(plan: &Plan) -> Vec<f64> {
-    let knots = 0..plan.knots().len() as u64;
-    let rows = knots.map(|knot| plan.states_at((knot * plan.knot_period_us) as f64));
-    rows.fold(Vec::new(), |highest, row| {
-        if highest.is_empty() {
-            return row.iter().map(|state| state.pressure_pa).collect();
-        }
-        highest.iter().zip(&row).map(|(a, state): (&f64, _)| a.max(state.pressure_pa)).collect()
-    })
 }
 
 /// The result of `--json`.

@@ -193,12 +193,23 @@ impl From<Distances> for PrintedDistances {
     }
 }
 
-/// One row per instant, one column per module.
+/// One row per instant; one column per module, or per actuator where those of a module differ.
 fn csv(scene: &Scene, corrections: &Corrections) -> String {
-    let names = scene.modules().iter().map(|module| format!(",{}", module.name.value)).collect::<String>();
-    let mut text = format!("time_s{names}\n");
+    let (mut header, mut columns, mut first) = (String::from("time_s"), Vec::new(), 0);
+    for module in scene.modules() {
+        let (name, channels) = (&module.name.value, first..first + usize::from(module.actuators));
+        first = channels.end;
+        if corrections.rows.iter().all(|row| row[channels.clone()].iter().all(|value| *value == row[channels.start])) {
+            let _ = write!(header, ",{name}");
+            columns.push(channels.start);
+        } else {
+            (1..=channels.len()).for_each(|number| header.push_str(&format!(",{name}.{number}")));
+            columns.extend(channels);
+        }
+    }
+    let mut text = header + "\n";
     for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
-        let values: String = row.iter().map(|value| format!(",{value:.9}")).collect();
+        let values: String = columns.iter().map(|column| format!(",{:.9}", row[*column])).collect();
         let _ = writeln!(text, "{time_s:.4}{values}");
     }
     text

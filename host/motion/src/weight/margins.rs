@@ -1,12 +1,14 @@
 //! Margins of the loaded limb at the end of each phase.
 
-use softlimb_limb::Limb;
+use fra_model::State;
+
 use softlimb_limb::statics::{BUCKLING_MARGIN_MAX, Fidelity, LOAD_FACTOR_MAX, Settled, Standing};
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::Scene;
 
 use super::nominal::{Nominal, PoseError, pressures_pa, stands};
 use crate::payload::carried;
-use crate::plan::Plan;
+use crate::plan::{Plan, Sent};
 use crate::unreachable::Unreachable;
 
 /// Most spacers that are tried where a module has too few.
@@ -50,16 +52,19 @@ pub struct Margins {
     pub second_tip_m: Option<[f64; 3]>,
 }
 
-/// Margins at the end of each phase of a plan; none of a limb without weight.
+/// Margins at the end of each phase of a plan; none of a limb without weight. Corrections count by the mean of a module's actuators, and in its
+/// highest pressure.
 ///
 /// # Errors
 /// [`Unreachable::NotCarried`] where the limb falls or a tube buckles, empty or loaded.
-pub(crate) fn margins(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Margins>, Unreachable> {
+pub(crate) fn margins(scene: &Scene, limb: &Limb, plan: &Plan, sent: &Sent) -> Result<Vec<Margins>, Unreachable> {
     let Some(weight) = scene.weight().filter(|weight| weight.simulated) else { return Ok(Vec::new()) };
+    let averaged = sent.averaged(limb, plan);
     let of_phase = |(index, (phase, carried)): (usize, (&crate::PlannedPhase, crate::Carried))| {
         let end_us = phase.start_us + phase.move_us + phase.hold_us;
-        let pressures_pa = pressures_pa(&plan.states_at(end_us as f64));
-        let (pressure_share, fullest_module) = fullest(limb, &pressures_pa);
+        let [sent, averaged] = [sent.states_at(end_us as f64), averaged.states_at(end_us as f64)];
+        let (pressure_share, fullest_module) = fullest(limb, &sent);
+        let pressures_pa = pressures_pa(&averaged);
         let payload_kg = carried.payload_kg();
         let mut margins = Margins {
             payload_kg,
@@ -132,8 +137,12 @@ fn spacers_enough(scene: &Scene, limb: &Limb, pressures_pa: &[f64], payload_kg: 
     })
 }
 
-/// The highest pressure over its limit, with its module.
-fn fullest(limb: &Limb, pressures_pa: &[f64]) -> (f64, usize) {
-    let shares = limb.modules().iter().zip(pressures_pa).map(|(module, pressure)| pressure / module.ceiling_pa());
+/// The highest pressure of an actuator over its limit, with its module.
+fn fullest(limb: &Limb, channels: &[State<f64>]) -> (f64, usize) {
+    let of_module = |module: &LimbModule| {
+        let highest_pa = channels[module.channels.clone()].iter().map(|state| state.pressure_pa).fold(0.0, f64::max);
+        highest_pa / module.ceiling_pa()
+    };
+    let shares = limb.modules().iter().map(of_module);
     shares.zip(0..).fold((0.0, 0), |worst, next| if next.0 > worst.0 { next } else { worst })
 }

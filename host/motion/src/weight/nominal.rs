@@ -1,5 +1,7 @@
 //! The nominal limb under load at pressures of its modules.
 
+use std::ops::Range;
+
 use fra_model::State;
 use nalgebra::{DVector, Vector3, Vector4};
 
@@ -117,14 +119,27 @@ impl<'a> Nominal<'a> {
 
     /// The shape with the pressure of each module moved by a step, to first order; `None` where a pose is not stable.
     pub(crate) fn moved(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Moved>> {
+        let modules = self.limb.modules().iter().map(|module| module.channels.clone());
+        let channels_pa = self.channels_pa(pressures_pa);
+        self.moved_by(pose, &channels_pa, payload_kg, modules.enumerate())
+    }
+
+    /// The same with the pressures of groups of channels moved, each of which belongs to a module, from those of all channels.
+    fn moved_by(
+        &self,
+        pose: &Pose,
+        channels_pa: &[f64],
+        payload_kg: f64,
+        groups: impl Iterator<Item = (usize, Range<usize>)>,
+    ) -> Option<Vec<Moved>> {
         let (parts, bends) = self.tier.pieces();
         let strains = pose.limb.strains(&pose.rod, &pose.shape.q);
         let responding = pose.shape.responding(&pose.rod, bends)?;
-        let of_module = |module: usize| {
-            let mut moved_pa = pressures_pa.to_vec();
-            let step_pa = self.step_pa(module, pressures_pa[module]);
-            moved_pa[module] += step_pa;
-            let other = self.loaded(&moved_pa, payload_kg)?;
+        let of_group = |(module, group): (usize, Range<usize>)| {
+            let mut moved_pa = channels_pa.to_vec();
+            let step_pa = self.step_pa(module, channels_pa[group.start]);
+            moved_pa[group].iter_mut().for_each(|pressure_pa| *pressure_pa += step_pa);
+            let other = self.loaded_at(&moved_pa, payload_kg)?;
             // Springs go with the strains, which the response of these springs tells.
             let near = other.at_strains(&strains).ok()?;
             let rod = near.rod.split(parts);
@@ -134,12 +149,14 @@ impl<'a> Nominal<'a> {
             let (tip_m, change) = responding.to(&rod);
             Some(Moved { step_pa, tip_m, q: &pose.shape.q + change, rod })
         };
-        (0..pressures_pa.len()).map(of_module).collect()
+        groups.map(of_group).collect()
     }
 
-    /// Velocity of the tip of a pose by each module's pressure, m/Pa; `None` where the pose is not stable.
+    /// Velocity of the tip of a pose by the pressure of each actuator, m/Pa, in the order of the channels; `None` where the pose is not stable.
     pub fn velocities_m_per_pa(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Vector3<f64>>> {
-        let moved = self.moved(pose, pressures_pa, payload_kg)?;
+        let modules = self.limb.modules().iter().enumerate();
+        let single = modules.flat_map(|(index, module)| module.channels.clone().map(move |at| (index, at..at + 1)));
+        let moved = self.moved_by(pose, &self.channels_pa(pressures_pa), payload_kg, single)?;
         Some(moved.into_iter().map(|moved| moved.tip_m / moved.step_pa).collect())
     }
 
@@ -158,11 +175,19 @@ impl<'a> Nominal<'a> {
     }
 
     pub(super) fn loaded(&self, pressures_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
-        let of_module = self.limb.modules().iter().zip(pressures_pa);
-        let channels: Vec<f64> =
-            of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect();
+        self.loaded_at(&self.channels_pa(pressures_pa), payload_kg)
+    }
+
+    /// The limb at a gauge pressure, Pa, of each channel.
+    fn loaded_at(&self, channels_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
         let load = Load { payload_kg, ..Load::default() };
-        LoadedLimb::new(self.scene, self.limb, &channels, &self.bays, &load)
+        LoadedLimb::new(self.scene, self.limb, channels_pa, &self.bays, &load)
+    }
+
+    /// Pressures of the modules for each of their channels.
+    fn channels_pa(&self, pressures_pa: &[f64]) -> Vec<f64> {
+        let of_module = self.limb.modules().iter().zip(pressures_pa);
+        of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect()
     }
 
     /// The limb at gauge pressures, Pa, one a module, ready to be loaded.

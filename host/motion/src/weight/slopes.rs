@@ -9,11 +9,17 @@ use crate::plan::Plan;
 use softlimb_limb::Limb;
 use softlimb_scene::Scene;
 
-/// Slopes by each module's pressure at a time of a plan, us, as [`tip_slopes`] has them: of the loaded limb where the setpoints are corrected
-/// for weight.
+/// How the tip moves, m/Pa, and the setpoint, per Pa, with the pressure of each actuator at a time of a plan, us, in the order of the channels: of
+/// the loaded limb where the setpoints are corrected for weight. Without weight a module has the mean of its actuators.
 pub fn planned_slopes(scene: &Scene, limb: &Limb, plan: &Plan, time_us: f64) -> Vec<(Vector3<f64>, f64)> {
     let states = plan.states_at(time_us);
-    let mut slopes = tip_slopes(limb, &states);
+    let of_modules = limb.modules().iter().zip(tip_slopes(limb, &states));
+    let mut slopes: Vec<(Vector3<f64>, f64)> = of_modules
+        .flat_map(|(module, (velocity, slope))| {
+            let count = module.channels.len();
+            std::iter::repeat_n((velocity / count as f64, slope), count)
+        })
+        .collect();
     let Some(weighed) = plan.weighed() else { return slopes };
     let payload_kg = payload_kg(&carried(scene.phases()), &plan.phases, time_us as u64);
     let pressures_pa = pressures_pa(&states);

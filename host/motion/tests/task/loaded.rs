@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Vector3};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, by_tubes};
 use softlimb_motion as motion;
-use softlimb_motion::{Plan, carried, payload_kg};
+use softlimb_motion::{Plan, Sent, carried, payload_kg};
 use softlimb_scene::{Goal, Object, Scene};
 
 use super::common::repository;
@@ -38,7 +38,8 @@ fn loaded(scene: &Scene, limb: &Limb, plan: &Plan, time_us: u64, kg: f64) -> Loa
 fn shipped_limbs_stand_with_all_margins_in_all_phases() {
     for (scene, limb, plan) in &*PLANNED {
         let name = scene.name();
-        let margins = motion::margins(scene, limb, plan).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let margins = motion::margins(scene, limb, plan, &Sent::uncorrected(limb, plan))
+            .unwrap_or_else(|error| panic!("{}", error.render(false)));
         assert_eq!(margins.len(), scene.phases().len());
         for (phase, margins) in plan.phases.iter().zip(&margins) {
             let place = format!("{name}, {}: {margins:?}", phase.name);

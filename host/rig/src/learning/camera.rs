@@ -44,7 +44,8 @@ impl Camera {
 /// [`RunError`] where a run fails or the limb falls.
 pub fn observe(scene: &Scene, load_n: f64, settings: &Settings) -> Result<Vec<Observation>, RunError> {
     let limb = Limb::new(scene)?;
-    let plan = motion::sent(scene, &limb, &motion::plan(scene, &limb)?)?;
+    let plan = motion::plan(scene, &limb)?;
+    let sent = motion::sent(scene, &limb, &plan)?;
     let mut camera = Camera::new(settings.camera_noise_m, settings.noise);
     let mut observations = Vec::new();
     let runs = u64::from(settings.runs.get());
@@ -52,7 +53,7 @@ pub fn observe(scene: &Scene, load_n: f64, settings: &Settings) -> Result<Vec<Ob
         let load_n = if loaded { load_n } else { 0.0 };
         let hung = scene.carrying(load_n / softlimb_limb::statics::GRAVITY_M_PER_S2, true);
         let noise = settings.noise + 2 * run + u64::from(loaded);
-        let samples = run::samples(&hung, &limb, &plan, (settings.limb, noise))?;
+        let samples = run::samples(&hung, &limb, (&plan, &sent), (settings.limb, noise))?;
         for (phase, end_s) in ends_s(&plan).enumerate() {
             let tip_m = mean(&tips_m(&samples, end_s)?) + camera.noise_m();
             let reading_pa = |channels: &Range<usize>| {

@@ -1,9 +1,14 @@
 //! One limb's corrections, iteration by iteration.
 //!
-//! The tip is off by `e(t)`. Moving the setpoints of the modules by `du` moves the tip by `J du`, with the model's `J` at the planned pose and load, so
-//! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (|e| |du/range|)^2` within the modules' ranges: the
-//! second term leaves alone what hardly moves the tip. The first iterations have a gain of one, later ones the gain that makes the corrections a
-//! mean, because the valves' error differs from run to run.
+//! The tip is off by `e(t)`. Moving the setpoints by `du` moves the tip by `J du`, with the model's `J` at the planned pose and load, so
+//! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (|e| |du/range|)^2` within the modules' ranges. Under
+//! weight each actuator is corrected by itself: unequal actuators bend a bundle out of the plane of its module, and unequal setpoints bend it
+//! back. Without weight the simulated limb averages the actuators of a module, which are corrected alike. The second term leaves alone what hardly moves the tip. At an instant where the tip is near
+//! its goal the first iterations have a gain of one, later ones the gain that makes the corrections a mean, because the valves' error differs from
+//! run to run. `J` learns, too: where an iteration has moved the tip far enough to be seen, Broyden's update gives it what was observed. A limb
+//! near a limit point moves several times as far as its model.
+
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -20,8 +25,11 @@ const MOVING_S: f64 = 0.1;
 const RESTING_S: f64 = 0.5;
 /// Least damping, m: below the camera's resolution.
 const DAMPING_M: f64 = 0.1e-3;
-/// Iterations with a gain of one.
+/// Iterations near the goal with a gain of one, and how near that is, m.
 const FULL: u32 = 2;
+const NEAR_M: f64 = 3e-3;
+/// Least way of the tip, m, that tells how it moves with its setpoints: well above what differs from run to run.
+const SEEN_M: f64 = 5e-3;
 /// Share of an instant's observations that must be left once its neighbours have theirs.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -32,9 +40,14 @@ pub(super) struct Learner<'a> {
     corrections: Corrections,
     /// For each instant, whether the limb rests there.
     resting: Vec<bool>,
-    /// For each instant, the model's slopes of the tip and of the setpoint by each module's pressure.
-    slopes: Vec<Vec<(Vector3<f64>, f64)>>,
-    iterations: u32,
+    /// Module and channels of all that is corrected alike.
+    groups: Vec<(usize, Range<usize>)>,
+    /// For each instant, how the tip moves, m, with the whole range of each group.
+    columns: Vec<Vec<Vector3<f64>>>,
+    /// For each instant, the last change of the setpoints, as shares of the ranges, and the error before it, m.
+    last: Vec<Option<(Vec<f64>, Vector3<f64>)>>,
+    /// For each instant, iterations so far with the tip near its goal.
+    near: Vec<u32>,
     camera: Camera,
 }
 
@@ -42,12 +55,25 @@ impl<'a> Learner<'a> {
     /// Without corrections. `camera_noise_m` as in [`Settings`](super::Settings).
     pub(super) fn new(model: &'a Prepared<'_>, camera_noise_m: f64, seed: u64) -> Self {
         let (limb, plan) = (model.limb(), model.plan());
-        let modules = limb.modules().len();
+        let groups = groups(limb, plan.weighed().is_some());
         let (times_s, resting): (Vec<_>, Vec<_>) = instants(plan).into_iter().unzip();
-        let rows = vec![vec![0.0; modules]; times_s.len()];
-        let slopes = times_s.iter().map(|time_s| planned_slopes(model.scene(), limb, plan, 1e6 * time_s)).collect();
+        let rows = vec![vec![0.0; limb.channels()]; times_s.len()];
+        let columns = |time_s: &f64| -> Vec<Vector3<f64>> {
+            let single = planned_slopes(model.scene(), limb, plan, 1e6 * time_s);
+            let of_group = |(module, channels): &(usize, Range<usize>)| {
+                let own = &single[channels.clone()];
+                let (velocity, (rest, last)): (Vector3<f64>, _) =
+                    (own.iter().map(|(velocity, _)| velocity).sum(), limb.modules()[*module].range());
+                let slope = own[0].1;
+                if slope == 0.0 { Vector3::zeros() } else { velocity * ((last - rest).abs() / slope) }
+            };
+            groups.iter().map(of_group).collect()
+        };
+        let columns = times_s.iter().map(columns).collect();
+        let (last, near) = (vec![None; times_s.len()], vec![0; times_s.len()]);
         let corrections = Corrections { times_s, rows };
-        Self { limb, plan, corrections, resting, slopes, iterations: 0, camera: Camera::new(camera_noise_m, seed) }
+        let camera = Camera::new(camera_noise_m, seed);
+        Self { limb, plan, corrections, resting, groups, columns, last, near, camera }
     }
 
     /// The present corrections.
@@ -61,7 +87,6 @@ impl<'a> Learner<'a> {
 
     /// Updates the corrections by a run with the present ones; gives the observed error at rest, RMS, m.
     pub(super) fn update(&mut self, samples: &[Sample]) -> f64 {
-        self.iterations += 1;
         let end_s = self.plan.duration_us() as f64 * 1e-6;
         let errors = errors_m(samples, end_s);
         let observations: Vec<(f64, Vector3<f64>)> =
@@ -101,26 +126,51 @@ impl<'a> Learner<'a> {
     }
 
     fn correct(&mut self, errors: &[Option<Vector3<f64>>]) {
-        let gain = 1.0 / f64::from(self.iterations.saturating_sub(FULL - 1).max(1));
-        let ranges: Vec<(f64, f64)> = self.limb.modules().iter().map(|module| module.range()).collect();
+        let modules = self.limb.modules();
+        let ranges: Vec<(f64, f64)> = self.groups.iter().map(|(module, _)| modules[*module].range()).collect();
         for (index, error) in errors.iter().enumerate().filter_map(|(index, error)| Some((index, (*error)?))) {
             let time_us = self.corrections.times_s[index] * 1e6;
             let planned = self.plan.values_at(time_us);
-            let values = &mut self.corrections.rows[index];
-            // What a module has left towards both ends of its range, as a share of it.
+            let planned: Vec<f64> = self.groups.iter().map(|(module, _)| planned[*module]).collect();
+            if let Some((shares, before)) = &self.last[index] {
+                broyden(&mut self.columns[index], shares, &(error - before));
+            }
+            self.near[index] += u32::from(error.norm() <= NEAR_M);
+            let gain = 1.0 / f64::from((self.near[index] + 1).saturating_sub(FULL).max(1));
+            let row = &mut self.corrections.rows[index];
+            let mut values: Vec<f64> = self.groups.iter().map(|(_, channels)| row[channels.start]).collect();
+            // What a group has left towards both ends of its range, as a share of it.
             let left = planned.iter().zip(values.iter()).zip(&ranges).map(|((planned, value), (rest, last))| {
                 let (low, high) = (rest.min(*last), rest.max(*last));
                 let wanted = (planned + value).clamp(low, high);
                 [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
             });
-            let shares = step(&columns(&self.slopes[index], &ranges), &left.collect::<Vec<_>>(), &error);
-            for (((value, share), (rest, last)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(planned) {
-                let wanted = planned + *value + gain * share * (last - rest).abs();
+            let shares = step(&self.columns[index], &left.collect::<Vec<_>>(), &error);
+            let mut moved = vec![0.0; shares.len()];
+            for (group, value) in values.iter_mut().enumerate() {
+                let ((rest, last), before) = (ranges[group], *value);
+                let wanted = planned[group] + before + gain * shares[group] * (last - rest).abs();
                 // Rounding takes nothing out of its range.
-                *value = wanted.clamp(rest.min(*last), rest.max(*last)) - planned;
+                *value = wanted.clamp(rest.min(last), rest.max(last)) - planned[group];
+                moved[group] = (*value - before) / (last - rest).abs();
+            }
+            self.last[index] = Some((moved, error));
+            for ((_, channels), value) in self.groups.iter().zip(values) {
+                row[channels.clone()].fill(value);
             }
         }
     }
+}
+
+/// Channels that are corrected alike, with their module: single ones, or those of a module.
+fn groups(limb: &Limb, single: bool) -> Vec<(usize, Range<usize>)> {
+    let modules = limb.modules().iter().map(|module| module.channels.clone()).enumerate();
+    modules
+        .flat_map(|(index, channels)| {
+            let width = if single { 1 } else { channels.len() };
+            channels.step_by(width).map(move |at| (index, at..at + width))
+        })
+        .collect()
 }
 
 /// The solution of equations whose matrix has `own` on its diagonal and `with_next` beside it; positive semidefinite. `None` where the diagonal
@@ -144,33 +194,36 @@ fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) ->
     found
 }
 
-/// How the tip moves, m, with the whole range of each module.
-fn columns(slopes: &[(Vector3<f64>, f64)], ranges: &[(f64, f64)]) -> Vec<Vector3<f64>> {
-    let column = |((velocity, slope), (rest, last)): (&(Vector3<f64>, f64), &(f64, f64))| {
-        if *slope == 0.0 { Vector3::zeros() } else { velocity * ((last - rest).abs() / slope) }
-    };
-    slopes.iter().zip(ranges).map(column).collect()
+/// Broyden's update: the least change of the columns with which a change of the setpoints, as shares of their ranges, moves the tip as observed, m.
+fn broyden(columns: &mut [Vector3<f64>], shares: &[f64], moved_m: &Vector3<f64>) {
+    let expected_m: Vector3<f64> = columns.iter().zip(shares).map(|(column, share)| column * *share).sum();
+    let square: f64 = shares.iter().map(|share| share * share).sum();
+    if expected_m.norm().max(moved_m.norm()) < SEEN_M || square == 0.0 {
+        return;
+    }
+    let missing_m = (moved_m - expected_m) / square;
+    columns.iter_mut().zip(shares).for_each(|(column, share)| *column += missing_m * *share);
 }
 
-/// The change of the setpoints, as shares of their ranges, that takes an error of the tip away, m; within what is left of each. A module
+/// The change of the setpoints, as shares of their ranges, that takes an error of the tip away, m; within what is left of each. A group
 /// at the end of what is left stays there, and the others do what they can.
 fn step(columns: &[Vector3<f64>], left: &[[f64; 2]], error: &Vector3<f64>) -> Vec<f64> {
     let mut shares = vec![None; columns.len()];
     loop {
         let done = columns.iter().zip(&shares).filter_map(|(column, share)| Some(column * share.as_ref().copied()?));
         let wanted = -error - done.sum::<Vector3<f64>>();
-        let free: Vec<usize> = (0..columns.len()).filter(|module| shares[*module].is_none()).collect();
+        let free: Vec<usize> = (0..columns.len()).filter(|group| shares[*group].is_none()).collect();
         if free.is_empty() {
             return shares.into_iter().map(Option::unwrap_or_default).collect();
         }
-        let found = damped(&free.iter().map(|module| columns[*module]).collect::<Vec<_>>(), &wanted);
-        let beyond = free.iter().zip(&found).filter_map(|(module, share)| {
-            let [low, high] = left[*module];
-            (*share < low || *share > high).then(|| (*module, share.clamp(low, high)))
+        let found = damped(&free.iter().map(|group| columns[*group]).collect::<Vec<_>>(), &wanted);
+        let beyond = free.iter().zip(&found).filter_map(|(group, share)| {
+            let [low, high] = left[*group];
+            (*share < low || *share > high).then(|| (*group, share.clamp(low, high)))
         });
         let ended: Vec<(usize, f64)> = beyond.collect();
         let settled = if ended.is_empty() { free.into_iter().zip(found).collect() } else { ended };
-        settled.into_iter().for_each(|(module, share)| shares[module] = Some(share));
+        settled.into_iter().for_each(|(group, share)| shares[group] = Some(share));
     }
 }
 

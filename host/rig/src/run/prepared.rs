@@ -13,7 +13,7 @@ use crate::record::{RunInfo, Sample};
 use crate::simulate;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
-use softlimb_motion::{ModuleInverse, Plan};
+use softlimb_motion::{ModuleInverse, Plan, Sent};
 use softlimb_scene::{Corrections, Scene};
 
 /// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
@@ -43,20 +43,21 @@ impl<'a> Prepared<'a> {
     pub(crate) fn by_model(scene: &'a Scene) -> Result<Self, RunError> {
         let limb = Limb::new(scene)?;
         let plan = motion::plan(scene, &limb)?;
-        Self::sending(scene, limb, plan.clone(), &plan)
+        let sent = Sent::uncorrected(&limb, &plan);
+        Self::sending(scene, limb, plan, &sent)
     }
 
     /// The same limb and the same goals, but the setpoints that are sent are corrected.
     pub(crate) fn corrected(&self, corrections: &Corrections) -> Result<Self, RunError> {
-        let sent = self.plan.corrected(self.scene, &self.limb, corrections)?;
+        let sent = motion::corrected(self.scene, &self.limb, &self.plan, corrections)?;
         Self::sending(self.scene, self.limb.clone(), self.plan.clone(), &sent)
     }
 
-    fn sending(scene: &'a Scene, limb: Limb, plan: Plan, sent: &Plan) -> Result<Self, RunError> {
+    fn sending(scene: &'a Scene, limb: Limb, plan: Plan, sent: &Sent) -> Result<Self, RunError> {
         let inverses = motion::inverses(scene, &limb)?;
-        motion::check_goals(scene, &limb, sent, &inverses)?;
+        motion::check_goals(scene, &limb, &plan, sent, &inverses)?;
         let configuration = crate::configuration(scene, &inverses, &limb);
-        let knots = wire_knots(&limb, sent);
+        let knots = wire_knots(sent);
         Ok(Self { scene, limb, plan, inverses, configuration, knots })
     }
 
@@ -129,20 +130,22 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// One setpoint per channel at every knot: all actuators of a module get the module's.
-fn wire_knots(limb: &Limb, plan: &Plan) -> Vec<Knot> {
-    let row = |values: &Vec<i32>| -> Vec<i32> {
-        limb.modules().iter().zip(values).flat_map(|(module, value)| module.channels.clone().map(|_| *value)).collect()
-    };
-    let rows = plan.knots().iter().zip(0..);
-    rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us, values: row(values) }).collect()
+/// One setpoint per channel at every knot.
+fn wire_knots(sent: &Sent) -> Vec<Knot> {
+    let rows = sent.knots().iter().zip(0..);
+    rows.map(|(values, index)| Knot { time_us: index * sent.knot_period_us(), values: values.clone() }).collect()
 }
 
-/// Runs a plan on a simulated device and keeps the samples in memory. `parts` is the seed of what the limb is, `noise` of what differs from
-/// run to run.
+/// Runs the setpoints of a plan on a simulated device and keeps the samples in memory. `parts` is the seed of what the limb is, `noise` of what
+/// differs from run to run.
 ///
 /// # Errors
 /// [`RunError`].
-pub fn samples(scene: &Scene, limb: &Limb, plan: &Plan, (parts, noise): (u64, u64)) -> Result<Vec<Sample>, RunError> {
-    Prepared::sending(scene, limb.clone(), plan.clone(), plan)?.samples(parts, noise)
+pub fn samples(
+    scene: &Scene,
+    limb: &Limb,
+    (plan, sent): (&Plan, &Sent),
+    (parts, noise): (u64, u64),
+) -> Result<Vec<Sample>, RunError> {
+    Prepared::sending(scene, limb.clone(), plan.clone(), sent)?.samples(parts, noise)
 }

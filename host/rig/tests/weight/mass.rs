@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Fidelity, Load, LoadedLimb};
 use softlimb_motion as motion;
-use softlimb_motion::Plan;
+use softlimb_motion::{Plan, Sent};
 use softlimb_rig::learning::{Settings, observe};
 use softlimb_rig::payload_estimation::{EstimationError, Observation, mass};
 use softlimb_rig::run;
@@ -170,7 +170,7 @@ fn what_tells_no_mass_is_refused() {
 
 /// Root of the mean square distance of the tip from goals at the ends of phases, under a mass, by the setpoints of a plan, m.
 fn off_m(scene: &Scene, limb: &Limb, goals: &[(f64, Vector3<f64>)], plan: &Plan, seeds: (u64, u64)) -> f64 {
-    let samples = run::samples(scene, limb, plan, seeds).unwrap();
+    let samples = run::samples(scene, limb, (plan, &Sent::uncorrected(limb, plan)), seeds).unwrap();
     let squares = goals.iter().map(|(end_us, goal)| {
         let last = samples.iter().rfind(|sample| sample.time_s <= 1e-6 * end_us).unwrap();
         (Vector3::from(last.tip_achieved_m.unwrap()) - goal).norm_squared()

@@ -99,7 +99,7 @@ fn derivatives_of_the_loaded_tip_are_those_of_differences() {
 fn setpoints_begin_at_rest_and_do_not_jump() {
     let (_, plan) = planned(&repository("loaded/carry-hanging", ""));
     assert!(plan.states_at(0.0).iter().all(|state| state.pressure_pa.abs() < 100.0));
-    let period_us = plan.knot_period_us as f64;
+    let period_us = plan.knot_period_us() as f64;
     for knot in 1..plan.knots().len() {
         let [a, b] = [knot - 1, knot].map(|knot| plan.states_at(knot as f64 * period_us));
         // A move takes some seconds from nothing to 100 kPa: 1 kPa in a knot of 20 ms.

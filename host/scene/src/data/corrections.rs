@@ -6,7 +6,7 @@
 pub struct Corrections {
     /// Rising times since the start of the run, s.
     pub times_s: Vec<f64>,
-    /// For each time one value per module, in the unit of the module's setpoints.
+    /// For each time one value per actuator, in the order of the channels and the unit of its module's setpoints.
     pub rows: Vec<Vec<f64>>,
 }
 

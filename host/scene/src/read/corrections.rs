@@ -19,9 +19,11 @@ pub(super) fn corrections(
 ) -> Option<Option<Located<Corrections>>> {
     let Some(value) = root.value(schema::scene::CORRECTIONS.name) else { return Some(None) };
     let reader = Reader::open(root.log(), value, &keys::SECTION, &quoted(schema::scene::CORRECTIONS.name))?;
-    let names = drafts.iter().map(|draft| Some(draft.module.as_ref()?.name.value.as_str())).collect::<Option<_>>()?;
+    let modules: Vec<_> = drafts.iter().map(|draft| draft.module.as_ref()).collect::<Option<_>>()?;
+    let names = modules.iter().map(|module| module.name.value.as_str()).collect();
+    let counts = modules.iter().map(|module| usize::from(module.actuators)).collect();
     // Each is compared with the range of its module by who knows that.
-    let columns = Columns { what: "corrections", names, max: f64::MAX, unit: "" };
+    let columns = Columns { what: "corrections", names, counts, max: f64::MAX, unit: "" };
     let rows = series(&reader, &keys::FILE, scene_name, &columns)?;
     Some(Some(rows.map(|rows| {
         let (times_s, rows) = rows.into_iter().unzip();

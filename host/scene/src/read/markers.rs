@@ -18,7 +18,8 @@ const FAR_M: f64 = 100.0;
 pub(super) fn markers(root: &Reader<'_>, scene_name: &str) -> Option<Option<Located<Vec<Marker>>>> {
     let Some(value) = root.value(schema::scene::MARKERS.name) else { return Some(None) };
     let reader = Reader::open(root.log(), value, &keys::SECTION, &quoted(schema::scene::MARKERS.name))?;
-    let columns = Columns { what: "markers", names: vec!["x_m", "y_m", "z_m"], max: FAR_M, unit: " m" };
+    let names = vec!["x_m", "y_m", "z_m"];
+    let columns = Columns { what: "markers", names, counts: vec![1; 3], max: FAR_M, unit: " m" };
     let rows = series(&reader, &keys::FILE, scene_name, &columns)?;
     let first_s = rows.value.first().map_or(0.0, |(time_s, _)| *time_s);
     Some(Some(rows.map(|rows| {

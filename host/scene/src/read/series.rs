@@ -23,9 +23,39 @@ pub(super) struct Columns<'a> {
     /// What the file holds, in the plural.
     pub(super) what: &'a str,
     pub(super) names: Vec<&'a str>,
+    /// Values of each name: those of a column with the name, or each in a column `name.1`, `name.2` and so on.
+    pub(super) counts: Vec<usize>,
     /// Largest absolute value, and its unit with a space before it.
     pub(super) max: f64,
     pub(super) unit: &'a str,
+}
+
+impl Columns<'_> {
+    /// The number of values of each column of a first row; the error is the row that it must be.
+    fn widths(&self, header: &[&str]) -> Result<Vec<usize>, String> {
+        let plain = || -> String { self.names.iter().flat_map(|name| [",", name]).collect() };
+        let parts = || match self.names.iter().zip(&self.counts).find(|(_, count)| **count > 1) {
+            None => String::new(),
+            Some((name, count)) => format!("; `{name}` may be parted into `{name}.1` to `{name}.{count}`"),
+        };
+        let wrong = || format!(":1: the first row must be `{TIME}{}`{}", plain(), parts());
+        let mut cells = header.iter().copied().peekable();
+        if cells.next() != Some(TIME) {
+            return Err(wrong());
+        }
+        let mut widths = Vec::new();
+        for (name, count) in self.names.iter().zip(&self.counts) {
+            if cells.next_if(|cell| cell == name).is_some() {
+                widths.push(*count);
+                continue;
+            }
+            for part in 1..=*count {
+                cells.next_if(|cell| *cell == format!("{name}.{part}")).ok_or_else(wrong)?;
+                widths.push(1);
+            }
+        }
+        if cells.next().is_some() { Err(wrong()) } else { Ok(widths) }
+    }
 }
 
 /// Time, s, and the values of a row.
@@ -61,14 +91,14 @@ pub(super) fn series(
 /// What is wrong, as it follows the file's name: `:row: column: reason`.
 fn rows(text: &str, columns: &Columns<'_>) -> Result<Vec<Row>, String> {
     let mut lines = table::rows(text).map_err(|error| format!(": {error}"))?.into_iter();
-    let wanted: Vec<&str> = std::iter::once(TIME).chain(columns.names.iter().copied()).collect();
-    if !lines.next().is_some_and(|header| header.cells().eq(wanted.iter().copied())) {
-        return Err(format!(":1: the first row must be `{}`", wanted.join(",")));
-    }
+    let header = lines.next();
+    let header: Vec<&str> = header.iter().flat_map(table::Row::cells).collect();
+    let widths = columns.widths(&header)?;
     let mut rows: Vec<Row> = Vec::new();
     for cells in lines {
         let number = cells.line;
-        let (time_s, values) = row(&cells, columns).map_err(|why| format!(":{number}: {why}"))?;
+        let (time_s, values) =
+            row(&cells, &header[1..], &widths, columns).map_err(|why| format!(":{number}: {why}"))?;
         if rows.last().is_some_and(|(last_s, _)| time_s < last_s + STEP_MIN_S) {
             return Err(format!(":{number}: `{TIME}`: {time_s} is not at least 1 ms after the row before"));
         }
@@ -83,9 +113,9 @@ fn rows(text: &str, columns: &Columns<'_>) -> Result<Vec<Row>, String> {
     }
 }
 
-fn row(row: &table::Row, columns: &Columns<'_>) -> Result<Row, String> {
+fn row(row: &table::Row, names: &[&str], widths: &[usize], columns: &Columns<'_>) -> Result<Row, String> {
     let cells: Vec<&str> = row.cells().collect();
-    let count = columns.names.len() + 1;
+    let count = names.len() + 1;
     let [time_s, values @ ..] = &cells[..] else { return Err(format!("0 values, not {count}")) };
     if cells.len() != count {
         return Err(format!("{} values, not {count}", cells.len()));
@@ -96,8 +126,11 @@ fn row(row: &table::Row, columns: &Columns<'_>) -> Result<Row, String> {
         _ => Err(format!("`{column}`: {} is not a finite number", quoted(cell))),
     };
     let time_s = number(time_s, TIME, f64::MAX)?;
-    let cells = values.iter().zip(&columns.names);
-    Ok((time_s, cells.map(|(cell, column)| number(cell, column, columns.max)).collect::<Result<_, _>>()?))
+    let mut all = Vec::new();
+    for ((cell, column), width) in values.iter().zip(names).zip(widths) {
+        all.extend(std::iter::repeat_n(number(cell, column, columns.max)?, *width));
+    }
+    Ok((time_s, all))
 }
 
 #[cfg(test)]
@@ -105,7 +138,26 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Vec<Row>, String> {
-        rows(text, &Columns { what: "markers", names: vec!["x_m", "y_m", "z_m"], max: 100.0, unit: " m" })
+        let names = vec!["x_m", "y_m", "z_m"];
+        rows(text, &Columns { what: "markers", names, counts: vec![1; 3], max: 100.0, unit: " m" })
+    }
+
+    #[test]
+    fn columns_may_be_parted() {
+        let columns =
+            Columns { what: "corrections", names: vec!["upper", "lower"], counts: vec![3, 2], max: f64::MAX, unit: "" };
+        let read = |text: &str| rows(text, &columns);
+        let one_each = read("time_s,upper,lower\n0,1,2\n1,3,4\n").unwrap();
+        assert_eq!(one_each, [(0.0, vec![1.0, 1.0, 1.0, 2.0, 2.0]), (1.0, vec![3.0, 3.0, 3.0, 4.0, 4.0])]);
+        let parted = read("time_s,upper.1,upper.2,upper.3,lower\n0,1,2,3,4\n1,5,6,7,8\n").unwrap();
+        assert_eq!(parted, [(0.0, vec![1.0, 2.0, 3.0, 4.0, 4.0]), (1.0, vec![5.0, 6.0, 7.0, 8.0, 8.0])]);
+        let must = ":1: the first row must be `time_s,upper,lower`; `upper` may be parted into `upper.1` to `upper.3`";
+        for wrong in ["time_s,upper.1,upper.2,lower", "time_s,lower,upper", "time_s,upper,lower,lower", "time_s,upper"]
+        {
+            assert_eq!(read(&format!("{wrong}\n0,1,2\n")).unwrap_err(), must, "{wrong}");
+        }
+        let wrong = read("time_s,upper,lower.1,lower.2\n0,1,2,x\n1,1,2,3\n").unwrap_err();
+        assert_eq!(wrong, ":2: `lower.2`: `x` is not a finite number");
     }
 
     #[test]

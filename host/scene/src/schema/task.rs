@@ -45,5 +45,5 @@ section! {
     /// What is added to the planned setpoints in a run, as `softlimb learn --csv` writes it for one limb; it is straight between the rows and
     /// constant before the first and after the last. A corrected setpoint ends where its module's range ends.
     corrections, "[corrections]";
-    FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s` and one per module, by the modules' names and in their order, and 2 to 10000 rows: m, rad or Pa as the module's setpoints are, or 1 for a stretch. Times are those since the start of the run, and rise.";
+    FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s` and one per module, by the modules' names and in their order, and 2 to 10000 rows. Columns `name.1`, `name.2` and so on instead of `name` correct the actuators of a module one by one. Values are in m, rad or Pa as the module's setpoints are, without unit for a stretch. Times are those since the start of the run, and rise.";
 }

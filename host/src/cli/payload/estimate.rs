@@ -36,7 +36,8 @@ pub(super) struct Estimate {
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
-        let plan = motion::sent(&scene, &limb, &motion::plan(&scene, &limb)?)?;
+        let plan = motion::plan(&scene, &limb)?;
+        let plan = motion::sent(&scene, &limb, &plan)?.averaged(&limb, &plan);
         let about = about(&self.data);
         let seen = Observation::read(&read(&self.data)?, &limb, &plan).map_err(|error| about(&error))?;
         let found = mass(&scene, &limb, &plan, &seen, self.stiffness_error.si()).map_err(|error| about(&error))?;

@@ -1,18 +1,23 @@
 //! The setpoints of a whole run, checked against what the limb can do.
 
+mod sent;
+mod track;
+
+pub use sent::Sent;
+
 use fra_model::State;
 
 use super::clear::{self, Nearness};
 use super::path::Path;
 use super::profile::minimum_jerk;
 use super::schedule::schedule;
-use super::setpoint::state_at;
 use super::unreachable::{Shortcoming, Unreachable};
 use super::weight::{self, Judged, Weighed};
 use super::wire::{from_wire, to_wire};
+use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
-use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Corrections, Gripper, Scene, SetpointKind};
+use track::{Track, states};
 
 /// A phase on the clock of the run, with the value of every module at its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,51 +80,38 @@ impl PlannedPhase {
 /// All setpoints of a run: one row per knot, one value per module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Time between two knots, us.
-    pub knot_period_us: u64,
     /// The phases.
     pub phases: Vec<PlannedPhase>,
     /// What the limb will not do as planned, in words: moves that are faster than valves or supply.
     pub warnings: Vec<String>,
-    kinds: Vec<SetpointKind>,
-    /// Setpoints as the device gets them, in wire units.
-    knots: Vec<Vec<i32>>,
-    /// The limb's states at the knots, by the model.
-    states: Vec<Vec<State<f64>>>,
+    track: Track,
     weighed: Option<Weighed>,
 }
 
 impl Plan {
+    /// Time between two knots, us.
+    pub fn knot_period_us(&self) -> u64 {
+        self.track.period_us
+    }
+
     /// Time of the last knot, us after the start.
     pub fn duration_us(&self) -> u64 {
-        (self.knots.len().saturating_sub(1)) as u64 * self.knot_period_us
+        self.track.duration_us()
     }
 
     /// Wire values per module at every knot.
     pub fn knots(&self) -> &[Vec<i32>] {
-        &self.knots
+        &self.track.knots
     }
 
     /// Setpoint of every module at a time, interpolated between knots as the device does.
     pub fn values_at(&self, time_us: f64) -> Vec<f64> {
-        let (before, after, share) = self.between(time_us);
-        let modules = self.kinds.iter().zip(&self.knots[before]).zip(&self.knots[after]);
-        modules
-            .map(|((kind, a), b)| {
-                let (a, b) = (from_wire(*kind, *a), from_wire(*kind, *b));
-                a + (b - a) * share
-            })
-            .collect()
+        self.track.values_at(time_us)
     }
 
     /// States that the model gives for the setpoints at a time.
     pub fn states_at(&self, time_us: f64) -> Vec<State<f64>> {
-        let (before, after, share) = self.between(time_us);
-        self.states[before]
-            .iter()
-            .zip(&self.states[after])
-            .map(|(a, b)| State::combine([a, b], |[a, b]| a + (b - a) * share))
-            .collect()
+        self.track.states_at(time_us)
     }
 
     /// What the plan knows of the limb's weight; `None` where its setpoints are not corrected for it.
@@ -130,44 +122,16 @@ impl Plan {
     /// Where the setpoints of a time bring the tip, m: under the limb's weight and payload where they are corrected for it.
     pub fn tip_m(&self, limb: &Limb, time_us: f64) -> [f64; 3] {
         let Some(weighed) = &self.weighed else { return limb.tip(&self.states_at(time_us)) };
-        let (before, after, share) = self.between(time_us);
+        let (before, after, share) = self.track.between(time_us);
         between(weighed.tips_m[before], weighed.tips_m[after], share)
     }
 
     /// The centre line at the setpoints of a time, m; as [`Plan::tip_m`].
     pub fn line_m(&self, limb: &Limb, time_us: f64) -> Vec<[f64; 3]> {
         let Some(weighed) = &self.weighed else { return limb.backbone(&self.states_at(time_us)) };
-        let (before, after, share) = self.between(time_us);
+        let (before, after, share) = self.track.between(time_us);
         let points = weighed.lines_m[before].iter().zip(&weighed.lines_m[after]);
         points.map(|(a, b)| between(*a, *b, share)).collect()
-    }
-
-    /// The same phases with corrected setpoints, which end where the range of a module ends.
-    ///
-    /// # Errors
-    /// [`Unreachable::OnTheWay`].
-    pub(super) fn with(&self, limb: &Limb, corrections: &Corrections) -> Result<Self, Unreachable> {
-        let knots = self.knots.iter().zip(0_u64..).map(|(knot, index)| {
-            let added = corrections.at((index * self.knot_period_us) as f64 * 1e-6);
-            let added = added.into_iter().chain(std::iter::repeat(0.0));
-            let modules = limb.modules().iter().zip(knot).zip(added);
-            let corrected = |module: &LimbModule, wire: i32, added: f64| {
-                let (rest, last) = module.range();
-                let value = from_wire(module.kind, wire) + added;
-                to_wire(module.kind, value.clamp(rest.min(last), rest.max(last)))
-            };
-            modules.map(|((module, wire), added)| corrected(module, *wire, added)).collect()
-        });
-        let knots: Vec<Vec<i32>> = knots.collect();
-        let states = states(limb, &self.phases, &knots, self.knot_period_us)?;
-        Ok(Self { knots, states, ..self.clone() })
-    }
-
-    fn between(&self, time_us: f64) -> (usize, usize, f64) {
-        let last = self.knots.len() - 1;
-        let position = (time_us / self.knot_period_us as f64).clamp(0.0, last as f64);
-        let before = position as usize;
-        (before, (before + 1).min(last), position - before as f64)
     }
 }
 
@@ -208,7 +172,8 @@ fn planned(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, 
     let (mut phases, shortcomings) = schedule(scene, limb, tier, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
-    let states = states(limb, &phases, &knots, knot_period_us)?;
+    let owners: Vec<usize> = (0..limb.modules().len()).collect();
+    let states = states(limb, &phases, &owners, &knots, knot_period_us)?;
     let rows: Vec<Vec<f64>> = knots
         .iter()
         .map(|knot| limb.modules().iter().zip(knot).map(|(m, wire)| from_wire(m.kind, *wire)).collect())
@@ -217,7 +182,8 @@ fn planned(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, 
     clear::prove(scene, limb, &mut phases, way, tier)?;
     let weighed = tier.map(|tier| weight::weigh(scene, limb, &phases, way, tier)).transpose()?;
     let kinds = limb.modules().iter().map(|m| m.kind).collect();
-    Ok((Plan { knot_period_us, phases, warnings: Vec::new(), kinds, knots, states, weighed }, shortcomings))
+    let track = Track { period_us: knot_period_us, kinds, knots, states };
+    Ok((Plan { phases, warnings: Vec::new(), track, weighed }, shortcomings))
 }
 
 /// Checks that corrections are within the ranges of their modules: larger ones are in another unit, or of another limb.
@@ -226,10 +192,11 @@ fn planned(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, 
 /// [`Unreachable::Correction`].
 pub(super) fn check_corrections(limb: &Limb, corrections: &Corrections) -> Result<(), Unreachable> {
     for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
-        for (module, (one, value)) in limb.modules().iter().zip(row).enumerate() {
-            let (rest, last) = one.range();
-            if value.abs() > (last - rest).abs() {
-                return Err(Unreachable::Correction { time_s: *time_s, module, value: *value });
+        for (index, module) in limb.modules().iter().enumerate() {
+            let (rest, last) = module.range();
+            let own = row.get(module.channels.clone()).unwrap_or_default();
+            if let Some(value) = own.iter().find(|value| value.abs() > (last - rest).abs()) {
+                return Err(Unreachable::Correction { time_s: *time_s, module: index, value: *value });
             }
         }
     }
@@ -254,30 +221,4 @@ fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) ->
 
 fn to_wire_row(kinds: &[SetpointKind], row: &[f64]) -> Vec<i32> {
     kinds.iter().zip(row).map(|(kind, value)| to_wire(*kind, *value)).collect()
-}
-
-/// The model's states at all knots: the check that a move stays within reach also between its ends.
-fn states(
-    limb: &Limb,
-    phases: &[PlannedPhase],
-    knots: &[Vec<i32>],
-    period_us: u64,
-) -> Result<Vec<Vec<State<f64>>>, Unreachable> {
-    let mut here: Vec<State<f64>> = limb.modules().iter().map(|module| module.actuator.rest()).collect();
-    let mut last: Option<&Vec<i32>> = None;
-    let mut all = Vec::with_capacity(knots.len());
-    for (knot_index, knot) in knots.iter().enumerate() {
-        // While the limb rests its states do, too.
-        if last != Some(knot) {
-            for (module_index, ((module, state), wire)) in limb.modules().iter().zip(&mut here).zip(knot).enumerate() {
-                *state = state_at(module, state, from_wire(module.kind, *wire)).map_err(|cause| {
-                    let phase = phase_at(phases, knot_index as u64 * period_us);
-                    Unreachable::OnTheWay { phase, module: module_index, cause }
-                })?;
-            }
-            last = Some(knot);
-        }
-        all.push(here.clone());
-    }
-    Ok(all)
 }
