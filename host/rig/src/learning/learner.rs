@@ -1,22 +1,25 @@
 //! One limb's corrections, iteration by iteration.
 //!
 //! The tip is off by `e(t)`. Moving the setpoints by `du` moves the tip by `J du`, with the model's `J` at the planned pose and load, so
-//! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (|e| |du/range|)^2` within the modules' ranges. Under
-//! weight each actuator is corrected by itself: unequal actuators bend a bundle out of the plane of its module, and unequal setpoints bend it
-//! back. Without weight the simulated limb averages the actuators of a module, which are corrected alike. The second term leaves alone what hardly moves the tip. At an instant where the tip is near
-//! its goal the first iterations have a gain of one, later ones the gain that makes the corrections a mean, because the valves' error differs from
-//! run to run. `J` learns, too: where an iteration has moved the tip far enough to be seen, Broyden's update gives it what was observed. A limb
-//! near a limit point moves several times as far as its model.
+//! the corrections at instants along the run grow by the `du` that minimises `|J du + e|^2 + (|e| |du/range|)^2` within the modules' ranges. The
+//! second term leaves alone what hardly moves the tip. Under weight each extending actuator is corrected by itself: unequal actuators bend
+//! their bundle, and unequal setpoints bend it back, or make up for what other modules do out of their planes. The actuators of other modules are
+//! corrected alike, and all without weight, where the simulated limb averages them.
+//!
+//! The first iterations have a gain of one, later ones the gain that makes the corrections a mean, because the valves' error differs from run to
+//! run. Where the observed error has doubled since its least, as near a limit point, where a limb moves several times as far as its model, the
+//! corrections of the least are taken up again, and later gains are halved.
 
 use std::ops::Range;
 
+use fra_model::Motion;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::camera::Camera;
 use super::score::{SETTLING_S, errors_m, pause_s};
 use crate::record::Sample;
 use crate::run::Prepared;
-use softlimb_limb::Limb;
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Plan, planned_slopes};
 use softlimb_scene::Corrections;
 
@@ -25,11 +28,10 @@ const MOVING_S: f64 = 0.1;
 const RESTING_S: f64 = 0.5;
 /// Least damping, m: below the camera's resolution.
 const DAMPING_M: f64 = 0.1e-3;
-/// Iterations near the goal with a gain of one, and how near that is, m.
+/// Iterations with a gain of one.
 const FULL: u32 = 2;
-const NEAR_M: f64 = 3e-3;
-/// Least way of the tip, m, that tells how it moves with its setpoints: well above what differs from run to run.
-const SEEN_M: f64 = 5e-3;
+/// Growth of the observed error over its least that is no matter of noise.
+const WORSE: f64 = 2.0;
 /// Share of an instant's observations that must be left once its neighbours have theirs.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -44,10 +46,11 @@ pub(super) struct Learner<'a> {
     groups: Vec<(usize, Range<usize>)>,
     /// For each instant, how the tip moves, m, with the whole range of each group.
     columns: Vec<Vec<Vector3<f64>>>,
-    /// For each instant, the last change of the setpoints, as shares of the ranges, and the error before it, m.
-    last: Vec<Option<(Vec<f64>, Vector3<f64>)>>,
-    /// For each instant, iterations so far with the tip near its goal.
-    near: Vec<u32>,
+    iterations: u32,
+    /// The least error observed at rest, RMS, m, with the corrections of that run and the error at each instant.
+    best: Option<(f64, Corrections, Vec<Option<Vector3<f64>>>)>,
+    /// Factor of the gain.
+    caution: f64,
     camera: Camera,
 }
 
@@ -58,22 +61,11 @@ impl<'a> Learner<'a> {
         let groups = groups(limb, plan.weighed().is_some());
         let (times_s, resting): (Vec<_>, Vec<_>) = instants(plan).into_iter().unzip();
         let rows = vec![vec![0.0; limb.channels()]; times_s.len()];
-        let columns = |time_s: &f64| -> Vec<Vector3<f64>> {
-            let single = planned_slopes(model.scene(), limb, plan, 1e6 * time_s);
-            let of_group = |(module, channels): &(usize, Range<usize>)| {
-                let own = &single[channels.clone()];
-                let (velocity, (rest, last)): (Vector3<f64>, _) =
-                    (own.iter().map(|(velocity, _)| velocity).sum(), limb.modules()[*module].range());
-                let slope = own[0].1;
-                if slope == 0.0 { Vector3::zeros() } else { velocity * ((last - rest).abs() / slope) }
-            };
-            groups.iter().map(of_group).collect()
-        };
+        let columns = |time_s: &f64| columns(limb, &groups, &planned_slopes(model.scene(), limb, plan, 1e6 * time_s));
         let columns = times_s.iter().map(columns).collect();
-        let (last, near) = (vec![None; times_s.len()], vec![0; times_s.len()]);
         let corrections = Corrections { times_s, rows };
         let camera = Camera::new(camera_noise_m, seed);
-        Self { limb, plan, corrections, resting, groups, columns, last, near, camera }
+        Self { limb, plan, corrections, resting, groups, columns, iterations: 0, best: None, caution: 1.0, camera }
     }
 
     /// The present corrections.
@@ -87,16 +79,27 @@ impl<'a> Learner<'a> {
 
     /// Updates the corrections by a run with the present ones; gives the observed error at rest, RMS, m.
     pub(super) fn update(&mut self, samples: &[Sample]) -> f64 {
+        self.iterations += 1;
         let end_s = self.plan.duration_us() as f64 * 1e-6;
         let errors = errors_m(samples, end_s);
         let observations: Vec<(f64, Vector3<f64>)> =
             errors.map(|(time_s, error)| (time_s, error + self.camera.noise_m())).collect();
-        self.correct(&self.errors(&observations));
         let rests: Vec<_> = self.plan.phases.iter().map(pause_s).collect();
         let is_rest = |time_s: f64| rests.iter().any(|(begin, end)| time_s > begin + SETTLING_S && time_s <= *end);
         let seen = observations.iter().filter(|(time_s, _)| is_rest(*time_s)).map(|(_, error)| error.norm_squared());
         let (sum, count) = seen.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
-        (sum / f64::from(count.max(1))).sqrt()
+        let observed_m = (sum / f64::from(count.max(1))).sqrt();
+        let mut errors = self.errors(&observations);
+        match &self.best {
+            Some((least_m, corrections, before)) if observed_m > WORSE * least_m => {
+                (self.corrections, errors) = (corrections.clone(), before.clone());
+                self.caution *= 0.5;
+            }
+            Some((least_m, ..)) if observed_m >= *least_m => {}
+            _ => self.best = Some((observed_m, self.corrections.clone(), errors.clone())),
+        }
+        self.correct(&errors);
+        observed_m
     }
 
     /// The error at each instant, m, such that straight lines between them fit the observations of a pause by least squares; of a move the mean
@@ -126,17 +129,13 @@ impl<'a> Learner<'a> {
     }
 
     fn correct(&mut self, errors: &[Option<Vector3<f64>>]) {
+        let gain = self.caution / f64::from(self.iterations.saturating_sub(FULL - 1).max(1));
         let modules = self.limb.modules();
         let ranges: Vec<(f64, f64)> = self.groups.iter().map(|(module, _)| modules[*module].range()).collect();
         for (index, error) in errors.iter().enumerate().filter_map(|(index, error)| Some((index, (*error)?))) {
             let time_us = self.corrections.times_s[index] * 1e6;
             let planned = self.plan.values_at(time_us);
             let planned: Vec<f64> = self.groups.iter().map(|(module, _)| planned[*module]).collect();
-            if let Some((shares, before)) = &self.last[index] {
-                broyden(&mut self.columns[index], shares, &(error - before));
-            }
-            self.near[index] += u32::from(error.norm() <= NEAR_M);
-            let gain = 1.0 / f64::from((self.near[index] + 1).saturating_sub(FULL).max(1));
             let row = &mut self.corrections.rows[index];
             let mut values: Vec<f64> = self.groups.iter().map(|(_, channels)| row[channels.start]).collect();
             // What a group has left towards both ends of its range, as a share of it.
@@ -146,15 +145,11 @@ impl<'a> Learner<'a> {
                 [low - wanted, high - wanted].map(|left| left / (gain * (high - low)))
             });
             let shares = step(&self.columns[index], &left.collect::<Vec<_>>(), &error);
-            let mut moved = vec![0.0; shares.len()];
-            for (group, value) in values.iter_mut().enumerate() {
-                let ((rest, last), before) = (ranges[group], *value);
-                let wanted = planned[group] + before + gain * shares[group] * (last - rest).abs();
+            for (((value, share), (rest, last)), planned) in values.iter_mut().zip(&shares).zip(&ranges).zip(&planned) {
+                let wanted = planned + *value + gain * share * (last - rest).abs();
                 // Rounding takes nothing out of its range.
-                *value = wanted.clamp(rest.min(last), rest.max(last)) - planned[group];
-                moved[group] = (*value - before) / (last - rest).abs();
+                *value = wanted.clamp(rest.min(*last), rest.max(*last)) - planned;
             }
-            self.last[index] = Some((moved, error));
             for ((_, channels), value) in self.groups.iter().zip(values) {
                 row[channels.clone()].fill(value);
             }
@@ -162,15 +157,14 @@ impl<'a> Learner<'a> {
     }
 }
 
-/// Channels that are corrected alike, with their module: single ones, or those of a module.
-fn groups(limb: &Limb, single: bool) -> Vec<(usize, Range<usize>)> {
-    let modules = limb.modules().iter().map(|module| module.channels.clone()).enumerate();
-    modules
-        .flat_map(|(index, channels)| {
-            let width = if single { 1 } else { channels.len() };
-            channels.step_by(width).map(move |at| (index, at..at + width))
-        })
-        .collect()
+/// Channels that are corrected alike, with their module: single ones of extending actuators under weight, else those of a module.
+fn groups(limb: &Limb, weighed: bool) -> Vec<(usize, Range<usize>)> {
+    let of_module = |(index, module): (usize, &LimbModule)| {
+        let channels = module.channels.clone();
+        let width = if weighed && module.motion == Motion::Extension { 1 } else { channels.len() };
+        channels.step_by(width).map(move |at| (index, at..at + width))
+    };
+    limb.modules().iter().enumerate().flat_map(of_module).collect()
 }
 
 /// The solution of equations whose matrix has `own` on its diagonal and `with_next` beside it; positive semidefinite. `None` where the diagonal
@@ -194,15 +188,18 @@ fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) ->
     found
 }
 
-/// Broyden's update: the least change of the columns with which a change of the setpoints, as shares of their ranges, moves the tip as observed, m.
-fn broyden(columns: &mut [Vector3<f64>], shares: &[f64], moved_m: &Vector3<f64>) {
-    let expected_m: Vector3<f64> = columns.iter().zip(shares).map(|(column, share)| column * *share).sum();
-    let square: f64 = shares.iter().map(|share| share * share).sum();
-    if expected_m.norm().max(moved_m.norm()) < SEEN_M || square == 0.0 {
-        return;
-    }
-    let missing_m = (moved_m - expected_m) / square;
-    columns.iter_mut().zip(shares).for_each(|(column, share)| *column += missing_m * *share);
+/// How the tip moves, m, with the whole range of each group, by its slopes and those of the setpoints with single actuators' pressures.
+fn columns(limb: &Limb, groups: &[(usize, Range<usize>)], slopes: &[(Vector3<f64>, f64)]) -> Vec<Vector3<f64>> {
+    let column = |(module, channels): &(usize, Range<usize>)| {
+        let (rest, last) = limb.modules()[*module].range();
+        let own = &slopes[channels.clone()];
+        let slope = own[0].1;
+        if slope == 0.0 {
+            return Vector3::zeros();
+        }
+        own.iter().map(|(velocity, _)| velocity).sum::<Vector3<f64>>() * ((last - rest).abs() / slope)
+    };
+    groups.iter().map(column).collect()
 }
 
 /// The change of the setpoints, as shares of their ranges, that takes an error of the tip away, m; within what is left of each. A group
