@@ -106,7 +106,15 @@ impl<'a> Nominal<'a> {
     /// # Errors
     /// [`PoseError`].
     pub fn at(&mut self, pressures_pa: &[f64], payload_kg: f64) -> Result<Pose, PoseError> {
-        let limb = self.loaded(pressures_pa, payload_kg).ok_or(PoseError::NoEquilibrium)?;
+        self.at_channels(&self.channels_pa(pressures_pa), payload_kg)
+    }
+
+    /// The shape at gauge pressures, Pa, one a channel: unequal ones bend a bundle of extending actuators.
+    ///
+    /// # Errors
+    /// [`PoseError`].
+    pub fn at_channels(&mut self, channels_pa: &[f64], payload_kg: f64) -> Result<Pose, PoseError> {
+        let limb = self.loaded_at(channels_pa, payload_kg).ok_or(PoseError::NoEquilibrium)?;
         let limb = match &self.last {
             Some((strains, _)) => limb.at_strains(strains).unwrap_or(limb),
             None => limb,

@@ -88,6 +88,7 @@ impl<'a> Assembler<'a> {
             modelled: module.measure(&modelled[index]),
             achieved: values_achieved.as_ref().map(|values| values[index]),
         });
+        let tip_modelled_m = self.tip_modelled_m(time_us, &channels, &modelled);
         let sample = Sample {
             time_s,
             state: message.state.raw(),
@@ -96,7 +97,7 @@ impl<'a> Assembler<'a> {
             channels,
             modules: modules.collect(),
             tip_setpoint_m: self.plan.tip_m(self.limb, time_us as f64),
-            tip_modelled_m: self.tip_modelled_m(time_us, &modelled),
+            tip_modelled_m,
             tip_achieved_m,
         };
         let shape = (time_s >= self.next_shape_s).then(|| {
@@ -114,11 +115,11 @@ impl<'a> Assembler<'a> {
     }
 
     /// Where the model has the tip; under load where the plan has, and not at all (NaN) where the nominal limb would fall.
-    fn tip_modelled_m(&mut self, time_us: u64, states: &[State<f64>]) -> [f64; 3] {
+    fn tip_modelled_m(&mut self, time_us: u64, channels: &[ChannelSample], states: &[State<f64>]) -> [f64; 3] {
         let Some((nominal, carried)) = &mut self.weighed else { return self.limb.tip(states) };
         let payload_kg = payload_kg(carried, &self.plan.phases, time_us);
-        let pressures: Vec<f64> = states.iter().map(|state| state.pressure_pa.max(0.0)).collect();
-        nominal.at(&pressures, payload_kg).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
+        let pressures: Vec<f64> = channels.iter().map(|channel| chamber_pa(channel).max(0.0)).collect();
+        nominal.at_channels(&pressures, payload_kg).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
     }
 
     /// A fault on the clock of the run; one before the start is told at its start.
@@ -147,12 +148,15 @@ fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
         .collect()
 }
 
-/// The state that the controller's model gives a module at the mean of its chamber pressures; those of the sensors, which sit at
-/// the valves, where no one sees into the chambers.
+/// Pressure of a chamber, Pa; that of the sensor, which sits at the valve, where no one sees into the chamber.
+fn chamber_pa(channel: &ChannelSample) -> f64 {
+    channel.true_pressure_pa.unwrap_or(channel.pressure_pa)
+}
+
+/// The state that the controller's model gives a module at the mean of its chamber pressures.
 fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
     let members = module.channels.clone().filter_map(|channel| channels.get(channel));
-    let pressures_pa = members.map(|channel| channel.true_pressure_pa.unwrap_or(channel.pressure_pa));
-    module.curve.at(mean(pressures_pa).unwrap_or(0.0))
+    module.curve.at(mean(members.map(chamber_pa)).unwrap_or(0.0))
 }
 
 /// The state of a module that holds its actuators together: the mean of theirs, or where plates hold them back their equilibrium.
