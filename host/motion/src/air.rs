@@ -2,8 +2,8 @@
 
 use fra_model::State;
 
-use super::plan::Sent;
 use super::profile::minimum_jerk;
+use super::sent::Sent;
 use softlimb_limb::Limb;
 use softlimb_scene::{Line, Scene, Supply};
 

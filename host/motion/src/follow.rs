@@ -4,7 +4,7 @@ use std::fmt;
 
 use fra_model::{State, Target, Tracker};
 
-use super::plan::Sent;
+use super::sent::Sent;
 use softlimb_limb::LimbModule;
 use softlimb_scene::SetpointKind;
 

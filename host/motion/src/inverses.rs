@@ -7,7 +7,8 @@ use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
 use super::diagnostics::in_units;
 use super::follow::{NotFollowed, follow, has_model};
-use super::plan::{Plan, Sent};
+use super::plan::Plan;
+use super::sent::Sent;
 use crate::inverse_table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
 use softlimb_limb::{Limb, LimbModule};

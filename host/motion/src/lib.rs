@@ -18,9 +18,11 @@ mod plan;
 mod profile;
 mod route;
 mod schedule;
+mod sent;
 mod setpoint;
 mod space;
 mod timing;
+mod track;
 mod unreachable;
 mod weight;
 mod wire;
@@ -32,7 +34,8 @@ pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, so
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
 pub use payload::{Carried, Carrying, carried, payload_kg};
-pub use plan::{Plan, PlannedPhase, Sent};
+pub use plan::{Plan, PlannedPhase};
+pub use sent::Sent;
 pub use weight::{
     BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, Nominal, PRESSURE_SHARE_MAX, Pose, PoseError, SAG_SHARE_MAX,
     STIFFNESS_MIN_N_PER_M, Weighed, planned_slopes,

@@ -1,23 +1,18 @@
 //! The setpoints of a whole run, checked against what the limb can do.
 
-mod sent;
-mod track;
-
-pub use sent::Sent;
-
 use fra_model::State;
 
 use super::clear::{self, Nearness};
 use super::path::Path;
 use super::profile::minimum_jerk;
 use super::schedule::schedule;
+use super::track::{Track, states};
 use super::unreachable::{Shortcoming, Unreachable};
 use super::weight::{self, Judged, Weighed};
 use super::wire::{from_wire, to_wire};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
 use softlimb_scene::{Corrections, Gripper, Scene, SetpointKind};
-use track::{Track, states};
 
 /// A phase on the clock of the run, with the value of every module at its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +79,7 @@ pub struct Plan {
     pub phases: Vec<PlannedPhase>,
     /// What the limb will not do as planned, in words: moves that are faster than valves or supply.
     pub warnings: Vec<String>,
-    track: Track,
+    pub(super) track: Track,
     weighed: Option<Weighed>,
 }
 

@@ -8,7 +8,8 @@ use softlimb_scene::Scene;
 
 use super::nominal::{Nominal, PoseError, pressures_pa, stands};
 use crate::payload::carried;
-use crate::plan::{Plan, Sent};
+use crate::plan::Plan;
+use crate::sent::Sent;
 use crate::unreachable::Unreachable;
 
 /// Most spacers that are tried where a module has too few.

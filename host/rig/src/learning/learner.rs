@@ -47,11 +47,20 @@ pub(super) struct Learner<'a> {
     /// For each instant, how the tip moves, m, with the whole range of each group.
     columns: Vec<Vec<Vector3<f64>>>,
     iterations: u32,
-    /// The least error observed at rest, RMS, m, with the corrections of that run and the error at each instant.
-    best: Option<(f64, Corrections, Vec<Option<Vector3<f64>>>)>,
+    /// The run with the least error.
+    best: Option<Best>,
     /// Factor of the gain.
     caution: f64,
     camera: Camera,
+}
+
+/// A run with the corrections that it had.
+struct Best {
+    /// Error observed at rest, RMS, m.
+    observed_m: f64,
+    corrections: Corrections,
+    /// Error at each instant, m; `None` where none was observed.
+    errors: Vec<Option<Vector3<f64>>>,
 }
 
 impl<'a> Learner<'a> {
@@ -91,12 +100,15 @@ impl<'a> Learner<'a> {
         let observed_m = (sum / f64::from(count.max(1))).sqrt();
         let mut errors = self.errors(&observations);
         match &self.best {
-            Some((least_m, corrections, before)) if observed_m > WORSE * least_m => {
-                (self.corrections, errors) = (corrections.clone(), before.clone());
+            Some(best) if observed_m > WORSE * best.observed_m => {
+                (self.corrections, errors) = (best.corrections.clone(), best.errors.clone());
                 self.caution *= 0.5;
             }
-            Some((least_m, ..)) if observed_m >= *least_m => {}
-            _ => self.best = Some((observed_m, self.corrections.clone(), errors.clone())),
+            Some(best) if observed_m >= best.observed_m => {}
+            _ => {
+                let corrections = self.corrections.clone();
+                self.best = Some(Best { observed_m, corrections, errors: errors.clone() });
+            }
         }
         self.correct(&errors);
         observed_m

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use fra_model::State;
 
-use super::Plan;
+use super::plan::Plan;
 use super::track::{Track, states};
-use crate::unreachable::Unreachable;
-use crate::wire::{from_wire, to_wire};
+use super::unreachable::Unreachable;
+use super::wire::{from_wire, to_wire};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::Corrections;
 

@@ -2,10 +2,10 @@
 
 use fra_model::State;
 
-use super::{PlannedPhase, phase_at};
-use crate::setpoint::state_at;
-use crate::unreachable::Unreachable;
-use crate::wire::from_wire;
+use super::plan::{PlannedPhase, phase_at};
+use super::setpoint::state_at;
+use super::unreachable::Unreachable;
+use super::wire::from_wire;
 use softlimb_limb::Limb;
 use softlimb_scene::SetpointKind;
 
