@@ -41,6 +41,7 @@ pub(super) struct Statics {
 struct Row {
     phase: String,
     payload_kg: f64,
+    pressures_pa: Vec<f64>,
     free_tip_m: [f64; 3],
     found: Result<Standing, EquilibriumError>,
 }
@@ -57,6 +58,8 @@ struct Printed<'a> {
 struct PrintedPhase<'a> {
     name: &'a str,
     payload_kg: f64,
+    /// One a module.
+    pressures_pa: &'a [f64],
     free_tip_m: [f64; 3],
     #[serde(flatten)]
     found: Balance<'a>,
@@ -134,7 +137,7 @@ impl Statics {
         })?;
         let free_tip_m: [f64; 3] = loaded.free_tip().translation.vector.into();
         let found = loaded.stand(self.tolerance.si(), scene.rest_length_m());
-        Ok(Row { phase: phase.to_owned(), payload_kg, free_tip_m, found })
+        Ok(Row { phase: phase.to_owned(), payload_kg, pressures_pa: pressures_pa.to_vec(), free_tip_m, found })
     }
 }
 
@@ -160,7 +163,8 @@ impl Row {
                 newton_iterations: found.answer.shape.iterations,
             })),
         };
-        PrintedPhase { name: &self.phase, payload_kg: self.payload_kg, free_tip_m: self.free_tip_m, found }
+        let Self { phase, payload_kg, pressures_pa, free_tip_m, .. } = self;
+        PrintedPhase { name: phase, payload_kg: *payload_kg, pressures_pa, free_tip_m: *free_tip_m, found }
     }
 
     fn warnings(&self, limb: &Limb, tolerance: f64) -> Vec<String> {
