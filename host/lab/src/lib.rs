@@ -8,6 +8,7 @@ pub mod design;
 pub mod generated_section;
 pub mod payload;
 mod published;
+mod statics;
 pub mod validation;
 
 pub use arguments::main;

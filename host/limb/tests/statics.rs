@@ -1,5 +1,6 @@
 //! The loaded limb against closed forms, differences, and a shooting solution that shares no code with it.
 
+mod arms;
 mod beam;
 mod bundles;
 mod closed_forms;

@@ -1,6 +1,6 @@
 """Loaded limbs of scenes by shooting, beside `softlimb statics`: tip, sag, stiffness and load factor of every phase.
 
-    cargo xtask lab statics            (python3 with scipy; --python PATH for another)
+    cargo xtask lab statics            (python3 with numpy; --python PATH for another)
 
 Only the pressures of the phases and the figures to compare come from softlimb. This program reads the scene file itself. A module is one Cosserat
 rod whose section is derived here: the energy of a neo-Hookean tube with its threads, under its pressure, is integrated over the wall and minimised
@@ -12,6 +12,7 @@ Pressures and loads grow together. Then the loads grow alone until the derivativ
 
 import json
 import re
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -19,11 +20,13 @@ from pathlib import Path
 import numpy as np
 from numpy.polynomial import chebyshev
 
+WORKSPACE = Path(__file__).resolve().parents[4]
 GRAVITY = 9.80665
 STEPS = 12  # of Runge and Kutta's method, a module
 GROWTH = 8  # steps of pressures and loads together
 FACTOR_MAX, FACTOR_STEP = 4.0, 0.25
 PULL_N = 0.2  # at the tip, for its stiffness
+LIKE = set()  # assumptions of softlimb that are taken over to find out what they do: see `main`
 UNITS = {"mm": 1e-3, "m": 1.0, "g": 1e-3, "kg": 1.0, "MPa": 1e6, "kPa": 1e3, "kg/m3": 1.0, "deg": np.pi / 180.0, "rad": 1.0}
 
 
@@ -176,7 +179,8 @@ class Bent:
         self.shear = slide * self.count
         polar = tube.mu * np.pi / 2.0 * (outer**4 - tube.inner**4)
         self.torsion = self.count * polar + slide * (places**2).sum()
-        self.start = np.array([free * self.half, 0.0, 0.0])
+        self.free = free * self.half
+        self.start = np.array([self.free, 0.0, 0.0])
 
 
 class Twisted:
@@ -197,7 +201,9 @@ class Twisted:
         self.free, self.compliance = np.array([stretch, twist]), np.linalg.inv(0.5 * (hessian + hessian.T))
         lumen = tube.settled(pressure, np.array([stretch]), np.array([twist]))[0]
         self.own = tube.bending_nm2(stretch, lumen)
-        self.shear = 1.0 / (1.0 / tube.shear_n + (bay * stretch) ** 2 / (12.0 * self.own) / stretch)
+        if "twister bends by its axial stiffness" in LIKE:
+            outer = tube.radius(tube.outer, stretch, lumen)
+            self.own = hessian[0, 0] * (lumen**2 + outer**2) / 4.0
         # A rod has the bends of its tube, so that only the shear of the wall is left of a slide.
         self.shear = tube.shear_n
         self.start = np.array([stretch, 0.0, 0.0])
@@ -257,7 +263,8 @@ class Module:
         u[:, 2] = m[:, 2] / self.torsion
         if self.kind is Bent:
             bend = self.warm[:, 0].copy()
-            wanted = m[:, 1] + n[:, 2] * self.outer
+            arm = 0.0 if "strips at the axis" in LIKE else self.outer
+            wanted = m[:, 1] + n[:, 2] * arm
             for _ in range(30):
                 x = bend / self.half - 1.0
                 moment, slope = with_slope(self.moment, self.by_x, x)
@@ -266,7 +273,8 @@ class Module:
                 if abs(move).max() < 1e-11:
                     break
             self.warm[:, 0] = bend
-            v[:, 2], u[:, 1], u[:, 0] = 1.0 + bend * self.outer, bend, m[:, 0] / self.across
+            line = stacked(self.laws, "free") if "strips at the axis" in LIKE else bend
+            v[:, 2], u[:, 1], u[:, 0] = 1.0 + line * self.outer, bend, m[:, 0] / self.across
             return v, u
         state, wanted = self.warm.copy(), np.stack([n[:, 2], m[:, 1], -m[:, 0]], axis=1)
         arms = np.column_stack([np.ones(len(self.places)), -self.places])
@@ -431,32 +439,72 @@ def solve(limb, pressures, payloads):
     return tips, free, stiffness, np.where(stable, factor, 0.0)
 
 
-def percent(ours, own):
-    return 100.0 * (ours - own) / own
+def printed(scene, words):
+    """The answer of `softlimb statics`."""
+    command = ["cargo", "run", "--quiet", "--release", "-p", "softlimb", "--", "statics", str(scene), "--json", *words]
+    done = subprocess.run(command, cwd=WORKSPACE, capture_output=True, text=True)
+    if done.returncode not in (0, 3):
+        raise SystemExit(done.stderr)
+    return json.loads(done.stdout)
+
+
+def compared(scene, words):
+    """Figures of the phases of a scene: those of softlimb and those found here."""
+    limb, rows = Limb(scene), []
+    answer = printed(scene, words)
+    phases = answer["phases"]
+    assert abs(limb.kg() - answer["mass_kg"]) < 1e-9, "another mass"
+    pressures = np.array([phase["pressures_pa"] for phase in phases])
+    found = solve(limb, pressures, np.array([phase["payload_kg"] for phase in phases]))
+    for phase, tip, free, stiffness, factor in zip(phases, *found):
+        off, unloaded = tip - phase["tip_m"], free - phase["free_tip_m"]
+        row = {"scene": answer["scene"], "phase": phase["name"], "payload_kg": phase["payload_kg"]}
+        row["tip_off_m"], row["free_tip_off_m"] = float(np.linalg.norm(off)), float(np.linalg.norm(unloaded))
+        row["tip_off_share"] = row["tip_off_m"] / limb.length()
+        row["sag_m"] = [phase["deflection_m"], float(np.linalg.norm(tip - free))]
+        row["stiffness_n_per_m"] = [phase["tip_stiffness_n_per_m"][2], float(stiffness)]
+        row["load_factor"] = [phase["load_factor"], float(factor)]
+        rows.append(row)
+    return rows
+
+
+def table(rows):
+    """In Markdown."""
+    print("| scene, phase | kg | tip off, mm | % of the length | sag, mm | here | k_z, N/m | here | load factor | here |")
+    print("| --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |")
+    factor = lambda value: "> 4" if value >= FACTOR_MAX else f"{value:.2f}"
+    for row in rows:
+        sag, stiffness = ([scale * value for value in row[name]] for name, scale in (("sag_m", 1e3), ("stiffness_n_per_m", 1.0)))
+        cells = [f"{row['scene'][-1]}, {row['phase']}", f"{row['payload_kg']:.1f}", f"{1e3 * row['tip_off_m']:.1f}"]
+        cells += [f"{100 * row['tip_off_share']:.2f}", *(f"{value:.1f}" for value in sag), *(f"{value:.1f}" for value in stiffness)]
+        print("| " + " | ".join(cells + [factor(value) for value in row["load_factor"]]) + " |")
+
+
+def causes(letters, cases):
+    """Largest differences of each limb, as derived here and with assumptions of softlimb in their place."""
+    worst = lambda rows, name: 100.0 * max(abs(here / own - 1.0) for own, here in (row[name] for row in rows))
+    print("\n| limb | springs | tip off, % of the length | sag, % | k_z, % | load factor, % |")
+    print("| --- | --- | --: | --: | --: | --: |")
+    for letter in letters:
+        for tag, case in cases.items():
+            rows = [row for row in case if row["scene"][-1] == letter]
+            figures = [100.0 * max(row["tip_off_share"] for row in rows), *(worst(rows, name) for name in ("sag_m", "stiffness_n_per_m", "load_factor"))]
+            print(f"| {letter} | {tag} | " + " | ".join(f"{figure:.2f}" for figure in figures) + " |")
 
 
 def main():
-    """Figures of softlimb on standard input: a list of {file, printed} with the JSON of `softlimb statics`."""
-    rows = []
-    for case in json.load(sys.stdin):
-        limb = Limb(case["file"])
-        phases = case["printed"]["phases"]
-        assert abs(limb.kg() - case["printed"]["mass_kg"]) < 1e-9, "mass"
-        pressures = np.array([phase["pressures_pa"] for phase in phases])
-        tips, free, stiffness, factor = solve(limb, pressures, np.array([phase["payload_kg"] for phase in phases]))
-        for i, phase in enumerate(phases):
-            tip, unloaded = np.array(phase["tip_m"]), np.array(phase["free_tip_m"])
-            rows.append(
-                {
-                    "scene": case["printed"]["scene"], "phase": phase["name"], "payload_kg": phase["payload_kg"],
-                    "tip_off_m": float(np.linalg.norm(tip - tips[i])), "tip_off_share": float(np.linalg.norm(tip - tips[i]) / limb.length()),
-                    "free_off_m": float(np.linalg.norm(unloaded - free[i])),
-                    "sag_m": [phase["deflection_m"], float(np.linalg.norm(tips[i] - free[i]))],
-                    "stiffness_n_per_m": [phase["tip_stiffness_n_per_m"][2], float(stiffness[i])],
-                    "load_factor": [phase["load_factor"], float(factor[i])],
-                }
-            )
-    json.dump(rows, sys.stdout)
+    letters, cases = "abc", {}
+    scene = lambda letter: WORKSPACE / f"scenes/pick-and-place-{letter}.toml"
+    every = lambda words: [row for letter in letters for row in compared(scene(letter), words)]
+    cases["as derived here"] = rows = every([]) + every(["--payload", "0"])
+    if "--json" in sys.argv:
+        return print(json.dumps(rows))
+    table(rows)
+    for assumption in ("strips at the axis", "twister bends by its axial stiffness"):
+        LIKE.add(assumption)
+        cases["as softlimb: " + ", ".join(sorted(LIKE))] = every([])
+    causes(letters, cases)
+    print(f"\nTips without load differ by at most {1e6 * max(row['free_tip_off_m'] for row in rows):.1f} um.")
 
 
 if __name__ == "__main__":
