@@ -68,6 +68,7 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-lab", "softlimb"),
     ("softlimb-lab", "softlimb-chart"),
     ("softlimb-lab", "softlimb-design"),
+    ("softlimb-lab", "softlimb-fea"),
     ("softlimb-lab", "softlimb-limb"),
     ("softlimb-lab", "softlimb-numerics"),
     ("softlimb-firmware", "fra-model"),

@@ -18,6 +18,7 @@ struct Arguments {
 enum Verb {
     Accuracy(accuracy::Command),
     Validation(validation::Validation),
+    Bundles(validation::Bundles),
     Design(design::Design),
     Payload(payload::Payload),
     Statics(statics::Statics),
@@ -30,6 +31,7 @@ pub fn main() -> ExitCode {
     finish(parsed.map(|arguments| match arguments.verb {
         Verb::Accuracy(verb) => verb.run(),
         Verb::Validation(verb) => verb.run(),
+        Verb::Bundles(verb) => verb.run(),
         Verb::Design(verb) => verb.run(),
         Verb::Payload(verb) => verb.run(),
         Verb::Statics(verb) => verb.run(),

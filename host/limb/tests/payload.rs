@@ -2,6 +2,7 @@
 
 mod allocation;
 mod capacity;
+mod carried;
 mod common;
 mod limb;
 mod wrench;

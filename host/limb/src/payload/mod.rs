@@ -6,10 +6,12 @@
 
 pub mod bundle;
 mod capacity;
+mod carried;
 mod limb;
 mod program;
 
 pub use bundle::{Bundle, Hold, Mounted, PayloadError, Push, lever, rank};
 pub use capacity::{Active, Capacity, Linearised, LoadQuery, capacity};
+pub use carried::{CarriedLoad, CarryLimit, CarryLimits, PAYLOAD_MAX_KG, carried_load};
 pub use limb::{LimbCapacity, LoadCase, ModuleLoad, limb_capacity};
 pub use program::{Outcome, Program, Solution};

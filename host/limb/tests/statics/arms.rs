@@ -4,7 +4,7 @@
 //! a module with springs about their own strains. Every few steps, and at the end, every tube is a rod between its plates, in fine pieces. The
 //! statics take large steps, the cheapest model and other springs.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::Vector3;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, Settled};
 use softlimb_scene as scene;
@@ -12,9 +12,10 @@ use softlimb_scene::Scene;
 
 use crate::statics::Stream;
 
-/// Steps of the reference, and the longest move of the tip in one of them over the length: no jump to another shape.
-const STEPS: usize = 64;
-const LONGEST_MOVE: f64 = 0.1;
+/// Longest and least step of the reference, and the longest move of the tip in one of them over the length: no jump to another shape.
+const LONGEST_STEP: f64 = 1.0 / 32.0;
+const LEAST_STEP: f64 = 1.0 / 8192.0;
+const LONGEST_MOVE: f64 = 0.05;
 /// Pieces of the reference's tubes: the statics have up to 8.
 const FINE: usize = 12;
 /// Distance of two tips over the length from which they are those of two shapes.
@@ -33,14 +34,15 @@ struct Arm {
 }
 
 impl Arm {
-    fn new(seed: u64) -> Self {
+    fn new(seed: u64, upright: bool) -> Self {
         let mut stream = Stream(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(seed + 1));
-        (0..8).for_each(|_| drop(stream.next()));
+        (0..8).for_each(|_| _ = stream.next());
         let file = format!("{}/../../scenes/weightless-a.toml", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(file).expect("a scene");
         let axis = Vector3::new(stream.between(-1.0, 1.0), stream.between(-1.0, 1.0), stream.between(-1.0, 1.0));
+        let axis = if upright { Vector3::new(0.35 * axis.x, 0.35 * axis.y, 1.0) } else { axis };
         let up = axis.cross(&Vector3::new(0.3, -0.5, 0.8));
-        let (radius, spread) = (stream.between(10.0, 18.0), stream.between(1.6, 3.0));
+        let (radius, spread) = (stream.between(10.0, 18.0), stream.between(1.75, 3.0));
         let [wide, thick] = [spread * radius, 1.4 * radius];
         let text = text
             .replace("base_direction = [1, 0, 0]", &format!("base_direction = [{}, {}, {}]", axis.x, axis.y, axis.z))
@@ -75,47 +77,52 @@ impl Arm {
         limb
     }
 
-    /// The tip of the path of `at`, whose argument grows to 1; `None` where the path ends or jumps.
+    /// The tip at the end of the path of `at`, whose argument grows to 1; `None` where the path of stable shapes ends before.
     fn followed(&self, at: impl Fn(f64) -> LoadedLimb) -> Option<Vector3<f64>> {
-        let mut last: Option<(Vec<nalgebra::Vector4<f64>>, DVector<f64>, Vector3<f64>)> = None;
-        let mut tip = None;
-        for step in 0..=STEPS {
-            let limb = at(step as f64 / STEPS as f64);
-            let near = last.as_ref().map(|(strains, ..)| limb.at_strains(strains)).transpose().ok()?;
-            let start = last.as_ref().map(|(_, q, _)| q);
-            let Settled { limb, rod, shape } = near.unwrap_or(limb).settle(Fidelity::Fourfold, start).ok()?;
-            let rods = shape.tip().translation.vector;
-            if last.as_ref().is_some_and(|(.., before)| (rods - before).norm() > LONGEST_MOVE * self.length_m()) {
-                return None;
+        let mut last = self.near(&at(0.0), None)?;
+        let (mut share, mut step) = (0.0, LONGEST_STEP);
+        while share < 1.0 {
+            let to = f64::min(share + step, 1.0);
+            let next = self.near(&at(to), Some(&last)).filter(|next| {
+                let tips = [next, &last].map(|settled| settled.shape.tip().translation.vector);
+                (tips[0] - tips[1]).norm() <= LONGEST_MOVE * self.length_m()
+            });
+            match next {
+                Some(next) => (last, share, step) = (next, to, f64::min(2.0 * step, LONGEST_STEP)),
+                None if step < LEAST_STEP => return None,
+                None => step *= 0.5,
             }
-            if step == STEPS {
-                tip = limb.tubes_near(&rod, &shape.q, FINE).map(|plates| plates.tip().translation.vector);
-            }
-            last = Some((limb.strains(&rod, &shape.q), shape.q, rods));
         }
-        tip
+        let plates = last.limb.tubes_near(&last.rod, &last.shape.q, FINE)?;
+        Some(plates.tip().translation.vector)
+    }
+
+    /// The shape next to an earlier one.
+    fn near(&self, limb: &LoadedLimb, last: Option<&Settled>) -> Option<Settled> {
+        let Some(last) = last else { return limb.settle(Fidelity::Fourfold, None).ok() };
+        let strains = last.limb.strains(&last.rod, &last.shape.q);
+        limb.at_strains(&strains).ok()?.settle(Fidelity::Fourfold, Some(&last.shape.q)).ok()
     }
 }
 
 #[test]
 fn search_for_arms() {
-    for seed in 0..200 {
-        let arm = Arm::new(seed);
-        let Some(truth) = arm.followed(|share| arm.at(share, share)) else {
-            println!("{seed}: path ends; stand {}", arm.at(1.0, 1.0).stand(TOLERANCE, arm.length_m()).is_ok());
-            continue;
-        };
+    for (upright, seed) in [true, false].into_iter().flat_map(|upright| (0..150).map(move |seed| (upright, seed))) {
+        let arm = Arm::new(seed, upright);
+        let truth = arm.followed(|share| arm.at(share, share));
+        let other = if upright { arm.followed(|share| arm.at(1.0, share)) } else { None };
+        let apart = truth.zip(other).map(|(a, b)| (a - b).norm() / arm.length_m());
         let standing = match arm.at(1.0, 1.0).stand(TOLERANCE, arm.length_m()) {
             Ok(standing) => standing,
             Err(lost) => {
-                println!("{seed}: {lost}");
+                println!("{upright} {seed}: truth {} {lost}", truth.is_some());
                 continue;
             }
         };
-        let off = (Vector3::from(standing.tip_m) - truth).norm() / arm.length_m();
+        let off = truth.map_or(f64::NAN, |truth| (Vector3::from(standing.tip_m) - truth).norm() / arm.length_m());
         let told = standing.answer.error();
         println!(
-            "{seed}: off {:.4} % told {:.4} % ratio {:.2} tier {} second {} bent {:?} buckling {:.2}",
+            "{upright} {seed}: off {:.4} % told {:.4} % ratio {:.2} tier {} second {} apart {apart:?} bent {:?} buckling {:.2}",
             100.0 * off,
             100.0 * told,
             told / off,

@@ -10,7 +10,7 @@ use crate::cli::shared::{above_zero, limb, quantity, show, write};
 use crate::cli::{Failure, Outcome, note};
 use softlimb_design::blocked::{blocked_designs, picture};
 use softlimb_limb::Limb;
-use softlimb_limb::payload::{LoadCase, capacity, limb_capacity};
+use softlimb_limb::payload::{CarriedLoad, CarryLimit, CarryLimits, LoadCase, capacity, carried_load, limb_capacity};
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
 
@@ -57,7 +57,10 @@ impl CapacityMode {
             shapes.extend(states.collect::<Option<Vec<_>>>().map(|states| (phase.name.clone(), states)));
         }
         let poses = shapes.into_iter().map(|(name, states)| pose(&scene, &limb, name, &states, &case));
-        let poses = poses.collect::<Result<Vec<_>, Failure>>()?;
+        let mut poses = poses.collect::<Result<Vec<_>, Failure>>()?;
+        for (pose, carried) in poses.iter_mut().skip(1).zip(carried(&scene, &limb, &plan, &case)) {
+            pose.carried = Some(carried);
+        }
         let straight =
             limb.modules().iter().find(|module| matches!(module.motion, Motion::Extension | Motion::Expansion));
         let designs = match straight {
@@ -71,8 +74,15 @@ impl CapacityMode {
             (Some(_), None) => return Err(Failure::new("--svg: the scene has no module that extends or expands")),
             (None, _) => {}
         }
+        // Where the plan has weight, the statics decide.
+        let short: Vec<&str> =
+            report.poses.iter().filter(|pose| pose.falls_short()).map(|pose| pose.name.as_str()).collect();
+        if !short.is_empty() {
+            note(&format!("warning: the limb does not keep its margins with the payload of {}", short.join(", ")));
+            return Ok(Outcome::DoneWithWarnings);
+        }
         let fallen = report.poses.iter().filter(|pose| !pose.holds()).count();
-        if fallen > 0 {
+        if fallen > 0 && report.poses.iter().all(|pose| pose.carried.is_none()) {
             note(&format!(
                 "warning: in {fallen} of {} poses pressures cannot hold the limb's own weight",
                 report.poses.len()
@@ -103,6 +113,32 @@ impl CapacityMode {
     }
 }
 
+/// The largest payload at the end of each phase by the statics; none for other directions than down, or without weight.
+fn carried(
+    scene: &Scene,
+    limb: &Limb,
+    plan: &motion::Plan,
+    case: &LoadCase,
+) -> Vec<Result<CarriedLoad, CarryLimit>> {
+    let [x, y, z] = case.direction;
+    let down = x == 0.0 && y == 0.0 && z < 0.0 && case.spacers.is_none();
+    let Some(weight) = scene.weight().filter(|weight| weight.simulated && down) else { return Vec::new() };
+    let limits = CarryLimits {
+        error: weight.error,
+        load_factor_min: motion::LOAD_FACTOR_MIN,
+        stiffness_min_n_per_m: motion::STIFFNESS_MIN_N_PER_M,
+        sag_share_max: motion::SAG_SHARE_MAX,
+        buckling_margin_min: motion::BUCKLING_MARGIN_MIN,
+        pressure_share_max: motion::PRESSURE_SHARE_MAX,
+    };
+    let of_phase = |(phase, carried): (&motion::PlannedPhase, motion::Carried)| {
+        let end_us = (phase.start_us + phase.move_us + phase.hold_us) as f64;
+        let pressures_pa: Vec<f64> = plan.states_at(end_us).iter().map(|state| state.pressure_pa.max(0.0)).collect();
+        carried_load(scene, limb, (&pressures_pa, carried.held.payload_kg), &limits)
+    };
+    plan.phases.iter().zip(motion::carried(scene.phases())).map(of_phase).collect()
+}
+
 fn pose(scene: &Scene, limb: &Limb, name: String, states: &[State<f64>], case: &LoadCase) -> Result<Pose, Failure> {
     let holding = limb_capacity(scene, limb, states, case).map_err(Failure::new)?;
     let free = LoadCase { buckling_share: f64::INFINITY, ..*case };
@@ -111,6 +147,7 @@ fn pose(scene: &Scene, limb: &Limb, name: String, states: &[State<f64>], case: &
     let unbalanced = unbalanced.into_iter().map(str::to_owned).collect();
     Ok(Pose {
         name,
+        carried: None,
         unbalanced,
         own: capacity(&holding.own_weight()).map_err(Failure::new)?,
         found: capacity(&holding.question).map_err(Failure::new)?,

@@ -7,12 +7,20 @@ use serde::Serialize;
 use softlimb_design::blocked::BlockedDesign;
 use softlimb_design::bundle::ActuatorAnswer;
 use softlimb_limb::Limb;
-use softlimb_limb::payload::{Active, Capacity, LimbCapacity, LoadCase, Outcome as Ended};
+use softlimb_limb::payload::{Active, Capacity, CarriedLoad, CarryLimit, LimbCapacity, LoadCase, Outcome as Ended};
+use softlimb_limb::statics::GRAVITY_M_PER_S2;
 use softlimb_scene::Scene;
+
+/// Heading of the payloads by the statics, and of the loads that pressures alone hold.
+const CARRIED: &str = "carried: largest payload by `statics`, its pressures keep the tip in its place, margins as in `check`\n\
+                       pose          load, N       kg  limit\n";
+const HELD: &str = "\nheld: largest load that pressures alone balance in the shape that they have without weight\n";
 
 /// A pose with its largest loads.
 pub(super) struct Pose {
     pub(super) name: String,
+    /// The largest payload by the statics, with the tip in its place and the margins of `check` kept; `None` where the plan has no weight.
+    pub(super) carried: Option<Result<CarriedLoad, CarryLimit>>,
     pub(super) holding: LimbCapacity,
     pub(super) found: Capacity,
     /// The largest load if tubes did not buckle.
@@ -51,6 +59,7 @@ struct Printed<'a> {
 struct PrintedPose<'a> {
     name: &'a str,
     tip_m: [f64; 3],
+    carried: Option<PrintedCarried>,
     outcome: &'static str,
     load_n: Option<f64>,
     certified_bound_n: Option<f64>,
@@ -75,6 +84,16 @@ struct PrintedModule<'a> {
     pushes_n: Option<&'a Vec<f64>>,
 }
 
+/// The largest payload by the statics.
+#[derive(Serialize)]
+struct PrintedCarried {
+    load_n: f64,
+    payload_kg: f64,
+    keeps_margins: bool,
+    limit: Option<String>,
+    pressures_pa: Vec<f64>,
+}
+
 #[derive(Serialize)]
 struct PrintedDesign<'a> {
     wanted_n: f64,
@@ -92,6 +111,42 @@ impl Pose {
             Ended::Infeasible => false,
             Ended::Unbounded => true,
         }
+    }
+
+    /// Whether the limb does not keep its margins with what the phase carries.
+    pub(super) fn falls_short(&self) -> bool {
+        self.carried.as_ref().is_some_and(|carried| !carried.as_ref().is_ok_and(|carried| carried.keeps))
+    }
+
+    /// The margin that ends the payload, in words.
+    fn carry_limit(&self, limit: CarryLimit) -> String {
+        match limit {
+            CarryLimit::Falls => "the limb falls".to_owned(),
+            CarryLimit::Reach => "no pressures reach the place".to_owned(),
+            CarryLimit::Pressure { module } => format!("pressure of {}", self.holding.modules[module].name),
+            CarryLimit::LoadFactor => "load factor".to_owned(),
+            CarryLimit::Stiffness => "stiffness".to_owned(),
+            CarryLimit::Sag => "sag".to_owned(),
+            CarryLimit::Buckling => "buckling".to_owned(),
+        }
+    }
+
+    fn printed_carried(&self) -> Option<PrintedCarried> {
+        let nothing = |limit| PrintedCarried {
+            load_n: 0.0,
+            payload_kg: 0.0,
+            keeps_margins: false,
+            limit: Some(self.carry_limit(limit)),
+            pressures_pa: Vec::new(),
+        };
+        let carried = self.carried.as_ref()?;
+        Some(carried.as_ref().map_or_else(|limit| nothing(*limit), |found| PrintedCarried {
+            load_n: found.payload_kg * GRAVITY_M_PER_S2,
+            payload_kg: found.payload_kg,
+            keeps_margins: found.keeps,
+            limit: found.limit.map(|limit| self.carry_limit(limit)),
+            pressures_pa: found.pressures_pa.clone(),
+        }))
     }
 
     /// The limits that hold, in words, those of one kind and module together.
@@ -141,6 +196,7 @@ impl Pose {
         PrintedPose {
             name: &self.name,
             tip_m: self.holding.tip_m,
+            carried: self.printed_carried(),
             outcome: match self.found.outcome {
                 Ended::Solved => "solved",
                 Ended::Infeasible => "infeasible",
@@ -254,6 +310,15 @@ impl Report<'_> {
             spacers.join(", "),
             self.case.buckling_share
         );
+        if self.poses.iter().any(|pose| pose.carried.is_some()) {
+            text.push_str(CARRIED);
+            for pose in &self.poses {
+                let Some(carried) = pose.printed_carried() else { continue };
+                let limit = carried.limit.unwrap_or_else(|| "none up to here".to_owned());
+                let _ = writeln!(text, "{:<12} {:>8.2} {:>8.3}  {limit}", pose.name, carried.load_n, carried.payload_kg);
+            }
+            text.push_str(HELD);
+        }
         text.push_str("pose          load, N  /weight unbuckled, N     own highest,   push/ certified      off\n");
         text.push_str(
             "                                           weights      kPa   buckle    within affine,%  limits\n",
