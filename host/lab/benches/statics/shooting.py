@@ -200,10 +200,9 @@ class Twisted:
                 break
         self.free, self.compliance = np.array([stretch, twist]), np.linalg.inv(0.5 * (hessian + hessian.T))
         lumen = tube.settled(pressure, np.array([stretch]), np.array([twist]))[0]
-        self.own = tube.bending_nm2(stretch, lumen)
-        if "twister bends by its axial stiffness" in LIKE:
-            outer = tube.radius(tube.outer, stretch, lumen)
-            self.own = hessian[0, 0] * (lumen**2 + outer**2) / 4.0
+        outer = tube.radius(tube.outer, stretch, lumen)
+        self.bends = tube.bending_nm2(stretch, lumen), hessian[0, 0] * (lumen**2 + outer**2) / 4.0
+        self.own = self.bends["twister bends by its axial stiffness" in LIKE]
         # A rod has the bends of its tube, so that only the shear of the wall is left of a slide.
         self.shear = tube.shear_n
         self.start = np.array([stretch, 0.0, 0.0])
@@ -459,6 +458,8 @@ def compared(scene, words):
     for phase, tip, free, stiffness, factor in zip(phases, *found):
         off, unloaded = tip - phase["tip_m"], free - phase["free_tip_m"]
         row = {"scene": answer["scene"], "phase": phase["name"], "payload_kg": phase["payload_kg"]}
+        laws = [law for law, in limb.modules(np.array([phase["pressures_pa"]]))]
+        row["twister_nm2"] = [float(value) for law in laws if isinstance(law, Twisted) for value in law.bends]
         row["tip_off_m"], row["free_tip_off_m"] = float(np.linalg.norm(off)), float(np.linalg.norm(unloaded))
         row["tip_off_share"] = row["tip_off_m"] / limb.length()
         row["sag_m"] = [phase["deflection_m"], float(np.linalg.norm(tip - free))]
@@ -504,6 +505,9 @@ def main():
         LIKE.add(assumption)
         cases["as softlimb: " + ", ".join(sorted(LIKE))] = every([])
     causes(letters, cases)
+    for row in rows[: len(rows) // 2]:
+        if row["twister_nm2"]:
+            print("{phase}: the twister of {0} bends with {1:.1f} N m2, by its axial stiffness {2:.1f}".format(row["scene"][-1], *row["twister_nm2"], phase=row["phase"]))
     print(f"\nTips without load differ by at most {1e6 * max(row['free_tip_off_m'] for row in rows):.1f} um.")
 
 

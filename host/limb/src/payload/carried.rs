@@ -160,9 +160,12 @@ impl Carrying<'_> {
                 let there = self.tip_m(&moved, payload_kg).ok_or(CarryLimit::Falls)?;
                 slopes.set_column(module, &((there - tip) * (span / step)));
             }
-            let largest = slopes.norm();
-            let change = slopes.svd(true, true).solve(&off, 1e-4 * largest).map_err(|_| CarryLimit::Reach)?;
-            for ((pressure, change), span) in pressures.iter_mut().zip(change.iter()).zip(&spans) {
+            let changes = smallest(slopes, &off, |module, change| {
+                let pressure = pressures[module] + change * spans[module];
+                (pressures[module] <= 0.0 && pressure < 0.0)
+                    || (pressures[module] >= spans[module] && pressure > spans[module])
+            })?;
+            for ((pressure, change), span) in pressures.iter_mut().zip(changes).zip(&spans) {
                 *pressure = (*pressure + change.clamp(-0.2, 0.2) * span).clamp(0.0, *span);
             }
         }
@@ -188,4 +191,22 @@ impl Carrying<'_> {
         ];
         kept.into_iter().find(|(kept, _)| !kept).map_or(Ok(()), |(_, limit)| Err(limit))
     }
+}
+
+/// The smallest changes whose sum by `slopes` is `off`; those of columns that are `held` at the end of their range are 0.
+fn smallest(
+    mut slopes: Matrix3xX<f64>,
+    off: &Vector3<f64>,
+    held: impl Fn(usize, f64) -> bool,
+) -> Result<Vec<f64>, CarryLimit> {
+    for _ in 0..=slopes.ncols() {
+        let least = 1e-4 * slopes.norm();
+        let changes = slopes.clone().svd(true, true).solve(off, least).map_err(|_| CarryLimit::Reach)?;
+        let Some(module) = (0..changes.len()).find(|module| changes[*module].abs() > 1e-12 && held(*module, changes[*module]))
+        else {
+            return Ok(changes.iter().copied().collect());
+        };
+        slopes.column_mut(module).fill(0.0);
+    }
+    Err(CarryLimit::Reach)
 }
