@@ -24,10 +24,6 @@ pub struct CarryLimits {
     pub error: f64,
     /// Least load factor, >= 1.
     pub load_factor_min: f64,
-    /// Least vertical stiffness of the tip, N/m; >= 0.
-    pub stiffness_min_n_per_m: f64,
-    /// Largest sag over the length at rest.
-    pub sag_share_max: f64,
     /// Least buckling margin of a tube, >= 1.
     pub buckling_margin_min: f64,
     /// Highest pressure over the lower of the scene's limit and the limit point.
@@ -48,10 +44,6 @@ pub enum CarryLimit {
     },
     /// The load factor.
     LoadFactor,
-    /// The stiffness of the tip.
-    Stiffness,
-    /// The sag.
-    Sag,
     /// The buckling margin of a tube.
     Buckling,
 }
@@ -179,15 +171,11 @@ impl Carrying<'_> {
         if let Some(module) = shares.into_iter().position(|share| share > limits.pressure_share_max + 1e-9) {
             return Err(CarryLimit::Pressure { module });
         }
-        let length_m = self.scene.rest_length_m();
         let loaded = self.loaded(pressures_pa, payload_kg).ok_or(CarryLimit::Falls)?;
-        let standing = loaded.stand(limits.error, length_m).map_err(|_| CarryLimit::Falls)?;
-        let vertical = standing.stiffness_n_per_m.map_or(0.0, |stiffness| stiffness[2]);
+        let standing = loaded.stand(limits.error, self.scene.rest_length_m()).map_err(|_| CarryLimit::Falls)?;
         let kept = [
             (standing.load_factor >= limits.load_factor_min, CarryLimit::LoadFactor),
             (standing.buckling_margin >= limits.buckling_margin_min, CarryLimit::Buckling),
-            (standing.sag_m <= limits.sag_share_max * length_m, CarryLimit::Sag),
-            (vertical >= limits.stiffness_min_n_per_m, CarryLimit::Stiffness),
         ];
         kept.into_iter().find(|(kept, _)| !kept).map_or(Ok(()), |(_, limit)| Err(limit))
     }

@@ -113,7 +113,7 @@ impl CapacityMode {
     }
 }
 
-/// The largest payload at the end of each phase by the statics; none for other directions than down, or without weight.
+/// The largest payload at the place of each phase by the statics; none for other directions than down, or without weight.
 fn carried(
     scene: &Scene,
     limb: &Limb,
@@ -126,15 +126,15 @@ fn carried(
     let limits = CarryLimits {
         error: weight.error,
         load_factor_min: motion::LOAD_FACTOR_MIN,
-        stiffness_min_n_per_m: motion::STIFFNESS_MIN_N_PER_M,
-        sag_share_max: motion::SAG_SHARE_MAX,
         buckling_margin_min: motion::BUCKLING_MARGIN_MIN,
         pressure_share_max: motion::PRESSURE_SHARE_MAX,
     };
     let of_phase = |(phase, carried): (&motion::PlannedPhase, motion::Carried)| {
-        let end_us = (phase.start_us + phase.move_us + phase.hold_us) as f64;
-        let pressures_pa: Vec<f64> = plan.states_at(end_us).iter().map(|state| state.pressure_pa.max(0.0)).collect();
-        carried_load(scene, limb, (&pressures_pa, carried.held.payload_kg), &limits)
+        // What is put down is carried until the end of the move, what is taken up from the end of the hold on.
+        let hold_us = if carried.moved.payload_kg > carried.held.payload_kg { 0 } else { phase.hold_us };
+        let states = plan.states_at((phase.start_us + phase.move_us + hold_us) as f64);
+        let pressures_pa: Vec<f64> = states.iter().map(|state| state.pressure_pa.max(0.0)).collect();
+        carried_load(scene, limb, (&pressures_pa, carried.payload_kg()), &limits)
     };
     plan.phases.iter().zip(motion::carried(scene.phases())).map(of_phase).collect()
 }

@@ -12,7 +12,7 @@ use softlimb_limb::statics::GRAVITY_M_PER_S2;
 use softlimb_scene::Scene;
 
 /// Heading of the payloads by the statics, and of the loads that pressures alone hold.
-const CARRIED: &str = "carried: largest payload by `statics`, its pressures keep the tip in its place, margins as in `check`\n\
+const CARRIED: &str = "carried: largest payload by `statics`, pressures that keep the tip in its place; load factor, buckling and pressure as in `check`\n\
                        pose          load, N       kg  limit\n";
 const HELD: &str = "\nheld: largest load that pressures alone balance in the shape that they have without weight\n";
 
@@ -125,8 +125,6 @@ impl Pose {
             CarryLimit::Reach => "no pressures reach the place".to_owned(),
             CarryLimit::Pressure { module } => format!("pressure of {}", self.holding.modules[module].name),
             CarryLimit::LoadFactor => "load factor".to_owned(),
-            CarryLimit::Stiffness => "stiffness".to_owned(),
-            CarryLimit::Sag => "sag".to_owned(),
             CarryLimit::Buckling => "buckling".to_owned(),
         }
     }
