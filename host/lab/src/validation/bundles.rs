@@ -96,7 +96,8 @@ impl Bundles {
             let begin = Instant::now();
             let clock = || begin.elapsed().as_secs_f64();
             let found = run(subject, &options, &[*pressure_pa], &runner, &clock, &mut |_| {})?;
-            let ends = found.points[0].ends.ok_or_else(|| Failure::new(format!("{name}: CalculiX did not converge")))?;
+            let ends =
+                found.points[0].ends.ok_or_else(|| Failure::new(format!("{name}: CalculiX did not converge")))?;
             Ok(deformation(*motion, &ends))
         };
         let share = share(&parameters, *arrangement, *pressure_pa)

@@ -190,7 +190,8 @@ fn smallest(
     for _ in 0..=slopes.ncols() {
         let least = 1e-4 * slopes.norm();
         let changes = slopes.clone().svd(true, true).solve(off, least).map_err(|_| CarryLimit::Reach)?;
-        let Some(module) = (0..changes.len()).find(|module| changes[*module].abs() > 1e-12 && held(*module, changes[*module]))
+        let Some(module) =
+            (0..changes.len()).find(|module| changes[*module].abs() > 1e-12 && held(*module, changes[*module]))
         else {
             return Ok(changes.iter().copied().collect());
         };

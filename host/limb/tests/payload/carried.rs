@@ -99,8 +99,7 @@ fn scenes_carry_what_their_plans_carry() {
             // With it the tip is where it was, and the margins are the statics' own.
             let at = |pressures: &[f64], payload_kg: f64| {
                 let of_module = limb.modules().iter().zip(pressures);
-                let all: Vec<f64> =
-                    of_module.flat_map(|(module, pa)| vec![*pa; module.channels.len()]).collect();
+                let all: Vec<f64> = of_module.flat_map(|(module, pa)| vec![*pa; module.channels.len()]).collect();
                 let bays: Vec<usize> = limb.modules().iter().map(softlimb_limb::LimbModule::bays).collect();
                 let load = Load { payload_kg, ..Load::default() };
                 LoadedLimb::new(&scene, &limb, &all, &bays, &load).expect("in range")

@@ -114,12 +114,7 @@ impl CapacityMode {
 }
 
 /// The largest payload at the place of each phase by the statics; none for other directions than down, or without weight.
-fn carried(
-    scene: &Scene,
-    limb: &Limb,
-    plan: &motion::Plan,
-    case: &LoadCase,
-) -> Vec<Result<CarriedLoad, CarryLimit>> {
+fn carried(scene: &Scene, limb: &Limb, plan: &motion::Plan, case: &LoadCase) -> Vec<Result<CarriedLoad, CarryLimit>> {
     let [x, y, z] = case.direction;
     let down = x == 0.0 && y == 0.0 && z < 0.0 && case.spacers.is_none();
     let Some(weight) = scene.weight().filter(|weight| weight.simulated && down) else { return Vec::new() };

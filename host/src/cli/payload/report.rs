@@ -138,13 +138,16 @@ impl Pose {
             pressures_pa: Vec::new(),
         };
         let carried = self.carried.as_ref()?;
-        Some(carried.as_ref().map_or_else(|limit| nothing(*limit), |found| PrintedCarried {
-            load_n: found.payload_kg * GRAVITY_M_PER_S2,
-            payload_kg: found.payload_kg,
-            keeps_margins: found.keeps,
-            limit: found.limit.map(|limit| self.carry_limit(limit)),
-            pressures_pa: found.pressures_pa.clone(),
-        }))
+        Some(carried.as_ref().map_or_else(
+            |limit| nothing(*limit),
+            |found| PrintedCarried {
+                load_n: found.payload_kg * GRAVITY_M_PER_S2,
+                payload_kg: found.payload_kg,
+                keeps_margins: found.keeps,
+                limit: found.limit.map(|limit| self.carry_limit(limit)),
+                pressures_pa: found.pressures_pa.clone(),
+            },
+        ))
     }
 
     /// The limits that hold, in words, those of one kind and module together.
@@ -313,7 +316,8 @@ impl Report<'_> {
             for pose in &self.poses {
                 let Some(carried) = pose.printed_carried() else { continue };
                 let limit = carried.limit.unwrap_or_else(|| "none up to here".to_owned());
-                let _ = writeln!(text, "{:<12} {:>8.2} {:>8.3}  {limit}", pose.name, carried.load_n, carried.payload_kg);
+                let _ =
+                    writeln!(text, "{:<12} {:>8.2} {:>8.3}  {limit}", pose.name, carried.load_n, carried.payload_kg);
             }
             text.push_str(HELD);
         }
