@@ -6,3 +6,4 @@ mod paths;
 mod refusals;
 mod sheets;
 mod surface;
+mod threads;

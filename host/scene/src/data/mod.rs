@@ -6,6 +6,7 @@ mod limb;
 mod motion;
 mod plant;
 mod task;
+mod thread;
 mod winding;
 
 pub use corrections::Corrections;
@@ -15,6 +16,7 @@ pub use motion::{
     BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, Weight,
 };
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
+pub use thread::{Thread, WoundWall};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
 
 use super::error::{Problem, Problems, SceneError};
