@@ -67,7 +67,7 @@ fn closed_form_of_a_thread_is_that_of_finite_elements() {
         case([10.0, 14.0, 14.0], 0.223e6, 3.0),
         case([20.0, 32.0, 32.0], 0.305e6, 1.0),
         case([20.0, 32.0, 32.0], 0.305e6, 3.0),
-        case([20.0, 32.0, 32.0], 0.305e6, 6.0),
+        case([20.0, 26.0, 26.0], 0.305e6, 3.0),
         case([20.0, 24.5, 24.5], 0.305e6, 2.0),
         case([5.0, 8.0, 8.0], 0.03e6, 1.0),
         case([5.0, 8.0, 8.0], 0.03e6, 2.0),
@@ -97,5 +97,5 @@ fn closed_form_of_a_thread_is_that_of_finite_elements() {
         worst = [worst[0].max(stiffness.abs()), worst[1].max(motion.abs())];
     }
     println!("worst: stiffness {:.1} %, strain {:.2} %", 100.0 * worst[0], 100.0 * worst[1]);
-    assert!(worst[0] < 0.15 && worst[1] < 0.01, "{worst:?}");
+    assert!(worst[0] < 0.1 && worst[1] < 0.006, "{worst:?}");
 }
