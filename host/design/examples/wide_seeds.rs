@@ -33,6 +33,9 @@ fn main() {
         let silent = runs.iter().filter(|run| gap(run.0) > SAME && run.1).count();
         let longest = runs.iter().map(|run| run.2).fold(0.0, f64::max);
         let worst = runs.iter().map(|run| gap(run.0)).fold(0.0, f64::max);
-        println!("{problem:>7}  {best:>12.4}  {found:>2} of {:>2}  {silent:>13}  {longest:>9.2}  {worst:>9.1e}", runs.len());
+        println!(
+            "{problem:>7}  {best:>12.4}  {found:>2} of {:>2}  {silent:>13}  {longest:>9.2}  {worst:>9.1e}",
+            runs.len()
+        );
     }
 }

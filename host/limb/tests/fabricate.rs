@@ -1,5 +1,6 @@
 //! Sheets, paths, molds and tolerances.
 
+mod advice;
 mod common;
 mod molds;
 mod paths;

@@ -39,7 +39,8 @@ impl Check {
         let made = advice(&scene, &Settings::default());
         let valves = motion::valve_warnings(&scene, &limb, &sent);
         let warnings =
-            [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small, made, valves].concat();
+            [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small, made, valves]
+                .concat();
         let air = motion::air_demand(&scene, &limb, &sent);
         let known = Known {
             scene: &scene,

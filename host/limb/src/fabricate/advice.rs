@@ -161,7 +161,8 @@ impl Wound {
         let mut warnings = Vec::new();
         if starts > most {
             let groove = 1e3 * self.groove_m;
-            warnings.push(format!("{starts} threads side by side leave no room for grooves of {groove:.3} mm: {most} do"));
+            warnings
+                .push(format!("{starts} threads side by side leave no room for grooves of {groove:.3} mm: {most} do"));
         }
         warnings.extend(self.too_long(starts));
         let between_m = self.between_m(starts);
@@ -177,7 +178,9 @@ impl Wound {
             let enough = (starts + 1..=most).find(|more| self.loss(*more).is_some_and(|loss| loss <= LOSS_MAX));
             let helps = enough.map_or_else(String::new, |enough| format!("; `starts = {enough}` takes less than 5 %"));
             let percent = 100.0 * loss;
-            warnings.push(format!("the distance of its turns takes {percent:.1} % of the motion, which the plan includes{helps}"));
+            warnings.push(format!(
+                "the distance of its turns takes {percent:.1} % of the motion, which the plan includes{helps}"
+            ));
         }
         warnings
     }

@@ -16,8 +16,8 @@ pub use motion::{
     BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, SetpointKind, Target, Weight,
 };
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
-pub use thread::{Thread, WoundWall};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
+pub use thread::{Thread, WoundWall};
 
 use super::error::{Problem, Problems, SceneError};
 use super::source::{Located, Source, Span};

@@ -4,8 +4,8 @@ use fra_model::Arrangement;
 use toml_edit::{ArrayOfTables, InlineTable, Item, Table, Value};
 
 use super::RewriteError;
-use super::sheets::freeze;
 use super::draft::{Draft, Part, put};
+use super::sheets::freeze;
 use crate::data::{Goal, Scene, SetpointKind};
 use crate::schema::{module, phase, scene, target, winding};
 

@@ -1,0 +1,46 @@
+//! Steps of valves against the flow of ISO 6358 by hand, and warnings about coarse ones.
+
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_scene as scene;
+
+fn finger(conductance: &str) -> scene::Scene {
+    let path = format!("{}/../../scenes/finger.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.contains("\"0.008 dm3/(s bar)\""));
+    scene::parse(&text.replace("\"0.008 dm3/(s bar)\"", &format!("\"{conductance} dm3/(s bar)\"")), "finger.toml")
+        .unwrap()
+}
+
+#[test]
+fn coarse_valves_are_named_with_a_conductance_that_would_do() {
+    let warnings = |conductance: &str| {
+        let scene = finger(conductance);
+        let limb = Limb::new(&scene).unwrap();
+        let plan = motion::plan(&scene, &limb).unwrap();
+        motion::valve_warnings(&scene, &limb, &plan)
+    };
+    assert_eq!(warnings("0.008"), Vec::<String>::new());
+    let coarse = warnings("0.144");
+    assert_eq!(coarse.len(), 1);
+    assert!(coarse[0].starts_with("the valves are coarse for `finger`: open for 2.5 ms at least"), "{coarse:?}");
+    let (_, enough) = coarse[0].split_once("a conductance of ").unwrap();
+    let (enough, _) = enough.split_once(' ').unwrap();
+    assert_eq!(warnings(enough), Vec::<String>::new(), "{enough}");
+}
+
+#[test]
+fn first_step_is_that_of_choked_flow_into_the_volume_at_rest() {
+    // Choked: m = C rho_0 p_1 t with 161.325 kPa and 2.5 ms; the line passes so much more that it takes 1e-4 of it.
+    let mass_kg = 0.008e-8 * 1.185 * 161_325.0 * 2.5e-3;
+    // pi 5^2 60 mm3, 1 mL of fittings, pi/4 2^2 500 mm3 of line.
+    let rest_m3 = 4.712_389e-6 + 1e-6 + 1.570_796e-6;
+    let step_pa = 1.2 * 287.05 * 293.15 * mass_kg / rest_m3;
+    let scene = finger("0.008");
+    let limb = Limb::new(&scene).unwrap();
+    let module = &limb.modules()[0];
+    // The first node alone; the chamber's yielding takes up to a tenth.
+    let first_pa = module.curve.states()[1].pressure_pa;
+    let found_pa = motion::valve_step_pa(&scene, &limb, module, first_pa);
+    assert!((0.9 * step_pa..1.001 * step_pa).contains(&found_pa), "{found_pa} {step_pa}");
+}
