@@ -1,6 +1,6 @@
 //! Wide supply lines by the default search with many seeds, beside the best of searches ten times as long.
 //!
-//! `cargo run --release -p softlimb-design --example wide_seeds [SEEDS]`
+//! `cargo run --release -p softlimb-design --example wide_seeds [SEEDS] [PROBLEM,...]`
 
 #![allow(clippy::print_stdout)]
 
@@ -15,7 +15,10 @@ const SAME: f64 = 1e-4;
 fn main() {
     let seeds = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(20_u64);
     println!("problem  best known     found  silent misses  longest s  worst gap");
-    for problem in 1..=12 {
+    let problems: Vec<u64> = std::env::args()
+        .nth(2)
+        .map_or((1..=12).collect(), |text| text.split(',').filter_map(|one| one.parse().ok()).collect());
+    for problem in problems {
         let line = wide_line(problem);
         let objective = |answer: &softlimb_design::actuators::Answer| answer.objective;
         let long = |seed| Budget { seed, starts: 400, agreeing: 160, evaluations: 25_000 };
