@@ -14,7 +14,7 @@ const ON_BOUND: f64 = 1e-9;
 
 /// As many starts on one supply line must agree on the least objective.
 const SEVERAL: usize = 4;
-/// One in as many of the starts must.
+/// More than one in as many of the starts must.
 const PART: usize = 3;
 
 /// Why there is no answer.
@@ -114,11 +114,11 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The starts of a search on one supply line where fewer than four, or less than a third, ended at the least objective: there may be a
+    /// The starts of a search on one supply line where fewer than four, or at most a third, ended at the least objective: there may be a
     /// better design.
     pub fn disagreeing_starts(&self) -> Option<SolveCounts> {
         let starts = self.segments.first()?.starts;
-        let few = starts.agreeing < SEVERAL || starts.agreeing * PART < starts.made;
+        let few = starts.agreeing < SEVERAL || starts.agreeing * PART <= starts.made;
         (self.shared_pressure && self.status != "reached" && few).then_some(starts)
     }
 }
