@@ -27,7 +27,7 @@ fn warnings_name_a_winding_that_can_be_made() {
     // 2 families x 6 x 160 mm/sin 3 deg = 36.7 m; three of six are 18.3 m.
     let long = warnings(&thread(3.0, 6));
     assert_eq!(long.len(), 1, "{long:?}");
-    assert!(long[0].starts_with("tube.toml:23: winding of `tube`: 36.7 m of thread on each actuator, 6 side by side"));
+    assert!(long[0].starts_with("tube.toml:20: winding of `tube`: 36.7 m of thread on each actuator, 6 side by side"));
     assert!(long[0].contains("starts = 3 }` takes 18.3 m"), "{long:?}");
     // 2 pi 32 mm sin 8 deg/2 families = 13.99 mm on a wall of 12 mm: two starts are 7 mm apart, within 9 mm.
     let far = warnings(&thread(8.0, 1));
