@@ -39,13 +39,9 @@ fn first_step_is_that_of_choked_flow_into_the_chamber() {
     let limb = Limb::new(&scene).unwrap();
     let module = &limb.modules()[0];
     let air = |pressure_pa: f64| (pressure_pa + 101_325.0) * (module.curve.at(pressure_pa).volume_m3 + dead_m3);
-    // Without heat that stays in the air, the mass alone says where the pressure ends.
-    let (mut low, mut high) = (0.0, 5e3);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if air(middle) - air(0.0) < 287.05 * 293.15 * mass_kg { low = middle } else { high = middle }
-    }
+    // Without heat that stays in the air, its mass follows pressure times volume.
     let first_pa = module.curve.states()[1].pressure_pa;
+    let low = 287.05 * 293.15 * mass_kg * first_pa / (air(first_pa) - air(0.0));
     let found_pa = motion::valve_step_pa(&scene, &limb, module, first_pa);
     println!("{found_pa:.1} Pa by the check, {low:.1} Pa isothermally");
     // With heat, at most the polytropic exponent of 1.2 more.

@@ -121,6 +121,9 @@ fn wall(reader: &Reader<'_>, inner: Located<f64>, outer: Located<f64>) -> Option
     reader.log().note(problem.label(outer.span, outer_label))
 }
 
+/// A winding at its place in a module, and its thread where the scene states one.
+type Wound = (Located<Fiber<f64>>, Option<Thread>);
+
 type Wall = Option<(Located<f64>, Located<f64>)>;
 
 /// The winding a module names, at its radius in this wall; `None` inside for a bending module that names none.
@@ -130,7 +133,7 @@ fn fiber(
     windings: &Parts<'_, Winding>,
     wall: Wall,
     law: Option<Material<f64>>,
-) -> Option<Option<(Located<Fiber<f64>>, Option<Thread>)>> {
+) -> Option<Option<Wound>> {
     let Some(name) = reader.maybe_text(&keys::WINDING)? else {
         return match *motion {
             Motion::Bending => Some(None),
