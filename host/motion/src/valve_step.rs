@@ -1,7 +1,6 @@
 //! Valves that are too coarse for a chamber: the step of pressure that the shortest pulse makes.
 
 use super::air::Air;
-use super::plan::Plan;
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Scene, Valve};
 
@@ -9,8 +8,8 @@ use softlimb_scene::{Scene, Valve};
 const MARGIN_S: f64 = 0.5e-3;
 /// Share of the shortest pulse's step within which the controller leaves an error alone.
 const DEADBAND: f64 = 0.55;
-/// Largest error left alone without a warning, as a share of the highest pressure of the plan: spread evenly, it is 1.2 % rms.
-const LEFT_MAX: f64 = 0.02;
+/// Largest error left alone without a warning, as a share of the highest pressure that the module reaches.
+const LEFT_MAX: f64 = 0.01;
 /// Least conductance that a scene may state, m3/(s Pa).
 const LEAST_M3_PER_S_PA: f64 = 1e-11;
 
@@ -31,17 +30,14 @@ fn shortest_open_s(valve: &Valve) -> f64 {
     valve.off_delay_s + MARGIN_S
 }
 
-/// A warning for each module whose valves leave more than 2 % of its highest pressure in the plan, with the conductance that would do.
-pub fn valve_warnings(scene: &Scene, limb: &Limb, plan: &Plan) -> Vec<String> {
-    let rows = plan.knots().iter().enumerate();
-    let rows: Vec<_> = rows.map(|(knot, _)| plan.states_at((knot as u64 * plan.knot_period_us) as f64)).collect();
-    let of_module = |(index, module): (usize, &LimbModule)| {
-        let highest_pa = rows.iter().map(|row| row[index].pressure_pa).fold(0.0, f64::max);
+/// A warning for each module whose valves leave more than 1 % of the highest pressure it reaches, with the conductance that would do.
+pub fn valve_warnings(scene: &Scene, limb: &Limb) -> Vec<String> {
+    let of_module = |module: &LimbModule| {
+        let highest_pa = module.curve.pressure_max_pa();
         let step_pa = valve_step_pa(scene, limb, module, highest_pa);
-        let left = DEADBAND * step_pa / highest_pa;
-        (left > LEFT_MAX).then(|| warning(scene, limb, module, [step_pa, highest_pa]))
+        (DEADBAND * step_pa > LEFT_MAX * highest_pa).then(|| warning(scene, limb, module, [step_pa, highest_pa]))
     };
-    limb.modules().iter().enumerate().filter_map(of_module).collect()
+    limb.modules().iter().filter_map(of_module).collect()
 }
 
 fn warning(scene: &Scene, limb: &Limb, module: &LimbModule, [step_pa, highest_pa]: [f64; 2]) -> String {

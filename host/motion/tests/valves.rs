@@ -17,8 +17,7 @@ fn coarse_valves_are_named_with_a_conductance_that_would_do() {
     let warnings = |conductance: &str| {
         let scene = finger(conductance);
         let limb = Limb::new(&scene).unwrap();
-        let plan = motion::plan(&scene, &limb).unwrap();
-        motion::valve_warnings(&scene, &limb, &plan)
+        motion::valve_warnings(&scene, &limb)
     };
     assert_eq!(warnings("0.008"), Vec::<String>::new());
     let coarse = warnings("0.144");

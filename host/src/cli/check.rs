@@ -37,7 +37,7 @@ impl Check {
         let margins = motion::margins(&scene, &limb, &sent)?;
         let too_small = check_margins::warnings(&scene, &limb, &plan, &margins);
         let made = advice(&scene, &Settings::default());
-        let valves = motion::valve_warnings(&scene, &limb, &sent);
+        let valves = motion::valve_warnings(&scene, &limb);
         let warnings =
             [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small, made, valves]
                 .concat();
