@@ -108,3 +108,13 @@ fn module_arrives(name: &str, ran: &Ran, end: &Sample, index: usize, wanted: f64
     // The actuator: 3 % of modulus, 2 % of wall, 6 % of creep.
     assert!((module.achieved.unwrap() - wanted).abs() < 0.15 * travel, "{place}");
 }
+
+#[test]
+fn finger_tracks_to_a_hundredth_of_its_range() {
+    let (_, _, ran) = AS_IT_IS.iter().find(|(name, ..)| name == "finger").expect("the scene");
+    let samples = &ran.files.run.samples;
+    let range = travel(ran.summary.modules[0].quantity, samples.iter().map(|sample| &sample.modules[0]));
+    let tracking = of(ran.summary.modules[0].tracking_error).rmse;
+    println!("finger: tracking RMSE {:.2} % of {:.1} deg", 100.0 * tracking / range, range.to_degrees());
+    assert!((range.to_degrees() - 60.0).abs() < 1e-3 && tracking < 0.01 * range, "{tracking} of {range}");
+}

@@ -1,8 +1,10 @@
 //! Sheets, paths, molds and tolerances.
 
+mod advice;
 mod common;
 mod molds;
 mod paths;
 mod refusals;
 mod sheets;
 mod surface;
+mod threads;

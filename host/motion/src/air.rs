@@ -9,6 +9,8 @@ use softlimb_scene::{Line, Scene, Supply};
 
 /// Specific gas constant of dry air, J/(kg K).
 const GAS_CONSTANT: f64 = 287.05;
+/// Effective polytropic exponent of a chamber that trades heat with its wall during a pulse.
+const POLYTROPIC: f64 = 1.2;
 /// Reference density of ISO 8778, kg/m3.
 const REFERENCE_DENSITY_KG_PER_M3: f64 = 1.185;
 /// Share of a valve's flow that a plan counts on. The rest is for valves that pass less than they should, for the time they take to
@@ -29,6 +31,8 @@ pub(super) struct Air<'a> {
     ambient_pa: f64,
     temperature_k: f64,
     dead_volume_m3: f64,
+    /// Conductance of the line, and of valve and line in series, m3/(s Pa).
+    line: f64,
     conductance: f64,
     critical_ratio: f64,
 }
@@ -66,6 +70,7 @@ impl<'a> Air<'a> {
             temperature_k: plant.ambient.temperature_k,
             dead_volume_m3: dead_volume_m3(scene),
             // Two restrictions in series.
+            line,
             conductance: valve * line / valve.hypot(line),
             critical_ratio: plant.valve.critical_ratio,
         }
@@ -90,6 +95,19 @@ impl<'a> Air<'a> {
         let gauge_pa = state.pressure_pa.max(0.0);
         let volume = state.volume_m3 + self.dead_volume_m3;
         (gauge_pa, (gauge_pa + self.ambient_pa) * volume / (GAS_CONSTANT * self.temperature_k))
+    }
+
+    /// The larger change of pressure by opening one valve of a chamber for a short time, Pa; gauge pressure, m3, m3/Pa, s.
+    pub(super) fn step_pa(&self, pressure_pa: f64, volume_m3: f64, compliance: f64, open_s: f64) -> f64 {
+        let flow = self.valve_flow(self.supply.pressure_pa(), pressure_pa).max(self.valve_flow(pressure_pa, 0.0));
+        let stiffness = POLYTROPIC * (pressure_pa + self.ambient_pa) * compliance + volume_m3 + self.dead_volume_m3;
+        POLYTROPIC * GAS_CONSTANT * self.temperature_k * flow * open_s / stiffness
+    }
+
+    /// Conductance of a valve that makes the flow a share of the present one, m3/(s Pa).
+    pub(super) fn valve_of(&self, share: f64) -> f64 {
+        let both = share * self.conductance;
+        both * self.line / (self.line * self.line - both * both).sqrt()
     }
 
     /// Whether a move can be so fast with a reserve.

@@ -24,6 +24,7 @@ mod space;
 mod timing;
 mod track;
 mod unreachable;
+mod valve_step;
 mod weight;
 mod wire;
 
@@ -36,6 +37,7 @@ pub use jacobian::tip_slopes;
 pub use payload::{Carried, Carrying, carried, payload_kg};
 pub use plan::{Plan, PlannedPhase};
 pub use sent::Sent;
+pub use valve_step::{valve_step_pa, valve_warnings};
 pub use weight::{
     BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, Nominal, PRESSURE_SHARE_MAX, Pose, PoseError, SAG_SHARE_MAX,
     STIFFNESS_MIN_N_PER_M, Weighed, planned_slopes,

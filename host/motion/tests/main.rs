@@ -3,3 +3,4 @@
 mod motion_plan;
 mod tables;
 mod task;
+mod valves;

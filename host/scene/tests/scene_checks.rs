@@ -57,6 +57,28 @@ fn windings() {
 }
 
 #[test]
+fn threads() {
+    let sheet = "modulus = \"361 MPa\"\nthickness = \"0.178 mm\"";
+    let thread = "thread = { stiffness = \"772 N\", diameter = \"0.178 mm\", starts = 2 }";
+    let wound = changed(sheet, thread);
+    let scene = parse(&wound, "arm.toml").unwrap();
+    let found = scene.modules()[0].thread.unwrap();
+    assert_eq!((found.stiffness_n, found.diameter_m, found.starts), (772.0, 0.178e-3, 2));
+    expect(&changed("thickness = \"0.178 mm\"", thread), "`modulus` has no meaning beside `thread`", "modulus");
+    expect(&changed(sheet, ""), "missing key `modulus` in `[windings.NAME]`", "[windings.hoop]");
+    let smeared = changed(sheet, &format!("{thread}\nplacement = \"smeared\""));
+    expect(&smeared, "a `thread` lies on one radius", "\"smeared\"");
+    let level = wound.replace("\"3 deg\"", "\"0 deg\"");
+    expect(&level, "a thread does not climb at 0 deg from the hoop", "\"0 deg\"");
+    // 2 pi 14 mm sin(3 deg) = 4.604 mm are 25.9 diameters.
+    let room = "the threads of winding `hoop` do not fit side by side";
+    expect(&wound.replace("starts = 2", "starts = 26"), room, "\"hoop\"");
+    let full = parse(&wound.replace("starts = 2", "starts = 26"), "arm.toml").unwrap_err().render(false);
+    assert!(full.contains("up to 25 `starts` fit"), "{full}");
+    parse(&wound.replace("starts = 2", "starts = 25"), "arm.toml").unwrap();
+}
+
+#[test]
 fn base() {
     expect(&changed("[limb]", "[limb]\nbase_direction = [0, 0, 0]"), "`base_direction` has no direction", "[0, 0, 0]");
     expect(

@@ -89,6 +89,31 @@ fn module_of_its_own_gets_a_copy_of_the_part_it_shared() {
 }
 
 #[test]
+fn thread_becomes_its_sheet_where_something_changes() {
+    let sheet = "modulus = \"361 MPa\"";
+    let at = SCENE.find(sheet).unwrap();
+    let end = at + SCENE[at..].find("mm\"").unwrap() + 3;
+    let thread = "thread = { stiffness = \"772 N\", diameter = \"0.178 mm\" }";
+    let text = format!("{}{thread}{}", &SCENE[..at], &SCENE[end..]);
+    let scene = read(&text);
+    let user = scene.modules().iter().position(|module| module.thread.is_some()).unwrap();
+    assert_eq!(rewritten(&scene, &unchanged(&scene)).unwrap().0, text);
+    let mut wanted = unchanged(&scene);
+    let outer_m = wanted[user].outer_radius_m + 0.5e-3;
+    wanted[user].outer_radius_m = outer_m;
+    wanted[user].material = Material::NeoHookean { shear_modulus_pa: 2.5e5 };
+    if let Some(fiber) = &mut wanted[user].fiber {
+        fiber.radius_m = outer_m;
+    }
+    let (written, log) = rewritten(&scene, &wanted).unwrap();
+    let again = read(&written).modules()[user].clone();
+    assert_eq!(again.thread, None, "{written}");
+    let [kept, asked] = [again.fiber.unwrap().modulus_pa, wanted[user].fiber.unwrap().modulus_pa];
+    assert!((kept / asked - 1.0).abs() < 1e-8, "{written}");
+    assert!(log.iter().any(|line| line.contains("the sheet of its thread")), "{log:?}");
+}
+
+#[test]
 fn parts_and_modules_on_one_line_take_new_values() {
     let text = r#"format = 1
 name = "line"

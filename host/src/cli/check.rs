@@ -10,6 +10,7 @@ use super::shared::{limb, show};
 use super::{Failure, Outcome};
 use softlimb_chart::labelled;
 use softlimb_limb::Limb;
+use softlimb_limb::fabricate::{Settings, advice};
 use softlimb_motion as motion;
 use softlimb_motion::{AirDemand, Margins, ModuleInverse, Plan};
 use softlimb_scene::Scene;
@@ -35,7 +36,11 @@ impl Check {
         let highest = sent.highest_pa(&limb);
         let margins = motion::margins(&scene, &limb, &plan, &sent)?;
         let too_small = check_margins::warnings(&scene, &limb, &plan, &margins);
-        let warnings = [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small].concat();
+        let made = advice(&scene, &Settings::default());
+        let valves = motion::valve_warnings(&scene, &limb);
+        let warnings =
+            [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small, made, valves]
+                .concat();
         let air = motion::air_demand(&scene, &limb, &sent);
         let known = Known {
             scene: &scene,

@@ -36,10 +36,10 @@ pub(super) struct Fabricate {
 /// Thread, casting and tolerances of a workshop.
 #[derive(Args)]
 struct Workshop {
-    /// The thread: force per strain `E A` in N, diameter in mm
+    /// The thread of windings without `thread` in the scene: force per strain `E A` in N, diameter in mm
     #[arg(long, value_name = "N,MM", default_value = "772,0.178", allow_hyphen_values = true)]
     thread: String,
-    /// Distance of turns along the axis near the hoop, else of threads across, mm [default: by the stiffness of the scene]
+    /// Distance of turns along the axis near the hoop, else of threads across, mm, of the same windings [default: by the stiffness of the scene]
     #[arg(long, value_name = "MM", value_parser = quantity("mm", 0.01, 1e3))]
     spacing: Option<Quantity>,
     /// Thinnest wall that can be cast, 0.1 to 50 mm
@@ -181,7 +181,7 @@ fn table(pieces: &[Piece]) -> String {
             winding.lead_m() * 1e3,
             winding.turns(),
             winding.turn_spacing_m() * 1e3,
-            f64::from(winding.threads()) * winding.thread_m(),
+            winding.all_threads_m(),
             1e3 * piece.density_kg_per_m3 * piece.elastomer_m3(),
         );
     }

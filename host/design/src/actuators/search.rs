@@ -8,7 +8,7 @@ use super::reach::{Separate, Span};
 use super::ridge::settle;
 use super::shared::Shared;
 use softlimb_numerics::Random;
-use softlimb_numerics::least_squares::{LeastSquares, StoppingCriteria, sum_of_squares};
+use softlimb_numerics::least_squares::{LeastSquares, StoppingCriteria, minimise, sum_of_squares};
 use softlimb_numerics::multi_start::{LocalSolves, MultiStart, multi_start};
 
 /// Geometries that are looked at before any local solve.
@@ -18,6 +18,8 @@ const LOOKED_AT: [[f64; 4]; 5] =
     [[0.5, 0.5, 0.5, 0.5], [0.8, 0.2, 0.7, 0.5], [1.0, 0.0, 1.0, 0.5], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 1.0]];
 /// As many minima at least must agree on one supply line: the best basin may be one that few starts lie in.
 const ON_A_LINE: usize = 16;
+/// Hops from the best minimum on a supply line, without a gain, before the search ends.
+const HOPS: usize = 20;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
 /// The same while they are settled: differences are not exact to more.
@@ -212,6 +214,23 @@ pub(super) fn separate(
     Some(Found { point: minimum.point, pressures_pa, objective, starts: solves.into(), counts })
 }
 
+/// A point that differs from another in one segment, or in the pressure of one phase, in turn.
+fn hop(problem: &Problem, from: &[f64], number: usize, random: &mut Random) -> Vec<f64> {
+    let mut point = from.to_vec();
+    let geometry = from.len() - problem.phases();
+    if number.is_multiple_of(2) {
+        let phase = ((random.uniform() * problem.phases() as f64) as usize).min(problem.phases() - 1);
+        point[geometry + phase] = random.uniform();
+        return point;
+    }
+    let count = problem.segments.len();
+    let chosen = ((random.uniform() * count as f64) as usize).min(count - 1);
+    let first: usize = problem.segments[..chosen].iter().map(Segment::dimensions).sum();
+    let width = problem.segments[chosen].dimensions();
+    point[first..first + width].copy_from_slice(&random.point(width));
+    point
+}
+
 /// The best geometries of segments on one supply line; `None` where the model answers nowhere.
 pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
     let mut random = Random::new(effort.seed, 0);
@@ -233,8 +252,21 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
         limb.tell(minimum.objective);
         minimum
     };
-    let (minimum, solves) = multi_start(&mut limb, settings, spent, start, refine)?;
+    let (mut minimum, mut solves) = multi_start(&mut limb, settings, spent, start, refine)?;
     minimum.objective.is_finite().then_some(())?;
+    // A better basin often differs from the best one in a single segment or phase.
+    let mut left = if minimum.objective > criteria.zero { HOPS } else { 0 };
+    while left > 0 {
+        left -= 1;
+        let point = hop(problem, &minimum.point, left, &mut random);
+        let Some(point) = limb.problem.start_at(point) else { continue };
+        let Some(rough) = minimise(&mut limb, &point, settings.criteria) else { continue };
+        let found = refine(&mut limb, rough);
+        if found.objective < minimum.objective * (1.0 - SAME) {
+            // No start has ended there.
+            (minimum, solves.agreeing, left) = (found, 1, HOPS);
+        }
+    }
     let (pressures_pa, objective) = (minimum.evaluation.pressures_pa, minimum.objective);
     Some(Found { point: minimum.point, pressures_pa, objective, starts: solves.into(), counts: limb.problem.counts })
 }

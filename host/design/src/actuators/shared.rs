@@ -91,6 +91,24 @@ impl<'a> Shared<'a> {
         }
         let shares = shares.unwrap_or_else(|| self.preferred(&candidates, highest));
         point.extend(shares.iter().map(|share| share * highest / self.highest_pa));
+        self.begin(point)
+    }
+
+    /// A start at a geometry with shares of the highest pressure of the bounds; those above a cap are lowered to it.
+    pub(super) fn start_at(&mut self, mut point: Vec<f64>) -> Option<Vec<f64>> {
+        self.counts.evaluations += 1;
+        let shares = point.split_off(self.dimensions());
+        let candidates = self.candidates(&point)?;
+        let mut highest = self.highest_pa;
+        for candidate in &candidates {
+            highest = candidate.cap_below(highest, &mut self.counts)?.map_or(highest, |cap| cap.pressure_pa);
+        }
+        point.extend(shares.iter().map(|share| share.min(highest / self.highest_pa)));
+        self.begin(point)
+    }
+
+    /// Multipliers and penalty begin anew.
+    fn begin(&mut self, point: Vec<f64>) -> Option<Vec<f64>> {
         self.multipliers.fill(0.0);
         self.rho = 0.0;
         let line = self.evaluate(&point)?;

@@ -4,8 +4,11 @@
 //! [`path`] walks along the thread, [`mold`] shapes the core and the shells. [`tolerance`] has how far wall, angle and modulus
 //! may be off, as the sheet says it. `docs/explanation/fabrication.md` has the conventions.
 //!
+//! [`advice`] warns of windings that a person cannot wind.
+//!
 //! This room takes scenes and gives texts and meshes; it reads and writes no file.
 
+mod advice;
 mod error;
 pub mod mold;
 pub mod path;
@@ -16,6 +19,7 @@ pub mod sheet;
 pub mod tolerance;
 mod winding;
 
+pub use advice::advice;
 pub use error::FabricateError;
 pub use piece::{Copy, Piece, plan};
 pub use settings::{Settings, Thread};

@@ -5,14 +5,14 @@ use std::f64::consts::PI;
 use fra_model::{ActuatorParameters, Motion, Placement};
 
 use super::winding::winding_radius_m;
-use super::{FabricateError, Settings, Winding};
+use super::{FabricateError, Settings, Thread, Winding};
 use crate::Limb;
 use softlimb_scene::{Module, Scene, SceneError, Span};
 
 /// Width of the open top of a groove over that of its floor, for a depth of one width.
 const FLARE: f64 = 1.0;
 /// Distance of threads, in walls, up to which they do what a sheet does.
-const CLOSE: f64 = 0.75;
+pub(super) const CLOSE: f64 = 0.75;
 /// Thinnest layer that is cast over a winding without a remark, m.
 const COVER_MIN_M: f64 = 5e-4;
 
@@ -45,6 +45,8 @@ pub struct Piece {
     pub copies: Vec<Copy>,
     /// Their parameters.
     pub parameters: ActuatorParameters<f64>,
+    /// The thread: the scene's, or the workshop's where the scene states none.
+    pub thread: Thread,
     /// Density of the elastomer, kg/m3.
     pub density_kg_per_m3: f64,
     /// Largest gauge pressure in the chamber, Pa.
@@ -115,6 +117,12 @@ pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateE
     pieces.collect::<Result<_, SceneError>>().map_err(Into::into)
 }
 
+/// The workshop with the thread that the scene states.
+pub(super) fn with_thread_of(module: &Module, settings: &Settings) -> Settings {
+    let stated = module.thread.map(|thread| Thread { stiffness_n: thread.stiffness_n, diameter_m: thread.diameter_m });
+    Settings { thread: stated.unwrap_or(settings.thread), ..*settings }
+}
+
 fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
     let (sin, cos) = module.mount_angle_rad.sin_cos();
     let place = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
@@ -124,6 +132,7 @@ fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
 
 fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings) -> Result<Piece, SceneError> {
     let parameters = module.actuator();
+    let settings = &with_thread_of(module, settings);
     let refuse = Refusal { scene, module };
     let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;
     // A wall of exactly the least thickness passes however its radii were rounded.
@@ -138,7 +147,8 @@ fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings)
     if cast_radius_m - groove.depth_m <= parameters.inner_radius_m {
         return Err(refuse.groove(&parameters, settings));
     }
-    let winding = Winding::new(&parameters, settings, *module.pressure_max_pa);
+    let starts = module.thread.map(|thread| thread.starts);
+    let winding = Winding::new(&parameters, settings, starts, *module.pressure_max_pa);
     if winding.spacing_m() <= groove.top_m {
         return Err(refuse.spacing(&winding, groove));
     }
@@ -146,6 +156,7 @@ fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings)
         name: module.name.to_string(),
         copies,
         parameters,
+        thread: settings.thread,
         density_kg_per_m3: module.density_kg_per_m3,
         pressure_max_pa: *module.pressure_max_pa,
         mount_angle_rad: module.mount_angle_rad,
@@ -160,7 +171,7 @@ fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings)
 
 /// The first cast's radius and the groove that puts the thread's centre line on the winding radius: flush with the surface, or halfway out of
 /// it where the winding is the outer surface.
-fn groove(parameters: &ActuatorParameters<f64>, diameter_m: f64) -> (f64, Groove) {
+pub(super) fn groove(parameters: &ActuatorParameters<f64>, diameter_m: f64) -> (f64, Groove) {
     let winding_m = winding_radius_m(parameters);
     let cast_m = (winding_m + 0.5 * diameter_m).min(parameters.outer_radius_m);
     let depth_m = cast_m - (winding_m - 0.5 * diameter_m);

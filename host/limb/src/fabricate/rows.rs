@@ -61,7 +61,7 @@ fn dimensions(piece: &Piece, settings: &Settings) -> Table {
 
 fn winding(piece: &Piece, settings: &Settings) -> Table {
     let winding = &piece.winding;
-    let thread = settings.thread;
+    let thread = piece.thread;
     let tolerance = settings.tolerances.angle_rad;
     let hands: Vec<_> = winding.hands.iter().map(|hand| hand_word(*hand)).collect();
     let mut rows = vec![
@@ -87,7 +87,7 @@ fn winding(piece: &Piece, settings: &Settings) -> Table {
     }
     rows.push(row("threads of one hand, measured across", mm(winding.spacing_m()), ""));
     rows.push(row("length of one thread", format!("{:.4} m", winding.thread_m()), "without its ends"));
-    let all = f64::from(winding.threads()) * winding.thread_m();
+    let all = winding.all_threads_m();
     rows.push(row("thread in all, per actuator", format!("{all:.3} m"), format!("{} threads", winding.threads())));
     let groove = &piece.groove;
     rows.push(row(

@@ -15,7 +15,7 @@ pub struct Thread {
 /// Everything that a scene does not say about how it is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// The thread.
+    /// The thread of windings for which the scene states none.
     pub thread: Thread,
     /// Distance of one turn to the next, m: along the axis for windings near the hoop, across the threads of one family for others. `None`: the
     /// distance at which the thread is worth the scene's winding; half a wall where the scene states no stiffness.

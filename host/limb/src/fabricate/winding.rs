@@ -12,11 +12,11 @@ use super::Settings;
 use softlimb_fea::axisymmetric::{Thread as Rings, thread_sheet};
 
 /// Largest angle from the hoop, rad, up to which turns of thread are as good as rings.
-const HOOP_RAD: f64 = 0.175;
+pub(super) const HOOP_RAD: f64 = 0.175;
 /// Threads whose angle has a lower cosine run along the axis.
 const STRAIGHT: f64 = 1e-4;
 /// Pressure at which a thread is compared with a sheet, as a share of the highest.
-const MODERATE: f64 = 0.3;
+pub(super) const MODERATE: f64 = 0.3;
 /// Distance of turns along the axis in walls where the scene states no stiffness.
 const PLAIN: f64 = 0.5;
 /// Distances of turns among which one is sought, from this many diameters to this many walls.
@@ -74,8 +74,14 @@ pub struct Winding {
 }
 
 impl Winding {
-    /// The winding of one actuator, with a sheet or none, up to a gauge pressure, Pa.
-    pub(super) fn new(parameters: &ActuatorParameters<f64>, settings: &Settings, pressure_max_pa: f64) -> Self {
+    /// The winding of one actuator, with a sheet or none, up to a gauge pressure, Pa; of as many threads side by side as the scene
+    /// states, if it does.
+    pub(super) fn new(
+        parameters: &ActuatorParameters<f64>,
+        settings: &Settings,
+        starts: Option<u32>,
+        pressure_max_pa: f64,
+    ) -> Self {
         let stated = parameters.fiber.map(|fiber| fiber.angle_rad).filter(|angle| *angle != 0.0);
         let radius_m = winding_radius_m(parameters);
         let angle = stated.map_or(0.0, f64::abs);
@@ -89,7 +95,12 @@ impl Winding {
             worth: None,
             remarks: Vec::new(),
         };
-        if winding.is_hoop {
+        if let Some(starts) = starts {
+            winding.starts = starts;
+            if winding.is_hoop {
+                winding.find_worth(parameters, settings, pressure_max_pa);
+            }
+        } else if winding.is_hoop {
             winding.wind_hoop(parameters, settings, pressure_max_pa);
         } else {
             winding.wind_helix(parameters, settings);
@@ -147,6 +158,16 @@ impl Winding {
             self.starts = whole(self.lead_m() / (hands * wanted_m));
         }
         self.say_rounded(wanted_m, self.turn_spacing_m(), "distance of the turns");
+        self.find_worth(parameters, settings, pressure_max_pa);
+    }
+
+    /// Length of all threads on the actuator, m.
+    pub fn all_threads_m(&self) -> f64 {
+        f64::from(self.threads()) * self.thread_m()
+    }
+
+    fn find_worth(&mut self, parameters: &ActuatorParameters<f64>, settings: &Settings, pressure_max_pa: f64) {
+        let pressure_pa = MODERATE * pressure_max_pa;
         let rings = Rings { spacing_m: self.turn_spacing_m(), ..rings(settings) };
         self.worth = Some(
             thread_sheet(parameters, &rings, pressure_pa)

@@ -2,7 +2,7 @@
 
 use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion};
 
-use super::SetpointKind;
+use super::{SetpointKind, Thread};
 use crate::source::{Located, Span};
 
 /// The rigid parts of a limb and where it starts.
@@ -67,6 +67,8 @@ pub struct Module {
     pub density_kg_per_m3: f64,
     /// The winding, located at its name in the module.
     pub fiber: Option<Located<Fiber<f64>>>,
+    /// The thread that the winding is made of, where the scene states it.
+    pub thread: Option<Thread>,
     /// Largest gauge pressure in its chambers, Pa; located in the module or in `[limits]`.
     pub pressure_max_pa: Located<f64>,
     /// The quantity its targets are given in, the same in all phases; the natural one of its motion if no phase has a target for it.

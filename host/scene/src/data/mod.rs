@@ -6,6 +6,7 @@ mod limb;
 mod motion;
 mod plant;
 mod task;
+mod thread;
 mod winding;
 
 pub use corrections::Corrections;
@@ -16,6 +17,7 @@ pub use motion::{
 };
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
+pub use thread::{Thread, WoundWall};
 
 use super::error::{Problem, Problems, SceneError};
 use super::source::{Located, Source, Span};

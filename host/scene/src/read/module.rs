@@ -1,11 +1,11 @@
 //! Modules: geometry, and the parts they name.
 
-use fra_model::{Families, Fiber, Motion, Placement};
+use fra_model::{Families, Fiber, Material, Motion, Placement};
 
 use super::arrangement::arrangement;
 use super::design::module_bounds;
 use super::parts::{Elastomer, Parts, Winding};
-use crate::data::{Limits, Module, ModuleBounds, SetpointKind};
+use crate::data::{Limits, Module, ModuleBounds, SetpointKind, Thread, WoundWall};
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
@@ -75,7 +75,8 @@ fn draft<'a>(
     let spacer_mass = reader.quantity(&keys::SPACER_MASS);
     let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, materials.find(reader.log(), name)?)));
     let bounds = module_bounds(reader).unwrap_or_default();
-    let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall));
+    let law = material.as_ref().map(|(_, elastomer)| elastomer.law);
+    let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall, law));
     let pressure_max = match reader.maybe(&keys::PRESSURE_MAX) {
         Some(None) => limits.map(|limits| limits.pressure_max_pa),
         found => found.flatten(),
@@ -96,7 +97,8 @@ fn draft<'a>(
             length_m: length?,
             material: material_name.map(|_| material.law),
             density_kg_per_m3: material.density_kg_per_m3,
-            fiber: fiber?,
+            fiber: fiber.map(|wound| wound.map(|(fiber, _)| fiber))?,
+            thread: fiber?.and_then(|(_, thread)| thread),
             pressure_max_pa: pressure_max?,
             setpoint_kind: SetpointKind::natural(*motion?),
             span: reader.span(),
@@ -119,6 +121,9 @@ fn wall(reader: &Reader<'_>, inner: Located<f64>, outer: Located<f64>) -> Option
     reader.log().note(problem.label(outer.span, outer_label))
 }
 
+/// A winding at its place in a module, and its thread where the scene states one.
+type Wound = (Located<Fiber<f64>>, Option<Thread>);
+
 type Wall = Option<(Located<f64>, Located<f64>)>;
 
 /// The winding a module names, at its radius in this wall; `None` inside for a bending module that names none.
@@ -127,7 +132,8 @@ fn fiber(
     motion: Located<Motion>,
     windings: &Parts<'_, Winding>,
     wall: Wall,
-) -> Option<Option<Located<Fiber<f64>>>> {
+    law: Option<Material<f64>>,
+) -> Option<Option<Wound>> {
     let Some(name) = reader.maybe_text(&keys::WINDING)? else {
         return match *motion {
             Motion::Bending => Some(None),
@@ -150,7 +156,7 @@ fn fiber(
         let radius = format!("its radius is {}", Unit::MM.show_si(radius_m));
         return reader.log().note(problem.label(winding.radius_m.map_or(winding.span, |radius| radius.span), radius));
     }
-    let fiber = Fiber {
+    let mut fiber = Fiber {
         angle_rad: winding.angle_rad,
         families: *winding.families,
         modulus_pa: winding.modulus_pa,
@@ -158,7 +164,43 @@ fn fiber(
         thickness_m: winding.thickness_m,
         radius_m,
     };
-    Some(Some(name.map(|_| fiber)))
+    if let Some(thread) = winding.thread {
+        let wall = WoundWall {
+            inner_radius_m: *inner,
+            outer_radius_m: *outer,
+            winding_radius_m: radius_m,
+            angle_rad: winding.angle_rad,
+            shear_modulus_pa: law?.shear_modulus_pa(),
+        };
+        has_room(reader, name, winding, &thread, &wall)?;
+        fiber.thickness_m = thread.diameter_m;
+        fiber.modulus_pa = thread.sheet_n_per_m(&wall) / thread.diameter_m;
+    }
+    Some(Some((name.map(|_| fiber), winding.thread)))
+}
+
+/// Notes threads that would lie on each other.
+fn has_room(
+    reader: &Reader<'_>,
+    name: Located<&str>,
+    winding: &Winding,
+    thread: &Thread,
+    wall: &WoundWall,
+) -> Option<()> {
+    let spacing_m = thread.spacing_m(wall);
+    if spacing_m > thread.diameter_m {
+        return Some(());
+    }
+    let most = Thread { starts: 1, ..*thread }.spacing_m(wall) / thread.diameter_m;
+    let [spacing, diameter] = [spacing_m, thread.diameter_m].map(|length_m| Unit::MM.show_si(length_m));
+    let title = format!("the threads of winding {} do not fit side by side", quoted(name.value));
+    let label = format!("on this module they are {spacing} apart, and {diameter} thick");
+    let help = if most > 1.0 {
+        format!("at this angle up to {} `starts` fit", most.ceil() - 1.0)
+    } else {
+        "a steeper `angle` or a thinner thread fits".to_owned()
+    };
+    reader.log().note(Problem::at(name.span, title, label).label(winding.span, "this winding").help(help))
 }
 
 /// The last word is the model's own. It accepts what the checks above let through; if ever not, the module is named.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use fra_model::{Families, Material, Placement};
 use toml::de::DeValue;
 
+use crate::data::Thread;
 use crate::error::{Problem, quoted};
 use crate::reader::{Log, Reader, Value};
 use crate::schema;
@@ -46,8 +47,12 @@ pub(super) struct Elastomer {
 pub(super) struct Winding {
     pub(super) angle_rad: f64,
     pub(super) families: Located<Families>,
+    /// Modulus and thickness of the sheet follow from it and the wall.
+    pub(super) thread: Option<Thread>,
+    /// 0 with a thread.
     pub(super) modulus_pa: f64,
     pub(super) placement: Located<Placement>,
+    /// 0 with a thread.
     pub(super) thickness_m: f64,
     pub(super) radius_m: Option<Located<f64>>,
     /// The header of its table.
@@ -117,18 +122,22 @@ fn winding(reader: &Reader<'_>) -> Option<Winding> {
     use schema::winding::{ANGLE, FAMILIES, MODULUS, PLACEMENT, RADIUS, THICKNESS};
     let angle = reader.quantity(&ANGLE);
     let families = reader.integer(&FAMILIES);
-    let modulus = reader.quantity(&MODULUS);
+    let thread = thread(reader, angle);
+    let modulus = reader.maybe(&MODULUS);
     let radius = reader.maybe(&RADIUS);
     let thickness = reader.maybe(&THICKNESS);
     let placement = reader.choice(&PLACEMENT, &[Placement::Sheet, Placement::Layer, Placement::Smeared])?;
-    let thickness_m = match (*placement, thickness?) {
-        (Placement::Sheet, Some(thickness)) => *thickness,
-        (Placement::Sheet, None) => return reader.missing(THICKNESS.name, " for a sheet"),
-        (_, None) => 0.0,
-        (_, Some(_)) => {
-            reader.forbid(&[THICKNESS.name], "for this placement: only a sheet has a thickness")?;
-            0.0
+    let thread = thread?;
+    let (modulus_pa, thickness_m) = match thread {
+        Some(_) => {
+            reader.forbid(&[MODULUS.name, THICKNESS.name], "beside `thread`")?;
+            if *placement != Placement::Sheet {
+                let problem = Problem::at(placement.span, "a `thread` lies on one radius", "not at this placement");
+                return reader.log().note(problem.help("leave `placement` out: it is `sheet`"));
+            }
+            (0.0, 0.0)
         }
+        None => (stated_modulus(reader, modulus?)?, stated_thickness(reader, *placement, thickness?)?),
     };
     match (*placement, radius?) {
         (Placement::Layer, None) => return reader.missing(RADIUS.name, " for a layer"),
@@ -138,10 +147,46 @@ fn winding(reader: &Reader<'_>) -> Option<Winding> {
     Some(Winding {
         angle_rad: *angle?,
         families: families?.map(|n| if n == 1 { Families::One } else { Families::Two }),
-        modulus_pa: *modulus?,
+        thread,
+        modulus_pa,
         placement,
         thickness_m,
         radius_m: radius?,
         span: reader.span(),
     })
+}
+
+fn stated_modulus(reader: &Reader<'_>, modulus: Option<Located<f64>>) -> Option<f64> {
+    let name = schema::winding::MODULUS.name;
+    modulus.map_or_else(|| reader.missing(name, ", or a `thread`"), |modulus| Some(*modulus))
+}
+
+fn stated_thickness(reader: &Reader<'_>, placement: Placement, thickness: Option<Located<f64>>) -> Option<f64> {
+    let name = schema::winding::THICKNESS.name;
+    match (placement, thickness) {
+        (Placement::Sheet, Some(thickness)) => Some(*thickness),
+        (Placement::Sheet, None) => reader.missing(name, " for a sheet"),
+        (_, None) => Some(0.0),
+        (_, Some(_)) => {
+            reader.forbid(&[name], "for this placement: only a sheet has a thickness")?;
+            Some(0.0)
+        }
+    }
+}
+
+/// The thread of a winding; `None` inside where it has none.
+fn thread(winding: &Reader<'_>, angle: Option<Located<f64>>) -> Option<Option<Thread>> {
+    use schema::thread::{DIAMETER, SECTION, STARTS, STIFFNESS};
+    let name = schema::winding::THREAD.name;
+    let Some(value) = winding.value(name) else { return Some(None) };
+    let reader = Reader::open(winding.log(), value, &SECTION, &quoted(name))?;
+    let (stiffness, diameter, starts) =
+        (reader.quantity(&STIFFNESS), reader.quantity(&DIAMETER), reader.integer(&STARTS));
+    let angle = angle?;
+    if *angle == 0.0 {
+        let problem = Problem::at(angle.span, "a thread does not climb at 0 deg from the hoop", "`angle` of a thread");
+        return reader.log().note(problem.help("state the angle of one thread: atan(rise of a turn / circumference)"));
+    }
+    let starts = u32::try_from(*starts?).ok()?;
+    Some(Some(Thread { stiffness_n: *stiffness?, diameter_m: *diameter?, starts }))
 }

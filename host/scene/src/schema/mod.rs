@@ -9,7 +9,7 @@ mod units;
 
 pub(super) use choice::{bounds, design};
 pub(super) use motion::{controller, limits, phase, target, weight};
-pub(super) use parts::{connector, end_effector, limb, material, module, scene, winding};
+pub(super) use parts::{connector, end_effector, limb, material, module, scene, thread, winding};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, valve};
 pub(super) use task::{corrections, markers, object, obstacle, region};
 pub(super) use units::Unit;
@@ -161,10 +161,11 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 27] = [
+pub(super) const SECTIONS: [Section; 28] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
+    thread::SECTION,
     limb::SECTION,
     connector::SECTION,
     end_effector::SECTION,

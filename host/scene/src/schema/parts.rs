@@ -40,10 +40,19 @@ section! {
     winding, "[windings.NAME]";
     ANGLE: Quantity { name: "angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Required } = "Fiber angle from the hoop direction; the sign mirrors the twist.";
     FAMILIES: Integer { name: "families", min: 1, max: 2, presence: Required } = "One helix, or two mirrored ones that do not twist.";
-    MODULUS: Quantity { name: "modulus", unit: Unit::MPA, min: 0.0, max: 1e6, presence: Required } = "Fiber modulus mu2 of each family; the stiffness along the fiber is 4 mu2.";
+    THREAD: Nested { name: "thread", shape: "table", presence: Optional("no thread; `modulus` and `thickness` state a sheet") } = "Thread of which `modulus` and `thickness` follow, with the loss by the distance of its turns. Only for `sheet`.";
+    MODULUS: Quantity { name: "modulus", unit: Unit::MPA, min: 0.0, max: 1e6, presence: Optional("required without `thread`") } = "Fiber modulus mu2 of each family; the stiffness along the fiber is 4 mu2.";
     PLACEMENT: Choice { name: "placement", words: &["sheet", "layer", "smeared"], presence: Default("sheet") } = "Thin sheet at `radius`; layer from `radius` to the outer surface; or the whole wall.";
-    THICKNESS: Quantity { name: "thickness", unit: Unit::MM, min: 0.001, max: 20.0, presence: Optional("required for `sheet`") } = "Thickness of the sheet.";
+    THICKNESS: Quantity { name: "thickness", unit: Unit::MM, min: 0.001, max: 20.0, presence: Optional("required for `sheet` without `thread`") } = "Thickness of the sheet.";
     RADIUS: Quantity { name: "radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("the outer radius of the actuator; required for `layer`") } = "Winding radius, within the wall. `smeared` has none.";
+}
+
+section! {
+    /// The thread of a winding.
+    thread, "windings.NAME.thread";
+    STIFFNESS: Quantity { name: "stiffness", unit: Unit::N, min: 0.001, max: 1e6, presence: Required } = "Force per strain `E A` of one thread.";
+    DIAMETER: Quantity { name: "diameter", unit: Unit::MM, min: 0.01, max: 5.0, presence: Required } = "Diameter.";
+    STARTS: Integer { name: "starts", min: 1, max: 1000, presence: Default(1) } = "Threads side by side in each family. With the angle they make the distance of the turns, which must exceed the diameter.";
 }
 
 section! {

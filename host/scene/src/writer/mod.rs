@@ -4,6 +4,7 @@ mod draft;
 mod rebase;
 mod redesign;
 mod refit;
+mod sheets;
 
 pub use rebase::{Rebase, redesigned_at};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};

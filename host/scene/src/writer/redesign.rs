@@ -5,6 +5,7 @@ use toml_edit::{ArrayOfTables, InlineTable, Item, Table, Value};
 
 use super::RewriteError;
 use super::draft::{Draft, Part, put};
+use super::sheets::freeze;
 use crate::data::{Goal, Scene, SetpointKind};
 use crate::schema::{module, phase, scene, target, winding};
 
@@ -47,6 +48,7 @@ pub fn redesigned(
 ) -> Result<String, RewriteError> {
     let unwritten = |index: usize, what| RewriteError::NotWritten { module: modules[index].name.clone(), what };
     let mut draft = Draft::new(scene).ok_or_else(|| unwritten(0, "text"))?;
+    freeze(&mut draft, scene).ok_or_else(|| unwritten(0, "thread"))?;
     let before = draft.document.get(scene::MODULE.name).and_then(Item::as_array_of_tables).cloned().unwrap_or_default();
     let mut after = ArrayOfTables::new();
     for (index, redesign) in modules.iter().enumerate() {

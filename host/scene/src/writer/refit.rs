@@ -6,6 +6,7 @@ use fra_model::{ActuatorParameters, Fiber, Material};
 use toml_edit::{Array, TableLike, Value};
 
 use super::draft::{Draft, Part, put, rename};
+use super::sheets::freeze;
 use super::{RewriteError, not_written};
 use crate::data::{Module, Scene};
 use crate::schema::{material, module, winding};
@@ -32,8 +33,13 @@ pub fn rewritten(scene: &Scene, wanted: &[ActuatorParameters<f64>]) -> Result<(S
     if wanted.len() != modules.len() {
         return Err(RewriteError::Modules { found: wanted.len(), modules: modules.len() });
     }
-    let draft = Draft::new(scene).ok_or_else(|| not_written(&modules[0], "text"))?;
-    let mut pen = Pen { modules, wanted, draft, log: Vec::new() };
+    let mut draft = Draft::new(scene).ok_or_else(|| not_written(&modules[0], "text"))?;
+    let mut log = Vec::new();
+    // The sheet of a thread would follow the wall and the material that change.
+    if modules.iter().zip(wanted).any(|(module, new)| !same_actuator(&module.actuator(), new)) {
+        log = freeze(&mut draft, scene).ok_or_else(|| not_written(&modules[0], "thread"))?;
+    }
+    let mut pen = Pen { modules, wanted, draft, log };
     for index in 0..modules.len() {
         pen.sizes(index)?;
     }
@@ -224,11 +230,11 @@ fn same_actuator(a: &ActuatorParameters<f64>, b: &ActuatorParameters<f64>) -> bo
     fibers && sizes && a.motion == b.motion && same_material(&a.material, &b.material)
 }
 
-fn megapascals(pa: f64) -> Value {
+pub(super) fn megapascals(pa: f64) -> Value {
     format!("{} MPa", rounded(pa * 1e-6)).into()
 }
 
-fn millimetres(m: f64) -> Value {
+pub(super) fn millimetres(m: f64) -> Value {
     format!("{} mm", rounded(m * 1e3)).into()
 }
 

@@ -1,0 +1,47 @@
+//! Threads written as the sheets that they are.
+
+use std::collections::BTreeMap;
+
+use super::draft::{Draft, Part, put};
+use super::refit::{megapascals, millimetres};
+use crate::data::{Module, Scene};
+use crate::schema::{module, winding};
+
+/// Longest beginning of a module's name in that of a winding made for it.
+const NAME_MAX: usize = 24;
+
+/// Replaces the thread of every winding by the `modulus` and `thickness` that it has in this scene, so that they stay when sizes or
+/// materials change. A line for each. Modules that share a thread get a winding each. `None` where a winding cannot be written.
+pub(super) fn freeze(draft: &mut Draft, scene: &Scene) -> Option<Vec<String>> {
+    let mut log = Vec::new();
+    let mut users: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (index, _) in scene.modules().iter().enumerate().filter(|(_, module)| module.thread.is_some()) {
+        users.entry(draft.part_name(index, Part::Winding)?.to_owned()).or_default().push(index);
+    }
+    for (name, users) in users {
+        for (number, user) in users.iter().enumerate().rev() {
+            let module = &scene.modules()[*user];
+            let own = if number == 0 {
+                name.clone()
+            } else {
+                let base: String = module.name.chars().take(NAME_MAX).collect();
+                let names = (1..100).map(|count| format!("{base}-sheet{count}"));
+                let own = draft.copy(Part::Winding, &name, names)?;
+                put(draft.module(*user)?, module::WINDING.name, own.as_str().into());
+                own
+            };
+            write(draft, &own, module)?;
+            log.push(format!("[windings.{own}]: the sheet of its thread"));
+        }
+    }
+    Some(log)
+}
+
+fn write(draft: &mut Draft, name: &str, module: &Module) -> Option<()> {
+    let fiber = module.fiber.as_ref()?;
+    let table = draft.part(Part::Winding, name)?;
+    table.remove(winding::THREAD.name);
+    put(table, winding::MODULUS.name, megapascals(fiber.modulus_pa));
+    put(table, winding::THICKNESS.name, millimetres(fiber.thickness_m));
+    Some(())
+}
