@@ -16,7 +16,7 @@ use std::time::Instant;
 use softlimb_design::from_scene::LoadedDesign;
 use softlimb_design::from_scene::{loaded_design, loaded_text};
 use softlimb_design::loaded::{
-    Effort, Evaluation, Judgement, Lack, Seeded, active_bounds, confirm, evaluate, search, seeded,
+    Effort, Evaluation, Judgement, Lack, Seeded, active_bounds, evaluate, search, seeded,
 };
 
 /// Processor time of all threads of this process, s; 0 where the system does not tell.
@@ -47,14 +47,14 @@ fn main() {
             continue;
         };
         let searched = started.elapsed();
-        let poses = confirm(task, space, &found);
+        let poses = &found.confirmed;
         let lacks: Vec<_> = poses.iter().flat_map(|pose| pose.lacks.iter().map(|lack| lack.name())).collect();
         let worst_m = poses.iter().map(|pose| pose.tip_error_m).fold(0.0, f64::max);
         let limb = &found.evaluation;
-        let swing_rad = poses.iter().map(|pose| pose.swing_rad).fold(0.0, f64::max);
+        let tilt_rad = poses.iter().map(|pose| pose.tilt_rad).fold(0.0, f64::max);
         let spare_m = poses.iter().filter_map(|pose| pose.spare_m).fold(f64::INFINITY, f64::min);
         println!(
-            "seed {seed}: reached {} confirmed {} reserve {:.2}, objective {:.1e}, {:.2} kg, {:.3} m, tip {:.3} mm, spare {:.1} mm, swing {:.0} deg, {} limbs in {:.1} s and {:.1} s ({:.1} s of processors); lacks {lacks:?}",
+            "seed {seed}: reached {} confirmed {} reserve {:.2}, objective {:.1e}, {:.2} kg, {:.3} m, tip {:.3} mm, spare {:.1} mm, tilt {:.0} deg, {} limbs in {:.1} s and {:.1} s ({:.1} s of processors); lacks {lacks:?}",
             found.reached,
             lacks.is_empty(),
             found.by.reserve,
@@ -63,7 +63,7 @@ fn main() {
             limb.length_m,
             1e3 * worst_m,
             1e3 * spare_m,
-            swing_rad.to_degrees(),
+            tilt_rad.to_degrees(),
             found.evaluations,
             searched.as_secs_f64(),
             (started.elapsed() - searched).as_secs_f64(),
@@ -108,10 +108,7 @@ fn tasks(design: &LoadedDesign, seeds: RangeInclusive<u64>) {
         asked += 1;
         let (effort, begin_s) = (Effort { seed, raises: 0, ..Effort::default() }, processor_s());
         let found = search(&task, space, &space.first_guess(), &effort, &|| false);
-        let confirmed = found.as_ref().is_some_and(|found| {
-            let poses = confirm(&task, space, found);
-            found.reached && poses.iter().all(|pose| pose.lacks.is_empty())
-        });
+        let confirmed = found.as_ref().is_some_and(|found| found.reached);
         solved += u32::from(confirmed);
         let used_s = processor_s() - begin_s;
         let limbs = found.as_ref().map_or(0, |found| found.evaluations);
@@ -121,7 +118,7 @@ fn tasks(design: &LoadedDesign, seeds: RangeInclusive<u64>) {
         );
         let Some(found) = found.filter(|_| !confirmed) else { continue };
         println!("  lacks {:?}", worst(&found.evaluation));
-        for bound in active_bounds(&task, space, &found, 2, &|| false) {
+        for bound in active_bounds(&task, space, &found, &|| false) {
             println!("  {bound:?}");
         }
     }
@@ -140,7 +137,7 @@ fn worst(limb: &Evaluation) -> Vec<Lack> {
 fn answer(design: &LoadedDesign) -> Result<(), Box<dyn std::error::Error>> {
     let (task, space) = (&design.task, &design.space);
     let objective = |point: &Vec<f64>| {
-        let limb = evaluate(task, space, &space.sizes(point), &Judgement::default(), None);
+        let limb = evaluate(task, space, &space.sizes(point), &Judgement { moves: true, ..Judgement::default() });
         let largest = |limb: &Evaluation| limb.lacks.iter().map(|lack| lack.value.abs()).fold(0.0, f64::max);
         limb.map_or([f64::INFINITY; 2], |limb| [limb.objective(), largest(&limb)])
     };

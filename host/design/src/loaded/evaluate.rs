@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::built::Built;
 use super::inverse::Stand;
 use super::moves::moves;
-use super::pose::{PoseState, Sought, Start, pose_state};
+use super::pose::{Changed, PoseState, Sought, pose_at, pose_state};
 use super::residuals::{Lack, of_pose};
 use super::space::{LimbSizes, LimbSpace};
 use super::task::LoadedTask;
@@ -26,6 +26,7 @@ pub struct Evaluation {
     pub mass_kg: f64,
     /// Length at rest, m.
     pub length_m: f64,
+    pub(super) built: Built,
 }
 
 impl Evaluation {
@@ -42,6 +43,8 @@ pub struct Judgement {
     pub reserve: f64,
     /// Way from the tip of rods to that of tubes between plates in each pose, m: as it is reached and as it is held. Zero where there is none.
     pub shifts_m: Vec<[Vector3<f64>; 2]>,
+    /// Whether the moves are judged, too, where the task wants them clear.
+    pub moves: bool,
 }
 
 impl Judgement {
@@ -50,67 +53,129 @@ impl Judgement {
     }
 }
 
-/// Judges a limb of sizes. `warm` is a limb of nearly the same sizes to start from.
+/// Judges a limb of sizes, with pressures by inverse kinematics under load that are nearest to the home of the sizes.
 ///
 /// `None` where an actuator cannot be modelled or the limb does not stand in the first pose.
-pub fn evaluate(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    sizes: &LimbSizes,
-    by: &Judgement,
-    warm: Option<&Evaluation>,
-) -> Option<Evaluation> {
-    judge(task, space, sizes, by, warm.map(|warm| (warm, false)))
-}
-
-/// The same for a derivative, from the limb that it is the derivative at: its Jacobians of the tip are used, too.
-pub(super) fn evaluate_beside(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    sizes: &LimbSizes,
-    by: &Judgement,
-    at: &Evaluation,
-) -> Option<Evaluation> {
-    judge(task, space, sizes, by, Some((at, true)))
-}
-
-fn judge(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    sizes: &LimbSizes,
-    by: &Judgement,
-    warm: Option<(&Evaluation, bool)>,
-) -> Option<Evaluation> {
+pub fn evaluate(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes, by: &Judgement) -> Option<Evaluation> {
     let built = Built::new(task, space, sizes, by.reserve)?;
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, pose) in task.poses.iter().enumerate() {
-        let near = warm.and_then(|(warm, beside)| Some((warm.poses.get(index)?, beside)));
-        let sought = Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift_m(index) };
-        let own = near.and_then(|(near, beside)| pose_state(&built, &sought, &Start::Warm { near, beside }));
-        let after = || pose_state(&built, &sought, &Start::Cold(&poses.last()?.held.stand));
-        let anew = || pose_state(&built, &sought, &Start::Cold(&first(&built, sizes, pose.move_kg)?));
-        let found = own.or_else(after).or_else(anew)?;
+        let grasp = grasp(task, &refs(&poses), index);
+        let sought =
+            Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift_m(index), grasp };
+        let after = || pose_state(&built, &sought, &poses.last()?.held.stand);
+        let anew = || pose_state(&built, &sought, &first(&built, sizes, pose.move_kg)?);
+        let found = after().or_else(anew)?;
         poses.push(found);
     }
-    swing(task, &mut poses);
-    if !task.obstacles.is_empty() && task.moves {
-        moves(&built, task, by, &mut poses, warm.map(|(warm, _)| warm));
-    }
-    let lacks =
-        poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, &built, index, state, by.reserve)).collect();
-    Some(Evaluation { sizes: sizes.clone(), lacks, poses, mass_kg: built.mass_kg(), length_m: built.length_m })
+    Some(Evaluation::of(task, built, sizes, by, poses, None))
 }
 
-/// Turns of the end effector since the pose before a body is carried.
-fn swing(task: &LoadedTask, poses: &mut [PoseState]) {
-    let mut grasped: Option<UnitQuaternion<f64>> = None;
-    for (pose, state) in task.poses.iter().zip(poses) {
-        let turn = state.moved.stand.shape.tip().rotation;
-        match (pose.carried, grasped) {
-            (Some(_), Some(grasp)) => state.swing_rad = (turn * grasp.inverse() * Vector3::z()).angle(&Vector3::z()),
-            _ => grasped = Some(turn),
-        }
+/// Judges a limb of sizes at pressures, near a limb of nearly the same sizes and pressures.
+///
+/// `None` where an actuator cannot be modelled or the limb does not stand in a pose.
+pub(super) fn evaluate_at(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    sizes: &LimbSizes,
+    shares: &[[Vec<f64>; 2]],
+    by: &Judgement,
+    near: &Evaluation,
+) -> Option<Evaluation> {
+    let built = Built::near(task, space, sizes, by.reserve, (&near.built, &near.sizes))?;
+    let poses = poses_at(task, &built, shares, by, &near.poses)?;
+    Some(Evaluation::of(task, built, sizes, by, poses, Some(near)))
+}
+
+/// The poses of a limb at pressures, near those of a limb of nearly the same sizes and pressures.
+pub(super) fn poses_at(
+    task: &LoadedTask,
+    built: &Built,
+    shares: &[[Vec<f64>; 2]],
+    by: &Judgement,
+    near: &[PoseState],
+) -> Option<Vec<PoseState>> {
+    let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
+    for (index, [moved, held]) in shares.iter().enumerate() {
+        let sought = sought(task, index, by, grasp(task, &refs(&poses), index));
+        poses.push(pose_at(built, &sought, [moved, held], &near[index], Changed::All)?);
     }
+    Some(poses)
+}
+
+/// A pose as it is judged at given pressures.
+pub(super) fn sought<'a>(
+    task: &'a LoadedTask,
+    pose: usize,
+    by: &Judgement,
+    grasp: Option<UnitQuaternion<f64>>,
+) -> Sought<'a> {
+    Sought { task, pose: &task.poses[pose], home: &[], reserve: by.reserve, shift_m: by.shift_m(pose), grasp }
+}
+
+impl Evaluation {
+    fn of(
+        task: &LoadedTask,
+        built: Built,
+        sizes: &LimbSizes,
+        by: &Judgement,
+        mut poses: Vec<PoseState>,
+        near: Option<&Self>,
+    ) -> Self {
+        let tilts = tilts_rad(task, &refs(&poses));
+        poses.iter_mut().zip(tilts).for_each(|(pose, tilt_rad)| pose.tilt_rad = tilt_rad);
+        if by.moves && !task.obstacles.is_empty() && task.moves {
+            moves(&built, task, by, &mut poses, near);
+        }
+        let lacks = lacks(task, &built, &refs(&poses), by.reserve);
+        Self { sizes: sizes.clone(), lacks, mass_kg: built.mass_kg(), length_m: built.length_m, poses, built }
+    }
+
+    /// The same sizes and pressures judged by something else.
+    pub(super) fn judged_by(&self, task: &LoadedTask, space: &LimbSpace, by: &Judgement) -> Option<Self> {
+        let factor = (1.0 + by.reserve) / (1.0 + self.built.reserve);
+        let shares = self.shares().into_iter().map(|states| states.map(|shares| shares.iter().map(|share| share * factor).collect())).collect::<Vec<_>>();
+        evaluate_at(task, space, &self.sizes, &shares, by, self)
+    }
+
+    /// Shares of the pressures of each pose, as it is reached and as it is held.
+    pub(super) fn shares(&self) -> Vec<[Vec<f64>; 2]> {
+        self.poses.iter().map(|pose| [&pose.moved, &pose.held].map(|reached| reached.stand.shares.clone())).collect()
+    }
+}
+
+pub(super) fn refs(poses: &[PoseState]) -> Vec<&PoseState> {
+    poses.iter().collect()
+}
+
+/// What the margins lack.
+pub(super) fn lacks(task: &LoadedTask, built: &Built, poses: &[&PoseState], reserve: f64) -> Vec<Lack> {
+    let tilts = tilts_rad(task, poses);
+    let of = |(index, (state, tilt_rad)): (usize, (&&PoseState, f64))| {
+        of_pose(task, built, index, (state, tilt_rad), reserve)
+    };
+    poses.iter().zip(tilts).enumerate().flat_map(of).collect()
+}
+
+/// Orientation of the tip when it grasped the body that it carries to a pose; `None` where it carries none.
+pub(super) fn grasp(task: &LoadedTask, before: &[&PoseState], pose: usize) -> Option<UnitQuaternion<f64>> {
+    task.poses[pose].carried?;
+    let last = (0..pose).rev().find(|index| task.poses[*index].carried.is_none())?;
+    Some(before[last].moved.stand.shape.tip().rotation)
+}
+
+/// Tilts of the carried body in each pose, rad.
+fn tilts_rad(task: &LoadedTask, poses: &[&PoseState]) -> Vec<f64> {
+    let of = |index: usize| {
+        let turn = poses[index].moved.stand.shape.tip().rotation;
+        grasp(task, poses, index).map_or(0.0, |grasp| tilt_rad(&turn, &grasp))
+    };
+    (0..poses.len()).map(of).collect()
+}
+
+/// Tilt of the axis of a body that stood upright when it was grasped, rad.
+pub(super) fn tilt_rad(turn: &UnitQuaternion<f64>, grasp: &UnitQuaternion<f64>) -> f64 {
+    (turn * grasp.inverse() * Vector3::z()).angle(&Vector3::z())
 }
 
 fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {

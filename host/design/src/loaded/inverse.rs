@@ -44,6 +44,14 @@ pub(super) struct Reached {
     pub(super) jacobian: Option<Jacobian>,
 }
 
+impl Reached {
+    /// A limb in equilibrium with its tip where it is.
+    pub(super) fn of(stand: Stand, aim: &Aim) -> Self {
+        let tip_m = stand.tip_m();
+        Self { missing_m: nearest(aim, &tip_m) - tip_m, stand, jacobian: None }
+    }
+}
+
 /// A limb in equilibrium at shares of its pressures.
 #[derive(Clone, Debug)]
 pub(super) struct Stand {

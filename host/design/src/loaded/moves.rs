@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::built::Built;
-use super::clearance::{nearer, spare_m};
-use super::evaluate::{Evaluation, Judgement};
+use super::clearance::spare_m;
+use super::evaluate::{Evaluation, Judgement, grasp, refs};
 use super::inverse::Stand;
 use super::pose::PoseState;
 use super::task::LoadedTask;
@@ -39,64 +39,105 @@ impl Move<'_> {
     }
 }
 
-/// Takes the clearance of the moves into that of the poses that they lead to. `warm` is a limb of nearly the same sizes.
+/// The move to a pose, from the one before or else from rest.
+fn way<'a>(
+    task: &LoadedTask,
+    by: &Judgement,
+    index: usize,
+    (before, rest): (Option<&'a PoseState>, &'a [f64]),
+    pose: &'a PoseState,
+) -> Move<'a> {
+    Move {
+        from: before.map_or(rest, |before| &before.held.stand.shares),
+        to: &pose.moved.stand.shares,
+        kg: task.poses[index].move_kg,
+        shifts_m: [
+            index.checked_sub(1).map_or_else(Vector3::zeros, |before| by.shift_m(before)[1]),
+            by.shift_m(index)[0],
+        ],
+    }
+}
+
+/// Takes the clearance of the moves into that of the poses that they lead to. `near` is a limb of nearly the same sizes.
 pub(super) fn moves(
     built: &Built,
     task: &LoadedTask,
     by: &Judgement,
     poses: &mut [PoseState],
-    warm: Option<&Evaluation>,
+    near: Option<&Evaluation>,
 ) {
     let rest = vec![0.0; built.len()];
     for index in 0..poses.len() {
         let (done, ahead) = poses.split_at_mut(index);
+        let carried = task.poses[index].carried.as_ref().zip(grasp(task, &refs(done), index));
         let (before, pose) = (done.last(), &mut ahead[0]);
-        let carried = task.poses[index].carried;
-        let way = Move {
-            from: before.map_or(&rest, |before| &before.held.stand.shares),
-            to: &pose.moved.stand.shares,
-            kg: task.poses[index].move_kg,
-            shifts_m: [
-                index.checked_sub(1).map_or_else(Vector3::zeros, |before| by.shift_m(before)[1]),
-                by.shift_m(index)[0],
-            ],
-        };
-        let clear = |stand: &Stand, share| spare_m(built, task, stand, carried.as_ref(), &way.shift_m(share));
+        let way = way(task, by, index, (before, &rest), pose);
+        let clear = |stand: &Stand, share| spare_m(built, task, stand, carried, &way.shift_m(share));
         let mut last = before.map(|before| before.held.stand.clone());
         let mut stands = Vec::with_capacity(PARTS);
-        let mut points: Vec<(f64, Option<(f64, usize)>)> = Vec::new();
-        // At the end of a move the pose has been looked at; at its start the one before, but for the limb at rest.
+        let mut points: Vec<(f64, Option<(f64, usize)>, Option<Stand>)> = Vec::new();
+        let mut falls = false;
+        // At the end of a move is the pose; at its start the one before, but for the limb at rest.
         for part in usize::from(before.is_some())..PARTS {
             let share = part as f64 / PARTS as f64;
-            let near = warm.and_then(|warm| warm.poses.get(index)?.way.get(stands.len())?.as_ref());
+            let near = near.and_then(|near| near.poses.get(index)?.way.get(stands.len())?.as_ref());
             let stand = way.stand(built, share, near.or(last.as_ref()));
             if let Some(stand) = &stand {
-                points.push((share, clear(stand, share)));
+                points.push((share, clear(stand, share), Some(stand.clone())));
                 last = Some(stand.clone());
-            } else if part == 0 {
-                pose.not_carried += FALLS;
+            } else {
+                falls = falls || part == 0;
             }
             stands.push(stand);
         }
-        points.push((1.0, pose.spare_m));
+        points.push((1.0, pose.spare_m, None));
         let mut width = 1.0 / PARTS as f64;
         for _ in 0..HALVINGS {
-            let nearest = points.iter().min_by(|a, b| spare(a).total_cmp(&spare(b)));
-            let Some(at) = nearest.filter(|point| spare(point) < FAR_M).map(|point| point.0) else { break };
+            let nearest = points.iter().min_by(|a, b| spare(&a.1).total_cmp(&spare(&b.1)));
+            let Some(at) = nearest.filter(|point| spare(&point.1) < FAR_M).map(|point| point.0) else { break };
             width *= 0.5;
             for share in [at - width, at + width].into_iter().filter(|share| (0.0..=1.0).contains(share)) {
                 let near =
                     stands.iter().flatten().nth(((share * PARTS as f64) as usize).min(stands.len().saturating_sub(1)));
                 if let Some(stand) = way.stand(built, share, near) {
-                    points.push((share, clear(&stand, share)));
+                    points.push((share, clear(&stand, share), Some(stand)));
                 }
             }
         }
-        pose.spare_m = points.iter().fold(pose.spare_m, |least, (_, spare)| nearer(least, *spare));
+        if falls {
+            pose.not_carried += FALLS;
+        }
+        let nearest = points.into_iter().min_by(|a, b| spare(&a.1).total_cmp(&spare(&b.1)));
+        if let Some((share, spare_m, stand)) = nearest {
+            pose.spare_m = spare_m;
+            pose.nearest = stand.map(|stand| (share, stand));
+        }
         pose.way = stands;
     }
 }
 
-fn spare((_, spare): &(f64, Option<(f64, usize)>)) -> f64 {
+/// The clearance of the move to a pose of a limb nearby, at the point of the move that is the nearest one at `near`: as far as derivatives go, it is the
+/// nearest one there, too.
+pub(super) fn spare_beside(
+    built: &Built,
+    task: &LoadedTask,
+    by: &Judgement,
+    index: usize,
+    poses: &[&PoseState],
+    near: &PoseState,
+) -> Option<(f64, usize)> {
+    let Some((share, stand)) = &near.nearest else { return poses[index].spare_m };
+    if spare(&near.spare_m) > FAR_M {
+        return near.spare_m;
+    }
+    let rest = vec![0.0; built.len()];
+    let before = index.checked_sub(1).map(|before| poses[before]);
+    let way = way(task, by, index, (before, &rest), poses[index]);
+    let carried = task.poses[index].carried.as_ref().zip(grasp(task, poses, index));
+    let Some(stand) = way.stand(built, *share, Some(stand)) else { return near.spare_m };
+    spare_m(built, task, &stand, carried, &way.shift_m(*share))
+}
+
+fn spare(spare: &Option<(f64, usize)>) -> f64 {
     spare.map_or(f64::INFINITY, |(spare, _)| spare)
 }

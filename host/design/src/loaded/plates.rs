@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use super::built::Built;
 use super::evaluate::Evaluation;
 use super::inverse::Reached;
-use super::space::LimbSpace;
-use super::task::LoadedTask;
+use super::pose::PoseState;
+use super::task::{LoadedPose, LoadedTask};
 use softlimb_limb::statics::{Answer, LoadedLimb, by_tubes};
 
 /// Tubes are cut into as many pieces as change their tip by no more than this, m.
@@ -20,18 +20,12 @@ pub(super) fn by_plates(built: &Built, shares: &[f64], kg: f64) -> Option<(Loade
 }
 
 /// Way from the tip of rods to that of tubes in each pose, m, as it is reached and as it is held; zero where tubes have no shape.
-pub(super) fn shifts_m(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    limb: &Evaluation,
-    reserve: f64,
-) -> Vec<[Vector3<f64>; 2]> {
-    let Some(built) = Built::new(task, space, &limb.sizes, reserve) else { return Vec::new() };
+pub(super) fn shifts_m(task: &LoadedTask, limb: &Evaluation) -> Vec<[Vector3<f64>; 2]> {
     let shift = |reached: &Reached, kg: f64| {
-        let tubes = by_plates(&built, &reached.stand.shares, kg);
+        let tubes = by_plates(&limb.built, &reached.stand.shares, kg);
         tubes.map_or_else(Vector3::zeros, |(_, tubes)| tubes.tip().translation.vector - reached.stand.tip_m())
     };
-    let of_pose = |(pose, state): (&super::task::LoadedPose, &super::pose::PoseState)| {
+    let of_pose = |(pose, state): (&LoadedPose, &PoseState)| {
         let moved = shift(&state.moved, pose.move_kg);
         [moved, if pose.hold_kg == pose.move_kg { moved } else { shift(&state.held, pose.hold_kg) }]
     };

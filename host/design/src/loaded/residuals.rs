@@ -33,7 +33,13 @@ pub struct Lack {
 }
 
 /// Residuals of a pose, as many for every limb.
-pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &PoseState, reserve: f64) -> Vec<Lack> {
+pub(super) fn of_pose(
+    task: &LoadedTask,
+    built: &Built,
+    pose: usize,
+    (state, tilt_rad): (&PoseState, f64),
+    reserve: f64,
+) -> Vec<Lack> {
     let limits = &task.limits;
     let more = 1.0 + reserve;
     let mut lacks = Vec::new();
@@ -43,6 +49,9 @@ pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &Pos
         state.held.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
     }
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
+    if let Some(body) = task.poses[pose].carried {
+        push(Margin::Tilt, (tilt_rad - body.tilt_max_rad / more).max(0.0) / ANGLE_RAD);
+    }
     state.shares.iter().for_each(|share| push(Margin::Pressure, (share - 1.0).max(0.0) / PRESSURE));
     push(Margin::Carries, FALLS * state.not_carried);
     let states = if task.poses[pose].payload_kg() > 0.0 { LOADS.len() } else { 1 };
