@@ -8,6 +8,8 @@ use nalgebra::{DMatrix, DVector};
 
 const LEAST_DAMPING: f64 = 1e-12;
 const MOST_DAMPING: f64 = 1e12;
+/// Least diagonal that damps a variable, over the largest one.
+fn least_scale() -> f64 { std::env::var("LS").ok().and_then(|t| t.parse().ok()).unwrap_or(1e-5) }
 /// Steps in a row below the least gain that end a local solve.
 const IDLE: usize = 3;
 
@@ -94,12 +96,14 @@ pub struct StoppingCriteria {
     pub damping: f64,
     /// Most evaluations.
     pub evaluations: usize,
+    /// Whether each variable is damped by its own diagonal of the model, as Marquardt has it, not all of them by the largest one.
+    pub by_diagonal: bool,
 }
 
 impl Default for StoppingCriteria {
     /// To the last digits, without a budget.
     fn default() -> Self {
-        Self { zero: 0.0, relative: 1e-14, least_gain: 0.0, damping: MOST_DAMPING, evaluations: usize::MAX }
+        Self { zero: 0.0, relative: 1e-14, least_gain: 0.0, damping: MOST_DAMPING, evaluations: usize::MAX, by_diagonal: false }
     }
 }
 
@@ -124,7 +128,7 @@ pub fn minimise<P: SumOfSquares>(
         }
         let Some(here) = model.take().or_else(|| problem.model(&evaluation)) else { break };
         let hessian = if with_secant { &here.normal + &secant } else { here.normal.clone() };
-        let Some((step, predicted)) = bounded_step(&hessian, &here, &point, &mut damping) else { break };
+        let Some((step, predicted)) = bounded_step(&hessian, &here, &point, &mut damping, criteria.by_diagonal) else { break };
         if predicted <= criteria.relative * objective {
             // No reduction is left at this damping; without damping there may be. Where the step has raised a lowered damping, none is.
             if damping <= LEAST_DAMPING || predicted == 0.0 || lowered.is_some_and(|lowered| damping > lowered) {
@@ -190,10 +194,13 @@ fn bounded_step(
     model: &Model,
     point: &DVector<f64>,
     damping: &mut f64,
+    by_diagonal: bool,
 ) -> Option<(DVector<f64>, f64)> {
     let width = point.len();
     let gradient = &model.gradient;
     let scale = model.normal.diagonal().max().max(f64::MIN_POSITIVE);
+    let least = if by_diagonal { least_scale() } else { 1.0 };
+    let scales = model.normal.diagonal().map(|own| own.max(least * scale));
     while *damping <= MOST_DAMPING {
         let mut step = DVector::zeros(width);
         let outwards = |i: usize| (point[i] <= 0.0 && gradient[i] >= 0.0) || (point[i] >= 1.0 && gradient[i] <= 0.0);
@@ -202,7 +209,7 @@ fn bounded_step(
             if free.is_empty() {
                 break true;
             }
-            let damped = |i: usize, j: usize| hessian[(i, j)] + if i == j { *damping * scale } else { 0.0 };
+            let damped = |i: usize, j: usize| hessian[(i, j)] + if i == j { *damping * scales[i] } else { 0.0 };
             let block = DMatrix::from_fn(free.len(), free.len(), |i, j| damped(free[i], free[j]));
             let held = hessian * &step;
             let right = DVector::from_fn(free.len(), |i, _| -gradient[free[i]] - held[free[i]]);

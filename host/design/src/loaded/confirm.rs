@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::built::Built;
 use super::clearance::spare_m;
-use super::evaluate::{Evaluation, Judgement, tilt_rad as tilt_rad_of};
-use super::inverse::{Stand, nearest, reach};
+use super::evaluate::{Evaluation, Judgement};
+use super::inverse::{Stand, nearest, reach, tilt_rad as tilt_rad_of};
 use super::limits::{Margin, StandingLimits};
 use super::moves::Move;
 use super::plates::by_plates;
@@ -16,6 +16,8 @@ use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb};
 
 /// The tip counts as at its aim within this, m.
 pub const REACHED_M: f64 = 1e-4;
+/// Load factors are followed no farther than this.
+pub const LOAD_FACTOR_MOST: f64 = 2.0;
 /// Points of a move, and of the change of mass at its end, that its clearance is taken at.
 const DENSE: usize = 48;
 const HAND_OVER: usize = 8;
@@ -37,7 +39,7 @@ pub struct ConfirmedPose {
     pub tip_error_m: f64,
     /// The tip, m.
     pub tip_m: [f64; 3],
-    /// Load factor.
+    /// Load factor, up to [`LOAD_FACTOR_MOST`], which stands for that and more.
     pub load_factor: f64,
     /// Vertical stiffness of the tip, N/m.
     pub stiffness_n_per_m: f64,
@@ -200,6 +202,7 @@ fn back_spare_m(task: &LoadedTask, built: &Built, ends: &[&Ends]) -> Option<f64>
 }
 
 /// Pressures with which tubes between plates have their tip at a place.
+#[derive(Clone)]
 struct Corrected {
     stand: Stand,
     error_m: f64,
@@ -250,7 +253,11 @@ fn confirm_pose(
     let shifts_m = by.shift_m(index);
     let place_m = nearest(&pose.aim, &state.tip_m.into());
     let moved = corrected(built, &state.moved.stand, pose.move_kg, (&place_m, &shifts_m[0]));
-    let held = corrected(built, &state.held.stand, pose.hold_kg, (&place_m, &shifts_m[1]));
+    let held = if pose.hold_kg == pose.move_kg {
+        moved.clone()
+    } else {
+        corrected(built, &state.held.stand, pose.hold_kg, (&place_m, &shifts_m[1]))
+    };
     let payload_kg = pose.payload_kg();
     let mut answer = ConfirmedPose {
         name: pose.name.clone(),
@@ -277,7 +284,7 @@ fn confirm_pose(
         let states = loads.iter().map(|share| by_plates(built, &held.stand.shares, share * payload_kg));
         if let Some(states) = states.collect::<Option<Vec<_>>>() {
             let least = |of: &dyn Fn(&(LoadedLimb, Answer)) -> f64| states.iter().map(of).fold(f64::INFINITY, f64::min);
-            answer.load_factor = least(&|(_, tubes)| tubes.load_factor());
+            answer.load_factor = least(&|(_, tubes)| tubes.load_factor_to(LOAD_FACTOR_MOST));
             answer.stiffness_n_per_m =
                 least(&|(_, tubes)| tubes.compliance_m_per_n().map_or(0.0, |by| 1.0 / by[(2, 2)]));
             answer.buckling_margin =

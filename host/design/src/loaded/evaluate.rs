@@ -83,7 +83,7 @@ pub(super) fn evaluate_at(
     near: &Evaluation,
 ) -> Option<Evaluation> {
     let built = Built::near(task, space, sizes, by.reserve, (&near.built, &near.sizes))?;
-    let poses = poses_at(task, &built, shares, by, &near.poses)?;
+    let poses = poses_at(task, &built, shares, by, &near.poses, Changed::Anew)?;
     Some(Evaluation::of(task, built, sizes, by, poses, Some(near)))
 }
 
@@ -94,11 +94,12 @@ pub(super) fn poses_at(
     shares: &[[Vec<f64>; 2]],
     by: &Judgement,
     near: &[PoseState],
+    changed: Changed,
 ) -> Option<Vec<PoseState>> {
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, [moved, held]) in shares.iter().enumerate() {
         let sought = sought(task, index, by, grasp(task, &refs(&poses), index));
-        poses.push(pose_at(built, &sought, [moved, held], &near[index], Changed::All)?);
+        poses.push(pose_at(built, &sought, [moved, held], &near[index], changed)?);
     }
     Some(poses)
 }
@@ -122,8 +123,6 @@ impl Evaluation {
         mut poses: Vec<PoseState>,
         near: Option<&Self>,
     ) -> Self {
-        let tilts = tilts_rad(task, &refs(&poses));
-        poses.iter_mut().zip(tilts).for_each(|(pose, tilt_rad)| pose.tilt_rad = tilt_rad);
         if by.moves && !task.obstacles.is_empty() && task.moves {
             moves(&built, task, by, &mut poses, near);
         }
@@ -150,32 +149,18 @@ pub(super) fn refs(poses: &[PoseState]) -> Vec<&PoseState> {
 
 /// What the margins lack.
 pub(super) fn lacks(task: &LoadedTask, built: &Built, poses: &[&PoseState], reserve: f64) -> Vec<Lack> {
-    let tilts = tilts_rad(task, poses);
-    let of = |(index, (state, tilt_rad)): (usize, (&&PoseState, f64))| {
-        of_pose(task, built, index, (state, tilt_rad), reserve)
-    };
-    poses.iter().zip(tilts).enumerate().flat_map(of).collect()
+    poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, built, index, state, reserve)).collect()
 }
 
 /// Orientation of the tip when it grasped the body that it carries to a pose; `None` where it carries none.
 pub(super) fn grasp(task: &LoadedTask, before: &[&PoseState], pose: usize) -> Option<UnitQuaternion<f64>> {
+    Some(before[grasped_at(task, pose)?].moved.stand.shape.tip().rotation)
+}
+
+/// The pose at whose end the body is grasped that is carried to a pose.
+pub(super) fn grasped_at(task: &LoadedTask, pose: usize) -> Option<usize> {
     task.poses[pose].carried?;
-    let last = (0..pose).rev().find(|index| task.poses[*index].carried.is_none())?;
-    Some(before[last].moved.stand.shape.tip().rotation)
-}
-
-/// Tilts of the carried body in each pose, rad.
-fn tilts_rad(task: &LoadedTask, poses: &[&PoseState]) -> Vec<f64> {
-    let of = |index: usize| {
-        let turn = poses[index].moved.stand.shape.tip().rotation;
-        grasp(task, poses, index).map_or(0.0, |grasp| tilt_rad(&turn, &grasp))
-    };
-    (0..poses.len()).map(of).collect()
-}
-
-/// Tilt of the axis of a body that stood upright when it was grasped, rad.
-pub(super) fn tilt_rad(turn: &UnitQuaternion<f64>, grasp: &UnitQuaternion<f64>) -> f64 {
-    (turn * grasp.inverse() * Vector3::z()).angle(&Vector3::z())
+    (0..pose).rev().find(|index| task.poses[*index].carried.is_none())
 }
 
 fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {

@@ -3,8 +3,8 @@
 use std::panic::resume_unwind;
 
 use super::built::Built;
-use super::evaluate::{Evaluation, Judgement, evaluate_at, grasp, lacks, poses_at, refs, sought};
-use super::moves::spare_beside;
+use super::evaluate::{Evaluation, Judgement, evaluate_at, grasp, grasped_at, lacks, poses_at, refs, sought};
+use super::moves::beside;
 use super::pose::{Changed, PoseState, pose_at};
 use super::residuals::Lack;
 use super::space::{HOME, LimbSpace};
@@ -86,13 +86,15 @@ impl Problem<'_> {
 
     fn with_size(&self, at: &At, point: &[f64]) -> Option<Vec<Lack>> {
         let (task, space, by) = (self.task, self.space, self.by);
-        let sizes = space.sizes(&point[..self.sizes]);
         let near = &at.limb;
+        let mut sizes = space.sizes(&point[..self.sizes]);
+        // Another number of spacers is a jump, not a slope.
+        sizes.modules.iter_mut().zip(&near.sizes.modules).for_each(|(own, near)| own.spacers = near.spacers);
         let built = Built::near(task, space, &sizes, by.reserve, (&near.built, &near.sizes))?;
-        let mut poses = poses_at(task, &built, &self.shares(point), by, &near.poses)?;
-        let spares: Vec<_> =
-            (0..poses.len()).map(|index| spare_beside(&built, task, by, index, &refs(&poses), &near.poses[index])).collect();
-        poses.iter_mut().zip(spares).for_each(|(pose, spare_m)| pose.spare_m = spare_m);
+        let mut poses = poses_at(task, &built, &self.shares(point), by, &near.poses, Changed::All)?;
+        let moves: Vec<_> =
+            (0..poses.len()).map(|index| beside(&built, task, by, index, &refs(&poses), &near.poses[index])).collect();
+        poses.iter_mut().zip(moves).for_each(|(pose, by)| (pose.spare_m, pose.tilt_rad) = by);
         Some(lacks(task, &built, &refs(&poses), by.reserve))
     }
 
@@ -105,23 +107,24 @@ impl Problem<'_> {
             _ => Changed::Held,
         };
         let [moved, held] = &self.shares(point)[pose];
-        let mut poses = refs(&near.poses);
+        let poses = refs(&near.poses);
         let sought = sought(task, pose, by, grasp(task, &poses, pose));
-        let mut own = pose_at(&near.built, &sought, [moved, held], &near.poses[pose], changed)?;
-        poses[pose] = &own;
-        let spare_m = spare_beside(&near.built, task, by, pose, &poses, &near.poses[pose]);
-        let next = near.poses.get(pose + 1).filter(|next| next.nearest.is_some()).map(|next| {
-            let spare_m = spare_beside(&near.built, task, by, pose + 1, &poses, next);
-            let mut next = next.clone();
-            next.spare_m = spare_m;
-            next
-        });
-        own.spare_m = spare_m;
-        poses = refs(&near.poses);
-        poses[pose] = &own;
-        if let Some(next) = &next {
-            poses[pose + 1] = next;
+        let own = pose_at(&near.built, &sought, [moved, held], &near.poses[pose], changed)?;
+        // The moves to it and from it, and the bodies that are grasped there.
+        let affected = |index: &usize| {
+            *index == pose || *index == pose + 1 || (state == 0 && grasped_at(task, *index) == Some(pose))
+        };
+        let mut others: Vec<(usize, PoseState)> = Vec::new();
+        for index in (pose..near.poses.len()).filter(affected) {
+            let mut there = poses.clone();
+            there[pose] = &own;
+            let (spare_m, tilt_rad) = beside(&near.built, task, by, index, &there, &near.poses[index]);
+            let mut judged = if index == pose { own.clone() } else { near.poses[index].clone() };
+            (judged.spare_m, judged.tilt_rad) = (spare_m, tilt_rad);
+            others.push((index, judged));
         }
+        let mut poses = poses;
+        others.iter().for_each(|(index, judged)| poses[*index] = judged);
         Some(lacks(task, &near.built, &poses, by.reserve))
     }
 }
@@ -179,6 +182,7 @@ pub(super) fn local(
         relative: 1e-4,
         least_gain: 5e-3,
         evaluations: steps.max(1),
+        by_diagonal: std::env::var("NODIAG").is_err(),
         ..StoppingCriteria::default()
     };
     let minimum = minimise(&mut problem, &start, criteria)?;

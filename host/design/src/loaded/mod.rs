@@ -23,7 +23,7 @@ mod task;
 
 pub use bounds::{ActiveBound, active_bounds};
 pub use built::Built;
-pub use confirm::{ConfirmedPose, REACHED_M};
+pub use confirm::{ConfirmedPose, LOAD_FACTOR_MOST, REACHED_M};
 pub use evaluate::{Evaluation, Judgement, evaluate};
 pub use limits::{Margin, StandingLimits};
 pub use pose::{LoadState, PoseState};

@@ -5,12 +5,16 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::built::Built;
 use super::clearance::{nearer, spare_m};
 use super::inverse::{Reached, Stand, reach};
+use super::limits::StandingLimits;
 use super::task::{LoadedPose, LoadedTask};
 use crate::synthesis::Aim;
 use softlimb_limb::statics::{Bends, Rod, Shape, UNKNOWNS, solve};
 
 /// Shares of a payload that a pose is judged with; the limb found is judged with half of it, too.
 pub(super) const LOADS: [f64; 2] = [0.0, 1.0];
+/// A margin that is this many times its limit is far from it.
+const FAR: f64 = 1.25;
+
 /// A pose under a share of its payload, at the pressures that hold all of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadState {
@@ -41,7 +45,7 @@ pub struct PoseState {
     pub missing_m: Vector3<f64>,
     /// Angle between the end effector and the direction that it shall have, beyond the tolerance, rad.
     pub turned_rad: f64,
-    /// Tilt of the axis of the carried body, which turns with the end effector since it was grasped, rad; 0 without one.
+    /// Tilt of the axis of the carried body, which turns with the end effector since it was grasped, here and on the way, rad; 0 without one.
     pub tilt_rad: f64,
     /// The states without and with all of the payload; fewer where the limb does not carry it.
     pub loads: Vec<LoadState>,
@@ -57,6 +61,8 @@ pub struct PoseState {
     pub(super) way: Vec<Option<Stand>>,
     /// The one on the way that comes nearest to an obstacle, at a share of the way; `None` where the pose itself does.
     pub(super) nearest: Option<(f64, Stand)>,
+    /// The same of the one where the carried body tilts most.
+    pub(super) steepest: Option<(f64, Stand)>,
 }
 
 /// A pose and how it is judged.
@@ -101,9 +107,11 @@ pub(super) fn pose_state(built: &Built, sought: &Sought<'_>, start: &Stand) -> O
     Some(PoseState { not_carried, ..judged(built, sought, moved, held, None) }.with_loads(built, sought, None))
 }
 
-/// Which equilibria of a pose are those of another limb or pressures, and which are kept.
+/// Which equilibria of a pose are those of another limb or other pressures. But for the first, the limb is just beside the other one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Changed {
+    /// All of them, anywhere near.
+    Anew,
     /// All of them.
     All,
     /// The one as the pose is reached.
@@ -121,7 +129,10 @@ pub(super) fn pose_at(
     changed: Changed,
 ) -> Option<PoseState> {
     let Sought { pose, shift_m, .. } = sought;
-    let at = |shares: &[f64], kg, near: &Stand| Stand::at(built, shares, kg, Some(near)).ok();
+    let at = |shares: &[f64], kg, near: &Stand| match changed {
+        Changed::Anew => Stand::at(built, shares, kg, Some(near)).ok(),
+        _ => Stand::beside(built, shares, kg, near),
+    };
     let stand = match changed {
         Changed::Held => near.moved.stand.clone(),
         _ => at(shares[0], pose.move_kg, &near.moved.stand)?,
@@ -142,7 +153,7 @@ pub(super) fn pose_at(
         let kept = near.clone();
         return Some(PoseState { loads: kept.loads, not_carried: kept.not_carried, other: kept.other, ..state });
     }
-    Some(state.with_loads(built, sought, Some(near)))
+    Some(state.with_loads(built, sought, Some((near, changed != Changed::Anew))))
 }
 
 /// A pose with its equilibria, and without the states under its loads.
@@ -158,7 +169,7 @@ fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, nea
         tip_m: (moved.stand.tip_m() + sought.shift_m[0]).into(),
         missing_m: moved.missing_m,
         turned_rad,
-        tilt_rad: 0.0,
+        tilt_rad: moved.stand.tilt_rad(sought.grasp.as_ref()),
         loads: Vec::new(),
         not_carried: 0.0,
         spare_m: nearer(clear(&moved.stand, &sought.shift_m[0]), clear(&held.stand, &sought.shift_m[1])),
@@ -167,27 +178,36 @@ fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, nea
         other: near.and_then(|near| near.other.clone()),
         way: Vec::new(),
         nearest: None,
+        steepest: None,
     }
 }
 
 impl PoseState {
     /// The same with its states without and with all of the payload, from those of a pose nearby.
-    fn with_loads(mut self, built: &Built, sought: &Sought<'_>, near: Option<&PoseState>) -> Self {
+    fn with_loads(mut self, built: &Built, sought: &Sought<'_>, near: Option<(&PoseState, bool)>) -> Self {
         let Sought { task, pose, reserve, .. } = *sought;
         let payload_kg = pose.payload_kg();
         let enough = task.limits.load_factor * (1.0 + reserve);
         self.other = None;
-        for share in LOADS.iter().skip(if payload_kg > 0.0 { 0 } else { LOADS.len() - 1 }) {
+        let loads = LOADS.iter().skip(if payload_kg > 0.0 { 0 } else { LOADS.len() - 1 });
+        for (index, share) in loads.enumerate() {
             let kg = share * payload_kg;
             let held = &self.held.stand;
             let own = kg == pose.hold_kg;
-            let stand = if own {
-                Ok(held.clone())
-            } else {
-                let near = near.and_then(|near| near.other.as_ref()).unwrap_or(held);
-                Stand::at(built, &held.shares, kg, Some(near))
+            let known = near.filter(|(_, beside)| *beside).and_then(|(near, _)| near.loads.get(index));
+            // A margin that is far from its limit has no derivative that counts.
+            if let Some(load) = known.filter(|load| load.is_far(&task.limits, built.length_m, 1.0 + reserve)) {
+                self.loads.push(*load);
+                continue;
+            }
+            let stand = match near.map(|(near, beside)| (near.other.as_ref().unwrap_or(held), beside)) {
+                _ if own => Some(held.clone()),
+                Some((near, true)) => Stand::beside(built, &held.shares, kg, near),
+                near => Stand::at(built, &held.shares, kg, Some(near.map_or(held, |(near, _)| near))).ok(),
             };
-            match stand.ok().and_then(|stand| Some((load_state(built, &stand, kg, enough)?, stand))) {
+            // The load factor of a limb beside is left out where it is enough.
+            let enough = known.map_or(enough, |load| if load.load_factor < enough { enough } else { 0.0 });
+            match stand.and_then(|stand| Some((load_state(built, &stand, kg, enough)?, stand))) {
                 Some((state, stand)) => {
                     self.loads.push(state);
                     self.other = if own { self.other } else { Some(stand) };
@@ -199,15 +219,30 @@ impl PoseState {
     }
 }
 
+impl LoadState {
+    /// Whether all of it is far from its limits with a reserve: by a quarter of them.
+    fn is_far(&self, limits: &StandingLimits, length_m: f64, more: f64) -> bool {
+        let far = FAR * more;
+        self.load_factor >= limits.load_factor * more
+            && self.stiffness_n_per_m >= far * limits.stiffness_n_per_m
+            && far * self.sag_m <= limits.sag_share * length_m
+            && far * self.buckling_ratio * limits.buckling_margin <= 1.0
+            && self.least_bend_rad_per_m > 1.0
+    }
+}
+
 /// The load factor, or `enough` where it is at least that: one step there is much cheaper than the way to where the limb falls.
 fn load_factor(rod: &Rod, shape: &Shape, enough: f64) -> f64 {
+    if enough <= 0.0 {
+        return f64::INFINITY;
+    }
     let reached = solve(&rod.grown(enough), Bends::Linear, Some(&shape.q)).is_ok_and(|found| found.steps == 1);
     if reached { enough } else { shape.load_factor(rod, Bends::Linear) }
 }
 
 fn load_state(built: &Built, stand: &Stand, kg: f64, enough: f64) -> Option<LoadState> {
     let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
-    let compliance = shape.compliance_m_per_n(rod, Bends::Linear)?[(2, 2)];
+    let compliance = shape.compliance_along_m_per_n(rod, Bends::Linear, 2)?;
     let bends = rod.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)).enumerate();
     let bends = bends.filter(|(index, _)| built.is_bending(*index));
     let least = bends.map(|(_, (piece, q))| piece.free[1] + q[2] - q[3].abs()).fold(f64::INFINITY, f64::min);

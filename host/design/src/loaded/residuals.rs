@@ -37,7 +37,7 @@ pub(super) fn of_pose(
     task: &LoadedTask,
     built: &Built,
     pose: usize,
-    (state, tilt_rad): (&PoseState, f64),
+    state: &PoseState,
     reserve: f64,
 ) -> Vec<Lack> {
     let limits = &task.limits;
@@ -50,7 +50,7 @@ pub(super) fn of_pose(
     }
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
     if let Some(body) = task.poses[pose].carried {
-        push(Margin::Tilt, (tilt_rad - body.tilt_max_rad / more).max(0.0) / ANGLE_RAD);
+        push(Margin::Tilt, (state.tilt_rad - body.tilt_max_rad / more).max(0.0) / ANGLE_RAD);
     }
     state.shares.iter().for_each(|share| push(Margin::Pressure, (share - 1.0).max(0.0) / PRESSURE));
     push(Margin::Carries, FALLS * state.not_carried);
