@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 const LEAST_DAMPING: f64 = 1e-12;
 const MOST_DAMPING: f64 = 1e12;
 /// Least diagonal that damps a variable, over the largest one.
-fn least_scale() -> f64 { std::env::var("LS").ok().and_then(|t| t.parse().ok()).unwrap_or(1e-5) }
+fn least_scale() -> f64 { std::env::var("LS").ok().and_then(|t| t.parse().ok()).unwrap_or(1e-2) }
 /// Steps in a row below the least gain that end a local solve.
 const IDLE: usize = 3;
 

@@ -250,7 +250,7 @@ fn confirm_pose(
     index: usize,
 ) -> (ConfirmedPose, Option<Ends>) {
     let (pose, state, built) = (&task.poses[index], &limb.poses[index], &limb.built);
-    let shifts_m = by.shift_m(index);
+    let shifts_m = by.shift(index).tip_m;
     let place_m = nearest(&pose.aim, &state.tip_m.into());
     let moved = corrected(built, &state.moved.stand, pose.move_kg, (&place_m, &shifts_m[0]));
     let held = if pose.hold_kg == pose.move_kg {

@@ -1,14 +1,16 @@
 //! One limb judged: its poses under load, and what every margin lacks.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::UnitQuaternion;
 
 use super::built::Built;
-use super::inverse::Stand;
+use super::inverse::{Stand, reach};
+use super::plates::Shift;
 use super::moves::moves;
-use super::pose::{Changed, PoseState, Sought, pose_at, pose_state};
+use super::pose::{Changed, PoseState, Sought, moved_aim, pose_at, pose_state};
 use super::residuals::{Lack, of_pose};
 use super::space::{LimbSizes, LimbSpace};
 use super::task::LoadedTask;
+use crate::synthesis::Aim;
 
 /// Shares of the pressures that the first pose is sought from.
 const FIRST: [f64; 2] = [0.1, 0.7];
@@ -41,15 +43,15 @@ impl Evaluation {
 pub struct Judgement {
     /// Share by which every margin shall be better than its limit.
     pub reserve: f64,
-    /// Way from the tip of rods to that of tubes between plates in each pose, m: as it is reached and as it is held. Zero where there is none.
-    pub shifts_m: Vec<[Vector3<f64>; 2]>,
+    /// From rods to tubes between plates in each pose. Zero where there is none.
+    pub shifts: Vec<Shift>,
     /// Whether the moves are judged, too, where the task wants them clear.
     pub moves: bool,
 }
 
 impl Judgement {
-    pub(super) fn shift_m(&self, pose: usize) -> [Vector3<f64>; 2] {
-        self.shifts_m.get(pose).copied().unwrap_or_default()
+    pub(super) fn shift(&self, pose: usize) -> Shift {
+        self.shifts.get(pose).copied().unwrap_or_default()
     }
 }
 
@@ -62,7 +64,7 @@ pub fn evaluate(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes, by: &Ju
     for (index, pose) in task.poses.iter().enumerate() {
         let grasp = grasp(task, &refs(&poses), index);
         let sought =
-            Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift_m(index), grasp };
+            Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift(index).tip_m, grasp };
         let after = || pose_state(&built, &sought, &poses.last()?.held.stand);
         let anew = || pose_state(&built, &sought, &first(&built, sizes, pose.move_kg)?);
         let found = after().or_else(anew)?;
@@ -111,7 +113,7 @@ pub(super) fn sought<'a>(
     by: &Judgement,
     grasp: Option<UnitQuaternion<f64>>,
 ) -> Sought<'a> {
-    Sought { task, pose: &task.poses[pose], home: &[], reserve: by.reserve, shift_m: by.shift_m(pose), grasp }
+    Sought { task, pose: &task.poses[pose], home: &[], reserve: by.reserve, shift_m: by.shift(pose).tip_m, grasp }
 }
 
 impl Evaluation {
@@ -126,15 +128,32 @@ impl Evaluation {
         if by.moves && !task.obstacles.is_empty() && task.moves {
             moves(&built, task, by, &mut poses, near);
         }
-        let lacks = lacks(task, &built, &refs(&poses), by.reserve);
+        let lacks = lacks(task, &built, &refs(&poses), by);
         Self { sizes: sizes.clone(), lacks, mass_kg: built.mass_kg(), length_m: built.length_m, poses, built }
     }
 
-    /// The same sizes and pressures judged by something else.
-    pub(super) fn judged_by(&self, task: &LoadedTask, space: &LimbSpace, by: &Judgement) -> Option<Self> {
+    /// The same sizes judged by something else, with pressures that bring the tip to the places.
+    pub(super) fn reaching(&self, task: &LoadedTask, space: &LimbSpace, by: &Judgement) -> Option<Self> {
+        let built = Built::new(task, space, &self.sizes, by.reserve)?;
+        // The same pressures are other shares of the ranges with another reserve.
         let factor = (1.0 + by.reserve) / (1.0 + self.built.reserve);
-        let shares = self.shares().into_iter().map(|states| states.map(|shares| shares.iter().map(|share| share * factor).collect())).collect::<Vec<_>>();
-        evaluate_at(task, space, &self.sizes, &shares, by, self)
+        let mut all = Vec::with_capacity(self.poses.len());
+        for (index, (pose, state)) in task.poses.iter().zip(&self.poses).enumerate() {
+            let reached = |near: &Stand, aim: &Aim, kg| {
+                let shares: Vec<f64> = near.shares.iter().map(|share| share * factor).collect();
+                let near = Stand { shares: shares.clone(), ..near.clone() };
+                Some(reach(&built, &near, (&shares, kg), aim, None).ok()?.stand)
+            };
+            let [there, then] = by.shift(index).tip_m;
+            let moved = reached(&state.moved.stand, &moved_aim(&pose.aim, &-there), pose.move_kg)?;
+            let held = if pose.hold_kg == pose.move_kg {
+                moved.shares.clone()
+            } else {
+                reached(&state.held.stand, &Aim::Point(moved.tip_m() + there - then), pose.hold_kg)?.shares
+            };
+            all.push([moved.shares, held]);
+        }
+        evaluate_at(task, space, &self.sizes, &all, by, self)
     }
 
     /// Shares of the pressures of each pose, as it is reached and as it is held.
@@ -148,8 +167,8 @@ pub(super) fn refs(poses: &[PoseState]) -> Vec<&PoseState> {
 }
 
 /// What the margins lack.
-pub(super) fn lacks(task: &LoadedTask, built: &Built, poses: &[&PoseState], reserve: f64) -> Vec<Lack> {
-    poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, built, index, state, reserve)).collect()
+pub(super) fn lacks(task: &LoadedTask, built: &Built, poses: &[&PoseState], by: &Judgement) -> Vec<Lack> {
+    poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, built, index, state, by)).collect()
 }
 
 /// Orientation of the tip when it grasped the body that it carries to a pose; `None` where it carries none.

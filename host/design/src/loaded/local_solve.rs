@@ -95,7 +95,7 @@ impl Problem<'_> {
         let moves: Vec<_> =
             (0..poses.len()).map(|index| beside(&built, task, by, index, &refs(&poses), &near.poses[index])).collect();
         poses.iter_mut().zip(moves).for_each(|(pose, by)| (pose.spare_m, pose.tilt_rad) = by);
-        Some(lacks(task, &built, &refs(&poses), by.reserve))
+        Some(lacks(task, &built, &refs(&poses), by))
     }
 
     fn with_pressure(&self, at: &At, point: &[f64], axis: usize) -> Option<Vec<Lack>> {
@@ -125,7 +125,7 @@ impl Problem<'_> {
         }
         let mut poses = poses;
         others.iter().for_each(|(index, judged)| poses[*index] = judged);
-        Some(lacks(task, &near.built, &poses, by.reserve))
+        Some(lacks(task, &near.built, &poses, by))
     }
 }
 

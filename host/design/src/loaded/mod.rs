@@ -26,6 +26,7 @@ pub use built::Built;
 pub use confirm::{ConfirmedPose, LOAD_FACTOR_MOST, REACHED_M};
 pub use evaluate::{Evaluation, Judgement, evaluate};
 pub use limits::{Margin, StandingLimits};
+pub use plates::Shift;
 pub use pose::{LoadState, PoseState};
 pub use residuals::Lack;
 pub use search::{Effort, Found, search};

@@ -60,8 +60,8 @@ fn way<'a>(
         to: &pose.moved.stand.shares,
         kg: task.poses[index].move_kg,
         shifts_m: [
-            index.checked_sub(1).map_or_else(Vector3::zeros, |before| by.shift_m(before)[1]),
-            by.shift_m(index)[0],
+            index.checked_sub(1).map_or_else(Vector3::zeros, |before| by.shift(before).tip_m[1]),
+            by.shift(index).tip_m[0],
         ],
     }
 }

@@ -78,7 +78,7 @@ pub(super) struct Sought<'a> {
 }
 
 /// An aim elsewhere, by a way in m.
-fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
+pub(super) fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
     match aim {
         Aim::Point(place_m) => Aim::Point(place_m + by_m),
         Aim::Inside { center_m, half_m, rotation } => {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::built::Built;
+use super::evaluate::Judgement;
 use super::limits::Margin;
 use super::pose::{LOADS, PoseState};
 use super::task::LoadedTask;
@@ -38,8 +39,9 @@ pub(super) fn of_pose(
     built: &Built,
     pose: usize,
     state: &PoseState,
-    reserve: f64,
+    by: &Judgement,
 ) -> Vec<Lack> {
+    let reserve = by.reserve;
     let limits = &task.limits;
     let more = 1.0 + reserve;
     let mut lacks = Vec::new();
@@ -50,7 +52,7 @@ pub(super) fn of_pose(
     }
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
     if let Some(body) = task.poses[pose].carried {
-        push(Margin::Tilt, (state.tilt_rad - body.tilt_max_rad / more).max(0.0) / ANGLE_RAD);
+        push(Margin::Tilt, (state.tilt_rad + by.shift(pose).tilt_rad - body.tilt_max_rad / more).max(0.0) / ANGLE_RAD);
     }
     state.shares.iter().for_each(|share| push(Margin::Pressure, (share - 1.0).max(0.0) / PRESSURE));
     push(Margin::Carries, FALLS * state.not_carried);

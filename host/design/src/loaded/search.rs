@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::confirm::{ConfirmedPose, confirm};
 use super::evaluate::{Evaluation, Judgement, evaluate};
-use super::local_solve::{At, NOTHING, abreast, local};
-use super::plates::shifts_m;
+use super::local_solve::{At, NOTHING, abreast, local, with_pressures};
+use super::plates::shifts;
 use super::space::LimbSpace;
 use super::task::LoadedTask;
 use softlimb_numerics::Random;
@@ -22,9 +22,10 @@ pub(super) const RAISE_STEPS: usize = 10;
 /// Steps of a local solve that tells a good start from a bad one, and the sum of squares up to which it is a good one.
 const SHORT_STEPS: usize = 10;
 const GOOD: f64 = 5.0;
-/// Turns of a local solve and of the shifts of its tubes, and the change of a shift that is none, m.
+/// A sum of squares up to which a limb may keep every margin with less of the reserve, once its tip is moved to the places.
+const NEAR: f64 = 0.05;
+/// Turns of a local solve and of the shifts of its tubes.
 const SHIFT_TURNS: usize = 4;
-const SHIFTED_M: f64 = 5e-5;
 /// Standard deviations of the starts about the first guess, in the unit box, one after the other.
 const SPREADS: [f64; 3] = [0.1, 0.15, 0.25];
 
@@ -230,11 +231,11 @@ fn solved(
     let (mut minimum, count) = local(task, space, start, near, by, steps)?;
     *evaluations += count;
     let (mut by, mut keeps) = (by.clone(), minimum.objective <= NOTHING);
-    if !keeps {
+    if !keeps && minimum.objective <= NEAR {
         let less = Judgement { reserve: by.reserve.min(KEPT * RESERVE), ..by.clone() };
-        // The same pressures are other shares of the ranges with another reserve.
-        let at = minimum.evaluation.limb.judged_by(task, space, &less);
-        if let Some(limb) = at.filter(|limb| limb.objective() <= NOTHING) {
+        let limb = minimum.evaluation.limb.reaching(task, space, &less);
+        if let Some(limb) = limb.filter(|limb| limb.objective() <= NOTHING) {
+            minimum.point = with_pressures(task, &minimum.point[..space.variables().len()], &limb);
             (minimum.objective, minimum.evaluation.limb) = (limb.objective(), limb);
             (by, keeps) = (less, true);
         }
@@ -245,15 +246,12 @@ fn solved(
 /// Solves for the limb and updates its tube shifts alternately until both agree.
 fn with_shifts(task: &LoadedTask, space: &LimbSpace, mut found: Candidate, evaluations: &mut usize) -> Candidate {
     for _ in 0..SHIFT_TURNS {
-        let shifts_m = shifts_m(task, found.limb());
-        let change_m = (0..shifts_m.len()).flat_map(|pose| {
-            let before = found.by.shifts_m.get(pose).copied().unwrap_or_default();
-            [0, 1].map(|state: usize| (shifts_m[pose][state] - before[state]).norm())
-        });
-        if change_m.fold(0.0, f64::max) <= SHIFTED_M {
+        let shifts = shifts(task, found.limb());
+        let change = shifts.iter().enumerate().map(|(pose, shift)| shift.change(&found.by.shift(pose)));
+        if change.fold(0.0, f64::max) <= 1.0 {
             return found;
         }
-        let by = Judgement { shifts_m, ..found.by.clone() };
+        let by = Judgement { shifts, ..found.by.clone() };
         let at = (&found.minimum.point[..], found.limb());
         let Some(next) = solved(task, space, at, &by, RAISE_STEPS, evaluations) else { break };
         found = next;
