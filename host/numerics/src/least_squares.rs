@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 const LEAST_DAMPING: f64 = 1e-12;
 const MOST_DAMPING: f64 = 1e12;
 /// Least diagonal that damps a variable, over the largest one.
-fn least_scale() -> f64 { std::env::var("LS").ok().and_then(|t| t.parse().ok()).unwrap_or(1e-2) }
+const LEAST_SCALE: f64 = 1e-2;
 /// Steps in a row below the least gain that end a local solve.
 const IDLE: usize = 3;
 
@@ -199,7 +199,7 @@ fn bounded_step(
     let width = point.len();
     let gradient = &model.gradient;
     let scale = model.normal.diagonal().max().max(f64::MIN_POSITIVE);
-    let least = if by_diagonal { least_scale() } else { 1.0 };
+    let least = if by_diagonal { LEAST_SCALE } else { 1.0 };
     let scales = model.normal.diagonal().map(|own| own.max(least * scale));
     while *damping <= MOST_DAMPING {
         let mut step = DVector::zeros(width);
@@ -293,6 +293,27 @@ mod tests {
         };
         let end = minimise(&mut Formula(r, j), &[0.2, 0.75], to_the_end()).unwrap();
         assert!(end.objective < 1e-20 && (end.point[0] - 0.75).abs() < 1e-9, "{:?}", end.point);
+    }
+
+    #[test]
+    fn damping_by_diagonal_does_not_slow_a_variable_of_small_slope() {
+        // Rosenbrock's valley beside a variable of another scale: 0.01 (c - 1/2) has its zero at c = 1/2.
+        let r = |p: &[f64]| {
+            let [x, y] = [4.0 * p[0] - 2.0, 4.0 * p[1] - 2.0];
+            vec![10.0 * (y - x * x), 1.0 - x, 0.01 * (p[2] - 0.5)]
+        };
+        let j = |p: &[f64]| {
+            let x = 4.0 * p[0] - 2.0;
+            vec![vec![-80.0 * x, 40.0, 0.0], vec![-4.0, 0.0, 0.0], vec![0.0, 0.0, 0.01]]
+        };
+        let end = |by_diagonal| {
+            let criteria = StoppingCriteria { zero: 1e-14, evaluations: 200, by_diagonal, ..StoppingCriteria::default() };
+            minimise(&mut Formula(r, j), &[0.2, 0.75, 0.0], criteria).unwrap()
+        };
+        for by_diagonal in [false, true] {
+            let end = end(by_diagonal);
+            assert!((end.point[0] - 0.75).abs() < 1e-6 && (end.point[2] - 0.5).abs() < 1e-4, "{:?}", end.point);
+        }
     }
 
     #[test]

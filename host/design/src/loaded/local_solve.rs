@@ -182,7 +182,7 @@ pub(super) fn local(
         relative: 1e-4,
         least_gain: 5e-3,
         evaluations: steps.max(1),
-        by_diagonal: std::env::var("NODIAG").is_err(),
+        by_diagonal: true,
         ..StoppingCriteria::default()
     };
     let minimum = minimise(&mut problem, &start, criteria)?;

@@ -29,7 +29,7 @@ pub use limits::{Margin, StandingLimits};
 pub use plates::Shift;
 pub use pose::{LoadState, PoseState};
 pub use residuals::Lack;
-pub use search::{Effort, Found, search};
+pub use search::{Effort, Found, confirmed, search};
 pub use seeded::{Seeded, seeded};
 pub use space::{BaseSpace, LimbSizes, LimbSpace, ModuleSizes, ModuleSpace, Variable};
 

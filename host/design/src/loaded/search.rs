@@ -42,11 +42,13 @@ pub struct Effort {
     pub steps: usize,
     /// Rises of the reserve.
     pub raises: usize,
+    /// Whether tubes between plates keep every margin, too; else the answer is that of rods, without their reserve.
+    pub by_tubes: bool,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { seed: 0, starts: 64, abreast: 2, steps: 40, raises: 3 }
+        Self { seed: 0, starts: 256, abreast: 2, steps: 40, raises: 3, by_tubes: true }
     }
 }
 
@@ -98,17 +100,23 @@ pub fn search(
 ) -> Option<Found> {
     let (best, mut evaluations) = raced(task, space, start, effort, stop);
     let mut best = best?;
-    if best.keeps {
+    if best.keeps && effort.by_tubes {
         let (higher, count) = raised(task, space, &best, effort.raises, stop);
         evaluations += count;
         best = higher.unwrap_or(best);
     }
     let Candidate { minimum, by, keeps, mut confirmed } = best;
     let limb = minimum.evaluation.limb;
-    if confirmed.is_empty() {
+    if confirmed.is_empty() && effort.by_tubes {
         confirmed = confirm(task, &limb, &by);
     }
     Some(Found { point: minimum.point, reached: keeps, by, evaluation: limb, confirmed, evaluations })
+}
+
+/// The limb at a point of the unit box by tubes between plates; empty where it does not stand.
+pub fn confirmed(task: &LoadedTask, space: &LimbSpace, point: &[f64]) -> Vec<ConfirmedPose> {
+    let by = Judgement { moves: true, ..Judgement::default() };
+    evaluate(task, space, &space.sizes(point), &by).map_or_else(Vec::new, |limb| confirm(task, &limb, &by))
 }
 
 /// The limb of the first start that leads to one that keeps every margin, or else the best one, and the limbs judged. Threads take one start after the
@@ -132,7 +140,7 @@ fn raced(
             }
             let given_up = || first.load(Ordering::Relaxed) < index || stop();
             let mut counted = 0;
-            let candidate = attempt(task, space, &starts[index], effort.steps, &given_up, &mut counted);
+            let candidate = attempt(task, space, &starts[index], effort, &given_up, &mut counted);
             evaluations.fetch_add(counted, Ordering::Relaxed);
             let Some(candidate) = candidate else { continue };
             if candidate.keeps {
@@ -157,7 +165,7 @@ fn raced(
 fn starts(guess: &[f64], effort: &Effort) -> Vec<Vec<f64>> {
     let mut random = Random::new(effort.seed, 1);
     let point = |index: usize| {
-        let spread = SPREADS[index % SPREADS.len()] * (index > 0) as u8 as f64;
+        let spread = if index == 0 { 0.0 } else { SPREADS[index % SPREADS.len()] };
         guess.iter().map(|x| (x + spread * random.normal()).clamp(0.0, 1.0)).collect()
     };
     (0..effort.starts.max(1)).map(point).collect()
@@ -168,50 +176,44 @@ fn attempt(
     task: &LoadedTask,
     space: &LimbSpace,
     start: &[f64],
-    steps: usize,
+    effort: &Effort,
     given_up: &dyn Fn() -> bool,
     evaluations: &mut usize,
 ) -> Option<Candidate> {
-    let dev = std::env::var("DEV").is_ok();
-    let t = std::time::Instant::now();
+    let steps = effort.steps;
     let mut by = Judgement { reserve: RESERVE, ..Judgement::default() };
     let limb = evaluate(task, space, &space.sizes(start), &by)?;
     *evaluations += 1;
-    if dev { println!("start {:.1} {:.0} ms", limb.objective(), t.elapsed().as_secs_f64()*1e3); }
-    let say = |what: &str, c: &Candidate| if dev {
-        let mut lacks: Vec<_> = c.limb().lacks.iter().filter(|lack| lack.value.abs() > 1e-3).collect();
-        lacks.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
-        lacks.truncate(4);
-        println!("   {what}: {:.2e} keeps {} steps {} {:.0} ms; tilt {:.0} {:?}", c.minimum.objective, c.keeps, c.minimum.evaluations, t.elapsed().as_secs_f64()*1e3,
-            c.limb().poses.iter().map(|p| p.tilt_rad).fold(0.0, f64::max).to_degrees(),
-            lacks.iter().map(|l| format!("{} {} {:.3}", l.margin.name(), l.pose, l.value)).collect::<Vec<_>>());
-    };
     let mut here = solved(task, space, (start, &limb), &by, SHORT_STEPS, evaluations)?;
-    say("short", &here);
     if !here.keeps && here.minimum.objective <= GOOD && !given_up() {
         here = solved(task, space, (&here.minimum.point, here.limb()), &by, steps, evaluations)?;
-        say("long", &here);
     }
     if !here.keeps || given_up() {
-        return Some(here);
+        return Some(here.unproven());
     }
     by.moves = true;
     here = solved(task, space, (&here.minimum.point, here.limb()), &by, steps, evaluations)?;
-    say("moves", &here);
-    if !here.keeps || given_up() {
+    if !effort.by_tubes {
         return Some(here);
     }
-    here = with_shifts(task, space, here, evaluations);
-    say("shifts", &here);
-    if here.keeps && !given_up() {
-        here.confirm(task);
-        if dev { for p in &here.confirmed { println!("   {:?}", p); } }
-        say("confirmed", &here);
+    if !here.keeps || given_up() {
+        return Some(here.unproven());
     }
+    here = with_shifts(task, space, here, evaluations);
+    if !here.keeps || given_up() {
+        return Some(here.unproven());
+    }
+    here.confirm(task);
     Some(here)
 }
 
 impl Candidate {
+    /// The same with some of its margins not judged.
+    fn unproven(mut self) -> Self {
+        self.keeps = false;
+        self
+    }
+
     /// Judges it by tubes between plates.
     fn confirm(&mut self, task: &LoadedTask) {
         self.confirmed = confirm(task, self.limb(), &self.by);

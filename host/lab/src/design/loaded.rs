@@ -1,0 +1,323 @@
+//! Limbs designed under load: several seeds a scene, seeded tasks, and the search beside CMA-ES.
+
+use std::fmt::Write as _;
+use std::io::{BufRead, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use serde::Serialize;
+use softlimb::cli::Failure;
+use softlimb_design::from_scene::{LoadedDesign, loaded_design};
+use softlimb_design::loaded::{
+    Effort, Evaluation, Found, Judgement, Lack, active_bounds, confirmed, evaluate, search, seeded,
+};
+
+/// Threads of a search and of a judge.
+const THREADS: usize = 2;
+/// Largest reserve of any search, in steps of this: that of CMA-ES rises by it.
+const RAISE: f64 = 0.05;
+
+/// Processor time of all threads of this process, s; 0 where the system does not have it.
+fn processor_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let after_name = stat.rsplit(')').next().unwrap_or_default();
+    // Fields 14 and 15 of proc(5), in ticks of 10 ms; the name is field 2.
+    after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
+}
+
+/// A scene with its search.
+pub(super) struct Loaded {
+    name: String,
+    design: LoadedDesign,
+}
+
+impl Loaded {
+    pub(super) fn read(file: &Path) -> Result<Self, Failure> {
+        let scene = softlimb::scene::load(file)?;
+        let design = loaded_design(&scene)?;
+        Ok(Self { name: scene.name().to_owned(), design })
+    }
+}
+
+/// A search.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Searched {
+    scene: String,
+    seed: u64,
+    confirmed: bool,
+    reserve: f64,
+    tip_error_mm: f64,
+    spare_mm: Option<f64>,
+    tilt_deg: f64,
+    load_factor: f64,
+    stiffness_n_per_m: f64,
+    sag_share: f64,
+    buckling_margin: f64,
+    pressure_share: f64,
+    mass_kg: f64,
+    limbs: usize,
+    processor_s: f64,
+    wall_s: f64,
+}
+
+fn searched(scene: &Loaded, seed: u64, effort: Effort) -> Option<(Searched, Found)> {
+    let (task, space) = (&scene.design.task, &scene.design.space);
+    let (begin, used_s) = (Instant::now(), processor_s());
+    let found = search(task, space, &space.first_guess(), &Effort { seed, ..effort }, &|| false)?;
+    let (wall_s, processor_s) = (begin.elapsed().as_secs_f64(), processor_s() - used_s);
+    let poses = &found.confirmed;
+    let most = |of: fn(&softlimb_design::loaded::ConfirmedPose) -> f64| poses.iter().map(of).fold(0.0, f64::max);
+    let least =
+        |of: fn(&softlimb_design::loaded::ConfirmedPose) -> f64| poses.iter().map(of).fold(f64::INFINITY, f64::min);
+    let row = Searched {
+        scene: scene.name.clone(),
+        seed,
+        confirmed: found.reached,
+        reserve: if found.reached { found.by.reserve } else { 0.0 },
+        tip_error_mm: 1e3 * most(|pose| pose.tip_error_m),
+        spare_mm: poses.iter().filter_map(|pose| pose.spare_m).reduce(f64::min).map(|spare_m| 1e3 * spare_m),
+        tilt_deg: most(|pose| pose.tilt_rad).to_degrees(),
+        load_factor: least(|pose| pose.load_factor),
+        stiffness_n_per_m: least(|pose| pose.stiffness_n_per_m),
+        sag_share: most(|pose| pose.sag_m) / found.evaluation.length_m,
+        buckling_margin: least(|pose| pose.buckling_margin),
+        pressure_share: most(|pose| pose.pressure_share),
+        mass_kg: found.evaluation.mass_kg,
+        limbs: found.evaluations,
+        processor_s,
+        wall_s,
+    };
+    Some((row, found))
+}
+
+/// Searches of several seeds.
+pub(super) fn seeds(scenes: &[Loaded], seeds: impl Iterator<Item = u64> + Clone) -> Vec<Searched> {
+    let of = |scene| seeds.clone().filter_map(move |seed| Some(searched(scene, seed, Effort::default())?.0));
+    scenes.iter().flat_map(of).collect()
+}
+
+/// The searches as Markdown. Writing to a string cannot fail.
+pub(super) fn seeds_text(rows: &[Searched]) -> String {
+    let mut text = String::from(
+        "| scene | seed | confirmed | reserve, % | tip error, mm | clearance beyond 5.2 mm, mm | tilt, deg | load factor | stiffness, N/m | sag, % | buckling | pressure, % | mass, kg | limbs | processor time, s | elapsed, s |\n\
+         | --- | --: | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n",
+    );
+    for row in rows {
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {:.1} | {:.3} | {} | {:.1} | {:.2} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} | {} | {:.1} | {:.1} |",
+            row.scene,
+            row.seed,
+            if row.confirmed { "yes" } else { "no" },
+            100.0 * row.reserve,
+            row.tip_error_mm,
+            row.spare_mm.map_or("-".to_owned(), |spare| format!("{spare:.1}")),
+            row.tilt_deg,
+            row.load_factor,
+            row.stiffness_n_per_m,
+            100.0 * row.sag_share,
+            row.buckling_margin,
+            100.0 * row.pressure_share,
+            row.mass_kg,
+            row.limbs,
+            row.processor_s,
+            row.wall_s
+        );
+    }
+    let confirmed = rows.iter().filter(|row| row.confirmed).count();
+    let most_s = rows.iter().map(|row| row.processor_s).fold(0.0, f64::max);
+    let _ = writeln!(text, "\n{confirmed} of {} confirmed; most processor time {most_s:.1} s.", rows.len());
+    text
+}
+
+/// A seeded task.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Task {
+    seed: u64,
+    confirmed: bool,
+    limbs: usize,
+    processor_s: f64,
+    /// What lacks most, and the bounds that forbid it, where it is not solved.
+    lacks: Vec<Lack>,
+    bounds: Vec<String>,
+}
+
+/// Seeded tasks of a scene's bounds.
+pub(super) fn tasks(scene: &Loaded, seeds: impl Iterator<Item = u64>) -> Vec<Task> {
+    let space = &scene.design.space;
+    let of = |seed: u64| {
+        let task = seeded(&scene.design.task, space, seed)?.task;
+        let begin_s = processor_s();
+        let effort = Effort { seed, raises: 0, ..Effort::default() };
+        let found = search(&task, space, &space.first_guess(), &effort, &|| false);
+        let processor_s = processor_s() - begin_s;
+        let Some(found) = found else {
+            return Some(Task {
+                seed,
+                confirmed: false,
+                limbs: 0,
+                processor_s,
+                lacks: Vec::new(),
+                bounds: vec!["nothing stands".to_owned()],
+            });
+        };
+        let (mut lacks, mut bounds) = (Vec::new(), Vec::new());
+        if !found.reached {
+            lacks = worst(&found.evaluation);
+            let of = |bound: softlimb_design::loaded::ActiveBound| {
+                let module = bound.module.map_or(String::new(), |module| format!("{module} "));
+                format!(
+                    "{module}{} {:.4} to {:.4}: {:.0} % left",
+                    bound.name,
+                    bound.bound,
+                    bound.moved_to,
+                    100.0 * bound.left
+                )
+            };
+            bounds = active_bounds(&task, space, &found, &|| false).into_iter().map(of).collect();
+        }
+        Some(Task { seed, confirmed: found.reached, limbs: found.evaluations, processor_s, lacks, bounds })
+    };
+    seeds.filter_map(of).collect()
+}
+
+/// The tasks in words.
+pub(super) fn tasks_text(tasks: &[Task]) -> String {
+    let solved = tasks.iter().filter(|task| task.confirmed).count();
+    let silent = tasks.iter().filter(|task| !task.confirmed && task.lacks.is_empty() && task.bounds.is_empty()).count();
+    let mut times: Vec<f64> = tasks.iter().map(|task| task.processor_s).collect();
+    times.sort_by(f64::total_cmp);
+    let median_s = times.get(times.len() / 2).copied().unwrap_or(0.0);
+    let most_s = times.last().copied().unwrap_or(0.0);
+    let mut text = format!(
+        "{solved} of {} seeded tasks solved and confirmed, {} answered with what lacks, {silent} silently infeasible; processor time {median_s:.1} s (median), {most_s:.1} s (most).\n",
+        tasks.len(),
+        tasks.len() - solved - silent
+    );
+    for task in tasks.iter().filter(|task| !task.confirmed) {
+        let lacks: Vec<_> = task
+            .lacks
+            .iter()
+            .map(|lack| format!("{} of pose {} by {:.3}", lack.margin.name(), lack.pose + 1, lack.value))
+            .collect();
+        let _ = writeln!(text, "\nTask {}: {}. Bounds: {}.", task.seed, lacks.join(", "), task.bounds.join("; "));
+    }
+    text
+}
+
+/// The four margins that lack most.
+fn worst(limb: &Evaluation) -> Vec<Lack> {
+    let mut lacks: Vec<_> = limb.lacks.iter().copied().filter(|lack| lack.value.abs() > 1e-4).collect();
+    lacks.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
+    lacks.truncate(4);
+    lacks
+}
+
+/// Results of the search and of CMA-ES, a line of Markdown each: by `python` with the package cma.
+pub(super) fn beside_cma(
+    files: &[PathBuf],
+    scenes: &[Loaded],
+    (python, script): (&Path, &Path),
+    seeds: impl Iterator<Item = u64> + Clone,
+    times: f64,
+) -> Result<String, Failure> {
+    let mut text = String::from(
+        "| scene | seed | search: every margin by rods | confirmed by tubes | its reserve, after | CMA-ES: every margin by rods | confirmed by tubes | its reserve after the search's time |\n\
+         | --- | --: | --: | --: | --: | --: | --: | --: |\n",
+    );
+    let own = std::env::current_exe().map_err(Failure::new)?;
+    for (file, scene) in files.iter().zip(scenes) {
+        for seed in seeds.clone() {
+            let of = |raises, by_tubes| searched(scene, seed, Effort { raises, by_tubes, ..Effort::default() });
+            let time = |found: &Option<(Searched, Found)>| match found {
+                Some((row, found)) if found.reached => format!("{:.1} s", row.processor_s),
+                _ => "no".to_owned(),
+            };
+            let [rods, tubes, raised] = [of(0, false), of(0, true), of(Effort::default().raises, true)];
+            let seconds = |found: &Option<(Searched, Found)>| found.as_ref().map_or(0.0, |(row, _)| row.processor_s);
+            let [rods_s, raised_s] = [seconds(&rods), seconds(&raised)];
+            let most_s = raised_s.max(times * rods_s);
+            let output = Command::new(python)
+                .arg(script)
+                .arg(&own)
+                .arg(file)
+                .args([seed.to_string(), raised_s.to_string(), most_s.to_string(), RAISE.to_string()])
+                .output()
+                .map_err(Failure::new)?;
+            let answer = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+            if !output.status.success() {
+                return Err(Failure::new(format!("CMA-ES: {}", String::from_utf8_lossy(&output.stderr))));
+            }
+            let reserve = raised.as_ref().map_or(0.0, |(row, _)| 100.0 * row.reserve);
+            let _ = writeln!(
+                text,
+                "| {} | {seed} | {} | {} | {reserve:.1} %, {raised_s:.1} s | {answer} |",
+                scene.name,
+                time(&rods),
+                time(&tubes)
+            );
+        }
+    }
+    Ok(text)
+}
+
+/// Judges limbs for a search in another program, by the lines on the standard input: `reserve R`, `confirm X1 X2 ...`, and blocks of points of the unit box
+/// that an empty line ends. Answers are `1` or `0` for a confirmation; for each point the sum of squares of what it lacks, and the largest lack. Each
+/// answer ends with the processor time, s. The first line is the search's first guess.
+pub(super) fn judge(scene: &Loaded) -> Result<(), Failure> {
+    let (task, space) = (&scene.design.task, &scene.design.space);
+    let mut by = Judgement { moves: true, ..Judgement::default() };
+    let mut out = std::io::stdout().lock();
+    let guess: Vec<String> = space.first_guess().iter().map(f64::to_string).collect();
+    let mut say = |text: &str| writeln!(out, "{text}").and_then(|()| out.flush()).map_err(Failure::new);
+    say(&guess.join(" "))?;
+    let numbers = |line: &str| line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
+    let mut block: Vec<Vec<f64>> = Vec::new();
+    for line in std::io::stdin().lock().lines() {
+        let line = line.map_err(Failure::new)?;
+        if let Some(reserve) = line.strip_prefix("reserve ") {
+            by.reserve = reserve.parse().map_err(Failure::new)?;
+        } else if let Some(point) = line.strip_prefix("confirm ") {
+            let poses = confirmed(task, space, &numbers(point).map_err(Failure::new)?);
+            let kept = !poses.is_empty() && poses.iter().all(|pose| pose.lacks.is_empty());
+            say(&format!("{} {}", u8::from(kept), processor_s()))?;
+        } else if !line.is_empty() {
+            block.push(numbers(&line).map_err(Failure::new)?);
+        } else {
+            let values = judged(&block, |point| {
+                let limb = evaluate(task, space, &space.sizes(point), &by);
+                let largest = |limb: &Evaluation| limb.lacks.iter().map(|lack| lack.value.abs()).fold(0.0, f64::max);
+                limb.map_or([f64::INFINITY; 2], |limb| [limb.objective(), largest(&limb)])
+            });
+            let lines: Vec<String> =
+                values.iter().map(|[objective, largest]| format!("{objective:e} {largest:e}")).collect();
+            say(&format!("{}\n{}", lines.join("\n"), processor_s()))?;
+            block.clear();
+        }
+    }
+    Ok(())
+}
+
+/// Values of points, which threads share.
+fn judged(points: &[Vec<f64>], value: impl Fn(&[f64]) -> [f64; 2] + Sync) -> Vec<[f64; 2]> {
+    let next = AtomicUsize::new(0);
+    let values = Mutex::new(vec![[f64::INFINITY; 2]; points.len()]);
+    std::thread::scope(|scope| {
+        for _ in 0..THREADS {
+            scope.spawn(|| {
+                while let Some((index, point)) =
+                    Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, points.get(i)?)))
+                {
+                    let value = value(point);
+                    if let Ok(mut values) = values.lock() {
+                        values[index] = value;
+                    }
+                }
+            });
+        }
+    });
+    values.into_inner().unwrap_or_default()
+}
