@@ -103,7 +103,14 @@ pub struct StoppingCriteria {
 impl Default for StoppingCriteria {
     /// To the last digits, without a budget.
     fn default() -> Self {
-        Self { zero: 0.0, relative: 1e-14, least_gain: 0.0, damping: MOST_DAMPING, evaluations: usize::MAX, by_diagonal: false }
+        Self {
+            zero: 0.0,
+            relative: 1e-14,
+            least_gain: 0.0,
+            damping: MOST_DAMPING,
+            evaluations: usize::MAX,
+            by_diagonal: false,
+        }
     }
 }
 
@@ -128,7 +135,9 @@ pub fn minimise<P: SumOfSquares>(
         }
         let Some(here) = model.take().or_else(|| problem.model(&evaluation)) else { break };
         let hessian = if with_secant { &here.normal + &secant } else { here.normal.clone() };
-        let Some((step, predicted)) = bounded_step(&hessian, &here, &point, &mut damping, criteria.by_diagonal) else { break };
+        let Some((step, predicted)) = bounded_step(&hessian, &here, &point, &mut damping, criteria.by_diagonal) else {
+            break;
+        };
         if predicted <= criteria.relative * objective {
             // No reduction is left at this damping; without damping there may be. Where the step has raised a lowered damping, none is.
             if damping <= LEAST_DAMPING || predicted == 0.0 || lowered.is_some_and(|lowered| damping > lowered) {
@@ -307,7 +316,8 @@ mod tests {
             vec![vec![-80.0 * x, 40.0, 0.0], vec![-4.0, 0.0, 0.0], vec![0.0, 0.0, 0.01]]
         };
         let end = |by_diagonal| {
-            let criteria = StoppingCriteria { zero: 1e-14, evaluations: 200, by_diagonal, ..StoppingCriteria::default() };
+            let criteria =
+                StoppingCriteria { zero: 1e-14, evaluations: 200, by_diagonal, ..StoppingCriteria::default() };
             minimise(&mut Formula(r, j), &[0.2, 0.75, 0.0], criteria).unwrap()
         };
         for by_diagonal in [false, true] {

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::local_solve::{NOTHING, local};
 use super::evaluate::Judgement;
+use super::local_solve::{NOTHING, local};
 use super::search::{Found, RAISE, RAISE_STEPS, reserve_from};
 use super::space::{HOME, LimbSpace, Variable};
 use super::task::LoadedTask;

@@ -4,13 +4,12 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
 use super::built::Built;
-use super::clearance::spare_m;
 use super::evaluate::{Evaluation, Judgement};
-use super::inverse::{Stand, nearest, reach, tilt_rad as tilt_rad_of};
+use super::inverse::{Stand, nearest, reach, tilt_rad};
 use super::limits::{Margin, StandingLimits};
-use super::moves::Move;
 use super::plates::by_plates;
-use super::task::{CarriedBody, LoadedTask};
+use super::task::LoadedTask;
+use super::walk::{back_spare_m, dense};
 use crate::synthesis::Aim;
 use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb};
 
@@ -18,9 +17,6 @@ use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb};
 pub const REACHED_M: f64 = 1e-4;
 /// Load factors are followed no farther than this.
 pub const LOAD_FACTOR_MOST: f64 = 2.0;
-/// Points of a move, and of the change of mass at its end, that its clearance is taken at.
-const DENSE: usize = 48;
-const HAND_OVER: usize = 8;
 /// Corrections of the aim by the tip offset of the tubes.
 const CORRECTIONS: usize = 6;
 /// Shares of a payload that a pose is judged with.
@@ -70,11 +66,11 @@ pub(super) fn confirm(task: &LoadedTask, limb: &Evaluation, by: &Judgement) -> V
         match dense(task, built, index, (before, ends), carried) {
             // A place on the way where the limb does not stand.
             None => pose.lacks.push(Margin::Carries),
-            Some((spare_m, tilt_rad)) => {
+            Some((spare_m, on_way_rad)) => {
                 pose.keep_clear(task, spare_m);
                 if let Some((body, grasp)) = carried {
-                    let own = |corrected: &Corrected| tilt_rad_of(&corrected.tip.rotation, &grasp);
-                    pose.tilt_rad = tilt_rad.max(own(&ends.moved));
+                    let own = |corrected: &Corrected| tilt_rad(&corrected.tip.rotation, &grasp);
+                    pose.tilt_rad = on_way_rad.max(own(&ends.moved));
                     pose.lacks.extend((pose.tilt_rad > body.tilt_max_rad).then_some(Margin::Tilt));
                 }
             }
@@ -106,112 +102,22 @@ impl ConfirmedPose {
 }
 
 /// The corrected pressures of a pose as it is reached and as it is held.
-struct Ends {
-    moved: Corrected,
-    held: Corrected,
-}
-
-/// Points of a way in the pressures under loads.
-struct Walk<'a> {
-    task: &'a LoadedTask,
-    built: &'a Built,
-    carried: Option<(CarriedBody, UnitQuaternion<f64>)>,
-    near: Option<Stand>,
-    spare_m: f64,
-    tilt_rad: f64,
-}
-
-impl Walk<'_> {
-    /// Goes along a move; `None` where the limb does not stand on it.
-    fn go(&mut self, way: &Move<'_>, parts: usize) -> Option<()> {
-        for part in 0..=parts {
-            let share = part as f64 / parts as f64;
-            self.at(way, share)?;
-        }
-        Some(())
-    }
-
-    fn at(&mut self, way: &Move<'_>, share: f64) -> Option<()> {
-        let stand = way.stand(self.built, share, self.near.as_ref())?;
-        let carried = self.carried.as_ref().map(|(body, grasp)| (body, *grasp));
-        let spare = spare_m(self.built, self.task, &stand, carried, &way.shift_m(share));
-        self.spare_m = spare.map_or(self.spare_m, |(spare_m, _)| self.spare_m.min(spare_m));
-        if let Some((_, grasp)) = carried {
-            self.tilt_rad = self.tilt_rad.max(tilt_rad_of(&stand.shape.tip().rotation, &grasp));
-        }
-        self.near = Some(stand);
-        Some(())
-    }
-}
-
-/// Least clearance beyond the one asked for and largest tilt of the carried body, rad, on the way to a pose and while the mass changes hands there, m;
-/// infinite without obstacles. `None` where the limb does not stand on the way.
-fn dense(
-    task: &LoadedTask,
-    built: &Built,
-    index: usize,
-    (before, ends): (Option<&Ends>, &Ends),
-    carried: Option<(CarriedBody, UnitQuaternion<f64>)>,
-) -> Option<(f64, f64)> {
-    let pose = &task.poses[index];
-    let rest = vec![0.0; built.len()];
-    let (moved, held) = (&ends.moved, &ends.held);
-    let mut walk = Walk { task, built, carried, near: None, spare_m: f64::INFINITY, tilt_rad: 0.0 };
-    let way = Move {
-        from: before.map_or(&rest, |before| &before.held.stand.shares),
-        to: &moved.stand.shares,
-        kg: pose.move_kg,
-        shifts_m: [before.map_or_else(Vector3::zeros, |before| before.held.shift_m()), moved.shift_m()],
-    };
-    walk.go(&way, DENSE)?;
-    // The mass changes hands while the pressures change in step.
-    for part in 0..=HAND_OVER {
-        let share = part as f64 / HAND_OVER as f64;
-        let kg = pose.move_kg + share * (pose.hold_kg - pose.move_kg);
-        let shifts_m = [moved.shift_m(), held.shift_m()];
-        walk.at(&Move { from: &moved.stand.shares, to: &held.stand.shares, kg, shifts_m }, share)?;
-    }
-    Some((walk.spare_m, walk.tilt_rad))
-}
-
-/// Least clearance beyond the one asked for on the way of the empty limb back to rest, m: straight, or else past the poses in their reverse order.
-/// `None` where the limb does not stand on the way.
-fn back_spare_m(task: &LoadedTask, built: &Built, ends: &[&Ends]) -> Option<f64> {
-    let rest = vec![0.0; built.len()];
-    let along = |from: usize, past: &mut dyn Iterator<Item = usize>| {
-        let mut walk = Walk { task, built, carried: None, near: None, spare_m: f64::INFINITY, tilt_rad: 0.0 };
-        let mut here = from;
-        let shift_m = |index: usize| ends[index].held.shift_m();
-        let shares = |index: usize| &ends[index].held.stand.shares;
-        for next in past {
-            let way = Move { from: shares(here), to: shares(next), kg: 0.0, shifts_m: [shift_m(here), shift_m(next)] };
-            walk.go(&way, DENSE)?;
-            here = next;
-        }
-        let way = Move { from: shares(here), to: &rest, kg: 0.0, shifts_m: [shift_m(here), Vector3::zeros()] };
-        walk.go(&way, DENSE)?;
-        Some(walk.spare_m)
-    };
-    let last = ends.len().checked_sub(1)?;
-    let straight = along(last, &mut std::iter::empty());
-    if straight.is_some_and(|spare_m| spare_m >= 0.0) {
-        return straight;
-    }
-    let past = along(last, &mut (0..last).rev());
-    [straight, past].into_iter().flatten().reduce(f64::max)
+pub(super) struct Ends {
+    pub(super) moved: Corrected,
+    pub(super) held: Corrected,
 }
 
 /// Pressures with which tubes between plates have their tip at a place.
 #[derive(Clone)]
-struct Corrected {
-    stand: Stand,
+pub(super) struct Corrected {
+    pub(super) stand: Stand,
     error_m: f64,
     tip: Isometry3<f64>,
 }
 
 impl Corrected {
     /// From the tip of the rods to that of the tubes, m.
-    fn shift_m(&self) -> Vector3<f64> {
+    pub(super) fn shift_m(&self) -> Vector3<f64> {
         self.tip.translation.vector - self.stand.tip_m()
     }
 }
@@ -243,12 +149,7 @@ fn corrected(
     best
 }
 
-fn confirm_pose(
-    task: &LoadedTask,
-    limb: &Evaluation,
-    by: &Judgement,
-    index: usize,
-) -> (ConfirmedPose, Option<Ends>) {
+fn confirm_pose(task: &LoadedTask, limb: &Evaluation, by: &Judgement, index: usize) -> (ConfirmedPose, Option<Ends>) {
     let (pose, state, built) = (&task.poses[index], &limb.poses[index], &limb.built);
     let shifts_m = by.shift(index).tip_m;
     let place_m = nearest(&pose.aim, &state.tip_m.into());

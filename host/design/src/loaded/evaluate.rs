@@ -4,8 +4,8 @@ use nalgebra::UnitQuaternion;
 
 use super::built::Built;
 use super::inverse::{Stand, reach};
-use super::plates::Shift;
 use super::moves::moves;
+use super::plates::Shift;
 use super::pose::{Changed, PoseState, Sought, moved_aim, pose_at, pose_state};
 use super::residuals::{Lack, of_pose};
 use super::space::{LimbSizes, LimbSpace};
@@ -125,7 +125,8 @@ impl Evaluation {
         mut poses: Vec<PoseState>,
         near: Option<&Self>,
     ) -> Self {
-        if by.moves && !task.obstacles.is_empty() && task.moves {
+        let matter = !task.obstacles.is_empty() || task.poses.iter().any(|pose| pose.carried.is_some());
+        if by.moves && matter && task.moves {
             moves(&built, task, by, &mut poses, near);
         }
         let lacks = lacks(task, &built, &refs(&poses), by);

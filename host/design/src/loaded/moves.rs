@@ -166,9 +166,8 @@ pub(super) fn beside(
     let spare_m = match &near.nearest {
         None => poses[index].spare_m,
         Some(_) if spare(&near.spare_m) > FAR_M => near.spare_m,
-        Some(nearest) => stand(nearest).map_or(near.spare_m, |(share, stand)| {
-            spare_m(built, task, &stand, carried, &way.shift_m(share))
-        }),
+        Some(nearest) => stand(nearest)
+            .map_or(near.spare_m, |(share, stand)| spare_m(built, task, &stand, carried, &way.shift_m(share))),
     };
     let tilt_rad = match &near.steepest {
         None => poses[index].moved.stand.tilt_rad(grasp.as_ref()),

@@ -34,13 +34,7 @@ pub struct Lack {
 }
 
 /// Residuals of a pose, as many for every limb.
-pub(super) fn of_pose(
-    task: &LoadedTask,
-    built: &Built,
-    pose: usize,
-    state: &PoseState,
-    by: &Judgement,
-) -> Vec<Lack> {
+pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &PoseState, by: &Judgement) -> Vec<Lack> {
     let reserve = by.reserve;
     let limits = &task.limits;
     let more = 1.0 + reserve;

@@ -3,29 +3,18 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::candidate::{Candidate, attempt, solved, with_shifts};
 use super::confirm::{ConfirmedPose, confirm};
 use super::evaluate::{Evaluation, Judgement, evaluate};
-use super::local_solve::{At, NOTHING, abreast, local, with_pressures};
-use super::plates::shifts;
+use super::local_solve::abreast;
 use super::space::LimbSpace;
 use super::task::LoadedTask;
 use softlimb_numerics::Random;
-use softlimb_numerics::least_squares::Minimum;
 
-/// Reserve that a limb is sought with, and by how much it is raised at a time.
-const RESERVE: f64 = 0.03;
+/// By how much the reserve is raised at a time.
 pub(super) const RAISE: f64 = 0.05;
-/// Part of the reserve that a limb keeps at least, so that tubes between plates keep every margin, too.
-const KEPT: f64 = 0.4;
 /// Steps of a local solve with another reserve or another bound.
 pub(super) const RAISE_STEPS: usize = 10;
-/// Steps of a local solve that tells a good start from a bad one, and the sum of squares up to which it is a good one.
-const SHORT_STEPS: usize = 10;
-const GOOD: f64 = 5.0;
-/// A sum of squares up to which a limb may keep every margin with less of the reserve, once its tip is moved to the places.
-const NEAR: f64 = 0.05;
-/// Turns of a local solve and of the shifts of its tubes.
-const SHIFT_TURNS: usize = 4;
 /// Standard deviations of the starts about the first guess, in the unit box, one after the other.
 const SPREADS: [f64; 3] = [0.1, 0.15, 0.25];
 
@@ -69,25 +58,6 @@ pub struct Found {
     pub evaluations: usize,
 }
 
-/// A limb that a local solve has led to.
-pub(super) struct Candidate {
-    pub(super) minimum: Minimum<At>,
-    pub(super) by: Judgement,
-    /// Whether every margin is kept with a part of the reserve.
-    pub(super) keeps: bool,
-    confirmed: Vec<ConfirmedPose>,
-}
-
-impl Candidate {
-    fn merit(&self) -> (bool, f64) {
-        (!self.keeps, self.minimum.objective)
-    }
-
-    fn limb(&self) -> &Evaluation {
-        &self.minimum.evaluation.limb
-    }
-}
-
 /// Searches for a limb that keeps every margin, and then for one that keeps them with a reserve.
 ///
 /// `start` is a first guess in the unit box. `stop` is asked between local solves. `None` where no limb of the starts stands at all.
@@ -105,12 +75,15 @@ pub fn search(
         evaluations += count;
         best = higher.unwrap_or(best);
     }
-    let Candidate { minimum, by, keeps, mut confirmed } = best;
+    let Candidate { minimum, mut by, keeps: mut reached, mut confirmed } = best;
     let limb = minimum.evaluation.limb;
     if confirmed.is_empty() && effort.by_tubes {
         confirmed = confirm(task, &limb, &by);
+        // A limb that lacks a part of the reserve alone keeps every margin, too.
+        reached = confirmed.iter().all(|pose| pose.lacks.is_empty());
+        by.reserve = 0.0;
     }
-    Some(Found { point: minimum.point, reached: keeps, by, evaluation: limb, confirmed, evaluations })
+    Some(Found { point: minimum.point, reached, by, evaluation: limb, confirmed, evaluations })
 }
 
 /// The limb at a point of the unit box by tubes between plates; empty where it does not stand.
@@ -171,107 +144,8 @@ fn starts(guess: &[f64], effort: &Effort) -> Vec<Vec<f64>> {
     (0..effort.starts.max(1)).map(point).collect()
 }
 
-/// The limb that a start leads to, cheap to dear: a few steps, the poses, the moves, tubes between plates, and the confirmation by them.
-fn attempt(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    start: &[f64],
-    effort: &Effort,
-    given_up: &dyn Fn() -> bool,
-    evaluations: &mut usize,
-) -> Option<Candidate> {
-    let steps = effort.steps;
-    let mut by = Judgement { reserve: RESERVE, ..Judgement::default() };
-    let limb = evaluate(task, space, &space.sizes(start), &by)?;
-    *evaluations += 1;
-    let mut here = solved(task, space, (start, &limb), &by, SHORT_STEPS, evaluations)?;
-    if !here.keeps && here.minimum.objective <= GOOD && !given_up() {
-        here = solved(task, space, (&here.minimum.point, here.limb()), &by, steps, evaluations)?;
-    }
-    if !here.keeps || given_up() {
-        return Some(here.unproven());
-    }
-    by.moves = true;
-    here = solved(task, space, (&here.minimum.point, here.limb()), &by, steps, evaluations)?;
-    if !effort.by_tubes {
-        return Some(here);
-    }
-    if !here.keeps || given_up() {
-        return Some(here.unproven());
-    }
-    here = with_shifts(task, space, here, evaluations);
-    if !here.keeps || given_up() {
-        return Some(here.unproven());
-    }
-    here.confirm(task);
-    Some(here)
-}
-
-impl Candidate {
-    /// The same with some of its margins not judged.
-    fn unproven(mut self) -> Self {
-        self.keeps = false;
-        self
-    }
-
-    /// Judges it by tubes between plates.
-    fn confirm(&mut self, task: &LoadedTask) {
-        self.confirmed = confirm(task, self.limb(), &self.by);
-        self.keeps = self.confirmed.iter().all(|pose| pose.lacks.is_empty());
-    }
-}
-
-/// The limb that a local solve leads to.
-fn solved(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    (start, near): (&[f64], &Evaluation),
-    by: &Judgement,
-    steps: usize,
-    evaluations: &mut usize,
-) -> Option<Candidate> {
-    let (mut minimum, count) = local(task, space, start, near, by, steps)?;
-    *evaluations += count;
-    let (mut by, mut keeps) = (by.clone(), minimum.objective <= NOTHING);
-    if !keeps && minimum.objective <= NEAR {
-        let less = Judgement { reserve: by.reserve.min(KEPT * RESERVE), ..by.clone() };
-        let limb = minimum.evaluation.limb.reaching(task, space, &less);
-        if let Some(limb) = limb.filter(|limb| limb.objective() <= NOTHING) {
-            minimum.point = with_pressures(task, &minimum.point[..space.variables().len()], &limb);
-            (minimum.objective, minimum.evaluation.limb) = (limb.objective(), limb);
-            (by, keeps) = (less, true);
-        }
-    }
-    Some(Candidate { minimum, by, keeps, confirmed: Vec::new() })
-}
-
-/// Solves for the limb and updates its tube shifts alternately until both agree.
-fn with_shifts(task: &LoadedTask, space: &LimbSpace, mut found: Candidate, evaluations: &mut usize) -> Candidate {
-    for _ in 0..SHIFT_TURNS {
-        let shifts = shifts(task, found.limb());
-        let change = shifts.iter().enumerate().map(|(pose, shift)| shift.change(&found.by.shift(pose)));
-        if change.fold(0.0, f64::max) <= 1.0 {
-            return found;
-        }
-        let by = Judgement { shifts, ..found.by.clone() };
-        let at = (&found.minimum.point[..], found.limb());
-        let Some(next) = solved(task, space, at, &by, RAISE_STEPS, evaluations) else { break };
-        found = next;
-        if !found.keeps {
-            return found;
-        }
-    }
-    found.keeps = false;
-    found
-}
-
 /// The reserve that a local solve with that of `by` keeps from a limb at a point; 0 where it keeps none.
-pub(super) fn reserve_from(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    at: (&[f64], &Evaluation),
-    by: &Judgement,
-) -> f64 {
+pub(super) fn reserve_from(task: &LoadedTask, space: &LimbSpace, at: (&[f64], &Evaluation), by: &Judgement) -> f64 {
     let higher = solved(task, space, at, by, RAISE_STEPS, &mut 0);
     higher.filter(|higher| higher.keeps).map_or(0.0, |higher| higher.by.reserve)
 }

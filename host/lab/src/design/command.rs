@@ -11,6 +11,7 @@ use softlimb::cli::{Failure, Outcome, read, say};
 use softlimb_design::actuators::Problem;
 use softlimb_design::actuators::kinds::Kind;
 
+use super::judge::judge;
 use super::loaded::{self, Loaded};
 use super::{Comparison, PLACE, Point, Query, Swarm, picture};
 use crate::published::Published;
@@ -70,7 +71,7 @@ impl Design {
     fn under_load(&self) -> Result<Outcome, Failure> {
         let scenes = self.loaded.iter().map(|file| Loaded::read(file)).collect::<Result<Vec<_>, _>>()?;
         if self.judge {
-            return loaded::judge(&scenes[0]).map(|()| Outcome::Done);
+            return judge(&scenes[0]).map(|()| Outcome::Done);
         }
         let seeds = (0..u64::from(self.seeds)).map(|index| self.seed.wrapping_add(index));
         if let Some(python) = &self.cma {

@@ -1,27 +1,22 @@
 //! Limbs designed under load: several seeds a scene, seeded tasks, and the search beside CMA-ES.
 
 use std::fmt::Write as _;
-use std::io::{BufRead, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use serde::Serialize;
 use softlimb::cli::Failure;
 use softlimb_design::from_scene::{LoadedDesign, loaded_design};
 use softlimb_design::loaded::{
-    Effort, Evaluation, Found, Judgement, Lack, active_bounds, confirmed, evaluate, search, seeded,
+    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, Lack, active_bounds, search, seeded,
 };
 
-/// Threads of a search and of a judge.
-const THREADS: usize = 2;
 /// Largest reserve of any search, in steps of this: that of CMA-ES rises by it.
 const RAISE: f64 = 0.05;
 
 /// Processor time of all threads of this process, s; 0 where the system does not have it.
-fn processor_s() -> f64 {
+pub(super) fn processor_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = stat.rsplit(')').next().unwrap_or_default();
     // Fields 14 and 15 of proc(5), in ticks of 10 ms; the name is field 2.
@@ -31,7 +26,7 @@ fn processor_s() -> f64 {
 /// A scene with its search.
 pub(super) struct Loaded {
     name: String,
-    design: LoadedDesign,
+    pub(super) design: LoadedDesign,
 }
 
 impl Loaded {
@@ -69,9 +64,8 @@ fn searched(scene: &Loaded, seed: u64, effort: Effort) -> Option<(Searched, Foun
     let found = search(task, space, &space.first_guess(), &Effort { seed, ..effort }, &|| false)?;
     let (wall_s, processor_s) = (begin.elapsed().as_secs_f64(), processor_s() - used_s);
     let poses = &found.confirmed;
-    let most = |of: fn(&softlimb_design::loaded::ConfirmedPose) -> f64| poses.iter().map(of).fold(0.0, f64::max);
-    let least =
-        |of: fn(&softlimb_design::loaded::ConfirmedPose) -> f64| poses.iter().map(of).fold(f64::INFINITY, f64::min);
+    let most = |of: fn(&ConfirmedPose) -> f64| poses.iter().map(of).fold(0.0, f64::max);
+    let least = |of: fn(&ConfirmedPose) -> f64| poses.iter().map(of).fold(f64::INFINITY, f64::min);
     let row = Searched {
         scene: scene.name.clone(),
         seed,
@@ -167,7 +161,7 @@ pub(super) fn tasks(scene: &Loaded, seeds: impl Iterator<Item = u64>) -> Vec<Tas
         let (mut lacks, mut bounds) = (Vec::new(), Vec::new());
         if !found.reached {
             lacks = worst(&found.evaluation);
-            let of = |bound: softlimb_design::loaded::ActiveBound| {
+            let of = |bound: ActiveBound| {
                 let module = bound.module.map_or(String::new(), |module| format!("{module} "));
                 format!(
                     "{module}{} {:.4} to {:.4}: {:.0} % left",
@@ -262,62 +256,4 @@ pub(super) fn beside_cma(
         }
     }
     Ok(text)
-}
-
-/// Judges limbs for a search in another program, by the lines on the standard input: `reserve R`, `confirm X1 X2 ...`, and blocks of points of the unit box
-/// that an empty line ends. Answers are `1` or `0` for a confirmation; for each point the sum of squares of what it lacks, and the largest lack. Each
-/// answer ends with the processor time, s. The first line is the search's first guess.
-pub(super) fn judge(scene: &Loaded) -> Result<(), Failure> {
-    let (task, space) = (&scene.design.task, &scene.design.space);
-    let mut by = Judgement { moves: true, ..Judgement::default() };
-    let mut out = std::io::stdout().lock();
-    let guess: Vec<String> = space.first_guess().iter().map(f64::to_string).collect();
-    let mut say = |text: &str| writeln!(out, "{text}").and_then(|()| out.flush()).map_err(Failure::new);
-    say(&guess.join(" "))?;
-    let numbers = |line: &str| line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
-    let mut block: Vec<Vec<f64>> = Vec::new();
-    for line in std::io::stdin().lock().lines() {
-        let line = line.map_err(Failure::new)?;
-        if let Some(reserve) = line.strip_prefix("reserve ") {
-            by.reserve = reserve.parse().map_err(Failure::new)?;
-        } else if let Some(point) = line.strip_prefix("confirm ") {
-            let poses = confirmed(task, space, &numbers(point).map_err(Failure::new)?);
-            let kept = !poses.is_empty() && poses.iter().all(|pose| pose.lacks.is_empty());
-            say(&format!("{} {}", u8::from(kept), processor_s()))?;
-        } else if !line.is_empty() {
-            block.push(numbers(&line).map_err(Failure::new)?);
-        } else {
-            let values = judged(&block, |point| {
-                let limb = evaluate(task, space, &space.sizes(point), &by);
-                let largest = |limb: &Evaluation| limb.lacks.iter().map(|lack| lack.value.abs()).fold(0.0, f64::max);
-                limb.map_or([f64::INFINITY; 2], |limb| [limb.objective(), largest(&limb)])
-            });
-            let lines: Vec<String> =
-                values.iter().map(|[objective, largest]| format!("{objective:e} {largest:e}")).collect();
-            say(&format!("{}\n{}", lines.join("\n"), processor_s()))?;
-            block.clear();
-        }
-    }
-    Ok(())
-}
-
-/// Values of points, which threads share.
-fn judged(points: &[Vec<f64>], value: impl Fn(&[f64]) -> [f64; 2] + Sync) -> Vec<[f64; 2]> {
-    let next = AtomicUsize::new(0);
-    let values = Mutex::new(vec![[f64::INFINITY; 2]; points.len()]);
-    std::thread::scope(|scope| {
-        for _ in 0..THREADS {
-            scope.spawn(|| {
-                while let Some((index, point)) =
-                    Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, points.get(i)?)))
-                {
-                    let value = value(point);
-                    if let Ok(mut values) = values.lock() {
-                        values[index] = value;
-                    }
-                }
-            });
-        }
-    });
-    values.into_inner().unwrap_or_default()
 }
