@@ -1,10 +1,13 @@
 //! Limbs judged for a search in another program.
 
-use std::io::{BufRead, Write as _};
+use std::ffi::OsString;
+use std::io::BufRead;
+use std::path::Path;
+use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use softlimb::cli::Failure;
+use softlimb::cli::{Failure, say};
 use softlimb_design::loaded::{Evaluation, Judgement, confirmed, evaluate};
 
 use super::loaded::{Loaded, processor_s};
@@ -18,9 +21,7 @@ const THREADS: usize = 2;
 pub(super) fn judge(scene: &Loaded) -> Result<(), Failure> {
     let (task, space) = (&scene.design.task, &scene.design.space);
     let mut by = Judgement { moves: true, ..Judgement::default() };
-    let mut out = std::io::stdout().lock();
     let guess: Vec<String> = space.first_guess().iter().map(f64::to_string).collect();
-    let mut say = |text: &str| writeln!(out, "{text}").and_then(|()| out.flush()).map_err(Failure::new);
     say(&guess.join(" "))?;
     let numbers = |line: &str| line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
     let mut block: Vec<Vec<f64>> = Vec::new();
@@ -68,4 +69,14 @@ fn judged(points: &[Vec<f64>], value: impl Fn(&[f64]) -> [f64; 2] + Sync) -> Vec
         }
     });
     values.into_inner().unwrap_or_default()
+}
+
+/// The line that a search in another program prints: a script of `python` with arguments.
+pub(super) fn answer(python: &Path, script: &Path, arguments: &[OsString]) -> Result<String, Failure> {
+    let output = Command::new(python).arg(script).args(arguments).output().map_err(Failure::new)?;
+    if !output.status.success() {
+        let file = script.display();
+        return Err(Failure::new(format!("{file}: {}", String::from_utf8_lossy(&output.stderr))));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }

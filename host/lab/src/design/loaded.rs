@@ -1,10 +1,11 @@
 //! Limbs designed under load: several seeds a scene, seeded tasks, and the search beside CMA-ES.
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Instant;
 
+use super::judge::answer;
 use serde::Serialize;
 use softlimb::cli::Failure;
 use softlimb_design::from_scene::{LoadedDesign, loaded_design};
@@ -12,7 +13,7 @@ use softlimb_design::loaded::{
     ActiveBound, ConfirmedPose, Effort, Evaluation, Found, Lack, active_bounds, search, seeded,
 };
 
-/// Largest reserve of any search, in steps of this: that of CMA-ES rises by it.
+/// The reserve of CMA-ES rises by this.
 const RAISE: f64 = 0.05;
 
 /// Processor time of all threads of this process, s; 0 where the system does not have it.
@@ -234,17 +235,10 @@ pub(super) fn beside_cma(
             let seconds = |found: &Option<(Searched, Found)>| found.as_ref().map_or(0.0, |(row, _)| row.processor_s);
             let [rods_s, raised_s] = [seconds(&rods), seconds(&raised)];
             let most_s = raised_s.max(times * rods_s);
-            let output = Command::new(python)
-                .arg(script)
-                .arg(&own)
-                .arg(file)
-                .args([seed.to_string(), raised_s.to_string(), most_s.to_string(), RAISE.to_string()])
-                .output()
-                .map_err(Failure::new)?;
-            let answer = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-            if !output.status.success() {
-                return Err(Failure::new(format!("CMA-ES: {}", String::from_utf8_lossy(&output.stderr))));
-            }
+            let numbers = [seed.to_string(), raised_s.to_string(), most_s.to_string(), RAISE.to_string()];
+            let mut arguments: Vec<OsString> = vec![own.clone().into(), file.into()];
+            arguments.extend(numbers.map(OsString::from));
+            let answer = answer(python, script, &arguments)?;
             let reserve = raised.as_ref().map_or(0.0, |(row, _)| 100.0 * row.reserve);
             let _ = writeln!(
                 text,
