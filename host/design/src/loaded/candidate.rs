@@ -7,7 +7,6 @@ use super::plates::shifts;
 use super::search::{Effort, RAISE_STEPS};
 use super::space::LimbSpace;
 use super::task::LoadedTask;
-use softlimb_numerics::Random;
 use softlimb_numerics::least_squares::Minimum;
 
 /// Reserve that a limb is sought with.
@@ -16,14 +15,9 @@ const RESERVE: f64 = 0.03;
 const KEPT: f64 = 0.4;
 /// Steps of a local solve that tells a good start from a bad one, and the sum of squares up to which it is a good one.
 const SHORT_STEPS: usize = 10;
-const GOOD: f64 = 3.0;
+const GOOD: f64 = 5.0;
 /// A sum of squares up to which a limb may keep every margin with less of the reserve, once its tip is moved to the places.
 const NEAR: f64 = 0.05;
-/// A limb with at most this sum of squares, whose poses but not its moves keep every margin, is left by hops; their number and standard deviation in
-/// the unit box.
-const NEARLY: f64 = 5.0;
-const HOPS: usize = 6;
-const HOP: f64 = 0.03;
 /// Turns of a local solve and of the shifts of its tubes.
 const SHIFT_TURNS: usize = 4;
 
@@ -52,7 +46,6 @@ pub(super) fn attempt(
     space: &LimbSpace,
     start: &[f64],
     effort: &Effort,
-    random: &mut Random,
     given_up: &dyn Fn() -> bool,
     evaluations: &mut usize,
 ) -> Option<Candidate> {
@@ -69,17 +62,6 @@ pub(super) fn attempt(
     }
     by.moves = true;
     here = solved(task, space, (&here.minimum.point, here.limb()), &by, steps, evaluations)?;
-    // Moves that nearly keep clear: from beside the limb.
-    let sizes = space.variables().len();
-    for _ in 0..HOPS {
-        if here.keeps || here.minimum.objective > NEARLY || given_up() {
-            break;
-        }
-        let beside: Vec<f64> =
-            here.minimum.point[..sizes].iter().map(|x| (x + HOP * random.normal()).clamp(0.0, 1.0)).collect();
-        let other = solved(task, space, (&beside, here.limb()), &by, steps, evaluations);
-        here = other.filter(|other| other.merit() < here.merit()).unwrap_or(here);
-    }
     if !effort.by_tubes {
         return Some(here);
     }

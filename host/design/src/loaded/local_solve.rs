@@ -180,7 +180,7 @@ pub(super) fn local(
     let criteria = StoppingCriteria {
         zero: NOTHING,
         relative: 1e-4,
-        least_gain: 0.03,
+        least_gain: 5e-3,
         evaluations: steps.max(1),
         by_diagonal: true,
         ..StoppingCriteria::default()

@@ -37,7 +37,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { seed: 0, starts: 256, abreast: 2, steps: 20, raises: 3, by_tubes: true }
+        Self { seed: 0, starts: 256, abreast: 2, steps: 40, raises: 3, by_tubes: true }
     }
 }
 
@@ -113,8 +113,7 @@ fn raced(
             }
             let given_up = || first.load(Ordering::Relaxed) < index || stop();
             let mut counted = 0;
-            let mut random = Random::new(effort.seed, 2 + index as u64);
-            let candidate = attempt(task, space, &starts[index], effort, &mut random, &given_up, &mut counted);
+            let candidate = attempt(task, space, &starts[index], effort, &given_up, &mut counted);
             evaluations.fetch_add(counted, Ordering::Relaxed);
             let Some(candidate) = candidate else { continue };
             if candidate.keeps {
