@@ -68,6 +68,7 @@ pub(crate) const RULES: &[Rule] = &[
             "xtask/src",
             "firmware/boards",
             "host/lab/src/accuracy/callgrind",
+            "host/lab/src/design/judge",
             "host/fea/src/solid/ccx",
             "firmware/sim/src/emulated/qemu",
         ],

@@ -2,7 +2,7 @@
 
 use softlimb_design::from_scene::{loaded_design, loaded_text};
 use softlimb_design::loaded::{
-    Effort, Found, Margin, REACHED_M, StandingLimits, active_bounds, confirm, search, seeded,
+    Effort, Found, Judgement, Margin, REACHED_M, StandingLimits, active_bounds, evaluate, search, seeded,
 };
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
@@ -82,7 +82,7 @@ fn read(text: &str) -> Scene {
 }
 
 fn effort() -> Effort {
-    Effort { samples: 12, short: 2, rounds: 3, steps: 25, raises: 1, ..Effort::default() }
+    Effort { starts: 8, steps: 25, raises: 1, ..Effort::default() }
 }
 
 fn found(scene: &Scene) -> Found {
@@ -105,7 +105,7 @@ fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
     let design = loaded_design(&wanted).unwrap();
     let found = found(&wanted);
     assert!(found.reached, "{:?}", found.evaluation.lacks);
-    let poses = confirm(&design.task, &design.space, &found);
+    let poses = &found.confirmed;
     let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
     let limb = Limb::new(&designed).unwrap();
     let bays: Vec<usize> = designed.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
@@ -117,7 +117,8 @@ fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
         let channels: Vec<f64> = pose.pressures_pa.iter().flat_map(|pressure| [*pressure; 3]).collect();
         let load = Load { payload_kg, ..Load::default() };
         let loaded = LoadedLimb::new(&designed, &limb, &channels, &bays, &load).unwrap();
-        let standing = loaded.stand(1e-3, designed.rest_length_m()).unwrap();
+        // Fine enough for tubes between plates: rods of a tolerance of 0.1 % are off by 0.2 mm.
+        let standing = loaded.stand(1e-5, designed.rest_length_m()).unwrap();
         let off = standing.tip_m.iter().zip(goal).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
         assert!(off <= 1.5e-4, "{off} {:?} {goal:?}", standing.tip_m);
         assert!(standing.load_factor >= LOAD_FACTOR_MIN && standing.buckling_margin >= BUCKLING_MARGIN_MIN);
@@ -125,6 +126,51 @@ fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
         assert!(standing.stiffness_n_per_m.unwrap()[2] >= STIFFNESS_MIN_N_PER_M);
         for (module, pressure) in limb.modules().iter().zip(&pose.pressures_pa) {
             assert!(*pressure <= (PRESSURE_SHARE_MAX + 1e-6) * module.ceiling_pa());
+        }
+    }
+}
+
+#[test]
+fn answer_depends_on_the_seed_but_not_on_the_threads() {
+    let design = loaded_design(&read(TASK)).unwrap();
+    let of = |abreast| {
+        let effort = Effort { abreast, raises: 0, ..effort() };
+        search(&design.task, &design.space, &design.space.first_guess(), &effort, &|| false).unwrap()
+    };
+    assert_eq!(of(1).evaluation.sizes, of(3).evaluation.sizes);
+}
+
+#[test]
+fn carried_object_stays_upright_within_its_tilt() {
+    let mut design = loaded_design(&read(TASK)).unwrap();
+    assert_eq!(design.task.poses[1].carried.unwrap().tilt_max_rad, 35_f64.to_radians());
+    let of = |design: &softlimb_design::from_scene::LoadedDesign| {
+        search(&design.task, &design.space, &design.space.first_guess(), &effort(), &|| false).unwrap()
+    };
+    let free = of(&design);
+    assert!(free.reached);
+    // Half of the tilt that the free search takes: another limb, or the margin is named.
+    let most_rad = 0.5 * free.confirmed[1].tilt_rad;
+    assert!(most_rad > 0.0);
+    design.task.poses[1].carried.as_mut().unwrap().tilt_max_rad = most_rad;
+    let upright = of(&design);
+    let tilts = upright.confirmed[1].tilt_rad > most_rad;
+    assert_eq!(tilts, upright.confirmed[1].lacks.contains(&Margin::Tilt));
+    assert!(!upright.reached || !tilts);
+    assert!(upright.confirmed[1].tilt_rad < free.confirmed[1].tilt_rad);
+}
+
+#[test]
+fn pressures_of_the_search_are_those_of_inverse_kinematics() {
+    // One bender and one extension in a plane have one pair of pressures for a place: the search's are those that Newton's method on the tip finds.
+    let design = loaded_design(&read(TASK)).unwrap();
+    let found = found(&read(TASK));
+    let by = Judgement { reserve: found.by.reserve, shifts: found.by.shifts.clone(), moves: false };
+    let other = evaluate(&design.task, &design.space, &found.evaluation.sizes, &by).unwrap();
+    for (own, other) in found.evaluation.poses.iter().zip(&other.poses) {
+        for (a, b) in own.pressures_pa.iter().zip(&other.pressures_pa) {
+            // The search leaves up to 0.03 mm of the way, which is some 0.1 % of a pressure.
+            assert!((a - b).abs() < 150.0, "{:?} {:?}", own.pressures_pa, other.pressures_pa);
         }
     }
 }
@@ -139,7 +185,7 @@ fn a_task_out_of_reach_names_the_bound_that_forbids_it() {
     let found = found(&wanted);
     assert!(!found.reached);
     assert!(found.evaluation.lacks.iter().any(|lack| lack.margin == Margin::Reach && lack.value.abs() > 0.1));
-    let bounds = active_bounds(&design.task, &design.space, &found, 2, &|| false);
+    let bounds = active_bounds(&design.task, &design.space, &found, &|| false);
     let length = bounds.iter().find(|bound| bound.name == "length").unwrap_or_else(|| panic!("{bounds:?}"));
     assert!(length.moved_to > length.bound && length.left < 0.9, "{length:?}");
 }
@@ -157,7 +203,8 @@ fn the_carried_object_keeps_clear_too() {
     let found = search(&with.task, &with.space, &with.space.first_guess(), &effort(), &|| false).unwrap();
     assert!(!found.reached);
     let spare_m = found.evaluation.poses[1].spare_m.unwrap().0;
-    assert!((spare_m - (0.045 - 0.05 - 0.0052)).abs() < 2e-3, "{spare_m}");
+    // As it hangs 10.2 mm are lacking; as it turns with the tip, it may be nearer.
+    assert!(spare_m < 0.045 - 0.05 - 0.0052 + 2e-3, "{spare_m}");
     let gripper = near.replace("object = \"flask\"", "payload = \"0.2 kg\"");
     let without = loaded_design(&read(&gripper)).unwrap();
     assert!(without.task.poses.iter().all(|pose| pose.carried.is_none()));
@@ -169,14 +216,14 @@ fn tasks_that_a_hidden_limb_does_are_solved_or_name_a_bound() {
     let mut solved = 0;
     for seed in 1..=3 {
         let task = seeded(&design.task, &design.space, seed).expect("a task").task;
-        let effort = Effort { seed, rounds: 6, raises: 0, ..effort() };
+        let effort = Effort { seed, starts: 16, raises: 0, ..effort() };
         let found = search(&task, &design.space, &design.space.first_guess(), &effort, &|| false).unwrap();
         if found.reached {
-            let poses = confirm(&task, &design.space, &found);
+            let poses = &found.confirmed;
             assert!(poses.iter().all(|pose| pose.lacks.is_empty() && pose.tip_error_m <= REACHED_M), "{poses:?}");
             solved += 1;
         } else {
-            let bounds = active_bounds(&task, &design.space, &found, 2, &|| false);
+            let bounds = active_bounds(&task, &design.space, &found, &|| false);
             assert!(!bounds.is_empty(), "task {seed}: {:?}", found.evaluation.lacks);
         }
     }

@@ -8,6 +8,8 @@ use nalgebra::{DMatrix, DVector};
 
 const LEAST_DAMPING: f64 = 1e-12;
 const MOST_DAMPING: f64 = 1e12;
+/// Least diagonal that damps a variable, over the largest one.
+const LEAST_SCALE: f64 = 1e-2;
 /// Steps in a row below the least gain that end a local solve.
 const IDLE: usize = 3;
 
@@ -94,12 +96,21 @@ pub struct StoppingCriteria {
     pub damping: f64,
     /// Most evaluations.
     pub evaluations: usize,
+    /// Whether each variable is damped by its own diagonal of the model, as Marquardt has it, not all of them by the largest one.
+    pub by_diagonal: bool,
 }
 
 impl Default for StoppingCriteria {
     /// To the last digits, without a budget.
     fn default() -> Self {
-        Self { zero: 0.0, relative: 1e-14, least_gain: 0.0, damping: MOST_DAMPING, evaluations: usize::MAX }
+        Self {
+            zero: 0.0,
+            relative: 1e-14,
+            least_gain: 0.0,
+            damping: MOST_DAMPING,
+            evaluations: usize::MAX,
+            by_diagonal: false,
+        }
     }
 }
 
@@ -124,7 +135,9 @@ pub fn minimise<P: SumOfSquares>(
         }
         let Some(here) = model.take().or_else(|| problem.model(&evaluation)) else { break };
         let hessian = if with_secant { &here.normal + &secant } else { here.normal.clone() };
-        let Some((step, predicted)) = bounded_step(&hessian, &here, &point, &mut damping) else { break };
+        let Some((step, predicted)) = bounded_step(&hessian, &here, &point, &mut damping, criteria.by_diagonal) else {
+            break;
+        };
         if predicted <= criteria.relative * objective {
             // No reduction is left at this damping; without damping there may be. Where the step has raised a lowered damping, none is.
             if damping <= LEAST_DAMPING || predicted == 0.0 || lowered.is_some_and(|lowered| damping > lowered) {
@@ -190,10 +203,13 @@ fn bounded_step(
     model: &Model,
     point: &DVector<f64>,
     damping: &mut f64,
+    by_diagonal: bool,
 ) -> Option<(DVector<f64>, f64)> {
     let width = point.len();
     let gradient = &model.gradient;
     let scale = model.normal.diagonal().max().max(f64::MIN_POSITIVE);
+    let least = if by_diagonal { LEAST_SCALE } else { 1.0 };
+    let scales = model.normal.diagonal().map(|own| own.max(least * scale));
     while *damping <= MOST_DAMPING {
         let mut step = DVector::zeros(width);
         let outwards = |i: usize| (point[i] <= 0.0 && gradient[i] >= 0.0) || (point[i] >= 1.0 && gradient[i] <= 0.0);
@@ -202,7 +218,7 @@ fn bounded_step(
             if free.is_empty() {
                 break true;
             }
-            let damped = |i: usize, j: usize| hessian[(i, j)] + if i == j { *damping * scale } else { 0.0 };
+            let damped = |i: usize, j: usize| hessian[(i, j)] + if i == j { *damping * scales[i] } else { 0.0 };
             let block = DMatrix::from_fn(free.len(), free.len(), |i, j| damped(free[i], free[j]));
             let held = hessian * &step;
             let right = DVector::from_fn(free.len(), |i, _| -gradient[free[i]] - held[free[i]]);
@@ -286,6 +302,28 @@ mod tests {
         };
         let end = minimise(&mut Formula(r, j), &[0.2, 0.75], to_the_end()).unwrap();
         assert!(end.objective < 1e-20 && (end.point[0] - 0.75).abs() < 1e-9, "{:?}", end.point);
+    }
+
+    #[test]
+    fn damping_by_diagonal_does_not_slow_a_variable_of_small_slope() {
+        // Rosenbrock's valley beside a variable of another scale: 0.01 (c - 1/2) has its zero at c = 1/2.
+        let r = |p: &[f64]| {
+            let [x, y] = [4.0 * p[0] - 2.0, 4.0 * p[1] - 2.0];
+            vec![10.0 * (y - x * x), 1.0 - x, 0.01 * (p[2] - 0.5)]
+        };
+        let j = |p: &[f64]| {
+            let x = 4.0 * p[0] - 2.0;
+            vec![vec![-80.0 * x, 40.0, 0.0], vec![-4.0, 0.0, 0.0], vec![0.0, 0.0, 0.01]]
+        };
+        let end = |by_diagonal| {
+            let criteria =
+                StoppingCriteria { zero: 1e-14, evaluations: 200, by_diagonal, ..StoppingCriteria::default() };
+            minimise(&mut Formula(r, j), &[0.2, 0.75, 0.0], criteria).unwrap()
+        };
+        for by_diagonal in [false, true] {
+            let end = end(by_diagonal);
+            assert!((end.point[0] - 0.75).abs() < 1e-6 && (end.point[2] - 0.5).abs() < 1e-4, "{:?}", end.point);
+        }
     }
 
     #[test]

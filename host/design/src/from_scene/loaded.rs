@@ -17,6 +17,9 @@ use softlimb_scene::{
     redesigned_at,
 };
 
+/// Largest tilt of a carried object, rad.
+const TILT_MAX_RAD: f64 = 35.0 * PI / 180.0;
+
 /// A limb under load to search for.
 #[derive(Clone, Debug)]
 pub struct LoadedDesign {
@@ -166,6 +169,7 @@ fn poses(scene: &Scene) -> Result<Vec<LoadedPose>, SceneError> {
                 radius_m: object.radius_m,
                 above_m: object.height_m - object.grasp_m,
                 below_m: object.grasp_m,
+                tilt_max_rad: TILT_MAX_RAD,
             }
         });
         // The gripper takes up or puts down at the end of the move.

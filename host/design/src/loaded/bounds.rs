@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use super::evaluate::Judgement;
 use super::local_solve::{NOTHING, local};
-use super::search::{Found, RAISE_STEPS, raised};
+use super::search::{Found, RAISE, RAISE_STEPS, reserve_from};
 use super::space::{HOME, LimbSpace, Variable};
 use super::task::LoadedTask;
 
@@ -35,12 +36,11 @@ pub struct ActiveBound {
 
 /// The bounds that a limb lies at. Of a limb that keeps every margin each is moved once, of another one until the margins are kept.
 ///
-/// `abreast` is the number of threads; each local solve calls `stop` first.
+/// Each local solve calls `stop` first.
 pub fn active_bounds(
     task: &LoadedTask,
     space: &LimbSpace,
     found: &Found,
-    abreast: usize,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<ActiveBound> {
     let variables = space.variables();
@@ -62,7 +62,7 @@ pub fn active_bounds(
             (space.with_bounds(index, bounds), if at_high { bounds[1] } else { bounds[0] })
         };
         let bound = if at_high { high } else { low };
-        all.extend(tried(task, found, (name, variable.name, bound), &values, abreast, stop, moved));
+        all.extend(tried(task, found, (name, variable.name, bound), &values, stop, moved));
     }
     let full = AT_PRESSURE;
     if found.evaluation.poses.iter().any(|pose| pose.shares.iter().any(|share| *share >= full)) {
@@ -72,7 +72,7 @@ pub fn active_bounds(
             wider.modules.iter_mut().for_each(|module| module.pressure_max_pa *= 1.0 + 0.5 * by);
             (wider, highest * (1.0 + 0.5 * by))
         };
-        all.extend(tried(task, found, (None, "pressure_max", highest), &values, abreast, stop, moved));
+        all.extend(tried(task, found, (None, "pressure_max", highest), &values, stop, moved));
     }
     all
 }
@@ -86,7 +86,6 @@ fn tried(
     found: &Found,
     (module, name, bound): (Option<String>, &'static str, f64),
     values: &[f64],
-    abreast: usize,
     stop: &(dyn Fn() -> bool + Sync),
     moved: impl Fn(f64) -> (LimbSpace, f64),
 ) -> Option<ActiveBound> {
@@ -102,10 +101,12 @@ fn tried(
         let mut bound =
             ActiveBound { module: module.clone(), name, bound, moved_to, reached: false, reserve: 0.0, left: 1.0 };
         if found.reached {
-            let (higher, _) = raised(task, &wider, &start, &found.by, (1, abreast), stop);
-            return Some(ActiveBound { reached: true, reserve: higher?.by.reserve, left: 0.0, ..bound });
+            let higher = Judgement { reserve: found.by.reserve + RAISE, ..found.by.clone() };
+            let reserve = reserve_from(task, &wider, (&start, &found.evaluation), &higher);
+            return Some(ActiveBound { reached: true, reserve: reserve.max(found.by.reserve), left: 0.0, ..bound });
         }
-        let Some((minimum, _)) = local(task, &wider, &start, &found.by, (RAISE_STEPS, abreast)) else { continue };
+        let near = &found.evaluation;
+        let Some((minimum, _)) = local(task, &wider, &start, near, &found.by, RAISE_STEPS) else { continue };
         bound.reached = minimum.objective <= NOTHING;
         bound.left = if bound.reached { 0.0 } else { (minimum.objective / before).sqrt() };
         let ends = bound.reached;

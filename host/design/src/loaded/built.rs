@@ -1,7 +1,7 @@
 //! A limb of certain sizes whose pressures can be chosen.
 
-use std::cell::RefCell;
 use std::f64::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use fra_model::{Actuator, Load, Motion, Status};
 use nalgebra::{Isometry3, Vector3};
@@ -19,10 +19,11 @@ pub(super) struct BuiltModule {
     pub(super) length_m: f64,
     bay_m: f64,
     mount_angle_rad: f64,
+    pressure_max_pa: f64,
     /// Mass of walls and spacers, kg.
     between_kg: f64,
     /// Tubes at the pressures that were asked for.
-    springs: RefCell<Vec<(f64, Spring)>>,
+    springs: Arc<Mutex<Vec<(f64, Spring)>>>,
     /// Radius of the module about its centre line at rest, m.
     pub(super) radius_m: f64,
 }
@@ -33,6 +34,8 @@ pub struct Built {
     base: Isometry3<f64>,
     pub(super) modules: Vec<BuiltModule>,
     spans_pa: Vec<f64>,
+    /// The reserve that its pressures keep.
+    pub(super) reserve: f64,
     connector: [f64; 2],
     tool: [f64; 2],
     /// Length at rest from base to tip, m.
@@ -42,9 +45,42 @@ pub struct Built {
 impl Built {
     /// The limb of sizes, whose pressures keep their margin with a reserve; `None` where the model cannot take an actuator.
     pub fn new(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes, reserve: f64) -> Option<Self> {
+        Self::with(task, space, sizes, reserve, |_| None)
+    }
+
+    /// The same near another limb of the task and the space, whose modules are taken where they are the same.
+    pub(super) fn near(
+        task: &LoadedTask,
+        space: &LimbSpace,
+        sizes: &LimbSizes,
+        reserve: f64,
+        (near, near_sizes): (&Self, &LimbSizes),
+    ) -> Option<Self> {
+        let same = |index: usize| {
+            sizes.modules[index] == near_sizes.modules[index]
+                && reserve == near.reserve
+                && space.modules[index].pressure_max_pa == near.modules[index].pressure_max_pa
+        };
+        Self::with(task, space, sizes, reserve, |index| {
+            same(index).then(|| (near.modules[index].clone(), near.spans_pa[index]))
+        })
+    }
+
+    fn with(
+        task: &LoadedTask,
+        space: &LimbSpace,
+        sizes: &LimbSizes,
+        reserve: f64,
+        known: impl Fn(usize) -> Option<(BuiltModule, f64)>,
+    ) -> Option<Self> {
         let mut modules = Vec::with_capacity(space.modules.len());
         let mut spans_pa = Vec::with_capacity(space.modules.len());
-        for (module, size) in space.modules.iter().zip(&sizes.modules) {
+        for (index, (module, size)) in space.modules.iter().zip(&sizes.modules).enumerate() {
+            if let Some((module, span_pa)) = known(index) {
+                modules.push(module);
+                spans_pa.push(span_pa);
+                continue;
+            }
             let actuator = Actuator::new(&module.actuator(size)).ok()?;
             let limit_pa = ceiling_pa(&actuator, module.pressure_max_pa)?;
             spans_pa.push(task.limits.pressure_share / (1.0 + reserve) * limit_pa);
@@ -53,7 +89,8 @@ impl Built {
             let section_m2 = PI * (outer_m - inner_m) * (outer_m + inner_m);
             modules.push(BuiltModule {
                 motion: module.motion,
-                springs: RefCell::default(),
+                springs: Arc::default(),
+                pressure_max_pa: module.pressure_max_pa,
                 actuator,
                 positions_m: arrangement.positions_m(module.actuators).collect(),
                 length_m: size.length_m,
@@ -70,6 +107,7 @@ impl Built {
             length_m: modules.iter().map(|module| module.length_m).sum::<f64>() + rigid_m,
             modules,
             spans_pa,
+            reserve,
             connector: [task.connector_m, task.connector_kg],
             tool: [task.tool_m[0], task.tool_kg],
         })
@@ -115,12 +153,13 @@ impl Built {
     pub(super) fn bundle(&self, index: usize, share: f64) -> Option<Bundle> {
         let module = &self.modules[index];
         let pressure_pa = share * self.spans_pa[index];
-        let known = module.springs.borrow().iter().find(|(at, _)| *at == pressure_pa).map(|(_, spring)| spring.clone());
+        let springs = || module.springs.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = springs().iter().find(|(at, _)| *at == pressure_pa).map(|(_, spring)| spring.clone());
         let spring = match known {
             Some(spring) => spring,
             None => {
                 let spring = Spring::new(&module.actuator, pressure_pa)?;
-                module.springs.borrow_mut().push((pressure_pa, spring.clone()));
+                springs().push((pressure_pa, spring.clone()));
                 spring
             }
         };

@@ -1,6 +1,6 @@
 //! Clearance of the loaded limb and of what it carries: balls along the deformed centre line.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::built::Built;
 use super::inverse::Stand;
@@ -72,11 +72,16 @@ fn capsule(from: &Vector3<f64>, to: &Vector3<f64>, radius_m: f64) -> Vec<(Vector
     (0..=parts as usize).map(|part| (from.lerp(to, part as f64 / parts), radius_m)).collect()
 }
 
-/// Balls of a body that hangs from the tip: a capsule.
-fn hanging(tip_m: &Vector3<f64>, body: &CarriedBody) -> Vec<(Vector3<f64>, f64)> {
+/// Balls of a body that the tip holds along an axis: a capsule.
+fn along(tip_m: &Vector3<f64>, body: &CarriedBody, axis: &Vector3<f64>) -> Vec<(Vector3<f64>, f64)> {
     let (top, bottom) = (body.above_m - body.radius_m, body.radius_m - body.below_m);
     let (top, bottom) = if top >= bottom { (top, bottom) } else { (0.5 * (top + bottom), 0.5 * (top + bottom)) };
-    capsule(&(tip_m + Vector3::z() * bottom), &(tip_m + Vector3::z() * top), body.radius_m)
+    capsule(&(tip_m + axis * bottom), &(tip_m + axis * top), body.radius_m)
+}
+
+/// Axes of a body that turns with the tip since it was grasped upright, and of one that hangs from it.
+fn axes(turn: &UnitQuaternion<f64>, grasp: &UnitQuaternion<f64>) -> [Vector3<f64>; 2] {
+    [turn * grasp.inverse() * Vector3::z(), Vector3::z()]
 }
 
 /// Least distance to an obstacle less the required clearance, m, and the index of the obstacle; `None` without obstacles.
@@ -86,13 +91,18 @@ pub(super) fn spare_m(
     built: &Built,
     task: &LoadedTask,
     stand: &Stand,
-    carried: Option<&CarriedBody>,
+    carried: Option<(&CarriedBody, UnitQuaternion<f64>)>,
     shift_m: &Vector3<f64>,
 ) -> Option<(f64, usize)> {
     let mut all = balls(built, task, stand);
     let count = all.len().max(1) as f64;
     all.iter_mut().enumerate().for_each(|(index, (center, _))| *center += shift_m * ((index + 1) as f64 / count));
-    all.extend(carried.iter().flat_map(|body| hanging(&(stand.tip_m() + shift_m), body)));
+    let tip = stand.shape.tip();
+    // A stiff grip turns the body with it, a loose one lets it hang: it keeps clear either way.
+    all.extend(carried.iter().flat_map(|(body, grasp)| {
+        let place = stand.tip_m() + shift_m;
+        axes(&tip.rotation, grasp).into_iter().flat_map(move |axis| along(&place, body, &axis))
+    }));
     let of = |(index, obstacle): (usize, &crate::synthesis::Obstacle)| {
         let distances = all.iter().map(|(center, radius)| obstacle.shape.distance(center).distance_m - radius);
         (distances.fold(f64::INFINITY, f64::min) - obstacle.clearance_m, index)

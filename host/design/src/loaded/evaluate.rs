@@ -1,14 +1,16 @@
 //! One limb judged: its poses under load, and what every margin lacks.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::UnitQuaternion;
 
 use super::built::Built;
-use super::inverse::Stand;
+use super::inverse::{Stand, reach};
 use super::moves::moves;
-use super::pose::{PoseState, Sought, Start, pose_state};
+use super::plates::Shift;
+use super::pose::{Changed, PoseState, Sought, moved_aim, pose_at, pose_state};
 use super::residuals::{Lack, of_pose};
 use super::space::{LimbSizes, LimbSpace};
 use super::task::LoadedTask;
+use crate::synthesis::Aim;
 
 /// Shares of the pressures that the first pose is sought from.
 const FIRST: [f64; 2] = [0.1, 0.7];
@@ -26,6 +28,7 @@ pub struct Evaluation {
     pub mass_kg: f64,
     /// Length at rest, m.
     pub length_m: f64,
+    pub(super) built: Built,
 }
 
 impl Evaluation {
@@ -40,77 +43,144 @@ impl Evaluation {
 pub struct Judgement {
     /// Share by which every margin shall be better than its limit.
     pub reserve: f64,
-    /// Way from the tip of rods to that of tubes between plates in each pose, m: as it is reached and as it is held. Zero where there is none.
-    pub shifts_m: Vec<[Vector3<f64>; 2]>,
+    /// From rods to tubes between plates in each pose. Zero where there is none.
+    pub shifts: Vec<Shift>,
+    /// Whether the moves are judged, too, where the task wants them clear.
+    pub moves: bool,
 }
 
 impl Judgement {
-    pub(super) fn shift_m(&self, pose: usize) -> [Vector3<f64>; 2] {
-        self.shifts_m.get(pose).copied().unwrap_or_default()
+    pub(super) fn shift(&self, pose: usize) -> Shift {
+        self.shifts.get(pose).copied().unwrap_or_default()
     }
 }
 
-/// Judges a limb of sizes. `warm` is a limb of nearly the same sizes to start from.
+/// Judges a limb of sizes, with pressures by inverse kinematics under load that are nearest to the home of the sizes.
 ///
 /// `None` where an actuator cannot be modelled or the limb does not stand in the first pose.
-pub fn evaluate(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    sizes: &LimbSizes,
-    by: &Judgement,
-    warm: Option<&Evaluation>,
-) -> Option<Evaluation> {
-    judge(task, space, sizes, by, warm.map(|warm| (warm, false)))
-}
-
-/// The same for a derivative, from the limb that it is the derivative at: its Jacobians of the tip are used, too.
-pub(super) fn evaluate_beside(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    sizes: &LimbSizes,
-    by: &Judgement,
-    at: &Evaluation,
-) -> Option<Evaluation> {
-    judge(task, space, sizes, by, Some((at, true)))
-}
-
-fn judge(
-    task: &LoadedTask,
-    space: &LimbSpace,
-    sizes: &LimbSizes,
-    by: &Judgement,
-    warm: Option<(&Evaluation, bool)>,
-) -> Option<Evaluation> {
+pub fn evaluate(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes, by: &Judgement) -> Option<Evaluation> {
     let built = Built::new(task, space, sizes, by.reserve)?;
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, pose) in task.poses.iter().enumerate() {
-        let near = warm.and_then(|(warm, beside)| Some((warm.poses.get(index)?, beside)));
-        let sought = Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift_m(index) };
-        let own = near.and_then(|(near, beside)| pose_state(&built, &sought, &Start::Warm { near, beside }));
-        let after = || pose_state(&built, &sought, &Start::Cold(&poses.last()?.held.stand));
-        let anew = || pose_state(&built, &sought, &Start::Cold(&first(&built, sizes, pose.move_kg)?));
-        let found = own.or_else(after).or_else(anew)?;
+        let grasp = grasp(task, &refs(&poses), index);
+        let sought =
+            Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift(index).tip_m, grasp };
+        let after = || pose_state(&built, &sought, &poses.last()?.held.stand);
+        let anew = || pose_state(&built, &sought, &first(&built, sizes, pose.move_kg)?);
+        let found = after().or_else(anew)?;
         poses.push(found);
     }
-    swing(task, &mut poses);
-    if !task.obstacles.is_empty() && task.moves {
-        moves(&built, task, by, &mut poses, warm.map(|(warm, _)| warm));
-    }
-    let lacks =
-        poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, &built, index, state, by.reserve)).collect();
-    Some(Evaluation { sizes: sizes.clone(), lacks, poses, mass_kg: built.mass_kg(), length_m: built.length_m })
+    Some(Evaluation::of(task, built, sizes, by, poses, None))
 }
 
-/// Turns of the end effector since the pose before a body is carried.
-fn swing(task: &LoadedTask, poses: &mut [PoseState]) {
-    let mut grasped: Option<UnitQuaternion<f64>> = None;
-    for (pose, state) in task.poses.iter().zip(poses) {
-        let turn = state.moved.stand.shape.tip().rotation;
-        match (pose.carried, grasped) {
-            (Some(_), Some(grasp)) => state.swing_rad = (turn * grasp.inverse() * Vector3::z()).angle(&Vector3::z()),
-            _ => grasped = Some(turn),
-        }
+/// Judges a limb of sizes at pressures, near a limb of nearly the same sizes and pressures.
+///
+/// `None` where an actuator cannot be modelled or the limb does not stand in a pose.
+pub(super) fn evaluate_at(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    sizes: &LimbSizes,
+    shares: &[[Vec<f64>; 2]],
+    by: &Judgement,
+    near: &Evaluation,
+) -> Option<Evaluation> {
+    let built = Built::near(task, space, sizes, by.reserve, (&near.built, &near.sizes))?;
+    let poses = poses_at(task, &built, shares, by, &near.poses, Changed::Anew)?;
+    Some(Evaluation::of(task, built, sizes, by, poses, Some(near)))
+}
+
+/// The poses of a limb at pressures, near those of a limb of nearly the same sizes and pressures.
+pub(super) fn poses_at(
+    task: &LoadedTask,
+    built: &Built,
+    shares: &[[Vec<f64>; 2]],
+    by: &Judgement,
+    near: &[PoseState],
+    changed: Changed,
+) -> Option<Vec<PoseState>> {
+    let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
+    for (index, [moved, held]) in shares.iter().enumerate() {
+        let sought = sought(task, index, by, grasp(task, &refs(&poses), index));
+        poses.push(pose_at(built, &sought, [moved, held], &near[index], changed)?);
     }
+    Some(poses)
+}
+
+/// A pose as it is judged at given pressures.
+pub(super) fn sought<'a>(
+    task: &'a LoadedTask,
+    pose: usize,
+    by: &Judgement,
+    grasp: Option<UnitQuaternion<f64>>,
+) -> Sought<'a> {
+    Sought { task, pose: &task.poses[pose], home: &[], reserve: by.reserve, shift_m: by.shift(pose).tip_m, grasp }
+}
+
+impl Evaluation {
+    fn of(
+        task: &LoadedTask,
+        built: Built,
+        sizes: &LimbSizes,
+        by: &Judgement,
+        mut poses: Vec<PoseState>,
+        near: Option<&Self>,
+    ) -> Self {
+        let matter = !task.obstacles.is_empty() || task.poses.iter().any(|pose| pose.carried.is_some());
+        if by.moves && matter && task.moves {
+            moves(&built, task, by, &mut poses, near);
+        }
+        let lacks = lacks(task, &built, &refs(&poses), by);
+        Self { sizes: sizes.clone(), lacks, mass_kg: built.mass_kg(), length_m: built.length_m, poses, built }
+    }
+
+    /// The same sizes judged by something else, with pressures that bring the tip to the places.
+    pub(super) fn reaching(&self, task: &LoadedTask, space: &LimbSpace, by: &Judgement) -> Option<Self> {
+        let built = Built::new(task, space, &self.sizes, by.reserve)?;
+        // The same pressures are other shares of the ranges with another reserve.
+        let factor = (1.0 + by.reserve) / (1.0 + self.built.reserve);
+        let mut all = Vec::with_capacity(self.poses.len());
+        for (index, (pose, state)) in task.poses.iter().zip(&self.poses).enumerate() {
+            let reached = |near: &Stand, aim: &Aim, kg| {
+                let shares: Vec<f64> = near.shares.iter().map(|share| share * factor).collect();
+                let near = Stand { shares: shares.clone(), ..near.clone() };
+                Some(reach(&built, &near, (&shares, kg), aim, None).ok()?.stand)
+            };
+            let [there, then] = by.shift(index).tip_m;
+            let moved = reached(&state.moved.stand, &moved_aim(&pose.aim, &-there), pose.move_kg)?;
+            let held = if pose.hold_kg == pose.move_kg {
+                moved.shares.clone()
+            } else {
+                reached(&state.held.stand, &Aim::Point(moved.tip_m() + there - then), pose.hold_kg)?.shares
+            };
+            all.push([moved.shares, held]);
+        }
+        evaluate_at(task, space, &self.sizes, &all, by, self)
+    }
+
+    /// Shares of the pressures of each pose, as it is reached and as it is held.
+    pub(super) fn shares(&self) -> Vec<[Vec<f64>; 2]> {
+        self.poses.iter().map(|pose| [&pose.moved, &pose.held].map(|reached| reached.stand.shares.clone())).collect()
+    }
+}
+
+pub(super) fn refs(poses: &[PoseState]) -> Vec<&PoseState> {
+    poses.iter().collect()
+}
+
+/// What the margins lack.
+pub(super) fn lacks(task: &LoadedTask, built: &Built, poses: &[&PoseState], by: &Judgement) -> Vec<Lack> {
+    poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, built, index, state, by)).collect()
+}
+
+/// Orientation of the tip when it grasped the body that it carries to a pose; `None` where it carries none.
+pub(super) fn grasp(task: &LoadedTask, before: &[&PoseState], pose: usize) -> Option<UnitQuaternion<f64>> {
+    Some(before[grasped_at(task, pose)?].moved.stand.shape.tip().rotation)
+}
+
+/// The pose at whose end the body is grasped that is carried to a pose.
+pub(super) fn grasped_at(task: &LoadedTask, pose: usize) -> Option<usize> {
+    task.poses[pose].carried?;
+    (0..pose).rev().find(|index| task.poses[*index].carried.is_none())
 }
 
 fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {

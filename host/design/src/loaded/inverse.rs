@@ -3,11 +3,11 @@
 //! Newton's method on the tip with the tangent of the statics. Where several pressures do, those nearest to `home` are taken, in shares of
 //! the ranges; a pressure that leaves its range, and a little more at its high end, is held there.
 
-use nalgebra::{DMatrix, DVector, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3, Vector4};
 
 use super::built::Built;
 use crate::synthesis::Aim;
-use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod, Settled, Shape};
+use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod, Settled, Shape, by_fidelity};
 
 /// The tip has arrived within this, m.
 pub(super) const ARRIVED_M: f64 = 1e-6;
@@ -44,6 +44,14 @@ pub(super) struct Reached {
     pub(super) jacobian: Option<Jacobian>,
 }
 
+impl Reached {
+    /// A limb in equilibrium with its tip where it is.
+    pub(super) fn of(stand: Stand, aim: &Aim) -> Self {
+        let tip_m = stand.tip_m();
+        Self { missing_m: nearest(aim, &tip_m) - tip_m, stand, jacobian: None }
+    }
+}
+
 /// A limb in equilibrium at shares of its pressures.
 #[derive(Clone, Debug)]
 pub(super) struct Stand {
@@ -72,6 +80,18 @@ impl Stand {
         }
     }
 
+    /// The same just beside `start`, with springs about its strains: to first order in the distance it is the same equilibrium.
+    pub(super) fn beside(built: &Built, shares: &[f64], kg: f64, start: &Self) -> Option<Self> {
+        let limb = built.loaded(shares, kg)?.at_strains(&start.strains()).ok()?;
+        let (rod, shape) = by_fidelity(&limb.rod, Fidelity::Linear, Some(&start.shape.q)).ok()?;
+        Some(Self { shares: shares.to_vec(), limb, rod, shape })
+    }
+
+    /// Tilt of the axis of a body that stood upright when the tip grasped it, rad; 0 without one.
+    pub(super) fn tilt_rad(&self, grasp: Option<&UnitQuaternion<f64>>) -> f64 {
+        grasp.map_or(0.0, |grasp| tilt_rad(&self.shape.tip().rotation, grasp))
+    }
+
     /// Mean strains of its modules.
     fn strains(&self) -> Vec<Vector4<f64>> {
         self.limb.strains(&self.rod, &self.shape.q)
@@ -81,6 +101,11 @@ impl Stand {
     pub(super) fn tip_m(&self) -> Vector3<f64> {
         self.shape.tip().translation.vector
     }
+}
+
+/// Tilt of the axis of a body that stood upright when the tip grasped it, rad.
+pub(super) fn tilt_rad(turn: &UnitQuaternion<f64>, grasp: &UnitQuaternion<f64>) -> f64 {
+    (turn * grasp.inverse() * Vector3::z()).angle(&Vector3::z())
 }
 
 /// The place of an aim that is nearest to a point, m.

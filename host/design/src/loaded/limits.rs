@@ -32,6 +32,8 @@ pub enum Margin {
     Reach,
     /// The end effector points where it shall.
     Direction,
+    /// The axis of the carried body is nearly upright.
+    Tilt,
     /// The limb carries the load at all.
     Carries,
     /// Load factor to the first instability.
@@ -56,6 +58,7 @@ impl Margin {
         match self {
             Self::Reach => "reach",
             Self::Direction => "direction",
+            Self::Tilt => "tilt",
             Self::Carries => "carrying",
             Self::LoadFactor => "load factor",
             Self::Stiffness => "stiffness",

@@ -2,8 +2,12 @@
 
 use std::panic::resume_unwind;
 
-use super::evaluate::{Evaluation, Judgement, evaluate, evaluate_beside};
-use super::space::LimbSpace;
+use super::built::Built;
+use super::evaluate::{Evaluation, Judgement, evaluate_at, grasp, grasped_at, lacks, poses_at, refs, sought};
+use super::moves::beside;
+use super::pose::{Changed, PoseState, pose_at};
+use super::residuals::Lack;
+use super::space::{HOME, LimbSpace};
 use super::task::LoadedTask;
 use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise};
 
@@ -17,28 +21,111 @@ struct Problem<'a> {
     space: &'a LimbSpace,
     by: &'a Judgement,
     evaluations: usize,
+    /// A limb to start from.
+    near: &'a Evaluation,
     warm: Option<Evaluation>,
-    /// Threads of a Jacobian.
-    abreast: usize,
+    /// Variables of the space, and those of them that are none of a limb at given pressures.
+    sizes: usize,
+    idle: Vec<bool>,
+}
+
+/// The point of a limb at its pressures: the variables of the space, then shares of the pressures.
+pub(super) fn with_pressures(task: &LoadedTask, sizes: &[f64], limb: &Evaluation) -> Vec<f64> {
+    let shares = limb.shares();
+    let pressures = shares.iter().enumerate().flat_map(|(pose, shares)| {
+        shares.iter().take(states(task, pose)).flatten().map(|share| share.clamp(0.0, 1.0)).collect::<Vec<f64>>()
+    });
+    sizes.iter().copied().chain(pressures).collect()
+}
+
+/// Number of states of a pose that have pressures of their own.
+fn states(task: &LoadedTask, pose: usize) -> usize {
+    if task.poses[pose].hold_kg == task.poses[pose].move_kg { 1 } else { 2 }
 }
 
 impl Problem<'_> {
-    fn at(&mut self, point: &[f64]) -> Option<Evaluation> {
-        self.evaluations += 1;
-        evaluate(self.task, self.space, &self.space.sizes(point), self.by, self.warm.as_ref())
+    fn near(&self) -> &Evaluation {
+        self.warm.as_ref().unwrap_or(self.near)
     }
-}
 
-impl Problem<'_> {
+    /// Shares of the pressures of each pose, as it is reached and as it is held.
+    fn shares(&self, point: &[f64]) -> Vec<[Vec<f64>; 2]> {
+        let mut left = point[self.sizes..].chunks(self.space.modules.len());
+        let mut next = || left.next().unwrap_or_default().to_vec();
+        let of_pose = |pose: usize| {
+            let moved = next();
+            let held = if states(self.task, pose) == 1 { moved.clone() } else { next() };
+            [moved, held]
+        };
+        (0..self.task.poses.len()).map(of_pose).collect()
+    }
+
+    /// The pose, and the state of it, that a pressure belongs to.
+    fn pose_of(&self, pressure: usize) -> (usize, usize) {
+        let mut state = pressure / self.space.modules.len();
+        for pose in 0..self.task.poses.len() {
+            if state < states(self.task, pose) {
+                return (pose, state);
+            }
+            state -= states(self.task, pose);
+        }
+        (0, 0)
+    }
+
     /// Derivative of the residuals by one variable; zeros where the limb beside does not stand.
     fn column(&self, at: &At, here: &[f64], axis: usize) -> Vec<f64> {
         let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
         let mut point = at.point.clone();
         point[axis] += step;
-        match evaluate_beside(self.task, self.space, &self.space.sizes(&point), self.by, &at.limb) {
-            Some(there) => there.lacks.iter().zip(here).map(|(there, here)| (there.value - here) / step).collect(),
+        let there = if axis < self.sizes { self.with_size(at, &point) } else { self.with_pressure(at, &point, axis) };
+        match there {
+            Some(there) => there.iter().zip(here).map(|(there, here)| (there.value - here) / step).collect(),
             None => vec![0.0; here.len()],
         }
+    }
+
+    fn with_size(&self, at: &At, point: &[f64]) -> Option<Vec<Lack>> {
+        let (task, space, by) = (self.task, self.space, self.by);
+        let near = &at.limb;
+        let mut sizes = space.sizes(&point[..self.sizes]);
+        // Another number of spacers is a jump, not a slope.
+        sizes.modules.iter_mut().zip(&near.sizes.modules).for_each(|(own, near)| own.spacers = near.spacers);
+        let built = Built::near(task, space, &sizes, by.reserve, (&near.built, &near.sizes))?;
+        let mut poses = poses_at(task, &built, &self.shares(point), by, &near.poses, Changed::All)?;
+        let moves: Vec<_> =
+            (0..poses.len()).map(|index| beside(&built, task, by, index, &refs(&poses), &near.poses[index])).collect();
+        poses.iter_mut().zip(moves).for_each(|(pose, by)| (pose.spare_m, pose.tilt_rad) = by);
+        Some(lacks(task, &built, &refs(&poses), by))
+    }
+
+    fn with_pressure(&self, at: &At, point: &[f64], axis: usize) -> Option<Vec<Lack>> {
+        let (task, by, near) = (self.task, self.by, &at.limb);
+        let (pose, state) = self.pose_of(axis - self.sizes);
+        let changed = match (states(task, pose), state) {
+            (1, _) => Changed::All,
+            (_, 0) => Changed::Moved,
+            _ => Changed::Held,
+        };
+        let [moved, held] = &self.shares(point)[pose];
+        let poses = refs(&near.poses);
+        let sought = sought(task, pose, by, grasp(task, &poses, pose));
+        let own = pose_at(&near.built, &sought, [moved, held], &near.poses[pose], changed)?;
+        // The moves to it and from it, and the bodies that are grasped there.
+        let affected = |index: &usize| {
+            *index == pose || *index == pose + 1 || (state == 0 && grasped_at(task, *index) == Some(pose))
+        };
+        let mut others: Vec<(usize, PoseState)> = Vec::new();
+        for index in (pose..near.poses.len()).filter(affected) {
+            let mut there = poses.clone();
+            there[pose] = &own;
+            let (spare_m, tilt_rad) = beside(&near.built, task, by, index, &there, &near.poses[index]);
+            let mut judged = if index == pose { own.clone() } else { near.poses[index].clone() };
+            (judged.spare_m, judged.tilt_rad) = (spare_m, tilt_rad);
+            others.push((index, judged));
+        }
+        let mut poses = poses;
+        others.iter().for_each(|(index, judged)| poses[*index] = judged);
+        Some(lacks(task, &near.built, &poses, by))
     }
 }
 
@@ -52,7 +139,10 @@ impl LeastSquares for Problem<'_> {
     type Evaluation = At;
 
     fn evaluate(&mut self, point: &[f64]) -> Option<At> {
-        Some(At { point: point.to_vec(), limb: self.at(point)? })
+        self.evaluations += 1;
+        let sizes = self.space.sizes(&point[..self.sizes]);
+        let limb = evaluate_at(self.task, self.space, &sizes, &self.shares(point), self.by, self.near())?;
+        Some(At { point: point.to_vec(), limb })
     }
 
     fn residuals(&self, at: &At) -> Vec<f64> {
@@ -62,32 +152,40 @@ impl LeastSquares for Problem<'_> {
     fn jacobian(&mut self, at: &At) -> Option<Vec<Vec<f64>>> {
         self.warm = Some(at.limb.clone());
         let here: Vec<f64> = self.residuals(at);
-        self.evaluations += at.point.len();
-        let axes: Vec<usize> = (0..at.point.len()).collect();
-        let parts: Vec<&[usize]> = axes.chunks(axes.len().div_ceil(self.abreast.max(1)).max(1)).collect();
-        let columns = abreast(&parts, |axes| axes.iter().map(|axis| self.column(at, &here, *axis)).collect::<Vec<_>>());
-        let columns: Vec<Vec<f64>> = columns.into_iter().flatten().collect();
+        self.evaluations += self.sizes - self.idle.iter().filter(|idle| **idle).count();
+        let columns: Vec<Vec<f64>> = (0..at.point.len())
+            .map(|axis| {
+                let idle = self.idle.get(axis).copied().unwrap_or(false);
+                if idle { vec![0.0; here.len()] } else { self.column(at, &here, axis) }
+            })
+            .collect();
         Some((0..here.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
     }
 }
 
-/// The limb that least squares lead to, and the limbs judged.
+/// The limb that least squares lead to from a limb at a point of the space, and the limbs judged.
 pub(super) fn local(
     task: &LoadedTask,
     space: &LimbSpace,
     start: &[f64],
+    near: &Evaluation,
     by: &Judgement,
-    (steps, abreast): (usize, usize),
+    steps: usize,
 ) -> Option<(Minimum<At>, usize)> {
-    let mut problem = Problem { task, space, by, evaluations: 0, warm: None, abreast };
+    let variables = space.variables();
+    let idle: Vec<bool> = variables.iter().map(|variable| variable.name == HOME).collect();
+    let sizes = variables.len();
+    let start = with_pressures(task, &start[..sizes], near);
+    let mut problem = Problem { task, space, by, evaluations: 0, near, warm: None, sizes, idle };
     let criteria = StoppingCriteria {
         zero: NOTHING,
         relative: 1e-4,
         least_gain: 5e-3,
         evaluations: steps.max(1),
+        by_diagonal: true,
         ..StoppingCriteria::default()
     };
-    let minimum = minimise(&mut problem, start, criteria)?;
+    let minimum = minimise(&mut problem, &start, criteria)?;
     Some((minimum, problem.evaluations))
 }
 

@@ -1,18 +1,20 @@
 //! One pose of a limb: its pressures under load, and what its margins are.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::built::Built;
 use super::clearance::{nearer, spare_m};
 use super::inverse::{Reached, Stand, reach};
+use super::limits::StandingLimits;
 use super::task::{LoadedPose, LoadedTask};
 use crate::synthesis::Aim;
 use softlimb_limb::statics::{Bends, Rod, Shape, UNKNOWNS, solve};
 
 /// Shares of a payload that a pose is judged with; the limb found is judged with half of it, too.
 pub(super) const LOADS: [f64; 2] = [0.0, 1.0];
-/// A tip that is off by more than this in the pose of a limb of nearly the same sizes is sought step by step, too, m.
-const WARM_M: f64 = 1e-3;
+/// A margin that is this many times its limit is far from it.
+const FAR: f64 = 1.25;
+
 /// A pose under a share of its payload, at the pressures that hold all of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadState {
@@ -43,8 +45,8 @@ pub struct PoseState {
     pub missing_m: Vector3<f64>,
     /// Angle between the end effector and the direction that it shall have, beyond the tolerance, rad.
     pub turned_rad: f64,
-    /// Turn of the end effector since it grasped the carried body, rad; 0 without one. The body hangs upright: its grip lets it swing by this.
-    pub swing_rad: f64,
+    /// Tilt of the axis of the carried body, which turns with the end effector since it was grasped, here and on the way, rad; 0 without one.
+    pub tilt_rad: f64,
     /// The states without and with all of the payload; fewer where the limb does not carry it.
     pub loads: Vec<LoadState>,
     /// Share of the load that is not carried; 0 where all is.
@@ -53,9 +55,14 @@ pub struct PoseState {
     pub spare_m: Option<(f64, usize)>,
     pub(super) moved: Reached,
     pub(super) held: Reached,
-    unloaded: Option<Stand>,
-    /// Stands on the way to it.
+    /// The equilibrium at the pressures as it is held, under the payload that it is not held with.
+    other: Option<Stand>,
+    /// Equilibria on the way to it.
     pub(super) way: Vec<Option<Stand>>,
+    /// The one on the way that comes nearest to an obstacle, at a share of the way; `None` where the pose itself does.
+    pub(super) nearest: Option<(f64, Stand)>,
+    /// The same of the one where the carried body tilts most.
+    pub(super) steepest: Option<(f64, Stand)>,
 }
 
 /// A pose and how it is judged.
@@ -66,18 +73,12 @@ pub(super) struct Sought<'a> {
     pub(super) reserve: f64,
     /// From the tip of rods to that of tubes, as the pose is reached and as it is held, m.
     pub(super) shift_m: [Vector3<f64>; 2],
-}
-
-/// Where a pose is sought from.
-pub(super) enum Start<'a> {
-    /// A stand of the same limb in another pose.
-    Cold(&'a Stand),
-    /// The same pose of a limb of nearly the same sizes; of one just beside it, the Jacobians serve, too.
-    Warm { near: &'a PoseState, beside: bool },
+    /// Orientation of the tip when it grasped the body that it carries.
+    pub(super) grasp: Option<UnitQuaternion<f64>>,
 }
 
 /// An aim elsewhere, by a way in m.
-fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
+pub(super) fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
     match aim {
         Aim::Point(place_m) => Aim::Point(place_m + by_m),
         Aim::Inside { center_m, half_m, rotation } => {
@@ -86,102 +87,162 @@ fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
     }
 }
 
-/// The limb as its pose is reached.
-fn moved(built: &Built, sought: &Sought<'_>, start: &Start<'_>) -> Option<Reached> {
-    let aim = moved_aim(&sought.pose.aim, &-sought.shift_m[0]);
-    let (stand, jacobian) = match start {
-        Start::Cold(stand) => (*stand, None),
-        Start::Warm { near, beside } => (&near.moved.stand, near.moved.jacobian.as_ref().filter(|_| *beside)),
-    };
-    reach(built, stand, (sought.home, sought.pose.move_kg), &aim, jacobian).ok()
-}
-
-/// The limb as its pose is held, with the tip where it was moved to, and the share of the load that is not carried.
-fn held(built: &Built, sought: &Sought<'_>, start: &Start<'_>, moved: &Reached) -> (Reached, f64) {
+/// The pose of a limb by inverse kinematics from a stand of the same limb in another pose; `None` where it does not stand.
+pub(super) fn pose_state(built: &Built, sought: &Sought<'_>, start: &Stand) -> Option<PoseState> {
     let Sought { pose, home, shift_m, .. } = sought;
-    if pose.hold_kg == pose.move_kg {
-        return (moved.clone(), 0.0);
-    }
-    let aim = Aim::Point(moved.stand.tip_m() + shift_m[0] - shift_m[1]);
-    if let Start::Warm { near, beside } = start {
-        let jacobian = near.held.jacobian.as_ref().filter(|_| *beside);
-        if let Ok(held) = reach(built, &near.held.stand, (home, pose.hold_kg), &aim, jacobian)
-            && held.missing_m.norm() <= WARM_M
-        {
-            return (held, 0.0);
-        }
-    }
-    // The mass changes hands step by step, and the tip stays.
+    let aim = moved_aim(&pose.aim, &-shift_m[0]);
+    let moved = reach(built, start, (home, pose.move_kg), &aim, None).ok()?;
     let (mut held, mut not_carried) = (moved.clone(), 0.0);
-    for part in [0.5, 1.0] {
-        let kg = pose.move_kg + part * (pose.hold_kg - pose.move_kg);
-        match reach(built, &held.stand, (home, kg), &aim, None) {
-            Ok(next) => held = next,
-            Err(_) => not_carried += 0.5,
+    if pose.hold_kg != pose.move_kg {
+        // The mass changes hands step by step, and the tip stays.
+        let aim = Aim::Point(moved.stand.tip_m() + shift_m[0] - shift_m[1]);
+        for part in [0.5, 1.0] {
+            let kg = pose.move_kg + part * (pose.hold_kg - pose.move_kg);
+            match reach(built, &held.stand, (home, kg), &aim, None) {
+                Ok(next) => held = next,
+                Err(_) => not_carried += 0.5,
+            }
         }
     }
-    (held, not_carried)
+    Some(PoseState { not_carried, ..judged(built, sought, moved, held, None) }.with_loads(built, sought, None))
 }
 
-/// The pose of a limb from a start; `None` where it does not stand.
-pub(super) fn pose_state(built: &Built, sought: &Sought<'_>, start: &Start<'_>) -> Option<PoseState> {
-    let Sought { task, pose, reserve, .. } = *sought;
-    let moved = moved(built, sought, start)?;
-    let (held, mut not_carried) = held(built, sought, start, &moved);
-    let clear = |stand: &Stand, shift_m| spare_m(built, task, stand, pose.carried.as_ref(), shift_m);
-    let spare_m = nearer(clear(&moved.stand, &sought.shift_m[0]), clear(&held.stand, &sought.shift_m[1]));
-    let mut loads = Vec::with_capacity(LOADS.len());
-    let mut unloaded = None;
-    let payload_kg = pose.payload_kg();
-    let enough = task.limits.load_factor * (1.0 + reserve);
-    for share in LOADS.iter().skip(if payload_kg > 0.0 { 0 } else { LOADS.len() - 1 }) {
-        let kg = share * payload_kg;
-        let near = match start {
-            Start::Warm { near, .. } => near.unloaded.as_ref().filter(|_| *share == 0.0),
-            Start::Cold(_) => None,
+/// Which equilibria of a pose are those of another limb or other pressures. But for the first, the limb is just beside the other one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Changed {
+    /// All of them, anywhere near.
+    Anew,
+    /// All of them.
+    All,
+    /// The one as the pose is reached.
+    Moved,
+    /// Those as it is held.
+    Held,
+}
+
+/// The pose at given pressures, shares of their ranges as it is reached and as it is held, near another one; `None` where it does not stand.
+pub(super) fn pose_at(
+    built: &Built,
+    sought: &Sought<'_>,
+    shares: [&[f64]; 2],
+    near: &PoseState,
+    changed: Changed,
+) -> Option<PoseState> {
+    let Sought { pose, shift_m, .. } = sought;
+    let at = |shares: &[f64], kg, near: &Stand| match changed {
+        Changed::Anew => Stand::at(built, shares, kg, Some(near)).ok(),
+        _ => Stand::beside(built, shares, kg, near),
+    };
+    let stand = match changed {
+        Changed::Held => near.moved.stand.clone(),
+        _ => at(shares[0], pose.move_kg, &near.moved.stand)?,
+    };
+    let aim = moved_aim(&pose.aim, &-shift_m[0]);
+    let moved = Reached::of(stand, &aim);
+    let held = if pose.hold_kg == pose.move_kg {
+        moved.clone()
+    } else {
+        let stand = match changed {
+            Changed::Moved => near.held.stand.clone(),
+            _ => at(shares[1], pose.hold_kg, &near.held.stand)?,
         };
-        let stand = if kg == pose.hold_kg {
-            Ok(held.stand.clone())
-        } else {
-            Stand::at(built, &held.stand.shares, kg, Some(near.unwrap_or(&held.stand)))
-        };
-        match stand.ok().and_then(|stand| Some((load_state(built, &stand, kg, enough)?, stand))) {
-            Some((state, stand)) => {
-                loads.push(state);
-                unloaded = unloaded.or((*share == 0.0).then_some(stand));
-            }
-            None => not_carried += 1.0 / LOADS.len() as f64,
-        }
+        Reached::of(stand, &Aim::Point(moved.stand.tip_m() + shift_m[0] - shift_m[1]))
+    };
+    let state = judged(built, sought, moved, held, Some(near));
+    if changed == Changed::Moved && pose.hold_kg != pose.move_kg {
+        let kept = near.clone();
+        return Some(PoseState { loads: kept.loads, not_carried: kept.not_carried, other: kept.other, ..state });
     }
+    Some(state.with_loads(built, sought, Some((near, changed != Changed::Anew))))
+}
+
+/// A pose with its equilibria, and without the states under its loads.
+fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, near: Option<&PoseState>) -> PoseState {
+    let Sought { task, pose, .. } = *sought;
+    let clear = |stand: &Stand, shift_m| spare_m(built, task, stand, pose.carried.as_ref().zip(sought.grasp), shift_m);
     let axis = moved.stand.shape.tip().rotation * Vector3::z();
     let turned_rad =
         pose.direction.map_or(0.0, |direction| (axis.angle(&direction.axis) - direction.tolerance_rad).max(0.0));
-    Some(PoseState {
+    PoseState {
         pressures_pa: built.pressures_pa(&held.stand.shares),
         shares: moved.stand.shares.iter().zip(&held.stand.shares).map(|(a, b)| a.max(*b)).collect(),
         tip_m: (moved.stand.tip_m() + sought.shift_m[0]).into(),
         missing_m: moved.missing_m,
         turned_rad,
-        swing_rad: 0.0,
-        loads,
-        not_carried,
-        spare_m,
+        tilt_rad: moved.stand.tilt_rad(sought.grasp.as_ref()),
+        loads: Vec::new(),
+        not_carried: 0.0,
+        spare_m: nearer(clear(&moved.stand, &sought.shift_m[0]), clear(&held.stand, &sought.shift_m[1])),
         moved,
         held,
-        unloaded,
+        other: near.and_then(|near| near.other.clone()),
         way: Vec::new(),
-    })
+        nearest: None,
+        steepest: None,
+    }
+}
+
+impl PoseState {
+    /// The same with its states without and with all of the payload, from those of a pose nearby.
+    fn with_loads(mut self, built: &Built, sought: &Sought<'_>, near: Option<(&PoseState, bool)>) -> Self {
+        let Sought { task, pose, reserve, .. } = *sought;
+        let payload_kg = pose.payload_kg();
+        let enough = task.limits.load_factor * (1.0 + reserve);
+        self.other = None;
+        let loads = LOADS.iter().skip(if payload_kg > 0.0 { 0 } else { LOADS.len() - 1 });
+        for (index, share) in loads.enumerate() {
+            let kg = share * payload_kg;
+            let held = &self.held.stand;
+            let own = kg == pose.hold_kg;
+            let known = near.filter(|(_, beside)| *beside).and_then(|(near, _)| near.loads.get(index));
+            // A margin that is far from its limit has no derivative that counts.
+            if let Some(load) = known.filter(|load| load.is_far(&task.limits, built.length_m, 1.0 + reserve)) {
+                self.loads.push(*load);
+                continue;
+            }
+            let stand = match near.map(|(near, beside)| (near.other.as_ref().unwrap_or(held), beside)) {
+                _ if own => Some(held.clone()),
+                Some((near, true)) => Stand::beside(built, &held.shares, kg, near),
+                near => Stand::at(built, &held.shares, kg, Some(near.map_or(held, |(near, _)| near))).ok(),
+            };
+            // The load factor of a limb beside is left out where it is enough.
+            let enough = known.map_or(enough, |load| if load.load_factor < enough { enough } else { 0.0 });
+            match stand.and_then(|stand| Some((load_state(built, &stand, kg, enough)?, stand))) {
+                Some((state, stand)) => {
+                    self.loads.push(state);
+                    self.other = if own { self.other } else { Some(stand) };
+                }
+                None => self.not_carried += 1.0 / LOADS.len() as f64,
+            }
+        }
+        self
+    }
+}
+
+impl LoadState {
+    /// Whether all of it is far from its limits with a reserve: by a quarter of them.
+    fn is_far(&self, limits: &StandingLimits, length_m: f64, more: f64) -> bool {
+        let far = FAR * more;
+        self.load_factor >= limits.load_factor * more
+            && self.stiffness_n_per_m >= far * limits.stiffness_n_per_m
+            && far * self.sag_m <= limits.sag_share * length_m
+            && far * self.buckling_ratio * limits.buckling_margin <= 1.0
+            && self.least_bend_rad_per_m > 1.0
+    }
 }
 
 /// The load factor, or `enough` where it is at least that: one step there is much cheaper than the way to where the limb falls.
 fn load_factor(rod: &Rod, shape: &Shape, enough: f64) -> f64 {
+    if enough <= 0.0 {
+        return f64::INFINITY;
+    }
     let reached = solve(&rod.grown(enough), Bends::Linear, Some(&shape.q)).is_ok_and(|found| found.steps == 1);
     if reached { enough } else { shape.load_factor(rod, Bends::Linear) }
 }
 
 fn load_state(built: &Built, stand: &Stand, kg: f64, enough: f64) -> Option<LoadState> {
     let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
-    let compliance = shape.compliance_m_per_n(rod, Bends::Linear)?[(2, 2)];
+    let compliance = shape.compliance_along_m_per_n(rod, Bends::Linear, 2)?;
     let bends = rod.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)).enumerate();
     let bends = bends.filter(|(index, _)| built.is_bending(*index));
     let least = bends.map(|(_, (piece, q))| piece.free[1] + q[2] - q[3].abs()).fold(f64::INFINITY, f64::min);

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::built::Built;
+use super::evaluate::Judgement;
 use super::limits::Margin;
 use super::pose::{LOADS, PoseState};
 use super::task::LoadedTask;
@@ -33,7 +34,8 @@ pub struct Lack {
 }
 
 /// Residuals of a pose, as many for every limb.
-pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &PoseState, reserve: f64) -> Vec<Lack> {
+pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &PoseState, by: &Judgement) -> Vec<Lack> {
+    let reserve = by.reserve;
     let limits = &task.limits;
     let more = 1.0 + reserve;
     let mut lacks = Vec::new();
@@ -43,6 +45,9 @@ pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &Pos
         state.held.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
     }
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
+    if let Some(body) = task.poses[pose].carried {
+        push(Margin::Tilt, (state.tilt_rad + by.shift(pose).tilt_rad - body.tilt_max_rad / more).max(0.0) / ANGLE_RAD);
+    }
     state.shares.iter().for_each(|share| push(Margin::Pressure, (share - 1.0).max(0.0) / PRESSURE));
     push(Margin::Carries, FALLS * state.not_carried);
     let states = if task.poses[pose].payload_kg() > 0.0 { LOADS.len() } else { 1 };

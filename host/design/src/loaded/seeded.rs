@@ -58,7 +58,7 @@ pub fn seeded(like: &LoadedTask, space: &LimbSpace, seed: u64) -> Option<Seeded>
         }
         let apart = |pair: &[LoadedPose]| (place(&pair[0]) - place(&pair[1])).norm() >= APART_M;
         let keeps = task.poses.windows(2).all(apart)
-            && evaluate(&task, space, &hidden, &Judgement::default(), None)?.objective() <= NOTHING;
+            && evaluate(&task, space, &hidden, &Judgement::default())?.objective() <= NOTHING;
         keeps.then_some(Seeded { task, hidden })
     })
 }

@@ -97,7 +97,8 @@ pub struct LimbSizes {
     pub pitch_rad: f64,
     /// Its modules.
     pub modules: Vec<ModuleSizes>,
-    /// Pressures that poses stay near to where several pressures do, as shares of the highest.
+    /// Pressures, as shares of the highest, that inverse kinematics keep poses near to where several pressures do.
+    #[serde(skip)]
     pub home: Vec<f64>,
 }
 

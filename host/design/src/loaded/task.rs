@@ -4,7 +4,7 @@ use crate::synthesis::{Aim, Direction, Obstacle};
 
 use super::limits::StandingLimits;
 
-/// A body that hangs upright from the tip: a bottle held by its neck. Its mass is a load at the tip.
+/// A body that the tip has grasped upright, and that turns with it: a bottle held by its neck. Its mass is a load at the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarriedBody {
     /// Radius about its vertical axis, m; > 0.
@@ -13,6 +13,8 @@ pub struct CarriedBody {
     pub above_m: f64,
     /// How far it reaches below the tip, m; >= 0.
     pub below_m: f64,
+    /// Largest tilt of its axis, rad; > 0.
+    pub tilt_max_rad: f64,
 }
 
 /// A pose: the tip reaches a place under one load, and holds it under another.

@@ -10,7 +10,7 @@ const STUCK: f64 = 1e8;
 
 /// The criteria of a local solve: an objective as good as zero, mm2, the least relative reduction of a useful step, and the most evaluations.
 pub(super) fn criteria(zero: f64, least_gain: f64, evaluations: usize) -> StoppingCriteria {
-    StoppingCriteria { zero, relative: 1e-14, least_gain, damping: STUCK, evaluations }
+    StoppingCriteria { zero, relative: 1e-14, least_gain, damping: STUCK, evaluations, by_diagonal: false }
 }
 
 /// Moves `place` to the local minimum below it, in the variables of `free` only; gives the objective there and the evaluations spent.

@@ -7,10 +7,12 @@ use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use clap::Args;
-use softlimb::cli::{Failure, Outcome, read};
+use softlimb::cli::{Failure, Outcome, read, say};
 use softlimb_design::actuators::Problem;
 use softlimb_design::actuators::kinds::Kind;
 
+use super::judge::judge;
+use super::loaded::{self, Loaded};
 use super::{Comparison, PLACE, Point, Query, Swarm, picture};
 use crate::published::Published;
 
@@ -33,18 +35,58 @@ pub(crate) struct Design {
     /// Objectives that the particle swarm evaluates
     #[arg(long, value_name = "N", default_value_t = Swarm::default().evaluations as u32, value_parser = clap::value_parser!(u32).range(50..=100_000_000))]
     evaluations: u32,
+    /// Scenes whose limbs are designed under load, with several seeds
+    #[arg(long, value_name = "SCENE", num_args = 1.., conflicts_with_all = ["problem", "kinds"])]
+    loaded: Vec<PathBuf>,
+    /// Seeded tasks under load within the bounds of the scene, not the scene's task
+    #[arg(long, requires = "loaded")]
+    tasks: bool,
+    /// The searches under load beside CMA-ES, by this Python with the package cma
+    #[arg(long, value_name = "PYTHON", requires = "loaded", conflicts_with = "tasks")]
+    cma: Option<PathBuf>,
+    /// Processor time of CMA-ES at most, over that of the search to its limb of rods
+    #[arg(long, value_name = "TIMES", default_value_t = 10.0, requires = "cma")]
+    times: f64,
+    /// Judge limbs of a scene for a search in another program, by lines on the standard input
+    #[arg(long, requires = "loaded", conflicts_with_all = ["tasks", "cma"])]
+    judge: bool,
     #[command(flatten)]
     published: Published,
 }
 
 impl Design {
     pub(crate) fn run(&self) -> Result<Outcome, Failure> {
+        if !self.loaded.is_empty() {
+            return self.under_load();
+        }
         let problem = self.problem.as_ref().map(|file| {
             let complain = |error| Failure::new(format!("{}: {error}", file.display()));
             Problem::read(&read(file)?).map_err(complain)
         });
         let problem = problem.transpose()?;
         run(self, problem)
+    }
+
+    /// Designs under load.
+    fn under_load(&self) -> Result<Outcome, Failure> {
+        let scenes = self.loaded.iter().map(|file| Loaded::read(file)).collect::<Result<Vec<_>, _>>()?;
+        if self.judge {
+            return judge(&scenes[0]).map(|()| Outcome::Done);
+        }
+        let seeds = (0..u64::from(self.seeds)).map(|index| self.seed.wrapping_add(index));
+        if let Some(python) = &self.cma {
+            let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/design_path/loaded_against_cma.py");
+            let text = loaded::beside_cma(&self.loaded, &scenes, (python, &script), seeds, self.times)?;
+            return say(&text).map(|()| Outcome::Done);
+        }
+        if self.tasks {
+            let tasks = loaded::tasks(&scenes[0], seeds);
+            self.published.show(|| &tasks, || loaded::tasks_text(&tasks))?;
+            return Ok(Outcome::Done);
+        }
+        let rows = loaded::seeds(&scenes, seeds);
+        self.published.show(|| &rows, || loaded::seeds_text(&rows))?;
+        Ok(Outcome::Done)
     }
 
     fn swarm(&self) -> Swarm {

@@ -1,6 +1,8 @@
 //! The search and the swarm on the same problems: the objective against evaluations, model solves and time.
 
 mod command;
+mod judge;
+mod loaded;
 mod picture;
 mod swarm;
 mod table;

@@ -6,7 +6,7 @@ use super::buckling::Buckling;
 use super::load::LoadedLimb;
 use super::plates::Plates;
 use super::rod::{Rod, UNKNOWNS};
-use super::solve::{Bends, EquilibriumError, Shape, solve};
+use super::solve::{Bends, EquilibriumError, LOAD_FACTOR_MAX, Shape, solve};
 
 /// What a tier leaves of the error of the one before, at most: strains are constant along a piece and pieces are halved.
 const LEFT: f64 = 0.25;
@@ -102,12 +102,15 @@ impl Answer {
     }
 
     /// The share of all loads, at the same pressures, at which the limb loses its stability, from 1 to [`LOAD_FACTOR_MAX`], which stands for that and more.
-    ///
-    /// [`LOAD_FACTOR_MAX`]: super::LOAD_FACTOR_MAX
     pub fn load_factor(&self) -> f64 {
+        self.load_factor_to(LOAD_FACTOR_MAX)
+    }
+
+    /// The same, followed no farther than to `most` >= 1, which stands for that and more.
+    pub fn load_factor_to(&self, most: f64) -> f64 {
         match &self.tubes {
-            Some((plates, _)) => plates.load_factor(),
-            None => self.shape.load_factor(&self.rod, self.tier.pieces().1),
+            Some((plates, _)) => plates.load_factor_to(most),
+            None => self.shape.load_factor_to(&self.rod, self.tier.pieces().1, most),
         }
     }
 

@@ -81,6 +81,17 @@ impl Shape {
         Some(Matrix3::from_fn(|row, column| lever[row].dot(&given[column])))
     }
 
+    /// How far the tip gives way along an axis of the scene to a small force along it, m/N.
+    pub fn compliance_along_m_per_n(&self, rod: &Rod, bends: Bends, axis: usize) -> Option<f64> {
+        let mut pushed = rod.clone();
+        pushed.tip_force_n[axis] += 1.0;
+        let mut lever = &self.potential.gradient - pushed.potential(&self.q, 1.0).gradient;
+        if bends == Bends::Constant {
+            release(&mut lever);
+        }
+        Some(lever.dot(&newton_step(&self.held_tangent(bends), &lever)?))
+    }
+
     /// How the tip moves along each axis with the unknowns.
     pub(super) fn levers(&self, rod: &Rod, bends: Bends) -> [DVector<f64>; 3] {
         // A force is linear in the gradient: the difference that one newton makes is how the tip moves with the unknowns.
@@ -106,19 +117,24 @@ impl Shape {
     /// The share of all loads, at the pressures of the shape, at which the limb loses its stability, from 1 to [`LOAD_FACTOR_MAX`], which stands for
     /// that and more: the equilibrium is followed, in space, while the loads grow on.
     pub fn load_factor(&self, rod: &Rod, bends: Bends) -> f64 {
+        self.load_factor_to(rod, bends, LOAD_FACTOR_MAX)
+    }
+
+    /// The same, followed no farther than to `most` >= 1, which stands for that and more.
+    pub fn load_factor_to(&self, rod: &Rod, bends: Bends, most: f64) -> f64 {
         let (mut q, mut iterations) = (self.q.clone(), 0);
-        follow_load(|share| {
+        follow_load(most, |share| {
             let found = newton(&rod.grown(share), bends, &q, &mut iterations);
             found.map(|(next, _)| q = next).is_some()
         })
     }
 }
 
-/// The largest share of the loads, from 1 to [`LOAD_FACTOR_MAX`], that steps from each share to the next reach; `reaches` takes a step.
-pub(super) fn follow_load(mut reaches: impl FnMut(f64) -> bool) -> f64 {
+/// The largest share of the loads, from 1 to `most`, that steps from each share to the next reach; `reaches` takes a step.
+pub(super) fn follow_load(most: f64, mut reaches: impl FnMut(f64) -> bool) -> f64 {
     let (mut share, mut step) = (1.0, LOAD_STEP);
-    while share < LOAD_FACTOR_MAX && step >= LEAST_LOAD_STEP {
-        let next = f64::min(share + step, LOAD_FACTOR_MAX);
+    while share < most && step >= LEAST_LOAD_STEP {
+        let next = f64::min(share + step, most);
         if reaches(next) {
             (share, step) = (next, f64::min(2.0 * step, LOAD_STEP));
         } else {

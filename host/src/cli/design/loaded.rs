@@ -9,7 +9,7 @@ use crate::cli::shared::show;
 use crate::cli::{Failure, Outcome, note, warn};
 use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
 use softlimb_design::loaded::{
-    ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds, confirm, search,
+    ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds, search,
 };
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
@@ -28,6 +28,8 @@ struct Printed<'a> {
     reserve: f64,
     /// The limits.
     limits: StandingLimits,
+    /// Largest tilt of a carried object, deg; `None` where none is carried.
+    tilt_max_deg: Option<f64>,
     /// Mass without payload, kg.
     mass_kg: f64,
     /// Length at rest, m.
@@ -52,9 +54,8 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     let found = search(task, space, &space.first_guess(), &effort, &|| false).ok_or_else(|| {
         Failure::new("no limb within the bounds stands under its own weight in the first phase: raise `pressure_max` or the bounds of `[design]`")
     })?;
-    let phases = confirm(task, space, &found);
-    let reached = found.reached && phases.iter().all(|phase| phase.lacks.is_empty());
-    let bounds = active_bounds(task, space, &found, effort.abreast, &|| false);
+    let (phases, reached) = (&found.confirmed, found.reached);
+    let bounds = active_bounds(task, space, &found, &|| false);
     let text = loaded_text(scene, &design, &found.evaluation.sizes).map_err(Failure::new)?;
     write_whole(file, &text).map_err(Failure::new)?;
     let refused = refused(file)?;
@@ -63,10 +64,11 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
         reached,
         reserve: if found.reached { found.by.reserve } else { 0.0 },
         limits: task.limits,
+        tilt_max_deg: task.poses.iter().find_map(|pose| Some(pose.carried?.tilt_max_rad.to_degrees())),
         mass_kg: found.evaluation.mass_kg,
         length_m: found.evaluation.length_m,
         sizes: &found.evaluation.sizes,
-        phases: &phases,
+        phases,
         bounds: &bounds,
         evaluations: found.evaluations,
         refused,
@@ -141,17 +143,17 @@ fn phases(text: &mut String, printed: &Printed<'_>) {
     let limits = &printed.limits;
     let _ = writeln!(
         text,
-        "\n  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9}  pressures, kPa",
-        "phase", "payload", "tip error", "load factor", "stiffness", "sag", "buckling", "pressure", "clearance"
+        "\n  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9} {:>6}  pressures, kPa",
+        "phase", "payload", "tip error", "load factor", "stiffness", "sag", "buckling", "pressure", "clearance", "tilt"
     );
     let _ = writeln!(
         text,
-        "  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9}",
-        "", "kg", "mm", "", "N/m", "% of L", "", "%", "mm spare"
+        "  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9} {:>6}",
+        "", "kg", "mm", "", "N/m", "% of L", "", "%", "mm spare", "deg"
     );
     let _ = writeln!(
         text,
-        "  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9}",
+        "  {:<14} {:>7} {:>9} {:>11} {:>9} {:>8} {:>8} {:>8} {:>9} {:>6}",
         "limit",
         "",
         "<= 0.1",
@@ -160,13 +162,14 @@ fn phases(text: &mut String, printed: &Printed<'_>) {
         format!("<= {:.0}", 100.0 * limits.sag_share),
         format!(">= {}", limits.buckling_margin),
         format!("<= {:.0}", 100.0 * limits.pressure_share),
-        ">= 0"
+        ">= 0",
+        printed.tilt_max_deg.map_or(String::new(), |most| format!("<= {most:.0}"))
     );
     for phase in printed.phases {
         let pressures: Vec<_> = phase.pressures_pa.iter().map(|pressure| format!("{:.1}", 1e-3 * pressure)).collect();
         let _ = writeln!(
             text,
-            "  {:<14} {:7.2} {:9.3} {:11.2} {:9.1} {:8.1} {:8.1} {:8.1} {:>9}  {}",
+            "  {:<14} {:7.2} {:9.3} {:11.2} {:9.1} {:8.1} {:8.1} {:8.1} {:>9} {:6.1}  {}",
             phase.name,
             phase.payload_kg,
             1e3 * phase.tip_error_m,
@@ -176,6 +179,7 @@ fn phases(text: &mut String, printed: &Printed<'_>) {
             phase.buckling_margin,
             100.0 * phase.pressure_share,
             phase.spare_m.map_or("-".to_owned(), |spare| format!("{:.1}", 1e3 * spare)),
+            phase.tilt_rad.to_degrees(),
             pressures.join(", ")
         );
     }

@@ -205,12 +205,12 @@ impl Plates {
         self.bays.iter().flat_map(of_bay).max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// The share of all loads at which the plates lose their stability, as [`Shape::load_factor`] of rods.
+    /// The share of all loads at which the plates lose their stability, as [`Shape::load_factor_to`] of rods.
     ///
-    /// [`Shape::load_factor`]: super::Shape::load_factor
-    pub fn load_factor(&self) -> f64 {
+    /// [`Shape::load_factor_to`]: super::Shape::load_factor_to
+    pub fn load_factor_to(&self, most: f64) -> f64 {
         let mut plates = self.clone();
-        follow_load(|share| {
+        follow_load(most, |share| {
             let mut next = plates.clone();
             let found = next.settle(share).is_some();
             if found {
