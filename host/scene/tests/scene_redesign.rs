@@ -1,10 +1,15 @@
 //! A scene with the modules that a design found: the author's text, and what is read from it.
 
+use std::sync::LazyLock;
+
 use fra_model::{Arrangement, Motion};
 use softlimb_scene as scene;
 use softlimb_scene::{Goal, Redesign, Scene, SetpointKind, redesigned};
 
-const SCENE: &str = include_str!("../../../scenes/weightless-b.toml");
+use crate::scene_support::with_sheets;
+
+/// With sheets in place of threads.
+static SCENE: LazyLock<String> = LazyLock::new(|| with_sheets(include_str!("../../../scenes/weightless-b.toml")));
 
 fn read(text: &str) -> Scene {
     scene::parse(text, "redesigned.toml").unwrap_or_else(|error| panic!("{}\n{text}", error.render(false)))
@@ -36,7 +41,7 @@ fn unchanged(scene: &Scene) -> Vec<Redesign> {
 
 #[test]
 fn modules_as_they_are_make_the_same_limb() {
-    let scene = read(SCENE);
+    let scene = read(&SCENE);
     let again = read(&redesigned(&scene, &unchanged(&scene), None).unwrap());
     for (before, after) in scene.modules().iter().zip(again.modules()) {
         assert_eq!(before.actuator(), after.actuator());
@@ -48,7 +53,7 @@ fn modules_as_they_are_make_the_same_limb() {
 
 #[test]
 fn sizes_and_angles_are_written_and_comments_stay() {
-    let scene = read(SCENE);
+    let scene = read(&SCENE);
     let mut modules = unchanged(&scene);
     modules[0].radii_m = [8.25e-3, 12.5e-3];
     modules[0].winding = Some(31.25_f64.to_radians());
@@ -92,7 +97,7 @@ fn targets_take_the_place_of_goals() {
 
 #[test]
 fn new_limb_takes_the_place_of_the_old_one() {
-    let scene = read(SCENE);
+    let scene = read(&SCENE);
     let named = |name: &str, like: &str, motion, winding: Option<f64>| Redesign {
         name: name.into(),
         like: like.into(),

@@ -1,10 +1,15 @@
 //! A scene with the parameters that a calibration found: the author's text with other values, and what is read from it.
 
+use std::sync::LazyLock;
+
 use fra_model::{ActuatorParameters, Material};
 use softlimb_scene as scene;
 use softlimb_scene::{RewriteError, Scene, rewritten};
 
-const SCENE: &str = include_str!("../../../scenes/weightless-b.toml");
+use crate::scene_support::with_sheets;
+
+/// With sheets in place of threads.
+static SCENE: LazyLock<String> = LazyLock::new(|| with_sheets(include_str!("../../../scenes/weightless-b.toml")));
 
 fn read(text: &str) -> Scene {
     scene::parse(text, "refitted.toml").unwrap_or_else(|error| panic!("{}\n{text}", error.render(false)))
@@ -22,15 +27,15 @@ fn with(text: &str, from: &str, to: &str) -> String {
 
 #[test]
 fn same_parameters_leave_the_text_as_it_was() {
-    let scene = read(SCENE);
-    assert_eq!(rewritten(&scene, &unchanged(&scene)).unwrap(), (SCENE.to_owned(), Vec::new()));
+    let scene = read(&SCENE);
+    assert_eq!(rewritten(&scene, &unchanged(&scene)).unwrap(), (SCENE.clone(), Vec::new()));
     let error = rewritten(&scene, &unchanged(&scene)[1..]).unwrap_err();
     assert_eq!(error, RewriteError::Modules { found: 2, modules: 3 });
 }
 
 #[test]
 fn number_changes_and_the_line_around_it_does_not() {
-    let text = with(SCENE, "outer_radius = ", "# measured twice\nouter_radius   = ");
+    let text = with(&SCENE, "outer_radius = ", "# measured twice\nouter_radius   = ");
     let scene = read(&text);
     let mut wanted = unchanged(&scene);
     wanted.iter_mut().for_each(|actuator| actuator.length_m *= 1.0625);
@@ -46,7 +51,7 @@ fn number_changes_and_the_line_around_it_does_not() {
 
 #[test]
 fn another_law_takes_the_place_of_the_one_before() {
-    let scene = read(SCENE);
+    let scene = read(&SCENE);
     let mut wanted = unchanged(&scene);
     let material = match wanted[0].material {
         Material::NeoHookean { .. } => Material::Yeoh { c_pa: [8e4, 1.25e4, -50.0] },
@@ -63,13 +68,13 @@ fn another_law_takes_the_place_of_the_one_before() {
     // Law and coefficients are where they were, with what is said of them.
     let comments =
         |text: &str| text.lines().filter_map(|line| Some(line.split_once('#')?.1.to_owned())).collect::<Vec<_>>();
-    assert_eq!(comments(&written), comments(SCENE));
+    assert_eq!(comments(&written), comments(&SCENE));
     assert_eq!(written.lines().count(), SCENE.lines().count());
 }
 
 #[test]
 fn module_of_its_own_gets_a_copy_of_the_part_it_shared() {
-    let scene = read(SCENE);
+    let scene = read(&SCENE);
     let mut wanted = unchanged(&scene);
     let material = Material::NeoHookean { shear_modulus_pa: 2.125e5 };
     wanted[1].material = material;

@@ -13,9 +13,7 @@ const REACHED: f64 = 1e-18;
 const ON_BOUND: f64 = 1e-9;
 
 /// As many starts on one supply line must agree on the least objective.
-const SEVERAL: usize = 4;
-/// More than one in as many of the starts must.
-const PART: usize = 3;
+const SEVERAL: usize = 5;
 
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -114,12 +112,11 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The starts of a search on one supply line where fewer than four, or at most a third, ended at the least objective: there may be a
-    /// better design.
+    /// The starts of a search on one supply line where fewer than five ended at the least objective: there may be a better
+    /// design.
     pub fn disagreeing_starts(&self) -> Option<SolveCounts> {
         let starts = self.segments.first()?.starts;
-        let few = starts.agreeing < SEVERAL || starts.agreeing * PART <= starts.made;
-        (self.shared_pressure && self.status != "reached" && few).then_some(starts)
+        (self.shared_pressure && self.status != "reached" && starts.agreeing < SEVERAL).then_some(starts)
     }
 }
 

@@ -19,7 +19,7 @@ const LOOKED_AT: [[f64; 4]; 5] =
 /// As many minima at least must agree on one supply line: the best basin may be one that few starts lie in.
 const ON_A_LINE: usize = 16;
 /// Hops from the best minimum on a supply line, without a gain, before the search ends.
-const HOPS: usize = 20;
+const HOPS: usize = 10;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
 /// The same while they are settled: differences are not exact to more.

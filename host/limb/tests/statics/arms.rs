@@ -24,6 +24,9 @@ const APART: f64 = 0.05;
 const TOLERANCE: f64 = 0.01;
 const SMALL: f64 = 0.001;
 
+/// Winding of the arms.
+const SHEET: &str = "modulus = \"361 MPa\"\nthickness = \"0.178 mm\"";
+
 /// An arm of the sample: limb, pressures and payload.
 struct Arm {
     scene: Scene,
@@ -45,6 +48,8 @@ impl Arm {
         let (radius, spread) = (stream.between(10.0, 18.0), stream.between(1.75, 3.0));
         let [wide, thick] = [spread * radius, 1.4 * radius];
         let text = text
+            // A sheet, so that the arms stay the same however the scene is wound.
+            .replace("thread = { stiffness = \"772 N\", diameter = \"0.178 mm\", starts = 2 }", SHEET)
             .replace("base_direction = [1, 0, 0]", &format!("base_direction = [{}, {}, {}]", axis.x, axis.y, axis.z))
             .replace("base_up = [0, 0, 1]", &format!("base_up = [{}, {}, {}]", up.x, up.y, up.z))
             .replace("mass = \"300 g\"", "mass = \"130 g\"")

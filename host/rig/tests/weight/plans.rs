@@ -2,8 +2,8 @@
 
 use fra_model::State;
 use nalgebra::Vector3;
-use softlimb_limb::Limb;
 use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, by_tubes};
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion as motion;
 use softlimb_motion::{Nominal, Plan, carried, payload_kg};
 use softlimb_scene::Scene;
@@ -83,15 +83,27 @@ fn derivatives_of_the_loaded_tip_are_those_of_differences() {
     let mut nominal = Nominal::new(&scene, &limb, Fidelity::Linear);
     let pose = nominal.at(&pressures, on).expect("it stands");
     let velocities = nominal.velocities_m_per_pa(&pose, &pressures, on).expect("stable");
-    for module in 0..3 {
+    for (index, module) in limb.modules().iter().enumerate() {
+        let mut sum = Vector3::zeros();
+        for channel in module.channels.clone() {
+            let mut moved = |way: f64| {
+                let of_module = |(module, pressure_pa): (&LimbModule, f64)| vec![pressure_pa; module.channels.len()];
+                let mut p: Vec<f64> = limb.modules().iter().zip(pressures).flat_map(of_module).collect();
+                p[channel] += way * 1e-3 * spans[index];
+                nominal.at_channels(&p, on).expect("it stands").tip_m()
+            };
+            let slope = (moved(1.0) - moved(-1.0)) / 2e-3;
+            let velocity = velocities[channel] * spans[index];
+            assert!((velocity - slope).norm() < 1e-4 * slope.norm(), "channel {channel}: {velocity} {slope}");
+            sum += velocity;
+        }
         let mut moved = |way: f64| {
             let mut p = pressures;
-            p[module] += way * 1e-3 * spans[module];
+            p[index] += way * 1e-3 * spans[index];
             nominal.at(&p, on).expect("it stands").tip_m()
         };
         let slope = (moved(1.0) - moved(-1.0)) / 2e-3;
-        let velocity = velocities[module] * spans[module];
-        assert!((velocity - slope).norm() < 1e-4 * slope.norm(), "{module}: {velocity} {slope}");
+        assert!((sum - slope).norm() < 1e-4 * slope.norm(), "module {index}: {sum} {slope}");
     }
 }
 

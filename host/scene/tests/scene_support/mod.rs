@@ -67,3 +67,10 @@ pub(crate) fn changed(from: &str, to: &str) -> String {
 pub(crate) fn picture(from: &str, to: &str) -> String {
     parse(&changed(from, to), "arm.toml").unwrap_err().render(false)
 }
+
+/// A scene with a sheet of one thickness in place of each thread.
+pub fn with_sheets(text: &str) -> String {
+    let sheet = "modulus = \"361 MPa\"\nthickness = \"0.178 mm\"";
+    let lines = text.lines().map(|line| if line.starts_with("thread = ") { sheet } else { line });
+    lines.flat_map(|line| [line, "\n"]).collect()
+}
