@@ -256,7 +256,7 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
     minimum.objective.is_finite().then_some(())?;
     // A better basin often differs from the best one in a single segment or phase.
     let mut left = if minimum.objective > criteria.zero { HOPS } else { 0 };
-    while left > 0 {
+    while left > 0 && !spent(&limb) {
         left -= 1;
         let point = hop(problem, &minimum.point, left, &mut random);
         let Some(point) = limb.problem.start_at(point) else { continue };

@@ -96,7 +96,7 @@ pub fn carried_load(
     }
     // Where it was too much, half of the step is below what is known to be too much.
     let mut step = FIRST_KG * if found.keeps { 1.0 } else { 0.5 };
-    while found.payload_kg < PAYLOAD_MAX_KG && step > RESOLUTION_KG {
+    while found.payload_kg < PAYLOAD_MAX_KG && 2.0 * step > RESOLUTION_KG {
         let kg = f64::min(found.payload_kg + step, PAYLOAD_MAX_KG);
         let next = carrying.placed(&place_m, &found.pressures_pa, kg);
         match next.and_then(|next| carrying.keeps(&next, kg).map(|()| next)) {

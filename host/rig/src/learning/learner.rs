@@ -8,7 +8,7 @@
 //!
 //! The first iterations have a gain of one, later ones the gain that makes the corrections a mean, because the valves' error differs from run to
 //! run. Where the observed error has doubled since its least, as near a limit point, where a limb moves several times as far as its model, the
-//! corrections of the least are taken up again, and later gains are halved.
+//! corrections of the run with the least error are restored, and later gains are halved.
 
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ const RESTING_S: f64 = 0.5;
 const DAMPING_M: f64 = 0.1e-3;
 /// Iterations with a gain of one.
 const FULL: u32 = 2;
-/// Growth of the observed error over its least that is no matter of noise.
+/// Growth of the observed error over its least that noise does not explain.
 const WORSE: f64 = 2.0;
 /// Share of an instant's observations that must be left once its neighbours have theirs.
 const LEAST_SHARE: f64 = 1e-3;

@@ -100,7 +100,7 @@ fn table(scene: &Scene, design: &LoadedDesign, found: &Found, printed: &Printed<
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{}: {} under load; mass {:.2} kg, length {:.3} m, reserve of every margin {:.0} %, {} limbs judged",
+        "{}: {} under load; mass {:.2} kg, length {:.3} m, reserve of every margin {:.1} %, {} limbs judged",
         scene.name(),
         if printed.reached { "reached" } else { "nearest found" },
         printed.mass_kg,
@@ -198,7 +198,7 @@ fn bounds(text: &mut String, reached: bool, printed: &Printed<'_>) {
         let module = bound.module.as_ref().map_or(String::new(), |name| format!("{name} "));
         let [from, to] = [bound.bound, bound.moved_to].map(|value| shown(bound.name, value));
         let gain = if reached {
-            format!("reserve {:.0} % instead of {:.0} %", 100.0 * bound.reserve, 100.0 * printed.reserve)
+            format!("reserve {:.1} % instead of {:.1} %", 100.0 * bound.reserve, 100.0 * printed.reserve)
         } else if bound.reached {
             "every margin is kept: this bound forbids the task".to_owned()
         } else {

@@ -50,16 +50,15 @@ impl CapacityMode {
         let case = self.case()?;
         let (scene, limb) = limb(&self.scene)?;
         let plan = motion::plan(&scene, &limb)?;
-        let rest = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
-        let mut shapes: Vec<(String, Vec<State<f64>>)> = vec![("at rest".into(), rest)];
+        let rest: Vec<State<f64>> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
+        let mut poses = vec![pose(&scene, &limb, "at rest".into(), &rest, &case)?];
+        let mut carried = carried(&scene, &limb, &plan, &case).into_iter();
         for phase in &plan.phases {
+            let carried = carried.next();
             let states = limb.modules().iter().zip(&phase.values).map(|(module, value)| module.state_at(*value));
-            shapes.extend(states.collect::<Option<Vec<_>>>().map(|states| (phase.name.clone(), states)));
-        }
-        let poses = shapes.into_iter().map(|(name, states)| pose(&scene, &limb, name, &states, &case));
-        let mut poses = poses.collect::<Result<Vec<_>, Failure>>()?;
-        for (pose, carried) in poses.iter_mut().skip(1).zip(carried(&scene, &limb, &plan, &case)) {
-            pose.carried = Some(carried);
+            if let Some(states) = states.collect::<Option<Vec<_>>>() {
+                poses.push(Pose { carried, ..pose(&scene, &limb, phase.name.clone(), &states, &case)? });
+            }
         }
         let straight =
             limb.modules().iter().find(|module| matches!(module.motion, Motion::Extension | Motion::Expansion));
