@@ -27,7 +27,7 @@ GROWTH = 8  # steps of pressures and loads together
 FACTOR_MAX, FACTOR_STEP = 4.0, 0.25
 PULL_N = 0.2  # at the tip, for its stiffness
 LIKE = set()  # assumptions of softlimb that are taken over to find out what they do: see `main`
-UNITS = {"mm": 1e-3, "m": 1.0, "g": 1e-3, "kg": 1.0, "MPa": 1e6, "kPa": 1e3, "kg/m3": 1.0, "deg": np.pi / 180.0, "rad": 1.0}
+UNITS = {"mm": 1e-3, "m": 1.0, "g": 1e-3, "kg": 1.0, "MPa": 1e6, "N": 1.0, "kPa": 1e3, "kg/m3": 1.0, "deg": np.pi / 180.0, "rad": 1.0}
 
 
 def number(value):
@@ -41,6 +41,18 @@ def number(value):
 def gauss(low, high, count=16):
     x, w = np.polynomial.legendre.leggauss(count)
     return 0.5 * (high + low) + 0.5 * (high - low) * x, 0.5 * (high - low) * w
+
+
+def sheet_of_thread(thread, angle, mu, inner, outer):
+    """Modulus times thickness of threads on the outer surface, N/m (docs/explanation/fabrication.md, threads as sheets)."""
+    apart = 2.0 * np.pi * outer * np.sin(abs(angle)) / thread["starts"]
+    width = number(thread["diameter"])
+    order = np.arange(1, 20001)
+    wave, strip = 2.0 * np.pi * order / apart, np.pi * order * width / apart
+    deep = np.minimum(wave * (outer - inner), 20.0)
+    layer = (np.sinh(deep) ** 2 - deep**2) / (np.sinh(deep) * np.cosh(deep) + deep)
+    yields = (2.0 * (np.sin(strip) / strip) ** 2 / (2.0 * mu * wave * layer)).sum()
+    return 0.25 / (apart / number(thread["stiffness"]) + yields * np.cos(angle) ** 4 / outer**2)
 
 
 class Tube:
@@ -57,7 +69,10 @@ class Tube:
         if winding is not None:
             angle = number(winding["angle"])
             self.families = [angle] if winding["families"] == 1 else [angle, -angle]
-            self.sheet = number(winding["modulus"]) * number(winding["thickness"])
+            if "thread" in winding:
+                self.sheet = sheet_of_thread(winding["thread"], angle, self.mu, self.inner, self.outer)
+            else:
+                self.sheet = number(winding["modulus"]) * number(winding["thickness"])
         self.nodes, self.weights = gauss(self.inner, self.outer)
         # Cowper's coefficient of a hollow circle whose material keeps its volume.
         m = (self.inner / self.outer) ** 2
