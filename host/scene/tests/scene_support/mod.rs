@@ -69,7 +69,7 @@ pub(crate) fn picture(from: &str, to: &str) -> String {
 }
 
 /// A scene with a sheet of one thickness in place of each thread.
-pub fn with_sheets(text: &str) -> String {
+pub(crate) fn with_sheets(text: &str) -> String {
     let sheet = "modulus = \"361 MPa\"\nthickness = \"0.178 mm\"";
     let lines = text.lines().map(|line| if line.starts_with("thread = ") { sheet } else { line });
     lines.flat_map(|line| [line, "\n"]).collect()
