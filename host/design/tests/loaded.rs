@@ -165,7 +165,7 @@ fn pressures_of_the_search_are_those_of_inverse_kinematics() {
     // One bender and one extension in a plane have one pair of pressures for a place: the search's are those that Newton's method on the tip finds.
     let design = loaded_design(&read(TASK)).unwrap();
     let found = found(&read(TASK));
-    let by = Judgement { reserve: found.by.reserve, shifts: found.by.shifts.clone(), moves: false };
+    let by = Judgement { moves: false, ..found.by.clone() };
     let other = evaluate(&design.task, &design.space, &found.evaluation.sizes, &by).unwrap();
     for (own, other) in found.evaluation.poses.iter().zip(&other.poses) {
         for (a, b) in own.pressures_pa.iter().zip(&other.pressures_pa) {
