@@ -15,7 +15,7 @@ const RESERVE: f64 = 0.03;
 /// Part of the reserve that a limb keeps at least, so that tubes between plates keep every margin, too.
 const KEPT: f64 = 0.4;
 /// Steps of a local solve that tells a good start from a bad one, and the sum of squares up to which it is a good one.
-const SHORT_STEPS: usize = 10;
+const SHORT_STEPS: usize = 6;
 const GOOD: f64 = 5.0;
 /// A sum of squares up to which a limb may keep every margin with less of the reserve, once its tip is moved to the places.
 const NEAR: f64 = 0.05;

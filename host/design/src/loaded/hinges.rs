@@ -17,6 +17,8 @@ const LEAST_SCALE: f64 = 1e-2;
 const LEAST_GAIN: f64 = 1e-4;
 /// Steps in a row below the least gain that end a local solve.
 const IDLE: usize = 3;
+/// Most trials over most steps.
+const TRIALS: usize = 3;
 /// Newton's iterations for a step, and halvings of one.
 const ITERATIONS: usize = 20;
 const HALVINGS: usize = 12;
@@ -42,8 +44,8 @@ pub(super) struct Ends {
     pub(super) relative: f64,
     /// Least relative reduction of a useful step: three in a row below it end the solve.
     pub(super) least_gain: f64,
-    /// Most evaluations.
-    pub(super) evaluations: usize,
+    /// Most steps.
+    pub(super) steps: usize,
 }
 
 struct Model {
@@ -60,7 +62,8 @@ pub(super) fn minimise<P: Hinged>(problem: &mut P, start: &[f64], ends: Ends) ->
     let mut objective = objective_of(problem, &evaluation);
     let (mut evaluations, mut idle, mut damping) = (1, 0, FIRST_DAMPING);
     let mut model: Option<Model> = None;
-    while evaluations < ends.evaluations && objective > ends.zero && idle < IDLE {
+    let mut steps = 0;
+    while steps < ends.steps && evaluations < TRIALS * ends.steps && objective > ends.zero && idle < IDLE {
         let Some(here) = model.take().or_else(|| Model::of(problem, &evaluation)) else { break };
         let (step, left) = here.step(&point, damping);
         let predicted = objective - left;
@@ -98,6 +101,7 @@ pub(super) fn minimise<P: Hinged>(problem: &mut P, start: &[f64], ends: Ends) ->
         damping = damping.clamp(LEAST_DAMPING, MOST_DAMPING);
         idle = if actual < ends.least_gain * objective { idle + 1 } else { 0 };
         (point, evaluation, objective) = (there, next, reached);
+        steps += 1;
     }
     Some(Minimum { point: point.as_slice().to_vec(), evaluation, objective, evaluations })
 }
@@ -228,7 +232,7 @@ mod tests {
         }
     }
 
-    const ENDS: Ends = Ends { zero: 1e-24, relative: 1e-14, least_gain: 0.0, evaluations: 100 };
+    const ENDS: Ends = Ends { zero: 1e-24, relative: 1e-14, least_gain: 0.0, steps: 100 };
 
     #[test]
     fn step_knows_of_a_limit_that_it_would_pass() {

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use softlimb_numerics::least_squares::Minimum;
 
 /// Step of a derivative in the unit box.
-const STEP: f64 = 2e-3;
+const STEP: f64 = 2e-4;
 /// A sum of squares that counts as nothing lacking: 0.03 mm, or 0.1 % of a limit, which the reserve covers.
 pub(super) const NOTHING: f64 = 1e-5;
 
@@ -148,7 +148,7 @@ impl Hinged for Problem<'_> {
     }
 
     fn residuals(&self, at: &At) -> Vec<(f64, bool)> {
-        at.limb.residuals.iter().map(|residual| (residual.value, residual.is_one_sided())).collect()
+        at.limb.residuals.iter().map(|residual| (residual.value, residual.one_sided)).collect()
     }
 
     fn jacobian(&mut self, at: &At) -> Option<DMatrix<f64>> {
@@ -179,7 +179,7 @@ pub(super) fn local(
     let sizes = variables.len();
     let start = with_pressures(task, &start[..sizes], near);
     let mut problem = Problem { task, space, by, evaluations: 0, near, warm: None, sizes, idle };
-    let ends = Ends { zero: NOTHING, relative: 1e-4, least_gain: 5e-3, evaluations: steps.max(1) };
+    let ends = Ends { zero: NOTHING, relative: 1e-4, least_gain: 5e-3, steps: steps.max(1) };
     let minimum = minimise(&mut problem, &start, ends)?;
     Some((minimum, problem.evaluations))
 }

@@ -1,5 +1,6 @@
 //! What the margins of a pose lack, as residuals that are zero or less where the margins are kept.
 
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::built::Built;
@@ -7,6 +8,7 @@ use super::evaluate::Judgement;
 use super::limits::Margin;
 use super::pose::{LOADS, PoseState};
 use super::task::LoadedTask;
+use crate::synthesis::Aim;
 
 /// Distance of the tip, m, and angle, rad, that count as one.
 const REACH_M: f64 = 0.01;
@@ -42,18 +44,15 @@ pub(super) struct Residual {
     margin: Margin,
     pose: usize,
     pub(super) value: f64,
+    /// Whether it counts above zero alone.
+    pub(super) one_sided: bool,
 }
 
 impl Residual {
-    /// Whether it counts above zero alone.
-    pub(super) fn is_one_sided(&self) -> bool {
-        self.margin != Margin::Reach
-    }
-
     /// What is lacking.
     pub(super) fn lack(&self) -> Lack {
-        let Self { margin, pose, value } = *self;
-        Lack { margin, pose, value: if self.is_one_sided() { value.max(0.0) } else { value } }
+        let Self { margin, pose, value, one_sided } = *self;
+        Lack { margin, pose, value: if one_sided { value.max(0.0) } else { value } }
     }
 }
 
@@ -69,11 +68,19 @@ pub(super) fn of_pose(
     let limits = &task.limits;
     let more = 1.0 + reserve;
     let mut lacks = Vec::new();
-    let mut push = |margin, value| lacks.push(Residual { margin, pose, value });
-    state.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
-    if task.poses[pose].hold_kg != task.poses[pose].move_kg {
-        state.held.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
+    let reach = |value, one_sided| Residual { margin: Margin::Reach, pose, value: value / REACH_M, one_sided };
+    match by.aim(task, pose) {
+        Aim::Point(_) => lacks.extend(state.missing_m.iter().map(|missing_m| reach(*missing_m, false))),
+        // Within a region the tip has room.
+        Aim::Inside { center_m, half_m, rotation } => {
+            let own = rotation.inverse_transform_vector(&(Vector3::from(state.tip_m) - center_m));
+            lacks.extend((0..3).map(|axis| reach(own[axis].abs() - half_m[axis], true)));
+        }
     }
+    if task.poses[pose].hold_kg != task.poses[pose].move_kg {
+        lacks.extend(state.held.missing_m.iter().map(|missing_m| reach(*missing_m, false)));
+    }
+    let mut push = |margin, value| lacks.push(Residual { margin, pose, value, one_sided: true });
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
     if let Some(body) = task.poses[pose].carried {
         push(Margin::Tilt, (state.tilt_rad + by.shift(pose).tilt_rad - body.tilt_max_rad / more) / ANGLE_RAD);
