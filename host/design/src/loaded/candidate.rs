@@ -51,7 +51,7 @@ pub(super) fn attempt(
     evaluations: &mut usize,
 ) -> Option<Candidate> {
     let steps = effort.steps;
-        // Rods that tubes do not judge need no reserve for them.
+    // Rods that tubes do not judge need no reserve for them.
     let reserve = if effort.by_tubes { RESERVE } else { 0.0 };
     let mut by = Judgement { reserve, ..Judgement::default() };
     let limb = evaluate(task, space, &space.sizes(start), &by)?;

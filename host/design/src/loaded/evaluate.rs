@@ -140,7 +140,15 @@ impl Evaluation {
         }
         let residuals = residuals(task, &built, &refs(&poses), by);
         let lacks = residuals.iter().map(Residual::lack).collect();
-        Self { sizes: sizes.clone(), residuals, lacks, mass_kg: built.mass_kg(), length_m: built.length_m, poses, built }
+        Self {
+            sizes: sizes.clone(),
+            residuals,
+            lacks,
+            mass_kg: built.mass_kg(),
+            length_m: built.length_m,
+            poses,
+            built,
+        }
     }
 
     /// The same sizes judged by something else, with pressures that bring the tip to the places.

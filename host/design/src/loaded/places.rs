@@ -37,7 +37,13 @@ pub(super) fn change(places: &[Option<Vector3<f64>>], others: &[Option<Vector3<f
     places.iter().enumerate().map(of).fold(0.0, f64::max)
 }
 
-fn entered_m(task: &LoadedTask, limb: &Evaluation, by: &Judgement, pose: usize, before: &[f64]) -> Option<Vector3<f64>> {
+fn entered_m(
+    task: &LoadedTask,
+    limb: &Evaluation,
+    by: &Judgement,
+    pose: usize,
+    before: &[f64],
+) -> Option<Vector3<f64>> {
     let (built, kg) = (&limb.built, task.poses[pose].move_kg);
     let shift_m = by.shift(pose).tip_m[0];
     let region = moved_aim(&task.poses[pose].aim, &-shift_m);
@@ -75,10 +81,12 @@ fn nearest_m(region: &Aim, jacobian: &Jacobian, here: &Stand, before: &[f64]) ->
         let square: Matrix3<f64> =
             (&free * free.transpose()).fixed_view::<3, 3>(0, 0) + Matrix3::identity() * (HARDLY_M * HARDLY_M);
         let Some(metric) = square.try_inverse() else { break };
-        place_m = center_m + rotation * least(&rotation.inverse_transform_vector(&(from_m - center_m)), half_m, &{
-            let turn = rotation.to_rotation_matrix();
-            turn.transpose() * metric * turn
-        });
+        place_m = center_m
+            + rotation
+                * least(&rotation.inverse_transform_vector(&(from_m - center_m)), half_m, &{
+                    let turn = rotation.to_rotation_matrix();
+                    turn.transpose() * metric * turn
+                });
         let step = free.transpose() * (metric * (place_m - from_m));
         let share = |index: usize| before[index] + step[index];
         let outside = |index: usize| (share(index) - 1.0).max(-share(index));
@@ -117,7 +125,10 @@ mod tests {
             let slope = metric * (place - point);
             for axis in 0..3 {
                 let open = place[axis].abs() < half[axis] - 1e-12;
-                assert!(if open { slope[axis].abs() < 1e-9 } else { slope[axis] * place[axis] <= 0.0 }, "{point} {place}");
+                assert!(
+                    if open { slope[axis].abs() < 1e-9 } else { slope[axis] * place[axis] <= 0.0 },
+                    "{point} {place}"
+                );
             }
         }
     }

@@ -257,12 +257,7 @@ fn load_factor(rod: &Rod, shape: &Shape, enough: f64) -> f64 {
 }
 
 /// The state of a stand; its stiffness may be known.
-fn load_state(
-    built: &Built,
-    stand: &Stand,
-    kg: f64,
-    (enough, stiffness): (f64, Option<f64>),
-) -> Option<LoadState> {
+fn load_state(built: &Built, stand: &Stand, kg: f64, (enough, stiffness): (f64, Option<f64>)) -> Option<LoadState> {
     let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
     let compliance = || shape.compliance_along_m_per_n(rod, Bends::Linear, 2);
     let stiffness_n_per_m = stiffness.or_else(|| Some(1.0 / compliance()?))?;

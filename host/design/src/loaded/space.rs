@@ -139,8 +139,7 @@ impl LimbSpace {
             |bounds: Bounds| if bounds[1] > bounds[0] { at(bounds, shares.next().unwrap_or(0.5)) } else { bounds[0] };
         let position_m = self.base.position_m.map(&mut next);
         let pitch_rad = next(self.base.pitch_rad);
-        let modules: Vec<ModuleSizes> =
-            self.modules.iter().map(|module| module.sizes(&mut next)).collect();
+        let modules: Vec<ModuleSizes> = self.modules.iter().map(|module| module.sizes(&mut next)).collect();
         let home = self.modules.iter().map(|_| next([0.0, 1.0])).collect();
         LimbSizes { position_m, pitch_rad, modules, home }
     }

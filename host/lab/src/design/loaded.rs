@@ -144,7 +144,11 @@ pub(super) fn seeds_text(rows: &[Searched]) -> String {
     }
     let confirmed = rows.iter().filter(|row| row.confirmed && row.refused.is_none()).count();
     let most_s = rows.iter().map(|row| row.processor_s).fold(0.0, f64::max);
-    let _ = writeln!(text, "\n{confirmed} of {} confirmed and kept by the plan; most processor time {most_s:.1} s.", rows.len());
+    let _ = writeln!(
+        text,
+        "\n{confirmed} of {} confirmed and kept by the plan; most processor time {most_s:.1} s.",
+        rows.len()
+    );
     text
 }
 

@@ -9,9 +9,7 @@ use crate::cli::check_margins;
 use crate::cli::shared::show;
 use crate::cli::{Failure, Outcome, note, warn};
 use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text, loaded_to_run};
-use softlimb_design::loaded::{
-    ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds,
-};
+use softlimb_design::loaded::{ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds};
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
