@@ -1,11 +1,12 @@
 //! Limbs designed under load: small tasks, judged by the statics of the product on the scene that is written.
 
-use softlimb_design::from_scene::{loaded_design, loaded_text};
+use softlimb_design::from_scene::{loaded_design, loaded_text, loaded_to_run};
 use softlimb_design::loaded::{
     Effort, Found, Judgement, Margin, REACHED_M, StandingLimits, active_bounds, evaluate, search, seeded,
 };
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
+use softlimb_motion as motion;
 use softlimb_motion::{BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, PRESSURE_SHARE_MAX, SAG_SHARE_MAX, STIFFNESS_MIN_N_PER_M};
 use softlimb_scene::{self as scene, Scene};
 
@@ -130,6 +131,34 @@ fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
     }
 }
 
+/// The planner chooses the place in a region, and pressures that need not be those of the design.
+#[test]
+fn limb_found_keeps_its_margins_as_the_planner_has_it() {
+    let region = "[[region]]\nname = \"shelf\"\ncenter = [0.16, 0, 0.58]\nsize = [0.04, 0.04, 0.04]\n\n[limits]";
+    let text = TASK.replace("tip = [0.16, 0, 0.58]", "inside = \"shelf\"").replace("[limits]", region);
+    let wanted = read(&text);
+    let design = loaded_design(&wanted).unwrap();
+    let planned = |found: &Found| {
+        let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
+        let limb = Limb::new(&designed).unwrap();
+        let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        (designed.rest_length_m(), motion::margins(&designed, &limb, &plan, &motion::Sent::uncorrected(&limb, &plan)))
+    };
+    let refused = |found: &Found| {
+        let (length_m, margins) = planned(found);
+        let kept = margins.unwrap().iter().all(|margins| {
+            margins.load_factor >= LOAD_FACTOR_MIN
+                && margins.stiffness_n_per_m >= STIFFNESS_MIN_N_PER_M
+                && margins.sag_m <= SAG_SHARE_MAX * length_m
+                && margins.buckling_margin >= BUCKLING_MARGIN_MIN
+                && margins.pressure_share <= PRESSURE_SHARE_MAX
+        });
+        (!kept).then(|| "a margin".to_owned())
+    };
+    let attempt = loaded_to_run(&design, &effort(), &|| false, refused).unwrap();
+    assert!(attempt.found.reached && attempt.refused.is_none(), "{:?}", planned(&attempt.found).1);
+}
+
 #[test]
 fn answer_depends_on_the_seed_but_not_on_the_threads() {
     let design = loaded_design(&read(TASK)).unwrap();
@@ -165,7 +194,7 @@ fn pressures_of_the_search_are_those_of_inverse_kinematics() {
     // One bender and one extension in a plane have one pair of pressures for a place: the search's are those that Newton's method on the tip finds.
     let design = loaded_design(&read(TASK)).unwrap();
     let found = found(&read(TASK));
-    let by = Judgement { reserve: found.by.reserve, shifts: found.by.shifts.clone(), moves: false };
+    let by = Judgement { moves: false, ..found.by.clone() };
     let other = evaluate(&design.task, &design.space, &found.evaluation.sizes, &by).unwrap();
     for (own, other) in found.evaluation.poses.iter().zip(&other.poses) {
         for (a, b) in own.pressures_pa.iter().zip(&other.pressures_pa) {
@@ -202,7 +231,7 @@ fn the_carried_object_keeps_clear_too() {
     // The flask's axis is 45 mm from the post's centre at its height, which is less than 30 + 20 mm: no limb can have its tip there.
     let found = search(&with.task, &with.space, &with.space.first_guess(), &effort(), &|| false).unwrap();
     assert!(!found.reached);
-    let spare_m = found.evaluation.poses[1].spare_m.unwrap().0;
+    let spare_m = found.evaluation.poses[1].spare_m().unwrap().0;
     // As it hangs 10.2 mm are lacking; as it turns with the tip, it may be nearer.
     assert!(spare_m < 0.045 - 0.05 - 0.0052 + 2e-3, "{spare_m}");
     let gripper = near.replace("object = \"flask\"", "payload = \"0.2 kg\"");

@@ -31,6 +31,7 @@ use std::process::ExitCode;
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 
+pub use design::refused;
 pub use failure::Failure;
 pub use shared::{read, write};
 

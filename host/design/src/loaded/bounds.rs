@@ -53,6 +53,11 @@ pub fn active_bounds(
             continue;
         }
         let [low, high] = variable.bounds;
+        // Actuators that touch each other are no bound of the task.
+        let touching = |module: usize| found.evaluation.sizes.modules[module].spread_m > low;
+        if !at_high && is_spread(variable) && variable.module.is_some_and(touching) {
+            continue;
+        }
         let name = variable.module.map(|module| space.modules[module].name.clone());
         let moved = |by: f64| {
             let by = by * (high - low);
@@ -75,6 +80,10 @@ pub fn active_bounds(
         all.extend(tried(task, found, (None, "pressure_max", highest), &values, stop, moved));
     }
     all
+}
+
+fn is_spread(variable: &Variable) -> bool {
+    ["spacing", "circle_radius"].contains(&variable.name)
 }
 
 fn value(variable: &Variable, share: f64) -> f64 {

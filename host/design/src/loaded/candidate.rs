@@ -3,6 +3,7 @@
 use super::confirm::{ConfirmedPose, confirm};
 use super::evaluate::{Evaluation, Judgement, evaluate};
 use super::local_solve::{At, NOTHING, local, with_pressures};
+use super::places::{change, places};
 use super::plates::shifts;
 use super::search::{Effort, RAISE_STEPS};
 use super::space::LimbSpace;
@@ -14,12 +15,12 @@ const RESERVE: f64 = 0.03;
 /// Part of the reserve that a limb keeps at least, so that tubes between plates keep every margin, too.
 const KEPT: f64 = 0.4;
 /// Steps of a local solve that tells a good start from a bad one, and the sum of squares up to which it is a good one.
-const SHORT_STEPS: usize = 10;
+const SHORT_STEPS: usize = 6;
 const GOOD: f64 = 5.0;
 /// A sum of squares up to which a limb may keep every margin with less of the reserve, once its tip is moved to the places.
 const NEAR: f64 = 0.05;
 /// Turns of a local solve and of the shifts of its tubes.
-const SHIFT_TURNS: usize = 4;
+const SHIFT_TURNS: usize = 6;
 
 /// A limb that a local solve has led to.
 pub(super) struct Candidate {
@@ -50,7 +51,9 @@ pub(super) fn attempt(
     evaluations: &mut usize,
 ) -> Option<Candidate> {
     let steps = effort.steps;
-    let mut by = Judgement { reserve: RESERVE, ..Judgement::default() };
+    // Rods that tubes do not judge need no reserve for them.
+    let reserve = if effort.by_tubes { RESERVE } else { 0.0 };
+    let mut by = Judgement { reserve, ..Judgement::default() };
     let limb = evaluate(task, space, &space.sizes(start), &by)?;
     *evaluations += 1;
     let mut here = solved(task, space, (start, &limb), &by, SHORT_STEPS, evaluations)?;
@@ -61,6 +64,9 @@ pub(super) fn attempt(
         return Some(here.unproven());
     }
     by.moves = true;
+    if effort.by_tubes {
+        by.places = places(task, here.limb(), &by);
+    }
     here = solved(task, space, (&here.minimum.point, here.limb()), &by, steps, evaluations)?;
     if !effort.by_tubes {
         return Some(here);
@@ -123,11 +129,13 @@ pub(super) fn with_shifts(
 ) -> Candidate {
     for _ in 0..SHIFT_TURNS {
         let shifts = shifts(task, found.limb());
-        let change = shifts.iter().enumerate().map(|(pose, shift)| shift.change(&found.by.shift(pose)));
-        if change.fold(0.0, f64::max) <= 1.0 {
+        let shifted = shifts.iter().enumerate().map(|(pose, shift)| shift.change(&found.by.shift(pose)));
+        let by = Judgement { shifts: shifts.clone(), ..found.by.clone() };
+        let places = places(task, found.limb(), &by);
+        if shifted.fold(0.0, f64::max) <= 1.0 && change(&places, &found.by.places) <= 1.0 {
             return found;
         }
-        let by = Judgement { shifts, ..found.by.clone() };
+        let by = Judgement { places, ..by };
         let at = (&found.minimum.point[..], found.limb());
         let Some(next) = solved(task, space, at, &by, RAISE_STEPS, evaluations) else { break };
         found = next;

@@ -5,6 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::built::Built;
 use super::inverse::Stand;
 use super::task::{CarriedBody, LoadedTask};
+use softlimb_scene::collision::Shape;
 
 /// Balls between two points of the centre line of a module.
 const BETWEEN: usize = 4;
@@ -84,16 +85,19 @@ fn axes(turn: &UnitQuaternion<f64>, grasp: &UnitQuaternion<f64>) -> [Vector3<f64
     [turn * grasp.inverse() * Vector3::z(), Vector3::z()]
 }
 
-/// Least distance to an obstacle less the required clearance, m, and the index of the obstacle; `None` without obstacles.
+/// Least distance to each obstacle less the required clearance, m.
 ///
 /// `shift_m` is the way from the tip of rods to that of tubes between plates: the body goes that way with it, from the base outwards.
-pub(super) fn spare_m(
+pub(super) fn spares_m(
     built: &Built,
     task: &LoadedTask,
     stand: &Stand,
     carried: Option<(&CarriedBody, UnitQuaternion<f64>)>,
     shift_m: &Vector3<f64>,
-) -> Option<(f64, usize)> {
+) -> Vec<f64> {
+    if task.obstacles.is_empty() {
+        return Vec::new();
+    }
     let mut all = balls(built, task, stand);
     let count = all.len().max(1) as f64;
     all.iter_mut().enumerate().for_each(|(index, (center, _))| *center += shift_m * ((index + 1) as f64 / count));
@@ -103,14 +107,30 @@ pub(super) fn spare_m(
         let place = stand.tip_m() + shift_m;
         axes(&tip.rotation, grasp).into_iter().flat_map(move |axis| along(&place, body, &axis))
     }));
-    let of = |(index, obstacle): (usize, &crate::synthesis::Obstacle)| {
-        let distances = all.iter().map(|(center, radius)| obstacle.shape.distance(center).distance_m - radius);
-        (distances.fold(f64::INFINITY, f64::min) - obstacle.clearance_m, index)
-    };
-    task.obstacles.iter().enumerate().map(of).min_by(|a, b| a.0.total_cmp(&b.0))
+    task.obstacles.iter().map(|obstacle| least_m(&all, &obstacle.shape) - obstacle.clearance_m).collect()
 }
 
-/// The less of two clearances.
-pub(super) fn nearer(one: Option<(f64, usize)>, other: Option<(f64, usize)>) -> Option<(f64, usize)> {
-    [one, other].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+/// Least distance of balls from a solid, m.
+fn least_m(balls: &[(Vector3<f64>, f64)], shape: &Shape) -> f64 {
+    let (mut least_m, mut last) = (f64::INFINITY, None);
+    for (center, radius_m) in balls {
+        // A distance changes by no more than the way from a point where it is known.
+        let bound_m = last.map_or(f64::NEG_INFINITY, |(known, at): (f64, &Vector3<f64>)| known - (center - at).norm());
+        if bound_m - radius_m < least_m {
+            let distance_m = shape.distance(center).distance_m;
+            least_m = least_m.min(distance_m - radius_m);
+            last = Some((distance_m, center));
+        }
+    }
+    least_m
+}
+
+/// The least of spares and its obstacle; `None` without obstacles.
+pub(super) fn least(spares_m: &[f64]) -> Option<(f64, usize)> {
+    spares_m.iter().enumerate().map(|(index, spare)| (*spare, index)).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The less of two clearances of each obstacle.
+pub(super) fn nearer(one: &[f64], other: &[f64]) -> Vec<f64> {
+    one.iter().zip(other).map(|(one, other)| one.min(*other)).collect()
 }

@@ -152,7 +152,7 @@ fn corrected(
 fn confirm_pose(task: &LoadedTask, limb: &Evaluation, by: &Judgement, index: usize) -> (ConfirmedPose, Option<Ends>) {
     let (pose, state, built) = (&task.poses[index], &limb.poses[index], &limb.built);
     let shifts_m = by.shift(index).tip_m;
-    let place_m = nearest(&pose.aim, &state.tip_m.into());
+    let place_m = nearest(&by.aim(task, index), &state.tip_m.into());
     let moved = corrected(built, &state.moved.stand, pose.move_kg, (&place_m, &shifts_m[0]));
     let held = if pose.hold_kg == pose.move_kg {
         moved.clone()
@@ -172,7 +172,7 @@ fn confirm_pose(task: &LoadedTask, limb: &Evaluation, by: &Judgement, index: usi
         buckling_margin: 0.0,
         pressure_share: 0.0,
         tilt_rad: state.tilt_rad,
-        spare_m: state.spare_m.map(|(spare, _)| spare),
+        spare_m: state.spare_m().map(|(spare, _)| spare),
         lacks: Vec::new(),
     };
     if let (Some(moved), Some(held)) = (&moved, &held) {

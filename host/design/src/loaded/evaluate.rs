@@ -1,13 +1,13 @@
 //! One limb judged: its poses under load, and what every margin lacks.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::built::Built;
 use super::inverse::{Stand, reach};
 use super::moves::moves;
 use super::plates::Shift;
 use super::pose::{Changed, PoseState, Sought, moved_aim, pose_at, pose_state};
-use super::residuals::{Lack, of_pose};
+use super::residuals::{Lack, Residual, of_pose};
 use super::space::{LimbSizes, LimbSpace};
 use super::task::LoadedTask;
 use crate::synthesis::Aim;
@@ -29,6 +29,7 @@ pub struct Evaluation {
     /// Length at rest, m.
     pub length_m: f64,
     pub(super) built: Built,
+    pub(super) residuals: Vec<Residual>,
 }
 
 impl Evaluation {
@@ -47,11 +48,19 @@ pub struct Judgement {
     pub shifts: Vec<Shift>,
     /// Whether the moves are judged, too, where the task wants them clear.
     pub moves: bool,
+    /// Places within regions that poses are led to, m; a pose without one, or with `None`, may be anywhere in its region.
+    pub places: Vec<Option<Vector3<f64>>>,
 }
 
 impl Judgement {
     pub(super) fn shift(&self, pose: usize) -> Shift {
         self.shifts.get(pose).copied().unwrap_or_default()
+    }
+
+    /// Where the tip shall be in a pose.
+    pub(super) fn aim(&self, task: &LoadedTask, pose: usize) -> Aim {
+        let place = self.places.get(pose).copied().flatten();
+        place.map_or_else(|| task.poses[pose].aim.clone(), Aim::Point)
     }
 }
 
@@ -63,8 +72,7 @@ pub fn evaluate(task: &LoadedTask, space: &LimbSpace, sizes: &LimbSizes, by: &Ju
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, pose) in task.poses.iter().enumerate() {
         let grasp = grasp(task, &refs(&poses), index);
-        let sought =
-            Sought { task, pose, home: &sizes.home, reserve: by.reserve, shift_m: by.shift(index).tip_m, grasp };
+        let sought = Sought { home: &sizes.home, ..sought(task, index, by, grasp) };
         let after = || pose_state(&built, &sought, &poses.last()?.held.stand);
         let anew = || pose_state(&built, &sought, &first(&built, sizes, pose.move_kg)?);
         let found = after().or_else(anew)?;
@@ -113,7 +121,8 @@ pub(super) fn sought<'a>(
     by: &Judgement,
     grasp: Option<UnitQuaternion<f64>>,
 ) -> Sought<'a> {
-    Sought { task, pose: &task.poses[pose], home: &[], reserve: by.reserve, shift_m: by.shift(pose).tip_m, grasp }
+    let (aim, shift_m) = (by.aim(task, pose), by.shift(pose).tip_m);
+    Sought { task, pose: &task.poses[pose], aim, home: &[], reserve: by.reserve, shift_m, grasp }
 }
 
 impl Evaluation {
@@ -129,8 +138,17 @@ impl Evaluation {
         if by.moves && matter && task.moves {
             moves(&built, task, by, &mut poses, near);
         }
-        let lacks = lacks(task, &built, &refs(&poses), by);
-        Self { sizes: sizes.clone(), lacks, mass_kg: built.mass_kg(), length_m: built.length_m, poses, built }
+        let residuals = residuals(task, &built, &refs(&poses), by);
+        let lacks = residuals.iter().map(Residual::lack).collect();
+        Self {
+            sizes: sizes.clone(),
+            residuals,
+            lacks,
+            mass_kg: built.mass_kg(),
+            length_m: built.length_m,
+            poses,
+            built,
+        }
     }
 
     /// The same sizes judged by something else, with pressures that bring the tip to the places.
@@ -146,7 +164,7 @@ impl Evaluation {
                 Some(reach(&built, &near, (&shares, kg), aim, None).ok()?.stand)
             };
             let [there, then] = by.shift(index).tip_m;
-            let moved = reached(&state.moved.stand, &moved_aim(&pose.aim, &-there), pose.move_kg)?;
+            let moved = reached(&state.moved.stand, &moved_aim(&by.aim(task, index), &-there), pose.move_kg)?;
             let held = if pose.hold_kg == pose.move_kg {
                 moved.shares.clone()
             } else {
@@ -167,8 +185,8 @@ pub(super) fn refs(poses: &[PoseState]) -> Vec<&PoseState> {
     poses.iter().collect()
 }
 
-/// What the margins lack.
-pub(super) fn lacks(task: &LoadedTask, built: &Built, poses: &[&PoseState], by: &Judgement) -> Vec<Lack> {
+/// Residuals of the margins.
+pub(super) fn residuals(task: &LoadedTask, built: &Built, poses: &[&PoseState], by: &Judgement) -> Vec<Residual> {
     poses.iter().enumerate().flat_map(|(index, state)| of_pose(task, built, index, state, by)).collect()
 }
 

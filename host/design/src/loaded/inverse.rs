@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3, Vector4};
 
 use super::built::Built;
 use crate::synthesis::Aim;
-use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod, Settled, Shape, by_fidelity};
+use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod, Settled, Shape};
 
 /// The tip has arrived within this, m.
 pub(super) const ARRIVED_M: f64 = 1e-6;
@@ -29,7 +29,7 @@ const SLOW: f64 = 0.2;
 /// Change of a share for a derivative.
 const STEP: f64 = 1e-5;
 /// A way of the tip below this for the whole range of a pressure counts as none, m.
-const HARDLY_M: f64 = 1e-3;
+pub(super) const HARDLY_M: f64 = 1e-3;
 
 /// Derivative of the tip, m, by the shares of the pressures.
 pub(super) type Jacobian = DMatrix<f64>;
@@ -83,8 +83,8 @@ impl Stand {
     /// The same just beside `start`, with springs about its strains: to first order in the distance it is the same equilibrium.
     pub(super) fn beside(built: &Built, shares: &[f64], kg: f64, start: &Self) -> Option<Self> {
         let limb = built.loaded(shares, kg)?.at_strains(&start.strains()).ok()?;
-        let (rod, shape) = by_fidelity(&limb.rod, Fidelity::Linear, Some(&start.shape.q)).ok()?;
-        Some(Self { shares: shares.to_vec(), limb, rod, shape })
+        let shape = start.shape.beside(&limb.rod)?;
+        Some(Self { shares: shares.to_vec(), rod: limb.rod.clone(), limb, shape })
     }
 
     /// Tilt of the axis of a body that stood upright when the tip grasped it, rad; 0 without one.
@@ -192,7 +192,7 @@ fn nearer(
 }
 
 /// Derivative of the tip, m, by the shares of the pressures.
-fn tip_jacobian(built: &Built, here: &Stand, kg: f64) -> Option<Jacobian> {
+pub(super) fn tip_jacobian(built: &Built, here: &Stand, kg: f64) -> Option<Jacobian> {
     let count = here.shares.len();
     let strains = here.strains();
     let responding = here.shape.responding(&here.rod, Bends::Linear)?;

@@ -3,16 +3,18 @@
 use std::panic::resume_unwind;
 
 use super::built::Built;
-use super::evaluate::{Evaluation, Judgement, evaluate_at, grasp, grasped_at, lacks, poses_at, refs, sought};
+use super::evaluate::{Evaluation, Judgement, evaluate_at, grasp, grasped_at, poses_at, refs, residuals, sought};
+use super::hinges::{Ends, Hinged, minimise};
 use super::moves::beside;
 use super::pose::{Changed, PoseState, pose_at};
-use super::residuals::Lack;
+use super::residuals::Residual;
 use super::space::{HOME, LimbSpace};
 use super::task::LoadedTask;
-use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise};
+use nalgebra::{DMatrix, DVector};
+use softlimb_numerics::least_squares::Minimum;
 
 /// Step of a derivative in the unit box.
-const STEP: f64 = 2e-3;
+const STEP: f64 = 2e-4;
 /// A sum of squares that counts as nothing lacking: 0.03 mm, or 0.1 % of a limit, which the reserve covers.
 pub(super) const NOTHING: f64 = 1e-5;
 
@@ -73,18 +75,18 @@ impl Problem<'_> {
     }
 
     /// Derivative of the residuals by one variable; zeros where the limb beside does not stand.
-    fn column(&self, at: &At, here: &[f64], axis: usize) -> Vec<f64> {
+    fn column(&self, at: &At, here: &[Residual], axis: usize) -> DVector<f64> {
         let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
         let mut point = at.point.clone();
         point[axis] += step;
         let there = if axis < self.sizes { self.with_size(at, &point) } else { self.with_pressure(at, &point, axis) };
         match there {
-            Some(there) => there.iter().zip(here).map(|(there, here)| (there.value - here) / step).collect(),
-            None => vec![0.0; here.len()],
+            Some(there) => DVector::from_fn(here.len(), |row, _| (there[row].value - here[row].value) / step),
+            None => DVector::zeros(here.len()),
         }
     }
 
-    fn with_size(&self, at: &At, point: &[f64]) -> Option<Vec<Lack>> {
+    fn with_size(&self, at: &At, point: &[f64]) -> Option<Vec<Residual>> {
         let (task, space, by) = (self.task, self.space, self.by);
         let near = &at.limb;
         let mut sizes = space.sizes(&point[..self.sizes]);
@@ -94,11 +96,11 @@ impl Problem<'_> {
         let mut poses = poses_at(task, &built, &self.shares(point), by, &near.poses, Changed::All)?;
         let moves: Vec<_> =
             (0..poses.len()).map(|index| beside(&built, task, by, index, &refs(&poses), &near.poses[index])).collect();
-        poses.iter_mut().zip(moves).for_each(|(pose, by)| (pose.spare_m, pose.tilt_rad) = by);
-        Some(lacks(task, &built, &refs(&poses), by))
+        poses.iter_mut().zip(moves).for_each(|(pose, by)| (pose.spares_m, pose.tilt_rad) = by);
+        Some(residuals(task, &built, &refs(&poses), by))
     }
 
-    fn with_pressure(&self, at: &At, point: &[f64], axis: usize) -> Option<Vec<Lack>> {
+    fn with_pressure(&self, at: &At, point: &[f64], axis: usize) -> Option<Vec<Residual>> {
         let (task, by, near) = (self.task, self.by, &at.limb);
         let (pose, state) = self.pose_of(axis - self.sizes);
         let changed = match (states(task, pose), state) {
@@ -118,14 +120,14 @@ impl Problem<'_> {
         for index in (pose..near.poses.len()).filter(affected) {
             let mut there = poses.clone();
             there[pose] = &own;
-            let (spare_m, tilt_rad) = beside(&near.built, task, by, index, &there, &near.poses[index]);
+            let (spares_m, tilt_rad) = beside(&near.built, task, by, index, &there, &near.poses[index]);
             let mut judged = if index == pose { own.clone() } else { near.poses[index].clone() };
-            (judged.spare_m, judged.tilt_rad) = (spare_m, tilt_rad);
+            (judged.spares_m, judged.tilt_rad) = (spares_m, tilt_rad);
             others.push((index, judged));
         }
         let mut poses = poses;
         others.iter().for_each(|(index, judged)| poses[*index] = judged);
-        Some(lacks(task, &near.built, &poses, by))
+        Some(residuals(task, &near.built, &poses, by))
     }
 }
 
@@ -135,7 +137,7 @@ pub(super) struct At {
     pub(super) limb: Evaluation,
 }
 
-impl LeastSquares for Problem<'_> {
+impl Hinged for Problem<'_> {
     type Evaluation = At;
 
     fn evaluate(&mut self, point: &[f64]) -> Option<At> {
@@ -145,21 +147,21 @@ impl LeastSquares for Problem<'_> {
         Some(At { point: point.to_vec(), limb })
     }
 
-    fn residuals(&self, at: &At) -> Vec<f64> {
-        at.limb.lacks.iter().map(|lack| lack.value).collect()
+    fn residuals(&self, at: &At) -> Vec<(f64, bool)> {
+        at.limb.residuals.iter().map(|residual| (residual.value, residual.one_sided)).collect()
     }
 
-    fn jacobian(&mut self, at: &At) -> Option<Vec<Vec<f64>>> {
+    fn jacobian(&mut self, at: &At) -> Option<DMatrix<f64>> {
         self.warm = Some(at.limb.clone());
-        let here: Vec<f64> = self.residuals(at);
+        let here = &at.limb.residuals;
         self.evaluations += self.sizes - self.idle.iter().filter(|idle| **idle).count();
-        let columns: Vec<Vec<f64>> = (0..at.point.len())
+        let columns: Vec<DVector<f64>> = (0..at.point.len())
             .map(|axis| {
                 let idle = self.idle.get(axis).copied().unwrap_or(false);
-                if idle { vec![0.0; here.len()] } else { self.column(at, &here, axis) }
+                if idle { DVector::zeros(here.len()) } else { self.column(at, here, axis) }
             })
             .collect();
-        Some((0..here.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
+        Some(DMatrix::from_columns(&columns))
     }
 }
 
@@ -177,15 +179,8 @@ pub(super) fn local(
     let sizes = variables.len();
     let start = with_pressures(task, &start[..sizes], near);
     let mut problem = Problem { task, space, by, evaluations: 0, near, warm: None, sizes, idle };
-    let criteria = StoppingCriteria {
-        zero: NOTHING,
-        relative: 1e-4,
-        least_gain: 5e-3,
-        evaluations: steps.max(1),
-        by_diagonal: true,
-        ..StoppingCriteria::default()
-    };
-    let minimum = minimise(&mut problem, &start, criteria)?;
+    let ends = Ends { zero: NOTHING, relative: 1e-4, least_gain: 5e-3, steps: steps.max(1) };
+    let minimum = minimise(&mut problem, &start, ends)?;
     Some((minimum, problem.evaluations))
 }
 

@@ -1,9 +1,11 @@
 //! Clearance of the moves: straight ways in the pressures, from the sagging rest pose to the first pose and from each to the next.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::built::Built;
-use super::clearance::spare_m;
+use super::clearance::{least, spares_m};
 use super::evaluate::{Evaluation, Judgement, grasp, refs};
 use super::inverse::Stand;
 use super::pose::PoseState;
@@ -81,21 +83,21 @@ pub(super) fn moves(
         let (before, pose) = (done.last(), &mut ahead[0]);
         let way = way(task, by, index, (before, &rest), pose);
         let grasp = carried.map(|(_, grasp)| grasp);
-        let at = |stand: Stand, share| Point {
-            spare_m: spare_m(built, task, &stand, carried, &way.shift_m(share)),
+        let at = |stand: Arc<Stand>, share| Point {
+            spares_m: spares_m(built, task, &stand, carried, &way.shift_m(share)),
             tilt_rad: stand.tilt_rad(grasp.as_ref()),
             share,
             stand: Some(stand),
         };
-        let mut last = before.map(|before| before.held.stand.clone());
+        let mut last = before.map(|before| Arc::new(before.held.stand.clone()));
         let mut stands = Vec::with_capacity(PARTS);
         let mut points: Vec<Point> = Vec::new();
         let mut falls = false;
         // At the end of a move is the pose; at its start the one before, but for the limb at rest.
         for part in usize::from(before.is_some())..PARTS {
             let share = part as f64 / PARTS as f64;
-            let near = near.and_then(|near| near.poses.get(index)?.way.get(stands.len())?.as_ref());
-            let stand = way.stand(built, share, near.or(last.as_ref()));
+            let near = near.and_then(|near| near.poses.get(index)?.way.get(stands.len())?.as_deref());
+            let stand = way.stand(built, share, near.or(last.as_deref())).map(Arc::new);
             if let Some(stand) = &stand {
                 points.push(at(stand.clone(), share));
                 last = Some(stand.clone());
@@ -104,7 +106,7 @@ pub(super) fn moves(
             }
             stands.push(stand);
         }
-        points.push(Point { share: 1.0, spare_m: pose.spare_m, tilt_rad: pose.tilt_rad, stand: None });
+        points.push(Point { share: 1.0, spares_m: pose.spares_m.clone(), tilt_rad: pose.tilt_rad, stand: None });
         let mut width = 1.0 / PARTS as f64;
         for _ in 0..HALVINGS {
             let nearest = points.iter().min_by(|a, b| a.spare().total_cmp(&b.spare()));
@@ -113,8 +115,8 @@ pub(super) fn moves(
             for share in [from - width, from + width].into_iter().filter(|share| (0.0..=1.0).contains(share)) {
                 let near =
                     stands.iter().flatten().nth(((share * PARTS as f64) as usize).min(stands.len().saturating_sub(1)));
-                if let Some(stand) = way.stand(built, share, near) {
-                    points.push(at(stand, share));
+                if let Some(stand) = way.stand(built, share, near.map(Arc::as_ref)) {
+                    points.push(at(Arc::new(stand), share));
                 }
             }
         }
@@ -125,10 +127,16 @@ pub(super) fn moves(
             pose.tilt_rad = steepest.tilt_rad;
             pose.steepest = steepest.stand.clone().map(|stand| (steepest.share, stand));
         }
-        if let Some(nearest) = points.into_iter().min_by(|a, b| a.spare().total_cmp(&b.spare())) {
-            pose.spare_m = nearest.spare_m;
-            pose.nearest = nearest.stand.map(|stand| (nearest.share, stand));
-        }
+        let nearest = |obstacle: usize| {
+            let spare = |point: &&Point| point.spares_m[obstacle];
+            points.iter().min_by(|a, b| spare(a).total_cmp(&spare(b)))
+        };
+        let nearest: Vec<&Point> = (0..task.obstacles.len()).filter_map(nearest).collect();
+        pose.spares_m = nearest.iter().enumerate().map(|(obstacle, point)| point.spares_m[obstacle]).collect();
+        let close = |(point, spare_m): (&Point, &f64)| {
+            (*spare_m <= FAR_M).then(|| Some((point.share, point.stand.clone()?))).flatten()
+        };
+        pose.nearest = nearest.into_iter().zip(&pose.spares_m).map(close).collect();
         pose.way = stands;
     }
 }
@@ -136,14 +144,14 @@ pub(super) fn moves(
 /// A point of a move; without an equilibrium the pose that it leads to.
 struct Point {
     share: f64,
-    spare_m: Option<(f64, usize)>,
+    spares_m: Vec<f64>,
     tilt_rad: f64,
-    stand: Option<Stand>,
+    stand: Option<Arc<Stand>>,
 }
 
 impl Point {
     fn spare(&self) -> f64 {
-        spare(&self.spare_m)
+        least(&self.spares_m).map_or(f64::INFINITY, |(spare_m, _)| spare_m)
     }
 }
 
@@ -156,26 +164,35 @@ pub(super) fn beside(
     index: usize,
     poses: &[&PoseState],
     near: &PoseState,
-) -> (Option<(f64, usize)>, f64) {
+) -> (Vec<f64>, f64) {
     let rest = vec![0.0; built.len()];
     let before = index.checked_sub(1).map(|before| poses[before]);
     let way = way(task, by, index, (before, &rest), poses[index]);
     let grasp = grasp(task, poses, index);
     let carried = task.poses[index].carried.as_ref().zip(grasp);
-    let stand = |(share, stand): &(f64, Stand)| Some((*share, way.stand_beside(built, *share, stand)?));
-    let spare_m = match &near.nearest {
-        None => poses[index].spare_m,
-        Some(_) if spare(&near.spare_m) > FAR_M => near.spare_m,
-        Some(nearest) => stand(nearest)
-            .map_or(near.spare_m, |(share, stand)| spare_m(built, task, &stand, carried, &way.shift_m(share))),
+    let at = |(share, start): &(f64, Arc<Stand>)| {
+        let stand = way.stand_beside(built, *share, start)?;
+        Some((spares_m(built, task, &stand, carried, &way.shift_m(*share)), stand.tilt_rad(grasp.as_ref())))
     };
+    // Some obstacles, and the tilt, have the same point of the way.
+    let mut known: Vec<(f64, Option<(Vec<f64>, f64)>)> = Vec::new();
+    let mut known_at = |point: &(f64, Arc<Stand>)| {
+        let found = known.iter().find(|(share, _)| *share == point.0).map(|(_, found)| found.clone());
+        found.unwrap_or_else(|| {
+            let found = at(point);
+            known.push((point.0, found.clone()));
+            found
+        })
+    };
+    let spare_m = |obstacle: usize| match near.nearest.get(obstacle).and_then(Option::as_ref) {
+        _ if near.spares_m[obstacle] > FAR_M => near.spares_m[obstacle],
+        None => poses[index].spares_m[obstacle],
+        Some(nearest) => known_at(nearest).map_or(near.spares_m[obstacle], |(spares_m, _)| spares_m[obstacle]),
+    };
+    let spares_m = (0..task.obstacles.len()).map(spare_m).collect();
     let tilt_rad = match &near.steepest {
         None => poses[index].moved.stand.tilt_rad(grasp.as_ref()),
-        Some(steepest) => stand(steepest).map_or(near.tilt_rad, |(_, stand)| stand.tilt_rad(grasp.as_ref())),
+        Some(steepest) => known_at(steepest).map_or(near.tilt_rad, |(_, tilt_rad)| tilt_rad),
     };
-    (spare_m, tilt_rad)
-}
-
-fn spare(spare: &Option<(f64, usize)>) -> f64 {
-    spare.map_or(f64::INFINITY, |(spare, _)| spare)
+    (spares_m, tilt_rad)
 }

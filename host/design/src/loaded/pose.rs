@@ -1,9 +1,11 @@
 //! One pose of a limb: its pressures under load, and what its margins are.
 
+use std::sync::Arc;
+
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::built::Built;
-use super::clearance::{nearer, spare_m};
+use super::clearance::{least, nearer, spares_m};
 use super::inverse::{Reached, Stand, reach};
 use super::limits::StandingLimits;
 use super::task::{LoadedPose, LoadedTask};
@@ -51,24 +53,26 @@ pub struct PoseState {
     pub loads: Vec<LoadState>,
     /// Share of the load that is not carried; 0 where all is.
     pub not_carried: f64,
-    /// Least clearance beyond the one asked for, in the pose and on the way to it, m, and the obstacle.
-    pub spare_m: Option<(f64, usize)>,
+    /// Least clearance of each obstacle beyond the one asked for, in the pose and on the way to it, m.
+    pub(super) spares_m: Vec<f64>,
     pub(super) moved: Reached,
     pub(super) held: Reached,
     /// The equilibrium at the pressures as it is held, under the payload that it is not held with.
     other: Option<Stand>,
     /// Equilibria on the way to it.
-    pub(super) way: Vec<Option<Stand>>,
-    /// The one on the way that comes nearest to an obstacle, at a share of the way; `None` where the pose itself does.
-    pub(super) nearest: Option<(f64, Stand)>,
+    pub(super) way: Vec<Option<Arc<Stand>>>,
+    /// The one on the way that comes nearest to each obstacle, at a share of the way; `None` where the pose itself does, or where all are far.
+    pub(super) nearest: Vec<Option<(f64, Arc<Stand>)>>,
     /// The same of the one where the carried body tilts most.
-    pub(super) steepest: Option<(f64, Stand)>,
+    pub(super) steepest: Option<(f64, Arc<Stand>)>,
 }
 
 /// A pose and how it is judged.
 pub(super) struct Sought<'a> {
     pub(super) task: &'a LoadedTask,
     pub(super) pose: &'a LoadedPose,
+    /// Where its tip shall be.
+    pub(super) aim: Aim,
     pub(super) home: &'a [f64],
     pub(super) reserve: f64,
     /// From the tip of rods to that of tubes, as the pose is reached and as it is held, m.
@@ -90,7 +94,7 @@ pub(super) fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
 /// The pose of a limb by inverse kinematics from a stand of the same limb in another pose; `None` where it does not stand.
 pub(super) fn pose_state(built: &Built, sought: &Sought<'_>, start: &Stand) -> Option<PoseState> {
     let Sought { pose, home, shift_m, .. } = sought;
-    let aim = moved_aim(&pose.aim, &-shift_m[0]);
+    let aim = moved_aim(&sought.aim, &-shift_m[0]);
     let moved = reach(built, start, (home, pose.move_kg), &aim, None).ok()?;
     let (mut held, mut not_carried) = (moved.clone(), 0.0);
     if pose.hold_kg != pose.move_kg {
@@ -137,7 +141,7 @@ pub(super) fn pose_at(
         Changed::Held => near.moved.stand.clone(),
         _ => at(shares[0], pose.move_kg, &near.moved.stand)?,
     };
-    let aim = moved_aim(&pose.aim, &-shift_m[0]);
+    let aim = moved_aim(&sought.aim, &-shift_m[0]);
     let moved = Reached::of(stand, &aim);
     let held = if pose.hold_kg == pose.move_kg {
         moved.clone()
@@ -158,8 +162,8 @@ pub(super) fn pose_at(
 
 /// A pose with its equilibria, and without the states under its loads.
 fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, near: Option<&PoseState>) -> PoseState {
-    let Sought { task, pose, .. } = *sought;
-    let clear = |stand: &Stand, shift_m| spare_m(built, task, stand, pose.carried.as_ref().zip(sought.grasp), shift_m);
+    let Sought { task, pose, .. } = sought;
+    let clear = |stand: &Stand, shift_m| spares_m(built, task, stand, pose.carried.as_ref().zip(sought.grasp), shift_m);
     let axis = moved.stand.shape.tip().rotation * Vector3::z();
     let turned_rad =
         pose.direction.map_or(0.0, |direction| (axis.angle(&direction.axis) - direction.tolerance_rad).max(0.0));
@@ -172,20 +176,30 @@ fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, nea
         tilt_rad: moved.stand.tilt_rad(sought.grasp.as_ref()),
         loads: Vec::new(),
         not_carried: 0.0,
-        spare_m: nearer(clear(&moved.stand, &sought.shift_m[0]), clear(&held.stand, &sought.shift_m[1])),
+        spares_m: if pose.hold_kg == pose.move_kg {
+            clear(&moved.stand, &sought.shift_m[0])
+        } else {
+            nearer(&clear(&moved.stand, &sought.shift_m[0]), &clear(&held.stand, &sought.shift_m[1]))
+        },
         moved,
         held,
         other: near.and_then(|near| near.other.clone()),
         way: Vec::new(),
-        nearest: None,
+        nearest: Vec::new(),
         steepest: None,
     }
 }
 
 impl PoseState {
+    /// Least clearance beyond the one asked for, in the pose and on the way to it, m, and the obstacle; `None` without obstacles.
+    pub fn spare_m(&self) -> Option<(f64, usize)> {
+        least(&self.spares_m)
+    }
+
     /// The same with its states without and with all of the payload, from those of a pose nearby.
     fn with_loads(mut self, built: &Built, sought: &Sought<'_>, near: Option<(&PoseState, bool)>) -> Self {
-        let Sought { task, pose, reserve, .. } = *sought;
+        let Sought { task, pose, reserve, .. } = sought;
+        let reserve = *reserve;
         let payload_kg = pose.payload_kg();
         let enough = task.limits.load_factor * (1.0 + reserve);
         self.other = None;
@@ -207,7 +221,9 @@ impl PoseState {
             };
             // The load factor of a limb beside is left out where it is enough.
             let enough = known.map_or(enough, |load| if load.load_factor < enough { enough } else { 0.0 });
-            match stand.and_then(|stand| Some((load_state(built, &stand, kg, enough)?, stand))) {
+            let far = FAR * (1.0 + reserve) * task.limits.stiffness_n_per_m;
+            let stiffness = known.map(|load| load.stiffness_n_per_m).filter(|stiffness| *stiffness >= far);
+            match stand.and_then(|stand| Some((load_state(built, &stand, kg, (enough, stiffness))?, stand))) {
                 Some((state, stand)) => {
                     self.loads.push(state);
                     self.other = if own { self.other } else { Some(stand) };
@@ -240,16 +256,18 @@ fn load_factor(rod: &Rod, shape: &Shape, enough: f64) -> f64 {
     if reached { enough } else { shape.load_factor(rod, Bends::Linear) }
 }
 
-fn load_state(built: &Built, stand: &Stand, kg: f64, enough: f64) -> Option<LoadState> {
+/// The state of a stand; its stiffness may be known.
+fn load_state(built: &Built, stand: &Stand, kg: f64, (enough, stiffness): (f64, Option<f64>)) -> Option<LoadState> {
     let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
-    let compliance = shape.compliance_along_m_per_n(rod, Bends::Linear, 2)?;
+    let compliance = || shape.compliance_along_m_per_n(rod, Bends::Linear, 2);
+    let stiffness_n_per_m = stiffness.or_else(|| Some(1.0 / compliance()?))?;
     let bends = rod.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)).enumerate();
     let bends = bends.filter(|(index, _)| built.is_bending(*index));
     let least = bends.map(|(_, (piece, q))| piece.free[1] + q[2] - q[3].abs()).fold(f64::INFINITY, f64::min);
     Some(LoadState {
         payload_kg: kg,
         load_factor: load_factor(rod, shape, enough),
-        stiffness_n_per_m: 1.0 / compliance,
+        stiffness_n_per_m,
         sag_m: (stand.tip_m() - limb.free_tip().translation.vector).norm(),
         buckling_ratio: limb.buckling(rod, shape).map_or(0.0, |tube| tube.ratio()),
         least_bend_rad_per_m: least,

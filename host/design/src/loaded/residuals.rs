@@ -1,5 +1,6 @@
-//! What the margins of a pose lack, as residuals that are zero where the margins are kept.
+//! What the margins of a pose lack, as residuals that are zero or less where the margins are kept.
 
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::built::Built;
@@ -7,6 +8,7 @@ use super::evaluate::Judgement;
 use super::limits::Margin;
 use super::pose::{LOADS, PoseState};
 use super::task::LoadedTask;
+use crate::synthesis::Aim;
 
 /// Distance of the tip, m, and angle, rad, that count as one.
 const REACH_M: f64 = 0.01;
@@ -33,23 +35,58 @@ pub struct Lack {
     pub value: f64,
 }
 
+/// What a margin that is far from its limit has to spare, in its own unit.
+const FAR: f64 = 1.0;
+
+/// A residual of a margin: what is lacking, and where that is one-sided and negative, what is to spare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Residual {
+    margin: Margin,
+    pose: usize,
+    pub(super) value: f64,
+    /// Whether it counts above zero alone.
+    pub(super) one_sided: bool,
+}
+
+impl Residual {
+    /// What is lacking.
+    pub(super) fn lack(&self) -> Lack {
+        let Self { margin, pose, value, one_sided } = *self;
+        Lack { margin, pose, value: if one_sided { value.max(0.0) } else { value } }
+    }
+}
+
 /// Residuals of a pose, as many for every limb.
-pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &PoseState, by: &Judgement) -> Vec<Lack> {
+pub(super) fn of_pose(
+    task: &LoadedTask,
+    built: &Built,
+    pose: usize,
+    state: &PoseState,
+    by: &Judgement,
+) -> Vec<Residual> {
     let reserve = by.reserve;
     let limits = &task.limits;
     let more = 1.0 + reserve;
     let mut lacks = Vec::new();
-    let mut push = |margin, value| lacks.push(Lack { margin, pose, value });
-    state.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
-    if task.poses[pose].hold_kg != task.poses[pose].move_kg {
-        state.held.missing_m.iter().for_each(|missing| push(Margin::Reach, missing / REACH_M));
+    let reach = |value, one_sided| Residual { margin: Margin::Reach, pose, value: value / REACH_M, one_sided };
+    match by.aim(task, pose) {
+        Aim::Point(_) => lacks.extend(state.missing_m.iter().map(|missing_m| reach(*missing_m, false))),
+        // Within a region the tip has room.
+        Aim::Inside { center_m, half_m, rotation } => {
+            let own = rotation.inverse_transform_vector(&(Vector3::from(state.tip_m) - center_m));
+            lacks.extend((0..3).map(|axis| reach(own[axis].abs() - half_m[axis], true)));
+        }
     }
+    if task.poses[pose].hold_kg != task.poses[pose].move_kg {
+        lacks.extend(state.held.missing_m.iter().map(|missing_m| reach(*missing_m, false)));
+    }
+    let mut push = |margin, value| lacks.push(Residual { margin, pose, value, one_sided: true });
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
     if let Some(body) = task.poses[pose].carried {
-        push(Margin::Tilt, (state.tilt_rad + by.shift(pose).tilt_rad - body.tilt_max_rad / more).max(0.0) / ANGLE_RAD);
+        push(Margin::Tilt, (state.tilt_rad + by.shift(pose).tilt_rad - body.tilt_max_rad / more) / ANGLE_RAD);
     }
-    state.shares.iter().for_each(|share| push(Margin::Pressure, (share - 1.0).max(0.0) / PRESSURE));
-    push(Margin::Carries, FALLS * state.not_carried);
+    state.shares.iter().for_each(|share| push(Margin::Pressure, (share - 1.0) / PRESSURE));
+    push(Margin::Carries, if state.not_carried > 0.0 { FALLS * state.not_carried } else { -FAR });
     let states = if task.poses[pose].payload_kg() > 0.0 { LOADS.len() } else { 1 };
     for index in 0..states {
         // A load that is not carried has no margins: it counts above.
@@ -59,18 +96,18 @@ pub(super) fn of_pose(task: &LoadedTask, built: &Built, pose: usize, state: &Pos
             }
             continue;
         };
-        let below = |value: f64, least: f64| (1.0 - value / least).max(0.0) / SHARE;
-        let above = |value: f64, most: f64| (value / most - 1.0).max(0.0) / SHARE;
-        push(Margin::LoadFactor, below(load.load_factor, limits.load_factor * more));
+        let below = |value: f64, least: f64| (1.0 - value / least) / SHARE;
+        let above = |value: f64, most: f64| (value / most - 1.0) / SHARE;
+        // It is followed no farther than to where it is enough.
+        let enough = limits.load_factor * more;
+        push(Margin::LoadFactor, if load.load_factor < enough { below(load.load_factor, enough) } else { -FAR });
         push(Margin::Stiffness, below(load.stiffness_n_per_m, limits.stiffness_n_per_m * more));
         push(Margin::Sag, above(load.sag_m / built.length_m, limits.sag_share / more));
         push(Margin::Buckling, above(load.buckling_ratio, 1.0 / (limits.buckling_margin * more)));
-        push(Margin::BentBack, (-load.least_bend_rad_per_m / BEND_RAD_PER_M).max(0.0));
+        push(Margin::BentBack, -load.least_bend_rad_per_m / BEND_RAD_PER_M);
     }
-    let clearance = state.spare_m.map_or(0.0, |(spare, obstacle)| {
-        let reserve_m = reserve * task.obstacles[obstacle].clearance_m;
-        ((reserve_m - spare) / CLEARANCE_M).max(0.0)
-    });
-    push(Margin::Clearance, clearance);
+    for (obstacle, spare_m) in task.obstacles.iter().zip(&state.spares_m) {
+        push(Margin::Clearance, (reserve * obstacle.clearance_m - spare_m) / CLEARANCE_M);
+    }
     lacks
 }

@@ -139,8 +139,7 @@ impl LimbSpace {
             |bounds: Bounds| if bounds[1] > bounds[0] { at(bounds, shares.next().unwrap_or(0.5)) } else { bounds[0] };
         let position_m = self.base.position_m.map(&mut next);
         let pitch_rad = next(self.base.pitch_rad);
-        let modules: Vec<ModuleSizes> =
-            self.modules.iter().map(|module| module.sizes(module.axes().map(|(_, bounds)| next(bounds)))).collect();
+        let modules: Vec<ModuleSizes> = self.modules.iter().map(|module| module.sizes(&mut next)).collect();
         let home = self.modules.iter().map(|_| next([0.0, 1.0])).collect();
         LimbSizes { position_m, pitch_rad, modules, home }
     }
@@ -233,9 +232,15 @@ impl ModuleSpace {
         ]
     }
 
-    fn sizes(&self, [inner_m, wall_m, length_m, angle_rad, spread_m, mount_angle_rad]: [f64; 6]) -> ModuleSizes {
+    fn sizes(&self, mut next: impl FnMut(Bounds) -> f64) -> ModuleSizes {
+        let [inner, wall, length, angle, spread, mount] = self.axes().map(|(_, bounds)| bounds);
+        let [inner_m, wall_m, length_m, angle_rad] = [inner, wall, length, angle].map(&mut next);
         let outer_m = inner_m + wall_m;
-        let spread_m = if self.actuators == 1 { 0.0 } else { spread_m.max(self.least_spread_m(outer_m)) };
+        // Its range begins where the actuators have room, so that sizes have no kink there.
+        let least_m = if self.actuators == 1 { 0.0 } else { self.least_spread_m(outer_m) };
+        let share = if spread[1] > spread[0] { (next(spread) - spread[0]) / (spread[1] - spread[0]) } else { 0.0 };
+        let spread_m = at([spread[0].max(least_m), spread[1].max(least_m)], share);
+        let mount_angle_rad = next(mount);
         let spacers = ((length_m / self.bay_m).ceil() - 1.0).clamp(0.0, 50.0) as u8;
         ModuleSizes { radii_m: [inner_m, outer_m], length_m, angle_rad, spread_m, spacers, mount_angle_rad }
     }

@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::built::Built;
-use super::clearance::spare_m;
+use super::clearance::{least, spares_m};
 use super::confirm::Ends;
 use super::inverse::Stand;
 use super::moves::Move;
@@ -36,8 +36,8 @@ impl Walk<'_> {
     fn at(&mut self, way: &Move<'_>, share: f64) -> Option<()> {
         let stand = way.stand(self.built, share, self.near.as_ref())?;
         let carried = self.carried.as_ref().map(|(body, grasp)| (body, *grasp));
-        let spare = spare_m(self.built, self.task, &stand, carried, &way.shift_m(share));
-        self.spare_m = spare.map_or(self.spare_m, |(spare_m, _)| self.spare_m.min(spare_m));
+        let spares_m = spares_m(self.built, self.task, &stand, carried, &way.shift_m(share));
+        self.spare_m = least(&spares_m).map_or(self.spare_m, |(spare_m, _)| self.spare_m.min(spare_m));
         if let Some((_, grasp)) = carried {
             self.tilt_rad = self.tilt_rad.max(stand.tilt_rad(Some(&grasp)));
         }

@@ -7,7 +7,7 @@ Needs the package cma (pip install cma). The laboratory judges limbs by the stat
 population at a time, in two threads. Times are processor times of the judge alone. CMA-ES starts at the search's first guess with a step of 0.2,
 restarts with twice the population (IPOP) when it stops early, and stays within the box by cma's own transformation. A limb that lacks nothing by rods is
 confirmed by tubes between plates; from then on the reserve of all margins rises by RAISE as often as nothing is lacking.
-Printed: time to every margin by rods, time to a confirmed limb, and the reserve by rods after EQUAL_S.
+Printed: seconds to every margin by rods, seconds to a confirmed limb, and the reserve by rods after EQUAL_S; `none` for what was not found.
 """
 
 import os
@@ -58,7 +58,7 @@ def main():
     seed, equal_s, most_s, rise = int(sys.argv[3]), *map(float, sys.argv[4:7])
     judge = Judge(laboratory, scene)
     by_rods = by_tubes = None
-    kept, reserve, at_equal, least = None, 0.0, None, float("inf")
+    kept, reserve, at_equal = None, 0.0, None
     population, restart, done = None, 0, False
     while not done:
         options = {"bounds": [0.0, 1.0], "seed": 1 + 1000 * seed + restart, "verbose": -9}
@@ -71,7 +71,6 @@ def main():
             # A limb that does not stand is worse than any that does.
             values = [value if value < 1e6 else 1e6 for value, _ in answers]
             best = min(range(len(points)), key=values.__getitem__)
-            least = min(least, answers[best][1]) if kept is None else least
             if at_equal is None and judge.seconds > equal_s:
                 at_equal = kept
             search.tell(points, values)
@@ -86,9 +85,8 @@ def main():
         population, restart = 2 * search.popsize, restart + 1
     if judge.seconds <= equal_s or (at_equal is None and by_rods is not None and by_rods <= equal_s):
         at_equal = kept
-    time = lambda seconds: f"{seconds:.1f} s" if seconds else f"> {most_s:.0f} s"
-    margin = f"{100.0 * at_equal:.1f} %" if at_equal is not None else f"none, lacks {least:.3f}"
-    print(f"{time(by_rods)} | {time(by_tubes)} | {margin}")
+    number = lambda value: f"{value:.6g}" if value is not None else "none"
+    print(number(by_rods), number(by_tubes), number(at_equal))
 
 
 if __name__ == "__main__":

@@ -7,8 +7,9 @@ use std::time::Instant;
 
 use super::judge::answer;
 use serde::Serialize;
-use softlimb::cli::Failure;
-use softlimb_design::from_scene::{LoadedDesign, loaded_design};
+use softlimb::cli::{Failure, refused};
+use softlimb::scene::Scene;
+use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_to_run};
 use softlimb_design::loaded::{
     ActiveBound, ConfirmedPose, Effort, Evaluation, Found, Lack, active_bounds, search, seeded,
 };
@@ -26,7 +27,7 @@ pub(super) fn processor_s() -> f64 {
 
 /// A scene with its search.
 pub(super) struct Loaded {
-    name: String,
+    scene: Scene,
     pub(super) design: LoadedDesign,
 }
 
@@ -34,7 +35,7 @@ impl Loaded {
     pub(super) fn read(file: &Path) -> Result<Self, Failure> {
         let scene = softlimb::scene::load(file)?;
         let design = loaded_design(&scene)?;
-        Ok(Self { name: scene.name().to_owned(), design })
+        Ok(Self { scene, design })
     }
 }
 
@@ -44,6 +45,10 @@ pub(super) struct Searched {
     scene: String,
     seed: u64,
     confirmed: bool,
+    /// What `softlimb check` says of the scene with the limb; `None` where nothing, or where it is not asked.
+    refused: Option<String>,
+    /// Limbs before this one that it refused.
+    refused_before: usize,
     reserve: f64,
     tip_error_mm: f64,
     spare_mm: Option<f64>,
@@ -59,18 +64,28 @@ pub(super) struct Searched {
     wall_s: f64,
 }
 
-fn searched(scene: &Loaded, seed: u64, effort: Effort) -> Option<(Searched, Found)> {
-    let (task, space) = (&scene.design.task, &scene.design.space);
+/// A search; `planned` where the planner has the last word.
+fn searched(scene: &Loaded, seed: u64, effort: Effort, planned: bool) -> Option<(Searched, Found)> {
+    let design = &scene.design;
     let (begin, used_s) = (Instant::now(), processor_s());
-    let found = search(task, space, &space.first_guess(), &Effort { seed, ..effort }, &|| false)?;
+    let effort = Effort { seed, ..effort };
+    let (found, refused, others) = if planned {
+        let refused = |found: &Found| refused(&scene.scene, design, &found.evaluation.sizes);
+        let attempt = loaded_to_run(design, &effort, &|| false, refused)?;
+        (attempt.found, attempt.refused, attempt.others)
+    } else {
+        (search(&design.task, &design.space, &design.space.first_guess(), &effort, &|| false)?, None, 0)
+    };
     let (wall_s, processor_s) = (begin.elapsed().as_secs_f64(), processor_s() - used_s);
     let poses = &found.confirmed;
     let most = |of: fn(&ConfirmedPose) -> f64| poses.iter().map(of).fold(0.0, f64::max);
     let least = |of: fn(&ConfirmedPose) -> f64| poses.iter().map(of).fold(f64::INFINITY, f64::min);
     let row = Searched {
-        scene: scene.name.clone(),
+        scene: scene.scene.name().to_owned(),
         seed,
         confirmed: found.reached,
+        refused,
+        refused_before: others,
         reserve: if found.reached { found.by.reserve } else { 0.0 },
         tip_error_mm: 1e3 * most(|pose| pose.tip_error_m),
         spare_mm: poses.iter().filter_map(|pose| pose.spare_m).reduce(f64::min).map(|spare_m| 1e3 * spare_m),
@@ -90,23 +105,28 @@ fn searched(scene: &Loaded, seed: u64, effort: Effort) -> Option<(Searched, Foun
 
 /// Searches of several seeds.
 pub(super) fn seeds(scenes: &[Loaded], seeds: impl Iterator<Item = u64> + Clone) -> Vec<Searched> {
-    let of = |scene| seeds.clone().filter_map(move |seed| Some(searched(scene, seed, Effort::default())?.0));
+    let of = |scene| seeds.clone().filter_map(move |seed| Some(searched(scene, seed, Effort::default(), true)?.0));
     scenes.iter().flat_map(of).collect()
 }
 
 /// The searches as Markdown. Writing to a string cannot fail.
 pub(super) fn seeds_text(rows: &[Searched]) -> String {
     let mut text = String::from(
-        "| scene | seed | confirmed | reserve, % | tip error, mm | clearance beyond 5.2 mm, mm | tilt, deg | load factor | stiffness, N/m | sag, % | buckling | pressure, % | mass, kg | limbs | processor time, s | elapsed, s |\n\
-         | --- | --: | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n",
+        "| scene | seed | confirmed | kept by the plan | reserve, % | tip error, mm | clearance beyond 5.2 mm, mm | tilt, deg | load factor | stiffness, N/m | sag, % | buckling | pressure, % | mass, kg | limbs | processor time, s | elapsed, s |\n\
+         | --- | --: | --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n",
     );
     for row in rows {
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {:.1} | {:.3} | {} | {:.1} | {:.2} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} | {} | {:.1} | {:.1} |",
+            "| {} | {} | {} | {} | {:.1} | {:.3} | {} | {:.1} | {:.2} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} | {} | {:.1} | {:.1} |",
             row.scene,
             row.seed,
             if row.confirmed { "yes" } else { "no" },
+            match (&row.refused, row.refused_before) {
+                (Some(why), _) => format!("no: {why}"),
+                (None, 0) => "yes".to_owned(),
+                (None, before) => format!("yes, after {before} others"),
+            },
             100.0 * row.reserve,
             row.tip_error_mm,
             row.spare_mm.map_or("-".to_owned(), |spare| format!("{spare:.1}")),
@@ -122,9 +142,13 @@ pub(super) fn seeds_text(rows: &[Searched]) -> String {
             row.wall_s
         );
     }
-    let confirmed = rows.iter().filter(|row| row.confirmed).count();
+    let confirmed = rows.iter().filter(|row| row.confirmed && row.refused.is_none()).count();
     let most_s = rows.iter().map(|row| row.processor_s).fold(0.0, f64::max);
-    let _ = writeln!(text, "\n{confirmed} of {} confirmed; most processor time {most_s:.1} s.", rows.len());
+    let _ = writeln!(
+        text,
+        "\n{confirmed} of {} confirmed and kept by the plan; most processor time {most_s:.1} s.",
+        rows.len()
+    );
     text
 }
 
@@ -211,7 +235,15 @@ fn worst(limb: &Evaluation) -> Vec<Lack> {
     lacks
 }
 
-/// Results of the search and of CMA-ES, a line of Markdown each: by `python` with the package cma.
+/// Times of one method to a limb, s; `None` where it has none.
+#[derive(Clone, Copy, Debug)]
+struct Times {
+    rods_s: Option<f64>,
+    tubes_s: Option<f64>,
+    reserve: Option<f64>,
+}
+
+/// Results of the search and of CMA-ES, a line of Markdown each, and their medians: by `python` with the package cma.
 pub(super) fn beside_cma(
     files: &[PathBuf],
     scenes: &[Loaded],
@@ -220,34 +252,70 @@ pub(super) fn beside_cma(
     times: f64,
 ) -> Result<String, Failure> {
     let mut text = String::from(
-        "| scene | seed | search: every margin by rods | confirmed by tubes | its reserve, after | CMA-ES: every margin by rods | confirmed by tubes | its reserve after the search's time |\n\
+        "| scene | seed | search: every margin by rods, s | confirmed by tubes, s | its reserve, %, after, s | CMA-ES: every margin by rods, s | confirmed by tubes, s | its reserve after the search's time, % |\n\
          | --- | --: | --: | --: | --: | --: | --: | --: |\n",
     );
     let own = std::env::current_exe().map_err(Failure::new)?;
+    let mut medians = String::new();
     for (file, scene) in files.iter().zip(scenes) {
+        let mut all: Vec<[Times; 2]> = Vec::new();
         for seed in seeds.clone() {
-            let of = |raises, by_tubes| searched(scene, seed, Effort { raises, by_tubes, ..Effort::default() });
-            let time = |found: &Option<(Searched, Found)>| match found {
-                Some((row, found)) if found.reached => format!("{:.1} s", row.processor_s),
-                _ => "no".to_owned(),
+            let of = |raises, by_tubes| {
+                let effort = Effort { raises, by_tubes, ..Effort::default() };
+                let (row, found) = searched(scene, seed, effort, false)?;
+                Some((row.processor_s, found.reached.then_some(found.by.reserve)))
             };
+            let time = |found: &Option<(f64, Option<f64>)>| found.and_then(|(s, reserve)| reserve.map(|_| s));
             let [rods, tubes, raised] = [of(0, false), of(0, true), of(Effort::default().raises, true)];
-            let seconds = |found: &Option<(Searched, Found)>| found.as_ref().map_or(0.0, |(row, _)| row.processor_s);
-            let [rods_s, raised_s] = [seconds(&rods), seconds(&raised)];
+            let seconds = |found: &Option<(f64, Option<f64>)>| found.map_or(0.0, |(s, _)| s);
+            let (rods_s, raised_s) = (seconds(&rods), seconds(&raised));
+            let search = Times { rods_s: time(&rods), tubes_s: time(&tubes), reserve: raised.and_then(|(_, by)| by) };
             let most_s = raised_s.max(times * rods_s);
             let numbers = [seed.to_string(), raised_s.to_string(), most_s.to_string(), RAISE.to_string()];
             let mut arguments: Vec<OsString> = vec![own.clone().into(), file.into()];
             arguments.extend(numbers.map(OsString::from));
             let answer = answer(python, script, &arguments)?;
-            let reserve = raised.as_ref().map_or(0.0, |(row, _)| 100.0 * row.reserve);
+            let mut numbers = answer.split_whitespace().map(|word| word.parse::<f64>().ok());
+            let mut next = || numbers.next().flatten();
+            let cma = Times { rods_s: next(), tubes_s: next(), reserve: next() };
+            let or_more = |s: Option<f64>| s.map_or(format!("> {most_s:.0}"), |s| format!("{s:.1}"));
+            let percent = |reserve: Option<f64>| reserve.map_or("none".to_owned(), |by| format!("{:.1}", 100.0 * by));
             let _ = writeln!(
                 text,
-                "| {} | {seed} | {} | {} | {reserve:.1} %, {raised_s:.1} s | {answer} |",
-                scene.name,
-                time(&rods),
-                time(&tubes)
+                "| {} | {seed} | {} | {} | {}, {raised_s:.1} | {} | {} | {} |",
+                scene.scene.name(),
+                search.rods_s.map_or("none".to_owned(), |s| format!("{s:.1}")),
+                search.tubes_s.map_or("none".to_owned(), |s| format!("{s:.1}")),
+                percent(search.reserve),
+                or_more(cma.rods_s),
+                or_more(cma.tubes_s),
+                percent(cma.reserve)
             );
+            all.push([search, cma]);
         }
+        let _ = writeln!(medians, "\n{}: {}", scene.scene.name(), compared(&all));
     }
-    Ok(text)
+    Ok(text + &medians)
+}
+
+/// Medians of both methods, and how often the search has the larger reserve. A time that was not found is longer than any.
+fn compared(all: &[[Times; 2]]) -> String {
+    let median = |of: &dyn Fn(&[Times; 2]) -> Option<f64>| {
+        let mut values: Vec<f64> = all.iter().map(|both| of(both).unwrap_or(f64::INFINITY)).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
+    };
+    let [own_s, cma_s] = [0, 1].map(|method: usize| median(&|both| both[method].rods_s));
+    let [own_tubes_s, cma_tubes_s] = [0, 1].map(|method: usize| median(&|both| both[method].tubes_s));
+    let larger = |both: &&[Times; 2]| both[0].reserve.unwrap_or(-1.0) > both[1].reserve.unwrap_or(-1.0);
+    let shown = |s: f64| if s.is_finite() { format!("{s:.1} s") } else { "none in its time".to_owned() };
+    format!(
+        "every margin by rods {} (search, median) and {} (CMA-ES); confirmed by tubes {} and {}; the search has the larger reserve in {} of {}.",
+        shown(own_s),
+        shown(cma_s),
+        shown(own_tubes_s),
+        shown(cma_tubes_s),
+        all.iter().filter(larger).count(),
+        all.len()
+    )
 }

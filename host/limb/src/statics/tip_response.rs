@@ -2,6 +2,7 @@
 
 use nalgebra::{Cholesky, DVector, Dyn, Vector3};
 
+use super::newton_step::newton_step;
 use super::rod::Rod;
 use super::solve::{Bends, Shape};
 
@@ -13,6 +14,14 @@ pub struct Responding<'a> {
 }
 
 impl Shape {
+    /// The shape of a rod that differs a little, with linear bends, by one step of Newton's method from this one: right to first order in the
+    /// difference. `None` where the tangent is not positive definite.
+    pub fn beside(&self, rod: &Rod) -> Option<Self> {
+        let there = rod.potential(&self.q, 1.0);
+        let q = &self.q - newton_step(&there.tangent, &there.gradient)?;
+        Some(Self { potential: rod.potential(&q, 1.0), q, iterations: 1, steps: 1 })
+    }
+
     /// How the shape responds to changes of its rod; `None` where the tangent is not positive definite.
     pub fn responding(&self, rod: &Rod, bends: Bends) -> Option<Responding<'_>> {
         Some(Responding { shape: self, tangent: self.held_tangent(bends).cholesky()?, levers: self.levers(rod, bends) })

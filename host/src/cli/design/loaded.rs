@@ -5,12 +5,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::cli::check_margins;
 use crate::cli::shared::show;
 use crate::cli::{Failure, Outcome, note, warn};
-use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
-use softlimb_design::loaded::{
-    ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds, search,
-};
+use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text, loaded_to_run};
+use softlimb_design::loaded::{ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds};
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
@@ -42,8 +41,10 @@ struct Printed<'a> {
     bounds: &'a [ActiveBound],
     /// Limbs judged.
     evaluations: usize,
-    /// Why the planner refuses the design; `None` where it takes it.
+    /// Why the planner refuses the design, or which margin it does not keep as the planner has it; `None` where it keeps all.
     refused: Option<String>,
+    /// Limbs that were designed before this one and refused.
+    refused_before: usize,
 }
 
 /// Designs a limb under load and writes the scene with it to `file`.
@@ -51,14 +52,15 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     let design = loaded_design(scene)?;
     let effort = Effort { seed, ..Effort::default() };
     let (task, space) = (&design.task, &design.space);
-    let found = search(task, space, &space.first_guess(), &effort, &|| false).ok_or_else(|| {
+    let attempt = loaded_to_run(&design, &effort, &|| false, |found| refused(scene, &design, &found.evaluation.sizes));
+    let attempt = attempt.ok_or_else(|| {
         Failure::new("no limb within the bounds stands under its own weight in the first phase: raise `pressure_max` or the bounds of `[design]`")
     })?;
+    let found = attempt.found;
     let (phases, reached) = (&found.confirmed, found.reached);
     let bounds = active_bounds(task, space, &found, &|| false);
     let text = loaded_text(scene, &design, &found.evaluation.sizes).map_err(Failure::new)?;
     write_whole(file, &text).map_err(Failure::new)?;
-    let refused = refused(file)?;
     let printed = Printed {
         file,
         reached,
@@ -71,7 +73,8 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
         phases,
         bounds: &bounds,
         evaluations: found.evaluations,
-        refused,
+        refused: attempt.refused,
+        refused_before: attempt.others,
     };
     show(json, &printed, || table(scene, &design, &found, &printed))?;
     note(&format!("design: {}", file.display()));
@@ -88,11 +91,18 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     Ok(Outcome::DoneWithWarnings)
 }
 
-/// Why the planner refuses a design.
-fn refused(file: &Path) -> Result<Option<String>, Failure> {
-    let designed = scene::load(file)?;
-    let limb = Limb::new(&designed)?;
-    Ok(motion::plan(&designed, &limb).err().map(|error| error.to_string()))
+/// Why the planner refuses the scene with a limb of these sizes, or the margins that the limb does not keep as the planner has it: what `softlimb check`
+/// says of it.
+pub fn refused(scene: &Scene, design: &LoadedDesign, sizes: &LimbSizes) -> Option<String> {
+    let complaint = || -> Result<Vec<String>, Box<dyn std::error::Error>> {
+        let designed = scene::parse(&loaded_text(scene, design, sizes)?, scene.name())?;
+        let limb = Limb::new(&designed)?;
+        let plan = motion::plan(&designed, &limb)?;
+        let margins = motion::margins(&designed, &limb, &plan, &motion::sent(&designed, &limb, &plan)?)?;
+        Ok(check_margins::warnings(&designed, &limb, &plan, &margins))
+    };
+    let complaints = complaint().unwrap_or_else(|error| vec![error.to_string()]);
+    (!complaints.is_empty()).then(|| complaints.join("; "))
 }
 
 /// Result as text. Writing to a string cannot fail.

@@ -8,6 +8,8 @@ mod loaded;
 
 use clap::{Args, Subcommand};
 
+pub use loaded::refused;
+
 use super::{Failure, Outcome};
 
 /// Design a limb for a scene, actuators by eq. (14) of the paper, or a bundle by eq. (18)
