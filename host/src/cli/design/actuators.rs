@@ -61,7 +61,7 @@ impl Actuators {
         show(self.json, &answer, || table(&answer))?;
         let doubt = answer.disagreeing_starts().map(|starts| {
             format!(
-                "{} of {} starts agree on the least objective: there may be a better design; search longer with --starts",
+                "{} of {} local solves agree on the least objective: there may be a better design; search longer with --starts",
                 starts.agreeing, starts.made
             )
         });
