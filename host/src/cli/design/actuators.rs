@@ -145,7 +145,7 @@ fn one(text: &mut String, segment: &SegmentAnswer) {
     let starts = segment.starts;
     let _ = writeln!(
         text,
-        "  active bounds: {active}; condition {condition}; {} of {} starts agree",
+        "  active bounds: {active}; condition {condition}; {} of {} local solves agree",
         starts.agreeing, starts.made
     );
     let _ = writeln!(text, "{:>12} {:>14} {:>14} {:>12}", "kPa", "target", "found", "difference");
