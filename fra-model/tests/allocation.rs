@@ -312,3 +312,39 @@ fn single_precision_finds_the_same() {
         assert!((values[0] - values[1]).abs() <= 2e-3 * (1.0 + values[0]), "round {round}: {values:?}");
     }
 }
+
+#[test]
+fn one_pressure_lies_between_its_best_and_its_reference() {
+    // Closed form: with h = |WJ range|^2, s = (s* + rho r)/(1 + rho).
+    let (rho, force_n_per_pa) = (0.25, 3e-4);
+    let one = Allocation::<f64, 1, 2>::new(&[[force_n_per_pa]], &[[1e4, 9e4]], &[2.0], rho).unwrap();
+    for (best_pa, reference_pa) in [(3e4, 7e4), (8e4, 2e4), (5e4, 1e4)] {
+        let found = one.towards(&[reference_pa]).unwrap().solve(&[force_n_per_pa * best_pa]);
+        let expected_pa = (best_pa + rho * reference_pa) / (1.0 + rho);
+        assert!((found.pressures_pa[0] - expected_pa).abs() < 1e-8, "{} {expected_pa}", found.pressures_pa[0]);
+    }
+}
+
+#[test]
+fn equal_actuators_keep_the_differences_of_their_references() {
+    // The sum of three equal columns decides the force. By symmetry each moves from its reference by the same pressure.
+    let (references, force_n_per_pa) = ([2e4, 5e4, 3e4], 1e-4);
+    let three = Allocation::<f64, 1, 3>::new(&[[force_n_per_pa]; 3], &[[0.0, 1e5]; 3], &[1.0], 1e-6).unwrap();
+    let found = three.towards(&references).unwrap().solve(&[force_n_per_pa * 1.6e5]);
+    // rho leaves a share of some 1e-6 of the sum.
+    for (pressure, reference) in found.pressures_pa.iter().zip(references) {
+        assert!((pressure - (reference + 2e4)).abs() < 0.1, "{:?}", found.pressures_pa);
+    }
+    let same = three.towards(&[0.0; 3]).unwrap().solve(&[12.0]);
+    assert_eq!(same, three.solve(&[12.0]), "references at the lower limits change no bit");
+}
+
+#[test]
+fn references_beyond_the_limits_are_refused() {
+    let two = Allocation::<f64, 1, 2>::new(&[[1e-4], [2e-4]], &[[0.0, 1e5], [1e4, 1e4]], &[1.0], 1e-6).unwrap();
+    for wrong in [&[1e4][..], &[1e4, 2e4], &[-1.0, 1e4], &[f64::NAN, 1e4]] {
+        let error = two.towards(wrong).unwrap_err().to_string();
+        assert!(error.contains("references_pa"), "{error}");
+    }
+    assert_eq!(two.towards(&[1e5, 1e4]).unwrap().solve(&[3.0]).pressures_pa[1], 1e4);
+}

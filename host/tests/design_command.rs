@@ -56,6 +56,6 @@ fn starts_on_one_line_that_do_not_agree_are_a_warning() {
     let output = softlimb(&line, &["--starts", "1"]);
     let text = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(3), "{text}");
-    assert!(text.contains("warning: 1 of 1 starts agree on the least objective"), "{text}");
+    assert!(text.contains("warning: 1 of 1 local solves agree on the least objective"), "{text}");
     assert_eq!(softlimb(&line, &[]).status.code(), Some(0));
 }

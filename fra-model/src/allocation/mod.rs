@@ -1,12 +1,13 @@
 //! Pressure allocation: the pressures of a bundle whose forces come closest to a desired wrench, within their limits.
 //!
 //! ```text
-//! minimise  1/2 |W (J p - w)|^2 + h rho/2 |s|^2      s_i = (p_i - lower_i)/(upper_i - lower_i),  0 <= s <= 1
+//! minimise  1/2 |W (J p - w)|^2 + h rho/2 |s - r|^2      s_i = (p_i - lower_i)/(upper_i - lower_i),  0 <= s <= 1
 //! ```
 //!
+//! `r` are the shares of reference pressures, the lower limits unless [`Allocation::towards`] says otherwise.
 //! `J` has a column for every pressure, the wrench that it adds per pascal; `W` weights the rows, so that newtons and newton metres are
 //! added as numbers; `h` is the largest squared length of a column of `W J (upper - lower)`. In shares `s` the problem is a strictly convex
-//! quadratic program in a box with the Hessian `H = (WJ)^T (WJ)/h + rho`. Without `rho > 0` the least pressures of several equally good
+//! quadratic program in a box with the Hessian `H = (WJ)^T (WJ)/h + rho`. Without `rho > 0` the pressures nearest to the references of several equally good
 //! ones would not be singled out: parallel actuators more than six always are such a case.
 //!
 //! First the limits that the pressures are at are taken for the active set, and all that turn out wrong are exchanged at once (block
@@ -40,6 +41,10 @@ pub struct Allocation<T, const R: usize, const N: usize> {
     /// Wrench of the lower limits.
     offset: [T; R],
     hessian: [[T; N]; N],
+    /// `rho r`.
+    pull: [T; N],
+    /// `rho`.
+    regulariser: T,
     /// `h`.
     scale: T,
 }
@@ -102,6 +107,8 @@ impl<T: Real, const R: usize, const N: usize> Allocation<T, R, N> {
             columns: [[zero; R]; N],
             offset: [zero; R],
             hessian: [[zero; N]; N],
+            pull: [zero; N],
+            regulariser,
             scale: T::one(),
         };
         for (i, (column, [lower, upper])) in columns.iter().zip(limits_pa).enumerate().take(N) {
@@ -114,6 +121,27 @@ impl<T: Real, const R: usize, const N: usize> Allocation<T, R, N> {
         }
         made.fill(regulariser);
         Ok(made)
+    }
+
+    /// The same problem, with pressures that the regulariser pulls to in place of the lower limits: of several equally good pressures the
+    /// nearest to these are the minimum, each difference taken as a share of its range.
+    ///
+    /// `references_pa` has one for each pressure, Pa, within its limits.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] for another number of references, or one outside of its limits.
+    pub fn towards(mut self, references_pa: &[T]) -> Result<Self, InvalidParameter<T>> {
+        let is_each = references_pa.len() == self.count;
+        require(is_each, "references_pa", number(references_pa.len()), "one for every pressure")?;
+        for (i, reference) in references_pa.iter().enumerate().take(N) {
+            let is_within = *reference >= self.lower[i] && *reference <= self.upper[i];
+            require(is_within, "references_pa", *reference, "within the limits of its pressure")?;
+            // A range of zero leaves no choice.
+            let share =
+                if self.range[i] > T::zero() { (*reference - self.lower[i]) / self.range[i] } else { T::zero() };
+            self.pull[i] = self.regulariser * share;
+        }
+        Ok(self)
     }
 
     /// Number of pressures.

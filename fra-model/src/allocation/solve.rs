@@ -112,15 +112,15 @@ impl<T: Real, const R: usize, const N: usize> Allocation<T, R, N> {
         }
     }
 
-    /// `g = (WJ)^T W (w - J lower)/h`.
+    /// `g = (WJ)^T W (w - J lower)/h + rho r`.
     fn linear(&self, wrench: &[T; R]) -> [T; N] {
         let mut wanted = [T::zero(); R];
         for (row, wanted) in wanted.iter_mut().enumerate() {
             *wanted = self.weights[row] * (wrench[row] - self.offset[row]);
         }
         let mut linear = [T::zero(); N];
-        for (g, column) in linear.iter_mut().zip(&self.columns[..self.count]) {
-            *g = super::dot(column, &wanted) / self.scale;
+        for ((g, column), pull) in linear.iter_mut().zip(&self.columns[..self.count]).zip(&self.pull) {
+            *g = super::dot(column, &wanted) / self.scale + *pull;
         }
         linear
     }

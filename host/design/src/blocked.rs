@@ -76,6 +76,8 @@ pub fn blocked_designs(module: &LimbModule) -> Result<Option<Vec<BlockedDesign>>
             samples: vec![Sample { wrench: [0.0, 0.0, wanted_n, 0.0, 0.0, 0.0], held_length_m: None }],
             force_per_n: 1.0,
             torque_per_nm: twist,
+            effort: 0.0,
+            reference_pressure_pa: most,
         };
         let answer = search(&problem, &Budget::default())?;
         let found = &answer.actuators[0];

@@ -15,6 +15,16 @@ fn value_out_of_range_is_named_with_its_range_and_line() {
     assert!(ForceProblem::read(FORCES).is_ok());
     for (from, to, message) in [
         ("\"force_per_n\": 1", "\"force_per_n\": -1", "line 4: weights.force_per_n = -1 is not allowed: >= 0"),
+        (
+            "\"torque_per_nm\": 20",
+            "\"torque_per_nm\": 20, \"effort\": -1",
+            "line 4: weights.effort = -1 is not allowed: >= 0",
+        ),
+        (
+            "\"torque_per_nm\": 20",
+            "\"torque_per_nm\": 20, \"reference_pressure_pa\": 0",
+            "line 4: weights.reference_pressure_pa = 0 is not allowed: > 0",
+        ),
         ("2e5", "0", "line 5: material.shear_modulus_pa = 0 is not allowed: > 0"),
         ("neo-hookean", "ogden", "line 5: material.law is not allowed: \"neo-hookean\" or \"yeoh\""),
         ("neo-hookean", "yeoh", "line 5: material.shear_modulus_pa is not allowed: a yeoh material has c_pa"),

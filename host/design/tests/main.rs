@@ -1,5 +1,6 @@
 //! Tests of design, one module a subject.
 
+mod bundle_effort;
 mod bundle_files;
 mod design;
 mod design_path;

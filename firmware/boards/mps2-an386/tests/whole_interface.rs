@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// What only a host has a use for: vector registers, and queries about actuators that come but once.
-const HOST_ONLY: [&str; 4] = ["forward_many", "forward_prepared", "atanh_series", "forward_once"];
+const HOST_ONLY: [&str; 5] = ["forward_many", "forward_prepared", "atanh_series", "forward_once", "towards"];
 
 /// The text of all Rust files below a folder.
 fn source(folder: &Path) -> String {

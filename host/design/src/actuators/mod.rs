@@ -10,6 +10,7 @@
 mod actuator;
 mod answer;
 pub(crate) mod file;
+mod grid;
 pub mod kinds;
 mod objective;
 mod problem;

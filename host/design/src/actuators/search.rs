@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::actuator::Counts;
+use super::grid::Grid;
 use super::problem::{Problem, Segment};
 use super::reach::{Separate, Span};
 use super::ridge::settle;
@@ -18,8 +19,12 @@ const LOOKED_AT: [[f64; 4]; 5] =
     [[0.5, 0.5, 0.5, 0.5], [0.8, 0.2, 0.7, 0.5], [1.0, 0.0, 1.0, 0.5], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 1.0]];
 /// As many minima at least must agree on one supply line: the best basin may be one that few starts lie in.
 const ON_A_LINE: usize = 16;
-/// Hops from the best minimum on a supply line, without a gain, before the search ends.
-const HOPS: usize = 10;
+/// Share of the evaluations that starting points may take on a supply line; the others are for exchanges of single segments.
+const STARTING: f64 = 0.67;
+/// Most evaluations of a segment whose geometry is exchanged.
+const ALONE: usize = 60;
+/// Geometries that leave more than this share of the objective in addition are not exchanged.
+const PROMISING: f64 = 0.1;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
 /// The same while they are settled: differences are not exact to more.
@@ -214,58 +219,87 @@ pub(super) fn separate(
     Some(Found { point: minimum.point, pressures_pa, objective, starts: solves.into(), counts })
 }
 
-/// A point that differs from another in one segment, or in the pressure of one phase, in turn.
-fn hop(problem: &Problem, from: &[f64], number: usize, random: &mut Random) -> Vec<f64> {
-    let mut point = from.to_vec();
-    let geometry = from.len() - problem.phases();
-    if number.is_multiple_of(2) {
-        let phase = ((random.uniform() * problem.phases() as f64) as usize).min(problem.phases() - 1);
-        point[geometry + phase] = random.uniform();
-        return point;
+/// Points that differ from a minimum in one segment, whose geometry is at another minimum for the same pressures; the best one last.
+fn exchanges(grid: &Grid, limb: &mut Shared, point: &[f64], objective: f64) -> Vec<Vec<f64>> {
+    let (places, shares) = point.split_at(limb.dimensions());
+    let criteria = StoppingCriteria { evaluations: ALONE, least_gain: SAME, ..StoppingCriteria::default() };
+    let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
+    let mut first = 0;
+    for (index, segment) in limb.segments.iter().enumerate() {
+        let mut alone = limb.alone(index, shares);
+        let range = first..first + segment.dimensions();
+        first = range.end;
+        let here = alone.objective_at(&places[range.clone()]);
+        for place in grid.geometries(index, shares) {
+            let Some(start) = alone.begin(place) else { continue };
+            let Some(end) = minimise(&mut alone, &start, criteria) else { continue };
+            let more = (end.objective - here) / objective;
+            // As good is as likely a section of another size that deforms alike.
+            let is_known = more.abs() <= SAME || found.iter().any(|(known, _)| (known - more).abs() <= SAME);
+            if more < PROMISING && !is_known {
+                let mut other = point.to_vec();
+                other[range.clone()].copy_from_slice(&end.point);
+                found.push((more, other));
+            }
+        }
+        limb.add(alone.counts);
     }
-    let count = problem.segments.len();
-    let chosen = ((random.uniform() * count as f64) as usize).min(count - 1);
-    let first: usize = problem.segments[..chosen].iter().map(Segment::dimensions).sum();
-    let width = problem.segments[chosen].dimensions();
-    point[first..first + width].copy_from_slice(&random.point(width));
-    point
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, point)| point).collect()
 }
 
 /// The best geometries of segments on one supply line; `None` where the model answers nowhere.
 pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
     let mut random = Random::new(effort.seed, 0);
     let mut limb = Watched::new(Shared::new(problem), watch);
-    // Every second start has pressures from anywhere: those that the segments would choose lead to the compromise nearest to them.
+    let grid = Grid::new(&problem.segments, limb.problem.highest_pa, &mut limb.problem.counts);
+    let ranked = grid.starting_points(&mut random);
+    // The best points of the grid first, every second start from anywhere: a basin that starts high may end low.
     let start = |limb: &mut Watched<Shared>, index: usize| {
         let limb = &mut limb.problem;
-        let width = limb.dimensions();
-        let point = if index == 0 { vec![0.5; width] } else { random.point(width) };
-        let shares = (!index.is_multiple_of(2)).then(|| random.point(problem.phases()));
+        if let Some(point) = index.is_multiple_of(2).then(|| ranked.get(index / 2)).flatten() {
+            return limb.start_at(point.clone());
+        }
+        let shares = random.point(problem.phases());
+        let at_random = || grid.point(&shares);
+        if let Some(point) = (index % 4 == 1).then(at_random).flatten() {
+            return limb.start_at(point);
+        }
+        let point = random.point(limb.dimensions());
         limb.start(point, shares)
     };
     let effort = Budget { agreeing: effort.agreeing.max(ON_A_LINE), ..*effort };
     let criteria = StoppingCriteria { relative: 1e-12, least_gain: FINE, ..criteria(scale(&problem.segments)) };
     let settings = effort.multi_start(StoppingCriteria { least_gain: ROUGH, ..criteria });
-    let spent = |limb: &Watched<Shared>| limb.problem.counts.evaluations >= effort.evaluations;
     let refine = |limb: &mut Watched<_>, rough| {
         let minimum = Shared::settle(&mut limb.problem, rough, criteria);
         limb.tell(minimum.objective);
         minimum
     };
-    let (mut minimum, mut solves) = multi_start(&mut limb, settings, spent, start, refine)?;
+    let before = |share: f64| {
+        move |limb: &Watched<Shared>| limb.problem.counts.evaluations as f64 >= share * effort.evaluations as f64
+    };
+    let (mut minimum, mut solves) = multi_start(&mut limb, settings, before(STARTING), start, refine)?;
     minimum.objective.is_finite().then_some(())?;
-    // A better basin often differs from the best one in a single segment or phase.
-    let mut left = if minimum.objective > criteria.zero { HOPS } else { 0 };
-    while left > 0 && !spent(&limb) {
-        left -= 1;
-        let point = hop(problem, &minimum.point, left, &mut random);
+    let spent = before(1.0);
+    // A better basin often differs from the best one in a single segment.
+    let mut next = Vec::new();
+    let mut is_new = true;
+    while minimum.objective > criteria.zero && !spent(&limb) {
+        if std::mem::take(&mut is_new) {
+            next = exchanges(&grid, &mut limb.problem, &minimum.point, minimum.objective);
+        }
+        let Some(point) = next.pop() else { break };
         let Some(point) = limb.problem.start_at(point) else { continue };
         let Some(rough) = minimise(&mut limb, &point, settings.criteria) else { continue };
         let found = refine(&mut limb, rough);
         if found.objective < minimum.objective * (1.0 - SAME) {
             // No start has ended there.
-            (minimum, solves.agreeing, left) = (found, 1, HOPS);
+            (minimum, solves.agreeing, is_new) = (found, 1, true);
+        } else if found.objective <= minimum.objective * (1.0 + SAME) {
+            solves.agreeing += 1;
         }
+        solves.minima += 1;
     }
     let (pressures_pa, objective) = (minimum.evaluation.pressures_pa, minimum.objective);
     Some(Found { point: minimum.point, pressures_pa, objective, starts: solves.into(), counts: limb.problem.counts })

@@ -24,14 +24,20 @@ const SLOW: f64 = 0.1;
 /// ... by this factor.
 const STIFFER: f64 = 10.0;
 /// A descent whose rough minimum is as many times the least objective found is not gone on with.
-const HOPELESS: f64 = 1.5;
+const HOPELESS: f64 = 1.3;
+/// Least relative gain of a step in the solve after the rough one.
+const MIDDLE: f64 = 1e-4;
+/// A descent whose minimum after that solve is as many times the least is not gone on with.
+const WORSE: f64 = 1.03;
 
 /// The least squares of a limb with one pressure: the geometry of every segment, then the share of every phase.
 pub(super) struct Shared<'a> {
-    problem: &'a Problem,
+    pub(super) segments: &'a [Segment],
     pub(super) counts: Counts,
     /// The highest pressure that the bounds of all segments allow, Pa.
-    highest_pa: f64,
+    pub(super) highest_pa: f64,
+    /// Shares of the pressures that are no variables.
+    fixed: Option<Vec<f64>>,
     rho: f64,
     /// A multiplier over `rho` for each segment and phase in turn.
     multipliers: Vec<f64>,
@@ -60,13 +66,36 @@ impl Line<'_> {
 impl<'a> Shared<'a> {
     pub(super) fn new(problem: &'a Problem) -> Self {
         let highest_pa = problem.segments.iter().map(|segment| segment.pressure_max_pa).fold(f64::INFINITY, f64::min);
-        let multipliers = vec![0.0; problem.segments.len() * problem.phases()];
-        Self { problem, counts: Counts::default(), highest_pa, rho: 0.0, multipliers, least: f64::INFINITY }
+        Self::of(&problem.segments, highest_pa, None)
+    }
+
+    fn of(segments: &'a [Segment], highest_pa: f64, fixed: Option<Vec<f64>>) -> Self {
+        let multipliers = segments.iter().flat_map(|segment| segment.goals.iter().map(|_| 0.0)).collect();
+        Self { segments, counts: Counts::default(), highest_pa, fixed, rho: 0.0, multipliers, least: f64::INFINITY }
+    }
+
+    /// One segment at pressures that are given as shares of the highest one.
+    pub(super) fn alone(&self, segment: usize, shares: &[f64]) -> Self {
+        Self::of(&self.segments[segment..=segment], self.highest_pa, Some(shares.to_vec()))
+    }
+
+    /// What a segment alone has cost: an evaluation of the limb is one of each.
+    pub(super) fn add(&mut self, alone: Counts) {
+        self.counts += Counts { evaluations: alone.evaluations.div_ceil(self.segments.len() as u64), ..alone };
+    }
+
+    /// The least squares at a point; infinite where there is no equilibrium.
+    pub(super) fn objective_at(&mut self, point: &[f64]) -> f64 {
+        self.evaluate(point).map_or(f64::INFINITY, |line| sum_of_squares(&self.differences(&line)))
+    }
+
+    fn phases(&self) -> usize {
+        self.segments.first().map_or(0, |segment| segment.goals.len())
     }
 
     /// Variables of the geometry, all segments.
     pub(super) fn dimensions(&self) -> usize {
-        self.problem.segments.iter().map(|segment| segment.dimensions()).sum()
+        self.segments.iter().map(|segment| segment.dimensions()).sum()
     }
 
     fn candidates(&self, place: &[f64]) -> Option<Vec<Candidate<'a>>> {
@@ -76,61 +105,41 @@ impl<'a> Shared<'a> {
             rest = others;
             Candidate::new(segment, here)
         };
-        let problem: &'a Problem = self.problem;
-        problem.segments.iter().map(&mut candidate).collect()
+        self.segments.iter().map(&mut candidate).collect()
     }
 
-    /// A start at a geometry: shares of the highest pressure there, or the mean of what the segments would choose for themselves. No
-    /// pressure is above a cap; multipliers and penalty begin anew.
-    pub(super) fn start(&mut self, mut point: Vec<f64>, shares: Option<Vec<f64>>) -> Option<Vec<f64>> {
-        self.counts.evaluations += 1;
-        let candidates = self.candidates(&point)?;
-        let mut highest = self.highest_pa;
-        for candidate in &candidates {
-            highest = candidate.cap_below(highest, &mut self.counts)?.map_or(highest, |cap| cap.pressure_pa);
-        }
-        let shares = shares.unwrap_or_else(|| self.preferred(&candidates, highest));
-        point.extend(shares.iter().map(|share| share * highest / self.highest_pa));
+    /// A start at a geometry with shares of the highest pressure there.
+    pub(super) fn start(&mut self, mut point: Vec<f64>, shares: Vec<f64>) -> Option<Vec<f64>> {
+        let most = self.most(&point)?;
+        point.extend(shares.iter().map(|share| share * most));
         self.begin(point)
     }
 
     /// A start at a geometry with shares of the highest pressure of the bounds; those above a cap are lowered to it.
     pub(super) fn start_at(&mut self, mut point: Vec<f64>) -> Option<Vec<f64>> {
-        self.counts.evaluations += 1;
         let shares = point.split_off(self.dimensions());
-        let candidates = self.candidates(&point)?;
-        let mut highest = self.highest_pa;
-        for candidate in &candidates {
-            highest = candidate.cap_below(highest, &mut self.counts)?.map_or(highest, |cap| cap.pressure_pa);
-        }
-        point.extend(shares.iter().map(|share| share.min(highest / self.highest_pa)));
+        let most = self.most(&point)?;
+        point.extend(shares.iter().map(|share| share.min(most)));
         self.begin(point)
     }
 
+    /// The highest pressure at a geometry, as a share of that of the bounds.
+    fn most(&mut self, place: &[f64]) -> Option<f64> {
+        self.counts.evaluations += 1;
+        let mut highest = self.highest_pa;
+        for candidate in &self.candidates(place)? {
+            highest = candidate.cap_below(highest, &mut self.counts)?.map_or(highest, |cap| cap.pressure_pa);
+        }
+        Some(highest / self.highest_pa)
+    }
+
     /// Multipliers and penalty begin anew.
-    fn begin(&mut self, point: Vec<f64>) -> Option<Vec<f64>> {
+    pub(super) fn begin(&mut self, point: Vec<f64>) -> Option<Vec<f64>> {
         self.multipliers.fill(0.0);
         self.rho = 0.0;
         let line = self.evaluate(&point)?;
         self.rho = STIFFNESS * sum_of_squares(&self.differences(&line));
         Some(point)
-    }
-
-    fn preferred(&mut self, candidates: &[Candidate], highest_pa: f64) -> Vec<f64> {
-        let mut shares = Vec::new();
-        for phase in 0..self.problem.phases() {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for candidate in candidates {
-                let goal = candidate.segment.goals[phase].filter(|goal| goal.weight > 0.0);
-                let Some(state) = goal.and_then(|goal| candidate.inverse(goal.value, &mut self.counts)) else {
-                    continue;
-                };
-                sum += (state.pressure_pa / highest_pa).clamp(0.0, 1.0);
-                count += 1.0;
-            }
-            shares.push(if count > 0.0 { sum / count } else { 0.5 });
-        }
-        shares
     }
 
     /// Eq. (14) without the constraints.
@@ -145,12 +154,12 @@ impl<'a> Shared<'a> {
 
     /// `c + m` of a segment and a phase.
     fn pressed(&self, line: &Line<'a>, segment: usize, phase: usize) -> f64 {
-        line.excess_pa(segment, phase) / self.highest_pa + self.multipliers[segment * self.problem.phases() + phase]
+        line.excess_pa(segment, phase) / self.highest_pa + self.multipliers[segment * self.phases() + phase]
     }
 
     fn margins(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let phases = self.problem.phases();
-        (0..self.problem.segments.len()).flat_map(move |segment| (0..phases).map(move |phase| (segment, phase)))
+        let phases = self.phases();
+        (0..self.segments.len()).flat_map(move |segment| (0..phases).map(move |phase| (segment, phase)))
     }
 
     /// Updates the multipliers; the largest violation, as a share of the highest pressure.
@@ -168,16 +177,17 @@ impl<'a> Shared<'a> {
     pub(super) fn settle(&mut self, rough: Minimum<Line<'a>>, criteria: StoppingCriteria) -> Minimum<Line<'a>> {
         let (mut best, mut stiffness, mut before) = (rough, STIFFNESS, f64::INFINITY);
         self.update(&best.evaluation);
-        for _ in 0..UPDATES {
+        for update in 0..UPDATES {
             let objective = sum_of_squares(&self.differences(&best.evaluation));
-            if objective > HOPELESS * self.least {
+            let (most, least_gain) = if update == 0 { (HOPELESS, MIDDLE) } else { (WORSE, criteria.least_gain) };
+            if objective > most * self.least {
                 break;
             }
             self.stiffen(stiffness * objective.max(criteria.zero));
-            let Some(next) = minimise(self, &best.point, criteria) else { break };
+            let Some(next) = minimise(self, &best.point, StoppingCriteria { least_gain, ..criteria }) else { break };
             best = next;
             let violation = self.update(&best.evaluation);
-            if violation <= VIOLATION {
+            if violation <= VIOLATION && update > 0 {
                 break;
             }
             if violation > SLOW * before {
@@ -197,8 +207,11 @@ impl<'a> Shared<'a> {
         self.rho = rho;
     }
 
-    /// Eq. (14) with no pressure above a cap.
+    /// Eq. (14) with no pressure above a cap; `None` where the model does not know one.
     fn allowed(&mut self, point: &[f64], line: &Line<'a>) -> Option<(f64, Line<'a>)> {
+        for candidate in &line.candidates {
+            candidate.cap(&mut self.counts)?;
+        }
         let caps = line.caps.iter().flatten().map(|cap| cap.pressure_pa);
         let most = caps.fold(self.highest_pa, f64::min) / self.highest_pa;
         let mut point = point.to_vec();
@@ -230,6 +243,7 @@ impl<'a> LeastSquares for Shared<'a> {
     fn evaluate(&mut self, point: &[f64]) -> Option<Line<'a>> {
         self.counts.evaluations += 1;
         let (place, shares) = point.split_at(self.dimensions());
+        let shares = self.fixed.as_deref().unwrap_or(shares);
         let candidates = self.candidates(place)?;
         let pressures_pa: Vec<f64> = shares.iter().map(|share| share * self.highest_pa).collect();
         let (mut states, mut caps) = (Vec::new(), Vec::new());
@@ -283,6 +297,9 @@ impl<'a> LeastSquares for Shared<'a> {
             first += width;
         }
         goals.append(&mut margins);
+        if self.fixed.is_some() {
+            goals.iter_mut().for_each(|row| row.truncate(geometry));
+        }
         Some(goals)
     }
 }

@@ -32,6 +32,9 @@ struct File {
 struct Weights {
     force_per_n: f64,
     torque_per_nm: f64,
+    #[serde(default)]
+    effort: f64,
+    reference_pressure_pa: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -101,9 +104,13 @@ impl File {
             require((1..=MOST).contains(&count), field, count, allowed)?;
         }
         let bounds = self.bounds.0.checked()?;
-        let Weights { force_per_n, torque_per_nm } = self.weights.0;
+        let Weights { force_per_n, torque_per_nm, effort, reference_pressure_pa } = self.weights.0;
+        let reference_pressure_pa = reference_pressure_pa.unwrap_or(bounds.pressure_max_pa);
         require(force_per_n >= 0.0, "weights.force_per_n", force_per_n, ">= 0")?;
         require(torque_per_nm >= 0.0, "weights.torque_per_nm", torque_per_nm, ">= 0")?;
+        require(effort >= 0.0, "weights.effort", effort, ">= 0")?;
+        let field = "weights.reference_pressure_pa";
+        require(reference_pressure_pa > 0.0, field, reference_pressure_pa, "> 0")?;
         let attachment = |(index, Object(spec)): (usize, &Object<AttachmentSpec>)| spec.attachment(index);
         let sample = |(index, Object(spec)): (usize, &Object<SampleSpec>)| spec.sample(index);
         Ok(ForceProblem {
@@ -119,6 +126,8 @@ impl File {
             samples: self.samples.iter().enumerate().map(sample).collect::<Result<_, _>>()?,
             force_per_n,
             torque_per_nm,
+            effort,
+            reference_pressure_pa,
         })
     }
 }

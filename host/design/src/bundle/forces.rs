@@ -1,4 +1,4 @@
-//! The residuals of eq. (18) and their derivatives.
+//! The residuals of eq. (18) and their derivatives; behind those of the wrenches, with an effort, one for each pressure.
 //!
 //! `f = sum_i D_i F_i`: the loads `F_i` by geometry and pressure from the model's own derivatives, `D_i` by point and axis as written
 //! here. A length `l` that the surroundings hold makes the stretch `l/L`, hence `dF/dL` also has `-(l/L) dF/dl`.
@@ -7,7 +7,7 @@ use fra_model::{Actuator, ActuatorParameters, Blocked, Fiber, Motion, Parameter,
 use nalgebra::{Vector2, Vector3, Vector6};
 
 use super::answer::{Answer, answer};
-use super::layout::{Layout, Quantity, Slot};
+use super::layout::{Layout, PLACED, Quantity, Slot};
 use super::problem::ForceProblem;
 use softlimb_limb::payload::{PayloadError, lever};
 use softlimb_numerics::least_squares::LeastSquares;
@@ -60,6 +60,12 @@ impl<'a> Forces<'a> {
     fn weight(&self, row: usize) -> f64 {
         let weight = if row < 3 { self.problem.force_per_n } else { self.problem.torque_per_nm };
         weight / (self.problem.samples.len() as f64).sqrt()
+    }
+
+    /// The factor of a pressure in its row of the effort.
+    fn effort_per_pa(&self) -> f64 {
+        let pressures = (self.problem.actuators.len() * self.problem.samples.len()) as f64;
+        (self.problem.effort / pressures).sqrt() / self.problem.reference_pressure_pa
     }
 
     fn placed(&self, slots: &[Slot], place: &[f64]) -> Option<Placed> {
@@ -185,19 +191,29 @@ impl LeastSquares for Forces<'_> {
 
     fn residuals(&self, point: &Point) -> Vec<f64> {
         let pairs = point.wrenches.iter().zip(&self.problem.samples);
-        pairs
-            .flat_map(|(found, wanted)| (0..6).map(move |row| self.weight(row) * (found[row] - wanted.wrench[row])))
-            .collect()
+        let wrenches = pairs
+            .flat_map(|(found, wanted)| (0..6).map(move |row| self.weight(row) * (found[row] - wanted.wrench[row])));
+        let actuators = point.actuators.iter().filter(|_| self.problem.effort > 0.0);
+        let pressures = actuators.flat_map(|placed| &placed.values[PLACED.len()..]);
+        wrenches.chain(pressures.map(|pressure| self.effort_per_pa() * pressure)).collect()
     }
 
     fn jacobian(&mut self, point: &Point) -> Option<Vec<Vec<f64>>> {
         self.jacobians += 1;
-        let mut rows = vec![vec![0.0; self.layout.width]; 6 * self.problem.samples.len()];
+        let (width, samples) = (self.layout.width, self.problem.samples.len());
+        let mut rows = vec![vec![0.0; width]; 6 * samples];
+        for slots in self.layout.slots.iter().filter(|_| self.problem.effort > 0.0) {
+            for slot in &slots[PLACED.len()..] {
+                let mut row = vec![0.0; width];
+                slot.axis.into_iter().for_each(|axis| row[axis] = self.effort_per_pa() * slot.range());
+                rows.push(row);
+            }
+        }
         for (placed, slots) in point.actuators.iter().zip(&self.layout.slots) {
             let d = lever(&placed.point_m, &placed.axis);
             for slot in slots {
                 let Some(axis) = slot.axis else { continue };
-                for sample in 0..self.problem.samples.len() {
+                for sample in 0..samples {
                     if matches!(slot.quantity, Quantity::Pressure(of) if of != sample) {
                         continue;
                     }

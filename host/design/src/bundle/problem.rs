@@ -31,6 +31,10 @@ pub struct ForceProblem {
     pub force_per_n: f64,
     /// Weight of moments, 1/(N m).
     pub torque_per_nm: f64,
+    /// Weight of the mean of `(P/P_ref)^2` over actuators and samples, without unit; >= 0.
+    pub effort: f64,
+    /// `P_ref`, Pa, gauge; > 0.
+    pub reference_pressure_pa: f64,
 }
 
 /// Where an actuator may be attached, and along what.

@@ -22,19 +22,20 @@ pub(super) fn judge(scene: &Loaded) -> Result<(), Failure> {
     let (task, space) = (&scene.design.task, &scene.design.space);
     let mut by = Judgement { moves: true, ..Judgement::default() };
     let guess: Vec<String> = space.first_guess().iter().map(f64::to_string).collect();
+    let width = guess.len();
     say(&guess.join(" "))?;
-    let numbers = |line: &str| line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
+    let numbers = |line: &str| point(line, width);
     let mut block: Vec<Vec<f64>> = Vec::new();
     for line in std::io::stdin().lock().lines() {
         let line = line.map_err(Failure::new)?;
         if let Some(reserve) = line.strip_prefix("reserve ") {
             by.reserve = reserve.parse().map_err(Failure::new)?;
         } else if let Some(point) = line.strip_prefix("confirm ") {
-            let poses = confirmed(task, space, &numbers(point).map_err(Failure::new)?);
+            let poses = confirmed(task, space, &numbers(point)?);
             let kept = !poses.is_empty() && poses.iter().all(|pose| pose.lacks.is_empty());
             say(&format!("{} {}", u8::from(kept), processor_s()))?;
         } else if !line.is_empty() {
-            block.push(numbers(&line).map_err(Failure::new)?);
+            block.push(numbers(&line)?);
         } else {
             let values = judged(&block, |point| {
                 let limb = evaluate(task, space, &space.sizes(point), &by);
@@ -48,6 +49,15 @@ pub(super) fn judge(scene: &Loaded) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// A point of the box: a number that is missing would silently be the middle of its bounds.
+fn point(line: &str, width: usize) -> Result<Vec<f64>, Failure> {
+    let numbers: Vec<f64> = line.split_whitespace().map(str::parse).collect::<Result<_, _>>().map_err(Failure::new)?;
+    match numbers.len() {
+        count if count == width => Ok(numbers),
+        count => Err(Failure::new(format!("a point has {count} numbers, not {width}"))),
+    }
 }
 
 /// Values of points, which threads share.
@@ -79,4 +89,17 @@ pub(super) fn answer(python: &Path, script: &Path, arguments: &[OsString]) -> Re
         return Err(Failure::new(format!("{file}: {}", String::from_utf8_lossy(&output.stderr))));
     }
     Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn point_with_another_number_of_coordinates_is_refused() {
+        assert_eq!(point("0.5 1 0", 3).ok(), Some(vec![0.5, 1.0, 0.0]));
+        for wrong in ["0.5 1", "0.5 1 0 0", "", "0.5 x 0"] {
+            assert!(point(wrong, 3).is_err(), "{wrong}");
+        }
+    }
 }

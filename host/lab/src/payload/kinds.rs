@@ -55,6 +55,8 @@ pub fn kind(name: &str, seed: u64) -> Option<ForceProblem> {
         samples: (0..SAMPLES).map(sample).collect(),
         force_per_n: 1.0,
         torque_per_nm: 20.0,
+        effort: 0.0,
+        reference_pressure_pa: 120e3,
     };
     let mut random = Random::new(seed, stream);
     let wrenches = loop {

@@ -50,7 +50,13 @@ impl Columns<'_> {
                 continue;
             }
             for part in 1..=*count {
-                cells.next_if(|cell| *cell == format!("{name}.{part}")).ok_or_else(wrong)?;
+                let missing = || match part {
+                    1 => wrong(),
+                    _ => format!(
+                        ":1: column `{name}.{part}` is missing: `{name}` is parted into `{name}.1` to `{name}.{count}`"
+                    ),
+                };
+                cells.next_if(|cell| *cell == format!("{name}.{part}")).ok_or_else(missing)?;
                 widths.push(1);
             }
         }
@@ -152,8 +158,14 @@ mod tests {
         let parted = read("time_s,upper.1,upper.2,upper.3,lower\n0,1,2,3,4\n1,5,6,7,8\n").unwrap();
         assert_eq!(parted, [(0.0, vec![1.0, 2.0, 3.0, 4.0, 4.0]), (1.0, vec![5.0, 6.0, 7.0, 8.0, 8.0])]);
         let must = ":1: the first row must be `time_s,upper,lower`; `upper` may be parted into `upper.1` to `upper.3`";
-        for wrong in ["time_s,upper.1,upper.2,lower", "time_s,lower,upper", "time_s,upper,lower,lower", "time_s,upper"]
-        {
+        for wrong in ["time_s,lower,upper", "time_s,upper,lower,lower", "time_s,upper"] {
+            assert_eq!(read(&format!("{wrong}\n0,1,2\n")).unwrap_err(), must, "{wrong}");
+        }
+        for (wrong, column, parted) in [
+            ("time_s,upper.1,upper.2,lower", "upper.3", "`upper` is parted into `upper.1` to `upper.3`"),
+            ("time_s,upper,lower.1", "lower.2", "`lower` is parted into `lower.1` to `lower.2`"),
+        ] {
+            let must = format!(":1: column `{column}` is missing: {parted}");
             assert_eq!(read(&format!("{wrong}\n0,1,2\n")).unwrap_err(), must, "{wrong}");
         }
         let wrong = read("time_s,upper,lower.1,lower.2\n0,1,2,x\n1,1,2,3\n").unwrap_err();

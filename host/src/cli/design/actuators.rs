@@ -61,7 +61,7 @@ impl Actuators {
         show(self.json, &answer, || table(&answer))?;
         let doubt = answer.disagreeing_starts().map(|starts| {
             format!(
-                "{} of {} starts agree on the least objective: there may be a better design; search longer with --starts",
+                "{} of {} local solves agree on the least objective: there may be a better design; search longer with --starts",
                 starts.agreeing, starts.made
             )
         });
@@ -145,7 +145,7 @@ fn one(text: &mut String, segment: &SegmentAnswer) {
     let starts = segment.starts;
     let _ = writeln!(
         text,
-        "  active bounds: {active}; condition {condition}; {} of {} starts agree",
+        "  active bounds: {active}; condition {condition}; {} of {} local solves agree",
         starts.agreeing, starts.made
     );
     let _ = writeln!(text, "{:>12} {:>14} {:>14} {:>12}", "kPa", "target", "found", "difference");
