@@ -8,8 +8,8 @@ use nalgebra::{Isometry3, Vector3};
 use super::jacobian::Differential;
 use super::payload::Carrying;
 use super::weight::{Nominal, PoseError, pressures_pa, step_pa};
-use softlimb_limb::{Drive, Limb};
 use softlimb_limb::statics::Fidelity;
+use softlimb_limb::{Drive, Limb};
 use softlimb_scene::collision::{Body, Clearance};
 use softlimb_scene::{Object, Scene};
 

@@ -5,10 +5,10 @@ use std::ops::Range;
 use fra_model::State;
 use nalgebra::{DVector, Vector3, Vector4};
 
-use softlimb_limb::{Limb, LimbModule};
 use softlimb_limb::statics::{
     Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Settled, Shape, by_tubes, cheapest_rod,
 };
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::Scene;
 
 /// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.

@@ -35,8 +35,12 @@ impl Posed {
         stiffer: f64,
     ) -> Result<Self, EstimationError> {
         // The rig has no vacuum: a reading below zero is rest.
-        let drives: Vec<(f64, f64)> =
-            observation.pressures_pa.iter().map(|pressure_pa| pressure_pa.max(0.0)).zip(crept_m3.iter().copied()).collect();
+        let drives: Vec<(f64, f64)> = observation
+            .pressures_pa
+            .iter()
+            .map(|pressure_pa| pressure_pa.max(0.0))
+            .zip(crept_m3.iter().copied())
+            .collect();
         let modules = limb.modules().iter().zip(scene.modules()).enumerate();
         let bundles = modules.map(|(index, (module, described))| {
             bundle(module, usize::from(described.spacers) + 1, &drives[limb.drives_of(index)])
