@@ -35,7 +35,8 @@ impl BendShare {
         // A line is slack where the plates are closer than its length. No more than a few lines change, each at most a few times.
         let mut found = held;
         for _ in 0..=positions_m.len() {
-            let strain = |[x, _]: &[f64; 2]| found[0] - tube.stretch - found[1] * x;
+            let own = tube.line_stretch();
+            let strain = |[x, _]: &[f64; 2]| found[0] - found[1] * (x + tube.outer_radius_m) - own;
             let pushed: Vec<bool> = positions_m.iter().map(|at| strain(at) < -1e-12).collect();
             if pushed == slack {
                 break;

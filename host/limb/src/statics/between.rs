@@ -98,7 +98,10 @@ impl Bay {
         let sway = 2.0 * piece.sway / piece.free[0];
         let mut by = SMatrix::zeros();
         let slides = [5, 6].map(|a: usize| q[index * UNKNOWNS + a]);
+        let [by_x, by_y] = [1, 2].map(|bend: usize| eta * piece.stiffness[(0, bend)] / piece.stiffness[(0, 0)]);
         let entries = [
+            (0, 1, by_y),
+            (0, 3, -by_x),
             (2, 0, -1.0),
             (2, 1, -eta),
             (1, 2, 1.0),

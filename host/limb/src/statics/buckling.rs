@@ -92,7 +92,9 @@ impl LoadedLimb {
         let bundle = &self.bundles[module];
         let ([x, y], tangent) = &bundle.tubes[tube];
         if self.motions[module] == Motion::Bending {
-            return tangent.axial_n * strain.x;
+            let line = |stretch: f64, bend: f64| stretch - (x + tangent.outer_radius_m) * bend;
+            let all = line(bundle.free.stretch + strain.x, bundle.free.bend_rad_per_m[0] + strain.y);
+            return tangent.axial_n * (all - tangent.line_stretch());
         }
         let [free_x, free_y] = bundle.free.bend_rad_per_m;
         let stretch = bundle.free.stretch + strain.x - (free_x + strain.y) * x - (free_y + strain.z) * y;

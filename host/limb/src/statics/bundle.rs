@@ -283,8 +283,8 @@ pub(super) fn energy(motion: Motion, [x, y]: [f64; 2], tube: &Tangent) -> (Matri
     let mut own = Matrix4::from_diagonal(&Vector4::new(0.0, tube.bending_nm2, tube.across_nm2, tube.torsion_nm2));
     let arm = Vector4::new(1.0, -x, -y, 0.0);
     if motion == Motion::Bending {
-        // Plates that bend by `u` ask a line at the height `x` for the stretch `lambda - u x`.
-        let line = Vector4::new(1.0, -x, 0.0, 0.0);
+        // The line that keeps its length is at the outer radius, on the side that the tube bends to.
+        let line = Vector4::new(1.0, -(x + tube.outer_radius_m), 0.0, 0.0);
         own += line * line.transpose() * tube.axial_n;
         // Across, the walls at both sides count alone: a line goes slack where it is pushed.
         own[(2, 2)] += tube.axial_n / LINE * y * y;

@@ -24,6 +24,7 @@ mod standing;
 mod step;
 mod tip_response;
 mod tube;
+mod wall;
 
 pub use bend_share::{BEND_SHARE_MIN, BendShare, check_bundles};
 pub use buckling::Buckling;

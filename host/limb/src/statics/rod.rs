@@ -102,9 +102,12 @@ impl Piece {
     }
 
     /// Strains in the terms of the stiffness, less those without load: mean, and amplitude of the linear part.
+    ///
+    /// Where a bend changes along the piece, the axis stretches as costs least: a bender's strip keeps its length everywhere.
     pub(super) fn differences(&self, q: &[f64]) -> [Vector4<f64>; 2] {
         let sway = self.sway * (q[5] * q[5] + q[6] * q[6]) / self.free[0];
-        [Vector4::new(q[7] + sway, q[2], -q[0], q[4]), Vector4::new(0.0, q[3], -q[1], 0.0)]
+        let stretch = -(self.stiffness[(0, 1)] * q[3] - self.stiffness[(0, 2)] * q[1]) / self.stiffness[(0, 0)];
+        [Vector4::new(q[7] + sway, q[2], -q[0], q[4]), Vector4::new(stretch, q[3], -q[1], 0.0)]
     }
 
     /// Energy, with its derivatives by the unknowns added to those of the piece.
@@ -116,8 +119,9 @@ impl Piece {
         // The strain that each unknown is, and by what factor: of the mean, and of the amplitude.
         let of_mean = [(0, 2, -1.0), (2, 1, 1.0), (4, 3, 1.0), (5, 0, sway * q[5]), (6, 0, sway * q[6]), (7, 0, 1.0)];
         let of_linear = [(1, 2, -1.0), (3, 1, 1.0)];
-        self.spring(&of_mean, &stress, length, sums);
-        self.spring(&of_linear, &bent, length / 3.0, sums);
+        spring(&self.stiffness, &of_mean, &stress, length, sums);
+        let across = self.stiffness.column(0);
+        spring(&(self.stiffness - across * across.transpose() / across[0]), &of_linear, &bent, length / 3.0, sums);
         let Sums { gradient, tangent, .. } = sums;
         for a in [5, 6] {
             gradient[a] += length * self.shear_n * q[a];
@@ -125,16 +129,6 @@ impl Piece {
         }
         let shear = 0.5 * self.shear_n * (q[5] * q[5] + q[6] * q[6]);
         length * (0.5 * mean.dot(&stress) + linear.dot(&bent) / 6.0 + shear)
-    }
-
-    /// Adds the derivatives of a square form by unknowns, each of which is a strain times a factor.
-    fn spring(&self, unknowns: &[(usize, usize, f64)], stress: &Vector4<f64>, weight: f64, sums: &mut Sums) {
-        for (index, (a, row, by)) in unknowns.iter().enumerate() {
-            sums.gradient[*a] += weight * by * stress[*row];
-            for (b, column, other) in &unknowns[index..] {
-                sums.tangent[(*a, *b)] += weight * by * other * self.stiffness[(*row, *column)];
-            }
-        }
     }
 
     /// Mass at a node of the rod by Simpson's rule, kg.
@@ -151,6 +145,22 @@ impl Piece {
     fn mount(&self) -> Matrix3<f64> {
         let (sin, cos) = self.mount_angle_rad.sin_cos();
         Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+    }
+}
+
+/// Adds the derivatives of a square form by unknowns, each of which is a strain times a factor.
+fn spring(
+    stiffness: &Matrix4<f64>,
+    unknowns: &[(usize, usize, f64)],
+    stress: &Vector4<f64>,
+    weight: f64,
+    sums: &mut Sums,
+) {
+    for (index, (a, row, by)) in unknowns.iter().enumerate() {
+        sums.gradient[*a] += weight * by * stress[*row];
+        for (b, column, other) in &unknowns[index..] {
+            sums.tangent[(*a, *b)] += weight * by * other * stiffness[(*row, *column)];
+        }
     }
 }
 

@@ -6,7 +6,8 @@
 
 use fra_model::{Actuator, Load, Motion, State, Status, Target};
 
-use super::tube::{Tangent, bender_nm2, gyration_m2, volume_by_angle_m3};
+use super::tube::{Tangent, bender_nm2, volume_by_angle_m3};
+use super::wall;
 
 /// Strains of a tube per length at rest: stretch, bend (rad/m) and twist (rad/m).
 pub type TubeStrain = [f64; 3];
@@ -102,7 +103,7 @@ impl Spring {
         let length_m = self.actuator.parameters().length_m;
         let blocked = self.actuator.blocked(self.pressure_pa, stretch, 0.0).ok()?;
         let [[axial, coupling], [_, torsion]] = blocked.stiffness.map(|row| row.map(|entry| entry * length_m));
-        let bending_nm2 = axial * gyration_m2(blocked.state.inner_radius_m, blocked.state.outer_radius_m);
+        let bending_nm2 = wall::bending_nm2(self.actuator.parameters(), &blocked.state)?;
         let stable = blocked.status == Status::Solved && axial > 0.0 && torsion > 0.0;
         // The rest of springs with this force at the strain.
         stable.then_some(Tangent {
@@ -132,13 +133,11 @@ impl Spring {
         let bending_nm2 = bender_nm2(&self.actuator, &solution.state);
         let rest = bend_rad_per_m - torque_nm / bending_nm2;
         (bending_nm2 > 0.0 && bending_nm2.is_finite()).then(|| Tangent {
+            // Of a line that keeps its length.
+            stretch: 1.0 + self.free.outer_radius_m * rest,
             bend_rad_per_m: rest,
             bending_nm2,
-            ..self.uncrept()
+            ..self.free
         })
-    }
-
-    fn uncrept(&self) -> Tangent {
-        Tangent { stretch: self.free.stretch - self.crept[0], ..self.free }
     }
 }

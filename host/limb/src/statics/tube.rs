@@ -4,19 +4,21 @@ use std::f64::consts::PI;
 
 use fra_model::{Actuator, Load, Motion, State, Status};
 
+use super::wall;
+
 /// By how much stiffer than the wall the inextensible line of a bending actuator is taken to be.
 pub(super) const LINE: f64 = 100.0;
 
 /// A tube at a gauge pressure without load, per unit of its length at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent {
-    /// Axial stretch of the line that keeps the length: the axis, or the inextensible line of a bending actuator.
+    /// Axial stretch of its axis.
     pub stretch: f64,
     /// Bend per length at rest, rad/m.
     pub bend_rad_per_m: f64,
     /// Twist per length at rest, rad/m.
     pub twist_rad_per_m: f64,
-    /// Axial stiffness `EA`, N per unit of stretch, at constant pressure.
+    /// Axial stiffness `EA`, N per unit of stretch, at constant pressure; of a bending actuator that of the line that keeps its length.
     pub axial_n: f64,
     /// Bending stiffness `EI` in the plane that a bending actuator bends in, N m2.
     pub bending_nm2: f64,
@@ -35,8 +37,8 @@ pub struct Tangent {
 impl Tangent {
     /// The tube at a pressure; `None` where the branch of its equilibria does not get there.
     ///
-    /// Axial and torsional stiffness are those of the model at constant pressure ([`Actuator::blocked`]). A straight wall is taken to have the same axial
-    /// modulus everywhere, so that `EI = EA (r_o^2 + r_i^2)/4`. In the plane of a bending actuator `EI` is the model's own change of
+    /// Axial and torsional stiffness are those of the model at constant pressure ([`Actuator::blocked`]); the bending stiffness of a straight wall is that of
+    /// its second variation. In the plane of a bending actuator `EI` is the model's own change of
     /// moment with the bend; its line is given a hundred times the stiffness of the wall. `GA` is half of `mu A`, as of a thin round tube.
     pub fn of(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
         let solution = actuator.forward(pressure_pa, &Load::none()).ok()?;
@@ -55,6 +57,11 @@ impl Tangent {
 }
 
 impl Tangent {
+    /// Stretch without load of the line of a bending actuator that keeps its length: at the outer radius, on the side that it bends to.
+    pub(super) fn line_stretch(&self) -> f64 {
+        self.stretch - self.outer_radius_m * self.bend_rad_per_m
+    }
+
     /// The same springs about another shape without load: that of `state`, of a tube `length_m` long at rest.
     pub fn about(self, state: &State<f64>, length_m: f64) -> Self {
         let (bend_rad_per_m, twist_rad_per_m) = (state.bend_angle_rad / length_m, state.twist_rad / length_m);
@@ -67,7 +74,7 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     let held = actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
-    let bending_nm2 = axial * gyration_m2(state.inner_radius_m, state.outer_radius_m);
+    let bending_nm2 = wall::bending_nm2(parameters, state)?;
     Some(Tangent {
         stretch: state.axial_stretch,
         bend_rad_per_m: 0.0,
@@ -119,7 +126,7 @@ pub(super) fn bender_nm2(actuator: &Actuator<f64>, state: &State<f64>) -> f64 {
 }
 
 /// Mean square of the distance of the wall from a diameter, m2.
-pub(super) fn gyration_m2(inner_m: f64, outer_m: f64) -> f64 {
+fn gyration_m2(inner_m: f64, outer_m: f64) -> f64 {
     0.25 * (inner_m * inner_m + outer_m * outer_m)
 }
 

@@ -80,13 +80,16 @@ fn light_limb_needs_no_statics_and_a_heavy_one_does() {
     assert!(off <= 2.5 * answer.order_error + 1e-4, "{off} {}", answer.order_error);
 }
 
+/// The pull is along the axis and the strips of the elbow are beside it: they keep their length, and the limb bends to their side, in their plane.
 #[test]
-fn hanging_straight_only_stretches() {
+fn hanging_limb_stretches_and_bends_to_the_side_of_its_strips() {
     let (limb, length_m) = loaded("[0, 0, -1]", 1.0, 0.0, 3, 0.5).expect("a limb");
     let (_, shape) = by_fidelity(&limb.rod, Fidelity::Fourfold, None).expect("stable");
-    let tip = shape.tip().translation.vector;
-    assert!((tip - limb.free_tip().translation.vector).xy().norm() < 1e-9);
-    assert!(tip.z < limb.free_tip().translation.vector.z - 1e-3 * length_m, "{tip}");
+    let pressed = loaded("[0, 0, -1]", 1e-4, 20e3, 3, 0.0).expect("a limb").0.free_tip().translation.vector;
+    let (tip, free) = (shape.tip().translation.vector, limb.free_tip().translation.vector);
+    let (moved, bent) = ((tip - free).xy(), (pressed - free).xy());
+    assert!(moved.dot(&bent) > 0.0 && moved.perp(&bent).abs() < 1e-9, "{moved} {bent}");
+    assert!(tip.z < free.z - 1e-3 * length_m, "{tip}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! `pi (R_o^2 l - R_o^2 + R_i^2)` per length, and `P pi R_o^2 = dU/dl` with `U = int mu/2 (l^2 + (r/R)^2 + (R/(l r))^2 - 3) 2 pi R dR`.
 
 use softlimb_limb::fabricate::Tolerances;
+use softlimb_limb::statics::Tangent;
 use softlimb_limb::tolerance::{Kind, Linear, Settings, Study, Varied, linear};
 
 use crate::tolerance::{limb_of, pose, settings};
@@ -77,17 +78,17 @@ fn one_extending_actuator_is_the_closed_form() {
     }
 }
 
-/// Three tubes at 120 degrees: lengthened by their mean, and bent by `sum k x dl/(sum k x^2 + 3 EI)`, with `EI/k` a quarter of the sum of
-/// the squares of the deformed radii. The stiffness `k` cancels.
+/// Three tubes at 120 degrees: lengthened by their mean, and bent by `sum k x dl/(sum k x^2 + 3 EI)`, with the springs of the statics, which
+/// finite elements of the section hold.
 #[test]
 fn three_extending_actuators_also_bend_their_bundle() {
     let limb = limb_of(&[("extension", "hoops", 3, "")]);
-    let (kpa, outer_m) = (40.0, 14e-3);
+    let kpa = 40.0;
     let poses = pose(&[kpa]);
     let by_stretch: f64 = changes(kpa * 1e3, 1e-4, 0.1).iter().map(|by| by * by / 3.0).sum();
     let l = stretch(kpa * 1e3, 0.2e6, 4e-3);
-    let inner_square = outer_m * outer_m - (outer_m * outer_m - INNER_M * INNER_M) / l;
-    let gyration = 0.25 * (outer_m * outer_m + inner_square);
+    let tube = Tangent::of(&limb.modules()[0].actuator, kpa * 1e3).expect("an equilibrium");
+    let gyration = tube.bending_nm2 / tube.axial_n;
     let square = 1.5 * DISTANCE_M * DISTANCE_M;
     // Both bends have this variance, per length at rest.
     let bend = by_stretch * square / (square + 3.0 * gyration).powi(2);

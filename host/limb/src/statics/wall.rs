@@ -1,0 +1,389 @@
+//! Bending stiffness of a straight wall under pressure, by the second variation of its energy.
+//!
+//! A point of the section goes from `(r, theta)` to `(r + U cos, V sin, W sin)` while the axis bends by `kappa`. With a frame that turns by `t` per length
+//! at rest the deformation gradient has the columns
+//!
+//! ```text
+//! d/dR:      r' + U' c,                        V' s,                               W' s
+//! d/R dth:   -(U + V) s,                       r + (U + V) c,                      W c
+//! d/dZ:      k c s W - s (t V + d (U + V)),    T r + c (t U + d (U + V)) - k s2 W,    l - k r c + d W c + k (V s2 - U c2)
+//! ```
+//!
+//! where `l` and `T` are the wall's stretch and twist rate and `d = T - t`. The wall keeps its volume: `U + V` follows from `U` and `W`. The energy to
+//! second order is that of the elastomer and of the threads, less the constraint by the wall's own pressure, less the work of the lumen's. `U` and `W` are
+//! four functions each; the least energy at `kappa = 1` is half of the stiffness. `docs/explanation/statics.md` has the accuracy.
+
+use std::f64::consts::PI;
+
+use fra_model::{ActuatorParameters, Families, Fiber, Material, Placement, State};
+use nalgebra::{SMatrix, SVector};
+use softlimb_numerics::gauss::GAUSS_6;
+
+/// Functions of the radius for each of `U` and `W`.
+const FUNCTIONS: usize = 4;
+/// The bend and these.
+const SIZE: usize = 1 + 2 * FUNCTIONS;
+
+type Row = SVector<f64, SIZE>;
+
+/// Bending stiffness of a straight tube in a state, per length at rest, N m2; the bend stays in a plane. `None` where its section is not stable.
+pub(super) fn bending_nm2(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {
+    Wall::new(parameters, state, 0.0).bending_nm2()
+}
+
+/// A wall in a state that is the same all around.
+struct Wall<'a> {
+    parameters: &'a ActuatorParameters<f64>,
+    pressure_pa: f64,
+    stretch: f64,
+    lumen_m: f64,
+    /// Twist, and turn of the frame in which the bend is constant, rad/m.
+    twist: f64,
+    turn: f64,
+    /// Outer radius, m.
+    outer_m: f64,
+    /// Where threads within the wall begin, or the lumen, over the outer radius: the curvature of `U` and the slope of `W` change there.
+    kink: f64,
+    /// What a unit of each unknown moves the middle of the outer surface by.
+    shift: Row,
+}
+
+/// One radius of the wall.
+struct Place {
+    /// Radius at rest and now, m, and the change of the one by the other.
+    rest_m: f64,
+    r_m: f64,
+    slope: f64,
+    /// First and second derivative of the elastomer's energy by `I1`, Pa.
+    energy: [f64; 2],
+}
+
+/// What a unit of each unknown moves at a radius: `kappa`, `U`, `V`, `W`, `U + V`, the slopes of the first three by the radius at rest, and the last column
+/// of the gradient less what is of the second order.
+struct Moves {
+    bend: Row,
+    u: Row,
+    v: Row,
+    w: Row,
+    around: Row,
+    by_radius: [Row; 3],
+    along: [Row; 3],
+}
+
+/// A square form.
+struct Form(SMatrix<f64, SIZE, SIZE>);
+
+impl Form {
+    /// Adds the product of two rows times a factor.
+    fn add(&mut self, factor: f64, a: &Row, b: &Row) {
+        self.0.ger(factor, a, b, 1.0);
+        self.0.ger(factor, b, a, 1.0);
+    }
+}
+
+impl<'a> Wall<'a> {
+    fn new(parameters: &'a ActuatorParameters<f64>, state: &State<f64>, turn: f64) -> Self {
+        let mut wall = Self {
+            parameters,
+            pressure_pa: state.pressure_pa,
+            stretch: state.axial_stretch,
+            lumen_m: state.inner_radius_m,
+            twist: state.twist_rad / parameters.length_m,
+            turn,
+            outer_m: 1.0,
+            kink: 0.0,
+            shift: Row::zeros(),
+        };
+        let surface = wall.place(parameters.outer_radius_m);
+        wall.outer_m = surface.r_m;
+        let threads = parameters.fiber.as_ref().filter(|fiber| fiber.placement != Placement::Smeared);
+        let within = threads.map(|fiber| fiber.radius_m).filter(|radius_m| *radius_m < parameters.outer_radius_m);
+        wall.kink = wall.place(within.unwrap_or(parameters.inner_radius_m)).r_m / surface.r_m;
+        let Moves { u, v, .. } = wall.about(&surface);
+        wall.shift = (u - v) * 0.5;
+        wall
+    }
+
+    fn bending_nm2(&self) -> Option<f64> {
+        let (inner, outer) = (self.parameters.inner_radius_m, self.parameters.outer_radius_m);
+        let fiber = self.parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > 0.0);
+        let winding = fiber.map_or(outer, |fiber| fiber.radius_m.clamp(inner, outer));
+        let mut form = Form(SMatrix::zeros());
+        for [from, to] in [[inner, winding], [winding, outer]] {
+            for (rest_m, weight) in rule(from, to) {
+                let place = self.place(rest_m);
+                self.add_elastomer(&mut form, &place, self.radial_pa(rest_m), weight);
+                if let Some(fiber) = fiber.filter(|fiber| fills(fiber, rest_m)) {
+                    for angle in angles(fiber) {
+                        let strain = self.thread(angle, &place).strain;
+                        let [tension, stiffness] = [2.0 * strain, 1.0].map(|by| by * fiber.modulus_pa * weight);
+                        self.add_thread(&mut form, angle, &place, tension, stiffness);
+                    }
+                }
+            }
+        }
+        if let Some(fiber) = fiber.filter(|fiber| fiber.placement == Placement::Sheet) {
+            let place = self.place(winding);
+            // The jump of the radial stress is what the sheet carries; as a product of a small strain and a large modulus it would be rounding.
+            let jump = (self.inwards_pa(winding) - self.outwards_pa(winding)) / place.slope;
+            let all: f64 = angles(fiber).map(|angle| self.thread(angle, &place).pull_per_m).sum();
+            for angle in angles(fiber) {
+                self.add_thread(
+                    &mut form,
+                    angle,
+                    &place,
+                    jump / all * winding,
+                    fiber.modulus_pa * fiber.thickness_m * winding,
+                );
+            }
+        }
+        self.add_lumen(&mut form);
+        let all = form.0 * PI;
+        let inside = all.fixed_view::<{ SIZE - 1 }, { SIZE - 1 }>(1, 1).into_owned().cholesky()?;
+        let across = all.fixed_view::<{ SIZE - 1 }, 1>(1, 0);
+        Some(all[(0, 0)] - across.dot(&inside.solve(&across)))
+    }
+
+    fn place(&self, rest_m: f64) -> Place {
+        let inner = self.parameters.inner_radius_m;
+        let r_m = (self.lumen_m * self.lumen_m + (rest_m * rest_m - inner * inner) / self.stretch).sqrt();
+        let slope = rest_m / (r_m * self.stretch);
+        let squares = [slope, r_m / rest_m, r_m * self.twist, self.stretch].map(|entry| entry * entry);
+        let excess = squares.iter().sum::<f64>() - 3.0;
+        let energy = match self.parameters.material {
+            Material::NeoHookean { shear_modulus_pa } => [0.5 * shear_modulus_pa, 0.0],
+            Material::Yeoh { c_pa: [first, second, third] } => {
+                [first + excess * (2.0 * second + 3.0 * third * excess), 2.0 * second + 6.0 * third * excess]
+            }
+        };
+        Place { rest_m, r_m, slope, energy }
+    }
+
+    /// Radial stress at a radius at rest, Pa.
+    fn radial_pa(&self, rest_m: f64) -> f64 {
+        let sheet = self.parameters.fiber.as_ref().filter(|fiber| fiber.placement == Placement::Sheet);
+        if sheet.is_some_and(|fiber| rest_m > fiber.radius_m) {
+            self.inwards_pa(rest_m)
+        } else {
+            self.outwards_pa(rest_m)
+        }
+    }
+
+    /// The same from the lumen outwards, and from the outer face inwards: they differ by what a sheet between them carries.
+    fn outwards_pa(&self, rest_m: f64) -> f64 {
+        -self.pressure_pa + self.rise_pa(self.parameters.inner_radius_m, rest_m)
+    }
+
+    fn inwards_pa(&self, rest_m: f64) -> f64 {
+        -self.rise_pa(rest_m, self.parameters.outer_radius_m)
+    }
+
+    /// By how much the radial stress rises between two radii at rest, Pa.
+    fn rise_pa(&self, from_m: f64, to_m: f64) -> f64 {
+        let fiber = self.parameters.fiber.as_ref();
+        let start = fiber.filter(|fiber| fiber.placement == Placement::Layer).map_or(from_m, |fiber| fiber.radius_m);
+        let split = start.clamp(from_m, to_m);
+        let of = |(rest_m, weight): (f64, f64)| {
+            let place = self.place(rest_m);
+            let around = (place.r_m / rest_m).powi(2) + (place.r_m * self.twist).powi(2);
+            let wall_pa = 2.0 * place.energy[0] * (around - place.slope * place.slope);
+            let filling = fiber.filter(|fiber| fills(fiber, rest_m));
+            let threads = filling.into_iter().flat_map(|fiber| angles(fiber).map(move |angle| (fiber, angle)));
+            let threads_pa = threads.map(|(fiber, angle)| {
+                let thread = self.thread(angle, &place);
+                2.0 * fiber.modulus_pa * thread.strain * thread.along[1] * thread.along[1]
+            });
+            (wall_pa + threads_pa.sum::<f64>()) * place.slope / place.r_m * weight / rest_m
+        };
+        rule(from_m, split).chain(rule(split, to_m)).map(of).sum()
+    }
+
+    /// What a unit of each unknown moves at a radius, without the way of the axis: the middle of the outer surface stays.
+    fn moves(&self, place: &Place) -> Moves {
+        let mut moves = self.about(place);
+        (moves.u, moves.v) = (moves.u - self.shift, moves.v + self.shift);
+        let (turn, rest) = (self.turn, self.twist - self.turn);
+        moves.along = [
+            moves.v * turn + moves.around * rest,
+            moves.u * turn + moves.around * rest,
+            moves.w * rest - moves.bend * place.r_m,
+        ];
+        moves
+    }
+
+    fn about(&self, place: &Place) -> Moves {
+        let (r, outer_m) = (place.r_m, self.outer_m);
+        let x = r / outer_m;
+        let row = |own: [f64; FUNCTIONS], at: usize| {
+            Row::from_fn(|index, _| if (at..at + FUNCTIONS).contains(&index) { own[index - at] } else { 0.0 })
+        };
+        let beyond = f64::from(x > self.kink);
+        let y = beyond * (x - self.kink);
+        let bend = Row::from_fn(|index, _| f64::from(index == 0));
+        let u = row([x * x, 1.0 / (x * x), x.ln(), y * y], 1);
+        let u_r = row([2.0 * x, -2.0 / x.powi(3), 1.0 / x, 2.0 * y], 1) / outer_m;
+        let u_rr = row([2.0, 6.0 / x.powi(4), -1.0 / (x * x), 2.0 * beyond], 1) / (outer_m * outer_m);
+        let w = row([x, x.powi(3), 1.0 / x, y], 1 + FUNCTIONS);
+        let w_r = row([1.0, 3.0 * x * x, -1.0 / (x * x), beyond], 1 + FUNCTIONS) / outer_m;
+        // The volume stays.
+        let around = (bend * (r * r) + w * (self.turn * r)) / self.stretch - u_r * r;
+        let around_r = (bend * (2.0 * r) + (w + w_r * r) * self.turn) / self.stretch - u_r - u_rr * r;
+        let by_radius = [u_r, around_r - u_r, w_r].map(|slope| slope * place.slope);
+        Moves { bend, u, v: around - u, w, around, by_radius, along: [Row::zeros(); 3] }
+    }
+
+    fn add_elastomer(&self, form: &mut Form, place: &Place, radial_pa: f64, weight: f64) {
+        let Place { rest_m, r_m: r, slope, energy } = *place;
+        let Moves { bend, u, v, w, around, by_radius: [u_r, v_r, w_r], along: [out, turned, along] } =
+            &self.moves(place);
+        let (hoop, twist) = (r / rest_m, self.twist * r);
+        let elastic = energy[0] * weight;
+        for row in [u_r, v_r, w_r, out, turned, along] {
+            form.add(elastic, row, row);
+        }
+        form.add(2.0 * elastic / (rest_m * rest_m), around, around);
+        form.add(elastic / (rest_m * rest_m), w, w);
+        form.add(2.0 * elastic, bend, &((v - u) * self.stretch - w * twist));
+        let first = (u_r * slope + around * (hoop / rest_m) + turned * twist + along * self.stretch) * 2.0;
+        form.add(0.5 * energy[1] * weight, &first, &first);
+        // The wall's own pressure times the change of its volume to second order.
+        let volume = (radial_pa - 2.0 * energy[0] * slope * slope) * weight;
+        form.add(volume / self.stretch, bend, &(v - u));
+        form.add(volume / rest_m, u_r, &(around * self.stretch - w * twist));
+        form.add(volume / rest_m, around, &(v_r * self.stretch - w_r * twist));
+        form.add(volume * hoop, u_r, along);
+        form.add(volume * hoop, w_r, out);
+        form.add(volume * slope / rest_m, around, along);
+        form.add(-volume * slope / rest_m, w, turned);
+    }
+
+    /// A thread at an angle from the hoop: its direction now, its `I4 - 1`, and its pull outwards per length.
+    fn thread(&self, [cos, sin]: [f64; 2], place: &Place) -> Thread {
+        let hoop = place.r_m / place.rest_m * cos + self.twist * place.r_m * sin;
+        let along = [0.0, hoop, self.stretch * sin];
+        let by_radius = cos / place.rest_m + self.twist * sin;
+        Thread { along, strain: hoop * hoop + along[2] * along[2] - 1.0, pull_per_m: hoop * by_radius }
+    }
+
+    /// Adds threads with twice the slope and with the curvature of their energy by `I4`.
+    fn add_thread(&self, form: &mut Form, angle: [f64; 2], place: &Place, tension: f64, stiffness: f64) {
+        let [cos, sin] = angle;
+        let [_, hoop, axial] = self.thread(angle, place).along;
+        let Moves { bend, u, v, w, around, along: [out, turned, along], .. } = &self.moves(place);
+        let [around, w_around] = [around, w].map(|row| row * (cos / place.rest_m));
+        let (outwards, sideways, lengthwise) = (around + out * sin, around + turned * sin, w_around + along * sin);
+        for row in [outwards, sideways, lengthwise] {
+            form.add(0.5 * tension, &row, &row);
+        }
+        form.add(tension * sin, bend, &((v - u) * axial - w * hoop));
+        let first = (sideways * hoop + lengthwise * axial) * 2.0;
+        form.add(0.5 * stiffness, &first, &first);
+    }
+
+    /// Less the work of the lumen's pressure.
+    fn add_lumen(&self, form: &mut Form) {
+        let inner = self.place(self.parameters.inner_radius_m);
+        let Moves { bend, u, w, around, .. } = &self.moves(&inner);
+        let p = self.pressure_pa;
+        form.add(-0.5 * p * self.stretch, around, around);
+        form.add(p * inner.r_m, u, &(bend * inner.r_m + w * self.turn));
+    }
+}
+
+struct Thread {
+    along: [f64; 3],
+    strain: f64,
+    pull_per_m: f64,
+}
+
+/// Cosine and sine of the angle of each family.
+fn angles(fiber: &Fiber<f64>) -> impl Iterator<Item = [f64; 2]> + use<> {
+    let (sin, cos) = fiber.angle_rad.sin_cos();
+    let signs: &[f64] = if fiber.families == Families::Two { &[1.0, -1.0] } else { &[1.0] };
+    signs.iter().map(move |sign| [cos, sign * sin])
+}
+
+/// Whether the wall has threads through it at a radius at rest.
+fn fills(fiber: &Fiber<f64>, rest_m: f64) -> bool {
+    match fiber.placement {
+        Placement::Sheet => false,
+        Placement::Layer => rest_m >= fiber.radius_m,
+        Placement::Smeared => true,
+    }
+}
+
+/// Radii at rest between two, m, with `R dR`; none where they are equal.
+fn rule(from_m: f64, to_m: f64) -> impl Iterator<Item = (f64, f64)> {
+    let (middle, half) = (0.5 * (from_m + to_m), 0.5 * (to_m - from_m));
+    GAUSS_6.iter().filter(move |_| half > 0.0).map(move |(x, weight)| {
+        let rest_m = middle + half * x;
+        (rest_m, weight * half * rest_m)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use fra_model::{Actuator, Load, Motion};
+    use softlimb_fea::cross_section::{EndLoad, Mesh, Options, Section, Symmetry};
+
+    use super::*;
+
+    const NEO_HOOKEAN: Material<f64> = Material::NeoHookean { shear_modulus_pa: 0.3e6 };
+
+    fn wound(placement: Placement, families: Families, degrees: f64) -> Fiber<f64> {
+        let angle_rad = degrees.to_radians();
+        Fiber { angle_rad, families, modulus_pa: 2e8, placement, thickness_m: 2e-4, radius_m: 22e-3 }
+    }
+
+    /// Stiffness here and by finite elements of the section, whose frame turns with the wall.
+    #[track_caller]
+    fn agrees(fiber: Option<Fiber<f64>>, material: Material<f64>, pressures_pa: &[f64], within: f64) {
+        let motion = if fiber.is_some_and(|fiber| fiber.families == Families::One) {
+            Motion::Twisting
+        } else {
+            Motion::Extension
+        };
+        let parameters =
+            ActuatorParameters { motion, inner_radius_m: 15e-3, outer_radius_m: 23e-3, length_m: 0.2, material, fiber };
+        let actuator = Actuator::new(&parameters).expect("valid");
+        let options = Options { symmetry: Symmetry::Ignore, mesh: Mesh { radial: 8, around: 8 }, ..Options::default() };
+        let section = Section::new(&parameters, &options).expect("valid");
+        let curve = section.curve(pressures_pa, &EndLoad::default()).expect("in range");
+        for (pressure_pa, answer) in pressures_pa.iter().zip(&curve.answers) {
+            let state = actuator.forward(*pressure_pa, &Load::none()).expect("valid").state;
+            let found =
+                Wall::new(&parameters, &state, state.twist_rad / parameters.length_m).bending_nm2().expect("stable");
+            let reference =
+                answer.equilibrium().and_then(|found| found.stiffness).expect("an equilibrium").by_strain[1][1];
+            assert!((found / reference - 1.0).abs() < within, "{pressure_pa} Pa: {found} beside {reference}");
+        }
+    }
+
+    #[test]
+    fn stiffness_of_an_extending_wall_is_that_of_finite_elements() {
+        let at = |placement| Some(wound(placement, Families::Two, 4.0));
+        agrees(at(Placement::Sheet), NEO_HOOKEAN, &[0.0, 40e3, 120e3], 3e-4);
+        // Stiff threads all through the wall bend it in ways that four functions do not have.
+        agrees(at(Placement::Layer), NEO_HOOKEAN, &[0.0, 40e3, 120e3], 3e-3);
+        agrees(at(Placement::Smeared), NEO_HOOKEAN, &[0.0, 40e3, 120e3], 1e-2);
+    }
+
+    #[test]
+    fn stiffness_of_an_expanding_and_of_a_bare_wall_is_that_of_finite_elements() {
+        agrees(Some(wound(Placement::Sheet, Families::Two, 70.0)), NEO_HOOKEAN, &[0.0, 20e3, 40e3], 3e-4);
+        agrees(None, NEO_HOOKEAN, &[0.0, 20e3, 40e3], 3e-4);
+    }
+
+    #[test]
+    fn stiffness_of_a_stiffening_elastomer_is_that_of_finite_elements() {
+        let yeoh = Material::Yeoh { c_pa: [0.1e6, 0.02e6, 0.004e6] };
+        agrees(Some(wound(Placement::Sheet, Families::Two, 4.0)), yeoh, &[0.0, 40e3, 120e3], 3e-4);
+    }
+
+    #[test]
+    fn stiffness_of_a_twisting_wall_is_that_of_finite_elements_in_its_frame() {
+        for placement in [Placement::Sheet, Placement::Layer] {
+            agrees(Some(wound(placement, Families::One, 28.0)), NEO_HOOKEAN, &[0.0, 40e3, 100e3], 2e-3);
+        }
+    }
+}
