@@ -30,7 +30,7 @@ pub struct Tasked {
 /// The task of a scene: its way-points, regions and obstacles, with its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase whose goal is none for the tip, at a module whose actuators plates hold back, and those of the bounds and of
+/// A diagnostic at a phase whose goal is none for the tip, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of
 /// [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     scene.without_steering("`softlimb design`")?;
