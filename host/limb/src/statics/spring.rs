@@ -132,7 +132,7 @@ impl Spring {
         let torque_nm = (solution.state.pressure_pa - self.pressure_pa) * volume_by_angle_m3(&self.actuator);
         let bending_nm2 = bender_nm2(&self.actuator, &solution.state);
         let rest = bend_rad_per_m - torque_nm / bending_nm2;
-        (bending_nm2 > 0.0 && bending_nm2.is_finite()).then(|| Tangent {
+        (bending_nm2 > 0.0 && bending_nm2.is_finite()).then_some(Tangent {
             // Of a line that keeps its length.
             stretch: 1.0 + self.free.outer_radius_m * rest,
             bend_rad_per_m: rest,

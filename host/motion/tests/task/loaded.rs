@@ -102,11 +102,13 @@ fn radii_m(scene: &Scene, limb: &Limb, plan: &Plan, time_us: u64) -> Vec<[f64; 2
 }
 
 #[test]
-fn sagging_body_and_bottle_keep_clear_all_the_way() {
+fn sagging_body_and_bottle_keep_clear_and_the_bottle_upright_all_the_way() {
     for (scene, limb, plan) in &PLANNED[..3] {
         let name = scene.name();
         let carried = carried(scene.phases());
         let (mut body_m, mut bottle_m) = (f64::INFINITY, f64::INFINITY);
+        // The bottle's axis seen from the tip, upright as the gripper closes, and its largest tilt.
+        let (mut axis, mut tilt_rad) = (None, 0.0_f64);
         for time_us in (0..=plan.duration_us()).step_by(STEP_US) {
             let index = plan.phases.iter().rposition(|phase| phase.start_us <= time_us).unwrap();
             let kg = payload_kg(&carried, &plan.phases, time_us);
@@ -116,6 +118,12 @@ fn sagging_body_and_bottle_keep_clear_all_the_way() {
             assert_eq!(radii_m.len() + 1, line.len());
             let moving = time_us < plan.phases[index].start_us + plan.phases[index].move_us;
             let object = if moving { carried[index].moved.object } else { None };
+            let grasped = if moving { object } else { carried[index].held.object };
+            if grasped.is_some() {
+                let rotation = settled.shape.tip().rotation;
+                let axis = *axis.get_or_insert_with(|| rotation.inverse() * Vector3::z());
+                tilt_rad = tilt_rad.max((rotation * axis).angle(&Vector3::z()));
+            }
             for obstacle in scene.obstacles() {
                 let distance_m = |point: &Vector3<f64>| obstacle.shape.distance(point).distance_m;
                 for (pair, radii_m) in line.windows(2).zip(&radii_m) {
@@ -131,8 +139,10 @@ fn sagging_body_and_bottle_keep_clear_all_the_way() {
                 }
             }
         }
-        println!("{name}: body {:.1} mm, bottle {:.1} mm clear", 1e3 * body_m, 1e3 * bottle_m);
+        let tilt_deg = tilt_rad.to_degrees();
+        println!("{name}: body {:.1} mm, bottle {:.1} mm clear, tilt {tilt_deg:.1} deg", 1e3 * body_m, 1e3 * bottle_m);
         assert!(body_m >= 5e-3 && bottle_m >= 5e-3, "{name}: {body_m} {bottle_m}");
+        assert!(tilt_deg <= 35.0, "{name}: {tilt_deg} deg");
     }
 }
 
