@@ -45,6 +45,61 @@ fn mount_angles_turn_the_bend_and_do_not_add_up() {
     assert!((tangent.y / tangent.x - 1.0_f64.tan()).abs() < 1e-12);
 }
 
+/// Length of the parallel line through a place of the section, m, as a chain of many short chords between the turned sections of an arc.
+fn parallel_m(segment: &Segment<f64>, towards_rad: f64, place: &Vector3<f64>) -> f64 {
+    let link = Link { segment: *segment, mount_angle_rad: towards_rad, rigid_length_m: 0.0 };
+    let chords = 4000;
+    let point = |index: usize| (link.pose_at(index as f64 / chords as f64) * nalgebra::Point3::from(*place)).coords;
+    (0..chords).map(|index| (point(index + 1) - point(index)).norm()).sum()
+}
+
+/// Against the lengths of parallel lines in space: each actuator of three is as long as its stretch says.
+#[test]
+fn steering_bundle_has_its_actuators_at_their_lengths() {
+    let (length_m, radius_m) = (0.2, 0.031);
+    for stretches in [[1.0, 1.0, 1.0], [1.3, 1.1, 1.1], [1.05, 1.21, 1.34], [1.4, 1.0, 1.2], [1.0, 1.0, 1.5]] {
+        let (segment, towards_rad) = Segment::of_stretches(length_m, radius_m, &stretches).unwrap();
+        for (index, stretch) in stretches.iter().enumerate() {
+            let (sin, cos) = (std::f64::consts::TAU * index as f64 / 3.0).sin_cos();
+            let found = parallel_m(&segment, towards_rad, &Vector3::new(radius_m * cos, radius_m * sin, 0.0));
+            assert!((found / length_m - stretch).abs() < 1e-7, "{stretches:?} {index}: {}", found / length_m);
+        }
+    }
+    let (_, towards_rad) = Segment::of_stretches(length_m, radius_m, &[1.0, 1.2, 1.2]).unwrap();
+    assert!(towards_rad.abs() < 1e-12, "it bends towards the shortest: {towards_rad}");
+}
+
+/// Four to nine actuators: no arc nearby has parallel lines whose lengths are nearer, by a search in steps.
+#[test]
+fn steering_bundle_of_many_is_the_nearest_arc() {
+    let (length_m, radius_m) = (0.18, 0.04);
+    for count in 4..=9_usize {
+        let angle = |index: usize| std::f64::consts::TAU * index as f64 / count as f64;
+        let stretches: Vec<f64> = (0..count).map(|index| 1.2 + 0.15 * (2.7 * index as f64).sin()).collect();
+        let (segment, towards_rad) = Segment::of_stretches(length_m, radius_m, &stretches).unwrap();
+        let bend = segment.bend_angle_rad / length_m;
+        let here = [segment.length_m / length_m, bend * towards_rad.cos(), bend * towards_rad.sin()];
+        let off = |[stretch, x, y]: [f64; 3]| -> f64 {
+            let own = |index: usize| stretch - radius_m * (x * angle(index).cos() + y * angle(index).sin());
+            (0..count).map(|index| (own(index) - stretches[index]).powi(2)).sum()
+        };
+        for axis in 0..3 {
+            for step in [-1e-4, 1e-4] {
+                let mut there = here;
+                there[axis] += step;
+                assert!(off(there) > off(here), "{count} {axis}");
+            }
+        }
+    }
+}
+
+#[test]
+fn steering_bundle_needs_three_actuators_on_a_circle() {
+    assert!(Segment::of_stretches(0.2, 0.03, &[1.1, 1.2]).is_none());
+    assert!(Segment::of_stretches(0.2, 0.0, &[1.1, 1.2, 1.3]).is_none());
+    assert!(Segment::of_stretches(0.2, 0.03, &[-1.1, 0.2, 0.3]).is_none());
+}
+
 #[test]
 fn a_twisting_bundle_shortens_by_its_helices() {
     let actuator = Actuator::new(&ActuatorParameters {

@@ -5,6 +5,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use super::arrangement::Arrangement;
 use crate::number::real::{Real, real};
 use crate::number::sin_cos;
 use crate::parameters::Motion;
@@ -26,7 +27,7 @@ pub struct Segment<T> {
 impl<T: Real> Segment<T> {
     /// The centre line of a bundle whose actuators are all in `state`, the farthest `reach_m` off its axis.
     ///
-    /// The inextensible lines of a bending bundle are at one height, as in [`Arrangement::Row`](crate::Arrangement::Row), so that
+    /// The inextensible lines of a bending bundle are at one height, as in [`Arrangement::Row`], so that
     /// it bends as each of its actuators does; `state.axial_stretch` is that of their axes, `R_o` outside of the lines. The actuators of a twisting bundle become helices around its axis: of their
     /// length `l` the bundle keeps `sqrt(l^2 - (d Phi)^2)`. `None` when the twist is too large for that.
     pub fn of_bundle(motion: Motion, length_m: T, reach_m: T, state: &State<T>) -> Option<Self> {
@@ -48,6 +49,33 @@ impl<T: Real> Segment<T> {
                 })
             }
         }
+    }
+
+    /// The centre line of a steering bundle, and the direction it bends towards, rad from the first actuator: of extending actuators evenly on a
+    /// circle, each with its own stretch.
+    ///
+    /// On a bend `u` per length at rest the actuator at `r_i` has the stretch `lambda - u . r_i`. Three stretches are met exactly; more by least
+    /// squares, which is the equilibrium of equal linear actuators with hinged ends. The bending stiffness of the actuators is left out: of `n` on
+    /// a circle of radius `r`, each of axial stiffness `k` and bending stiffness `b`, the bend is smaller by the factor `1 + 2b/(k r^2)`.
+    /// `None` for fewer than three actuators, and where radius or mean stretch are not positive.
+    pub fn of_stretches(length_m: T, radius_m: T, stretches: &[T]) -> Option<(Self, T)> {
+        let count = u8::try_from(stretches.len()).ok().filter(|count| *count >= 3)?;
+        let number = real::<T>(f64::from(count));
+        let unit = Arrangement::Circle { radius_m: T::one() };
+        let moments = |[sum, x, y]: [T; 3], ([cos, sin], stretch): ([T; 2], &T)| {
+            [sum + *stretch, x - *stretch * cos, y - *stretch * sin]
+        };
+        let [sum, x, y] = unit.positions_m(count).zip(stretches).fold([T::zero(); 3], moments);
+        if radius_m <= T::zero() || sum <= T::zero() {
+            return None;
+        }
+        let per_radius = length_m * real::<T>(2.0) / (number * radius_m);
+        let segment = Self {
+            length_m: length_m * sum / number,
+            bend_angle_rad: per_radius * (x * x + y * y).sqrt(),
+            twist_rad: T::zero(),
+        };
+        Some((segment, y.atan2(x)))
     }
 
     /// Pose of the point at a share of the length, 0 to 1, seen from the start.

@@ -1,6 +1,6 @@
 //! The limb of a scene: its modules with their solvers, its base and its kinematics.
 
-use std::ops::Range;
+use std::ops::{Deref, Range};
 
 use fra_model::{Actuator, Arrangement, InvalidParameter, Link, Motion, Segment, State, Target};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -39,6 +39,8 @@ pub struct LimbModule {
     /// Stretches between plates.
     bays: usize,
     arrangement: Arrangement<f64>,
+    /// Whether each actuator has a setpoint of its own.
+    steering: bool,
     mount_angle_rad: f64,
     rigid_length_m: f64,
     /// Length and radius of the tool behind the connector, m.
@@ -50,6 +52,43 @@ pub struct LimbModule {
 pub struct Limb {
     base: Isometry3<f64>,
     modules: Vec<LimbModule>,
+    /// Module and channels of each drive.
+    drives: Vec<(usize, Range<usize>)>,
+}
+
+/// Actuators of a module that have one setpoint: all of them, or one of a steering module. As a module it stands for its own.
+#[derive(Clone, Debug)]
+pub struct Drive<'a> {
+    /// Index of its module.
+    pub index: usize,
+    /// The channels of its actuators.
+    pub channels: Range<usize>,
+    module: &'a LimbModule,
+}
+
+impl Drive<'_> {
+    /// The name of its module; of one of a steering module's drives with its number, from 1.
+    pub fn name(&self) -> String {
+        if self.module.steering {
+            format!("{}.{}", self.module.name, self.channels.start - self.module.channels.start + 1)
+        } else {
+            self.module.name.clone()
+        }
+    }
+
+    /// Place `[x, y]` of its first actuator's axis, m, with `x` at the mount angle.
+    pub fn position_m(&self) -> [f64; 2] {
+        let index = self.channels.start - self.module.channels.start;
+        self.module.arrangement.position_m(u8::try_from(index).unwrap_or(u8::MAX), self.module.count())
+    }
+}
+
+impl Deref for Drive<'_> {
+    type Target = LimbModule;
+
+    fn deref(&self) -> &LimbModule {
+        self.module
+    }
 }
 
 /// The value of a state in the terms of a setpoint.
@@ -181,7 +220,33 @@ impl LimbModule {
         body.rigid(tool_m, self.tool_m.map_or(0.0, |(_, radius)| radius));
     }
 
-    /// The module's link in a state.
+    /// Whether each of its actuators has a setpoint of its own: unequal ones bend it.
+    pub fn is_steering(&self) -> bool {
+        self.steering
+    }
+
+    /// Setpoints of the module: one, or one an actuator of a steering module.
+    pub fn drives(&self) -> usize {
+        if self.steering { self.channels.len() } else { 1 }
+    }
+
+    /// The module's link and its radius about its centre line, m, in the next of the limb's states, one a drive. `None` where there are not
+    /// enough.
+    fn formed<'a>(&self, states: &mut impl Iterator<Item = &'a State<f64>>) -> Option<(Link<f64>, f64)> {
+        let first = states.next()?;
+        if !self.steering {
+            return Some((self.link(first), self.radius_m(first)));
+        }
+        let own: Vec<&State<f64>> = std::iter::once(first).chain(states.take(self.drives() - 1)).collect();
+        let stretches: Vec<f64> = own.iter().map(|state| state.axial_stretch).collect();
+        let radius_m = own.iter().map(|state| self.radius_m(state)).fold(0.0, f64::max);
+        // A scene has three or more on a circle.
+        let (segment, towards_rad) = Segment::of_stretches(self.length_m, self.reach_m(), &stretches)?;
+        let mount_angle_rad = self.mount_angle_rad + towards_rad;
+        Some((Link { segment, mount_angle_rad, rigid_length_m: self.rigid_length_m }, radius_m))
+    }
+
+    /// The module's link in a state that all its actuators have.
     pub fn link(&self, state: &State<f64>) -> Link<f64> {
         let [bend_angle_rad, twist_rad] = match self.motion {
             Motion::Extension | Motion::Expansion => [0.0; 2],
@@ -212,7 +277,55 @@ impl Limb {
             modules.push(build_module(scene, module, channels, tool_m)?);
         }
         check_bundles(scene, &modules)?;
-        Ok(Self { base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up), modules })
+        let of_module = |(index, module): (usize, &LimbModule)| {
+            let channels = module.channels.clone();
+            let width = channels.len() / module.drives();
+            channels.step_by(width).map(move |at| (index, at..at + width))
+        };
+        let drives = modules.iter().enumerate().flat_map(of_module).collect();
+        Ok(Self { base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up), modules, drives })
+    }
+
+    /// What has one setpoint, in the order of the channels: as many as there are modules where none steers.
+    pub fn drives(&self) -> impl ExactSizeIterator<Item = Drive<'_>> + DoubleEndedIterator {
+        (0..self.drives.len()).map(|index| self.drive(index))
+    }
+
+    /// One of them.
+    ///
+    /// # Panics
+    /// When there are not as many.
+    pub fn drive(&self, index: usize) -> Drive<'_> {
+        let (index, channels) = self.drives[index].clone();
+        Drive { index, channels, module: &self.modules[index] }
+    }
+
+    /// Indices of the drives of a module.
+    pub fn drives_of(&self, module: usize) -> Range<usize> {
+        let start = self.drives.partition_point(|(index, _)| *index < module);
+        start..start + self.modules[module].drives()
+    }
+
+    /// Whether a module steers.
+    pub fn is_steering(&self) -> bool {
+        self.drives.len() > self.modules.len()
+    }
+
+    /// Each module with its link and radius, m, in states, one a drive.
+    fn links<'a>(
+        &self,
+        states: impl IntoIterator<Item = &'a State<f64>>,
+    ) -> impl Iterator<Item = (&LimbModule, Link<f64>, f64)> {
+        let mut states = states.into_iter();
+        self.modules.iter().map_while(move |module| {
+            let (link, radius_m) = module.formed(&mut states)?;
+            Some((module, link, radius_m))
+        })
+    }
+
+    /// Radius of each module about its centre line, m, in states, one a drive.
+    pub(crate) fn radii_m<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> impl Iterator<Item = f64> {
+        self.links(states).map(|(_, _, radius_m)| radius_m)
     }
 
     /// The modules from the base outwards.
@@ -225,10 +338,9 @@ impl Limb {
         self.modules.last().map_or(0, |module| module.channels.end)
     }
 
-    /// Pose of the tip with the modules in the given states, in the scene's frame.
+    /// Pose of the tip in states, one a drive, in the scene's frame.
     pub fn tip_pose<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Isometry3<f64> {
-        let links = self.modules.iter().zip(states).map(|(module, state)| module.link(state));
-        fra_model::tip_pose(&self.base, links)
+        fra_model::tip_pose(&self.base, self.links(states).map(|(_, link, _)| link))
     }
 
     /// Pose of the start of the first module, in the scene's frame.
@@ -236,7 +348,7 @@ impl Limb {
         &self.base
     }
 
-    /// The limb as a solid. Modules are as thick as their bundle, a connector as the bundle before it at rest.
+    /// The limb as a solid in states, one a drive. Modules are as thick as their bundle, a connector as the bundle before it at rest.
     pub fn body<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Body {
         let mut body = Body::new(&self.base);
         self.shape(states, &mut body);
@@ -246,23 +358,22 @@ impl Limb {
     /// Makes `body` what [`Limb::body`] gives.
     pub fn shape<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>, body: &mut Body) {
         body.restart(&self.base);
-        for (module, state) in self.modules.iter().zip(states) {
-            body.module(&module.link(state).segment, module.mount_angle_rad, module.radius_m(state));
+        for (module, link, radius_m) in self.links(states) {
+            body.module(&link.segment, link.mount_angle_rad, radius_m);
             module.rigid_shape(body);
         }
     }
 
-    /// Position of the tip, m.
+    /// Position of the tip in states, one a drive, m.
     pub fn tip<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> [f64; 3] {
         self.tip_pose(states).translation.vector.into()
     }
 
-    /// Points along the centre line from the base to the tip, m.
+    /// Points along the centre line from the base to the tip in states, one a drive, m.
     pub fn backbone<'a>(&self, states: impl IntoIterator<Item = &'a State<f64>>) -> Vec<[f64; 3]> {
         let mut pose = self.base;
         let mut points = vec![pose.translation.vector.into()];
-        for (module, state) in self.modules.iter().zip(states) {
-            let link = module.link(state);
+        for (_, link, _) in self.links(states) {
             for step in 1..=BACKBONE_POINTS {
                 let share = step as f64 / BACKBONE_POINTS as f64;
                 points.push((pose * link.pose_at(share)).translation.vector.into());
@@ -296,6 +407,7 @@ fn build_module(
         length_m: *module.length_m,
         bays: usize::from(module.spacers) + 1,
         arrangement: module.arrangement,
+        steering: module.steering,
         mount_angle_rad: module.mount_angle_rad,
         rigid_length_m: scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
         tool_m,

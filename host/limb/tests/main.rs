@@ -5,5 +5,6 @@ mod payload;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;
 mod statics;
+mod steering;
 mod tolerance;
 mod workspace;

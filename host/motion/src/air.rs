@@ -44,17 +44,17 @@ pub(super) struct Reservoir(f64);
 /// The limit on the speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bottleneck {
-    /// The rate of a module's setpoint.
+    /// The rate of a drive's setpoint.
     Rate(usize),
-    /// The fill or vent valve of a module.
+    /// The fill or vent valve of a drive.
     Valve(usize),
     /// The supply.
     Supply,
 }
 
-/// A move between two rows of setpoints, sampled over its time: pressures and masses of air of every module's chambers.
+/// A move between two rows of setpoints, sampled over its time: pressures and masses of air of every drive's chambers.
 pub(super) struct Draw {
-    /// Per step and module: gauge pressure of a chamber, Pa, and mass of its air, kg.
+    /// Per step and drive: gauge pressure of a chamber, Pa, and mass of its air, kg.
     rows: Vec<Vec<(f64, f64)>>,
 }
 
@@ -81,12 +81,12 @@ impl<'a> Air<'a> {
         Reservoir(self.supply.pressure_pa())
     }
 
-    /// Samples a minimum-jerk move between two rows of setpoints; `None` where a module has no state on the way.
+    /// Samples a minimum-jerk move between two rows of setpoints; `None` where a drive has no state on the way.
     pub(super) fn draw(&self, from: &[f64], to: &[f64]) -> Option<Draw> {
         let row = |step: usize| -> Option<Vec<(f64, f64)>> {
             let share = minimum_jerk(step as f64 / STEPS as f64);
             let values = from.iter().zip(to).map(|(a, b)| a + (b - a) * share);
-            self.limb.modules().iter().zip(values).map(|(m, value)| Some(self.air(&m.state_at(value)?))).collect()
+            self.limb.drives().zip(values).map(|(drive, value)| Some(self.air(&drive.state_at(value)?))).collect()
         };
         Some(Draw { rows: (0..=STEPS).map(row).collect::<Option<_>>()? })
     }
@@ -134,8 +134,8 @@ impl<'a> Air<'a> {
 
     /// Air that the fill valves take in a step, kg.
     fn drawn_kg(&self, pair: &[Vec<(f64, f64)>]) -> f64 {
-        let modules = self.limb.modules().iter().zip(pair[0].iter().zip(&pair[1]));
-        modules.map(|(module, (before, after))| (after.1 - before.1).max(0.0) * module.channels.len() as f64).sum()
+        let drives = self.limb.drives().zip(pair[0].iter().zip(&pair[1]));
+        drives.map(|(drive, (before, after))| (after.1 - before.1).max(0.0) * drive.channels.len() as f64).sum()
     }
 
     fn moved(&self, draw: &Draw, time_s: f64, start: Reservoir, valve_share: f64) -> Result<Reservoir, Bottleneck> {

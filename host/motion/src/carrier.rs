@@ -1,4 +1,4 @@
-//! Where the limb is at pressures of its modules: without load, or in equilibrium under its weight and what it carries.
+//! Where the limb is at pressures of its drives: without load, or in equilibrium under its weight and what it carries.
 
 use std::cell::{Cell, RefCell};
 
@@ -7,9 +7,9 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::jacobian::Differential;
 use super::payload::Carrying;
-use super::weight::{Nominal, PoseError, pressures_pa};
-use softlimb_limb::Limb;
+use super::weight::{Nominal, PoseError, pressures_pa, step_pa};
 use softlimb_limb::statics::Fidelity;
+use softlimb_limb::{Drive, Limb};
 use softlimb_scene::collision::{Body, Clearance};
 use softlimb_scene::{Object, Scene};
 
@@ -33,8 +33,8 @@ struct Loaded<'a> {
 pub(super) enum Posture<'a> {
     /// Without load.
     Free(Differential<'a>, Body),
-    /// Under load: the body, and the same with the pressure of each module moved by a step, Pa.
-    Loaded(Body, Vec<(f64, Body)>),
+    /// Under load, or with a steering module: the body, and the same with the pressure of each drive moved by a step, Pa.
+    Moved(Body, Vec<(f64, Body)>),
 }
 
 impl<'a> Carrier<'a> {
@@ -102,6 +102,9 @@ impl<'a> Carrier<'a> {
     /// The limb with its derivatives; `None` where it does not stand.
     pub(super) fn posture(&self, pressures_pa: &[f64]) -> Option<Posture<'a>> {
         let Some(loaded) = &self.loaded else {
+            if self.limb.is_steering() {
+                return self.moved(pressures_pa);
+            }
             let at = Differential::new(self.limb, pressures_pa);
             let mut body = self.limb.body(at.states());
             self.hang(&mut body);
@@ -119,14 +122,26 @@ impl<'a> Carrier<'a> {
         let moved = nominal.moved(&pose, pressures_pa, loaded.payload_kg.get())?;
         let moved = moved.into_iter().enumerate().map(|(index, moved)| {
             let mut states = states.clone();
-            states[index] = self.limb.modules()[index].curve.at(pressures_pa[index] + moved.step_pa);
+            states[index] = self.limb.drive(index).curve.at(pressures_pa[index] + moved.step_pa);
             (moved.step_pa, shape(&moved.rod, &moved.q, &states))
         });
-        Some(Posture::Loaded(shape(&pose.rod, &pose.shape.q, &states), moved.collect()))
+        Some(Posture::Moved(shape(&pose.rod, &pose.shape.q, &states), moved.collect()))
+    }
+
+    /// A limb without load with the pressure of each drive moved by a step.
+    fn moved(&self, pressures_pa: &[f64]) -> Option<Posture<'a>> {
+        let of_drive = |(index, drive): (usize, Drive<'_>)| {
+            let step_pa = step_pa(&drive, pressures_pa[index]);
+            let mut moved_pa = pressures_pa.to_vec();
+            moved_pa[index] += step_pa;
+            Some((step_pa, self.body(&moved_pa)?))
+        };
+        let moved = self.limb.drives().enumerate().map(of_drive).collect::<Option<_>>()?;
+        Some(Posture::Moved(self.body(pressures_pa)?, moved))
     }
 
     fn states(&self, pressures_pa: &[f64]) -> Vec<State<f64>> {
-        self.limb.modules().iter().zip(pressures_pa).map(|(module, pressure)| module.curve.at(*pressure)).collect()
+        self.limb.drives().zip(pressures_pa).map(|(drive, pressure)| drive.curve.at(*pressure)).collect()
     }
 
     fn hang(&self, body: &mut Body) {
@@ -139,7 +154,7 @@ impl<'a> Carrier<'a> {
 impl Posture<'_> {
     /// The body.
     pub(super) fn body(&self) -> &Body {
-        let (Self::Free(_, body) | Self::Loaded(body, _)) = self;
+        let (Self::Free(_, body) | Self::Moved(body, _)) = self;
         body
     }
 
@@ -147,7 +162,7 @@ impl Posture<'_> {
     pub(super) fn tip(&self) -> &Isometry3<f64> {
         match self {
             Self::Free(at, _) => at.tip(),
-            Self::Loaded(body, _) => body.end(),
+            Self::Moved(body, _) => body.end(),
         }
     }
 
@@ -155,7 +170,7 @@ impl Posture<'_> {
     pub(super) fn tip_velocities(&self) -> Vec<Vector3<f64>> {
         match self {
             Self::Free(at, _) => at.tip_velocities(),
-            Self::Loaded(body, moved) => {
+            Self::Moved(body, moved) => {
                 let way = |other: &Body| other.end().translation.vector - body.end().translation.vector;
                 moved.iter().map(|(step_pa, other)| way(other) / *step_pa).collect()
             }
@@ -166,7 +181,7 @@ impl Posture<'_> {
     pub(super) fn tip_rotations(&self) -> Vec<Vector3<f64>> {
         match self {
             Self::Free(at, _) => at.tip_rotations().collect(),
-            Self::Loaded(body, moved) => {
+            Self::Moved(body, moved) => {
                 let turn = |other: &Body| (other.end().rotation * body.end().rotation.inverse()).scaled_axis();
                 moved.iter().map(|(step_pa, other)| turn(other) / *step_pa).collect()
             }
@@ -177,7 +192,7 @@ impl Posture<'_> {
     pub(super) fn body_velocities(&self, at: &Clearance) -> (Vec<Vector3<f64>>, Vec<f64>) {
         match self {
             Self::Free(free, _) => free.body_velocities(at.piece, at.share, &at.point_m),
-            Self::Loaded(body, moved) => {
+            Self::Moved(body, moved) => {
                 let here = &body.pieces()[at.piece];
                 let of_module = |(step_pa, other): &(f64, Body)| {
                     let there = &other.pieces()[at.piece];

@@ -135,12 +135,12 @@ impl Words<'_> {
         match shortcoming {
             Shortcoming::TooFast { phase, because, enough_s } => {
                 let because = match *because {
-                    Bottleneck::Rate(module) => {
-                        let module = self.module(module);
-                        let limit = rate_max(self.scene.limits(), module.kind).unwrap_or_default();
-                        format!("the rate of `{}`, {}/s at most", module.name, in_units(module.kind, limit))
+                    Bottleneck::Rate(drive) => {
+                        let drive = self.limb.drive(drive);
+                        let limit = rate_max(self.scene.limits(), drive.kind).unwrap_or_default();
+                        format!("the rate of `{}`, {}/s at most", drive.name(), in_units(drive.kind, limit))
                     }
-                    Bottleneck::Valve(module) => format!("the valves of `{}`", self.module(module).name),
+                    Bottleneck::Valve(drive) => format!("the valves of `{}`", self.limb.drive(drive).name()),
                     Bottleneck::Supply => "the supply".to_owned(),
                 };
                 let enough = match enough_s {
@@ -290,12 +290,12 @@ impl Words<'_> {
             return self.not_carried(phase, None, cause);
         }
         let span = self.goal_span(phase);
-        let ends = self.limb.modules().iter().zip(&nearest.pressures_pa);
-        let ends = ends.map(|(module, pressure)| (module, pressure / module.single_valued_max_pa()));
+        let ends = self.limb.drives().zip(&nearest.pressures_pa);
+        let ends = ends.map(|(drive, pressure)| (drive.name(), pressure / drive.single_valued_max_pa()));
         let ends: Vec<String> = ends
-            .filter_map(|(module, fraction)| match fraction {
-                low if low < AT_END => Some(format!("`{}` has no pressure left", module.name)),
-                high if high > 1.0 - AT_END => Some(format!("`{}` is at its highest pressure", module.name)),
+            .filter_map(|(name, fraction)| match fraction {
+                low if low < AT_END => Some(format!("`{name}` has no pressure left")),
+                high if high > 1.0 - AT_END => Some(format!("`{name}` is at its highest pressure")),
                 _ => None,
             })
             .collect();

@@ -19,7 +19,7 @@ const SOLUTIONS: usize = 4;
 const REFINED_M: f64 = 2e-6;
 const REFINEMENTS: usize = 6;
 
-/// Rows of setpoints, each of which meets the goal of a phase at its end; the preferred one first. The move begins at `before`; modules without
+/// Rows of setpoints, each of which meets the goal of a phase at its end; the preferred one first. The move begins at `before`; drives without
 /// a target keep the setpoint that they were `asked` for.
 ///
 /// # Errors
@@ -33,7 +33,7 @@ pub(super) fn goals(
     match &scene.phases()[phase].goal {
         Goal::Targets(targets) => {
             check_targets(space.carrier().limb(), phase, targets)?;
-            let goal = with_load(space.carrier(), phase, &with_targets(targets, asked))?;
+            let goal = with_load(space.carrier(), phase, &with_targets(space.carrier().limb(), targets, asked))?;
             check_clear(scene, space, (before, &goal), phase)?;
             Ok(vec![goal])
         }
@@ -43,10 +43,10 @@ pub(super) fn goals(
     }
 }
 
-/// Setpoints with those of targets in their places.
-pub(super) fn with_targets(targets: &[Target], asked: &[f64]) -> Vec<f64> {
+/// Setpoints with those of targets in their places; all drives of a module get its target.
+pub(super) fn with_targets(limb: &Limb, targets: &[Target], asked: &[f64]) -> Vec<f64> {
     let mut goal = asked.to_vec();
-    targets.iter().for_each(|target| goal[target.module] = target.value.value);
+    targets.iter().for_each(|target| goal[limb.drives_of(target.module)].fill(target.value.value));
     goal
 }
 
@@ -72,10 +72,10 @@ fn with_load(carrier: &Carrier<'_>, phase: usize, values: &[f64]) -> Result<Vec<
     kept(carrier, phase, values, tip_m.into())
 }
 
-/// Modules that can hold the three coordinates of a tip; fewer hold it as near as they can.
-const ENOUGH_MODULES: usize = 3;
+/// Drives that can hold the three coordinates of a tip; fewer hold it as near as they can.
+const ENOUGH_DRIVES: usize = 3;
 
-/// Setpoints near others that hold the tip under load at a place, m, or next to it where the limb has too few modules for that.
+/// Setpoints near others that hold the tip under load at a place, m, or next to it where the limb has too few drives for that.
 ///
 /// # Errors
 /// [`Unreachable::UnderLoad`].
@@ -88,7 +88,7 @@ pub(super) fn kept(
     let task = TipTask { goal: TipGoal::Point(tip_m.into()), aim: None, obstacles: &[], clearance_m: 0.0 };
     let start = pressures_pa(&states_at(carrier.limb(), near));
     let found = refined(carrier, &task, solve_near(carrier, &task, &start));
-    let few = carrier.limb().modules().len() < ENOUGH_MODULES && found.distance_m.is_finite();
+    let few = carrier.limb().drives().len() < ENOUGH_DRIVES && found.distance_m.is_finite();
     if found.reached() || few {
         Ok(values(carrier.limb(), &found))
     } else {
@@ -213,22 +213,22 @@ fn check_clear(
 
 /// The states at setpoints of a plan, each of which has one.
 fn states_at(limb: &Limb, values: &[f64]) -> Vec<State<f64>> {
-    let modules = limb.modules().iter().zip(values);
-    modules.map(|(module, value)| module.state_at(*value).unwrap_or_else(|| module.actuator.rest())).collect()
+    let drives = limb.drives().zip(values);
+    drives.map(|(drive, value)| drive.state_at(*value).unwrap_or_else(|| drive.actuator.rest())).collect()
 }
 
 /// The states of a reach.
 pub(super) fn states(limb: &Limb, reach: &Reach) -> Vec<fra_model::State<f64>> {
-    limb.modules().iter().zip(&reach.pressures_pa).map(|(module, pressure)| module.curve.at(*pressure)).collect()
+    limb.drives().zip(&reach.pressures_pa).map(|(drive, pressure)| drive.curve.at(*pressure)).collect()
 }
 
 /// The setpoints of a reach.
 pub(super) fn values(limb: &Limb, reach: &Reach) -> Vec<f64> {
-    limb.modules().iter().zip(states(limb, reach)).map(|(module, state)| module.measure(&state)).collect()
+    limb.drives().zip(states(limb, reach)).map(|(drive, state)| drive.measure(&state)).collect()
 }
 
 pub(super) fn pressures(limb: &Limb, values: &[f64]) -> Vec<f64> {
-    limb.modules().iter().zip(values).map(|(module, value)| pressure_near(module, *value)).collect()
+    limb.drives().zip(values).map(|(drive, value)| pressure_near(&drive, *value)).collect()
 }
 
 fn pressure_near(module: &LimbModule, value: f64) -> f64 {

@@ -1,6 +1,6 @@
-//! Inverse kinematics: pressures of the modules that put the tip where it shall be, the body clear of obstacles.
+//! Inverse kinematics: pressures of the drives that put the tip where it shall be, the body clear of obstacles.
 //!
-//! Damped Gauss-Newton in the shares of each module's pressure range, by exact derivatives, the bounds kept by holding what would leave
+//! Damped Gauss-Newton in the shares of each drive's pressure range, the bounds kept by holding what would leave
 //! them. The tip counts in m, a direction as an angle times a length, a clearance that is missing as a length. The last two are one-sided and
 //! weigh more, so that what cannot be had leaves the tip off its target and not the limb in an obstacle.
 
@@ -25,7 +25,7 @@ pub(super) const REACHED_M: f64 = 1e-4;
 /// What the limb can do about a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
-    /// Gauge pressure of each module, Pa.
+    /// Gauge pressure of each drive, Pa.
     pub pressures_pa: Vec<f64>,
     /// Where the tip then is, m.
     pub tip_m: [f64; 3],

@@ -132,7 +132,7 @@ pub fn check_goals(
     for (phase, planned) in scene.phases().iter().zip(&plan.phases) {
         for (index, (module, inverse)) in limb.modules().iter().zip(inverses).enumerate() {
             let ModuleInverse::Section(_, calibration) = inverse else { continue };
-            let (value, highest_pa) = (planned.values[index], module.curve.pressure_max_pa());
+            let (value, highest_pa) = (planned.values[limb.drives_of(index).start], module.curve.pressure_max_pa());
             let length_m = module.actuator.parameters().length_m;
             let most = calibration.polynomial.bend_rate_rad_per_m(highest_pa) * length_m;
             if value <= most * (1.0 + GOAL_ROUNDING) {

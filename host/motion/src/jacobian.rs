@@ -1,4 +1,4 @@
-//! Exact derivatives of points and axes of the limb by the pressures of its modules.
+//! Exact derivatives of points and axes of a limb without steering modules by the pressures of its modules.
 //!
 //! The end of a module's centre line moves with its parameters as [`Arc::change`] says; their change by the pressure is that of the state
 //! curve, which the poses are made from, too.
@@ -6,6 +6,7 @@
 use fra_model::{Motion, Segment, State};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+use super::carrier::Carrier;
 use softlimb_limb::arc::{Arc, Twist};
 use softlimb_limb::{Limb, LimbModule};
 
@@ -126,11 +127,12 @@ fn segment_slope(module: &LimbModule, slope: &State<f64>) -> Segment<f64> {
     Segment { length_m: module.length_m() * slope.axial_stretch, bend_angle_rad, twist_rad }
 }
 
-/// How the tip moves, m/Pa, and the module's setpoint, per Pa, with the pressure of each module.
+/// How the tip moves without load, m/Pa, and the drive's setpoint, per Pa, with the pressure of each drive.
 pub fn tip_slopes(limb: &Limb, states: &[State<f64>]) -> Vec<(Vector3<f64>, f64)> {
     let pressures_pa: Vec<f64> = states.iter().map(|state| state.pressure_pa).collect();
-    let velocities = Differential::new(limb, &pressures_pa).tip_velocities();
-    let modules = limb.modules().iter().zip(&pressures_pa);
-    let slopes = modules.map(|(module, pressure_pa)| module.measure(&module.curve.slope_at(*pressure_pa)));
+    // A limb without load always has a posture.
+    let velocities = Carrier::free(limb).posture(&pressures_pa).map_or_else(Vec::new, |at| at.tip_velocities());
+    let drives = limb.drives().zip(&pressures_pa);
+    let slopes = drives.map(|(drive, pressure_pa)| drive.measure(&drive.curve.slope_at(*pressure_pa)));
     velocities.into_iter().zip(slopes).collect()
 }

@@ -6,7 +6,7 @@ use super::clear::{self, Nearness};
 use super::path::Path;
 use super::profile::minimum_jerk;
 use super::schedule::schedule;
-use super::track::{Track, states};
+use super::track::{Track, owners, states};
 use super::unreachable::{Shortcoming, Unreachable};
 use super::weight::{self, Judged, Weighed};
 use super::wire::{from_wire, to_wire};
@@ -14,7 +14,7 @@ use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
 use softlimb_scene::{Corrections, Gripper, Scene, SetpointKind};
 
-/// A phase on the clock of the run, with the value of every module at its end.
+/// A phase on the clock of the run, with the value of every drive at its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedPhase {
     /// Its name in the scene.
@@ -25,7 +25,7 @@ pub struct PlannedPhase {
     pub move_us: u64,
     /// Time it rests at its goal, us.
     pub hold_us: u64,
-    /// Setpoint of every module at the end of the move.
+    /// Setpoint of every drive at the end of the move.
     pub values: Vec<f64>,
     /// What the gripper is told at the end of the move.
     pub gripper: Option<Gripper>,
@@ -72,7 +72,7 @@ impl PlannedPhase {
     }
 }
 
-/// All setpoints of a run: one row per knot, one value per module.
+/// All setpoints of a run: one row per knot, one value per drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// The phases.
@@ -94,17 +94,17 @@ impl Plan {
         self.track.duration_us()
     }
 
-    /// Wire values per module at every knot.
+    /// Wire values per drive at every knot.
     pub fn knots(&self) -> &[Vec<i32>] {
         &self.track.knots
     }
 
-    /// Setpoint of every module at a time, interpolated between knots as the device does.
+    /// Setpoint of every drive at a time, interpolated between knots as the device does.
     pub fn values_at(&self, time_us: f64) -> Vec<f64> {
         self.track.values_at(time_us)
     }
 
-    /// States that the model gives for the setpoints at a time.
+    /// States that the model gives for the setpoints at a time, one a drive.
     pub fn states_at(&self, time_us: f64) -> Vec<State<f64>> {
         self.track.states_at(time_us)
     }
@@ -163,20 +163,19 @@ pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>
 
 /// The plan of the limb under its weight by a tier of the statics, or without weight.
 fn planned(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
-    let start: Vec<f64> = limb.modules().iter().map(|module| module.measure(&module.actuator.rest())).collect();
+    let start: Vec<f64> = limb.drives().map(|drive| drive.measure(&drive.actuator.rest())).collect();
     let (mut phases, shortcomings) = schedule(scene, limb, tier, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
-    let owners: Vec<usize> = (0..limb.modules().len()).collect();
-    let states = states(limb, &phases, &owners, &knots, knot_period_us)?;
+    let states = states(limb, &phases, &owners(limb), &knots, knot_period_us)?;
     let rows: Vec<Vec<f64>> = knots
         .iter()
-        .map(|knot| limb.modules().iter().zip(knot).map(|(m, wire)| from_wire(m.kind, *wire)).collect())
+        .map(|knot| limb.drives().zip(knot).map(|(drive, wire)| from_wire(drive.kind, *wire)).collect())
         .collect();
     let way = (&rows[..], &states[..], knot_period_us);
     clear::prove(scene, limb, &mut phases, way, tier)?;
     let weighed = tier.map(|tier| weight::weigh(scene, limb, &phases, way, tier)).transpose()?;
-    let kinds = limb.modules().iter().map(|m| m.kind).collect();
+    let kinds = limb.drives().map(|drive| drive.kind).collect();
     let track = Track { period_us: knot_period_us, kinds, knots, states };
     Ok((Plan { phases, warnings: Vec::new(), track, weighed }, shortcomings))
 }
@@ -206,7 +205,7 @@ pub(super) fn phase_at(phases: &[PlannedPhase], time_us: u64) -> usize {
 /// Samples the moves at the knots, in wire units. The last knot is at or just behind the end of the last phase.
 fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) -> Vec<Vec<i32>> {
     let end_us = phases.last().map_or(0, |phase| phase.start_us + phase.move_us + phase.hold_us);
-    let kinds: Vec<SetpointKind> = limb.modules().iter().map(|module| module.kind).collect();
+    let kinds: Vec<SetpointKind> = limb.drives().map(|drive| drive.kind).collect();
     let value_at = |time_us: u64| -> Vec<i32> {
         let Some(phase) = phases.get(phase_at(phases, time_us)) else { return to_wire_row(&kinds, start) };
         to_wire_row(&kinds, &phase.at(time_us))

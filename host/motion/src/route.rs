@@ -27,7 +27,7 @@ pub(super) fn ranges(limb: &Limb) -> Vec<(f64, f64)> {
         let end = module.curve.at(module.single_valued_max_pa());
         (module.range().0, module.measure(&end))
     };
-    limb.modules().iter().map(range).collect()
+    limb.drives().map(|drive| range(&drive)).collect()
 }
 
 /// Finds a way from row to row of setpoints, each leg proven clear. The rows between the ends are its via points.

@@ -55,7 +55,7 @@ pub(super) fn schedule(
         let move_us = times_us.last().map_or(1, |time| *time as u64);
         values = rows.last().unwrap_or(&values).clone();
         asked = match &phase.goal {
-            Goal::Targets(targets) => with_targets(targets, &asked),
+            Goal::Targets(targets) => with_targets(limb, targets, &asked),
             _ => values.clone(),
         };
         if tier.is_some() && matches!(phase.goal, Goal::Targets(_)) {
@@ -189,10 +189,10 @@ impl Planner<'_> {
         let mut before = path.at(0.0);
         for time_us in (0..=end_us).step_by(period_us as usize).skip(1) {
             let here = path.at(time_us as f64);
-            for (index, (module, (a, b))) in self.limb.modules().iter().zip(before.iter().zip(&here)).enumerate() {
+            for (drive, (a, b)) in self.limb.drives().zip(before.iter().zip(&here)) {
                 let rate = (b - a).abs() / (period_us as f64 * 1e-6);
-                if let Some(limit) = rate_max(self.scene.limits(), module.kind).filter(|limit| rate > *limit) {
-                    return Err(Unreachable::SeriesRate { phase, module: index, rate, limit, time_us });
+                if let Some(limit) = rate_max(self.scene.limits(), drive.kind).filter(|limit| rate > *limit) {
+                    return Err(Unreachable::SeriesRate { phase, module: drive.index, rate, limit, time_us });
                 }
             }
             before = here;
@@ -209,11 +209,11 @@ impl Planner<'_> {
         seconds: f64,
         (scale, whole): (f64, Option<f64>),
     ) -> Result<(), Unreachable> {
-        for (index, (module, (a, b))) in self.limb.modules().iter().zip(from.iter().zip(to)).enumerate() {
+        for (drive, (a, b)) in self.limb.drives().zip(from.iter().zip(to)) {
             let peak = PEAK_RATE * (b - a).abs() / seconds;
-            if let Some(limit) = rate_max(self.scene.limits(), module.kind).filter(|limit| peak > *limit) {
+            if let Some(limit) = rate_max(self.scene.limits(), drive.kind).filter(|limit| peak > *limit) {
                 let enough_s = whole.map_or(seconds, |whole| whole * scale) * peak / limit;
-                return Err(Unreachable::MoveRate { phase, module: index, rate: peak, limit, enough_s });
+                return Err(Unreachable::MoveRate { phase, module: drive.index, rate: peak, limit, enough_s });
             }
         }
         Ok(())

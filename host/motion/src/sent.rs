@@ -5,10 +5,10 @@ use std::ops::Range;
 use fra_model::State;
 
 use super::plan::Plan;
-use super::track::{Track, states};
+use super::track::{Track, owners, states};
 use super::unreachable::Unreachable;
 use super::wire::{from_wire, to_wire};
-use softlimb_limb::{Limb, LimbModule};
+use softlimb_limb::{Drive, Limb, LimbModule};
 use softlimb_scene::Corrections;
 
 /// The setpoints of a plan with corrections, one value a channel at every knot.
@@ -18,7 +18,7 @@ pub struct Sent {
 }
 
 impl Sent {
-    /// The setpoints of a plan: all actuators of a module get the module's.
+    /// The setpoints of a plan: all actuators of a drive get the drive's.
     pub fn uncorrected(limb: &Limb, plan: &Plan) -> Self {
         let Track { period_us, kinds, knots, states } = &plan.track;
         let track = Track {
@@ -36,7 +36,7 @@ impl Sent {
     /// [`Unreachable::OnTheWay`].
     pub(crate) fn corrected(limb: &Limb, plan: &Plan, corrections: &Corrections) -> Result<Self, Unreachable> {
         let plain = Self::uncorrected(limb, plan);
-        let owners = spread(limb, &(0..limb.modules().len()).collect::<Vec<_>>());
+        let owners = spread(limb, &owners(limb));
         let Track { period_us, kinds, knots, .. } = plain.track;
         let knots: Vec<Vec<i32>> = (0_u64..)
             .zip(knots)
@@ -85,33 +85,33 @@ impl Sent {
         limb.modules().iter().map(|module| of_channels(&module.channels)).collect()
     }
 
-    /// The plan whose modules have the means of their actuators' setpoints.
+    /// The plan whose drives have the means of their actuators' setpoints.
     #[must_use]
     pub fn averaged(&self, limb: &Limb, plan: &Plan) -> Plan {
-        let mean_of = |module: &LimbModule, row: &[i32]| {
-            let own = &row[module.channels.clone()];
-            let sum: f64 = own.iter().map(|wire| from_wire(module.kind, *wire)).sum();
-            to_wire(module.kind, sum / own.len() as f64)
+        let mean_of = |drive: &Drive<'_>, row: &[i32]| {
+            let own = &row[drive.channels.clone()];
+            let sum: f64 = own.iter().map(|wire| from_wire(drive.kind, *wire)).sum();
+            to_wire(drive.kind, sum / own.len() as f64)
         };
-        let state_of = |module: &LimbModule, row: &[State<f64>]| {
-            let own = &row[module.channels.clone()];
+        let state_of = |drive: &Drive<'_>, row: &[State<f64>]| {
+            let own = &row[drive.channels.clone()];
             let first = own[0];
             let sum = own[1..].iter().fold(first, |sum, state| State::combine([&sum, state], |[a, b]| a + b));
             State::combine([&sum], |[sum]| sum / own.len() as f64)
         };
         let mut averaged = plan.clone();
         for (index, (knot, states)) in self.track.knots.iter().zip(&self.track.states).enumerate() {
-            averaged.track.knots[index] = limb.modules().iter().map(|module| mean_of(module, knot)).collect();
-            averaged.track.states[index] = limb.modules().iter().map(|module| state_of(module, states)).collect();
+            averaged.track.knots[index] = limb.drives().map(|drive| mean_of(&drive, knot)).collect();
+            averaged.track.states[index] = limb.drives().map(|drive| state_of(&drive, states)).collect();
         }
         averaged
     }
 }
 
-/// A value of each module for each of its channels.
+/// A value of each drive for each of its channels.
 fn spread<T: Clone>(limb: &Limb, row: &[T]) -> Vec<T> {
-    let modules = limb.modules().iter().zip(row);
-    modules.flat_map(|(module, value)| std::iter::repeat_n(value.clone(), module.channels.len())).collect()
+    let drives = limb.drives().zip(row);
+    drives.flat_map(|(drive, value)| std::iter::repeat_n(value.clone(), drive.channels.len())).collect()
 }
 
 fn corrected(module: &LimbModule, wire: i32, added: f64) -> i32 {

@@ -29,11 +29,11 @@ pub(super) struct Space<'a> {
     carrier: Carrier<'a>,
     obstacles: Vec<&'a Shape>,
     required_m: f64,
-    /// Cells of each module's state curve.
+    /// Cells of each drive's state curve.
     cells: Vec<Vec<Cell>>,
 }
 
-/// What a module does between two nodes of its state curve, per unit of its setpoint.
+/// What a drive does of its module between two nodes of its state curve, per unit of its setpoint.
 struct Cell {
     from: f64,
     to: f64,
@@ -55,7 +55,7 @@ pub(super) struct Blocked {
 impl<'a> Space<'a> {
     /// The space of a limb that keeps `required_m` from each obstacle.
     pub(super) fn new(carrier: Carrier<'a>, obstacles: Vec<&'a Shape>, required_m: f64) -> Self {
-        let cells = carrier.limb().modules().iter().map(cells).collect();
+        let cells = carrier.limb().drives().map(|drive| cells(&drive)).collect();
         Self { carrier, obstacles, required_m, cells }
     }
 
@@ -69,9 +69,9 @@ impl<'a> Space<'a> {
         &self.carrier
     }
 
-    /// The states at setpoints; `None` where a module has none.
+    /// The states at setpoints; `None` where a drive has none.
     pub(super) fn states(&self, values: &[f64]) -> Option<Vec<State<f64>>> {
-        self.carrier.limb().modules().iter().zip(values).map(|(module, value)| module.state_at(*value)).collect()
+        self.carrier.limb().drives().zip(values).map(|(drive, value)| drive.state_at(*value)).collect()
     }
 
     /// The body at setpoints; `None` where the limb has no shape.
@@ -143,23 +143,33 @@ impl<'a> Space<'a> {
     /// No point of the body's surface moves farther than this over the whole move, m.
     fn speed_m(&self, from: &[f64], to: &[f64]) -> f64 {
         let (mut speed_m, mut behind_m, mut grows_m) = (0.0, 0.0_f64, 0.0_f64);
-        for (index, module) in self.carrier.limb().modules().iter().enumerate().rev() {
+        let limb = self.carrier.limb();
+        for (index, module) in limb.modules().iter().enumerate().rev() {
             behind_m += module.rigid_parts_m().iter().sum::<f64>();
-            let (low, high) = (from[index].min(to[index]), from[index].max(to[index]));
-            let touched = self.cells[index].iter().filter(|cell| cell.from <= high && cell.to >= low);
-            let (mut length, mut stretches, mut turns, mut grows) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
-            for cell in touched {
-                length = length.max(cell.length_m);
-                stretches = stretches.max(cell.stretches_m);
-                turns = turns.max(cell.turns_rad);
-                grows = grows.max(cell.grows_m);
+            let drives: Vec<(f64, Cell)> = limb.drives_of(index).map(|drive| self.touched(drive, from, to)).collect();
+            let length = drives.iter().map(|(_, cell)| cell.length_m).fold(0.0, f64::max);
+            for (way, cell) in &drives {
+                speed_m += way * (cell.stretches_m + (0.5 * length + behind_m) * cell.turns_rad);
+                grows_m = grows_m.max(way * cell.grows_m);
             }
-            let way = STEEPER * (high - low);
-            speed_m += way * (stretches + (0.5 * length + behind_m) * turns);
-            grows_m = grows_m.max(way * grows);
             behind_m += length;
         }
         speed_m + grows_m
+    }
+
+    /// The way of a drive's setpoint, and the most that its module does on it.
+    fn touched(&self, drive: usize, from: &[f64], to: &[f64]) -> (f64, Cell) {
+        let (low, high) = (from[drive].min(to[drive]), from[drive].max(to[drive]));
+        let none = Cell { from: low, to: high, length_m: 0.0, stretches_m: 0.0, turns_rad: 0.0, grows_m: 0.0 };
+        let touched = self.cells[drive].iter().filter(|cell| cell.from <= high && cell.to >= low);
+        let most = touched.fold(none, |most, cell| Cell {
+            length_m: most.length_m.max(cell.length_m),
+            stretches_m: most.stretches_m.max(cell.stretches_m),
+            turns_rad: most.turns_rad.max(cell.turns_rad),
+            grows_m: most.grows_m.max(cell.grows_m),
+            ..most
+        });
+        (STEEPER * (high - low), most)
     }
 }
 
@@ -179,17 +189,26 @@ fn way_m(from: &Body, to: &Body) -> f64 {
 
 fn cells(module: &LimbModule) -> Vec<Cell> {
     let states = module.curve.states();
+    let drives = module.drives() as f64;
     let cell = |pair: &[State<f64>]| {
         let (a, b) = (&pair[0], &pair[1]);
         let (from, to) = (module.measure(a), module.measure(b));
         let (before, after) = (module.link(a).segment, module.link(b).segment);
         let per = |change: f64| if to == from { 0.0 } else { (change / (to - from)).abs() };
+        let stretch_m = after.length_m - before.length_m;
         let turn = (after.bend_angle_rad - before.bend_angle_rad).hypot(after.twist_rad - before.twist_rad);
+        // Each of the `n` actuators of a steering module on a circle of radius `r` moves its mean length by `1/n` and its bend by `2/(n r)` of
+        // its own change.
+        let [turn, share] = if module.is_steering() {
+            [2.0 * stretch_m / (drives * module.reach_m()), 1.0 / drives]
+        } else {
+            [turn, 1.0]
+        };
         Cell {
             from: from.min(to),
             to: from.max(to),
             length_m: before.length_m.max(after.length_m),
-            stretches_m: per(after.length_m - before.length_m),
+            stretches_m: share * per(stretch_m),
             turns_rad: per(turn),
             grows_m: per(b.outer_radius_m - a.outer_radius_m),
         }

@@ -31,8 +31,8 @@ pub(super) fn shortest(
     supply: Reservoir,
 ) -> Option<Shortest> {
     let (mut time_s, mut because) = (SHORTEST_S, None);
-    for (index, (module, (a, b))) in limb.modules().iter().zip(rows.0.iter().zip(rows.1)).enumerate() {
-        let Some(limit) = rate_max(scene.limits(), module.kind) else { continue };
+    for (index, (drive, (a, b))) in limb.drives().zip(rows.0.iter().zip(rows.1)).enumerate() {
+        let Some(limit) = rate_max(scene.limits(), drive.kind) else { continue };
         let needed_s = PEAK_RATE * (b - a).abs() / limit;
         if needed_s > time_s {
             (time_s, because) = (needed_s, Some(Bottleneck::Rate(index)));

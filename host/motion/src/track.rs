@@ -9,7 +9,7 @@ use super::wire::from_wire;
 use softlimb_limb::Limb;
 use softlimb_scene::SetpointKind;
 
-/// Rows of setpoints at equal times, a column a module or a channel, with the model's states.
+/// Rows of setpoints at equal times, a column a drive or a channel, with the model's states.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Track {
     /// Time between two knots, us.
@@ -56,6 +56,11 @@ impl Track {
         let before = position as usize;
         (before, (before + 1).min(last), position - before as f64)
     }
+}
+
+/// Index of the module of each drive.
+pub(super) fn owners(limb: &Limb) -> Vec<usize> {
+    limb.drives().map(|drive| drive.index).collect()
 }
 
 /// The model's states at all knots, of columns that belong to modules: the check that a move stays within reach also between its ends.

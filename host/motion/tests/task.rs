@@ -6,4 +6,5 @@ mod keys;
 mod kinematics;
 mod loaded;
 mod obstacles;
+mod steering;
 mod times;

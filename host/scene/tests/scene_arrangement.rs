@@ -3,7 +3,7 @@
 use fra_model::Arrangement;
 use softlimb_scene::{Redesign, parse, redesigned};
 
-use crate::scene_support::{SCENE, picture};
+use crate::scene_support::{SCENE, changed, picture};
 
 /// The scene with the elbow's circle replaced.
 fn elbow(places: &str) -> String {
@@ -115,4 +115,34 @@ fn redesign_writes_either_arrangement() {
             assert!(again.modules().iter().all(|module| module.arrangement == arrangement), "{text}");
         }
     }
+}
+
+#[test]
+fn steering_module_is_read() {
+    let scene = parse(&changed("actuators = 3", "actuators = 3\nsteering = true"), "arm.toml").unwrap();
+    assert!(scene.modules()[0].steering && !scene.modules()[1].steering);
+    let refused = scene.without_steering("the tolerance study").unwrap_err().render(false);
+    assert!(refused.contains("the tolerance study has one pressure") && refused.contains("arm.toml:17"), "{refused}");
+    assert!(parse(SCENE, "arm.toml").unwrap().without_steering("anything").is_ok());
+}
+
+#[test]
+fn module_that_cannot_steer_is_refused_at_its_line() {
+    assert_eq!(
+        picture("actuators = 3", "actuators = 2\nsteering = true"),
+        r#"error: a `steering` module needs 3 actuators or more
+  --> arm.toml:21:1
+   |
+20 | actuators = 2
+   |             - there are 2
+21 | steering = true
+   | ^^^^^^^^ fewer do not bend it in two directions"#
+    );
+    let bending = refused("circle_radius = \"30 mm\"\nsteering = true");
+    assert!(bending.contains("a `steering` module needs extending actuators"), "{bending}");
+    assert!(bending.contains("arm.toml:33:1") && bending.contains("these do not extend"), "{bending}");
+    let row = picture("circle_radius = \"30 mm\"", "arrangement = \"row\"\nspacing = \"30 mm\"\nsteering = true");
+    assert!(row.contains("needs `arrangement = \"circle\"`") && row.contains("arm.toml:23:1"), "{row}");
+    let word = picture("actuators = 3", "actuators = 3\nsteering = 1");
+    assert!(word.contains("`true` or `false`"), "{word}");
 }

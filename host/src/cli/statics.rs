@@ -124,9 +124,9 @@ impl Statics {
         pressures_pa: &[f64],
         payload_kg: f64,
     ) -> Result<Row, Failure> {
-        let of_module = limb.modules().iter().zip(pressures_pa);
+        let of_drive = limb.drives().zip(pressures_pa);
         let channels: Vec<f64> =
-            of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect();
+            of_drive.flat_map(|(drive, pressure)| std::iter::repeat_n(*pressure, drive.channels.len())).collect();
         let bays: Vec<usize> =
             scene.modules().iter().map(|module| usize::from(self.spacers.unwrap_or(module.spacers)) + 1).collect();
         let load = Load { payload_kg, ..Load::default() };

@@ -107,6 +107,7 @@ struct Answer<'a> {
 impl Workspace {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
+        scene.without_steering("`softlimb workspace`")?;
         let command = match self.pressures {
             Pressures::Actuators => Command::Actuators,
             Pressures::Modules => Command::Modules,

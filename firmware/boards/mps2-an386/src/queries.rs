@@ -154,6 +154,12 @@ fn limb(bench: &mut impl Bench) {
     };
     let links = [link(0.0, 0.0, 0.0), link(1.1, 0.0, 3.0), link(0.0, 0.7, 0.0)];
     bench.put("pose within a link", "bending", || black_box(links[1]).pose_at(black_box(0.3)));
+    let stretches = [1.05_f32, 1.21, 1.13];
+    bench.put("bend of a module", "steering", || {
+        let (segment, towards_rad) = Segment::of_stretches(0.26, black_box(CIRCLE_RADIUS_M), &black_box(stretches))
+            .unwrap_or((links[0].segment, 0.0));
+        Place([segment.bend_angle_rad, towards_rad])
+    });
     bench.put("pose of a tip", "three modules", || tip_pose(&Isometry3::identity(), black_box(links)));
 }
 

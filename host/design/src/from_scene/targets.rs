@@ -16,8 +16,9 @@ const PER_RAD2: f64 = 1e4;
 /// yet may do as it likes.
 ///
 /// # Errors
-/// A diagnostic at a target that eq. (14) has no term for, at a module whose actuators plates hold back, and those of the bounds and of [`Limb::new`].
+/// A diagnostic at a target that eq. (14) has no term for, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of [`Limb::new`].
 pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
+    scene.without_steering("`softlimb design`")?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let open = ModuleBounds::default();

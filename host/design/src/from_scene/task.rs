@@ -30,9 +30,10 @@ pub struct Tasked {
 /// The task of a scene: its way-points, regions and obstacles, with its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase whose goal is none for the tip, at a module whose actuators plates hold back, and those of the bounds and of
+/// A diagnostic at a phase whose goal is none for the tip, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of
 /// [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
+    scene.without_steering("`softlimb design`")?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let patterns = patterns(scene);

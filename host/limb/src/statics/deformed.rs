@@ -21,6 +21,14 @@ pub struct Deformed {
     pub twist_rad: f64,
 }
 
+impl Deformed {
+    /// Mean stretch of an actuator at a place `[x, y]` of the section, m, in a module of this length at rest, m.
+    pub fn stretch_at(&self, [x, y]: [f64; 2], length_m: f64) -> f64 {
+        let [bend_x, bend_y] = self.bend_angle_rad;
+        self.axial_stretch - (bend_x * x + bend_y * y) / length_m
+    }
+}
+
 impl LoadedLimb {
     /// Deformation of each module in a shape of `rod`, which may have each module in several pieces.
     pub fn deformed(&self, rod: &Rod, shape: &Shape) -> Vec<Deformed> {
@@ -50,7 +58,7 @@ impl Rod {
 
 impl Limb {
     /// Makes `body` the limb as a solid at unknowns `q` of a chain of its modules, which may have each in several pieces; radii are those of
-    /// [`Limb::shape`] in states without load.
+    /// [`Limb::shape`] in states without load, one a drive.
     pub fn loaded_shape<'a>(
         &self,
         rod: &Rod,
@@ -61,7 +69,7 @@ impl Limb {
         body.restart(self.base());
         let parts = (rod.pieces.len() / self.modules().len().max(1)).max(1);
         let pieces = rod.pieces.chunks(parts).zip(q.as_slice().chunks(parts * UNKNOWNS));
-        for ((module, state), (pieces, q)) in self.modules().iter().zip(states).zip(pieces) {
+        for ((module, radius_m), (pieces, q)) in self.modules().iter().zip(self.radii_m(states)).zip(pieces) {
             for (piece, q) in pieces.iter().zip(q.chunks(UNKNOWNS)) {
                 let turned = |vector: &Vector3<f64>| {
                     let (sin, cos) = piece.mount_angle_rad.sin_cos();
@@ -69,7 +77,7 @@ impl Limb {
                 };
                 for step in 0..STEPS {
                     let [turn, shift] = Step::screw(piece, q, step);
-                    body.screw(&turned(&turn), &turned(&shift), module.radius_m(state));
+                    body.screw(&turned(&turn), &turned(&shift), radius_m);
                 }
             }
             module.rigid_shape(body);

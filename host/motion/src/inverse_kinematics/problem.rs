@@ -67,7 +67,7 @@ const SPARE_M: f64 = 2e-5;
 /// leaves less than the spare to be missed where the tip cannot be at its place.
 pub(super) const WEIGHTS: [f64; 2] = [30.0, 1000.0];
 
-/// A task of a limb, in shares of the modules' pressure ranges.
+/// A task of a limb, in shares of the drives' pressure ranges.
 pub(super) struct Problem<'a, 'l> {
     carrier: &'a Carrier<'l>,
     task: &'a TipTask<'a>,
@@ -87,7 +87,7 @@ impl<'a, 'l> Problem<'a, 'l> {
             let whole_pa = module.single_valued_max_pa();
             if margin { whole_pa.min(PRESSURE_SHARE_MAX * module.ceiling_pa()) } else { whole_pa }
         };
-        Self { carrier, task, spans: carrier.limb().modules().iter().map(span).collect() }
+        Self { carrier, task, spans: carrier.limb().drives().map(|drive| span(&drive)).collect() }
     }
 
     /// Whether anything stands in the way.

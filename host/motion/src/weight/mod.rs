@@ -10,8 +10,8 @@ pub(crate) use margins::margins;
 pub use margins::{
     BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, PRESSURE_SHARE_MAX, SAG_SHARE_MAX, STIFFNESS_MIN_N_PER_M,
 };
-pub(crate) use nominal::pressures_pa;
 pub use nominal::{Nominal, Pose, PoseError};
+pub(crate) use nominal::{pressures_pa, step_pa};
 pub use slopes::planned_slopes;
 
 use fra_model::State;
@@ -52,7 +52,7 @@ impl Judged {
     /// # Errors
     /// [`Unreachable::NotCarried`].
     pub(super) fn at_rest(scene: &Scene, limb: &Limb, error: f64) -> Result<Self, Unreachable> {
-        let at_rest = vec![0.0; limb.modules().len()];
+        let at_rest = vec![0.0; limb.drives().len()];
         let payload_kg = carried(scene.phases()).first().map_or(0.0, |carried| carried.moved.payload_kg);
         let judged = Nominal::tier_for(scene, limb, &at_rest, payload_kg, error);
         let (tier, error) = judged.map_err(|cause| Unreachable::NotCarried { phase: 0, time_us: 0, cause })?;
@@ -121,8 +121,8 @@ fn shifts_m(
         Carrier::new(scene, limb, Some(tier), carrying).tubes_shift_m(&pressures_pa(states))
     };
     let states = |values: &[f64]| -> Vec<State<f64>> {
-        let modules = limb.modules().iter().zip(values);
-        modules.map(|(module, value)| module.state_at(*value).unwrap_or_else(|| module.actuator.rest())).collect()
+        let drives = limb.drives().zip(values);
+        drives.map(|(drive, value)| drive.state_at(*value).unwrap_or_else(|| drive.actuator.rest())).collect()
     };
     let carried = carried(scene.phases());
     let first = shift(rest, carried.first().map_or_else(Carrying::default, |carried| carried.moved));

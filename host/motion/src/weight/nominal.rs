@@ -1,14 +1,14 @@
-//! The nominal limb under load at pressures of its modules.
+//! The nominal limb under load at pressures of its drives.
 
 use std::ops::Range;
 
 use fra_model::State;
 use nalgebra::{DVector, Vector3, Vector4};
 
-use softlimb_limb::Limb;
 use softlimb_limb::statics::{
     Buckling, EquilibriumError, Fidelity, Load, LoadedLimb, Rod, Settled, Shape, by_tubes, cheapest_rod,
 };
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::Scene;
 
 /// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.
@@ -27,7 +27,7 @@ pub struct Nominal<'a> {
     last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
 }
 
-/// A pose with the pressure of one module moved.
+/// A pose with the pressure of one drive moved.
 #[derive(Clone, Debug)]
 pub(crate) struct Moved {
     /// The step of the pressure, Pa.
@@ -101,7 +101,7 @@ impl<'a> Nominal<'a> {
         self.tier
     }
 
-    /// The shape at gauge pressures, Pa, one a module.
+    /// The shape at gauge pressures, Pa, one a drive.
     ///
     /// # Errors
     /// [`PoseError`].
@@ -125,11 +125,11 @@ impl<'a> Nominal<'a> {
         Ok(Pose { limb, rod, shape })
     }
 
-    /// The shape with the pressure of each module moved by a step, to first order; `None` where a pose is not stable.
+    /// The shape with the pressure of each drive moved by a step, to first order; `None` where a pose is not stable.
     pub(crate) fn moved(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Moved>> {
-        let modules = self.limb.modules().iter().map(|module| module.channels.clone());
+        let drives = self.limb.drives().map(|drive| (drive.index, drive.channels));
         let channels_pa = self.channels_pa(pressures_pa);
-        self.moved_by(pose, &channels_pa, payload_kg, modules.enumerate())
+        self.moved_by(pose, &channels_pa, payload_kg, drives)
     }
 
     /// The same with the pressures of groups of channels moved, each of which belongs to a module, from those of all channels.
@@ -145,7 +145,7 @@ impl<'a> Nominal<'a> {
         let responding = pose.shape.responding(&pose.rod, bends)?;
         let of_group = |(module, group): (usize, Range<usize>)| {
             let mut moved_pa = channels_pa.to_vec();
-            let step_pa = self.step_pa(module, channels_pa[group.start]);
+            let step_pa = step_pa(&self.limb.modules()[module], channels_pa[group.start]);
             moved_pa[group].iter_mut().for_each(|pressure_pa| *pressure_pa += step_pa);
             let other = self.loaded_at(&moved_pa, payload_kg)?;
             // Springs go with the strains, which the response of these springs tells.
@@ -168,18 +168,12 @@ impl<'a> Nominal<'a> {
         Some(moved.into_iter().map(|moved| moved.tip_m / moved.step_pa).collect())
     }
 
-    /// By how much tubes between plates have the tip elsewhere at gauge pressures, Pa, one a module; `None` where either does not stand.
+    /// By how much tubes between plates have the tip elsewhere at gauge pressures, Pa, one a drive; `None` where either does not stand.
     pub fn tubes_shift_m(&mut self, pressures_pa: &[f64], payload_kg: f64) -> Option<Vector3<f64>> {
         let rods_m = self.at(pressures_pa, payload_kg).ok()?.tip_m();
         let length_m = self.scene.rest_length_m();
         let tubes = by_tubes(&self.loaded(pressures_pa, payload_kg)?, TUBES_M / length_m, length_m)?;
         Some(tubes.tip().translation.vector - rods_m)
-    }
-
-    /// A step of a pressure, towards the middle of its range: there is an equilibrium on that side.
-    fn step_pa(&self, module: usize, pressure_pa: f64) -> f64 {
-        let span_pa = self.limb.modules()[module].single_valued_max_pa();
-        if pressure_pa < 0.5 * span_pa { STEP * span_pa } else { -STEP * span_pa }
     }
 
     pub(super) fn loaded(&self, pressures_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
@@ -192,13 +186,13 @@ impl<'a> Nominal<'a> {
         LoadedLimb::new(self.scene, self.limb, channels_pa, &self.bays, &load)
     }
 
-    /// Pressures of the modules for each of their channels.
+    /// Pressures of the drives for each of their channels.
     fn channels_pa(&self, pressures_pa: &[f64]) -> Vec<f64> {
-        let of_module = self.limb.modules().iter().zip(pressures_pa);
-        of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect()
+        let of_drive = self.limb.drives().zip(pressures_pa);
+        of_drive.flat_map(|(drive, pressure)| std::iter::repeat_n(*pressure, drive.channels.len())).collect()
     }
 
-    /// The limb at gauge pressures, Pa, one a module, ready to be loaded.
+    /// The limb at gauge pressures, Pa, one a drive, ready to be loaded.
     ///
     /// # Errors
     /// [`PoseError::NoEquilibrium`].
@@ -233,6 +227,12 @@ impl<'a> Nominal<'a> {
         stands(answer.buckling)?;
         Ok((answer.tier.max(Fidelity::Linear), answer.error()))
     }
+}
+
+/// A step of a pressure of a module's actuators, Pa, towards the middle of its range: there is an equilibrium on that side.
+pub(crate) fn step_pa(module: &LimbModule, pressure_pa: f64) -> f64 {
+    let span_pa = module.single_valued_max_pa();
+    if pressure_pa < 0.5 * span_pa { STEP * span_pa } else { -STEP * span_pa }
 }
 
 /// Pressures of states, Pa; below ambient pressure 0.

@@ -10,13 +10,13 @@ use softlimb_limb::Limb;
 use softlimb_scene::Scene;
 
 /// How the tip moves, m/Pa, and the setpoint, per Pa, with the pressure of each actuator at a time of a plan, us, in the order of the channels: of
-/// the loaded limb where the setpoints are corrected for weight. Without weight a module has the mean of its actuators.
+/// the loaded limb where the setpoints are corrected for weight. Without weight a drive has the mean of its actuators.
 pub fn planned_slopes(scene: &Scene, limb: &Limb, plan: &Plan, time_us: f64) -> Vec<(Vector3<f64>, f64)> {
     let states = plan.states_at(time_us);
-    let of_modules = limb.modules().iter().zip(tip_slopes(limb, &states));
-    let mut slopes: Vec<(Vector3<f64>, f64)> = of_modules
-        .flat_map(|(module, (velocity, slope))| {
-            let count = module.channels.len();
+    let of_drives = limb.drives().zip(tip_slopes(limb, &states));
+    let mut slopes: Vec<(Vector3<f64>, f64)> = of_drives
+        .flat_map(|(drive, (velocity, slope))| {
+            let count = drive.channels.len();
             std::iter::repeat_n((velocity / count as f64, slope), count)
         })
         .collect();

@@ -62,7 +62,7 @@ pub fn observe(scene: &Scene, load_n: f64, settings: &Settings) -> Result<Vec<Ob
                     readings.fold((0.0, 0_u32), |(sum, count), channel| (sum + channel.pressure_pa, count + 1));
                 sum / f64::from(count.max(1))
             };
-            let pressures_pa = limb.modules().iter().map(|module| reading_pa(&module.channels)).collect();
+            let pressures_pa = limb.drives().map(|drive| reading_pa(&drive.channels)).collect();
             let line = observations.len() + 2;
             observations.push(Observation { line, phase, loaded, tip_m, accuracy_m: ACCURACY_M, pressures_pa });
         }

@@ -19,7 +19,7 @@ use super::camera::Camera;
 use super::score::{SETTLING_S, errors_m, pause_s};
 use crate::record::Sample;
 use crate::run::Prepared;
-use softlimb_limb::{Limb, LimbModule};
+use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Plan, planned_slopes};
 use softlimb_scene::Corrections;
 
@@ -42,7 +42,7 @@ pub(super) struct Learner<'a> {
     corrections: Corrections,
     /// For each instant, whether the limb rests there.
     resting: Vec<bool>,
-    /// Module and channels of all that is corrected alike.
+    /// Drive and channels of all that is corrected alike.
     groups: Vec<(usize, Range<usize>)>,
     /// For each instant, how the tip moves, m, with the whole range of each group.
     columns: Vec<Vec<Vector3<f64>>>,
@@ -142,12 +142,11 @@ impl<'a> Learner<'a> {
 
     fn correct(&mut self, errors: &[Option<Vector3<f64>>]) {
         let gain = self.caution / f64::from(self.iterations.saturating_sub(FULL - 1).max(1));
-        let modules = self.limb.modules();
-        let ranges: Vec<(f64, f64)> = self.groups.iter().map(|(module, _)| modules[*module].range()).collect();
+        let ranges: Vec<(f64, f64)> = self.groups.iter().map(|(drive, _)| self.limb.drive(*drive).range()).collect();
         for (index, error) in errors.iter().enumerate().filter_map(|(index, error)| Some((index, (*error)?))) {
             let time_us = self.corrections.times_s[index] * 1e6;
             let planned = self.plan.values_at(time_us);
-            let planned: Vec<f64> = self.groups.iter().map(|(module, _)| planned[*module]).collect();
+            let planned: Vec<f64> = self.groups.iter().map(|(drive, _)| planned[*drive]).collect();
             let row = &mut self.corrections.rows[index];
             let mut values: Vec<f64> = self.groups.iter().map(|(_, channels)| row[channels.start]).collect();
             // What a group has left towards both ends of its range, as a share of it.
@@ -169,14 +168,14 @@ impl<'a> Learner<'a> {
     }
 }
 
-/// Channels that are corrected alike, with their module: single ones of extending actuators under weight, else those of a module.
+/// Channels that are corrected alike, with their drive: single ones of extending actuators under weight, else those of a drive.
 fn groups(limb: &Limb, weighed: bool) -> Vec<(usize, Range<usize>)> {
-    let of_module = |(index, module): (usize, &LimbModule)| {
-        let channels = module.channels.clone();
-        let width = if weighed && module.motion == Motion::Extension { 1 } else { channels.len() };
+    let of_drive = |(index, drive): (usize, Drive<'_>)| {
+        let channels = drive.channels.clone();
+        let width = if weighed && drive.motion == Motion::Extension { 1 } else { channels.len() };
         channels.step_by(width).map(move |at| (index, at..at + width))
     };
-    limb.modules().iter().enumerate().flat_map(of_module).collect()
+    limb.drives().enumerate().flat_map(of_drive).collect()
 }
 
 /// The solution of equations whose matrix has `own` on its diagonal and `with_next` beside it; positive semidefinite. `None` where the diagonal
@@ -202,8 +201,8 @@ fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) ->
 
 /// How the tip moves, m, with the whole range of each group, by its slopes and those of the setpoints with single actuators' pressures.
 fn columns(limb: &Limb, groups: &[(usize, Range<usize>)], slopes: &[(Vector3<f64>, f64)]) -> Vec<Vector3<f64>> {
-    let column = |(module, channels): &(usize, Range<usize>)| {
-        let (rest, last) = limb.modules()[*module].range();
+    let column = |(drive, channels): &(usize, Range<usize>)| {
+        let (rest, last) = limb.drive(*drive).range();
         let own = &slopes[channels.clone()];
         let slope = own[0].1;
         if slope == 0.0 {

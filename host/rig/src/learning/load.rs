@@ -50,7 +50,8 @@ pub fn under_load(scene: &Scene, load_n: f64, settings: &Settings) -> Result<Und
     let tracking = |prepared: &Prepared<'_>| -> Result<Tracking, LearningError> {
         let run = |noise: u64| -> Result<Vec<Vec<Vector3<f64>>>, LearningError> {
             let samples = samples(prepared, settings, noise)?;
-            Ok(ends_s(free).map(|end_s| tips_m(&samples, end_s)).collect::<Result<_, RunError>>()?)
+            // Moves without a `duration` take another time under weight.
+            Ok(ends_s(prepared.plan()).map(|end_s| tips_m(&samples, end_s)).collect::<Result<_, RunError>>()?)
         };
         Ok(score(&goals, &evaluated.clone().map(run).collect::<Result<Vec<_>, _>>()?))
     };

@@ -139,7 +139,7 @@ pub(super) fn is_evaluated(plan: &Plan) -> bool {
     plan.phases.iter().any(rests)
 }
 
-/// Bound of the tip's error at a target, m, by errors of the device's inverse, Pa for each module.
+/// Bound of the tip's error at a target, m, by errors of the device's inverse, Pa for each drive.
 pub(super) fn inverse_m(limb: &Limb, plan: &Plan, errors_pa: Option<Vec<f64>>) -> Option<f64> {
     let errors_pa = errors_pa?;
     let at = |phase: &PlannedPhase| {

@@ -5,7 +5,7 @@
 
 use fra_model::{Actuator, Load, State, Status};
 
-use softlimb_limb::Limb;
+use softlimb_limb::{Drive, Limb};
 use softlimb_motion::Plan;
 use softlimb_scene::Scene;
 
@@ -15,18 +15,18 @@ const STEP_US: f64 = 20_000.0;
 const STEPS: usize = 20;
 const CONVERGED_PA: f64 = 1e-3;
 
-/// Volume by which one actuator of each module has crept at the end of each phase, m3: by phase, then by module.
+/// Volume by which one actuator of each drive has crept at the end of each phase, m3: by phase, then by drive.
 pub(super) fn at_ends_m3(scene: &Scene, limb: &Limb, plan: &Plan) -> Vec<Vec<f64>> {
     let chamber = &scene.plant().chamber;
     let goals = |time_us: f64| -> Vec<f64> {
         let states = plan.states_at(time_us);
-        let of = |(state, module): (&State<f64>, &softlimb_limb::LimbModule)| {
-            chamber.creep_share * (state.volume_m3 - module.actuator.rest().volume_m3)
+        let of = |(state, drive): (&State<f64>, Drive<'_>)| {
+            chamber.creep_share * (state.volume_m3 - drive.actuator.rest().volume_m3)
         };
-        states.iter().zip(limb.modules()).map(of).collect()
+        states.iter().zip(limb.drives()).map(of).collect()
     };
     let (mut time_us, mut last) = (0.0, goals(0.0));
-    let mut crept = vec![0.0; limb.modules().len()];
+    let mut crept = vec![0.0; limb.drives().len()];
     let mut ends = Vec::with_capacity(plan.phases.len());
     for phase in &plan.phases {
         let end_us = (phase.start_us + phase.move_us + phase.hold_us) as f64;

@@ -26,7 +26,7 @@ pub(super) struct Tip {
 }
 
 impl Posed {
-    /// Walls have crept by these volumes, one a module; `stiffer` is the factor of all stiffnesses, and the shape without load stays.
+    /// Walls have crept by these volumes, one a drive; `stiffer` is the factor of all stiffnesses, and the shape without load stays.
     pub(super) fn new(
         scene: &Scene,
         limb: &Limb,
@@ -34,10 +34,16 @@ impl Posed {
         crept_m3: &[f64],
         stiffer: f64,
     ) -> Result<Self, EstimationError> {
-        let modules = limb.modules().iter().zip(scene.modules()).zip(observation.pressures_pa.iter().zip(crept_m3));
-        let bundles = modules.map(|((module, described), (pressure_pa, crept_m3))| {
-            // The rig has no vacuum: a reading below zero is rest.
-            bundle(module, usize::from(described.spacers) + 1, pressure_pa.max(0.0), *crept_m3)
+        // The rig has no vacuum: a reading below zero is rest.
+        let drives: Vec<(f64, f64)> = observation
+            .pressures_pa
+            .iter()
+            .map(|pressure_pa| pressure_pa.max(0.0))
+            .zip(crept_m3.iter().copied())
+            .collect();
+        let modules = limb.modules().iter().zip(scene.modules()).enumerate();
+        let bundles = modules.map(|(index, (module, described))| {
+            bundle(module, usize::from(described.spacers) + 1, &drives[limb.drives_of(index)])
         });
         let bundles =
             bundles.collect::<Option<_>>().ok_or(EstimationError::NoEquilibrium { line: observation.line })?;
@@ -61,10 +67,13 @@ impl Posed {
     }
 }
 
-/// Equal tubes: springs at their pressure about the shape that they have with their creep.
-fn bundle(module: &LimbModule, bays: usize, pressure_pa: f64, crept_m3: f64) -> Option<Bundle> {
-    let state = crept(&module.actuator, pressure_pa, crept_m3)?;
-    let tube = Spring::new(&module.actuator, pressure_pa)?.about(&state);
-    let tubes = module.positions_m().into_iter().map(|place| (place, tube.clone())).collect();
+/// Springs at the pressures of their drives, Pa, about the shapes that they have with their creep, m3.
+fn bundle(module: &LimbModule, bays: usize, drives: &[(f64, f64)]) -> Option<Bundle> {
+    let spring = |(pressure_pa, crept_m3): &(f64, f64)| {
+        let state = crept(&module.actuator, *pressure_pa, *crept_m3)?;
+        Some(Spring::new(&module.actuator, *pressure_pa)?.about(&state))
+    };
+    let springs = drives.iter().map(spring).collect::<Option<Vec<_>>>()?;
+    let tubes = module.positions_m().into_iter().zip(springs.into_iter().cycle()).collect();
     Bundle::of_springs(module.motion, tubes, module.length_m() / bays as f64)
 }

@@ -43,13 +43,13 @@ const PRESSURE_KPA: [f64; 2] = [-5.0, 2e3];
 
 impl Observation {
     /// Reads a table: `phase`, `load` (none or unknown), `x_m`, `y_m`, `z_m`, and optionally `accuracy_mm` and the measured pressures of modules,
-    /// `<module>_kpa`, in place of those of the plan at the end of the phase. Each phase that is there is there with and without the load.
+    /// `<module>_kpa` (of a steering one `<module>.<actuator>_kpa`), in place of those of the plan at the end of the phase. Each phase that is there is there with and without the load.
     ///
     /// # Errors
     /// [`TableError`] with line, column, value and what is accepted.
     pub fn read(text: &str, limb: &Limb, plan: &Plan) -> Result<Vec<Self>, TableError> {
         let table = Table::cut(text)?;
-        let pressures: Vec<String> = limb.modules().iter().map(|module| format!("{}_kpa", module.name)).collect();
+        let pressures: Vec<String> = limb.drives().map(|drive| format!("{}_kpa", drive.name())).collect();
         let others: Vec<&str> = [PHASE, LOAD].into_iter().chain(pressures.iter().map(String::as_str)).collect();
         let known: Vec<Known<()>> = TIP.into_iter().chain([ACCURACY]).collect();
         table.only(&known, &others)?;

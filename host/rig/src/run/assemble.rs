@@ -12,7 +12,7 @@ use crate::record::{
     ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
     Sample, Shape, SolidInfo,
 };
-use softlimb_limb::{Limb, LimbModule};
+use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Carried, Nominal, Plan, carried, payload_kg};
 use softlimb_numerics::statistics::mean;
 use softlimb_scene::collision::Shape as Shape3;
@@ -63,9 +63,9 @@ impl<'a> Assembler<'a> {
         let time_us = message.time_us.checked_sub(self.start_us?)?;
         let time_s = time_us as f64 * 1e-6;
         let channels = channels(message, truth);
-        let modelled: Vec<State<f64>> = self.limb.modules().iter().map(|module| modelled(module, &channels)).collect();
+        let modelled: Vec<State<f64>> = self.limb.drives().map(|drive| modelled(&drive, &channels)).collect();
         let achieved: Option<Vec<State<f64>>> =
-            truth.map(|truth| self.limb.modules().iter().map(|module| achieved(module, truth)).collect());
+            truth.map(|truth| self.limb.drives().map(|drive| achieved(&drive, truth)).collect());
         let values = self.plan.values_at(time_us as f64);
         let (hung, faults) = match (&mut self.hanging, truth, &achieved) {
             (Some(hanging), Some(truth), Some(states)) => {
@@ -83,9 +83,9 @@ impl<'a> Assembler<'a> {
             Some(hung) => hung.as_ref().map(|hung| hung.tip_m),
             None => achieved.as_ref().map(|states| self.limb.tip(states)),
         };
-        let modules = self.limb.modules().iter().enumerate().map(|(index, module)| ModuleSample {
+        let modules = self.limb.drives().enumerate().map(|(index, drive)| ModuleSample {
             setpoint: values[index],
-            modelled: module.measure(&modelled[index]),
+            modelled: drive.measure(&modelled[index]),
             achieved: values_achieved.as_ref().map(|values| values[index]),
         });
         let tip_modelled_m = self.tip_modelled_m(time_us, &channels, &modelled);
@@ -153,33 +153,33 @@ fn chamber_pa(channel: &ChannelSample) -> f64 {
     channel.true_pressure_pa.unwrap_or(channel.pressure_pa)
 }
 
-/// The state that the controller's model gives a module at the mean of its chamber pressures.
-fn modelled(module: &LimbModule, channels: &[ChannelSample]) -> State<f64> {
-    let members = module.channels.clone().filter_map(|channel| channels.get(channel));
-    module.curve.at(mean(members.map(chamber_pa)).unwrap_or(0.0))
+/// The state that the controller's model gives a drive at the mean of its chamber pressures.
+fn modelled(drive: &Drive<'_>, channels: &[ChannelSample]) -> State<f64> {
+    let members = drive.channels.clone().filter_map(|channel| channels.get(channel));
+    drive.curve.at(mean(members.map(chamber_pa)).unwrap_or(0.0))
 }
 
-/// The state of a module that holds its actuators together: the mean of theirs, or where plates hold them back their equilibrium.
-fn achieved(module: &LimbModule, truth: &Truth) -> State<f64> {
-    let members = module.channels.clone().filter_map(|channel| truth.channels.get(channel));
+/// The state of a drive whose module holds its actuators together: the mean of theirs, or where plates hold them back their equilibrium.
+fn achieved(drive: &Drive<'_>, truth: &Truth) -> State<f64> {
+    let members = drive.channels.clone().filter_map(|channel| truth.channels.get(channel));
     let alone = members.map(|member| {
         let actuator = Actuator::new(&member.parameters.actuator).ok()?;
         Some((actuator, State { pressure_pa: member.pressure_pa, ..member.shape }))
     });
-    let held = || module.held_back(&alone.collect::<Option<Vec<_>>>()?);
-    let mean = mean_state(module, truth);
-    if !module.is_restrained() {
+    let held = || drive.held_back(&alone.collect::<Option<Vec<_>>>()?);
+    let mean = mean_state(drive, truth);
+    if !drive.is_restrained() {
         return mean;
     }
     // Tubes that lean beyond the series touch: the nominal bundle is at its end there.
-    held().unwrap_or_else(|| State { pressure_pa: mean.pressure_pa, ..module.curve.at(mean.pressure_pa) })
+    held().unwrap_or_else(|| State { pressure_pa: mean.pressure_pa, ..drive.curve.at(mean.pressure_pa) })
 }
 
-fn mean_state(module: &LimbModule, truth: &Truth) -> State<f64> {
-    let members = module.channels.clone().filter_map(|channel| truth.channels.get(channel));
+fn mean_state(drive: &Drive<'_>, truth: &Truth) -> State<f64> {
+    let members = drive.channels.clone().filter_map(|channel| truth.channels.get(channel));
     // The shape lags the chamber by its creep; the pressure is the chamber's own.
     let mut shapes = members.map(|member| State { pressure_pa: member.pressure_pa, ..member.shape });
-    let first = shapes.next().unwrap_or_else(|| module.actuator.rest());
+    let first = shapes.next().unwrap_or_else(|| drive.actuator.rest());
     let (sum, count) = shapes.fold((first, 1.0), |(sum, count), shape| {
         (State::combine([&sum, &shape], |[sum, value]| sum + value), count + 1.0)
     });
@@ -187,16 +187,16 @@ fn mean_state(module: &LimbModule, truth: &Truth) -> State<f64> {
 }
 
 fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {
-    limb.modules().iter().zip(states).map(|(module, state)| module.measure(state)).collect()
+    limb.drives().zip(states).map(|(drive, state)| drive.measure(state)).collect()
 }
 
 /// What the log says about the run as a whole, before the device has told its version and taken its configuration.
 pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> RunInfo {
-    let modules = limb.modules().iter().map(|module| ModuleInfo {
-        name: module.name.clone(),
-        motion: module.motion.name().into(),
-        quantity: quantity(module.kind),
-        channels: module.channels.clone(),
+    let modules = limb.drives().map(|drive| ModuleInfo {
+        name: drive.name(),
+        motion: drive.motion.name().into(),
+        quantity: quantity(drive.kind),
+        channels: drive.channels.clone(),
     });
     let phases = plan.phases.iter().map(|phase| PhaseInfo {
         name: phase.name.clone(),

@@ -46,7 +46,7 @@ pub(super) struct Hanging<'a> {
 pub(super) struct Hung {
     /// Position of the tip, m.
     pub(super) tip_m: [f64; 3],
-    /// Setpoint value of each module, as it is deformed.
+    /// Setpoint value of each drive, as its module is deformed.
     pub(super) values: Vec<f64>,
     /// The centre line, m.
     pub(super) line_m: Vec<[f64; 3]>,
@@ -60,7 +60,7 @@ impl<'a> Hanging<'a> {
         Some(Self { scene, limb, plan, carried, known: None, last: None, lost: false, told: Vec::new() })
     }
 
-    /// The shape at a time of the run, us, with what happens to the limb there; `free` are the modules' states without load.
+    /// The shape at a time of the run, us, with what happens to the limb there; `free` are the drives' states without load.
     ///
     /// `None` from the moment on at which the limb falls: where to is not in the model.
     pub(super) fn at(&mut self, time_us: u64, truth: &Truth, free: &[State<f64>]) -> (Option<Hung>, Vec<FaultRecord>) {
@@ -138,12 +138,15 @@ impl<'a> Hanging<'a> {
             );
         }
         let deformed = limb.deformed(&rod, &shape);
-        let values = self.limb.modules().iter().zip(&deformed).zip(free);
-        let values = values.map(|((module, deformed), free)| match module.kind {
+        let values = self.limb.drives().zip(free).map(|(drive, free)| (deformed[drive.index], drive, free));
+        let values = values.map(|(deformed, drive, free)| match drive.kind {
+            SetpointKind::AxialStretch if drive.is_steering() => {
+                deformed.stretch_at(drive.position_m(), drive.length_m())
+            }
             SetpointKind::AxialStretch => deformed.axial_stretch,
             SetpointKind::BendAngle => deformed.bend_angle_rad[0],
             SetpointKind::Twist => deformed.twist_rad,
-            SetpointKind::Pressure | SetpointKind::OuterRadius | SetpointKind::InnerRadius => module.measure(free),
+            SetpointKind::Pressure | SetpointKind::OuterRadius | SetpointKind::InnerRadius => drive.measure(free),
         });
         let (tip_m, values) = (shape.tip().translation.vector.into(), values.collect());
         (Some(Hung { tip_m, values, line_m: rod.line_m(&shape) }), faults)

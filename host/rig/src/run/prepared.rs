@@ -11,7 +11,7 @@ use crate::link;
 use crate::link::{DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary};
 use crate::record::{RunInfo, Sample};
 use crate::simulate;
-use softlimb_limb::Limb;
+use softlimb_limb::{Drive, Limb};
 use softlimb_motion as motion;
 use softlimb_motion::{ModuleInverse, Plan, Sent};
 use softlimb_scene::{Corrections, Scene};
@@ -76,10 +76,10 @@ impl<'a> Prepared<'a> {
         &self.plan
     }
 
-    /// Verified error of the pressure that the device finds for each module, Pa; `None` where one is not looked up in tables.
+    /// Verified error of the pressure that the device finds for each drive, Pa; `None` where one is not looked up in tables.
     pub(crate) fn inverse_errors_pa(&self) -> Option<Vec<f64>> {
-        let modules = self.limb.modules().iter().zip(&self.inverses);
-        modules.map(|(module, inverse)| Some(inverse.error()? * module.pressure_max_pa)).collect()
+        let error_pa = |drive: Drive<'_>| Some(self.inverses[drive.index].error()? * drive.pressure_max_pa);
+        self.limb.drives().map(error_pa).collect()
     }
 
     pub(super) fn info(&self, seed: u64) -> RunInfo {

@@ -49,6 +49,8 @@ pub struct Module {
     pub actuators: u8,
     /// Places of the actuators on the connector, seen with `x` at the mount angle.
     pub arrangement: Arrangement<f64>,
+    /// Whether each actuator has a setpoint of its own: then there are three or more, extending, on a circle.
+    pub steering: bool,
     /// Rotation about the limb's axis, rad.
     pub mount_angle_rad: f64,
     /// Plates between its connectors, 0 to 50.

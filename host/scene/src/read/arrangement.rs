@@ -45,6 +45,40 @@ pub(super) fn arrangement(
     })
 }
 
+/// Fewest actuators that bend a module in two directions.
+const STEERING_MIN: i64 = 3;
+
+/// Whether each actuator has a setpoint of its own; notes where such actuators could not bend the module in two directions.
+pub(super) fn steering(
+    reader: &Reader<'_>,
+    motion: Option<Located<Motion>>,
+    actuators: Option<Located<i64>>,
+    arrangement: Option<Arrangement<f64>>,
+) -> Option<bool> {
+    if !reader.flag(&keys::STEERING)? {
+        return Some(false);
+    }
+    let span = reader.key_span(keys::STEERING.name).unwrap_or(reader.span());
+    let (motion, actuators) = (motion?, actuators?);
+    if *motion != Motion::Extension {
+        let problem = Problem::at(span, "a `steering` module needs extending actuators", "each has its own setpoint");
+        let help = "set `motion = \"extension\"` with a winding that extends, or leave out `steering`";
+        return reader.log().note(problem.label(motion.span, "these do not extend").help(help));
+    }
+    if *actuators < STEERING_MIN {
+        let title = format!("a `steering` module needs {STEERING_MIN} actuators or more");
+        let label = format!("there {} {}", if *actuators == 1 { "is" } else { "are" }, *actuators);
+        let problem = Problem::at(span, title, "fewer do not bend it in two directions");
+        return reader.log().note(problem.label(actuators.span, label));
+    }
+    if matches!(arrangement?, Arrangement::Row { .. }) {
+        let title = "a `steering` module needs `arrangement = \"circle\"`";
+        let label = "a row bends it in one direction alone";
+        return reader.log().note(Problem::at(span, title, label).help("give `circle_radius` in place of `spacing`"));
+    }
+    Some(true)
+}
+
 /// Notes the distance of the other arrangement.
 fn other_is_absent(reader: &Reader<'_>, kind: Kind, own: &Quantity, other: &Quantity) -> Option<()> {
     let Some(span) = reader.key_span(other.name) else { return Some(()) };

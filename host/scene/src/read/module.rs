@@ -2,7 +2,7 @@
 
 use fra_model::{Families, Fiber, Material, Motion, Placement};
 
-use super::arrangement::arrangement;
+use super::arrangement::{arrangement, steering};
 use super::design::module_bounds;
 use super::parts::{Elastomer, Parts, Winding};
 use crate::data::{Limits, Module, ModuleBounds, SetpointKind, Thread, WoundWall};
@@ -69,6 +69,7 @@ fn draft<'a>(
     let outer = reader.quantity(&keys::OUTER_RADIUS);
     let wall = inner.zip(outer).and_then(|(inner, outer)| wall(reader, inner, outer));
     let arrangement = arrangement(reader, motion, actuators, outer);
+    let steering = steering(reader, motion, actuators, arrangement);
     let length = reader.quantity(&keys::LENGTH);
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
     let spacers = reader.integer(&keys::SPACERS);
@@ -89,6 +90,7 @@ fn draft<'a>(
             motion: motion?,
             actuators: u8::try_from(*actuators?).ok()?,
             arrangement: arrangement?,
+            steering: steering?,
             mount_angle_rad: *mount_angle?,
             spacers: u8::try_from(*spacers?).ok()?,
             spacer_mass_kg: *spacer_mass?,

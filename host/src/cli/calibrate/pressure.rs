@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::super::shared::{about, read};
 use super::super::{Failure, Outcome};
 use super::{Files, Fitted, Fitting, Per, Unknowns};
+use softlimb_limb::Limb;
 use softlimb_rig::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
 use softlimb_rig::record;
 use softlimb_rig::record::Quantity;
@@ -91,14 +92,15 @@ impl Run {
             Some(scene) => scene::load(scene)?,
             None => scene::parse(&log.info.scene_text, &format!("scene.toml of {}", self.log.display()))?,
         };
-        let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
-        if names != log.info.modules.iter().map(|module| module.name.as_str()).collect::<Vec<_>>() {
+        let limb = Limb::new(&scene)?;
+        let names: Vec<String> = limb.drives().map(|drive| drive.name()).collect();
+        if !names.iter().eq(log.info.modules.iter().map(|module| &module.name)) {
             return Err(about(&format!("the log has other modules than the scene, which has {}", names.join(", "))));
         }
         let seen: Vec<Seen> = holds(&log)
             .into_iter()
             .map(|hold| Seen {
-                module: hold.module,
+                module: limb.drive(hold.module).index,
                 reading_pa: hold.reading_pa,
                 quantity: hold.quantity,
                 value: hold.value,

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::cli::shared::{quantity, show, write_if};
 use crate::cli::{Failure, Outcome};
+use softlimb_limb::Limb;
 use softlimb_rig::learning::{LearningError, Settings, Tracking, UnderLoad, observe, under_load};
 use softlimb_rig::payload_estimation::Observation;
 use softlimb_scene as scene;
@@ -110,7 +111,8 @@ impl Track {
         let loads = rows.iter().map(Row::from).collect();
         let printed = Printed { scene: scene.name(), repeats: self.repeats, rehearsals: self.iterations, loads };
         show(self.json, &printed, || self.table(&scene, &rows))?;
-        write_if(self.tips.as_ref(), || tips(&scene, &seen))?;
+        let limb = Limb::new(&scene)?;
+        write_if(self.tips.as_ref(), || tips(&scene, &limb, &seen))?;
         Ok(Outcome::Done)
     }
 
@@ -142,9 +144,9 @@ impl Track {
 }
 
 /// The table that `payload estimate` reads. Writing to a string cannot fail.
-fn tips(scene: &Scene, seen: &[Observation]) -> String {
+fn tips(scene: &Scene, limb: &Limb, seen: &[Observation]) -> String {
     let mut text = "phase,load,x_m,y_m,z_m".to_owned();
-    scene.modules().iter().for_each(|module| text.extend([",", &module.name, "_kpa"]));
+    limb.drives().for_each(|drive| text.extend([",", &drive.name(), "_kpa"]));
     text.push('\n');
     for Observation { phase, loaded, tip_m, pressures_pa, .. } in seen {
         let (phase, load) = (&scene.phases()[*phase].name.value, if *loaded { "unknown" } else { "none" });
