@@ -95,7 +95,7 @@ impl Row {
         let index = ((share * INTERVALS as f64) as usize).min(self.curve.len().saturating_sub(2));
         let ([low, from], [high, to]) = (*self.curve.get(index)?, *self.curve.get(index + 1)?);
         let along = (share - low) / (high - low);
-        (along <= 1.0 + 1e-9).then(|| from + along * (to - from))
+        (along <= 1.0 + 1e-9).then_some(from + along * (to - from))
     }
 }
 

@@ -175,9 +175,10 @@ pub(super) fn beside(
         Some((spares_m(built, task, &stand, carried, &way.shift_m(*share)), stand.tilt_rad(grasp.as_ref())))
     };
     // Some obstacles, and the tilt, have the same point of the way.
-    let mut known: Vec<(f64, Option<(Vec<f64>, f64)>)> = Vec::new();
+    let mut known = Vec::new();
     let mut known_at = |point: &(f64, Arc<Stand>)| {
-        let found = known.iter().find(|(share, _)| *share == point.0).map(|(_, found)| found.clone());
+        let found: Option<Option<_>> =
+            known.iter().find(|(share, _)| *share == point.0).map(|(_, found)| Clone::clone(found));
         found.unwrap_or_else(|| {
             let found = at(point);
             known.push((point.0, found.clone()));
