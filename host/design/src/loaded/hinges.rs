@@ -19,9 +19,9 @@ const LEAST_GAIN: f64 = 1e-4;
 const IDLE: usize = 3;
 /// Most trials over most steps.
 const TRIALS: usize = 3;
-/// Newton's iterations for a step, and halvings of one.
+/// Newton's iterations for a step, and halvings that find the least on the way of one.
 const ITERATIONS: usize = 20;
-const HALVINGS: usize = 12;
+const HALVINGS: usize = 40;
 
 /// Residuals on the unit box.
 pub(super) trait Hinged {
@@ -135,10 +135,6 @@ impl Model {
         let diagonal = rows.tr_mul(&rows).diagonal();
         let scale = diagonal.max().max(f64::MIN_POSITIVE);
         let damped = diagonal.map(|own| damping * own.max(LEAST_SCALE * scale));
-        let values = |step: &DVector<f64>| &self.residuals + &self.jacobian * step;
-        let cost = |step: &DVector<f64>, values: &DVector<f64>| {
-            self.squares(values) + step.iter().zip(damped.iter()).map(|(step, by)| by * step * step).sum::<f64>()
-        };
         let mut step = DVector::zeros(point.len());
         let mut here = self.residuals.clone();
         for _ in 0..ITERATIONS {
@@ -147,17 +143,27 @@ impl Model {
             let mut hessian = rows.tr_mul(&rows);
             (0..point.len()).for_each(|axis| hessian[(axis, axis)] += damped[axis]);
             let Some(target) = bounded(&hessian, &gradient, point) else { break };
-            let now = cost(&step, &here);
             let way = target - &step;
-            let part = |share: f64| {
-                let next = &step + &way * share;
-                let there = values(&next);
-                (cost(&next, &there) < now).then_some((next, there))
+            let moved = &self.jacobian * &way;
+            // Half of the slope of the damped model along the way: it rises.
+            let slope = |share: f64| {
+                let of = |((value, by), one_sided): ((&f64, &f64), &bool)| {
+                    let there = value + by * share;
+                    if *one_sided && there <= 0.0 { 0.0 } else { there * by }
+                };
+                let values = here.iter().zip(&moved).zip(&self.one_sided).map(of).sum::<f64>();
+                values
+                    + step
+                        .iter()
+                        .zip(&way)
+                        .zip(&damped)
+                        .map(|((step, way), by)| by * (step + way * share) * way)
+                        .sum::<f64>()
             };
-            let Some((next, there)) = (0..HALVINGS).find_map(|half| part(0.5_f64.powi(half as i32))) else { break };
-            (step, here) = (next, there);
+            let share = if slope(1.0) <= 0.0 { 1.0 } else { least(slope) };
+            (step, here) = (&step + &way * share, &here + &moved * share);
             let after = self.counting(&here);
-            if after == counting {
+            if share == 1.0 && after == counting {
                 break;
             }
             counting = after;
@@ -176,6 +182,17 @@ impl Model {
 
 fn picked(values: &DVector<f64>, counting: &[bool]) -> Vec<f64> {
     values.iter().zip(counting).filter_map(|(value, counts)| counts.then_some(*value)).collect()
+}
+
+/// Where a slope that rises from 0 to 1 changes its sign.
+fn least(slope: impl Fn(f64) -> f64) -> f64 {
+    let halve = |[low, high]: [f64; 2], _| {
+        let middle = 0.5 * (low + high);
+        if slope(middle) > 0.0 { [low, middle] } else { [middle, high] }
+    };
+    // The far end is beyond a limit that the way meets, which then counts.
+    let [_, beyond] = (0..HALVINGS).fold([0.0, 1.0], halve);
+    beyond
 }
 
 /// The step to the minimum of `g s + s H s/2` in the box: variables that it would push out are held at its faces, and the others adapted to that.
