@@ -39,7 +39,7 @@ pub struct LimbModule {
     /// Stretches between plates.
     bays: usize,
     arrangement: Arrangement<f64>,
-    /// Whether each actuator has a setpoint of its own.
+    /// Whether each actuator has its own setpoint.
     steering: bool,
     mount_angle_rad: f64,
     rigid_length_m: f64,
@@ -220,7 +220,7 @@ impl LimbModule {
         body.rigid(tool_m, self.tool_m.map_or(0.0, |(_, radius)| radius));
     }
 
-    /// Whether each of its actuators has a setpoint of its own: unequal ones bend it.
+    /// Whether each actuator has its own setpoint: unequal setpoints bend the module.
     pub fn is_steering(&self) -> bool {
         self.steering
     }

@@ -62,7 +62,7 @@ impl Sums {
         }
     }
 
-    /// The best length, m, and what it leaves. A radius is no multiple of the length.
+    /// The best length, m, and the sum of squares that remains. An expanded radius does not scale with the length.
     fn best(self, segment: &Segment) -> (f64, f64) {
         let [low, high] = segment.bounds.length_m;
         let length_m = if self.b > 0.0 { (self.a / self.b).clamp(low, high) } else { low };

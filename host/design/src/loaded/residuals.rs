@@ -38,7 +38,7 @@ pub struct Lack {
 /// What a margin that is far from its limit has to spare, in its own unit.
 const FAR: f64 = 1.0;
 
-/// A residual of a margin: what is lacking, and where that is one-sided and negative, what is to spare.
+/// A residual of a margin: positive where the margin is missed. A one-sided residual is negative where there is something to spare.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Residual {
     margin: Margin,

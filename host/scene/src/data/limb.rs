@@ -49,7 +49,7 @@ pub struct Module {
     pub actuators: u8,
     /// Places of the actuators on the connector, seen with `x` at the mount angle.
     pub arrangement: Arrangement<f64>,
-    /// Whether each actuator has a setpoint of its own: then there are three or more, extending, on a circle.
+    /// Whether each actuator has its own setpoint. Such a module has three or more extending actuators on a circle.
     pub steering: bool,
     /// Rotation about the limb's axis, rad.
     pub mount_angle_rad: f64,

@@ -48,7 +48,7 @@ pub(super) fn arrangement(
 /// Fewest actuators that bend a module in two directions.
 const STEERING_MIN: i64 = 3;
 
-/// Whether each actuator has a setpoint of its own; notes where such actuators could not bend the module in two directions.
+/// Whether each actuator has its own setpoint. Notes an arrangement that cannot bend in two directions.
 pub(super) fn steering(
     reader: &Reader<'_>,
     motion: Option<Located<Motion>>,
