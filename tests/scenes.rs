@@ -12,7 +12,8 @@ mod support;
 
 use std::sync::LazyLock;
 
-use softlimb_rig::record::{ModuleSample, Quantity};
+use fra_model::StateQuantity;
+use softlimb_rig::record::ModuleSample;
 use softlimb_scene::Scene;
 use support::{Ran, names, run, scene_with};
 
@@ -30,15 +31,15 @@ static AS_IT_IS: LazyLock<Vec<(String, Scene, Ran)>> = LazyLock::new(|| {
 });
 
 /// The value of a quantity at rest, in the unit of the log. Scenes with other quantities than these have no travel to compare with.
-fn at_rest(quantity: Quantity) -> f64 {
+fn at_rest(quantity: StateQuantity) -> f64 {
     match quantity {
-        Quantity::AxialStretch => 1.0,
-        Quantity::Twist | Quantity::BendAngle | Quantity::Pressure => 0.0,
-        Quantity::OuterRadius | Quantity::InnerRadius => panic!("a radius at rest depends on the actuator"),
+        StateQuantity::AxialStretch => 1.0,
+        StateQuantity::Twist | StateQuantity::BendAngle | StateQuantity::Pressure => 0.0,
+        StateQuantity::OuterRadius | StateQuantity::InnerRadius => panic!("a radius at rest depends on the actuator"),
     }
 }
 
 /// Largest deviation of the setpoint of a module from rest.
-fn travel<'a>(quantity: Quantity, samples: impl Iterator<Item = &'a ModuleSample>) -> f64 {
+fn travel<'a>(quantity: StateQuantity, samples: impl Iterator<Item = &'a ModuleSample>) -> f64 {
     samples.map(|sample| (sample.setpoint - at_rest(quantity)).abs()).fold(0.0, f64::max)
 }

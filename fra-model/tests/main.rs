@@ -11,6 +11,7 @@ mod limits_and_anchors;
 mod oracle;
 mod properties;
 mod published_and_independent;
+mod quantity;
 mod sensitivity;
 mod series;
 mod single_query;

@@ -1,7 +1,8 @@
 //! The actuators of the bench, and what the device is told about them.
 
 use fra_model::{
-    Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, State, Target, Tracker,
+    Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, State, StateQuantity, Target,
+    Tracker,
 };
 use softlimb_limb::StateCurve;
 use softlimb_motion::ModuleInverse;
@@ -10,7 +11,6 @@ use softlimb_protocol::{
     ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume, FiberPlacement, LinkLossPolicy, MaterialLaw, MotionKind,
     SetpointKind,
 };
-use softlimb_scene as scene;
 
 /// Gauge pressure above which a channel is vented, Pa.
 pub(crate) const PRESSURE_MAX_PA: f64 = 100e3;
@@ -52,14 +52,7 @@ pub(crate) struct Subject {
 impl Subject {
     /// The quantity of the setpoint in a state, in SI units.
     pub(crate) fn measure(&self, state: &State<f64>) -> f64 {
-        match self.kind {
-            SetpointKind::Pressure => state.pressure_pa,
-            SetpointKind::AxialStretch => state.axial_stretch,
-            SetpointKind::OuterRadius => state.outer_radius_m,
-            SetpointKind::InnerRadius => state.inner_radius_m,
-            SetpointKind::Twist => state.twist_rad,
-            SetpointKind::BendAngle => state.bend_angle_rad,
-        }
+        quantity(self.kind).of(state)
     }
 
     fn actuator(&self) -> Actuator<f64> {
@@ -89,7 +82,7 @@ impl Subject {
         if Tracker::new(&self.parameters).expect("a sound actuator").is_some() {
             return None;
         }
-        let (actuator, kind) = (self.actuator(), in_scene(self.kind));
+        let (actuator, kind) = (self.actuator(), quantity(self.kind));
         let curve = StateCurve::new(&actuator, TABULATED_PA);
         let subject = table::Subject::new(&actuator, kind, &curve);
         let tables = table::device_tables(&subject, 1e-4, 101_325.0).unwrap_or_else(|reason| panic!("{reason}"));
@@ -131,15 +124,15 @@ impl Subject {
     }
 }
 
-/// The scene's word for the kind of a setpoint.
-fn in_scene(kind: SetpointKind) -> scene::SetpointKind {
+/// The quantity of a setpoint on the wire.
+fn quantity(kind: SetpointKind) -> StateQuantity {
     match kind {
-        SetpointKind::Pressure => scene::SetpointKind::Pressure,
-        SetpointKind::AxialStretch => scene::SetpointKind::AxialStretch,
-        SetpointKind::OuterRadius => scene::SetpointKind::OuterRadius,
-        SetpointKind::InnerRadius => scene::SetpointKind::InnerRadius,
-        SetpointKind::Twist => scene::SetpointKind::Twist,
-        SetpointKind::BendAngle => scene::SetpointKind::BendAngle,
+        SetpointKind::Pressure => StateQuantity::Pressure,
+        SetpointKind::AxialStretch => StateQuantity::AxialStretch,
+        SetpointKind::OuterRadius => StateQuantity::OuterRadius,
+        SetpointKind::InnerRadius => StateQuantity::InnerRadius,
+        SetpointKind::Twist => StateQuantity::Twist,
+        SetpointKind::BendAngle => StateQuantity::BendAngle,
     }
 }
 

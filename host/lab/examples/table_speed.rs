@@ -5,13 +5,13 @@
 //! Instructions of the device's lookups on this machine, each called 100 000 times:
 //! `valgrind --tool=callgrind --toggle-collect='*counted_*' target/release/examples/table_speed counted`
 
+use fra_model::StateQuantity;
 use std::hint::black_box;
 use std::time::Instant;
 
 use fra_model::*;
 use softlimb_limb::StateCurve;
 use softlimb_motion::inverse_table::{DenseTable, DeviceTables, Subject, device_tables};
-use softlimb_scene::SetpointKind;
 
 /// Largest error of a device's table, as a share of full scale.
 const BUDGET: f64 = 1e-4;
@@ -23,19 +23,19 @@ const COUNTED: u32 = 100_000;
 struct Case {
     name: &'static str,
     actuator: Actuator<f64>,
-    kind: SetpointKind,
+    kind: StateQuantity,
     pressure_max_pa: f64,
 }
 
 fn cases() -> Result<Vec<Case>, InvalidParameter<f64>> {
     let neutral_deg = 0.5_f64.sqrt().atan().to_degrees();
     let rows = [
-        ("extension, 3 deg", Motion::Extension, 3.0, Families::Two, SetpointKind::AxialStretch, 97e3),
-        ("contraction, 45 deg", Motion::Extension, 45.0, Families::Two, SetpointKind::AxialStretch, 60e3),
-        ("neutral angle", Motion::Extension, neutral_deg, Families::Two, SetpointKind::AxialStretch, 97e3),
-        ("expansion, 85 deg", Motion::Expansion, 85.0, Families::Two, SetpointKind::OuterRadius, 50e3),
-        ("bending", Motion::Bending, 0.0, Families::Two, SetpointKind::BendAngle, 97e3),
-        ("twisting, 28 deg", Motion::Twisting, 28.0, Families::One, SetpointKind::Twist, 97e3),
+        ("extension, 3 deg", Motion::Extension, 3.0, Families::Two, StateQuantity::AxialStretch, 97e3),
+        ("contraction, 45 deg", Motion::Extension, 45.0, Families::Two, StateQuantity::AxialStretch, 60e3),
+        ("neutral angle", Motion::Extension, neutral_deg, Families::Two, StateQuantity::AxialStretch, 97e3),
+        ("expansion, 85 deg", Motion::Expansion, 85.0, Families::Two, StateQuantity::OuterRadius, 50e3),
+        ("bending", Motion::Bending, 0.0, Families::Two, StateQuantity::BendAngle, 97e3),
+        ("twisting, 28 deg", Motion::Twisting, 28.0, Families::One, StateQuantity::Twist, 97e3),
     ];
     let built = rows.into_iter().map(|(name, motion, angle_deg, families, kind, pressure_max_pa)| {
         let fiber = Fiber {
@@ -76,13 +76,13 @@ fn shares() -> impl Iterator<Item = f64> {
     (1..=QUESTIONS).map(|index| (index as f64 * 0.618_033_988_749_894_9).fract())
 }
 
-fn target(kind: SetpointKind, value: f64) -> Target<f64> {
+fn target(kind: StateQuantity, value: f64) -> Target<f64> {
     match kind {
-        SetpointKind::AxialStretch => Target::AxialStretch(value),
-        SetpointKind::OuterRadius => Target::OuterRadius(value),
-        SetpointKind::InnerRadius => Target::InnerRadius(value),
-        SetpointKind::Twist => Target::Twist(value),
-        SetpointKind::BendAngle | SetpointKind::Pressure => Target::BendAngle(value),
+        StateQuantity::AxialStretch => Target::AxialStretch(value),
+        StateQuantity::OuterRadius => Target::OuterRadius(value),
+        StateQuantity::InnerRadius => Target::InnerRadius(value),
+        StateQuantity::Twist => Target::Twist(value),
+        StateQuantity::BendAngle | StateQuantity::Pressure => Target::BendAngle(value),
     }
 }
 

@@ -3,7 +3,8 @@
 //! Made by `cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/evidence/validation.svg --page docs/evidence/validation.md`.
 //! Here everything but CalculiX is computed again; `tests/calculix.rs` runs CalculiX itself.
 
-use softlimb::comparison::{Comparison, Quantity, Row, compare, picture, section_curve};
+use fra_model::Motion;
+use softlimb::comparison::{Comparison, Row, compare, picture, section_curve};
 use softlimb_lab::generated_section::replaced;
 use softlimb_lab::validation::{PLACE, cases, page as table};
 
@@ -61,14 +62,14 @@ fn record_is_whole() {
     assert_eq!(recorded.rows.len(), 4 * 2 * 2 * 6);
     for row in &recorded.rows {
         assert!(row.analytic.is_some() && row.section.is_some() && row.solid.is_some(), "{row:?}");
-        assert_eq!(row.calibrated.is_some(), row.quantity == Quantity::Bend, "{row:?}");
+        assert_eq!(row.calibrated.is_some(), row.motion == Motion::Bending, "{row:?}");
     }
 }
 
 #[test]
 fn the_models_agree_within_what_is_claimed() {
     let rows = recorded().rows;
-    let (bends, straight): (Vec<_>, Vec<_>) = rows.into_iter().partition(|row| row.quantity == Quantity::Bend);
+    let (bends, straight): (Vec<_>, Vec<_>) = rows.into_iter().partition(|row| row.motion == Motion::Bending);
     // The thick-walled equations are exact for a uniform tube; bending has a trial field, or a cubic in its place.
     assert!(largest(&straight, |row| row.analytic) < 1e-5);
     assert!(largest(&bends, |row| row.analytic) < 0.03);

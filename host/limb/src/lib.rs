@@ -16,5 +16,5 @@ pub mod tolerance;
 pub mod workspace;
 
 pub use curve::StateCurve;
-pub use limb::{Drive, Limb, LimbModule, base_pose, measure, reference_max_pa};
+pub use limb::{Drive, Limb, LimbModule, base_pose, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;

@@ -2,13 +2,13 @@
 
 use std::ops::{Deref, Range};
 
-use fra_model::{Actuator, Arrangement, InvalidParameter, Link, Motion, Segment, State, Target};
+use fra_model::{Actuator, Arrangement, InvalidParameter, Link, Motion, Segment, State, StateQuantity, Target};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::StateCurve;
 use crate::statics::check_bundles;
 use softlimb_scene::collision::Body;
-use softlimb_scene::{Module, Scene, SceneError, SetpointKind};
+use softlimb_scene::{Module, Scene, SceneError};
 
 /// By how much a setpoint may be beyond its range: two steps of the wire's coarsest unit, of stretch or rad.
 const ROUNDING: f64 = 2e-6;
@@ -23,7 +23,7 @@ pub struct LimbModule {
     /// What its actuators do.
     pub motion: Motion,
     /// What its setpoints mean.
-    pub kind: SetpointKind,
+    pub kind: StateQuantity,
     /// The channels of its actuators.
     pub channels: Range<usize>,
     /// Highest gauge pressure the scene allows, Pa.
@@ -91,34 +91,15 @@ impl Deref for Drive<'_> {
     }
 }
 
-/// The value of a state in the terms of a setpoint.
-pub fn measure(kind: SetpointKind, state: &State<f64>) -> f64 {
-    match kind {
-        SetpointKind::Pressure => state.pressure_pa,
-        SetpointKind::AxialStretch => state.axial_stretch,
-        SetpointKind::OuterRadius => state.outer_radius_m,
-        SetpointKind::InnerRadius => state.inner_radius_m,
-        SetpointKind::Twist => state.twist_rad,
-        SetpointKind::BendAngle => state.bend_angle_rad,
-    }
-}
-
 impl LimbModule {
     /// The setpoint as a target of the inverse model; `None` for a pressure, which needs no inverse.
     pub fn target(&self, value: f64) -> Option<Target<f64>> {
-        match self.kind {
-            SetpointKind::Pressure => None,
-            SetpointKind::AxialStretch => Some(Target::AxialStretch(value)),
-            SetpointKind::OuterRadius => Some(Target::OuterRadius(value)),
-            SetpointKind::InnerRadius => Some(Target::InnerRadius(value)),
-            SetpointKind::Twist => Some(Target::Twist(value)),
-            SetpointKind::BendAngle => Some(Target::BendAngle(value)),
-        }
+        self.kind.target(value)
     }
 
     /// The setpoint value of a state.
     pub fn measure(&self, state: &State<f64>) -> f64 {
-        measure(self.kind, state)
+        self.kind.of(state)
     }
 
     /// Setpoint values at rest and at the highest reachable pressure.
@@ -146,7 +127,7 @@ impl LimbModule {
     /// has put beyond an end of the range have the state of that end.
     pub fn state_at(&self, value: f64) -> Option<State<f64>> {
         match self.kind {
-            SetpointKind::Pressure => Some(self.curve.at(value)),
+            StateQuantity::Pressure => Some(self.curve.at(value)),
             _ => self.curve.find(|state| self.measure(state), value).or_else(|| self.end_at(value)),
         }
     }

@@ -2,6 +2,7 @@
 //!
 //! A goal of the tip and a way to it get a search of their own, for the demand that cannot be met and the nearest that can.
 
+use fra_model::StateQuantity;
 use nalgebra::Vector3;
 
 use super::air::Bottleneck;
@@ -19,7 +20,7 @@ use super::unreachable::{Shortcoming, Unreachable};
 use super::weight::{self, Margins, PoseError};
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Limb, LimbModule};
-use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, SetpointKind, Span};
+use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, Span};
 
 /// Most points near a goal to which a way is searched.
 const POINTS: usize = 3;
@@ -69,13 +70,9 @@ pub fn corrected(scene: &Scene, limb: &Limb, plan: &Plan, corrections: &Correcti
 }
 
 /// A setpoint with its unit.
-pub(super) fn in_units(kind: SetpointKind, value: f64) -> String {
-    match kind {
-        SetpointKind::Pressure => format!("{:.2} kPa", value * 1e-3),
-        SetpointKind::AxialStretch => format!("{value:.4}"),
-        SetpointKind::OuterRadius | SetpointKind::InnerRadius => format!("{:.3} mm", value * 1e3),
-        SetpointKind::Twist | SetpointKind::BendAngle => format!("{:.2} deg", value.to_degrees()),
-    }
+pub(super) fn in_units(kind: StateQuantity, value: f64) -> String {
+    let (unit, decimals) = (kind.display_unit(), kind.display_decimals());
+    format!("{:.decimals$} {unit}", value * kind.display_scale()).trim_end().to_owned()
 }
 
 struct Words<'a> {

@@ -2,11 +2,10 @@
 
 use std::fmt;
 
-use fra_model::{State, Target, Tracker};
+use fra_model::{State, StateQuantity, Target, Tracker};
 
 use super::sent::Sent;
 use softlimb_limb::LimbModule;
-use softlimb_scene::SetpointKind;
 
 /// Largest difference of its pressures from those of the plan, as a share of the highest: about what the valves can do.
 const ERROR_MAX: f64 = 3e-3;
@@ -44,7 +43,7 @@ impl fmt::Display for NotFollowed {
 /// # Errors
 /// [`NotFollowed`] where it has none.
 pub(super) fn has_model(module: &LimbModule) -> Result<(), NotFollowed> {
-    if module.is_restrained() && module.kind != SetpointKind::Pressure {
+    if module.is_restrained() && module.kind != StateQuantity::Pressure {
         return Err(NotFollowed::Restrained);
     }
     tracker(module).map(|_| ()).ok_or(NotFollowed::NoClosedForms)

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use fra_model::Argument;
+use fra_model::{Argument, StateQuantity};
 use softlimb_protocol::{ConfigInverse, ConfigVolume, List, TableArgument};
 
 use super::diagnostics::in_units;
@@ -12,7 +12,7 @@ use super::sent::Sent;
 use crate::inverse_table::{DeviceTables, InverseFit, NoTable, Subject, VolumeFit, device_tables};
 use softlimb_fea::cross_section::{CALIBRATED_FROM, Calibration, Options, Section, SectionError};
 use softlimb_limb::{Limb, LimbModule};
-use softlimb_scene::{BendingModel, Goal, InverseChoice, Scene, SceneError, SetpointKind};
+use softlimb_scene::{BendingModel, Goal, InverseChoice, Scene, SceneError};
 
 /// How the channels of one module find their pressures.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +89,7 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
         if controller.inverse == InverseChoice::Model {
             return by_model(scene, module, index, None);
         }
-        let wanted = controller.bending == BendingModel::SectionFe && module.kind == SetpointKind::BendAngle;
+        let wanted = controller.bending == BendingModel::SectionFe && module.kind == StateQuantity::BendAngle;
         let calibration = wanted.then(|| cubic(scene, index, module)).transpose()?;
         let bend = calibration.map(|calibration| calibration.polynomial);
         let subject = Subject { bend, ..Subject::of(module) };

@@ -1,6 +1,6 @@
 //! The setpoints of a whole run, checked against what the limb can do.
 
-use fra_model::State;
+use fra_model::{State, StateQuantity};
 
 use super::clear::{self, Nearness};
 use super::path::Path;
@@ -12,7 +12,7 @@ use super::weight::{self, Judged, Weighed};
 use super::wire::{from_wire, to_wire};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
-use softlimb_scene::{Corrections, Gripper, Scene, SetpointKind};
+use softlimb_scene::{Corrections, Gripper, Scene};
 
 /// A phase on the clock of the run, with the value of every drive at its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -205,7 +205,7 @@ pub(super) fn phase_at(phases: &[PlannedPhase], time_us: u64) -> usize {
 /// Samples the moves at the knots, in wire units. The last knot is at or just behind the end of the last phase.
 fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) -> Vec<Vec<i32>> {
     let end_us = phases.last().map_or(0, |phase| phase.start_us + phase.move_us + phase.hold_us);
-    let kinds: Vec<SetpointKind> = limb.drives().map(|drive| drive.kind).collect();
+    let kinds: Vec<StateQuantity> = limb.drives().map(|drive| drive.kind).collect();
     let value_at = |time_us: u64| -> Vec<i32> {
         let Some(phase) = phases.get(phase_at(phases, time_us)) else { return to_wire_row(&kinds, start) };
         to_wire_row(&kinds, &phase.at(time_us))
@@ -213,6 +213,6 @@ fn knots(limb: &Limb, phases: &[PlannedPhase], start: &[f64], period_us: u64) ->
     (0..=end_us.div_ceil(period_us)).map(|knot| value_at(knot * period_us)).collect()
 }
 
-fn to_wire_row(kinds: &[SetpointKind], row: &[f64]) -> Vec<i32> {
+fn to_wire_row(kinds: &[StateQuantity], row: &[f64]) -> Vec<i32> {
     kinds.iter().zip(row).map(|(kind, value)| to_wire(*kind, *value)).collect()
 }

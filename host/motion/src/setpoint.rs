@@ -1,9 +1,8 @@
 //! The state of a module at a setpoint.
 
-use fra_model::{Load, State, Status};
+use fra_model::{Load, State, StateQuantity, Status};
 
 use softlimb_limb::LimbModule;
-use softlimb_scene::SetpointKind;
 
 /// Reason why a module has no state at a setpoint. Pressures are gauge, Pa.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,10 +47,10 @@ pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> R
 /// The state of a module whose plates hold its actuators back: by its curve, which is the model of the bundle.
 fn held_back(module: &LimbModule, value: f64) -> Result<State<f64>, NoState> {
     let (rest, end) = module.range();
-    let within = module.kind != SetpointKind::Pressure || value <= end * (1.0 + 1e-9);
+    let within = module.kind != StateQuantity::Pressure || value <= end * (1.0 + 1e-9);
     let found = module.state_at(value).filter(|_| within);
     if let Some(state) = found {
-        let vacuum = module.kind == SetpointKind::Pressure && value < -1.0;
+        let vacuum = module.kind == StateQuantity::Pressure && value < -1.0;
         return if vacuum { Err(NoState::Vacuum(value)) } else { Ok(state) };
     }
     let (pressure_pa, share) = module.twist_share().unwrap_or_default();

@@ -2,8 +2,9 @@
 
 use super::air::{Air, Bottleneck, Reservoir};
 use super::profile::PEAK_RATE;
+use fra_model::StateQuantity;
 use softlimb_limb::Limb;
-use softlimb_scene::{Limits, Scene, SetpointKind};
+use softlimb_scene::{Limits, Scene};
 
 /// Shortest move, s; also that of a move to where the limb is.
 const SHORTEST_S: f64 = 0.1;
@@ -64,11 +65,11 @@ fn rounded(time_s: f64, because: Option<Bottleneck>) -> Shortest {
 }
 
 /// The largest rate of a quantity, in its unit per second.
-pub(super) fn rate_max(limits: &Limits, kind: SetpointKind) -> Option<f64> {
+pub(super) fn rate_max(limits: &Limits, kind: StateQuantity) -> Option<f64> {
     match kind {
-        SetpointKind::AxialStretch => limits.stretch_rate_max_per_s,
-        SetpointKind::OuterRadius | SetpointKind::InnerRadius => limits.radius_rate_max_m_per_s,
-        SetpointKind::Twist | SetpointKind::BendAngle => limits.angle_rate_max_rad_per_s,
-        SetpointKind::Pressure => None,
+        StateQuantity::AxialStretch => limits.stretch_rate_max_per_s,
+        StateQuantity::OuterRadius | StateQuantity::InnerRadius => limits.radius_rate_max_m_per_s,
+        StateQuantity::Twist | StateQuantity::BendAngle => limits.angle_rate_max_rad_per_s,
+        StateQuantity::Pressure => None,
     }
 }

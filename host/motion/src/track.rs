@@ -1,20 +1,19 @@
 //! Setpoints and states over the time of a run, straight between knots.
 
-use fra_model::State;
+use fra_model::{State, StateQuantity};
 
 use super::plan::{PlannedPhase, phase_at};
 use super::setpoint::state_at;
 use super::unreachable::Unreachable;
 use super::wire::from_wire;
 use softlimb_limb::Limb;
-use softlimb_scene::SetpointKind;
 
 /// Rows of setpoints at equal times, a column a drive or a channel, with the model's states.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Track {
     /// Time between two knots, us.
     pub(super) period_us: u64,
-    pub(super) kinds: Vec<SetpointKind>,
+    pub(super) kinds: Vec<StateQuantity>,
     /// Setpoints as the device gets them, in wire units.
     pub(super) knots: Vec<Vec<i32>>,
     /// The model's states at the knots.

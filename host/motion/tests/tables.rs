@@ -1,11 +1,11 @@
 //! Tables for the device: compared with the inverse model, which their builder does not ask; refused where they do not fit.
 
+use fra_model::StateQuantity;
 use fra_model::*;
 use softlimb_limb::StateCurve;
 use softlimb_motion::inverse_table::{
     DenseTable, DeviceTables, NoTable, Subject, Verified, device_tables, inverse_of_degree, verify,
 };
-use softlimb_scene::SetpointKind;
 
 const ATMOSPHERE_PA: f64 = 101_325.0;
 
@@ -34,9 +34,9 @@ fn actuator(motion: Motion, angle_deg: f64, families: Families, modulus_pa: f64)
 }
 
 /// Actuators whose quantity runs smoothly and one way.
-fn smooth() -> Vec<(&'static str, Actuator<f64>, SetpointKind, f64)> {
+fn smooth() -> Vec<(&'static str, Actuator<f64>, StateQuantity, f64)> {
     use Families::{One, Two};
-    use SetpointKind::{AxialStretch, BendAngle, InnerRadius, OuterRadius, Twist};
+    use StateQuantity::{AxialStretch, BendAngle, InnerRadius, OuterRadius, Twist};
     let kevlar = 361e6;
     vec![
         ("long", actuator(Motion::Extension, 3.0, Two, kevlar), AxialStretch, 97e3),
@@ -49,13 +49,13 @@ fn smooth() -> Vec<(&'static str, Actuator<f64>, SetpointKind, f64)> {
     ]
 }
 
-fn target(kind: SetpointKind, value: f64) -> Target<f64> {
+fn target(kind: StateQuantity, value: f64) -> Target<f64> {
     match kind {
-        SetpointKind::AxialStretch => Target::AxialStretch(value),
-        SetpointKind::OuterRadius => Target::OuterRadius(value),
-        SetpointKind::InnerRadius => Target::InnerRadius(value),
-        SetpointKind::Twist => Target::Twist(value),
-        SetpointKind::BendAngle | SetpointKind::Pressure => Target::BendAngle(value),
+        StateQuantity::AxialStretch => Target::AxialStretch(value),
+        StateQuantity::OuterRadius => Target::OuterRadius(value),
+        StateQuantity::InnerRadius => Target::InnerRadius(value),
+        StateQuantity::Twist => Target::Twist(value),
+        StateQuantity::BendAngle | StateQuantity::Pressure => Target::BendAngle(value),
     }
 }
 
@@ -155,7 +155,7 @@ fn the_dense_table_is_the_model_to_a_billionth() {
 fn pressure_at_the_neutral_angle_is_a_function_of_the_root() {
     let neutral = actuator(Motion::Extension, 0.5_f64.sqrt().atan().to_degrees(), Families::Two, 361e6);
     let curve = StateCurve::new(&neutral, 97e3);
-    let subject = Subject::new(&neutral, SetpointKind::AxialStretch, &curve);
+    let subject = Subject::new(&neutral, StateQuantity::AxialStretch, &curve);
     let fit = device_tables(&subject, BUDGET, ATMOSPHERE_PA).unwrap().inverse.unwrap();
     assert_eq!(fit.argument, Argument::Root);
     let table = fit.table().unwrap();
@@ -206,7 +206,7 @@ fn untabulated_actuators_have_a_reason() {
     };
     // Beyond the neutral angle the stretch falls at first; stiff at large strain, a soft winding lets it turn.
     let turning = actuator(Motion::Extension, 35.5, Families::Two, 1e6);
-    let reason = refused(&turning, SetpointKind::AxialStretch, 97e3, BUDGET);
+    let reason = refused(&turning, StateQuantity::AxialStretch, 97e3, BUDGET);
     let NoTable::NotMonotone { pressure_pa } = reason else { panic!("{reason:?}") };
     let stretch = |pressure_pa| turning.forward(pressure_pa, &Load::none()).unwrap().state.axial_stretch;
     let around = [pressure_pa - 500.0, pressure_pa, pressure_pa + 500.0].map(|p| stretch(f64::max(p, 0.0)));
@@ -214,13 +214,13 @@ fn untabulated_actuators_have_a_reason() {
 
     // Single precision cannot keep a millionth.
     let long = actuator(Motion::Extension, 3.0, Families::Two, 361e6);
-    let reason = refused(&long, SetpointKind::AxialStretch, 97e3, 1e-6);
+    let reason = refused(&long, StateQuantity::AxialStretch, 97e3, 1e-6);
     let NoTable::Inverse { least: Some(least), budget } = reason else { panic!("{reason:?}") };
     assert!(least > 1e-6 && least < BUDGET && budget == 1e-6, "{least:e}");
 
     // The curve ends just below the limit point, where the volume runs away.
     let wide = actuator(Motion::Expansion, 90.0, Families::Two, 361e6);
-    let reason = refused(&wide, SetpointKind::OuterRadius, 97e3, BUDGET);
+    let reason = refused(&wide, StateQuantity::OuterRadius, 97e3, BUDGET);
     assert!(matches!(reason, NoTable::Volume { .. }), "{reason:?}");
 }
 
@@ -264,10 +264,10 @@ fn random_actuators_have_a_table_that_holds_or_a_reason() {
         let angle_rad = between(&mut numbers, 1.0, 89.0_f64).to_radians();
         let pressure_max_pa = shear_modulus_pa * between(&mut numbers, 0.05, 0.6);
         let (motion, kind, families) = match index % 4 {
-            0 => (Motion::Extension, SetpointKind::AxialStretch, Families::Two),
-            1 => (Motion::Expansion, SetpointKind::OuterRadius, Families::Two),
-            2 => (Motion::Bending, SetpointKind::BendAngle, Families::Two),
-            _ => (Motion::Twisting, SetpointKind::Twist, Families::One),
+            0 => (Motion::Extension, StateQuantity::AxialStretch, Families::Two),
+            1 => (Motion::Expansion, StateQuantity::OuterRadius, Families::Two),
+            2 => (Motion::Bending, StateQuantity::BendAngle, Families::Two),
+            _ => (Motion::Twisting, StateQuantity::Twist, Families::One),
         };
         let fiber = Fiber {
             angle_rad,

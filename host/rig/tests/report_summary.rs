@@ -185,7 +185,7 @@ fn table_is_aligned_and_at_most_100_columns_wide() {
     run.info.weightless = true;
     run.info.modules[0].name = "a module with a very long name\nand a second line".into();
     run.info.modules[1].motion = "bending and more than that".into();
-    run.info.modules[2].quantity = softlimb_rig::record::Quantity::Pressure;
+    run.info.modules[2].quantity = fra_model::StateQuantity::Pressure;
     run.incomplete = Some("the disk was full ".repeat(20));
     run.samples[5].modules[2].achieved = Some(-1.234e300);
     run.link.bytes_received = u64::MAX;

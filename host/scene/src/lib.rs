@@ -33,7 +33,7 @@ use std::path::Path;
 pub use data::{
     Aim, Ambient, BendingModel, Bounds, Chamber, Choice, Controller, Corrections, Design, EndEffector, Goal, Gripper,
     InverseChoice, Limb, Limits, Line, LinkLoss, Marker, Module, ModuleBounds, Object, Obstacle, Phase, Plant, Region,
-    Scene, Sensor, SetpointKind, Spread, Supply, Target, Thread, Valve, Weight, WoundWall,
+    Scene, Sensor, Spread, Supply, Target, Thread, Valve, Weight, WoundWall,
 };
 pub use error::{Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use fra_model::{Actuator, Load, Status, Target};
-use softlimb_scene::{Goal, Module, Scene, SetpointKind, load};
+use fra_model::{Actuator, Load, StateQuantity, Status, Target};
+use softlimb_scene::{Goal, Module, Scene, load};
 
 const PICK_AND_PLACE: [&str; 3] = ["weightless-a", "weightless-b", "weightless-c"];
 
@@ -47,14 +47,14 @@ fn pick_and_place_limbs_have_the_size_of_the_paper() {
 }
 
 /// The pressure a target needs, by the model, without load.
-fn pressure_pa(module: &Module, kind: SetpointKind, value: f64) -> f64 {
+fn pressure_pa(module: &Module, kind: StateQuantity, value: f64) -> f64 {
     let target = match kind {
-        SetpointKind::Pressure => return value,
-        SetpointKind::AxialStretch => Target::AxialStretch(value),
-        SetpointKind::OuterRadius => Target::OuterRadius(value),
-        SetpointKind::InnerRadius => Target::InnerRadius(value),
-        SetpointKind::Twist => Target::Twist(value),
-        SetpointKind::BendAngle => Target::BendAngle(value),
+        StateQuantity::Pressure => return value,
+        StateQuantity::AxialStretch => Target::AxialStretch(value),
+        StateQuantity::OuterRadius => Target::OuterRadius(value),
+        StateQuantity::InnerRadius => Target::InnerRadius(value),
+        StateQuantity::Twist => Target::Twist(value),
+        StateQuantity::BendAngle => Target::BendAngle(value),
     };
     let solution = Actuator::new(&module.actuator()).unwrap().inverse(target, &Load::none()).unwrap();
     assert_eq!(solution.status, Status::Solved, "{} {value}", module.name.value);

@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
-use fra_model::{Arrangement, Motion};
+use fra_model::{Arrangement, Motion, StateQuantity};
 use softlimb_scene as scene;
-use softlimb_scene::{Goal, Redesign, Scene, SetpointKind, redesigned};
+use softlimb_scene::{Goal, Redesign, Scene, redesigned};
 
 use crate::scene_support::with_sheets;
 
@@ -79,9 +79,9 @@ fn targets_take_the_place_of_goals() {
     let targets: Vec<_> = (0..scene.phases().len())
         .map(|phase| {
             vec![
-                (0, SetpointKind::Twist, -0.5),
-                (1, SetpointKind::BendAngle, 0.1 * phase as f64),
-                (2, SetpointKind::AxialStretch, 1.0625),
+                (0, StateQuantity::Twist, -0.5),
+                (1, StateQuantity::BendAngle, 0.1 * phase as f64),
+                (2, StateQuantity::AxialStretch, 1.0625),
             ]
         })
         .collect();
@@ -109,7 +109,7 @@ fn new_limb_takes_the_place_of_the_old_one() {
         winding,
     };
     let modules = [named("first", "elbow", "bending", None), named("second", "wrist", "extension", Some(0.1))];
-    let targets = vec![vec![(0, SetpointKind::BendAngle, 0.3), (1, SetpointKind::AxialStretch, 1.05)]; 4];
+    let targets = vec![vec![(0, StateQuantity::BendAngle, 0.3), (1, StateQuantity::AxialStretch, 1.05)]; 4];
     let again = read(&redesigned(&scene, &modules, Some(&targets)).unwrap());
     assert_eq!(again.modules().len(), 2);
     assert_eq!(*again.modules()[0].motion, Motion::Bending);

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::scene_support::{SCENE, changed};
-use fra_model::{Arrangement, Families, Fiber, Material, Motion, Placement};
-use softlimb_scene::{Goal, LinkLoss, Scene, SetpointKind, Span, Supply, parse};
+use fra_model::{Arrangement, Families, Fiber, Material, Motion, Placement, StateQuantity};
+use softlimb_scene::{Goal, LinkLoss, Scene, Span, Supply, parse};
 
 #[track_caller]
 fn scene(text: &str) -> Scene {
@@ -57,7 +57,7 @@ fn module_is_what_its_table_says() {
         (Motion::Extension, 3, Arrangement::Circle { radius_m: 0.03 })
     );
     assert_eq!((*elbow.motion, elbow.fiber, *elbow.length_m), (Motion::Bending, None, 0.24));
-    assert_eq!((upper.setpoint_kind, elbow.setpoint_kind), (SetpointKind::AxialStretch, SetpointKind::BendAngle));
+    assert_eq!((upper.setpoint_kind, elbow.setpoint_kind), (StateQuantity::AxialStretch, StateQuantity::BendAngle));
     assert_eq!(*elbow.pressure_max_pa, 100e3);
     assert_eq!(&SCENE[elbow.pressure_max_pa.span.range()], "\"100 kPa\"", "located where the limit is written");
 }
@@ -68,7 +68,7 @@ fn targets_are_located_and_in_the_order_of_the_modules() {
     let Goal::Targets(targets) = &scene.phases()[0].goal else { panic!("a way-point") };
     let said: Vec<_> =
         targets.iter().map(|target| (target.module, target.kind, &SCENE[target.value.span.range()])).collect();
-    assert_eq!(said, [(0, SetpointKind::AxialStretch, "1.1"), (1, SetpointKind::BendAngle, "\"40 deg\"")]);
+    assert_eq!(said, [(0, StateQuantity::AxialStretch, "1.1"), (1, StateQuantity::BendAngle, "\"40 deg\"")]);
     near(*targets[1].value, 40.0 * PI / 180.0);
     assert_eq!((scene.phases()[0].hold_us, scene.duration_us()), (0, 5_000_000));
 }
@@ -84,7 +84,7 @@ fn percentage_is_a_plain_number_over_100() {
 fn pressure_target_sets_the_kind_of_the_module() {
     let text = changed("axial_stretch = 1.1", "pressure = \"6 psi\"");
     let scene = scene(&text.replace("axial_stretch = 1.2", "pressure = \"0.4 bar\""));
-    assert_eq!(scene.modules()[0].setpoint_kind, SetpointKind::Pressure);
+    assert_eq!(scene.modules()[0].setpoint_kind, StateQuantity::Pressure);
     let Goal::Targets(targets) = &scene.phases()[0].goal else { panic!("a way-point") };
     near(*targets[0].value, 6.0 * 6_894.757_293_168_361);
 }

@@ -1,6 +1,6 @@
-//! An actuator and the quantity compared.
+//! An actuator and the deformation compared.
 
-use fra_model::{ActuatorParameters, Motion, State};
+use fra_model::{ActuatorParameters, Motion, State, StateQuantity};
 
 use softlimb_fea::cross_section::ErrorEstimate;
 use softlimb_fea::solid::Rates;
@@ -16,76 +16,48 @@ pub struct Case {
     pub pressures_pa: Vec<f64>,
 }
 
-/// The deformation that a motion is measured by, as in Fig. 6 of the paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Axial stretch.
-    Stretch,
-    /// Outer radius, mm.
-    Radius,
-    /// Bend angle, deg.
-    Bend,
-    /// Twist, deg; negative for fibers at a positive angle under pressure.
-    Twist,
+/// The deformation that a motion is named after, with its unit of display, as in Fig. 6 of the paper.
+pub fn label(motion: Motion) -> String {
+    let quantity = StateQuantity::natural(motion);
+    match quantity.display_unit() {
+        "" => quantity.label().to_owned(),
+        unit => format!("{}, {unit}", quantity.label()),
+    }
 }
 
-impl Quantity {
-    /// That of a motion.
-    pub fn of(motion: Motion) -> Self {
-        match motion {
-            Motion::Extension => Self::Stretch,
-            Motion::Expansion => Self::Radius,
-            Motion::Bending => Self::Bend,
-            Motion::Twisting => Self::Twist,
-        }
-    }
+/// A value of that deformation in SI units, in its unit of display.
+fn displayed(motion: Motion, value: f64) -> f64 {
+    value * StateQuantity::natural(motion).display_scale()
+}
 
-    /// Name and unit.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Stretch => "axial stretch",
-            Self::Radius => "outer radius, mm",
-            Self::Bend => "bend angle, deg",
-            Self::Twist => "twist, deg",
-        }
-    }
+/// That deformation in a state.
+pub(super) fn value(motion: Motion, state: &State<f64>) -> f64 {
+    displayed(motion, StateQuantity::natural(motion).of(state))
+}
 
-    /// Its value in a state.
-    pub fn value(self, state: &State<f64>) -> f64 {
-        match self {
-            Self::Stretch => state.axial_stretch,
-            Self::Radius => state.outer_radius_m * 1e3,
-            Self::Bend => state.bend_angle_rad.to_degrees(),
-            Self::Twist => state.twist_rad.to_degrees(),
-        }
-    }
+/// That deformation at rest.
+pub(super) fn at_rest(parameters: &ActuatorParameters<f64>) -> f64 {
+    displayed(parameters.motion, StateQuantity::natural(parameters.motion).at_rest(parameters))
+}
 
-    /// Its value for rates at mid-length, over the length of an actuator, m.
-    pub fn of_rates(self, rates: &Rates, length_m: f64) -> f64 {
-        match self {
-            Self::Stretch => rates.axial_stretch,
-            Self::Radius => rates.outer_radius_m * 1e3,
-            Self::Bend => (rates.bend_rate_rad_per_m * length_m).to_degrees(),
-            Self::Twist => (rates.twist_rate_rad_per_m * length_m).to_degrees(),
-        }
-    }
+/// That deformation by rates at mid-length, over the length of an actuator, m.
+pub(super) fn of_rates(motion: Motion, rates: &Rates, length_m: f64) -> f64 {
+    let value = match motion {
+        Motion::Extension => rates.axial_stretch,
+        Motion::Expansion => rates.outer_radius_m,
+        Motion::Bending => rates.bend_rate_rad_per_m * length_m,
+        Motion::Twisting => rates.twist_rate_rad_per_m * length_m,
+    };
+    displayed(motion, value)
+}
 
-    /// Its error in an estimate of the section, over the length of an actuator, m.
-    pub fn of_error(self, error: &ErrorEstimate, length_m: f64) -> f64 {
-        match self {
-            Self::Stretch => error.axial_strain,
-            Self::Radius => error.outer_radius_m * 1e3,
-            Self::Bend => (error.bend_rates_rad_per_m[0] * length_m).to_degrees(),
-            Self::Twist => (error.twist_rate_rad_per_m * length_m).to_degrees(),
-        }
-    }
-
-    /// Its value at rest.
-    pub fn at_rest(self, parameters: &ActuatorParameters<f64>) -> f64 {
-        match self {
-            Self::Stretch => 1.0,
-            Self::Radius => parameters.outer_radius_m * 1e3,
-            Self::Bend | Self::Twist => 0.0,
-        }
-    }
+/// Error of that deformation in an estimate of the section, over the length of an actuator, m.
+pub(super) fn of_error(motion: Motion, error: &ErrorEstimate, length_m: f64) -> f64 {
+    let value = match motion {
+        Motion::Extension => error.axial_strain,
+        Motion::Expansion => error.outer_radius_m,
+        Motion::Bending => error.bend_rates_rad_per_m[0] * length_m,
+        Motion::Twisting => error.twist_rate_rad_per_m * length_m,
+    };
+    displayed(motion, value)
 }

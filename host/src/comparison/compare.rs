@@ -2,7 +2,7 @@
 
 use fra_model::{Actuator, Load, Motion, Status};
 
-use super::case::{Case, Quantity};
+use super::case::{Case, at_rest, of_error, value};
 use softlimb_fea::cross_section::{BendPolynomial, Curve, EndLoad, Options, Section, SectionError};
 
 /// What a three-dimensional model says of a case: the quantity at each of its pressures, `None` where it gave up before.
@@ -13,8 +13,8 @@ pub type Solid = Vec<Option<f64>>;
 pub struct Row {
     /// Name of the case.
     pub case: String,
-    /// What is measured.
-    pub quantity: Quantity,
+    /// Motion, whose deformation is compared.
+    pub motion: Motion,
     /// Its value at rest.
     pub rest: f64,
     /// Gauge pressure, kPa.
@@ -83,7 +83,7 @@ pub fn section_curve(case: &Case) -> Result<Curve, SectionError> {
 /// [`SectionError`] of a case that is no actuator.
 pub fn compare(case: &Case, curve: &Curve, solid: &Solid) -> Result<Vec<Row>, SectionError> {
     let (parameters, length_m) = (&case.parameters, case.parameters.length_m);
-    let quantity = Quantity::of(parameters.motion);
+    let motion = parameters.motion;
     let actuator = Actuator::new(parameters)?;
     let polynomial = polynomial(case)?;
     let mut rows = Vec::new();
@@ -92,13 +92,13 @@ pub fn compare(case: &Case, curve: &Curve, solid: &Solid) -> Result<Vec<Row>, Se
         let equilibrium = answer.equilibrium();
         rows.push(Row {
             case: case.name.clone(),
-            quantity,
-            rest: quantity.at_rest(parameters),
+            motion,
+            rest: at_rest(parameters),
             pressure_kpa: answer.pressure_pa * 1e-3,
-            analytic: (analytic.status == Status::Solved).then(|| quantity.value(&analytic.state)),
+            analytic: (analytic.status == Status::Solved).then(|| value(motion, &analytic.state)),
             calibrated: polynomial.map(|curve| (curve.bend_rate_rad_per_m(answer.pressure_pa) * length_m).to_degrees()),
-            section: equilibrium.map(|equilibrium| quantity.value(&equilibrium.state.over(length_m))),
-            section_error: equilibrium.and_then(|found| found.error).map(|error| quantity.of_error(&error, length_m)),
+            section: equilibrium.map(|equilibrium| value(motion, &equilibrium.state.over(length_m))),
+            section_error: equilibrium.and_then(|found| found.error).map(|error| of_error(motion, &error, length_m)),
             solid: solid.get(index).copied().flatten(),
         });
     }

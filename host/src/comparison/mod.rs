@@ -11,7 +11,7 @@ mod study;
 mod table;
 mod tsv;
 
-pub use case::{Case, Quantity};
+pub use case::{Case, label};
 pub use compare::{Comparison, Row, Solid, compare, section_curve};
 pub use picture::picture;
 pub use study::{Progress, Study, StudyError, study};

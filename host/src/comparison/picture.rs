@@ -1,6 +1,8 @@
 //! Pressure against deformation, a chart for each motion, as in Fig. 6 of the paper.
 
-use super::case::Quantity;
+use fra_model::Motion;
+
+use super::case::label;
 use super::compare::{Comparison, Row};
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 
@@ -12,16 +14,16 @@ const CAPTION: &str = "Lines: analytic model. Dots: finite elements of the secti
 
 /// The picture as a document that stands by itself.
 pub fn picture(comparison: &Comparison) -> String {
-    let of = |quantity, title: &str| chart(comparison, quantity, title);
+    let of = |motion, title: &str| chart(comparison, motion, title);
     let charts = [
-        vec![of(Quantity::Stretch, "Extension"), of(Quantity::Radius, "Expansion")],
-        vec![of(Quantity::Bend, "Bending"), of(Quantity::Twist, "Twisting")],
+        vec![of(Motion::Extension, "Extension"), of(Motion::Expansion, "Expansion")],
+        vec![of(Motion::Bending, "Bending"), of(Motion::Twisting, "Twisting")],
     ];
     sheet(&charts, ROOM, CAPTION)
 }
 
-fn chart(comparison: &Comparison, quantity: Quantity, title: &str) -> Chart {
-    let cases: Vec<&[Row]> = comparison.by_case().into_iter().filter(|rows| rows[0].quantity == quantity).collect();
+fn chart(comparison: &Comparison, motion: Motion, title: &str) -> Chart {
+    let cases: Vec<&[Row]> = comparison.by_case().into_iter().filter(|rows| rows[0].motion == motion).collect();
     let mut series = Vec::new();
     for (index, rows) in cases.iter().enumerate() {
         let color = Color::nth(index);
@@ -42,7 +44,7 @@ fn chart(comparison: &Comparison, quantity: Quantity, title: &str) -> Chart {
         title: title.to_owned(),
         area: AREA,
         x: Axis { label: "gauge pressure, kPa".to_owned(), range: x, decades: false },
-        y: Axis { label: quantity.label().to_owned(), range: y, decades: false },
+        y: Axis { label: label(motion), range: y, decades: false },
         series,
         bands: Vec::new(),
         marks: Vec::new(),

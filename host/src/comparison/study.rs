@@ -3,7 +3,7 @@
 use softlimb_fea::cross_section::SectionError;
 use softlimb_fea::solid::{self, End, FemError, Point, Runner, Subject};
 
-use super::case::{Case, Quantity};
+use super::case::{Case, of_rates};
 use super::compare::{Comparison, Solid, compare, section_curve};
 
 /// Comparison of some cases.
@@ -96,8 +96,8 @@ fn by_calculix(
         End::Diverged { diagnosis, .. } => warnings.push(format!("{}: {diagnosis}", case.name)),
         End::TimedOut => warnings.push(format!("{}: CalculiX took more than {} s", case.name, runner.timeout_s)),
     }
-    let quantity = Quantity::of(case.parameters.motion);
-    let value = |point: &Point| point.middle.map(|rates| quantity.of_rates(&rates, case.parameters.length_m));
+    let value =
+        |point: &Point| point.middle.map(|rates| of_rates(case.parameters.motion, &rates, case.parameters.length_m));
     Ok((run.points.iter().map(value).collect(), Some(run.seconds)))
 }
 

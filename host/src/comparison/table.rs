@@ -28,7 +28,7 @@ impl Comparison {
     pub fn table(&self) -> String {
         let mut text = String::new();
         for (rows, line) in self.by_case().into_iter().zip(self.lines()) {
-            let label = rows.first().map_or("", |row| row.quantity.label());
+            let label = rows.first().map_or_else(String::new, |row| super::case::label(row.motion));
             text += &format!("{}: {label}\n", line.case);
             text += "      kPa    analytic  calibrated     section      +-    CalculiX   analytic  CalculiX\n";
             for row in rows {

@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use super::case::Quantity;
+use fra_model::Motion;
+
+use super::case::label;
 use super::compare::{Comparison, Row};
 
 const HEADING: &str = "case\tquantity\trest\tpressure, kPa\tanalytic\tcalibrated\tsection\tits error\tCalculiX";
-const QUANTITIES: [Quantity; 4] = [Quantity::Stretch, Quantity::Radius, Quantity::Bend, Quantity::Twist];
 
 /// A line of a file that is no line of a comparison.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,7 +28,7 @@ impl Comparison {
                 text,
                 "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{error}\t{}",
                 row.case,
-                row.quantity.label(),
+                label(row.motion),
                 row.rest,
                 row.pressure_kpa,
                 figure(row.analytic),
@@ -61,7 +62,7 @@ fn row(line: &str) -> Option<Row> {
     let number = |cell: &str| if cell == "-" { Some(None) } else { finite(cell).map(Some) };
     Some(Row {
         case: case.to_owned(),
-        quantity: QUANTITIES.into_iter().find(|known| known.label() == quantity)?,
+        motion: Motion::ALL.into_iter().find(|motion| label(*motion) == quantity)?,
         rest: number(rest)??,
         pressure_kpa: number(pressure)??,
         analytic: number(analytic)?,
@@ -79,7 +80,7 @@ mod tests {
     fn sample() -> Comparison {
         let row = Row {
             case: "bending, 6/8 mm, Yeoh".into(),
-            quantity: Quantity::Bend,
+            motion: Motion::Bending,
             rest: 0.0,
             pressure_kpa: 10.0,
             analytic: Some(12.9),

@@ -3,8 +3,24 @@
 use std::fs;
 use std::path::Path;
 
-/// What only a host has a use for: vector registers, and queries about actuators that come but once.
-const HOST_ONLY: [&str; 5] = ["forward_many", "forward_prepared", "atanh_series", "forward_once", "towards"];
+/// What only a host has a use for: vector registers, queries about actuators that come but once, names and units of quantities.
+const HOST_ONLY: [&str; 15] = [
+    "forward_many",
+    "forward_prepared",
+    "atanh_series",
+    "forward_once",
+    "towards",
+    "natural",
+    "fits",
+    "of",
+    "at_rest",
+    "name",
+    "label",
+    "si_unit",
+    "display_unit",
+    "display_scale",
+    "display_decimals",
+];
 
 /// The text of all Rust files below a folder.
 fn source(folder: &Path) -> String {

@@ -1,12 +1,12 @@
 //! Targets of modules as eq. (14).
 
-use fra_model::Motion;
+use fra_model::{Motion, StateQuantity};
 
 use super::space::{refuse_restrained, segment};
 use crate::actuators as fit;
 use crate::actuators::{Problem, SegmentAnswer};
 use softlimb_limb::Limb;
-use softlimb_scene::{Goal, ModuleBounds, Phase, Redesign, RedesignedTarget, Scene, SceneError, SetpointKind};
+use softlimb_scene::{Goal, ModuleBounds, Phase, Redesign, RedesignedTarget, Scene, SceneError};
 
 /// Weights of eq. (14): a millimetre counts as much as a hundredth of a radian, which moves a tip at 100 mm by as much.
 const PER_M2: f64 = 1e6;
@@ -42,10 +42,10 @@ fn goal(scene: &Scene, phase: &Phase, module: usize, length_m: f64) -> Result<Op
     let Goal::Targets(targets) = &phase.goal else { return Ok(None) };
     let Some(target) = targets.iter().find(|target| target.module == module) else { return Ok(None) };
     let (value, weight) = match target.kind {
-        SetpointKind::AxialStretch => (target.value.value * length_m, PER_M2),
-        SetpointKind::OuterRadius => (target.value.value, PER_M2),
-        SetpointKind::BendAngle | SetpointKind::Twist => (target.value.value, PER_RAD2),
-        SetpointKind::Pressure | SetpointKind::InnerRadius => {
+        StateQuantity::AxialStretch => (target.value.value * length_m, PER_M2),
+        StateQuantity::OuterRadius => (target.value.value, PER_M2),
+        StateQuantity::BendAngle | StateQuantity::Twist => (target.value.value, PER_RAD2),
+        StateQuantity::Pressure | StateQuantity::InnerRadius => {
             let title = "a design is for lengths, outer radii, bend angles and twists";
             let label = "eq. (14) has no term for this";
             return Err(scene.diagnostic(target.value.span, title, label, None));
@@ -76,10 +76,10 @@ pub fn redesigned_targets(scene: &Scene, answer: &fit::Answer) -> (Vec<Redesign>
             .map(|(index, (module, segment))| {
                 let found = segment.phases[phase].found;
                 match *module.motion {
-                    Motion::Extension => (index, SetpointKind::AxialStretch, found / segment.length_m),
-                    Motion::Expansion => (index, SetpointKind::OuterRadius, found),
-                    Motion::Bending => (index, SetpointKind::BendAngle, found),
-                    Motion::Twisting => (index, SetpointKind::Twist, found),
+                    Motion::Extension => (index, StateQuantity::AxialStretch, found / segment.length_m),
+                    Motion::Expansion => (index, StateQuantity::OuterRadius, found),
+                    Motion::Bending => (index, StateQuantity::BendAngle, found),
+                    Motion::Twisting => (index, StateQuantity::Twist, found),
                 }
             })
             .collect()

@@ -1,11 +1,10 @@
 //! Tables for a device: the lowest degree that keeps the budget.
 
-use fra_model::{Argument, InverseTable, TABLE_COEFFICIENTS};
+use fra_model::{Argument, InverseTable, StateQuantity, TABLE_COEFFICIENTS};
 
 use super::chebyshev::{coefficients, rounded, tail};
 use super::verify::{air_error, inverse_table};
 use super::{AIR_ERROR_MAX, DenseTable, NoTable, Subject, verify};
-use softlimb_scene::SetpointKind;
 
 /// Grids to try: the finest first; a coarser one rises where rounding makes a finer one waver.
 const STEPS: [u16; 5] = [32_768, 16_384, 8192, 4096, 2048];
@@ -69,7 +68,7 @@ pub struct DeviceTables {
 /// [`NoTable`] says why there are none.
 pub fn device_tables(subject: &Subject, budget: f64, atmosphere_pa: f64) -> Result<DeviceTables, NoTable> {
     let inverse = match subject.kind {
-        SetpointKind::Pressure => None,
+        StateQuantity::Pressure => None,
         _ => Some(inverse(subject, budget)?),
     };
     Ok(DeviceTables { volume: volume(subject, atmosphere_pa)?, inverse })

@@ -1,11 +1,10 @@
 //! What is tabulated: one quantity of one actuator over its pressures.
 
-use fra_model::{Actuator, Load, State, Status, Target};
+use fra_model::{Actuator, Load, State, StateQuantity, Status, Target};
 
 use super::NoTable;
 use softlimb_fea::cross_section::BendPolynomial;
-use softlimb_limb::{LimbModule, StateCurve, measure};
-use softlimb_scene::SetpointKind;
+use softlimb_limb::{LimbModule, StateCurve};
 
 /// Newton steps from the interpolated curve to the model itself; two or three do.
 const NEWTON_STEPS: usize = 12;
@@ -16,7 +15,7 @@ pub struct Subject<'a> {
     /// The actuator.
     pub actuator: &'a Actuator<f64>,
     /// The quantity.
-    pub kind: SetpointKind,
+    pub kind: StateQuantity,
     /// Its states from zero to the highest pressure of the table.
     pub curve: &'a StateCurve,
     /// Whether the curve is the model: that of a bundle whose plates hold its actuators back.
@@ -33,13 +32,13 @@ impl<'a> Subject<'a> {
     }
 
     /// An actuator by its own model.
-    pub fn new(actuator: &'a Actuator<f64>, kind: SetpointKind, curve: &'a StateCurve) -> Self {
+    pub fn new(actuator: &'a Actuator<f64>, kind: StateQuantity, curve: &'a StateCurve) -> Self {
         Self { actuator, kind, curve, by_curve: false, bend: None }
     }
 
     /// The polynomial in place of the model, and the length it bends.
     fn polynomial(&self) -> Option<(BendPolynomial, f64)> {
-        let bend = self.bend.filter(|_| self.kind == SetpointKind::BendAngle)?;
+        let bend = self.bend.filter(|_| self.kind == StateQuantity::BendAngle)?;
         Some((bend, self.actuator.parameters().length_m))
     }
 
@@ -51,7 +50,7 @@ impl<'a> Subject<'a> {
         if let Some((bend, length_m)) = self.polynomial() {
             return Ok((0.0, bend.bend_rate_rad_per_m(self.curve.pressure_max_pa()) * length_m));
         }
-        let values: Vec<f64> = self.curve.states().iter().map(|state| measure(self.kind, state)).collect();
+        let values: Vec<f64> = self.curve.states().iter().map(|state| self.kind.of(state)).collect();
         let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
             return Err(NoTable::NotSolved { pressure_pa: 0.0 });
         };
@@ -75,10 +74,10 @@ impl<'a> Subject<'a> {
         }
         let start: State<f64> = self.curve.at(pressure_pa);
         if self.by_curve {
-            return Ok(measure(self.kind, &start));
+            return Ok(self.kind.of(&start));
         }
         match self.actuator.forward_from(&start, pressure_pa, &Load::none()) {
-            Ok(solution) if solution.status == Status::Solved => Ok(measure(self.kind, &solution.state)),
+            Ok(solution) if solution.status == Status::Solved => Ok(self.kind.of(&solution.state)),
             _ => Err(NoTable::NotSolved { pressure_pa }),
         }
     }
@@ -93,7 +92,7 @@ impl<'a> Subject<'a> {
         if let Some((bend, length_m)) = self.polynomial() {
             return Ok(bend.pressure_pa(value / length_m).clamp(0.0, highest_pa));
         }
-        if self.kind == SetpointKind::BendAngle {
+        if self.kind == StateQuantity::BendAngle {
             return match self.actuator.inverse(Target::BendAngle(value), &Load::none()) {
                 Ok(found) if found.status == Status::Solved => Ok(found.state.pressure_pa.clamp(0.0, highest_pa)),
                 _ => Err(NoTable::NotSolved { pressure_pa: self.interpolated(value) }),
@@ -115,7 +114,7 @@ impl<'a> Subject<'a> {
 
     /// Bisection on the curve, which runs one way.
     fn interpolated(&self, value: f64) -> f64 {
-        let at = |pressure_pa: f64| measure(self.kind, &self.curve.at(pressure_pa));
+        let at = |pressure_pa: f64| self.kind.of(&self.curve.at(pressure_pa));
         let (mut low, mut high) = (0.0, self.curve.pressure_max_pa());
         let rises = at(high) > at(low);
         for _ in 0..52 {
@@ -130,7 +129,7 @@ impl<'a> Subject<'a> {
         let highest_pa = self.curve.pressure_max_pa();
         let width_pa = 1e-5 * highest_pa;
         let (low, high) = ((pressure_pa - width_pa).max(0.0), (pressure_pa + width_pa).min(highest_pa));
-        let at = |pressure_pa: f64| measure(self.kind, &self.curve.at(pressure_pa));
+        let at = |pressure_pa: f64| self.kind.of(&self.curve.at(pressure_pa));
         (at(high) - at(low)) / (high - low)
     }
 }

@@ -1,9 +1,10 @@
 //! An actuator and the sensor that reads its pressure.
 
-use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Motion, NoDerivative, Parameter, State, Status};
+use fra_model::{
+    Actuator, ActuatorParameters, InvalidParameter, Load, Motion, NoDerivative, Parameter, State, StateQuantity, Status,
+};
 
 use super::Property;
-use crate::record::Quantity;
 
 /// One actuator, or the actuators of a module taken as equal, with the sensor of its pressure.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +51,7 @@ pub(super) struct Solver<'a> {
 /// The deformation that a reading of the sensor means, and what its derivatives need.
 pub(super) struct Answer {
     pub(super) value: f64,
-    quantity: Quantity,
+    quantity: StateQuantity,
     state: State<f64>,
     /// -1 where the bend at the opposite pressure was asked in place of a bend backwards, else 1.
     sign: f64,
@@ -68,13 +69,8 @@ impl Body {
     }
 
     /// The deformation without pressure, in the SI unit of the quantity.
-    pub fn at_rest(&self, quantity: Quantity) -> f64 {
-        match quantity {
-            Quantity::AxialStretch => 1.0,
-            Quantity::OuterRadius => self.parameters.outer_radius_m,
-            Quantity::InnerRadius => self.parameters.inner_radius_m,
-            Quantity::Twist | Quantity::BendAngle | Quantity::Pressure => 0.0,
-        }
+    pub fn at_rest(&self, quantity: StateQuantity) -> f64 {
+        quantity.at_rest(&self.parameters)
     }
 
     pub(super) fn solver(&self) -> Result<Solver<'_>, NoAnswer> {
@@ -87,21 +83,21 @@ impl Solver<'_> {
     ///
     /// A bending actuator does not bend backwards; readings a little below zero, as noise gives them, mean the mirrored bend, so that
     /// the mean of readings around zero means none.
-    pub(super) fn at(&self, reading_pa: f64, quantity: Quantity) -> Result<Answer, NoAnswer> {
+    pub(super) fn at(&self, reading_pa: f64, quantity: StateQuantity) -> Result<Answer, NoAnswer> {
         let pressure_pa = self.body.pressure_pa(reading_pa);
         let sign = if self.body.parameters.motion == Motion::Bending && pressure_pa < 0.0 { -1.0 } else { 1.0 };
         let solution = self.actuator.forward(sign * pressure_pa, &Load::none())?;
         if solution.status != Status::Solved {
             return Err(NoAnswer::BeyondLimit(solution.limit_pressure_pa));
         }
-        Ok(Answer { value: sign * measured(quantity, &solution.state), quantity, state: solution.state, sign })
+        Ok(Answer { value: sign * quantity.of(&solution.state), quantity, state: solution.state, sign })
     }
 
     /// The derivative of an answer by a property.
     pub(super) fn slope(&self, answer: &Answer, property: Property) -> Result<f64, NoAnswer> {
         let by = |parameter| -> Result<f64, NoAnswer> {
             let change = self.actuator.sensitivity(&answer.state, &Load::none(), parameter)?;
-            Ok(measured(answer.quantity, &change))
+            Ok(answer.quantity.of(&change))
         };
         // Two signs cancel in what the pressure does to a mirrored bend.
         let by_reading = |factor: f64| Ok(factor * by(Parameter::Pressure)?);
@@ -113,17 +109,5 @@ impl Solver<'_> {
                 .into_iter()
                 .try_fold(0.0, |sum, (parameter, factor)| Ok(sum + answer.sign * factor * by(parameter)?)),
         }
-    }
-}
-
-/// The quantity in a state, or its derivative in the derivative of one.
-fn measured(quantity: Quantity, state: &State<f64>) -> f64 {
-    match quantity {
-        Quantity::AxialStretch => state.axial_stretch,
-        Quantity::OuterRadius => state.outer_radius_m,
-        Quantity::InnerRadius => state.inner_radius_m,
-        Quantity::Twist => state.twist_rad,
-        Quantity::BendAngle => state.bend_angle_rad,
-        Quantity::Pressure => state.pressure_pa,
     }
 }

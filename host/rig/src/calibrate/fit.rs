@@ -1,5 +1,6 @@
 //! Parameters of actuators from pressure and deformation.
 
+use fra_model::StateQuantity;
 use nalgebra::{DMatrix, DVector};
 
 use super::body::{Answer, NoAnswer};
@@ -7,7 +8,6 @@ use super::descent::{Local, descend};
 use super::error::advice;
 use super::estimate::{Column, Estimate, Noise, enough, judge};
 use super::{Body, CalibrationError, Property};
-use crate::record::Quantity;
 
 /// A pressure and the deformation it went with, at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Observation {
     /// What the pressure sensor read, Pa gauge.
     pub reading_pa: f64,
     /// What was measured; any quantity but the pressure.
-    pub quantity: Quantity,
+    pub quantity: StateQuantity,
     /// Its value, in the SI unit of the quantity.
     pub value: f64,
     /// Standard deviation of the measurement, in the same unit; > 0.
@@ -95,7 +95,6 @@ pub struct Fit {
 /// ```
 /// use fra_model::*;
 /// use softlimb_rig::calibrate::{Body, Observation, Property, Settings, Unknown, fit};
-/// use softlimb_rig::record::Quantity;
 /// let finger = ActuatorParameters {
 ///     motion: Motion::Bending,
 ///     inner_radius_m: 6e-3,
@@ -108,7 +107,7 @@ pub struct Fit {
 /// let seen = [(10e3, 12.9_f64), (30e3, 43.0), (60e3, 101.8)].map(|(reading_pa, degrees)| Observation {
 ///     body: 0,
 ///     reading_pa,
-///     quantity: Quantity::BendAngle,
+///     quantity: StateQuantity::BendAngle,
 ///     value: degrees.to_radians(),
 ///     accuracy: 0.005,
 /// });
@@ -346,7 +345,7 @@ fn check(bodies: &[Body], observations: &[Observation]) -> Result<(), Calibratio
         if seen.body >= bodies.len() {
             return invalid("body", seen.body as f64, place(), "an index of the bodies given");
         }
-        if seen.quantity == Quantity::Pressure {
+        if seen.quantity == StateQuantity::Pressure {
             return invalid("quantity", seen.value, place(), "a deformation, not a pressure");
         }
         for (field, value) in [("reading_pa", seen.reading_pa), ("value", seen.value)] {

@@ -1,6 +1,7 @@
 //! Pressures and deformations at rest, out of the log of a run.
 
-use crate::record::{ModuleInfo, Quantity, RunLog, Sample};
+use crate::record::{ModuleInfo, RunLog, Sample};
+use fra_model::StateQuantity;
 use softlimb_numerics::statistics;
 
 /// The part of a hold that counts, from its end: what moved has come to rest by then, as far as it does.
@@ -18,7 +19,7 @@ pub struct Hold {
     /// Mean reading of the sensors of its actuators, Pa gauge.
     pub reading_pa: f64,
     /// What its deformation is measured by.
-    pub quantity: Quantity,
+    pub quantity: StateQuantity,
     /// Mean of the deformation that was achieved, in the SI unit of the quantity.
     pub value: f64,
 }
@@ -44,7 +45,7 @@ pub fn holds(log: &RunLog) -> Vec<Hold> {
 
 /// Mean reading and deformation over samples in which a module stands still.
 fn at_rest(samples: &[&Sample], index: usize, module: &ModuleInfo) -> Option<(f64, f64)> {
-    if module.quantity == Quantity::Pressure || samples.is_empty() {
+    if module.quantity == StateQuantity::Pressure || samples.is_empty() {
         return None;
     }
     let reading = |sample: &&Sample| {

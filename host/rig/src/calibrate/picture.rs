@@ -1,7 +1,7 @@
 //! Measurements, what the model says before and after, and what is left.
 
 use super::{Fit, Observation, Tension, TensionFit};
-use crate::record::Quantity;
+use fra_model::StateQuantity;
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 
 /// Area of one chart, px, and the room it takes with its frame.
@@ -10,7 +10,7 @@ const ROOM: [f64; 2] = [526.0, 400.0];
 
 /// A fit as a document that stands by itself: a row for each quantity, with the deformations beside their residuals.
 pub fn picture(fit: &Fit, observations: &[Observation]) -> String {
-    let mut quantities: Vec<Quantity> = Vec::new();
+    let mut quantities: Vec<StateQuantity> = Vec::new();
     for seen in observations {
         if !quantities.contains(&seen.quantity) {
             quantities.push(seen.quantity);
@@ -20,7 +20,7 @@ pub fn picture(fit: &Fit, observations: &[Observation]) -> String {
     sheet(&rows, ROOM, "Measured deformations, the model before and after the fit, and what is left")
 }
 
-fn row(fit: &Fit, observations: &[Observation], quantity: Quantity) -> Vec<Chart> {
+fn row(fit: &Fit, observations: &[Observation], quantity: StateQuantity) -> Vec<Chart> {
     let scale = quantity.display_scale();
     let (mut curves, mut left) = (Vec::new(), Vec::new());
     for (index, body) in fit.bodies.iter().enumerate() {

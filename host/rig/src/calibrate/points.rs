@@ -1,6 +1,6 @@
 //! Tables of pressures and deformations.
 
-use crate::record::Quantity;
+use fra_model::StateQuantity;
 use softlimb_files::table::{Known, Table, TableError};
 
 /// One cell of a deformation with the pressure of its row.
@@ -13,7 +13,7 @@ pub struct Point {
     /// What the pressure sensor read, Pa gauge.
     pub reading_pa: f64,
     /// What was measured.
-    pub quantity: Quantity,
+    pub quantity: StateQuantity,
     /// Its value, in the SI unit of the quantity.
     pub value: f64,
     /// Time since the pressure was raised, s, where the table has it.
@@ -33,7 +33,7 @@ pub struct Points {
 enum Kind {
     Pressure,
     Time,
-    Deformation(Quantity),
+    Deformation(StateQuantity),
 }
 
 const fn column(name: &'static str, kind: Kind, factor: f64, range: [f64; 2]) -> Known<Kind> {
@@ -41,11 +41,11 @@ const fn column(name: &'static str, kind: Kind, factor: f64, range: [f64; 2]) ->
 }
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
-const STRETCH: Kind = Kind::Deformation(Quantity::AxialStretch);
-const OUTER: Kind = Kind::Deformation(Quantity::OuterRadius);
-const INNER: Kind = Kind::Deformation(Quantity::InnerRadius);
-const BEND: Kind = Kind::Deformation(Quantity::BendAngle);
-const TWIST: Kind = Kind::Deformation(Quantity::Twist);
+const STRETCH: Kind = Kind::Deformation(StateQuantity::AxialStretch);
+const OUTER: Kind = Kind::Deformation(StateQuantity::OuterRadius);
+const INNER: Kind = Kind::Deformation(StateQuantity::InnerRadius);
+const BEND: Kind = Kind::Deformation(StateQuantity::BendAngle);
+const TWIST: Kind = Kind::Deformation(StateQuantity::Twist);
 
 const COLUMNS: [Known<Kind>; 12] = [
     column("pressure_pa", Kind::Pressure, 1.0, [-101_325.0, 2e6]),

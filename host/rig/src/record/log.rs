@@ -1,78 +1,8 @@
 //! What a run is, as plain data: SI units, no container format, no behaviour.
 
+use fra_model::StateQuantity;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-
-/// The quantity that the setpoint of a module prescribes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// Deformed over undeformed length, dimensionless.
-    AxialStretch,
-    /// Outer radius, m.
-    OuterRadius,
-    /// Inner radius, m.
-    InnerRadius,
-    /// Rotation of the free end about the axis, rad.
-    Twist,
-    /// Angle between the end tangents, rad.
-    BendAngle,
-    /// Gauge pressure, Pa.
-    Pressure,
-}
-
-impl Quantity {
-    /// Name for tables and axes.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::AxialStretch => "axial stretch",
-            Self::OuterRadius => "outer radius",
-            Self::InnerRadius => "inner radius",
-            Self::Twist => "twist",
-            Self::BendAngle => "bend angle",
-            Self::Pressure => "gauge pressure",
-        }
-    }
-
-    /// SI unit of the values; "1" for a ratio.
-    pub fn si_unit(self) -> &'static str {
-        match self {
-            Self::AxialStretch => "1",
-            Self::OuterRadius | Self::InnerRadius => "m",
-            Self::Twist | Self::BendAngle => "rad",
-            Self::Pressure => "Pa",
-        }
-    }
-
-    /// Unit in which people read the quantity; empty for a ratio.
-    pub fn display_unit(self) -> &'static str {
-        match self {
-            Self::AxialStretch => "",
-            Self::OuterRadius | Self::InnerRadius => "mm",
-            Self::Twist | Self::BendAngle => "deg",
-            Self::Pressure => "kPa",
-        }
-    }
-
-    /// Factor from the SI value to [`display_unit`](Self::display_unit).
-    pub fn display_scale(self) -> f64 {
-        match self {
-            Self::AxialStretch => 1.0,
-            Self::OuterRadius | Self::InnerRadius => 1e3,
-            Self::Twist | Self::BendAngle => 180.0 / std::f64::consts::PI,
-            Self::Pressure => 1e-3,
-        }
-    }
-
-    /// Digits after the point that a reader of a table can use.
-    pub fn display_decimals(self) -> usize {
-        match self {
-            Self::AxialStretch => 4,
-            Self::OuterRadius | Self::InnerRadius => 3,
-            Self::Twist | Self::BendAngle | Self::Pressure => 2,
-        }
-    }
-}
 
 /// One module of the limb: a bundle of actuators of one kind.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,7 +12,8 @@ pub struct ModuleInfo {
     /// Motion in the field's word: extension, expansion, bending, twisting.
     pub motion: String,
     /// What [`ModuleSample`] holds for this module.
-    pub quantity: Quantity,
+    #[serde(with = "quantity_name")]
+    pub quantity: StateQuantity,
     /// Channels that drive the module, as indices into [`Sample::channels`].
     pub channels: Range<usize>,
 }
@@ -195,7 +126,7 @@ pub struct ChannelSample {
     pub true_pressure_pa: Option<f64>,
 }
 
-/// One module at one instant, in the SI unit of its [`Quantity`].
+/// One module at one instant, in the SI unit of its [`StateQuantity`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ModuleSample {
     /// Deformation asked for.
@@ -291,4 +222,21 @@ pub struct RunLog {
     pub wall_s: Option<f64>,
     /// Why the log ends before the run did; `None` for a finished log.
     pub incomplete: Option<String>,
+}
+
+/// A quantity as its name.
+pub(crate) mod quantity_name {
+    use fra_model::StateQuantity;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives fields by reference")]
+    pub(crate) fn serialize<S: Serializer>(quantity: &StateQuantity, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(quantity.name())
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<StateQuantity, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let known = StateQuantity::ALL.into_iter().find(|quantity| quantity.name() == name);
+        known.ok_or_else(|| Error::custom(format!("no quantity `{name}`")))
+    }
 }

@@ -17,9 +17,10 @@ mod topics;
 mod writer;
 
 pub use error::RecordError;
+pub(crate) use log::quantity_name;
 pub use log::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
-    RunLog, Sample, Shape, SolidInfo,
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, RunInfo, RunLog, Sample,
+    Shape, SolidInfo,
 };
 pub use reader::read;
 pub use writer::Recorder;

@@ -5,7 +5,8 @@ mod tip;
 use super::rows::with_unit;
 use super::stats::distance;
 use super::summary::is_scheduled;
-use crate::record::{ChannelSample, ModuleInfo, ModuleSample, Quantity, RunLog, Sample};
+use crate::record::{ChannelSample, ModuleInfo, ModuleSample, RunLog, Sample};
+use fra_model::StateQuantity;
 use softlimb_chart::{Axis, Band, Chart, Color, Series, Stroke, labelled, span};
 use softlimb_numerics::statistics::root_mean_square;
 
@@ -66,7 +67,7 @@ fn pressure_series(log: &RunLog, module: &ModuleInfo) -> Vec<Series> {
     series
 }
 
-fn deformation_series(log: &RunLog, index: usize, quantity: Quantity) -> Vec<Series> {
+fn deformation_series(log: &RunLog, index: usize, quantity: StateQuantity) -> Vec<Series> {
     let scale = quantity.display_scale();
     let module = |value: fn(&ModuleSample) -> f64| {
         move |sample: &Sample| sample.modules.get(index).map_or(f64::NAN, value) * scale

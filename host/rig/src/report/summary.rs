@@ -1,7 +1,8 @@
 //! The figures of merit of a run.
 
 use super::stats::{ErrorStats, distance};
-use crate::record::{FaultRecord, LinkSummary, ModuleInfo, Quantity, RunInfo, RunLog, Sample};
+use crate::record::{FaultRecord, LinkSummary, ModuleInfo, RunInfo, RunLog, Sample};
+use fra_model::StateQuantity;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -53,7 +54,8 @@ pub struct ModuleSummary {
     /// Motion in the field's word.
     pub motion: String,
     /// What is measured.
-    pub quantity: Quantity,
+    #[serde(serialize_with = "crate::record::quantity_name::serialize")]
+    pub quantity: StateQuantity,
     /// SI unit of the values; "1" for a ratio.
     pub unit: &'static str,
     /// Channels that drive the module.

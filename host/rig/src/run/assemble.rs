@@ -9,14 +9,14 @@ use super::hanging::Hanging;
 use super::observed::Traffic;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, Quantity, RunInfo,
-    Sample, Shape, SolidInfo,
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, RunInfo, Sample, Shape,
+    SolidInfo,
 };
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Carried, Nominal, Plan, carried, payload_kg};
 use softlimb_numerics::statistics::mean;
 use softlimb_scene::collision::Shape as Shape3;
-use softlimb_scene::{Gripper, Scene, SetpointKind};
+use softlimb_scene::{Gripper, Scene};
 
 /// Log time between two recorded shapes of the whole limb, s.
 const SHAPE_PERIOD_S: f64 = 0.2;
@@ -195,7 +195,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> Ru
     let modules = limb.drives().map(|drive| ModuleInfo {
         name: drive.name(),
         motion: drive.motion.name().into(),
-        quantity: quantity(drive.kind),
+        quantity: drive.kind,
         channels: drive.channels.clone(),
     });
     let phases = plan.phases.iter().map(|phase| PhaseInfo {
@@ -237,17 +237,6 @@ fn solids(scene: &Scene) -> Vec<SolidInfo> {
         |name: &str, region, shape: &Shape3| SolidInfo { name: name.to_owned(), region, lines_m: shape.outlines() };
     let obstacles = scene.obstacles().iter().map(|obstacle| solid(&obstacle.name.value, false, &obstacle.shape));
     obstacles.chain(scene.regions().iter().map(|region| solid(&region.name.value, true, &region.shape))).collect()
-}
-
-fn quantity(kind: SetpointKind) -> Quantity {
-    match kind {
-        SetpointKind::Pressure => Quantity::Pressure,
-        SetpointKind::AxialStretch => Quantity::AxialStretch,
-        SetpointKind::OuterRadius => Quantity::OuterRadius,
-        SetpointKind::InnerRadius => Quantity::InnerRadius,
-        SetpointKind::Twist => Quantity::Twist,
-        SetpointKind::BendAngle => Quantity::BendAngle,
-    }
 }
 
 /// The link's counters in the terms of the log.

@@ -3,7 +3,7 @@
 //! Quasi-static: the limb has the shape that the loads of the moment lead to, and no inertia. Its walls follow the pressures within
 //! milliseconds; what swings is left out.
 
-use fra_model::{Actuator, State};
+use fra_model::{Actuator, State, StateQuantity};
 use nalgebra::{DVector, Vector4};
 use softlimb_sim::plant::Truth;
 
@@ -11,7 +11,7 @@ use crate::record::FaultRecord;
 use softlimb_limb::statics::{Bundle, EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Carried, Plan, carried, payload_kg};
-use softlimb_scene::{Scene, SetpointKind};
+use softlimb_scene::Scene;
 
 /// The finest tier of rods: what plans a limb uses a coarser one.
 const TIER: Fidelity = Fidelity::Fourfold;
@@ -140,13 +140,13 @@ impl<'a> Hanging<'a> {
         let deformed = limb.deformed(&rod, &shape);
         let values = self.limb.drives().zip(free).map(|(drive, free)| (deformed[drive.index], drive, free));
         let values = values.map(|(deformed, drive, free)| match drive.kind {
-            SetpointKind::AxialStretch if drive.is_steering() => {
+            StateQuantity::AxialStretch if drive.is_steering() => {
                 deformed.stretch_at(drive.position_m(), drive.length_m())
             }
-            SetpointKind::AxialStretch => deformed.axial_stretch,
-            SetpointKind::BendAngle => deformed.bend_angle_rad[0],
-            SetpointKind::Twist => deformed.twist_rad,
-            SetpointKind::Pressure | SetpointKind::OuterRadius | SetpointKind::InnerRadius => drive.measure(free),
+            StateQuantity::AxialStretch => deformed.axial_stretch,
+            StateQuantity::BendAngle => deformed.bend_angle_rad[0],
+            StateQuantity::Twist => deformed.twist_rad,
+            StateQuantity::Pressure | StateQuantity::OuterRadius | StateQuantity::InnerRadius => drive.measure(free),
         });
         let (tip_m, values) = (shape.tip().translation.vector.into(), values.collect());
         (Some(Hung { tip_m, values, line_m: rod.line_m(&shape) }), faults)

@@ -1,8 +1,7 @@
 //! Parameters from pressure and deformation: exact data give exact parameters, noisy ones honest intervals.
 
-use fra_model::{ActuatorParameters, Material, Motion};
+use fra_model::{ActuatorParameters, Material, Motion, StateQuantity};
 use softlimb_rig::calibrate::{Body, Noise as Errors, Observation, Property, Settings, Unknown, fit};
-use softlimb_rig::record::Quantity;
 
 use crate::calibrate::noise::{Noise, is_binomial};
 use crate::calibrate::tube::{Tube, grid};
@@ -93,7 +92,7 @@ fn the_tabulated_bends_have_the_modulus_they_were_computed_with() {
         let seen = |(reading_pa, degrees): &(f64, f64)| Observation {
             body: 0,
             reading_pa: *reading_pa,
-            quantity: Quantity::BendAngle,
+            quantity: StateQuantity::BendAngle,
             value: degrees.to_radians(),
             accuracy: 0.02,
         };
@@ -119,7 +118,7 @@ fn noise_around_no_pressure_does_not_bias_the_offset_of_a_bend() {
     let data = points.map(|(reading_pa, degrees): (f64, f64)| Observation {
         body: 0,
         reading_pa,
-        quantity: Quantity::BendAngle,
+        quantity: StateQuantity::BendAngle,
         value: degrees.to_radians(),
         accuracy: 1e-3,
     });

@@ -2,9 +2,8 @@
 
 use std::f64::consts::PI;
 
-use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
+use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement, StateQuantity};
 use softlimb_rig::calibrate::{Body, Observation};
-use softlimb_rig::record::Quantity;
 
 /// Wall and winding.
 #[derive(Clone, Copy)]
@@ -141,8 +140,8 @@ impl Tube {
             let seen =
                 |quantity, value, accuracy| Observation { body, reading_pa: held.pressure, quantity, value, accuracy };
             [
-                seen(Quantity::AxialStretch, held.stretch, accuracy),
-                seen(Quantity::OuterRadius, held.outer, accuracy * self.outer),
+                seen(StateQuantity::AxialStretch, held.stretch, accuracy),
+                seen(StateQuantity::OuterRadius, held.outer, accuracy * self.outer),
             ]
         };
         held.flat_map(both).collect()

@@ -3,9 +3,9 @@
 //! smooth moves between phase targets; pressures follow with a lag, and the limb
 //! follows the pressures with a stiffness error.
 
+use fra_model::StateQuantity;
 use softlimb_rig::record::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, PhaseInfo, Quantity, RunInfo, RunLog, Sample,
-    Shape,
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, PhaseInfo, RunInfo, RunLog, Sample, Shape,
 };
 
 /// Sample period, s.
@@ -46,9 +46,9 @@ pub(crate) fn info() -> RunInfo {
         seed: u64::MAX,
         start_unix_ns: 0,
         modules: vec![
-            module("proximal", "extension", Quantity::AxialStretch, 0),
-            module("elbow", "bending", Quantity::BendAngle, 3),
-            module("distal", "extension", Quantity::AxialStretch, 6),
+            module("proximal", "extension", StateQuantity::AxialStretch, 0),
+            module("elbow", "bending", StateQuantity::BendAngle, 3),
+            module("distal", "extension", StateQuantity::AxialStretch, 6),
         ],
         phases: phases.collect(),
         solids: Vec::new(),

@@ -1,8 +1,8 @@
 //! Base, connectors, modules.
 
-use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion};
+use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion, StateQuantity};
 
-use super::{SetpointKind, Thread};
+use super::Thread;
 use crate::source::{Located, Span};
 
 /// The rigid parts of a limb and where it starts.
@@ -74,7 +74,7 @@ pub struct Module {
     /// Largest gauge pressure in its chambers, Pa; located in the module or in `[limits]`.
     pub pressure_max_pa: Located<f64>,
     /// The quantity its targets are given in, the same in all phases; the natural one of its motion if no phase has a target for it.
-    pub setpoint_kind: SetpointKind,
+    pub setpoint_kind: StateQuantity,
     /// The header of its table.
     pub span: Span,
 }

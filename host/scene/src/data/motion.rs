@@ -1,45 +1,9 @@
 //! Phases, limits and control.
 
-use fra_model::Motion;
+use fra_model::StateQuantity;
 
 use super::{Aim, Gripper};
 use crate::source::{Located, Span};
-
-/// The quantity in which a module's setpoints are given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SetpointKind {
-    /// Gauge pressure, Pa.
-    Pressure,
-    /// Axial stretch.
-    AxialStretch,
-    /// Deformed outer radius, m.
-    OuterRadius,
-    /// Deformed inner radius, m.
-    InnerRadius,
-    /// Twist, rad.
-    Twist,
-    /// Bend angle, rad.
-    BendAngle,
-}
-
-impl SetpointKind {
-    /// The deformation a motion is named after.
-    pub fn natural(motion: Motion) -> Self {
-        match motion {
-            Motion::Extension => Self::AxialStretch,
-            Motion::Expansion => Self::OuterRadius,
-            Motion::Bending => Self::BendAngle,
-            Motion::Twisting => Self::Twist,
-        }
-    }
-
-    /// Whether a module of this motion can be told this quantity.
-    pub fn fits(self, motion: Motion) -> bool {
-        self == Self::Pressure
-            || self == Self::natural(motion)
-            || (self == Self::InnerRadius && motion == Motion::Expansion)
-    }
-}
 
 /// What one module shall reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +12,7 @@ pub struct Target {
     /// Index of the module in [`Scene::modules`](super::Scene::modules).
     pub module: usize,
     /// The quantity; the module's [`setpoint_kind`](super::Module::setpoint_kind).
-    pub kind: SetpointKind,
+    pub kind: StateQuantity,
     /// Its value in SI units.
     pub value: Located<f64>,
 }

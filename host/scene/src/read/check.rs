@@ -1,11 +1,12 @@
 //! What must hold between the parts of a scene.
 
 use super::module::Draft;
-use crate::data::{Goal, Limits, Module, Phase, Plant, SetpointKind};
+use crate::data::{Goal, Limits, Module, Phase, Plant};
 use crate::error::Problem;
 use crate::reader::Log;
 use crate::schema::Unit;
 use crate::source::Located;
+use fra_model::StateQuantity;
 
 /// Channels of one controller.
 const CHANNELS_MAX: i64 = 27;
@@ -46,7 +47,7 @@ pub(super) fn pressures(
     }
     for phase in phases.unwrap_or_default() {
         if let Goal::Targets(targets) = &phase.goal {
-            for target in targets.iter().filter(|target| target.kind == SetpointKind::Pressure) {
+            for target in targets.iter().filter(|target| target.kind == StateQuantity::Pressure) {
                 if let Some(module) = drafts.get(target.module).and_then(|draft| draft.module.as_ref()) {
                     allowed(log, target.value, module);
                 }

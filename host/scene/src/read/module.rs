@@ -1,11 +1,11 @@
 //! Modules: geometry, and the parts they name.
 
-use fra_model::{Families, Fiber, Material, Motion, Placement};
+use fra_model::{Families, Fiber, Material, Motion, Placement, StateQuantity};
 
 use super::arrangement::{arrangement, steering};
 use super::design::module_bounds;
 use super::parts::{Elastomer, Parts, Winding};
-use crate::data::{Limits, Module, ModuleBounds, SetpointKind, Thread, WoundWall};
+use crate::data::{Limits, Module, ModuleBounds, Thread, WoundWall};
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
@@ -102,7 +102,7 @@ fn draft<'a>(
             fiber: fiber.map(|wound| wound.map(|(fiber, _)| fiber))?,
             thread: fiber?.and_then(|(_, thread)| thread),
             pressure_max_pa: pressure_max?,
-            setpoint_kind: SetpointKind::natural(*motion?),
+            setpoint_kind: StateQuantity::natural(*motion?),
             span: reader.span(),
         })
     };

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use fra_model::Motion;
+use fra_model::{Motion, StateQuantity};
 use toml::de::DeValue;
 
 use super::limb::unit;
 use super::module::{Draft, note_duplicate};
 use super::settings::microseconds;
-use crate::data::{Aim, Goal, Gripper, Marker, Object, Phase, Region, SetpointKind, Target, Weight};
+use crate::data::{Aim, Goal, Gripper, Marker, Object, Phase, Region, Target, Weight};
 use crate::error::{Problem, quoted};
 use crate::reader::{Reader, Value};
 use crate::schema;
@@ -21,13 +21,13 @@ use crate::value::wrong_type;
 const PHASES_MAX: usize = 200;
 
 /// The quantities a target may name.
-const QUANTITIES: [(Quantity, SetpointKind); 6] = [
-    (quantities::AXIAL_STRETCH, SetpointKind::AxialStretch),
-    (quantities::OUTER_RADIUS, SetpointKind::OuterRadius),
-    (quantities::INNER_RADIUS, SetpointKind::InnerRadius),
-    (quantities::TWIST, SetpointKind::Twist),
-    (quantities::BEND_ANGLE, SetpointKind::BendAngle),
-    (quantities::PRESSURE, SetpointKind::Pressure),
+const QUANTITIES: [(Quantity, StateQuantity); 6] = [
+    (quantities::AXIAL_STRETCH, StateQuantity::AxialStretch),
+    (quantities::OUTER_RADIUS, StateQuantity::OuterRadius),
+    (quantities::INNER_RADIUS, StateQuantity::InnerRadius),
+    (quantities::TWIST, StateQuantity::Twist),
+    (quantities::BEND_ANGLE, StateQuantity::BendAngle),
+    (quantities::PRESSURE, StateQuantity::Pressure),
 ];
 
 /// Reads all phases, and tells every module the quantity its targets are given in.
@@ -54,7 +54,7 @@ pub(super) fn phases(
         let label = format!("a scene has at most {PHASES_MAX} phases");
         return root.log().note(Problem::at(extra.span(), "too many phases", label));
     }
-    let mut kinds: Vec<Option<(SetpointKind, Span)>> = vec![None; drafts.len()];
+    let mut kinds: Vec<Option<(StateQuantity, Span)>> = vec![None; drafts.len()];
     let mut names: Vec<Located<&str>> = Vec::new();
     let mut phases = Vec::new();
     for reader in &readers {
@@ -94,7 +94,7 @@ fn phase(
     reader: &Reader<'_>,
     name: Option<Located<&str>>,
     drafts: &[Draft<'_>],
-    kinds: &mut [Option<(SetpointKind, Span)>],
+    kinds: &mut [Option<(StateQuantity, Span)>],
     (regions, objects): (Option<&[Region]>, Option<&[Object]>),
 ) -> Option<Phase> {
     let duration = reader.maybe(&keys::DURATION);
@@ -209,7 +209,7 @@ fn targets<'a>(
     reader: &Reader<'a>,
     value: &'a Value<'a>,
     drafts: &[Draft<'_>],
-    kinds: &mut [Option<(SetpointKind, Span)>],
+    kinds: &mut [Option<(StateQuantity, Span)>],
 ) -> Option<Vec<Target>> {
     let DeValue::Table(table) = value.get_ref() else {
         let shape = keys::TARGETS.shape;
@@ -250,7 +250,7 @@ fn target(
     entry: &Reader<'_>,
     module: usize,
     draft: &Draft<'_>,
-    kinds: &mut [Option<(SetpointKind, Span)>],
+    kinds: &mut [Option<(StateQuantity, Span)>],
 ) -> Option<Target> {
     let name = draft.name?.value;
     let mut written = QUANTITIES.iter().filter_map(|(key, kind)| Some((key, *kind, entry.key_span(key.name)?)));
@@ -269,7 +269,7 @@ fn target(
 }
 
 /// A quantity as a target names it: key, kind and place.
-type Named = (&'static str, SetpointKind, Span);
+type Named = (&'static str, StateQuantity, Span);
 
 fn check_fit(entry: &Reader<'_>, module: &str, motion: Located<Motion>, (name, kind, span): Named) -> Option<()> {
     if kind.fits(*motion) {
@@ -284,7 +284,7 @@ fn check_fit(entry: &Reader<'_>, module: &str, motion: Located<Motion>, (name, k
 fn check_same(
     entry: &Reader<'_>,
     module: &str,
-    first: &mut Option<(SetpointKind, Span)>,
+    first: &mut Option<(StateQuantity, Span)>,
     (name, kind, span): Named,
 ) -> Option<()> {
     match *first.get_or_insert((kind, span)) {

@@ -1,12 +1,12 @@
 //! A scene with other modules: the text of its author, with the sizes that a design found.
 
-use fra_model::Arrangement;
+use fra_model::{Arrangement, StateQuantity};
 use toml_edit::{ArrayOfTables, InlineTable, Item, Table, Value};
 
 use super::RewriteError;
 use super::draft::{Draft, Part, put};
 use super::sheets::freeze;
-use crate::data::{Goal, Scene, SetpointKind};
+use crate::data::{Goal, Scene};
 use crate::schema::{module, phase, scene, target, winding};
 
 /// What a design says about one module.
@@ -31,7 +31,7 @@ pub struct Redesign {
 }
 
 /// A setpoint of a phase: index of the module, the quantity, and its value in SI units.
-pub type RedesignedTarget = (usize, SetpointKind, f64);
+pub type RedesignedTarget = (usize, StateQuantity, f64);
 
 /// Digits behind the point of millimetres, degrees and kilopascals: a nanometre, and less than a device resolves.
 const DIGITS: usize = 6;
@@ -105,7 +105,7 @@ fn differs(scene: &Scene, index: usize, wanted: &Redesign) -> Option<&'static st
 
 /// The module whose target a goal says otherwise than was asked.
 fn missed(wanted: &[RedesignedTarget], goal: &Goal) -> Option<usize> {
-    let found = |index: usize, kind: SetpointKind| match goal {
+    let found = |index: usize, kind: StateQuantity| match goal {
         Goal::Targets(targets) => targets.iter().find(|target| (target.module, target.kind) == (index, kind)),
         _ => None,
     };
@@ -179,14 +179,14 @@ fn retarget(draft: &mut Draft, modules: &[&str], targets: &[Vec<RedesignedTarget
 }
 
 /// Key and value of a setpoint as a scene writes it.
-fn setpoint(kind: SetpointKind, value: f64) -> (&'static str, Value) {
+fn setpoint(kind: StateQuantity, value: f64) -> (&'static str, Value) {
     match kind {
-        SetpointKind::Pressure => (target::PRESSURE.name, format!("{} kPa", short(value * 1e-3)).into()),
-        SetpointKind::AxialStretch => (target::AXIAL_STRETCH.name, ((value * 1e9).round() / 1e9).into()),
-        SetpointKind::OuterRadius => (target::OUTER_RADIUS.name, millimetres(value)),
-        SetpointKind::InnerRadius => (target::INNER_RADIUS.name, millimetres(value)),
-        SetpointKind::Twist => (target::TWIST.name, degrees(value)),
-        SetpointKind::BendAngle => (target::BEND_ANGLE.name, degrees(value)),
+        StateQuantity::Pressure => (target::PRESSURE.name, format!("{} kPa", short(value * 1e-3)).into()),
+        StateQuantity::AxialStretch => (target::AXIAL_STRETCH.name, ((value * 1e9).round() / 1e9).into()),
+        StateQuantity::OuterRadius => (target::OUTER_RADIUS.name, millimetres(value)),
+        StateQuantity::InnerRadius => (target::INNER_RADIUS.name, millimetres(value)),
+        StateQuantity::Twist => (target::TWIST.name, degrees(value)),
+        StateQuantity::BendAngle => (target::BEND_ANGLE.name, degrees(value)),
     }
 }
 

@@ -10,7 +10,6 @@ use super::super::shared::{about, read, show};
 use super::super::{Failure, Outcome};
 use super::Fitting;
 use softlimb_rig::calibrate::{Body, Point, Points, Step, Value, fit_creep};
-use softlimb_rig::record::Quantity;
 use softlimb_scene as scene;
 
 /// What the pressure of a step may move by, as a share of its largest.
@@ -42,7 +41,7 @@ struct Printed {
 #[derive(Serialize)]
 struct Answer {
     module: String,
-    quantity: Quantity,
+    quantity: &'static str,
     estimates: Vec<Estimate>,
     modelled: Vec<f64>,
 }
@@ -100,7 +99,7 @@ impl Creep {
                 |value: &Value| Estimate { name: value.name.to_string(), value: value.value, interval: value.interval };
             answers.push(Answer {
                 module: module.name.to_string(),
-                quantity: first.quantity,
+                quantity: first.quantity.name(),
                 estimates: fit.values.iter().map(estimate).collect(),
                 modelled: fit.modelled,
             });

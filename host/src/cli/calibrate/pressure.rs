@@ -1,5 +1,6 @@
 //! `softlimb calibrate pressure` and `calibrate run`: actuators from pressures and deformations, of a table or a log.
 
+use fra_model::StateQuantity;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +13,6 @@ use super::{Files, Fitted, Fitting, Per, Unknowns};
 use softlimb_limb::Limb;
 use softlimb_rig::calibrate::{Body, Fit, Observation, Points, Property, Unknown, fit, holds, picture};
 use softlimb_rig::record;
-use softlimb_rig::record::Quantity;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -57,7 +57,7 @@ pub(super) struct Run {
 struct Seen {
     module: usize,
     reading_pa: f64,
-    quantity: Quantity,
+    quantity: StateQuantity,
     value: f64,
     from: String,
 }
@@ -250,7 +250,7 @@ fn table(fit: &Fit, observations: &[Observation], confidence: f64) -> String {
         "module", "quantity", "points", "rms before", "rms after"
     );
     for (index, body) in fit.bodies.iter().enumerate() {
-        let mut done: Vec<Quantity> = Vec::new();
+        let mut done: Vec<StateQuantity> = Vec::new();
         for seen in observations.iter().filter(|seen| seen.body == index) {
             if done.contains(&seen.quantity) {
                 continue;
@@ -301,7 +301,7 @@ struct PrintedPoint {
     module: String,
     from: String,
     pressure_pa: f64,
-    quantity: Quantity,
+    quantity: &'static str,
     measured: f64,
     before: Option<f64>,
     after: f64,
@@ -321,7 +321,7 @@ fn printed(fit: &Fit, observations: &[Observation], seen: &[Seen]) -> Printed {
         module: fit.bodies[observation.body].name.clone(),
         from: seen.from.clone(),
         pressure_pa: observation.reading_pa,
-        quantity: observation.quantity,
+        quantity: observation.quantity.name(),
         measured: observation.value,
         before: fit.before[k],
         after: fit.after[k],

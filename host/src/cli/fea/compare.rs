@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::super::shared::{Kept, bar, limb, quantity, show, write_if};
 use super::super::{Failure, Outcome, note};
-use crate::comparison::{Case, Comparison, Progress, Study, StudyError, picture, study};
+use crate::comparison::{Case, Comparison, Progress, Study, StudyError, label, picture, study};
 use softlimb_fea::solid::Runner;
 use softlimb_limb::LimbModule;
 use softlimb_scene::Quantity;
@@ -117,7 +117,7 @@ struct Rows {
 #[derive(Serialize)]
 struct Row {
     case: String,
-    quantity: &'static str,
+    quantity: String,
     rest: f64,
     pressure_kpa: f64,
     analytic: Option<f64>,
@@ -133,7 +133,7 @@ struct Row {
 pub fn as_json(comparison: &Comparison) -> impl Serialize + use<> {
     let rows = comparison.rows.iter().map(|row| Row {
         case: row.case.clone(),
-        quantity: row.quantity.label(),
+        quantity: label(row.motion),
         rest: row.rest,
         pressure_kpa: row.pressure_kpa,
         analytic: row.analytic,
