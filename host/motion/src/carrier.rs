@@ -27,6 +27,7 @@ struct Loaded<'a> {
     /// Each pose begins from the one before.
     nominal: RefCell<Nominal<'a>>,
     payload_kg: Cell<f64>,
+    pressure_share: f64,
 }
 
 /// A limb at given pressures, ready for derivatives by them.
@@ -48,6 +49,7 @@ impl<'a> Carrier<'a> {
         let loaded = tier.map(|tier| Loaded {
             nominal: RefCell::new(Nominal::new(scene, limb, tier)),
             payload_kg: Cell::new(carrying.payload_kg),
+            pressure_share: scene.limits().standing.pressure_share,
         });
         Self { limb, object: carrying.object.map(|index| &scene.objects()[index]), loaded }
     }
@@ -60,6 +62,11 @@ impl<'a> Carrier<'a> {
     /// Changes the mass at the tip, kg; without effect on a limb without load.
     pub(super) fn load(&self, payload_kg: f64) {
         self.loaded.iter().for_each(|loaded| loaded.payload_kg.set(payload_kg));
+    }
+
+    /// Highest pressure that keeps the margin of a limb under load, over the lower of its limit and limit point; 1 without load.
+    pub(super) fn pressure_share(&self) -> f64 {
+        self.loaded.as_ref().map_or(1.0, |loaded| loaded.pressure_share)
     }
 
     /// Whether it is under load.

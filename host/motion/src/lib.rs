@@ -38,8 +38,5 @@ pub use payload::{Carried, Carrying, carried, payload_kg};
 pub use plan::{Plan, PlannedPhase};
 pub use sent::Sent;
 pub use valve_step::{valve_step_pa, valve_warnings};
-pub use weight::{
-    BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, Nominal, PRESSURE_SHARE_MAX, Pose, PoseError, SAG_SHARE_MAX,
-    STIFFNESS_MIN_N_PER_M, Weighed, planned_slopes,
-};
+pub use weight::{Margins, Nominal, Pose, PoseError, Weighed, planned_slopes};
 pub use wire::{to_wire, wire_kind};

@@ -32,8 +32,8 @@ use std::path::Path;
 
 pub use data::{
     Aim, Ambient, BendingModel, Bounds, Chamber, Choice, Controller, Corrections, Design, EndEffector, Goal, Gripper,
-    InverseChoice, Limb, Limits, Line, LinkLoss, Marker, Module, ModuleBounds, Object, Obstacle, Phase, Plant, Region,
-    Scene, Sensor, Spread, Supply, Target, Thread, Valve, Weight, WoundWall,
+    InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker, Module, ModuleBounds, Object, Obstacle, Phase,
+    Plant, Region, Scene, Sensor, Spread, Supply, Target, Thread, Valve, Weight, WoundWall,
 };
 pub use error::{Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};

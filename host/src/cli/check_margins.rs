@@ -4,9 +4,7 @@ use serde::Serialize;
 
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{BUCKLING_MARGIN_MAX, LOAD_FACTOR_MAX};
-use softlimb_motion::{
-    BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, PRESSURE_SHARE_MAX, Plan, SAG_SHARE_MAX, STIFFNESS_MIN_N_PER_M,
-};
+use softlimb_motion::{Margins, Plan};
 use softlimb_scene::Scene;
 
 /// Margins of a phase in `--json`; the worst of the tip empty, half and fully loaded.
@@ -80,40 +78,41 @@ pub(super) fn warnings(scene: &Scene, limb: &Limb, plan: &Plan, margins: &[Margi
 
 fn of_phase(scene: &Scene, limb: &Limb, phase: &str, margins: &Margins) -> Vec<String> {
     let module = |index: usize| limb.modules()[index].name.as_str();
+    let limits = scene.limits().standing;
     let mut warnings = Vec::new();
     let mut warn = |text: String| warnings.push(format!("phase `{phase}`: {text}"));
-    if margins.load_factor < LOAD_FACTOR_MIN {
+    if margins.load_factor < limits.load_factor {
         warn(format!(
-            "the load factor is {:.2}, below {LOAD_FACTOR_MIN}: tubes further apart, wider tubes or a pose that hangs more help",
-            margins.load_factor
+            "the load factor is {:.2}, below {}: tubes further apart, wider tubes or a pose that hangs more help",
+            margins.load_factor, limits.load_factor
         ));
     }
-    if margins.buckling_margin < BUCKLING_MARGIN_MIN {
+    if margins.buckling_margin < limits.buckling_margin {
         let name = margins.weakest_module.map_or("", module);
         let helps = margins.spacers_enough.map_or_else(
             || "wider tubes or a pose that hangs more help".to_owned(),
             |spacers| format!("`spacers = {spacers}` would be enough"),
         );
         warn(format!(
-            "the buckling margin of a tube of `{name}` is {:.2}, below {BUCKLING_MARGIN_MIN}: {helps}",
-            margins.buckling_margin
+            "the buckling margin of a tube of `{name}` is {:.2}, below {}: {helps}",
+            margins.buckling_margin, limits.buckling_margin
         ));
     }
     let sag_share = margins.sag_m / scene.rest_length_m();
-    if sag_share > SAG_SHARE_MAX {
-        let [percent, allowed] = [sag_share, SAG_SHARE_MAX].map(|share| 100.0 * share);
+    if sag_share > limits.sag_share {
+        let [percent, allowed] = [sag_share, limits.sag_share].map(|share| 100.0 * share);
         warn(format!(
             "the sag is {percent:.0} % of the length, above {allowed:.0} %: tubes further apart, a stiffer elastomer or a pose that hangs more help"
         ));
     }
-    if margins.stiffness_n_per_m < STIFFNESS_MIN_N_PER_M {
+    if margins.stiffness_n_per_m < limits.stiffness_n_per_m {
         warn(format!(
-            "the vertical stiffness of the tip is {:.1} N/m, below {STIFFNESS_MIN_N_PER_M} N/m: tubes further apart, wider tubes or a shorter limb help",
-            margins.stiffness_n_per_m
+            "the vertical stiffness of the tip is {:.1} N/m, below {} N/m: tubes further apart, wider tubes or a shorter limb help",
+            margins.stiffness_n_per_m, limits.stiffness_n_per_m
         ));
     }
-    if margins.pressure_share > PRESSURE_SHARE_MAX {
-        let [percent, allowed] = [margins.pressure_share, PRESSURE_SHARE_MAX].map(|share| 100.0 * share);
+    if margins.pressure_share > limits.pressure_share {
+        let [percent, allowed] = [margins.pressure_share, limits.pressure_share].map(|share| 100.0 * share);
         let name = module(margins.fullest_module);
         warn(format!(
             "the pressure of `{name}` is {percent:.0} % of its limit or limit point, above {allowed:.0} %: a thicker wall, a stiffer elastomer or a smaller target helps"

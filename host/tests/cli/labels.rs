@@ -150,3 +150,15 @@ fn answers_of_a_batch_have_no_warnings() {
     let answer = Desk::new().softlimb_reading("eval --batch -", question.as_bytes()).done();
     assert_eq!((answer.err.as_str(), answer.json().get("warnings")), ("", None), "{answer:?}");
 }
+
+/// A finger whose tip is soft for its size alone.
+#[test]
+fn margins_are_judged_by_the_bounds_of_the_scene() {
+    let finger = include_str!("../../../scenes/finger.toml");
+    assert!(finger.contains("tip_stiffness_min = \"10 N/m\""));
+    desk(finger).softlimb("check scene.toml").done();
+    let stiffer = finger.replace("tip_stiffness_min = \"10 N/m\"", "tip_stiffness_min = \"25 N/m\"");
+    let warned = desk(&stiffer).softlimb("check scene.toml");
+    assert_eq!(warned.code, Some(3), "{warned:?}");
+    assert!(warned.err.contains("the vertical stiffness of the tip is 19.0 N/m, below 25 N/m"), "{warned:?}");
+}

@@ -45,8 +45,14 @@ pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
     let limb = scene.limb();
     let tool = limb.end_effector.as_ref();
     let reserve = scene.design().map_or(0.0, |design| design.pressure_reserve.max(design.limit_margin));
-    let own = StandingLimits::default();
-    let limits = StandingLimits { pressure_share: own.pressure_share.min(1.0 - reserve), ..own };
+    let standing = scene.limits().standing;
+    let limits = StandingLimits {
+        load_factor: standing.load_factor,
+        stiffness_n_per_m: standing.stiffness_n_per_m,
+        sag_share: standing.sag_share,
+        buckling_margin: standing.buckling_margin,
+        pressure_share: standing.pressure_share.min(1.0 - reserve),
+    };
     let obstacle = |obstacle: &softlimb_scene::Obstacle| Obstacle {
         name: obstacle.name.to_string(),
         shape: obstacle.shape.clone(),

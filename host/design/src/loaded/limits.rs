@@ -17,13 +17,6 @@ pub struct StandingLimits {
     pub pressure_share: f64,
 }
 
-impl Default for StandingLimits {
-    /// Those that `check` asks of a limb on a body.
-    fn default() -> Self {
-        Self { load_factor: 1.5, stiffness_n_per_m: 40.0, sag_share: 0.4, buckling_margin: 3.0, pressure_share: 0.85 }
-    }
-}
-
 /// What a design keeps a distance from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -8,12 +8,8 @@ use softlimb_limb::statics::{Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb};
 use softlimb_motion as motion;
 use softlimb_scene as scene;
 
-const LIMITS: CarryLimits = CarryLimits {
-    error: 0.01,
-    load_factor_min: motion::LOAD_FACTOR_MIN,
-    buckling_margin_min: motion::BUCKLING_MARGIN_MIN,
-    pressure_share_max: motion::PRESSURE_SHARE_MAX,
-};
+const LIMITS: CarryLimits =
+    CarryLimits { error: 0.01, load_factor_min: 1.5, buckling_margin_min: 3.0, pressure_share_max: 0.85 };
 
 /// Three tubes that hang straight down.
 const HANGING: &str = r#"
@@ -112,7 +108,7 @@ fn scenes_carry_what_their_plans_carry() {
             let moved = (tip(&before) - tip(&with)).norm();
             assert!(moved < 1e-4, "{letter} {}: {moved}", phase.name);
             let with = with.stand(error, scene.rest_length_m()).expect("it stands");
-            assert!(with.load_factor >= motion::LOAD_FACTOR_MIN && with.buckling_margin >= motion::BUCKLING_MARGIN_MIN);
+            assert!(with.load_factor >= 1.5 && with.buckling_margin >= 3.0);
         }
     }
 }

@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{LEVER_M, Reach, angle};
 use crate::carrier::{Carrier, Posture};
-use crate::weight::PRESSURE_SHARE_MAX;
 use softlimb_limb::LimbModule;
 use softlimb_scene::Aim;
 use softlimb_scene::collision::{Clearance, Shape};
@@ -85,7 +84,7 @@ impl<'a, 'l> Problem<'a, 'l> {
     pub(super) fn new(carrier: &'a Carrier<'l>, task: &'a TipTask<'a>, margin: bool) -> Self {
         let span = |module: &LimbModule| {
             let whole_pa = module.single_valued_max_pa();
-            if margin { whole_pa.min(PRESSURE_SHARE_MAX * module.ceiling_pa()) } else { whole_pa }
+            if margin { whole_pa.min(carrier.pressure_share() * module.ceiling_pa()) } else { whole_pa }
         };
         Self { carrier, task, spans: carrier.limb().drives().map(|drive| span(&drive)).collect() }
     }

@@ -15,17 +15,6 @@ use crate::unreachable::Unreachable;
 /// Most spacers that are tried where a module has too few.
 const SPACERS_MAX: usize = 20;
 
-/// Least load factor that a limb on a body should have.
-pub const LOAD_FACTOR_MIN: f64 = 1.5;
-/// Least vertical stiffness of its tip, N/m.
-pub const STIFFNESS_MIN_N_PER_M: f64 = 40.0;
-/// Largest sag over its length at rest.
-pub const SAG_SHARE_MAX: f64 = 0.4;
-/// Least buckling margin of its tubes.
-pub const BUCKLING_MARGIN_MIN: f64 = 3.0;
-/// Highest pressure over the scene's limit and over the limit point.
-pub const PRESSURE_SHARE_MAX: f64 = 0.85;
-
 /// Margins at the end of a phase: the worst of the tip empty, with half and with all of the phase's payload.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margins {
@@ -41,7 +30,7 @@ pub struct Margins {
     pub buckling_margin: f64,
     /// Module of the tube that is closest to buckling.
     pub weakest_module: Option<usize>,
-    /// Spacers of that module with which the margin is [`BUCKLING_MARGIN_MIN`], where it is less now and some number up to 20 is enough.
+    /// Spacers of that module with which the margin is that of the scene, where it is less now and some number up to 20 is enough.
     pub spacers_enough: Option<usize>,
     /// Highest pressure of a module over the lower of the scene's limit and its limit point.
     pub pressure_share: f64,
@@ -86,7 +75,9 @@ pub(crate) fn margins(scene: &Scene, limb: &Limb, plan: &Plan, sent: &Sent) -> R
                 .map_err(|cause| Unreachable::NotCarried { phase: index, time_us: end_us, cause })?;
             margins.worsen(&standing);
         }
-        if let Some(module) = margins.weakest_module.filter(|_| margins.buckling_margin < BUCKLING_MARGIN_MIN) {
+        if let Some(module) =
+            margins.weakest_module.filter(|_| margins.buckling_margin < scene.limits().standing.buckling_margin)
+        {
             margins.spacers_enough = spacers_enough(scene, limb, &pressures_pa, payload_kg, module);
         }
         Ok(margins)
@@ -123,6 +114,7 @@ impl Margins {
 
 /// The fewest spacers of a module, more than it has, with which no tube is closer to buckling than it should be.
 fn spacers_enough(scene: &Scene, limb: &Limb, pressures_pa: &[f64], payload_kg: f64, module: usize) -> Option<usize> {
+    let margin = scene.limits().standing.buckling_margin;
     let first = usize::from(scene.modules()[module].spacers) + 1;
     (first..=SPACERS_MAX).find(|spacers| {
         let nominal = Nominal::new(scene, limb, Fidelity::Double).with_spacers(module, *spacers);
@@ -132,9 +124,7 @@ fn spacers_enough(scene: &Scene, limb: &Limb, pressures_pa: &[f64], payload_kg: 
             let of_module = limb.buckling(&rod, &shape);
             Some(of_module.map_or(0.0, |tube| tube.ratio()))
         };
-        [0.0, 0.5, 1.0]
-            .iter()
-            .all(|share| ratio(share * payload_kg).is_some_and(|ratio| ratio * BUCKLING_MARGIN_MIN <= 1.0))
+        [0.0, 0.5, 1.0].iter().all(|share| ratio(share * payload_kg).is_some_and(|ratio| ratio * margin <= 1.0))
     })
 }
 

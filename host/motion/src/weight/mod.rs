@@ -6,10 +6,8 @@ mod margins;
 mod nominal;
 mod slopes;
 
+pub use margins::Margins;
 pub(crate) use margins::margins;
-pub use margins::{
-    BUCKLING_MARGIN_MIN, LOAD_FACTOR_MIN, Margins, PRESSURE_SHARE_MAX, SAG_SHARE_MAX, STIFFNESS_MIN_N_PER_M,
-};
 pub use nominal::{Nominal, Pose, PoseError};
 pub(crate) use nominal::{pressures_pa, step_pa};
 pub use slopes::planned_slopes;

@@ -12,7 +12,9 @@ mod winding;
 pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
-pub use motion::{BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, Phase, Target, Weight};
+pub use motion::{
+    BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, Target, Weight,
+};
 pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
 pub use thread::{Thread, WoundWall};

@@ -72,6 +72,23 @@ pub struct Limits {
     pub radius_rate_max_m_per_s: Option<f64>,
     /// Largest rate of a bend angle or twist, rad/s.
     pub angle_rate_max_rad_per_s: Option<f64>,
+    /// Margins of the limb under weight.
+    pub standing: MarginLimits,
+}
+
+/// Margins that a limb under weight should keep in every pose: without its payload, with half and with all of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarginLimits {
+    /// Least load factor; 1..4.
+    pub load_factor: f64,
+    /// Least vertical stiffness of the tip, N/m; >= 0.
+    pub stiffness_n_per_m: f64,
+    /// Largest sag over the length at rest; > 0.
+    pub sag_share: f64,
+    /// Least buckling margin of a tube; >= 1.
+    pub buckling_margin: f64,
+    /// Highest pressure over the lower of the scene's limit and the limit point; 0..1.
+    pub pressure_share: f64,
 }
 
 /// What the limb's own weight and the payloads do in a run.

@@ -1,6 +1,6 @@
 //! Limits and settings of the controller.
 
-use crate::data::{BendingModel, Controller, InverseChoice, Limits, LinkLoss, Weight};
+use crate::data::{BendingModel, Controller, InverseChoice, Limits, LinkLoss, MarginLimits, Weight};
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
@@ -38,6 +38,11 @@ pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
         let stretch = reader.maybe(&STRETCH_RATE_MAX);
         let radius = reader.maybe(&RADIUS_RATE_MAX);
         let angle = reader.maybe(&ANGLE_RATE_MAX);
+        let load_factor = reader.quantity(&LOAD_FACTOR_MIN);
+        let stiffness = reader.quantity(&TIP_STIFFNESS_MIN);
+        let sag = reader.quantity(&SAG_MAX);
+        let buckling_margin = reader.quantity(&BUCKLING_MARGIN_MIN);
+        let pressure_share = reader.quantity(&PRESSURE_SHARE_MAX);
         let (supply_min, supply_max) = supply_min.zip(supply_max)?;
         if *supply_max - *supply_min < SUPPLY_RANGE_MIN_PA {
             let title = "`supply_min` must be at least 1 kPa below `supply_max`";
@@ -52,6 +57,13 @@ pub(super) fn limits(root: &Reader<'_>) -> Option<Limits> {
             stretch_rate_max_per_s: stretch?.map(|rate| *rate),
             radius_rate_max_m_per_s: radius?.map(|rate| *rate),
             angle_rate_max_rad_per_s: angle?.map(|rate| *rate),
+            standing: MarginLimits {
+                load_factor: *load_factor?,
+                stiffness_n_per_m: *stiffness?,
+                sag_share: *sag?,
+                buckling_margin: *buckling_margin?,
+                pressure_share: *pressure_share?,
+            },
         })
     })
 }

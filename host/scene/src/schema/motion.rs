@@ -39,6 +39,11 @@ section! {
     STRETCH_RATE_MAX: Quantity { name: "stretch_rate_max", unit: Unit::PERCENT_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of the axial stretch.";
     RADIUS_RATE_MAX: Quantity { name: "radius_rate_max", unit: Unit::MM_PER_S, min: 0.01, max: 1e4, presence: Optional("no bound") } = "Largest rate of a radius.";
     ANGLE_RATE_MAX: Quantity { name: "angle_rate_max", unit: Unit::DEG_PER_S, min: 0.1, max: 1e4, presence: Optional("no bound") } = "Largest rate of a bend angle or twist.";
+    LOAD_FACTOR_MIN: Quantity { name: "load_factor_min", unit: Unit::NUMBER, min: 1.0, max: 4.0, presence: Default(1.5) } = "Least factor on all loads at which the limb under weight loses its stability. `check` warns of less, `design limb` keeps it; so with the next four.";
+    TIP_STIFFNESS_MIN: Quantity { name: "tip_stiffness_min", unit: Unit::N_PER_M, min: 0.0, max: 1e5, presence: Default(40.0) } = "Least vertical stiffness of the tip.";
+    SAG_MAX: Quantity { name: "sag_max", unit: Unit::PERCENT, min: 1.0, max: 200.0, presence: Default(40.0) } = "Largest sag of the tip, of the length at rest.";
+    BUCKLING_MARGIN_MIN: Quantity { name: "buckling_margin_min", unit: Unit::NUMBER, min: 1.0, max: 100.0, presence: Default(3.0) } = "Least buckling load of a tube between two plates over its axial force.";
+    PRESSURE_SHARE_MAX: Quantity { name: "pressure_share_max", unit: Unit::PERCENT, min: 10.0, max: 100.0, presence: Default(85.0) } = "Highest pressure of a module, of the lower of its `pressure_max` and its limit point. The planner seeks such pressures first.";
 }
 
 section! {

@@ -15,6 +15,7 @@ impl Dimension {
     pub(crate) const ANGLE: Self = Self([0, 0, 0, 0, 1]);
     pub(crate) const PRESSURE: Self = Self([-1, 1, -2, 0, 0]);
     pub(crate) const FORCE: Self = Self([1, 1, -2, 0, 0]);
+    pub(crate) const STIFFNESS: Self = Self([0, 1, -2, 0, 0]);
     pub(crate) const POWER: Self = Self([2, 1, -3, 0, 0]);
     pub(crate) const DENSITY: Self = Self([-3, 1, 0, 0, 0]);
     pub(crate) const FREQUENCY: Self = Self([0, 0, -1, 0, 0]);
@@ -27,7 +28,7 @@ impl Dimension {
 
     /// What a message calls a quantity of this dimension, with its article.
     pub(crate) fn name(self) -> &'static str {
-        const NAMES: [(Dimension, &str); 19] = [
+        const NAMES: [(Dimension, &str); 20] = [
             (Dimension::RATIO, "a plain number"),
             (Dimension::LENGTH, "a length"),
             (Dimension::AREA, "an area"),
@@ -38,6 +39,7 @@ impl Dimension {
             (Dimension::ANGLE, "an angle"),
             (Dimension::PRESSURE, "a pressure"),
             (Dimension::FORCE, "a force"),
+            (Dimension::STIFFNESS, "a stiffness"),
             (Dimension::POWER, "a power"),
             (Dimension::DENSITY, "a density"),
             (Dimension::FREQUENCY, "a rate"),

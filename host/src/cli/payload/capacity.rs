@@ -118,11 +118,12 @@ fn carried(scene: &Scene, limb: &Limb, plan: &motion::Plan, case: &LoadCase) -> 
     let [x, y, z] = case.direction;
     let down = x == 0.0 && y == 0.0 && z < 0.0 && case.spacers.is_none();
     let Some(weight) = scene.weight().filter(|weight| weight.simulated && down) else { return Vec::new() };
+    let standing = scene.limits().standing;
     let limits = CarryLimits {
         error: weight.error,
-        load_factor_min: motion::LOAD_FACTOR_MIN,
-        buckling_margin_min: motion::BUCKLING_MARGIN_MIN,
-        pressure_share_max: motion::PRESSURE_SHARE_MAX,
+        load_factor_min: standing.load_factor,
+        buckling_margin_min: standing.buckling_margin,
+        pressure_share_max: standing.pressure_share,
     };
     let of_phase = |(phase, carried): (&motion::PlannedPhase, motion::Carried)| {
         // What is put down is carried until the end of the move, what is taken up from the end of the hold on.
