@@ -5,7 +5,7 @@ use fra_model::{Actuator, ActuatorParameters, Families, Motion, Placement};
 use nalgebra::Vector3;
 
 use crate::actuators::Winding;
-use crate::bundle::{Answer, Attachment, Budget, ForceProblem, Sample, search};
+use crate::bundle::{Answer, Attachment, Budget, ForceProblem, Place, Sample, Tube, search};
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 use softlimb_limb::LimbModule;
 use softlimb_limb::payload::{Bundle, Hold, Mounted, PayloadError};
@@ -30,28 +30,48 @@ pub struct BlockedDesign {
     pub printed_n: f64,
 }
 
-/// Four designs of a straight module's bundle; `None` for a module that bends, has no thread, or has it as a sheet within the wall.
+/// Four designs of a straight module's bundle; `None` for a module that bends or has no thread.
 ///
 /// # Errors
 /// As [`search`](crate::bundle::search()) and [`Bundle::wrench`].
 pub fn blocked_designs(module: &LimbModule) -> Result<Option<Vec<BlockedDesign>>, PayloadError> {
     let parameters = *module.actuator.parameters();
     let straight = parameters.motion != Motion::Bending;
-    // Eq. (18) has its sheets at the outer radius.
-    let outermost = |placement, radius_m: f64| placement != Placement::Sheet || radius_m == parameters.outer_radius_m;
-    let fiber = parameters.fiber.filter(|fiber| straight && outermost(fiber.placement, fiber.radius_m));
-    let Some(fiber) = fiber else { return Ok(None) };
+    let Some(fiber) = parameters.fiber.filter(|_| straight) else { return Ok(None) };
+    let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;
+    let winding = Winding {
+        families: fiber.families,
+        modulus_pa: fiber.modulus_pa,
+        placement: fiber.placement,
+        thickness_m: match fiber.placement {
+            Placement::Layer => parameters.outer_radius_m - fiber.radius_m,
+            Placement::Sheet | Placement::Smeared => fiber.thickness_m,
+        },
+        wall_share: 1.0 - (parameters.outer_radius_m - fiber.radius_m) / wall_m,
+    };
     let most = module.reference_max_pa.min(module.curve.pressure_max_pa());
     let count = module.channels.len();
     let own = bundle(&parameters, count)?.wrench(&vec![most; count])?[2];
     let angle = fiber.angle_rad;
     let around = |value: f64| [value * (1.0 - AROUND), value * (1.0 + AROUND)];
     let positions_m = module.positions_m();
-    let azimuth_rad = |i: usize| positions_m[i][1].atan2(positions_m[i][0]).rem_euclid(std::f64::consts::TAU);
+    let tube = Tube {
+        material: parameters.material,
+        winding,
+        mirrored: false,
+        inner_radius_m: around(parameters.inner_radius_m),
+        wall_m: match fiber.placement {
+            Placement::Layer => around(wall_m).map(|wall_m| wall_m.max(winding.thickness_m)),
+            Placement::Sheet | Placement::Smeared => around(wall_m),
+        },
+        length_m: [parameters.length_m; 2],
+        angle_rad: [angle - 0.05, angle + 0.05],
+        pressure_max_pa: most,
+    };
     let attachment = |i: usize| Attachment {
         name: format!("{} {}", module.name, i + 1),
-        radius_m: [positions_m[i][0].hypot(positions_m[i][1]); 2],
-        azimuth_rad: [azimuth_rad(i); 2],
+        tube: tube.clone(),
+        place: Place::Cartesian { x_m: [positions_m[i][0]; 2], y_m: [positions_m[i][1]; 2] },
         height_m: [0.0; 2],
         slopes: [[0.0; 2]; 2],
     };
@@ -60,30 +80,18 @@ pub fn blocked_designs(module: &LimbModule) -> Result<Option<Vec<BlockedDesign>>
         let twist = if fiber.families == Families::One { 0.0 } else { 20.0 };
         let problem = ForceProblem {
             shared: true,
-            material: parameters.material,
-            winding: Winding {
-                families: fiber.families,
-                modulus_pa: fiber.modulus_pa,
-                placement: fiber.placement,
-                thickness_m: fiber.thickness_m,
-            },
-            inner_radius_m: around(parameters.inner_radius_m),
-            wall_m: around(parameters.outer_radius_m - parameters.inner_radius_m),
-            length_m: [parameters.length_m; 2],
-            angle_rad: [angle - 0.05, angle + 0.05],
-            pressure_max_pa: most,
             actuators: (0..count).map(attachment).collect(),
             samples: vec![Sample { wrench: [0.0, 0.0, wanted_n, 0.0, 0.0, 0.0], held_length_m: None }],
             force_per_n: 1.0,
             torque_per_nm: twist,
             effort: 0.0,
-            reference_pressure_pa: most,
+            reference_pressure_pa: None,
         };
         let answer = search(&problem, &Budget::default())?;
         let found = &answer.actuators[0];
         let mut made = parameters;
         (made.inner_radius_m, made.outer_radius_m) = (found.inner_radius_m, found.outer_radius_m);
-        let radius_m = made.outer_radius_m - (parameters.outer_radius_m - fiber.radius_m);
+        let radius_m = winding.radius_m(found.inner_radius_m, found.outer_radius_m);
         made.fiber = Some(fra_model::Fiber { angle_rad: found.angle_deg.to_radians(), radius_m, ..fiber });
         let bundle = bundle(&made, count)?;
         let point = |index: usize| {

@@ -2,6 +2,7 @@
 
 mod common;
 mod derivatives;
+mod effort;
 mod files;
 mod hard_cases;
 mod optima;

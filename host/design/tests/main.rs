@@ -2,6 +2,7 @@
 
 mod bundle_effort;
 mod bundle_files;
+mod bundle_unlike;
 mod design;
 mod design_path;
 mod design_scene;

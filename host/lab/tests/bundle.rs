@@ -1,6 +1,6 @@
 //! Eq. (18): what can be had, what is beyond, and files.
 
-use softlimb_design::bundle::{Budget, ForceProblem, search};
+use softlimb_design::bundle::{Budget, ForceProblem, Place, search};
 use softlimb_lab::payload::{Barrier, barrier, kind};
 
 const SEEDS: u64 = 20;
@@ -12,11 +12,16 @@ fn what_some_bundle_has_is_found_for_every_seed() {
         for seed in 0..SEEDS {
             let problem = kind(name, seed).unwrap();
             let free = |bounds: [f64; 2]| usize::from(bounds[1] > bounds[0]);
-            let geometry = [problem.inner_radius_m, problem.wall_m, problem.length_m, problem.angle_rad].map(free);
+            let tube = &problem.actuators[0].tube;
+            let geometry = [tube.inner_radius_m, tube.wall_m, tube.length_m, tube.angle_rad].map(free);
+            let placed = |place| match place {
+                Place::Polar { radius_m, azimuth_rad } => [radius_m, azimuth_rad],
+                Place::Cartesian { x_m, y_m } => [x_m, y_m],
+            };
             let places: Vec<usize> = problem
                 .actuators
                 .iter()
-                .map(|a| [a.radius_m, a.azimuth_rad, a.slopes[0], a.slopes[1]].map(free).iter().sum())
+                .map(|a| placed(a.place).iter().chain(&a.slopes).map(|bounds| free(*bounds)).sum())
                 .collect();
             let each: usize = geometry.iter().sum();
             let (count, samples) = (problem.actuators.len(), problem.samples.len());
@@ -84,7 +89,7 @@ fn answer_is_what_its_bundle_does() {
                 inner_radius_m: actuator.inner_radius_m,
                 outer_radius_m: actuator.outer_radius_m,
                 length_m: actuator.length_m,
-                material: problem.material,
+                material: problem.actuators[0].tube.material,
                 fiber: Some(fra_model::Fiber {
                     angle_rad: actuator.angle_deg.to_radians(),
                     families: fra_model::Families::Two,

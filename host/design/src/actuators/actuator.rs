@@ -1,6 +1,6 @@
 //! One segment at one geometry: solves, their count, and exact derivatives by the design variables.
 
-use fra_model::{Actuator, Load, Motion, Parameter, Placement, Solution, State, Status, Target};
+use fra_model::{Actuator, Load, Motion, Parameter, Solution, State, Status, Target};
 
 use serde::Serialize;
 
@@ -157,10 +157,12 @@ impl<'a> Candidate<'a> {
 
     /// Carries derivatives by the model's parameters over to the unit box.
     fn by_variables(&self, by_length: f64, mut by: impl FnMut(Parameter) -> Option<f64>) -> Option<[f64; 4]> {
-        let by_inner = by(Parameter::InnerRadius)?;
+        let mut by_inner = by(Parameter::InnerRadius)?;
         let mut by_outer = by(Parameter::OuterRadius)?;
-        if self.segment.winding.is_some_and(|winding| winding.placement != Placement::Smeared) {
-            by_outer += by(Parameter::WindingRadius)?;
+        if let Some([inner, outer]) = self.segment.winding.and_then(|winding| winding.radius_slopes()) {
+            let by_winding = by(Parameter::WindingRadius)?;
+            by_inner += inner * by_winding;
+            by_outer += outer * by_winding;
         }
         let by_angle = if self.segment.dimensions() > 3 && self.segment.axis(3)[1] > 0.0 {
             by(Parameter::FiberAngle)?

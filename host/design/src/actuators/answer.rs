@@ -34,7 +34,7 @@ pub enum DesignError {
     },
 }
 
-/// The four terms of eq. (14), each weighted.
+/// The terms of eq. (14), each weighted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Terms {
     /// Lengths of extending segments.
@@ -45,6 +45,9 @@ pub struct Terms {
     pub bend_angle: f64,
     /// Twists of twisting segments.
     pub twist: f64,
+    /// The mean of `(P/P_ref)^2`; `None` where it has no weight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effort: Option<f64>,
 }
 
 /// One phase of one segment.
@@ -221,10 +224,14 @@ pub(super) fn confirm(
             Motion::Twisting => &mut terms.twist,
         };
         *term += answer.phases.iter().map(|phase| phase.term).sum::<f64>();
+        if segment.effort_per_pa2 > 0.0 {
+            let squares: f64 = answer.phases.iter().map(|phase| phase.pressure_pa.powi(2)).sum();
+            *terms.effort.get_or_insert_default() += segment.effort_per_pa2 * squares;
+        }
         scale += segment.goals.iter().flatten().map(|goal| goal.weight * goal.value.powi(2)).sum::<f64>();
         segments.push(answer);
     }
-    let objective = terms.length + terms.outer_radius + terms.bend_angle + terms.twist;
+    let objective = terms.length + terms.outer_radius + terms.bend_angle + terms.twist + terms.effort.unwrap_or(0.0);
     let status = if objective <= REACHED * scale { "reached" } else { "best_found" };
     let shared_pressure = problem.shared_pressure;
     Ok(Answer { status, objective, terms, shared_pressure, segments, seed, cost: counts })

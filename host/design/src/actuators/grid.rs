@@ -42,6 +42,8 @@ struct Rows<'a> {
 pub(super) struct Grid<'a> {
     segments: Vec<Rows<'a>>,
     phases: usize,
+    /// Weight of the squared share of a pressure: the effort.
+    effort: f64,
 }
 
 /// What a row leaves of eq. (14): `C - 2 L A + L^2 B`.
@@ -191,7 +193,12 @@ impl<'a> Grid<'a> {
     /// Solves for all rows, at pressures up to `highest_pa`.
     pub(super) fn new(segments: &'a [Segment], highest_pa: f64, counts: &mut Counts) -> Self {
         let phases = segments.first().map_or(0, |segment| segment.goals.len());
-        Self { segments: segments.iter().map(|segment| Rows::new(segment, highest_pa, counts)).collect(), phases }
+        let effort = segments.iter().map(|segment| segment.effort_per_pa2).sum::<f64>() * highest_pa.powi(2);
+        Self {
+            segments: segments.iter().map(|segment| Rows::new(segment, highest_pa, counts)).collect(),
+            phases,
+            effort,
+        }
     }
 
     /// The best geometries of one segment at these pressures for each fiber angle, of a bend for each inner radius, and for bounds of the wall.
@@ -222,7 +229,11 @@ impl<'a> Grid<'a> {
         for _ in 0..ROUNDS {
             let before = least;
             for phase in 0..self.phases {
-                let mut left = [0.0; INTERVALS + 1];
+                let others: f64 =
+                    (0..self.phases).filter(|other| *other != phase).map(|other| shares[other].powi(2)).sum();
+                let squared = |level: usize| (level as f64 / INTERVALS as f64).powi(2);
+                let mut left: [f64; INTERVALS + 1] =
+                    std::array::from_fn(|level| self.effort * (others + squared(level)));
                 for rows in &self.segments {
                     left.iter_mut().zip(rows.by_level(&shares, phase)).for_each(|(sum, own)| *sum += own);
                 }

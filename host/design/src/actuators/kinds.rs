@@ -87,7 +87,8 @@ fn bounded(motion: Motion) -> Segment {
         Motion::Extension | Motion::Bending => [0.0, 15.0],
     };
     let families = if motion == Motion::Twisting { Families::One } else { Families::Two };
-    let winding = Winding { families, modulus_pa: 361e6, placement: Placement::Sheet, thickness_m: 0.178e-3 };
+    let winding =
+        Winding { families, modulus_pa: 361e6, placement: Placement::Sheet, thickness_m: 0.178e-3, wall_share: 1.0 };
     Segment {
         name: format!("{motion:?}").to_lowercase(),
         motion,
@@ -102,6 +103,7 @@ fn bounded(motion: Motion) -> Segment {
         pressure_max_pa: 60e3,
         limit_margin: 0.05,
         goals: Vec::new(),
+        effort_per_pa2: 0.0,
     }
 }
 

@@ -9,6 +9,7 @@
 
 mod actuator;
 mod answer;
+mod effort;
 pub(crate) mod file;
 mod grid;
 pub mod kinds;

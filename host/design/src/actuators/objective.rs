@@ -39,18 +39,23 @@ impl<'a> Objective<'a> {
         self.limits
     }
 
-    /// The weighted differences of all goals at a point, segment by segment and phase by phase; the sum of their squares is eq. (14).
+    /// The weighted differences of all goals at a point, segment by segment and phase by phase, and with an effort the weighted pressures
+    /// behind them; the sum of their squares is eq. (14).
     /// `point` has [`width`](Self::width) coordinates in `0..=1`. `None` where the model has no equilibrium.
     pub fn differences(&mut self, point: &[f64]) -> Option<Vec<f64>> {
         self.counts.evaluations += 1;
         let mut differences = Vec::with_capacity(self.problem.segments.len() * self.problem.phases());
+        let mut efforts = Vec::new();
         for (candidate, pressures_pa) in self.candidates(point)? {
+            let effort = candidate.segment.effort_per_pa2;
+            efforts.extend(pressures_pa.iter().filter(|_| effort > 0.0).map(|pressure_pa| effort.sqrt() * pressure_pa));
             for (goal, pressure_pa) in candidate.segment.goals.iter().zip(pressures_pa) {
                 let Some(goal) = goal else { continue };
                 let found = candidate.measure(&candidate.at(pressure_pa, &mut self.counts)?);
                 differences.push(goal.weight.sqrt() * (found - goal.value));
             }
         }
+        differences.append(&mut efforts);
         Some(differences)
     }
 

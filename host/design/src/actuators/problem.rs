@@ -63,7 +63,7 @@ impl GeometryBounds {
     }
 }
 
-/// The winding of a straight segment, but for its angle. It is wound at `R_o`: a sheet there, a layer from there inwards.
+/// The winding of a straight segment, but for its angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Winding {
     /// One or two families.
@@ -72,8 +72,31 @@ pub struct Winding {
     pub modulus_pa: f64,
     /// A sheet, a layer or smeared.
     pub placement: Placement,
-    /// Thickness of a sheet or a layer, m; > 0, that of a layer at most the thinnest wall within the bounds.
+    /// Thickness of a sheet or a layer, m; > 0, that of a layer at most the thinnest wall within the bounds. A layer is below `R_o`.
     pub thickness_m: f64,
+    /// Place of a sheet in the wall: 0 at `R_i`, 1 at `R_o`.
+    pub wall_share: f64,
+}
+
+impl Winding {
+    /// Winding radius of a wall, as in [`Fiber`], m.
+    pub(crate) fn radius_m(&self, inner_radius_m: f64, outer_radius_m: f64) -> f64 {
+        match self.placement {
+            // Rounding must not take it out of the thinnest wall.
+            Placement::Layer => (outer_radius_m - self.thickness_m).max(inner_radius_m),
+            Placement::Sheet => outer_radius_m - (1.0 - self.wall_share) * (outer_radius_m - inner_radius_m),
+            Placement::Smeared => outer_radius_m,
+        }
+    }
+
+    /// Derivatives of the winding radius by `R_i` and `R_o`; `None` where it has no effect.
+    pub(crate) fn radius_slopes(&self) -> Option<[f64; 2]> {
+        match self.placement {
+            Placement::Layer => Some([0.0, 1.0]),
+            Placement::Sheet => Some([1.0 - self.wall_share, self.wall_share]),
+            Placement::Smeared => None,
+        }
+    }
 }
 
 /// What a segment shall do in one phase: one term of eq. (14).
@@ -104,6 +127,8 @@ pub struct Segment {
     pub limit_margin: f64,
     /// The goal of each phase; `None` where the segment may do what it likes.
     pub goals: Vec<Option<Goal>>,
+    /// Weight of the squared pressure of each phase, 1/Pa2; >= 0: its share of the effort.
+    pub effort_per_pa2: f64,
 }
 
 /// A design problem, eq. (14) with bounds. [`Problem::read`] makes one from a file.
@@ -215,11 +240,7 @@ impl Segment {
                 modulus_pa: winding.modulus_pa,
                 placement: winding.placement,
                 thickness_m: winding.thickness_m,
-                radius_m: match winding.placement {
-                    // Rounding must not take it out of the thinnest wall.
-                    Placement::Layer => (geometry.outer_radius_m - winding.thickness_m).max(geometry.inner_radius_m),
-                    Placement::Sheet | Placement::Smeared => geometry.outer_radius_m,
-                },
+                radius_m: winding.radius_m(geometry.inner_radius_m, geometry.outer_radius_m),
             }),
         }
     }

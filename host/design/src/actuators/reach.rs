@@ -28,6 +28,8 @@ pub(super) enum Held {
     Highest,
     /// The goal is beyond where the deformation turns back.
     Turning,
+    /// A nearer pressure would cost more effort than it gains.
+    Balanced,
 }
 
 /// One phase at one geometry.
@@ -37,24 +39,24 @@ pub(super) struct Phase {
     /// Weighted difference: its square is the term of eq. (14).
     pub(super) residual: f64,
     pub(super) held: Held,
-    state: State<f64>,
+    pub(super) state: State<f64>,
 }
 
 /// A geometry with the best pressures.
 pub(super) struct Reach<'a> {
-    candidate: Candidate<'a>,
-    cap: Cap,
+    pub(super) candidate: Candidate<'a>,
+    pub(super) cap: Cap,
     pub(super) phases: Vec<Phase>,
 }
 
 /// What a geometry spans, without pressures: enough to rank it.
 pub(super) struct Span<'a> {
-    candidate: Candidate<'a>,
-    cap: Cap,
+    pub(super) candidate: Candidate<'a>,
+    pub(super) cap: Cap,
     /// At rest and at the cap; `None` where every goal is known to be between them.
-    ends: Option<[State<f64>; 2]>,
+    pub(super) ends: Option<[State<f64>; 2]>,
     /// The state at the largest goal, where it was asked for.
-    largest: Option<(f64, State<f64>)>,
+    pub(super) largest: Option<(f64, State<f64>)>,
 }
 
 /// The ends of the pressure range.
@@ -127,6 +129,9 @@ impl<'a> Span<'a> {
     /// Finds the pressures.
     pub(super) fn reach(mut self, counts: &mut Counts) -> Option<Reach<'a>> {
         let segment = self.candidate.segment;
+        if segment.effort_per_pa2 > 0.0 {
+            return self.reach_with_effort(counts);
+        }
         let goals: Vec<Option<&Goal>> = segment.goals.iter().map(|g| g.as_ref().filter(|g| g.weight > 0.0)).collect();
         let phases = match self.ends {
             None => goals.iter().map(|goal| self.easily(*goal, counts)).collect::<Option<Vec<_>>>(),
@@ -149,7 +154,7 @@ impl<'a> Span<'a> {
         goal.map_or_else(|| Some(self.idle()), |goal| self.reached(goal, counts))
     }
 
-    fn idle(&self) -> Phase {
+    pub(super) fn idle(&self) -> Phase {
         Phase { pressure_pa: 0.0, residual: 0.0, held: Held::Free, state: self.candidate.actuator.rest() }
     }
 
@@ -177,7 +182,7 @@ impl<'a> Span<'a> {
         Some(self.at(&ends.states[end], goal, held))
     }
 
-    fn at(&self, state: &State<f64>, goal: &Goal, held: Held) -> Phase {
+    pub(super) fn at(&self, state: &State<f64>, goal: &Goal, held: Held) -> Phase {
         let residual = goal.weight.sqrt() * (self.candidate.measure(state) - goal.value);
         Phase { pressure_pa: state.pressure_pa, residual, held, state: *state }
     }
@@ -246,7 +251,7 @@ impl Reach<'_> {
         let scaled = |row: [f64; 4]| Some(row.map(|slope| goal.weight.sqrt() * slope));
         match phase.held {
             Held::Free | Held::Reached => Some([0.0; 4]),
-            Held::Rest | Held::Turning => scaled(self.candidate.by_place(&phase.state, counts)?),
+            Held::Rest | Held::Turning | Held::Balanced => scaled(self.candidate.by_place(&phase.state, counts)?),
             Held::Highest => {
                 let mut row = self.candidate.by_place(&phase.state, counts)?;
                 if self.cap.limit.is_some() {
@@ -280,11 +285,16 @@ impl<'a> LeastSquares for Separate<'a> {
     }
 
     fn residuals(&self, reach: &Reach<'a>) -> Vec<f64> {
-        reach.phases.iter().map(|phase| phase.residual).collect()
+        let per_pa = self.segment.effort_per_pa2.sqrt();
+        let pressures = reach.phases.iter().filter(|_| per_pa > 0.0).map(|phase| per_pa * phase.pressure_pa);
+        reach.phases.iter().map(|phase| phase.residual).chain(pressures).collect()
     }
 
     fn jacobian(&mut self, reach: &Reach<'a>) -> Option<Vec<Vec<f64>>> {
         self.counts.evaluations += 1;
+        if self.segment.effort_per_pa2 > 0.0 {
+            return self.jacobian_with_effort(reach);
+        }
         let mut known: Vec<(Held, [f64; 4], f64)> = Vec::new();
         let mut rows = Vec::new();
         for (phase, goal) in reach.phases.iter().zip(&self.segment.goals) {

@@ -176,12 +176,18 @@ fn look(problem: &mut Watched<Separate>, random: &mut Random) -> Look {
             let Some(adapted) = Span::new(segment, &point, counts) else { continue };
             span = adapted;
         }
-        let estimate = span.estimate();
-        if estimate == 0.0
-            && let Some(reach) = span.reach(counts).filter(|reach| reach.exact())
-        {
-            problem.tell(0.0);
-            return Look::Exact { point, pressures_pa: reach.phases.iter().map(|phase| phase.pressure_pa).collect() };
+        let mut estimate = span.estimate();
+        let has_effort = segment.effort_per_pa2 > 0.0;
+        let reach = if estimate == 0.0 || has_effort { span.reach(counts) } else { None };
+        if let Some(reach) = reach {
+            if reach.exact() {
+                let pressures_pa = reach.phases.iter().map(|phase| phase.pressure_pa).collect();
+                problem.tell(0.0);
+                return Look::Exact { point, pressures_pa };
+            }
+            if has_effort {
+                estimate = sum_of_squares(&problem.residuals(&reach));
+            }
         }
         ranked.push((estimate, point));
     }

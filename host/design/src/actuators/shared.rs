@@ -142,14 +142,22 @@ impl<'a> Shared<'a> {
         Some(point)
     }
 
-    /// Eq. (14) without the constraints.
+    /// Eq. (14) without the constraints: goals, and with an effort the pressures.
     fn differences(&self, line: &Line<'a>) -> Vec<f64> {
         let mut states = line.states.iter();
         let found = line
             .candidates
             .iter()
             .flat_map(|candidate| candidate.segment.goals.iter().map(move |goal| (candidate, goal)));
-        found.zip(&mut states).map(|((candidate, goal), state)| difference(goal, candidate.measure(state))).collect()
+        let goals = found.zip(&mut states).map(|((candidate, goal), state)| difference(goal, candidate.measure(state)));
+        let effort_per_pa = self.effort_per_pa();
+        let pressures = line.pressures_pa.iter().filter(|_| effort_per_pa > 0.0);
+        goals.chain(pressures.map(|pressure| effort_per_pa * pressure)).collect()
+    }
+
+    /// The factor of a pressure in its row of the effort.
+    fn effort_per_pa(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.effort_per_pa2).sum::<f64>().sqrt()
     }
 
     /// `c + m` of a segment and a phase.
@@ -295,6 +303,12 @@ impl<'a> LeastSquares for Shared<'a> {
                 margins.push(row);
             }
             first += width;
+        }
+        let effort_per_pa = self.effort_per_pa();
+        for phase in (0..phases).filter(|_| effort_per_pa > 0.0) {
+            let mut row = vec![0.0; geometry + phases];
+            row[geometry + phase] = effort_per_pa * self.highest_pa;
+            goals.push(row);
         }
         goals.append(&mut margins);
         if self.fixed.is_some() {

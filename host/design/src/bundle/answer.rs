@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::forces::{Forces, Placed};
-use super::layout::Quantity;
+use super::layout::{PLACED, Quantity};
 use super::search::ZERO;
 use softlimb_limb::payload::PayloadError;
 use softlimb_numerics::least_squares::LeastSquares;
@@ -99,15 +99,16 @@ fn actuator(forces: &Forces<'_>, index: usize, placed: &Placed, place: &[f64]) -
         })
     };
     let values = &placed.values;
+    let attachment = &forces.problem.actuators[index];
     ActuatorAnswer {
-        name: forces.problem.actuators[index].name.clone(),
+        name: attachment.name.clone(),
         inner_radius_m: values[0],
         outer_radius_m: values[0] + values[1],
         length_m: values[2],
-        angle_deg: values[3].to_degrees(),
+        angle_deg: attachment.tube.hand() * values[3].to_degrees(),
         point_m: placed.point_m.into(),
         axis: placed.axis.into(),
-        pressures_pa: values[9..].to_vec(),
+        pressures_pa: values[PLACED..].to_vec(),
         pushes_n: (0..placed.held.len()).map(|sample| placed.load(sample).x).collect(),
         active_bounds: forces.layout.slots[index].iter().filter_map(active).collect(),
     }

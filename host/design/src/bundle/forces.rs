@@ -3,12 +3,12 @@
 //! `f = sum_i D_i F_i`: the loads `F_i` by geometry and pressure from the model's own derivatives, `D_i` by point and axis as written
 //! here. A length `l` that the surroundings hold makes the stretch `l/L`, hence `dF/dL` also has `-(l/L) dF/dl`.
 
-use fra_model::{Actuator, ActuatorParameters, Blocked, Fiber, Motion, Parameter, Placement, Status};
+use fra_model::{Actuator, Blocked, Parameter, Status};
 use nalgebra::{Vector2, Vector3, Vector6};
 
 use super::answer::{Answer, answer};
 use super::layout::{Layout, PLACED, Quantity, Slot};
-use super::problem::ForceProblem;
+use super::problem::{ForceProblem, Place, Tube};
 use softlimb_limb::payload::{PayloadError, lever};
 use softlimb_numerics::least_squares::LeastSquares;
 
@@ -62,70 +62,52 @@ impl<'a> Forces<'a> {
         weight / (self.problem.samples.len() as f64).sqrt()
     }
 
-    /// The factor of a pressure in its row of the effort.
-    fn effort_per_pa(&self) -> f64 {
+    /// The factor of an actuator's pressures in their rows of the effort.
+    fn effort_per_pa(&self, actuator: usize) -> f64 {
         let pressures = (self.problem.actuators.len() * self.problem.samples.len()) as f64;
-        (self.problem.effort / pressures).sqrt() / self.problem.reference_pressure_pa
+        let own_pa = self.problem.actuators[actuator].tube.pressure_max_pa;
+        (self.problem.effort / pressures).sqrt() / self.problem.reference_pressure_pa.unwrap_or(own_pa)
     }
 
-    fn placed(&self, slots: &[Slot], place: &[f64]) -> Option<Placed> {
+    fn placed(&self, index: usize, slots: &[Slot], place: &[f64]) -> Option<Placed> {
         let values: Vec<f64> = slots.iter().map(|slot| slot.value(place)).collect();
-        let [inner, wall, length, angle, radius, azimuth, height, slope_x, slope_y, pressures @ ..] = &values[..]
-        else {
+        let [inner, wall, length, angle, first, second, height, slope_x, slope_y, pressures @ ..] = &values[..] else {
             return None;
         };
-        let actuator = Actuator::new(&self.parameters(*inner, *wall, *length, *angle)).ok()?;
+        let attachment = &self.problem.actuators[index];
+        let actuator = Actuator::new(&attachment.tube.parameters(*inner, *wall, *length, *angle)).ok()?;
         let hold = |(pressure, sample): (&f64, &super::Sample)| {
             let held_length = sample.held_length_m.unwrap_or(*length);
             actuator.blocked(*pressure, held_length / length, 0.0).ok().filter(|held| held.status == Status::Solved)
         };
         let held = pressures.iter().zip(&self.problem.samples).map(hold).collect::<Option<Vec<_>>>()?;
-        let point_m = Vector3::new(radius * azimuth.cos(), radius * azimuth.sin(), *height);
+        let point_m = match attachment.place {
+            Place::Polar { .. } => Vector3::new(first * second.cos(), first * second.sin(), *height),
+            Place::Cartesian { .. } => Vector3::new(*first, *second, *height),
+        };
         let axis = Vector3::new(*slope_x, *slope_y, 1.0).normalize();
         Some(Placed { actuator, held, point_m, axis, values })
     }
 
-    fn parameters(&self, inner: f64, wall: f64, length: f64, angle: f64) -> ActuatorParameters<f64> {
-        let winding = &self.problem.winding;
-        let outer = inner + wall;
-        let radius_m = if winding.placement == Placement::Layer { outer - winding.thickness_m } else { outer };
-        ActuatorParameters {
-            motion: Motion::Extension,
-            inner_radius_m: inner,
-            outer_radius_m: outer,
-            length_m: length,
-            material: self.problem.material,
-            fiber: Some(Fiber {
-                angle_rad: angle,
-                families: winding.families,
-                modulus_pa: winding.modulus_pa,
-                placement: winding.placement,
-                thickness_m: winding.thickness_m,
-                radius_m,
-            }),
-        }
-    }
-
     /// Derivatives of force and moment on the connector by a number of the actuator in a sample; `None` where there is none.
-    fn load_slope(&self, placed: &Placed, sample: usize, quantity: Quantity) -> Option<Vector2<f64>> {
+    fn load_slope(&self, tube: &Tube, placed: &Placed, sample: usize, quantity: Quantity) -> Option<Vector2<f64>> {
         let held = &placed.held[sample];
         let by = |parameter: Parameter| {
             let load = placed.actuator.blocked_sensitivity(held, parameter).ok()?;
             Some(-Vector2::new(load.force_n, load.torque_nm))
         };
-        // The winding follows the outer radius, and that the inner one and the wall.
-        let outer = || {
-            let own = by(Parameter::OuterRadius)?;
-            Some(if self.problem.winding.placement == Placement::Smeared {
-                own
-            } else {
-                own + by(Parameter::WindingRadius)?
-            })
+        // The winding follows both radii, and the outer one the inner one and the wall.
+        let winding = |slope: fn([f64; 2]) -> f64| match tube.winding.radius_slopes() {
+            Some(slopes) => Some(by(Parameter::WindingRadius)? * slope(slopes)),
+            None => Some(Vector2::zeros()),
         };
         match quantity {
-            Quantity::InnerRadius => Some(by(Parameter::InnerRadius)? + outer()?),
-            Quantity::Wall => outer(),
-            Quantity::Angle => by(Parameter::FiberAngle),
+            Quantity::InnerRadius => {
+                let outer = by(Parameter::OuterRadius)? + winding(|[inner, outer]| inner + outer)?;
+                Some(by(Parameter::InnerRadius)? + outer)
+            }
+            Quantity::Wall => Some(by(Parameter::OuterRadius)? + winding(|[_, outer]| outer)?),
+            Quantity::Angle => Some(by(Parameter::FiberAngle)? * tube.hand()),
             Quantity::Length => {
                 let own = by(Parameter::Length)?;
                 let Some(length) = self.problem.samples[sample].held_length_m else { return Some(own) };
@@ -142,16 +124,18 @@ impl<'a> Forces<'a> {
 
 /// Derivatives of point and axis.
 fn place_slope(placed: &Placed, quantity: Quantity) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let [radius, azimuth, slope_x, slope_y] = [4, 5, 7, 8].map(|slot: usize| placed.values[slot]);
+    let [first, second, slope_x, slope_y] = [4, 5, 7, 8].map(|slot: usize| placed.values[slot]);
     let none = Vector3::zeros();
-    let out = Vector3::new(azimuth.cos(), azimuth.sin(), 0.0);
+    let out = || Vector3::new(second.cos(), second.sin(), 0.0);
     let tilt = |by: Vector3<f64>| {
         let along = Vector3::new(slope_x, slope_y, 1.0);
         (by - placed.axis * placed.axis.dot(&by)) / along.norm()
     };
     match quantity {
-        Quantity::Radius => Some((out, none)),
-        Quantity::Azimuth => Some((Vector3::new(-out.y, out.x, 0.0) * radius, none)),
+        Quantity::Radius => Some((out(), none)),
+        Quantity::Azimuth => Some((Vector3::new(-out().y, out().x, 0.0) * first, none)),
+        Quantity::X => Some((Vector3::x(), none)),
+        Quantity::Y => Some((Vector3::y(), none)),
         Quantity::Height => Some((Vector3::z(), none)),
         Quantity::SlopeX => Some((none, tilt(Vector3::x()))),
         Quantity::SlopeY => Some((none, tilt(Vector3::y()))),
@@ -178,7 +162,8 @@ impl LeastSquares for Forces<'_> {
 
     fn evaluate(&mut self, place: &[f64]) -> Option<Point> {
         self.evaluations += 1;
-        let actuators = self.layout.slots.iter().map(|slots| self.placed(slots, place)).collect::<Option<Vec<_>>>()?;
+        let slots = self.layout.slots.iter().enumerate();
+        let actuators = slots.map(|(index, slots)| self.placed(index, slots, place)).collect::<Option<Vec<_>>>()?;
         let wrench = |sample: usize| {
             actuators
                 .iter()
@@ -193,23 +178,26 @@ impl LeastSquares for Forces<'_> {
         let pairs = point.wrenches.iter().zip(&self.problem.samples);
         let wrenches = pairs
             .flat_map(|(found, wanted)| (0..6).map(move |row| self.weight(row) * (found[row] - wanted.wrench[row])));
-        let actuators = point.actuators.iter().filter(|_| self.problem.effort > 0.0);
-        let pressures = actuators.flat_map(|placed| &placed.values[PLACED.len()..]);
-        wrenches.chain(pressures.map(|pressure| self.effort_per_pa() * pressure)).collect()
+        let actuators = point.actuators.iter().enumerate().filter(|_| self.problem.effort > 0.0);
+        let pressures = actuators.flat_map(|(index, placed)| {
+            placed.values[PLACED..].iter().map(move |pressure| self.effort_per_pa(index) * pressure)
+        });
+        wrenches.chain(pressures).collect()
     }
 
     fn jacobian(&mut self, point: &Point) -> Option<Vec<Vec<f64>>> {
         self.jacobians += 1;
         let (width, samples) = (self.layout.width, self.problem.samples.len());
         let mut rows = vec![vec![0.0; width]; 6 * samples];
-        for slots in self.layout.slots.iter().filter(|_| self.problem.effort > 0.0) {
-            for slot in &slots[PLACED.len()..] {
+        for (index, slots) in self.layout.slots.iter().enumerate().filter(|_| self.problem.effort > 0.0) {
+            for slot in &slots[PLACED..] {
                 let mut row = vec![0.0; width];
-                slot.axis.into_iter().for_each(|axis| row[axis] = self.effort_per_pa() * slot.range());
+                slot.axis.into_iter().for_each(|axis| row[axis] = self.effort_per_pa(index) * slot.range());
                 rows.push(row);
             }
         }
-        for (placed, slots) in point.actuators.iter().zip(&self.layout.slots) {
+        let attachments = &self.problem.actuators;
+        for ((placed, slots), attachment) in point.actuators.iter().zip(&self.layout.slots).zip(attachments) {
             let d = lever(&placed.point_m, &placed.axis);
             for slot in slots {
                 let Some(axis) = slot.axis else { continue };
@@ -219,7 +207,7 @@ impl LeastSquares for Forces<'_> {
                     }
                     let slope = match place_slope(placed, slot.quantity) {
                         Some((by_point, by_axis)) => turned(placed, &placed.load(sample), &by_point, &by_axis),
-                        None => d * self.load_slope(placed, sample, slot.quantity)?,
+                        None => d * self.load_slope(&attachment.tube, placed, sample, slot.quantity)?,
                     };
                     for row in 0..6 {
                         rows[6 * sample + row][axis] += self.weight(row) * slope[row] * slot.range();

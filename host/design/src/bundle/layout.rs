@@ -2,7 +2,7 @@
 
 use crate::actuators::Bounds;
 
-use super::problem::ForceProblem;
+use super::problem::{Attachment, ForceProblem, Place};
 
 /// What an axis of the box is, of one actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub(super) enum Quantity {
     Angle,
     Radius,
     Azimuth,
+    X,
+    Y,
     Height,
     SlopeX,
     SlopeY,
@@ -20,18 +22,27 @@ pub(super) enum Quantity {
     Pressure(usize),
 }
 
-/// The numbers of geometry and place, without pressures, in this order.
-pub(super) const PLACED: [Quantity; 9] = [
-    Quantity::InnerRadius,
-    Quantity::Wall,
-    Quantity::Length,
-    Quantity::Angle,
-    Quantity::Radius,
-    Quantity::Azimuth,
-    Quantity::Height,
-    Quantity::SlopeX,
-    Quantity::SlopeY,
-];
+/// Number of quantities of geometry and place, which are before the pressures.
+pub(super) const PLACED: usize = 9;
+
+/// These of an actuator, in this order.
+fn placed(place: &Place) -> [Quantity; PLACED] {
+    let [first, second] = match place {
+        Place::Polar { .. } => [Quantity::Radius, Quantity::Azimuth],
+        Place::Cartesian { .. } => [Quantity::X, Quantity::Y],
+    };
+    [
+        Quantity::InnerRadius,
+        Quantity::Wall,
+        Quantity::Length,
+        Quantity::Angle,
+        first,
+        second,
+        Quantity::Height,
+        Quantity::SlopeX,
+        Quantity::SlopeY,
+    ]
+}
 
 impl Quantity {
     /// As in messages and answers.
@@ -43,6 +54,8 @@ impl Quantity {
             Self::Angle => "angle_deg",
             Self::Radius => "radius_m",
             Self::Azimuth => "azimuth_deg",
+            Self::X => "x_m",
+            Self::Y => "y_m",
             Self::Height => "height_m",
             Self::SlopeX => "slope_x",
             Self::SlopeY => "slope_y",
@@ -55,19 +68,23 @@ impl Quantity {
         matches!(self, Self::InnerRadius | Self::Wall | Self::Length | Self::Angle | Self::Radius)
     }
 
-    fn bounds(self, problem: &ForceProblem, actuator: usize) -> Bounds {
-        let attachment = &problem.actuators[actuator];
+    fn bounds(self, attachment: &Attachment) -> Bounds {
+        let tube = &attachment.tube;
+        let [first, second] = match attachment.place {
+            Place::Polar { radius_m, azimuth_rad } => [radius_m, azimuth_rad],
+            Place::Cartesian { x_m, y_m } => [x_m, y_m],
+        };
         match self {
-            Self::InnerRadius => problem.inner_radius_m,
-            Self::Wall => problem.wall_m,
-            Self::Length => problem.length_m,
-            Self::Angle => problem.angle_rad,
-            Self::Radius => attachment.radius_m,
-            Self::Azimuth => attachment.azimuth_rad,
+            Self::InnerRadius => tube.inner_radius_m,
+            Self::Wall => tube.wall_m,
+            Self::Length => tube.length_m,
+            Self::Angle => tube.angle_rad,
+            Self::Radius | Self::X => first,
+            Self::Azimuth | Self::Y => second,
             Self::Height => attachment.height_m,
             Self::SlopeX => attachment.slopes[0],
             Self::SlopeY => attachment.slopes[1],
-            Self::Pressure(_) => [0.0, problem.pressure_max_pa],
+            Self::Pressure(_) => [0.0, tube.pressure_max_pa],
         }
     }
 }
@@ -102,16 +119,13 @@ pub(super) struct Layout {
 impl Layout {
     pub(super) fn new(problem: &ForceProblem) -> Self {
         let mut layout = Self { slots: Vec::new(), width: 0 };
-        for actuator in 0..problem.actuators.len() {
+        for attachment in &problem.actuators {
             let pressures = (0..problem.samples.len()).map(Quantity::Pressure);
             let mut slots = Vec::new();
-            for quantity in PLACED.into_iter().chain(pressures) {
-                let first = layout.slots.first().filter(|_| problem.shared && quantity.is_shared());
-                let same = first.and_then(|slots: &Vec<Slot>| slots.iter().find(|slot| slot.quantity == quantity));
-                slots.push(match same {
-                    Some(slot) => *slot,
-                    None => layout.slot(quantity, quantity.bounds(problem, actuator)),
-                });
+            for quantity in placed(&attachment.place).into_iter().chain(pressures) {
+                let known = layout.slots.iter().flatten().filter(|_| problem.shared && quantity.is_shared());
+                let same = known.copied().find(|slot: &Slot| slot.quantity == quantity);
+                slots.push(same.unwrap_or_else(|| layout.slot(quantity, quantity.bounds(attachment))));
             }
             layout.slots.push(slots);
         }

@@ -12,5 +12,5 @@ mod search;
 
 pub use answer::{ActuatorAnswer, Answer, SampleAnswer};
 pub use forces::{Forces, Point};
-pub use problem::{Attachment, ForceProblem, Sample};
+pub use problem::{Attachment, ForceProblem, Place, Sample, Tube};
 pub use search::{Budget, search};

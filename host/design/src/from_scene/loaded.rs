@@ -136,6 +136,7 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
                 modulus_pa: fiber.modulus_pa,
                 placement: fiber.placement,
                 thickness_m: fiber.thickness_m,
+                wall_share: 1.0,
             })
         }
         _ => None,

@@ -59,6 +59,7 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
             * reference_max_pa(*module.pressure_max_pa),
         limit_margin: scene.design().map_or(LIMIT_MARGIN, |design| design.limit_margin),
         goals: Vec::new(),
+        effort_per_pa2: 0.0,
     })
 }
 
@@ -99,5 +100,6 @@ fn wound(scene: &Scene, module: &Module, fiber: &Located<Fiber<f64>>) -> Result<
         modulus_pa: fiber.modulus_pa,
         placement: fiber.placement,
         thickness_m: fiber.thickness_m,
+        wall_share: 1.0,
     })
 }

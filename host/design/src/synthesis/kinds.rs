@@ -103,7 +103,8 @@ pub fn space(motion: Motion) -> Space {
         Motion::Extension | Motion::Bending => [0.0, 15.0],
     };
     let families = if motion == Motion::Twisting { Families::One } else { Families::Two };
-    let winding = Winding { families, modulus_pa: 361e6, placement: Placement::Sheet, thickness_m: 0.178e-3 };
+    let winding =
+        Winding { families, modulus_pa: 361e6, placement: Placement::Sheet, thickness_m: 0.178e-3, wall_share: 1.0 };
     Space {
         segment: Segment {
             name: format!("{motion:?}").to_lowercase(),
@@ -119,6 +120,7 @@ pub fn space(motion: Motion) -> Space {
             pressure_max_pa: 60e3,
             limit_margin: 0.05,
             goals: Vec::new(),
+            effort_per_pa2: 0.0,
         },
         actuators: if motion == Motion::Twisting { 1 } else { 3 },
         reach_m: if motion == Motion::Twisting { 0.0 } else { 25e-3 },

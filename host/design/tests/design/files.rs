@@ -14,6 +14,17 @@ fn value_out_of_range_is_named_with_its_range_and_line() {
     for (from, to, message) in [
         ("\"format\": 1", "\"format\": 2", "line 2: format = 2 is not allowed: 1"),
         ("1e6", "-1", "line 3: weights.length_per_m2 = -1 is not allowed: >= 0"),
+        ("1e6", "1e6, \"effort\": -1", "line 3: weights.effort = -1 is not allowed: >= 0"),
+        (
+            "1e6",
+            "1e6, \"effort\": 1, \"reference_pressure_pa\": 0",
+            "line 3: weights.reference_pressure_pa = 0 is not allowed: > 0",
+        ),
+        (
+            "0.000178",
+            "0.000178, \"wall_share\": -0.1",
+            "line 9: segments[0].fiber.wall_share = -0.1 is not allowed: 0, the inner face, to 1, the outer one",
+        ),
         ("2e5", "0", "line 8: segments[0].material.shear_modulus_pa = 0 is not allowed: finite and > 0"),
         ("3.61e8", "-5", "line 9: segments[0].fiber.modulus_pa = -5 is not allowed: finite and >= 0"),
         ("\"families\": 2", "\"families\": 3", "line 9: segments[0].fiber.families = 3 is not allowed: 1 or 2"),

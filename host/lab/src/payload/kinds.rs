@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use fra_model::{Families, Material, Placement};
 
 use softlimb_design::actuators::Winding;
-use softlimb_design::bundle::{Attachment, ForceProblem, Forces, Sample};
+use softlimb_design::bundle::{Attachment, ForceProblem, Forces, Place, Sample, Tube};
 use softlimb_numerics::Random;
 use softlimb_numerics::least_squares::LeastSquares;
 
@@ -30,8 +30,11 @@ pub fn kind(name: &str, seed: u64) -> Option<ForceProblem> {
         let slope = if free { [-0.3, 0.3] } else { [0.0; 2] };
         Attachment {
             name: format!("actuator {}", i + 1),
-            radius_m: [0.025, 0.05],
-            azimuth_rad: if free { [azimuth - 0.5, azimuth + 0.5] } else { [azimuth; 2] },
+            tube: tube(),
+            place: Place::Polar {
+                radius_m: [0.025, 0.05],
+                azimuth_rad: if free { [azimuth - 0.5, azimuth + 0.5] } else { [azimuth; 2] },
+            },
             height_m: [0.0; 2],
             slopes: [slope; 2],
         }
@@ -39,24 +42,12 @@ pub fn kind(name: &str, seed: u64) -> Option<ForceProblem> {
     let sample = |_| Sample { wrench: [0.0; 6], held_length_m: Some(0.24) };
     let mut problem = ForceProblem {
         shared: !free,
-        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
-        winding: Winding {
-            families: Families::Two,
-            modulus_pa: 361e6,
-            placement: Placement::Sheet,
-            thickness_m: 0.178e-3,
-        },
-        inner_radius_m: [0.006, 0.012],
-        wall_m: [0.003, 0.006],
-        length_m: [0.2, 0.24],
-        angle_rad: [0.0, 30.0_f64.to_radians()],
-        pressure_max_pa: 120e3,
         actuators: (0..count).map(attachment).collect(),
         samples: (0..SAMPLES).map(sample).collect(),
         force_per_n: 1.0,
         torque_per_nm: 20.0,
         effort: 0.0,
-        reference_pressure_pa: 120e3,
+        reference_pressure_pa: None,
     };
     let mut random = Random::new(seed, stream);
     let wrenches = loop {
@@ -75,4 +66,23 @@ pub fn kind(name: &str, seed: u64) -> Option<ForceProblem> {
         }
     }
     Some(problem)
+}
+
+fn tube() -> Tube {
+    Tube {
+        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+        winding: Winding {
+            families: Families::Two,
+            modulus_pa: 361e6,
+            placement: Placement::Sheet,
+            thickness_m: 0.178e-3,
+            wall_share: 1.0,
+        },
+        mirrored: false,
+        inner_radius_m: [0.006, 0.012],
+        wall_m: [0.003, 0.006],
+        length_m: [0.2, 0.24],
+        angle_rad: [0.0, 30.0_f64.to_radians()],
+        pressure_max_pa: 120e3,
+    }
 }

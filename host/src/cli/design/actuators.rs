@@ -120,6 +120,9 @@ pub(super) fn table(answer: &Answer) -> String {
         "terms: length {:.3e}, outer radius {:.3e}, bend angle {:.3e}, twist {:.3e}",
         terms.length, terms.outer_radius, terms.bend_angle, terms.twist
     );
+    if let Some(effort) = terms.effort {
+        let _ = writeln!(text, "effort {effort:.3e}");
+    }
     answer.segments.iter().for_each(|segment| one(&mut text, segment));
     let cost = &answer.cost;
     let _ = writeln!(

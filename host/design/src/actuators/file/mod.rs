@@ -12,7 +12,7 @@ use segment::SegmentSpec;
 use softlimb_files::object::Object;
 use softlimb_files::problem;
 use softlimb_files::problem::{ProblemError, Refused, missing, require};
-pub(crate) use winding::{families, material};
+pub(crate) use winding::{PLACEMENTS, families, material, thickness_m, wall_share};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,6 +31,9 @@ struct Weights {
     outer_radius_per_m2: Option<f64>,
     bend_angle_per_rad2: Option<f64>,
     twist_per_rad2: Option<f64>,
+    #[serde(default)]
+    effort: f64,
+    reference_pressure_pa: Option<f64>,
 }
 
 impl Problem {
@@ -58,11 +61,29 @@ impl File {
             require(phases == first, &format!("{at}.targets"), format!("[{phases} phases]"), &allowed)?;
             segments.push(segment);
         }
+        self.weights.0.effort(&mut segments)?;
         Ok(Problem { segments, shared_pressure: self.shared_pressure })
     }
 }
 
 impl Weights {
+    /// Shares the effort, a mean over segments and phases, among the squared pressures.
+    fn effort(&self, segments: &mut [Segment]) -> Result<(), Refused> {
+        require(self.effort >= 0.0, "weights.effort", self.effort, ">= 0")?;
+        let field = "weights.reference_pressure_pa";
+        if let Some(reference) = self.reference_pressure_pa {
+            require(reference > 0.0, field, reference, "> 0")?;
+        }
+        let pressures: usize = segments.iter().map(|segment| segment.goals.len()).sum();
+        for segment in segments {
+            let reference_pa = self.reference_pressure_pa.unwrap_or(segment.pressure_max_pa);
+            segment.effort_per_pa2 = self.effort / pressures as f64 / reference_pa.powi(2);
+            let allowed = "large enough for a finite weight, effort/P_ref^2";
+            require(segment.effort_per_pa2.is_finite(), field, reference_pa, allowed)?;
+        }
+        Ok(())
+    }
+
     fn of(&self, motion: Motion) -> Result<f64, Refused> {
         let (name, value) = match motion {
             Motion::Extension => ("length_per_m2", self.length_per_m2),

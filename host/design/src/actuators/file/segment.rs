@@ -76,6 +76,7 @@ impl SegmentSpec {
             pressure_max_pa: highest,
             limit_margin: margin,
             goals: self.goals(motion, at, weights.of(motion)?)?,
+            effort_per_pa2: 0.0,
         };
         let middle = segment.geometry(&[0.5; 4]);
         Actuator::new(&segment.parameters(&middle)).map_err(|error| {

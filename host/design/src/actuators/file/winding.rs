@@ -22,6 +22,7 @@ pub(super) struct FiberSpec {
     modulus_pa: f64,
     placement: Option<Name>,
     thickness_m: Option<f64>,
+    wall_share: Option<f64>,
 }
 
 impl MaterialSpec {
@@ -65,6 +66,37 @@ pub(crate) fn families(number: u8, at: &str) -> Result<Families, Refused> {
     }
 }
 
+/// The place of a sheet in the wall.
+pub(crate) fn wall_share(placement: Placement, share: Option<f64>, at: &str) -> Result<f64, Refused> {
+    let field = format!("{at}.wall_share");
+    if placement != Placement::Sheet {
+        superfluous(share.as_ref(), field.clone(), "only a sheet has a place in the wall")?;
+    }
+    let share = share.unwrap_or(1.0);
+    require((0.0..=1.0).contains(&share), &field, share, "0, the inner face, to 1, the outer one")?;
+    Ok(share)
+}
+
+/// Thickness of a sheet, or of a layer within walls of at least `thinnest_m`.
+pub(crate) fn thickness_m(
+    placement: Placement,
+    thickness_m: Option<f64>,
+    thinnest_m: f64,
+    at: &str,
+) -> Result<f64, Refused> {
+    let field = format!("{at}.thickness_m");
+    match placement {
+        Placement::Sheet => missing(thickness_m, field, "a sheet has one"),
+        Placement::Layer => {
+            let thickness_m = missing(thickness_m, field.clone(), "a layer has one")?;
+            let allowed = format!("> 0, at most {thinnest_m}, the thinnest wall");
+            require(thickness_m > 0.0 && thickness_m <= thinnest_m, &field, thickness_m, &allowed)?;
+            Ok(thickness_m)
+        }
+        Placement::Smeared => Ok(thickness_m.unwrap_or(0.0)),
+    }
+}
+
 impl FiberSpec {
     /// The winding; `thinnest_m` is the least wall within the bounds.
     pub(super) fn winding(&self, at: &str, thinnest_m: f64) -> Result<Winding, Refused> {
@@ -75,19 +107,10 @@ impl FiberSpec {
             Some(Name::Smeared) => Placement::Smeared,
             Some(_) => return Err((format!("{at}.placement"), PLACEMENTS.into())),
         };
-        let field = format!("{at}.thickness_m");
-        let thickness_m = match placement {
-            Placement::Sheet => missing(self.thickness_m, field, "a sheet has one")?,
-            Placement::Layer => {
-                let thickness_m = missing(self.thickness_m, field.clone(), "a layer has one")?;
-                let allowed = format!("> 0, at most {thinnest_m}, the thinnest wall");
-                require(thickness_m > 0.0 && thickness_m <= thinnest_m, &field, thickness_m, &allowed)?;
-                thickness_m
-            }
-            Placement::Smeared => self.thickness_m.unwrap_or(0.0),
-        };
-        Ok(Winding { families, modulus_pa: self.modulus_pa, placement, thickness_m })
+        let thickness_m = thickness_m(placement, self.thickness_m, thinnest_m, at)?;
+        let wall_share = wall_share(placement, self.wall_share, at)?;
+        Ok(Winding { families, modulus_pa: self.modulus_pa, placement, thickness_m, wall_share })
     }
 }
 
-const PLACEMENTS: &str = "is not allowed: \"sheet\", \"layer\" or \"smeared\"";
+pub(crate) const PLACEMENTS: &str = "is not allowed: \"sheet\", \"layer\" or \"smeared\"";
