@@ -14,9 +14,10 @@ use super::route::{approach, ranges, route};
 use super::schedule::planning_space;
 use super::sent::Sent;
 use super::setpoint::NoState;
-use super::space::Space;
+use super::space::{Hindrance, Space};
 use super::timing::rate_max;
 use super::unreachable::{Shortcoming, Unreachable};
+use super::upright::Upright;
 use super::weight::{self, Margins, PoseError};
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Limb, LimbModule};
@@ -90,13 +91,13 @@ impl Words<'_> {
                 let title = format!("at this goal the limb is too near `{}`", self.obstacle(by.obstacle));
                 self.at(self.goal_span(*phase), &title, &self.too_near(by), Some(&help))
             }
-            Unreachable::Tip { phase, before, nearest } => self.tip(*phase, before, nearest),
+            Unreachable::Tip { phase, before, upright, nearest } => self.tip(*phase, before, *upright, nearest),
             Unreachable::Marker { phase, position, nearest } => {
                 let label = format!("position {} of the series: {}", position + 1, missed(nearest));
                 let help = nearest_point(nearest);
                 self.at(self.goal_span(*phase), "the limb cannot follow this series", &label, Some(&help))
             }
-            Unreachable::NoWay { phase, from, to } => self.no_way(*phase, from, to),
+            Unreachable::NoWay { phase, from, to, upright } => self.no_way(*phase, from, to, *upright),
             Unreachable::NoSupply { phase } => {
                 let title = "the supply does not suffice for this move, however slow";
                 let label = "it needs more air at this pressure than reservoir and pump give";
@@ -122,6 +123,7 @@ impl Words<'_> {
                 let label = format!("{:.2} s into the run {label}", seconds(*time_us));
                 self.at(self.phase(*phase).span, title, &label, None)
             }
+            Unreachable::Tilts { phase, time_us, tilt_rad } => self.tilts(*phase, *time_us, *tilt_rad),
             Unreachable::NotCarried { phase, time_us, cause } => self.not_carried(*phase, Some(*time_us), *cause),
             Unreachable::UnderLoad { phase, nearest } => self.under_load(*phase, nearest),
             Unreachable::Correction { time_s, module, value } => self.correction(*time_s, *module, *value),
@@ -131,21 +133,22 @@ impl Words<'_> {
     fn warning(&self, shortcoming: &Shortcoming) -> String {
         match shortcoming {
             Shortcoming::TooFast { phase, because, enough_s } => {
-                let because = match *because {
-                    Bottleneck::Rate(drive) => {
-                        let drive = self.limb.drive(drive);
-                        let limit = rate_max(self.scene.limits(), drive.kind).unwrap_or_default();
-                        format!("the rate of `{}`, {}/s at most", drive.name(), in_units(drive.kind, limit))
-                    }
-                    Bottleneck::Valve(drive) => format!("the valves of `{}`", self.limb.drive(drive).name()),
-                    Bottleneck::Supply => "the supply".to_owned(),
-                };
+                let (because, name) = (self.bottleneck(*because), &self.phase(*phase).name.value);
                 let enough = match enough_s {
                     Some(enough_s) => format!("{enough_s:.2} s would keep a reserve"),
                     None => "no duration is enough".to_owned(),
                 };
-                let name = &self.phase(*phase).name.value;
                 format!("phase `{name}` is faster than {because} can follow: {enough}")
+            }
+            Shortcoming::HandedTooFast { phase, because, enough_s } => {
+                let (because, name) = (self.bottleneck(*because), &self.phase(*phase).name.value);
+                let enough = match enough_s {
+                    Some(enough_s) => format!("a `hold` of {enough_s:.2} s would keep a reserve"),
+                    None => "no `hold` is enough".to_owned(),
+                };
+                format!(
+                    "in the pause of phase `{name}` its load changes hands faster than {because} can follow: {enough}"
+                )
             }
             Shortcoming::Off { phase, distance_m } => {
                 let (name, off_mm) = (&self.phase(*phase).name.value, 1e3 * distance_m);
@@ -159,6 +162,19 @@ impl Words<'_> {
                     "the tip under weight is known to {error:.2} % of the limb's length only, by the finest model there is; `error` of [weight] is {most} %"
                 )
             }
+        }
+    }
+
+    /// What a move waits for.
+    fn bottleneck(&self, because: Bottleneck) -> String {
+        match because {
+            Bottleneck::Rate(drive) => {
+                let drive = self.limb.drive(drive);
+                let limit = rate_max(self.scene.limits(), drive.kind).unwrap_or_default();
+                format!("the rate of `{}`, {}/s at most", drive.name(), in_units(drive.kind, limit))
+            }
+            Bottleneck::Valve(drive) => format!("the valves of `{}`", self.limb.drive(drive).name()),
+            Bottleneck::Supply => "the supply".to_owned(),
         }
     }
 
@@ -250,6 +266,37 @@ impl Words<'_> {
         self.at(span, &title, &label, Some(help))
     }
 
+    /// The object that a phase carries or takes, its tilt, and the allowed one.
+    fn tilt(&self, phase: usize, tilt_rad: f64) -> String {
+        let object = self.phase(phase).object.map(|index| &self.scene.objects()[index]);
+        let name = object.map_or("the object", |object| object.name.value.as_str());
+        let most_rad = object.and_then(|object| object.tilt_max_rad).map_or(f64::INFINITY, |most| *most);
+        let [tilt_deg, most_deg] = [tilt_rad, most_rad].map(f64::to_degrees);
+        format!("`{name}` would tilt by {tilt_deg:.1} deg since it was grasped; its `tilt_max` is {most_deg:.1} deg")
+    }
+
+    /// A held object that tilts too much at a time of the run, or at the goal of a phase.
+    fn tilts(&self, phase: usize, time_us: Option<u64>, tilt_rad: f64) -> SceneError {
+        let tilt = self.tilt(phase, tilt_rad);
+        let help = "grasp it with the end effector turned half the way (`direction` of the phase that closes the gripper), \
+                    move the goal, or allow more `tilt_max`";
+        match time_us {
+            Some(time_us) => {
+                let label = format!("{:.2} s into the run {tilt}", seconds(time_us));
+                self.at(
+                    self.phase(phase).span,
+                    "on the way to its goal this phase tilts its object too much",
+                    &label,
+                    Some(help),
+                )
+            }
+            None => {
+                let title = "the tip gets there, but its object tilts too much";
+                self.at(self.goal_span(phase), title, &format!("as far as was found {tilt}"), Some(help))
+            }
+        }
+    }
+
     /// A limb that falls at a time of the run, or at the pressures of a goal.
     fn not_carried(&self, phase: usize, time_us: Option<u64>, cause: PoseError) -> SceneError {
         let when = match time_us {
@@ -304,34 +351,37 @@ impl Words<'_> {
     }
 
     /// The space that a phase is planned in, with the statics that nearly any limb needs.
-    fn space(&self, phase: usize) -> Space<'_> {
+    fn space(&self, phase: usize, upright: Option<Upright>) -> Space<'_> {
         let compensated = self.scene.weight().is_some_and(|weight| weight.compensated);
-        planning_space(self.scene, self.limb, phase, compensated.then_some(Fidelity::Linear))
+        planning_space(self.scene, self.limb, phase, compensated.then_some(Fidelity::Linear)).keeping(upright)
     }
 
     /// Finds the demand on the tip that cannot be met. `nearest` is the best with all of them.
-    fn tip(&self, phase: usize, before: &[f64], nearest: &Reach) -> SceneError {
+    fn tip(&self, phase: usize, before: &[f64], upright: Option<Upright>, nearest: &Reach) -> SceneError {
         let shapes = shapes(self.scene);
         let span = self.goal_span(phase);
-        let Some(task) = tip_task(self.scene, self.phase(phase), &shapes) else {
+        let space = self.space(phase, upright);
+        let Some(task) = tip_task(self.scene, self.phase(phase), &space, &shapes) else {
             return self.at(span, "the limb cannot reach this goal", &missed(nearest), None);
         };
-        let space = self.space(phase);
         let start = pressures(self.limb, before);
         WhyNot { words: self, space: &space, task, phase, span, before, start: &start }.diagnostic(nearest)
     }
 
     /// The obstacle on the straight way to a goal, the greatest clearance with a way, and the nearest point with one.
-    fn no_way(&self, phase: usize, from: &[f64], to: &[f64]) -> SceneError {
-        let space = self.space(phase);
-        let blocked = space.blocked(from, to).and_then(|blocked| Some((blocked.share, blocked.by?)));
-        let label = blocked.map_or(String::new(), |(share, by)| {
-            let near = self.too_near(&by);
-            format!("straight, {:.0} % of the way, {near}; no way around was found", share * 100.0)
+    fn no_way(&self, phase: usize, from: &[f64], to: &[f64], upright: Option<Upright>) -> SceneError {
+        let space = self.space(phase, upright);
+        let label = space.blocked(from, to).map_or(String::new(), |blocked| {
+            let why = match blocked.by {
+                Hindrance::Obstacle(by) => self.too_near(&by),
+                Hindrance::Tilt(tilt_rad) => self.tilt(phase, tilt_rad),
+                Hindrance::NoShape => return String::new(),
+            };
+            format!("straight, {:.0} % of the way, {why}; no way around was found", blocked.share * 100.0)
         });
         let ranges = ranges(self.limb);
         let possible = |clearance_m: f64| {
-            let other = self.space(phase).requiring(clearance_m);
+            let other = self.space(phase, upright).requiring(clearance_m);
             route(&other, &ranges, from, to).is_some()
         };
         // Quarters of what is asked for: finer steps would take long and say little more.
@@ -349,7 +399,7 @@ impl Words<'_> {
     /// The point nearest to the goal of a phase that has a way; `None` for a phase without a goal of the tip.
     fn nearest_with_way(&self, space: &Space<'_>, phase: usize, before: &[f64]) -> Option<String> {
         let shapes = shapes(self.scene);
-        let task = tip_task(self.scene, self.phase(phase), &shapes)?;
+        let task = tip_task(self.scene, self.phase(phase), space, &shapes)?;
         let (distance_m, tip_m) = approached(space, &task, before)?;
         Some(format!("the nearest point that a way was found to is {}", away(tip_m, distance_m)))
     }
@@ -398,7 +448,7 @@ impl WhyNot<'_> {
     /// Drops one demand after the other to find the one that cannot be met. `nearest` is the best with all of them.
     fn diagnostic(&self, nearest: &Reach) -> SceneError {
         let (words, carrier, start) = (self.words, self.space.carrier(), self.start);
-        let place = TipTask { aim: None, obstacles: &[], ..self.task };
+        let place = TipTask { aim: None, upright: None, obstacles: &[], ..self.task };
         let free = solutions_of(carrier, &place, start);
         if !free[0].reached() && carrier.is_loaded() {
             return words.under_load(self.phase, &free[0]);
@@ -412,7 +462,8 @@ impl WhyNot<'_> {
             return words.at(self.span, title, &missed(&free[0]), Some(&help));
         }
         if let Some(aim) = self.task.aim {
-            let pointed = solutions_of(carrier, &TipTask { obstacles: &[], ..self.task }, start).swap_remove(0);
+            let task = TipTask { upright: None, obstacles: &[], ..self.task };
+            let pointed = solutions_of(carrier, &task, start).swap_remove(0);
             if !pointed.reached() {
                 let off = |reach: &Reach| direction_off(carrier, reach, *aim.direction);
                 let least = free.iter().map(off).fold(f64::INFINITY, f64::min).to_degrees();
@@ -426,6 +477,14 @@ impl WhyNot<'_> {
                 };
                 let title = "the tip gets there, but not in this direction";
                 return words.at(aim.direction.span, title, &label, Some(&help));
+            }
+        }
+        if let Some(upright) = self.task.upright {
+            let standing = solutions_of(carrier, &TipTask { obstacles: &[], ..self.task }, start).swap_remove(0);
+            if !standing.reached() {
+                let tilt_rad =
+                    free.iter().map(|reach| tilt_rad(carrier, reach, &upright)).fold(f64::INFINITY, f64::min);
+                return words.tilts(self.phase, None, tilt_rad);
             }
         }
         self.blocked(&free, nearest)
@@ -459,7 +518,8 @@ impl WhyNot<'_> {
     /// The nearest to the goal that keeps direction and clearance, and whether there is a way. Without obstacles there is one, and `free` is
     /// that point.
     fn offer(&self, free: &Reach, what: &str) -> String {
-        if self.task.obstacles.is_empty() && free.allowed() && self.task.aim.is_none() {
+        let asks_more = self.task.aim.is_some() || self.task.upright.is_some();
+        if self.task.obstacles.is_empty() && free.allowed() && !asks_more {
             return nearest_point(free);
         }
         let carrier = self.space.carrier();
@@ -497,6 +557,11 @@ fn approached(space: &Space<'_>, task: &TipTask<'_>, before: &[f64]) -> Option<(
         (turned <= 0.0).then(|| (task.goal.distance_m(&tip_m), tip_m.into()))
     };
     off(&approach(space, &ranges(space.carrier().limb()), before, |values| Some(off(values)?.0)))
+}
+
+/// Tilt of a held object, rad.
+fn tilt_rad(carrier: &Carrier<'_>, reach: &Reach, upright: &Upright) -> f64 {
+    carrier.body(&reach.pressures_pa).map_or(f64::INFINITY, |body| upright.tilt_rad(&body.end().rotation))
 }
 
 /// A point, as a scene says it, and how far it is off.

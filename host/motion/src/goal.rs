@@ -85,7 +85,8 @@ pub(super) fn kept(
     near: &[f64],
     tip_m: Vector3<f64>,
 ) -> Result<Vec<f64>, Unreachable> {
-    let task = TipTask { goal: TipGoal::Point(tip_m.into()), aim: None, obstacles: &[], clearance_m: 0.0 };
+    let task =
+        TipTask { goal: TipGoal::Point(tip_m.into()), aim: None, upright: None, obstacles: &[], clearance_m: 0.0 };
     let start = pressures_pa(&states_at(carrier.limb(), near));
     let found = refined(carrier, &task, solve_near(carrier, &task, &start));
     let few = carrier.limb().drives().len() < ENOUGH_DRIVES && found.distance_m.is_finite();
@@ -141,7 +142,7 @@ pub(super) fn near_goal(scene: &Scene, space: &Space<'_>, phase: usize, before: 
         return None;
     }
     let shapes = shapes(scene);
-    let task = tip_task(scene, &scene.phases()[phase], &shapes)?;
+    let task = tip_task(scene, &scene.phases()[phase], space, &shapes)?;
     let start = pressures_pa(&states_at(carrier.limb(), before));
     let found = refined(carrier, &task, solve_near(carrier, &task, &start));
     found.reached().then(|| values(carrier.limb(), &found))
@@ -159,8 +160,8 @@ pub(super) fn marker(
     before: &[f64],
 ) -> Result<Vec<f64>, Unreachable> {
     let (carrier, shapes) = (space.carrier(), shapes(scene));
-    let task =
-        TipTask { goal: TipGoal::Point(tip_m), aim: None, obstacles: &shapes, clearance_m: scene.limits().clearance_m };
+    let (goal, clearance_m) = (TipGoal::Point(tip_m), scene.limits().clearance_m);
+    let task = TipTask { goal, aim: None, upright: space.upright(), obstacles: &shapes, clearance_m };
     let start = pressures(carrier.limb(), before);
     let near = Some(solve_near(carrier, &task, &start)).filter(|near| carrier.is_loaded() && near.reached());
     let nearest = near.unwrap_or_else(|| solutions_of(carrier, &task, &start).swap_remove(0));
@@ -176,29 +177,38 @@ pub(super) fn shapes(scene: &Scene) -> Vec<&Shape> {
     scene.obstacles().iter().map(|obstacle| &obstacle.shape).collect()
 }
 
-/// What a phase asks of the tip; `None` where it asks nothing.
-pub(super) fn tip_task<'a>(scene: &'a Scene, phase: &Phase, obstacles: &'a [&'a Shape]) -> Option<TipTask<'a>> {
+/// What a phase asks of the tip in a space; `None` where it asks nothing.
+pub(super) fn tip_task<'a>(
+    scene: &'a Scene,
+    phase: &Phase,
+    space: &Space<'_>,
+    obstacles: &'a [&'a Shape],
+) -> Option<TipTask<'a>> {
     let goal = match &phase.goal {
         Goal::Tip(tip) => TipGoal::Point(tip.value),
         Goal::Inside(region) => TipGoal::Inside(&scene.regions()[region.value].shape),
         Goal::Targets(_) | Goal::Series(_) => return None,
     };
-    Some(TipTask { goal, aim: phase.aim, obstacles, clearance_m: scene.limits().clearance_m })
+    let clearance_m = scene.limits().clearance_m;
+    Some(TipTask { goal, aim: phase.aim, upright: space.upright(), obstacles, clearance_m })
 }
 
 fn tip_goals(scene: &Scene, space: &Space<'_>, phase: usize, before: &[f64]) -> Result<Vec<Vec<f64>>, Unreachable> {
     let (carrier, shapes) = (space.carrier(), shapes(scene));
-    let Some(task) = tip_task(scene, &scene.phases()[phase], &shapes) else { return Ok(vec![before.to_vec()]) };
+    let Some(task) = tip_task(scene, &scene.phases()[phase], space, &shapes) else {
+        return Ok(vec![before.to_vec()]);
+    };
     let found = solutions_of(carrier, &task, &pressures(carrier.limb(), before));
     let mut found: Vec<Reach> = found.into_iter().take(SOLUTIONS).map(|reach| refined(carrier, &task, reach)).collect();
     if found.iter().any(Reach::reached) {
         found.retain(Reach::reached);
         return Ok(found.iter().map(|reach| values(carrier.limb(), reach)).collect());
     }
-    Err(Unreachable::Tip { phase, before: before.to_vec(), nearest: found.swap_remove(0) })
+    let (before, upright) = (before.to_vec(), space.upright());
+    Err(Unreachable::Tip { phase, before, upright, nearest: found.swap_remove(0) })
 }
 
-/// Checks that setpoints which are given keep the limb clear.
+/// Checks that setpoints which are given keep the limb clear, and what it carries upright.
 fn check_clear(
     scene: &Scene,
     space: &Space<'_>,
@@ -206,6 +216,9 @@ fn check_clear(
     phase: usize,
 ) -> Result<(), Unreachable> {
     let Some(body) = space.body(goal) else { return Ok(()) };
+    if let Some(tilt_rad) = space.tilts_rad(&body) {
+        return Err(Unreachable::Tilts { phase, time_us: None, tilt_rad });
+    }
     let Some(by) = space.nearest(&body, scene.limits().clearance_m) else { return Ok(()) };
     let fraction = space.blocked(before, goal).map_or(0.0, |blocked| blocked.share);
     Err(Unreachable::TooNear { phase, by, fraction })

@@ -33,19 +33,21 @@ pub struct Reach {
     pub distance_m: f64,
     /// By how much its direction misses the tolerance, rad.
     pub angle_rad: f64,
+    /// By how much the held object tilts more than it may, rad.
+    pub tilt_rad: f64,
     /// By how much the nearest obstacle is nearer than it may be, m.
     pub shortfall_m: f64,
 }
 
 impl Reach {
-    /// Whether that is at the target, in the direction asked for and clear.
+    /// Whether that is at the target, in the direction asked for, upright and clear.
     pub fn reached(&self) -> bool {
         self.distance_m <= REACHED_M && self.allowed()
     }
 
-    /// Whether direction and clearance are kept, wherever the tip is.
+    /// Whether direction, tilt and clearance are kept, wherever the tip is.
     pub fn allowed(&self) -> bool {
-        self.angle_rad <= 1e-6 && self.shortfall_m <= 1e-9
+        self.angle_rad <= 1e-6 && self.tilt_rad <= 1e-6 && self.shortfall_m <= 1e-9
     }
 
     fn arrived(&self) -> bool {
@@ -55,7 +57,7 @@ impl Reach {
 
 /// The pressures nearest to `start_pa` that bring the tip to `target_m`; where the limb cannot reach it, as near as it gets.
 pub fn solve_tip(limb: &Limb, target_m: [f64; 3], start_pa: &[f64]) -> Reach {
-    let task = TipTask { goal: TipGoal::Point(target_m), aim: None, obstacles: &[], clearance_m: 0.0 };
+    let task = TipTask { goal: TipGoal::Point(target_m), aim: None, upright: None, obstacles: &[], clearance_m: 0.0 };
     solve(limb, &task, start_pa)
 }
 
@@ -101,15 +103,17 @@ fn solutions_within(problem: &Problem<'_, '_>, start_pa: &[f64]) -> Vec<Reach> {
     good[usize::from(keeps_first)..].sort_by(|a, b| from_home(a).total_cmp(&from_home(b)));
     let mut found = different(problem, good);
     if found.is_empty() {
-        let badness =
-            |reach: &Reach| (!reach.allowed(), reach.distance_m + reach.shortfall_m + LEVER_M * reach.angle_rad);
+        let badness = |reach: &Reach| {
+            let turned_rad = reach.angle_rad + reach.tilt_rad;
+            (!reach.allowed(), reach.distance_m + reach.shortfall_m + LEVER_M * turned_rad)
+        };
         all.sort_by(|a, b| badness(a).0.cmp(&badness(b).0).then(badness(a).1.total_cmp(&badness(b).1)));
         found.extend(all.into_iter().take(1));
     }
     found
 }
 
-/// Where a task cannot be done: what keeps direction and clearance, the nearest to its place first.
+/// Where a task cannot be done: what keeps direction, tilt and clearance, the nearest to its place first.
 pub(super) fn misses(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Vec<Reach> {
     let problem = Problem::new(carrier, task, false);
     let mut kept: Vec<Reach> = ends(&problem, &problem.shares(start_pa)).into_iter().filter(Reach::allowed).collect();

@@ -8,6 +8,7 @@ use super::profile::minimum_jerk;
 use super::schedule::schedule;
 use super::track::{Track, owners, states};
 use super::unreachable::{Shortcoming, Unreachable};
+use super::upright::Upright;
 use super::weight::{self, Judged, Weighed};
 use super::wire::{from_wire, to_wire};
 use softlimb_limb::Limb;
@@ -33,6 +34,10 @@ pub struct PlannedPhase {
     pub via_points: usize,
     /// Where the body comes nearest to an obstacle from the start of the move to the end of the pause; `None` without obstacles.
     pub nearest: Option<Nearness>,
+    /// Largest tilt of what the tip holds in that time, since it was taken, rad; `None` where it holds nothing.
+    pub tilt_rad: Option<f64>,
+    /// What it holds during the move, and during the pause.
+    pub(super) uprights: [Option<Upright>; 2],
     pub(super) path: Path,
     /// Setpoints of the hold, at equal shares of the mass that changes hands in it.
     pub(super) held: Vec<Vec<f64>>,

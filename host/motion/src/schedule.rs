@@ -11,12 +11,15 @@ use super::route::{ranges, route};
 use super::space::Space;
 use super::timing::{Shortest, rate_max, shortest};
 use super::unreachable::{Shortcoming, Unreachable};
+use super::upright::{Grip, Upright};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
 use softlimb_scene::{Goal, Scene};
 
 /// By how much more than required the ways are planned to clear, m, so that setpoints rounded to wire units still do.
 const SPARE_M: f64 = 1e-5;
+/// Share of the largest tilt of a held object that the ways are planned within: for the same reason, and for finer statics.
+const TILT_SHARE: f64 = 0.995;
 /// Most goals for which a way is looked for.
 const GOALS: usize = 4;
 /// Parts of a mass that changes hands.
@@ -26,6 +29,11 @@ const HANDED: usize = 4;
 pub(super) fn planning_space<'a>(scene: &'a Scene, limb: &'a Limb, phase: usize, tier: Option<Fidelity>) -> Space<'a> {
     let moved = carried(scene.phases()).get(phase).map_or_else(Carrying::default, |carried| carried.moved);
     Space::new(Carrier::new(scene, limb, tier, moved), shapes(scene), scene.limits().clearance_m + SPARE_M)
+}
+
+/// A held object with a reserve of its largest tilt.
+fn within(upright: Upright) -> Upright {
+    upright.within(TILT_SHARE)
 }
 
 /// Plans all phases from rest, with the moves that valves and supply cannot follow.
@@ -45,8 +53,11 @@ pub(super) fn schedule(
     let (mut values, mut start_us, mut supply) = (start.to_vec(), 0, planner.air.full());
     // Setpoints as they are asked for, before they are corrected for a load.
     let mut asked = values.clone();
+    let (carried, mut grip) = (carried(scene.phases()), Grip::empty(scene));
     for (index, phase) in scene.phases().iter().enumerate() {
         let space = planning_space(scene, limb, index, tier);
+        let moved = grip.hold(carried[index].moved.object, &space, &values);
+        let space = space.keeping(moved.map(within));
         let path = match &phase.goal {
             Goal::Series(_) => planner.series(&space, index, &values)?,
             _ => planner.legs(&space, index, (&values, &asked), supply, &mut warnings)?,
@@ -62,8 +73,11 @@ pub(super) fn schedule(
             let distance_m = off_m(space.carrier(), &values, &asked);
             warnings.extend((distance_m > 0.0).then_some(Shortcoming::Off { phase: index, distance_m }));
         }
+        let uprights = [moved, grip.hold(carried[index].held.object, &space, &values)];
         let held = planner.held(&space, index, &values)?;
-        supply = planner.spent(&path, &held, phase.hold_us, supply);
+        supply = planner.moved(&path, supply);
+        warnings.extend(planner.handed_too_fast(index, &held, supply));
+        supply = planner.held_on(&held, phase.hold_us, supply);
         let planned = PlannedPhase {
             name: phase.name.to_string(),
             start_us,
@@ -73,6 +87,8 @@ pub(super) fn schedule(
             gripper: phase.gripper,
             via_points: if matches!(path, Path::Legs { .. }) { rows.len().saturating_sub(2) } else { 0 },
             nearest: None,
+            tilt_rad: None,
+            uprights,
             path,
             held,
         };
@@ -148,7 +164,7 @@ impl Planner<'_> {
         let found = goals.iter().take(GOALS).find_map(|goal| route(space, &ranges, before, goal));
         found.ok_or_else(|| {
             let goal = goals.first().map_or(before, |goal| goal);
-            Unreachable::NoWay { phase, from: before.to_vec(), to: goal.to_vec() }
+            Unreachable::NoWay { phase, from: before.to_vec(), to: goal.to_vec(), upright: space.upright() }
         })
     }
 
@@ -238,12 +254,25 @@ impl Planner<'_> {
         self.air.draw(from, to).map_or(supply, |draw| self.air.left(&draw, time_s, supply))
     }
 
-    /// The supply after a phase.
-    fn spent(&self, path: &Path, held: &[Vec<f64>], hold_us: u64, supply: Reservoir) -> Reservoir {
+    /// Whether valves wide open, or the supply, cannot follow a mass that changes hands.
+    fn handed_too_fast(&self, phase: usize, held: &[Vec<f64>], supply: Reservoir) -> Option<Shortcoming> {
+        let hold_us = self.scene.phases()[phase].hold_us;
+        let [first, .., last] = held else { return None };
+        let draw = self.air.draw(first, last).filter(|_| hold_us > 0)?;
+        let because = self.air.limits(&draw, hold_us as f64 * 1e-6, supply).err()?;
+        let enough_s = shortest(self.scene, self.limb, &self.air, (first, last), supply).map(|short| short.time_s);
+        Some(Shortcoming::HandedTooFast { phase, because, enough_s })
+    }
+
+    /// The supply after the move of a phase.
+    fn moved(&self, path: &Path, supply: Reservoir) -> Reservoir {
         let (Path::Legs { rows, times_us } | Path::Series { rows, times_us }) = path;
         let legs = rows.windows(2).zip(times_us.windows(2));
-        let left =
-            legs.fold(supply, |left, (leg, time)| self.drawn(&leg[0], &leg[1], (time[1] - time[0]) * 1e-6, left));
+        legs.fold(supply, |left, (leg, time)| self.drawn(&leg[0], &leg[1], (time[1] - time[0]) * 1e-6, left))
+    }
+
+    /// The supply after the pause behind it.
+    fn held_on(&self, held: &[Vec<f64>], hold_us: u64, left: Reservoir) -> Reservoir {
         let hold_s = hold_us as f64 * 1e-6;
         match held {
             [first, .., last] if hold_us > 0 => self.drawn(first, last, hold_s, left),

@@ -8,11 +8,14 @@
 //! Under load the body at both ends of a stretch says how far its points move on it. Where that, with a margin for the way between, fits into
 //! the clearance of both ends the stretch is clear; else it is halved. That is no proof: a body that goes far and comes back within a stretch
 //! is not seen.
+//!
+//! The tilt of a held object is treated like a clearance, with the turn of the tip in place of the way of a point.
 
 use fra_model::State;
 
 use super::carrier::Carrier;
 use super::inverse_kinematics::Obstruction;
+use super::upright::Upright;
 use softlimb_limb::LimbModule;
 use softlimb_scene::collision::{Body, Piece, Shape, TOLERANCE_M};
 
@@ -23,12 +26,16 @@ const SHORTEST: f64 = 1e-6;
 /// Under load, the longest way of a point over the distance of its ends, and the way below which a stretch is not divided any more, m.
 const DETOUR: f64 = 1.5;
 const FINEST_M: f64 = 1e-5;
+/// Under load, the turn of the tip below which a stretch is not divided any more, rad.
+const FINEST_RAD: f64 = 1e-5;
 
 /// What setpoints a limb may have among obstacles.
 pub(super) struct Space<'a> {
     carrier: Carrier<'a>,
     obstacles: Vec<&'a Shape>,
     required_m: f64,
+    /// What the gripper holds upright.
+    upright: Option<Upright>,
     /// Cells of each drive's state curve.
     cells: Vec<Vec<Cell>>,
 }
@@ -43,20 +50,54 @@ struct Cell {
     grows_m: f64,
 }
 
+/// Bounds of what happens over a whole move: the way of a point of the surface, m, and the turn of the tip, rad.
+#[derive(Clone, Copy)]
+struct Speeds {
+    way_m: f64,
+    turn_rad: f64,
+}
+
 /// Where a move is blocked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Blocked {
     /// Share of the move.
     pub(super) share: f64,
-    /// By what; `None` where the limb has no such shape.
-    pub(super) by: Option<Obstruction>,
+    /// By what.
+    pub(super) by: Hindrance,
+}
+
+/// What blocks a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Hindrance {
+    /// An obstacle is too near.
+    Obstacle(Obstruction),
+    /// The held object tilts by this, rad.
+    Tilt(f64),
+    /// The limb has no such shape.
+    NoShape,
 }
 
 impl<'a> Space<'a> {
     /// The space of a limb that keeps `required_m` from each obstacle.
     pub(super) fn new(carrier: Carrier<'a>, obstacles: Vec<&'a Shape>, required_m: f64) -> Self {
         let cells = carrier.limb().drives().map(|drive| cells(&drive)).collect();
-        Self { carrier, obstacles, required_m, cells }
+        Self { carrier, obstacles, required_m, upright: None, cells }
+    }
+
+    /// The same space with an object that is kept upright.
+    pub(super) fn keeping(self, upright: Option<Upright>) -> Self {
+        Self { upright: upright.filter(|upright| upright.most_rad().is_finite()), ..self }
+    }
+
+    /// The object that is kept upright.
+    pub(super) fn upright(&self) -> Option<Upright> {
+        self.upright
+    }
+
+    /// The tilt of the held object, rad, where that is more than it may be.
+    pub(super) fn tilts_rad(&self, body: &Body) -> Option<f64> {
+        let upright = self.upright?;
+        Some(upright.tilt_rad(&body.end().rotation)).filter(|tilt_rad| *tilt_rad > upright.most_rad())
     }
 
     /// The same space with another clearance, m.
@@ -91,58 +132,83 @@ impl<'a> Space<'a> {
         nearest
     }
 
+    /// Whether the held object might tilt too much where the tip turns by this, rad.
+    fn may_tilt(&self, body: &Body, turn_rad: f64) -> bool {
+        self.upright.is_some_and(|upright| upright.tilt_rad(&body.end().rotation) + turn_rad > upright.most_rad())
+    }
+
     /// Where the straight move between two rows of setpoints is blocked; `None` when it is proven clear.
     pub(super) fn blocked(&self, from: &[f64], to: &[f64]) -> Option<Blocked> {
-        if self.obstacles.is_empty() {
+        if self.obstacles.is_empty() && self.upright.is_none() {
             return None;
         }
         if self.carrier.is_loaded() {
             let [Some(first), Some(last)] = [from, to].map(|values| self.body(values)) else {
-                return Some(Blocked { share: 0.0, by: None });
+                return Some(Blocked { share: 0.0, by: Hindrance::NoShape });
             };
             return self.blocked_between((from, to), (0.0, &first), (1.0, &last));
         }
-        let speed_m = self.speed_m(from, to);
-        self.blocked_within((from, to), (0.5, 0.5), speed_m)
+        let speeds = self.speeds(from, to);
+        self.blocked_within((from, to), (0.5, 0.5), speeds)
     }
 
     /// Looks between two shares of a move under load, whose bodies these are.
     fn blocked_between(&self, ends: (&[f64], &[f64]), before: (f64, &Body), after: (f64, &Body)) -> Option<Blocked> {
         let way_m = way_m(before.1, after.1);
+        let turn_rad = before.1.end().rotation.angle_to(&after.1.end().rotation);
         let enough_m = self.required_m + 0.5 * DETOUR * way_m + TOLERANCE_M;
-        let mut near = false;
+        let (mut near, mut tilted) = (false, false);
         for (share, body) in [before, after] {
             if let Some(found) = self.nearest(body, enough_m) {
                 if found.clearance.distance_m < self.required_m {
-                    return Some(Blocked { share, by: Some(found) });
+                    return Some(Blocked { share, by: Hindrance::Obstacle(found) });
                 }
                 near = true;
             }
+            if let Some(tilt_rad) = self.tilts_rad(body) {
+                return Some(Blocked { share, by: Hindrance::Tilt(tilt_rad) });
+            }
+            tilted |= self.may_tilt(body, 0.5 * DETOUR * turn_rad);
         }
-        if !near || way_m < FINEST_M {
+        if !(near && way_m >= FINEST_M || tilted && turn_rad >= FINEST_RAD) {
             return None;
         }
         let share = 0.5 * (before.0 + after.0);
-        let Some(middle) = self.body(&between(ends, share)) else { return Some(Blocked { share, by: None }) };
+        let Some(middle) = self.body(&between(ends, share)) else {
+            return Some(Blocked { share, by: Hindrance::NoShape });
+        };
         let first = self.blocked_between(ends, before, (share, &middle));
         first.or_else(|| self.blocked_between(ends, (share, &middle), after))
     }
 
     /// Looks at the shares `middle - half .. middle + half`.
-    fn blocked_within(&self, ends: (&[f64], &[f64]), (middle, half): (f64, f64), speed_m: f64) -> Option<Blocked> {
-        let Some(body) = self.body(&between(ends, middle)) else { return Some(Blocked { share: middle, by: None }) };
-        let found = self.nearest(&body, self.required_m + half * speed_m + TOLERANCE_M)?;
-        if found.clearance.distance_m < self.required_m || half < SHORTEST {
-            return Some(Blocked { share: middle, by: Some(found) });
+    fn blocked_within(&self, ends: (&[f64], &[f64]), (middle, half): (f64, f64), speeds: Speeds) -> Option<Blocked> {
+        let blocked = |by: Hindrance| Some(Blocked { share: middle, by });
+        let Some(body) = self.body(&between(ends, middle)) else { return blocked(Hindrance::NoShape) };
+        let found = self.nearest(&body, self.required_m + half * speeds.way_m + TOLERANCE_M);
+        let tilted = self.may_tilt(&body, half * speeds.turn_rad);
+        match found {
+            Some(found) if found.clearance.distance_m < self.required_m || half < SHORTEST => {
+                return blocked(Hindrance::Obstacle(found));
+            }
+            None if !tilted => return None,
+            _ => {}
+        }
+        if let Some(upright) = self.upright.filter(|_| tilted) {
+            let tilt_rad = upright.tilt_rad(&body.end().rotation);
+            if tilt_rad > upright.most_rad() || half < SHORTEST {
+                return blocked(Hindrance::Tilt(tilt_rad));
+            }
         }
         let half = 0.5 * half;
-        let first = self.blocked_within(ends, (middle - half, half), speed_m);
-        first.or_else(|| self.blocked_within(ends, (middle + half, half), speed_m))
+        let first = self.blocked_within(ends, (middle - half, half), speeds);
+        first.or_else(|| self.blocked_within(ends, (middle + half, half), speeds))
     }
 
-    /// No point of the body's surface moves farther than this over the whole move, m.
-    fn speed_m(&self, from: &[f64], to: &[f64]) -> f64 {
+    /// No point of the body's surface moves farther, and the tip does not turn more, than this over the whole move.
+    fn speeds(&self, from: &[f64], to: &[f64]) -> Speeds {
         let (mut speed_m, mut behind_m, mut grows_m) = (0.0, 0.0_f64, 0.0_f64);
+        let mut turn_rad = 0.0;
         let limb = self.carrier.limb();
         for (index, module) in limb.modules().iter().enumerate().rev() {
             behind_m += module.rigid_parts_m().iter().sum::<f64>();
@@ -150,11 +216,12 @@ impl<'a> Space<'a> {
             let length = drives.iter().map(|(_, cell)| cell.length_m).fold(0.0, f64::max);
             for (way, cell) in &drives {
                 speed_m += way * (cell.stretches_m + (0.5 * length + behind_m) * cell.turns_rad);
+                turn_rad += way * cell.turns_rad;
                 grows_m = grows_m.max(way * cell.grows_m);
             }
             behind_m += length;
         }
-        speed_m + grows_m
+        Speeds { way_m: speed_m + grows_m, turn_rad }
     }
 
     /// The way of a drive's setpoint, and the most that its module does on it.

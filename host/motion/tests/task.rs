@@ -7,4 +7,5 @@ mod kinematics;
 mod loaded;
 mod obstacles;
 mod steering;
+mod tilt;
 mod times;

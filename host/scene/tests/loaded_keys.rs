@@ -42,6 +42,22 @@ fn wrong_objects_are_shown_at_their_line() {
 }
 
 #[test]
+fn tilt_of_an_object_has_a_range_and_a_line() {
+    let most = |line: &str| {
+        let text =
+            with("object = \"bottle\"\n", "").replace("mass = \"0.6 kg\"\n", &format!("mass = \"0.6 kg\"\n{line}"));
+        parse(&text, "arm.toml").map(|scene| scene.objects()[0].tilt_max_rad.map(|most| *most))
+    };
+    assert_eq!(most(""), Ok(None));
+    let found = most("tilt_max = \"35 deg\"\n").unwrap().unwrap();
+    assert!((found - 0.610_865_238_198_015_3).abs() < 1e-15);
+    for (line, shown) in [("tilt_max = \"0 deg\"\n", "0.1 deg"), ("tilt_max = \"181 deg\"\n", "180 deg")] {
+        let said = most(line).unwrap_err().render(false);
+        assert!(said.contains("tilt_max") && said.contains(shown) && said.contains(line.trim_end()), "{said}");
+    }
+}
+
+#[test]
 fn a_design_may_open_base_and_spread() {
     let more = "[design]\nbase_region = \"frame\"\nbase_pitch = [\"-20 deg\", \"30 deg\"]\ncircle_radius = [\"40 mm\", \"80 mm\"]\nbay = \"40 mm\"\n";
     let scene = parse(&with("", more), "arm.toml").unwrap_or_else(|error| panic!("{}", error.render(false)));

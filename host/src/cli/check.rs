@@ -93,6 +93,8 @@ struct PrintedPhase<'a> {
     via_points: usize,
     clearance_m: Option<f64>,
     nearest_obstacle: Option<&'a str>,
+    /// Largest tilt of a carried object since its grasp, rad.
+    tilt_rad: Option<f64>,
     /// Absent of a weightless limb.
     #[serde(flatten)]
     margins: Option<PrintedMargins<'a>>,
@@ -139,6 +141,7 @@ impl<'a> Known<'a> {
             via_points: phase.via_points,
             clearance_m: phase.nearest.map(|nearest| nearest.distance_m),
             nearest_obstacle: phase.nearest.map(|nearest| scene.obstacles()[nearest.obstacle].name.value.as_str()),
+            tilt_rad: phase.tilt_rad,
             margins: margins.get(index).map(|margins| PrintedMargins::new(limb, margins)),
         });
         Printed {
@@ -193,10 +196,11 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Where there are obstacles or moves whose time the plan chose, a line a phase.
+/// Where there are obstacles, a carried object, or moves whose time the plan chose, a line a phase.
 fn phase_rows(scene: &Scene, plan: &Plan) -> Vec<String> {
     let chosen = scene.phases().iter().any(|phase| phase.move_us.is_none());
-    if scene.obstacles().is_empty() && !chosen {
+    let carries = plan.phases.iter().any(|phase| phase.tilt_rad.is_some());
+    if scene.obstacles().is_empty() && !chosen && !carries {
         return Vec::new();
     }
     let row = |phase: &softlimb_motion::PlannedPhase| {
@@ -204,6 +208,9 @@ fn phase_rows(scene: &Scene, plan: &Plan) -> Vec<String> {
         if let Some(nearest) = phase.nearest {
             let name = &scene.obstacles()[nearest.obstacle].name.value;
             text.push_str(&format!(", at least {:.1} mm from `{name}`", nearest.distance_m * 1e3));
+        }
+        if let Some(tilt_rad) = phase.tilt_rad.filter(|tilt_rad| *tilt_rad > 0.0) {
+            text.push_str(&format!(", object tilts by at most {:.1} deg", tilt_rad.to_degrees()));
         }
         match phase.via_points {
             0 => {}

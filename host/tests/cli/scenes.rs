@@ -69,3 +69,17 @@ fn sound_scene_is_checked_without_writing() {
     assert!(json["modules"][0]["tables"] == true && error > 0.0 && error <= 1e-4, "{json}");
     assert_eq!(desk.content(), ["scene.toml"]);
 }
+
+/// A cup on a finger that is straight at first and bends in the vertical plane tilts by the bend angle.
+#[test]
+fn tilt_of_a_carried_object_is_checked_and_printed() {
+    let object = "[[object]]\nname = \"cup\"\nradius = \"10 mm\"\nheight = \"20 mm\"\ngrasp = \"10 mm\"\nmass = \"0 kg\"\ntilt_max = \"MOST\"\n\n[[phase]]\nobject = \"cup\"";
+    let desk = |most: &str| Desk::with_scene("[[phase]]", &object.replace("MOST", most));
+    let kept = desk("31 deg");
+    let answer = kept.softlimb("check scene.toml").done();
+    assert!(answer.out.contains("object tilts by at most 30.0 deg"), "{}", answer.out);
+    let json = kept.softlimb("check scene.toml --json").done().json();
+    assert!((json["phases"][0]["tilt_rad"].as_f64().unwrap() - 30f64.to_radians()).abs() < 1e-3, "{json}");
+    let words = &["tilts too much", "`cup` would tilt by 30.0 deg", "its `tilt_max` is 29.0 deg"];
+    desk("29 deg").softlimb("check scene.toml").failed(1, words);
+}

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{LEVER_M, Reach, angle};
 use crate::carrier::{Carrier, Posture};
+use crate::upright::Upright;
 use softlimb_limb::LimbModule;
 use softlimb_scene::Aim;
 use softlimb_scene::collision::{Clearance, Shape};
@@ -45,6 +46,8 @@ pub struct TipTask<'a> {
     pub goal: TipGoal<'a>,
     /// How the end effector shall point.
     pub aim: Option<Aim>,
+    /// The held object that it keeps upright.
+    pub upright: Option<Upright>,
     /// What the body keeps clear of.
     pub obstacles: &'a [&'a Shape],
     /// Least distance from every obstacle, m.
@@ -62,6 +65,8 @@ pub struct Obstruction {
 
 /// By how much more than required a solution clears, and a tip is in its region, m: more than what a proof of a move loses.
 const SPARE_M: f64 = 2e-5;
+/// By which share of its largest tilt an object stays below it.
+const SPARE_TILT: f64 = 5e-3;
 /// Weights of what must hold beside the tip's place, one descent after the other: with the first it goes down smoothly, and the last
 /// leaves less than the spare to be missed where the tip cannot be at its place.
 pub(super) const WEIGHTS: [f64; 2] = [30.0, 1000.0];
@@ -108,8 +113,8 @@ impl<'a, 'l> Problem<'a, 'l> {
     pub(super) fn reach(&self, shares: &[f64]) -> Reach {
         let pressures_pa = self.pressures(shares);
         let Some(body) = self.carrier.body(&pressures_pa) else {
-            let [distance_m, angle_rad, shortfall_m] = [f64::INFINITY; 3];
-            return Reach { pressures_pa, tip_m: [f64::NAN; 3], distance_m, angle_rad, shortfall_m };
+            let [distance_m, angle_rad, tilt_rad, shortfall_m] = [f64::INFINITY; 4];
+            return Reach { pressures_pa, tip_m: [f64::NAN; 3], distance_m, angle_rad, tilt_rad, shortfall_m };
         };
         let tip = body.end().translation.vector;
         let distance_m = self.task.goal.distance_m(&tip);
@@ -118,9 +123,11 @@ impl<'a, 'l> Problem<'a, 'l> {
             .task
             .aim
             .map_or(0.0, |aim| (angle(&axis, &Vector3::from(*aim.direction)) - aim.tolerance_rad).max(0.0));
+        let tilts = |upright: Upright| (upright.tilt_rad(&body.end().rotation) - upright.most_rad()).max(0.0);
+        let tilt_rad = self.task.upright.map_or(0.0, tilts);
         let nearest = self.task.obstacles.iter().filter_map(|shape| body.nearest(shape, self.task.clearance_m));
         let shortfall_m = nearest.map(|found| self.task.clearance_m - found.distance_m).fold(0.0, f64::max);
-        Reach { pressures_pa, tip_m: tip.into(), distance_m, angle_rad, shortfall_m }
+        Reach { pressures_pa, tip_m: tip.into(), distance_m, angle_rad, tilt_rad, shortfall_m }
     }
 
     /// Residuals and derivatives; `None` where the limb does not stand.
@@ -129,6 +136,7 @@ impl<'a, 'l> Problem<'a, 'l> {
         let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
         self.tip_rows(&at, &mut rows);
         self.aim_row(&at, weight, &mut rows);
+        self.tilt_row(&at, weight, &mut rows);
         self.obstacle_rows(&at, weight, &mut rows);
         let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(value, _)| *value));
         let count = self.spans.len();
@@ -159,11 +167,18 @@ impl<'a, 'l> Problem<'a, 'l> {
         let Some(aim) = self.task.aim else { return };
         let (axis, wanted) = (at.tip().rotation * Vector3::z(), Vector3::from(*aim.direction));
         let off = angle(&axis, &wanted);
-        // The turn that lessens the angle fastest; any across where the axis is opposite.
-        let turn = axis.cross(&wanted).try_normalize(1e-12).unwrap_or_else(|| at.tip().rotation * Vector3::x());
-        let slope = at.tip_rotations().iter().map(|rotation| -turn.dot(rotation)).collect();
         let spare = 1e-3 * aim.tolerance_rad;
-        rows.push(one_sided(off - aim.tolerance_rad + spare, slope, weight * LEVER_M));
+        rows.push(one_sided(off - aim.tolerance_rad + spare, turning(at, &axis, &wanted), weight * LEVER_M));
+    }
+
+    /// No row while the object is upright enough: others then decide alone.
+    fn tilt_row(&self, at: &Posture<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
+        let Some(upright) = self.task.upright else { return };
+        let beyond = upright.tilt_rad(&at.tip().rotation) - (1.0 - SPARE_TILT) * upright.most_rad();
+        if beyond > 0.0 {
+            let axis = upright.axis_at(&at.tip().rotation);
+            rows.push(one_sided(beyond, turning(at, &axis, &Vector3::z()), weight * LEVER_M));
+        }
     }
 
     fn obstacle_rows(&self, at: &Posture<'_>, weight: f64, rows: &mut Vec<(f64, Vec<f64>)>) {
@@ -178,6 +193,13 @@ impl<'a, 'l> Problem<'a, 'l> {
             rows.push(one_sided(wanted_m - found.distance_m, slope, weight));
         }
     }
+}
+
+/// Growth of the angle between an axis that turns with the tip and a direction, by each pressure, rad/Pa.
+fn turning(at: &Posture<'_>, axis: &Vector3<f64>, wanted: &Vector3<f64>) -> Vec<f64> {
+    // The turn that lessens the angle fastest; any across where the axis is opposite.
+    let turn = axis.cross(wanted).try_normalize(1e-12).unwrap_or_else(|| at.tip().rotation * Vector3::x());
+    at.tip_rotations().iter().map(|rotation| -turn.dot(rotation)).collect()
 }
 
 /// A residual that counts above zero only.

@@ -52,7 +52,8 @@ fn of_a_family_of_solutions_the_nearest_is_taken() {
 #[test]
 fn solutions_meet_the_task() {
     let limb = Limb::new(&repository("weightless-c")).unwrap();
-    let task = TipTask { goal: TipGoal::Point([0.72, 0.0, 0.98]), aim: None, obstacles: &[], clearance_m: 0.0 };
+    let task =
+        TipTask { goal: TipGoal::Point([0.72, 0.0, 0.98]), aim: None, upright: None, obstacles: &[], clearance_m: 0.0 };
     let found = solutions(&limb, &task, &[0.0; 3]);
     for reach in &found {
         let states: Vec<_> =

@@ -142,9 +142,7 @@ fn sagging_body_and_bottle_keep_clear_and_the_bottle_upright_all_the_way() {
         let tilt_deg = tilt_rad.to_degrees();
         println!("{name}: body {:.1} mm, bottle {:.1} mm clear, tilt {tilt_deg:.1} deg", 1e3 * body_m, 1e3 * bottle_m);
         assert!(body_m >= 5e-3 && bottle_m >= 5e-3, "{name}: {body_m} {bottle_m}");
-        // The planner has the rounded C 0.8 deg beyond the 35 deg of its design.
-        let most_deg = if name == "pick-and-place-c" { 36.0 } else { 35.0 };
-        assert!(tilt_deg <= most_deg, "{name}: {tilt_deg} deg");
+        assert!(tilt_deg <= 35.0, "{name}: {tilt_deg} deg");
     }
 }
 

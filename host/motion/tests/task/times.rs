@@ -1,6 +1,6 @@
 //! Times that the plan chooses, and marker series.
 
-use super::common::{planned, refused, with_phases};
+use super::common::{planned, refused, repository, with_phases};
 
 const ELBOW: &str = "[[phase]]\nname = \"bend\"\ntargets = { elbow = { bend_angle = \"60 deg\" } }\n";
 
@@ -46,6 +46,48 @@ fn given_time_that_valves_cannot_follow_is_warned_of() {
     let enough = warning.split(": ").nth(1).unwrap().split(' ').next().unwrap();
     assert!(planned(&text(enough)).unwrap().2.warnings.is_empty());
     assert!((move_s(&with_phases("weightless-a", ELBOW)) - enough.parse::<f64>().unwrap()).abs() < 0.011);
+}
+
+/// A load that is put down in a pause needs air out of the chambers that carried it: a warning below the conductance that their masses of air
+/// give by hand, and none above it.
+#[test]
+fn load_that_changes_hands_faster_than_valves_can_follow_is_warned_of() {
+    let bare = repository("loaded/carry-hanging").source_text().to_owned();
+    let told = |text: &str| {
+        let (_, _, plan) = planned(text).unwrap_or_else(|error| panic!("{error}"));
+        plan.warnings.into_iter().find(|warning| warning.contains("pause of phase `place`"))
+    };
+    let (scene, limb, plan) = planned(&bare).unwrap();
+    let phase = plan.phases.iter().find(|phase| phase.name == "place").unwrap();
+    let [before, after] =
+        [0, phase.hold_us].map(|time_us| plan.states_at((phase.start_us + phase.move_us + time_us) as f64));
+    // 1 mL of fittings, pi/4 2.5^2 1000 mm3 of line; a critical pressure ratio of 0.3; ISO 8778 has 1.185 kg/m3.
+    let dead_m3 = scene.plant().chamber.dead_volume_m3 + 4.908_739e-6;
+    let mass_kg = |state: &fra_model::State<f64>| {
+        (state.pressure_pa + 101_325.0) * (state.volume_m3 + dead_m3) / (287.05 * 293.15)
+    };
+    let per_pressure = |low_pa: f64, high_pa: f64| {
+        let (p1, p2) = (high_pa + 101_325.0, low_pa + 101_325.0);
+        1.185 * p1 * (1.0 - ((p2 / p1 - 0.3) / 0.7).max(0.0).powi(2)).sqrt()
+    };
+    let needed = limb.drives().zip(before.iter().zip(&after)).map(|(_, (a, b))| {
+        let change_kg = mass_kg(b) - mass_kg(a);
+        let middle_pa = 0.5 * (a.pressure_pa + b.pressure_pa);
+        let flow = if change_kg > 0.0 { per_pressure(middle_pa, 250e3) } else { per_pressure(0.0, middle_pa) };
+        1.875 * change_kg.abs() / (phase.hold_us as f64 * 1e-6) / flow
+    });
+    let whole = needed.fold(0.0, f64::max) * 1e8;
+    let line = softlimb_motion::line_conductance_m3_per_s_pa(&scene.plant().line) * 1e8;
+    let valve = whole * line / (line * line - whole * whole).sqrt();
+    let with = |share: f64| format!("{bare}\n[plant.valve]\nconductance = \"{:.4} dm3/(s bar)\"\n", share * valve);
+    println!("{valve:.4} dm3/(s bar) by hand");
+    assert_eq!(told(&with(1.25)), None);
+    let warning = told(&with(0.8)).expect("a warning");
+    let (_, enough) = warning.split_once("a `hold` of ").unwrap();
+    let hold = format!("hold = \"{} s\"", enough.split(' ').next().unwrap());
+    let (head, place) = bare.split_once("name = \"place\"").unwrap();
+    let longer = format!("{head}name = \"place\"{}", place.replacen("hold = \"1 s\"", &hold, 1));
+    assert_eq!(told(&with(0.8).replace(&bare, &longer)), None, "{hold}");
 }
 
 /// A small reservoir with a weak pump cannot fill all modules: no duration helps once the pump stalls below the chambers.

@@ -56,13 +56,22 @@ pub(super) fn objects(root: &Reader<'_>) -> Option<Vec<Object>> {
 fn object(reader: &Reader<'_>, name: Located<String>) -> Option<Object> {
     let [radius, height, grasp, mass] =
         [object::RADIUS, object::HEIGHT, object::GRASP, object::MASS].map(|key| reader.quantity(&key));
+    let tilt_max = reader.maybe(&object::TILT_MAX);
     let (radius, height, grasp) = (radius?, height?, grasp?);
     if *grasp > *height {
         let title = "an object is grasped within its height";
         let label = format!("it is {} high", Unit::MM.show_si(*height));
         return reader.log().note(Problem::at(grasp.span, title, label));
     }
-    Some(Object { name, radius_m: *radius, height_m: *height, grasp_m: *grasp, mass_kg: *mass?, span: reader.span() })
+    Some(Object {
+        name,
+        radius_m: *radius,
+        height_m: *height,
+        grasp_m: *grasp,
+        mass_kg: *mass?,
+        tilt_max_rad: tilt_max?,
+        span: reader.span(),
+    })
 }
 
 fn named<'a, T>(
