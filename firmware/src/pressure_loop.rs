@@ -303,3 +303,60 @@ impl Default for PressureLoop {
         Self::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::Orifice;
+    use crate::gas::Absolute;
+
+    /// A chamber of 2.5 L whose pressure changes by 4 kPa/s at most: a drift beyond the valve's rate, which noise can teach, must not turn
+    /// the valves away from the reference. Carried on for the seconds that 10 kPa take, it would.
+    #[test]
+    fn drift_does_not_turn_a_slow_chamber_away_from_its_reference() {
+        let timing = ValveTiming { on_delay_us: 3_500, off_delay_us: 2_000 };
+        let pneumatics = Pneumatics::new(
+            Orifice::new(1.2e-9, 0.3),
+            Orifice::line(3.78e-9),
+            Absolute::new(101_325.0),
+            293.15,
+            timing,
+        );
+        let chamber = Chamber {
+            pressure_pa: 120e3,
+            volume_m3: 2.24e-3,
+            compliance_m3_per_pa: 20e-9,
+            rest_volume_m3: 1.1e-3,
+            dead_volume_m3: 6e-6,
+        };
+        for (drift_pa_per_s, off_pa, towards) in
+            [(-10e3, 10e3, Direction::Vent), (10e3, -10e3, Direction::Fill), (-10e3, -10e3, Direction::Fill)]
+        {
+            let mut control = PressureLoop::new();
+            for _ in 0..60 {
+                let measured_pa = drift_pa_per_s * 0.02;
+                control.adaptation.learn(&Effect {
+                    pulse: None,
+                    coil_beyond_delay_us: 0,
+                    modelled_pa: 0.0,
+                    measured_pa,
+                    duration_s: 0.02,
+                });
+            }
+            assert!((control.adaptation.drift_pa_per_s() / drift_pa_per_s - 1.0).abs() < 1e-3);
+            let input = LoopInput {
+                now_us: 100_000,
+                sensor_pa: 120e3 + off_pa,
+                sensor_trusted: true,
+                supply_pa: 250e3,
+                pressure_max_pa: 200e3,
+                may_fill: true,
+                chamber: &chamber,
+                pneumatics: &pneumatics,
+            };
+            let reference = Reference { start_us: 100_000, start_pa: 120e3, period_us: 20_000, end_pa: 120e3 };
+            control.decide(&input, &reference);
+            assert_eq!(control.valves.direction_at(100_001), Some(towards), "{drift_pa_per_s} Pa/s, {off_pa} Pa off");
+        }
+    }
+}
