@@ -205,7 +205,7 @@ fn tip_goals(scene: &Scene, space: &Space<'_>, phase: usize, before: &[f64]) -> 
         return Ok(found.iter().map(|reach| values(carrier.limb(), reach)).collect());
     }
     let (before, upright) = (before.to_vec(), space.upright());
-    Err(Unreachable::Tip { phase, before, upright, nearest: found.swap_remove(0) })
+    Err(Unreachable::Tip { phase, before, upright, nearest: Box::new(found.swap_remove(0)) })
 }
 
 /// Checks that setpoints which are given keep the limb clear, and what it carries upright.

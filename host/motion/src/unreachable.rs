@@ -16,7 +16,7 @@ pub(super) enum Unreachable {
     /// At its targets the limb is too near an obstacle; the straight move there is clear up to this fraction.
     TooNear { phase: usize, by: Obstruction, fraction: f64 },
     /// No pressures bring the tip to its goal; the search began at these setpoints and ended at the nearest.
-    Tip { phase: usize, before: Vec<f64>, upright: Option<Upright>, nearest: Reach },
+    Tip { phase: usize, before: Vec<f64>, upright: Option<Upright>, nearest: Box<Reach> },
     /// No pressures bring the tip to this position of the marker series.
     Marker { phase: usize, position: usize, nearest: Reach },
     /// No way from these setpoints to those keeps clear.
