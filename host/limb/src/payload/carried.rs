@@ -130,10 +130,16 @@ impl Carrying<'_> {
         Some(self.settled(pressures_pa, payload_kg, None)?.shape.tip().translation.vector)
     }
 
-    /// Pressures next to `pressures_pa` that hold the tip in a place under a payload: the smallest changes that lead there.
+    /// Highest pressures that keep their margin, gauge Pa.
+    fn most_pa(&self) -> Vec<f64> {
+        self.limb.drives().map(|drive| self.limits.pressure_share_max * drive.ceiling_pa()).collect()
+    }
+
+    /// Pressures next to `pressures_pa` that hold the tip in a place under a payload: the smallest changes that lead there within the margin. A pressure
+    /// at its margin stays there, and the others make up for it.
     fn placed(&self, place_m: &Vector3<f64>, pressures_pa: &[f64], payload_kg: f64) -> Result<Vec<f64>, CarryLimit> {
-        let spans: Vec<f64> = self.limb.drives().map(|drive| drive.ceiling_pa()).collect();
-        let mut pressures = pressures_pa.to_vec();
+        let spans = self.most_pa();
+        let mut pressures: Vec<f64> = pressures_pa.iter().zip(&spans).map(|(pa, most)| pa.min(*most)).collect();
         for _ in 0..ITERATIONS {
             let here = self.settled(&pressures, payload_kg, None).ok_or(CarryLimit::Falls)?;
             let tip = here.shape.tip().translation.vector;
@@ -159,14 +165,15 @@ impl Carrying<'_> {
                 *pressure = (*pressure + change.clamp(-0.2, 0.2) * span).clamp(0.0, *span);
             }
         }
-        Err(CarryLimit::Reach)
+        let at_margin = pressures.iter().zip(&spans).position(|(pa, most)| pa >= most);
+        Err(at_margin.map_or(CarryLimit::Reach, |drive| CarryLimit::Pressure { drive }))
     }
 
     /// Whether the limb keeps its margins.
     fn keeps(&self, pressures_pa: &[f64], payload_kg: f64) -> Result<(), CarryLimit> {
         let limits = self.limits;
-        let mut shares = self.limb.drives().zip(pressures_pa).map(|(drive, pa)| pa / drive.ceiling_pa());
-        if let Some(drive) = shares.position(|share| share > limits.pressure_share_max + 1e-9) {
+        let most_pa = self.most_pa();
+        if let Some(drive) = pressures_pa.iter().zip(most_pa).position(|(pa, most)| *pa > most * (1.0 + 1e-9)) {
             return Err(CarryLimit::Pressure { drive });
         }
         let loaded = self.loaded(pressures_pa, payload_kg).ok_or(CarryLimit::Falls)?;
