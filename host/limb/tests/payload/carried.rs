@@ -107,7 +107,7 @@ fn scenes_carry_what_their_plans_carry() {
             let moved = (tip(&before) - tip(&with)).norm();
             assert!(moved < 1e-4, "{name} {}: {moved}", phase.name);
             let mut shares = limb.drives().zip(&found.pressures_pa).map(|(drive, pa)| pa / drive.ceiling_pa());
-            assert!(shares.all(|share| share < motion::PRESSURE_SHARE_MAX + 1e-6), "{name} {}", phase.name);
+            assert!(shares.all(|share| share < 0.85 + 1e-6), "{name} {}", phase.name);
             // Six pressures hold three coordinates: where one is at its margin, the others make up for it.
             assert!(name != "steering" || found.payload_kg > 1.0, "{}: {} kg", phase.name, found.payload_kg);
             let with = with.stand(error, scene.rest_length_m()).expect("it stands");
