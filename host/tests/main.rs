@@ -14,6 +14,7 @@ mod fem_command;
 mod mass_command;
 mod payload_command;
 mod readme;
+mod steering_command;
 mod tolerance_command;
 
 // Fixtures of other crates, of which each user takes a part.

@@ -110,7 +110,7 @@ fn bundle(parameters: &ActuatorParameters<f64>, count: usize) -> Result<Bundle, 
     let actuator = Actuator::new(parameters)?;
     let hold = Hold::Straight { axial_stretch: 1.0, twist_rad: 0.0 };
     let one = |_| Mounted::new("actuator", actuator, hold, Vector3::zeros(), Vector3::z());
-    Ok(Bundle { actuators: (0..count).map(one).collect::<Result<_, _>>()? })
+    Ok(Bundle { actuators: (0..count).map(one).collect::<Result<_, _>>()?, ..Bundle::default() })
 }
 
 /// The curves as a document that stands by itself.

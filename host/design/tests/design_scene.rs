@@ -163,4 +163,11 @@ fn entries_beyond_a_design_are_shown_at_their_line() {
         .replace("tip = [0.74, 0, 0.83]", "targets = { elbow = { bend_angle = \"30 deg\" } }");
     let error = task(&read(&mixed)).unwrap_err().to_string();
     assert!(error.contains("either for the tip or for targets"), "{error}");
+    let steering = include_str!("../../../scenes/weightless-a.toml").replacen(
+        "motion = \"extension\"",
+        "motion = \"extension\"\nsteering = true",
+        1,
+    );
+    let error = targets(&read(&format!("{steering}{OPEN}"))).unwrap_err().render(false);
+    assert!(error.contains("a steering module is designed under weight") && error.contains("[[module]]"), "{error}");
 }

@@ -98,20 +98,35 @@ fn limits_are_those_of_the_scene() {
 
 #[test]
 fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
-    let wanted = read(TASK);
-    let design = loaded_design(&wanted).unwrap();
-    let found = found(&wanted);
+    stands_where_wanted(&read(TASK), [[0.12, 0.0, 0.56], [0.16, 0.0, 0.58]]);
+}
+
+/// A pressure for each actuator of the shoulder, one for the wrist: out of the plane, and the tip still has one way more than coordinates.
+#[test]
+fn a_limb_with_a_steering_module_is_found_that_stands_where_the_task_wants_it() {
+    let bending = "motion = \"bending\"\narrangement = \"row\"\nspacing = \"46 mm\"";
+    let steering = "motion = \"extension\"\nsteering = true\ncircle_radius = \"45 mm\"\nwinding = \"hoops\"";
+    let text = TASK.replace(bending, steering);
+    let text = text.replace("[0.12, 0, 0.56]", "[0.05, 0.03, 0.44]").replace("[0.16, 0, 0.58]", "[0.0, 0.07, 0.45]");
+    assert!(text.contains("steering = true") && text.contains("0.07, 0.45"));
+    let designed = stands_where_wanted(&read(&text), [[0.05, 0.03, 0.44], [0.0, 0.07, 0.45]]);
+    assert!(designed.modules()[0].steering && !designed.modules()[1].steering);
+}
+
+/// Searches for the limb of a task and judges it by the statics of the scene that is written, which is given back.
+fn stands_where_wanted(wanted: &Scene, goals: [[f64; 3]; 2]) -> Scene {
+    let design = loaded_design(wanted).unwrap();
+    let found = found(wanted);
     assert!(found.reached, "{:?}", found.evaluation.lacks);
     let poses = &found.confirmed;
-    let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
+    let designed = read(&loaded_text(wanted, &design, &found.evaluation.sizes).unwrap());
     let limb = Limb::new(&designed).unwrap();
     let bays: Vec<usize> = designed.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
-    let goals = [[0.12, 0.0, 0.56], [0.16, 0.0, 0.58]];
     let payloads_kg = [0.0, 0.2];
     for ((pose, goal), payload_kg) in poses.iter().zip(goals).zip(payloads_kg) {
         assert!(pose.lacks.is_empty() && pose.tip_error_m <= REACHED_M, "{pose:?}");
         // The statics of the written scene, built from its text, at the pressures that the design states.
-        let channels: Vec<f64> = pose.pressures_pa.iter().flat_map(|pressure| [*pressure; 3]).collect();
+        let channels = limb.channel_values(&pose.pressures_pa);
         let load = Load { payload_kg, ..Load::default() };
         let loaded = LoadedLimb::new(&designed, &limb, &channels, &bays, &load).unwrap();
         // Fine enough for tubes between plates: rods of a tolerance of 0.1 % are off by 0.2 mm.
@@ -121,10 +136,11 @@ fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
         assert!(standing.load_factor >= 1.5 && standing.buckling_margin >= 3.0);
         assert!(standing.sag_m <= 0.4 * designed.rest_length_m());
         assert!(standing.stiffness_n_per_m.unwrap()[2] >= 40.0);
-        for (module, pressure) in limb.modules().iter().zip(&pose.pressures_pa) {
-            assert!(*pressure <= (0.85 + 1e-6) * module.ceiling_pa());
+        for (drive, pressure) in limb.drives().zip(&pose.pressures_pa) {
+            assert!(*pressure <= (0.85 + 1e-6) * drive.ceiling_pa());
         }
     }
+    designed
 }
 
 /// The planner chooses the place in a region, and pressures that need not be those of the design.

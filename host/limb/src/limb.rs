@@ -292,8 +292,14 @@ impl Limb {
         self.drives.len() > self.modules.len()
     }
 
+    /// A value of each channel, from one of each drive.
+    pub fn channel_values<T: Clone>(&self, values: &[T]) -> Vec<T> {
+        let drives = self.drives().zip(values);
+        drives.flat_map(|(drive, value)| std::iter::repeat_n(value.clone(), drive.channels.len())).collect()
+    }
+
     /// Each module with its link and radius, m, in states, one a drive.
-    fn links<'a>(
+    pub(crate) fn links<'a>(
         &self,
         states: impl IntoIterator<Item = &'a State<f64>>,
     ) -> impl Iterator<Item = (&LimbModule, Link<f64>, f64)> {

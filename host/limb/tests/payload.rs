@@ -5,4 +5,5 @@ mod capacity;
 mod carried;
 mod common;
 mod limb;
+mod steering;
 mod wrench;

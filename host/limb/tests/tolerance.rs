@@ -2,6 +2,7 @@
 
 mod closed_forms;
 mod samples;
+mod steering;
 mod text;
 
 use softlimb_limb::Limb;

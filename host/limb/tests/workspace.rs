@@ -4,6 +4,7 @@ mod bundle;
 mod extents;
 mod loaded;
 mod samples;
+mod steering;
 
 use softlimb_limb::Limb;
 use softlimb_scene as scene;

@@ -23,9 +23,9 @@ impl Sent {
         let Track { period_us, kinds, knots, states } = &plan.track;
         let track = Track {
             period_us: *period_us,
-            kinds: spread(limb, kinds),
-            knots: knots.iter().map(|row| spread(limb, row)).collect(),
-            states: states.iter().map(|row| spread(limb, row)).collect(),
+            kinds: limb.channel_values(kinds),
+            knots: knots.iter().map(|row| limb.channel_values(row)).collect(),
+            states: states.iter().map(|row| limb.channel_values(row)).collect(),
         };
         Self { track }
     }
@@ -36,7 +36,7 @@ impl Sent {
     /// [`Unreachable::OnTheWay`].
     pub(crate) fn corrected(limb: &Limb, plan: &Plan, corrections: &Corrections) -> Result<Self, Unreachable> {
         let plain = Self::uncorrected(limb, plan);
-        let owners = spread(limb, &owners(limb));
+        let owners = limb.channel_values(&owners(limb));
         let Track { period_us, kinds, knots, .. } = plain.track;
         let knots: Vec<Vec<i32>> = (0_u64..)
             .zip(knots)
@@ -106,12 +106,6 @@ impl Sent {
         }
         averaged
     }
-}
-
-/// A value of each drive for each of its channels.
-fn spread<T: Clone>(limb: &Limb, row: &[T]) -> Vec<T> {
-    let drives = limb.drives().zip(row);
-    drives.flat_map(|(drive, value)| std::iter::repeat_n(value.clone(), drive.channels.len())).collect()
 }
 
 fn corrected(module: &LimbModule, wire: i32, added: f64) -> i32 {

@@ -124,9 +124,7 @@ impl Statics {
         pressures_pa: &[f64],
         payload_kg: f64,
     ) -> Result<Row, Failure> {
-        let of_drive = limb.drives().zip(pressures_pa);
-        let channels: Vec<f64> =
-            of_drive.flat_map(|(drive, pressure)| std::iter::repeat_n(*pressure, drive.channels.len())).collect();
+        let channels = limb.channel_values(pressures_pa);
         let bays: Vec<usize> =
             scene.modules().iter().map(|module| usize::from(self.spacers.unwrap_or(module.spacers)) + 1).collect();
         let load = Load { payload_kg, ..Load::default() };

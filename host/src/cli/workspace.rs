@@ -68,7 +68,7 @@ pub(super) struct Workspace {
 enum Pressures {
     /// A pressure for each actuator of extending and expanding modules, one for each other module
     Actuators,
-    /// One pressure for each module, as setpoints have it
+    /// A pressure for each setpoint: of a module, or of an actuator of a steering module
     Modules,
 }
 
@@ -107,7 +107,6 @@ struct Answer<'a> {
 impl Workspace {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
-        scene.without_steering("`softlimb workspace`")?;
         let command = match self.pressures {
             Pressures::Actuators => Command::Actuators,
             Pressures::Modules => Command::Modules,
@@ -150,7 +149,7 @@ impl Workspace {
 
 /// The centre line at rest, m.
 pub(super) fn rest_m(limb: &Limb) -> Vec<[f64; 3]> {
-    let rest: Vec<_> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
+    let rest: Vec<_> = limb.drives().map(|drive| drive.curve.states()[0]).collect();
     limb.backbone(&rest)
 }
 
@@ -285,7 +284,7 @@ impl Answer<'_> {
     /// Writing to a string cannot fail.
     fn table(&self) -> String {
         let mut text = String::new();
-        let each = if self.space.command() == Command::Actuators { "each actuator" } else { "each module" };
+        let each = if self.space.command() == Command::Actuators { "each actuator" } else { "each setpoint" };
         let axes = self.space.axes();
         let _ = writeln!(text, "{}: {} pressures, {each} on its own; m", labelled(self.name, true), axes.len());
         let _ = writeln!(text, "\n{:10} {:>9} {:>9} {:>9}   corners alone miss", "", "least", "largest", "range");

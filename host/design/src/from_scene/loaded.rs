@@ -32,9 +32,8 @@ pub struct LoadedDesign {
 /// The task of a scene with weight: its phases with what they carry, its obstacles, and its modules within their bounds.
 ///
 /// # Errors
-/// A diagnostic at a phase that does not lead the tip to a place, at a choice of kinds, at a steering module, and at a winding within the wall.
+/// A diagnostic at a phase that does not lead the tip to a place, at a choice of kinds, and at a winding within the wall.
 pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
-    scene.without_steering("`softlimb design`")?;
     if let Some(choice) = scene.design().and_then(|design| design.choice.as_ref()) {
         let title = "kinds of modules are not chosen under weight";
         let help = Some("remove `modules` and `motions`, or search with `simulated = false` in `[weight]` first");
@@ -162,6 +161,7 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
         spread_m: pair(spread, own_m),
         spacer_kg: module.spacer_mass_kg,
         bay_m: design.map_or(f64::INFINITY, |design| design.bay_m),
+        steering: module.steering,
         mount_angle_rad: [module.mount_angle_rad - turn, module.mount_angle_rad + turn],
         pressure_max_pa: *module.pressure_max_pa,
     })

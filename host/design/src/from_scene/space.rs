@@ -25,6 +25,16 @@ pub(super) fn refuse_restrained(scene: &Scene, limb: &Limb) -> Result<(), SceneE
     Err(scene.diagnostic(module.span, &title, &label, Some("`actuators = 1`: one on the axis twists freely")))
 }
 
+/// A design without weight, and one for targets, has one deformation for a whole module.
+pub(super) fn refuse_steering(scene: &Scene) -> Result<(), SceneError> {
+    let Some(module) = scene.modules().iter().find(|module| module.steering) else { return Ok(()) };
+    let title = "a steering module is designed under weight, for places of the tip";
+    let label =
+        format!("`{}` has a pressure for each actuator; this design has one deformation a module", *module.name);
+    let help = "give all phases `tip` or `inside`, and leave out `simulated = false` in `[weight]`";
+    Err(scene.diagnostic(module.span, title, &label, Some(help)))
+}
+
 /// A module's motion, material, winding and bounds, without goals. `bounds` are those of `[design]`; what has none keeps its value.
 ///
 /// # Errors

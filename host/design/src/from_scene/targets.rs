@@ -2,7 +2,7 @@
 
 use fra_model::{Motion, StateQuantity};
 
-use super::space::{refuse_restrained, segment};
+use super::space::{refuse_restrained, refuse_steering, segment};
 use crate::actuators as fit;
 use crate::actuators::{Problem, SegmentAnswer};
 use softlimb_limb::Limb;
@@ -18,7 +18,7 @@ const PER_RAD2: f64 = 1e4;
 /// # Errors
 /// A diagnostic at a target that eq. (14) has no term for, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of [`Limb::new`].
 pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
-    scene.without_steering("`softlimb design`")?;
+    refuse_steering(scene)?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let open = ModuleBounds::default();

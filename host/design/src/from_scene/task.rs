@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use fra_model::Motion;
 
 use super::error::BriefError;
-use super::space::{refuse_restrained, segment};
+use super::space::{refuse_restrained, refuse_steering, segment};
 use crate::synthesis::{Aim, Candidate, Direction, Obstacle, Space, Task, WayPoint};
 use softlimb_limb::{Limb, base_pose};
 use softlimb_scene::collision::Shape;
@@ -33,7 +33,7 @@ pub struct Tasked {
 /// A diagnostic at a phase whose goal is none for the tip, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of
 /// [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
-    scene.without_steering("`softlimb design`")?;
+    refuse_steering(scene)?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let patterns = patterns(scene);

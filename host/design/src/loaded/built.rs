@@ -1,6 +1,7 @@
 //! A limb of certain sizes whose pressures can be chosen.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use fra_model::{Actuator, Load, Motion, Status};
@@ -20,6 +21,10 @@ pub(super) struct BuiltModule {
     bay_m: f64,
     mount_angle_rad: f64,
     pressure_max_pa: f64,
+    /// Whether each actuator has a pressure of its own.
+    steering: bool,
+    /// Highest pressure that keeps the margin, Pa.
+    span_pa: f64,
     /// Mass of walls and spacers, kg.
     between_kg: f64,
     /// Tubes at the pressures that were asked for.
@@ -28,12 +33,13 @@ pub(super) struct BuiltModule {
     pub(super) radius_m: f64,
 }
 
-/// A limb of certain sizes. Pressures are shares of [`span_pa`](Self::span_pa).
+/// A limb of certain sizes. Pressures, one a drive, are shares of the highest that keep the margin.
 #[derive(Clone, Debug)]
 pub struct Built {
     base: Isometry3<f64>,
     pub(super) modules: Vec<BuiltModule>,
-    spans_pa: Vec<f64>,
+    /// The module of each drive.
+    owners: Vec<usize>,
     /// The reserve that its pressures keep.
     pub(super) reserve: f64,
     connector: [f64; 2],
@@ -61,9 +67,7 @@ impl Built {
                 && reserve == near.reserve
                 && space.modules[index].pressure_max_pa == near.modules[index].pressure_max_pa
         };
-        Self::with(task, space, sizes, reserve, |index| {
-            same(index).then(|| (near.modules[index].clone(), near.spans_pa[index]))
-        })
+        Self::with(task, space, sizes, reserve, |index| same(index).then(|| near.modules[index].clone()))
     }
 
     fn with(
@@ -71,19 +75,16 @@ impl Built {
         space: &LimbSpace,
         sizes: &LimbSizes,
         reserve: f64,
-        known: impl Fn(usize) -> Option<(BuiltModule, f64)>,
+        known: impl Fn(usize) -> Option<BuiltModule>,
     ) -> Option<Self> {
         let mut modules = Vec::with_capacity(space.modules.len());
-        let mut spans_pa = Vec::with_capacity(space.modules.len());
         for (index, (module, size)) in space.modules.iter().zip(&sizes.modules).enumerate() {
-            if let Some((module, span_pa)) = known(index) {
+            if let Some(module) = known(index) {
                 modules.push(module);
-                spans_pa.push(span_pa);
                 continue;
             }
             let actuator = Actuator::new(&module.actuator(size)).ok()?;
             let limit_pa = ceiling_pa(&actuator, module.pressure_max_pa)?;
-            spans_pa.push(task.limits.pressure_share / (1.0 + reserve) * limit_pa);
             let arrangement = module.arrangement(size);
             let [inner_m, outer_m] = size.radii_m;
             let section_m2 = PI * (outer_m - inner_m) * (outer_m + inner_m);
@@ -91,6 +92,8 @@ impl Built {
                 motion: module.motion,
                 springs: Arc::default(),
                 pressure_max_pa: module.pressure_max_pa,
+                steering: module.steering,
+                span_pa: task.limits.pressure_share / (1.0 + reserve) * limit_pa,
                 actuator,
                 positions_m: arrangement.positions_m(module.actuators).collect(),
                 length_m: size.length_m,
@@ -106,16 +109,11 @@ impl Built {
             base: space.base(sizes),
             length_m: modules.iter().map(|module| module.length_m).sum::<f64>() + rigid_m,
             modules,
-            spans_pa,
+            owners: space.owners(),
             reserve,
             connector: [task.connector_m, task.connector_kg],
             tool: [task.tool_m[0], task.tool_kg],
         })
-    }
-
-    /// Highest pressure of a module that keeps the margin, Pa.
-    pub fn span_pa(&self, module: usize) -> f64 {
-        self.spans_pa[module]
     }
 
     /// Motion of a module.
@@ -128,19 +126,25 @@ impl Built {
         self.modules[module].motion == Motion::Bending
     }
 
-    /// Number of modules.
-    pub fn len(&self) -> usize {
-        self.modules.len()
+    /// Number of drives: modules, but each actuator of a steering one.
+    pub fn drives(&self) -> usize {
+        self.owners.len()
     }
 
-    /// Whether it has no module.
-    pub fn is_empty(&self) -> bool {
-        self.modules.is_empty()
+    /// The module of a drive.
+    pub(super) fn owner(&self, drive: usize) -> usize {
+        self.owners[drive]
+    }
+
+    /// The drives of a module.
+    pub(super) fn drives_of(&self, module: usize) -> Range<usize> {
+        let first = |module: usize| self.owners.partition_point(|owner| *owner < module);
+        first(module)..first(module + 1)
     }
 
     /// Pressures of shares, Pa.
     pub fn pressures_pa(&self, shares: &[f64]) -> Vec<f64> {
-        shares.iter().zip(&self.spans_pa).map(|(share, span)| share * span).collect()
+        shares.iter().zip(&self.owners).map(|(share, owner)| share * self.modules[*owner].span_pa).collect()
     }
 
     /// Mass without payload, kg.
@@ -149,21 +153,12 @@ impl Built {
         walls + self.modules.len() as f64 * self.connector[1] + self.tool[1]
     }
 
-    /// The bundle of a module at a share of its pressure; `None` where it has no equilibrium.
-    pub(super) fn bundle(&self, index: usize, share: f64) -> Option<Bundle> {
+    /// The bundle of a module at shares of its pressures, one a drive of it; `None` where it has no equilibrium.
+    pub(super) fn bundle(&self, index: usize, shares: &[f64]) -> Option<Bundle> {
         let module = &self.modules[index];
-        let pressure_pa = share * self.spans_pa[index];
-        let springs = || module.springs.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = springs().iter().find(|(at, _)| *at == pressure_pa).map(|(_, spring)| spring.clone());
-        let spring = match known {
-            Some(spring) => spring,
-            None => {
-                let spring = Spring::new(&module.actuator, pressure_pa)?;
-                springs().push((pressure_pa, spring.clone()));
-                spring
-            }
-        };
-        let springs = module.positions_m.iter().map(|place| (*place, spring.clone())).collect();
+        let spring = |actuator: usize| module.spring(shares[if module.steering { actuator } else { 0 }]);
+        let places = module.positions_m.iter().enumerate();
+        let springs = places.map(|(actuator, place)| Some((*place, spring(actuator)?))).collect::<Option<_>>()?;
         Bundle::of_springs(module.motion, springs, module.bay_m)
     }
 
@@ -190,8 +185,8 @@ impl Built {
 
     /// The limb at shares of its pressures with a payload, kg; `None` where an actuator has no equilibrium.
     pub fn loaded(&self, shares: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
-        let bundles =
-            shares.iter().enumerate().map(|(index, share)| self.bundle(index, *share)).collect::<Option<Vec<_>>>()?;
+        let bundle = |index: usize| self.bundle(index, &shares[self.drives_of(index)]);
+        let bundles = (0..self.modules.len()).map(bundle).collect::<Option<Vec<_>>>()?;
         let pieces = bundles.iter().enumerate().map(|(index, bundle)| self.piece(index, bundle, payload_kg));
         let rod = Rod {
             base: self.base,
@@ -201,6 +196,20 @@ impl Built {
         };
         let motions = self.modules.iter().map(|module| module.motion);
         Some(LoadedLimb::of_rod(rod, motions.zip(bundles).collect()))
+    }
+}
+
+impl BuiltModule {
+    /// A tube at a share of its pressure; `None` where it has no equilibrium.
+    fn spring(&self, share: f64) -> Option<Spring> {
+        let pressure_pa = share * self.span_pa;
+        let springs = || self.springs.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = springs().iter().find(|(at, _)| *at == pressure_pa).map(|(_, spring)| spring.clone());
+        known.or_else(|| {
+            let spring = Spring::new(&self.actuator, pressure_pa)?;
+            springs().push((pressure_pa, spring.clone()));
+            Some(spring)
+        })
     }
 }
 

@@ -16,7 +16,7 @@ const APART: f64 = 0.12;
 fn balls(built: &Built, task: &LoadedTask, stand: &Stand) -> Vec<(Vector3<f64>, f64)> {
     let line: Vec<Vector3<f64>> = stand.rod.line_m(&stand.shape).into_iter().map(Vector3::from).collect();
     let rigid = |index: usize| stand.rod.pieces[index].rigid_m > 0.0;
-    let steps = (line.len() - 1 - (0..built.len()).filter(|index| rigid(*index)).count()) / built.len();
+    let steps = (line.len() - 1 - (0..built.modules.len()).filter(|index| rigid(*index)).count()) / built.modules.len();
     let mut all = Vec::new();
     let mut first = 0;
     for (index, module) in built.modules.iter().enumerate() {

@@ -29,7 +29,7 @@ pub struct ConfirmedPose {
     pub name: String,
     /// Largest payload, kg.
     pub payload_kg: f64,
-    /// Pressures that bring the tip to its aim under the load of the move, Pa, one a module.
+    /// Pressures that bring the tip to its aim under the load of the move, Pa, one a drive.
     pub pressures_pa: Vec<f64>,
     /// Distance of the tip from the aim, m.
     pub tip_error_m: f64,

@@ -203,5 +203,5 @@ pub(super) fn grasped_at(task: &LoadedTask, pose: usize) -> Option<usize> {
 
 fn first(built: &Built, sizes: &LimbSizes, kg: f64) -> Option<Stand> {
     let home = Stand::at(built, &sizes.home, kg, None).ok();
-    home.or_else(|| FIRST.iter().find_map(|share| Stand::at(built, &vec![*share; built.len()], kg, None).ok()))
+    home.or_else(|| FIRST.iter().find_map(|share| Stand::at(built, &vec![*share; built.drives()], kg, None).ok()))
 }

@@ -196,9 +196,12 @@ pub(super) fn tip_jacobian(built: &Built, here: &Stand, kg: f64) -> Option<Jacob
     let count = here.shares.len();
     let strains = here.strains();
     let responding = here.shape.responding(&here.rod, Bends::Linear)?;
-    let column = |module: usize| {
-        let sign = if here.shares[module] < 0.5 { STEP } else { -STEP };
-        let bundle = built.bundle(module, here.shares[module] + sign)?;
+    let column = |drive: usize| {
+        let sign = if here.shares[drive] < 0.5 { STEP } else { -STEP };
+        let mut shares = here.shares.clone();
+        shares[drive] += sign;
+        let module = built.owner(drive);
+        let bundle = built.bundle(module, &shares[built.drives_of(module)])?;
         let bundle = bundle.strained(built.motion(module), &strains[module])?;
         let mut rod = here.rod.clone();
         rod.pieces[module] = built.piece(module, &bundle, kg);

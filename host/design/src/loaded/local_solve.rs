@@ -52,7 +52,7 @@ impl Problem<'_> {
 
     /// Shares of the pressures of each pose, as it is reached and as it is held.
     fn shares(&self, point: &[f64]) -> Vec<[Vec<f64>; 2]> {
-        let mut left = point[self.sizes..].chunks(self.space.modules.len());
+        let mut left = point[self.sizes..].chunks(self.space.owners().len());
         let mut next = || left.next().unwrap_or_default().to_vec();
         let of_pose = |pose: usize| {
             let moved = next();
@@ -64,7 +64,7 @@ impl Problem<'_> {
 
     /// The pose, and the state of it, that a pressure belongs to.
     fn pose_of(&self, pressure: usize) -> (usize, usize) {
-        let mut state = pressure / self.space.modules.len();
+        let mut state = pressure / self.space.owners().len();
         for pose in 0..self.task.poses.len() {
             if state < states(self.task, pose) {
                 return (pose, state);

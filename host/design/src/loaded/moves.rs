@@ -76,7 +76,7 @@ pub(super) fn moves(
     poses: &mut [PoseState],
     near: Option<&Evaluation>,
 ) {
-    let rest = vec![0.0; built.len()];
+    let rest = vec![0.0; built.drives()];
     for index in 0..poses.len() {
         let (done, ahead) = poses.split_at_mut(index);
         let carried = task.poses[index].carried.as_ref().zip(grasp(task, &refs(done), index));
@@ -165,7 +165,7 @@ pub(super) fn beside(
     poses: &[&PoseState],
     near: &PoseState,
 ) -> (Vec<f64>, f64) {
-    let rest = vec![0.0; built.len()];
+    let rest = vec![0.0; built.drives()];
     let before = index.checked_sub(1).map(|before| poses[before]);
     let way = way(task, by, index, (before, &rest), poses[index]);
     let grasp = grasp(task, poses, index);

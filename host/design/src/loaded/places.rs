@@ -20,7 +20,7 @@ const PLACED_M: f64 = 1e-3;
 pub(super) fn places(task: &LoadedTask, limb: &Evaluation, by: &Judgement) -> Vec<Option<Vector3<f64>>> {
     let place = |pose: usize| {
         let Aim::Inside { .. } = task.poses[pose].aim else { return None };
-        let rest = vec![0.0; limb.built.len()];
+        let rest = vec![0.0; limb.built.drives()];
         let before = pose.checked_sub(1).map_or(&rest, |before| &limb.poses[before].held.stand.shares);
         entered_m(task, limb, by, pose, before)
     };

@@ -37,7 +37,7 @@ pub struct LoadState {
 /// A pose of a limb.
 #[derive(Clone, Debug)]
 pub struct PoseState {
-    /// Pressures that hold it, Pa, one a module.
+    /// Pressures that hold it, Pa, one a drive.
     pub pressures_pa: Vec<f64>,
     /// The same over the highest that keep the margin.
     pub shares: Vec<f64>,

@@ -56,6 +56,8 @@ pub struct ModuleSpace {
     pub bay_m: f64,
     /// Mass of a spacer, kg; >= 0.
     pub spacer_kg: f64,
+    /// Whether each actuator has a pressure of its own.
+    pub steering: bool,
     /// Bounds of the mount angle, rad.
     pub mount_angle_rad: Bounds,
     /// Highest gauge pressure, Pa; > 0.
@@ -97,7 +99,7 @@ pub struct LimbSizes {
     pub pitch_rad: f64,
     /// Its modules.
     pub modules: Vec<ModuleSizes>,
-    /// Pressures, as shares of the highest, that inverse kinematics keep poses near to where several pressures do.
+    /// Pressures of the drives, as shares of the highest, that inverse kinematics keep poses near to where several pressures do.
     #[serde(skip)]
     pub home: Vec<f64>,
 }
@@ -126,9 +128,16 @@ impl LimbSpace {
         for (index, module) in self.modules.iter().enumerate() {
             all.extend(module.axes().map(|(name, bounds)| (Some(index), name, bounds)));
         }
-        all.extend((0..self.modules.len()).map(|index| (Some(index), HOME, [0.0, 1.0])));
+        all.extend(self.owners().into_iter().map(|owner| (Some(owner), HOME, [0.0, 1.0])));
         let open = all.into_iter().filter(|(_, _, [low, high])| high > low);
         open.map(|(module, name, bounds)| Variable { module, name, bounds }).collect()
+    }
+
+    /// The module of each drive: of a module, or of an actuator of a steering one.
+    pub(super) fn owners(&self) -> Vec<usize> {
+        let drives = |module: &ModuleSpace| if module.steering { usize::from(module.actuators) } else { 1 };
+        let owners = self.modules.iter().enumerate();
+        owners.flat_map(|(index, module)| std::iter::repeat_n(index, drives(module))).collect()
     }
 
     /// The sizes at a point of the unit box, which has as many axes as there are [`variables`](Self::variables).
@@ -140,7 +149,7 @@ impl LimbSpace {
         let position_m = self.base.position_m.map(&mut next);
         let pitch_rad = next(self.base.pitch_rad);
         let modules: Vec<ModuleSizes> = self.modules.iter().map(|module| module.sizes(&mut next)).collect();
-        let home = self.modules.iter().map(|_| next([0.0, 1.0])).collect();
+        let home = self.owners().iter().map(|_| next([0.0, 1.0])).collect();
         LimbSizes { position_m, pitch_rad, modules, home }
     }
 

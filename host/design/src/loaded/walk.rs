@@ -56,7 +56,7 @@ pub(super) fn dense(
     carried: Option<(CarriedBody, UnitQuaternion<f64>)>,
 ) -> Option<(f64, f64)> {
     let pose = &task.poses[index];
-    let rest = vec![0.0; built.len()];
+    let rest = vec![0.0; built.drives()];
     let (moved, held) = (&ends.moved, &ends.held);
     let mut walk = Walk { task, built, carried, near: None, spare_m: f64::INFINITY, tilt_rad: 0.0 };
     let way = Move {
@@ -79,7 +79,7 @@ pub(super) fn dense(
 /// Least clearance beyond the one asked for on the way of the empty limb back to rest, m: straight, or else past the poses in their reverse order.
 /// `None` where the limb does not stand on the way.
 pub(super) fn back_spare_m(task: &LoadedTask, built: &Built, ends: &[&Ends]) -> Option<f64> {
-    let rest = vec![0.0; built.len()];
+    let rest = vec![0.0; built.drives()];
     let along = |from: usize, past: &mut dyn Iterator<Item = usize>| {
         let mut walk = Walk { task, built, carried: None, near: None, spare_m: f64::INFINITY, tilt_rad: 0.0 };
         let mut here = from;

@@ -200,6 +200,8 @@ impl Mounted {
 pub struct Bundle {
     /// The actuators.
     pub actuators: Vec<Mounted>,
+    /// Wrench of walls in the shape that they are held in, N and N m, at any pressures: that of bent ones.
+    pub walls: Vector6<f64>,
 }
 
 impl Bundle {
@@ -210,7 +212,7 @@ impl Bundle {
     pub fn wrench(&self, pressures_pa: &[f64]) -> Result<Vector6<f64>, PayloadError> {
         let count = self.actuators.len();
         require(pressures_pa.len() == count, "pressures_pa", pressures_pa.len() as f64, "one for each actuator")?;
-        let mut sum = Vector6::zeros();
+        let mut sum = self.walls;
         for (actuator, pressure_pa) in self.actuators.iter().zip(pressures_pa) {
             sum += lever(&actuator.point_m, &actuator.axis) * actuator.push(*pressure_pa)?.load;
         }

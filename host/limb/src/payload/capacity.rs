@@ -171,7 +171,7 @@ fn linearise(question: &LoadQuery, at: &[Vec<f64>]) -> Result<(Program, Vec<Affi
     let mut program = Program { columns: vec![Vec::new(); width], ..Program::default() };
     let (mut affine, mut first) = (Vec::new(), 0);
     for (station, pressures) in question.bundles.iter().zip(at) {
-        let mut here = Affine { constant: Vector6::zeros(), columns: Vec::new() };
+        let mut here = Affine { constant: station.bundle.walls, columns: Vec::new() };
         for (i, (mounted, pressure)) in station.bundle.actuators.iter().zip(pressures).enumerate() {
             let push = mounted.push(*pressure)?;
             let d = lever(&mounted.point_m, &mounted.axis);
@@ -225,7 +225,7 @@ fn split(question: &LoadQuery, all: &[f64]) -> Vec<Vec<f64>> {
 fn judge(question: &LoadQuery, affine: &[Affine], at: &[Vec<f64>], found: &mut Capacity) -> Result<(), PayloadError> {
     let mut size: f64 = 0.0;
     for ((station, affine), pressures) in question.bundles.iter().zip(affine).zip(at) {
-        let (mut exact, mut taken) = (Vector6::zeros(), affine.constant);
+        let (mut exact, mut taken) = (station.bundle.walls, affine.constant);
         let mut pushes = Vec::new();
         for ((mounted, column), pressure) in station.bundle.actuators.iter().zip(&affine.columns).zip(pressures) {
             let push = mounted.push(*pressure)?;

@@ -37,10 +37,10 @@ pub enum CarryLimit {
     Falls,
     /// No pressures bring the tip to its place.
     Reach,
-    /// The pressure of a module.
+    /// The pressure of a drive.
     Pressure {
         /// Its index.
-        module: usize,
+        drive: usize,
     },
     /// The load factor.
     LoadFactor,
@@ -53,7 +53,7 @@ pub enum CarryLimit {
 pub struct CarriedLoad {
     /// Mass at the tip, kg; 0 where not even the empty tip keeps the margins there.
     pub payload_kg: f64,
-    /// Pressures of the modules with it, gauge Pa.
+    /// Pressures of the drives with it, gauge Pa.
     pub pressures_pa: Vec<f64>,
     /// What ends it; `None` for [`PAYLOAD_MAX_KG`].
     pub limit: Option<CarryLimit>,
@@ -61,7 +61,7 @@ pub struct CarriedLoad {
     pub keeps: bool,
 }
 
-/// The largest payload with the tip where gauge pressures `pressures_pa`, one a module, hold `payload_kg`.
+/// The largest payload with the tip where gauge pressures `pressures_pa`, one a drive, hold `payload_kg`.
 ///
 /// The payload grows in steps, and pressures that keep the tip in its place are those next to the pressures before. Margins are
 /// [`LoadedLimb::stand`]'s at these pressures.
@@ -117,9 +117,7 @@ struct Carrying<'a> {
 
 impl Carrying<'_> {
     fn loaded(&self, pressures_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
-        let of_module = self.limb.modules().iter().zip(pressures_pa);
-        let channels: Vec<f64> =
-            of_module.flat_map(|(module, pressure)| std::iter::repeat_n(*pressure, module.channels.len())).collect();
+        let channels = self.limb.channel_values(pressures_pa);
         let bays: Vec<usize> = self.limb.modules().iter().map(crate::LimbModule::bays).collect();
         LoadedLimb::new(self.scene, self.limb, &channels, &bays, &Load { payload_kg, ..Load::default() })
     }
@@ -132,10 +130,16 @@ impl Carrying<'_> {
         Some(self.settled(pressures_pa, payload_kg, None)?.shape.tip().translation.vector)
     }
 
-    /// Pressures next to `pressures_pa` that hold the tip in a place under a payload: the smallest changes that lead there.
+    /// Highest pressures that keep their margin, gauge Pa.
+    fn most_pa(&self) -> Vec<f64> {
+        self.limb.drives().map(|drive| self.limits.pressure_share_max * drive.ceiling_pa()).collect()
+    }
+
+    /// Pressures next to `pressures_pa` that hold the tip in a place under a payload: the smallest changes that lead there within the margin. A pressure
+    /// at its margin stays there, and the others make up for it.
     fn placed(&self, place_m: &Vector3<f64>, pressures_pa: &[f64], payload_kg: f64) -> Result<Vec<f64>, CarryLimit> {
-        let spans: Vec<f64> = self.limb.modules().iter().map(crate::LimbModule::ceiling_pa).collect();
-        let mut pressures = pressures_pa.to_vec();
+        let spans = self.most_pa();
+        let mut pressures: Vec<f64> = pressures_pa.iter().zip(&spans).map(|(pa, most)| pa.min(*most)).collect();
         for _ in 0..ITERATIONS {
             let here = self.settled(&pressures, payload_kg, None).ok_or(CarryLimit::Falls)?;
             let tip = here.shape.tip().translation.vector;
@@ -144,32 +148,33 @@ impl Carrying<'_> {
                 return Ok(pressures);
             }
             let mut slopes = Matrix3xX::zeros(pressures.len());
-            for (module, span) in spans.iter().enumerate() {
+            for (drive, span) in spans.iter().enumerate() {
                 // Towards the middle of the range: there is an equilibrium on that side.
-                let step = if pressures[module] < 0.5 * span { STEP * span } else { -STEP * span };
+                let step = if pressures[drive] < 0.5 * span { STEP * span } else { -STEP * span };
                 let mut moved = pressures.clone();
-                moved[module] += step;
+                moved[drive] += step;
                 let there = self.tip_m(&moved, payload_kg).ok_or(CarryLimit::Falls)?;
-                slopes.set_column(module, &((there - tip) * (span / step)));
+                slopes.set_column(drive, &((there - tip) * (span / step)));
             }
-            let changes = smallest(slopes, &off, |module, change| {
-                let pressure = pressures[module] + change * spans[module];
-                (pressures[module] <= 0.0 && pressure < 0.0)
-                    || (pressures[module] >= spans[module] && pressure > spans[module])
+            let changes = smallest(slopes, &off, |drive, change| {
+                let pressure = pressures[drive] + change * spans[drive];
+                (pressures[drive] <= 0.0 && pressure < 0.0)
+                    || (pressures[drive] >= spans[drive] && pressure > spans[drive])
             })?;
             for ((pressure, change), span) in pressures.iter_mut().zip(changes).zip(&spans) {
                 *pressure = (*pressure + change.clamp(-0.2, 0.2) * span).clamp(0.0, *span);
             }
         }
-        Err(CarryLimit::Reach)
+        let at_margin = pressures.iter().zip(&spans).position(|(pa, most)| pa >= most);
+        Err(at_margin.map_or(CarryLimit::Reach, |drive| CarryLimit::Pressure { drive }))
     }
 
     /// Whether the limb keeps its margins.
     fn keeps(&self, pressures_pa: &[f64], payload_kg: f64) -> Result<(), CarryLimit> {
         let limits = self.limits;
-        let shares = self.limb.modules().iter().zip(pressures_pa).map(|(module, pa)| pa / module.ceiling_pa());
-        if let Some(module) = shares.into_iter().position(|share| share > limits.pressure_share_max + 1e-9) {
-            return Err(CarryLimit::Pressure { module });
+        let most_pa = self.most_pa();
+        if let Some(drive) = pressures_pa.iter().zip(most_pa).position(|(pa, most)| *pa > most * (1.0 + 1e-9)) {
+            return Err(CarryLimit::Pressure { drive });
         }
         let loaded = self.loaded(pressures_pa, payload_kg).ok_or(CarryLimit::Falls)?;
         let standing = loaded.stand(limits.error, self.scene.rest_length_m()).map_err(|_| CarryLimit::Falls)?;
@@ -190,12 +195,12 @@ fn smallest(
     for _ in 0..=slopes.ncols() {
         let least = 1e-4 * slopes.norm();
         let changes = slopes.clone().svd(true, true).solve(off, least).map_err(|_| CarryLimit::Reach)?;
-        let Some(module) =
-            (0..changes.len()).find(|module| changes[*module].abs() > 1e-12 && held(*module, changes[*module]))
+        let Some(drive) =
+            (0..changes.len()).find(|drive| changes[*drive].abs() > 1e-12 && held(*drive, changes[*drive]))
         else {
             return Ok(changes.iter().copied().collect());
         };
-        slopes.column_mut(module).fill(0.0);
+        slopes.column_mut(drive).fill(0.0);
     }
     Err(CarryLimit::Reach)
 }

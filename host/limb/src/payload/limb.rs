@@ -2,15 +2,15 @@
 //!
 //! A module is cut at its near end: its own walls and all that follows hang on it. Balanced by pressure are the axial force and the two
 //! bending moments of a bundle that extends or expands, the three moments of one that twists, and the moment in the plane of the bend of
-//! one that bends. The rest, shear before all, is left to the walls, and the pose taken for what it is: how far a limb sags is no question here.
+//! one that bends. The bent tubes of a steering module turn back by their bending stiffness, too. The rest, shear before all, is left to the walls, and the pose taken for what it is: how far a limb sags is no question here.
 
-use fra_model::{Motion, State, Status};
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector2, Vector3, Vector6};
+use fra_model::{Link, State};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, Vector6};
 
-use super::bundle::{Bundle, Hold, Mounted, PayloadError, require};
-use super::capacity::{Linearised, LoadQuery, capacity};
+use super::bundle::{PayloadError, require};
+use super::capacity::{LoadQuery, capacity};
+use super::held::Held;
 use super::program::Outcome;
-use crate::statics::{Bundle as Tubes, column_n, shear_n};
 use crate::{Limb, LimbModule};
 use softlimb_scene::Scene;
 
@@ -36,8 +36,8 @@ pub struct ModuleLoad {
     pub weight_moment_nm: f64,
     /// Moment of one newton at the tip there, N m/N.
     pub arm_m: f64,
-    /// Force that one actuator buckles at between two spacers, both ends clamped, N; `None` for a bending module.
-    pub critical_n: Option<f64>,
+    /// Force that each actuator buckles at between two spacers, both ends clamped, N; none for a bending module.
+    pub critical_n: Vec<f64>,
     /// Whether its highest pressure is the limit point of the free actuator and not what the scene allows.
     pub ends_at_limit_point: bool,
 }
@@ -58,7 +58,7 @@ pub struct LimbCapacity {
 /// Masses at their places, m in the scene's frame, in order from the base.
 type Masses = Vec<(f64, Point3<f64>)>;
 
-/// The question of a limb in a pose.
+/// The question of a limb in a pose: in states, one a drive.
 ///
 /// # Errors
 /// [`PayloadError`] for a load case out of range, or a module that no pressure balances in this pose.
@@ -74,10 +74,10 @@ pub fn limb_capacity(
     require(case.buckling_share > 0.0, "buckling_share", case.buckling_share, "> 0, or infinite")?;
     let gravity = Vector3::from(case.gravity_m_per_s2);
     require(gravity.norm().is_finite(), "gravity_m_per_s2", gravity.norm(), "finite")?;
-    let count = limb.modules().len();
-    require(states.len() == count, "states", states.len() as f64, "one for each module")?;
-    let (poses, masses) = chain(scene, limb, states);
-    let tip = poses[count] * Point3::origin();
+    require(states.len() == limb.drives().len(), "states", states.len() as f64, "one for each setpoint")?;
+    let links: Vec<Link<f64>> = limb.links(states).map(|(_, link, _)| link).collect();
+    let (poses, masses) = chain(scene, limb, &links);
+    let tip = poses[links.len()] * Point3::origin();
     let mut holding = LimbCapacity {
         question: LoadQuery { bundles: Vec::new(), arm_m: 1.0 },
         modules: Vec::new(),
@@ -95,8 +95,8 @@ pub fn limb_capacity(
         let constant = masses[index..].iter().flatten().map(|(kg, at)| wrench(&(gravity * *kg), at)).sum();
         let per_load = wrench(&(direction / length), &tip);
         let spacers = case.spacers.unwrap_or_else(|| scene.modules()[index].spacers.into());
-        let (station, critical_n) =
-            station(module, &states[index], constant, per_load, (case.buckling_share, spacers))?;
+        let held = Held { module, states: &states[limb.drives_of(index)], link: &links[index] };
+        let (station, critical_n) = held.station(constant, per_load, (case.buckling_share, spacers))?;
         holding.modules.push(ModuleLoad {
             name: module.name.clone(),
             weight_moment_nm: station.constant.fixed_rows::<3>(3).norm(),
@@ -141,11 +141,11 @@ impl LimbCapacity {
 }
 
 /// Poses of the near ends of the modules and of the tip, and the masses of each module with its rigid part.
-fn chain(scene: &Scene, limb: &Limb, states: &[State<f64>]) -> (Vec<Isometry3<f64>>, Vec<Masses>) {
+fn chain(scene: &Scene, limb: &Limb, links: &[Link<f64>]) -> (Vec<Isometry3<f64>>, Vec<Masses>) {
     let (mut poses, mut masses) = (vec![*limb.base()], Vec::new());
     let last = limb.modules().len() - 1;
-    for (index, (module, state)) in limb.modules().iter().zip(states).enumerate() {
-        let (start, link) = (poses[index], module.link(state));
+    for (index, (module, link)) in limb.modules().iter().zip(links).enumerate() {
+        let start = poses[index];
         let [connector_m, tool_m] = module.rigid_parts_m();
         let end = start * link.pose_at(1.0);
         let walls = scene.modules()[index].mass_kg();
@@ -161,78 +161,4 @@ fn chain(scene: &Scene, limb: &Limb, states: &[State<f64>]) -> (Vec<Isometry3<f6
         poses.push(start * link.pose());
     }
     (poses, masses)
-}
-
-fn station(
-    module: &LimbModule,
-    state: &State<f64>,
-    constant: Vector6<f64>,
-    per_load: Vector6<f64>,
-    (buckling_share, spacers): (f64, u32),
-) -> Result<(Linearised, Option<f64>), PayloadError> {
-    let count = module.channels.len();
-    let bends = module.motion == Motion::Bending;
-    // Plates hold twisting actuators back: those are not in the state of their module.
-    let pressures_pa = vec![state.pressure_pa; count];
-    let held = module.is_restrained().then(|| Tubes::new(module, &pressures_pa, module.bays())).flatten();
-    let leaning = |i: usize| held.as_ref().and_then(|tubes| tubes.leaning(module.motion, i));
-    let [axial_stretch, twist_rad] = leaning(0).map_or([state.axial_stretch, state.twist_rad], |leaning| {
-        [leaning.stretch, leaning.twist_rad_per_m * module.length_m()]
-    });
-    let hold = if bends {
-        Hold::Bent { bend_angle_rad: state.bend_angle_rad }
-    } else {
-        Hold::Straight { axial_stretch, twist_rad }
-    };
-    let positions_m = module.positions_m();
-    let mounted = |i: usize| {
-        let point = Vector3::new(positions_m[i][0], positions_m[i][1], 0.0);
-        let axis = if bends { Vector3::y() } else { Vector3::z() };
-        let mounted = Mounted::new(&format!("{} {}", module.name, i + 1), module.actuator, hold, point, axis)?;
-        let restraint =
-            leaning(i).map_or_else(Vector2::zeros, |leaning| Vector2::new(leaning.pull_n, -leaning.moment_nm));
-        Ok::<_, PayloadError>(Mounted { restraint, ..mounted })
-    };
-    let bundle = Bundle { actuators: (0..count).map(mounted).collect::<Result<_, _>>()? };
-    let critical_n = critical_n(module, state, [axial_stretch, twist_rad], spacers)?;
-    let push_max = critical_n.map_or(f64::INFINITY, |critical_n| critical_n * buckling_share);
-    let rows = match module.motion {
-        Motion::Extension | Motion::Expansion => [false, false, true, true, true, false],
-        Motion::Twisting => [false, false, false, true, true, true],
-        Motion::Bending => [false, false, false, false, true, false],
-    };
-    // The pressures end where the device stops, or where the branch of the unloaded actuator does.
-    let most = module.reference_max_pa.min(module.curve.pressure_max_pa());
-    let station = Linearised {
-        name: module.name.clone(),
-        bundle,
-        rows,
-        constant,
-        per_load,
-        limits_pa: vec![[0.0, most]; count],
-        push_max_n: vec![push_max; count],
-    };
-    Ok((station, critical_n))
-}
-
-/// As [`column_n`] has it, with `E I = (dN/dl) l (r_i^2 + r_o^2)/4`: the section as a ring whose axial stiffness is the model's own.
-fn critical_n(
-    module: &LimbModule,
-    state: &State<f64>,
-    [axial_stretch, twist_rad]: [f64; 2],
-    spacers: u32,
-) -> Result<Option<f64>, PayloadError> {
-    if module.motion == Motion::Bending {
-        return Ok(None);
-    }
-    let held = module.actuator.blocked(state.pressure_pa, axial_stretch, twist_rad)?;
-    if held.status != Status::Solved {
-        return Err(PayloadError::NoBalance { name: module.name.clone(), pressure_pa: state.pressure_pa });
-    }
-    let length = module.length_m() * state.axial_stretch;
-    let radii = held.state.inner_radius_m.powi(2) + held.state.outer_radius_m.powi(2);
-    let bending = held.stiffness[0][0] * length * radii / 4.0;
-    let bay = length / f64::from(spacers + 1);
-    // Stiffness per length is that of the length as it is.
-    Ok(Some(column_n(bending, shear_n(&module.actuator) * state.axial_stretch, bay)))
 }

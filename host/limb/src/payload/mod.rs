@@ -7,6 +7,7 @@
 pub mod bundle;
 mod capacity;
 mod carried;
+mod held;
 mod limb;
 mod program;
 

@@ -1,6 +1,7 @@
 //! The linear route: exact derivatives of the tip by every wall, angle and modulus.
 //!
-//! Plates hold twisting actuators back by stiffnesses that change with walls and moduli: the shapes of such bundles are differenced.
+//! The stiffnesses of a bundle change with walls and moduli. That moves the shape of twisting actuators, which plates hold back, and of actuators
+//! at unequal pressures: the shapes of such bundles are differenced.
 
 use std::collections::BTreeMap;
 
@@ -48,7 +49,7 @@ impl Linear {
             let fail = |reason: String| ToleranceError::Derivative {
                 phase: study.poses[pose].name.clone(),
                 module: module.name.clone(),
-                pressure_pa: study.poses[pose].pressures_pa[index],
+                pressure_pa: nominal.tubes.iter().map(|(state, _)| state.pressure_pa).fold(0.0, f64::max),
                 reason,
             };
             let turn = starts[index].rotation * mount(module);
@@ -103,16 +104,17 @@ fn shapes(
     module: &LimbModule,
     nominal: &Nominal,
 ) -> Result<Vec<[Vector4<f64>; 3]>, String> {
-    if module.is_restrained() {
-        return differences(study, module, &study.places_m[index], nominal.state.pressure_pa)
+    if module.is_restrained() || module.is_steering() {
+        return differences(study, module, &study.places_m[index], nominal)
             .ok_or_else(|| "a bundle next to it has no equilibrium".to_owned());
     }
     let mut changes = [[0.0; 3]; 3];
+    let (state, tube) = &nominal.tubes[0];
     for kind in Kind::ALL {
-        changes[kind.index()] = change(&module.actuator, &nominal.state, kind, &study.settings.tolerances)
-            .map_err(|reason| reason.to_string())?;
+        changes[kind.index()] =
+            change(&module.actuator, state, kind, &study.settings.tolerances).map_err(|reason| reason.to_string())?;
     }
-    let each = responses(module.motion, &study.places_m[index], &nominal.tangent)
+    let each = responses(module.motion, &study.places_m[index], &tube.tangent())
         .ok_or_else(|| "its bundle has no stiffness".to_owned())?;
     Ok(each.into_iter().map(|response| changes.map(|by| response * shape_change(module.motion, by))).collect())
 }
@@ -122,24 +124,20 @@ fn differences(
     study: &Study<'_>,
     module: &LimbModule,
     places_m: &[[f64; 2]],
-    pressure_pa: f64,
+    nominal: &Nominal,
 ) -> Option<Vec<[Vector4<f64>; 3]>> {
     let parameters = module.actuator.parameters();
-    let tube = |steps: &Tolerances, place: &Place| {
-        Spring::new(&Actuator::new(&made(parameters, steps, place)).ok()?, pressure_pa)
-    };
     // The same steps whatever the tolerances, so that the derivatives are.
     let steps = Tolerances { angle_rad: STEPS[0].1, wall_m: STEPS[1].1, modulus: STEPS[2].1 };
-    let nominal = tube(&steps, &[0.0; 3])?;
     let of = |actuator: usize, kind: Kind, side: f64| {
         let mut off = [0.0; 3];
         off[kind.index()] = side;
-        let off = tube(&steps, &off)?;
-        let tubes = places_m
-            .iter()
-            .enumerate()
-            .map(|(other, place)| (*place, if other == actuator { off.clone() } else { nominal.clone() }));
-        shape(module, tubes.collect())
+        let pressure_pa = nominal.tubes[actuator].0.pressure_pa;
+        let off = Spring::new(&Actuator::new(&made(parameters, &steps, &off)).ok()?, pressure_pa)?;
+        let mut tubes: Vec<_> =
+            places_m.iter().zip(&nominal.tubes).map(|(place, (_, tube))| (*place, tube.clone())).collect();
+        tubes[actuator].1 = off;
+        shape(module, tubes)
     };
     let by = |actuator: usize, kind: Kind, step: f64| {
         let slope = (of(actuator, kind, 1.0)? - of(actuator, kind, -1.0)?) / (2.0 * step);

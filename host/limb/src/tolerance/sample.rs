@@ -47,14 +47,14 @@ struct Maker<'a> {
     linear: &'a [Linear],
     nominal_tips_m: Vec<Vector3<f64>>,
     varied: Vec<Varied>,
-    /// By module: its pressures, each once, and which of them each pose has.
+    /// By channel: its pressures, each once, and which of them each pose has.
     pressures: Vec<(Vec<f64>, Vec<usize>)>,
 }
 
 impl<'a> Maker<'a> {
     fn new(study: &'a Study<'a>, linear: &'a [Linear]) -> Self {
         let modules = study.limb.modules().len();
-        let pressures = |module: usize| {
+        let pressures = |drive: usize| {
             let mut each: Vec<f64> = Vec::new();
             let index = |pressure: f64| {
                 each.iter().position(|known| *known == pressure).unwrap_or_else(|| {
@@ -62,7 +62,7 @@ impl<'a> Maker<'a> {
                     each.len() - 1
                 })
             };
-            let of_pose = study.poses.iter().map(|pose| pose.pressures_pa[module]).map(index).collect();
+            let of_pose = study.poses.iter().map(|pose| pose.pressures_pa[drive]).map(index).collect();
             (each, of_pose)
         };
         Self {
@@ -70,7 +70,7 @@ impl<'a> Maker<'a> {
             linear,
             nominal_tips_m: (0..study.poses.len()).map(|pose| study.nominal_tip_m(pose)).collect(),
             varied: Varied::all(modules),
-            pressures: (0..modules).map(pressures).collect(),
+            pressures: study.limb.channel_values(&(0..study.limb.drives().len()).map(pressures).collect::<Vec<_>>()),
         }
     }
 
@@ -104,16 +104,15 @@ impl<'a> Maker<'a> {
 
     /// By module and actuator.
     fn tubes(&self, places: &[Place]) -> Vec<Vec<Tubes>> {
-        let modules = self.study.limb.modules().iter().zip(&self.pressures);
-        let of_module = |(module, (pressures, _)): (&crate::LimbModule, &(Vec<f64>, _))| {
+        let of_module = |module: &crate::LimbModule| {
             let tubes = |channel: usize| {
                 let actuator = self.study.made(module, &places[channel]);
                 let at = |pressure: &f64| Spring::new(actuator.as_ref()?, *pressure);
-                pressures.iter().map(at).collect()
+                self.pressures[channel].0.iter().map(at).collect()
             };
             module.channels.clone().map(tubes).collect()
         };
-        modules.map(of_module).collect()
+        self.study.limb.modules().iter().map(of_module).collect()
     }
 
     fn deviation(&self, pose: usize, places: &[Place], all: &[Vec<Tubes>], alone: &[Vec<Vec<Tubes>>; 3]) -> Deviation {
@@ -144,9 +143,9 @@ impl<'a> Maker<'a> {
 
     fn arc(&self, pose: usize, index: usize, tubes: &[Tubes]) -> Option<Arc> {
         let module = &self.study.limb.modules()[index];
-        let at = self.pressures[index].1[pose];
-        let places = self.study.places_m[index].iter();
-        let each: Option<Vec<_>> = places.zip(tubes).map(|(place, tubes)| Some((*place, tubes[at].clone()?))).collect();
+        let at = self.pressures[module.channels.clone()].iter().map(|(_, of_pose)| of_pose[pose]);
+        let places = self.study.places_m[index].iter().zip(tubes).zip(at);
+        let each: Option<Vec<_>> = places.map(|((place, tubes), at)| Some((*place, tubes[at].clone()?))).collect();
         Some(arc(module, &shape(module, each?)?))
     }
 }

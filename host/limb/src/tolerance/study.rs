@@ -9,8 +9,8 @@ use super::made::made;
 use super::shape::{arc, shape, tip};
 use crate::arc::Arc;
 use crate::fabricate::Tolerances;
-use crate::statics::{Spring, Tangent};
-use crate::{Limb, LimbModule};
+use crate::statics::Spring;
+use crate::{Drive, Limb, LimbModule};
 use softlimb_files::range::{OutOfRange, require};
 
 /// The limb at the end of a phase.
@@ -18,7 +18,7 @@ use softlimb_files::range::{OutOfRange, require};
 pub struct Pose {
     /// Name of the phase.
     pub name: String,
-    /// Gauge pressure of each module, Pa; >= 0.
+    /// Gauge pressure of each drive, Pa; >= 0.
     pub pressures_pa: Vec<f64>,
 }
 
@@ -43,7 +43,7 @@ pub enum ToleranceError {
     Nominal {
         /// The phase.
         phase: String,
-        /// The module.
+        /// The module, or the actuator of a steering one.
         module: String,
         /// Its gauge pressure, Pa.
         pressure_pa: f64,
@@ -65,8 +65,8 @@ pub enum ToleranceError {
 /// One module in one pose, nominal.
 #[derive(Clone, Debug)]
 pub(super) struct Nominal {
-    pub(super) state: State<f64>,
-    pub(super) tangent: Tangent,
+    /// Of each actuator, without load.
+    pub(super) tubes: Vec<(State<f64>, Spring)>,
     pub(super) arc: Arc,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Study<'a> {
     /// Checks tolerances and nominal poses.
     ///
     /// # Errors
-    /// [`ToleranceError::Range`] for a tolerance out of the range of [`Tolerances`] or as large as a wall, [`ToleranceError::Nominal`] for a
+    /// [`ToleranceError::Range`] for a tolerance out of the range of [`Tolerances`] or as large as a wall and another number of pressures than drives, [`ToleranceError::Nominal`] for a
     /// pose without equilibrium.
     pub fn new(limb: &'a Limb, poses: &'a [Pose], settings: Settings) -> Result<Self, ToleranceError> {
         settings.tolerances.check()?;
@@ -98,17 +98,27 @@ impl<'a> Study<'a> {
             let allowed = format!("less than the wall of `{}`, {wall_m:.6}", module.name);
             require(off_m < wall_m, "wall_m", off_m, allowed)?;
         }
+        for pose in poses {
+            let (count, drives) = (pose.pressures_pa.len(), limb.drives().len());
+            require(count == drives, "pressures_pa", count as f64, format!("one for each setpoint, {drives} values"))?;
+        }
         let places_m: Vec<_> = limb.modules().iter().map(LimbModule::positions_m).collect();
         let pose = |pose: &Pose| {
-            let modules = limb.modules().iter().zip(&places_m).zip(&pose.pressures_pa);
-            let nominal = |((module, places), pressure): ((&LimbModule, &Vec<[f64; 2]>), &f64)| {
-                nominal(module, places, *pressure).ok_or_else(|| ToleranceError::Nominal {
-                    phase: pose.name.clone(),
-                    module: module.name.clone(),
-                    pressure_pa: *pressure,
-                })
+            let fail = |drive: &Drive<'_>, pressure_pa: f64| ToleranceError::Nominal {
+                phase: pose.name.clone(),
+                module: drive.name(),
+                pressure_pa,
             };
-            modules.map(nominal).collect::<Result<Vec<_>, _>>()
+            let drives = limb.drives().zip(&pose.pressures_pa);
+            let tube =
+                |(drive, pressure): (Drive<'_>, &f64)| tube(&drive, *pressure).ok_or_else(|| fail(&drive, *pressure));
+            let tubes = limb.channel_values(&drives.map(tube).collect::<Result<Vec<_>, _>>()?);
+            let nominal = |(index, (module, places)): (usize, (&LimbModule, &Vec<[f64; 2]>))| {
+                let first = limb.drives_of(index).start;
+                nominal(module, places, &tubes[module.channels.clone()])
+                    .ok_or_else(|| fail(&limb.drive(first), pose.pressures_pa[first]))
+            };
+            limb.modules().iter().zip(&places_m).enumerate().map(nominal).collect::<Result<Vec<_>, _>>()
         };
         let nominal = poses.iter().map(pose).collect::<Result<_, _>>()?;
         Ok(Self { limb, poses, settings, nominal, places_m, batch: batches(limb, settings.shared_modulus) })
@@ -135,11 +145,16 @@ impl<'a> Study<'a> {
     }
 }
 
-fn nominal(module: &LimbModule, places_m: &[[f64; 2]], pressure_pa: f64) -> Option<Nominal> {
-    let solution = module.actuator.forward(pressure_pa, &Load::none()).ok()?;
-    let tube = (solution.status == Status::Solved).then(|| Spring::new(&module.actuator, pressure_pa))??;
-    let shape = shape(module, places_m.iter().map(|place| (*place, tube.clone())).collect())?;
-    Some(Nominal { state: solution.state, tangent: tube.tangent(), arc: arc(module, &shape) })
+/// An actuator of a drive without load.
+fn tube(drive: &Drive<'_>, pressure_pa: f64) -> Option<(State<f64>, Spring)> {
+    let solution = drive.actuator.forward(pressure_pa, &Load::none()).ok()?;
+    let tube = (solution.status == Status::Solved).then(|| Spring::new(&drive.actuator, pressure_pa))??;
+    Some((solution.state, tube))
+}
+
+fn nominal(module: &LimbModule, places_m: &[[f64; 2]], tubes: &[(State<f64>, Spring)]) -> Option<Nominal> {
+    let shape = shape(module, places_m.iter().zip(tubes).map(|(place, (_, tube))| (*place, tube.clone())).collect())?;
+    Some(Nominal { tubes: tubes.to_vec(), arc: arc(module, &shape) })
 }
 
 fn batches(limb: &Limb, shared: bool) -> Vec<usize> {

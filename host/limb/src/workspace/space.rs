@@ -19,7 +19,7 @@ pub(super) const AXES_MAX: usize = 27;
 /// What is free to choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
-    /// One pressure for all actuators of a module: what setpoints of a scene can ask for.
+    /// A pressure for each drive, a module or an actuator of a steering one: what setpoints of a scene can ask for.
     Modules,
     /// A pressure for each actuator of extending and expanding modules, which thereby bend; one for each other module.
     Actuators,
@@ -169,7 +169,7 @@ impl<'a> Workspace<'a> {
 
 fn each(module: &LimbModule, command: Command) -> bool {
     let straight = matches!(module.motion, Motion::Extension | Motion::Expansion);
-    command == Command::Actuators && straight && module.channels.len() > 1
+    module.is_steering() || command == Command::Actuators && straight && module.channels.len() > 1
 }
 
 /// Motion across a module, rigid parts included, by its bundle.

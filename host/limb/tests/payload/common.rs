@@ -57,5 +57,5 @@ pub(crate) fn three(circle_m: f64, stretch: f64) -> Bundle {
         let (sin, cos) = (std::f64::consts::TAU * i as f64 / 3.0).sin_cos();
         straight(3.0, Families::Two, [circle_m * cos, circle_m * sin, 0.0], [0.0, 0.0, 1.0], (stretch, 0.0))
     };
-    Bundle { actuators: (0..3).map(place).collect() }
+    Bundle { actuators: (0..3).map(place).collect(), ..Bundle::default() }
 }

@@ -74,7 +74,7 @@ fn tilted() -> (Bundle, Vec<(f64, Families)>) {
         .iter()
         .zip(places)
         .map(|((angle, families), (point, axis, hold))| straight(*angle, *families, point, axis, hold));
-    (Bundle { actuators: made.collect() }, kinds)
+    (Bundle { actuators: made.collect(), ..Bundle::default() }, kinds)
 }
 
 /// Along and about each axis: the work of the wrench is what the energy loses.
@@ -134,16 +134,16 @@ fn three_on_a_circle_have_the_printed_matrices() {
 #[test]
 fn pushes_add_up_and_colinear_actuators_lose_a_rank() {
     let bundle = three(0.03, 1.05);
-    let one = Bundle { actuators: vec![bundle.actuators[0].clone()] };
+    let one = Bundle { actuators: vec![bundle.actuators[0].clone()], ..Bundle::default() };
     let [together, alone] = [bundle.wrench(&[5e4; 3]).unwrap(), one.wrench(&[5e4]).unwrap()];
     assert!((together[2] - 3.0 * alone[2]).abs() < 1e-12 * together[2].abs());
     assert!(together.fixed_rows::<3>(3).norm() < 1e-12, "equal pressures on a circle do not turn");
     assert_eq!(rank(&bundle.by_pressure(&[5e4; 3]).unwrap(), 0.03), 3);
     // All on one line: no moment about it.
     let line = |x: f64| straight(3.0, Families::Two, [x, 0.0, 0.0], [0.0, 0.0, 1.0], (1.0, 0.0));
-    let colinear = Bundle { actuators: [-0.03, 0.0, 0.03].map(line).to_vec() };
+    let colinear = Bundle { actuators: [-0.03, 0.0, 0.03].map(line).to_vec(), ..Bundle::default() };
     assert_eq!(rank(&colinear.by_pressure(&[5e4; 3]).unwrap(), 0.03), 2);
-    let pile = Bundle { actuators: vec![line(0.01); 4] };
+    let pile = Bundle { actuators: vec![line(0.01); 4], ..Bundle::default() };
     assert_eq!(rank(&pile.by_pressure(&[5e4; 4]).unwrap(), 0.03), 1);
 }
 

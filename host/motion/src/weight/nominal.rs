@@ -106,7 +106,7 @@ impl<'a> Nominal<'a> {
     /// # Errors
     /// [`PoseError`].
     pub fn at(&mut self, pressures_pa: &[f64], payload_kg: f64) -> Result<Pose, PoseError> {
-        self.at_channels(&self.channels_pa(pressures_pa), payload_kg)
+        self.at_channels(&self.limb.channel_values(pressures_pa), payload_kg)
     }
 
     /// The shape at gauge pressures, Pa, one a channel: unequal ones bend a bundle of extending actuators.
@@ -128,7 +128,7 @@ impl<'a> Nominal<'a> {
     /// The shape with the pressure of each drive moved by a step, to first order; `None` where a pose is not stable.
     pub(crate) fn moved(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Moved>> {
         let drives = self.limb.drives().map(|drive| (drive.index, drive.channels));
-        let channels_pa = self.channels_pa(pressures_pa);
+        let channels_pa = self.limb.channel_values(pressures_pa);
         self.moved_by(pose, &channels_pa, payload_kg, drives)
     }
 
@@ -164,7 +164,7 @@ impl<'a> Nominal<'a> {
     pub fn velocities_m_per_pa(&self, pose: &Pose, pressures_pa: &[f64], payload_kg: f64) -> Option<Vec<Vector3<f64>>> {
         let modules = self.limb.modules().iter().enumerate();
         let single = modules.flat_map(|(index, module)| module.channels.clone().map(move |at| (index, at..at + 1)));
-        let moved = self.moved_by(pose, &self.channels_pa(pressures_pa), payload_kg, single)?;
+        let moved = self.moved_by(pose, &self.limb.channel_values(pressures_pa), payload_kg, single)?;
         Some(moved.into_iter().map(|moved| moved.tip_m / moved.step_pa).collect())
     }
 
@@ -177,19 +177,13 @@ impl<'a> Nominal<'a> {
     }
 
     pub(super) fn loaded(&self, pressures_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
-        self.loaded_at(&self.channels_pa(pressures_pa), payload_kg)
+        self.loaded_at(&self.limb.channel_values(pressures_pa), payload_kg)
     }
 
     /// The limb at a gauge pressure, Pa, of each channel.
     fn loaded_at(&self, channels_pa: &[f64], payload_kg: f64) -> Option<LoadedLimb> {
         let load = Load { payload_kg, ..Load::default() };
         LoadedLimb::new(self.scene, self.limb, channels_pa, &self.bays, &load)
-    }
-
-    /// Pressures of the drives for each of their channels.
-    fn channels_pa(&self, pressures_pa: &[f64]) -> Vec<f64> {
-        let of_drive = self.limb.drives().zip(pressures_pa);
-        of_drive.flat_map(|(drive, pressure)| std::iter::repeat_n(*pressure, drive.channels.len())).collect()
     }
 
     /// The limb at gauge pressures, Pa, one a drive, ready to be loaded.

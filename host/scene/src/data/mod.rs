@@ -183,18 +183,6 @@ impl Scene {
         self.source.position(span.range().start)
     }
 
-    /// Refuses a scene with a steering module where a calculation has one pressure for all actuators of a module; `by` names the calculation.
-    ///
-    /// # Errors
-    /// A diagnostic at the first steering module.
-    pub fn without_steering(&self, by: &str) -> Result<(), SceneError> {
-        let Some(module) = self.modules.iter().find(|module| module.steering) else { return Ok(()) };
-        let title = format!("{by} has one pressure for all actuators of a module");
-        let label = format!("`{}` is a steering module, with a pressure for each actuator", *module.name);
-        let help = "leave out `steering = true` in a copy of the scene to see the module with equal pressures";
-        Err(self.diagnostic(module.span, &title, &label, Some(help)))
-    }
-
     /// A diagnostic of another room at a place of this scene: what is wrong, what the underlined text has to do with it, and what to do.
     pub fn diagnostic(&self, span: Span, title: &str, label: &str, help: Option<&str>) -> SceneError {
         let problem = Problem::at(span, title, label);

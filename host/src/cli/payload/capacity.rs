@@ -49,14 +49,13 @@ impl CapacityMode {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let case = self.case()?;
         let (scene, limb) = limb(&self.scene)?;
-        scene.without_steering("`softlimb payload capacity`")?;
         let plan = motion::plan(&scene, &limb)?;
-        let rest: Vec<State<f64>> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
+        let rest: Vec<State<f64>> = limb.drives().map(|drive| drive.curve.states()[0]).collect();
         let mut poses = vec![pose(&scene, &limb, "at rest".into(), &rest, &case)?];
         let mut carried = carried(&scene, &limb, &plan, &case).into_iter();
         for phase in &plan.phases {
             let carried = carried.next();
-            let states = limb.modules().iter().zip(&phase.values).map(|(module, value)| module.state_at(*value));
+            let states = limb.drives().zip(&phase.values).map(|(drive, value)| drive.state_at(*value));
             if let Some(states) = states.collect::<Option<Vec<_>>>() {
                 poses.push(Pose { carried, ..pose(&scene, &limb, phase.name.clone(), &states, &case)? });
             }

@@ -78,7 +78,8 @@ struct PrintedModule<'a> {
     name: &'a str,
     weight_moment_nm: f64,
     arm_m: f64,
-    critical_n: Option<f64>,
+    /// One an actuator; none for a bending module.
+    critical_n: &'a [f64],
     ends_at_limit_point: bool,
     pressures_pa: Option<&'a Vec<f64>>,
     pushes_n: Option<&'a Vec<f64>>,
@@ -119,22 +120,22 @@ impl Pose {
     }
 
     /// The margin that ends the payload, in words.
-    fn carry_limit(&self, limit: CarryLimit) -> String {
+    fn carry_limit(limb: &Limb, limit: CarryLimit) -> String {
         match limit {
             CarryLimit::Falls => "the limb falls".to_owned(),
             CarryLimit::Reach => "no pressures reach the place".to_owned(),
-            CarryLimit::Pressure { module } => format!("pressure of {}", self.holding.modules[module].name),
+            CarryLimit::Pressure { drive } => format!("pressure of {}", limb.drive(drive).name()),
             CarryLimit::LoadFactor => "load factor".to_owned(),
             CarryLimit::Buckling => "buckling".to_owned(),
         }
     }
 
-    fn printed_carried(&self) -> Option<PrintedCarried> {
+    fn printed_carried(&self, limb: &Limb) -> Option<PrintedCarried> {
         let nothing = |limit| PrintedCarried {
             load_n: 0.0,
             payload_kg: 0.0,
             keeps_margins: false,
-            limit: Some(self.carry_limit(limit)),
+            limit: Some(Self::carry_limit(limb, limit)),
             pressures_pa: Vec::new(),
         };
         let carried = self.carried.as_ref()?;
@@ -144,7 +145,7 @@ impl Pose {
                 load_n: found.payload_kg * GRAVITY_M_PER_S2,
                 payload_kg: found.payload_kg,
                 keeps_margins: found.keeps,
-                limit: found.limit.map(|limit| self.carry_limit(limit)),
+                limit: found.limit.map(|limit| Self::carry_limit(limb, limit)),
                 pressures_pa: found.pressures_pa.clone(),
             },
         ))
@@ -174,7 +175,7 @@ impl Pose {
     fn buckling(&self) -> f64 {
         let pairs = self.found.pushes_n.iter().zip(&self.holding.modules);
         let shares = pairs.flat_map(|(pushes, module)| {
-            pushes.iter().filter_map(|push| module.critical_n.map(|critical_n| push / critical_n))
+            pushes.iter().zip(&module.critical_n).map(|(push, critical_n)| push / critical_n)
         });
         shares.fold(0.0, f64::max)
     }
@@ -183,13 +184,13 @@ impl Pose {
         if self.found.largest_n > 0.0 { self.found.remainder_n / self.found.largest_n } else { 0.0 }
     }
 
-    fn printed(&self) -> PrintedPose<'_> {
+    fn printed(&self, limb: &Limb) -> PrintedPose<'_> {
         let load = |found: &Capacity| (found.outcome == Ended::Solved).then_some(found.load_n);
         let modules = self.holding.modules.iter().enumerate().map(|(index, module)| PrintedModule {
             name: &module.name,
             weight_moment_nm: module.weight_moment_nm,
             arm_m: module.arm_m,
-            critical_n: module.critical_n,
+            critical_n: &module.critical_n,
             ends_at_limit_point: module.ends_at_limit_point,
             pressures_pa: self.found.pressures_pa.get(index),
             pushes_n: self.found.pushes_n.get(index),
@@ -197,7 +198,7 @@ impl Pose {
         PrintedPose {
             name: &self.name,
             tip_m: self.holding.tip_m,
-            carried: self.printed_carried(),
+            carried: self.printed_carried(limb),
             outcome: match self.found.outcome {
                 Ended::Solved => "solved",
                 Ended::Infeasible => "infeasible",
@@ -284,7 +285,7 @@ impl Report<'_> {
             buckling_share: self.case.buckling_share,
             structure: "soft",
             motions: self.motions(),
-            poses: self.poses.iter().map(Pose::printed).collect(),
+            poses: self.poses.iter().map(|pose| pose.printed(self.limb)).collect(),
             designs: designs.collect(),
         }
     }
@@ -314,7 +315,7 @@ impl Report<'_> {
         if self.poses.iter().any(|pose| pose.carried.is_some()) {
             text.push_str(CARRIED);
             for pose in &self.poses {
-                let Some(carried) = pose.printed_carried() else { continue };
+                let Some(carried) = pose.printed_carried(self.limb) else { continue };
                 let limit = carried.limit.unwrap_or_else(|| "none up to here".to_owned());
                 let _ =
                     writeln!(text, "{:<12} {:>8.2} {:>8.3}  {limit}", pose.name, carried.load_n, carried.payload_kg);
