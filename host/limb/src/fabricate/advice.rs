@@ -52,7 +52,7 @@ impl Wound {
     /// Why no thread can be wound.
     fn new(module: &Module, settings: &Settings) -> Result<Self, String> {
         let settings = with_thread_of(module, settings);
-        let parameters = module.actuator();
+        let parameters = module.made_actuator();
         let [inner_m, outer_m] = [parameters.inner_radius_m, parameters.outer_radius_m];
         if outer_m - inner_m < settings.wall_min_m * (1.0 - 1e-9) {
             let [wall, least] = [outer_m - inner_m, settings.wall_min_m].map(|m| 1e3 * m);

@@ -141,7 +141,7 @@ fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
 }
 
 fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings) -> Result<Piece, SceneError> {
-    let parameters = module.actuator();
+    let parameters = module.made_actuator();
     let settings = &with_thread_of(module, settings);
     let refuse = Refusal { scene, module };
     let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;

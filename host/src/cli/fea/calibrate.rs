@@ -125,6 +125,10 @@ fn words(found: &Found) -> String {
                         &format!("  ends: each takes {:.2} +- {:.2} mm out of {name}\n", delta_m * 1e3, error_m * 1e3);
                 }
             }
+            let own = if module.motion == Motion::Twisting { twist } else { axial };
+            if let Some(Delta { delta_m, .. }) = own {
+                text += &format!("  for the scene: end_length = \"{:.2} mm\"\n", delta_m * 1e3);
+            }
         }
         Err(reason) => text += &format!("  ends: {reason}\n"),
     }
