@@ -168,7 +168,7 @@ impl LimbModule {
         self.bays
     }
 
-    /// Length of one actuator at rest, m.
+    /// Length at rest of the part of an actuator that moves, m.
     pub fn length_m(&self) -> f64 {
         self.length_m
     }
@@ -183,7 +183,7 @@ impl LimbModule {
         self.mount_angle_rad
     }
 
-    /// Length of the rigid part behind it, m.
+    /// Length of the rigid part behind it, m, with what caps take out of the motion.
     pub fn rigid_length_m(&self) -> f64 {
         self.rigid_length_m
     }
@@ -255,7 +255,9 @@ impl Limb {
             let tool_m = tool.map(|tool| (tool.length_m, tool.radius_m));
             let channels = first_channel..first_channel + usize::from(module.actuators);
             first_channel = channels.end;
-            modules.push(build_module(scene, module, channels, tool_m)?);
+            // What caps take out of the motion is rigid: its own behind a module, and that of the next.
+            let next_m = scene.modules().get(index + 1).map_or(0.0, |next| next.end_length_m);
+            modules.push(build_module(scene, module, channels, module.end_length_m + next_m, tool_m)?);
         }
         check_bundles(scene, &modules)?;
         let of_module = |(index, module): (usize, &LimbModule)| {
@@ -264,7 +266,11 @@ impl Limb {
             channels.step_by(width).map(move |at| (index, at..at + width))
         };
         let drives = modules.iter().enumerate().flat_map(of_module).collect();
-        Ok(Self { base: base_pose(limb.base_position_m, limb.base_direction, limb.base_up), modules, drives })
+        let mut base = base_pose(limb.base_position_m, limb.base_direction, limb.base_up);
+        if let Some(first) = scene.modules().first().filter(|first| first.end_length_m > 0.0) {
+            base *= Translation3::new(0.0, 0.0, first.end_length_m);
+        }
+        Ok(Self { base, modules, drives })
     }
 
     /// What has one setpoint, in the order of the channels: as many as there are modules where none steers.
@@ -376,6 +382,7 @@ fn build_module(
     scene: &Scene,
     module: &Module,
     channels: Range<usize>,
+    ends_m: f64,
     tool_m: Option<(f64, f64)>,
 ) -> Result<LimbModule, SceneError> {
     let actuator = Actuator::new(&module.actuator()).map_err(|error: InvalidParameter<f64>| {
@@ -391,12 +398,12 @@ fn build_module(
         reference_max_pa: reference_max_pa(*module.pressure_max_pa),
         curve,
         actuator,
-        length_m: *module.length_m,
+        length_m: module.moving_length_m(),
         bays: usize::from(module.spacers) + 1,
         arrangement: module.arrangement,
         steering: module.steering,
         mount_angle_rad: module.mount_angle_rad,
-        rigid_length_m: scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
+        rigid_length_m: ends_m + scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
         tool_m,
     };
     if built.is_restrained() {

@@ -1,5 +1,6 @@
 //! Tests of the limb, one module a subject.
 
+mod ends;
 mod fabricate;
 mod payload;
 #[path = "../../../tests/support/samples.rs"]

@@ -163,13 +163,13 @@ impl<'a> Known<'a> {
     fn table(self) -> String {
         let Self { scene, limb, plan, highest, inverses, margins, air } = self;
         let heading = format!(
-            "{}: {} modules, {} channels, {:.3} m at rest, {:.2} kg, {} phases in {:.1} s",
+            "{}: {}, {}, {:.3} m at rest, {:.2} kg, {} in {:.1} s",
             labelled(scene.name(), scene.weightless()),
-            limb.modules().len(),
-            scene.channels(),
+            counted(limb.modules().len(), "module"),
+            counted(scene.channels(), "channel"),
             scene.rest_length_m(),
             scene.mass_kg(),
-            plan.phases.len(),
+            counted(plan.phases.len(), "phase"),
             plan.duration_us() as f64 * 1e-6,
         );
         let modules = limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| {
@@ -194,6 +194,11 @@ impl<'a> Known<'a> {
             .collect::<Vec<_>>()
             .join("\n")
     }
+}
+
+/// A number of things, in the singular for one.
+fn counted(count: usize, thing: &str) -> String {
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
 /// Where there are obstacles, a carried object, or moves whose time the plan chose, a line a phase.

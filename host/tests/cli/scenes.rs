@@ -55,7 +55,7 @@ fn mistakes_are_pointed_at_and_nothing_is_written() {
 fn sound_scene_is_checked_without_writing() {
     let desk = Desk::with_scene("small", "small");
     let answer = desk.softlimb("check scene.toml").done();
-    assert!(answer.out.starts_with("small, weightless: 1 modules, 1 channels, 0.255 m at rest"), "{}", answer.out);
+    assert!(answer.out.starts_with("small, weightless: 1 module, 1 channel, 0.255 m at rest"), "{}", answer.out);
     let json = desk.softlimb("check scene.toml --json").done().json();
     // One actuator of 240 mm and a connector of 15 mm; one move of 1 s and a rest of 0.2 s.
     assert_eq!((&json["scene"], &json["channels"]), (&"small".into(), &1.into()));

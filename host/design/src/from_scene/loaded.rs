@@ -34,6 +34,7 @@ pub struct LoadedDesign {
 /// # Errors
 /// A diagnostic at a phase that does not lead the tip to a place, at a choice of kinds, and at a winding within the wall.
 pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
+    scene.without_end_lengths("`softlimb design`")?;
     if let Some(choice) = scene.design().and_then(|design| design.choice.as_ref()) {
         let title = "kinds of modules are not chosen under weight";
         let help = Some("remove `modules` and `motions`, or search with `simulated = false` in `[weight]` first");

@@ -19,6 +19,7 @@ const PER_RAD2: f64 = 1e4;
 /// A diagnostic at a target that eq. (14) has no term for, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of [`Limb::new`].
 pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
     refuse_steering(scene)?;
+    scene.without_end_lengths("`softlimb design`")?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let open = ModuleBounds::default();

@@ -34,6 +34,7 @@ pub struct Tasked {
 /// [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     refuse_steering(scene)?;
+    scene.without_end_lengths("`softlimb design`")?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let patterns = patterns(scene);

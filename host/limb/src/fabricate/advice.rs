@@ -1,6 +1,6 @@
 //! Warnings about windings that a person cannot wind, or whose distance of turns takes much of the motion.
 //!
-//! All figures are of the closed form of a thread ([`softlimb_scene::Thread`]), so that a check of a scene takes no finite elements.
+//! Figures are of the closed form of a thread ([`softlimb_scene::Thread`]); where the scene states a sheet, the number of threads is that of the workshop.
 
 use fra_model::{Actuator, ActuatorParameters, Families, Load, Motion, Placement, Status};
 use softlimb_scene as scene;
@@ -8,7 +8,7 @@ use softlimb_scene::{Module, Scene, WoundWall};
 
 use super::Settings;
 use super::piece::{CLOSE, groove, with_thread_of};
-use super::winding::{HOOP_RAD, MODERATE, winding_radius_m};
+use super::winding::{HOOP_RAD, MODERATE, Winding, winding_radius_m};
 
 /// Longest thread of one actuator without a warning, m: at two turns a minute of a tube of 30 mm an hour's work.
 const THREAD_MAX_M: f64 = 20.0;
@@ -41,6 +41,8 @@ struct Wound {
     /// Width of a groove at the surface, m: the least distance of threads.
     groove_m: f64,
     pressure_pa: f64,
+    /// The workshop, with its thread.
+    settings: Settings,
 }
 
 impl Wound {
@@ -50,7 +52,7 @@ impl Wound {
     /// Why no thread can be wound.
     fn new(module: &Module, settings: &Settings) -> Result<Self, String> {
         let settings = with_thread_of(module, settings);
-        let parameters = module.actuator();
+        let parameters = module.made_actuator();
         let [inner_m, outer_m] = [parameters.inner_radius_m, parameters.outer_radius_m];
         if outer_m - inner_m < settings.wall_min_m * (1.0 - 1e-9) {
             let [wall, least] = [outer_m - inner_m, settings.wall_min_m].map(|m| 1e3 * m);
@@ -86,6 +88,7 @@ impl Wound {
             stated: module.thread.is_some(),
             groove_m: groove.top_m,
             pressure_pa: MODERATE * *module.pressure_max_pa,
+            settings,
         })
     }
 
@@ -191,11 +194,10 @@ impl Wound {
         };
         let wanted = fiber.modulus_pa * fiber.thickness_m;
         let [stiffness, diameter] = [self.thread.stiffness_n, 1e3 * self.thread.diameter_m];
-        let ratio = |starts: &u32| (self.of(*starts).sheet_n_per_m(&self.wall) / wanted).ln().abs();
-        // The stiffness rises with the number of threads: the nearest is one of the two about the first that suffices.
-        let first = (1..=most).find(|starts| self.of(*starts).sheet_n_per_m(&self.wall) >= wanted).unwrap_or(most);
-        let nearest = if first > 1 && ratio(&(first - 1)) < ratio(&first) { first - 1 } else { first };
-        let found = self.of(nearest).sheet_n_per_m(&self.wall);
+        // The workshop's own choice, so that both state one length.
+        let nearest =
+            Winding::new(&self.parameters, &self.settings, None, self.pressure_pa / MODERATE).starts.min(most);
+        let found = self.of(most).sheet_n_per_m(&self.wall);
         let mut warnings = Vec::new();
         if found < (1.0 - SHORT) * wanted {
             let [found, wanted] = [found, wanted].map(|n_per_m| 1e-3 * self.families * n_per_m);

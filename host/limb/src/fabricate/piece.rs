@@ -6,7 +6,7 @@ use fra_model::{ActuatorParameters, Motion, Placement};
 
 use super::winding::winding_radius_m;
 use super::{FabricateError, Settings, Thread, Winding};
-use crate::Limb;
+use crate::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene, SceneError, Span};
 
 /// Width of the open top of a groove over that of its floor, for a depth of one width.
@@ -107,14 +107,24 @@ impl Piece {
 pub fn plan(scene: &Scene, settings: &Settings) -> Result<Vec<Piece>, FabricateError> {
     settings.check()?;
     // Bundles that hold each other are not worth a mold.
-    Limb::new(scene)?;
+    let limb = Limb::new(scene)?;
     let mut first_channel = 0;
-    let pieces = scene.modules().iter().map(|module| {
+    let pieces = scene.modules().iter().zip(limb.modules()).map(|(module, built)| {
         let copies = copies(module, first_channel);
         first_channel += usize::from(module.actuators);
-        piece(scene, module, copies, settings)
+        let mut piece = piece(scene, module, copies, settings)?;
+        piece.warnings.extend(beyond_limit(built));
+        Ok(piece)
     });
     pieces.collect::<Result<_, SceneError>>().map_err(Into::into)
+}
+
+/// The warning about a pressure that the wall does not carry.
+fn beyond_limit(module: &LimbModule) -> Option<String> {
+    let [limit, most] = [module.curve.limit_point_pa()?, module.pressure_max_pa].map(|pressure_pa| 1e-3 * pressure_pa);
+    Some(format!(
+        "its wall has a limit point at {limit:.2} kPa, below `pressure_max` of {most:.2} kPa: beyond it the actuator bursts or grows without bound"
+    ))
 }
 
 /// The workshop with the thread that the scene states.
@@ -131,7 +141,7 @@ fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
 }
 
 fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings) -> Result<Piece, SceneError> {
-    let parameters = module.actuator();
+    let parameters = module.made_actuator();
     let settings = &with_thread_of(module, settings);
     let refuse = Refusal { scene, module };
     let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;

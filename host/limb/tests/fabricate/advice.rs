@@ -1,18 +1,21 @@
 //! Warnings about windings, beside lengths and distances by hand.
 
-use softlimb_limb::fabricate::{Settings, advice};
-use softlimb_scene::parse;
+use softlimb_limb::fabricate::{Settings, advice, plan};
+use softlimb_scene::{Scene, parse};
 
 /// A tube of 20 and 32 mm, 160 mm long.
-fn warnings(winding: &str) -> Vec<String> {
+fn tube(winding: &str) -> Scene {
     let text = format!(
         "format = 1\nname = \"tube\"\n[materials.rubber]\nlaw = \"neo-hookean\"\nshear_modulus = \"0.3 MPa\"\n[windings.w]\n{winding}\n\
          [limb]\nconnector = {{ length = \"15 mm\", mass = \"50 g\" }}\n[[module]]\nname = \"tube\"\nmotion = \"extension\"\nactuators = 1\n\
          inner_radius = \"20 mm\"\nouter_radius = \"32 mm\"\nlength = \"160 mm\"\nmaterial = \"rubber\"\nwinding = \"w\"\n\
          [[phase]]\nname = \"rest\"\nduration = \"1 s\"\ntargets = {{ tube = {{ axial_stretch = 1.0 }} }}\n"
     );
-    let scene = parse(&text, "tube.toml").unwrap_or_else(|error| panic!("{}", error.render(false)));
-    advice(&scene, &Settings::default())
+    parse(&text, "tube.toml").unwrap_or_else(|error| panic!("{}", error.render(false)))
+}
+
+fn warnings(winding: &str) -> Vec<String> {
+    advice(&tube(winding), &Settings::default())
 }
 
 fn thread(angle_deg: f64, starts: u32) -> String {
@@ -42,4 +45,22 @@ fn warnings_name_a_winding_that_can_be_made() {
     assert!(sheet[0].contains("more than 20 m; `thread = {"), "{sheet:?}");
     let layer = warnings("angle = \"3 deg\"\nfamilies = 2\nmodulus = \"1 MPa\"\nplacement = \"smeared\"");
     assert!(layer[0].contains("`placement = \"sheet\"` can be wound"), "{layer:?}");
+}
+
+/// `check` and `fabricate` choose the number of threads for a sheet by the same rule.
+#[test]
+fn length_of_thread_is_that_of_the_workshop() {
+    for angle_deg in [3.0, 12.0, 25.0, 40.0] {
+        let winding =
+            format!("angle = \"{angle_deg} deg\"\nfamilies = 2\nmodulus = \"361 MPa\"\nthickness = \"0.178 mm\"");
+        let wound = &plan(&tube(&winding), &Settings::default()).expect("it can be wound")[0].winding;
+        let stated =
+            format!("{:.1} m of thread on each actuator, {} side by side", wound.all_threads_m(), wound.starts);
+        let found = warnings(&winding);
+        assert_eq!(
+            found.iter().any(|text| text.contains(&stated)),
+            wound.all_threads_m() > 20.0,
+            "{stated}: {found:?}"
+        );
+    }
 }

@@ -1,5 +1,6 @@
 //! What cannot be made is refused where the scene says it.
 
+use fra_model::{Actuator, Load};
 use softlimb_limb::fabricate::{Settings, plan};
 use softlimb_scene::parse;
 
@@ -85,4 +86,25 @@ fn distant_threads_and_thin_layers_are_remarked() {
     let all = piece.warnings.join("\n");
     assert!(all.contains("the groove leaves 0.70 mm of wall"), "{all}");
     assert!(!all.contains("0.75 of the wall"), "{all}");
+}
+
+/// Hoops of a soft sheet hardly hold the wall: the model has a limit point below 150 kPa.
+#[test]
+fn pressure_beyond_the_limit_point_is_remarked() {
+    let text = TUBE.text().replace("modulus = \"300 MPa\"", "modulus = \"0.01 MPa\"");
+    let text = format!("{text}[limits]\npressure_max = \"150 kPa\"\n");
+    let scene = parse(&text, "tube.toml").unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let limit_pa = Actuator::new(&scene.modules()[0].actuator())
+        .expect("valid")
+        .forward(150e3, &Load::none())
+        .expect("finite")
+        .limit_pressure_pa
+        .expect("a limit point");
+    let all = plan(&scene, &settings(0.3, 4.0)).unwrap()[0].warnings.join("\n");
+    assert!(
+        all.contains(&format!("limit point at {:.2} kPa, below `pressure_max` of 150.00 kPa", 1e-3 * limit_pa)),
+        "{all}"
+    );
+    let below = TUBE.piece(0.3, 4.0).unwrap().warnings.join("\n");
+    assert!(!below.contains("limit point"), "{below}");
 }

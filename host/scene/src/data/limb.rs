@@ -63,6 +63,8 @@ pub struct Module {
     pub outer_radius_m: Located<f64>,
     /// Length at rest, m; > 0.
     pub length_m: Located<f64>,
+    /// Length at each end that its cap takes out of the motion, m; >= 0, less than half of the length.
+    pub end_length_m: f64,
     /// The elastomer, located at its name in the module.
     pub material: Located<Material<f64>>,
     /// Density of the elastomer, kg/m3.
@@ -80,8 +82,18 @@ pub struct Module {
 }
 
 impl Module {
-    /// One of its actuators, for the model. The parameters pass the model's own check.
+    /// One of its actuators, for the model: as long as the part that moves. The parameters pass the model's own check.
     pub fn actuator(&self) -> ActuatorParameters<f64> {
+        ActuatorParameters { length_m: self.moving_length_m(), ..self.made_actuator() }
+    }
+
+    /// Length at rest that moves: between what the end caps take, m; > 0.
+    pub fn moving_length_m(&self) -> f64 {
+        *self.length_m - 2.0 * self.end_length_m
+    }
+
+    /// One of its actuators from cap to cap, as it is made.
+    pub fn made_actuator(&self) -> ActuatorParameters<f64> {
         ActuatorParameters {
             motion: *self.motion,
             inner_radius_m: *self.inner_radius_m,

@@ -71,6 +71,7 @@ fn draft<'a>(
     let arrangement = arrangement(reader, motion, actuators, outer);
     let steering = steering(reader, motion, actuators, arrangement);
     let length = reader.quantity(&keys::LENGTH);
+    let end_length = length.zip(reader.quantity(&keys::END_LENGTH)).and_then(|(length, end)| ends(reader, length, end));
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
     let spacers = reader.integer(&keys::SPACERS);
     let spacer_mass = reader.quantity(&keys::SPACER_MASS);
@@ -97,6 +98,7 @@ fn draft<'a>(
             inner_radius_m: inner,
             outer_radius_m: outer,
             length_m: length?,
+            end_length_m: end_length?,
             material: material_name.map(|_| material.law),
             density_kg_per_m3: material.density_kg_per_m3,
             fiber: fiber.map(|wound| wound.map(|(fiber, _)| fiber))?,
@@ -121,6 +123,16 @@ fn wall(reader: &Reader<'_>, inner: Located<f64>, outer: Located<f64>) -> Option
     );
     let outer_label = format!("the outer radius is {}", Unit::MM.show_si(*outer));
     reader.log().note(problem.label(outer.span, outer_label))
+}
+
+/// The length that the cap at one end takes out of the motion, m, if both ends leave some of the length.
+fn ends(reader: &Reader<'_>, length: Located<f64>, end: Located<f64>) -> Option<f64> {
+    if 2.0 * *end < *length {
+        return Some(*end);
+    }
+    let title = "`end_length` at both ends must be less than `length`";
+    let problem = Problem::at(end.span, title, format!("two ends are {}", Unit::MM.show_si(2.0 * *end)));
+    reader.log().note(problem.label(length.span, format!("the length is {}", Unit::MM.show_si(*length))))
 }
 
 /// A winding at its place in a module, and its thread where the scene states one.

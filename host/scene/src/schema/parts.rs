@@ -97,6 +97,7 @@ section! {
     INNER_RADIUS: Quantity { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Inner radius at rest.";
     OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Outer radius at rest, above `inner_radius`.";
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";
+    END_LENGTH: Quantity { name: "end_length", unit: Unit::MM, min: 0.0, max: 500.0, presence: Default(0.0) } = "Length at each end that the cap takes out of the motion, less than half of `length`; `softlimb fea calibrate` prints it. The rest moves.";
     MATERIAL: Text { name: "material", is_name: true, presence: Required } = "A name from `[materials]`.";
     WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`. `twisting` needs one family.";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Optional("`pressure_max` of `[limits]`") } = "Largest gauge pressure in its chambers.";

@@ -78,7 +78,7 @@ impl Pen<'_> {
         let sizes = [
             (module::INNER_RADIUS.name, old.inner_radius_m, new.inner_radius_m),
             (module::OUTER_RADIUS.name, old.outer_radius_m, new.outer_radius_m),
-            (module::LENGTH.name, old.length_m, new.length_m),
+            (module::LENGTH.name, *module.length_m, new.length_m + 2.0 * module.end_length_m),
         ];
         let changed = sizes.into_iter().filter(|(_, old, new)| !same(*old, *new));
         let changes = changed.map(|(key, _, new)| (key, key, millimetres(new))).collect();

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::actuators::{Search, table};
 use super::candidates::{limb, pareto};
 use crate::cli::shared::{about, bar, read, show, threads};
-use crate::cli::{Failure, Outcome, note, say, warn};
+use crate::cli::{Failure, Outcome, note, say};
 use softlimb_chart::labelled;
 use softlimb_design::from_scene::{
     BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
@@ -204,7 +204,7 @@ impl LimbDesign {
         }
         let designed = scene::load(file)?;
         let limb = Limb::new(&designed)?;
-        let outcome = warn(&designed.winding_warnings());
+        let outcome = super::windings(&designed);
         match motion::plan(&designed, &limb) {
             Ok(_) if reached => Ok(outcome),
             Err(error) if reached => Err(error.into()),

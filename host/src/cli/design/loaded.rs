@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::cli::check_margins;
 use crate::cli::shared::show;
-use crate::cli::{Failure, Outcome, note, warn};
+use crate::cli::{Failure, Outcome, note};
 use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text, loaded_to_run};
 use softlimb_design::loaded::{ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds};
 use softlimb_files::write_whole;
@@ -78,7 +78,7 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     };
     show(json, &printed, || table(scene, &design, &found, &printed))?;
     note(&format!("design: {}", file.display()));
-    let outcome = warn(&scene::load(file)?.winding_warnings());
+    let outcome = super::windings(&scene::load(file)?);
     if let Some(why) = &printed.refused {
         note(&format!("warning: the planner refuses the design: {why}"));
     }

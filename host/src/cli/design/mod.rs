@@ -7,10 +7,12 @@ mod limb;
 mod loaded;
 
 use clap::{Args, Subcommand};
+use softlimb_limb::fabricate::{Settings, advice};
+use softlimb_scene::Scene;
 
 pub use loaded::refused;
 
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, note, warn};
 
 /// Design a limb for a scene, actuators by eq. (14) of the paper, or a bundle by eq. (18)
 #[derive(Args)]
@@ -36,4 +38,13 @@ impl Design {
             Mode::Bundle(mode) => mode.run(),
         }
     }
+}
+
+/// States the warnings about the windings of a designed scene, and what `fabricate` says of them, which the search does not choose.
+fn windings(designed: &Scene) -> Outcome {
+    let outcome = warn(&designed.winding_warnings());
+    for text in advice(designed, &Settings::default()) {
+        note(&format!("warning: {text}"));
+    }
+    outcome
 }

@@ -14,8 +14,8 @@ use softlimb_limb::LimbModule;
 
 /// Largest angle from the hoop, rad, up to which turns of thread are as good as rings.
 const HOOP_RAD: f64 = 0.175;
-/// Pressure at which a thread is compared with a sheet, as a share of the highest: what it is worth hardly depends on it, and at high
-/// pressures the wall creases at the edges of the thread.
+/// Pressure at which a thread is compared with a sheet, and of the end length for a scene, as a share of the highest: what a thread is worth hardly
+/// depends on it, and at high pressures the wall creases at the edges of the thread; ends take the more the higher the pressure.
 const MODERATE: f64 = 0.3;
 
 /// Calibrate the analytic model by finite elements: bending polynomial, end length, and the sheet equivalent to a thread
@@ -40,6 +40,8 @@ struct Found<'a> {
     module: &'a LimbModule,
     bending: Option<Result<Calibration, String>>,
     ends: Result<EndLength, String>,
+    /// End length of the module's own motion at a moderate pressure, m.
+    end_m: Option<f64>,
     sheet: Option<Result<ThreadSheet, String>>,
 }
 
@@ -85,7 +87,9 @@ fn find<'a>(module: &'a LimbModule, thread: Option<&Thread>) -> Result<Found<'a>
         },
     };
     let ends = end_length(parameters, highest_pa).map_err(|error| error.to_string());
-    Ok(Found { module, bending, ends, sheet })
+    let moderate = end_length(parameters, MODERATE * highest_pa).ok();
+    let own = moderate.and_then(|ends| if module.motion == Motion::Twisting { ends.twist } else { ends.axial });
+    Ok(Found { module, bending, ends, end_m: own.map(|delta| delta.delta_m), sheet })
 }
 
 /// Why a module's winding is none of rings of thread.
@@ -102,7 +106,7 @@ fn not_hooped(module: &LimbModule) -> Option<String> {
 }
 
 fn words(found: &Found) -> String {
-    let Found { module, bending, ends, sheet } = found;
+    let Found { module, bending, ends, end_m, sheet } = found;
     let mut text = format!("{} ({:.0} kPa)\n", module.name, module.pressure_max_pa * 1e-3);
     match bending {
         Some(Ok(calibration)) => {
@@ -127,6 +131,10 @@ fn words(found: &Found) -> String {
             }
         }
         Err(reason) => text += &format!("  ends: {reason}\n"),
+    }
+    if let Some(end_m) = end_m {
+        let kpa = MODERATE * module.pressure_max_pa * 1e-3;
+        text += &format!("  for the scene: end_length = \"{:.2} mm\", that of {kpa:.0} kPa\n", end_m * 1e3);
     }
     match sheet {
         Some(Ok(sheet)) => {

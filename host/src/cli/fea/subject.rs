@@ -96,7 +96,7 @@ impl Arguments {
     fn of_scene(&self) -> Result<(String, Subject, f64), Failure> {
         let scene = scene::load(&self.file)?;
         let module = self.module(&scene)?;
-        let single = Subject::single(module.actuator());
+        let single = Subject::single(module.made_actuator());
         let bundle = Subject { actuators: module.actuators, arrangement: module.arrangement, ..single };
         let (subject, part) = if self.bundle { (bundle, "-bundle") } else { (single, "") };
         Ok((format!("{}-{}{part}", scene.name(), file_name(&module.name)), subject, *module.pressure_max_pa))
