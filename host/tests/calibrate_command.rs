@@ -156,6 +156,58 @@ fn the_log_of_a_run_gives_the_moduli_of_the_limb_that_ran() {
         assert!((value / 0.2e6 - 1.0).abs() < 0.02, "{estimate}");
     }
     assert_eq!(json["estimates"].as_array().unwrap().len(), 2);
+    assert!(json.get("tips").is_none(), "a weightless run has no tips to fit to");
+    let refused =
+        softlimb(folder.path(), "calibrate run out/run.mcap --scene scene.toml --fit shear_modulus --per actuator");
+    assert_eq!(refused.code, 2, "{}", refused.out);
+    assert!(refused.err.contains("a run under weight"), "{}", refused.err);
+}
+
+/// A hanging arm whose modules deviate from their material.
+const ARM: &str = include_str!("../rig/tests/calibrate/arm.toml");
+
+#[test]
+fn run_under_weight_is_calibrated_and_the_scene_drives_the_same_limb() {
+    let folder = desk(&[("arm.toml", ARM), ("scene.toml", SCENE)]);
+    let run = |line: &str| {
+        let answer = softlimb(folder.path(), line);
+        assert!(answer.code == 0 || answer.code == 3, "{line}: {}", answer.err);
+        answer.out
+    };
+    let error_m = |line: &str| {
+        let json: Value = serde_json::from_str(&run(line)).unwrap();
+        json["tip"]["error_m"]["rmse"].as_f64().unwrap()
+    };
+    let before_m = error_m("run arm.toml --out before --json");
+    let line = "calibrate run before/run.mcap --fit shear_modulus --per module --write cal.toml";
+    let json: Value = serde_json::from_str(&run(&format!("{line} --json"))).unwrap();
+    // Four holds; the payload is picked up in the second and put down in the last.
+    let payloads: Vec<f64> =
+        json["tips"].as_array().unwrap().iter().map(|tip| tip["payload_kg"].as_f64().unwrap()).collect();
+    assert!(payloads.len() == 4 && payloads[0] == 0.0 && (payloads[2] - 0.06).abs() < 1e-12, "{payloads:?}");
+    assert!((0.05..0.06).contains(&payloads[1]) && (0.0..0.01).contains(&payloads[3]), "{payloads:?}");
+    assert!(run(line).contains("tip position"));
+    let after_m = error_m("run cal.toml --plant arm.toml --out after --json");
+    println!("{before_m} {after_m}");
+    assert!(after_m < 0.5 * before_m, "{before_m} {after_m}");
+    // Three tubes a module, which bend the arm where they are unequal.
+    let bundles = ARM.replace("actuators = 1", "actuators = 3\ncircle_radius = \"40 mm\"");
+    std::fs::write(folder.path().join("bundles.toml"), bundles).unwrap();
+    let before_m = error_m("run bundles.toml --out bundles --json");
+    run("calibrate run bundles/run.mcap --fit shear_modulus --per actuator --write tubes.toml --corrections tubes.csv");
+    let tubes = std::fs::read_to_string(folder.path().join("tubes.toml")).unwrap();
+    std::fs::write(folder.path().join("tubes.toml"), tubes + "\n[corrections]\nfile = \"tubes.csv\"\n").unwrap();
+    let after_m = error_m("run tubes.toml --plant bundles.toml --out after --json");
+    println!("{before_m} {after_m}");
+    assert!(after_m < 0.3 * before_m, "{before_m} {after_m}");
+    for (line, expected) in [
+        ("run cal.toml --plant scene.toml --out other", "has other modules: arm, finger"),
+        ("calibrate run before/run.mcap --fit length", "length is not fitted to a run under weight"),
+    ] {
+        let answer = softlimb(folder.path(), line);
+        assert_eq!(answer.code, 1, "{line}: {}", answer.out);
+        assert!(answer.err.contains(expected), "{line}: {}", answer.err);
+    }
 }
 
 #[test]

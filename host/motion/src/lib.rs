@@ -36,7 +36,7 @@ pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, so
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
 pub use payload::{Carried, Carrying, carried, payload_kg};
-pub use plan::{Plan, PlannedPhase};
+pub use plan::{Plan, PlannedPhase, held_share};
 pub use sent::Sent;
 pub use upright::Upright;
 pub use valve_step::{valve_step_pa, valve_warnings};

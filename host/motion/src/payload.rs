@@ -33,7 +33,7 @@ impl Carried {
     }
 
     /// Mass at the tip at a share of the way from the end of the move to that of the hold, kg.
-    pub(super) fn handed_kg(&self, share: f64) -> f64 {
+    pub fn handed_kg(&self, share: f64) -> f64 {
         self.moved.payload_kg + share * (self.held.payload_kg - self.moved.payload_kg)
     }
 }

@@ -46,12 +46,7 @@ pub struct PlannedPhase {
 impl PlannedPhase {
     /// Share of the hold's change of mass, and of setpoints with it, at a time of the run.
     pub(super) fn held_share(&self, time_us: u64) -> f64 {
-        let end_us = self.start_us + self.move_us;
-        match time_us.checked_sub(end_us) {
-            None => 0.0,
-            Some(_) if self.hold_us == 0 => 1.0,
-            Some(since_us) => minimum_jerk(since_us as f64 / self.hold_us as f64),
-        }
+        held_share(self.start_us + self.move_us, self.hold_us, time_us)
     }
 
     /// Share of the move at a time of the run, 0 to 1.
@@ -200,6 +195,15 @@ pub(super) fn check_corrections(limb: &Limb, corrections: &Corrections) -> Resul
         }
     }
     Ok(())
+}
+
+/// Share of a hold's change of mass at a time of the run, for a hold from `from_us` on.
+pub fn held_share(from_us: u64, hold_us: u64, time_us: u64) -> f64 {
+    match time_us.checked_sub(from_us) {
+        None => 0.0,
+        Some(_) if hold_us == 0 => 1.0,
+        Some(since_us) => minimum_jerk(since_us as f64 / hold_us as f64),
+    }
 }
 
 /// Index of the phase at a time, us.

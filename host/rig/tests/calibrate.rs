@@ -1,6 +1,7 @@
 //! From measurements to parameters: data from computations of the tests' own, noise by seed, and data that cannot tell.
 
 mod creep;
+mod loaded;
 mod noise;
 mod pressure;
 mod refusals;

@@ -66,6 +66,11 @@ fn tip_errors_are_distances_and_split_by_cause() {
     close(tip.error_m, 0.005, 0.005);
     close(tip.tracking_error_m, 0.003, 0.003);
     assert!((tip.final_error_m.unwrap() - 0.005).abs() < 1e-12);
+    // The same everywhere, so also at the end of each hold.
+    let phases = run.info.phases.iter().filter(|phase| phase.hold_s >= 0.5).count();
+    assert!(phases > 0);
+    close(tip.at_holds_m, 0.005, 0.005);
+    assert_eq!(tip.at_holds_m.unwrap().samples, phases);
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 mod creep;
 mod pressure;
+mod print;
+mod run;
 mod tension;
 
 use std::path::PathBuf;
@@ -30,7 +32,7 @@ enum Mode {
     Tension(tension::TensionMode),
     Pressure(pressure::Pressure),
     Creep(creep::Creep),
-    Run(pressure::Run),
+    Run(run::Run),
 }
 
 impl Calibrate {
@@ -92,6 +94,8 @@ enum Per {
     Part,
     /// One for each module
     Module,
+    /// One for each actuator of an extending module, as far as a run under weight tells them apart
+    Actuator,
 }
 
 /// Result of a fit.

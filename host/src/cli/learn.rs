@@ -7,13 +7,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::shared::{quantity, show, write_if};
+use super::shared::{corrections_csv, quantity, show, write_if};
 use super::{Failure, Outcome};
 use softlimb_chart::labelled;
 use softlimb_rig::learning;
 use softlimb_rig::learning::{Distances, LearningError, Score, Settings, learn};
 use softlimb_scene as scene;
-use softlimb_scene::{Corrections, Quantity, Scene};
+use softlimb_scene::{Quantity, Scene};
 
 /// Run iterative learning control on a perturbed limb, with tip measurements from a simulated camera
 #[derive(Args)]
@@ -56,7 +56,7 @@ impl Learn {
             camera_noise_m: self.camera.si(),
         };
         let found = learn(&scene, &settings)?;
-        write_if(self.csv.as_ref(), || csv(&scene, &found.corrections))?;
+        write_if(self.csv.as_ref(), || corrections_csv(&scene, &found.corrections))?;
         show(self.json, &Printed::new(&scene, &settings, &found), || self.table(&scene, &settings, &found))?;
         Ok(Outcome::Done)
     }
@@ -191,28 +191,6 @@ impl From<Distances> for PrintedDistances {
     fn from(found: Distances) -> Self {
         Self { rmse_m: found.rmse_m(), max_m: found.max_m }
     }
-}
-
-/// One row per instant; one column per module, or per actuator where those of a module differ.
-fn csv(scene: &Scene, corrections: &Corrections) -> String {
-    let (mut header, mut columns, mut first) = (String::from("time_s"), Vec::new(), 0);
-    for module in scene.modules() {
-        let (name, channels) = (&module.name.value, first..first + usize::from(module.actuators));
-        first = channels.end;
-        if corrections.rows.iter().all(|row| row[channels.clone()].iter().all(|value| *value == row[channels.start])) {
-            let _ = write!(header, ",{name}");
-            columns.push(channels.start);
-        } else {
-            (1..=channels.len()).for_each(|number| header.push_str(&format!(",{name}.{number}")));
-            columns.extend(channels);
-        }
-    }
-    let mut text = header + "\n";
-    for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
-        let values: String = columns.iter().map(|column| format!(",{:.9}", row[*column])).collect();
-        let _ = writeln!(text, "{time_s:.4}{values}");
-    }
-    text
 }
 
 impl From<LearningError> for Failure {

@@ -17,7 +17,8 @@ use softlimb_scene as scene;
 /// Run a scene: check, plan, stream to the simulated MCU, record, report
 #[derive(Args)]
 #[command(after_help = "Writes run.mcap and run.html; those of an earlier run in the same folder are replaced.\n\n\
-                  Example: softlimb run scenes/pick-and-place-a.toml")]
+                  Examples:\n  softlimb run scenes/pick-and-place-a.toml\n  \
+                  softlimb run calibrated.toml --plant scenes/pick-and-place-a.toml")]
 pub(super) struct Run {
     /// The scene file
     scene: PathBuf,
@@ -27,6 +28,9 @@ pub(super) struct Run {
     /// Seed of the plant [default: the scene's]
     #[arg(long)]
     seed: Option<u64>,
+    /// Scene of the simulated limb and pneumatics [default: the scene itself]
+    #[arg(long, value_name = "SCENE")]
+    plant: Option<PathBuf>,
     /// Device of the controller
     #[arg(long, value_enum, default_value_t = Device::Simulated)]
     mcu: Device,
@@ -69,14 +73,16 @@ impl Run {
 
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
+        let plant = self.plant.as_ref().map(scene::load).transpose()?;
+        let plant = plant.as_ref().unwrap_or(&scene);
         let options = RunOptions {
-            seed: self.seed.unwrap_or(scene.seed()),
+            seed: self.seed.unwrap_or(plant.seed()),
             out: self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name())),
             mcu: self.mcu(),
         };
         let bar = bar(1000, "running");
         let cancel = AtomicBool::new(false);
-        let outcome = run::run(&scene, &options, &cancel, |progress| {
+        let outcome = run::run_on(&scene, plant, &options, &cancel, |progress| {
             bar.set_position((1e3 * progress.time_s / progress.duration_s.max(1e-9)) as u64);
         });
         bar.finish_and_clear();

@@ -1,6 +1,6 @@
 //! Shared parts of the verbs: reading, writing, printing, progress, and options with units.
 
-use std::fmt::Display;
+use std::fmt::{Display, Write};
 use std::fs;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::{Failure, note, say};
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
-use softlimb_scene::{Quantity, Scene};
+use softlimb_scene::{Corrections, Quantity, Scene};
 
 /// Destinations of a table.
 #[derive(Args)]
@@ -140,4 +140,26 @@ fn ends(unit: &str, range: [f64; 2]) -> Result<[f64; 2], String> {
         false => Ok(end * one),
     };
     Ok([end(range[0])?, end(range[1])?])
+}
+
+/// Corrections as a CSV file: one row per instant; one column per module, or per actuator where those of a module differ.
+pub(super) fn corrections_csv(scene: &Scene, corrections: &Corrections) -> String {
+    let (mut header, mut columns, mut first) = (String::from("time_s"), Vec::new(), 0);
+    for module in scene.modules() {
+        let (name, channels) = (&module.name.value, first..first + usize::from(module.actuators));
+        first = channels.end;
+        if corrections.rows.iter().all(|row| row[channels.clone()].iter().all(|value| *value == row[channels.start])) {
+            let _ = write!(header, ",{name}");
+            columns.push(channels.start);
+        } else {
+            (1..=channels.len()).for_each(|number| header.push_str(&format!(",{name}.{number}")));
+            columns.extend(channels);
+        }
+    }
+    let mut text = header + "\n";
+    for (time_s, row) in corrections.times_s.iter().zip(&corrections.rows) {
+        let values: String = columns.iter().map(|column| format!(",{:.9}", row[*column])).collect();
+        let _ = writeln!(text, "{time_s:.4}{values}");
+    }
+    text
 }

@@ -1,13 +1,13 @@
 //! What a loaded shape looks like: the deformation of each module, and the centre line.
 
-use fra_model::State;
+use fra_model::{State, StateQuantity};
 use nalgebra::{DVector, Vector3};
 
 use super::load::LoadedLimb;
 use super::rod::{Rod, STEPS, UNKNOWNS};
 use super::solve::Shape;
 use super::step::Step;
-use crate::Limb;
+use crate::{Drive, Limb};
 use softlimb_scene::collision::Body;
 
 /// How a module is deformed under load, from end to end.
@@ -26,6 +26,21 @@ impl Deformed {
     pub fn stretch_at(&self, [x, y]: [f64; 2], length_m: f64) -> f64 {
         let [bend_x, bend_y] = self.bend_angle_rad;
         self.axial_stretch - (bend_x * x + bend_y * y) / length_m
+    }
+}
+
+impl Drive<'_> {
+    /// The value of its setpoint's quantity where its module is deformed like this; `None` for a quantity that belongs to a tube alone.
+    pub fn deformed_value(&self, deformed: &Deformed) -> Option<f64> {
+        match self.kind {
+            StateQuantity::AxialStretch if self.is_steering() => {
+                Some(deformed.stretch_at(self.position_m(), self.length_m()))
+            }
+            StateQuantity::AxialStretch => Some(deformed.axial_stretch),
+            StateQuantity::BendAngle => Some(deformed.bend_angle_rad[0]),
+            StateQuantity::Twist => Some(deformed.twist_rad),
+            StateQuantity::Pressure | StateQuantity::OuterRadius | StateQuantity::InnerRadius => None,
+        }
     }
 }
 

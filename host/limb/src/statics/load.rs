@@ -1,10 +1,11 @@
 //! A limb of a scene as a chain of rods.
 
-use fra_model::Motion;
+use fra_model::{ActuatorParameters, Motion};
 use nalgebra::{Isometry3, Vector3, Vector4};
 
 use super::bundle::Bundle;
 use super::rod::{Piece, Rod};
+use super::spring::Spring;
 use crate::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
 
@@ -51,6 +52,26 @@ impl LoadedLimb {
         };
         let walls_kg: Vec<f64> = scene.modules().iter().zip(bays).map(mass_kg).collect();
         Some(Self::of_bundles(scene, limb, bundles.collect::<Option<_>>()?, &walls_kg, load))
+    }
+
+    /// The limb of a scene whose actuators are these tubes, one a channel: other ones than the scene's own, between the scene's plates.
+    ///
+    /// `None` where a bundle of them has no shape without load, or where there are not as many tubes as channels.
+    pub fn of_springs(scene: &Scene, limb: &Limb, tubes: &[Spring], load: &Load) -> Option<Self> {
+        if tubes.len() != limb.channels() {
+            return None;
+        }
+        let modules = || limb.modules().iter().map(|module| (module, &tubes[module.channels.clone()]));
+        let bundle = |(module, tubes): (&LimbModule, &[Spring])| {
+            let places = module.positions_m().into_iter().zip(tubes.iter().cloned());
+            Bundle::of_springs(module.motion, places.collect(), module.bay_m())
+        };
+        let wall_kg = |((_, tubes), described): ((&LimbModule, &[Spring]), &Module)| {
+            let walls_m3: f64 = tubes.iter().map(|tube| wall_m3(tube.parameters())).sum();
+            walls_m3 * described.density_kg_per_m3 + described.spacers_mass_kg()
+        };
+        let walls_kg: Vec<f64> = modules().zip(scene.modules()).map(wall_kg).collect();
+        Some(Self::of_bundles(scene, limb, modules().map(bundle).collect::<Option<_>>()?, &walls_kg, load))
     }
 
     /// The limb of a scene whose modules are these bundles, with walls and spacers of these masses, kg.
@@ -112,6 +133,12 @@ impl LoadedLimb {
     pub fn free_tip(&self) -> Isometry3<f64> {
         self.free_tip
     }
+}
+
+/// Volume of a tube's wall, m3.
+fn wall_m3(parameters: &ActuatorParameters<f64>) -> f64 {
+    let (inner, outer) = (parameters.inner_radius_m, parameters.outer_radius_m);
+    std::f64::consts::PI * (outer - inner) * (outer + inner) * parameters.length_m
 }
 
 fn piece(scene: &Scene, module: &LimbModule, index: usize, (bundle, wall_kg): (&Bundle, f64), load: &Load) -> Piece {

@@ -4,7 +4,7 @@
 //! gives the tube's force and slope, and these are the force and slope of a linear spring with a rest of its own. Springs about the strains of
 //! a shape, and the shape of these springs, are found by turns; that is Newton's method on the walls, and a few turns do.
 
-use fra_model::{Actuator, Load, Motion, State, Status, Target};
+use fra_model::{Actuator, ActuatorParameters, Load, Motion, State, Status, Target};
 
 use super::tube::{Tangent, bender_nm2, volume_by_angle_m3};
 use super::wall;
@@ -53,6 +53,11 @@ impl Spring {
         self.pressure_pa == other.pressure_pa
             && self.free == other.free
             && self.actuator.parameters() == other.actuator.parameters()
+    }
+
+    /// The parameters of its actuator.
+    pub(super) fn parameters(&self) -> &ActuatorParameters<f64> {
+        self.actuator.parameters()
     }
 
     /// Its springs about the shape without load.

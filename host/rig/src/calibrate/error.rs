@@ -84,12 +84,36 @@ pub enum CalibrationError {
         /// What to do.
         hint: &'static str,
     },
+    /// The limb has no equilibrium in a hold.
+    #[error(
+        "in phase `{phase}` the limb of the start does not carry its weight: {cause}: check the parameters of the start, the scene's masses and what it \
+         carries"
+    )]
+    Falls {
+        /// The phase.
+        phase: String,
+        /// Why it falls.
+        cause: String,
+    },
+    /// An unknown that is not fitted to a limb under its weight.
+    #[error("{property} is not fitted to a run under weight: {}", by_itself(*.property))]
+    NotUnderWeight {
+        /// The unknown.
+        property: Property,
+    },
     /// The descent did not end.
     #[error("the fit did not settle after {steps} steps: start it nearer to the answer, or ask for fewer unknowns")]
     NotSettled {
         /// Steps made.
         steps: usize,
     },
+}
+
+fn by_itself(property: Property) -> &'static str {
+    match property {
+        Property::Length => "measure it with a ruler",
+        _ => "read the sensor at ambient pressure, or use `calibrate pressure` with a table of actuators without load",
+    }
 }
 
 fn plural(count: usize) -> &'static str {

@@ -1,12 +1,13 @@
 //! Parameters of actuators from pressure and deformation.
 
 use fra_model::StateQuantity;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
-use super::body::{Answer, NoAnswer};
-use super::descent::{Local, descend};
+use super::descent::descend;
 use super::error::advice;
 use super::estimate::{Column, Estimate, Noise, enough, judge};
+use super::free::{Free, check};
+use super::problem::{Model, Problem};
 use super::{Body, CalibrationError, Property};
 
 /// A pressure and the deformation it went with, at rest.
@@ -37,6 +38,22 @@ impl Unknown {
     /// One value for a body alone.
     pub fn of(property: Property, body: usize) -> Self {
         Self { property, bodies: vec![body] }
+    }
+
+    /// Gives it a value in its bodies.
+    pub(super) fn place(&self, bodies: &mut [Body], value: f64) {
+        self.bodies.iter().for_each(|body| self.property.place(&mut bodies[*body], value));
+    }
+
+    /// How well it must be known ([`Property::tolerance`]).
+    fn tolerance(&self, bodies: &[Body], most_pa: f64) -> f64 {
+        self.property.tolerance(&bodies[self.bodies[0]], most_pa.max(1.0))
+    }
+
+    /// The same as a unit: a fiber without stiffness or a tube without wall has no scale of its own.
+    pub(super) fn scale(&self, bodies: &[Body], most_pa: f64) -> f64 {
+        let tolerance = self.tolerance(bodies, most_pa);
+        if tolerance > 0.0 { tolerance } else { 1.0 }
     }
 }
 
@@ -125,21 +142,26 @@ pub fn fit(
     unknowns: &[Unknown],
     settings: &Settings,
 ) -> Result<Fit, CalibrationError> {
-    settings.check()?;
     check(bodies, observations)?;
-    let starts = unknowns.iter().map(|unknown| start(bodies, unknown)).collect::<Result<Vec<f64>, _>>()?;
-    enough(observations.len(), unknowns.len().max(1), settings.noise)?;
     let most_pa = observations.iter().map(|seen| seen.reading_pa.abs()).fold(0.0, f64::max);
-    let tolerances: Vec<f64> = unknowns
-        .iter()
-        .map(|unknown| unknown.property.tolerance(&bodies[unknown.bodies[0]], most_pa.max(1.0)))
-        // A fiber without stiffness or a tube without wall has no scale of its own.
-        .map(|tolerance| if tolerance > 0.0 { tolerance } else { 1.0 })
-        .collect();
-    let problem = Problem { bodies, observations, unknowns, tolerances: &tolerances };
+    fit_model(&Free { observations }, bodies, unknowns, (settings, most_pa))
+}
+
+/// Fits a model whose largest pressure is `most_pa`.
+pub(super) fn fit_model(
+    model: &impl Model,
+    bodies: &[Body],
+    unknowns: &[Unknown],
+    (settings, most_pa): (&Settings, f64),
+) -> Result<Fit, CalibrationError> {
+    settings.check()?;
+    let measured = model.measured();
+    let starts = unknowns.iter().map(|unknown| start(bodies, unknown)).collect::<Result<Vec<f64>, _>>()?;
+    enough(measured.len(), unknowns.len().max(1), settings.noise)?;
+    let tolerances: Vec<f64> = unknowns.iter().map(|unknown| unknown.scale(bodies, most_pa)).collect();
+    let problem = Problem { model, measured: &measured, bodies, unknowns, tolerances: &tolerances };
     let scaled = DVector::from_iterator(starts.len(), starts.iter().zip(&tolerances).map(|(value, unit)| value / unit));
-    let end =
-        descend(problem.solvable(scaled)?, |place| problem.local(place)).map_err(|error| problem.refused(error))?;
+    let end = descend(problem.solvable(scaled)?, |place| problem.local(place)).map_err(|refused| refused.error)?;
     let fitted = problem.placed(&end.place);
     let columns: Vec<Column> = unknowns
         .iter()
@@ -147,7 +169,7 @@ pub fn fit(
         .map(|(k, unknown)| {
             let value = end.place[k] * tolerances[k];
             // Tolerances are those of the answer, not of a start that may be far from it.
-            let tolerance = unknown.property.tolerance(&fitted[unknown.bodies[0]], most_pa.max(1.0));
+            let tolerance = unknown.tolerance(&fitted, most_pa);
             Column { name: name(bodies, unknown), shown: unknown.property.shown(), value, tolerance }
         })
         .collect();
@@ -174,11 +196,10 @@ pub fn fit(
             interval: [-1.0, 1.0].map(|sign| column.value + sign * judged.half_widths[k]),
         })
         .collect();
-    let after = observations.iter().zip(&end.local.residuals).map(|(seen, r)| seen.value + r * seen.accuracy).collect();
-    let before = observations.iter().map(|seen| modelled(&bodies[seen.body], seen).ok().map(|answer| answer.value));
+    let after = measured.iter().zip(&end.local.residuals).map(|(seen, r)| seen.value + r * seen.accuracy).collect();
     Ok(Fit {
         estimates,
-        before: before.collect(),
+        before: model.values(bodies),
         bodies: fitted,
         after,
         scatter: judged.scatter,
@@ -187,99 +208,6 @@ pub fn fit(
         condition: judged.condition,
         steps: end.steps,
     })
-}
-
-/// Why residuals have no value: the observation, and what the model says to it.
-type Trouble = (usize, NoAnswer);
-
-struct Problem<'a> {
-    bodies: &'a [Body],
-    observations: &'a [Observation],
-    unknowns: &'a [Unknown],
-    tolerances: &'a [f64],
-}
-
-impl Problem<'_> {
-    /// The bodies with scaled values of the unknowns.
-    fn placed(&self, place: &DVector<f64>) -> Vec<Body> {
-        let mut bodies = self.bodies.to_vec();
-        for ((unknown, value), unit) in self.unknowns.iter().zip(place).zip(self.tolerances) {
-            unknown.bodies.iter().for_each(|body| unknown.property.place(&mut bodies[*body], value * unit));
-        }
-        bodies
-    }
-
-    fn local(&self, place: &DVector<f64>) -> Result<Local, Trouble> {
-        let bodies = self.placed(place);
-        let mut solvers = Vec::with_capacity(bodies.len());
-        for (index, body) in bodies.iter().enumerate() {
-            let first = self.observations.iter().position(|seen| seen.body == index).unwrap_or(0);
-            solvers.push(body.solver().map_err(|error| (first, error))?);
-        }
-        let mut residuals = DVector::zeros(self.observations.len());
-        let mut jacobian = DMatrix::zeros(self.observations.len(), self.unknowns.len());
-        for (row, seen) in self.observations.iter().enumerate() {
-            let solver = &solvers[seen.body];
-            let answer = solver.at(seen.reading_pa, seen.quantity).map_err(|error| (row, error))?;
-            residuals[row] = (answer.value - seen.value) / seen.accuracy;
-            for (column, unknown) in self.unknowns.iter().enumerate() {
-                if unknown.bodies.contains(&seen.body) {
-                    let slope = solver.slope(&answer, unknown.property).map_err(|error| (row, error))?;
-                    jacobian[(row, column)] = slope * self.tolerances[column] / seen.accuracy;
-                }
-            }
-        }
-        Ok(Local { residuals, jacobian })
-    }
-
-    /// A place from which every observation has an answer: the start, or the start with harder walls.
-    fn solvable(&self, start: DVector<f64>) -> Result<DVector<f64>, CalibrationError> {
-        let first = self.local(&start);
-        let Err((_, NoAnswer::BeyondLimit(_))) = &first else {
-            return first.map(|_| start).map_err(|error| self.refused(error));
-        };
-        for factor in [1.3, 1.7, 2.5, 4.0, 8.0] {
-            let mut harder = start.clone();
-            for (value, unknown) in harder.iter_mut().zip(self.unknowns) {
-                if unknown.property.is_of_material() {
-                    *value *= factor;
-                }
-            }
-            if self.local(&harder).is_ok() {
-                return Ok(harder);
-            }
-        }
-        first.map(|_| start).map_err(|error| self.refused(error))
-    }
-
-    fn refused(&self, (row, error): Trouble) -> CalibrationError {
-        let seen = &self.observations[row];
-        let body = self.bodies[seen.body].name.clone();
-        match error {
-            NoAnswer::Invalid(error) => CalibrationError::Invalid {
-                field: error.field,
-                value: error.value,
-                place: body,
-                allowed: error.allowed,
-            },
-            NoAnswer::BeyondLimit(limit_pa) => CalibrationError::NoEquilibrium {
-                body,
-                reading_pa: seen.reading_pa,
-                limit_pa,
-                hint: "check the parameters of the start, or leave these points out",
-            },
-            NoAnswer::NoDerivative => CalibrationError::NoEquilibrium {
-                body,
-                reading_pa: seen.reading_pa,
-                limit_pa: None,
-                hint: "it is at a limit point there; leave these points out",
-            },
-        }
-    }
-}
-
-fn modelled(body: &Body, seen: &Observation) -> Result<Answer, NoAnswer> {
-    body.solver()?.at(seen.reading_pa, seen.quantity)
 }
 
 /// Name of an unknown in tables.
@@ -327,35 +255,4 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, CalibrationError> {
         }
     }
     Ok(start)
-}
-
-fn check(bodies: &[Body], observations: &[Observation]) -> Result<(), CalibrationError> {
-    let invalid =
-        |field, value, place: String, allowed| Err(CalibrationError::Invalid { field, value, place, allowed });
-    for body in bodies {
-        if !(body.pressure_gain.is_finite() && body.pressure_gain > 0.0) {
-            return invalid("pressure_gain", body.pressure_gain, body.name.clone(), "finite and > 0");
-        }
-        if !body.pressure_offset_pa.is_finite() {
-            return invalid("pressure_offset_pa", body.pressure_offset_pa, body.name.clone(), "finite");
-        }
-    }
-    for (index, seen) in observations.iter().enumerate() {
-        let place = || format!("observation {}", index + 1);
-        if seen.body >= bodies.len() {
-            return invalid("body", seen.body as f64, place(), "an index of the bodies given");
-        }
-        if seen.quantity == StateQuantity::Pressure {
-            return invalid("quantity", seen.value, place(), "a deformation, not a pressure");
-        }
-        for (field, value) in [("reading_pa", seen.reading_pa), ("value", seen.value)] {
-            if !value.is_finite() {
-                return invalid(field, value, place(), "finite");
-            }
-        }
-        if !(seen.accuracy.is_finite() && seen.accuracy > 0.0) {
-            return invalid("accuracy", seen.accuracy, place(), "finite and > 0");
-        }
-    }
-    Ok(())
 }

@@ -9,6 +9,7 @@ mod rows;
 mod stats;
 mod summary;
 mod table;
+mod tip;
 
 pub use page::html;
 pub use stats::ErrorStats;

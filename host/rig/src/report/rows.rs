@@ -64,12 +64,20 @@ pub(super) fn errors(summary: &Summary) -> Vec<ErrorRow> {
         rmse: show(error.map(|error| error.rmse), scale, 2),
         max: show(error.map(|error| error.max), scale, 2),
     };
-    vec![
-        row("tip position, mm", summary.tip.error_m, 1e3),
-        row("tip position by pressure tracking alone, mm", summary.tip.tracking_error_m, 1e3),
+    // Not every run has holds, or a plane.
+    let tip = &summary.tip;
+    let at_holds = tip.at_holds_m.map(|error| row("tip position at the ends of holds, mm", Some(error), 1e3));
+    let across = tip.across_m.map(|error| row("tip position across the plane of the plan, mm", Some(error), 1e3));
+    let mut rows = vec![
+        row("tip position, mm", tip.error_m, 1e3),
+        row("tip position by pressure tracking alone, mm", tip.tracking_error_m, 1e3),
+    ];
+    rows.extend(across.into_iter().chain(at_holds));
+    rows.extend([
         row("pressure, sensor - reference, kPa", summary.pressure.measured_error_pa, 1e-3),
         row("pressure, chamber - reference, kPa", summary.pressure.true_error_pa, 1e-3),
-    ]
+    ]);
+    rows
 }
 
 /// Run time, and speed where the wall-clock time is known.

@@ -84,6 +84,11 @@ pub struct TipSummary {
     /// Modelled position from the setpoint, m: the part that pressure tracking alone
     /// causes; the rest is the model's.
     pub tracking_error_m: Option<ErrorStats>,
+    /// Achieved position from the setpoint at the ends of holds of 0.5 s or more, m: one value a hold, the mean of its last 0.2 s.
+    pub at_holds_m: Option<ErrorStats>,
+    /// The part of the error across the plane that the planned limb stays in, m: what unequal actuators of a module do. `None` where it stays in
+    /// none.
+    pub across_m: Option<ErrorStats>,
 }
 
 /// Pressure tracking of some channels.
@@ -129,7 +134,7 @@ pub fn summary(log: &RunLog) -> Summary {
         duration_s,
         samples: log.samples.len(),
         modules: modules.map(|(index, info)| module(index, info, &counted)).collect(),
-        tip: tip(&counted),
+        tip: tip(log, &counted),
         pressure: pressure(0..log.info.channel_count(), &counted),
         wall_s: log.wall_s,
         real_time_factor: log.wall_s.filter(|wall_s| *wall_s > 0.0).map(|wall_s| duration_s / wall_s),
@@ -210,13 +215,15 @@ fn module(index: usize, info: &ModuleInfo, samples: &[&Sample]) -> ModuleSummary
     }
 }
 
-fn tip(samples: &[&Sample]) -> TipSummary {
+fn tip(log: &RunLog, samples: &[&Sample]) -> TipSummary {
     let error = |sample: &&Sample| Some(distance(sample.tip_achieved_m?, sample.tip_setpoint_m));
     let tracking = |sample: &&Sample| distance(sample.tip_modelled_m, sample.tip_setpoint_m);
     TipSummary {
         final_error_m: samples.last().and_then(error),
         error_m: ErrorStats::of(samples.iter().filter_map(error)),
         tracking_error_m: ErrorStats::of(samples.iter().map(tracking)),
+        at_holds_m: super::tip::at_holds_m(log),
+        across_m: super::tip::across_m(log, samples),
     }
 }
 

@@ -41,10 +41,16 @@ pub(super) struct Seen {
 }
 
 impl<'a> Assembler<'a> {
-    pub(super) fn new(scene: &'a Scene, limb: &'a Limb, plan: &'a Plan) -> Self {
+    /// For a plan of a scene's limb, and the limb that is simulated.
+    pub(super) fn new(
+        (scene, limb): (&'a Scene, &'a Limb),
+        plan: &'a Plan,
+        (plant, simulated): (&'a Scene, &'a Limb),
+    ) -> Self {
         let weighed = plan.weighed();
         let weighed = weighed.map(|weighed| (Nominal::new(scene, limb, weighed.tier), carried(scene.phases())));
-        Self { limb, plan, hanging: Hanging::new(scene, limb, plan), weighed, start_us: None, next_shape_s: 0.0 }
+        let hanging = Hanging::new(scene, plan, (plant, simulated));
+        Self { limb, plan, hanging, weighed, start_us: None, next_shape_s: 0.0 }
     }
 
     /// The trajectory starts at a device time.

@@ -35,6 +35,14 @@ pub enum RunError {
         /// Log, report, and what is in them.
         files: Box<RunFiles>,
     },
+    /// The simulated limb does not take the setpoints of the plan.
+    #[error("the scene of the simulated limb has other modules: {simulated}, where the plan has {planned}")]
+    OtherLimb {
+        /// Names of what has a setpoint in the plan.
+        planned: String,
+        /// The same in the scene of the simulated limb.
+        simulated: String,
+    },
     /// There is no tip to be seen: the limb fell, or the run ended before.
     #[error(
         "{time_s:.2} s into the run there is no tip to be seen: the limb fell under its load, or the run ended before"

@@ -3,13 +3,13 @@
 //! Quasi-static: the limb has the shape that the loads of the moment lead to, and no inertia. Its walls follow the pressures within
 //! milliseconds; what swings is left out.
 
-use fra_model::{Actuator, State, StateQuantity};
+use fra_model::{Actuator, State};
 use nalgebra::{DVector, Vector4};
 use softlimb_sim::plant::Truth;
 
 use crate::record::FaultRecord;
-use softlimb_limb::statics::{Bundle, EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
-use softlimb_limb::{Limb, LimbModule};
+use softlimb_limb::statics::{EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
+use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Carried, Plan, carried, payload_kg};
 use softlimb_scene::Scene;
 
@@ -29,12 +29,13 @@ const SYSTEM: u8 = 0xFF;
 
 /// The simulated limb under load.
 pub(super) struct Hanging<'a> {
-    scene: &'a Scene,
+    /// What is simulated.
+    plant: &'a Scene,
     limb: &'a Limb,
     plan: &'a Plan,
     carried: Vec<Carried>,
-    /// True actuators, one a channel, and masses of walls and spacers, kg, one a module; known from the first sample on.
-    known: Option<(Vec<Actuator<f64>>, Vec<f64>)>,
+    /// True actuators, one a channel; known from the first sample on.
+    actuators: Option<Vec<Actuator<f64>>>,
     /// Strains of the modules at the last sample, and its unknowns.
     last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
     lost: bool,
@@ -53,11 +54,11 @@ pub(super) struct Hung {
 }
 
 impl<'a> Hanging<'a> {
-    /// The limb of a scene, before it hangs; `None` where the scene does not simulate its weight.
-    pub(super) fn new(scene: &'a Scene, limb: &'a Limb, plan: &'a Plan) -> Option<Self> {
+    /// The limb that a plan of a scene drives, before it hangs; `None` where the scene does not simulate its weight.
+    pub(super) fn new(scene: &Scene, plan: &'a Plan, (plant, limb): (&'a Scene, &'a Limb)) -> Option<Self> {
         scene.weight().filter(|weight| weight.simulated)?;
         let carried = carried(scene.phases());
-        Some(Self { scene, limb, plan, carried, known: None, last: None, lost: false, told: Vec::new() })
+        Some(Self { plant, limb, plan, carried, actuators: None, last: None, lost: false, told: Vec::new() })
     }
 
     /// The shape at a time of the run, us, with what happens to the limb there; `free` are the drives' states without load.
@@ -138,34 +139,22 @@ impl<'a> Hanging<'a> {
             );
         }
         let deformed = limb.deformed(&rod, &shape);
-        let values = self.limb.drives().zip(free).map(|(drive, free)| (deformed[drive.index], drive, free));
-        let values = values.map(|(deformed, drive, free)| match drive.kind {
-            StateQuantity::AxialStretch if drive.is_steering() => {
-                deformed.stretch_at(drive.position_m(), drive.length_m())
-            }
-            StateQuantity::AxialStretch => deformed.axial_stretch,
-            StateQuantity::BendAngle => deformed.bend_angle_rad[0],
-            StateQuantity::Twist => deformed.twist_rad,
-            StateQuantity::Pressure | StateQuantity::OuterRadius | StateQuantity::InnerRadius => drive.measure(free),
-        });
+        let value = |(drive, free): (Drive<'_>, &State<f64>)| {
+            drive.deformed_value(&deformed[drive.index]).unwrap_or_else(|| drive.measure(free))
+        };
+        let values = self.limb.drives().zip(free).map(value);
         let (tip_m, values) = (shape.tip().translation.vector.into(), values.collect());
         (Some(Hung { tip_m, values, line_m: rod.line_m(&shape) }), faults)
     }
 
     /// The limb of the true actuators; `None` where one has no equilibrium.
     fn loaded(&mut self, truth: &Truth, load: &Load) -> Option<LoadedLimb> {
-        if self.known.is_none() {
-            self.known = Some((actuators(truth)?, walls_kg(self.scene, self.limb, truth)));
+        if self.actuators.is_none() {
+            self.actuators = Some(actuators(truth)?);
         }
-        let (actuators, walls_kg) = self.known.as_ref()?;
-        let modules = self.limb.modules().iter().zip(self.scene.modules());
-        let bundles = modules.map(|(module, described)| {
-            let tubes = module.positions_m().into_iter().zip(module.channels.clone());
-            let tubes = tubes.map(|(place, channel)| Some((place, tube(&actuators[channel], truth, channel)?)));
-            let bay_m = module.length_m() / f64::from(described.spacers + 1);
-            Bundle::of_springs(module.motion, tubes.collect::<Option<_>>()?, bay_m)
-        });
-        Some(LoadedLimb::of_bundles(self.scene, self.limb, bundles.collect::<Option<_>>()?, walls_kg, load))
+        let actuators = self.actuators.as_ref()?.iter().enumerate();
+        let tubes: Option<Vec<Spring>> = actuators.map(|(channel, actuator)| tube(actuator, truth, channel)).collect();
+        LoadedLimb::of_springs(self.plant, self.limb, &tubes?, load)
     }
 }
 
@@ -177,20 +166,6 @@ fn tube(actuator: &Actuator<f64>, truth: &Truth, channel: usize) -> Option<Sprin
 
 fn actuators(truth: &Truth) -> Option<Vec<Actuator<f64>>> {
     truth.channels.iter().map(|channel| Actuator::new(&channel.parameters.actuator).ok()).collect()
-}
-
-/// Masses of the modules' true walls and their spacers, kg.
-fn walls_kg(scene: &Scene, limb: &Limb, truth: &Truth) -> Vec<f64> {
-    let of_channel = |parameters: &fra_model::ActuatorParameters<f64>| {
-        let (inner, outer) = (parameters.inner_radius_m, parameters.outer_radius_m);
-        std::f64::consts::PI * (outer - inner) * (outer + inner) * parameters.length_m
-    };
-    let of_module = |(module, described): (&LimbModule, &softlimb_scene::Module)| {
-        let channels = truth.channels.iter().take(module.channels.end).skip(module.channels.start);
-        let walls_m3: f64 = channels.map(|channel| of_channel(&channel.parameters.actuator)).sum();
-        walls_m3 * described.density_kg_per_m3 + described.spacers_mass_kg()
-    };
-    limb.modules().iter().zip(scene.modules()).map(of_module).collect()
 }
 
 /// Whether something is new, and notes it.

@@ -20,6 +20,7 @@ use crate::record::{LinkSummary, Recorder, RunInfo, RunLog};
 use crate::report;
 use crate::simulate;
 use softlimb_files::write_whole;
+use softlimb_limb::Limb;
 use softlimb_scene::Scene;
 
 use assemble::{Assembler, Seen};
@@ -89,16 +90,33 @@ pub fn run(
     scene: &Scene,
     options: &RunOptions,
     cancel: &AtomicBool,
+    on_progress: impl FnMut(Progress),
+) -> Result<RunFiles, RunError> {
+    run_on(scene, scene, options, cancel, on_progress)
+}
+
+/// The same with the simulated limb and pneumatics of another scene, about whose parameters those of the plant are drawn: a scene that has been
+/// calibrated to a limb runs on that limb.
+///
+/// # Errors
+/// The same, and [`RunError::OtherLimb`].
+pub fn run_on(
+    scene: &Scene,
+    plant: &Scene,
+    options: &RunOptions,
+    cancel: &AtomicBool,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
     let prepared = Prepared::new(scene)?;
-    let settings = simulate::settings(scene, prepared.limb(), options.seed);
+    let limb = Limb::new(plant)?;
+    same_drives(prepared.limb(), &limb)?;
+    let settings = simulate::settings(plant, &limb, options.seed);
     let mut device = Observed::new(SimulatedMcu::with_processor(&settings, options.mcu.start()?)?);
     fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;
     let path = options.out.join("run.mcap");
 
     let began = Instant::now();
-    let mut recording = Recording::new(prepared.info(options.seed), prepared.assembler(), &path);
+    let mut recording = Recording::new(prepared.info(options.seed), prepared.assembler(plant, &limb), &path);
     let ended = prepared.stream(&mut device, cancel, |device, event| {
         if let Some(progress) = recording.take(device, event) {
             on_progress(progress);
@@ -118,6 +136,16 @@ pub fn run(
         }
         (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
     }
+}
+
+/// Refuses a limb that does not take the setpoints of another.
+fn same_drives(planned: &Limb, simulated: &Limb) -> Result<(), RunError> {
+    let names = |limb: &Limb| limb.drives().map(|drive| (drive.name(), drive.kind, drive.channels)).collect::<Vec<_>>();
+    if names(planned) == names(simulated) {
+        return Ok(());
+    }
+    let list = |limb: &Limb| limb.drives().map(|drive| drive.name()).collect::<Vec<_>>().join(", ");
+    Err(RunError::OtherLimb { planned: list(planned), simulated: list(simulated) })
 }
 
 /// Reads the log back, so that the report shows what the log holds and nothing else.

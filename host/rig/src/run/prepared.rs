@@ -86,8 +86,9 @@ impl<'a> Prepared<'a> {
         run_info(self.scene, &self.limb, &self.plan, seed)
     }
 
-    pub(super) fn assembler(&self) -> Assembler<'_> {
-        Assembler::new(self.scene, &self.limb, &self.plan)
+    /// What makes samples of a run of the limb of a scene, which need not be the planned one.
+    pub(super) fn assembler<'p>(&'p self, plant: &'p Scene, simulated: &'p Limb) -> Assembler<'p> {
+        Assembler::new((self.scene, &self.limb), &self.plan, (plant, simulated))
     }
 
     /// Streams the setpoints to a device.
@@ -115,7 +116,7 @@ impl<'a> Prepared<'a> {
         (settings.seed, settings.plant.noise_seed) = (noise, noise);
         let processor: Box<dyn Processor> = Box::new(here());
         let mut device = Observed::new(SimulatedMcu::with_processor(&settings, processor)?);
-        let mut assembler = self.assembler();
+        let mut assembler = self.assembler(self.scene, &self.limb);
         let mut samples = Vec::new();
         let ended = self.stream(&mut device, &AtomicBool::new(false), |device, event| match event {
             Event::Armed { start_us, end_us } => assembler.start(start_us, end_us),
