@@ -1,11 +1,15 @@
 //! Limbs designed under load: small tasks, judged by the statics of the product on the scene that is written.
 
-use softlimb_design::from_scene::{loaded_design, loaded_text, loaded_to_run};
-use softlimb_design::loaded::{Effort, Found, Judgement, Margin, REACHED_M, active_bounds, evaluate, search, seeded};
+use softlimb_design::from_scene::{loaded_design, loaded_text};
+use softlimb_design::loaded::{
+    Effort, Found, Judgement, LimbSizes, Margin, REACHED_M, Refusal, active_bounds, evaluate, search, search_to_run,
+    seeded,
+};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_motion as motion;
 use softlimb_scene::{self as scene, Scene};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Two modules that hang and lift a flask to one side.
 const TASK: &str = r#"
@@ -150,14 +154,14 @@ fn limb_found_keeps_its_margins_as_the_planner_has_it() {
     let text = TASK.replace("tip = [0.16, 0, 0.58]", "inside = \"shelf\"").replace("[limits]", region);
     let wanted = read(&text);
     let design = loaded_design(&wanted).unwrap();
-    let planned = |found: &Found| {
-        let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
+    let planned = |sizes: &LimbSizes| {
+        let designed = read(&loaded_text(&wanted, &design, sizes).unwrap());
         let limb = Limb::new(&designed).unwrap();
         let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
         (designed.rest_length_m(), motion::margins(&designed, &limb, &plan, &motion::Sent::uncorrected(&limb, &plan)))
     };
-    let refused = |found: &Found| {
-        let (length_m, margins) = planned(found);
+    let refused = |sizes: &LimbSizes| {
+        let (length_m, margins) = planned(sizes);
         let kept = margins.unwrap().iter().all(|margins| {
             margins.load_factor >= 1.5
                 && margins.stiffness_n_per_m >= 40.0
@@ -167,8 +171,31 @@ fn limb_found_keeps_its_margins_as_the_planner_has_it() {
         });
         (!kept).then(|| "a margin".to_owned())
     };
-    let attempt = loaded_to_run(&design, &effort(), &|| false, refused).unwrap();
-    assert!(attempt.found.reached && attempt.refused.is_none(), "{:?}", planned(&attempt.found).1);
+    let (task, space) = (&design.task, &design.space);
+    let found = search_to_run(task, space, &space.first_guess(), &effort(), &refused, &|| false).unwrap();
+    assert!(found.reached && found.refused.is_none(), "{:?}", planned(&found.evaluation.sizes).1);
+}
+
+/// The limb for a stiffer tip is as stiff as the scene demands by the statics of the scene that is written; that of the free scene is not.
+#[test]
+fn stiffness_of_the_tip_is_a_goal_of_the_scene() {
+    let least = |text: &str| {
+        let wanted = read(text);
+        let design = loaded_design(&wanted).unwrap();
+        let (task, space) = (&design.task, &design.space);
+        let effort = Effort { raises: 0, ..effort() };
+        let found = search(task, space, &space.first_guess(), &effort, &|| false).unwrap();
+        assert!(found.reached, "{:?}", found.evaluation.lacks);
+        let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
+        let limb = Limb::new(&designed).unwrap();
+        let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let margins = motion::margins(&designed, &limb, &plan, &motion::Sent::uncorrected(&limb, &plan)).unwrap();
+        margins.iter().map(|margins| margins.stiffness_n_per_m).fold(f64::INFINITY, f64::min)
+    };
+    let free = least(TASK);
+    let goal = (1.3 * free).ceil();
+    let stiff = least(&TASK.replace("[limits]", &format!("[limits]\ntip_stiffness_min = \"{goal} N/m\"")));
+    assert!(free >= 40.0 && stiff >= goal, "{free} {stiff} {goal}");
 }
 
 #[test]
@@ -179,6 +206,33 @@ fn answer_depends_on_the_seed_but_not_on_the_threads() {
         search(&design.task, &design.space, &design.space.first_guess(), &effort, &|| false).unwrap()
     };
     assert_eq!(of(1).evaluation.sizes, of(3).evaluation.sizes);
+}
+
+/// The planner's refusals lead on to further starts, in their order for any number of threads, and end the search with the sixth.
+#[test]
+fn refused_limbs_lead_to_further_starts_up_to_the_sixth() {
+    let design = loaded_design(&read(TASK)).unwrap();
+    let (task, space) = (&design.task, &design.space);
+    let of = |abreast, refusal: &Refusal<'_>| {
+        let effort = Effort { abreast, raises: 0, starts: 40, ..effort() };
+        search_to_run(task, space, &space.first_guess(), &effort, refusal, &|| false).unwrap()
+    };
+    let free = of(2, &|_| None);
+    assert_eq!((free.reached, free.refused_before, &free.refused), (true, 0, &None));
+    let first = free.evaluation.sizes;
+    let but_first = |sizes: &LimbSizes| (*sizes == first).then(|| "not this one".to_owned());
+    let (one, three) = (of(1, &but_first), of(3, &but_first));
+    assert!(one.reached && one.refused.is_none() && one.evaluation.sizes != first);
+    assert_eq!((one.refused_before, one.evaluation.sizes), (1, three.evaluation.sizes));
+    let count = AtomicUsize::new(0);
+    let none = |_: &LimbSizes| {
+        count.fetch_add(1, Ordering::Relaxed);
+        Some("none".to_owned())
+    };
+    let refused = of(1, &none);
+    assert_eq!((refused.reached, refused.refused.as_deref()), (true, Some("none")));
+    assert_eq!((refused.evaluation.sizes, count.into_inner()), (first.clone(), 6));
+    assert_eq!(of(3, &|_| Some("none".to_owned())).evaluation.sizes, first);
 }
 
 #[test]

@@ -140,17 +140,19 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 /// [`Unreachable`].
 pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
     let Some(weight) = scene.weight().filter(|weight| weight.compensated) else {
-        return planned(scene, limb, None);
+        let (draft, shortcomings) = drafted(scene, limb, None)?;
+        return Ok((proven(scene, limb, draft, None)?, shortcomings));
     };
     let mut judged = Judged::at_rest(scene, limb, weight.error)?;
     loop {
         let tier = judged.tier;
-        let (mut plan, mut shortcomings) = planned(scene, limb, Some(tier))?;
-        judged.look(scene, limb, &plan, weight.error);
+        let (draft, mut shortcomings) = drafted(scene, limb, Some(tier))?;
+        judged.look(scene, limb, &draft, weight.error);
         // The poses may need more of a model than the limb at rest.
         if judged.tier > tier {
             continue;
         }
+        let mut plan = proven(scene, limb, draft, Some(tier))?;
         if judged.error > weight.error {
             shortcomings.push(Shortcoming::Statics { error: judged.error, allowed: weight.error });
         }
@@ -161,23 +163,30 @@ pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>
     }
 }
 
-/// The plan of the limb under its weight by a tier of the statics, or without weight.
-fn planned(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
+/// Phases and setpoints of the limb under its weight by a tier of the statics, or without weight.
+fn drafted(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
     let start: Vec<f64> = limb.drives().map(|drive| drive.measure(&drive.actuator.rest())).collect();
-    let (mut phases, shortcomings) = schedule(scene, limb, tier, &start)?;
+    let (phases, shortcomings) = schedule(scene, limb, tier, &start)?;
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
     let states = states(limb, &phases, &owners(limb), &knots, knot_period_us)?;
-    let rows: Vec<Vec<f64>> = knots
+    let kinds = limb.drives().map(|drive| drive.kind).collect();
+    let track = Track { period_us: knot_period_us, kinds, knots, states };
+    Ok((Plan { phases, warnings: Vec::new(), track, weighed: None }, shortcomings))
+}
+
+/// The plan of a draft: with the proof of its clearance, and its tips under load.
+fn proven(scene: &Scene, limb: &Limb, draft: Plan, tier: Option<Fidelity>) -> Result<Plan, Unreachable> {
+    let Plan { mut phases, warnings, track, .. } = draft;
+    let rows: Vec<Vec<f64>> = track
+        .knots
         .iter()
         .map(|knot| limb.drives().zip(knot).map(|(drive, wire)| from_wire(drive.kind, *wire)).collect())
         .collect();
-    let way = (&rows[..], &states[..], knot_period_us);
+    let way = (&rows[..], &track.states[..], track.period_us);
     clear::prove(scene, limb, &mut phases, way, tier)?;
     let weighed = tier.map(|tier| weight::weigh(scene, limb, &phases, way, tier)).transpose()?;
-    let kinds = limb.drives().map(|drive| drive.kind).collect();
-    let track = Track { period_us: knot_period_us, kinds, knots, states };
-    Ok((Plan { phases, warnings: Vec::new(), track, weighed }, shortcomings))
+    Ok(Plan { phases, warnings, track, weighed })
 }
 
 /// Checks that corrections are within the ranges of their modules: larger ones are in another unit, or of another limb.

@@ -3,8 +3,6 @@
 //! The search knows straight moves alone and gives way-points up for them. Where a limb that keeps them is not found, or is not planned,
 //! the moves are left to the planner: limbs for the way-points alone, one seed after the other, until one can be run.
 
-use super::loaded::LoadedDesign;
-use crate::loaded::{Effort, Found, search};
 use crate::synthesis::{Budget, Candidate, Space, Task, TaskError, design};
 
 /// Limbs that are designed for the way-points alone before that is given up.
@@ -52,48 +50,4 @@ pub fn design_to_run(
         }
     }
     Ok(Attempt { limb, via_points, refused })
-}
-
-/// A limb under load and what the planner says of it.
-#[derive(Clone, Debug)]
-pub struct LoadedAttempt {
-    /// The limb.
-    pub found: Found,
-    /// Why the planner refuses it, or which margin it does not keep as the planner has it; `None` where it keeps all.
-    pub refused: Option<String>,
-    /// Limbs that were designed and refused, this one not counted.
-    pub others: usize,
-}
-
-/// The limb under load that does a task as the planner has it, too: `refused` states why it does not. Further seeds are searched as long as
-/// limbs are found and refused, six at most; where all are, the answer is the first one. `None` where no limb stands at all.
-///
-/// Each local solve calls `stop` first.
-pub fn loaded_to_run(
-    design: &LoadedDesign,
-    effort: &Effort,
-    stop: &(dyn Fn() -> bool + Sync),
-    refused: impl Fn(&Found) -> Option<String>,
-) -> Option<LoadedAttempt> {
-    let (task, space) = (&design.task, &design.space);
-    let limb = |more: u64| {
-        let effort = Effort { seed: effort.seed.wrapping_add(more << 32), ..*effort };
-        search(task, space, &space.first_guess(), &effort, stop)
-    };
-    let found = limb(0)?;
-    let why = refused(&found);
-    if !found.reached || why.is_none() {
-        return Some(LoadedAttempt { found, refused: why, others: 0 });
-    }
-    for more in 1..LIMBS {
-        match limb(more) {
-            Some(other) if other.reached && !stop() => {
-                if refused(&other).is_none() {
-                    return Some(LoadedAttempt { found: other, refused: None, others: more as usize });
-                }
-            }
-            _ => break,
-        }
-    }
-    Some(LoadedAttempt { found, refused: why, others: 0 })
 }

@@ -11,7 +11,7 @@ mod space;
 mod targets;
 mod task;
 
-pub use attempts::{Attempt, LoadedAttempt, design_to_run, loaded_to_run};
+pub use attempts::{Attempt, design_to_run};
 pub use error::BriefError;
 pub use loaded::{LoadedDesign, loaded_design, loaded_text};
 pub use targets::{redesigned_targets, targets};

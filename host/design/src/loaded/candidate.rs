@@ -1,11 +1,11 @@
 //! The limb that a start of the search leads to, cheap to dear.
 
-use super::confirm::{ConfirmedPose, confirm};
+use super::confirm;
 use super::evaluate::{Evaluation, Judgement, evaluate};
 use super::local_solve::{At, NOTHING, local, with_pressures};
 use super::places::{change, places};
 use super::plates::shifts;
-use super::search::{Effort, RAISE_STEPS};
+use super::search::{Effort, RAISE, RAISE_STEPS, Refusal};
 use super::space::LimbSpace;
 use super::task::LoadedTask;
 use softlimb_numerics::least_squares::Minimum;
@@ -28,25 +28,24 @@ pub(super) struct Candidate {
     pub(super) by: Judgement,
     /// Whether every margin is kept with a part of the reserve.
     pub(super) keeps: bool,
-    pub(super) confirmed: Vec<ConfirmedPose>,
+    /// Why the planner refuses it; `None` where it keeps all, or where the planner has not judged it.
+    pub(super) refused: Option<String>,
 }
 
 impl Candidate {
-    pub(super) fn merit(&self) -> (bool, f64) {
-        (!self.keeps, self.minimum.objective)
-    }
-
     pub(super) fn limb(&self) -> &Evaluation {
         &self.minimum.evaluation.limb
     }
 }
 
-/// The limb that a start leads to, cheap to dear: a few steps, the poses, the moves, tubes between plates, and the confirmation by them.
+/// The limb that a start leads to, cheap to dear: a few steps, the poses, the moves, tubes between plates, the confirmation by them, a higher reserve, and
+/// the planner.
 pub(super) fn attempt(
     task: &LoadedTask,
     space: &LimbSpace,
     start: &[f64],
     effort: &Effort,
+    refusal: &Refusal<'_>,
     given_up: &dyn Fn() -> bool,
     evaluations: &mut usize,
 ) -> Option<Candidate> {
@@ -78,8 +77,43 @@ pub(super) fn attempt(
     if !here.keeps || given_up() {
         return Some(here.unproven());
     }
-    here.confirm(task);
+    here.keeps = confirm::keeps(task, here.limb(), &here.by);
+    if !here.keeps || given_up() {
+        return Some(here.unproven());
+    }
+    here = raised(task, space, here, effort.raises, given_up, evaluations);
+    if given_up() {
+        return Some(here.unproven());
+    }
+    here.refused = refusal(&here.limb().sizes);
     Some(here)
+}
+
+/// The limb with the largest reserve that rises of it lead to from a limb that keeps that of its own.
+fn raised(
+    task: &LoadedTask,
+    space: &LimbSpace,
+    mut here: Candidate,
+    raises: usize,
+    given_up: &dyn Fn() -> bool,
+    evaluations: &mut usize,
+) -> Candidate {
+    let mut raise = RAISE;
+    for _ in 0..raises {
+        if given_up() {
+            break;
+        }
+        let by = Judgement { reserve: here.by.reserve + raise, ..here.by.clone() };
+        let at = (&here.minimum.point[..], here.limb());
+        let higher = solved(task, space, at, &by, RAISE_STEPS, evaluations);
+        let higher = higher.filter(|higher| higher.keeps && higher.by.reserve > here.by.reserve);
+        let higher = higher.map(|higher| with_shifts(task, space, higher, evaluations));
+        match higher.filter(|higher| higher.keeps && confirm::keeps(task, higher.limb(), &higher.by)) {
+            Some(higher) => (here, raise) = (higher, 1.6 * raise),
+            None => raise *= 0.4,
+        }
+    }
+    here
 }
 
 impl Candidate {
@@ -87,12 +121,6 @@ impl Candidate {
     fn unproven(mut self) -> Self {
         self.keeps = false;
         self
-    }
-
-    /// Judges it by tubes between plates.
-    pub(super) fn confirm(&mut self, task: &LoadedTask) {
-        self.confirmed = confirm(task, self.limb(), &self.by);
-        self.keeps = self.confirmed.iter().all(|pose| pose.lacks.is_empty());
     }
 }
 
@@ -117,7 +145,7 @@ pub(super) fn solved(
             (by, keeps) = (less, true);
         }
     }
-    Some(Candidate { minimum, by, keeps, confirmed: Vec::new() })
+    Some(Candidate { minimum, by, keeps, refused: None })
 }
 
 /// Solves for the limb and updates its tube shifts alternately until both agree.
@@ -128,7 +156,7 @@ pub(super) fn with_shifts(
     evaluations: &mut usize,
 ) -> Candidate {
     for _ in 0..SHIFT_TURNS {
-        let shifts = shifts(task, found.limb());
+        let shifts = shifts(task, found.limb(), &found.by);
         let shifted = shifts.iter().enumerate().map(|(pose, shift)| shift.change(&found.by.shift(pose)));
         let by = Judgement { shifts: shifts.clone(), ..found.by.clone() };
         let places = places(task, found.limb(), &by);

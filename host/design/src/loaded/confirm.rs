@@ -7,7 +7,8 @@ use super::built::Built;
 use super::evaluate::{Evaluation, Judgement};
 use super::inverse::{Stand, nearest, reach, tilt_rad};
 use super::limits::{Margin, StandingLimits};
-use super::plates::by_plates;
+use super::local_solve::abreast;
+use super::plates::{by_plates, sag_m, stiffness_n_per_m};
 use super::task::LoadedTask;
 use super::walk::{back_spare_m, dense};
 use crate::synthesis::Aim;
@@ -15,8 +16,11 @@ use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX, LoadedLimb};
 
 /// The tip counts as at its aim within this, m.
 pub const REACHED_M: f64 = 1e-4;
-/// Load factors are followed no farther than this.
+/// Load factors are followed no farther than this, or than to their limit where it is higher.
 pub const LOAD_FACTOR_MOST: f64 = 2.0;
+/// Rods decide by more than this on the moves; tubes decide within it: m, rad.
+const DOUBT_M: f64 = 5e-4;
+const DOUBT_RAD: f64 = 5e-3;
 /// Corrections of the aim by the tip offset of the tubes.
 const CORRECTIONS: usize = 6;
 /// Shares of a payload that a pose is judged with.
@@ -53,25 +57,69 @@ pub struct ConfirmedPose {
     pub lacks: Vec<Margin>,
 }
 
+/// How much of a limb is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// All poses, for a report; load factors up to [`LOAD_FACTOR_MOST`].
+    Whole,
+    /// Until a margin is not kept; load factors up to their limit.
+    Verdict,
+}
+
+/// Whether a limb keeps every margin by tubes between plates, pose by pose, each followed from rest, and by dense samples of the moves; cheap to dear.
+pub(super) fn keeps(task: &LoadedTask, limb: &Evaluation, by: &Judgement) -> bool {
+    let rods: Vec<Option<Ends>> = (0..task.poses.len()).map(|index| Some(Ends::of_rods(limb, by, index))).collect();
+    let mut answers: Vec<_> = (0..task.poses.len()).map(|index| unjudged(task, limb, index)).collect();
+    walked(task, &limb.built, &mut answers, &rods, (DOUBT_M, DOUBT_RAD));
+    if answers.iter().any(|answer| !answer.lacks.is_empty()) {
+        return false;
+    }
+    let (mut poses, mut ends) = (Vec::new(), Vec::new());
+    for index in 0..task.poses.len() {
+        let (pose, own) = confirm_pose(task, limb, by, index, Extent::Verdict);
+        if !pose.lacks.is_empty() {
+            return false;
+        }
+        poses.push(pose);
+        ends.push(own);
+    }
+    walked(task, &limb.built, &mut poses, &ends, (0.0, 0.0));
+    poses.iter().all(|pose| pose.lacks.is_empty())
+}
+
 /// Judges the limb of a search by tubes between plates, pose by pose, each followed from rest, and the moves by dense samples.
 pub(super) fn confirm(task: &LoadedTask, limb: &Evaluation, by: &Judgement) -> Vec<ConfirmedPose> {
-    let built = &limb.built;
     let indices: Vec<usize> = (0..task.poses.len()).collect();
-    let (mut poses, ends): (Vec<_>, Vec<_>) = indices.iter().map(|index| confirm_pose(task, limb, by, *index)).unzip();
+    let judged = abreast(&indices, |index| confirm_pose(task, limb, by, *index, Extent::Whole));
+    let (mut poses, ends): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
+    walked(task, &limb.built, &mut poses, &ends, (0.0, 0.0));
+    poses.iter_mut().for_each(|pose| pose.lacks.dedup());
+    poses
+}
+
+/// Takes clearance and tilt on the moves between ends into the poses that they lead to; both may be missed by a doubt, m and rad.
+fn walked(
+    task: &LoadedTask,
+    built: &Built,
+    poses: &mut [ConfirmedPose],
+    ends: &[Option<Ends>],
+    (doubt_m, doubt_rad): (f64, f64),
+) {
     let mut before: Option<&Ends> = None;
     let mut grasp: Option<UnitQuaternion<f64>> = None;
-    for (index, (pose, ends)) in poses.iter_mut().zip(&ends).enumerate() {
+    for (index, (pose, ends)) in poses.iter_mut().zip(ends).enumerate() {
         let Some(ends) = ends else { break };
         let carried = task.poses[index].carried.zip(grasp);
         match dense(task, built, index, (before, ends), carried) {
             // A place on the way where the limb does not stand.
             None => pose.lacks.push(Margin::Carries),
             Some((spare_m, on_way_rad)) => {
-                pose.keep_clear(task, spare_m);
+                pose.keep_clear(task, spare_m, doubt_m);
                 if let Some((body, grasp)) = carried {
                     let own = |corrected: &Corrected| tilt_rad(&corrected.tip.rotation, &grasp);
-                    pose.tilt_rad = on_way_rad.max(own(&ends.moved));
-                    pose.lacks.extend((pose.tilt_rad > body.tilt_max_rad).then_some(Margin::Tilt));
+                    pose.tilt_rad = on_way_rad.max(own(&ends.moved)).max(own(&ends.held));
+                    let tilts = pose.tilt_rad > body.tilt_max_rad + doubt_rad;
+                    pose.lacks.extend(tilts.then_some(Margin::Tilt));
                 }
             }
         }
@@ -85,18 +133,16 @@ pub(super) fn confirm(task: &LoadedTask, limb: &Evaluation, by: &Judgement) -> V
     if let (Some(last), true, Some(all)) = (poses.last_mut(), released && task.moves, all) {
         match back_spare_m(task, built, &all) {
             None => last.lacks.push(Margin::Carries),
-            Some(spare_m) => last.keep_clear(task, spare_m),
+            Some(spare_m) => last.keep_clear(task, spare_m, doubt_m),
         }
     }
-    poses.iter_mut().for_each(|pose| pose.lacks.dedup());
-    poses
 }
 
 impl ConfirmedPose {
-    fn keep_clear(&mut self, task: &LoadedTask, spare_m: f64) {
+    fn keep_clear(&mut self, task: &LoadedTask, spare_m: f64, doubt_m: f64) {
         if !task.obstacles.is_empty() {
             self.spare_m = Some(self.spare_m.unwrap_or(f64::INFINITY).min(spare_m));
-            self.lacks.extend((spare_m < 0.0).then_some(Margin::Clearance));
+            self.lacks.extend((spare_m < -doubt_m).then_some(Margin::Clearance));
         }
     }
 }
@@ -105,6 +151,19 @@ impl ConfirmedPose {
 pub(super) struct Ends {
     pub(super) moved: Corrected,
     pub(super) held: Corrected,
+}
+
+impl Ends {
+    /// Those of the rods of the search, with the tip where tubes have it.
+    fn of_rods(limb: &Evaluation, by: &Judgement, index: usize) -> Self {
+        let (state, shift) = (&limb.poses[index], by.shift(index));
+        let of = |stand: &Stand, shift_m: Vector3<f64>| {
+            let mut tip = stand.shape.tip();
+            tip.translation.vector += shift_m;
+            Corrected { stand: stand.clone(), error_m: 0.0, tip }
+        };
+        Self { moved: of(&state.moved.stand, shift.tip_m[0]), held: of(&state.held.stand, shift.tip_m[1]) }
+    }
 }
 
 /// Pressures with which tubes between plates have their tip at a place.
@@ -149,20 +208,12 @@ fn corrected(
     best
 }
 
-fn confirm_pose(task: &LoadedTask, limb: &Evaluation, by: &Judgement, index: usize) -> (ConfirmedPose, Option<Ends>) {
-    let (pose, state, built) = (&task.poses[index], &limb.poses[index], &limb.built);
-    let shifts_m = by.shift(index).tip_m;
-    let place_m = nearest(&by.aim(task, index), &state.tip_m.into());
-    let moved = corrected(built, &state.moved.stand, pose.move_kg, (&place_m, &shifts_m[0]));
-    let held = if pose.hold_kg == pose.move_kg {
-        moved.clone()
-    } else {
-        corrected(built, &state.held.stand, pose.hold_kg, (&place_m, &shifts_m[1]))
-    };
-    let payload_kg = pose.payload_kg();
-    let mut answer = ConfirmedPose {
+/// A pose before it is judged.
+fn unjudged(task: &LoadedTask, limb: &Evaluation, index: usize) -> ConfirmedPose {
+    let (pose, state) = (&task.poses[index], &limb.poses[index]);
+    ConfirmedPose {
         name: pose.name.clone(),
-        payload_kg,
+        payload_kg: pose.payload_kg(),
         pressures_pa: state.pressures_pa.clone(),
         tip_error_m: f64::INFINITY,
         tip_m: state.tip_m,
@@ -174,7 +225,27 @@ fn confirm_pose(task: &LoadedTask, limb: &Evaluation, by: &Judgement, index: usi
         tilt_rad: state.tilt_rad,
         spare_m: state.spare_m().map(|(spare, _)| spare),
         lacks: Vec::new(),
+    }
+}
+
+fn confirm_pose(
+    task: &LoadedTask,
+    limb: &Evaluation,
+    by: &Judgement,
+    index: usize,
+    extent: Extent,
+) -> (ConfirmedPose, Option<Ends>) {
+    let (pose, state, built) = (&task.poses[index], &limb.poses[index], &limb.built);
+    let shifts_m = by.shift(index).tip_m;
+    let place_m = nearest(&by.aim(task, index), &state.tip_m.into());
+    let moved = corrected(built, &state.moved.stand, pose.move_kg, (&place_m, &shifts_m[0]));
+    let held = if pose.hold_kg == pose.move_kg {
+        moved.clone()
+    } else {
+        corrected(built, &state.held.stand, pose.hold_kg, (&place_m, &shifts_m[1]))
     };
+    let payload_kg = pose.payload_kg();
+    let mut answer = unjudged(task, limb, index);
     if let (Some(moved), Some(held)) = (&moved, &held) {
         answer.tip_error_m = moved.error_m.max(held.error_m);
         answer.tip_m = moved.tip.translation.vector.into();
@@ -185,13 +256,13 @@ fn confirm_pose(task: &LoadedTask, limb: &Evaluation, by: &Judgement, index: usi
         let states = loads.iter().map(|share| by_plates(built, &held.stand.shares, share * payload_kg));
         if let Some(states) = states.collect::<Option<Vec<_>>>() {
             let least = |of: &dyn Fn(&(LoadedLimb, Answer)) -> f64| states.iter().map(of).fold(f64::INFINITY, f64::min);
-            answer.load_factor = least(&|(_, tubes)| tubes.load_factor_to(LOAD_FACTOR_MOST));
-            answer.stiffness_n_per_m =
-                least(&|(_, tubes)| tubes.compliance_m_per_n().map_or(0.0, |by| 1.0 / by[(2, 2)]));
+            let enough = task.limits.load_factor;
+            let most = if extent == Extent::Whole { enough.max(LOAD_FACTOR_MOST) } else { enough };
+            answer.load_factor = least(&|(_, tubes)| tubes.load_factor_to(most));
+            answer.stiffness_n_per_m = least(&|(_, tubes)| stiffness_n_per_m(tubes));
             answer.buckling_margin =
                 least(&|(_, tubes)| 1.0 / tubes.buckling.map_or(0.0, |tube| tube.ratio())).min(BUCKLING_MARGIN_MAX);
-            answer.sag_m =
-                -least(&|(limb, tubes)| -(tubes.tip().translation.vector - limb.free_tip().translation.vector).norm());
+            answer.sag_m = -least(&|(limb, tubes)| -sag_m(limb, tubes));
         }
     }
     answer.lacks = lacks(&task.limits, &answer, built.length_m);

@@ -121,8 +121,8 @@ pub(super) fn sought<'a>(
     by: &Judgement,
     grasp: Option<UnitQuaternion<f64>>,
 ) -> Sought<'a> {
-    let (aim, shift_m) = (by.aim(task, pose), by.shift(pose).tip_m);
-    Sought { task, pose: &task.poses[pose], aim, home: &[], reserve: by.reserve, shift_m, grasp }
+    let (aim, shift) = (by.aim(task, pose), by.shift(pose));
+    Sought { task, pose: &task.poses[pose], aim, home: &[], reserve: by.reserve, shift, grasp }
 }
 
 impl Evaluation {

@@ -18,6 +18,7 @@ mod moves;
 mod places;
 mod plates;
 mod pose;
+mod race;
 mod residuals;
 mod search;
 mod seeded;
@@ -33,7 +34,7 @@ pub use limits::{Margin, StandingLimits};
 pub use plates::Shift;
 pub use pose::{LoadState, PoseState};
 pub use residuals::Lack;
-pub use search::{Effort, Found, confirmed, search};
+pub use search::{Effort, Found, Refusal, confirmed, search, search_to_run};
 pub use seeded::{Seeded, seeded};
 pub use space::{BaseSpace, LimbSizes, LimbSpace, ModuleSizes, ModuleSpace, Variable};
 

@@ -192,7 +192,7 @@ pub(super) fn beside(
     };
     let spares_m = (0..task.obstacles.len()).map(spare_m).collect();
     let tilt_rad = match &near.steepest {
-        None => poses[index].moved.stand.tilt_rad(grasp.as_ref()),
+        None => poses[index].end_tilt_rad(grasp.as_ref()),
         Some(steepest) => known_at(steepest).map_or(near.tilt_rad, |(_, tilt_rad)| tilt_rad),
     };
     (spares_m, tilt_rad)

@@ -8,6 +8,7 @@ use super::built::Built;
 use super::clearance::{least, nearer, spares_m};
 use super::inverse::{Reached, Stand, reach};
 use super::limits::StandingLimits;
+use super::plates::Shift;
 use super::task::{LoadedPose, LoadedTask};
 use crate::synthesis::Aim;
 use softlimb_limb::statics::{Bends, Rod, Shape, UNKNOWNS, solve};
@@ -24,7 +25,7 @@ pub struct LoadState {
     pub payload_kg: f64,
     /// Load factor, up to that which is enough with the reserve.
     pub load_factor: f64,
-    /// Vertical stiffness of the tip, N/m.
+    /// Vertical stiffness of the tip, N/m; like the sag it is that of rods with what tubes change, where the limb is judged by them.
     pub stiffness_n_per_m: f64,
     /// Distance of the tip from that without any load, m.
     pub sag_m: f64,
@@ -75,8 +76,8 @@ pub(super) struct Sought<'a> {
     pub(super) aim: Aim,
     pub(super) home: &'a [f64],
     pub(super) reserve: f64,
-    /// From the tip of rods to that of tubes, as the pose is reached and as it is held, m.
-    pub(super) shift_m: [Vector3<f64>; 2],
+    /// From rods to tubes.
+    pub(super) shift: Shift,
     /// Orientation of the tip when it grasped the body that it carries.
     pub(super) grasp: Option<UnitQuaternion<f64>>,
 }
@@ -93,7 +94,7 @@ pub(super) fn moved_aim(aim: &Aim, by_m: &Vector3<f64>) -> Aim {
 
 /// The pose of a limb by inverse kinematics from a stand of the same limb in another pose; `None` where it does not stand.
 pub(super) fn pose_state(built: &Built, sought: &Sought<'_>, start: &Stand) -> Option<PoseState> {
-    let Sought { pose, home, shift_m, .. } = sought;
+    let Sought { pose, home, shift: Shift { tip_m: shift_m, .. }, .. } = sought;
     let aim = moved_aim(&sought.aim, &-shift_m[0]);
     let moved = reach(built, start, (home, pose.move_kg), &aim, None).ok()?;
     let (mut held, mut not_carried) = (moved.clone(), 0.0);
@@ -132,7 +133,7 @@ pub(super) fn pose_at(
     near: &PoseState,
     changed: Changed,
 ) -> Option<PoseState> {
-    let Sought { pose, shift_m, .. } = sought;
+    let Sought { pose, shift: Shift { tip_m: shift_m, .. }, .. } = sought;
     let at = |shares: &[f64], kg, near: &Stand| match changed {
         Changed::Anew => Stand::at(built, shares, kg, Some(near)).ok(),
         _ => Stand::beside(built, shares, kg, near),
@@ -162,24 +163,24 @@ pub(super) fn pose_at(
 
 /// A pose with its equilibria, and without the states under its loads.
 fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, near: Option<&PoseState>) -> PoseState {
-    let Sought { task, pose, .. } = sought;
+    let Sought { task, pose, shift: Shift { tip_m: shift_m, .. }, .. } = sought;
     let clear = |stand: &Stand, shift_m| spares_m(built, task, stand, pose.carried.as_ref().zip(sought.grasp), shift_m);
     let axis = moved.stand.shape.tip().rotation * Vector3::z();
     let turned_rad =
         pose.direction.map_or(0.0, |direction| (axis.angle(&direction.axis) - direction.tolerance_rad).max(0.0));
-    PoseState {
+    let state = PoseState {
         pressures_pa: built.pressures_pa(&held.stand.shares),
         shares: moved.stand.shares.iter().zip(&held.stand.shares).map(|(a, b)| a.max(*b)).collect(),
-        tip_m: (moved.stand.tip_m() + sought.shift_m[0]).into(),
+        tip_m: (moved.stand.tip_m() + shift_m[0]).into(),
         missing_m: moved.missing_m,
         turned_rad,
-        tilt_rad: moved.stand.tilt_rad(sought.grasp.as_ref()),
+        tilt_rad: 0.0,
         loads: Vec::new(),
         not_carried: 0.0,
         spares_m: if pose.hold_kg == pose.move_kg {
-            clear(&moved.stand, &sought.shift_m[0])
+            clear(&moved.stand, &shift_m[0])
         } else {
-            nearer(&clear(&moved.stand, &sought.shift_m[0]), &clear(&held.stand, &sought.shift_m[1]))
+            nearer(&clear(&moved.stand, &shift_m[0]), &clear(&held.stand, &shift_m[1]))
         },
         moved,
         held,
@@ -187,13 +188,19 @@ fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, nea
         way: Vec::new(),
         nearest: Vec::new(),
         steepest: None,
-    }
+    };
+    PoseState { tilt_rad: state.end_tilt_rad(sought.grasp.as_ref()), ..state }
 }
 
 impl PoseState {
     /// Least clearance beyond the one asked for, in the pose and on the way to it, m, and the obstacle; `None` without obstacles.
     pub fn spare_m(&self) -> Option<(f64, usize)> {
         least(&self.spares_m)
+    }
+
+    /// The larger tilt of a body that stood upright when the tip grasped it, as the pose is reached and as it is held, rad; 0 without one.
+    pub(super) fn end_tilt_rad(&self, grasp: Option<&UnitQuaternion<f64>>) -> f64 {
+        self.moved.stand.tilt_rad(grasp).max(self.held.stand.tilt_rad(grasp))
     }
 
     /// The same with its states without and with all of the payload, from those of a pose nearby.
@@ -206,6 +213,7 @@ impl PoseState {
         let loads = LOADS.iter().skip(if payload_kg > 0.0 { 0 } else { LOADS.len() - 1 });
         for (index, share) in loads.enumerate() {
             let kg = share * payload_kg;
+            let by = (sought.shift.stiffening[index], sought.shift.sag_m[index]);
             let held = &self.held.stand;
             let own = kg == pose.hold_kg;
             let known = near.filter(|(_, beside)| *beside).and_then(|(near, _)| near.loads.get(index));
@@ -223,7 +231,7 @@ impl PoseState {
             let enough = known.map_or(enough, |load| if load.load_factor < enough { enough } else { 0.0 });
             let far = FAR * (1.0 + reserve) * task.limits.stiffness_n_per_m;
             let stiffness = known.map(|load| load.stiffness_n_per_m).filter(|stiffness| *stiffness >= far);
-            match stand.and_then(|stand| Some((load_state(built, &stand, kg, (enough, stiffness))?, stand))) {
+            match stand.and_then(|stand| Some((load_state(built, &stand, kg, (enough, stiffness), by)?, stand))) {
                 Some((state, stand)) => {
                     self.loads.push(state);
                     self.other = if own { self.other } else { Some(stand) };
@@ -256,11 +264,17 @@ fn load_factor(rod: &Rod, shape: &Shape, enough: f64) -> f64 {
     if reached { enough } else { shape.load_factor(rod, Bends::Linear) }
 }
 
-/// The state of a stand; its stiffness may be known.
-fn load_state(built: &Built, stand: &Stand, kg: f64, (enough, stiffness): (f64, Option<f64>)) -> Option<LoadState> {
+/// The state of a stand, with the stiffening and the further sag of tubes, m; its stiffness may be known.
+fn load_state(
+    built: &Built,
+    stand: &Stand,
+    kg: f64,
+    (enough, stiffness): (f64, Option<f64>),
+    (stiffening, more_m): (f64, f64),
+) -> Option<LoadState> {
     let (limb, rod, shape) = (&stand.limb, &stand.rod, &stand.shape);
     let compliance = || shape.compliance_along_m_per_n(rod, Bends::Linear, 2);
-    let stiffness_n_per_m = stiffness.or_else(|| Some(1.0 / compliance()?))?;
+    let stiffness_n_per_m = stiffness.or_else(|| Some((1.0 + stiffening) / compliance()?))?;
     let bends = rod.pieces.iter().zip(shape.q.as_slice().chunks(UNKNOWNS)).enumerate();
     let bends = bends.filter(|(index, _)| built.is_bending(*index));
     let least = bends.map(|(_, (piece, q))| piece.free[1] + q[2] - q[3].abs()).fold(f64::INFINITY, f64::min);
@@ -268,7 +282,7 @@ fn load_state(built: &Built, stand: &Stand, kg: f64, (enough, stiffness): (f64, 
         payload_kg: kg,
         load_factor: load_factor(rod, shape, enough),
         stiffness_n_per_m,
-        sag_m: (stand.tip_m() - limb.free_tip().translation.vector).norm(),
+        sag_m: (stand.tip_m() - limb.free_tip().translation.vector).norm() + more_m,
         buckling_ratio: limb.buckling(rod, shape).map_or(0.0, |tube| tube.ratio()),
         least_bend_rad_per_m: least,
     })

@@ -9,11 +9,14 @@ use super::judge::answer;
 use serde::Serialize;
 use softlimb::cli::{Failure, refused};
 use softlimb::scene::Scene;
-use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_to_run};
+use softlimb_design::from_scene::{LoadedDesign, loaded_design};
 use softlimb_design::loaded::{
-    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, Lack, active_bounds, search, seeded,
+    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, Lack, LimbSizes, active_bounds, search, search_to_run,
+    seeded,
 };
 
+/// Time that a design may take, s.
+const IN_TIME_S: f64 = 60.0;
 /// The reserve of CMA-ES rises by this.
 const RAISE: f64 = 0.05;
 
@@ -69,13 +72,9 @@ fn searched(scene: &Loaded, seed: u64, effort: Effort, planned: bool) -> Option<
     let design = &scene.design;
     let (begin, used_s) = (Instant::now(), processor_s());
     let effort = Effort { seed, ..effort };
-    let (found, refused, others) = if planned {
-        let refused = |found: &Found| refused(&scene.scene, design, &found.evaluation.sizes);
-        let attempt = loaded_to_run(design, &effort, &|| false, refused)?;
-        (attempt.found, attempt.refused, attempt.others)
-    } else {
-        (search(&design.task, &design.space, &design.space.first_guess(), &effort, &|| false)?, None, 0)
-    };
+    let (task, space) = (&design.task, &design.space);
+    let refusal = |sizes: &LimbSizes| if planned { refused(&scene.scene, design, sizes) } else { None };
+    let found = search_to_run(task, space, &space.first_guess(), &effort, &refusal, &|| false)?;
     let (wall_s, processor_s) = (begin.elapsed().as_secs_f64(), processor_s() - used_s);
     let poses = &found.confirmed;
     let most = |of: fn(&ConfirmedPose) -> f64| poses.iter().map(of).fold(0.0, f64::max);
@@ -84,8 +83,8 @@ fn searched(scene: &Loaded, seed: u64, effort: Effort, planned: bool) -> Option<
         scene: scene.scene.name().to_owned(),
         seed,
         confirmed: found.reached,
-        refused,
-        refused_before: others,
+        refused: found.refused.clone(),
+        refused_before: found.refused_before,
         reserve: if found.reached { found.by.reserve } else { 0.0 },
         tip_error_mm: 1e3 * most(|pose| pose.tip_error_m),
         spare_mm: poses.iter().filter_map(|pose| pose.spare_m).reduce(f64::min).map(|spare_m| 1e3 * spare_m),
@@ -142,13 +141,22 @@ pub(super) fn seeds_text(rows: &[Searched]) -> String {
             row.wall_s
         );
     }
-    let confirmed = rows.iter().filter(|row| row.confirmed && row.refused.is_none()).count();
-    let most_s = rows.iter().map(|row| row.processor_s).fold(0.0, f64::max);
-    let _ = writeln!(
-        text,
-        "\n{confirmed} of {} confirmed and kept by the plan; most processor time {most_s:.1} s.",
-        rows.len()
-    );
+    let mut scenes: Vec<&str> = rows.iter().map(|row| row.scene.as_str()).collect();
+    scenes.dedup();
+    for scene in scenes {
+        let rows: Vec<&Searched> = rows.iter().filter(|row| row.scene == scene).collect();
+        let kept: Vec<_> = rows.iter().filter(|row| row.confirmed && row.refused.is_none()).collect();
+        let in_time = kept.iter().filter(|row| row.wall_s <= IN_TIME_S).count();
+        let most = |of: fn(&Searched) -> f64| rows.iter().map(|row| of(row)).fold(0.0, f64::max);
+        let _ = writeln!(
+            text,
+            "\n{scene}: {} of {} confirmed and kept by the plan, {in_time} of them within {IN_TIME_S:.0} s; most {:.1} s of processor time, {:.1} s elapsed.",
+            kept.len(),
+            rows.len(),
+            most(|row| row.processor_s),
+            most(|row| row.wall_s)
+        );
+    }
     text
 }
 

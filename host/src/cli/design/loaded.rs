@@ -8,8 +8,10 @@ use serde::Serialize;
 use crate::cli::check_margins;
 use crate::cli::shared::show;
 use crate::cli::{Failure, Outcome, note};
-use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text, loaded_to_run};
-use softlimb_design::loaded::{ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds};
+use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
+use softlimb_design::loaded::{
+    ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds, search_to_run,
+};
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
@@ -52,11 +54,11 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     let design = loaded_design(scene)?;
     let effort = Effort { seed, ..Effort::default() };
     let (task, space) = (&design.task, &design.space);
-    let attempt = loaded_to_run(&design, &effort, &|| false, |found| refused(scene, &design, &found.evaluation.sizes));
-    let attempt = attempt.ok_or_else(|| {
+    let refusal = |sizes: &LimbSizes| refused(scene, &design, sizes);
+    let found = search_to_run(task, space, &space.first_guess(), &effort, &refusal, &|| false);
+    let found = found.ok_or_else(|| {
         Failure::new("no limb within the bounds stands under its own weight in the first phase: raise `pressure_max` or the bounds of `[design]`")
     })?;
-    let found = attempt.found;
     let (phases, reached) = (&found.confirmed, found.reached);
     let bounds = active_bounds(task, space, &found, &|| false);
     let text = loaded_text(scene, &design, &found.evaluation.sizes).map_err(Failure::new)?;
@@ -73,8 +75,8 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
         phases,
         bounds: &bounds,
         evaluations: found.evaluations,
-        refused: attempt.refused,
-        refused_before: attempt.others,
+        refused: found.refused.clone(),
+        refused_before: found.refused_before,
     };
     show(json, &printed, || table(scene, &design, &found, &printed))?;
     note(&format!("design: {}", file.display()));
