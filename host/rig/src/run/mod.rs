@@ -20,6 +20,9 @@ use crate::record::{LinkSummary, Recorder, RunInfo, RunLog};
 use crate::report;
 use crate::simulate;
 use softlimb_files::write_whole;
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::Plan;
 use softlimb_scene::Scene;
 
 use assemble::{Assembler, Seen};
@@ -28,18 +31,18 @@ use observed::Observed;
 pub(crate) use prepared::Prepared;
 pub use prepared::samples;
 
-/// What is run and where it goes.
+/// Settings of a run, and its destination.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
     /// Seed of everything random in the plant.
     pub seed: u64,
     /// The folder that takes `run.mcap` and `run.html`.
     pub out: PathBuf,
-    /// What runs the controller.
+    /// Processor of the controller.
     pub mcu: Mcu,
 }
 
-/// What runs the controller.
+/// Processor of the controller.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Mcu {
     /// This computer, in the same process.
@@ -61,7 +64,7 @@ impl Mcu {
     }
 }
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Time since the start of the trajectory, s.
@@ -70,14 +73,14 @@ pub struct Progress {
     pub duration_s: f64,
 }
 
-/// What a run left behind.
+/// Files of a run.
 #[derive(Clone, Debug)]
 pub struct RunFiles {
     /// The log.
     pub log: PathBuf,
     /// The report.
     pub report: PathBuf,
-    /// What happened, as read back from the log.
+    /// The run, as read back from the log.
     pub run: RunLog,
 }
 
@@ -89,9 +92,25 @@ pub fn run(
     scene: &Scene,
     options: &RunOptions,
     cancel: &AtomicBool,
+    on_progress: impl FnMut(Progress),
+) -> Result<RunFiles, RunError> {
+    let limb = Limb::new(scene)?;
+    let plan = motion::plan(scene, &limb)?;
+    run_planned(scene, (limb, plan), options, cancel, on_progress)
+}
+
+/// [`run`] with the limb of the scene and its plan.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_planned(
+    scene: &Scene,
+    (limb, plan): (Limb, Plan),
+    options: &RunOptions,
+    cancel: &AtomicBool,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let prepared = Prepared::new(scene)?;
+    let prepared = Prepared::planned(scene, limb, plan)?;
     let settings = simulate::settings(scene, prepared.limb(), options.seed);
     let mut device = Observed::new(SimulatedMcu::with_processor(&settings, options.mcu.start()?)?);
     fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;
