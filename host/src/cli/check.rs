@@ -196,7 +196,7 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Where there are obstacles, a carried object, or moves whose time the plan chose, a line a phase.
+/// A line a phase, of scenes with obstacles, a carried object, or moves whose time the plan chose.
 fn phase_rows(scene: &Scene, plan: &Plan) -> Vec<String> {
     let chosen = scene.phases().iter().any(|phase| phase.move_us.is_none());
     let carries = plan.phases.iter().any(|phase| phase.tilt_rad.is_some());
