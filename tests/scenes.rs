@@ -13,22 +13,38 @@ mod support;
 use std::sync::LazyLock;
 
 use fra_model::StateQuantity;
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::Plan;
 use softlimb_rig::record::ModuleSample;
 use softlimb_scene::Scene;
-use support::{Ran, names, run, scene_with};
+use support::{Ran, names, run_planned, scene_with};
+
+/// The name of every scene with the scene, its limb and its plan.
+static PLANNED: LazyLock<Vec<(String, Scene, Limb, Plan)>> = LazyLock::new(|| {
+    in_parallel(&names(), |name| {
+        let scene = scene_with(name, "");
+        let limb = Limb::new(&scene).expect("a limb");
+        let plan = motion::plan(&scene, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        (name.clone(), scene, limb, plan)
+    })
+});
 
 /// The name of every scene with the scene and its run as it is.
 static AS_IT_IS: LazyLock<Vec<(String, Scene, Ran)>> = LazyLock::new(|| {
-    let run_of = |name: String| {
-        let scene = scene_with(&name, "");
-        let ran = run(&scene, scene.seed());
-        (name, scene, ran)
-    };
-    std::thread::scope(|scope| {
-        let runs: Vec<_> = names().into_iter().map(|name| scope.spawn(|| run_of(name))).collect();
-        runs.into_iter().map(|run| run.join().expect("a run")).collect()
+    in_parallel(&PLANNED, |(name, scene, limb, plan)| {
+        let ran = run_planned(scene, (limb.clone(), plan.clone()), scene.seed());
+        (name.clone(), scene.clone(), ran)
     })
 });
+
+/// One thread for each.
+fn in_parallel<A: Sync, B: Send>(all: &[A], of: impl Fn(&A) -> B + Sync) -> Vec<B> {
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = all.iter().map(|one| scope.spawn(|| of(one))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("an answer")).collect()
+    })
+}
 
 /// The value of a quantity at rest, in the unit of the log. Scenes with other quantities than these have no travel to compare with.
 fn at_rest(quantity: StateQuantity) -> f64 {

@@ -249,7 +249,7 @@ impl Channel {
         self.control.valves_mut().tick(context.now_us)
     }
 
-    /// How far the manifold may read above the chamber, Pa: the line drop while filling and until it has settled.
+    /// Largest reading of the manifold above the chamber, Pa: the line drop while filling and until it has settled.
     fn line_drop_pa(&self, context: &TickContext, config: &ChannelConfig) -> f32 {
         let pneumatics = &context.system.pneumatics;
         if !self.control.is_line_moving(context.now_us, pneumatics.timing) {

@@ -23,7 +23,7 @@ const PUMP_BAND: f32 = 0.1;
 pub struct BootInfo {
     /// Why the device started.
     pub cause: BootCause,
-    /// Where it stopped before: line of the source or address of the instruction, by the cause; 0 where that is unknown.
+    /// Place of the last stop: line of the source or address of the instruction, by the cause; 0 where that is unknown.
     pub detail: u32,
 }
 

@@ -1,4 +1,4 @@
-//! How much of a control period the coils were energized.
+//! Share of a control period in which the coils were energized.
 
 use crate::valve::ValvePulse;
 

@@ -131,7 +131,7 @@ impl Inverse {
         Some((allowed_pa, (wanted_pa - allowed_pa).abs()))
     }
 
-    /// Where to begin: at the last solution, or at rest if nothing was found from there the last time. Chambers that were vented meanwhile
+    /// Start of a solve: the last solution, or at rest if nothing was found from there the last time. Chambers that were vented meanwhile
     /// are near rest.
     fn start(&self, tracker: &Tracker<f32>) -> State<f32> {
         self.warm.filter(|_| self.failures.is_multiple_of(2)).unwrap_or_else(|| tracker.rest())

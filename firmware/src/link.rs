@@ -1,4 +1,4 @@
-//! Who commands the device, and whether they are still there.
+//! Commander of the device, and whether it is still there.
 
 /// Silence after which another host may take over while the configuration states none, us.
 const TAKEOVER_US: u64 = 100_000;

@@ -20,10 +20,10 @@ const SETTLE_MAX_US: u32 = 9_000;
 /// Change from one sample to the next below which a reading stands still, Pa: above the noise, below the end of a settling line.
 const STILL_PA: f32 = 250.0;
 
-/// How much longer than the shortest the pulses of a pair are.
+/// Length of the pulses of a pair over the shortest one.
 const BACK: f32 = 1.05;
 
-/// How far above the reference a pair may go, Pa: a pressure that is settled stays within 1 kPa.
+/// Largest excess of a pair over the reference, Pa: a pressure that is settled stays within 1 kPa.
 const ABOVE_PA: f32 = 900.0;
 
 /// Inputs of one decision.

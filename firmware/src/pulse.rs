@@ -29,7 +29,7 @@ impl Plan {
 pub(crate) struct PulseModel<'a> {
     pub(crate) input: &'a LoopInput<'a>,
     pub(crate) direction: Direction,
-    /// Where the chamber is, Pa.
+    /// Pressure of the chamber, Pa.
     pub(crate) pressure_pa: f32,
     /// Desired effect of the pulse, Pa, signed.
     pub(crate) change_pa: f32,

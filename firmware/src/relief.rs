@@ -10,7 +10,7 @@ const EMPTY_BELOW_PA: f32 = 2_000.0;
 const OPEN_MIN_US: u64 = 500_000;
 pub(crate) const OPEN_MAX_US: u64 = 5_000_000;
 
-/// How long the ramp may take beyond its slope before the vent opens anyway, us.
+/// Longest time of the ramp beyond its slope before the vent opens anyway, us.
 const LAG_MAX_US: u64 = 2_000_000;
 
 /// The pressure that falls linearly from the one at the start.

@@ -85,7 +85,7 @@ impl<T: Real> Tubes<T> {
     }
 }
 
-/// What became of several actuators.
+/// Answers of several actuators.
 struct Answers<T> {
     /// Axial strain and relative change of the volume.
     strains: [Column<T>; 2],
@@ -177,7 +177,7 @@ struct Batch<'a, T: Real> {
     actuators: &'a [Actuator<T>],
     pressures_pa: &'a [T],
     waiting: Option<Tubes<T>>,
-    /// What numbers they have, and how many they are.
+    /// Their indices, and their number.
     numbers: [usize; LANES],
     count: usize,
 }

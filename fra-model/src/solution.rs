@@ -57,7 +57,7 @@ impl<T> Target<T> {
     }
 }
 
-/// How a solve ended.
+/// Outcome of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// The state is the equilibrium on the branch connected to zero pressure.
@@ -115,7 +115,7 @@ impl<T: Copy> State<T> {
 /// Result of a solve: state, status and how good it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<T> {
-    /// How the solve ended.
+    /// Outcome of the solve.
     pub status: Status,
     /// The equilibrium when `status` is [`Status::Solved`], else the last state on the branch.
     pub state: State<T>,

@@ -4,7 +4,6 @@
 //! [`design`] searches limbs, [`fea`] judges the model, [`query`] answers questions to the actuator model alone, [`batch`] for many
 //! actuators at once, and [`comparison`] puts the model beside finite elements. [`cli`] is the command line.
 
-pub mod batch;
 pub mod cli;
 pub mod comparison;
 pub mod query;
@@ -12,6 +11,7 @@ pub mod query;
 pub use softlimb_design as design;
 pub use softlimb_fea as fea;
 pub use softlimb_limb as limb;
+pub use softlimb_limb::batch;
 pub use softlimb_motion as motion;
 pub use softlimb_rig as rig;
 pub use softlimb_scene as scene;

@@ -1,10 +1,7 @@
 //! README and first tutorial show what the first command prints. After a change that is meant to change it:
 //! `UPDATE_README=1 cargo test -p softlimb readme`.
 
-use softlimb_rig::report;
-use softlimb_rig::run::{Mcu, RunOptions, run};
-use softlimb_scene as scene;
-use std::sync::atomic::AtomicBool;
+use std::process::Command;
 
 fn repository(path: &str) -> String {
     format!("{}/../{path}", env!("CARGO_MANIFEST_DIR"))
@@ -21,11 +18,12 @@ fn timeless(table: &str) -> Vec<&str> {
 
 #[test]
 fn table_of_the_readme_is_the_table_of_the_run() {
-    let scene = scene::load(repository("scenes/pick-and-place-a.toml")).unwrap();
     let out = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed: scene.seed(), out: out.path().join("run"), mcu: Mcu::Here };
-    let files = run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap();
-    let table = report::summary(&files.run).table();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb"));
+    let output = command.arg("run").arg(repository("scenes/pick-and-place-a.toml")).current_dir(out.path()).output();
+    let output = output.expect("the binary was built with the tests");
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{output:?}");
+    let table = String::from_utf8(output.stdout).expect("UTF-8");
     for path in PAGES {
         let page = std::fs::read_to_string(repository(path)).unwrap();
         let shown =

@@ -1,6 +1,6 @@
 //! The interface as data, for `SPEC.md` and diagnostics.
 
-/// How a message is made to arrive.
+/// Delivery of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delivery {
     /// Acknowledged; sent again with the same sequence number until then; applied once.
@@ -33,7 +33,7 @@ pub struct MessageLayout {
     pub message_type: u8,
     /// Name.
     pub name: &'static str,
-    /// How it is made to arrive.
+    /// Its delivery.
     pub delivery: Delivery,
     /// Purpose.
     pub meaning: &'static str,

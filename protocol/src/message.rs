@@ -339,7 +339,7 @@ interface! {
         0x07 Command Reliable {
             /// Session.
             session: u16,
-            /// What to do.
+            /// The command.
             code: Code<CommandCode>,
             /// Device time at which Start takes effect, us; 0 means now. Other commands ignore it.
             time_us: u64,
@@ -480,7 +480,7 @@ interface! {
             time_us: u64,
             /// Channel, from 0; 255 means the system.
             channel: u8,
-            /// What went wrong.
+            /// Kind of fault.
             code: Code<FaultCode>,
             /// The offending value; its meaning depends on the code.
             value: i32,

@@ -2,8 +2,8 @@
 
 use softlimb_rig::record::ModuleSample;
 
-use crate::support::{NO_CREEP, NO_SPREAD, Ran, names, run, scene_with, weightless};
-use crate::travel;
+use crate::support::{NO_CREEP, NO_SPREAD, Ran, run, run_planned, scene_with, weightless};
+use crate::{PLANNED, travel};
 
 /// Share of a deformation that creeps in, by default.
 const CREEP_SHARE: f64 = 0.06;
@@ -65,13 +65,14 @@ fn actuators_without_spread_are_off_by_their_creep() {
 
 #[test]
 fn under_load_truth_without_spread_and_creep_is_where_the_model_has_it() {
-    for name in names().into_iter().filter(|name| !weightless().contains(name)) {
-        let scene = scene_with(&name, &[NO_SPREAD, NO_CREEP].concat());
+    for (name, _, limb, plan) in PLANNED.iter().filter(|(name, ..)| !weightless().contains(name)) {
+        // The plant is no matter of the plan.
+        let scene = scene_with(name, &[NO_SPREAD, NO_CREEP].concat());
         // Without compensation the model is that of the free limb.
         if scene.weight().is_none_or(|weight| !weight.compensated) {
             continue;
         }
-        let ran = run(&scene, scene.seed());
+        let ran = run_planned(&scene, (limb.clone(), plan.clone()), scene.seed());
         let log = &ran.files.run;
         // Where pressures rest: on the way they change between the reading and the sample.
         let apart_m = log.info.phases.iter().map(|phase| {

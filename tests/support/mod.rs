@@ -4,10 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use softlimb_limb::Limb;
+use softlimb_motion::Plan;
 use softlimb_rig::report;
 use softlimb_rig::report::Summary;
 use softlimb_rig::run;
-use softlimb_rig::run::{Mcu, RunFiles, RunOptions};
+use softlimb_rig::run::{Mcu, RunError, RunFiles, RunOptions};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 use tempfile::TempDir;
@@ -79,10 +81,18 @@ pub(crate) fn run(scene: &Scene, seed: u64) -> Ran {
 }
 
 pub(crate) fn run_on(mcu: Mcu, scene: &Scene, seed: u64) -> Ran {
+    ran(scene, seed, mcu, |options| run::run(scene, options, &AtomicBool::new(false), |_| ()))
+}
+
+/// The run of a plan.
+pub(crate) fn run_planned(scene: &Scene, planned: (Limb, Plan), seed: u64) -> Ran {
+    ran(scene, seed, Mcu::Here, |options| run::run_planned(scene, planned, options, &AtomicBool::new(false), |_| ()))
+}
+
+fn ran(scene: &Scene, seed: u64, mcu: Mcu, run: impl FnOnce(&RunOptions) -> Result<RunFiles, RunError>) -> Ran {
     let folder = tempfile::tempdir().unwrap();
     let options = RunOptions { seed, out: folder.path().to_owned(), mcu };
-    let files = run::run(scene, &options, &AtomicBool::new(false), |_| ())
-        .unwrap_or_else(|error| panic!("{}, seed {seed}: {error}", scene.name()));
+    let files = run(&options).unwrap_or_else(|error| panic!("{}, seed {seed}: {error}", scene.name()));
     let summary = report::summary(&files.run);
     Ran { files, summary, folder }
 }

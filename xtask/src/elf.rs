@@ -12,11 +12,11 @@ const LOAD: usize = 1;
 /// A part of the image in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Segment<'a> {
-    /// Where it is while the program runs.
+    /// Its address while the program runs.
     pub(crate) address: usize,
-    /// Where its bytes are before that.
+    /// Address of its bytes before that.
     pub(crate) load_address: usize,
-    /// What is loaded.
+    /// Its bytes.
     pub(crate) bytes: &'a [u8],
     /// Its length in memory, what is loaded and what is not.
     pub(crate) length: usize,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 const EMULATOR: &str = "qemu-system-arm";
 
-/// What to do where there is none.
+/// Advice where there is none.
 const CURE: &str = "\
 the emulator qemu-system-arm is not installed:
   Debian, Ubuntu: apt-get install qemu-system-arm      Fedora: dnf install qemu-system-arm
@@ -44,7 +44,7 @@ pub(crate) fn counts(instructions: i64) -> i64 {
     instructions * COUNTS / INSTRUCTIONS
 }
 
-/// What the image prints, and what `listen` makes of the emulator's account of every instruction.
+/// Output of the image, and the result of `listen` on the emulator's account of every instruction.
 ///
 /// # Errors
 /// The emulator does not start, the image hangs or leaves with a failure; those of `listen`.

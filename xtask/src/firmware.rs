@@ -16,7 +16,7 @@ pub(crate) use flash::flash;
 
 /// The package of the images for boards.
 pub(crate) const PACKAGE: &str = "softlimb-image-stm32f4";
-/// What is flashed, and its twin for the emulator.
+/// The flashed program, and its twin for the emulator.
 const FLASHED: &str = "softlimb-stm32f4";
 const TWIN: &str = "softlimb-cosim";
 
@@ -47,7 +47,7 @@ impl Board {
     }
 }
 
-/// What to do with the sizes.
+/// Use of the sizes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sizes {
     /// Compare them with the recorded ones.

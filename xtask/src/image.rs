@@ -25,10 +25,10 @@ const IMAGES: [&str; 2] = ["model", "device"];
 /// The profile that compiles the controller as it is compiled for a board: what is generic in it is compiled with the program.
 const AS_FLASHED: &str = "as-flashed";
 
-/// What to do where the toolchain for the microcontroller cannot lint.
+/// Advice where the toolchain for the microcontroller cannot lint.
 const NO_CLIPPY: &str = "install clippy (`rustup component add clippy`, Debian: apt-get install rust-web-clippy) for";
 
-/// What to do with the instruction counts.
+/// Use of the instruction counts.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Counts {
     /// Compare them with the recorded ones.
@@ -106,7 +106,7 @@ fn emulated(images: &[PathBuf], toolchain: &Toolchain, counts: Counts, here: Opt
     limits::check(&rows)
 }
 
-/// What an image answers, with what each answer cost by the board's timer and by the emulator's account of every instruction.
+/// Answers of an image, with the cost of each by the board's timer and by the emulator's account of every instruction.
 fn traced(image: &Path) -> Result<Vec<Row>, String> {
     let named = |error: std::io::Error| format!("{}: {error}", image.display());
     let file = fs::read(image).map_err(named)?;

@@ -9,7 +9,7 @@ use crate::cargo::{Cargo, code, root};
 const LONGEST: [&str; 7] =
     ["host/fea/tests", "tests/emulated.rs", "host/rig/tests", "host/design/tests", "host", "tests", "fra-model"];
 
-/// What a build of the tests leaves behind.
+/// Files of a build of the tests.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Built {
     pub(crate) tests: Vec<Program>,

@@ -1,4 +1,4 @@
-//! What the tests need beside Rust: what is there, what could be installed, and installing it where that is possible.
+//! Tools of the tests beside Rust: which are there, which are missing, and their installation where that is possible.
 
 use std::process::{Command, Stdio};
 
@@ -10,9 +10,9 @@ use crate::toolchain::Toolchain;
 struct Part {
     /// Packages of Debian and what descends from it.
     packages: &'static [&'static str],
-    /// What it is for.
+    /// Its purpose.
     why: &'static str,
-    /// Where there is no `apt-get`.
+    /// Advice without `apt-get`.
     elsewhere: &'static str,
 }
 
@@ -39,7 +39,7 @@ const PARTS: [Part; 4] = [
     },
 ];
 
-/// What may be done about a part that is not there.
+/// Permitted ways to a missing part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Means {
     /// There is `apt-get`, and the right to use it.
@@ -52,7 +52,7 @@ enum Means {
     Forbidden,
 }
 
-/// What is to be done.
+/// Next step.
 #[derive(Debug, PartialEq, Eq)]
 enum Step {
     /// To install these parts, each by itself, so that one which cannot be had costs no other.
@@ -99,19 +99,19 @@ fn is_root() -> bool {
     id.is_ok_and(|output| output.stdout.trim_ascii() == b"0")
 }
 
-/// What to do by what is there and what may be done.
+/// Next step, by the parts that are there and the permitted ways.
 fn step(present: [bool; PARTS.len()], means: Means) -> Step {
     let lacking: Vec<_> = PARTS.iter().zip(present).filter_map(|(part, there)| (!there).then_some(part)).collect();
     if lacking.is_empty() || means == Means::Apt { Step::Install(lacking) } else { Step::Name(lacking, means) }
 }
 
-/// What is about to be installed, and why.
+/// Announcement of an installation, with its reason.
 fn announcement(parts: &[&Part]) -> String {
     let lines: String = parts.iter().map(|part| line(&part.packages.join(" "), part)).collect();
     format!("xtask: tests need what is not here; about to install by apt-get (not with --no-install):\n{lines}")
 }
 
-/// What somebody else has to install.
+/// Advice on parts that this program cannot install.
 fn advice(parts: &[&Part], means: Means) -> String {
     let apt = |part: &Part| format!("apt-get install {}", part.packages.join(" "));
     let how = |part: &Part| match means {

@@ -27,7 +27,7 @@ const COUNTS: &str = "`cargo xtask model-image`";
 const FAILED: u8 = 1;
 const MISSING: u8 = 2;
 
-/// What `test` may do, and how much of it.
+/// Permissions of `test`, and its extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Options {
     /// Missing tools may be installed.

@@ -16,7 +16,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// What was asked.
+    /// The question.
     pub(crate) fn name(&self) -> (&str, &str) {
         (&self.question, &self.actuator)
     }

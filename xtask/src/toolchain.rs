@@ -10,7 +10,7 @@ pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 /// The profile of images.
 pub(crate) const PROFILE: &str = "firmware";
 
-/// What to do where there is none.
+/// Advice where there is none.
 const CURE: &str = "\
 no installed toolchain builds for thumbv7em-none-eabihf. Install one:
   with rustup:            rustup target add thumbv7em-none-eabihf
@@ -22,9 +22,9 @@ pub(crate) struct Toolchain {
     rustc: PathBuf,
     /// `rustc 1.96.0 (...)`.
     pub(crate) version: String,
-    /// Where the standard library of the target is not installed but its source is.
+    /// Whether only the source of the standard library of the target is installed.
     from_source: bool,
-    /// Where the toolchain brings no linker for the target.
+    /// Linker, if the toolchain brings none for the target.
     linker: Option<PathBuf>,
 }
 
@@ -60,7 +60,7 @@ impl Toolchain {
         (installed || source).then_some(Self { cargo, rustc, version, from_source: !installed, linker })
     }
 
-    /// Where the compiler and the source of its library are.
+    /// Folder of the compiler and the source of its library.
     pub(crate) fn sysroot(&self) -> Option<PathBuf> {
         answer(&self.rustc, "--print=sysroot").map(PathBuf::from)
     }
@@ -109,7 +109,7 @@ impl Toolchain {
     }
 }
 
-/// What a program prints for one argument; `None` where it does not run.
+/// Output of a program for one argument; `None` where it does not run.
 fn answer(program: &Path, argument: &str) -> Option<String> {
     let output = Command::new(program).arg(argument).output().ok().filter(|output| output.status.success())?;
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())

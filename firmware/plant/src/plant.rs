@@ -14,7 +14,7 @@ use crate::truth::Truth;
 /// Duration of one step of the plant, us.
 pub const TICK_US: u64 = 1_000;
 
-/// How long the coils of one channel are energised, from the start of the tick.
+/// Times that the coils of one channel are energised, from the start of the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ChannelDrive {
     /// Fill valve, us; 0..=1000, more counts as 1000. A coil on to the end of one tick and from

@@ -22,7 +22,7 @@ pub struct PlantSettings {
     pub supply: Supply,
     /// The sensor on the supply.
     pub supply_sensor: SensorSettings,
-    /// How far the true parameters stray from the nominal ones.
+    /// Deviation of the true parameters from the nominal ones.
     pub spread: Spread,
     /// One entry per pneumatic channel; 1..=64.
     pub channels: Vec<ChannelSettings>,
@@ -48,7 +48,7 @@ impl PlantSettings {
     }
 }
 
-/// Where the air comes from.
+/// Source of the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Supply {
     /// A pressure regulator that holds its pressure whatever is drawn.

@@ -1,4 +1,4 @@
-//! Where the air comes from: a regulated line, or a pump with its reservoir.
+//! Source of the air: a regulated line, or a pump with its reservoir.
 
 use crate::gas::{Orifice, R_AIR, REFERENCE_DENSITY_KG_PER_M3};
 use crate::settings::{PlantSettings, PumpSettings, Supply};

@@ -58,7 +58,7 @@ pub enum EmulatorError {
     PoorImage {
         /// The image.
         path: PathBuf,
-        /// What it lacks.
+        /// Reason.
         reason: String,
     },
     /// The emulator ended or stopped to answer.
@@ -67,9 +67,9 @@ pub enum EmulatorError {
     /// The emulator says something else than it must.
     #[error("the emulator answers `{answer}` to `{question}`")]
     Strange {
-        /// What it was asked.
+        /// The question.
         question: String,
-        /// What it said.
+        /// The answer.
         answer: String,
     },
 }

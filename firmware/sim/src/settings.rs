@@ -14,7 +14,7 @@ pub struct SimSettings {
     pub baud: u32,
     /// Device clock when the host's clock is 0, us; at most 2^52.
     pub clock_offset_us: u64,
-    /// How much faster than the host's clock the device's clock runs, 1e-6; -1000..=1000.
+    /// Relative speed of the device's clock by the host's, less one, 1e-6; -1000..=1000.
     pub clock_drift_ppm: f64,
     /// Faults of the line, each way.
     pub line_faults: LineFaults,

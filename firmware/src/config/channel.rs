@@ -16,7 +16,7 @@ const REFERENCE_MARGIN_PA: f32 = 3_000.0;
 /// An actuator with its limits and the meaning of its setpoint.
 #[derive(Clone, Copy, Debug)]
 pub struct ChannelConfig {
-    /// Where its pressures come from.
+    /// Source of its pressures.
     pub source: Source,
     /// Volume of the lumen without pressure, m3.
     pub rest_volume_m3: f32,
@@ -30,7 +30,7 @@ pub struct ChannelConfig {
     pub dead_volume_m3: f32,
 }
 
-/// How a channel finds pressures and volumes.
+/// Source of pressures and volumes of a channel.
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
     /// Not at all: the device does not solve the model of this actuator, and the host has sent no tables yet.

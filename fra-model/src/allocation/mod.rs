@@ -49,7 +49,7 @@ pub struct Allocation<T, const R: usize, const N: usize> {
     scale: T,
 }
 
-/// How an allocation ended.
+/// Outcome of an allocation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AllocationStatus {
     /// The pressures are the minimum.
@@ -63,7 +63,7 @@ pub enum AllocationStatus {
 /// An allocation of pressures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Allocated<T, const R: usize, const N: usize> {
-    /// How it ended.
+    /// Outcome.
     pub status: AllocationStatus,
     /// Pressures in the unit of the limits, Pa; those beyond the problem's number of pressures are zero.
     pub pressures_pa: [T; N],

@@ -25,7 +25,7 @@ pub(crate) trait Scalar:
     + MulAssign
     + DivAssign
 {
-    /// How many derivatives it carries along.
+    /// Number of derivatives that it carries along.
     const ORDER: u32 = 0;
 
     /// A constant of the source.

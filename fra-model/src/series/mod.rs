@@ -122,11 +122,11 @@ pub struct SeriesLimit<T> {
 /// Result of a solve of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeriesSolution<T> {
-    /// How the solve ended.
+    /// Outcome of the solve.
     pub status: Status,
     /// The equilibrium when `status` is [`Status::Solved`]; where a limit pressure is known, the state there; else not to be used.
     pub state: SeriesState<T>,
-    /// Where there is no solution because a segment has none: which, and its limit pressure.
+    /// The segment without a solution, if there is one, and its limit pressure.
     pub limit: Option<SeriesLimit<T>>,
     /// Largest residual of a segment, in units of its shear modulus.
     pub residual: T,

@@ -20,9 +20,9 @@ const REFINE_STEPS: u32 = 100;
 const ERRATIC_ITERATIONS: u32 = 8;
 /// Newton's steps may stop shrinking only below this many units in the last place.
 pub(crate) const STALL: f64 = 1e4;
-/// Where rounding hides the root in more than this share of the volume's change, there is no answer.
+/// Largest share of the volume's change in which rounding may hide the root; beyond it there is no answer.
 const COARSEST: f64 = 1e-3;
-/// Where the rounding of plain arithmetic may be more than this share of what a step changes, the step cannot be checked.
+/// Largest share of the change of a step that plain arithmetic may lose by rounding; beyond it the step cannot be checked.
 pub(crate) const BLINDING: f64 = 0.03;
 /// Farther than any step.
 pub(crate) const FAR: f64 = 1e30;

@@ -13,7 +13,7 @@ const SMALLEST_SHARE: f64 = 1e-6;
 /// Longest move of one step, and the largest part of it that may come after its first prediction.
 const LONGEST_MOVE: f64 = 0.3;
 const CORRECTION: f64 = 0.25;
-/// How often the compliance may change in one step, and how far its mean may miss the move.
+/// Largest change of the compliance in one step, as a factor, and largest miss of the move by its mean, as a share.
 const CHANGE: f64 = 3.0;
 const MISS: f64 = 0.1;
 

@@ -21,7 +21,7 @@ const SLOPE_OF_A_LIMIT: f64 = 1e-2;
 /// Direction of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
-    /// Where the root lies to first order.
+    /// Direction of the root to first order.
     Towards,
     /// Towards larger volume.
     Outwards,

@@ -54,11 +54,11 @@ impl Color {
 /// Stroke of a line: a second sign beside the color.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
-    /// What was measured or happened.
+    /// Measurements.
     Solid,
-    /// What was asked for.
+    /// Set points.
     Dashed,
-    /// What a model says.
+    /// Predictions of a model.
     Dotted,
     /// Marks without a line: filled ...
     Dots,
@@ -126,7 +126,7 @@ pub struct Note {
 /// A chart. [`svg`](Chart::svg) draws it.
 #[derive(Debug, Clone)]
 pub struct Chart {
-    /// What the chart shows, as a heading and for screen readers.
+    /// Heading, also for screen readers.
     pub title: String,
     /// Width and height of the area between the axes, px.
     pub area: [f64; 2],

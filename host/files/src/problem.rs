@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use crate::json_line::line_of;
 use crate::object::Object;
 
-/// What is wrong with a problem file.
+/// Error of a problem file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ProblemError {
     /// It is no JSON, or not of this format.

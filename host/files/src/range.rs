@@ -12,7 +12,7 @@ pub struct OutOfRange {
     pub field: &'static str,
     /// The value found.
     pub value: f64,
-    /// What is accepted.
+    /// Accepted values.
     pub allowed: Cow<'static, str>,
 }
 

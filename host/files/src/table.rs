@@ -7,7 +7,7 @@ use csv::{ReaderBuilder, StringRecord, Trim, Writer};
 /// Most characters of a cell that a message repeats.
 const REPEATED: usize = 40;
 
-/// What is wrong with a table.
+/// Error of a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
     /// There is no header, or no row below it.
@@ -30,7 +30,7 @@ pub enum TableError {
         column: String,
         /// As written, between backticks.
         value: String,
-        /// What is accepted.
+        /// Accepted values.
         allowed: String,
     },
 }
@@ -40,7 +40,7 @@ pub enum TableError {
 pub struct Known<K> {
     /// Its name, with the unit.
     pub name: &'static str,
-    /// What it holds.
+    /// Its content.
     pub kind: K,
     /// Factor to SI units.
     pub factor: f64,

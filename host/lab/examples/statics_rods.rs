@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3, Vector4};
-use serde_json::{Value, json};
+use serde::Serialize;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{Fidelity, Load, LoadedLimb, Piece, Rod, by_fidelity};
 use softlimb_scene as scene;
@@ -68,39 +68,83 @@ fn limb(share: f64, direction: &str, up: &str, payload_kg: f64) -> Rod {
     rod
 }
 
-fn told(rod: &Rod) -> Value {
-    let rows =
-        |matrix: &Matrix4<f64>| matrix.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<_>>>();
-    let pieces = rod.pieces.iter().map(|piece| {
-        json!({
-            "free": piece.free, "stiffness": rows(&piece.stiffness), "shear_n": piece.shear_n, "sway": piece.sway, "length_m": piece.length_m,
-            "mount_angle_rad": piece.mount_angle_rad, "kg_per_m": piece.kg_per_m, "rigid_m": piece.rigid_m, "masses": piece.masses,
-        })
-    });
-    let axes = rod.base.rotation.to_rotation_matrix();
-    json!({
-        "origin_m": rod.base.translation.vector.as_slice(),
-        "axes": axes.matrix().column_iter().map(|axis| axis.iter().copied().collect()).collect::<Vec<Vec<f64>>>(),
-        "pieces": pieces.collect::<Vec<_>>(), "gravity_m_per_s2": rod.gravity_m_per_s2.as_slice(),
-    })
+#[derive(Serialize)]
+struct Case {
+    name: &'static str,
+    rod: RodData,
+    free_tip_m: [f64; 3],
+    tiers: [Tier; 3],
 }
 
-fn case(name: &str, make: impl Fn(f64) -> Rod) -> Value {
+#[derive(Serialize)]
+struct RodData {
+    origin_m: [f64; 3],
+    axes: [[f64; 3]; 3],
+    pieces: Vec<PieceData>,
+    gravity_m_per_s2: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct PieceData {
+    free: [f64; 4],
+    stiffness: [[f64; 4]; 4],
+    shear_n: f64,
+    sway: f64,
+    length_m: f64,
+    mount_angle_rad: f64,
+    kg_per_m: f64,
+    rigid_m: f64,
+    masses: Vec<(f64, f64)>,
+}
+
+#[derive(Serialize)]
+struct Tier {
+    name: &'static str,
+    tip_m: [f64; 3],
+    cold_us: f64,
+    warm_us: f64,
+}
+
+fn data(rod: &Rod) -> RodData {
+    let piece = |piece: &Piece| PieceData {
+        free: piece.free,
+        // Columns of a symmetric matrix are its rows.
+        stiffness: piece.stiffness.into(),
+        shear_n: piece.shear_n,
+        sway: piece.sway,
+        length_m: piece.length_m,
+        mount_angle_rad: piece.mount_angle_rad,
+        kg_per_m: piece.kg_per_m,
+        rigid_m: piece.rigid_m,
+        masses: piece.masses.clone(),
+    };
+    RodData {
+        origin_m: rod.base.translation.vector.into(),
+        axes: (*rod.base.rotation.to_rotation_matrix().matrix()).into(),
+        pieces: rod.pieces.iter().map(piece).collect(),
+        gravity_m_per_s2: rod.gravity_m_per_s2.into(),
+    }
+}
+
+fn case(name: &'static str, make: impl Fn(f64) -> Rod) -> Case {
     let (here, near) = (make(1.0), make(NEARBY));
     let free = by_fidelity(&here, Fidelity::Kinematic, None).expect("the kinematics").1.tip().translation.vector;
     let tiers = [Fidelity::Linear, Fidelity::Double, Fidelity::Fourfold].map(|tier| {
         let (_, shape) = by_fidelity(&here, tier, None).expect("stable");
         let start = by_fidelity(&near, tier, None).expect("stable").1.q;
-        json!({
-            "name": tier.name(), "tip_m": shape.tip().translation.vector.as_slice(),
-            "cold_us": fastest(|| drop(by_fidelity(&here, tier, None))), "warm_us": fastest(|| drop(by_fidelity(&here, tier, Some(&start)))),
-        })
+        Tier {
+            name: tier.name(),
+            tip_m: shape.tip().translation.vector.into(),
+            cold_us: fastest(|| drop(by_fidelity(&here, tier, None))),
+            warm_us: fastest(|| drop(by_fidelity(&here, tier, Some(&start)))),
+        }
     });
-    json!({ "name": name, "rod": told(&here), "free_tip_m": free.as_slice(), "tiers": tiers })
+    Case { name, rod: data(&here), free_tip_m: free.into(), tiers }
 }
 
 fn main() {
     let hanging = |share| limb(share, "[0, 0, -1]", "[1, 0, 0]", 0.2);
     let level = |share| limb(share, "[1, 0, 0]", "[0, 0, 1]", 0.0);
-    println!("{}", json!([case("cantilever", cantilever), case("hanging limb", hanging), case("level limb", level)]));
+    let cases = [case("cantilever", cantilever), case("hanging limb", hanging), case("level limb", level)];
+    println!("{}", serde_json::to_string(&cases).expect("finite numbers"));
 }

@@ -1,11 +1,13 @@
 //! The limb of a scene: its actuators and kinematics, and everything that follows from them without a plan.
 //!
 //! [`Limb`] holds solvable modules. [`statics`] loads it, [`workspace`] finds the reach of its tip, [`payload`] its largest load,
-//! [`tolerance`] the effect of fabrication scatter, and [`fabricate`] the sheets and molds of its actuators.
+//! [`tolerance`] the effect of fabrication scatter, and [`fabricate`] the sheets and molds of its actuators. [`batch`] solves
+//! many actuators at once.
 //!
 //! This crate must not know time, the device, files or printing.
 
 pub mod arc;
+pub mod batch;
 mod curve;
 pub mod fabricate;
 mod limb;

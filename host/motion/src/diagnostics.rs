@@ -114,7 +114,7 @@ impl Words<'_> {
                 self.at(self.goal_span(*phase), "this series is too fast", &label, None)
             }
             Unreachable::OnTheWay { phase, module, cause } => {
-                let title = "on the way to its goal this phase leaves what the limb can reach";
+                let title = "on the way to its goal this phase leaves the reach of the limb";
                 self.at(self.phase(*phase).span, title, &no_state(cause, self.module(*module)), None)
             }
             Unreachable::PassesTooNear { phase, time_us, by } => {

@@ -1,4 +1,4 @@
-//! What the device is told before a run: limits, valves, sensors, and one actuator per channel.
+//! Configuration of the device before a run: limits, valves, sensors, and one actuator per channel.
 
 use fra_model::{ActuatorParameters, Families, Material, Motion, Placement};
 use softlimb_protocol::{

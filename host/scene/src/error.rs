@@ -1,4 +1,4 @@
-//! What is wrong with a scene, and the picture of it: the lines of the file, underlined.
+//! Errors of a scene, shown in the lines of the file, underlined.
 
 use std::fmt::{self, Write as _};
 use std::io::ErrorKind;
@@ -19,7 +19,7 @@ pub enum SceneError {
     Unreadable {
         /// The path as given.
         path: PathBuf,
-        /// What stands in the way.
+        /// Reason.
         reason: Unreadable,
     },
     /// The text is not a scene. Every problem found is in it, in the order of the text.
@@ -27,7 +27,7 @@ pub enum SceneError {
     Invalid(Problems),
 }
 
-/// What stands in the way of reading a file.
+/// Reason why a file cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unreadable {
     /// The operating system refused.

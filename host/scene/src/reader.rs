@@ -80,7 +80,7 @@ impl<'a> Reader<'a> {
         Self { log: self.log, table: &EMPTY, section, span: Span::NOWHERE, misspelled: Vec::new() }
     }
 
-    /// Where problems of the whole table are shown: at its header.
+    /// Place of problems of the whole table: its header.
     pub(super) fn span(&self) -> Span {
         self.span
     }

@@ -40,7 +40,7 @@ impl From<Range<usize>> for Span {
 pub struct Located<T> {
     /// The value, in SI units where it has one.
     pub value: T,
-    /// Where it is written.
+    /// Its place in the file.
     pub span: Span,
 }
 

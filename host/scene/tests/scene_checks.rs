@@ -156,7 +156,7 @@ fn supply() {
     expect(&changed("[limits]", "[limits]\nsupply_max = \"7 bar\""), rule, "\"7 bar\"");
 
     // Six valves: 25 x 6 x 1.44e-9 / 5e-3 m3 is less than the smallest reservoir; 25 x 6 x 4e-8 / 5e-3 m3 is 1.2 L.
-    let small = "the reservoir is too small for what flows in a millisecond";
+    let small = "the reservoir is too small for the flow of a millisecond";
     let valves = "[plant.valve]\nconductance = \"4 dm3/(s bar)\"\n[limits]";
     expect(&changed("[limits]", valves), small, "\"4 dm3/(s bar)\"");
     let both = format!("[plant.supply]\nreservoir_volume = \"0.3 L\"\n{valves}");

@@ -207,7 +207,7 @@ fn target_that_does_not_fit_the_motion() {
    |          ----------- because of its motion
 ...
 41 | targets = { upper = { twist = "20 deg" }, elbow = { bend_angle = "40 deg" } }
-   |                       ^^^^^ `upper` cannot be told this
+   |                       ^^^^^ `upper` has no such target
    |
    = help: use one of `axial_stretch`, `pressure`"#
     );

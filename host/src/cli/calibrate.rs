@@ -122,7 +122,7 @@ impl<T: Serialize> Fitted<T> {
         let written = match (&self.scene, &files.write) {
             (Some((scene, wanted)), _) => Some(rewritten(scene, wanted).map_err(Failure::new)?),
             (None, Some(_)) => {
-                return Err(Failure::wrong_line("--write needs a scene, and a fit of what a scene may say"));
+                return Err(Failure::wrong_line("--write needs a scene, and a fit of properties that a scene has"));
             }
             (None, None) => None,
         };

@@ -15,7 +15,7 @@ use softlimb_scene::Quantity;
 #[derive(Args)]
 #[command(
     after_help = "Writes sheet.html and sheet.md, and for each module MODULE-thread-HAND.csv and the parts of its mold as STL files in mm.\n\n\
-                  Example: softlimb fabricate scenes/pick-and-place-a.toml --out workshop"
+                  Example: softlimb fabricate scenes/finger.toml --out workshop"
 )]
 pub(super) struct Fabricate {
     /// The scene file

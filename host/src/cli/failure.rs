@@ -17,7 +17,7 @@ impl Failure {
         Self { text: format!("error: {text}"), wrong_line: false }
     }
 
-    /// What the command line asks for contradicts itself, whatever the files say.
+    /// A command line that contradicts itself, whatever the files say.
     pub fn wrong_line(text: impl std::fmt::Display) -> Self {
         Self { wrong_line: true, ..Self::new(text) }
     }

@@ -35,7 +35,7 @@ pub use design::refused;
 pub use failure::Failure;
 pub use shared::{read, write};
 
-/// How a verb ended that did not fail.
+/// End of a verb that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Done.

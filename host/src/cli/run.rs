@@ -100,7 +100,7 @@ impl Run {
     }
 }
 
-/// What the device complained about, and where the run did not arrive.
+/// Faults of the device, and goals that the run missed.
 pub(super) fn warnings(summary: &Summary) -> Vec<String> {
     let mut warnings = Vec::new();
     for fault in &summary.faults {

@@ -37,7 +37,7 @@ pub(super) struct Statics {
     json: bool,
 }
 
-/// What happens at the end of a phase.
+/// Statics at the end of a phase.
 struct Row {
     phase: String,
     payload_kg: f64,

@@ -262,7 +262,7 @@ fn verdict(study: &Study<'_>, statistics: &Statistics) -> String {
     }
 }
 
-/// What is said of samples without an answer.
+/// Text about samples without an answer.
 fn lost(study: &Study<'_>, statistics: &Statistics, modules: &[&str], samples: usize) -> Vec<String> {
     let phases = study.poses().iter().zip(&statistics.poses).filter(|(_, found)| found.lost_in_all() > 0);
     let say = |(pose, found): (&Pose, &PhaseStatistics)| {

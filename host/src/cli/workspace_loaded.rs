@@ -65,7 +65,7 @@ impl Workspace {
     }
 }
 
-/// What keeps poses from being reached, with their numbers.
+/// Reasons of unreachable poses, with their numbers.
 fn unreached(tally: &Tally, limb: &Limb) -> Vec<String> {
     let by_module = |counts: &[usize]| {
         let named = limb.modules().iter().zip(counts).filter(|(_, count)| **count > 0);
@@ -182,7 +182,7 @@ impl Answer<'_> {
             let _ = writeln!(text, "{name:10} {least:>10} {largest:>10} {range:9.4}  {free:12.4}  {error:9.4}");
         }
         if at_border {
-            let _ = writeln!(text, "* a step further on poses are no longer reached");
+            let _ = writeln!(text, "* poses one step further are out of reach");
         }
         let tally = &self.tally;
         let _ = write!(text, "\n{} poses, {} reached", tally.total(), tally.reached);

@@ -5,7 +5,7 @@ use fra_model::{Actuator, Load, Motion, Status};
 use super::case::{Case, at_rest, of_error, value};
 use softlimb_fea::cross_section::{BendPolynomial, Curve, EndLoad, Options, Section, SectionError};
 
-/// What a three-dimensional model says of a case: the quantity at each of its pressures, `None` where it gave up before.
+/// Answer of a three-dimensional model to a case: the quantity at each of its pressures, `None` where it gave up before.
 pub type Solid = Vec<Option<f64>>;
 
 /// One actuator at one pressure.
@@ -39,7 +39,7 @@ pub struct Comparison {
 }
 
 impl Row {
-    /// How far a value is from that of the section, as a share of the motion; `None` where one is missing or nothing moves.
+    /// Difference of a value from that of the section, as a share of the motion; `None` where one is missing or nothing moves.
     pub fn difference(&self, value: Option<f64>) -> Option<f64> {
         let section = self.section?;
         let motion = section - self.rest;

@@ -24,7 +24,7 @@ impl Comparison {
         self.by_case().into_iter().map(line).collect()
     }
 
-    /// What a terminal shows: every row, then the largest difference of each case.
+    /// Table for a terminal: every row, then the largest difference of each case.
     pub fn table(&self) -> String {
         let mut text = String::new();
         for (rows, line) in self.by_case().into_iter().zip(self.lines()) {

@@ -87,7 +87,7 @@ fn next(queue: &Mutex<Receiver<Job>>) -> Option<Job> {
     queue.lock().unwrap_or_else(PoisonError::into_inner).recv().ok()
 }
 
-/// How many lines end in some bytes. Sums of single bytes, which vector units add side by side, cannot overflow in short pieces.
+/// Number of lines that end in some bytes. Sums of single bytes, which vector units add side by side, cannot overflow in short pieces.
 fn ends(lines: &[u8]) -> usize {
     let in_piece = |piece: &[u8]| usize::from(piece.iter().map(|byte| u8::from(*byte == b'\n')).sum::<u8>());
     lines.chunks(128).map(in_piece).sum()

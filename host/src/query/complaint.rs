@@ -1,4 +1,4 @@
-//! What is wrong with a line, in the words of JSON.
+//! Errors of a line, in the words of JSON.
 
 use serde_json::error::Category;
 

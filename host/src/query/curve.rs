@@ -29,11 +29,11 @@ pub struct Curve {
     pub module: String,
     /// Its motion, in words.
     pub motion: &'static str,
-    /// What was solved.
+    /// Solved equations.
     pub equations: &'static str,
     /// The points from rest upwards.
     pub points: Vec<CurvePoint>,
-    /// Where the branch ends below the pressure asked for: its limit pressure, Pa.
+    /// Limit pressure of a branch that ends below the requested pressure, Pa.
     pub limit_pressure_pa: Option<f64>,
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Request {
     pub(super) external_torque_nm: Option<f64>,
 }
 
-/// What answers.
+/// Model that answers.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum Model {
@@ -111,7 +111,7 @@ pub(super) fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Opti
     f64::deserialize(deserializer).map(Some)
 }
 
-/// What is asked.
+/// A query.
 pub(super) enum Question<T> {
     Forward { pressure_pa: f64 },
     Inverse { target: T },
@@ -159,7 +159,7 @@ impl MotionName {
 }
 
 impl Problem {
-    /// What is asked, or what the fields leave out or have too much of.
+    /// The query, or the missing or superfluous fields.
     pub(super) fn question<S, T>(
         self,
         pressure_pa: Option<f64>,

@@ -8,7 +8,7 @@ use softlimb_fea::cross_section::{Answer, EndLoad, Equilibrium, Options, Outcome
 
 /// Steps of the search for a pressure.
 const STEPS: usize = 30;
-/// How close to the target the search ends, relative: far below the error of discretisation.
+/// Relative tolerance of the search for a target: far below the error of discretisation.
 const TOLERANCE: f64 = 1e-11;
 /// Smaller angles are compared with this, rad.
 const LEAST_ANGLE_RAD: f64 = 1e-3;
@@ -22,7 +22,7 @@ pub(super) struct Discretisation {
     bend_angle_rad: f64,
 }
 
-/// What the section model says of a case.
+/// Answer of the section model to a case.
 pub(super) struct Found {
     pub(super) status: Status,
     /// The equilibrium, if the status is [`Status::Solved`].
@@ -100,7 +100,7 @@ impl Asked<'_> {
         Ok(beyond.map_or_else(|| self.nothing(Status::NotConverged, None), |answer| self.found(&answer)))
     }
 
-    /// How far an answer is beyond a target.
+    /// Distance of an answer beyond a target.
     fn miss(&self, answer: &Answer, target: Target<f64>) -> Option<f64> {
         let state = answer.equilibrium()?.state.over(self.case.parameters.length_m);
         Some(match target {
@@ -136,7 +136,7 @@ fn status(answer: &Answer) -> Status {
     }
 }
 
-/// What a miss is compared with.
+/// Reference size of a miss.
 fn size(target: Target<f64>) -> f64 {
     match target {
         Target::AxialStretch(value) | Target::OuterRadius(value) | Target::InnerRadius(value) => value,

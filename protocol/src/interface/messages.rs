@@ -80,7 +80,7 @@ macro_rules! direction {
                 },
             )+];
 
-            /// How this message is made to arrive.
+            /// Delivery of this message.
             #[must_use]
             pub const fn delivery(&self) -> Delivery {
                 match self { $( Self::$Message(_) => Delivery::$Delivery, )+ }

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use super::{Board, Files, Sizes, build};
 use crate::trouble::Trouble;
 
-/// What to do where nothing that writes is installed.
+/// Advice where no programmer is installed.
 const INSTALL: &str = "\
 nothing that writes a chip is installed. Either
   install probe-rs and connect the board by its debugger (NUCLEO: the USB plug): https://probe.rs, `cargo install probe-rs-tools`
@@ -13,12 +13,12 @@ or
   install dfu-util and connect the board's own USB plug, with BOOT0 held high while it starts:
   Debian, Ubuntu: apt-get install dfu-util      Fedora: dnf install dfu-util      macOS: brew install dfu-util";
 
-/// What to do where `probe-rs` sees nothing, and where `dfu-util` does.
+/// Advice where `probe-rs` or `dfu-util` sees nothing.
 const NO_DEBUGGER: &str = "probe-rs finds no debugger: connect the board by it (NUCLEO: the USB plug)";
 const NO_LOADER: &str =
     "dfu-util finds no chip in its loader: connect the board's own USB plug, with BOOT0 held high while it starts";
 
-/// What holds for both.
+/// Advice for both.
 const CARE: &str = "\
 Cut the supply of the valves first: while it is written, the chip's pins are not the program's.
 On Linux the user needs access to the device: see https://probe.rs/docs/getting-started/probe-setup";
@@ -26,7 +26,7 @@ On Linux the user needs access to the device: see https://probe.rs/docs/getting-
 /// The chip's loader on the USB.
 const LOADER: &str = "0483:df11";
 
-/// What can write into the chip that is connected.
+/// Programmer of the connected chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     Debugger,
@@ -54,7 +54,7 @@ pub(crate) fn flash(board: Board) -> Result<(), Trouble> {
     }
 }
 
-/// What writes, by what `probe-rs list` and `dfu-util --list` say; none where they are not installed.
+/// The programmer, by the output of `probe-rs list` and `dfu-util --list`; none where they are not installed.
 fn way([probes, loaders]: [Option<&str>; 2]) -> Result<Way, String> {
     if probes.is_some_and(has_probe) {
         return Ok(Way::Debugger);

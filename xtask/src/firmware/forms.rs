@@ -12,7 +12,7 @@ const ERASED: u8 = 0xff;
 /// Bytes in a line of the text.
 const LINE: usize = 16;
 
-/// What the memory for programs holds, from an address on.
+/// Content of the memory for programs, from an address on.
 pub(super) struct Binary {
     pub(super) start: usize,
     pub(super) bytes: Vec<u8>,

@@ -1,4 +1,4 @@
-//! What must not be in an image.
+//! Code that must not be in an image.
 
 use crate::double::is_double;
 use crate::elf;

@@ -1,4 +1,4 @@
-//! How large an image is, against what is recorded.
+//! Size of an image beside the recorded one.
 
 use std::fs;
 
@@ -13,7 +13,7 @@ const HEADER: &str = "board\tflash\tram\tstack";
 /// An image may be this much larger or smaller than recorded, in per cent.
 const MARGIN: usize = 2;
 
-/// What an image may take, bytes: of flash, and of memory for variables and stack together.
+/// Largest size of an image, bytes: of flash, and of memory for variables and stack together.
 const FLASH_MAX: usize = 64 * 1024;
 const RAM_MAX: usize = 32 * 1024;
 
@@ -23,11 +23,11 @@ const RAM: usize = 0x2000_0000;
 /// Bytes of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Size {
-    /// What is written into the chip.
+    /// Bytes written into the chip.
     flash: usize,
     /// Variables.
     ram: usize,
-    /// What is set aside for the stack.
+    /// Bytes set aside for the stack.
     stack: usize,
 }
 
@@ -41,7 +41,7 @@ fn size(file: &[u8]) -> Result<Size, String> {
     })
 }
 
-/// What is too large about an image.
+/// The part of an image that is too large.
 fn excess(size: Size) -> Option<String> {
     let memory = size.ram + size.stack;
     let over = |what: &str, found: usize, most: usize| format!("{found} bytes of {what}, more than {most}");
@@ -98,7 +98,7 @@ fn with(recorded: &str, board: &str, size: Size, compiler: &str) -> String {
 enum Verdict {
     Same,
     OtherCompiler,
-    /// What is recorded.
+    /// The recorded sizes.
     Other(String),
 }
 

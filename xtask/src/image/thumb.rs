@@ -5,7 +5,7 @@
 //! root, 3 for a product with a sum; 1 more for a float that the next instruction needs, 2 more where the program does not go on with the
 //! next instruction.
 
-/// What leaving the straight way costs: the pipeline is filled again.
+/// Cost of a taken branch: the pipeline is filled again.
 const REFILL: u64 = 2;
 
 /// One instruction, as far as its cost goes.

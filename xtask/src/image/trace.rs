@@ -1,4 +1,4 @@
-//! What the processor did between two places of an image, instruction by instruction, from what the emulator tells of each.
+//! Work of the processor between two places of an image, instruction by instruction, by the account of the emulator.
 
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;
@@ -24,7 +24,7 @@ pub(super) struct Meter<'a> {
     code: Vec<elf::Segment<'a>>,
     begins: Range<usize>,
     ends: usize,
-    /// Where the last instruction is that was told, and what came before it.
+    /// Place of the last reported instruction, and the one before it.
     last: Option<usize>,
     before: Option<Instruction>,
     open: Option<Stretch>,

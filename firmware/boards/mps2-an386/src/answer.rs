@@ -27,7 +27,7 @@ impl Note {
     }
 }
 
-/// What can be noted.
+/// An answer that can be noted.
 pub(crate) trait Answer {
     /// The line of the table.
     fn note(&self) -> Note;

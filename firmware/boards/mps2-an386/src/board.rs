@@ -16,7 +16,7 @@ use cortex_m_semihosting::hio;
 /// The system timer counts from here to zero, 24 bits.
 const LARGEST: u32 = 0x00ff_ffff;
 
-/// How often the timer went through zero since it was last asked to begin.
+/// Passes of the timer through zero since its last start.
 static ROUNDS: AtomicU32 = AtomicU32::new(0);
 
 /// A dozen instructions in sixteen million counts.

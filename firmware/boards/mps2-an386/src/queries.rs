@@ -131,7 +131,7 @@ fn shape(bench: &mut impl Bench, case: &Case, actuator: &Actuator<f32>, state: &
     }
 }
 
-/// What an equilibrium depends on; whether the model says it.
+/// Derivatives of an equilibrium; whether the model has them.
 fn derivatives(bench: &mut impl Bench, case: &Case, actuator: &Actuator<f32>, state: &State<f32>) -> bool {
     let (name, none, radius) = (case.name, Load::none(), Parameter::OuterRadius);
     let forward = bench.put("derivative by a radius", name, || {

@@ -18,7 +18,7 @@ const INNER_M: f32 = 10e-3;
 const OUTER_M: f32 = 14e-3;
 const LENGTH_M: f32 = 0.24;
 
-/// How the device comes to a pressure.
+/// Inverse of the device, from a deformation to a pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Inverse {
     /// By tables of the highest degree: their cost depends on nothing else.

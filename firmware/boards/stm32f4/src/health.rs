@@ -1,6 +1,6 @@
 //! When the watchdog is fed: only while everything that has to run does.
 
-/// How often each part has run so far; all may wrap.
+/// Runs of each part so far; all may wrap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Slots of the schedule.

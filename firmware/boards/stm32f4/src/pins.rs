@@ -86,10 +86,10 @@ pub const SENSOR: [(Pin, u8); SENSORS] =
 /// The emergency stop: a contact to ground that opens when it is pressed, so that a broken wire stops too.
 pub const EMERGENCY_STOP: Pin = c(3);
 
-/// What the device sends on the link.
+/// Output of the link.
 pub const LINK_OUT: Pin = a(2);
 
-/// What the device receives on the link.
+/// Input of the link.
 pub const LINK_IN: Pin = a(3);
 
 /// All outputs of one port.

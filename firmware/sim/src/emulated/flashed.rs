@@ -26,7 +26,7 @@ use crate::mcu::Processor;
 /// As for the twin: an instruction takes 2^3 ns of the emulated time, and nothing waits for this computer's clock.
 const PACE: &str = "shift=3,sleep=off";
 
-/// Where every tick begins: an instruction that does nothing, and the length of it.
+/// Start of every tick: an instruction that does nothing, and the length of it.
 const TICK: &str = "tick_begins";
 const NOTHING_LEN: u32 = 2;
 
@@ -36,7 +36,7 @@ const TURN: &str = "EXTI0";
 /// The device's clock counts ticks, and its first turn comes with the first of them.
 const FIRST_TICK_US: u64 = 1_000;
 
-/// How long a byte may wait for room on the way to the emulator. A stopped one takes nothing once its port is full, so that whoever waited
+/// Longest wait of a byte for room on the way to the emulator. A stopped one takes nothing once its port is full, so that whoever waited
 /// for ever would keep it stopped.
 const PATIENCE: Duration = Duration::from_millis(1);
 
@@ -52,11 +52,11 @@ const NOWHERE: u32 = 0xf000_0000;
 pub struct Flashed {
     remote: Remote,
     serial: UnixStream,
-    /// What the device is to receive as soon as there is room for it.
+    /// Bytes for the device, sent as soon as there is room.
     unsent: Vec<u8>,
-    /// What the device has sent.
+    /// Bytes of the device.
     received: Receiver<Vec<u8>>,
-    /// Where to go on; `None` for where it is.
+    /// Address to go on at; `None` for the present one.
     next: Option<u32>,
     tick: u32,
     turn: u32,

@@ -10,7 +10,7 @@ use crate::error::EmulatorError;
 
 /// An answer takes less than a millisecond; an emulator that takes this long hangs.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// How long a socket may take to appear, and how often to look.
+/// Longest wait for a socket to appear, and the number of looks.
 const LOOKS: u32 = 1_000;
 const PAUSE: Duration = Duration::from_millis(10);
 

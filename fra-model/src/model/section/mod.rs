@@ -157,7 +157,7 @@ impl<T: Scalar> Section<T> {
         }
     }
 
-    /// How near the nearest singularity of the deformed radius is to the angles, 0 to about 1: at the inner face, where the radius
+    /// Nearness of the nearest singularity of the deformed radius to the angles, 0 to about 1: at the inner face, where the radius
     /// would shrink to nothing, or beyond the outer one, where the map folds.
     fn nearness(&self, k: T) -> T {
         let f2 = self.winding * self.winding;

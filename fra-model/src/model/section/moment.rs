@@ -118,7 +118,7 @@ impl<T: Scalar> Bend<T> {
         (Pair::of(self.f2) - r2) * T::constant(0.5) - cos_third * (Pair::of(self.f3) - r2 * r)
     }
 
-    /// Where the points of a ring at the angles of cosines `cos` go: the root of the isochoric map.
+    /// Radii of the deformed points of a ring at the angles of cosines `cos`: the root of the isochoric map.
     ///
     /// Its slope in `r^2` is `1 + k h`, at least one. The iteration is Chebyshev's, with two more corrections by the same slope, which
     /// leaves the fifth power of an error; away from the root it is Newton's.

@@ -1,4 +1,4 @@
-//! Where the integrals over a bent section are evaluated: angles around it and radii through the wall, as many as the bend takes.
+//! Nodes of the integrals over a bent section: angles around it and radii through the wall, as many as the bend takes.
 //!
 //! Around the section the midpoint rule converges geometrically: the deformed radius is a function of `x = cos(phi_c) k/(1+k)` that is
 //! analytic up to a nearest singularity `1/x_s`, and `n` angles on half a turn leave an error of about `(x/2 x_s)^2n`. Through the wall
@@ -105,7 +105,7 @@ pub(super) const NEAR_DOUBLE: [(u8, f64); 9] =
 pub(super) const NEAR_SINGLE: [(u8, f64); 5] = [(2, 0.0), (4, 0.09), (6, 0.27), (8, 0.6), (12, 0.8)];
 pub(super) const NEAR_ROUGH: [(u8, f64); 2] = [(2, 2e-3), (4, 0.3)];
 
-/// How exact an integral has to be.
+/// Required accuracy of an integral.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Digits {
     /// Those of the scalar.
@@ -132,7 +132,7 @@ pub(super) fn enough<T: Scalar, const N: usize>(table: [(u8, f64); N], measure: 
     table.into_iter().find(|(_, until)| measure <= T::constant(*until)).map(|(count, _)| count)
 }
 
-/// How many angles a bend takes by the nearness of its singularity.
+/// Number of angles of a bend, by the nearness of its singularity.
 pub(super) fn angles<T: Scalar>(near: T, digits: Digits) -> u8 {
     match digits {
         Digits::Few => enough(NEAR_ROUGH, near).unwrap_or(6),

@@ -117,7 +117,7 @@ fn arrived<T: Real>(before: &Bent<T>, here: &Bent<T>, found: &Bent<T>) -> Option
     if is_last { met(*found, left * step / size) } else { None }
 }
 
-/// Where two bends lead; `None` unless their moments differ and rise, and the predicted bend is within bounds.
+/// Bend predicted by two others; `None` unless their moments differ and rise, and the predicted bend is within bounds.
 fn led_on<T: Real>(before: &Bent<T>, here: &Bent<T>, wanted: T) -> Option<Bent<T>> {
     let rises = here.moment.is_finite() && here.slope > T::zero() && here.moment != before.moment;
     if !rises {

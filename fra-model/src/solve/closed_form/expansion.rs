@@ -26,7 +26,7 @@ pub(super) struct Expansion<S> {
     pub(super) short: S,
     /// The coefficients.
     pub(super) terms: [Unknowns<S>; ORDERS],
-    /// What each coefficient after the last is of the two before it.
+    /// Factors of the two coefficients before each one after the last.
     pub(super) tail: [S; 2],
 }
 
@@ -107,7 +107,7 @@ impl<T: Real> Expansion<T> {
         (reach, short)
     }
 
-    /// How far a step from a value of the variable may go, and its size over its length; `None` where the sum of the series is not near
+    /// Largest step from a value of the variable, and its size over its length; `None` where the sum of the series is not near
     /// an equilibrium there, or not near where the step leads.
     #[inline(always)]
     fn step<const TWIST: bool>(&self, path: &Path<'_, T, TWIST>, z: T, last: T) -> Option<(T, T)> {

@@ -29,7 +29,7 @@ pub(crate) type Column<T> = [T; LANES];
 /// Rounds of corrections that every lane gets.
 const ROUNDS: u32 = 3;
 
-/// What the direct way has of each actuator.
+/// Data of the closed-form solver, by actuator.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Columns<T> {
     constants: Constants<Column<T>>,
@@ -203,7 +203,7 @@ struct Stage<V> {
 
 /// A correction that was made.
 struct Round<V> {
-    /// What its first term left over.
+    /// Rest after its first term.
     left: Rest<V>,
     volume_rate: V,
     /// Negative where it was not the last.

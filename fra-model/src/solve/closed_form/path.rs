@@ -48,7 +48,7 @@ pub(super) struct Stand<T> {
     pub(super) last: T,
     /// Change of the measured deformation with the pressure, at the last state.
     pub(super) along: Option<T>,
-    /// Where the last step was Newton's alone, the change of the pressure that came with it.
+    /// Change of the pressure with the last step, if that was Newton's alone.
     pub(super) plain: Option<T>,
 }
 

@@ -79,7 +79,7 @@ fn missing_surplus_and_unfit_entries_are_named() {
         (
             "{\"length_m\": [0.2, 0.21]}",
             "{\"length_m\": [0.2], \"twist_rad\": [1]}",
-            "line 17: segments[0].targets.twist_rad is not allowed: not what this motion is measured by",
+            "line 17: segments[0].targets.twist_rad is not allowed: no quantity of this motion",
         ),
         ("\"extension\"", "\"bending\"", "line 3: weights.bend_angle_per_rad2 is missing: a segment has such targets"),
     ] {

@@ -149,7 +149,7 @@ fn local(numbers: &Numbers, element: [usize; 2], values: &[f64]) -> [f64; ALL] {
 }
 
 impl Shaped {
-    /// How far the end has moved along the axis, and turned about it.
+    /// Displacement of the end along the axis, and its turn about it.
     pub(super) fn end(&self) -> [f64; 2] {
         [self.values[self.numbers.shift], self.numbers.turn.map_or(0.0, |turn| self.values[turn])]
     }

@@ -1,4 +1,4 @@
-//! What one element adds to the equations.
+//! Contribution of one element to the equations.
 
 use super::mesh::{FIELDS, NODES, PRESSURES};
 use super::wall::{Energy, Gradient, PARTS, RR, RZ, TR, TT, TZ, Wall, Winding, ZR, ZZ, determinant};

@@ -1,4 +1,4 @@
-//! How much of an actuator's length its caps take out of its motion.
+//! Length of an actuator that its caps take out of its motion.
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Motion, Placement};
 
@@ -26,7 +26,7 @@ const STIFF: f64 = 1e4;
 pub struct Delta {
     /// `delta`, m.
     pub delta_m: f64,
-    /// What a mesh of half the size changes of it, m.
+    /// Its change on a mesh of half the size, m.
     pub error_m: f64,
 }
 

@@ -9,7 +9,7 @@ pub(super) struct Mesh {
     pub(super) places: Vec<f64>,
 }
 
-/// What happens at the end of the mesh; at its start the wall is the mirror image of itself.
+/// Boundary at the end of the mesh; at its start the wall is the mirror image of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EndOfWall {
     /// Bonded to a rigid cap, which moves along the axis and turns about it.

@@ -1,4 +1,4 @@
-//! What a wound thread of some pitch is worth as a sheet.
+//! Stiffness of a wound thread of some pitch as a sheet.
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Motion, Placement, Status};
 
@@ -40,7 +40,7 @@ pub struct ThreadSheet {
     pub ideal_n_per_m: f64,
     /// `km` of the sheet that lengthens as much as the thread at the pressure, N/m.
     pub effective_n_per_m: f64,
-    /// What a mesh of half the size changes of it, as a share.
+    /// Its relative change on a mesh of half the size.
     pub error: f64,
     /// Axial strain with the thread.
     pub strain: f64,

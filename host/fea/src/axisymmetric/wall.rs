@@ -85,7 +85,7 @@ pub(super) fn determinant(f: &Gradient) -> (f64, Gradient) {
     (f[TT] * plane, first)
 }
 
-/// What a wall is made of, moduli in units of the small-strain shear modulus, lengths of the inner radius.
+/// Materials of a wall, moduli in units of the small-strain shear modulus, lengths of the inner radius.
 #[derive(Clone, Debug)]
 pub(super) struct Wall {
     elastomer: Elastomer,
@@ -173,7 +173,7 @@ pub(super) mod tests {
         (Wall { elastomer: Elastomer { c: [0.5, 0.07, -0.01] }, layer: Some((0.0, winding)), sheet: None }, winding)
     }
 
-    /// Where directions of tests start.
+    /// Starts of the directions of tests.
     pub(crate) const DIRECTIONS: [f64; 3] = [0.3, 1.9, 4.4];
 
     /// Energy per volume with the constraint, written out again for any gradient, which is given as rows.

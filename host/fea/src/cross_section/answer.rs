@@ -1,4 +1,4 @@
-//! What the section model answers.
+//! Results of the section model.
 
 use std::f64::consts::PI;
 
@@ -83,7 +83,7 @@ impl ErrorEstimate {
     }
 }
 
-/// How the load on the section answers small changes at constant pressure. Order: stretch, two bends, twist (1, 1/m, 1/m, 1/m), and
+/// Change of the load on the section by small changes at constant pressure. Order: stretch, two bends, twist (1, 1/m, 1/m, 1/m), and
 /// the loads that work on them: force, two bending moments, torque (N, N m, N m, N m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
@@ -105,7 +105,7 @@ pub struct Equilibrium {
     pub stiffness: Option<Stiffness>,
 }
 
-/// How the search for an equilibrium ended.
+/// Outcome of the search for an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
@@ -123,7 +123,7 @@ pub enum Outcome {
     LoadNotCarried,
     /// The iteration stopped without showing that the branch ends.
     NotConverged {
-        /// How far it got, gauge Pa.
+        /// Highest pressure reached, gauge Pa.
         reached_pressure_pa: f64,
     },
 }
@@ -133,7 +133,7 @@ pub enum Outcome {
 pub struct Answer {
     /// The gauge pressure asked for, Pa.
     pub pressure_pa: f64,
-    /// What was found.
+    /// Outcome.
     pub outcome: Outcome,
 }
 

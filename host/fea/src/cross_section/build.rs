@@ -28,7 +28,7 @@ impl Fibers {
     }
 }
 
-/// Where the winding is.
+/// Place of the winding.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Wound {
     /// On the surface of this radius, energy per area.

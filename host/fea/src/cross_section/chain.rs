@@ -23,7 +23,7 @@ pub(super) struct Chain {
     strains: Front,
 }
 
-/// What one linear solve gives.
+/// Result of one linear solve.
 #[derive(Clone, Debug)]
 pub(super) struct Linear {
     /// Newton's step.
@@ -245,7 +245,7 @@ fn kept(grid: &Grid, index: usize) -> usize {
     if grid.closed() && index + 1 < line_count(grid) { 2 } else { 1 }
 }
 
-/// Where the variables that a front keeps go in one that has some lines: its lines to the given places, the border to the border.
+/// Places of the variables that a front keeps in one that has some lines: its lines to the given places, the border to the border.
 fn map(grid: &Grid, lines: usize, places: &[usize]) -> Vec<usize> {
     let nodes = grid.radii.len() * grid.dofs();
     let of_lines = places.iter().flat_map(|place| place * nodes..(place + 1) * nodes);

@@ -10,7 +10,7 @@ use super::spots::{limiting_spots, places, surface_spots, wall_spot};
 use crate::elastomer::Elastomer;
 use softlimb_numerics::gauss::GAUSS_3;
 
-/// What is computed once about a column.
+/// Data of a column, computed once.
 #[derive(Clone, Debug)]
 pub(super) struct Column {
     /// Directions of a node's displacements on the three lines: outwards, around, along.
@@ -180,7 +180,7 @@ impl Column {
         3 * grid.radii.len() * grid.dofs() + 3 * grid.rings()
     }
 
-    /// Where the displacements of an element and the strains are in the column.
+    /// Places of the displacements of an element and of the strains in the column.
     fn variables(&self, grid: &Grid, element: usize, border: &Border) -> Vec<usize> {
         let dofs = grid.dofs();
         let of_node = |node: usize| self.node_start(grid, node / 3) + (2 * element + node % 3) * dofs;

@@ -1,4 +1,4 @@
-//! What the section model does not accept.
+//! Errors of the section model.
 
 use fra_model::InvalidParameter;
 

@@ -84,7 +84,7 @@ impl Grid {
         self.angles.len() - usize::from(self.closed())
     }
 
-    /// How often the part fits into the section.
+    /// Number of such parts in the section.
     pub(super) fn multiplicity(&self) -> f64 {
         match self.part {
             Part::Wedge => WEDGES,

@@ -57,7 +57,7 @@ impl Form {
     }
 }
 
-/// Where the iteration is.
+/// State of the iteration.
 #[derive(Clone, Debug)]
 pub(super) struct State {
     pub(super) form: Form,

@@ -1,4 +1,4 @@
-//! What a user says beside the actuator's parameters: mesh, strain-limiting layer, symmetry, load.
+//! Settings beside the actuator's parameters: mesh, strain-limiting layer, symmetry, load.
 
 use fra_model::{Load, Motion};
 
@@ -24,7 +24,7 @@ impl Default for Mesh {
     }
 }
 
-/// What keeps one side of the outer surface, in the direction of the bend, from lengthening.
+/// Layer that keeps one side of the outer surface, in the direction of the bend, from lengthening.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limiter {
     /// Nothing.

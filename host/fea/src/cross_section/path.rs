@@ -15,7 +15,7 @@ const NEWTON_STEPS: u32 = 12;
 const FAR: f64 = 1e2;
 /// Growth of the changes from one iteration to the next that is still taken for one on its way.
 const GROWTH: f64 = 4.0;
-/// How far from its prediction by the tangent a step may end, relative to its length.
+/// Largest distance of the end of a step from its prediction by the tangent, relative to its length.
 pub(super) const STRAY: f64 = 0.6;
 /// Shortest step of the pressure, in units of the pressure asked for, and of the load.
 pub(super) const SHORTEST: f64 = 1e-4;
@@ -29,7 +29,7 @@ pub(super) struct Point {
     tensions_by_pressure: Vec<[f64; 2]>,
 }
 
-/// Where a path led.
+/// End of a path.
 #[derive(Clone, Debug)]
 pub(super) enum Reached {
     Equilibrium(Box<Point>),
@@ -69,7 +69,7 @@ pub(super) struct Path<'a> {
     here: Option<Point>,
     /// The equilibrium before, at another pressure.
     before: Option<Point>,
-    /// What everything beyond is answered with.
+    /// Answer to everything beyond.
     end: Option<Reached>,
     pub(super) work: Work,
 }

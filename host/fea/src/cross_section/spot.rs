@@ -69,7 +69,7 @@ impl Sums {
     }
 }
 
-/// What an element is like at the moment.
+/// Present state of an element.
 pub(super) struct Local<'a> {
     /// Displacements a node, two or three.
     pub(super) dofs: usize,

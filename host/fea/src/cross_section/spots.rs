@@ -1,4 +1,4 @@
-//! Where in a column energy is collected: points of the wall, of fiber surfaces, and the strain-limiting line.
+//! Integration points of the energy in a column: points of the wall, of fiber surfaces, and the strain-limiting line.
 
 use super::build::{Build, Fibers, Limit};
 use super::grid::Grid;

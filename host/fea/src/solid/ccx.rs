@@ -16,12 +16,12 @@ use guard::Running;
 use softlimb_files::range::require;
 use softlimb_files::{FileError, make_folder};
 
-/// How often the run is looked at.
+/// Time between two looks at the run.
 const PAUSE: Duration = Duration::from_millis(50);
 /// CalculiX's exit code for whatever it calls an error, divergence included.
 const STOPPED: i32 = 201;
 
-/// How CalculiX is run.
+/// Settings of a run of CalculiX.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Runner {
     /// The program; a bare name is looked up in `PATH`.
@@ -30,7 +30,7 @@ pub struct Runner {
     pub timeout_s: f64,
     /// Threads it may use, 1 to 64. Debian's package gains nothing from more than one.
     pub threads: u32,
-    /// Where to keep deck and output; a temporary folder that goes away where there is none.
+    /// Folder for deck and output; a temporary folder that goes away where there is none.
     pub keep: Option<PathBuf>,
 }
 
@@ -53,7 +53,7 @@ impl Runner {
     }
 }
 
-/// How a run ended of which something can be used.
+/// End of a run with usable output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
     /// At the end of the load.
@@ -69,7 +69,7 @@ pub enum End {
     TimedOut,
 }
 
-/// What a run leaves.
+/// Output of a run.
 pub(crate) struct Raw {
     pub(crate) end: End,
     /// The `.dat` file.
@@ -139,7 +139,7 @@ fn is_full(folder: &Path) -> bool {
     room.is_err_and(|error| matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded))
 }
 
-/// What CalculiX prints goes here.
+/// File for the output of CalculiX.
 const LOG: &str = "ccx.log";
 
 /// Removes what an earlier run left, which could be taken for this run's.
@@ -185,7 +185,7 @@ fn text(path: &Path) -> Result<String, FemError> {
     }
 }
 
-/// How the run ended, by exit code and what was printed.
+/// End of the run, by exit code and output.
 fn end(status: ExitStatus, log: &str, reached: &Progress) -> Result<End, FemError> {
     let Some(code) = status.code() else {
         let reached = format!("{:.2} steps", reached.time);
@@ -217,7 +217,7 @@ const OVERSTRETCHED: &str = "fiber extension is too large";
 
 const NO_EQUILIBRIUM: &str = "no equilibrium was found however small the increment: a limit point or a buckle is near, or the mesh is too coarse";
 
-/// What CalculiX prints, and what it means; the first that is found counts.
+/// Words that CalculiX prints, and their meaning; the first that is found counts.
 const WORDS: [(&str, &str); 6] = [
     (DISK_FULL, "the disk is full: free some space, or set TMPDIR to a folder on another disk"),
     (OVERSTRETCHED, "an iterate overstretched a fiber, where CalculiX stops without trying a smaller increment"),

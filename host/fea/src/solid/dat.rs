@@ -1,4 +1,4 @@
-//! What CalculiX prints: the displacements in `.dat`, the increments in `.sta`.
+//! Output of CalculiX: the displacements in `.dat`, the increments in `.sta`.
 
 use super::FemError;
 use super::gauge::Displacements;
@@ -75,7 +75,7 @@ fn row(node: &str, shift: [&str; 3]) -> Option<(usize, [f64; 3])> {
     Some((node.checked_sub(1)?, values))
 }
 
-/// What the `.sta` file says so far.
+/// Progress by the `.sta` file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Progress {
     /// Total time of the last increment that converged.

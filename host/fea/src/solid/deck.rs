@@ -25,9 +25,9 @@ pub struct Deck {
     steps: usize,
     /// Mesh, ties, sets, isotropic materials: for both programs.
     pub model: String,
-    /// What CalculiX is started with.
+    /// Input of CalculiX.
     pub calculix: String,
-    /// What Abaqus is started with.
+    /// Input of Abaqus.
     pub abaqus: String,
 }
 

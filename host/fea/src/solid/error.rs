@@ -8,7 +8,7 @@ use fra_model::InvalidParameter;
 use softlimb_files::FileError;
 use softlimb_files::range::OutOfRange;
 
-/// What can go wrong with a deck and its run. A point that did not converge is none of it: it has a status of its own.
+/// Error of a deck or its run. A point that did not converge is no error: it has a status of its own.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FemError {
@@ -49,7 +49,7 @@ pub enum FemError {
     Program {
         /// The program.
         program: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A signal ended the run. Nothing it wrote is used.
@@ -68,7 +68,7 @@ pub enum FemError {
     Failed {
         /// Its exit code.
         code: i32,
-        /// What its output says, in plain words.
+        /// Diagnosis from its output.
         diagnosis: String,
     },
     /// The disk was full when CalculiX had ended, and what it wrote is not whole.
@@ -86,13 +86,13 @@ pub enum FemError {
         file: &'static str,
         /// The line, from 1; 0 where no line is to blame.
         line: usize,
-        /// What is wrong with it.
+        /// Reason.
         what: String,
     },
 }
 
 impl FemError {
-    /// What a full disk explains, if it was full; anything else as it is.
+    /// The error, with a full disk named as its cause if it was full.
     pub(super) fn blaming(self, disk_is_full: bool) -> Self {
         match self {
             Self::Failed { .. } | Self::NoOutput | Self::Garbage { .. } if disk_is_full => Self::DiskFull,

@@ -1,4 +1,4 @@
-//! What is measured on a deformed model: sections, and how one has moved against the other.
+//! Measurements on a deformed model: sections, and the motion of one against the other.
 //!
 //! A section is one ring of nodes on the inside and one on the outside of every tube. Between two sections the actuator is taken as
 //! bent, twisted and stretched evenly, which it is away from the caps; the mean strains follow from the screw that carries the one
@@ -65,7 +65,7 @@ pub(crate) struct Gauges {
     pub(crate) symmetry: Symmetry,
 }
 
-/// Where a section is: axes and middle, and areas by those at rest.
+/// Pose of a section: axes and middle, and areas by those at rest.
 struct Pose {
     axes: Matrix3<f64>,
     middle: Vector3<f64>,

@@ -92,7 +92,7 @@ fn layer_thickness(options: &Options, wall: f64) -> Result<f64, FemError> {
     Ok(thickness)
 }
 
-/// Where a layer that is centred on a radius begins, and how thick it is: on a face of the wall half of it sticks out, on the inner face
+/// Start and thickness of a layer that is centred on a radius: on a face of the wall half of it sticks out, on the inner face
 /// it lies within; next to a face it is as thin as it must be.
 fn straddle(radius: f64, [inner, outer]: [f64; 2], thickness: f64) -> (f64, f64) {
     let (below, above) = (radius - inner, outer - radius);

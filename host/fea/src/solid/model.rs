@@ -108,7 +108,7 @@ impl Model {
         self.plan.threads.map(|threads| threads.winding.spacing_mm * 1e-3)
     }
 
-    /// What a user should know before trusting the figures.
+    /// Limits of the figures.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

@@ -1,11 +1,11 @@
-//! What a user says about a deck: which actuators, which fibers, how fine.
+//! Settings of a deck: actuators, fibers, mesh.
 
 use fra_model::{ActuatorParameters, Arrangement, Fiber, Placement};
 
 use super::FemError;
 use softlimb_files::range::{OutOfRange, positive, require};
 
-/// What is modelled: one actuator, or a bundle of equal ones between two connectors.
+/// Subject of a model: one actuator, or a bundle of equal ones between two connectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Subject {
     /// The actuator.
@@ -54,7 +54,7 @@ impl Subject {
     }
 }
 
-/// How the winding is modelled.
+/// Model of the winding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FiberModel {
     /// As a material with fiber directions. A sheet becomes a layer of `layer_m` thickness centred on its radius.
@@ -80,7 +80,7 @@ pub enum SymmetryUse {
     Whole,
 }
 
-/// How a deck is made. The default is right for the comparisons of `docs/explanation/solid-elements.md`.
+/// Settings of a deck. The default is that of the comparisons of `docs/explanation/solid-elements.md`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Smeared or threads.

@@ -1,4 +1,4 @@
-//! What a run gave: its points, and which of them can be trusted.
+//! Result of a run: its points with their status.
 
 use super::ccx::{End, Raw};
 use super::dat::{Block, Blocks, Progress, blocks};
@@ -10,7 +10,7 @@ const JUMP: f64 = 0.25;
 /// and so many times as fast as in the increment before or after.
 const ABRUPT: f64 = 4.0;
 
-/// What became of a pressure.
+/// Outcome at a pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointStatus {
     /// CalculiX converged there.
@@ -44,7 +44,7 @@ pub struct Ends {
 pub struct Point {
     /// Gauge pressure, Pa.
     pub pressure_pa: f64,
-    /// What became of it.
+    /// Outcome.
     pub status: PointStatus,
     /// In the middle of the length; `None` where the run ended before, and beyond a jump.
     pub middle: Option<Rates>,
@@ -54,12 +54,12 @@ pub struct Point {
     pub seconds: Option<f64>,
 }
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// One for each pressure asked for.
     pub points: Vec<Point>,
-    /// How it ended.
+    /// End of the run.
     pub end: End,
     /// Increments that converged, and iterations of all.
     pub increments: u32,
@@ -67,7 +67,7 @@ pub struct Run {
     pub iterations: u32,
     /// Seconds of the run, those of failed tries included.
     pub seconds: f64,
-    /// What was run.
+    /// The model.
     pub model: Model,
     /// Displacements of the printed nodes at each pressure that converged, mm.
     pub(crate) moved: Vec<Displacements>,

@@ -76,7 +76,7 @@ impl Elastomers {
     }
 }
 
-/// What holds the fixed end of a tube and its planes of symmetry.
+/// Supports of the fixed end of a tube and of its planes of symmetry.
 pub(crate) fn holds(plan: &Plan, tube: &Tube) -> Vec<Hold> {
     let (grid, symmetry) = (&tube.grid, plan.symmetry);
     let mut holds = Vec::new();
@@ -174,7 +174,7 @@ pub(crate) fn gauges(plan: &Plan, tubes: &[Tube], places: &[[f64; 2]]) -> Gauges
     }
 }
 
-/// What a user should know before trusting the figures.
+/// Limits of the figures.
 pub(crate) fn warnings(plan: &Plan, subject: &Subject) -> Vec<String> {
     let mut warnings = Vec::new();
     let outer = subject.parameters.outer_radius_m * 1e3;

@@ -15,10 +15,10 @@ use softlimb_files::range::require;
 const IDEAL: f64 = 1000.0;
 /// Height of a cap in outer radii, at least one wall.
 const CAP: f64 = 0.4;
-/// How far from the middle the gauges of the mid-length are, in lengths.
+/// Distance of the gauges of the mid-length from the middle, in lengths.
 const GAUGE: f64 = 0.1;
 
-/// What part of the circle is modelled.
+/// Part of the circle in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Around {
     /// All of it.

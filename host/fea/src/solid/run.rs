@@ -11,7 +11,7 @@ const RETRIES: u32 = 2;
 /// Smallest share of the load that is tried as the largest increment.
 const SMALLEST_SHARE: f64 = 0.001;
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunProgress {
     /// Share of the pressures, 0 to 1.

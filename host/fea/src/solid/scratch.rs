@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use super::FemError;
 
-/// What all scratch folders begin with.
+/// Prefix of the names of scratch folders.
 const PREFIX: &str = "softlimb-fem-";
 /// The file in a scratch folder that its owner and the program that works in it hold locked.
 const LOCK: &str = "lock";

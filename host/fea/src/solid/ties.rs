@@ -22,7 +22,7 @@ pub(crate) struct Tie {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Ties {
     pub(crate) all: Vec<Tie>,
-    /// What the repetition of sectors determines.
+    /// Displacements that the repetition of sectors determines.
     repeated: HashMap<Freedom, Terms>,
 }
 

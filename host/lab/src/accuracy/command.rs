@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::json;
+use serde::Serialize;
 
 use softlimb::cli::{Failure, Outcome, note, read, say};
 
 use super as bench;
-use super::{Report, Settings};
+use super::{Accuracy as Measured, Doubt, Report, Settings};
 use crate::published::Published;
 
 /// Error against cost of every method, motion and scalar over a seeded set of actuators
@@ -108,23 +108,48 @@ impl Accuracy {
     }
 }
 
-fn table(report: &Report) -> serde_json::Value {
+#[derive(Serialize)]
+struct Table<'a> {
+    seed: u64,
+    actuators: usize,
+    answered: usize,
+    reference: &'a Doubt,
+    rows: Vec<Line<'a>>,
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    problem: &'a str,
+    method: &'a str,
+    motion: &'a str,
+    scalar: &'a str,
+    #[serde(flatten)]
+    accuracy: &'a Measured,
+    time_ratio: Option<f64>,
+    instructions: Option<f64>,
+    flops: Option<f64>,
+    mcu_instructions: Option<f64>,
+    mcu_cycles: Option<f64>,
+}
+
+fn table(report: &Report) -> Table<'_> {
     let rows = report.rows.iter().map(|row| {
         let [problem, method, motion, scalar] = &row.names;
-        let (accuracy, (instructions, flops)) = (&row.accuracy, row.cost.counted());
-        let (mcu, cycles) = row.cost.emulated();
-        json!({
-            "problem": problem, "method": method, "motion": motion, "scalar": scalar,
-            "asked": accuracy.asked, "found": accuracy.solved,
-            "max_error": accuracy.max_error, "median_error": accuracy.median_error, "steps": accuracy.steps,
-            "time_ratio": row.cost.time, "instructions": instructions, "flops": flops, "mcu_instructions": mcu, "mcu_cycles": cycles,
-        })
+        let (instructions, flops) = row.cost.counted();
+        let (mcu_instructions, mcu_cycles) = row.cost.emulated();
+        Line {
+            problem,
+            method,
+            motion,
+            scalar,
+            accuracy: &row.accuracy,
+            time_ratio: row.cost.time,
+            instructions,
+            flops,
+            mcu_instructions,
+            mcu_cycles,
+        }
     });
-    json!({
-        "seed": report.seed, "actuators": report.asked, "answered": report.answered,
-        "reference": {
-            "residual": report.doubt.residual, "last_step": report.doubt.step, "quadrature": report.doubt.quadrature,
-        },
-        "rows": rows.collect::<Vec<_>>(),
-    })
+    let Report { seed, asked, answered, ref doubt, .. } = *report;
+    Table { seed, actuators: asked, answered, reference: doubt, rows: rows.collect() }
 }

@@ -4,17 +4,19 @@ use std::hint::black_box;
 
 use fra_model::Motion;
 use qd::Quad;
+use serde::Serialize;
 
 use super::method::{Method, Problem, Ready};
 use super::number::Number;
 use super::question::{Question, Scalar};
 
 /// Accuracy of a method for one motion in one scalar.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Accuracy {
     /// Questions the method applies to.
     pub asked: usize,
     /// Those it answered.
+    #[serde(rename = "found")]
     pub solved: usize,
     /// Largest and median relative error of the answers.
     pub max_error: f64,

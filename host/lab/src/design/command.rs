@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::ProgressBar;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use clap::Args;
 use softlimb::cli::{Failure, Outcome, read, say};
@@ -146,19 +146,51 @@ fn text(comparison: &Comparison) -> String {
     text
 }
 
-fn table(comparison: &Comparison) -> Value {
-    let at = |point: &Point| {
-        json!({
-            "evaluations": point.evaluations, "model_solves": point.solves, "seconds": point.seconds,
-            "objective": point.objective,
-        })
+#[derive(Serialize)]
+struct Table {
+    rows: Vec<Line>,
+}
+
+#[derive(Serialize)]
+struct Line {
+    problems: String,
+    method: &'static str,
+    asked: usize,
+    solved: usize,
+    bar: f64,
+    relative: bool,
+    there: Option<At>,
+    most_model_solves: Option<u64>,
+    end: At,
+    most_model_solves_to_end: u64,
+}
+
+#[derive(Serialize)]
+struct At {
+    evaluations: u64,
+    model_solves: u64,
+    seconds: f64,
+    objective: f64,
+}
+
+fn table(comparison: &Comparison) -> Table {
+    let at = |Point { evaluations, solves, seconds, objective }| At {
+        evaluations,
+        model_solves: solves,
+        seconds,
+        objective,
     };
-    let rows = comparison.rows().into_iter().map(|row| {
-        json!({
-            "problems": row.group, "method": row.method.name(), "asked": row.problems, "solved": row.solved,
-            "bar": row.bar, "relative": row.relative, "there": row.there.as_ref().map(at),
-            "most_model_solves": row.most_solves, "end": at(&row.end), "most_model_solves_to_end": row.most_solves_to_end,
-        })
+    let rows = comparison.rows().into_iter().map(|row| Line {
+        problems: row.group,
+        method: row.method.name(),
+        asked: row.problems,
+        solved: row.solved,
+        bar: row.bar,
+        relative: row.relative,
+        there: row.there.map(at),
+        most_model_solves: row.most_solves,
+        end: at(row.end),
+        most_model_solves_to_end: row.most_solves_to_end,
     });
-    json!({"rows": rows.collect::<Vec<_>>()})
+    Table { rows: rows.collect() }
 }

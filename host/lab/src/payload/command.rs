@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::{Barrier, KINDS, barrier, kind};
 use clap::Args;
@@ -29,23 +29,40 @@ pub(crate) struct Payload {
     json: bool,
 }
 
-/// What both did on one problem.
+#[derive(Serialize)]
+struct Table<'a> {
+    comparison: &'a [Row],
+}
+
+/// Results of both methods on one problem.
+#[derive(Serialize)]
 struct Row {
-    name: String,
+    problem: String,
     seed: u64,
-    objectives: [f64; 2],
+    gauss_newton: GaussNewton,
+    bfgs: Bfgs,
+}
+
+#[derive(Serialize)]
+struct GaussNewton {
+    objective: f64,
     evaluations: u64,
     jacobians: u64,
-    differences: u64,
-    seconds: [f64; 2],
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct Bfgs {
+    objective: f64,
+    evaluations: u64,
+    seconds: f64,
 }
 
 impl Payload {
     pub(crate) fn run(&self) -> Result<Outcome, Failure> {
         let rows = self.rows()?;
         if self.json {
-            let rows: Vec<Value> = rows.iter().map(Row::json).collect();
-            say(&json!({"comparison": rows}).to_string())?;
+            say(&serde_json::to_string(&Table { comparison: &rows }).map_err(Failure::new)?)?;
         } else {
             say(&table(&rows))?;
         }
@@ -67,34 +84,17 @@ impl Payload {
 fn row(name: &str, seed: u64, problem: &ForceProblem) -> Result<Row, Failure> {
     let begin = Instant::now();
     let found = search(problem, &Budget::default()).map_err(Failure::new)?;
-    let own = begin.elapsed().as_secs_f64();
-    let begin = Instant::now();
-    let other = barrier(problem, &Barrier::default()).map_err(Failure::new)?;
-    Ok(Row {
-        name: name.to_owned(),
-        seed,
-        objectives: [found.objective, other.objective],
+    let gauss_newton = GaussNewton {
+        objective: found.objective,
         evaluations: found.evaluations,
         jacobians: found.jacobians,
-        differences: other.evaluations,
-        seconds: [own, begin.elapsed().as_secs_f64()],
-    })
-}
-
-impl Row {
-    fn json(&self) -> Value {
-        json!({
-            "problem": self.name,
-            "seed": self.seed,
-            "gauss_newton": {
-                "objective": self.objectives[0],
-                "evaluations": self.evaluations,
-                "jacobians": self.jacobians,
-                "seconds": self.seconds[0],
-            },
-            "bfgs": {"objective": self.objectives[1], "evaluations": self.differences, "seconds": self.seconds[1]},
-        })
-    }
+        seconds: begin.elapsed().as_secs_f64(),
+    };
+    let begin = Instant::now();
+    let found = barrier(problem, &Barrier::default()).map_err(Failure::new)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let bfgs = Bfgs { objective: found.objective, evaluations: found.evaluations, seconds };
+    Ok(Row { problem: name.to_owned(), seed, gauss_newton, bfgs })
 }
 
 /// Writing to a string cannot fail.
@@ -104,19 +104,17 @@ fn table(rows: &[Row]) -> String {
     text.push_str(
         "problem  seed     objective  evaluations + Jacobians  time, ms     objective  evaluations  time, ms\n",
     );
-    for row in rows {
+    for Row { problem, seed, gauss_newton: own, bfgs } in rows {
         let _ = writeln!(
             text,
-            "{:<8} {:>4}  {:>12.4e}  {:>11} + {:<9}  {:>8.2}  {:>12.4e}  {:>11}  {:>8.0}",
-            row.name,
-            row.seed,
-            row.objectives[0],
-            row.evaluations,
-            row.jacobians,
-            row.seconds[0] * 1e3,
-            row.objectives[1],
-            row.differences,
-            row.seconds[1] * 1e3
+            "{problem:<8} {seed:>4}  {:>12.4e}  {:>11} + {:<9}  {:>8.2}  {:>12.4e}  {:>11}  {:>8.0}",
+            own.objective,
+            own.evaluations,
+            own.jacobians,
+            own.seconds * 1e3,
+            bfgs.objective,
+            bfgs.evaluations,
+            bfgs.seconds * 1e3
         );
     }
     text

@@ -1,6 +1,7 @@
 //! The verb as its user meets it.
 
 use std::process::{Command, Output, Stdio};
+use std::sync::LazyLock;
 
 fn softlimb(folder: &tempfile::TempDir, line: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb-lab"));
@@ -36,10 +37,18 @@ fn table_is_printed_and_written() {
     assert!(read("picture.svg").starts_with("<svg xmlns="));
 }
 
+/// A table as JSON with counts of instructions, where no instrument is found.
+static BLIND: LazyLock<Output> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb-lab"));
+    // A path without any program.
+    command.args(["accuracy", "--actuators", "4", "--json", "--instructions"]).env("PATH", folder.path());
+    command.stdin(Stdio::null()).output().expect("the binary was built with the tests")
+});
+
 #[test]
 fn json_holds_the_same_lines() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = softlimb(&folder, "accuracy --actuators 4 --json");
+    let output = &*BLIND;
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let rows = json["rows"].as_array().expect("rows");
     assert!(rows.iter().any(|row| row["method"] == "printed (13)" && row["max_error"].as_f64() > Some(0.1)), "{json}");
@@ -67,11 +76,7 @@ fn impossible_commands_are_refused_before_the_work() {
 
 #[test]
 fn missing_instrument_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb-lab"));
-    // A path without any program.
-    command.args(["accuracy", "--actuators", "4", "--instructions"]).env("PATH", folder.path());
-    let output = command.stdin(Stdio::null()).output().expect("the binary was built with the tests");
+    let output = &*BLIND;
     assert_eq!(output.status.code(), Some(3));
     assert!(text(&output.stderr).contains("warning: valgrind is not installed"), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("forward"));

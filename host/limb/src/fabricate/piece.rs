@@ -201,7 +201,7 @@ fn warnings(piece: &Piece, settings: &Settings) -> Vec<String> {
         ));
     }
     if let Some(Err(reason)) = &winding.worth {
-        warnings.push(format!("what the thread is worth is not known: {reason}"));
+        warnings.push(format!("the stiffness of the thread as a sheet is not known: {reason}"));
     }
     let floor_m = piece.below_groove_m();
     if floor_m < settings.wall_min_m * (1.0 - 1e-9) {

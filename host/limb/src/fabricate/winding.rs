@@ -216,7 +216,7 @@ impl Winding {
             }
             Err(Outside::Unknown(reason)) => {
                 self.remarks.push(format!(
-                    "the distance of turns is half a wall, because what they are worth is not known: {reason}"
+                    "the distance of turns is half a wall, because their stiffness as a sheet is not known: {reason}"
                 ));
                 PLAIN * wall_m
             }

@@ -183,16 +183,6 @@ impl Mounted {
     fn no_balance(&self, pressure_pa: f64) -> PayloadError {
         PayloadError::NoBalance { name: self.name.clone(), pressure_pa }
     }
-
-    /// The axial stiffness `dN/dl` at a pressure, N/m; `None` for a bending actuator.
-    ///
-    /// # Errors
-    /// As [`push`](Self::push).
-    pub fn axial_stiffness(&self, pressure_pa: f64) -> Result<Option<f64>, PayloadError> {
-        let Hold::Straight { axial_stretch, twist_rad } = self.hold else { return Ok(None) };
-        let held = self.actuator.blocked(pressure_pa, axial_stretch, twist_rad)?;
-        if held.status == Status::Solved { Ok(Some(held.stiffness[0][0])) } else { Err(self.no_balance(pressure_pa)) }
-    }
 }
 
 /// Actuators side by side.

@@ -13,9 +13,9 @@ pub struct Body {
     pub name: String,
     /// The actuator.
     pub parameters: ActuatorParameters<f64>,
-    /// What the sensor reads at no pressure, Pa.
+    /// Reading of the sensor at no pressure, Pa.
     pub pressure_offset_pa: f64,
-    /// What it reads for 1 Pa more; > 0.
+    /// Change of the reading by 1 Pa more; > 0.
     pub pressure_gain: f64,
 }
 

@@ -25,7 +25,7 @@ pub struct Step {
 /// Creep that fits a series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CreepFit {
-    /// What follows at once, in the unit of the series; the share that creeps, of that; its time constant, s.
+    /// The immediate response, in the unit of the series; the share that creeps, of that; its time constant, s.
     pub values: Vec<Value>,
     /// The deformation at each point.
     pub modelled: Vec<f64>,

@@ -13,11 +13,11 @@ pub enum CalibrationError {
          because confidence needs one more than there are unknowns", plural(*.unknowns), plural(*.points)
     )]
     TooFewPoints {
-        /// How many unknowns are asked for.
+        /// Number of unknowns.
         unknowns: usize,
-        /// How many points there are.
+        /// Number of points.
         points: usize,
-        /// How many it takes.
+        /// Least number of points.
         needed: usize,
     },
     /// The data cannot tell some of the unknowns.
@@ -27,9 +27,9 @@ pub enum CalibrationError {
         names: Vec<String>,
         /// A change of each, in words, that the data do not see.
         changes: Vec<String>,
-        /// What these changes together do to the deformations at most, in units of their accuracy.
+        /// Largest effect of these changes together on the deformations, in units of their accuracy.
         moved: f64,
-        /// What would help.
+        /// Advice.
         advice: String,
     },
     /// An unknown that a body does not have.
@@ -37,7 +37,7 @@ pub enum CalibrationError {
     NoSuchProperty {
         /// The body.
         body: String,
-        /// What it does not have.
+        /// The missing property.
         property: Property,
         /// Why.
         because: &'static str,
@@ -67,9 +67,9 @@ pub enum CalibrationError {
         field: &'static str,
         /// Its value.
         value: f64,
-        /// Where it is.
+        /// Its place.
         place: String,
-        /// What is accepted.
+        /// Accepted values.
         allowed: &'static str,
     },
     /// The model has no deformation at a pressure of the data, even with a harder wall.
@@ -79,9 +79,9 @@ pub enum CalibrationError {
         body: String,
         /// The reading of its sensor, Pa.
         reading_pa: f64,
-        /// Where its branch ends, Pa.
+        /// Limit pressure of its branch, Pa.
         limit_pa: Option<f64>,
-        /// What to do.
+        /// Advice.
         hint: &'static str,
     },
     /// The limb has no equilibrium in a hold.
@@ -138,7 +138,7 @@ fn share(moved: f64) -> String {
     if moved < 1e-3 { format!("{moved:.1e}") } else { format!("{moved:.3}") }
 }
 
-/// What would tell confused unknowns apart.
+/// Measurements that tell confused unknowns apart.
 pub(super) fn advice(confused: &[Property]) -> String {
     let has = |property| confused.contains(&property);
     let modulus = has(Property::ShearModulus) || has(Property::YeohC1);

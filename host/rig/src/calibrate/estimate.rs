@@ -1,4 +1,4 @@
-//! What the Jacobian at the answer says about the answer: intervals, and whether it is one.
+//! Judgement of an estimate by the Jacobian there: intervals, and whether the estimate is unique.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,7 +10,7 @@ const MOST_CONDITION: f64 = 1e8;
 /// A confused direction has these shares of its largest component.
 const NAMED: f64 = 0.1;
 
-/// How large the errors of the data are taken to be.
+/// Assumed size of the errors of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Noise {
     /// In proportion to the stated accuracies, with the factor that the residuals show.
@@ -22,13 +22,13 @@ pub enum Noise {
 /// One fitted value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// What it is.
+    /// The property.
     pub property: Property,
     /// The bodies that share it.
     pub bodies: Vec<usize>,
     /// Name for tables: the property, and of which bodies.
     pub name: String,
-    /// Where the fit started.
+    /// Start of the fit.
     pub start: f64,
     /// The value, in the SI unit of the property.
     pub value: f64,
@@ -64,7 +64,7 @@ impl Judgement {
     }
 }
 
-/// How a change of an unknown is put into words.
+/// Form of a change of an unknown in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shown {
     /// As a share of its value.

@@ -15,9 +15,9 @@ use super::{Body, CalibrationError, Property};
 pub struct Observation {
     /// Which of the bodies.
     pub body: usize,
-    /// What the pressure sensor read, Pa gauge.
+    /// Reading of the pressure sensor, Pa gauge.
     pub reading_pa: f64,
-    /// What was measured; any quantity but the pressure.
+    /// Measured quantity; any but the pressure.
     pub quantity: StateQuantity,
     /// Its value, in the SI unit of the quantity.
     pub value: f64,
@@ -57,10 +57,10 @@ impl Unknown {
     }
 }
 
-/// How intervals are made.
+/// Settings of the intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// How large the errors of the data are taken to be.
+    /// Assumed size of the errors of the data.
     pub noise: Noise,
     /// Share of confidence intervals that hold the true value, between 0.5 and 0.9999.
     pub confidence: f64,
@@ -81,7 +81,7 @@ impl Settings {
     }
 }
 
-/// What was found.
+/// Result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// The unknowns, in the order they were asked for.

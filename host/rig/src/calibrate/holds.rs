@@ -25,7 +25,7 @@ pub struct Hold {
     pub phase: String,
     /// Mean reading of the sensors of its actuators, Pa gauge.
     pub reading_pa: f64,
-    /// What its deformation is measured by.
+    /// Measured quantity.
     pub quantity: StateQuantity,
     /// Mean of the deformation that was achieved, in the SI unit of the quantity.
     pub value: f64,

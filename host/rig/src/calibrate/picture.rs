@@ -17,7 +17,7 @@ pub fn picture(fit: &Fit, observations: &[Observation]) -> String {
         }
     }
     let rows: Vec<Vec<Chart>> = quantities.iter().map(|quantity| row(fit, observations, *quantity)).collect();
-    sheet(&rows, ROOM, "Measured deformations, the model before and after the fit, and what is left")
+    sheet(&rows, ROOM, "Measured deformations, the model before and after the fit, and the residuals")
 }
 
 fn row(fit: &Fit, observations: &[Observation], quantity: StateQuantity) -> Vec<Chart> {
@@ -74,7 +74,7 @@ pub fn tension_picture(test: &Tension, fit: &TensionFit) -> String {
         chart("nominal stress".into(), "stretch", "nominal stress, kPa", curves),
         chart("residual".into(), "stretch", "residual, kPa", left),
     ];
-    sheet(&[charts], ROOM, "A tensile test, the law that fits it, and what is left")
+    sheet(&[charts], ROOM, "A tensile test, the law that fits it, and the residuals")
 }
 
 fn chart(title: String, x: &str, y: &str, series: Vec<Series>) -> Chart {

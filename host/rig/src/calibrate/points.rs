@@ -10,9 +10,9 @@ pub struct Point {
     pub line: usize,
     /// The module or actuator, as the table names it.
     pub name: String,
-    /// What the pressure sensor read, Pa gauge.
+    /// Reading of the pressure sensor, Pa gauge.
     pub reading_pa: f64,
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: StateQuantity,
     /// Its value, in the SI unit of the quantity.
     pub value: f64,
@@ -62,7 +62,7 @@ const COLUMNS: [Known<Kind>; 12] = [
     column("twist_deg", TWIST, DEGREE, [-6e3, 6e3]),
 ];
 
-/// What the column of the names may be called.
+/// Accepted headings of the column of names.
 const NAMES: [&str; 2] = ["module", "actuator"];
 
 impl Points {

@@ -1,4 +1,4 @@
-//! What can be asked of the data, and what it means for an actuator.
+//! Unknowns of a calibration, and their meaning for an actuator.
 
 use std::fmt;
 
@@ -28,9 +28,9 @@ pub enum Property {
     InnerRadius,
     /// Length at rest, m.
     Length,
-    /// What the pressure sensor reads at no pressure, Pa.
+    /// Reading of the pressure sensor at no pressure, Pa.
     PressureOffset,
-    /// What the pressure sensor reads for 1 Pa more.
+    /// Change of the reading of the pressure sensor by 1 Pa more.
     PressureGain,
 }
 
@@ -170,7 +170,7 @@ impl Property {
         }
     }
 
-    /// How its changes are put into words.
+    /// Form of its changes in a text.
     pub(super) fn shown(self) -> Shown {
         match self {
             Self::FiberAngle => Shown::Degrees,
@@ -179,7 +179,7 @@ impl Property {
         }
     }
 
-    /// How well it must be known to be worth knowing: the half width of a confidence interval beyond which [`fit`](super::fit) refuses. In its unit.
+    /// Least useful accuracy: the half width of a confidence interval beyond which [`fit`](super::fit) refuses. In its unit.
     pub(super) fn tolerance(self, body: &Body, largest_pressure_pa: f64) -> f64 {
         let value = self.value(body).unwrap_or(0.0).abs();
         let c1 = 0.5 * body.parameters.material.shear_modulus_pa();

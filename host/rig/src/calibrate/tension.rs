@@ -68,7 +68,7 @@ pub struct TensionFit {
     pub rms_pa: f64,
     /// Least and largest stretch of the test, the undeformed state included.
     pub tested: [f64; 2],
-    /// Where beyond rest the law's nominal stress stops growing, up to a stretch of 8; `None` where it does not.
+    /// Stretch beyond rest at which the law's nominal stress stops growing, up to 8; `None` where it does not.
     pub softens_at: Option<f64>,
 }
 
@@ -136,7 +136,7 @@ impl Tension {
     }
 }
 
-/// What each coefficient adds to the nominal stress at a stretch.
+/// Contribution of each coefficient to the nominal stress at a stretch.
 fn shares(law: Law, stretch: f64) -> Vec<f64> {
     let lever = stretch - 1.0 / (stretch * stretch);
     let x = stretch * stretch + 2.0 / stretch - 3.0;

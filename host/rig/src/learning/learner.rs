@@ -199,7 +199,7 @@ fn solved(mut own: Vec<f64>, with_next: &[f64], mut right: Vec<Vector3<f64>>) ->
     found
 }
 
-/// How the tip moves, m, with the whole range of each group, by its slopes and those of the setpoints with single actuators' pressures.
+/// Motion of the tip, m, with the whole range of each group, by its slopes and those of the setpoints with single actuators' pressures.
 fn columns(limb: &Limb, groups: &[(usize, Range<usize>)], slopes: &[(Vector3<f64>, f64)]) -> Vec<Vector3<f64>> {
     let column = |(drive, channels): &(usize, Range<usize>)| {
         let (rest, last) = limb.drive(*drive).range();

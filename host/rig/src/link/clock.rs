@@ -58,7 +58,7 @@ impl ClockMap {
         (self.host_us + (device_us as f64 - self.device_us) / (1.0 + self.drift)).round() as u64
     }
 
-    /// How much faster the device's clock runs, 1e-6; 0 until the exchanges span a few seconds.
+    /// Relative speed of the device's clock, less one, 1e-6; 0 until the exchanges span a few seconds.
     #[must_use]
     pub fn drift_ppm(&self) -> f64 {
         self.drift * 1e6

@@ -12,7 +12,7 @@ use super::error::LinkError;
 /// Sessions, and the numbers of the channels, are filled in on upload, whatever they are here; a table names its channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceConfiguration {
-    /// What all channels share.
+    /// Common part of all channels.
     pub system: ConfigSystem,
     /// The channels in order; 1 to 27.
     pub channels: Vec<ConfigChannel>,

@@ -1,4 +1,4 @@
-//! What a device tells about itself when a session opens.
+//! Identity of a device when a session opens.
 
 use std::fmt;
 

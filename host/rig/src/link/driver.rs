@@ -15,7 +15,7 @@ use super::options::StreamOptions;
 use super::session::{Answer, Session};
 use super::transport::Transport;
 
-/// How long news of a fault may lag behind the state that it caused, us: a few telemetry messages on a bad line.
+/// Largest lag of the news of a fault behind the state that it caused, us: a few telemetry messages on a bad line.
 const FAULT_NEWS_US: u64 = 200_000;
 
 /// Runs a session.

@@ -1,4 +1,4 @@
-//! What can go wrong between host and device, in words for the person at the bench.
+//! Errors between host and device, in words for the person at the bench.
 
 use std::fmt;
 use std::io;
@@ -124,7 +124,7 @@ pub enum LinkError {
         waited_us: u64,
         /// Its state.
         state: Option<DeviceState>,
-        /// What it complains about, if it told.
+        /// Its fault, if it reported one.
         fault: Option<DeviceFault>,
     },
     /// The reservoir does not reach the pressure needed.
@@ -146,7 +146,7 @@ pub enum LinkError {
     /// The device accepted a start and did not begin.
     #[error("the device accepted the start but did not begin ({})", fault_or_unknown(fault))]
     NotStarted {
-        /// What it complains about, if it told.
+        /// Its fault, if it reported one.
         fault: Option<DeviceFault>,
     },
     /// The device has a fault.
@@ -183,15 +183,15 @@ pub enum LinkError {
     Run {
         /// Time since the start of the trajectory, us; `None` if it had not started.
         at_us: Option<u64>,
-        /// What became of the pressures.
+        /// Outcome of venting.
         vent: VentOutcome,
-        /// What happened.
+        /// Cause.
         #[source]
         cause: Box<LinkError>,
     },
 }
 
-/// What became of the pressures when a run was given up.
+/// Outcome of venting when a run is given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VentOutcome {
     /// The device confirmed that it vents.

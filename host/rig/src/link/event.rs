@@ -1,4 +1,4 @@
-//! What a run tells while it happens.
+//! Events of a run as they happen.
 
 use softlimb_protocol::{DeviceState, Fault, Telemetry};
 

@@ -7,7 +7,7 @@ use softlimb_protocol::{Code, CodeSet, Fault, FaultCode, SYSTEM_CHANNEL};
 /// A fault that the device told of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceFault {
-    /// What went wrong.
+    /// Kind of fault.
     pub code: Code<FaultCode>,
     /// The channel, from 0; `None` for the system, or when only the fault bit arrived.
     pub channel: Option<u8>,

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use softlimb_protocol::RetryPolicy;
 
-/// How a run is streamed. Times in us.
+/// Settings of a streamed run. Times in us.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamOptions<'a> {
     /// Number of the session; should differ from the last one's.
@@ -15,9 +15,9 @@ pub struct StreamOptions<'a> {
     pub heartbeat_us: u64,
     /// Silence of a connected device after which the link counts as lost.
     pub silence_max_us: u64,
-    /// How long a configured device may take to find its sensors plausible.
+    /// Longest time of a configured device to find its sensors plausible.
     pub ready_max_us: u64,
-    /// How long the reservoir may take to reach the configuration's lowest supply pressure.
+    /// Longest time of the reservoir to reach the configuration's lowest supply pressure.
     pub supply_max_us: u64,
     /// Time from filling the buffer to the start in the first attempt; each further one doubles it.
     pub lead_us: u64,
@@ -25,11 +25,11 @@ pub struct StreamOptions<'a> {
     pub attempts_max: u32,
     /// Stretch of setpoints that is buffered before the start, and that a full buffer must cover: the pause of the host that it bridges.
     pub buffer_us: u64,
-    /// How long the pressures may take to go down.
+    /// Longest time of the pressures to go down.
     pub vent_max_us: u64,
-    /// How long to try to vent after an error.
+    /// Longest time to try to vent after an error.
     pub abort_max_us: u64,
-    /// How long the device is listened to after an error, unless it is ready before: what it does about it belongs to the run.
+    /// Time to listen to the device after an error, unless it is ready before: its reaction belongs to the run.
     pub aftermath_us: u64,
     /// Clear a fault that is latched from before, instead of refusing to run.
     pub clear_faults: bool,

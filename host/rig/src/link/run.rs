@@ -9,7 +9,7 @@ use super::event::Event;
 use super::options::StreamOptions;
 use super::transport::Transport;
 
-/// How late the news of a state may be, us.
+/// Largest delay of the news of a state, us.
 const STATE_NEWS_US: u64 = 250_000;
 
 /// A run on a device that has answered.

@@ -201,7 +201,7 @@ impl Session {
         self.state = None;
     }
 
-    /// What has happened, in order.
+    /// Next event, in order.
     pub fn next_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
@@ -261,7 +261,7 @@ impl Session {
         self.buffered_min_us
     }
 
-    /// What the link has done so far.
+    /// Statistics of the link so far.
     #[must_use]
     pub fn statistics(&self) -> LinkStatistics {
         LinkStatistics {

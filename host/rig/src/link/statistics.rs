@@ -1,4 +1,4 @@
-//! What the link has done.
+//! Statistics of the link.
 
 use softlimb_protocol::LinkCounters;
 

@@ -15,7 +15,7 @@ use super::transport::Transport;
 /// For how long the device has a setpoint beyond the last knot, us: the time to tell it to vent.
 const TAIL_US: u64 = 1_000_000;
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// The last knot has passed.
@@ -24,14 +24,14 @@ pub enum Ending {
     Canceled,
 }
 
-/// What a run was. The limb is vented and the device ready.
+/// Summary of a run. The limb is vented and the device ready.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// The device.
     pub device: DeviceInfo,
     /// Hash of the configuration it ran on.
     pub config_hash: u32,
-    /// How the run ended.
+    /// End of the run.
     pub ending: Ending,
     /// Device time of the start, us; `None` if it was canceled before.
     pub start_us: Option<u64>,
@@ -41,7 +41,7 @@ pub struct Summary {
     pub buffered_min_us: Option<u64>,
     /// The device's clock.
     pub clock: ClockMap,
-    /// What the link did.
+    /// Statistics of the link.
     pub statistics: LinkStatistics,
 }
 

@@ -1,4 +1,4 @@
-//! What the link needs of a port and its clock, simulated or real.
+//! Port and clock of the link, simulated or real.
 
 use std::io;
 

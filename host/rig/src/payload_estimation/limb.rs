@@ -21,7 +21,7 @@ pub(super) struct Posed {
 /// The tip under a mass.
 pub(super) struct Tip {
     pub(super) at_m: Vector3<f64>,
-    /// How it moves with the mass, m/kg.
+    /// Its derivative by the mass, m/kg.
     pub(super) slope_m_per_kg: Vector3<f64>,
 }
 

@@ -93,7 +93,7 @@ impl Observation {
         {
             let (name, wanted) = (phases[lonely.phase], if lonely.loaded { NONE } else { UNKNOWN });
             let allowed = format!(
-                "phase `{name}` needs a row with `{wanted}` too, because what differs between the two is what the load does"
+                "phase `{name}` needs a row with `{wanted}` too: the load is estimated from the difference of the two"
             );
             return Err(row.refused(load_at, LOAD, allowed));
         }

@@ -1,4 +1,4 @@
-//! What can go wrong with a log.
+//! Errors of a log.
 
 use super::cdr::CdrError;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ pub enum RecordError {
     /// The operating system refused an operation on the file.
     #[error("cannot {action} {}: {source}", path.display())]
     File {
-        /// What was tried, as a verb.
+        /// The action, as a verb.
         action: &'static str,
         /// The file.
         path: PathBuf,
@@ -41,7 +41,7 @@ pub enum RecordError {
     Metadata {
         /// Name of the metadata record.
         name: &'static str,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
     /// A topic carries another message type than this version writes.
@@ -61,7 +61,7 @@ pub enum RecordError {
         topic: &'static str,
         /// Number of the message within the run.
         sequence: u32,
-        /// Where decoding stopped.
+        /// Error of decoding.
         source: CdrError,
     },
     /// Two parts of the log contradict each other.
@@ -79,13 +79,13 @@ pub enum RecordError {
     Sample {
         /// Time of the sample, s.
         time_s: f64,
-        /// What does not fit.
+        /// Reason.
         reason: String,
     },
     /// The container could not be written or is damaged beyond its opening.
     #[error("{context}: {source}")]
     Container {
-        /// What was being done.
+        /// The action.
         context: &'static str,
         /// The container library's reason.
         source: Box<dyn std::error::Error + Send + Sync>,

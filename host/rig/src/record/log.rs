@@ -1,4 +1,4 @@
-//! What a run is, as plain data: SI units, no container format, no behaviour.
+//! A run as plain data: SI units, no container format, no behaviour.
 
 use fra_model::StateQuantity;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ pub struct ModuleInfo {
     pub name: String,
     /// Motion in the field's word: extension, expansion, bending, twisting.
     pub motion: String,
-    /// What [`ModuleSample`] holds for this module.
+    /// Quantity of [`ModuleSample`] for this module.
     #[serde(with = "quantity_name")]
     pub quantity: StateQuantity,
     /// Channels that drive the module, as indices into [`Sample::channels`].
@@ -29,15 +29,15 @@ pub struct PhaseInfo {
     pub move_s: f64,
     /// Length of the hold that follows, s.
     pub hold_s: f64,
-    /// What the gripper is told at the end of the move, `open` or `close`.
+    /// Command to the gripper at the end of the move, `open` or `close`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gripper: Option<String>,
-    /// Where the planned body comes nearest to an obstacle; `None` without obstacles.
+    /// Least clearance of the planned body from the obstacles; `None` without obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearest: Option<NearestInfo>,
 }
 
-/// Where a planned body comes nearest to an obstacle.
+/// Least clearance of a planned body from the obstacles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearestInfo {
     /// Name of the obstacle.
@@ -95,7 +95,7 @@ pub struct RunInfo {
     pub modules: Vec<ModuleInfo>,
     /// Phases in order of time.
     pub phases: Vec<PhaseInfo>,
-    /// What stands around the limb.
+    /// Solids around the limb.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solids: Vec<SolidInfo>,
     /// True when the device and the limb were simulated.
@@ -171,7 +171,7 @@ pub struct FaultRecord {
     pub code: u8,
     /// Value that goes with the code.
     pub value: i32,
-    /// What the code means, in words.
+    /// Meaning of the code, in words.
     pub text: String,
 }
 
@@ -208,7 +208,7 @@ pub struct LinkSummary {
 /// A whole run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunLog {
-    /// What was known before the run.
+    /// Data known before the run.
     pub info: RunInfo,
     /// Samples in order of time.
     pub samples: Vec<Sample>,

@@ -144,7 +144,7 @@ pub(super) fn decode_deformation(message: &[u8]) -> Result<(Vec<f64>, [f64; 3]),
     Ok((cdr.sequence(CdrReader::f64)?, cdr.point()?))
 }
 
-/// What happened at one instant, as far as it was observed.
+/// Observed state at one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Truth {
     /// Chamber pressures, Pa.

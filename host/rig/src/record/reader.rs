@@ -194,9 +194,7 @@ impl PartialLog {
         let incomplete = match (&self.end, stop) {
             (Some(_), None) => None,
             (None, None) => Some("the run was not finished".to_owned()),
-            (_, Some(reason)) => {
-                Some(format!("the file is cut off or damaged, and what comes after is lost ({reason})"))
-            }
+            (_, Some(reason)) => Some(format!("the file is cut off or damaged, and the rest is lost ({reason})")),
         };
         let (link, wall_s) = match self.end {
             Some(end) => read_end(&end)?,

@@ -1,4 +1,4 @@
-//! What a run was worth: numbers, a table for the terminal, a page with figures.
+//! Assessment of a run: numbers, a table for the terminal, a page with figures.
 //!
 //! Everything here is a pure function of a [`RunLog`](crate::record::RunLog); no file
 //! is read or written, nothing is printed.

@@ -6,7 +6,7 @@ use super::{Summary, charts, summary};
 use crate::record::{RunInfo, RunLog};
 use serde::Serialize;
 
-/// What the template fills in.
+/// Data of the template.
 #[derive(Debug, Serialize)]
 struct Page {
     scene: String,

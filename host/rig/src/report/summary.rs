@@ -53,7 +53,7 @@ pub struct ModuleSummary {
     pub name: String,
     /// Motion in the field's word.
     pub motion: String,
-    /// What is measured.
+    /// Measured quantity.
     #[serde(serialize_with = "crate::record::quantity_name::serialize")]
     pub quantity: StateQuantity,
     /// SI unit of the values; "1" for a ratio.

@@ -34,7 +34,7 @@ impl Summary {
     }
 }
 
-/// Where the run's numbers come from.
+/// Origin of the run's numbers.
 pub(super) fn origin(summary: &Summary) -> String {
     let origin = match summary.simulated {
         true => format!("simulated, seed {}", summary.seed),

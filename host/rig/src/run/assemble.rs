@@ -26,17 +26,17 @@ pub(super) struct Assembler<'a> {
     limb: &'a Limb,
     plan: &'a Plan,
     hanging: Option<Hanging<'a>>,
-    /// What the model makes of the chamber pressures where setpoints are corrected for weight.
+    /// The model's limb under load, where setpoints are corrected for weight.
     weighed: Option<(Nominal<'a>, Vec<Carried>)>,
     start_us: Option<u64>,
     next_shape_s: f64,
 }
 
-/// What is seen of the limb when a message comes.
+/// Observations of the limb when a message comes.
 pub(super) struct Seen {
     pub(super) sample: Sample,
     pub(super) shape: Option<Shape>,
-    /// What happens to the limb itself.
+    /// Faults of the limb itself.
     pub(super) faults: Vec<FaultRecord>,
 }
 
@@ -120,7 +120,7 @@ impl<'a> Assembler<'a> {
         Some(Seen { sample, shape, faults })
     }
 
-    /// Where the model has the tip; under load where the plan has, and not at all (NaN) where the nominal limb would fall.
+    /// Tip of the model; under load that of the plan, and NaN where the nominal limb would fall.
     fn tip_modelled_m(&mut self, time_us: u64, channels: &[ChannelSample], states: &[State<f64>]) -> [f64; 3] {
         let Some((nominal, carried)) = &mut self.weighed else { return self.limb.tip(states) };
         let payload_kg = payload_kg(carried, &self.plan.phases, time_us);
@@ -196,7 +196,7 @@ fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {
     limb.drives().zip(states).map(|(drive, state)| drive.measure(state)).collect()
 }
 
-/// What the log says about the run as a whole, before the device has told its version and taken its configuration.
+/// Data of the run as a whole, before the device has told its version and taken its configuration.
 pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> RunInfo {
     let modules = limb.drives().map(|drive| ModuleInfo {
         name: drive.name(),

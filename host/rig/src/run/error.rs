@@ -30,7 +30,7 @@ pub enum RunError {
     /// The run began and did not end well; what happened until then is recorded.
     #[error("{cause}\nthe run up to there is in {} and {}", files.log.display(), files.report.display())]
     Stopped {
-        /// What happened.
+        /// Cause.
         cause: Box<LinkError>,
         /// Log, report, and what is in them.
         files: Box<RunFiles>,
@@ -44,9 +44,7 @@ pub enum RunError {
         simulated: String,
     },
     /// There is no tip to be seen: the limb fell, or the run ended before.
-    #[error(
-        "{time_s:.2} s into the run there is no tip to be seen: the limb fell under its load, or the run ended before"
-    )]
+    #[error("{time_s:.2} s into the run the tip is not visible: the limb fell under its load, or the run ended before")]
     NotSeen {
         /// When, s after the start.
         time_s: f64,
@@ -65,7 +63,7 @@ pub enum RunError {
     Folder {
         /// The folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

@@ -39,7 +39,7 @@ pub(super) struct Hanging<'a> {
     /// Strains of the modules at the last sample, and its unknowns.
     last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
     lost: bool,
-    /// What has been told, by code and module.
+    /// Faults reported so far, by code and module.
     told: Vec<(u8, usize)>,
 }
 

@@ -21,6 +21,8 @@ use crate::report;
 use crate::simulate;
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::Plan;
 use softlimb_scene::Scene;
 
 use assemble::{Assembler, Seen};
@@ -29,18 +31,18 @@ use observed::Observed;
 pub(crate) use prepared::Prepared;
 pub use prepared::samples;
 
-/// What is run and where it goes.
+/// Settings of a run, and its destination.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
     /// Seed of everything random in the plant.
     pub seed: u64,
     /// The folder that takes `run.mcap` and `run.html`.
     pub out: PathBuf,
-    /// What runs the controller.
+    /// Processor of the controller.
     pub mcu: Mcu,
 }
 
-/// What runs the controller.
+/// Processor of the controller.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Mcu {
     /// This computer, in the same process.
@@ -62,7 +64,7 @@ impl Mcu {
     }
 }
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Time since the start of the trajectory, s.
@@ -71,14 +73,14 @@ pub struct Progress {
     pub duration_s: f64,
 }
 
-/// What a run left behind.
+/// Files of a run.
 #[derive(Clone, Debug)]
 pub struct RunFiles {
     /// The log.
     pub log: PathBuf,
     /// The report.
     pub report: PathBuf,
-    /// What happened, as read back from the log.
+    /// The run, as read back from the log.
     pub run: RunLog,
 }
 
@@ -92,31 +94,59 @@ pub fn run(
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    run_on(scene, scene, options, cancel, on_progress)
+    let limb = Limb::new(scene)?;
+    let plan = motion::plan(scene, &limb)?;
+    run_planned(scene, (limb, plan), options, cancel, on_progress)
 }
 
-/// The same with the simulated limb and pneumatics of another scene, about whose parameters those of the plant are drawn: a scene that has been
+/// [`run`] with the limb of the scene and its plan.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_planned(
+    scene: &Scene,
+    (limb, plan): (Limb, Plan),
+    options: &RunOptions,
+    cancel: &AtomicBool,
+    on_progress: impl FnMut(Progress),
+) -> Result<RunFiles, RunError> {
+    let prepared = Prepared::planned(scene, limb, plan)?;
+    recorded(&prepared, (scene, prepared.limb()), options, cancel, on_progress)
+}
+
+/// [`run`] with the simulated limb and pneumatics of another scene, about whose parameters those of the plant are drawn: a scene that has been
 /// calibrated to a limb runs on that limb.
 ///
 /// # Errors
-/// The same, and [`RunError::OtherLimb`].
+/// As [`run`], and [`RunError::OtherLimb`].
 pub fn run_on(
     scene: &Scene,
     plant: &Scene,
     options: &RunOptions,
     cancel: &AtomicBool,
-    mut on_progress: impl FnMut(Progress),
+    on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
     let prepared = Prepared::new(scene)?;
     let limb = Limb::new(plant)?;
     same_drives(prepared.limb(), &limb)?;
-    let settings = simulate::settings(plant, &limb, options.seed);
+    recorded(&prepared, (plant, &limb), options, cancel, on_progress)
+}
+
+/// Streams what is prepared to the simulated limb and pneumatics of `plant`.
+fn recorded(
+    prepared: &Prepared<'_>,
+    (plant, limb): (&Scene, &Limb),
+    options: &RunOptions,
+    cancel: &AtomicBool,
+    mut on_progress: impl FnMut(Progress),
+) -> Result<RunFiles, RunError> {
+    let settings = simulate::settings(plant, limb, options.seed);
     let mut device = Observed::new(SimulatedMcu::with_processor(&settings, options.mcu.start()?)?);
     fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;
     let path = options.out.join("run.mcap");
 
     let began = Instant::now();
-    let mut recording = Recording::new(prepared.info(options.seed), prepared.assembler(plant, &limb), &path);
+    let mut recording = Recording::new(prepared.info(options.seed), prepared.assembler(plant, limb), &path);
     let ended = prepared.stream(&mut device, cancel, |device, event| {
         if let Some(progress) = recording.take(device, event) {
             on_progress(progress);

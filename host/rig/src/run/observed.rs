@@ -35,7 +35,7 @@ impl Observed {
         self.device.take_failure()
     }
 
-    /// What has passed the link so far.
+    /// Traffic of the link so far.
     pub(super) fn traffic(&self) -> Traffic {
         self.traffic
     }

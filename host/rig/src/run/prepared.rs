@@ -23,7 +23,7 @@ const SESSION: u16 = 1;
 pub(crate) struct Prepared<'a> {
     scene: &'a Scene,
     limb: Limb,
-    /// Where the limb shall go.
+    /// Plan of the run.
     plan: Plan,
     inverses: Vec<ModuleInverse>,
     configuration: DeviceConfiguration,
@@ -31,15 +31,13 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Plans a scene and checks that a device can follow; with the scene's corrections.
-    pub(crate) fn new(scene: &'a Scene) -> Result<Self, RunError> {
-        let limb = Limb::new(scene)?;
-        let plan = motion::plan(scene, &limb)?;
+    /// A plan of a scene with the scene's corrections, checked that a device can follow.
+    pub(super) fn planned(scene: &'a Scene, limb: Limb, plan: Plan) -> Result<Self, RunError> {
         let sent = motion::sent(scene, &limb, &plan)?;
         Self::sending(scene, limb, plan, &sent)
     }
 
-    /// The same without the scene's corrections.
+    /// Plans a scene and checks that a device can follow, without the scene's corrections.
     pub(crate) fn by_model(scene: &'a Scene) -> Result<Self, RunError> {
         let limb = Limb::new(scene)?;
         let plan = motion::plan(scene, &limb)?;
@@ -71,7 +69,7 @@ impl<'a> Prepared<'a> {
         &self.limb
     }
 
-    /// Where the limb shall go.
+    /// Plan of the run.
     pub(crate) fn plan(&self) -> &Plan {
         &self.plan
     }

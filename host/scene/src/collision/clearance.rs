@@ -19,7 +19,7 @@ use super::shape::Shape;
 /// Largest error of a clearance, m: it is never below the true one and at most this above.
 pub const TOLERANCE_M: f64 = 1e-6;
 
-/// Where a body is nearest to a solid, or deepest in it.
+/// Point of a body nearest to a solid, or deepest in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
     /// Distance of the surfaces, m; negative where they overlap: then how deep the deepest ball of the body is in the solid.
@@ -66,7 +66,7 @@ impl Body {
 struct Search<'a> {
     shape: &'a Shape,
     best: Option<Clearance>,
-    /// What a point must beat: the best one, or what was said to be enough.
+    /// Bound that a point must beat: the best one, or a sufficient one.
     bound_m: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What stands in a limb's way: solids, the limb's body, and the clearance between them.
+//! Obstacles of a limb: solids, the limb's body, and the clearance between them.
 //!
 //! A [`Shape`] is a convex solid with a signed distance. A [`Body`] is the centre line of a limb with a radius along it, that is every
 //! ball of that radius about a point of the line. [`Body::clearance`] is the least distance of their surfaces, negative where they

@@ -1,4 +1,4 @@
-//! What is added to planned setpoints, so that the limb that is there does what the model was asked for.
+//! Corrections of planned setpoints, so that a limb that differs from its model follows the plan.
 
 /// Corrections of the setpoints over the time of a run: one row per instant, straight between them, constant before the first and after
 /// the last.

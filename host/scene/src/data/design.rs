@@ -1,4 +1,4 @@
-//! What a design may choose.
+//! Bounds of a design.
 
 use fra_model::Motion;
 
@@ -7,7 +7,7 @@ use crate::source::Located;
 /// A lower and an upper value in SI units; equal ones fix the value.
 pub type Bounds = [f64; 2];
 
-/// What `softlimb design` may choose.
+/// Bounds of `softlimb design`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Design {

@@ -9,7 +9,7 @@ use crate::source::{Located, Span};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Limb {
-    /// Where the first module starts, m.
+    /// Start of the first module, m.
     pub base_position_m: [f64; 3],
     /// Unit vector along the first module's axis.
     pub base_direction: [f64; 3],
@@ -19,7 +19,7 @@ pub struct Limb {
     pub connector_length_m: f64,
     /// Mass of one connector, kg; >= 0.
     pub connector_mass_kg: f64,
-    /// What the last connector carries.
+    /// Tool on the last connector.
     pub end_effector: Option<EndEffector>,
 }
 

@@ -50,7 +50,7 @@ impl Scene {
         &self.name
     }
 
-    /// What the scene shows, in its author's words; may be empty.
+    /// Purpose of the scene, in its author's words; may be empty.
     pub fn description(&self) -> &str {
         &self.description
     }
@@ -80,12 +80,12 @@ impl Scene {
         self.markers.as_ref()
     }
 
-    /// What is added to the planned setpoints in a run, located at the name of its file.
+    /// Corrections of the planned setpoints in a run, located at the name of its file.
     pub fn corrections(&self) -> Option<&Located<Corrections>> {
         self.corrections.as_ref()
     }
 
-    /// What the limb keeps clear of.
+    /// Solids that the limb keeps clear of.
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
     }
@@ -100,7 +100,7 @@ impl Scene {
         &self.objects
     }
 
-    /// What a design may choose; `None` where the scene leaves nothing open.
+    /// Bounds of a design; `None` where the scene leaves nothing open.
     pub fn design(&self) -> Option<&Design> {
         self.design.as_ref()
     }
@@ -115,7 +115,7 @@ impl Scene {
         &self.controller
     }
 
-    /// What weight does in a run; `None` where it is neither simulated nor compensated.
+    /// Effect of weight in a run; `None` where it is neither simulated nor compensated.
     pub fn weight(&self) -> Option<&Weight> {
         Some(&self.weight).filter(|weight| weight.simulated || weight.compensated)
     }

@@ -5,7 +5,7 @@ use fra_model::StateQuantity;
 use super::{Aim, Gripper};
 use crate::source::{Located, Span};
 
-/// What one module shall reach.
+/// Goal of one module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Target {
@@ -17,7 +17,7 @@ pub struct Target {
     pub value: Located<f64>,
 }
 
-/// What a phase shall reach at the end of its move.
+/// Goal of a phase at the end of its move.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Goal {
     /// These modules change, all others keep what they have; in the order of the modules, each at most once.
@@ -44,11 +44,11 @@ pub struct Phase {
     pub payload_kg: f64,
     /// The object that this mass is: its index in [`Scene::objects`](super::Scene::objects).
     pub object: Option<usize>,
-    /// What the move shall reach.
+    /// Goal of the move.
     pub goal: Goal,
-    /// How the end effector shall point at the end of the move; only with a goal of the tip.
+    /// Direction of the end effector at the end of the move; only with a goal of the tip.
     pub aim: Option<Aim>,
-    /// What the gripper is told at the end of the move.
+    /// Command to the gripper at the end of the move.
     pub gripper: Option<Gripper>,
     /// The header of its table.
     pub span: Span,
@@ -91,7 +91,7 @@ pub struct MarginLimits {
     pub pressure_share: f64,
 }
 
-/// What the limb's own weight and the payloads do in a run.
+/// Effect of the limb's own weight and the payloads in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Weight {
@@ -103,7 +103,7 @@ pub struct Weight {
     pub error: f64,
 }
 
-/// What the controller does when the host falls silent.
+/// Reaction of the controller to a silent host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {
     /// Hold the pressures for a while, then ramp them down.
@@ -114,7 +114,7 @@ pub enum LinkLoss {
     Vent,
 }
 
-/// How the controller finds the pressure for a deformation.
+/// Inverse of the controller, from a deformation to a pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum InverseChoice {
     /// In tables where their verified error is within the bound, by the model elsewhere.
@@ -146,13 +146,13 @@ pub struct Controller {
     pub telemetry_period_us: u32,
     /// Silence of the host after which the link counts as lost, microseconds.
     pub link_timeout_us: u32,
-    /// How long pressures are held before they ramp down, microseconds.
+    /// Time that pressures are held before they ramp down, microseconds.
     pub hold_time_us: u32,
-    /// What happens when the link is lost.
+    /// Reaction to a lost link.
     pub link_loss: LinkLoss,
     /// Rate at which pressures ramp down, Pa/s; > 0.
     pub vent_ramp_pa_per_s: f64,
-    /// How the controller finds the pressure for a deformation.
+    /// Inverse of the controller, from a deformation to a pressure.
     pub inverse: InverseChoice,
     /// Which model the inverse tables of bending modules are built from.
     pub bending: BendingModel,

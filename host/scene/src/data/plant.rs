@@ -6,17 +6,17 @@
 pub struct Plant {
     /// The air around.
     pub ambient: Ambient,
-    /// Where compressed air comes from.
+    /// Source of compressed air.
     pub supply: Supply,
     /// The fill and the vent valve of a channel.
     pub valve: Valve,
     /// The tube from the valves to an actuator.
     pub line: Line,
-    /// What the geometry of an actuator does not say about its chamber.
+    /// Properties of a chamber beyond its geometry.
     pub chamber: Chamber,
     /// Pressure sensors.
     pub sensor: Sensor,
-    /// How the simulated truth differs from the nominal values.
+    /// Deviation of the simulated truth from the nominal values.
     pub spread: Spread,
 }
 
@@ -30,7 +30,7 @@ pub struct Ambient {
     pub temperature_k: f64,
 }
 
-/// Where compressed air comes from. Pressures are gauge.
+/// Source of compressed air. Pressures are gauge.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Supply {
     /// A pump that fills a reservoir.
@@ -88,7 +88,7 @@ pub struct Line {
     pub inner_diameter_m: f64,
 }
 
-/// What the geometry of an actuator does not say about its chamber.
+/// Properties of a chamber beyond its geometry.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Chamber {

@@ -1,4 +1,4 @@
-//! What stands around the limb, and motions given in space.
+//! Solids around the limb, and motions given in space.
 
 use crate::collision::Shape;
 use crate::source::{Located, Span};
@@ -57,7 +57,7 @@ pub struct Aim {
     pub tolerance_rad: f64,
 }
 
-/// What the gripper is told.
+/// Command to the gripper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Gripper {
     /// Open.
@@ -66,7 +66,7 @@ pub enum Gripper {
     Close,
 }
 
-/// Where the tip shall be at a time.
+/// Position of the tip at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
     /// Time after the first marker, s.

@@ -1,4 +1,4 @@
-//! What must hold between the parts of a scene.
+//! Conditions between the parts of a scene.
 
 use super::module::Draft;
 use crate::data::{Goal, Limits, Module, Phase, Plant};

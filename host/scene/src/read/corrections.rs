@@ -1,4 +1,4 @@
-//! What is added to the planned setpoints, in a CSV file.
+//! Corrections of the planned setpoints, in a CSV file.
 
 use super::module::Draft;
 use super::series::{Columns, series};

@@ -1,4 +1,4 @@
-//! What a design may choose.
+//! Bounds of a design.
 
 use fra_model::Motion;
 use toml::de::DeValue;

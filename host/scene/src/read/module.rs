@@ -17,7 +17,7 @@ pub(super) struct Draft<'a> {
     pub(super) name: Option<Located<&'a str>>,
     pub(super) motion: Option<Located<Motion>>,
     pub(super) actuators: Option<Located<i64>>,
-    /// What a design may choose of it.
+    /// Bounds of a design of it.
     pub(super) bounds: ModuleBounds,
     pub(super) module: Option<Module>,
 }

@@ -276,7 +276,7 @@ fn check_fit(entry: &Reader<'_>, module: &str, motion: Located<Motion>, (name, k
         return Some(());
     }
     let title = format!("`{name}` does not fit the module `{module}`");
-    let problem = Problem::at(span, title, format!("`{module}` cannot be told this"));
+    let problem = Problem::at(span, title, format!("`{module}` has no such target"));
     entry.log().note(problem.label(motion.span, "because of its motion").help(help_for(Some(motion))))
 }
 

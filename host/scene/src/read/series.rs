@@ -18,9 +18,9 @@ const TIME_MAX_S: f64 = 3600.0;
 /// The first column, s.
 const TIME: &str = "time_s";
 
-/// What a file has beside its times.
+/// Columns of a file beside its times.
 pub(super) struct Columns<'a> {
-    /// What the file holds, in the plural.
+    /// Content of the file, in the plural.
     pub(super) what: &'a str,
     pub(super) names: Vec<&'a str>,
     /// Values of each name: those of a column with the name, or each in a column `name.1`, `name.2` and so on.

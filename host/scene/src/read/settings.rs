@@ -87,7 +87,7 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
             let problem = Problem::at(
                 bending.span,
                 "`bending = \"section-fe\"` needs tables",
-                "the device solves no model of what bends",
+                "the device has no model of a bending module",
             );
             return reader.log().note(problem.help("leave out `inverse = \"model\"`"));
         }

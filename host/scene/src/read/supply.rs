@@ -1,4 +1,4 @@
-//! What must hold between the supply, its sensor and the valves that draw from it.
+//! Conditions between the supply, its sensor and the valves that draw from it.
 
 use std::iter;
 
@@ -34,7 +34,7 @@ pub(super) fn reservoir(root: &Reader<'_>, drafts: &[Draft<'_>], plant: &Plant) 
         return;
     }
     let at = |path: &[&str]| root.place_of("plant", path);
-    let problem = Problem::new("the reservoir is too small for what flows in a millisecond")
+    let problem = Problem::new("the reservoir is too small for the flow of a millisecond")
         .label(at(&["supply", "reservoir_volume"]), format!("the reservoir has {}", Unit::L.show_si(volume)));
     let (problem, least) = if for_valves >= for_pump {
         let label = format!("{channels} fill valves, each of {}", Unit::DM3_PER_S_BAR.show_si(conductance));

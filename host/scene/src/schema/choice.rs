@@ -1,9 +1,9 @@
-//! What a design may choose.
+//! Bounds of a design.
 
 use super::section;
 
 section! {
-    /// What `softlimb design` may choose. A pair is a lower and an upper value; equal ones fix what they bound, and what has no pair keeps the
+    /// Bounds of `softlimb design`. A pair is a lower and an upper value; equal ones fix the quantity, and a quantity without a pair keeps the
     /// module's own value.
     design, "[design]";
     INNER_RADIUS: Pair { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("the module's own") } = "Inner radius at rest.";
@@ -24,7 +24,7 @@ section! {
 }
 
 section! {
-    /// What `softlimb design` may choose of one module; as in `[design]`.
+    /// Bounds of one module; as in `[design]`.
     bounds, "module.bounds";
     INNER_RADIUS: Pair { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("that of `[design]`") } = "Inner radius at rest.";
     WALL: Pair { name: "wall", unit: Unit::MM, min: 0.1, max: 100.0, presence: Optional("that of `[design]`") } = "Thickness of the wall at rest.";

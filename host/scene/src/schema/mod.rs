@@ -134,7 +134,7 @@ impl Key {
 /// One kind of table of a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
-    /// How its header is written, `[[module]]`; empty for the top of the file.
+    /// Its header, as `[[module]]`; empty for the top of the file.
     pub(super) header: &'static str,
     pub(super) doc: &'static str,
     pub(super) keys: &'static [Key],

@@ -1,4 +1,4 @@
-//! What the limb does and how it is controlled.
+//! Motion of the limb and its control.
 
 use super::section;
 
@@ -12,10 +12,10 @@ section! {
     HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
     TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if the phase has another goal") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
     TIP: Vector { name: "tip", unit: Unit::M, max: 100.0, presence: Optional("none, if the phase has another goal") } = "Way-point of the tip at the end of the move; the deformations follow by inverse kinematics.";
-    INSIDE: Text { name: "inside", is_name: true, presence: Optional("none, if the phase has another goal") } = "A name from `[[region]]`: the tip is in this box at the end of the move, as near to where it was as can be.";
+    INSIDE: Text { name: "inside", is_name: true, presence: Optional("none, if the phase has another goal") } = "A name from `[[region]]`: the tip is in this box at the end of the move, as near as possible to its former place.";
     DIRECTION: Vector { name: "direction", unit: Unit::NUMBER, max: 1e6, presence: Optional("any direction") } = "`tip`, `inside`: direction of the end effector's axis at the end of the move; any length but zero.";
     DIRECTION_TOLERANCE: Quantity { name: "direction_tolerance", unit: Unit::DEG, min: 0.01, max: 180.0, presence: Default(1.0) } = "Largest angle between the end effector's axis and `direction`.";
-    GRIPPER: Choice { name: "gripper", words: &["open", "close"], presence: Optional("no command") } = "What the gripper is told at the end of the move. The command is recorded in the log and the report; the device has no output for it.";
+    GRIPPER: Choice { name: "gripper", words: &["open", "close"], presence: Optional("no command") } = "Command to the gripper at the end of the move. It is recorded in the log and the report; the device has no output for it.";
 }
 
 section! {
@@ -63,7 +63,7 @@ section! {
     TELEMETRY_PERIOD: Quantity { name: "telemetry_period", unit: Unit::MS, min: 1.0, max: 1000.0, presence: Default(20.0) } = "Time between two telemetry messages, a whole number of milliseconds.";
     LINK_TIMEOUT: Quantity { name: "link_timeout", unit: Unit::MS, min: 100.0, max: 10_000.0, presence: Default(250.0) } = "Silence of the host after which the link counts as lost.";
     HOLD_TIME: Quantity { name: "hold_time", unit: Unit::S, min: 0.0, max: 60.0, presence: Default(2.0) } = "`hold-then-ramp`: how long pressures are held first.";
-    LINK_LOSS: Choice { name: "link_loss", words: &["hold-then-ramp", "hold", "vent"], presence: Default("hold-then-ramp") } = "What happens when the link is lost: hold and then ramp down, hold, or vent at once.";
+    LINK_LOSS: Choice { name: "link_loss", words: &["hold-then-ramp", "hold", "vent"], presence: Default("hold-then-ramp") } = "Reaction to a lost link: hold and then ramp down, hold, or vent at once.";
     VENT_RAMP: Quantity { name: "vent_ramp", unit: Unit::KPA_PER_S, min: 0.1, max: 1000.0, presence: Default(20.0) } = "Rate at which pressures ramp down.";
     INVERSE: Choice { name: "inverse", words: &["auto", "table", "model"], presence: Default("auto") } = "How the controller finds the pressure for a deformation: `table` looks it up in tables that the host builds and compares with the model, `model` has the device solve the model in each control period, `auto` takes tables where they keep `inverse_error` and the device's model elsewhere. The device solves the model of straight, neo-Hookean tubes alone, bare or wound with a sheet; that other modules have no tables is an error, as with `table` that any module has none.";
     BENDING: Choice { name: "bending", words: &["analytic", "section-fe"], presence: Default("analytic") } = "Which model the inverse tables of bending modules are built from: `section-fe` takes a cubic fitted to the finite elements of the section and verified from a twentieth of `pressure_max` on; more than 1 % of error is refused, and so is a goal beyond the bend that it reaches. Not with `inverse = \"model\"`.";

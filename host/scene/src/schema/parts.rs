@@ -1,29 +1,29 @@
-//! What the limb is made of.
+//! Parts of the limb.
 
 use super::section;
 
 section! {
-    /// What the scene is called, and the tables it has.
+    /// Name of the scene, and its tables.
     scene, "";
     FORMAT: Integer { name: "format", min: 1, max: 1, presence: Required } = "Version of this schema.";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name of the scene; results go to a folder of this name.";
-    DESCRIPTION: Text { name: "description", is_name: false, presence: Default("") } = "What the scene shows.";
+    DESCRIPTION: Text { name: "description", is_name: false, presence: Default("") } = "Purpose of the scene, in a sentence.";
     SEED: Integer { name: "seed", min: 0, max: i64::MAX, presence: Default(0) } = "Seed of everything random in the simulated plant. The same scene and seed give the same run.";
     MATERIALS: Nested { name: "materials", shape: "tables `[materials.NAME]`", presence: Required } = "Elastomers.";
     WINDINGS: Nested { name: "windings", shape: "tables `[windings.NAME]`", presence: Optional("no windings") } = "Fiber windings.";
-    LIMB: Nested { name: "limb", shape: "table `[limb]`", presence: Required } = "Where the limb starts, and its rigid parts.";
+    LIMB: Nested { name: "limb", shape: "table `[limb]`", presence: Required } = "Base of the limb, and its rigid parts.";
     MODULE: Nested { name: "module", shape: "tables `[[module]]`, 1 to 27", presence: Required } = "Modules from the base to the tip.";
-    PHASE: Nested { name: "phase", shape: "tables `[[phase]]`, 1 to 200", presence: Optional("required without `[markers]`") } = "What the limb does, in order. It starts at rest.";
+    PHASE: Nested { name: "phase", shape: "tables `[[phase]]`, 1 to 200", presence: Optional("required without `[markers]`") } = "Moves of the limb, in order. It starts at rest.";
     MARKERS: Nested { name: "markers", shape: "table `[markers]`", presence: Optional("none") } = "The motion as a series of tip positions, instead of phases.";
-    CORRECTIONS: Nested { name: "corrections", shape: "table `[corrections]`", presence: Optional("none") } = "What is added to the planned setpoints, so that the limb that is there goes where the plan says.";
-    OBSTACLE: Nested { name: "obstacle", shape: "tables `[[obstacle]]`, up to 50", presence: Optional("none") } = "What the limb keeps clear of.";
+    CORRECTIONS: Nested { name: "corrections", shape: "table `[corrections]`", presence: Optional("none") } = "Corrections of the planned setpoints, so that a limb that differs from its model follows the plan.";
+    OBSTACLE: Nested { name: "obstacle", shape: "tables `[[obstacle]]`, up to 50", presence: Optional("none") } = "Solids that the limb keeps clear of.";
     REGION: Nested { name: "region", shape: "tables `[[region]]`, up to 50", presence: Optional("none") } = "Boxes that phases name.";
     OBJECT: Nested { name: "object", shape: "tables `[[object]]`, up to 50", presence: Optional("none") } = "Things that the tip carries in phases that name them.";
-    DESIGN: Nested { name: "design", shape: "table `[design]`", presence: Optional("nothing is left open") } = "What `softlimb design` may choose.";
+    DESIGN: Nested { name: "design", shape: "table `[design]`", presence: Optional("nothing is left open") } = "Bounds of what `softlimb design` may choose.";
     LIMITS: Nested { name: "limits", shape: "table `[limits]`", presence: Optional("the defaults below") } = "Bounds that hold for all modules.";
     CONTROLLER: Nested { name: "controller", shape: "table `[controller]`", presence: Optional("the defaults below") } = "Settings of the pressure controller.";
     WEIGHT: Nested { name: "weight", shape: "table `[weight]`", presence: Optional("the defaults below") } = "Effect of the limb's weight and its payloads on a run.";
-    PLANT: Nested { name: "plant", shape: "table `[plant]`", presence: Optional("the defaults below") } = "Pneumatics: what the controller is told, and by how much the simulated truth differs from it.";
+    PLANT: Nested { name: "plant", shape: "table `[plant]`", presence: Optional("the defaults below") } = "Nominal pneumatics, which the controller gets, and the deviation of the simulated truth from them.";
 }
 
 section! {
@@ -56,13 +56,13 @@ section! {
 }
 
 section! {
-    /// Where the limb starts, in a frame whose third axis points up.
+    /// Base of the limb, in a frame whose third axis points up.
     limb, "[limb]";
-    BASE_POSITION: Vector { name: "base_position", unit: Unit::M, max: 100.0, presence: Default([0.0, 0.0, 0.0]) } = "Where the first module starts.";
+    BASE_POSITION: Vector { name: "base_position", unit: Unit::M, max: 100.0, presence: Default([0.0, 0.0, 0.0]) } = "Start of the first module.";
     BASE_DIRECTION: Vector { name: "base_direction", unit: Unit::NUMBER, max: 1e6, presence: Default([1.0, 0.0, 0.0]) } = "Direction of the first module's axis; any length but zero.";
     BASE_UP: Vector { name: "base_up", unit: Unit::NUMBER, max: 1e6, presence: Default([0.0, 0.0, 1.0]) } = "Direction towards which a bending module with `mount_angle` 0 bends. Only the part normal to `base_direction` counts.";
     CONNECTOR: Nested { name: "connector", shape: "table", presence: Required } = "The plate at the far end of every module.";
-    END_EFFECTOR: Nested { name: "end_effector", shape: "table", presence: Optional("no end effector") } = "What the last connector carries.";
+    END_EFFECTOR: Nested { name: "end_effector", shape: "table", presence: Optional("no end effector") } = "Tool on the last connector.";
 }
 
 section! {
@@ -101,5 +101,5 @@ section! {
     MATERIAL: Text { name: "material", is_name: true, presence: Required } = "A name from `[materials]`.";
     WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`. `twisting` needs one family.";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Optional("`pressure_max` of `[limits]`") } = "Largest gauge pressure in its chambers.";
-    BOUNDS: Nested { name: "bounds", shape: "table `[module.bounds]`", presence: Optional("those of `[design]`") } = "What `softlimb design` may choose of this module, where that differs from `[design]`.";
+    BOUNDS: Nested { name: "bounds", shape: "table `[module.bounds]`", presence: Optional("those of `[design]`") } = "Bounds of this module, where they differ from `[design]`.";
 }

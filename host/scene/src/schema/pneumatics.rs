@@ -9,7 +9,7 @@ section! {
     SUPPLY: Nested { name: "supply", shape: "table", presence: Optional("the defaults below") } = "Where compressed air comes from.";
     VALVE: Nested { name: "valve", shape: "table", presence: Optional("the defaults below") } = "The fill and the vent valve of a channel.";
     LINE: Nested { name: "line", shape: "table", presence: Optional("the defaults below") } = "The tube from the valves to an actuator.";
-    CHAMBER: Nested { name: "chamber", shape: "table", presence: Optional("the defaults below") } = "What the geometry of an actuator does not say about its chamber.";
+    CHAMBER: Nested { name: "chamber", shape: "table", presence: Optional("the defaults below") } = "Properties of a chamber beyond its geometry.";
     SENSOR: Nested { name: "sensor", shape: "table", presence: Optional("the defaults below") } = "Pressure sensors, ratiometric: 10 % of the output at 0, 90 % at full scale.";
     SPREAD: Nested { name: "spread", shape: "table", presence: Optional("the defaults below") } = "How the simulated truth differs from the nominal values.";
 }
@@ -50,7 +50,7 @@ section! {
 }
 
 section! {
-    /// What the geometry of an actuator does not say about its chamber.
+    /// Properties of a chamber beyond its geometry.
     chamber, "plant.chamber";
     DEAD_VOLUME: Quantity { name: "dead_volume", unit: Unit::ML, min: 0.0, max: 1000.0, presence: Default(1.0) } = "Volume of fittings, without the line.";
     WALL_HEAT: Quantity { name: "wall_heat", unit: Unit::W_PER_K, min: 0.0, max: 10.0, presence: Default(0.5) } = "Heat conductance from the air to the wall.";

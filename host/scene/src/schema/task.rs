@@ -1,4 +1,4 @@
-//! What stands around the limb, and a motion given by a measured or drawn path.
+//! Solids around the limb, and a motion given by a measured or drawn path.
 
 use super::section;
 
@@ -17,7 +17,7 @@ section! {
 }
 
 section! {
-    /// A box that the tip can be asked to be in.
+    /// A box as a goal of the tip.
     region, "[[region]]";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name; phases use it.";
     CENTER: Vector { name: "center", unit: Unit::M, max: 100.0, presence: Required } = "Centre.";
@@ -37,13 +37,13 @@ section! {
 }
 
 section! {
-    /// Where the tip shall be when. The limb first moves to the first position; the series runs from there.
+    /// Positions of the tip by time. The limb first moves to the first position; the series runs from there.
     markers, "[markers]";
     FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s,x_m,y_m,z_m` and 2 to 10000 rows; times rise, from any value.";
 }
 
 section! {
-    /// What is added to the planned setpoints in a run, as `softlimb learn --csv` writes it for one limb; it is straight between the rows and
+    /// Corrections of the planned setpoints in a run, as `softlimb learn --csv` writes them for one limb; they are linear between the rows and
     /// constant before the first and after the last. A corrected setpoint ends where its module's range ends.
     corrections, "[corrections]";
     FILE: Text { name: "file", is_name: false, presence: Required } = "A CSV file in the scene's folder with the columns `time_s` and one per module, by the modules' names and in their order, and 2 to 10000 rows. Columns `name.1`, `name.2` and so on instead of `name` correct the actuators of a module one by one. Values are in m, rad or Pa as the module's setpoints are, without unit for a stretch. Times are those since the start of the run, and rise.";

@@ -26,7 +26,7 @@ impl Dimension {
     pub(crate) const SONIC_CONDUCTANCE: Self = Self([4, -1, 1, 0, 0]);
     pub(crate) const HEAT_CONDUCTANCE: Self = Self([2, 1, -3, -1, 0]);
 
-    /// What a message calls a quantity of this dimension, with its article.
+    /// Name of a quantity of this dimension in messages, with its article.
     pub(crate) fn name(self) -> &'static str {
         const NAMES: [(Dimension, &str); 20] = [
             (Dimension::RATIO, "a plain number"),
@@ -58,7 +58,7 @@ impl Dimension {
     }
 }
 
-/// How a number in some unit becomes SI: `value * numerator / denominator + offset`.
+/// Conversion of a number in some unit to SI: `value * numerator / denominator + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     pub(crate) dimension: Dimension,

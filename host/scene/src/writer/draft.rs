@@ -6,7 +6,7 @@ use super::RewriteError;
 use crate::data::Scene;
 use crate::schema::{module, scene};
 
-/// What modules name and may share.
+/// Parts that modules name and may share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     Material,

@@ -29,7 +29,7 @@ pub enum RewriteError {
     NotWritten {
         /// The module.
         module: String,
-        /// What should change.
+        /// The part to change.
         what: &'static str,
     },
     /// The new values are not what a scene may say.

@@ -8,7 +8,7 @@ use super::redesign::{Redesign, redesigned};
 use crate::data::Scene;
 use crate::schema::{limb, module, scene};
 
-/// Where a redesigned limb starts.
+/// Base of a redesigned limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rebase {
     /// Start of the first module, m.

@@ -9,7 +9,7 @@ use super::sheets::freeze;
 use crate::data::{Goal, Scene};
 use crate::schema::{module, phase, scene, target, winding};
 
-/// What a design says about one module.
+/// Design of one module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Redesign {
     /// Name of the module.
@@ -76,7 +76,7 @@ pub fn redesigned(
     wrong.map_or(Ok(text), |index| Err(unwritten(index, "targets")))
 }
 
-/// What of a module a scene says otherwise than was asked.
+/// First part of a module that differs from the design.
 fn differs(scene: &Scene, index: usize, wanted: &Redesign) -> Option<&'static str> {
     let module = &scene.modules()[index];
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9;

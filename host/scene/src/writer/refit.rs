@@ -23,7 +23,7 @@ type Change = (&'static str, &'static str, Value);
 
 /// The scene's text with other actuators in its modules, one for each, and what was changed, a line for each value.
 ///
-/// What several modules share stays shared where all of them get the same; a module that differs from the others gets a material or
+/// Parts that several modules share stay shared where all of them get the same; a module that differs from the others gets a material or
 /// winding of its own, a copy of the one it had.
 ///
 /// # Errors
@@ -148,7 +148,7 @@ fn write(table: &mut dyn TableLike, place: &str, changes: Vec<Change>, log: &mut
     Some(())
 }
 
-/// What changes in the part of a module.
+/// Changes in the part of a module.
 fn changes(part: Part, module: &Module, new: &ActuatorParameters<f64>, stated: bool) -> Vec<Change> {
     match (part, module.fiber, new.fiber) {
         (Part::Material, ..) => material_changes(&module.material, &new.material),

@@ -12,7 +12,7 @@ use super::Fitting;
 use softlimb_rig::calibrate::{Body, Point, Points, Step, Value, fit_creep};
 use softlimb_scene as scene;
 
-/// What the pressure of a step may move by, as a share of its largest.
+/// Largest change of the pressure within a step, as a share of its largest value.
 const STEADY: f64 = 0.02;
 
 /// Fit the creep of modules to the response to a pressure step

@@ -1,4 +1,4 @@
-//! What was found, as text.
+//! Candidates as text.
 
 use std::fmt::Write as _;
 
@@ -46,7 +46,7 @@ pub(super) fn limb(found: &Candidate) -> String {
         figures.air_m3 * 1e3
     );
     if let Some(spare) = figures.spare_clearance_m {
-        let _ = writeln!(text, "least clearance beyond what is asked: {:.2} mm", spare * 1e3);
+        let _ = writeln!(text, "clearance beyond the required one: {:.2} mm", spare * 1e3);
     }
     for module in &found.modules {
         let _ = writeln!(

@@ -21,18 +21,18 @@ use softlimb_motion as motion;
 use softlimb_scene as scene;
 use softlimb_scene::{Redesign, RedesignedTarget, Scene};
 
-/// What is printed with `--json`.
+/// Output with `--json`.
 #[derive(Serialize)]
 struct Printed<'a, T> {
     /// Whether the simulated limb of the scene carries neither its own weight nor a payload.
     weightless: bool,
     /// The design file.
     file: &'a Path,
-    /// What was found.
+    /// Result.
     answer: &'a T,
     /// The limbs it was chosen from, best first; empty where there was no choice.
     list: Vec<&'a Candidate>,
-    /// What the models leave out of the limb found.
+    /// Effects on this limb that the models leave out.
     warnings: Vec<String>,
 }
 
@@ -118,7 +118,7 @@ impl LimbDesign {
         let so_far = match self.resume.as_deref().filter(|file| file.exists()) {
             None => Choice::default(),
             Some(file) => serde_json::from_str(&read(file)?)
-                .map_err(|error| about(file)(&format!("this is no search to resume: {error}")))?,
+                .map_err(|error| about(file)(&format!("the file holds no search to resume: {error}")))?,
         };
         let bar = bar(1, "orders searched");
         let observe = |choice: &Choice| {
@@ -153,7 +153,7 @@ impl LimbDesign {
         self.judge(&file, found.does_it(), &why)
     }
 
-    /// How many via points the planner needs for a limb; `None` where it refuses it.
+    /// Number of via points that the planner needs for a limb; `None` where it refuses it.
     fn via_points(&self, scene: &Scene, tasked: &Tasked, limb: &Candidate) -> Option<usize> {
         let text = scene::redesigned(scene, &redesigned_limb(scene, tasked, limb), None).ok()?;
         // Named as the file will be: what a scene reads beside itself is looked for there.

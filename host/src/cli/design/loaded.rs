@@ -18,7 +18,7 @@ use softlimb_motion as motion;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
-/// What is printed with `--json`.
+/// Output with `--json`.
 #[derive(Serialize)]
 struct Printed<'a> {
     /// The design file.
@@ -88,7 +88,7 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
         return Ok(outcome);
     }
     if !reached {
-        note("warning: not every margin is kept: see what is lacking above");
+        note("warning: not every margin is kept: the lacking ones are listed above");
     }
     Ok(Outcome::DoneWithWarnings)
 }
@@ -214,7 +214,7 @@ fn bounds(text: &mut String, reached: bool, printed: &Printed<'_>) {
         } else if bound.reached {
             "every margin is kept: this bound forbids the task".to_owned()
         } else {
-            format!("{:.0} % of what is lacking is left", 100.0 * bound.left)
+            format!("{:.0} % of the shortfall remains", 100.0 * bound.left)
         };
         let _ = writeln!(text, "  {module}{} = {from}: with {to} {gain}", bound.name);
     }

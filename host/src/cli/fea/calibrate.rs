@@ -35,7 +35,7 @@ pub(super) struct Calibrate {
     json: bool,
 }
 
-/// What is found of one module, or why it is not.
+/// Result of one module, or why there is none.
 struct Found<'a> {
     module: &'a LimbModule,
     bending: Option<Result<Calibration, String>>,

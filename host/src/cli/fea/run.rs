@@ -98,7 +98,7 @@ fn nothing(run: &fem::Run) -> Failure {
     Failure::new(cause(run).map_or(found.clone(), |cause| format!("{found}: {cause}")))
 }
 
-/// What ended a run before the end of the load.
+/// Cause of an end of a run before the end of the load.
 fn cause(run: &fem::Run) -> Option<String> {
     match &run.end {
         End::Finished => None,
@@ -107,7 +107,7 @@ fn cause(run: &fem::Run) -> Option<String> {
     }
 }
 
-/// What is missing or doubtful.
+/// Missing or doubtful results.
 fn warnings(run: &fem::Run) -> Vec<String> {
     let mut warnings = run.model.warnings().to_vec();
     warnings.extend(cause(run));

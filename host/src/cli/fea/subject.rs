@@ -72,7 +72,7 @@ enum Fibers {
     Threads,
 }
 
-/// What the arguments mean.
+/// Subject of the arguments.
 pub(super) struct Asked {
     /// `<scene>-<module>`, or the name of the actuator's file.
     pub(super) name: String,
@@ -123,7 +123,7 @@ impl Arguments {
         found.ok_or_else(|| Failure::new(format!("the scene has no module `{name}`, only {}", known())))
     }
 
-    /// How fibers are modelled: a layer has no threads, threads have no layer.
+    /// Model of the fibers: a layer has no threads, threads have no layer.
     fn fibers(&self) -> Result<FiberModel, Failure> {
         let metres = |length: &Option<Quantity>| length.as_ref().map(Quantity::si);
         let refused = |what: &str, fibers: &str, other: &str| {
@@ -188,7 +188,7 @@ fn file_name(name: &str) -> String {
     name.chars().map(plain).collect()
 }
 
-/// What a model is, in a line.
+/// Description of a model, in a line.
 pub(super) fn describe(model: &Model) -> String {
     use softlimb_fea::solid::Around;
     let around = match model.symmetry().around {

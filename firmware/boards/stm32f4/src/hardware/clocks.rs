@@ -13,10 +13,10 @@ const EXTERNAL: (u32, bool) = (8, true);
 #[cfg(not(feature = "f446"))]
 const EXTERNAL: (u32, bool) = (12, false);
 
-/// How often to look whether the external clock runs: some 20 ms, ten times what a crystal takes.
+/// Number of looks at the external clock before it counts as stopped: some 20 ms, ten times what a crystal takes.
 const LOOKS: u32 = 50_000;
 
-/// Where the clock comes from.
+/// Source of the clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// The board's crystal or clock signal: good to some 50 ppm.

@@ -56,7 +56,7 @@ impl Coils {
         }
     }
 
-    /// What the ports are told in a slot of the present tick.
+    /// Words for the ports in a slot of the present tick.
     pub fn words(&self, slot: usize) -> Words {
         let half = self.halves.get(self.active.load(Ordering::Relaxed));
         let words = half.and_then(|half| half.get(slot));

@@ -4,7 +4,7 @@
 
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
-use core::ptr::{addr_of, addr_of_mut, read_volatile, write_volatile};
+use core::ptr::{addr_of_mut, read_volatile, write_volatile};
 
 use cortex_m::peripheral::SCB;
 
@@ -60,9 +60,4 @@ pub extern "C" fn faulted(frame: u32) -> ! {
         0
     };
     stop(Crash::HardFault { address })
-}
-
-/// Keeps the record in the image even where nothing reads it.
-pub fn record_address() -> usize {
-    addr_of!(RECORD) as usize
 }

@@ -1,4 +1,4 @@
-//! How much of the stack has been in use: it is painted at start, and what is no longer paint was used.
+//! Largest use of the stack: it is painted at start, and words without paint were used.
 
 use core::ptr::{addr_of, read_volatile, write_volatile};
 

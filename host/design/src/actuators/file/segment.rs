@@ -110,7 +110,7 @@ impl SegmentSpec {
             if kind == motion {
                 values = Some((missing(given.as_ref(), field.clone(), "one value for each phase")?, field));
             } else {
-                superfluous(given.as_ref(), field, "not what this motion is measured by")?;
+                superfluous(given.as_ref(), field, "no quantity of this motion")?;
             }
         }
         let (values, field) = missing(values, format!("{at}.targets"), "one value for each phase")?;

@@ -15,7 +15,7 @@ pub enum Kind {
     Wedge,
 }
 
-/// What an element is made of.
+/// Material of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Part {
     /// Elastomer.
@@ -33,7 +33,7 @@ pub enum Part {
 pub struct Element {
     /// Its shape.
     pub kind: Kind,
-    /// What it is made of.
+    /// Its material.
     pub part: Part,
     /// Indices of its nodes, in the order of a deck.
     pub nodes: Vec<usize>,

@@ -4,7 +4,7 @@ use softlimb_numerics::gauss::GAUSS_3;
 
 use super::{Element, Kind, Mesh, shape};
 
-/// What integration over a mesh says about it.
+/// Quality of a mesh by integration over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Volume of all elements, mm3. Elements that lie on top of each other count each.

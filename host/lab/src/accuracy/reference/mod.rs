@@ -13,6 +13,7 @@ mod tests;
 
 use fra_model::{ActuatorParameters, Motion};
 use qd::Quad;
+use serde::Serialize;
 
 use self::bend::Section;
 use self::newton::{Root, root};
@@ -49,11 +50,12 @@ pub(super) struct Truth {
 }
 
 /// How well the truth is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Doubt {
     /// Largest residual of the equations in units of the shear modulus.
     pub residual: f64,
     /// Last step of Newton's method, over the largest coordinate.
+    #[serde(rename = "last_step")]
     pub step: f64,
     /// What the solution moves by when the rule has fewer nodes, over the largest coordinate.
     pub quadrature: f64,

@@ -14,7 +14,7 @@ struct Device {
     loss: u64,
 }
 
-/// What the device says, in the order it says it.
+/// Words of the device, in their order.
 enum Word {
     Ack(Ack),
     Progress(u32, u16),

@@ -12,7 +12,7 @@ const LARGEST: u32 = 0x00ff_ffff;
 
 const NOTHING: [u8; QUERY_LEN] = [0; QUERY_LEN];
 
-/// What the present tick has been told and has answered.
+/// Inputs and answers of the present tick.
 pub(crate) struct LockStep {
     query: [u8; QUERY_LEN],
     received: [u8; RECEIVED_MAX],

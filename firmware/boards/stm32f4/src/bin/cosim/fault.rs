@@ -1,4 +1,4 @@
-//! What happens when the program cannot go on: the emulation ends with a failure, which whoever started it sees.
+//! Handler of a program that cannot go on: the emulation ends with a failure, which its caller sees.
 #![allow(unsafe_code, reason = "the vector table's names for these two are unsafe; neither is called by the program")]
 
 use core::panic::PanicInfo;

@@ -15,7 +15,7 @@ pub(crate) const INCOMING: usize = 1024;
 /// Bytes to the host that can wait, and one: 3 ms of the line.
 pub(crate) const OUTGOING: usize = 257;
 
-/// What has happened so far, for whoever watches; all wrap.
+/// Counts of events so far, for a debugger; all wrap.
 pub(crate) struct Counts {
     pub(crate) ticks: AtomicU32,
     pub(crate) slots: AtomicU32,

@@ -1,4 +1,4 @@
-//! What happens when the program cannot go on.
+//! Handler of a program that cannot go on.
 #![allow(unsafe_code, reason = "a fault may come because there is no stack left: the handler begins by making one")]
 
 use core::arch::naked_asm;
