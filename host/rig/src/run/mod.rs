@@ -126,7 +126,9 @@ pub fn run_on(
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let prepared = Prepared::new(scene)?;
+    let planned = Limb::new(scene)?;
+    let plan = motion::plan(scene, &planned)?;
+    let prepared = Prepared::planned(scene, planned, plan)?;
     let limb = Limb::new(plant)?;
     same_drives(prepared.limb(), &limb)?;
     recorded(&prepared, (plant, &limb), options, cancel, on_progress)
