@@ -1,8 +1,8 @@
 //! Inverse kinematics: pressures of the drives that put the tip where it shall be, the body clear of obstacles.
 //!
-//! Bounded, damped Gauss-Newton in the shares of each drive's pressure range. The tip counts in m, a direction as an angle times a
-//! length, a missing clearance as a length. The last two are one-sided and weigh more, so that an impossible task leaves the tip off its
-//! target and not the limb in an obstacle.
+//! Damped Gauss-Newton in the shares of each drive's pressure range, the bounds kept by holding what would leave
+//! them. The tip counts in m, a direction as an angle times a length, a clearance that is missing as a length. The last two are one-sided and
+//! weigh more, so that what cannot be had leaves the tip off its target and not the limb in an obstacle.
 
 mod descent;
 mod problem;
@@ -16,7 +16,6 @@ use super::carrier::Carrier;
 use descent::descend;
 use problem::Problem;
 use softlimb_limb::Limb;
-use softlimb_numerics::Kronecker;
 
 /// The tip counts as arrived within this distance, m.
 const ARRIVED_M: f64 = 1e-7;
@@ -153,11 +152,20 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// Points spread over the unit box: the middle, then those of a low-discrepancy sequence.
+/// Points spread over the unit box: the middle, then those of a low-discrepancy (Halton) sequence.
 fn starts(dimensions: usize) -> impl Iterator<Item = Vec<f64>> {
-    let sequence = Kronecker::new(dimensions, 0);
-    let point = move |index| (0..dimensions).map(|axis| sequence.coordinate(index, axis)).collect();
-    std::iter::once(vec![0.5; dimensions]).chain((0..).map(point))
+    const BASES: [u32; 9] = [2, 3, 5, 7, 11, 13, 17, 19, 23];
+    let halton = move |index: u32, base: u32| {
+        let (mut value, mut share, mut rest) = (0.0, 1.0, index);
+        while rest > 0 {
+            share /= f64::from(base);
+            value += share * f64::from(rest % base);
+            rest /= base;
+        }
+        value
+    };
+    let point = move |i: u32| (0..dimensions).map(|d| halton(i + (d / 9) as u32, BASES[d % 9])).collect();
+    std::iter::once(vec![0.5; dimensions]).chain((1..).map(point))
 }
 
 /// Angle between two directions, rad, also where they are nearly equal or opposite.
