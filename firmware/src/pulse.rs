@@ -49,13 +49,13 @@ impl PulseModel<'_> {
         rate.abs().max(RATE_MIN_PA_PER_S)
     }
 
-    /// Time the valve has to be open, us: by the rate halfway. At most twice the rest of the period: the next decision is earlier, and what
-    /// is known of the channel now says nothing about later.
+    /// Time the valve has to be open, us: by the rate halfway. At most 32 times the rest of the period: beyond, noise of the drift outweighs the
+    /// error of a slow chamber, and would turn its valves away from the reference.
     pub(crate) fn open_time_us(&self) -> u32 {
         let halfway_pa = self.pressure_pa + 0.5 * self.change_pa;
         let rate = self.gain * self.rate_pa_per_s(self.direction, halfway_pa);
         // The cast saturates.
-        ((self.change_pa.abs() / rate * 1e6) as u32).min(2 * self.rest_us)
+        ((self.change_pa.abs() / rate * 1e6) as u32).min(32 * self.rest_us)
     }
 
     /// Pressure change of an opening at gain 1, Pa, signed: by the rate halfway.
@@ -79,7 +79,7 @@ impl PulseModel<'_> {
     /// Coil time until the end of the period, from a closed valve or one that is open in the desired direction.
     pub(crate) fn plan(&self, is_open: bool) -> Plan {
         let timing = self.input.pneumatics.timing;
-        let open_us = self.open_time_us();
+        let open_us = self.open_time_us().min(2 * self.rest_us);
         let coil_us = if is_open { timing.coil_rest_us(open_us) } else { timing.coil_us(open_us, self.margin_us) };
         let ends_open = coil_us >= self.rest_us;
         let coil_us = coil_us.min(self.rest_us);
