@@ -21,7 +21,7 @@ pub(super) struct BuiltModule {
     bay_m: f64,
     mount_angle_rad: f64,
     pressure_max_pa: f64,
-    /// Whether each actuator has a pressure of its own.
+    /// Whether each actuator has its own pressure.
     steering: bool,
     /// Highest pressure that keeps the margin, Pa.
     span_pa: f64,

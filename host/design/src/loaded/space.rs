@@ -56,7 +56,7 @@ pub struct ModuleSpace {
     pub bay_m: f64,
     /// Mass of a spacer, kg; >= 0.
     pub spacer_kg: f64,
-    /// Whether each actuator has a pressure of its own.
+    /// Whether each actuator has its own pressure.
     pub steering: bool,
     /// Bounds of the mount angle, rad.
     pub mount_angle_rad: Bounds,

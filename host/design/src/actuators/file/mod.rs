@@ -1,4 +1,4 @@
-//! Problem files: JSON, described in `docs/reference/actuator-problem.md`. What is wrong is said with field, value, allowed range and line.
+//! Problem files: JSON, described in `docs/reference/actuator-problem.md`. Errors name field, value, allowed range and line.
 
 mod bounds;
 mod segment;

@@ -1,4 +1,4 @@
-//! Problem files: JSON, described in `docs/reference/bundle-problem.md`. What is wrong is said with field, value, allowed range and line.
+//! Problem files: JSON, described in `docs/reference/bundle-problem.md`. Errors name field, value, allowed range and line.
 
 mod tube;
 
@@ -105,7 +105,7 @@ impl File {
     }
 
     fn attachments(&self) -> Result<Vec<Attachment>, Refused> {
-        // What is common is checked where it is written, whether an actuator uses it or not.
+        // Common values are checked even if no actuator uses them.
         TubeSpec {
             material: (&self.material.0, "material"),
             fiber: (&self.fiber.0, "fiber"),

@@ -148,7 +148,7 @@ impl FiberSpec {
     }
 }
 
-/// The value of an actuator of its own, or the common one, and where it is written.
+/// The actuator's own value or the common one, with its place in the file.
 pub(super) fn own<'a, T>(
     own: &'a Option<Object<T>>,
     common: &'a T,
