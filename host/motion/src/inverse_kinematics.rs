@@ -152,7 +152,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// Points spread over the unit box: the middle, then those of a low-discrepancy (Halton) sequence.
+/// Points spread over the unit box: the middle, then those of Halton's sequence. Which of several ways a plan takes depends on these very
+/// points, so that the sequence of `softlimb-numerics` would alter plans and logs.
 fn starts(dimensions: usize) -> impl Iterator<Item = Vec<f64>> {
     const BASES: [u32; 9] = [2, 3, 5, 7, 11, 13, 17, 19, 23];
     let halton = move |index: u32, base: u32| {
