@@ -4,12 +4,11 @@ use std::fs;
 use std::path::Path;
 
 /// What only a host has a use for: vector registers, queries about actuators that come but once, names and units of quantities.
-const HOST_ONLY: [&str; 15] = [
+const HOST_ONLY: [&str; 14] = [
     "forward_many",
     "forward_prepared",
     "atanh_series",
     "forward_once",
-    "towards",
     "natural",
     "fits",
     "of",
