@@ -81,7 +81,7 @@ fn latched_fault_is_reported_and_cleared_only_on_request() {
 #[test]
 fn cut_link_ends_the_run_and_the_device_holds_then_ramps_down() {
     let mut mcu = device(&settings(2));
-    let options = StreamOptions::new(SESSION);
+    let options = StreamOptions { silence_max_us: 500_000, ..StreamOptions::new(SESSION) };
     let cut = |mcu: &mut SimulatedMcu| mcu.set_line_faults(LineFaults::CUT).unwrap();
     let (result, told) = disturbed(&mut mcu, 2, &options, 1_500_000, cut);
     let (error, at_us, vent) = cause(result);
@@ -122,7 +122,8 @@ fn until_state(mcu: &mut SimulatedMcu, state: DeviceState) -> u64 {
 fn next_run_after_a_cut_takes_the_device_over_and_vents_it_first() {
     let mut mcu = device(&settings(1));
     let cut = |mcu: &mut SimulatedMcu| mcu.set_line_faults(LineFaults::CUT).unwrap();
-    let (result, _) = disturbed(&mut mcu, 1, &StreamOptions::new(SESSION), 1_500_000, cut);
+    let impatient = StreamOptions { silence_max_us: 500_000, ..StreamOptions::new(SESSION) };
+    let (result, _) = disturbed(&mut mcu, 1, &impatient, 1_500_000, cut);
     assert!(result.is_err());
     mcu.set_line_faults(LineFaults::NONE).unwrap();
     assert_eq!(mcu.controller().state(), DeviceState::Running, "it still has setpoints");

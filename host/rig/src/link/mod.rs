@@ -9,6 +9,7 @@
 mod clock;
 mod configuration;
 mod device;
+mod disturbance;
 mod driver;
 mod error;
 mod event;
@@ -26,6 +27,7 @@ mod window;
 pub use clock::ClockMap;
 pub use configuration::DeviceConfiguration;
 pub use device::{DeviceInfo, FirmwareVersion};
+pub use disturbance::{Disturbances, DisturbedLink, LinkFaultError, LinkFaults};
 pub use error::{LinkError, VentOutcome};
 pub use event::Event;
 pub use fault::DeviceFault;

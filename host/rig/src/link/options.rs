@@ -13,7 +13,8 @@ pub struct StreamOptions<'a> {
     pub retry: RetryPolicy,
     /// Time between two heartbeats: a quarter of the device's link timeout, or less.
     pub heartbeat_us: u64,
-    /// Silence of a connected device after which the link counts as lost.
+    /// Silence of a connected device after which the link counts as lost: longer than a USB port pauses at times. The device does not
+    /// wait for it, but acts by its own `link_timeout_us`.
     pub silence_max_us: u64,
     /// Longest time of a configured device to find its sensors plausible.
     pub ready_max_us: u64,
@@ -45,7 +46,7 @@ impl StreamOptions<'_> {
             session,
             retry: RetryPolicy { attempts_max: 20, ..RetryPolicy::default() },
             heartbeat_us: 25_000,
-            silence_max_us: 500_000,
+            silence_max_us: 1_000_000,
             ready_max_us: 2_000_000,
             supply_max_us: 120_000_000,
             lead_us: 300_000,
