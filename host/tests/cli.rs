@@ -1,6 +1,8 @@
 //! The command as a new user meets it: the binary itself, good and bad input, exit codes, and what it leaves behind.
 
 mod desk;
+#[cfg(unix)]
+mod device;
 mod eval;
 mod examples;
 mod files;

@@ -7,6 +7,7 @@ mod link_disturbance;
 mod link_faults;
 mod link_session;
 mod link_stream;
+mod port;
 mod record_log;
 mod report_page;
 mod report_summary;

@@ -8,12 +8,15 @@ mod check;
 mod check_margins;
 mod completions;
 mod design;
+mod device;
 mod eval;
 mod fabricate;
 mod failure;
 pub mod fea;
+mod interrupt;
 mod learn;
 mod payload;
+mod port;
 mod report;
 mod retired;
 mod run;
@@ -63,6 +66,7 @@ enum Verb {
     Check(check::Check),
     Run(run::Run),
     Report(report::Report),
+    Device(device::Device),
     Eval(eval::Eval),
     Design(design::Design),
     Payload(payload::Payload),
@@ -82,6 +86,7 @@ impl Verb {
             Self::Check(verb) => verb.run(),
             Self::Run(verb) => verb.run(),
             Self::Report(verb) => verb.run(),
+            Self::Device(verb) => verb.run(),
             Self::Eval(verb) => verb.run(),
             Self::Design(verb) => verb.run(),
             Self::Payload(verb) => verb.run(),

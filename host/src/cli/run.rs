@@ -1,23 +1,29 @@
-//! `softlimb run`: check, plan, stream to the simulated MCU, record, report.
+//! `softlimb run`: check, plan, stream to a device, record, report.
 
-use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::interrupt::interrupt;
+use super::port::PortOption;
 use super::shared::{bar, show};
 use super::{Failure, Outcome, warn};
+use softlimb_rig::link::port::Address;
 use softlimb_rig::report;
 use softlimb_rig::report::{Miss, Summary};
 use softlimb_rig::run;
-use softlimb_rig::run::{Mcu, RunError, RunOptions};
+use softlimb_rig::run::{Mcu, Progress, RunError, RunFiles, RunOptions};
 use softlimb_scene as scene;
+use softlimb_scene::Scene;
 
-/// Run a scene: check, plan, stream to the simulated MCU, record, report
+/// Run a scene: check, plan, stream to a device, record, report
 #[derive(Args)]
-#[command(after_help = "Writes run.mcap and run.html; those of an earlier run in the same folder are replaced.\n\n\
+#[command(after_help = "Writes run.mcap and run.html; those of an earlier run in the same folder are replaced.\n\
+                  Behind a port Ctrl-C vents the limb and ends the run; a second one ends the program at once.\n\n\
                   Examples:\n  softlimb run scenes/pick-and-place-a.toml\n  \
+                  softlimb run scenes/single-bending.toml --port /dev/ttyACM0\n  \
                   softlimb run calibrated.toml --plant scenes/pick-and-place-a.toml")]
 pub(super) struct Run {
     /// The scene file
@@ -31,15 +37,24 @@ pub(super) struct Run {
     /// Scene of the simulated limb and pneumatics [default: the scene itself]
     #[arg(long, value_name = "SCENE")]
     plant: Option<PathBuf>,
-    /// Device of the controller
-    #[arg(long, value_enum, default_value_t = Device::Simulated)]
-    mcu: Device,
-    /// The image for an emulated device [default: where `cargo xtask firmware` puts it]
-    #[arg(long, value_name = "FILE")]
-    image: Option<PathBuf>,
+    #[command(flatten)]
+    controller: Controller,
+    #[command(flatten)]
+    port: PortOption,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Processor of the controller beside a simulated limb.
+#[derive(Args)]
+pub(super) struct Controller {
+    /// Device of the controller [default: simulated]
+    #[arg(long, value_enum)]
+    mcu: Option<Device>,
+    /// The image for an emulated device [default: where `cargo xtask firmware` puts it]
+    #[arg(long, value_name = "FILE")]
+    image: Option<PathBuf>,
 }
 
 /// Device of the controller.
@@ -61,30 +76,44 @@ pub(super) struct Printed<'a> {
     pub(super) warnings: &'a [String],
 }
 
-impl Run {
-    fn mcu(&self) -> Mcu {
-        let image = |name: &str| self.image.clone().unwrap_or_else(|| PathBuf::from("target/firmware").join(name));
+impl Controller {
+    pub(super) fn mcu(&self) -> Mcu {
         match self.mcu {
-            Device::Simulated => Mcu::Here,
-            Device::Cosim => Mcu::LockStep(image("softlimb-cosim.elf")),
-            Device::Qemu => Mcu::Flashed(image("softlimb-stm32f405.elf")),
+            None | Some(Device::Simulated) => Mcu::Here,
+            Some(Device::Cosim) => Mcu::LockStep(self.image("softlimb-cosim.elf")),
+            Some(Device::Qemu) => self.flashed(),
         }
     }
 
+    fn flashed(&self) -> Mcu {
+        Mcu::Flashed(self.image("softlimb-stm32f405.elf"))
+    }
+
+    fn image(&self, name: &str) -> PathBuf {
+        self.image.clone().unwrap_or_else(|| Path::new("target/firmware").join(name))
+    }
+}
+
+impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let address = self.port.address()?;
+        self.refuse_contradictions(address.as_ref())?;
         let scene = scene::load(&self.scene)?;
-        let plant = self.plant.as_ref().map(scene::load).transpose()?;
-        let plant = plant.as_ref().unwrap_or(&scene);
-        let options = RunOptions {
-            seed: self.seed.unwrap_or(plant.seed()),
-            out: self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name())),
-            mcu: self.mcu(),
-        };
+        let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
         let bar = bar(1000, "running");
-        let cancel = AtomicBool::new(false);
-        let outcome = run::run_on(&scene, plant, &options, &cancel, |progress| {
+        let on_progress = |progress: Progress| {
             bar.set_position((1e3 * progress.time_s / progress.duration_s.max(1e-9)) as u64);
-        });
+        };
+        let (outcome, canceled) = match address {
+            Some(Address::Port(port)) => {
+                let cancel = interrupt()?;
+                let outcome = run::run_behind(&scene, &port, &out, &cancel, on_progress);
+                (outcome, cancel.load(Ordering::Relaxed))
+            }
+            Some(Address::Emulated) => (self.simulate(&scene, self.controller.flashed(), out, on_progress)?, false),
+            Some(Address::Simulated) => (self.simulate(&scene, Mcu::Here, out, on_progress)?, false),
+            None => (self.simulate(&scene, self.controller.mcu(), out, on_progress)?, false),
+        };
         bar.finish_and_clear();
         let (files, stopped) = match outcome {
             Ok(files) => (files, None),
@@ -92,11 +121,41 @@ impl Run {
             Err(error) => return Err(error.into()),
         };
         let summary = report::summary(&files.run);
-        let warnings = [warnings(&summary), scene.winding_warnings()].concat();
+        let canceled = canceled.then(|| "the run was canceled".to_owned());
+        let warnings = [canceled.into_iter().collect(), warnings(&summary), scene.winding_warnings()].concat();
         show(self.json, &Printed { summary: &summary, warnings: &warnings }, || summary.table())?;
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
         let outcome = warn(&warnings);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
+    }
+
+    /// Runs beside a simulated limb; the outer error is of the command line or a file.
+    fn simulate(
+        &self,
+        scene: &Scene,
+        mcu: Mcu,
+        out: PathBuf,
+        on_progress: impl FnMut(Progress),
+    ) -> Result<Result<RunFiles, RunError>, Failure> {
+        let plant = self.plant.as_ref().map(scene::load).transpose()?;
+        let plant = plant.as_ref().unwrap_or(scene);
+        let options = RunOptions { seed: self.seed.unwrap_or(plant.seed()), out, mcu };
+        Ok(run::run_on(scene, plant, &options, &AtomicBool::new(false), on_progress))
+    }
+
+    /// An address says which processor; a device behind a port has a limb of its own.
+    fn refuse_contradictions(&self, address: Option<&Address>) -> Result<(), Failure> {
+        let Some(address) = address else { return Ok(()) };
+        let given = [
+            ("--mcu", self.controller.mcu.is_some(), true),
+            ("--image", self.controller.image.is_some(), *address != Address::Emulated),
+            ("--seed", self.seed.is_some(), matches!(address, Address::Port(_))),
+            ("--plant", self.plant.is_some(), matches!(address, Address::Port(_))),
+        ];
+        match given.into_iter().find(|(_, is_given, contradicts)| *is_given && *contradicts) {
+            Some((option, ..)) => Err(Failure::wrong_line(format!("{option} cannot be used with --port {address}"))),
+            None => Ok(()),
+        }
     }
 }
 

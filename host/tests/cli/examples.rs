@@ -7,8 +7,8 @@ use clap::Command;
 
 use crate::cli::desk::Desk;
 
-/// Begins of examples that take too long, need files of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 16] = [
+/// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
+const PARSED_ONLY: [&str; 18] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -25,6 +25,8 @@ const PARSED_ONLY: [&str; 16] = [
     "workspace",
     "tolerance",
     "run calibrated.toml",
+    "run scenes/single-bending.toml --port",
+    "device serve",
 ];
 
 /// Every example below a command, in the order of the help texts.

@@ -2,10 +2,11 @@
 
 use crate::cli::desk::Desk;
 
-const VERBS: [&str; 14] = [
+const VERBS: [&str; 15] = [
     "check",
     "run",
     "report",
+    "device",
     "eval",
     "design",
     "payload",

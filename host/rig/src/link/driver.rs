@@ -15,6 +15,12 @@ use super::options::StreamOptions;
 use super::session::{Answer, Session};
 use super::transport::Transport;
 
+/// Time for which the device's clock is believed to go on after its last word, us. An emulated one need not keep up with the host's.
+const UNTOLD_US: u64 = 50_000;
+
+/// Time between two attempts to open a session.
+const OCCUPIED_PAUSE_US: u64 = 50_000;
+
 /// Largest lag of the news of a fault behind the state that it caused, us: a few telemetry messages on a bad line.
 const FAULT_NEWS_US: u64 = 200_000;
 
@@ -174,8 +180,22 @@ impl<'a, T: Transport> Driver<'a, T> {
         Command { session: self.session.id(), code: code.into(), time_us }.into()
     }
 
-    /// Opens the session with a device that speaks the same interface.
+    /// Opens the session, once the last host has been silent for long enough.
     pub(super) fn hello(&mut self) -> Result<HelloReply, LinkError> {
+        let give_up_us = self.now_us().saturating_add(self.options.occupied_max_us);
+        loop {
+            let again_us = self.now_us().saturating_add(OCCUPIED_PAUSE_US);
+            match self.try_hello() {
+                Err(LinkError::Occupied) if again_us <= give_up_us => {
+                    self.until(OCCUPIED_PAUSE_US, |_| false)?;
+                }
+                outcome => return outcome,
+            }
+        }
+    }
+
+    /// Opens the session with a device that speaks the same interface.
+    fn try_hello(&mut self) -> Result<HelloReply, LinkError> {
         let hello =
             Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: self.session.id() }.into();
         let reply = match self.request(&hello)? {
@@ -203,10 +223,10 @@ impl<'a, T: Transport> Driver<'a, T> {
         }
     }
 
-    /// The device's time now, us.
+    /// The device's time now, us: by its clock, but never far from its last word.
     pub(super) fn device_now_us(&mut self) -> Result<u64, LinkError> {
         let clock = self.clock()?;
-        Ok(clock.device_us(self.now_us()))
+        Ok(clock.device_us(self.now_us()).min(self.session.device_time_us().saturating_add(UNTOLD_US)))
     }
 
     /// Waits for one of the states; an error when the device faults instead or takes longer than `limit_us`.

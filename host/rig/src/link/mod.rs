@@ -1,6 +1,6 @@
 //! From setpoints to a device: ports, sessions, streaming. The only room that knows ports.
 //!
-//! A [`Transport`] is a port with its clock, simulated or real. A [`Session`] is the protocol without either: bytes and times in, bytes and
+//! A [`Transport`] is a port with its clock, simulated or real ([`port`]). A [`Session`] is the protocol without either: bytes and times in, bytes and
 //! events out. [`stream`] turns the one with the other through a whole run: connect, configure, buffer, start, follow, vent.
 //!
 //! The buffer of the device bridges the host's pauses: knots carry times of the device's clock, are sent as early as there is room, and are
@@ -15,6 +15,7 @@ mod error;
 mod event;
 mod fault;
 mod options;
+pub mod port;
 mod run;
 mod session;
 mod simulated;

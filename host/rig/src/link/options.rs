@@ -16,6 +16,8 @@ pub struct StreamOptions<'a> {
     /// Silence of a connected device after which the link counts as lost: longer than a USB port pauses at times. The device does not
     /// wait for it, but acts by its own `link_timeout_us`.
     pub silence_max_us: u64,
+    /// Longest time to wait for a device whose last host is silent, but not yet for long enough to be followed by another.
+    pub occupied_max_us: u64,
     /// Longest time of a configured device to find its sensors plausible.
     pub ready_max_us: u64,
     /// Longest time of the reservoir to reach the configuration's lowest supply pressure.
@@ -47,6 +49,7 @@ impl StreamOptions<'_> {
             retry: RetryPolicy { attempts_max: 20, ..RetryPolicy::default() },
             heartbeat_us: 25_000,
             silence_max_us: 1_000_000,
+            occupied_max_us: 0,
             ready_max_us: 2_000_000,
             supply_max_us: 120_000_000,
             lead_us: 300_000,

@@ -142,7 +142,7 @@ impl<T: Transport> Run<'_, T> {
         let mut has_run = false;
         loop {
             let (now_us, clock) = (self.driver.now_us(), self.driver.clock()?);
-            let device_us = clock.device_us(now_us);
+            let device_us = self.driver.device_now_us()?;
             match self.driver.session.state() {
                 // A host that overslept the end finds the device holding.
                 Some(DeviceState::Running | DeviceState::Holding) if self.is_over(device_us, end_us) => {

@@ -41,6 +41,7 @@ pub struct Session {
     state: Option<DeviceState>,
     told_state: Option<DeviceState>,
     telemetry: Option<Telemetry>,
+    device_time_us: u64,
     buffered_min_us: Option<u64>,
     statistics: LinkStatistics,
 }
@@ -64,6 +65,7 @@ impl Session {
             state: None,
             told_state: None,
             telemetry: None,
+            device_time_us: 0,
             buffered_min_us: None,
             statistics: LinkStatistics::default(),
         }
@@ -172,6 +174,7 @@ impl Session {
         let round_trip_us = now_us.checked_sub(reply.host_time_us).filter(|_| self.heartbeat_due_us.is_some());
         if let Some(round_trip_us) = round_trip_us {
             self.clock.add(reply.host_time_us, now_us, reply.mcu_time_us);
+            self.device_time_us = reply.mcu_time_us;
             self.statistics.round_trip.add(round_trip_us);
         }
         self.enter(reply.state.known());
@@ -179,6 +182,7 @@ impl Session {
 
     fn on_telemetry(&mut self, now_us: u64, message: Telemetry) {
         self.window.on_progress(now_us, message.next_index, message.free_knots);
+        self.device_time_us = message.time_us;
         self.enter(message.state.known());
         if message.state == DeviceState::Running && !self.window.is_complete() {
             let buffered_us = self.window.accepted_until_us().map(|until_us| until_us.saturating_sub(message.time_us));
@@ -241,6 +245,12 @@ impl Session {
     #[must_use]
     pub fn telemetry(&self) -> Option<&Telemetry> {
         self.telemetry.as_ref()
+    }
+
+    /// The device's time by its last word, us; 0 before that.
+    #[must_use]
+    pub fn device_time_us(&self) -> u64 {
+        self.device_time_us
     }
 
     /// The device's clock; `None` before the first exchange.

@@ -86,9 +86,9 @@ pub struct RunInfo {
     pub schema_hash: u32,
     /// Hash of the configuration that the device runs.
     pub config_hash: u32,
-    /// Seed of everything random in a simulated run.
-    pub seed: u64,
-    /// Start of the run, ns since 1970-01-01 UTC; 0 for a simulated run, so that
+    /// Seed of everything random in a simulated run; `None` on a device.
+    pub seed: Option<u64>,
+    /// When the host began to talk to the device, ns since 1970-01-01 UTC; 0 for a simulated run, so that
     /// equal inputs give equal files.
     pub start_unix_ns: u64,
     /// Modules from the base of the limb to its tip.

@@ -19,13 +19,15 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
         ("firmware_version".into(), info.firmware_version.clone()),
         ("schema_hash".into(), format!("{:08x}", info.schema_hash)),
         ("config_hash".into(), format!("{:08x}", info.config_hash)),
-        ("seed".into(), info.seed.to_string()),
         ("start_unix_ns".into(), info.start_unix_ns.to_string()),
         ("simulated".into(), info.simulated.to_string()),
         (WEIGHTLESS.into(), info.weightless.to_string()),
         ("modules".into(), to_json(&info.modules)),
         ("phases".into(), to_json(&info.phases)),
     ]);
+    if let Some(seed) = info.seed {
+        metadata.insert("seed".into(), seed.to_string());
+    }
     if !info.solids.is_empty() {
         metadata.insert("solids".into(), to_json(&info.solids));
     }
@@ -59,7 +61,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         firmware_version: fields.text("firmware_version")?.to_owned(),
         schema_hash: fields.hash("schema_hash")?,
         config_hash: fields.hash("config_hash")?,
-        seed: fields.parse("seed")?,
+        seed: if run.contains_key("seed") { Some(fields.parse("seed")?) } else { None },
         start_unix_ns: fields.parse("start_unix_ns")?,
         modules: fields.json("modules")?,
         phases: fields.json("phases")?,

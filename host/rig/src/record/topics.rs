@@ -11,41 +11,62 @@ pub(super) struct Topics {
     pub(super) telemetry: u16,
     pub(super) setpoint: u16,
     pub(super) model: u16,
-    pub(super) truth: u16,
     pub(super) fault: u16,
     pub(super) shape: u16,
     /// One per pressure channel.
     pub(super) pressure: Vec<u16>,
-    /// Setpoint, modelled, achieved.
-    pub(super) joints: [u16; 3],
+    /// Setpoint, modelled.
+    pub(super) joints: [u16; 2],
+    /// Those of what somebody saw; `None` until the first time.
+    pub(super) observed: Option<Observed>,
+}
+
+/// Numbers of the topics of a limb that somebody sees.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Observed {
+    pub(super) truth: u16,
+    pub(super) achieved: u16,
+}
+
+impl Observed {
+    /// Declares the topics of a limb that is seen.
+    pub(super) fn declare<W: std::io::Write + std::io::Seek>(mcap: &mut mcap::Writer<W>) -> mcap::McapResult<Self> {
+        Ok(Self {
+            truth: declare(mcap, super::TRUTH_TOPIC, TRUTH)?,
+            achieved: declare(mcap, "/softlimb/modules/achieved", JOINT_STATE)?,
+        })
+    }
+}
+
+fn declare<W: std::io::Write + std::io::Seek>(
+    mcap: &mut mcap::Writer<W>,
+    topic: &str,
+    message: MessageType,
+) -> mcap::McapResult<u16> {
+    let schema = mcap.add_schema(message.name, "ros2msg", message.schema().as_bytes())?;
+    mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())
 }
 
 impl Topics {
-    /// Declares all topics of a run.
+    /// Declares the topics that every run has.
     pub(super) fn declare<W: std::io::Write + std::io::Seek>(
         mcap: &mut mcap::Writer<W>,
         info: &RunInfo,
     ) -> mcap::McapResult<Self> {
-        let mut declare = |topic: &str, message: MessageType| {
-            let schema = mcap.add_schema(message.name, "ros2msg", message.schema().as_bytes())?;
-            mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())
-        };
-        let joints = [
-            declare("/softlimb/modules/setpoint", JOINT_STATE)?,
-            declare("/softlimb/modules/modelled", JOINT_STATE)?,
-            declare("/softlimb/modules/achieved", JOINT_STATE)?,
-        ];
+        let mut declare = |topic: &str, message| declare(mcap, topic, message);
+        let joints =
+            [declare("/softlimb/modules/setpoint", JOINT_STATE)?, declare("/softlimb/modules/modelled", JOINT_STATE)?];
         Ok(Self {
             telemetry: declare(super::TELEMETRY_TOPIC, TELEMETRY)?,
             setpoint: declare(super::SETPOINT_TOPIC, DEFORMATION)?,
             model: declare(super::MODEL_TOPIC, DEFORMATION)?,
-            truth: declare(super::TRUTH_TOPIC, TRUTH)?,
             fault: declare(super::FAULT_TOPIC, FAULT)?,
             shape: declare(super::SHAPE_TOPIC, SHAPE)?,
             pressure: (0..info.channel_count())
                 .map(|channel| declare(&pressure_topic(channel), FLUID_PRESSURE))
                 .collect::<Result<_, _>>()?,
             joints,
+            observed: None,
         })
     }
 }

@@ -3,7 +3,7 @@
 use super::messages::{Truth, encode_deformation, encode_fault, encode_shape, encode_telemetry};
 use super::metadata::{check_modules, end_metadata, run_metadata};
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
-use super::topics::Topics;
+use super::topics::{Observed, Topics};
 use super::{FaultRecord, LinkSummary, RecordError, RunInfo, Sample, Shape};
 use std::fs::File;
 use std::io::BufWriter;
@@ -77,17 +77,28 @@ impl Recorder {
         let setpoints = sample.modules.iter().map(|module| module.setpoint);
         let modelled = sample.modules.iter().map(|module| module.modelled);
         let messages = [
-            (self.topics.telemetry, Some(encode_telemetry(at, sample))),
-            (self.topics.setpoint, Some(encode_deformation(at, setpoints, sample.tip_setpoint_m))),
-            (self.topics.model, Some(encode_deformation(at, modelled, sample.tip_modelled_m))),
-            (self.topics.truth, Truth::of(sample).map(|truth| truth.encode(at))),
+            (self.topics.telemetry, encode_telemetry(at, sample)),
+            (self.topics.setpoint, encode_deformation(at, setpoints, sample.tip_setpoint_m)),
+            (self.topics.model, encode_deformation(at, modelled, sample.tip_modelled_m)),
         ];
         for (topic, message) in messages {
-            if let Some(message) = message {
-                self.write(topic, sequence, at, &message)?;
-            }
+            self.write(topic, sequence, at, &message)?;
+        }
+        if let Some(truth) = Truth::of(sample) {
+            let topic = self.observed()?.truth;
+            self.write(topic, sequence, at, &truth.encode(at))?;
         }
         self.standard_messages(sample, sequence, at)
+    }
+
+    /// The topics of a limb that is seen, declared when they are needed.
+    fn observed(&mut self) -> Result<Observed, RecordError> {
+        if let Some(observed) = self.topics.observed {
+            return Ok(observed);
+        }
+        let observed = Observed::declare(&mut self.mcap).map_err(RecordError::container("declaring the topics"))?;
+        self.topics.observed = Some(observed);
+        Ok(observed)
     }
 
     /// Appends a fault.
@@ -174,16 +185,15 @@ impl Recorder {
         let values = |value: fn(&super::ModuleSample) -> f64| {
             encode_joint_state(at, names().zip(sample.modules.iter().map(value)))
         };
-        let joints = [
-            values(|module| module.setpoint),
-            values(|module| module.modelled),
-            values(|module| module.achieved.unwrap_or(f64::NAN)),
-        ];
-        let topics = self.topics.joints;
-        for (topic, message) in topics.into_iter().zip(joints) {
+        let joints = [values(|module| module.setpoint), values(|module| module.modelled)];
+        let achieved = values(|module| module.achieved.unwrap_or(f64::NAN));
+        for (topic, message) in self.topics.joints.into_iter().zip(joints) {
             self.write(topic, sequence, at, &message)?;
         }
-        Ok(())
+        match self.topics.observed {
+            Some(Observed { achieved: topic, .. }) => self.write(topic, sequence, at, &achieved),
+            None => Ok(()),
+        }
     }
 
     fn write_other(&mut self, topic: u16, at: u64, message: &[u8]) -> Result<(), RecordError> {

@@ -17,7 +17,8 @@ pub(super) struct ModuleRow {
     pub(super) channels: String,
     pub(super) quantity: String,
     pub(super) setpoint: String,
-    pub(super) achieved: String,
+    /// Final value of the kind that [`module_value`] names; its error follows.
+    pub(super) value: String,
     pub(super) rmse: String,
     pub(super) max: String,
 }
@@ -37,12 +38,21 @@ pub(super) struct Fact {
     pub(super) value: String,
 }
 
-/// One row per module.
-pub(super) fn modules(summary: &Summary) -> Vec<ModuleRow> {
-    summary.modules.iter().map(module).collect()
+/// The value of a module beside its setpoint: where nobody saw the limb, the model's at the measured pressures.
+pub(super) fn module_value(summary: &Summary) -> &'static str {
+    if summary.is_observed() { "achieved" } else { "modelled" }
 }
 
-fn module(module: &ModuleSummary) -> ModuleRow {
+/// One row per module.
+pub(super) fn modules(summary: &Summary) -> Vec<ModuleRow> {
+    summary.modules.iter().map(|info| module(info, summary.is_observed())).collect()
+}
+
+fn module(module: &ModuleSummary, is_observed: bool) -> ModuleRow {
+    let (value, error) = match is_observed {
+        true => (module.achieved_final, module.error),
+        false => (module.modelled_final, module.tracking_error),
+    };
     let quantity = module.quantity;
     let show = |value: Option<f64>| show(value, quantity.display_scale(), quantity.display_decimals());
     ModuleRow {
@@ -51,9 +61,9 @@ fn module(module: &ModuleSummary) -> ModuleRow {
         channels: range(&module.channels),
         quantity: with_unit(quantity.label(), quantity.display_unit()),
         setpoint: show(module.setpoint_final),
-        achieved: show(module.achieved_final),
-        rmse: show(module.error.map(|error| error.rmse)),
-        max: show(module.error.map(|error| error.max)),
+        value: show(value),
+        rmse: show(error.map(|error| error.rmse)),
+        max: show(error.map(|error| error.max)),
     }
 }
 
@@ -68,15 +78,12 @@ pub(super) fn errors(summary: &Summary) -> Vec<ErrorRow> {
     let tip = &summary.tip;
     let at_holds = tip.at_holds_m.map(|error| row("tip position at the ends of holds, mm", Some(error), 1e3));
     let across = tip.across_m.map(|error| row("tip position across the plane of the plan, mm", Some(error), 1e3));
-    let mut rows = vec![
-        row("tip position, mm", tip.error_m, 1e3),
-        row("tip position by pressure tracking alone, mm", tip.tracking_error_m, 1e3),
-    ];
+    let seen = |row: ErrorRow| summary.is_observed().then_some(row);
+    let mut rows = Vec::from_iter(seen(row("tip position, mm", tip.error_m, 1e3)));
+    rows.push(row("tip position by pressure tracking alone, mm", tip.tracking_error_m, 1e3));
     rows.extend(across.into_iter().chain(at_holds));
-    rows.extend([
-        row("pressure, sensor - reference, kPa", summary.pressure.measured_error_pa, 1e-3),
-        row("pressure, chamber - reference, kPa", summary.pressure.true_error_pa, 1e-3),
-    ]);
+    rows.push(row("pressure, sensor - reference, kPa", summary.pressure.measured_error_pa, 1e-3));
+    rows.extend(seen(row("pressure, chamber - reference, kPa", summary.pressure.true_error_pa, 1e-3)));
     rows
 }
 

@@ -6,7 +6,7 @@ use fra_model::StateQuantity;
 use serde::Serialize;
 use std::ops::Range;
 
-/// The figures of merit of a run. SI units throughout.
+/// The figures of merit of a run. SI units throughout. In JSON a figure that nobody could observe is absent.
 ///
 /// Errors are taken over the scheduled time, from the start of the first phase to the
 /// end of the last, whatever the device made of it; a run without phases counts whole.
@@ -18,8 +18,9 @@ pub struct Summary {
     pub simulated: bool,
     /// True when the simulated limb carried neither its own weight nor a payload.
     pub weightless: bool,
-    /// Seed of everything random in a simulated run.
-    pub seed: u64,
+    /// Seed of everything random in a simulated run; absent on a device.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// Time from the first sample to the last, s.
     pub duration_s: f64,
     /// Number of samples in the log.
@@ -65,8 +66,10 @@ pub struct ModuleSummary {
     /// Deformation that the model gives for the chamber pressure, at the end.
     pub modelled_final: Option<f64>,
     /// Deformation that happened, at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub achieved_final: Option<f64>,
     /// Achieved minus setpoint.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorStats>,
     /// Modelled minus setpoint: the error by pressure tracking alone.
     pub tracking_error: Option<ErrorStats>,
@@ -78,16 +81,20 @@ pub struct ModuleSummary {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TipSummary {
     /// Distance from the setpoint at the end, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub final_error_m: Option<f64>,
     /// Achieved position from the setpoint, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub error_m: Option<ErrorStats>,
     /// Modelled position from the setpoint, m: the part that pressure tracking alone
     /// causes; the rest is the model's.
     pub tracking_error_m: Option<ErrorStats>,
     /// Achieved position from the setpoint at the ends of holds of 0.5 s or more, m: one value a hold, the mean of its last 0.2 s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub at_holds_m: Option<ErrorStats>,
     /// The part of the error across the plane that the planned limb stays in, m: what unequal actuators of a module do. `None` where it stays in
     /// none.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub across_m: Option<ErrorStats>,
 }
 
@@ -97,6 +104,7 @@ pub struct PressureSummary {
     /// Sensor minus reference, Pa.
     pub measured_error_pa: Option<ErrorStats>,
     /// Chamber minus reference, Pa: with the error of the sensor in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub true_error_pa: Option<ErrorStats>,
 }
 
@@ -117,6 +125,14 @@ const MISS_SHARE: f64 = 0.05;
 
 /// Bit of [`ChannelSample::status`](crate::record::ChannelSample) that says the reference was limited.
 const REFERENCE_LIMITED: u8 = 1 << 1;
+
+impl Summary {
+    /// Whether somebody saw the limb itself: of a run on a device there are its own measurements alone.
+    pub(super) fn is_observed(&self) -> bool {
+        let seen = |module: &ModuleSummary| module.error.is_some() || module.pressure.true_error_pa.is_some();
+        self.simulated || self.tip.error_m.is_some() || self.modules.iter().any(seen)
+    }
+}
 
 /// Computes the figures of merit of a run.
 pub fn summary(log: &RunLog) -> Summary {

@@ -24,7 +24,7 @@ impl Summary {
             let _ = writeln!(text, "incomplete log: {}", cut(reason, 80));
         }
         text.push('\n');
-        text.push_str(&aligned(&module_cells(&rows::modules(self)), &[4, 5, 6, 7]));
+        text.push_str(&aligned(&module_cells(rows::module_value(self), &rows::modules(self)), &[4, 5, 6, 7]));
         text.push('\n');
         text.push_str(&aligned(&error_cells(&rows::errors(self)), &[1, 2]));
         text.push('\n');
@@ -36,9 +36,10 @@ impl Summary {
 
 /// Origin of the run's numbers.
 pub(super) fn origin(summary: &Summary) -> String {
-    let origin = match summary.simulated {
-        true => format!("simulated, seed {}", summary.seed),
-        false => "on hardware".to_owned(),
+    let origin = match (summary.simulated, summary.seed) {
+        (true, Some(seed)) => format!("simulated, seed {seed}"),
+        (true, None) => "simulated".to_owned(),
+        (false, _) => "on a device".to_owned(),
     };
     labelled(&origin, summary.weightless)
 }
@@ -74,8 +75,8 @@ fn faults(summary: &Summary) -> String {
     text
 }
 
-fn module_cells(rows: &[ModuleRow]) -> Vec<Vec<String>> {
-    let heading = ["module", "motion", "channels", "quantity", "setpoint", "achieved", "RMSE", "max"];
+fn module_cells(value: &str, rows: &[ModuleRow]) -> Vec<Vec<String>> {
+    let heading = ["module", "motion", "channels", "quantity", "setpoint", value, "RMSE", "max"];
     let mut cells = vec![heading.map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(|row| {
         vec![
@@ -84,7 +85,7 @@ fn module_cells(rows: &[ModuleRow]) -> Vec<Vec<String>> {
             row.channels.clone(),
             row.quantity.clone(),
             row.setpoint.clone(),
-            row.achieved.clone(),
+            row.value.clone(),
             row.rmse.clone(),
             row.max.clone(),
         ]

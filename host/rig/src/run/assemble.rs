@@ -6,7 +6,8 @@ use softlimb_sim::plant::Truth;
 
 use super::Progress;
 use super::hanging::Hanging;
-use super::observed::Traffic;
+use super::prepared::Origin;
+use super::recording::Traffic;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
     ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, RunInfo, Sample, Shape,
@@ -197,7 +198,7 @@ fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {
 }
 
 /// Data of the run as a whole, before the device has told its version and taken its configuration.
-pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> RunInfo {
+pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, origin: Origin) -> RunInfo {
     let modules = limb.drives().map(|drive| ModuleInfo {
         name: drive.name(),
         motion: drive.motion.name().into(),
@@ -219,6 +220,11 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> Ru
             time_s: nearest.time_us as f64 * 1e-6,
         }),
     });
+    let (seed, start_unix_ns) = match origin {
+        // A simulated run has no date: the same run is the same log.
+        Origin::Simulated { seed } => (Some(seed), 0),
+        Origin::Device { unix_ns } => (None, unix_ns),
+    };
     RunInfo {
         scene_name: scene.name().into(),
         scene_text: scene.source_text().into(),
@@ -227,13 +233,13 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, seed: u64) -> Ru
         schema_hash: SCHEMA_HASH,
         config_hash: 0,
         seed,
-        // A simulated run has no date: the same run is the same log.
-        start_unix_ns: 0,
+        start_unix_ns,
         modules: modules.collect(),
         phases: phases.collect(),
         solids: solids(scene),
-        simulated: true,
-        weightless: scene.weightless(),
+        simulated: seed.is_some(),
+        // A limb on a device has its weight, whatever the plan says.
+        weightless: seed.is_some() && scene.weightless(),
     }
 }
 

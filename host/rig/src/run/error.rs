@@ -7,6 +7,7 @@ use softlimb_sim::{EmulatorError, SimError};
 
 use super::RunFiles;
 use crate::link::LinkError;
+use crate::link::port::PortError;
 use crate::record::RecordError;
 use softlimb_files::FileError;
 use softlimb_scene::SceneError;
@@ -24,6 +25,9 @@ pub enum RunError {
     /// The emulated processor does not run, or not any more.
     #[error(transparent)]
     Emulator(#[from] EmulatorError),
+    /// The port cannot be opened.
+    #[error(transparent)]
+    Port(#[from] PortError),
     /// The run did not begin.
     #[error("{0}")]
     Link(Box<LinkError>),

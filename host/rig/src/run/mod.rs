@@ -5,18 +5,19 @@ mod error;
 mod hanging;
 mod observed;
 mod prepared;
+mod recording;
+mod unobserved;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::SystemTime;
 
 use softlimb_sim::emulated::{Flashed, LockStep};
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
-use crate::link::{Event, LinkStatistics};
-use crate::record;
-use crate::record::{LinkSummary, Recorder, RunInfo, RunLog};
+use crate::link::port;
+use crate::link::port::{Port, PortAddress};
+use crate::record::RunLog;
 use crate::report;
 use crate::simulate;
 use softlimb_files::write_whole;
@@ -25,11 +26,13 @@ use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_scene::Scene;
 
-use assemble::{Assembler, Seen};
 pub use error::RunError;
 use observed::Observed;
 pub(crate) use prepared::Prepared;
 pub use prepared::samples;
+use prepared::{Origin, SESSION};
+use recording::{Session, recorded};
+use unobserved::Unobserved;
 
 /// Settings of a run, and its destination.
 #[derive(Clone, Debug)]
@@ -111,7 +114,7 @@ pub fn run_planned(
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
     let prepared = Prepared::planned(scene, limb, plan)?;
-    recorded(&prepared, (scene, prepared.limb()), options, cancel, on_progress)
+    simulated(&prepared, (scene, prepared.limb()), options, cancel, on_progress)
 }
 
 /// [`run`] with the simulated limb and pneumatics of another scene, about whose parameters those of the plant are drawn: a scene that has been
@@ -131,43 +134,60 @@ pub fn run_on(
     let prepared = Prepared::planned(scene, planned, plan)?;
     let limb = Limb::new(plant)?;
     same_drives(prepared.limb(), &limb)?;
-    recorded(&prepared, (plant, &limb), options, cancel, on_progress)
+    simulated(&prepared, (plant, &limb), options, cancel, on_progress)
+}
+
+/// The simulated device with the pneumatics and the limb of a scene, switched on.
+///
+/// # Errors
+/// [`RunError::Simulation`], [`RunError::Emulator`].
+pub fn simulated_device(
+    (plant, limb): (&Scene, &Limb),
+    seed: u64,
+    mcu: &Mcu,
+) -> Result<SimulatedMcu<Box<dyn Processor>>, RunError> {
+    Ok(SimulatedMcu::with_processor(&simulate::settings(plant, limb, seed), mcu.start()?)?)
 }
 
 /// Streams what is prepared to the simulated limb and pneumatics of `plant`.
-fn recorded(
+fn simulated(
     prepared: &Prepared<'_>,
     (plant, limb): (&Scene, &Limb),
     options: &RunOptions,
     cancel: &AtomicBool,
-    mut on_progress: impl FnMut(Progress),
+    on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let settings = simulate::settings(plant, limb, options.seed);
-    let mut device = Observed::new(SimulatedMcu::with_processor(&settings, options.mcu.start()?)?);
-    fs::create_dir_all(&options.out).map_err(|error| RunError::folder(&options.out, error))?;
-    let path = options.out.join("run.mcap");
+    let mut device = Observed::new(simulated_device((plant, limb), options.seed, &options.mcu)?);
+    let session = Session { number: SESSION, origin: Origin::Simulated { seed: options.seed }, out: &options.out };
+    let assembler = prepared.assembler(plant, limb);
+    let ended = recorded(prepared, assembler, &mut device, &session, cancel, on_progress);
+    device.take_failure().map_or(ended, |failure| Err(failure.into()))
+}
 
-    let began = Instant::now();
-    let mut recording = Recording::new(prepared.info(options.seed), prepared.assembler(plant, limb), &path);
-    let ended = prepared.stream(&mut device, cancel, |device, event| {
-        if let Some(progress) = recording.take(device, event) {
-            on_progress(progress);
-        }
-    });
-    let link = assemble::link_summary(&recording.statistics, device.traffic());
-    let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
-    if let Some(failure) = device.take_failure() {
-        return Err(failure.into());
-    }
-    match (ended, logged) {
-        (Ok(_), true) => finish_report(&path),
-        (Ok(_), false) => Err(RunError::NotRecorded),
-        (Err(cause), true) => {
-            let files = finish_report(&path)?;
-            Err(RunError::Stopped { cause: Box::new(cause), files: Box::new(files) })
-        }
-        (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
-    }
+/// Runs a scene on the device behind a port, in real time, records it in `out` and writes the report. Nobody sees the limb itself: log and
+/// report have what the device measures. `cancel` vents the limb and ends the run.
+///
+/// # Errors
+/// As [`run`]; a port that is unplugged stops the run.
+pub fn run_behind(
+    scene: &Scene,
+    port: &PortAddress,
+    out: &Path,
+    cancel: &AtomicBool,
+    on_progress: impl FnMut(Progress),
+) -> Result<RunFiles, RunError> {
+    let limb = Limb::new(scene)?;
+    let plan = motion::plan(scene, &limb)?;
+    let prepared = Prepared::planned(scene, limb, plan)?;
+    let mut device = Unobserved::new(Port::open(port)?);
+    let session = Session { number: port::session_number(), origin: Origin::Device { unix_ns: unix_ns() }, out };
+    let assembler = prepared.assembler(scene, prepared.limb());
+    recorded(&prepared, assembler, &mut device, &session, cancel, on_progress)
+}
+
+/// Time since 1970-01-01 UTC, ns; 0 on a computer that believes to be before.
+fn unix_ns() -> u64 {
+    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
 }
 
 /// Refuses a limb that does not take the setpoints of another.
@@ -180,90 +200,10 @@ fn same_drives(planned: &Limb, simulated: &Limb) -> Result<(), RunError> {
     Err(RunError::OtherLimb { planned: list(planned), simulated: list(simulated) })
 }
 
-/// Reads the log back, so that the report shows what the log holds and nothing else.
-fn finish_report(log: &Path) -> Result<RunFiles, RunError> {
-    let run = record::read(log)?;
-    let report = log.with_extension("html");
-    write_report(&report, &run)?;
-    Ok(RunFiles { log: log.to_owned(), report, run })
-}
-
 /// Writes the report of a log; under its name there is the whole of it, or what was there before.
 ///
 /// # Errors
 /// [`RunError::Report`].
 pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
     Ok(write_whole(path, &report::html(log))?)
-}
-
-/// The recording of a run, from the moment its configuration is known.
-struct Recording<'a> {
-    info: RunInfo,
-    path: &'a Path,
-    assembler: Assembler<'a>,
-    recorder: Option<Recorder>,
-    failure: Option<RunError>,
-    statistics: LinkStatistics,
-}
-
-impl<'a> Recording<'a> {
-    fn new(info: RunInfo, assembler: Assembler<'a>, path: &'a Path) -> Self {
-        Self { info, path, assembler, recorder: None, failure: None, statistics: LinkStatistics::default() }
-    }
-
-    /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
-    fn take(&mut self, device: &mut Observed, event: Event) -> Option<Progress> {
-        match self.note(device, event) {
-            Ok(progress) => progress,
-            Err(error) => {
-                self.recorder = None;
-                self.failure.get_or_insert(error);
-                None
-            }
-        }
-    }
-
-    fn note(&mut self, device: &mut Observed, event: Event) -> Result<Option<Progress>, RunError> {
-        match event {
-            Event::Connected(device) => self.info.firmware_version = device.firmware.to_string(),
-            Event::Configured { config_hash } if self.failure.is_none() => {
-                self.info.config_hash = config_hash;
-                self.recorder = Some(Recorder::create(self.path, &self.info)?);
-            }
-            Event::Closed(statistics) => self.statistics = statistics,
-            Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
-            Event::Telemetry { message, .. } => {
-                let truth = device.truth_at(message.time_us);
-                if let Some(Seen { sample, shape, faults }) = self.assembler.sample(&message, truth.as_ref()) {
-                    let progress = self.assembler.progress(sample.time_s);
-                    if let Some(recorder) = &mut self.recorder {
-                        recorder.sample(&sample)?;
-                        shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
-                        faults.iter().try_for_each(|fault| recorder.fault(fault))?;
-                    }
-                    return Ok(Some(progress));
-                }
-            }
-            Event::Fault { message, .. } => {
-                let fault = self.assembler.fault(&message);
-                if let Some(recorder) = &mut self.recorder {
-                    recorder.fault(&fault)?;
-                }
-            }
-            _ => {}
-        }
-        Ok(None)
-    }
-
-    /// Closes the log; `false` when there is none.
-    fn finish(self, link: LinkSummary, wall_s: f64) -> Result<bool, RunError> {
-        match (self.failure, self.recorder) {
-            (Some(failure), _) => Err(failure),
-            (None, Some(recorder)) => {
-                recorder.finish(link, Some(wall_s))?;
-                Ok(true)
-            }
-            (None, None) => Ok(false),
-        }
-    }
 }

@@ -6,6 +6,7 @@ use std::io;
 use softlimb_sim::plant::Truth;
 use softlimb_sim::{EmulatorError, Processor, SimulatedMcu};
 
+use super::recording::{Bench, Traffic};
 use crate::link::Transport;
 
 /// Ticks the observer remembers: longer than any telemetry message takes to arrive.
@@ -18,13 +19,6 @@ pub(super) struct Observed {
     traffic: Traffic,
 }
 
-/// Bytes handed over, each way.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Traffic {
-    pub(super) sent: u64,
-    pub(super) received: u64,
-}
-
 impl Observed {
     pub(super) fn new(device: SimulatedMcu<Box<dyn Processor>>) -> Self {
         Self { device, seen: VecDeque::with_capacity(MEMORY), traffic: Traffic::default() }
@@ -33,17 +27,6 @@ impl Observed {
     /// Why the device does not run any more, if it does not.
     pub(super) fn take_failure(&mut self) -> Option<EmulatorError> {
         self.device.take_failure()
-    }
-
-    /// Traffic of the link so far.
-    pub(super) fn traffic(&self) -> Traffic {
-        self.traffic
-    }
-
-    /// The truth at a device time, us, if it is remembered.
-    pub(super) fn truth_at(&self, device_us: u64) -> Option<Truth> {
-        let index = self.seen.binary_search_by_key(&device_us, |(time_us, _)| *time_us).ok()?;
-        Some(self.seen[index].1.clone())
     }
 
     fn look(&mut self) {
@@ -55,6 +38,18 @@ impl Observed {
             self.seen.pop_front();
         }
         self.seen.push_back((time_us, self.device.truth()));
+    }
+}
+
+impl Bench for Observed {
+    /// The truth at a device time, if it is remembered.
+    fn truth_at(&self, device_us: u64) -> Option<Truth> {
+        let index = self.seen.binary_search_by_key(&device_us, |(time_us, _)| *time_us).ok()?;
+        Some(self.seen[index].1.clone())
+    }
+
+    fn traffic(&self) -> Traffic {
+        self.traffic
     }
 }
 

@@ -7,8 +7,9 @@ use softlimb_sim::{Processor, SimulatedMcu, here};
 use super::RunError;
 use super::assemble::{Assembler, run_info};
 use super::observed::Observed;
+use super::recording::Bench;
 use crate::link;
-use crate::link::{DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary};
+use crate::link::{DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary, Transport};
 use crate::record::{RunInfo, Sample};
 use crate::simulate;
 use softlimb_limb::{Drive, Limb};
@@ -17,7 +18,25 @@ use softlimb_motion::{ModuleInverse, Plan, Sent};
 use softlimb_scene::{Corrections, Scene};
 
 /// Number of the link session. A simulated device is new in every run, so one number serves, and equal runs are equal logs.
-const SESSION: u16 = 1;
+pub(super) const SESSION: u16 = 1;
+
+/// Time beyond the link timeout for a device to notice that its last host has gone, us.
+const OCCUPIED_MARGIN_US: u64 = 500_000;
+
+/// Origin of the numbers of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Origin {
+    /// The simulated device and limb.
+    Simulated {
+        /// Seed of everything random in it.
+        seed: u64,
+    },
+    /// A device behind a port.
+    Device {
+        /// When the run began, ns since 1970-01-01 UTC.
+        unix_ns: u64,
+    },
+}
 
 /// A scene made ready for a device.
 pub(crate) struct Prepared<'a> {
@@ -80,8 +99,8 @@ impl<'a> Prepared<'a> {
         self.limb.drives().map(error_pa).collect()
     }
 
-    pub(super) fn info(&self, seed: u64) -> RunInfo {
-        run_info(self.scene, &self.limb, &self.plan, seed)
+    pub(super) fn info(&self, origin: Origin) -> RunInfo {
+        run_info(self.scene, &self.limb, &self.plan, origin)
     }
 
     /// What makes samples of a run of the limb of a scene, which need not be the planned one.
@@ -90,20 +109,23 @@ impl<'a> Prepared<'a> {
     }
 
     /// Streams the setpoints to a device.
-    pub(super) fn stream(
+    pub(super) fn stream<D: Transport>(
         &self,
-        device: &mut Observed,
+        device: &mut D,
+        session: u16,
         cancel: &AtomicBool,
-        on_event: impl FnMut(&mut Observed, Event),
+        on_event: impl FnMut(&mut D, Event),
     ) -> Result<Summary, LinkError> {
-        let defaults = StreamOptions::new(SESSION);
+        let defaults = StreamOptions::new(session);
         let system = &self.configuration.system;
         let heartbeat_us = defaults.heartbeat_us.min(u64::from(system.link_timeout_us) / 4);
         // The ramp down takes its time; twice that and the default is long enough.
         let highest_pa = self.limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
         let ramp_us = (highest_pa / f64::from(system.vent_ramp_pa_per_s) * 1e6) as u64;
         let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
-        let options = StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, ..defaults };
+        // A host that went away keeps its session for so long.
+        let occupied_max_us = u64::from(system.link_timeout_us) + OCCUPIED_MARGIN_US;
+        let options = StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, occupied_max_us, ..defaults };
         link::stream(device, &self.configuration, &self.knots, &options, on_event)
     }
 
@@ -116,7 +138,7 @@ impl<'a> Prepared<'a> {
         let mut device = Observed::new(SimulatedMcu::with_processor(&settings, processor)?);
         let mut assembler = self.assembler(self.scene, &self.limb);
         let mut samples = Vec::new();
-        let ended = self.stream(&mut device, &AtomicBool::new(false), |device, event| match event {
+        let ended = self.stream(&mut device, SESSION, &AtomicBool::new(false), |device, event| match event {
             Event::Armed { start_us, end_us } => assembler.start(start_us, end_us),
             Event::Telemetry { message, .. } => {
                 let truth = device.truth_at(message.time_us);

@@ -43,7 +43,7 @@ pub(crate) fn info() -> RunInfo {
         firmware_version: "0.1.0".into(),
         schema_hash: 0xe306_9283,
         config_hash: 0x0000_00ff,
-        seed: u64::MAX,
+        seed: Some(u64::MAX),
         start_unix_ns: 0,
         modules: vec![
             module("proximal", "extension", StateQuantity::AxialStretch, 0),

@@ -1,0 +1,152 @@
+//! The recording of a run: what a device does goes to the log, and the log becomes the report.
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use softlimb_sim::plant::Truth;
+
+use super::assemble::{Assembler, Seen, link_summary};
+use super::prepared::{Origin, Prepared};
+use super::{Progress, RunError, RunFiles, write_report};
+use crate::link::{Event, LinkStatistics, Transport};
+use crate::record;
+use crate::record::{LinkSummary, Recorder, RunInfo};
+
+/// A device under a run, with whoever looks on.
+pub(super) trait Bench: Transport {
+    /// The truth at a device time, us, where somebody sees it.
+    fn truth_at(&self, device_us: u64) -> Option<Truth>;
+
+    /// Traffic of the link so far.
+    fn traffic(&self) -> Traffic;
+}
+
+/// Bytes handed over, each way.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traffic {
+    pub(super) sent: u64,
+    pub(super) received: u64,
+}
+
+/// A session with a device, and the destination of its record.
+pub(super) struct Session<'a> {
+    /// Number of the link session.
+    pub(super) number: u16,
+    pub(super) origin: Origin,
+    /// The folder that takes `run.mcap` and `run.html`.
+    pub(super) out: &'a Path,
+}
+
+/// Streams what is prepared to a device, records it and writes the report.
+pub(super) fn recorded<D: Bench>(
+    prepared: &Prepared<'_>,
+    assembler: Assembler<'_>,
+    device: &mut D,
+    session: &Session<'_>,
+    cancel: &AtomicBool,
+    mut on_progress: impl FnMut(Progress),
+) -> Result<RunFiles, RunError> {
+    fs::create_dir_all(session.out).map_err(|error| RunError::folder(session.out, error))?;
+    let path = session.out.join("run.mcap");
+
+    let began = Instant::now();
+    let mut recording = Recording::new(prepared.info(session.origin), assembler, &path);
+    let ended = prepared.stream(device, session.number, cancel, |device, event| {
+        if let Some(progress) = recording.take(device, event) {
+            on_progress(progress);
+        }
+    });
+    let link = link_summary(&recording.statistics, device.traffic());
+    let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
+    match (ended, logged) {
+        (Ok(_), true) => finish_report(&path),
+        (Ok(_), false) => Err(RunError::NotRecorded),
+        (Err(cause), true) => {
+            let files = finish_report(&path)?;
+            Err(RunError::Stopped { cause: Box::new(cause), files: Box::new(files) })
+        }
+        (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
+    }
+}
+
+/// Reads the log back, so that the report shows what the log holds and nothing else.
+fn finish_report(log: &Path) -> Result<RunFiles, RunError> {
+    let run = record::read(log)?;
+    let report = log.with_extension("html");
+    write_report(&report, &run)?;
+    Ok(RunFiles { log: log.to_owned(), report, run })
+}
+
+/// The recording of a run, from the moment its configuration is known.
+struct Recording<'a> {
+    info: RunInfo,
+    path: &'a Path,
+    assembler: Assembler<'a>,
+    recorder: Option<Recorder>,
+    failure: Option<RunError>,
+    statistics: LinkStatistics,
+}
+
+impl<'a> Recording<'a> {
+    fn new(info: RunInfo, assembler: Assembler<'a>, path: &'a Path) -> Self {
+        Self { info, path, assembler, recorder: None, failure: None, statistics: LinkStatistics::default() }
+    }
+
+    /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
+    fn take(&mut self, device: &impl Bench, event: Event) -> Option<Progress> {
+        match self.note(device, event) {
+            Ok(progress) => progress,
+            Err(error) => {
+                self.recorder = None;
+                self.failure.get_or_insert(error);
+                None
+            }
+        }
+    }
+
+    fn note(&mut self, device: &impl Bench, event: Event) -> Result<Option<Progress>, RunError> {
+        match event {
+            Event::Connected(device) => self.info.firmware_version = device.firmware.to_string(),
+            Event::Configured { config_hash } if self.failure.is_none() => {
+                self.info.config_hash = config_hash;
+                self.recorder = Some(Recorder::create(self.path, &self.info)?);
+            }
+            Event::Closed(statistics) => self.statistics = statistics,
+            Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
+            Event::Telemetry { message, .. } => {
+                let truth = device.truth_at(message.time_us);
+                if let Some(Seen { sample, shape, faults }) = self.assembler.sample(&message, truth.as_ref()) {
+                    let progress = self.assembler.progress(sample.time_s);
+                    if let Some(recorder) = &mut self.recorder {
+                        recorder.sample(&sample)?;
+                        shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
+                        faults.iter().try_for_each(|fault| recorder.fault(fault))?;
+                    }
+                    return Ok(Some(progress));
+                }
+            }
+            Event::Fault { message, .. } => {
+                let fault = self.assembler.fault(&message);
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.fault(&fault)?;
+                }
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    /// Closes the log; `false` when there is none.
+    fn finish(self, link: LinkSummary, wall_s: f64) -> Result<bool, RunError> {
+        match (self.failure, self.recorder) {
+            (Some(failure), _) => Err(failure),
+            (None, Some(recorder)) => {
+                recorder.finish(link, Some(wall_s))?;
+                Ok(true)
+            }
+            (None, None) => Ok(false),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Real ports: sockets and pseudo-terminals of this computer, with the simulated device at their other end.
+
+use std::io::{Read, Write};
+use std::net::TcpListener;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use softlimb_protocol::DeviceState;
+use softlimb_rig::link::port::{Address, ClientPort, Port, PortAddress, PortError, Served, serve, session_number};
+use softlimb_rig::link::{Ending, LinkError, StreamOptions, Transport, stream};
+
+use super::link_common::{Told, configuration, device, knots, settings};
+
+fn address(text: &str) -> PortAddress {
+    match text.parse() {
+        Ok(Address::Port(port)) => port,
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+/// Waits for bytes for at most 2 s.
+fn received(port: &mut Port, count: usize) -> std::io::Result<Vec<u8>> {
+    let (mut bytes, deadline_us) = (Vec::new(), port.now_us() + 2_000_000);
+    while bytes.len() < count && port.now_us() < deadline_us {
+        port.wait_until(deadline_us);
+        port.receive(&mut bytes)?;
+    }
+    Ok(bytes)
+}
+
+#[test]
+fn bytes_go_both_ways_unchanged_and_the_other_end_s_leave_is_told() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let text = format!("tcp:{}", listener.local_addr().unwrap());
+    let all: Vec<u8> = (0..=255).collect();
+    let sent = all.clone();
+    let echo = thread::spawn(move || {
+        let mut client = listener.accept().unwrap().0;
+        let mut bytes = [0; 256];
+        client.read_exact(&mut bytes).unwrap();
+        client.write_all(&bytes).unwrap();
+    });
+    let mut port = Port::open(&address(&text)).unwrap();
+    port.send(&sent).unwrap();
+    assert_eq!(received(&mut port, 256).unwrap(), all);
+    echo.join().unwrap();
+    for _ in 0..2 {
+        let error = received(&mut port, 1).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{text} is gone: unplugged")), "{error}");
+    }
+}
+
+#[test]
+fn wait_ends_at_its_deadline_without_bytes_and_the_clock_is_that_of_the_computer() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let mut port = Port::open(&address(&format!("tcp:{}", listener.local_addr().unwrap()))).unwrap();
+    let (began, clock_us) = (std::time::Instant::now(), port.now_us());
+    let deadline_us = clock_us + 30_000;
+    while port.now_us() < deadline_us {
+        port.wait_until(deadline_us);
+    }
+    let wall_us = began.elapsed().as_micros() as u64;
+    assert!(wall_us >= 30_000 && (port.now_us() - clock_us).abs_diff(wall_us) < 5_000, "{wall_us} us");
+}
+
+#[test]
+fn port_that_cannot_be_opened_is_named_with_the_reason() {
+    let error = Port::open(&address("/dev/no-such-port")).unwrap_err();
+    assert!(matches!(error, PortError::Serial { .. }));
+    let message = error.to_string();
+    assert!(message.contains("/dev/no-such-port") && message.contains("softlimb device list"), "{message}");
+    let closed = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let message = Port::open(&address(&format!("tcp:{closed}"))).unwrap_err().to_string();
+    assert!(message.contains(&format!("cannot connect to tcp:{closed}")), "{message}");
+}
+
+/// Serves a device with one channel until `client` has done its work at its address; the news of the device.
+fn served<T>(mut port: ClientPort, client: impl FnOnce(&str) -> T) -> (T, Vec<Served>) {
+    let text = port.address().unwrap();
+    let stop = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let server = scope.spawn(|| {
+            let mut news = Vec::new();
+            serve(&mut device(&settings(1)), &mut port, &stop, |_, told| news.push(told)).unwrap();
+            news
+        });
+        let done = client(&text);
+        stop.store(true, Ordering::Relaxed);
+        (done, server.join().unwrap())
+    })
+}
+
+/// Runs 0.4 s of setpoints on the device at an address.
+fn run_at(text: &str) -> (Result<Ending, LinkError>, Told) {
+    let mut port = Port::open(&address(text)).unwrap();
+    let options = StreamOptions { occupied_max_us: 1_000_000, ..StreamOptions::new(session_number()) };
+    let mut told = Told::default();
+    let ended = stream(&mut port, &configuration(1), &knots(1, 0.4), &options, |_, event| told.take(event));
+    (ended.map(|summary| summary.ending), told)
+}
+
+/// Both ends in real time over one kind of port, twice: the second host finds the device that the first one left.
+fn two_hosts_run_one_after_the_other(port: ClientPort) -> Vec<Served> {
+    let (clocks, news) = served(port, |text| {
+        [(); 2].map(|()| {
+            let (ended, told) = run_at(text);
+            assert_eq!(ended.unwrap(), Ending::Completed);
+            assert!(told.running().count() >= 30, "{}", told.running().count());
+            told.start_us
+        })
+    });
+    assert!(clocks[1] > clocks[0] + 400_000, "the device's clock goes on: {clocks:?}");
+    let running = news.iter().filter(|told| matches!(told, Served::State(state) if *state == DeviceState::Running));
+    assert_eq!(running.count(), 2, "{news:?}");
+    news
+}
+
+#[test]
+fn two_hosts_run_one_after_the_other_over_tcp() {
+    let news = two_hosts_run_one_after_the_other(ClientPort::tcp("127.0.0.1:0").unwrap());
+    let count = |wanted: fn(&Served) -> bool| news.iter().filter(|told| wanted(told)).count();
+    assert_eq!(count(|told| matches!(told, Served::Connected(_))), 2, "{news:?}");
+    assert!(count(|told| matches!(told, Served::Left)) >= 1, "{news:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn two_hosts_run_one_after_the_other_over_a_pseudo_terminal() {
+    two_hosts_run_one_after_the_other(ClientPort::terminal().unwrap());
+}
+
+#[cfg(unix)]
+#[test]
+fn terminal_that_is_closed_is_told() {
+    let terminal = ClientPort::terminal().unwrap();
+    let text = terminal.address().unwrap();
+    let mut port = Port::open(&address(&text)).unwrap();
+    assert!(received(&mut port, 0).unwrap().is_empty());
+    drop(terminal);
+    let error = received(&mut port, 1).unwrap_err().to_string();
+    assert!(error.starts_with(&format!("{text} is gone: unplugged")), "{error}");
+}

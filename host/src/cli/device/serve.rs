@@ -1,0 +1,74 @@
+//! `softlimb device serve`: the simulated device as a program of its own.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::super::interrupt::interrupt;
+use super::super::run::Controller;
+use super::super::shared::limb;
+use super::super::{Failure, Outcome, note, say};
+use softlimb_rig::link::port::{ClientPort, Served, serve};
+use softlimb_rig::run::simulated_device;
+
+/// Run the simulated device with the limb of a scene in real time, behind a port, until Ctrl-C
+#[derive(Args)]
+#[command(
+    after_help = "Prints the address for clients first. They come one after the other; the device lives on between them.\n\
+                  `softlimb run SCENE --port ADDRESS` in another window is such a client.\n\n\
+                  Examples:\n  softlimb device serve scenes/single-bending.toml\n  \
+                  softlimb device serve scenes/single-bending.toml --tcp 127.0.0.1:7000"
+)]
+pub(super) struct Serve {
+    /// The scene of the limb and its pneumatics
+    scene: PathBuf,
+    /// Serve at a TCP address instead of a pseudo-terminal; port 0 takes a free one
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "pty")]
+    tcp: Option<String>,
+    /// Serve at a new pseudo-terminal [default]
+    #[arg(long)]
+    pty: bool,
+    /// Seed of the plant [default: the scene's]
+    #[arg(long)]
+    seed: Option<u64>,
+    #[command(flatten)]
+    controller: Controller,
+}
+
+impl Serve {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let (scene, limb) = limb(&self.scene)?;
+        let seed = self.seed.unwrap_or(scene.seed());
+        let mut device = simulated_device((&scene, &limb), seed, &self.controller.mcu())?;
+        let stop = interrupt()?;
+        let mut port = self.port()?;
+        let address = port.address().map_err(|error| Failure::new(format!("the port has no address: {error}")))?;
+        say(&address)?;
+        serve(&mut device, &mut port, &stop, |time_us, news| {
+            note(&format!("{:10.3} s  {}", time_us as f64 * 1e-6, in_words(&news)));
+        })
+        .map_err(Failure::new)?;
+        Ok(Outcome::Done)
+    }
+
+    fn port(&self) -> Result<ClientPort, Failure> {
+        match &self.tcp {
+            Some(address) => {
+                ClientPort::tcp(address).map_err(|error| Failure::new(format!("cannot serve at {address}: {error}")))
+            }
+            None => {
+                ClientPort::terminal().map_err(|error| Failure::new(format!("cannot open a pseudo-terminal: {error}")))
+            }
+        }
+    }
+}
+
+fn in_words(news: &Served) -> String {
+    match news {
+        Served::Connected(client) => format!("client {client} connected"),
+        Served::Left => "client left".to_owned(),
+        Served::State(state) => state.known().map_or_else(|| format!("state {}", state.raw()), |s| format!("{s:?}")),
+        Served::Fault(fault) => format!("fault: {fault}"),
+        Served::Lag(lag_us) => format!("this computer is too slow: the clock stood still for {} ms", lag_us / 1_000),
+    }
+}

@@ -1,0 +1,24 @@
+//! Ctrl-C as a wish that a verb fulfils.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::Failure;
+
+/// Exit code of a program that Ctrl-C has ended.
+const INTERRUPTED: i32 = 130;
+
+/// Becomes true with the first Ctrl-C or end signal; the second ends the program at once.
+pub(super) fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
+    let wish = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        // In this order: the shutdown looks at the wish before the same signal makes it true.
+        flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&wish))
+            .and_then(|_| flag::register(signal, Arc::clone(&wish)))
+            .map_err(|error| Failure::new(format!("Ctrl-C cannot be caught: {error}")))?;
+    }
+    Ok(wish)
+}

@@ -1,0 +1,221 @@
+//! `device serve` as a program of its own, and `run --port` on it in real time.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use serde_json::Value;
+use softlimb::rig::record;
+
+use crate::cli::desk::Desk;
+
+/// Longest wait for a program's next line.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A program that runs beside the test, and is killed with it.
+struct Program {
+    child: Child,
+    out: BufReader<ChildStdout>,
+    /// Lines of standard error.
+    told: Receiver<String>,
+}
+
+impl Program {
+    fn start(desk: &Desk, line: &str) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_softlimb"))
+            .args(line.split_whitespace())
+            .current_dir(desk.path(""))
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let out = BufReader::new(child.stdout.take().unwrap());
+        let told = lines(child.stderr.take().unwrap());
+        Self { child, out, told }
+    }
+
+    fn first_line(&mut self) -> String {
+        let mut line = String::new();
+        self.out.read_line(&mut line).unwrap();
+        line.trim_end().to_owned()
+    }
+
+    /// Waits for a line on standard error with this word; the time in front of it, s.
+    #[track_caller]
+    fn until(&self, word: &str) -> f64 {
+        let mut lines = Vec::new();
+        loop {
+            match self.told.recv_timeout(PATIENCE) {
+                Ok(line) if line.contains(word) => {
+                    return line.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or(f64::NAN);
+                }
+                Ok(line) => lines.push(line),
+                Err(error) => panic!("no `{word}` ({error}): {lines:?}"),
+            }
+        }
+    }
+
+    /// As Ctrl-C does; the exit code.
+    fn interrupt(mut self) -> Option<i32> {
+        let status = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap();
+        assert!(status.success());
+        self.child.wait().unwrap().code()
+    }
+
+    fn kill(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // Most have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn lines(from: ChildStderr) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for line in BufReader::new(from).lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
+}
+
+/// The small scene, with samples at every millisecond: pulses of valves and samples beat against each other otherwise.
+fn desk(more: &str) -> Desk {
+    Desk::with_scene("seed = 1\n", &format!("seed = 1\ncontroller.telemetry_period = \"1 ms\"\n{more}"))
+}
+
+fn rmse_pa(json: &Value) -> f64 {
+    json["pressure"]["measured_error_pa"]["rmse"].as_f64().unwrap()
+}
+
+/// Every key of a JSON value.
+fn keys(json: &Value, found: &mut Vec<String>) {
+    match json {
+        Value::Object(fields) => fields.iter().for_each(|(key, value)| {
+            found.push(key.clone());
+            keys(value, found);
+        }),
+        Value::Array(values) => values.iter().for_each(|value| keys(value, found)),
+        _ => {}
+    }
+}
+
+#[track_caller]
+fn contains(file: &Path, words: &[&str]) -> bool {
+    let bytes = std::fs::read(file).unwrap();
+    words.iter().any(|word| bytes.windows(word.len()).any(|window| window == word.as_bytes()))
+}
+
+#[test]
+fn run_behind_a_terminal_tracks_as_in_the_process_and_shows_measurements_alone() {
+    let desk = desk("");
+    let here = desk.softlimb("run scene.toml --out here --json").done().json();
+    let mut device = Program::start(&desk, "device serve scene.toml");
+    let address = device.first_line();
+    let there = desk.softlimb(&format!("run scene.toml --out there --port {address} --json")).done().json();
+    assert_eq!(device.interrupt(), Some(0));
+
+    let (found, reference) = (rmse_pa(&there), rmse_pa(&here));
+    println!("RMSE of the measured pressure: {found:.1} Pa behind a terminal, {reference:.1} Pa in the process");
+    assert!((found - reference).abs() < 0.05 * reference, "{found} Pa, in the process {reference} Pa");
+    let factor = there["real_time_factor"].as_f64().unwrap();
+    assert!((0.5..=1.05).contains(&factor), "real time: {factor}");
+
+    let mut names = Vec::new();
+    keys(&there, &mut names);
+    for truth in ["achieved_final", "error", "error_m", "final_error_m", "true_error_pa", "seed"] {
+        assert!(!names.iter().any(|name| name == truth), "{truth}: {there}");
+    }
+    let log = record::read(desk.path("there/run.mcap")).unwrap();
+    assert_eq!((log.incomplete, log.info.simulated), (None, false));
+    assert!(log.info.start_unix_ns > 1_700_000_000_000_000_000, "{}", log.info.start_unix_ns);
+    assert!(log.samples.iter().all(|sample| sample.tip_achieved_m.is_none()));
+    let truth = ["/softlimb/truth", "/softlimb/modules/achieved"];
+    assert!(contains(&desk.path("here/run.mcap"), &truth) && !contains(&desk.path("there/run.mcap"), &truth));
+    let table = desk.softlimb("report there/run.mcap").done().out;
+    assert!(table.starts_with("small  (on a device)"), "{table}");
+    assert!(!table.contains("achieved") && !table.contains("chamber"), "{table}");
+    let seen = ["achieved", "chamber"];
+    assert!(contains(&desk.path("here/run.html"), &seen) && !contains(&desk.path("there/run.html"), &seen));
+}
+
+#[test]
+fn device_that_vanishes_is_told_and_the_log_is_whole() {
+    let desk = desk("");
+    let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
+    let address = device.first_line();
+    assert!(address.starts_with("tcp:127.0.0.1:"), "{address}");
+    let host = Program::start(&desk, &format!("run scene.toml --out results --port {address}"));
+    device.until("Running");
+    std::thread::sleep(Duration::from_millis(500));
+    device.kill();
+    host.until(&format!("the port failed: {address} is gone: unplugged"));
+    let mut host = host;
+    assert_eq!(host.child.wait().unwrap().code(), Some(1));
+    let log = record::read(desk.path("results/run.mcap")).unwrap();
+    assert_eq!(log.incomplete, None);
+    let last_s = log.samples.last().unwrap().time_s;
+    assert!((0.3..1.1).contains(&last_s), "the last sample is of {last_s} s");
+    desk.softlimb("report results/run.mcap").done();
+}
+
+#[test]
+fn device_whose_host_is_killed_holds_ramps_and_vents() {
+    let desk = desk("controller.hold_time = \"0.5 s\"\ncontroller.vent_ramp = \"40 kPa/s\"\n");
+    let mut device = Program::start(&desk, "device serve scene.toml");
+    let address = device.first_line();
+    let mut host = Program::start(&desk, &format!("run scene.toml --out results --port {address}"));
+    let running_s = device.until("Running");
+    std::thread::sleep(Duration::from_millis(300));
+    host.kill();
+    device.until("fault: link lost");
+    let holding_s = device.until("Holding");
+    let venting_s = device.until("Venting");
+    let ready_s = device.until("Ready");
+    // The device has all knots: 1.2 s of motion, and the last one again a second later.
+    assert!((holding_s - running_s - 2.2).abs() < 0.1, "holding after {} s", holding_s - running_s);
+    assert!((venting_s - holding_s - 0.5).abs() < 0.1, "venting after {} s", venting_s - holding_s);
+    // At least the ramp's time: the finger is at about 30 kPa.
+    assert!((0.5..4.0).contains(&(ready_s - venting_s)), "empty after {} s", ready_s - venting_s);
+    // The next host finds a device that it can run on.
+    desk.softlimb(&format!("run scene.toml --out results --port {address}")).done();
+}
+
+#[test]
+fn lines_that_contradict_themselves_are_refused() {
+    let desk = desk("");
+    for (line, words) in [
+        ("run scene.toml --port ttyACM0", ["ttyACM0", "tcp:HOST:PORT"]),
+        ("run scene.toml --port tcp:host:0", ["tcp:host:0", "1 to 65535"]),
+        ("run scene.toml --port sim --baud 9600", ["sim", "baud"]),
+        ("run scene.toml --port /dev/ttyACM0 --baud 300", ["300", "1200 to 10000000"]),
+        ("run scene.toml --port /dev/ttyACM0 --seed 3", ["--seed", "--port /dev/ttyACM0"]),
+        ("run scene.toml --port sim --mcu qemu", ["--mcu", "--port sim"]),
+    ] {
+        desk.softlimb(line).failed(2, &words);
+    }
+    desk.softlimb("run scene.toml --port /dev/no-such-port").failed(1, &["/dev/no-such-port", "device list"]);
+    desk.softlimb("device serve scene.toml --tcp nowhere").failed(1, &["cannot serve at nowhere"]);
+}
+
+#[test]
+fn sim_is_the_run_without_an_address() {
+    let desk = desk("");
+    let out = |line: &str| {
+        let text = desk.softlimb(line).done().out;
+        text.lines().skip(2).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(out("run scene.toml --port sim"), out("run scene.toml"));
+}
