@@ -11,6 +11,8 @@ mod support;
 mod trace;
 #[path = "emulated/turns.rs"]
 mod turns;
+#[path = "emulated/wire.rs"]
+mod wire;
 
 use devices::Images;
 use softlimb_rig::run::Mcu;

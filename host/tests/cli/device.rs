@@ -154,15 +154,21 @@ fn run_behind_a_terminal_tracks_as_in_the_process_and_shows_measurements_alone()
 #[test]
 fn device_that_vanishes_is_told_and_the_log_is_whole() {
     let desk = desk("");
-    let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
+    for (place, begin) in [("--pty", "/dev/"), ("--tcp 127.0.0.1:0", "tcp:127.0.0.1:")] {
+        vanishes(&desk, place, begin);
+    }
+}
+
+/// A device at a place whose address begins so.
+fn vanishes(desk: &Desk, place: &str, begin: &str) {
+    let mut device = Program::start(desk, &format!("device serve scene.toml {place}"));
     let address = device.first_line();
-    assert!(address.starts_with("tcp:127.0.0.1:"), "{address}");
-    let host = Program::start(&desk, &format!("run scene.toml --out results --port {address}"));
+    assert!(address.starts_with(begin), "{address}");
+    let mut host = Program::start(desk, &format!("run scene.toml --out results --port {address}"));
     device.until("Running");
     std::thread::sleep(Duration::from_millis(500));
     device.kill();
     host.until(&format!("the port failed: {address} is gone: unplugged"));
-    let mut host = host;
     assert_eq!(host.child.wait().unwrap().code(), Some(1));
     let log = record::read(desk.path("results/run.mcap")).unwrap();
     assert_eq!(log.incomplete, None);
@@ -189,8 +195,26 @@ fn device_whose_host_is_killed_holds_ramps_and_vents() {
     assert!((venting_s - holding_s - 0.5).abs() < 0.1, "venting after {} s", venting_s - holding_s);
     // At least the ramp's time: the finger is at about 30 kPa.
     assert!((0.5..4.0).contains(&(ready_s - venting_s)), "empty after {} s", ready_s - venting_s);
+    let faults = |line: &str| desk.softlimb(&format!("device monitor --port {address} --lines 1 {line}")).done().out;
+    assert!(faults("").contains("link lost"), "{}", faults(""));
+    desk.softlimb(&format!("device clear --port {address}")).done();
+    assert!(faults("--json").contains("\"faults\":[]"), "{}", faults("--json"));
     // The next host finds a device that it can run on.
     desk.softlimb(&format!("run scene.toml --out results --port {address}")).done();
+}
+
+#[test]
+fn ctrl_c_vents_the_limb_and_ends_the_run() {
+    let desk = desk("");
+    let mut device = Program::start(&desk, "device serve scene.toml");
+    let address = device.first_line();
+    let host = Program::start(&desk, &format!("run scene.toml --out results --port {address}"));
+    let running_s = device.until("Running");
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(host.interrupt(), Some(3));
+    let venting_s = device.until("Venting");
+    assert!(venting_s - running_s < 1.2, "before the end of the motion: {} s", venting_s - running_s);
+    assert_eq!(record::read(desk.path("results/run.mcap")).unwrap().incomplete, None);
 }
 
 #[test]
@@ -218,4 +242,41 @@ fn sim_is_the_run_without_an_address() {
         text.lines().skip(2).map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(out("run scene.toml --port sim"), out("run scene.toml"));
+}
+
+#[test]
+fn board_is_asked_measured_and_watched() {
+    let desk = desk("");
+    let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
+    let port = format!("--port {}", device.first_line());
+    let info = desk.softlimb(&format!("device info {port} --json")).done().json();
+    assert_eq!((&info["state"], &info["boot_cause"]), (&"Idle".into(), &"PowerOn".into()), "{info}");
+    assert!(info["channels_max"].as_u64() == Some(27) && info.get("config_hash").is_none(), "{info}");
+    // A device without a configuration measures nothing.
+    desk.softlimb(&format!("device sensors {port}")).failed(1, &["no measurements", "--scene"]);
+    let readings = desk.softlimb(&format!("device sensors {port} --scene scene.toml --time 0.3s --json")).done().json();
+    let names: Vec<_> =
+        readings.as_array().unwrap().iter().map(|reading| reading["sensor"].as_str().unwrap()).collect();
+    assert_eq!(names, ["supply", "channel 0"]);
+    let mean_pa = |index: usize| readings[index]["mean_pa"].as_f64().unwrap();
+    assert!(mean_pa(0) > 150e3, "the supply is on: {readings}");
+    assert!(mean_pa(1) < 1e3, "the chamber is empty: {readings}");
+    let table = desk.softlimb(&format!("device info {port}")).done().out;
+    assert!(table.contains("state          Ready") && !table.contains("none"), "{table}");
+    let watched = desk.softlimb(&format!("device monitor {port} --period 0.05s --lines 3 --json")).done().out;
+    let lines: Vec<Value> = watched.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let times: Vec<f64> = lines.iter().map(|line| line["time_s"].as_f64().unwrap()).collect();
+    assert!(lines.len() == 3 && times.windows(2).all(|pair| pair[1] - pair[0] >= 0.049), "{watched}");
+    let text = desk.softlimb(&format!("device monitor {port} --lines 2")).done().out;
+    assert!(text.lines().count() == 2 && text.contains("Ready  supply") && !text.contains('\u{1b}'), "{text}");
+    assert_eq!(device.interrupt(), Some(0));
+}
+
+#[test]
+fn device_verbs_want_a_port() {
+    let desk = Desk::new();
+    desk.softlimb("device list").done();
+    assert!(desk.softlimb("device list --json").done().json().is_array());
+    desk.softlimb("device info --port sim").failed(2, &["sim", "device serve"]);
+    desk.softlimb("device info").failed(2, &["--port"]);
 }

@@ -8,7 +8,7 @@ use clap::Command;
 use crate::cli::desk::Desk;
 
 /// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 18] = [
+const PARSED_ONLY: [&str; 22] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -27,6 +27,10 @@ const PARSED_ONLY: [&str; 18] = [
     "run calibrated.toml",
     "run scenes/single-bending.toml --port",
     "device serve",
+    "device info",
+    "device clear",
+    "device sensors",
+    "device monitor",
 ];
 
 /// Every example below a command, in the order of the help texts.

@@ -24,6 +24,15 @@ pub enum LinkError {
         /// Name of the message.
         message: &'static str,
     },
+    /// A device sends no measurements.
+    #[error(
+        "no measurements for {} ms: the device is off, or has no configuration; `--scene SCENE` gives it one",
+        waited_us / 1_000
+    )]
+    NoTelemetry {
+        /// Time since the last, or since the beginning, us.
+        waited_us: u64,
+    },
     /// A connected device fell silent.
     #[error("the device has been silent for {} ms: the link is lost", silence_us / 1_000)]
     Silent {
@@ -112,7 +121,10 @@ pub enum LinkError {
     #[error("the device dropped setpoints it had accepted: it was flushed or configured by someone else")]
     SetpointsDropped,
     /// A fault from before is latched.
-    #[error("the device holds a fault from before ({}); find its cause, then clear it", fault_or_unknown(fault))]
+    #[error(
+        "the device holds a fault from before ({}); find its cause, then `softlimb device clear`",
+        fault_or_unknown(fault)
+    )]
     LatchedFault {
         /// The fault, if the device told.
         fault: Option<DeviceFault>,

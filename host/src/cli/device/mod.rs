@@ -1,5 +1,11 @@
 //! `softlimb device`: one device and its port.
 
+mod clear;
+mod info;
+mod list;
+mod monitor;
+mod screen;
+mod sensors;
 mod serve;
 
 use clap::{Args, Subcommand};
@@ -8,7 +14,7 @@ use super::{Failure, Outcome};
 
 /// Talk to one device, or be one
 #[derive(Args)]
-#[command(after_help = "Example: softlimb device serve scenes/single-bending.toml")]
+#[command(after_help = "Example: softlimb device list")]
 pub(super) struct Device {
     #[command(subcommand)]
     verb: Verb,
@@ -16,12 +22,22 @@ pub(super) struct Device {
 
 #[derive(Subcommand)]
 enum Verb {
+    List(list::List),
+    Info(info::Info),
+    Sensors(sensors::Sensors),
+    Monitor(monitor::Monitor),
+    Clear(clear::Clear),
     Serve(serve::Serve),
 }
 
 impl Device {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         match &self.verb {
+            Verb::List(verb) => verb.run(),
+            Verb::Info(verb) => verb.run(),
+            Verb::Sensors(verb) => verb.run(),
+            Verb::Monitor(verb) => verb.run(),
+            Verb::Clear(verb) => verb.run(),
             Verb::Serve(verb) => verb.run(),
         }
     }

@@ -1,0 +1,97 @@
+//! A device without a run: who it is, what it measures, which faults it forgets.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use softlimb_protocol::{CommandCode, Decoder, DeviceMessage, DeviceState};
+
+use super::configuration::DeviceConfiguration;
+use super::device::DeviceInfo;
+use super::driver::Driver;
+use super::error::LinkError;
+use super::event::Event;
+use super::options::StreamOptions;
+use super::transport::Transport;
+
+/// Asks a device who it is, in a session that ends with the answer.
+///
+/// # Errors
+/// [`LinkError`]: no answer, another interface, another host.
+pub fn identify<T: Transport>(transport: &mut T, options: &StreamOptions<'_>) -> Result<DeviceInfo, LinkError> {
+    let mut on_event = |_: &mut T, _| {};
+    Ok(DeviceInfo::from(&Driver::new(transport, options, &mut on_event).hello()?))
+}
+
+/// Gives a device a configuration and waits until its sensors are found plausible. Nothing moves; the supply is switched on.
+///
+/// # Errors
+/// [`LinkError`]; also where the device is neither idle nor ready.
+pub fn configure<T: Transport>(
+    transport: &mut T,
+    configuration: &DeviceConfiguration,
+    options: &StreamOptions<'_>,
+) -> Result<DeviceInfo, LinkError> {
+    let mut on_event = |_: &mut T, _| {};
+    let mut driver = Driver::new(transport, options, &mut on_event);
+    let device = DeviceInfo::from(&driver.hello()?);
+    for message in configuration.upload(options.session)?.0 {
+        driver.demand(&message)?;
+    }
+    let waited_us = options.ready_max_us;
+    driver.until_state(&[DeviceState::Ready], waited_us, |driver| LinkError::NotReady {
+        waited_us,
+        state: driver.session.state(),
+        fault: driver.known_fault(),
+    })?;
+    Ok(device)
+}
+
+/// Clears the latched faults of a device. Nothing moves until the next run.
+///
+/// # Errors
+/// [`LinkError`]; [`LinkError::Refused`] names a fault whose cause is still there.
+pub fn clear_faults<T: Transport>(transport: &mut T, options: &StreamOptions<'_>) -> Result<(), LinkError> {
+    let mut on_event = |_: &mut T, _| {};
+    let mut driver = Driver::new(transport, options, &mut on_event);
+    driver.hello()?;
+    driver.command(CommandCode::ClearFaults)
+}
+
+/// Gives all measurements and faults that a device sends to `on_event`, until that breaks or `stop`. Says nothing to the device: a session
+/// would change how it reacts to a lost link.
+///
+/// # Errors
+/// [`LinkError::Port`], and [`LinkError::NoTelemetry`] after `silence_max_us` without measurements.
+pub fn listen<T: Transport>(
+    transport: &mut T,
+    silence_max_us: u64,
+    stop: &AtomicBool,
+    mut on_event: impl FnMut(Event) -> ControlFlow<()>,
+) -> Result<(), LinkError> {
+    let mut decoder = Decoder::<DeviceMessage>::new();
+    let (mut bytes, mut heard_us) = (Vec::new(), transport.now_us());
+    while !stop.load(Ordering::Relaxed) {
+        transport.wait_until(heard_us.saturating_add(silence_max_us));
+        bytes.clear();
+        transport.receive(&mut bytes)?;
+        let host_time_us = transport.now_us();
+        for frame in bytes.iter().filter_map(|&byte| decoder.push(byte)?.ok()) {
+            let event = match frame.message {
+                DeviceMessage::Telemetry(message) => {
+                    heard_us = host_time_us;
+                    Event::Telemetry { host_time_us, message }
+                }
+                DeviceMessage::Fault(message) => Event::Fault { host_time_us, message },
+                _ => continue,
+            };
+            if on_event(event).is_break() {
+                return Ok(());
+            }
+        }
+        let waited_us = host_time_us.saturating_sub(heard_us);
+        if waited_us >= silence_max_us {
+            return Err(LinkError::NoTelemetry { waited_us });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! The flashed image behind a pseudo-terminal, at the emulator's pace, and a host that keeps time by this computer's clock.
+
+use std::sync::Barrier;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use softlimb_limb::Limb;
+use softlimb_rig::link::port::{Address, ClientPort, serve};
+use softlimb_rig::report;
+use softlimb_rig::report::Summary;
+use softlimb_rig::run;
+use softlimb_rig::run::Mcu;
+
+use crate::devices::Images;
+use crate::support::{run_on, scene_with};
+
+/// Samples that meet the pulses of the valves at every phase: at the default period they meet them at one, which differs from run to run.
+const OFTEN: &str = "\n[controller]\ntelemetry_period = \"3 ms\"\n";
+
+#[test]
+fn the_flashed_image_behind_a_terminal_tracks_as_the_controller_here() {
+    let Some(images) = Images::find("the_flashed_image_behind_a_terminal_tracks_as_the_controller_here") else {
+        return;
+    };
+    let scene = scene_with("single-bending", OFTEN);
+    let reference = measured_rmse_pa(&run_on(Mcu::Here, &scene, scene.seed()).summary);
+
+    let (limb, mcu) = (Limb::new(&scene).unwrap(), Mcu::Flashed(images.flashed()));
+    let mut port = ClientPort::terminal().unwrap();
+    let Ok(Address::Port(address)) = port.address().unwrap().parse() else { panic!("{port:?}") };
+    let (folder, started, stop) = (tempfile::tempdir().unwrap(), Barrier::new(2), AtomicBool::new(false));
+    let files = std::thread::scope(|scope| {
+        let server = scope.spawn(|| {
+            let device = run::simulated_device((&scene, &limb), scene.seed(), &mcu);
+            started.wait();
+            serve(&mut device.unwrap(), &mut port, &stop, |time_us, news| println!("{time_us} us: {news:?}"))
+        });
+        started.wait();
+        let files = run::run_behind(&scene, &address, folder.path(), &AtomicBool::new(false), |_| ());
+        stop.store(true, Ordering::Relaxed);
+        server.join().unwrap().unwrap();
+        files.unwrap()
+    });
+
+    let summary = report::summary(&files.run);
+    assert!(!summary.simulated && summary.faults.is_empty(), "{:?}", summary.faults);
+    let (found, pace) = (measured_rmse_pa(&summary), summary.real_time_factor.unwrap());
+    println!(
+        "RMSE of the measured pressure: {found:.1} Pa behind the terminal, {reference:.1} Pa here; pace {pace:.2}"
+    );
+    assert!((found - reference).abs() < 0.05 * reference, "{found} Pa, here {reference} Pa");
+}
+
+fn measured_rmse_pa(summary: &Summary) -> f64 {
+    summary.pressure.measured_error_pa.as_ref().expect("the device measures").rmse
+}
