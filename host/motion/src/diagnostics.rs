@@ -318,7 +318,7 @@ impl Words<'_> {
             _ => "the limb does not carry its load in this phase",
         };
         let help = "let it hang (`base_direction`), give its modules `spacers`, or make it lighter or stiffer; \
-                    `[weight]` with `simulated = false` leaves weight out";
+                    `softlimb design limb` sizes a limb for its load";
         self.at(self.phase(phase).span, title, &label, Some(help))
     }
 
@@ -338,7 +338,7 @@ impl Words<'_> {
         let ends = ends.map(|(drive, pressure)| (drive.name(), pressure / drive.single_valued_max_pa()));
         let ends: Vec<String> = ends
             .filter_map(|(name, fraction)| match fraction {
-                low if low < AT_END => Some(format!("`{name}` has no pressure left")),
+                low if low < AT_END => Some(format!("`{name}` is at its lowest pressure, 0")),
                 high if high > 1.0 - AT_END => Some(format!("`{name}` is at its highest pressure")),
                 _ => None,
             })
@@ -346,7 +346,10 @@ impl Words<'_> {
         let because =
             if ends.is_empty() { "no pressures of its modules move the tip there".to_owned() } else { ends.join(", ") };
         let label = format!("under its load {}: {because}", missed(nearest));
-        let help = format!("{}; `[weight]` with `simulated = false` leaves weight out", nearest_point(nearest));
+        let help = format!(
+            "{}; `softlimb payload capacity` prints the largest load, `softlimb design limb` sizes a limb for it",
+            nearest_point(nearest)
+        );
         self.at(span, "the limb cannot reach this goal under its load", &label, Some(&help))
     }
 

@@ -70,9 +70,22 @@ pub(super) fn number_in(
         return log.note(Problem::at(span, title, format!("this is {}", unit.show_si(si))));
     }
     let problem = Problem::at(span, title, format!("this is {} {}", show_number(si), unit.si));
-    let meant_unit = (min..=max).contains(&si) && unit.symbol != unit.si;
-    let help = format!("a number without a unit is in {}; write \"{}\"?", unit.si, unit.show(si));
-    log.note(if meant_unit { problem.help(help) } else { problem })
+    let meant = if (min..=max).contains(&si) && unit.symbol != unit.si {
+        Some(unit.show(si))
+    } else {
+        in_thousandths(si, unit, min, max)
+    };
+    log.note(match meant {
+        Some(meant) => problem.help(format!("a number without a unit is in {}; write \"{meant}\"?", unit.si)),
+        None => problem,
+    })
+}
+
+/// A plain number that was meant in mm or g, with that unit; `None` where that is not allowed either.
+fn in_thousandths(number: f64, unit: &Unit, min: f64, max: f64) -> Option<String> {
+    let (_, symbol) = [("m", "mm"), ("kg", "g")].into_iter().find(|(si, _)| *si == unit.si)?;
+    let allowed = unit.scale.to_si(min)..=unit.scale.to_si(max);
+    allowed.contains(&(1e-3 * number)).then(|| format!("{} {symbol}", show_number(number)))
 }
 
 /// The value in SI units, and whether it was written without a unit.
@@ -104,7 +117,17 @@ fn quantity_in(text: &str, span: Span, name: &str, unit: &Unit) -> Result<f64, P
         NotAQuantity::Number => {
             Problem::at(span, title.clone(), "does not start with a finite number").help(units_help(unit))
         }
-        NotAQuantity::UnitMissing => Problem::at(span, title.clone(), "a string needs a unit").help(units_help(unit)),
+        NotAQuantity::UnitMissing if unit.symbol.is_empty() => {
+            Problem::at(span, title.clone(), "a string needs a unit").help(units_help(unit))
+        }
+        NotAQuantity::UnitMissing => {
+            let help = format!("write \"{} {}\"? {}", text.trim(), unit.symbol, units_help(unit));
+            Problem::at(span, title.clone(), "a string needs a unit").help(help)
+        }
+        NotAQuantity::UnitUnknown(part) if part.starts_with(',') => {
+            let help = format!("write a point, not a comma: \"{}\"", text.trim().replacen(',', ".", 1));
+            Problem::at(span, title.clone(), "a decimal comma").help(help)
+        }
         NotAQuantity::UnitUnknown(part) => {
             let meant =
                 closest(&part, unit::symbols_of(unit.scale.dimension)).or_else(|| closest(&part, unit::symbols()));

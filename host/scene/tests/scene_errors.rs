@@ -85,6 +85,27 @@ fn number_meant_in_another_unit() {
 }
 
 #[test]
+fn plain_number_meant_in_grams() {
+    let picture = picture("[[phase]]", "[[phase]]\npayload = 600");
+    assert!(picture.contains("`payload` must be from 0 kg to 100 kg"), "{picture}");
+    assert!(picture.ends_with("= help: a number without a unit is in kg; write \"600 g\"?"), "{picture}");
+}
+
+#[test]
+fn decimal_comma() {
+    assert_eq!(
+        picture("\"240 mm\"", "\"20,5 mm\""),
+        r#"error: `length` needs a length
+  --> arm.toml:24:10
+   |
+24 | length = "20,5 mm"
+   |          ^^^^^^^^^ a decimal comma
+   |
+   = help: write a point, not a comma: "20.5 mm""#
+    );
+}
+
+#[test]
 fn not_a_number() {
     assert_eq!(
         picture("\"240 mm\"", "nan"),
@@ -110,7 +131,7 @@ fn not_a_number() {
 24 | length = "240"
    |          ^^^^^ a string needs a unit
    |
-   = help: units of a length: m, dm, cm, mm, um, nm, in"#
+   = help: write "240 mm"? units of a length: m, dm, cm, mm, um, nm, in"#
     );
 }
 
@@ -339,6 +360,23 @@ fn broken_toml() {
 }
 
 #[test]
+fn marks_of_a_word_processor() {
+    for (typed, code) in [("\u{201c}240 mm\u{201d}", "U+201C"), ("\u{2212}5", "U+2212"), ("\u{a0}\"240 mm\"", "U+00A0")]
+    {
+        let picture = picture("\"240 mm\"", typed);
+        assert!(picture.starts_with("error: this is not TOML"), "{picture}");
+        assert!(picture.contains(&format!("this line holds the character {code}")), "{picture}");
+    }
+}
+
+#[test]
+fn tables_with_one_bracket() {
+    let text = changed("[[phase]]", "[phase]") + "\n[phase]\n";
+    let picture = parse(&text, "arm.toml").unwrap_err().render(false);
+    assert!(picture.contains("begins with two brackets: [[phase]]"), "{picture}");
+}
+
+#[test]
 fn problems_come_together_and_in_the_order_of_the_text() {
     let text = changed("seed = 7", "seed = -7").replace("\"2 s\"", "\"2 m\"").replacen("\"240 mm\"", "\"24 deg\"", 1);
     assert_eq!(
@@ -416,7 +454,7 @@ fn payload_on_a_limb_without_weight() {
 42 | payload = "0.5 kg"
    |           ^^^^^^^^ the limb is weightless: this mass would be ignored
    |
-   = help: leave out `simulated = false` of `[weight]` so that the limb carries itself and the payload, or leave out `payload`; `softlimb statics --payload KG` loads a scene without it"#
+   = help: leave out `simulated = false` of `[weight]` so that the limb carries itself and its load, or leave out this key; `softlimb statics --payload KG` loads a scene without it"#
     );
     // A mass of nothing is none.
     let scene = parse(&changed("[[phase]]", &payload.replace("0.5", "0")), "arm.toml").unwrap();

@@ -28,7 +28,7 @@ pub enum MeridianError {
     #[error(transparent)]
     Invalid(#[from] OutOfRange),
     /// The wall has no equilibrium at the pressure.
-    #[error("no equilibrium at {pressure_pa} Pa: the last one found is at {last_pa} Pa")]
+    #[error("no equilibrium at {:.1} kPa: the last one found is at {:.1} kPa", pressure_pa * 1e-3, last_pa * 1e-3)]
     NoEquilibrium {
         /// The pressure asked for, gauge Pa.
         pressure_pa: f64,

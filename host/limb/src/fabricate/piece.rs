@@ -201,7 +201,9 @@ fn warnings(piece: &Piece, settings: &Settings) -> Vec<String> {
         ));
     }
     if let Some(Err(reason)) = &winding.worth {
-        warnings.push(format!("the stiffness of the thread as a sheet is not known: {reason}"));
+        warnings.push(format!(
+            "the stiffness of the thread was not compared with the scene's sheet: {reason}. The winding is drawn as stated"
+        ));
     }
     let floor_m = piece.below_groove_m();
     if floor_m < settings.wall_min_m * (1.0 - 1e-9) {

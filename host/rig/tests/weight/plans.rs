@@ -162,5 +162,5 @@ fn what_cannot_be_done_is_refused_at_its_line() {
         text.contains("cannot reach this goal under its load") && text.contains("nearest reachable point"),
         "{text}"
     );
-    assert!(text.contains("`wrist` has no pressure left"), "{text}");
+    assert!(text.contains("`wrist` is at its lowest pressure, 0"), "{text}");
 }

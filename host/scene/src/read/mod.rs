@@ -53,17 +53,35 @@ fn note_syntax<T>(log: &Log, source: &Source, mut errors: Vec<toml::de::Error>) 
         }
         let line_end = source.text[range.start..].find('\n').map_or(source.text.len(), |at| range.start + at);
         seen_to = line_end + 1;
-        let problem = Problem::at(Span::from(range.clone()), "this is not TOML", error.message());
-        let written = source.text.get(range).unwrap_or("");
-        log.note::<()>(
-            if error.message().contains("must be quoted") && written.starts_with(|c: char| c.is_ascii_digit()) {
-                problem.help(format!("write a number with its unit as a string: \"{}\"", written.trim_end()))
-            } else {
-                problem
-            },
-        );
+        let line_begin = source.text[..range.start].rfind('\n').map_or(0, |at| at + 1);
+        let (line, written) = (&source.text[line_begin..line_end], source.text.get(range.clone()).unwrap_or(""));
+        let problem = Problem::at(Span::from(range), "this is not TOML", error.message());
+        log.note::<()>(match syntax_help(error.message(), line, written) {
+            Some(help) => problem.help(help),
+            None => problem,
+        });
     }
     None
+}
+
+/// What to write in place of a line that is not TOML, where that can be guessed.
+fn syntax_help(message: &str, line: &str, written: &str) -> Option<String> {
+    let number = written.starts_with(|c: char| c.is_ascii_digit());
+    if message.contains("must be quoted") && number {
+        return Some(format!("write a number with its unit as a string: \"{}\"", written.trim_end()));
+    }
+    if let Some(found) = line.chars().find(|&c| is_from_a_word_processor(c)) {
+        let code = u32::from(found);
+        return Some(format!("this line holds the character U+{code:04X}: type \", - or a space by the keyboard"));
+    }
+    let is_table = line.starts_with('[') && !line.starts_with("[[");
+    (message.contains("duplicate") && is_table)
+        .then(|| format!("each of several tables of one name begins with two brackets: [{}]", line.trim_end()))
+}
+
+/// Typographic quotes, dashes and spaces.
+fn is_from_a_word_processor(c: char) -> bool {
+    matches!(c, '\u{a0}' | '\u{2007}' | '\u{202f}' | '\u{2010}'..='\u{2015}' | '\u{2018}'..='\u{201f}' | '\u{2212}')
 }
 
 fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Scene> {

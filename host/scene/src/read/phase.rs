@@ -85,8 +85,8 @@ fn note_payload(readers: &[Reader<'_>], phases: &[Option<Phase>]) {
     let Some((reader, span)) = first.and_then(|(reader, _)| Some((reader, written(reader)?))) else { return };
     let label = "the limb is weightless: this mass would be ignored".to_owned();
     let problem = Problem::at(span, "a payload needs weight", label);
-    let help = "leave out `simulated = false` of `[weight]` so that the limb carries itself and the payload, or leave out \
-                `payload`; `softlimb statics --payload KG` loads a scene without it";
+    let help = "leave out `simulated = false` of `[weight]` so that the limb carries itself and its load, or leave out \
+                this key; `softlimb statics --payload KG` loads a scene without it";
     reader.log().note::<()>(problem.help(help));
 }
 
