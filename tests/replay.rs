@@ -49,7 +49,7 @@ fn seeds_give_other_plants_under_the_same_plan() {
     let (first, other) = (ran(4), ran(5));
     assert!(said(&bytes(&first)) != said(&bytes(&other)));
     let (first, other) = (&first.files.run, &other.files.run);
-    assert_eq!((first.info.seed, other.info.seed), (4, 5));
+    assert_eq!((first.info.seed, other.info.seed), (Some(4), Some(5)));
     assert_eq!(first.info.config_hash, other.info.config_hash, "the device is told the same");
     let setpoints = |run: &RunLog| -> Vec<f64> {
         let scheduled = run.samples.iter().filter(|sample| sample.time_s <= 7.5);

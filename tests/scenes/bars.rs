@@ -12,7 +12,7 @@ use crate::{AS_IT_IS, travel};
 fn scenes_run_without_a_fault_and_leave_a_log_and_a_report() {
     for (name, scene, ran) in &*AS_IT_IS {
         assert_eq!(ran.left_behind(), ["run.html", "run.mcap"], "{name}");
-        assert_eq!((&ran.summary.scene, ran.summary.seed), (name, scene.seed()));
+        assert_eq!((&ran.summary.scene, ran.summary.seed), (name, Some(scene.seed())));
         assert_eq!(ran.summary.faults, [], "{name}");
         assert_eq!(ran.summary.incomplete, None, "{name}");
         assert_eq!(record::read(&ran.files.log).unwrap(), ran.files.run, "{name}");
