@@ -35,7 +35,7 @@ fn the_flashed_image_behind_a_terminal_tracks_as_the_controller_here() {
             serve(&mut device.unwrap(), &mut port, &stop, |time_us, news| println!("{time_us} us: {news:?}"))
         });
         started.wait();
-        let files = run::run_behind(&scene, &address, folder.path(), &AtomicBool::new(false), |_| ());
+        let files = run::run_behind(&scene, &address, None, folder.path(), &AtomicBool::new(false), |_| ());
         stop.store(true, Ordering::Relaxed);
         server.join().unwrap().unwrap();
         files.unwrap()

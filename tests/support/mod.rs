@@ -91,7 +91,7 @@ pub(crate) fn run_planned(scene: &Scene, planned: (Limb, Plan), seed: u64) -> Ra
 
 fn ran(scene: &Scene, seed: u64, mcu: Mcu, run: impl FnOnce(&RunOptions) -> Result<RunFiles, RunError>) -> Ran {
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed, out: folder.path().to_owned(), mcu };
+    let options = RunOptions { seed, out: folder.path().to_owned(), mcu, link_faults: None };
     let files = run(&options).unwrap_or_else(|error| panic!("{}, seed {seed}: {error}", scene.name()));
     let summary = report::summary(&files.run);
     Ran { files, summary, folder }

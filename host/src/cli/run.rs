@@ -10,6 +10,7 @@ use super::interrupt::interrupt;
 use super::port::PortOption;
 use super::shared::{bar, show};
 use super::{Failure, Outcome, warn};
+use softlimb_rig::link::LinkFaults;
 use softlimb_rig::link::port::Address;
 use softlimb_rig::report;
 use softlimb_rig::report::{Miss, Summary};
@@ -24,6 +25,7 @@ use softlimb_scene::Scene;
                   Behind a port Ctrl-C vents the limb and ends the run; a second one ends the program at once.\n\n\
                   Examples:\n  softlimb run scenes/pick-and-place-a.toml\n  \
                   softlimb run scenes/single-bending.toml --port /dev/ttyACM0\n  \
+                  softlimb run scenes/single-bending.toml --link-fault loss=0.05,flip=0.01,stall=0.001:600ms\n  \
                   softlimb run calibrated.toml --plant scenes/pick-and-place-a.toml")]
 pub(super) struct Run {
     /// The scene file
@@ -41,6 +43,9 @@ pub(super) struct Run {
     controller: Controller,
     #[command(flatten)]
     port: PortOption,
+    /// Faults of the link, as shares of the frames each way: loss, flip, burst, cut, duplicate, reorder, garbage, wrong-baud, stall
+    #[arg(long, value_name = "NAME=SHARE,..")]
+    link_fault: Option<LinkFaults>,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -107,7 +112,7 @@ impl Run {
         let (outcome, canceled) = match address {
             Some(Address::Port(port)) => {
                 let cancel = interrupt()?;
-                let outcome = run::run_behind(&scene, &port, &out, &cancel, on_progress);
+                let outcome = run::run_behind(&scene, &port, self.link_fault, &out, &cancel, on_progress);
                 (outcome, cancel.load(Ordering::Relaxed))
             }
             Some(Address::Emulated) => (self.simulate(&scene, self.controller.flashed(), out, on_progress)?, false),
@@ -139,7 +144,7 @@ impl Run {
     ) -> Result<Result<RunFiles, RunError>, Failure> {
         let plant = self.plant.as_ref().map(scene::load).transpose()?;
         let plant = plant.as_ref().unwrap_or(scene);
-        let options = RunOptions { seed: self.seed.unwrap_or(plant.seed()), out, mcu };
+        let options = RunOptions { seed: self.seed.unwrap_or(plant.seed()), out, mcu, link_faults: self.link_fault };
         Ok(run::run_on(scene, plant, &options, &AtomicBool::new(false), on_progress))
     }
 

@@ -63,6 +63,28 @@ fn json_is_one_object_for_programs() {
 }
 
 #[test]
+fn link_that_goes_wrong_is_repaired_and_counted() {
+    let desk = desk();
+    let run =
+        |options: &str| one_object(&desk.softlimb(&format!("run scene.toml --out results --json {options}")).done());
+    let (clean, hurt) = (run(""), run("--link-fault loss=0.05,flip=0.02,duplicate=0.02"));
+    let count =
+        |json: &Value, key: &str| json["link"][key].as_u64().unwrap_or_else(|| panic!("{key}: {}", json["link"]));
+    assert_eq!((count(&clean, "retransmitted"), count(&clean, "crc_errors")), (0, 0));
+    assert!(count(&hurt, "retransmitted") > 3 && count(&hurt, "crc_errors") > 3, "{}", hurt["link"]);
+    assert_eq!(hurt["faults"], Value::Array(vec![]));
+    let rmse = |json: &Value| json.pointer("/pressure/true_error_pa/rmse").and_then(Value::as_f64).unwrap();
+    assert!((rmse(&hurt) / rmse(&clean) - 1.0).abs() < 0.05, "{} {}", rmse(&hurt), rmse(&clean));
+}
+
+#[test]
+fn wrong_link_fault_is_named_with_what_there_is() {
+    let answer = desk().softlimb("run scene.toml --link-fault lost=0.1");
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.err.contains("\"lost\" is no link fault; there are loss, flip"), "{}", answer.err);
+}
+
+#[test]
 fn seed_of_the_command_line_wins() {
     let desk = desk();
     let run = |line: &str| {

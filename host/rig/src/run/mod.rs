@@ -1,6 +1,7 @@
 //! A whole run of a scene: plan, device, recording, report.
 
 mod assemble;
+mod disturbed;
 mod error;
 mod hanging;
 mod observed;
@@ -15,6 +16,7 @@ use std::time::SystemTime;
 use softlimb_sim::emulated::{Flashed, LockStep};
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
+use crate::link::LinkFaults;
 use crate::link::port;
 use crate::link::port::{Port, PortAddress};
 use crate::record::RunLog;
@@ -26,6 +28,7 @@ use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_scene::Scene;
 
+use disturbed::disturbed;
 pub use error::RunError;
 use observed::Observed;
 pub(crate) use prepared::Prepared;
@@ -43,6 +46,8 @@ pub struct RunOptions {
     pub out: PathBuf,
     /// Processor of the controller.
     pub mcu: Mcu,
+    /// Faults of the link, drawn by the seed.
+    pub link_faults: Option<LinkFaults>,
 }
 
 /// Processor of the controller.
@@ -157,21 +162,23 @@ fn simulated(
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let mut device = Observed::new(simulated_device((plant, limb), options.seed, &options.mcu)?);
+    let device = Observed::new(simulated_device((plant, limb), options.seed, &options.mcu)?);
+    let mut link = disturbed(device, options.link_faults, options.seed);
     let session = Session { number: SESSION, origin: Origin::Simulated { seed: options.seed }, out: &options.out };
     let assembler = prepared.assembler(plant, limb);
-    let ended = recorded(prepared, assembler, &mut device, &session, cancel, on_progress);
-    device.take_failure().map_or(ended, |failure| Err(failure.into()))
+    let ended = recorded(prepared, assembler, &mut link, &session, cancel, on_progress);
+    link.port_mut().take_failure().map_or(ended, |failure| Err(failure.into()))
 }
 
 /// Runs a scene on the device behind a port, in real time, records it in `out` and writes the report. Nobody sees the limb itself: log and
-/// report have what the device measures. `cancel` vents the limb and ends the run.
+/// report have what the device measures. Faults of the link are drawn by a seed of 0. `cancel` vents the limb and ends the run.
 ///
 /// # Errors
 /// As [`run`]; a port that is unplugged stops the run.
 pub fn run_behind(
     scene: &Scene,
     port: &PortAddress,
+    link_faults: Option<LinkFaults>,
     out: &Path,
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
@@ -179,10 +186,10 @@ pub fn run_behind(
     let limb = Limb::new(scene)?;
     let plan = motion::plan(scene, &limb)?;
     let prepared = Prepared::planned(scene, limb, plan)?;
-    let mut device = Unobserved::new(Port::open(port)?);
+    let mut link = disturbed(Unobserved::new(Port::open(port)?), link_faults, 0);
     let session = Session { number: port::session_number(), origin: Origin::Device { unix_ns: unix_ns() }, out };
     let assembler = prepared.assembler(scene, prepared.limb());
-    recorded(&prepared, assembler, &mut device, &session, cancel, on_progress)
+    recorded(&prepared, assembler, &mut link, &session, cancel, on_progress)
 }
 
 /// Time since 1970-01-01 UTC, ns; 0 on a computer that believes to be before.
