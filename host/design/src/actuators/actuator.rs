@@ -34,6 +34,14 @@ pub(crate) struct Cap {
     pub(super) limit: Option<State<f64>>,
 }
 
+impl Cap {
+    /// The margin below the end of a branch: a limit point, or the largest volume that the model follows it to.
+    fn below(beyond: &Solution<f64>, share: f64) -> Self {
+        let limit = beyond.limit_pressure_pa.map(|_| beyond.state);
+        Self { pressure_pa: share * beyond.limit_pressure_pa.unwrap_or(beyond.state.pressure_pa), limit }
+    }
+}
+
 /// One segment at one geometry.
 pub(crate) struct Candidate<'a> {
     pub(super) segment: &'a Segment,
@@ -86,7 +94,7 @@ impl<'a> Candidate<'a> {
         (solution.status == Status::Solved).then_some(solution.state)
     }
 
-    /// The margin below the limit point, where that is less than a pressure or the pressure has no state at all; else no cap is known.
+    /// The margin below the limit point, where that is less than a pressure or the pressure has no state at all; else there is no cap.
     pub(super) fn cap_below(&self, pressure_pa: f64, counts: &mut Counts) -> Option<Option<Cap>> {
         if self.segment.bends_without_limit() {
             return Some(None);
@@ -96,8 +104,7 @@ impl<'a> Candidate<'a> {
         if beyond.status == Status::Solved {
             return Some(None);
         }
-        let limit = beyond.limit_pressure_pa?;
-        Some(Some(Cap { pressure_pa: share * limit, limit: Some(beyond.state) }))
+        Some(Some(Cap::below(&beyond, share)))
     }
 
     /// The highest pressure: that of the bounds, or the margin below the limit point where that is less.
@@ -110,13 +117,8 @@ impl<'a> Candidate<'a> {
         if beyond.status == Status::Solved {
             return Some(Cap { pressure_pa: highest, limit: None });
         }
-        match beyond.limit_pressure_pa {
-            Some(limit) if share * limit < highest => {
-                Some(Cap { pressure_pa: share * limit, limit: Some(beyond.state) })
-            }
-            Some(_) => Some(Cap { pressure_pa: highest, limit: None }),
-            None => None,
-        }
+        let below = Cap::below(&beyond, share);
+        Some(if below.pressure_pa < highest { below } else { Cap { pressure_pa: highest, limit: None } })
     }
 
     /// The margin below the limit point, whether it bounds the pressure or not; `None` where no limit point is found below `highest_pa`.

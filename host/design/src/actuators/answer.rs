@@ -254,7 +254,7 @@ fn confirm_segment(segment: &Segment, found: &Found, counts: &mut Counts) -> Res
         let bound = match *pressure_pa {
             p if p <= 0.0 => Some("rest"),
             p if p < cap.pressure_pa * (1.0 - ON_BOUND) => None,
-            _ => Some(if cap.limit.is_some() { "limit_margin" } else { "pressure_max_pa" }),
+            _ => Some(if cap.pressure_pa < segment.pressure_max_pa { "limit_margin" } else { "pressure_max_pa" }),
         };
         phases.push(phase_answer(goal.as_ref(), *pressure_pa, candidate.measure(&state), bound));
     }

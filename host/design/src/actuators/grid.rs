@@ -8,6 +8,7 @@
 use fra_model::Motion;
 
 use super::actuator::{Candidate, Counts};
+use super::edge::between;
 use super::problem::{Goal, Segment};
 use softlimb_numerics::Random;
 
@@ -21,7 +22,6 @@ const TRIALS: usize = 32;
 const WORK: usize = 10_000_000;
 /// Most rounds over all phases.
 const ROUNDS: usize = 8;
-
 /// A section with its fiber angle.
 struct Row {
     place: Vec<f64>,
@@ -29,7 +29,7 @@ struct Row {
     curve: Vec<[f64; 2]>,
 }
 
-/// The rows of a segment, inner radius first and fiber angle last.
+/// The rows of a segment, inner radius first and fiber angle last; behind them those on an [`edge`](super::edge).
 struct Rows<'a> {
     segment: &'a Segment,
     /// Number of values of each variable but the length.
@@ -92,6 +92,20 @@ impl Row {
         Some(Self { place, curve })
     }
 
+    /// The cap as a share of the highest pressure.
+    fn cap(&self) -> f64 {
+        self.curve.last().map_or(0.0, |[share, _]| *share)
+    }
+
+    /// The row on an edge between two rows, where there is one.
+    fn between(&self, other: &Self, segment: &Segment, highest_pa: f64, counts: &mut Counts) -> Option<Self> {
+        let (free, bounded) = if self.cap() < other.cap() { (other, self) } else { (self, other) };
+        (free.cap() == 1.0 && bounded.cap() < 1.0).then_some(())?;
+        let places = [free.place.clone(), bounded.place.clone()];
+        let place = between(segment, places, bounded.cap() * highest_pa, highest_pa, counts)?;
+        Self::new(segment, place, highest_pa, counts)
+    }
+
     /// Deformation per length; `None` beyond the cap.
     fn at(&self, share: f64) -> Option<f64> {
         let index = ((share * INTERVALS as f64) as usize).min(self.curve.len().saturating_sub(2));
@@ -118,6 +132,12 @@ impl<'a> Rows<'a> {
             ];
             let place = [inner, wall, 0.5, angle][..segment.dimensions()].to_vec();
             rows.push(Row::new(segment, place, highest_pa, counts));
+        }
+        for index in (0..rows.len()).filter(|index| index % sizes[2] > 0) {
+            if let [Some(low), Some(high)] = &rows[index - 1..=index] {
+                let edge = low.between(high, segment, highest_pa, counts);
+                rows.extend(edge.map(Some));
+            }
         }
         Self { segment, sizes, rows }
     }
@@ -173,10 +193,14 @@ impl<'a> Rows<'a> {
         let left = self.left(shares);
         let [inner, wall, angle] = self.sizes;
         let (stride, count) = if angle > 1 { (1, angle) } else { (wall, inner) };
-        let of_value = |value: usize| self.best_of(&left, shares, |index| index / stride % count == value);
-        let of_wall = |value: usize| self.best_of(&left, shares, |index| index / angle % wall == value);
+        let on_grid = inner * wall * angle;
+        let of_value =
+            |value: usize| self.best_of(&left, shares, |index| index < on_grid && index / stride % count == value);
+        let of_wall =
+            |value: usize| self.best_of(&left, shares, |index| index < on_grid && index / angle % wall == value);
         let mut best: Vec<_> = (0..count).filter_map(of_value).collect();
         best.extend([0, wall - 1].into_iter().filter_map(of_wall));
+        best.extend(self.best_of(&left, shares, |index| index >= on_grid));
         best.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         best.dedup();
         best

@@ -8,7 +8,9 @@
 //! `docs/explanation/actuator-design.md` has the equations and the format of problems and answers.
 
 mod actuator;
+mod along;
 mod answer;
+mod edge;
 mod effort;
 pub(crate) mod file;
 mod grid;
@@ -18,6 +20,7 @@ mod problem;
 mod reach;
 mod ridge;
 mod search;
+mod settle;
 mod shared;
 mod slopes;
 

@@ -3,10 +3,12 @@
 use serde::Serialize;
 
 use super::actuator::Counts;
+use super::along::along;
 use super::grid::Grid;
 use super::problem::{Problem, Segment};
 use super::reach::{Separate, Span};
-use super::ridge::settle;
+use super::ridge;
+use super::settle::settle;
 use super::shared::Shared;
 use softlimb_numerics::Random;
 use softlimb_numerics::least_squares::{LeastSquares, StoppingCriteria, minimise, sum_of_squares};
@@ -218,7 +220,7 @@ pub(super) fn separate(
     };
     let criteria = criteria(scale([segment]));
     let spent = |problem: &Watched<Separate>| problem.problem.counts.evaluations >= effort.evaluations;
-    let refine = |problem: &mut Watched<_>, minimum| settle(problem, minimum, criteria);
+    let refine = |problem: &mut Watched<_>, minimum| ridge::settle(problem, minimum, criteria);
     let (minimum, solves) = multi_start(&mut problem, effort.multi_start(criteria), spent, start, refine)?;
     let pressures_pa = minimum.evaluation.phases.iter().map(|phase| phase.pressure_pa).collect();
     let (objective, counts) = (minimum.objective, problem.problem.counts);
@@ -278,7 +280,11 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
     let criteria = StoppingCriteria { relative: 1e-12, least_gain: FINE, ..criteria(scale(&problem.segments)) };
     let settings = effort.multi_start(StoppingCriteria { least_gain: ROUGH, ..criteria });
     let refine = |limb: &mut Watched<_>, rough| {
-        let minimum = Shared::settle(&mut limb.problem, rough, criteria);
+        let mut minimum = settle::<Shared>(&mut limb.problem, rough, criteria);
+        let further = along(&mut limb.problem, &minimum.evaluation, criteria);
+        if let Some(further) = further.filter(|further| further.objective < minimum.objective) {
+            minimum = further;
+        }
         limb.tell(minimum.objective);
         minimum
     };

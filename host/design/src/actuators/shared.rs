@@ -11,24 +11,10 @@ use super::actuator::{Candidate, Cap, Counts};
 use super::problem::{Goal, Problem, Segment};
 use super::search::Counted;
 use super::slopes::slopes;
-use softlimb_numerics::least_squares::{LeastSquares, Minimum, StoppingCriteria, minimise, sum_of_squares};
+use softlimb_numerics::least_squares::{LeastSquares, sum_of_squares};
 
-/// `rho` as a multiple of the objective: a solve ends about its inverse beyond a margin.
-const STIFFNESS: f64 = 1e3;
-/// Largest violation of a margin at the end, as a share of the highest pressure.
-const VIOLATION: f64 = 1e-9;
-/// Most updates of the multipliers.
-const UPDATES: usize = 10;
-/// Where an update leaves more than this share of the violation before it, `rho` grows ...
-const SLOW: f64 = 0.1;
-/// ... by this factor.
-const STIFFER: f64 = 10.0;
-/// A descent whose rough minimum is as many times the least objective found is not gone on with.
-const HOPELESS: f64 = 1.3;
-/// Least relative gain of a step in the solve after the rough one.
-const MIDDLE: f64 = 1e-4;
-/// A descent whose minimum after that solve is as many times the least is not gone on with.
-const WORSE: f64 = 1.03;
+/// `rho` of a start as a multiple of its objective: a solve ends about its inverse beyond a margin.
+pub(super) const STIFFNESS: f64 = 1e3;
 
 /// The least squares of a limb with one pressure: the geometry of every segment, then the share of every phase.
 pub(super) struct Shared<'a> {
@@ -42,21 +28,34 @@ pub(super) struct Shared<'a> {
     /// A multiplier over `rho` for each segment and phase in turn.
     multipliers: Vec<f64>,
     /// The least objective of all descents so far.
-    least: f64,
+    pub(super) least: f64,
 }
 
 /// Geometries with pressures.
 pub(super) struct Line<'a> {
     candidates: Vec<Candidate<'a>>,
     /// The caps that a pressure is near to or above.
-    caps: Vec<Option<Cap>>,
+    pub(super) caps: Vec<Option<Cap>>,
     pub(super) pressures_pa: Vec<f64>,
     /// A state for each segment and phase in turn.
-    states: Vec<State<f64>>,
-    place: Vec<f64>,
+    pub(super) states: Vec<State<f64>>,
+    /// The segment whose pressures are explicit, its deformations given.
+    pub(super) explicit: Option<usize>,
+    pub(super) place: Vec<f64>,
 }
 
 impl Line<'_> {
+    /// The states of a segment by phase.
+    pub(super) fn states_of(&self, segment: usize) -> &[State<f64>] {
+        let phases = self.pressures_pa.len();
+        &self.states[segment * phases..(segment + 1) * phases]
+    }
+
+    /// The highest of the pressures, Pa.
+    pub(super) fn highest_pa(&self) -> f64 {
+        self.pressures_pa.iter().copied().fold(0.0, f64::max)
+    }
+
     /// Pressure above a segment's cap, Pa; negative below it.
     fn excess_pa(&self, segment: usize, phase: usize) -> f64 {
         self.caps[segment].map_or(f64::NEG_INFINITY, |cap| self.pressures_pa[phase] - cap.pressure_pa)
@@ -143,7 +142,7 @@ impl<'a> Shared<'a> {
     }
 
     /// Eq. (14) without the constraints: goals, and with an effort the pressures.
-    fn differences(&self, line: &Line<'a>) -> Vec<f64> {
+    pub(super) fn differences(&self, line: &Line<'a>) -> Vec<f64> {
         let mut states = line.states.iter();
         let found = line
             .candidates
@@ -171,7 +170,7 @@ impl<'a> Shared<'a> {
     }
 
     /// Updates the multipliers; the largest violation, as a share of the highest pressure.
-    fn update(&mut self, line: &Line<'a>) -> f64 {
+    pub(super) fn update(&mut self, line: &Line<'a>) -> f64 {
         let mut worst: f64 = 0.0;
         let pressed: Vec<f64> = self.margins().map(|(i, k)| self.pressed(line, i, k).max(0.0)).collect();
         for (before, after) in self.multipliers.iter_mut().zip(pressed) {
@@ -181,52 +180,30 @@ impl<'a> Shared<'a> {
         worst
     }
 
-    /// Goes on from a rough minimum until the margins are kept, and then takes back what is left above them.
-    pub(super) fn settle(&mut self, rough: Minimum<Line<'a>>, criteria: StoppingCriteria) -> Minimum<Line<'a>> {
-        let (mut best, mut stiffness, mut before) = (rough, STIFFNESS, f64::INFINITY);
-        self.update(&best.evaluation);
-        for update in 0..UPDATES {
-            let objective = sum_of_squares(&self.differences(&best.evaluation));
-            let (most, least_gain) = if update == 0 { (HOPELESS, MIDDLE) } else { (WORSE, criteria.least_gain) };
-            if objective > most * self.least {
-                break;
-            }
-            self.stiffen(stiffness * objective.max(criteria.zero));
-            let Some(next) = minimise(self, &best.point, StoppingCriteria { least_gain, ..criteria }) else { break };
-            best = next;
-            let violation = self.update(&best.evaluation);
-            if violation <= VIOLATION && update > 0 {
-                break;
-            }
-            if violation > SLOW * before {
-                stiffness *= STIFFER;
-            }
-            before = violation;
-        }
-        let allowed = self.allowed(&best.point, &best.evaluation);
-        let (objective, evaluation) = allowed.unwrap_or((f64::INFINITY, best.evaluation));
-        self.least = self.least.min(objective);
-        Minimum { objective, evaluation, ..best }
-    }
-
     /// Changes `rho`, the multipliers themselves unchanged.
-    fn stiffen(&mut self, rho: f64) {
+    pub(super) fn stiffen(&mut self, rho: f64) {
         self.multipliers.iter_mut().for_each(|multiplier| *multiplier *= self.rho / rho);
         self.rho = rho;
     }
 
     /// Eq. (14) with no pressure above a cap; `None` where the model does not know one.
-    fn allowed(&mut self, point: &[f64], line: &Line<'a>) -> Option<(f64, Line<'a>)> {
+    pub(super) fn allowed(&mut self, line: &Line<'a>) -> Option<(f64, Line<'a>)> {
         for candidate in &line.candidates {
             candidate.cap(&mut self.counts)?;
         }
         let caps = line.caps.iter().flatten().map(|cap| cap.pressure_pa);
         let most = caps.fold(self.highest_pa, f64::min) / self.highest_pa;
-        let mut point = point.to_vec();
+        let mut point = self.point(line);
         point[self.dimensions()..].iter_mut().for_each(|share| *share = share.min(most));
         self.multipliers.fill(0.0);
         let evaluation = self.evaluate(&point)?;
         Some((sum_of_squares(&self.differences(&evaluation)), evaluation))
+    }
+
+    /// The point of an evaluation.
+    pub(super) fn point(&self, line: &Line<'a>) -> Vec<f64> {
+        let shares = line.pressures_pa.iter().map(|pressure_pa| pressure_pa / self.highest_pa);
+        line.place.iter().copied().chain(shares).collect()
     }
 }
 
@@ -262,7 +239,7 @@ impl<'a> LeastSquares for Shared<'a> {
                 states.push(candidate.at(*pressure_pa, &mut self.counts)?);
             }
         }
-        Some(Line { candidates, caps, pressures_pa, states, place: place.to_vec() })
+        Some(Line { candidates, caps, pressures_pa, states, explicit: None, place: place.to_vec() })
     }
 
     fn residuals(&self, line: &Line<'a>) -> Vec<f64> {
@@ -280,8 +257,8 @@ impl<'a> LeastSquares for Shared<'a> {
         for (index, candidate) in line.candidates.iter().enumerate() {
             let width = candidate.segment.dimensions();
             let place = &line.place[first..first + width];
-            let states = &line.states[index * phases..(index + 1) * phases];
-            let slopes = slopes(candidate, place, states, &mut self.counts)?;
+            let is_explicit = candidate.segment.bends_without_limit() || line.explicit == Some(index);
+            let slopes = slopes(candidate, place, line.states_of(index), is_explicit, &mut self.counts)?;
             for (phase, goal) in candidate.segment.goals.iter().enumerate() {
                 let mut row = vec![0.0; geometry + phases];
                 let scale = goal.map_or(0.0, |goal| goal.weight.sqrt());

@@ -28,15 +28,16 @@ struct Moved<'a> {
     by: f64,
 }
 
-/// The derivatives at each of the states of a candidate at `place`; `None` where the model answers on neither side.
+/// The derivatives at each of the states of a candidate at `place`, from pressures at given deformations if `is_explicit`; `None` where
+/// the model answers on neither side.
 pub(super) fn slopes(
     candidate: &Candidate,
     place: &[f64],
     states: &[State<f64>],
+    is_explicit: bool,
     counts: &mut Counts,
 ) -> Option<Vec<Slopes>> {
     let segment = candidate.segment;
-    let is_explicit = segment.bends_without_limit();
     let mut all = vec![Slopes::default(); states.len()];
     for axis in 0..segment.dimensions() {
         let [low, width] = segment.axis(axis);
@@ -61,7 +62,12 @@ pub(super) fn slopes(
         for (slopes, state) in all.iter_mut().zip(states) {
             let mut at = |side: &Option<Moved>| {
                 let moved = side.as_ref()?;
-                Some((moved.by, ordinate(&moved.candidate, state, counts)?))
+                let at_pressure = |counts: &mut Counts| {
+                    Some(moved.candidate.measure(&moved.candidate.near(state, state.pressure_pa, counts)?))
+                };
+                let pressure_pa =
+                    |counts: &mut Counts| Some(moved.candidate.inverse(candidate.measure(state), counts)?.pressure_pa);
+                Some((moved.by, if is_explicit { pressure_pa(counts)? } else { at_pressure(counts)? }))
             };
             let here = if is_explicit { state.pressure_pa } else { candidate.measure(state) };
             slopes.by_place[axis] = slope(at(&sides[0]), here, at(&sides[1]))?;
@@ -74,7 +80,7 @@ pub(super) fn slopes(
             let mut at = |by: f64| Some((by, candidate.inverse(value + by, counts)?.pressure_pa));
             slopes.by_pressure = 1.0 / slope(at(-step), state.pressure_pa, at(step))?;
             // At a given pressure: dq/dx = -(dP/dx)/(dP/dq).
-            [0, 1].into_iter().for_each(|axis| slopes.by_place[axis] *= -slopes.by_pressure);
+            [0, 1, 3].into_iter().for_each(|axis| slopes.by_place[axis] *= -slopes.by_pressure);
             continue;
         }
         let step = HALF * state.pressure_pa.max(LEAST * segment.pressure_max_pa);
@@ -85,14 +91,6 @@ pub(super) fn slopes(
         slopes.by_pressure = slope(at(-step), candidate.measure(state), at(step))?;
     }
     Some(all)
-}
-
-/// The deformation at the pressure of a state; of a bend, whose pressure is explicit, the pressure at its deformation.
-fn ordinate(moved: &Candidate, state: &State<f64>, counts: &mut Counts) -> Option<f64> {
-    if moved.segment.bends_without_limit() {
-        return Some(moved.inverse(moved.measure(state), counts)?.pressure_pa);
-    }
-    Some(moved.measure(&moved.near(state, state.pressure_pa, counts)?))
 }
 
 /// From both sides, or from the one that there is.
@@ -117,7 +115,8 @@ mod tests {
                 let candidate = Candidate::new(segment, place).unwrap();
                 let cap = candidate.cap(&mut counts).unwrap().pressure_pa;
                 let states = [0.3, 0.9].map(|share| candidate.at(share * cap, &mut counts).unwrap());
-                let found = slopes(&candidate, place, &states, &mut counts).unwrap();
+                let is_explicit = segment.bends_without_limit();
+                let found = slopes(&candidate, place, &states, is_explicit, &mut counts).unwrap();
                 for (slopes, state) in found.iter().zip(&states) {
                     let exact = candidate.by_place(state, &mut counts).unwrap();
                     let most = exact.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
