@@ -48,6 +48,8 @@ pub struct Channel {
     decision_due: bool,
     over_samples: u8,
     vent_latched: bool,
+    /// Pulse by hand that has not begun: valve and coil time, us.
+    requested: Option<(Direction, u32)>,
     duty: Duty,
 }
 
@@ -63,6 +65,7 @@ impl Channel {
             decision_due: false,
             over_samples: 0,
             vent_latched: false,
+            requested: None,
             duty: Duty::new(),
         }
     }
@@ -152,6 +155,12 @@ impl Channel {
     pub(crate) fn restart(&mut self, now_us: u64) {
         self.rest(now_us, ValvePulse::CLOSED);
         self.relief = Relief::new();
+        self.requested = None;
+    }
+
+    /// Wants a valve opened by hand from the next tick on, while the channel has nothing else to do.
+    pub(crate) fn request(&mut self, direction: Direction, coil_us: u32) {
+        self.requested = Some((direction, coil_us));
     }
 
     /// Whether a ramp down has come to its end and the sensor reads an empty chamber.
@@ -168,7 +177,7 @@ impl Channel {
         slot: bool,
     ) -> ValvePulse {
         let pulse = match task {
-            Task::Close => self.rest(context.now_us, ValvePulse::CLOSED),
+            Task::Close => self.keep(context.now_us, config),
             Task::Open => self.rest(context.now_us, ValvePulse::VENTING),
             Task::Track(setpoints) => {
                 if slot {
@@ -187,6 +196,21 @@ impl Channel {
         self.reference = None;
         self.decision_due = false;
         pulse
+    }
+
+    /// Keeps the valves closed but for a pulse by hand; a filling one ends early where the loop's references end. An open valve is one of
+    /// these: whatever else had opened one, [`restart`](Self::restart) has closed it.
+    fn keep(&mut self, now_us: u64, config: &ChannelConfig) -> ValvePulse {
+        let is_full = self.pressure_pa() >= config.reference_max_pa();
+        let valves = self.control.valves_mut();
+        if let Some((direction, coil_us)) = self.requested.take() {
+            valves.pulse(direction, now_us, coil_us);
+        }
+        match valves.direction_at(now_us) {
+            Some(Direction::Fill) if is_full => self.rest(now_us, ValvePulse::CLOSED),
+            Some(_) => valves.tick(now_us),
+            None => self.rest(now_us, ValvePulse::CLOSED),
+        }
     }
 
     /// Sets the reference of the control period that begins now.

@@ -3,7 +3,7 @@
 //! One tick: sense, supervise (`supervise.rs`), drive the channels, report. Messages act between ticks (`dispatch.rs`).
 
 use heapless::Vec;
-use softlimb_protocol::{BootCause, Decoder, DeviceState, FaultCode, HostMessage, MAX_CHANNELS, SeqDedup};
+use softlimb_protocol::{BootCause, Decoder, DeviceState, FaultCode, HostMessage, MAX_CHANNELS, Outputs, SeqDedup};
 
 use crate::channel::{Channel, Task, TickContext};
 use crate::config::{ActiveConfig, StagedConfig};
@@ -57,11 +57,14 @@ pub struct TickOutputs<const N: usize = MAX_CHANNELS> {
     pub supply_open: bool,
     /// Pump speed, `0..=255` of full.
     pub pump_duty: u8,
+    /// State of the digital outputs.
+    pub digital: Outputs,
 }
 
 impl<const N: usize> TickOutputs<N> {
     /// Everything off: no valve energized, pressure kept, supply cut.
-    pub const SAFE: Self = Self { valves: [ValvePulse::CLOSED; N], supply_open: false, pump_duty: 0 };
+    pub const SAFE: Self =
+        Self { valves: [ValvePulse::CLOSED; N], supply_open: false, pump_duty: 0, digital: Outputs::from_bits(0) };
 
     /// Everything off but the vents, which are open.
     pub const VENTING: Self = Self { valves: [ValvePulse::VENTING; N], ..Self::SAFE };
@@ -80,6 +83,8 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) supply: Sensor,
     pub(crate) queue: KnotQueue<N>,
     pub(crate) start_us: Option<u64>,
+    /// Digital outputs: a knot or a request switches them, no state and no fault does. Off from the start of the device on.
+    pub(crate) outputs: Outputs,
     pub(crate) faults: Faults,
     pub(crate) stop_requested: bool,
     pub(crate) stop_pressed: bool,
@@ -112,6 +117,7 @@ impl<const N: usize> Controller<N> {
             supply: Sensor::new(),
             queue: KnotQueue::new(),
             start_us: None,
+            outputs: Outputs::from_bits(0),
             faults: Faults::new(),
             stop_requested: false,
             stop_pressed: false,
@@ -193,7 +199,7 @@ impl<const N: usize> Controller<N> {
         let now_us = inputs.now_us;
         self.sense(inputs);
         self.supervise(inputs);
-        let outputs = self.drive(now_us);
+        let outputs = TickOutputs { digital: self.outputs, ..self.drive(now_us) };
         self.tick_count = self.tick_count.wrapping_add(1);
         self.report(now_us);
         outputs

@@ -9,15 +9,16 @@ use softlimb_protocol::{
 use crate::channel::Channel;
 use crate::config::{ActiveConfig, ConfigError, StagedConfig, StagingError};
 use crate::controller::Controller;
+use crate::manual::has_unknown;
 use crate::queue::{KNOTS, QueueError};
 use crate::state::Event;
 use crate::valve::TICK_US;
 
 /// Outcome of a message and its detail.
-type Answer = (ResultCode, u32);
+pub(crate) type Answer = (ResultCode, u32);
 
-const OK: Answer = (ResultCode::Ok, 0);
-const WRONG_STATE: Answer = (ResultCode::WrongState, 0);
+pub(crate) const OK: Answer = (ResultCode::Ok, 0);
+pub(crate) const WRONG_STATE: Answer = (ResultCode::WrongState, 0);
 
 impl<const N: usize> Controller<N> {
     /// Applies one message and queues its answer.
@@ -82,6 +83,8 @@ impl<const N: usize> Controller<N> {
             HostMessage::ConfigCommit(commit) => self.commit(now_us, commit.config_hash),
             HostMessage::Command(command) => self.command(now_us, command),
             HostMessage::Setpoint(setpoint) => self.setpoint(now_us, setpoint),
+            HostMessage::ManualPulse(pulse) => self.manual_pulse(now_us, pulse),
+            HostMessage::SetOutputs(request) => self.set_outputs(request),
         }
     }
 
@@ -207,6 +210,7 @@ impl<const N: usize> Controller<N> {
                 self.queue.flush();
                 OK
             }
+            CommandCode::Zero => self.zero(now_us),
         }
     }
 
@@ -259,7 +263,10 @@ impl<const N: usize> Controller<N> {
         if let Some(channel) = outside {
             return (ResultCode::OutOfRange, channel as u32);
         }
-        match self.queue.push(now_us, setpoint.index, setpoint.time_us, &setpoint.values) {
+        if has_unknown(setpoint.outputs) {
+            return (ResultCode::UnknownCode, Setpoint::field_number("outputs").unwrap_or(0));
+        }
+        match self.queue.push(now_us, setpoint.index, setpoint.time_us, (setpoint.outputs, &setpoint.values)) {
             Ok(()) => OK,
             Err(QueueError::UnexpectedIndex { expected }) => (ResultCode::UnexpectedIndex, expected),
             Err(QueueError::Full) => (ResultCode::QueueFull, 0),

@@ -29,6 +29,7 @@ mod flow;
 mod gas;
 mod inverse;
 mod link;
+mod manual;
 mod outbox;
 mod pneumatics;
 mod pressure_loop;

@@ -1,7 +1,7 @@
 //! The buffer of setpoint knots between link and control: accepts in order, interpolates linearly, never skips or repeats.
 
 use heapless::{Deque, Vec};
-use softlimb_protocol::MAX_CHANNELS;
+use softlimb_protocol::{MAX_CHANNELS, Outputs};
 
 /// Places in the buffer: 1.28 s at 50 knots a second.
 pub const KNOTS: usize = 64;
@@ -10,6 +10,7 @@ pub const KNOTS: usize = 64;
 #[derive(Clone, Debug, PartialEq)]
 struct Knot<const N: usize> {
     time_us: u64,
+    outputs: Outputs,
     values: Vec<i32, N>,
 }
 
@@ -62,7 +63,13 @@ impl<const N: usize> KnotQueue<N> {
     ///
     /// # Errors
     /// [`QueueError`]; the buffer is then as before.
-    pub fn push(&mut self, now_us: u64, index: u32, time_us: u64, values: &[i32]) -> Result<(), QueueError> {
+    pub fn push(
+        &mut self,
+        now_us: u64,
+        index: u32,
+        time_us: u64,
+        (outputs, values): (Outputs, &[i32]),
+    ) -> Result<(), QueueError> {
         if index != self.next_index {
             return Err(QueueError::UnexpectedIndex { expected: self.next_index });
         }
@@ -73,7 +80,7 @@ impl<const N: usize> KnotQueue<N> {
             return Err(QueueError::Late);
         }
         let values = Vec::from_slice(values).map_err(|_| QueueError::TooManyValues)?;
-        self.knots.push_back(Knot { time_us, values }).map_err(|_| QueueError::Full)?;
+        self.knots.push_back(Knot { time_us, outputs, values }).map_err(|_| QueueError::Full)?;
         self.next_index = index.wrapping_add(1);
         self.last_time_us = time_us;
         Ok(())
@@ -92,11 +99,14 @@ impl<const N: usize> KnotQueue<N> {
         self.passed = None;
     }
 
-    /// Moves on to `now_us`: knots whose time has come are passed.
-    pub fn advance(&mut self, now_us: u64) {
+    /// Moves on to `now_us`: knots whose time has come are passed. The outputs of the last of them, if there is one.
+    pub fn advance(&mut self, now_us: u64) -> Option<Outputs> {
+        let mut outputs = None;
         while self.knots.front().is_some_and(|knot| knot.time_us <= now_us) {
             self.passed = self.knots.pop_front();
+            outputs = self.passed.as_ref().map(|knot| knot.outputs);
         }
+        outputs
     }
 
     /// Value of one channel at `time_us`, in the unit of its setpoint: linear between two knots, the last value after the last
@@ -151,10 +161,12 @@ fn interpolate<const N: usize>(before: &Knot<N>, after: &Knot<N>, channel: usize
 mod tests {
     use super::*;
 
+    const OFF: Outputs = Outputs::from_bits(0);
+
     fn filled(times_and_values: &[(u64, i32)]) -> KnotQueue {
         let mut queue = KnotQueue::new();
         for (index, &(time_us, value)) in times_and_values.iter().enumerate() {
-            queue.push(0, index as u32, time_us, &[value, -value]).unwrap();
+            queue.push(0, index as u32, time_us, (OFF, &[value, -value])).unwrap();
         }
         queue
     }
@@ -186,33 +198,48 @@ mod tests {
     }
 
     #[test]
+    fn outputs_are_those_of_the_last_knot_passed() {
+        let mut queue = KnotQueue::<1>::new();
+        let all = [(100, Outputs::GRIPPER), (200, OFF), (300, Outputs::GRIPPER)];
+        for (index, (time_us, outputs)) in (0..).zip(all) {
+            queue.push(0, index, time_us, (outputs, &[0])).unwrap();
+        }
+        assert_eq!(queue.advance(99), None);
+        assert_eq!(queue.advance(100), Some(Outputs::GRIPPER));
+        assert_eq!(queue.advance(199), None, "nothing new");
+        assert_eq!(queue.advance(250), Some(OFF));
+        queue.push(250, 3, 301, (OFF, &[0])).unwrap();
+        assert_eq!(queue.advance(400), Some(OFF), "two at once");
+    }
+
+    #[test]
     fn duplicates_and_gaps_name_the_expected_index() {
         let mut queue = filled(&[(100, 1)]);
         for index in [0, 2, u32::MAX] {
-            assert_eq!(queue.push(0, index, 500, &[1]), Err(QueueError::UnexpectedIndex { expected: 1 }));
+            assert_eq!(queue.push(0, index, 500, (OFF, &[1])), Err(QueueError::UnexpectedIndex { expected: 1 }));
         }
-        assert_eq!(queue.push(0, 1, 500, &[1]), Ok(()));
+        assert_eq!(queue.push(0, 1, 500, (OFF, &[1])), Ok(()));
     }
 
     #[test]
     fn late_knots_are_refused_and_can_be_sent_again_in_time() {
         let mut queue = filled(&[(100, 1)]);
-        assert_eq!(queue.push(50, 1, 100, &[1]), Err(QueueError::Late), "not after the previous one");
-        assert_eq!(queue.push(300, 1, 300, &[1]), Err(QueueError::Late), "not in the future");
-        assert_eq!(queue.push(300, 1, 301, &[1]), Ok(()));
+        assert_eq!(queue.push(50, 1, 100, (OFF, &[1])), Err(QueueError::Late), "not after the previous one");
+        assert_eq!(queue.push(300, 1, 300, (OFF, &[1])), Err(QueueError::Late), "not in the future");
+        assert_eq!(queue.push(300, 1, 301, (OFF, &[1])), Ok(()));
     }
 
     #[test]
     fn full_buffer_refuses_and_keeps_what_it_has() {
         let mut queue = KnotQueue::<1>::new();
         for index in 0..KNOTS as u32 {
-            queue.push(0, index, 1_000 + u64::from(index), &[index as i32]).unwrap();
+            queue.push(0, index, 1_000 + u64::from(index), (OFF, &[index as i32])).unwrap();
         }
         assert_eq!(queue.free(), 0);
-        assert_eq!(queue.push(0, 64, 9_000, &[0]), Err(QueueError::Full));
+        assert_eq!(queue.push(0, 64, 9_000, (OFF, &[0])), Err(QueueError::Full));
         assert_eq!(queue.value(0, 1_000), Some(0.0));
         queue.advance(1_000);
-        assert_eq!(queue.push(0, 64, 9_000, &[0]), Ok(()));
+        assert_eq!(queue.push(0, 64, 9_000, (OFF, &[0])), Ok(()));
     }
 
     #[test]
@@ -220,14 +247,14 @@ mod tests {
         let mut queue = filled(&[(1_000, 1), (2_000, 2)]);
         queue.flush();
         assert_eq!((queue.free(), queue.next_index()), (64, 0));
-        assert_eq!(queue.push(0, 0, 10, &[5]), Ok(()));
+        assert_eq!(queue.push(0, 0, 10, (OFF, &[5])), Ok(()));
     }
 
     #[test]
     fn after_a_pause_nothing_is_interpolated_from_before_it() {
         let mut queue = filled(&[(100, 0)]);
         queue.advance(100);
-        queue.push(100, 1, 1_000, &[900]).unwrap();
+        queue.push(100, 1, 1_000, (OFF, &[900])).unwrap();
         assert_eq!(queue.value(0, 550), Some(450.0));
         queue.resume();
         assert_eq!(queue.value(0, 550), None);

@@ -22,6 +22,10 @@ pub enum Event {
     Fault,
     /// The latched faults were cleared.
     Clear,
+    /// The zeros are taken anew.
+    Zero,
+    /// A chamber is filled by hand.
+    Fill,
 }
 
 /// Every transition; there are no others.
@@ -30,7 +34,9 @@ pub const TRANSITIONS: &[(DeviceState, Event, DeviceState)] = &[
     (Idle, Event::Vent, Venting),
     (Idle, Event::Fault, Faulted),
     (Ready, Event::Reconfigured, Idle),
+    (Ready, Event::Zero, Idle),
     (Ready, Event::Start, Running),
+    (Ready, Event::Fill, Holding),
     (Ready, Event::Vent, Venting),
     (Ready, Event::Fault, Faulted),
     (Running, Event::Hold, Holding),

@@ -170,7 +170,7 @@ impl<const N: usize> Controller<N> {
         if self.state != DeviceState::Running {
             return;
         }
-        self.queue.advance(now_us);
+        self.outputs = self.queue.advance(now_us).unwrap_or(self.outputs);
         if self.queue.is_exhausted() {
             let next_index = i32::try_from(self.queue.next_index()).unwrap_or(i32::MAX);
             self.fault(now_us, SYSTEM_CHANNEL, FaultCode::SetpointsExhausted, next_index);

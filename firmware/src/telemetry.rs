@@ -46,6 +46,7 @@ impl<const N: usize> Controller<N> {
             next_index: self.queue.next_index(),
             ticks_late: self.ticks.late(),
             stack_used: self.stack_used,
+            outputs: self.outputs,
             channels: List::try_from_iter(samples).ok()?,
         })
     }

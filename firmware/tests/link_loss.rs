@@ -202,7 +202,7 @@ proptest! {
                 _ => {
                     let index = bench.controller.queue().next_index();
                     let values = List::from_slice(&[value % 160_000, value % 3_100_000]).unwrap();
-                    Setpoint { session: SESSION, index, time_us, values }.into()
+                    Setpoint { session: SESSION, index, time_us, outputs: Outputs::default(), values }.into()
                 }
             };
             bench.request(&message);

@@ -7,6 +7,8 @@ mod common;
 mod configuration;
 mod faults;
 mod link_loss;
+mod manual;
+mod outputs;
 mod pressure_tracking;
 mod sessions;
 mod spec;

@@ -107,6 +107,7 @@ fn takes(bench: &mut Bench, name: &str) -> bool {
         session: SESSION,
         index: bench.controller.queue().next_index(),
         time_us: bench.now_us + 9_000_000,
+        outputs: Outputs::GRIPPER,
         values: List::from_slice(&[40_000]).unwrap(),
     };
     let messages = match name {
@@ -124,6 +125,12 @@ fn takes(bench: &mut Bench, name: &str) -> bool {
             vec![command(CommandCode::ClearFaults)]
         }
         "Flush" => vec![command(CommandCode::Flush)],
+        "Zero" => vec![command(CommandCode::Zero)],
+        "ManualPulse" => {
+            let direction = PulseDirection::Fill.into();
+            vec![ManualPulse { session: SESSION, channel: 0, direction, duration_us: 20_000 }.into()]
+        }
+        "SetOutputs" => vec![SetOutputs { session: SESSION, outputs: Outputs::GRIPPER }.into()],
         other => panic!("no message {other}"),
     };
     let results: Vec<_> = messages.iter().map(|message| bench.request(message).result).collect();
@@ -138,7 +145,7 @@ fn table_of_messages_by_state_is_the_firmwares() {
     let states = [Idle, Ready, Running, Holding, Venting, Faulted];
     let rows = table(["Message", "Idle", "Ready", "Running", "Holding", "Venting", "Faulted"]);
     let codes = (0..=255).filter_map(CommandCode::from_code).count();
-    assert_eq!(rows.len(), codes + 3, "all commands, the upload, its commit, the setpoint");
+    assert_eq!(rows.len(), codes + 5, "all commands, the upload, its commit, the setpoint, pulse and outputs by hand");
     for row in rows {
         let (name, answers) = row.split_first().unwrap();
         for (state, written) in states.into_iter().zip(answers) {
@@ -159,13 +166,20 @@ fn setpoint_is_checked_in_the_order_of_the_table() {
         bench.setpoint(index, bench.now_us + 1_000_000 + u64::from(index), &[0, 0]);
     }
     // Each knot has one fault less than the one before; the last fault of the first is that it is in the past.
-    let mut answers = vec![idle.setpoint(999, 0, &[-1])];
-    for (index, values) in [(999, &[-1][..]), (999, &[0, -1]), (999, &[0, 0]), (64, &[0, 0])] {
-        answers.push(bench.setpoint(index, 0, values));
+    let (unknown, known) = (Outputs::from_bits(0x80), Outputs::GRIPPER);
+    let mut answers = vec![idle.knot(999, 0, unknown, &[-1])];
+    for (index, outputs, values) in [
+        (999, unknown, &[-1][..]),
+        (999, unknown, &[0, -1]),
+        (999, unknown, &[0, 0]),
+        (999, known, &[0, 0]),
+        (64, known, &[0, 0]),
+    ] {
+        answers.push(bench.knot(index, 0, outputs, values));
     }
     bench.command(CommandCode::Flush);
     answers.push(bench.setpoint(0, bench.now_us, &[0, 0]));
     let found: Vec<_> = answers.iter().map(|ack| format!("{} {:?}", ack.result.raw(), ack.result)).collect();
     assert_eq!(written, found);
-    assert_eq!(answers.iter().map(|ack| ack.detail).collect::<Vec<_>>(), [0, 2, 1, 64, 0, 0]);
+    assert_eq!(answers.iter().map(|ack| ack.detail).collect::<Vec<_>>(), [0, 2, 1, 3, 64, 0, 0]);
 }

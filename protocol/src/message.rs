@@ -114,6 +114,14 @@ interface! {
             Root = 1,
         }
 
+        /// Valve of a channel.
+        PulseDirection {
+            /// The one that lets air in from the supply.
+            Fill = 0,
+            /// The one that lets air out to the atmosphere.
+            Vent = 1,
+        }
+
         /// Request of the host in a Command.
         CommandCode {
             /// Follow the buffered setpoints from the given time on.
@@ -128,6 +136,8 @@ interface! {
             ClearFaults = 4,
             /// Drop all buffered setpoints; the next index is 0.
             Flush = 5,
+            /// Take the zeros of the channels' sensors anew; refused where a chamber is under pressure.
+            Zero = 6,
         }
 
         /// Outcome of a message, in its Ack.
@@ -182,6 +192,12 @@ interface! {
     }
 
     flags {
+        /// State of the digital outputs: on where the bit is set.
+        Outputs {
+            /// The gripper closes while it is on.
+            GRIPPER = 0,
+        }
+
         /// Condition of one channel.
         ChannelStatus {
             /// The sensor reading is not plausible.
@@ -353,6 +369,8 @@ interface! {
             index: u32,
             /// Device time of the knot, us; strictly increasing.
             time_us: u64,
+            /// State of the digital outputs from the time of the knot on.
+            outputs: Outputs,
             /// One value per configured channel, in the unit of its setpoint.
             values: List<i32>,
         }
@@ -387,6 +405,26 @@ interface! {
             pressure_max_pa: f32,
             /// Chebyshev coefficients of the pressure over the argument, Pa, from the constant one; at most 17.
             coefficients_pa: List<f32>,
+        }
+
+        /// Opens one valve for a time, by hand; the valve closes by itself.
+        0x0b ManualPulse Reliable {
+            /// Session.
+            session: u16,
+            /// Channel, from 0.
+            channel: u8,
+            /// The valve.
+            direction: Code<PulseDirection>,
+            /// Time for which its coil is energized, us.
+            duration_us: u32,
+        }
+
+        /// Switches the digital outputs by hand.
+        0x0c SetOutputs Reliable {
+            /// Session.
+            session: u16,
+            /// State of all outputs from the next tick on.
+            outputs: Outputs,
         }
     }
 
@@ -470,6 +508,8 @@ interface! {
             ticks_late: u16,
             /// The most that the stack has held since the start, bytes; 0 where it is not measured.
             stack_used: u16,
+            /// Present state of the digital outputs.
+            outputs: Outputs,
             /// One sample per configured channel.
             channels: List<ChannelSample>,
         }

@@ -93,12 +93,16 @@ fn lengths_are_those_of_the_table() {
             session: 0,
             index: 0,
             time_us: 0,
+            outputs: Outputs::default(),
             values: List::from_slice(&vec![0; channels]).unwrap(),
         })
     };
     assert_eq!(frame_len(&channel_zero().into()), 2 + 6 + 12 * 4 + 2 * 4);
-    assert_eq!(frame_len(&setpoint(1)), 2 + 4 + 8 + 1 + 4);
-    assert_eq!(frame_len(&setpoint(27)), 2 + 4 + 8 + 1 + 27 * 4);
+    assert_eq!(frame_len(&setpoint(1)), 2 + 4 + 8 + 1 + 1 + 4);
+    assert_eq!(frame_len(&setpoint(27)), 2 + 4 + 8 + 1 + 1 + 27 * 4);
+    let pulse = ManualPulse { session: 0, channel: 0, direction: PulseDirection::Fill.into(), duration_us: 0 };
+    assert_eq!(frame_len(&pulse.into()), 2 + 1 + 1 + 4);
+    assert_eq!(frame_len(&SetOutputs { session: 0, outputs: Outputs::GRIPPER }.into()), 2 + 1);
 }
 
 #[test]

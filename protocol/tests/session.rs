@@ -120,7 +120,14 @@ fn answers_to_unreliable_messages_are_not_remembered() {
     let message = command(7, CommandCode::Hold, 0);
     let answer = ack(&message, 5, ResultCode::Ok);
     dedup.record(&message, &answer);
-    let setpoint = Setpoint { session: 7, index: 0, time_us: 0, values: List::from_slice(&[0]).unwrap() }.into();
+    let setpoint = Setpoint {
+        session: 7,
+        index: 0,
+        time_us: 0,
+        outputs: Outputs::default(),
+        values: List::from_slice(&[0]).unwrap(),
+    }
+    .into();
     dedup.record(&setpoint, &ack(&setpoint, 900, ResultCode::Ok));
     assert_eq!(dedup.classify(5, &message), Arrival::Repeated(answer));
 }

@@ -62,8 +62,18 @@ fn host_fields(message: &HostMessage) -> (&'static str, Value) {
         }
         HostMessage::Setpoint(m) => (
             "Setpoint",
-            json!({ "session": m.session, "index": m.index, "time_us": m.time_us, "values": m.values.to_vec() }),
+            json!({
+                "session": m.session, "index": m.index, "time_us": m.time_us, "outputs": m.outputs.bits(),
+                "values": m.values.to_vec(),
+            }),
         ),
+        HostMessage::ManualPulse(m) => (
+            "ManualPulse",
+            json!({
+                "session": m.session, "channel": m.channel, "direction": m.direction.raw(), "duration_us": m.duration_us,
+            }),
+        ),
+        HostMessage::SetOutputs(m) => ("SetOutputs", json!({ "session": m.session, "outputs": m.outputs.bits() })),
     }
 }
 
@@ -177,6 +187,7 @@ fn telemetry_fields(m: &Telemetry) -> Value {
         "next_index": m.next_index,
         "ticks_late": m.ticks_late,
         "stack_used": m.stack_used,
+        "outputs": m.outputs.bits(),
         "channels": m.channels.iter().map(sample).collect::<Vec<_>>(),
     })
 }

@@ -72,6 +72,11 @@ def wrong_checksum():
         bad = bytearray(raw)
         bad[place] ^= 0x10
         yield vector(f"one bit flipped in the {title}", "host", frame(bytes(bad)), error("crc"))
+    for name, values in samples.TYPICAL.items():
+        direction, _, _ = table_of(name)
+        bad = bytearray(encoded(name, 9, values))
+        bad[3 + (len(bad) - 7) // 2] ^= 0x01
+        yield vector(f"{name} with one bit flipped", direction, frame(bytes(bad)), error("crc"))
     checked = raw[:-4]
     for title, crc in (
         ("big-endian checksum", struct.pack(">I", crc32c(checked))),
@@ -105,16 +110,24 @@ def wrong_length():
 
 def wrong_content():
     """Unknown types and impossible lists."""
-    for message_type in (0x00, 0x0B, 0x7F, 0x80, 0xFF):
+    for message_type in (0x00, 0x0D, 0x7F, 0x80, 0xFF):
         yield vector(f"type {message_type:#04x}", "host", frame(body(message_type, 1, bytes(8))), error("unknown_type"))
     yield vector("a host's message at the host", "device",
                  frame(encoded("Heartbeat", 1, samples.TYPICAL["Heartbeat"])), error("unknown_type"))
     yield vector("a device's message at the device", "host", frame(encoded("Fault", 1, samples.TYPICAL["Fault"])),
                  error("unknown_type"))
-    head = struct.pack("<HIQ", 7, 0, 1000)
+    head = struct.pack("<HIQB", 7, 0, 1000, 0)
     for count, elements in ((0, 0), (0, 4), (2, 1), (28, 28), (255, 40)):
         content = head + bytes([count]) + bytes(4 * elements)
         yield vector(f"{count} values announced, {elements} sent", "host", frame(body(0x08, 1, content)), error("payload"))
+    for name, values in samples.TYPICAL.items():
+        direction, message_type, fields = table_of(name)
+        if ":list:" in fields:
+            front = payload(fields.rsplit(" ", 1)[0], values)
+            for count in (0, 28):
+                content = front + bytes([count]) + bytes(6 * count)
+                yield vector(f"{name} with a list of {count}", direction, frame(body(message_type, 1, content)),
+                             error("payload"))
 
 
 def wrong_stuffing():
@@ -146,6 +159,22 @@ def streams():
     yield vector("flood without delimiters, then a frame", "host", b"\x01" * 5000 + a, error("oversize"), is_a)
     yield vector("flood of one long run, then a frame", "host", b"\xff" * 5000 + a, error("oversize"), is_a)
     yield vector("the same frame twice", "host", a + a, is_a, is_a)
+    yield from streams_of_all()
+
+
+def streams_of_all():
+    """All messages of a direction in one stream, whole, and each behind a damaged frame."""
+    for direction in ("host", "device"):
+        names = [name for name in samples.TYPICAL if table_of(name)[0] == direction]
+        frames = [frame(encoded(name, seq, samples.TYPICAL[name])) for seq, name in enumerate(names)]
+        outcomes = [accepted(name, seq, samples.TYPICAL[name]) for seq, name in enumerate(names)]
+        yield vector(f"every message of the {direction}", direction, b"".join(frames), *outcomes)
+        shared = b"".join(part[:-1] for part in frames) + b"\0"
+        yield vector(f"every message of the {direction}, sharing delimiters", direction, shared, *outcomes)
+        for name, whole, outcome in zip(names, frames, outcomes):
+            bad = bytearray(encoded(name, 1, samples.TYPICAL[name]))
+            bad[-1] ^= 0x80
+            yield vector(f"damaged {name}, then a whole one", direction, frame(bytes(bad)) + whole, error("crc"), outcome)
 
 
 def transcript():

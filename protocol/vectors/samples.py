@@ -34,7 +34,7 @@ REPLY = {
 ACK = {"ref_type": 3, "ref_seq": 1, "result": 0, "detail": 0, "free_knots": 64, "mcu_time_us": 1_240_000}
 TELEMETRY = {
     "time_us": 2_000_000, "state": 2, "fault_bits": 0, "supply_10pa": 20_000, "free_knots": 63, "next_index": 1,
-    "ticks_late": 0, "stack_used": 2056, "channels": [
+    "ticks_late": 0, "stack_used": 2056, "outputs": 1, "channels": [
         {"pressure_10pa": 1000, "reference_10pa": 1010, "duty": 12, "status": 0},
         {"pressure_10pa": 0, "reference_10pa": 0, "duty": -127, "status": 5},
     ],
@@ -49,7 +49,9 @@ TYPICAL = {
     "Command": {"session": 7, "code": 0, "time_us": 1_500_000},
     "ConfigVolume": VOLUME,
     "ConfigInverse": INVERSE,
-    "Setpoint": {"session": 7, "index": 0, "time_us": 1_500_000, "values": [0, 1_570_796]},
+    "Setpoint": {"session": 7, "index": 0, "time_us": 1_500_000, "outputs": 0, "values": [0, 1_570_796]},
+    "ManualPulse": {"session": 7, "channel": 1, "direction": 0, "duration_us": 20_000},
+    "SetOutputs": {"session": 7, "outputs": 1},
     "HelloReply": REPLY,
     "Ack": ACK,
     "HeartbeatReply": {"host_time_us": 1_000_000, "mcu_time_us": 1_300_000, "state": 1, "free_knots": 64},
@@ -57,7 +59,7 @@ TYPICAL = {
     "Fault": {"time_us": 2_500_000, "channel": 3, "code": 2, "value": 151_000},
 }
 DENSE_SETPOINT = {
-    "session": 0x0101, "index": 0x01010101, "time_us": 0x0101010101010101, "values": [-1, 0x7F7F7F7F],
+    "session": 0x0101, "index": 0x01010101, "time_us": 0x0101010101010101, "outputs": 1, "values": [-1, 0x7F7F7F7F],
 }
 FULL_SAMPLE = {"pressure_10pa": 65535, "reference_10pa": 65535, "duty": -128, "status": 255}
 
@@ -83,21 +85,80 @@ def variants():
     yield "ConfigInverse, root, falling setpoints, one coefficient", "ConfigInverse", 5, INVERSE | {
         "argument": 1, "setpoint_from": -0.0, "setpoint_to": -1.5, "coefficients_pa": [float("nan")]}
     yield "ConfigInverse, argument of a later version", "ConfigInverse", 6, INVERSE | {"argument": 9, "steps": 65_535}
-    for code, name in enumerate(("start", "hold", "vent", "emergency stop", "clear faults", "flush")):
+    for code, name in enumerate(("start", "hold", "vent", "emergency stop", "clear faults", "flush", "zero")):
         yield f"Command, {name}", "Command", 40 + code, {"session": 7, "code": code, "time_us": 0}
     yield "Command of a later version", "Command", 50, {"session": 7, "code": 200, "time_us": 0}
-    yield "Setpoint, one value", "Setpoint", 1, {"session": 7, "index": 1, "time_us": 1, "values": [-1]}
+    yield "Setpoint, one value", "Setpoint", 1, {"session": 7, "index": 1, "time_us": 1, "outputs": 0, "values": [-1]}
     yield "Setpoint, 27 values", "Setpoint", 2, {
-        "session": 7, "index": 2**32 - 1, "time_us": 2**64 - 1, "values": [(-1) ** k * (2**31 - 1 - k) for k in range(27)]}
+        "session": 7, "index": 2**32 - 1, "time_us": 2**64 - 1, "outputs": 255,
+        "values": [(-1) ** k * (2**31 - 1 - k) for k in range(27)]}
     yield "HelloReply after a watchdog reset", "HelloReply", 0, REPLY | {"boot_cause": 3, "config_hash": 0xCAFEF00D}
     yield "HelloReply, state of a later version", "HelloReply", 0, REPLY | {"state": 77}
-    for result in range(11):
+    for result in range(12):
         yield f"Ack, result {result}", "Ack", result, ACK | {"result": result, "detail": 10 * result}
     yield "Telemetry, 27 channels, all bits set", "Telemetry", 9, {
         "time_us": 2**64 - 1, "state": 5, "fault_bits": 65535, "supply_10pa": 65535, "free_knots": 65535,
-        "next_index": 2**32 - 1, "ticks_late": 65535, "stack_used": 65535, "channels": [FULL_SAMPLE] * 27}
+        "next_index": 2**32 - 1, "ticks_late": 65535, "stack_used": 65535, "outputs": 255, "channels": [FULL_SAMPLE] * 27}
     for code in range(1, 10):
         yield f"Fault, code {code}", "Fault", code, {"time_us": 5, "channel": 255, "code": code, "value": -(2**31) + code}
+    yield from every_code()
+    yield from every_length()
+    yield from by_hand()
+
+
+def every_code():
+    """Each code of each set that a message carries, and the first one behind the set."""
+    for title, name, base, field, count in (
+        ("policy", "ConfigSystem", SYSTEM, "link_loss_policy", 3),
+        ("setpoint kind", "ConfigChannel", CHANNEL, "setpoint_kind", 6),
+        ("law", "ConfigChannel", CHANNEL, "law", 2),
+        ("fiber families", "ConfigChannel", CHANNEL, "families", 3),
+        ("placement", "ConfigChannel", CHANNEL, "placement", 3),
+        ("boot cause", "HelloReply", REPLY, "boot_cause", 7),
+        ("state", "HeartbeatReply", TYPICAL["HeartbeatReply"], "state", 6),
+        ("state", "Telemetry", TELEMETRY, "state", 6),
+    ):
+        for code in range(count + 1):
+            title_of_code = f"{title} {code}" if code < count else f"{title} {code} of a later version"
+            yield f"{name}, {title_of_code}", name, 0x0C00 + code, base | {field: code}
+
+
+def every_length():
+    """Lists of several lengths: other offsets, and other places of the zeros that COBS removes."""
+    for count in (2, 3, 9, 18, 26):
+        yield f"Setpoint, {count} zeros", "Setpoint", count, {
+            "session": 7, "index": count, "time_us": count, "outputs": 1, "values": [0] * count}
+        yield f"Setpoint, {count} values without a zero byte", "Setpoint", 0x0101, DENSE_SETPOINT | {
+            "values": [0x01010101 + k for k in range(count)]}
+        yield f"Telemetry, {count} channels", "Telemetry", count, TELEMETRY | {
+            "channels": [{"pressure_10pa": 100 * k, "reference_10pa": 100 * k + 1, "duty": -k, "status": k % 8}
+                         for k in range(count)]}
+    for count in (1, 17):
+        yield f"ConfigVolume, {count} coefficients", "ConfigVolume", count, VOLUME | {
+            "coefficients_m3": [2.5e-5 / (k + 1) for k in range(count)]}
+        yield f"ConfigInverse, {count} coefficients", "ConfigInverse", count, INVERSE | {
+            "coefficients_pa": [75_000.0 / (k + 1) for k in range(count)]}
+
+
+def by_hand():
+    """Pulses and outputs that are asked for by hand."""
+    pulse, outputs = TYPICAL["ManualPulse"], TYPICAL["SetOutputs"]
+    for title, change in (
+        ("vent", {"direction": 1}),
+        ("shortest", {"duration_us": 1000}),
+        ("longest", {"duration_us": 1_000_000}),
+        ("shorter than a device takes", {"duration_us": 0}),
+        ("longer than a device takes", {"duration_us": 2**32 - 1}),
+        ("last channel", {"channel": 26}),
+        ("channel of no device", {"channel": 255}),
+        ("direction of a later version", {"direction": 2}),
+    ):
+        yield f"ManualPulse, {title}", "ManualPulse", 60, pulse | change
+    for title, bits in (("all off", 0), ("output of a later version", 2), ("all bits set", 255)):
+        yield f"SetOutputs, {title}", "SetOutputs", 61, outputs | {"outputs": bits}
+    for title, bits in (("gripper closes", 1), ("output of a later version", 128)):
+        yield f"Setpoint, {title}", "Setpoint", 62, TYPICAL["Setpoint"] | {"outputs": bits}
+    yield "Telemetry, gripper open", "Telemetry", 63, TELEMETRY | {"outputs": 0}
 
 
 MESSAGES = [(f"{name}, typical", name, 0x0A00, values) for name, values in TYPICAL.items()] + list(variants())
@@ -120,11 +181,26 @@ def session(schema_hash):
     ]
     # Without the session, the first two bytes of each payload.
     config_hash = crc32c(b"".join(payload(table_of(name)[2], values)[2:] for name, values in upload))
-    device_seq, now = iter(range(100)), iter(range(1_240_000, 2_000_000, 5_000))
+    device_seq, time_us = iter(range(100)), 1_235_000
+
+    def now(step_us=5_000):
+        nonlocal time_us
+        time_us += step_us
+        return time_us
 
     def answer(name, ref_seq, free_knots=64):
-        ack = {"ref_type": table_of(name)[1], "ref_seq": ref_seq, "free_knots": free_knots, "mcu_time_us": next(now)}
+        ack = {"ref_type": table_of(name)[1], "ref_seq": ref_seq, "free_knots": free_knots, "mcu_time_us": now()}
         return "Ack", next(device_seq), ACK | ack
+
+    def telemetry(state, step_us=40_000, **changes):
+        return "Telemetry", next(device_seq), TELEMETRY | {"time_us": now(step_us), "state": state, "outputs": 0} | changes
+
+    def request(name, seq, free_knots=64, **changes):
+        yield name, seq, TYPICAL[name] | changes
+        yield answer(name, seq, free_knots)
+
+    def command(code, seq, free_knots=64):
+        return request("Command", seq, free_knots, code=code, time_us=0)
 
     yield "Hello", 0, HELLO | {"schema_hash": schema_hash}
     yield "HelloReply", next(device_seq), REPLY | {"schema_hash": schema_hash}
@@ -132,12 +208,33 @@ def session(schema_hash):
     for seq, (name, values) in enumerate(upload + [("ConfigCommit", {"session": 7, "config_hash": config_hash})], 1):
         yield name, seq, values
         yield answer(name, seq)
-    yield "Setpoint", 0, TYPICAL["Setpoint"]
+    # By hand: the zeros, a valve, its chamber vented, the gripper.
+    yield telemetry(1, next_index=0, free_knots=64)
+    yield from command(6, 8)
+    yield telemetry(0, next_index=0, free_knots=64)
+    yield telemetry(1, next_index=0, free_knots=64)
+    yield from request("ManualPulse", 9)
+    yield telemetry(3, next_index=0, free_knots=64)
+    yield from command(2, 10)
+    yield telemetry(4, next_index=0, free_knots=64)
+    yield telemetry(1, 600_000, next_index=0, free_knots=64)
+    yield from request("SetOutputs", 11)
+    yield from request("SetOutputs", 12, outputs=0)
+    # A run that closes the gripper with its last knot.
+    start_us = 3_000_000
+    setpoint = TYPICAL["Setpoint"] | {"time_us": start_us}
+    yield "Setpoint", 0, setpoint
     yield answer("Setpoint", 0, 63)
-    yield "Setpoint", 1, TYPICAL["Setpoint"] | {"index": 1, "time_us": 1_520_000}
+    yield "Setpoint", 1, setpoint | {"index": 1, "time_us": start_us + 20_000, "outputs": 1}
     yield answer("Setpoint", 1, 62)
-    yield "Command", 8, TYPICAL["Command"]
-    yield answer("Command", 8, 62)
+    yield from request("Command", 13, 62, time_us=start_us)
     yield "Heartbeat", 2, TYPICAL["Heartbeat"]
-    yield "HeartbeatReply", next(device_seq), TYPICAL["HeartbeatReply"] | {"free_knots": 62}
-    yield "Telemetry", next(device_seq), TELEMETRY
+    yield "HeartbeatReply", next(device_seq), TYPICAL["HeartbeatReply"] | {"mcu_time_us": now(), "free_knots": 62}
+    yield telemetry(2, start_us + 10_000 - time_us, free_knots=63, next_index=2)
+    yield "Fault", next(device_seq), {"time_us": now(10_000), "channel": 255, "code": 4, "value": 2}
+    yield telemetry(3, 5_000, fault_bits=8, free_knots=64, next_index=2, outputs=1)
+    # The payload stays: the output keeps its state while the limb is vented.
+    yield from command(2, 14)
+    yield telemetry(4, fault_bits=8, next_index=2, free_knots=64, outputs=1)
+    yield from command(4, 15)
+    yield telemetry(1, 600_000, next_index=2, free_knots=64, outputs=1)

@@ -18,10 +18,12 @@ HOST = {
            "setpoint_min:i setpoint_max:i"),
     0x06: ("ConfigCommit", "session:H config_hash:I"),
     0x07: ("Command", "session:H code:B time_us:Q"),
-    0x08: ("Setpoint", "session:H index:I time_us:Q values:list:i"),
+    0x08: ("Setpoint", "session:H index:I time_us:Q outputs:B values:list:i"),
     0x09: ("ConfigVolume", "session:H channel:B pressure_max_pa:f coefficients_m3:list:f"),
     0x0a: ("ConfigInverse", "session:H channel:B argument:B steps:H setpoint_from:f setpoint_to:f pressure_max_pa:f "
            "coefficients_pa:list:f"),
+    0x0b: ("ManualPulse", "session:H channel:B direction:B duration_us:I"),
+    0x0c: ("SetOutputs", "session:H outputs:B"),
 }
 DEVICE = {
     0x81: ("HelloReply", "protocol_version:H schema_hash:I session:H firmware_major:B firmware_minor:B firmware_patch:B "
@@ -29,7 +31,7 @@ DEVICE = {
     0x82: ("Ack", "ref_type:B ref_seq:H result:B detail:I free_knots:H mcu_time_us:Q"),
     0x83: ("HeartbeatReply", "host_time_us:Q mcu_time_us:Q state:B free_knots:H"),
     0x84: ("Telemetry", "time_us:Q state:B fault_bits:H supply_10pa:H free_knots:H next_index:I ticks_late:H stack_used:H "
-           "channels:list:sample"),
+           "outputs:B channels:list:sample"),
     0x85: ("Fault", "time_us:Q channel:B code:B value:i"),
 }
 SAMPLE = "pressure_10pa:H reference_10pa:H duty:b status:B"

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io;
 
 use fra_model::State;
-use softlimb_protocol::{ConfigInverse, ConfigVolume, Fault};
+use softlimb_protocol::{ConfigInverse, ConfigVolume, Fault, Outputs};
 use softlimb_rig::link::{DeviceConfiguration, Event, Knot, StreamOptions, Transport, stream};
 use softlimb_sim::plant::{ChannelSettings, PlantSettings, Spread, Supply, Truth};
 use softlimb_sim::{SimSettings, SimulatedMcu};
@@ -83,7 +83,7 @@ pub(crate) fn run(
             let value = |(channel, subject): (usize, &Subject)| {
                 subject.kind.to_wire(setpoint(channel, time_us as f64 * 1e-6)).expect("a setpoint that fits")
             };
-            Knot { time_us, values: subjects.iter().enumerate().map(value).collect() }
+            Knot { time_us, outputs: Outputs::default(), values: subjects.iter().enumerate().map(value).collect() }
         })
         .collect();
     let mut configuration = DeviceConfiguration {

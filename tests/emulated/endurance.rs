@@ -17,7 +17,7 @@ fn back_and_forth(knots: &[Knot]) -> Vec<Knot> {
     let back = knots[1..knots.len() - 1].iter().rev();
     let round = knots.iter().chain(back).cycle();
     let times = (0..).map(|index| index * period_us).take_while(|time_us| *time_us <= TICKS * TICK_US);
-    times.zip(round).map(|(time_us, knot)| Knot { time_us, values: knot.values.clone() }).collect()
+    times.zip(round).map(|(time_us, knot)| Knot { time_us, ..knot.clone() }).collect()
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
-use softlimb_protocol::{Command, CommandCode, DeviceState, Heartbeat, SetpointKind};
+use softlimb_protocol::{Command, CommandCode, DeviceState, Heartbeat, Outputs, SetpointKind};
 use softlimb_rig::link;
 use softlimb_rig::link::{DeviceConfiguration, Event, Knot, StreamOptions};
 use softlimb_rig::simulate;
@@ -66,8 +66,11 @@ pub(crate) fn with_scene(images: &Images) -> (SimulatedMcu<LockStep>, DeviceConf
         limb.modules().iter().zip(values).flat_map(|(module, value)| module.channels.clone().map(|_| *value)).collect()
     };
     let rows = plan.knots().iter().zip(0..);
-    let knots =
-        rows.map(|(values, index)| Knot { time_us: index * plan.knot_period_us(), values: row(values) }).collect();
+    let knot = |(values, index): (&Vec<i32>, u64)| {
+        let outputs = Outputs::default().with(Outputs::GRIPPER, index % 2 == 0);
+        Knot { time_us: index * plan.knot_period_us(), outputs, values: row(values) }
+    };
+    let knots = rows.map(knot).collect();
     let twin = LockStep::start(&images.twin()).expect("the twin starts");
     let device = SimulatedMcu::with_processor(&simulate::settings(&scene, &limb, 1), twin).expect("good settings");
     (device, configuration, knots)

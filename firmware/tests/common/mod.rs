@@ -95,8 +95,22 @@ impl Bench {
     }
 
     pub(crate) fn setpoint(&mut self, index: u32, time_us: u64, values: &[i32]) -> Ack {
+        self.knot(index, time_us, Outputs::default(), values)
+    }
+
+    /// Sends a knot with outputs.
+    pub(crate) fn knot(&mut self, index: u32, time_us: u64, outputs: Outputs, values: &[i32]) -> Ack {
         let values = List::from_slice(values).unwrap();
-        self.request(&Setpoint { session: SESSION, index, time_us, values }.into())
+        self.request(&Setpoint { session: SESSION, index, time_us, outputs, values }.into())
+    }
+
+    pub(crate) fn pulse(&mut self, channel: u8, direction: PulseDirection, duration_us: u32) -> Ack {
+        let direction = direction.into();
+        self.request(&ManualPulse { session: SESSION, channel, direction, duration_us }.into())
+    }
+
+    pub(crate) fn set_outputs(&mut self, outputs: Outputs) -> Ack {
+        self.request(&SetOutputs { session: SESSION, outputs }.into())
     }
 
     /// Sends a message as a new one and returns its answer.

@@ -94,6 +94,13 @@ impl Plan {
         self.track.duration_us()
     }
 
+    /// Whether the gripper is closed, by its commands, at a time of the run, us; it is open at the start. A command holds from the end of its
+    /// move on.
+    pub fn is_gripping_at(&self, time_us: u64) -> bool {
+        let told = self.phases.iter().rev().filter(|phase| phase.start_us + phase.move_us <= time_us);
+        told.into_iter().find_map(|phase| phase.gripper) == Some(Gripper::Close)
+    }
+
     /// Wire values per drive at every knot.
     pub fn knots(&self) -> &[Vec<i32>] {
         &self.track.knots

@@ -3,6 +3,7 @@
 mod calibrate;
 mod learning;
 mod link_common;
+mod link_direct;
 mod link_disturbance;
 mod link_faults;
 mod link_session;

@@ -56,6 +56,9 @@ macro_rules! flag_set {
 
             $( $(#[doc = $member_meaning])+ pub const $MEMBER: Self = Self(1 << $bit); )+
 
+            /// Every flag that this version knows.
+            pub const ALL: Self = Self(0 $(| 1 << $bit)+);
+
             /// The flags as they stand on the wire.
             #[must_use]
             pub const fn from_bits(bits: u8) -> Self {

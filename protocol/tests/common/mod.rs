@@ -162,9 +162,32 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
     let commit = any::<(u16, u32)>().prop_map(|(session, config_hash)| ConfigCommit { session, config_hash }.into());
     let command =
         (any::<(u16, u64)>(), code()).prop_map(|((session, time_us), code)| Command { session, code, time_us }.into());
-    let setpoint = (any::<(u16, u32, u64)>(), list(any::<i32>()))
-        .prop_map(|((session, index, time_us), values)| Setpoint { session, index, time_us, values }.into());
-    prop_oneof![hello, heartbeat, begin, config_system(), config_channel(), config_tables(), commit, command, setpoint]
+    let setpoint =
+        (any::<(u16, u32, u64, u8)>(), list(any::<i32>())).prop_map(|((session, index, time_us, bits), values)| {
+            Setpoint { session, index, time_us, outputs: Outputs::from_bits(bits), values }.into()
+        });
+    prop_oneof![
+        hello,
+        heartbeat,
+        begin,
+        config_system(),
+        config_channel(),
+        config_tables(),
+        commit,
+        command,
+        setpoint,
+        by_hand(),
+    ]
+}
+
+/// What is asked of the device by hand.
+fn by_hand() -> impl Strategy<Value = HostMessage> {
+    let pulse = (any::<(u16, u8, u32)>(), code()).prop_map(|((session, channel, duration_us), direction)| {
+        ManualPulse { session, channel, direction, duration_us }.into()
+    });
+    let outputs =
+        any::<(u16, u8)>().prop_map(|(session, bits)| SetOutputs { session, outputs: Outputs::from_bits(bits) }.into());
+    prop_oneof![pulse, outputs]
 }
 
 fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
@@ -192,7 +215,7 @@ fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
 }
 
 fn telemetry() -> impl Strategy<Value = DeviceMessage> {
-    let numbers = any::<(u64, u16, u16, u16, u32, u16, u16)>();
+    let numbers = any::<(u64, u16, u16, u16, u32, u16, u16, u8)>();
     (numbers, code(), list(sample())).prop_map(|(n, state, channels)| {
         Telemetry {
             time_us: n.0,
@@ -203,6 +226,7 @@ fn telemetry() -> impl Strategy<Value = DeviceMessage> {
             next_index: n.4,
             ticks_late: n.5,
             stack_used: n.6,
+            outputs: Outputs::from_bits(n.7),
             channels,
         }
         .into()

@@ -80,6 +80,7 @@ fn telemetry() -> Telemetry {
         next_index: 617,
         ticks_late: 0,
         stack_used: 2_200,
+        outputs: Outputs::GRIPPER,
         channels: List::try_from_iter((0..CHANNELS).map(sample)).expect("as many as there is room for"),
     }
 }

@@ -22,7 +22,11 @@ const GARBAGE: usize = 500;
 impl Answer for TickOutputs {
     fn note(&self) -> Note {
         let pulse = |ValvePulse { fill_us, vent_us }: &ValvePulse| f32::from(*fill_us) - f32::from(*vent_us);
-        Note::of("-", 0, self.valves.iter().map(pulse).chain([f32::from(self.pump_duty)]))
+        Note::of(
+            "-",
+            0,
+            self.valves.iter().map(pulse).chain([f32::from(self.pump_duty), f32::from(self.digital.bits())]),
+        )
     }
 }
 

@@ -98,7 +98,8 @@ pub(crate) fn knot(index: u32, time_us: u64) -> Setpoint {
         rest + (most - rest) / 40 * if phase < 40 { phase } else { 80 - phase }
     };
     let values = List::try_from_iter((0..CHANNELS).map(value)).expect("as many as there is room for");
-    Setpoint { session: SESSION, index, time_us, values }
+    let outputs = Outputs::default().with(Outputs::GRIPPER, index % 80 < 40);
+    Setpoint { session: SESSION, index, time_us, outputs, values }
 }
 
 /// The command to begin with the first knot.

@@ -4,6 +4,7 @@
 //! nothing depends on how long either takes.
 
 use softlimb_firmware::{AdcCode, ValvePulse};
+use softlimb_protocol::Outputs;
 
 use crate::pins::{CHANNELS, TickInputs, TickOutputs};
 
@@ -17,7 +18,7 @@ pub const SENT_MAX: usize = 256;
 pub const QUERY_LEN: usize = 8 + 1 + 2 + 2 + 2 * (CHANNELS + 1);
 
 /// Length of the fixed part of an answer, bytes.
-pub const ANSWER_LEN: usize = 4 + 4 * CHANNELS + 1 + 1 + 2;
+pub const ANSWER_LEN: usize = 4 + 4 * CHANNELS + 1 + 1 + 1 + 2;
 
 const STOP_PRESSED: u8 = 1;
 const LAST: u8 = 2;
@@ -97,7 +98,8 @@ impl Answer {
             writer.put(pulse.fill_us.to_le_bytes());
             writer.put(pulse.vent_us.to_le_bytes());
         }
-        writer.put([u8::from(self.outputs.supply_open), self.outputs.pump_duty]);
+        let TickOutputs { supply_open, pump_duty, digital, .. } = self.outputs;
+        writer.put([u8::from(supply_open), pump_duty, digital.bits()]);
         writer.put(self.sent.to_le_bytes());
         bytes
     }
@@ -112,8 +114,9 @@ impl Answer {
             let (fill_us, vent_us) = (u16::from_le_bytes(reader.take()), u16::from_le_bytes(reader.take()));
             *pulse = ValvePulse { fill_us, vent_us };
         }
-        let [supply, pump_duty] = reader.take();
-        let outputs = TickOutputs { valves, supply_open: supply != 0, pump_duty };
+        let [supply, pump_duty, digital] = reader.take();
+        let digital = Outputs::from_bits(digital);
+        let outputs = TickOutputs { valves, supply_open: supply != 0, pump_duty, digital };
         Self { cost, outputs, sent: u16::from_le_bytes(reader.take()) }
     }
 }
@@ -155,7 +158,7 @@ mod tests {
             let inputs = TickInputs { now_us: u64::MAX - 7, pressure, supply: AdcCode(0xabcd), emergency_stop };
             let query = Query { inputs, room: 0x1234, received: 0x0567, last, after_crash: emergency_stop != last };
             assert_eq!(Query::decode(&query.encode()), query);
-            let outputs = TickOutputs { valves, supply_open: last, pump_duty: 200 };
+            let outputs = TickOutputs { valves, supply_open: last, pump_duty: 200, digital: Outputs::from_bits(0x5a) };
             let answer = Answer { cost: 0x89ab_cdef, outputs, sent: 0x00fe };
             assert_eq!(Answer::decode(&answer.encode()), answer);
         }

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use softlimb_protocol::Outputs;
+
 /// Channels of the board: as many as it has sensors and pairs of valves.
 pub const CHANNELS: usize = 9;
 
@@ -79,6 +81,12 @@ pub const SUPPLY: Pin = c(6);
 /// Gate of the pump, high energizes.
 pub const PUMP: Pin = c(7);
 
+/// Gate of the gripper, high closes it.
+pub const GRIPPER: Pin = c(4);
+
+/// The digital outputs with their pins.
+pub const DIGITAL: [(Outputs, Pin); 1] = [(Outputs::GRIPPER, GRIPPER)];
+
 /// Sensors of the channels, then of the supply, with their input of the converter.
 pub const SENSOR: [(Pin, u8); SENSORS] =
     [(a(0), 0), (a(1), 1), (a(4), 4), (a(6), 6), (a(7), 7), (b(0), 8), (b(1), 9), (c(0), 10), (c(1), 11), (c(2), 12)];
@@ -95,7 +103,7 @@ pub const LINK_IN: Pin = a(3);
 /// All outputs of one port.
 #[must_use]
 pub const fn outputs(port: Port) -> u16 {
-    let mut mask = in_port(SUPPLY, port) | in_port(PUMP, port);
+    let mut mask = in_port(SUPPLY, port) | in_port(PUMP, port) | digital(port);
     let mut channel = 0;
     while channel < CHANNELS {
         mask |= in_port(FILL[channel], port) | in_port(VENT[channel], port);
@@ -107,6 +115,18 @@ pub const fn outputs(port: Port) -> u16 {
 const fn in_port(pin: Pin, port: Port) -> u16 {
     if pin.port as u8 == port as u8 { pin.bit() } else { 0 }
 }
+
+const fn digital(port: Port) -> u16 {
+    let (mut mask, mut output) = (0, 0);
+    while output < DIGITAL.len() {
+        mask |= in_port(DIGITAL[output].1, port);
+        output += 1;
+    }
+    mask
+}
+
+/// The digital outputs, port by port.
+pub const DIGITALS: [u16; PORTS] = [digital(Port::A), digital(Port::B), digital(Port::C)];
 
 /// All outputs, port by port.
 pub const OUTPUTS: [u16; PORTS] = [outputs(Port::A), outputs(Port::B), outputs(Port::C)];
@@ -137,6 +157,7 @@ impl fmt::Display for Table {
         }
         writeln!(f, "| {SUPPLY} | supply valve | output, pulled down; high energizes |")?;
         writeln!(f, "| {PUMP} | pump | output, pulled down; high runs |")?;
+        writeln!(f, "| {GRIPPER} | gripper | output, pulled down; high closes |")?;
         for (channel, (pin, input)) in SENSOR.iter().take(CHANNELS).enumerate() {
             writeln!(f, "| {pin} | pressure sensor of channel {channel} | analog, ADC1 input {input} |")?;
         }
@@ -158,7 +179,11 @@ mod tests {
 
     fn all() -> Vec<Pin> {
         let sensors = SENSOR.iter().map(|(pin, _)| *pin);
-        FILL.into_iter().chain(VENT).chain(sensors).chain([SUPPLY, PUMP, EMERGENCY_STOP, LINK_OUT, LINK_IN]).collect()
+        FILL.into_iter()
+            .chain(VENT)
+            .chain(sensors)
+            .chain([SUPPLY, PUMP, GRIPPER, EMERGENCY_STOP, LINK_OUT, LINK_IN])
+            .collect()
     }
 
     #[test]
@@ -168,12 +193,12 @@ mod tests {
             assert!(pin.number < 16 && !TAKEN.contains(pin), "{pin}");
             assert!(!pins[..index].contains(pin), "{pin} has two uses");
         }
-        assert_eq!(pins.len(), 2 * CHANNELS + SENSORS + 5);
+        assert_eq!(pins.len(), 2 * CHANNELS + SENSORS + 6);
     }
 
     #[test]
     fn masks_hold_every_output_once() {
-        assert_eq!(OUTPUTS.map(u16::count_ones).iter().sum::<u32>(), 20);
+        assert_eq!(OUTPUTS.map(u16::count_ones).iter().sum::<u32>(), 21);
         assert_eq!(OUTPUTS[0], 1 << 8 | 1 << 9 | 1 << 10);
     }
 

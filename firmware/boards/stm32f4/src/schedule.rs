@@ -3,7 +3,7 @@
 //! Outputs decided in one tick are applied from the start of the next: always one tick later, whatever the computation took. Times are
 //! rounded to the grid. Only the last tick of a pulse has one that is not on it, so that a whole pulse is off by 50 us at most.
 
-use crate::pins::{FILL, OUTPUTS, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT, VENTS};
+use crate::pins::{DIGITAL, DIGITALS, FILL, OUTPUTS, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT, VENTS};
 
 /// Slots in a tick.
 pub const SLOTS: usize = 10;
@@ -29,6 +29,14 @@ const fn words(on: [u16; PORTS]) -> Words {
         port += 1;
     }
     words
+}
+
+/// What follows words of a slot where the controller is late: everything off but the digital outputs, which stay.
+#[must_use]
+pub fn late(port: usize, word: u32) -> u32 {
+    let (Some(off), Some(&kept)) = (OFF.get(port), DIGITALS.get(port)) else { return word };
+    let kept = u32::from(kept) | u32::from(kept) << 16;
+    off & !kept | word & kept
 }
 
 /// Spreads the pump's duty over slots: the pump is on in that share of them, as evenly as they allow.
@@ -78,6 +86,11 @@ pub fn schedule(outputs: &TickOutputs, pump: &mut PumpDensity) -> [Words; SLOTS]
         if outputs.supply_open {
             energize(SUPPLY);
         }
+        for (output, pin) in DIGITAL {
+            if outputs.digital.contains(output) {
+                energize(pin);
+            }
+        }
         if pump.next(outputs.pump_duty) {
             energize(PUMP);
         }
@@ -95,6 +108,7 @@ const fn slots_of(time_us: u16) -> u16 {
 mod tests {
     use super::*;
     use softlimb_firmware::ValvePulse;
+    use softlimb_protocol::Outputs;
 
     fn is_on(words: &Words, pin: Pin) -> bool {
         words[pin.port as usize] & u32::from(pin.bit()) != 0
@@ -129,6 +143,24 @@ mod tests {
             for (word, mask) in words.iter().zip(OUTPUTS) {
                 let (set, reset) = ((word & 0xffff) as u16, (word >> 16) as u16);
                 assert_eq!((set | reset, set & reset), (mask, 0));
+            }
+        }
+    }
+
+    #[test]
+    fn digital_output_is_on_for_the_whole_tick_and_stays_where_the_controller_is_late() {
+        for (output, pin) in DIGITAL {
+            for on in [false, true] {
+                let run = TickOutputs { digital: Outputs::default().with(output, on), ..outputs(0, 1_000, 0) };
+                for words in schedule(&run, &mut PumpDensity::new()) {
+                    assert_eq!(is_on(&words, pin), on);
+                    let late: Words = std::array::from_fn(|port| late(port, words[port]));
+                    let (set, reset) = (late[pin.port as usize] & 0xffff, late[pin.port as usize] >> 16);
+                    assert_eq!(set & u32::from(pin.bit()) != 0, on);
+                    assert_eq!(reset & u32::from(pin.bit()) == 0, on);
+                    let others = late.iter().map(|word| (word & 0xffff).count_ones()).sum::<u32>();
+                    assert_eq!(others, u32::from(on), "all valves are off");
+                }
             }
         }
     }

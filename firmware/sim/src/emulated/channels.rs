@@ -13,8 +13,8 @@ pub(super) fn narrowed(inputs: &TickInputs) -> pins::TickInputs {
 
 /// The outputs of the board, and nothing on the channels that it has not.
 pub(super) fn widened(outputs: &pins::TickOutputs) -> TickOutputs {
-    let pins::TickOutputs { valves: some, supply_open, pump_duty } = *outputs;
-    let mut all = TickOutputs { supply_open, pump_duty, ..TickOutputs::SAFE };
+    let pins::TickOutputs { valves: some, supply_open, pump_duty, digital } = *outputs;
+    let mut all = TickOutputs { supply_open, pump_duty, digital, ..TickOutputs::SAFE };
     all.valves.iter_mut().zip(some).for_each(|(place, pulse)| *place = pulse);
     all
 }

@@ -1,7 +1,7 @@
 //! From port writes back to valve pulses: the inverse of `schedule`.
 
 use softlimb_firmware::ValvePulse;
-use softlimb_image_stm32f4::pins::{FILL, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT};
+use softlimb_image_stm32f4::pins::{DIGITAL, FILL, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT};
 use softlimb_image_stm32f4::schedule::{SLOT_US, SLOTS, Words};
 
 /// Coil times and pump of a tick whose slots are these. A coil counts from the start of the tick for as many slots as it is on.
@@ -12,6 +12,9 @@ pub(super) fn outputs(slots: &[Words; SLOTS]) -> TickOutputs {
         *pulse = ValvePulse { fill_us: time_us(fill), vent_us: time_us(vent) };
     }
     outputs.supply_open = slots_on(slots, SUPPLY) > 0;
+    for (output, pin) in DIGITAL {
+        outputs.digital = outputs.digital.with(output, slots_on(slots, pin) > 0);
+    }
     // Ten slots resolve a tenth; over ticks the mean is the duty.
     outputs.pump_duty = u8::try_from(255 * slots_on(slots, PUMP) / SLOTS as u16).unwrap_or(u8::MAX);
     outputs
@@ -40,10 +43,12 @@ pub(super) fn active(coils: &[u8]) -> Option<[Words; SLOTS]> {
 mod tests {
     use super::*;
     use softlimb_image_stm32f4::schedule::{PumpDensity, schedule};
+    use softlimb_protocol::Outputs;
 
     #[test]
     fn schedule_reaches_the_valves_to_the_slot() {
-        let mut wanted = TickOutputs { supply_open: true, pump_duty: 255, ..TickOutputs::SAFE };
+        let mut wanted =
+            TickOutputs { supply_open: true, pump_duty: 255, digital: Outputs::GRIPPER, ..TickOutputs::SAFE };
         for (number, pulse) in (0..).zip(&mut wanted.valves) {
             let time_us = 100 * number;
             *pulse = if number % 2 == 0 {

@@ -118,7 +118,7 @@ impl<P: Processor> Host<P> {
 
     pub fn setpoint(&mut self, index: u32, time_us: u64, values: &[i32]) {
         let values = List::from_slice(values).expect("1 to 27 channels");
-        self.send(Setpoint { session: SESSION, index, time_us, values });
+        self.send(Setpoint { session: SESSION, index, time_us, outputs: Outputs::default(), values });
     }
 
     pub fn telemetry(&self) -> impl Iterator<Item = &Telemetry> {

@@ -9,6 +9,7 @@
 mod clock;
 mod configuration;
 mod device;
+mod direct;
 mod disturbance;
 mod driver;
 mod error;
@@ -30,6 +31,7 @@ mod words;
 pub use clock::ClockMap;
 pub use configuration::DeviceConfiguration;
 pub use device::{DeviceInfo, FirmwareVersion};
+pub use direct::Direct;
 pub use disturbance::{Disturbances, DisturbedLink, LinkFaultError, LinkFaults};
 pub use error::{LinkError, VentOutcome};
 pub use event::Event;

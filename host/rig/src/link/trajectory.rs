@@ -1,6 +1,6 @@
 //! The setpoints of a run, checked for form.
 
-use softlimb_protocol::List;
+use softlimb_protocol::{List, Outputs};
 
 use super::error::LinkError;
 
@@ -9,14 +9,24 @@ use super::error::LinkError;
 pub struct Knot {
     /// Time from the start of the run, us, by the device's clock; strictly increasing.
     pub time_us: u64,
+    /// State of the digital outputs from then on.
+    pub outputs: Outputs,
     /// One value per channel, in the wire unit of the channel's setpoint.
     pub values: Vec<i32>,
+}
+
+/// A knot that fits on the wire.
+#[derive(Clone, Debug)]
+pub(super) struct Checked {
+    pub(super) time_us: u64,
+    pub(super) outputs: Outputs,
+    pub(super) values: List<i32>,
 }
 
 /// Knots that fit on the wire.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trajectory {
-    knots: Vec<(u64, List<i32>)>,
+    knots: Vec<Checked>,
 }
 
 impl Trajectory {
@@ -38,16 +48,17 @@ impl Trajectory {
                 return Err(wrong_count());
             }
             before_us = Some(knot.time_us);
-            checked.push((knot.time_us, List::from_slice(&knot.values).map_err(|_| wrong_count())?));
+            let values = List::from_slice(&knot.values).map_err(|_| wrong_count())?;
+            checked.push(Checked { time_us: knot.time_us, outputs: knot.outputs, values });
         }
-        let (end_us, last) = checked.last().cloned().ok_or(LinkError::EmptyTrajectory)?;
-        checked.push((end_us.saturating_add(tail_us), last));
+        let last: Checked = checked.last().cloned().ok_or(LinkError::EmptyTrajectory)?;
+        checked.push(Checked { time_us: last.time_us.saturating_add(tail_us), ..last });
         Ok(Self { knots: checked })
     }
 
-    /// Time and values of a knot.
-    pub(super) fn knot(&self, index: u32) -> Option<(u64, &List<i32>)> {
-        self.knots.get(index as usize).map(|(time_us, values)| (*time_us, values))
+    /// A knot by its number.
+    pub(super) fn knot(&self, index: u32) -> Option<&Checked> {
+        self.knots.get(index as usize)
     }
 
     /// Knots, the repeated last one included.
@@ -57,13 +68,17 @@ impl Trajectory {
 
     /// The shortest time that `capacity` knots in a row cover, us; `None` when all fit at once.
     pub(super) fn shortest_span_us(&self, capacity: usize) -> Option<u64> {
-        self.knots.windows(capacity.max(1)).skip(1).map(|knots| knots[knots.len() - 1].0 - knots[0].0).min()
+        self.knots.windows(capacity.max(1)).skip(1).map(|knots| knots[knots.len() - 1].time_us - knots[0].time_us).min()
     }
 
     #[cfg(test)]
     pub(super) fn from_pairs(knots: &[(u64, Vec<i32>)]) -> Self {
-        let knots = knots.iter().map(|(time_us, values)| (*time_us, List::from_slice(values).unwrap()));
-        Self { knots: knots.collect() }
+        let checked = |(time_us, values): &(u64, Vec<i32>)| Checked {
+            time_us: *time_us,
+            outputs: Outputs::default(),
+            values: List::from_slice(values).unwrap(),
+        };
+        Self { knots: knots.iter().map(checked).collect() }
     }
 }
 
@@ -72,15 +87,15 @@ mod tests {
     use super::*;
 
     fn knots(times_us: &[u64]) -> Vec<Knot> {
-        times_us.iter().map(|&time_us| Knot { time_us, values: vec![1, 2] }).collect()
+        times_us.iter().map(|&time_us| Knot { time_us, outputs: Outputs::GRIPPER, values: vec![1, 2] }).collect()
     }
 
     #[test]
     fn last_knot_is_repeated() {
         let trajectory = Trajectory::new(&knots(&[0, 20_000]), 2, 500_000).unwrap();
         assert_eq!(trajectory.len(), 3);
-        let (time_us, values) = trajectory.knot(2).unwrap();
-        assert_eq!((time_us, &values[..]), (520_000, &[1, 2][..]));
+        let Checked { time_us, outputs, values } = trajectory.knot(2).unwrap();
+        assert_eq!((*time_us, *outputs, &values[..]), (520_000, Outputs::GRIPPER, &[1, 2][..]));
         assert!(trajectory.knot(3).is_none());
     }
 

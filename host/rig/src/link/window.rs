@@ -5,10 +5,10 @@
 
 use std::collections::VecDeque;
 
-use softlimb_protocol::{Ack, List, ResultCode, Setpoint};
+use softlimb_protocol::{Ack, ResultCode, Setpoint};
 
 use super::error::LinkError;
-use super::trajectory::Trajectory;
+use super::trajectory::{Checked, Trajectory};
 
 /// Knots sent and not yet answered, at most: keeps the line busy at 115200 baud without filling the device's buffers.
 const IN_FLIGHT_MAX: u32 = 16;
@@ -89,8 +89,7 @@ impl Window {
         if u64::from(index) >= self.credit_end || index - self.accepted >= IN_FLIGHT_MAX {
             return None;
         }
-        let (time_us, values) = self.trajectory.knot(index)?;
-        let values = List::clone(values);
+        let Checked { time_us, outputs, values } = self.trajectory.knot(index)?.clone();
         if !self.is_waiting() {
             self.progress_us = now_us;
         }
@@ -98,7 +97,7 @@ impl Window {
         self.next += 1;
         self.sent_end = self.sent_end.max(self.next);
         self.in_flight.push_back(Transmission { seq, index });
-        Some(Setpoint { session, index, time_us: self.start_us.saturating_add(time_us), values })
+        Some(Setpoint { session, index, time_us: self.start_us.saturating_add(time_us), outputs, values })
     }
 
     /// When to send again without an answer, us; never if nothing is in flight.
@@ -167,8 +166,8 @@ impl Window {
 
     /// Device time of the last accepted knot, us.
     pub(super) fn accepted_until_us(&self) -> Option<u64> {
-        let (time_us, _) = self.trajectory.knot(self.accepted.checked_sub(1)?)?;
-        Some(self.start_us.saturating_add(time_us))
+        let knot = self.trajectory.knot(self.accepted.checked_sub(1)?)?;
+        Some(self.start_us.saturating_add(knot.time_us))
     }
 
     /// Setpoints sent again.

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use softlimb_protocol::Outputs;
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
 use super::RunError;
@@ -74,7 +75,7 @@ impl<'a> Prepared<'a> {
         let inverses = motion::inverses(scene, &limb)?;
         motion::check_goals(scene, &limb, &plan, sent, &inverses)?;
         let configuration = crate::configuration(scene, &inverses, &limb);
-        let knots = wire_knots(sent);
+        let knots = wire_knots(&plan, sent);
         Ok(Self { scene, limb, plan, inverses, configuration, knots })
     }
 
@@ -151,10 +152,15 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// One setpoint per channel at every knot.
-fn wire_knots(sent: &Sent) -> Vec<Knot> {
+/// One setpoint per channel at every knot, and the gripper as the plan has it then.
+fn wire_knots(plan: &Plan, sent: &Sent) -> Vec<Knot> {
     let rows = sent.knots().iter().zip(0..);
-    rows.map(|(values, index)| Knot { time_us: index * sent.knot_period_us(), values: values.clone() }).collect()
+    let knot = |(values, index): (&Vec<i32>, u64)| {
+        let time_us = index * sent.knot_period_us();
+        let outputs = Outputs::default().with(Outputs::GRIPPER, plan.is_gripping_at(time_us));
+        Knot { time_us, outputs, values: values.clone() }
+    };
+    rows.map(knot).collect()
 }
 
 /// Runs the setpoints of a plan on a simulated device and keeps the samples in memory. `parts` is the seed of what the limb is, `noise` of what

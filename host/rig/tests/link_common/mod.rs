@@ -106,6 +106,7 @@ pub fn knots(channels: usize, seconds: f64) -> Vec<Knot> {
     (0..=count)
         .map(|step| Knot {
             time_us: step as u64 * 20_000,
+            outputs: Outputs::default(),
             values: (0..channels as i32).map(|channel| value(step, channel)).collect(),
         })
         .collect()

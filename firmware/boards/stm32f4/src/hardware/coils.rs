@@ -4,7 +4,7 @@ use core::arch::naked_asm;
 use core::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 
 use crate::pins::PORTS;
-use crate::schedule::{OFF, SLOTS, Words};
+use crate::schedule::{OFF, SLOTS, Words, late};
 
 /// A place to stop at for whoever watches every tick: it does nothing, and its first instruction can be left out.
 #[unsafe(naked)]
@@ -44,14 +44,14 @@ impl Coils {
     }
 
     /// Begins a tick: uses what was put, or nothing where the controller is late. While it is writing, the half in use stays the same
-    /// and is switched off.
+    /// and is switched off, but for the digital outputs.
     pub fn begin_tick(&self) {
         let active = self.active.load(Ordering::Relaxed).min(1);
         if self.fresh.swap(false, Ordering::Acquire) {
             self.active.store(1 - active, Ordering::Relaxed);
         } else if let Some(half) = self.halves.get(active) {
-            for (words, off) in half.iter().flat_map(|slot| slot.iter().zip(OFF)) {
-                words.store(off, Ordering::Relaxed);
+            for (port, word) in half.iter().flat_map(|slot| slot.iter().enumerate()) {
+                word.store(late(port, word.load(Ordering::Relaxed)), Ordering::Relaxed);
             }
         }
     }
