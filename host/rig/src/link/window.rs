@@ -113,14 +113,17 @@ impl Window {
         let position = self.in_flight.iter().position(|sent| sent.seq == ack.ref_seq);
         let Some(position) = position.filter(|_| self.is_open) else { return Ok(()) };
         let index = self.in_flight[position].index;
-        // The line keeps the order: earlier transmissions were lost, or their answers.
+        // Earlier transmissions were lost, or their answers, or these come too late to matter.
         self.in_flight.drain(..=position);
         match ack.result.known() {
             Some(ResultCode::Ok) => self.accept(now_us, index + 1, ack.free_knots),
-            Some(ResultCode::UnexpectedIndex) if ack.detail < self.accepted => return Err(LinkError::SetpointsDropped),
+            // A device goes back to no index but the first; any other from before is an answer that a later one overtook.
+            Some(ResultCode::UnexpectedIndex) if ack.detail == 0 && self.accepted > 0 => {
+                return Err(LinkError::SetpointsDropped);
+            }
             Some(ResultCode::UnexpectedIndex) => {
                 self.accept(now_us, ack.detail, ack.free_knots);
-                if ack.detail < index {
+                if ack.detail < index && self.accepted <= index {
                     self.go_back(now_us, self.accepted);
                 }
             }

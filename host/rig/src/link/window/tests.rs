@@ -132,3 +132,26 @@ fn device_that_forgot_setpoints_is_an_error() {
     let error = window.on_ack(0, &answer(2, ResultCode::UnexpectedIndex, 0)).unwrap_err();
     assert!(matches!(error, LinkError::SetpointsDropped));
 }
+
+#[test]
+fn answer_that_was_overtaken_has_its_knot_sent_again() {
+    let mut window = Window::new(20_000);
+    let knots: Vec<_> = (0..5).map(|index| (1_000 * index, vec![0])).collect();
+    window.load(Trajectory::from_pairs(&knots));
+    window.open(0, 0, 8);
+    (0..4).for_each(|seq| assert!(window.send(0, 7, seq).is_some()));
+    let answer = |seq, result: ResultCode, detail| Ack {
+        ref_type: Knot::MESSAGE_TYPE,
+        ref_seq: seq,
+        result: result.into(),
+        detail,
+        free_knots: 8,
+        mcu_time_us: 0,
+    };
+    window.on_ack(0, &answer(0, ResultCode::Ok, 0)).unwrap();
+    // The third knot arrived before the second, which is told the other way round.
+    window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
+    window.on_ack(0, &answer(2, ResultCode::UnexpectedIndex, 1)).unwrap();
+    assert_eq!(window.accepted(), 2);
+    assert_eq!(window.send(0, 7, 9).map(|knot| knot.index), Some(2));
+}
