@@ -201,7 +201,7 @@ pub struct LinkSummary {
     pub retransmitted: u64,
     /// Received frames dropped for a wrong checksum.
     pub crc_errors: u64,
-    /// Telemetry frames missing by their sequence numbers.
+    /// Measurements that did not arrive, by the device's times of those that did.
     pub telemetry_lost: u64,
 }
 

@@ -252,7 +252,7 @@ fn solids(scene: &Scene) -> Vec<SolidInfo> {
 }
 
 /// The link's counters in the terms of the log.
-pub(super) fn link_summary(statistics: &LinkStatistics, traffic: Traffic) -> LinkSummary {
+pub(super) fn link_summary(statistics: &LinkStatistics, traffic: Traffic, telemetry_lost: u64) -> LinkSummary {
     LinkSummary {
         frames_sent: statistics.frames_sent,
         frames_received: u64::from(statistics.received.accepted),
@@ -260,6 +260,6 @@ pub(super) fn link_summary(statistics: &LinkStatistics, traffic: Traffic) -> Lin
         bytes_received: traffic.received,
         retransmitted: statistics.messages_repeated + statistics.setpoints_repeated,
         crc_errors: u64::from(statistics.received.crc),
-        telemetry_lost: 0,
+        telemetry_lost,
     }
 }

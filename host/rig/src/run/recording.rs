@@ -52,13 +52,14 @@ pub(super) fn recorded<D: Bench>(
     let path = session.out.join("run.mcap");
 
     let began = Instant::now();
-    let mut recording = Recording::new(prepared.info(session.origin), assembler, &path);
+    let period_us = u64::from(prepared.scene().controller().telemetry_period_us);
+    let mut recording = Recording::new(prepared.info(session.origin), assembler, period_us, &path);
     let ended = prepared.stream(device, session.number, cancel, |device, event| {
         if let Some(progress) = recording.take(device, event) {
             on_progress(progress);
         }
     });
-    let link = link_summary(&recording.statistics, device.traffic());
+    let link = link_summary(&recording.statistics, device.traffic(), recording.gaps.lost);
     let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
     match (ended, logged) {
         (Ok(_), true) => finish_report(&path),
@@ -87,11 +88,27 @@ struct Recording<'a> {
     recorder: Option<Recorder>,
     failure: Option<RunError>,
     statistics: LinkStatistics,
+    gaps: Gaps,
+}
+
+/// Measurements that did not arrive, by the times of those that did.
+struct Gaps {
+    period_us: u64,
+    last_us: Option<u64>,
+    lost: u64,
+}
+
+impl Gaps {
+    fn add(&mut self, time_us: u64) {
+        let since_us = self.last_us.replace(time_us).map_or(0, |last_us| time_us.saturating_sub(last_us));
+        self.lost += (since_us.saturating_add(self.period_us / 2) / self.period_us).saturating_sub(1);
+    }
 }
 
 impl<'a> Recording<'a> {
-    fn new(info: RunInfo, assembler: Assembler<'a>, path: &'a Path) -> Self {
-        Self { info, path, assembler, recorder: None, failure: None, statistics: LinkStatistics::default() }
+    fn new(info: RunInfo, assembler: Assembler<'a>, period_us: u64, path: &'a Path) -> Self {
+        let gaps = Gaps { period_us, last_us: None, lost: 0 };
+        Self { info, path, assembler, recorder: None, failure: None, statistics: LinkStatistics::default(), gaps }
     }
 
     /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
@@ -111,11 +128,16 @@ impl<'a> Recording<'a> {
             Event::Connected(device) => self.info.firmware_version = device.firmware.to_string(),
             Event::Configured { config_hash } if self.failure.is_none() => {
                 self.info.config_hash = config_hash;
+                // The period is the configuration's from here on.
+                self.gaps.last_us = None;
                 self.recorder = Some(Recorder::create(self.path, &self.info)?);
             }
             Event::Closed(statistics) => self.statistics = statistics,
             Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
             Event::Telemetry { message, .. } => {
+                if self.recorder.is_some() {
+                    self.gaps.add(message.time_us);
+                }
                 let truth = device.truth_at(message.time_us);
                 if let Some(Seen { sample, shape, faults }) = self.assembler.sample(&message, truth.as_ref()) {
                     let progress = self.assembler.progress(sample.time_s);
@@ -147,6 +169,22 @@ impl<'a> Recording<'a> {
                 Ok(true)
             }
             (None, None) => Ok(false),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measurements_between_two_that_came_are_counted() {
+        let mut gaps = Gaps { period_us: 20_000, last_us: None, lost: 0 };
+        for (time_us, lost) in
+            [(70_000, 0), (90_000, 0), (110_001, 0), (150_000, 1), (230_000, 4), (5_000, 4), (25_000, 4)]
+        {
+            gaps.add(time_us);
+            assert_eq!(gaps.lost, lost, "at {time_us} us");
         }
     }
 }
