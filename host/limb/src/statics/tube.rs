@@ -39,7 +39,8 @@ impl Tangent {
     ///
     /// Axial and torsional stiffness are those of the model at constant pressure ([`Actuator::blocked`]); the bending stiffness of a straight wall is that of
     /// its second variation. In the plane of a bending actuator `EI` is the model's own change of
-    /// moment with the bend; its line is given a hundred times the stiffness of the wall. `GA` is half of `mu A`, as of a thin round tube.
+    /// moment with the bend; its line is given a hundred times the stiffness of the wall. `GA` of a tube that is wound to twist is that of its wall, whose
+    /// helix resists; of the others it is half of `mu A`, as of a thin round tube.
     pub fn of(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
         let solution = actuator.forward(pressure_pa, &Load::none()).ok()?;
         let solved = solution.status == Status::Solved;
@@ -75,6 +76,10 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
     let bending_nm2 = wall::bending_nm2(parameters, state)?;
+    let shear_n = match parameters.motion {
+        Motion::Twisting => wall::shear_n(parameters, state)?,
+        _ => shear_n(actuator),
+    };
     Some(Tangent {
         stretch: state.axial_stretch,
         bend_rad_per_m: 0.0,
@@ -84,7 +89,7 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
         across_nm2: bending_nm2,
         torsion_nm2: torsion,
         coupling_nm: coupling,
-        shear_n: shear_n(actuator),
+        shear_n,
         outer_radius_m: state.outer_radius_m,
     })
     .filter(|tangent| tangent.axial_n > 0.0 && tangent.torsion_nm2 > 0.0)

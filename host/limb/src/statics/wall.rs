@@ -1,51 +1,104 @@
-//! Bending stiffness of a straight wall under pressure, by the second variation of its energy.
+//! Bending and shear stiffness of a straight wall under pressure, by the second variation of its energy.
 //!
-//! A point of the section goes from `(r, theta)` to `(r + U cos, V sin, W sin)` while the axis bends by `kappa`. With a frame that turns by `t` per length
-//! at rest the deformation gradient has the columns
+//! A point of the section goes from `(r, theta)` to `(r + U cos, V sin, W sin)` while the axis bends by `kappa`. Shapes turned by 90 deg about the axis,
+//! `(u sin, -v cos, -w cos)`, are zero there and have the slopes `u'`, `v'` and `w'` along the wall. The deformation gradient has the columns
 //!
 //! ```text
-//! d/dR:      r' + U' c,                        V' s,                               W' s
-//! d/R dth:   -(U + V) s,                       r + (U + V) c,                      W c
-//! d/dZ:      k c s W - s (t V + d (U + V)),    T r + c (t U + d (U + V)) - k s2 W,    l - k r c + d W c + k (V s2 - U c2)
+//! d/dR:      r' + U' c,                         V' s,                                 W' s
+//! d/R dth:   -(U + V) s,                        r + (U + V) c,                        W c
+//! d/dZ:      k c s W - s (T (U + V) - u'),      T r + c (T (U + V) - v') - k s2 W,    l - k r c + (T W - w') c + k (V s2 - U c2)
 //! ```
 //!
-//! where `l` and `T` are the wall's stretch and twist rate and `d = T - t`. The wall keeps its volume: `U + V` follows from `U` and `W`. The energy to
+//! where `l` and `T` are the wall's stretch and twist rate. The wall keeps its volume: `U + V` follows from `U` and `w'`. The energy to
 //! second order is that of the elastomer and of the threads, less the constraint by the wall's own pressure, less the work of the lumen's. `U` and `W` are
-//! four functions each; the least energy at `kappa = 1` is half of the stiffness. `docs/explanation/statics.md` has the accuracy.
+//! four functions each.
+//!
+//! *Bending.* Without slopes the least energy at `kappa = 1` is half of the stiffness `EI`. In a frame that turns by `t` per length the slopes are `t` times
+//! the shapes.
+//!
+//! *Shear.* Where a moment grows along the wall by a shear force `Q`, the bend is `Z` times that of `kappa = Q/EI`, `x`, turned by 90 deg, and a shape `y`
+//! is added that is the same all along. With the energy `y A y/2 + y B x + x C x/2` of a shape `y` and slopes `x` the equilibrium is
+//! `A y + (B + B') x = 0`. To `y` a bend across the force is added, with the moment that plates at both ends need to keep the sections from turning: it is that
+//! of least energy (Castigliano), and lowers it by `(x B x)^2/2EI`. The energy where the moment is zero is `Q^2/(2 GA)`.
+//! `docs/explanation/statics.md` has the accuracy.
 
 use std::f64::consts::PI;
 
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Placement, State};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use softlimb_numerics::gauss::GAUSS_6;
 
 /// Functions of the radius for each of `U` and `W`.
 const FUNCTIONS: usize = 4;
 /// The bend and these.
 const SIZE: usize = 1 + 2 * FUNCTIONS;
+/// The same and their slopes along the wall.
+const SLOPES: usize = 2 * SIZE;
 
-type Row = SVector<f64, SIZE>;
+type Row<const N: usize> = SVector<f64, N>;
 
 /// Bending stiffness of a straight tube in a state, per length at rest, N m2; the bend stays in a plane. `None` where its section is not stable.
 pub(super) fn bending_nm2(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {
-    Wall::new(parameters, state, 0.0).bending_nm2()
+    let whole = Wall::<SIZE>::new(parameters, state, 0.0).form();
+    let across = whole.fixed_view::<{ SIZE - 1 }, 1>(1, 0);
+    Some(whole[(0, 0)] - across.dot(&inside(&whole)?.0.solve(&across)))
 }
 
-/// A wall in a state that is the same all around.
-struct Wall<'a> {
+/// Shear stiffness of the same between plates, which keep its sections from turning, N.
+pub(super) fn shear_n(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {
+    let [own, mixed, slopes] = parts(&Wall::<SLOPES>::new(parameters, state, 0.0).form());
+    let inside = inside(&own)?;
+    let bend = inside.bend(&own);
+    let added = inside.answer(&((mixed + mixed.transpose()) * bend));
+    let bending_nm2 = bend.dot(&(own * bend));
+    let bent = added.dot(&(own * added)) + 2.0 * added.dot(&(mixed * bend)) + bend.dot(&(slopes * bend));
+    // Plates leave the sections upright: a bend of the axis across the force goes with the shear, so that they do not turn.
+    let energy = bent - bend.dot(&(mixed * bend)).powi(2) / bending_nm2;
+    (energy > 0.0).then_some(bending_nm2 * bending_nm2 / energy)
+}
+
+/// The form of the unknowns, of them with their slopes, and of the slopes.
+fn parts(whole: &SMatrix<f64, SLOPES, SLOPES>) -> [SMatrix<f64, SIZE, SIZE>; 3] {
+    [(0, 0), (0, SIZE), (SIZE, SIZE)].map(|(row, column)| whole.fixed_view::<SIZE, SIZE>(row, column).into_owned())
+}
+
+/// The form of all unknowns but the bend.
+struct Inside(Cholesky<f64, Const<{ SIZE - 1 }>>);
+
+fn inside(whole: &SMatrix<f64, SIZE, SIZE>) -> Option<Inside> {
+    whole.fixed_view::<{ SIZE - 1 }, { SIZE - 1 }>(1, 1).into_owned().cholesky().map(Inside)
+}
+
+impl Inside {
+    /// Equilibrium without a bend under a force less.
+    fn answer(&self, force: &Row<SIZE>) -> Row<SIZE> {
+        let own = -self.0.solve(&force.fixed_rows::<{ SIZE - 1 }>(1).into_owned());
+        Row::from_fn(|index, _| if index == 0 { 0.0 } else { own[index - 1] })
+    }
+
+    /// The shape of least energy of a unit of bend.
+    fn bend(&self, whole: &SMatrix<f64, SIZE, SIZE>) -> Row<SIZE> {
+        let mut bend = self.answer(&whole.column(0).into_owned());
+        bend[0] = 1.0;
+        bend
+    }
+}
+
+/// A wall in a state that is the same all around, with `N` unknowns: those of the section, with or without their slopes.
+struct Wall<'a, const N: usize> {
     parameters: &'a ActuatorParameters<f64>,
     pressure_pa: f64,
     stretch: f64,
     lumen_m: f64,
-    /// Twist, and turn of the frame in which the bend is constant, rad/m.
+    /// Twist, and turn of the frame in which shapes are constant where they have slopes of their own, rad/m.
     twist: f64,
     turn: f64,
     /// Outer radius, m.
     outer_m: f64,
     /// Where threads within the wall begin, or the lumen, over the outer radius: the curvature of `U` and the slope of `W` change there.
     kink: f64,
-    /// What a unit of each unknown moves the middle of the outer surface by.
-    shift: Row,
+    /// What a unit of each unknown moves the middle of the outer surface by, and its slope.
+    shift: [Row<N>; 2],
 }
 
 /// One radius of the wall.
@@ -59,29 +112,30 @@ struct Place {
 }
 
 /// What a unit of each unknown moves at a radius: `kappa`, `U`, `V`, `W`, `U + V`, the slopes of the first three by the radius at rest, and the last column
-/// of the gradient less what is of the second order.
-struct Moves {
-    bend: Row,
-    u: Row,
-    v: Row,
-    w: Row,
-    around: Row,
-    by_radius: [Row; 3],
-    along: [Row; 3],
+/// of the gradient less what is of the second order, and the slopes of `U`, `V` and `W` along the wall.
+struct Moves<const N: usize> {
+    bend: Row<N>,
+    u: Row<N>,
+    v: Row<N>,
+    w: Row<N>,
+    around: Row<N>,
+    by_radius: [Row<N>; 3],
+    along: [Row<N>; 3],
+    slopes: [Row<N>; 3],
 }
 
 /// A square form.
-struct Form(SMatrix<f64, SIZE, SIZE>);
+struct Form<const N: usize>(SMatrix<f64, N, N>);
 
-impl Form {
+impl<const N: usize> Form<N> {
     /// Adds the product of two rows times a factor.
-    fn add(&mut self, factor: f64, a: &Row, b: &Row) {
+    fn add(&mut self, factor: f64, a: &Row<N>, b: &Row<N>) {
         self.0.ger(factor, a, b, 1.0);
         self.0.ger(factor, b, a, 1.0);
     }
 }
 
-impl<'a> Wall<'a> {
+impl<'a, const N: usize> Wall<'a, N> {
     fn new(parameters: &'a ActuatorParameters<f64>, state: &State<f64>, turn: f64) -> Self {
         let mut wall = Self {
             parameters,
@@ -92,19 +146,20 @@ impl<'a> Wall<'a> {
             turn,
             outer_m: 1.0,
             kink: 0.0,
-            shift: Row::zeros(),
+            shift: [Row::zeros(); 2],
         };
         let surface = wall.place(parameters.outer_radius_m);
         wall.outer_m = surface.r_m;
         let threads = parameters.fiber.as_ref().filter(|fiber| fiber.placement != Placement::Smeared);
         let within = threads.map(|fiber| fiber.radius_m).filter(|radius_m| *radius_m < parameters.outer_radius_m);
         wall.kink = wall.place(within.unwrap_or(parameters.inner_radius_m)).r_m / surface.r_m;
-        let Moves { u, v, .. } = wall.about(&surface);
-        wall.shift = (u - v) * 0.5;
+        let Moves { u, v, slopes: [u_z, v_z, _], .. } = wall.about(&surface);
+        wall.shift = [u - v, u_z - v_z].map(|twice| twice * 0.5);
         wall
     }
 
-    fn bending_nm2(&self) -> Option<f64> {
+    /// Twice the energy of a length.
+    fn form(&self) -> SMatrix<f64, N, N> {
         let (inner, outer) = (self.parameters.inner_radius_m, self.parameters.outer_radius_m);
         let fiber = self.parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > 0.0);
         let winding = fiber.map_or(outer, |fiber| fiber.radius_m.clamp(inner, outer));
@@ -138,10 +193,7 @@ impl<'a> Wall<'a> {
             }
         }
         self.add_lumen(&mut form);
-        let all = form.0 * PI;
-        let inside = all.fixed_view::<{ SIZE - 1 }, { SIZE - 1 }>(1, 1).into_owned().cholesky()?;
-        let across = all.fixed_view::<{ SIZE - 1 }, 1>(1, 0);
-        Some(all[(0, 0)] - across.dot(&inside.solve(&across)))
+        form.0 * PI
     }
 
     fn place(&self, rest_m: f64) -> Place {
@@ -199,42 +251,49 @@ impl<'a> Wall<'a> {
     }
 
     /// What a unit of each unknown moves at a radius, without the way of the axis: the middle of the outer surface stays.
-    fn moves(&self, place: &Place) -> Moves {
+    fn moves(&self, place: &Place) -> Moves<N> {
         let mut moves = self.about(place);
-        (moves.u, moves.v) = (moves.u - self.shift, moves.v + self.shift);
-        let (turn, rest) = (self.turn, self.twist - self.turn);
+        let [shift, shift_z] = self.shift;
+        (moves.u, moves.v) = (moves.u - shift, moves.v + shift);
+        let [u_z, v_z, w_z] = &mut moves.slopes;
+        (*u_z, *v_z) = (*u_z - shift_z, *v_z + shift_z);
         moves.along = [
-            moves.v * turn + moves.around * rest,
-            moves.u * turn + moves.around * rest,
-            moves.w * rest - moves.bend * place.r_m,
+            moves.around * self.twist - *u_z,
+            moves.around * self.twist - *v_z,
+            moves.w * self.twist - *w_z - moves.bend * place.r_m,
         ];
         moves
     }
 
-    fn about(&self, place: &Place) -> Moves {
+    fn about(&self, place: &Place) -> Moves<N> {
         let (r, outer_m) = (place.r_m, self.outer_m);
         let x = r / outer_m;
         let row = |own: [f64; FUNCTIONS], at: usize| {
             Row::from_fn(|index, _| if (at..at + FUNCTIONS).contains(&index) { own[index - at] } else { 0.0 })
         };
+        let slope = |row: &Row<N>| Row::from_fn(|index, _| if index < SIZE { 0.0 } else { row[index - SIZE] });
         let beyond = f64::from(x > self.kink);
         let y = beyond * (x - self.kink);
         let bend = Row::from_fn(|index, _| f64::from(index == 0));
-        let u = row([x * x, 1.0 / (x * x), x.ln(), y * y], 1);
+        let u: Row<N> = row([x * x, 1.0 / (x * x), x.ln(), y * y], 1);
         let u_r = row([2.0 * x, -2.0 / x.powi(3), 1.0 / x, 2.0 * y], 1) / outer_m;
         let u_rr = row([2.0, 6.0 / x.powi(4), -1.0 / (x * x), 2.0 * beyond], 1) / (outer_m * outer_m);
         let w = row([x, x.powi(3), 1.0 / x, y], 1 + FUNCTIONS);
         let w_r = row([1.0, 3.0 * x * x, -1.0 / (x * x), beyond], 1 + FUNCTIONS) / outer_m;
         // The volume stays.
-        let around = (bend * (r * r) + w * (self.turn * r)) / self.stretch - u_r * r;
-        let around_r = (bend * (2.0 * r) + (w + w_r * r) * self.turn) / self.stretch - u_r - u_rr * r;
+        let [bend_z, u_z, w_z, u_rz, w_rz] = [&bend, &u, &w, &u_r, &w_r].map(slope);
+        let around = (bend * (r * r) + w_z * r) / self.stretch - u_r * r;
+        let around_r = (bend * (2.0 * r) + w_z + w_rz * r) / self.stretch - u_r - u_rr * r;
+        // A slope of a slope is that of a turning frame alone.
+        let around_z = (bend_z * (r * r) + w * (self.turn * self.turn * r)) / self.stretch - u_rz * r;
+        let slopes = [u_z, around_z - u_z, w_z];
         let by_radius = [u_r, around_r - u_r, w_r].map(|slope| slope * place.slope);
-        Moves { bend, u, v: around - u, w, around, by_radius, along: [Row::zeros(); 3] }
+        Moves { bend, u, v: around - u, w, around, by_radius, along: [Row::zeros(); 3], slopes }
     }
 
-    fn add_elastomer(&self, form: &mut Form, place: &Place, radial_pa: f64, weight: f64) {
+    fn add_elastomer(&self, form: &mut Form<N>, place: &Place, radial_pa: f64, weight: f64) {
         let Place { rest_m, r_m: r, slope, energy } = *place;
-        let Moves { bend, u, v, w, around, by_radius: [u_r, v_r, w_r], along: [out, turned, along] } =
+        let Moves { bend, u, v, w, around, by_radius: [u_r, v_r, w_r], along: [out, turned, along], .. } =
             &self.moves(place);
         let (hoop, twist) = (r / rest_m, self.twist * r);
         let elastic = energy[0] * weight;
@@ -266,7 +325,7 @@ impl<'a> Wall<'a> {
     }
 
     /// Adds threads with twice the slope and with the curvature of their energy by `I4`.
-    fn add_thread(&self, form: &mut Form, angle: [f64; 2], place: &Place, tension: f64, stiffness: f64) {
+    fn add_thread(&self, form: &mut Form<N>, angle: [f64; 2], place: &Place, tension: f64, stiffness: f64) {
         let [cos, sin] = angle;
         let [_, hoop, axial] = self.thread(angle, place).along;
         let Moves { bend, u, v, w, around, along: [out, turned, along], .. } = &self.moves(place);
@@ -281,12 +340,12 @@ impl<'a> Wall<'a> {
     }
 
     /// Less the work of the lumen's pressure.
-    fn add_lumen(&self, form: &mut Form) {
+    fn add_lumen(&self, form: &mut Form<N>) {
         let inner = self.place(self.parameters.inner_radius_m);
-        let Moves { bend, u, w, around, .. } = &self.moves(&inner);
+        let Moves { bend, u, around, slopes: [_, _, w_z], .. } = &self.moves(&inner);
         let p = self.pressure_pa;
         form.add(-0.5 * p * self.stretch, around, around);
-        form.add(p * inner.r_m, u, &(bend * inner.r_m + w * self.turn));
+        form.add(p * inner.r_m, u, &(bend * inner.r_m + w_z));
     }
 }
 
@@ -322,68 +381,4 @@ fn rule(from_m: f64, to_m: f64) -> impl Iterator<Item = (f64, f64)> {
 }
 
 #[cfg(test)]
-mod tests {
-    use fra_model::{Actuator, Load, Motion};
-    use softlimb_fea::cross_section::{EndLoad, Mesh, Options, Section, Symmetry};
-
-    use super::*;
-
-    const NEO_HOOKEAN: Material<f64> = Material::NeoHookean { shear_modulus_pa: 0.3e6 };
-
-    fn wound(placement: Placement, families: Families, degrees: f64) -> Fiber<f64> {
-        let angle_rad = degrees.to_radians();
-        Fiber { angle_rad, families, modulus_pa: 2e8, placement, thickness_m: 2e-4, radius_m: 22e-3 }
-    }
-
-    /// Stiffness here and by finite elements of the section, whose frame turns with the wall.
-    #[track_caller]
-    fn agrees(fiber: Option<Fiber<f64>>, material: Material<f64>, pressures_pa: &[f64], within: f64) {
-        let motion = if fiber.is_some_and(|fiber| fiber.families == Families::One) {
-            Motion::Twisting
-        } else {
-            Motion::Extension
-        };
-        let parameters =
-            ActuatorParameters { motion, inner_radius_m: 15e-3, outer_radius_m: 23e-3, length_m: 0.2, material, fiber };
-        let actuator = Actuator::new(&parameters).expect("valid");
-        let options = Options { symmetry: Symmetry::Ignore, mesh: Mesh { radial: 8, around: 8 }, ..Options::default() };
-        let section = Section::new(&parameters, &options).expect("valid");
-        let curve = section.curve(pressures_pa, &EndLoad::default()).expect("in range");
-        for (pressure_pa, answer) in pressures_pa.iter().zip(&curve.answers) {
-            let state = actuator.forward(*pressure_pa, &Load::none()).expect("valid").state;
-            let found =
-                Wall::new(&parameters, &state, state.twist_rad / parameters.length_m).bending_nm2().expect("stable");
-            let reference =
-                answer.equilibrium().and_then(|found| found.stiffness).expect("an equilibrium").by_strain[1][1];
-            assert!((found / reference - 1.0).abs() < within, "{pressure_pa} Pa: {found} beside {reference}");
-        }
-    }
-
-    #[test]
-    fn stiffness_of_an_extending_wall_is_that_of_finite_elements() {
-        let at = |placement| Some(wound(placement, Families::Two, 4.0));
-        agrees(at(Placement::Sheet), NEO_HOOKEAN, &[0.0, 40e3, 120e3], 3e-4);
-        // Stiff threads all through the wall bend it in ways that four functions do not have.
-        agrees(at(Placement::Layer), NEO_HOOKEAN, &[0.0, 40e3, 120e3], 3e-3);
-        agrees(at(Placement::Smeared), NEO_HOOKEAN, &[0.0, 40e3, 120e3], 1e-2);
-    }
-
-    #[test]
-    fn stiffness_of_an_expanding_and_of_a_bare_wall_is_that_of_finite_elements() {
-        agrees(Some(wound(Placement::Sheet, Families::Two, 70.0)), NEO_HOOKEAN, &[0.0, 20e3, 40e3], 3e-4);
-        agrees(None, NEO_HOOKEAN, &[0.0, 20e3, 40e3], 3e-4);
-    }
-
-    #[test]
-    fn stiffness_of_a_stiffening_elastomer_is_that_of_finite_elements() {
-        let yeoh = Material::Yeoh { c_pa: [0.1e6, 0.02e6, 0.004e6] };
-        agrees(Some(wound(Placement::Sheet, Families::Two, 4.0)), yeoh, &[0.0, 40e3, 120e3], 3e-4);
-    }
-
-    #[test]
-    fn stiffness_of_a_twisting_wall_is_that_of_finite_elements_in_its_frame() {
-        for placement in [Placement::Sheet, Placement::Layer] {
-            agrees(Some(wound(placement, Families::One, 28.0)), NEO_HOOKEAN, &[0.0, 40e3, 100e3], 2e-3);
-        }
-    }
-}
+mod tests;
