@@ -19,6 +19,8 @@ use crate::LimbModule;
 /// Turns for the springs of twisting tubes without load, and the change of a strain up to which they are right, times the distance of plates where
 /// it is a rate.
 const TURNS: usize = 20;
+/// Turns after which bending and shear stiffness of their walls change no more.
+const WALLS: usize = 3;
 const CONVERGED: f64 = 1e-10;
 
 /// The shape of a bundle, per length at rest.
@@ -101,13 +103,16 @@ impl Bundle {
         if !holds_back(motion, &bundle.tubes) {
             return Some(bundle);
         }
-        for _ in 0..TURNS {
+        for turn in 0..TURNS {
             let before = bundle.free.strain();
+            if turn < WALLS {
+                bundle.springs = bundle.held_springs(&before)?;
+            }
             let tubes = bundle.tubes_at(motion, &before)?;
             let rest = equilibrium(&tubes, bay_m, Some(&before))?;
             bundle = Self { springs: bundle.springs, ..Self::about(rest, true, tubes, bay_m)? };
             let change = bundle.free.strain() - before;
-            if change.x.abs().max(bay_m * change.fixed_rows::<3>(1).amax()) <= CONVERGED {
+            if turn >= WALLS && change.x.abs().max(bay_m * change.fixed_rows::<3>(1).amax()) <= CONVERGED {
                 return Some(bundle);
             }
         }
@@ -123,6 +128,21 @@ impl Bundle {
         // The slide of leaning tubes is no linear spring either.
         let rest = if held { tangent(&tubes, self.bay_m, strain)? } else { minimum(motion, &tubes)? };
         Some(Self { springs: self.springs.clone(), ..Self::about(rest, held, tubes, self.bay_m)? })
+    }
+
+    /// The models of twisting tubes with the walls that they have where plates hold them.
+    fn held_springs(&self, strain: &Vector4<f64>) -> Option<Vec<Spring>> {
+        let mut known: Vec<(TubeStrain, &Spring, Spring)> = Vec::new();
+        let mut springs = Vec::with_capacity(self.springs.len());
+        for ((place, tube), spring) in self.tubes.iter().zip(&self.springs) {
+            let leaning = leaning(*place, tube, self.bay_m, strain)?;
+            let own = [leaning.stretch, 0.0, leaning.twist_rad_per_m];
+            let found = known.iter().find(|(strain, other, _)| *strain == own && other.is_like(spring));
+            let held = found.map(|(.., held)| held.clone()).or_else(|| spring.held_at(&own))?;
+            known.push((own, spring, held.clone()));
+            springs.push(held);
+        }
+        Some(springs)
     }
 
     /// Its tubes with their springs about strains of the bundle.

@@ -4,7 +4,7 @@
 //! gives the tube's force and slope, and these are the force and slope of a linear spring with a rest of its own. Springs about the strains of
 //! a shape, and the shape of these springs, are found by turns; that is Newton's method on the walls, and a few turns do.
 
-use fra_model::{Actuator, ActuatorParameters, Load, Motion, State, Status, Target};
+use fra_model::{Actuator, ActuatorParameters, Blocked, Load, Motion, State, Status, Target};
 
 use super::tube::{Tangent, bender_nm2, volume_by_angle_m3};
 use super::wall;
@@ -83,25 +83,38 @@ impl Spring {
         Some(tangent)
     }
 
+    /// The same twisting tube with bending and shear stiffness of its wall where plates hold it at a strain, without axial force. `None` where that is not
+    /// stable.
+    pub(super) fn held_at(&self, strain: &TubeStrain) -> Option<Self> {
+        let state = self.blocked(strain)?.state;
+        let (bending_nm2, shear_n) = wall::bending_and_shear(self.parameters(), &state)?;
+        Some(Self { free: Tangent { bending_nm2, across_nm2: bending_nm2, shear_n, ..self.free }, ..self.clone() })
+    }
+
     /// Springs of a twisting tube that plates hold at a strain: forces, torques and their slopes there are the model's. `None` where it has no stable
     /// equilibrium.
     pub(super) fn wound_at(&self, strain: &TubeStrain) -> Option<Tangent> {
-        let [stretch, twist] = [0, 2].map(|axis: usize| strain[axis] - self.crept[axis]);
         let length_m = self.actuator.parameters().length_m;
-        let blocked = self.actuator.blocked(self.pressure_pa, stretch, twist * length_m).ok()?;
+        let blocked = self.blocked(strain)?;
         let [[axial, coupling], [_, torsion]] = blocked.stiffness.map(|row| row.map(|entry| entry * length_m));
         let (force, torque, whole) = (blocked.force_n, blocked.torque_nm, axial * torsion - coupling * coupling);
-        let stable = blocked.status == Status::Solved && axial > 0.0 && whole > 0.0;
-        stable.then_some(Tangent {
+        (axial > 0.0 && whole > 0.0).then_some(Tangent {
             stretch: strain[0] - (torsion * force - coupling * torque) / whole,
             twist_rad_per_m: strain[2] - (axial * torque - coupling * force) / whole,
             axial_n: axial,
             torsion_nm2: torsion,
             coupling_nm: coupling,
             outer_radius_m: blocked.state.outer_radius_m,
-            // The bending stiffness stays that of the tube alone at its pressure: the lean of a tube is then one function of its bundle's strains.
+            // Bending and shear stiffness stay: the lean of a tube is then one function of its bundle's strains.
             ..self.free
         })
+    }
+
+    /// The tube held at a stretch and a twist, which its model has without creep.
+    fn blocked(&self, strain: &TubeStrain) -> Option<Blocked<f64>> {
+        let [stretch, twist] = [0, 2].map(|axis: usize| strain[axis] - self.crept[axis]);
+        let twist_rad = twist * self.actuator.parameters().length_m;
+        self.actuator.blocked(self.pressure_pa, stretch, twist_rad).ok().filter(|found| found.status == Status::Solved)
     }
 
     fn stretched(&self, stretch: f64) -> Option<Tangent> {

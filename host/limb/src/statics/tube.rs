@@ -75,10 +75,9 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     let held = actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
-    let bending_nm2 = wall::bending_nm2(parameters, state)?;
-    let shear_n = match parameters.motion {
-        Motion::Twisting => wall::shear_n(parameters, state)?,
-        _ => shear_n(actuator),
+    let (bending_nm2, shear_n) = match parameters.motion {
+        Motion::Twisting => wall::bending_and_shear(parameters, state)?,
+        _ => (wall::bending_nm2(parameters, state)?, shear_n(actuator)),
     };
     Some(Tangent {
         stretch: state.axial_stretch,

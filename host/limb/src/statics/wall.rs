@@ -44,8 +44,8 @@ pub(super) fn bending_nm2(parameters: &ActuatorParameters<f64>, state: &State<f6
     Some(whole[(0, 0)] - across.dot(&inside(&whole)?.0.solve(&across)))
 }
 
-/// Shear stiffness of the same between plates, which keep its sections from turning, N.
-pub(super) fn shear_n(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {
+/// The same and the shear stiffness between plates, which keep its sections from turning, N; of a state without axial force.
+pub(super) fn bending_and_shear(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<(f64, f64)> {
     let [own, mixed, slopes] = parts(&Wall::<SLOPES>::new(parameters, state, 0.0).form());
     let inside = inside(&own)?;
     let bend = inside.bend(&own);
@@ -54,7 +54,9 @@ pub(super) fn shear_n(parameters: &ActuatorParameters<f64>, state: &State<f64>) 
     let bent = added.dot(&(own * added)) + 2.0 * added.dot(&(mixed * bend)) + bend.dot(&(slopes * bend));
     // Plates leave the sections upright: a bend of the axis across the force goes with the shear, so that they do not turn.
     let energy = bent - bend.dot(&(mixed * bend)).powi(2) / bending_nm2;
-    (energy > 0.0).then_some(bending_nm2 * bending_nm2 / energy)
+    // The arm of the force is the length as it is stretched.
+    let arm_nm2 = bending_nm2 / state.axial_stretch;
+    (energy > 0.0).then_some((bending_nm2, arm_nm2 * arm_nm2 / energy))
 }
 
 /// The form of the unknowns, of them with their slopes, and of the slopes.
@@ -124,14 +126,13 @@ struct Moves<const N: usize> {
     slopes: [Row<N>; 3],
 }
 
-/// A square form.
+/// A square form, of which the symmetric part counts.
 struct Form<const N: usize>(SMatrix<f64, N, N>);
 
 impl<const N: usize> Form<N> {
     /// Adds the product of two rows times a factor.
     fn add(&mut self, factor: f64, a: &Row<N>, b: &Row<N>) {
-        self.0.ger(factor, a, b, 1.0);
-        self.0.ger(factor, b, a, 1.0);
+        self.0.ger(2.0 * factor, a, b, 1.0);
     }
 }
 
@@ -193,7 +194,7 @@ impl<'a, const N: usize> Wall<'a, N> {
             }
         }
         self.add_lumen(&mut form);
-        form.0 * PI
+        (form.0 + form.0.transpose()) * (0.5 * PI)
     }
 
     fn place(&self, rest_m: f64) -> Place {

@@ -210,3 +210,20 @@ fn low_shares_are_warned_about() {
         "{found:?}"
     );
 }
+
+/// CalculiX (`cargo xtask lab bundles`, docs/evidence/solid-elements.md): three tubes of 120 mm between a plate and the base, 5 kPa.
+#[test]
+fn share_is_that_of_solid_elements() {
+    let calculix = 0.09748 / 0.12542;
+    let limb = Limb::new(&Case { length_mm: 120.0, ..page_case(3, 30.0, 0) }.scene()).expect("a limb");
+    let module = module(&limb);
+    let free = module.actuator.forward(5e3, &fra_model::Load::none()).expect("finite").state;
+    let share = module.curve.at(5e3).twist_rad / free.twist_rad;
+    println!(
+        "share {:.2} %, CalculiX {:.2} %, {:+.2} %",
+        100.0 * share,
+        100.0 * calculix,
+        100.0 * (share / calculix - 1.0)
+    );
+    assert!((share / calculix - 1.0).abs() < 0.01, "{share}");
+}
