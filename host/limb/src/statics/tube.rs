@@ -39,8 +39,8 @@ impl Tangent {
     ///
     /// Axial and torsional stiffness are those of the model at constant pressure ([`Actuator::blocked`]); the bending stiffness of a straight wall is that of
     /// its second variation. In the plane of a bending actuator `EI` is the model's own change of
-    /// moment with the bend; its line is given a hundred times the stiffness of the wall. `GA` of a tube that is wound to twist is that of its wall, whose
-    /// helix resists; of the others it is half of `mu A`, as of a thin round tube.
+    /// moment with the bend; its line is given a hundred times the stiffness of the wall. `GA` is half of `mu A`, as of a thin round tube; plates
+    /// that hold twisting tubes back see that of their walls ([`super::Bundle::of_springs`]).
     pub fn of(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
         let solution = actuator.forward(pressure_pa, &Load::none()).ok()?;
         let solved = solution.status == Status::Solved;
@@ -75,10 +75,7 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     let held = actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
-    let (bending_nm2, shear_n) = match parameters.motion {
-        Motion::Twisting => wall::bending_and_shear(parameters, state)?,
-        _ => (wall::bending_nm2(parameters, state)?, shear_n(actuator)),
-    };
+    let bending_nm2 = wall::bending_nm2(parameters, state)?;
     Some(Tangent {
         stretch: state.axial_stretch,
         bend_rad_per_m: 0.0,
@@ -88,7 +85,7 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
         across_nm2: bending_nm2,
         torsion_nm2: torsion,
         coupling_nm: coupling,
-        shear_n,
+        shear_n: shear_n(actuator),
         outer_radius_m: state.outer_radius_m,
     })
     .filter(|tangent| tangent.axial_n > 0.0 && tangent.torsion_nm2 > 0.0)

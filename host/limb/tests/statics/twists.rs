@@ -185,7 +185,8 @@ fn small_twists_are_those_of_springs_in_series() {
         let limb = Limb::new(&page_case(4, radius_mm, spacers).scene()).expect("a limb");
         let module = module(&limb);
         let pressure_pa = 200.0;
-        let tube = softlimb_limb::statics::Tangent::of(&module.actuator, pressure_pa).expect("a tube");
+        let bundle = Bundle::new(module, &[pressure_pa; 4], module.bays()).expect("an equilibrium");
+        let tube = bundle.tubes[0].1;
         let (radius_m, bay_m) = (1e-3 * radius_mm, 0.24 / f64::from(spacers + 1));
         let yields = bay_m / tube.shear_n + bay_m.powi(3) / (12.0 * tube.bending_nm2);
         let slide = radius_m * radius_m * bay_m / yields;
