@@ -16,7 +16,7 @@ struct Part {
     elsewhere: &'static str,
 }
 
-const PARTS: [Part; 4] = [
+const PARTS: [Part; 5] = [
     Part {
         packages: &["rustc-web", "cargo-web", "rust-web-src", "lld"],
         why: "a compiler for thumbv7em-none-eabihf: images for the microcontroller",
@@ -36,6 +36,11 @@ const PARTS: [Part; 4] = [
         packages: &["valgrind", "binutils"],
         why: "what counts the instructions of the model",
         elsewhere: "valgrind: https://valgrind.org, `dnf install valgrind binutils`",
+    },
+    Part {
+        packages: &["python3"],
+        why: "the client of the link in Python, which shares no code with the host",
+        elsewhere: "Python 3.9 or newer: https://www.python.org, `dnf install python3`",
     },
 ];
 
@@ -80,7 +85,8 @@ fn present() -> [bool; PARTS.len()] {
         Command::new(program).arg(option).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
     };
     let counters = runs("valgrind", "--version") && runs("objdump", "--version");
-    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters]
+    let python = runs("python3", "--version");
+    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters, python]
 }
 
 fn means(may_install: bool) -> Means {
@@ -167,15 +173,15 @@ mod tests {
                 "{means:?}: nothing to do, nothing to say"
             );
         }
-        assert_eq!(packages(&step([true, false, true, true], Means::Apt)), ["qemu-system-arm"]);
-        assert_eq!(packages(&step([true, true, false, true], Means::Apt)), ["calculix-ccx"]);
-        let compiler = step([false, true, true, true], Means::Apt);
+        assert_eq!(packages(&step([true, false, true, true, true], Means::Apt)), ["qemu-system-arm"]);
+        assert_eq!(packages(&step([true, true, false, true, true], Means::Apt)), ["calculix-ccx"]);
+        let compiler = step([false, true, true, true, true], Means::Apt);
         assert_eq!(packages(&compiler), ["rustc-web", "cargo-web", "rust-web-src", "lld"]);
     }
 
     #[test]
     fn only_root_with_apt_installs() {
-        for present in [[false; 4], [true, false, false, true], [false, true, false, false]] {
+        for present in [[false; 5], [true, false, false, true, true], [false, true, false, false, false]] {
             assert!(matches!(step(present, Means::Apt), Step::Install(_)));
             for means in [Means::AptOfRoot, Means::None, Means::Forbidden] {
                 let named = step(present, means);

@@ -1,6 +1,6 @@
 //! `device serve` as a program of its own, and `run --port` on it in real time.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
@@ -149,6 +149,42 @@ fn run_behind_a_terminal_tracks_as_in_the_process_and_shows_measurements_alone()
     assert!(!table.contains("achieved") && !table.contains("chamber"), "{table}");
     let seen = ["achieved", "chamber"];
     assert!(contains(&desk.path("here/run.html"), &seen) && !contains(&desk.path("there/run.html"), &seen));
+}
+
+/// Whether there is a Python. Continuous integration must have it, or nobody would notice.
+fn python_is_installed() -> bool {
+    let found = Command::new("python3").arg("--version").stdout(Stdio::null()).status().is_ok();
+    let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty());
+    assert!(found || !ci, "CI is set and Python is missing: apt-get install python3");
+    if !found {
+        let _ =
+            writeln!(std::io::stderr(), "skipped: client in Python; it is missing (Debian: apt-get install python3)");
+    }
+    found
+}
+
+/// `protocol/examples/client.py` shares no code with the workspace: whoever reads SPEC.md can write it.
+#[test]
+fn client_written_from_the_specification_runs_a_limb() {
+    if !python_is_installed() {
+        return;
+    }
+    let desk = desk("");
+    let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
+    let client = concat!(env!("CARGO_MANIFEST_DIR"), "/../protocol/examples/client.py");
+    let answer = Command::new("python3").args([client, &device.first_line(), "--seconds", "2"]).output().unwrap();
+    let (told, error) = (String::from_utf8_lossy(&answer.stdout), String::from_utf8_lossy(&answer.stderr));
+    assert!(answer.status.success(), "{told}{error}");
+    assert!(told.contains("ran 101 knots") && told.contains("; vented"), "{told}");
+    // The gripper closes half way through a run of 2 s with a message every 5 ms.
+    let words: Vec<&str> = told.split_whitespace().collect();
+    let after = |word: &str| words.iter().skip_while(|found| **found != word).nth(1).and_then(|word| word.parse().ok());
+    let (closed, all): (Option<f64>, Option<f64>) = (after("in"), after("of"));
+    let share = closed.unwrap() / all.unwrap();
+    assert!((share - 0.5).abs() < 0.1 && all.unwrap() > 200.0, "{told}");
+    device.until("Ready");
+    device.until("Running");
+    device.until("Ready");
 }
 
 #[test]
