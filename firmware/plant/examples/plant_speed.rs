@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for (index, coil) in coils.iter_mut().enumerate() {
             *coil = pulse(tick, index);
         }
-        plant.step(&Drive { channels: &coils, supply_open: true, pump: 1.0 });
+        plant.step(&Drive { channels: &coils, supply_open: true, pump: 1.0, gripper_on: false });
     }
     let took = started.elapsed().as_secs_f64();
     println!(

@@ -27,6 +27,7 @@ pub(crate) fn check(settings: &PlantSettings) -> Checked {
     }
     check_sensor("supply_sensor", &settings.supply_sensor)?;
     check_spread(&settings.spread)?;
+    within("gripper_time_s", settings.gripper_time_s, 0.0..=10.0)?;
     for (index, channel) in settings.channels.iter().enumerate() {
         check_channel(&format!("channels[{index}]"), channel)?;
         let refuse = |source| PlantError::Actuator { channel: index, source };

@@ -23,7 +23,7 @@
 //! let mut plant = Plant::new(&PlantSettings::new(1, vec![ChannelSettings::new(actuator)]))?;
 //! let fill = [ChannelDrive { fill_us: 1_000, vent_us: 0 }];
 //! for _ in 0..20 {
-//!     plant.step(&Drive { channels: &fill, supply_open: true, pump: 1.0 });
+//!     plant.step(&Drive { channels: &fill, supply_open: true, pump: 1.0, gripper_on: false });
 //! }
 //! let truth = plant.truth();
 //! assert!(truth.channels[0].pressure_pa > 5e3);
@@ -38,6 +38,7 @@ mod curve;
 mod error;
 mod fault;
 mod gas;
+mod gripper;
 mod plant;
 mod pneumatics;
 mod random;

@@ -4,6 +4,7 @@ use crate::channel::Channel;
 use crate::check::check;
 use crate::error::PlantError;
 use crate::fault::{ChannelFault, TimedFault};
+use crate::gripper::Gripper;
 use crate::random::Random;
 use crate::sensor::Sensor;
 use crate::settings::PlantSettings;
@@ -34,6 +35,8 @@ pub struct Drive<'a> {
     pub supply_open: bool,
     /// Share of the pump's full speed; clamped to 0..=1, NaN is 0.
     pub pump: f64,
+    /// Whether the output of the gripper is on: it closes then.
+    pub gripper_on: bool,
 }
 
 /// Simulated pneumatics and actuators.
@@ -43,6 +46,7 @@ pub struct Plant {
     source: Source,
     channels: Vec<Channel>,
     supply_sensor: Sensor,
+    gripper: Gripper,
     random: Random,
     pressure_codes: Vec<u16>,
     supply_code: u16,
@@ -77,6 +81,7 @@ impl Plant {
             pressure_codes: vec![0; channels.len()],
             channels,
             supply_sensor: Sensor::new(settings.supply_sensor, offset, gain),
+            gripper: Gripper::new(settings.gripper_time_s),
             random,
             supply_code: 0,
             air_used_kg: 0.0,
@@ -104,6 +109,7 @@ impl Plant {
         let speed = if drive.pump > 0.0 { drive.pump.min(1.0) } else { 0.0 };
         self.source.step(drawn_kg, speed, tick_s);
         self.air_used_kg += drawn_kg;
+        self.gripper.step(drive.gripper_on);
         self.time_us += TICK_US;
         self.supply_sensor.follow(self.source.abs_pa() - self.ambient_abs_pa, tick_s);
         self.sample();
@@ -131,6 +137,7 @@ impl Plant {
             time_us: self.time_us,
             supply_pressure_pa: self.source.abs_pa() - self.ambient_abs_pa,
             air_used_kg: self.air_used_kg,
+            gripper_closure: self.gripper.closure(),
             channels: self.channels.iter().map(Channel::truth).collect(),
         }
     }

@@ -24,6 +24,8 @@ pub struct PlantSettings {
     pub supply_sensor: SensorSettings,
     /// Deviation of the true parameters from the nominal ones.
     pub spread: Spread,
+    /// Time that the gripper takes to close, and to open, s; 0..=10.
+    pub gripper_time_s: f64,
     /// One entry per pneumatic channel; 1..=64.
     pub channels: Vec<ChannelSettings>,
     /// Parts that break on the way.
@@ -42,6 +44,7 @@ impl PlantSettings {
             supply: Supply::Pump(PumpSettings::default()),
             supply_sensor: SensorSettings::supply(),
             spread: Spread::default(),
+            gripper_time_s: 0.3,
             channels,
             faults: Vec::new(),
         }

@@ -13,6 +13,8 @@ pub struct Truth {
     pub supply_pressure_pa: f64,
     /// Air taken from the supply since the start, kg.
     pub air_used_kg: f64,
+    /// Jaws of the gripper: 0 open, 1 closed, and between them the share of the way.
+    pub gripper_closure: f64,
     /// One entry per channel.
     pub channels: Vec<ChannelTruth>,
 }

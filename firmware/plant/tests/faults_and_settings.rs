@@ -146,7 +146,7 @@ proptest! {
         let mut plant = Plant::new(&s).unwrap();
         for tick in 0..600 {
             let coils = [pulses(tick, 0), pulses(tick, 1)];
-            plant.step(&Drive { channels: &coils, supply_open: tick % 100 < 90, pump });
+            plant.step(&Drive { channels: &coils, supply_open: tick % 100 < 90, pump, gripper_on: false });
             prop_assert!(plant.pressure_codes().iter().all(|c| (102..=3_993).contains(c)));
             if tick % 20 == 0 {
                 let truth = plant.truth();

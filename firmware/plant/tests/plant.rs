@@ -20,7 +20,7 @@ fn same_seed_and_drive_give_the_same_bits() {
         let mut codes = Vec::new();
         for tick in 0..2_000 {
             let coils = [0, 1, 2].map(|c| pulses(tick, c));
-            plant.step(&Drive { channels: &coils, supply_open: true, pump: 0.7 });
+            plant.step(&Drive { channels: &coils, supply_open: true, pump: 0.7, gripper_on: false });
             codes.extend_from_slice(plant.pressure_codes());
             codes.push(plant.supply_code());
         }
@@ -52,7 +52,7 @@ fn asking_for_the_truth_changes_nothing() {
     let mut silent = asked.clone();
     for tick in 0..500 {
         let coils = [pulses(tick, 0), pulses(tick, 1)];
-        let drive = Drive { channels: &coils, supply_open: true, pump: 1.0 };
+        let drive = Drive { channels: &coils, supply_open: true, pump: 1.0, gripper_on: false };
         asked.step(&drive);
         silent.step(&drive);
         asked.truth();
@@ -83,7 +83,7 @@ fn steps_of_100_and_10_us_agree_within_100_pa() {
     let mut worst = 0.0f64;
     for tick in 0..8_000 {
         let coils = [0, 1, 2].map(|c| pulses(tick, c));
-        let drive = Drive { channels: &coils, supply_open: true, pump: 1.0 };
+        let drive = Drive { channels: &coils, supply_open: true, pump: 1.0, gripper_on: false };
         coarse.step(&drive);
         fine.step(&drive);
         if tick % 10 == 0 {
@@ -184,7 +184,7 @@ fn bending_actuators_bend() {
 fn shut_supply_delivers_nothing() {
     let mut plant = Plant::new(&nominal(1)).unwrap();
     for _ in 0..500 {
-        plant.step(&Drive { channels: &[FILL], supply_open: false, pump: 1.0 });
+        plant.step(&Drive { channels: &[FILL], supply_open: false, pump: 1.0, gripper_on: false });
     }
     assert!(plant.truth().channels[0].pressure_pa.abs() < 1e-6);
     assert_eq!(plant.truth().air_used_kg, 0.0);
@@ -197,7 +197,7 @@ fn nine_channels_in_phase_empty_the_reservoir_by_what_they_take() {
     let mut plant = Plant::new(&s).unwrap();
     let start = plant.truth().supply_pressure_pa;
     for _ in 0..300 {
-        plant.step(&Drive { channels: &[FILL; 9], supply_open: true, pump: 0.0 });
+        plant.step(&Drive { channels: &[FILL; 9], supply_open: true, pump: 0.0, gripper_on: false });
     }
     let truth = plant.truth();
     let drop = start - truth.supply_pressure_pa;

@@ -2,7 +2,7 @@
 
 use softlimb_firmware::{AdcCode, Board, TickInputs, TickOutputs};
 use softlimb_plant::{ChannelDrive, Drive, Plant};
-use softlimb_protocol::MAX_CHANNELS;
+use softlimb_protocol::{MAX_CHANNELS, Outputs};
 
 use crate::clock::Clocks;
 use crate::line::Line;
@@ -37,6 +37,7 @@ impl SimulatedBoard {
             channels: &channels,
             supply_open: self.outputs.supply_open,
             pump: f64::from(self.outputs.pump_duty) / 255.0,
+            gripper_on: self.outputs.digital.contains(Outputs::GRIPPER),
         });
         self.tick += 1;
     }

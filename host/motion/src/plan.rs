@@ -28,8 +28,10 @@ pub struct PlannedPhase {
     pub hold_us: u64,
     /// Setpoint of every drive at the end of the move.
     pub values: Vec<f64>,
-    /// What the gripper is told at the end of the move.
+    /// What the gripper is told: to close at the end of the move, to open so that it is open at the end of the hold.
     pub gripper: Option<Gripper>,
+    /// When it is told, us after the start of the run.
+    pub gripper_us: u64,
     /// Via points that the move passes to stay clear of obstacles.
     pub via_points: usize,
     /// Where the body comes nearest to an obstacle from the start of the move to the end of the pause; `None` without obstacles.
@@ -94,11 +96,13 @@ impl Plan {
         self.track.duration_us()
     }
 
-    /// Whether the gripper is closed, by its commands, at a time of the run, us; it is open at the start. A command holds from the end of its
-    /// move on.
+    /// Whether the gripper is told to be closed at a time of the run, us. Before its first command it is what that command changes.
     pub fn is_gripping_at(&self, time_us: u64) -> bool {
-        let told = self.phases.iter().rev().filter(|phase| phase.start_us + phase.move_us <= time_us);
-        told.into_iter().find_map(|phase| phase.gripper) == Some(Gripper::Close)
+        let commands = || self.phases.iter().filter_map(|phase| Some((phase.gripper?, phase.gripper_us)));
+        match commands().rfind(|(_, told_us)| *told_us <= time_us) {
+            Some((command, _)) => command == Gripper::Close,
+            None => commands().next().is_some_and(|(first, _)| first == Gripper::Open),
+        }
     }
 
     /// Wire values per drive at every knot.

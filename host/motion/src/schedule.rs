@@ -14,7 +14,7 @@ use super::unreachable::{Shortcoming, Unreachable};
 use super::upright::{Grip, Upright};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
-use softlimb_scene::{Goal, Scene};
+use softlimb_scene::{Goal, Gripper, Scene};
 
 /// By how much more than required the ways are planned to clear, m, so that setpoints rounded to wire units still do.
 const SPARE_M: f64 = 1e-5;
@@ -85,6 +85,7 @@ pub(super) fn schedule(
             hold_us: phase.hold_us,
             values: values.clone(),
             gripper: phase.gripper,
+            gripper_us: planner.gripper_us(index, start_us + move_us),
             via_points: if matches!(path, Path::Legs { .. }) { rows.len().saturating_sub(2) } else { 0 },
             nearest: None,
             tilt_rad: None,
@@ -262,6 +263,19 @@ impl Planner<'_> {
         let because = self.air.limits(&draw, hold_us as f64 * 1e-6, supply).err()?;
         let enough_s = shortest(self.scene, self.limb, &self.air, (first, last), supply).map(|short| short.time_s);
         Some(Shortcoming::HandedTooFast { phase, because, enough_s })
+    }
+
+    /// When the gripper is told, us, for a move that ends at a time of the run, us. What it holds is put down before it opens.
+    fn gripper_us(&self, phase: usize, moved_us: u64) -> u64 {
+        let phase = &self.scene.phases()[phase];
+        match phase.gripper {
+            Some(Gripper::Open) => moved_us + phase.hold_us.saturating_sub(self.dwell_us()),
+            _ => moved_us,
+        }
+    }
+
+    fn dwell_us(&self) -> u64 {
+        (1e6 * self.scene.gripper_time_s()).round() as u64
     }
 
     /// The supply after the move of a phase.

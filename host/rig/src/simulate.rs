@@ -42,6 +42,7 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
     settings.supply = supply(&plant.supply);
     settings.supply_sensor = sensor(&plant.sensor, plant.sensor.supply_full_scale_pa);
     settings.spread = spread(&plant.spread);
+    settings.gripper_time_s = scene.gripper_time_s();
     SimSettings { seed, ..SimSettings::new(settings) }
 }
 

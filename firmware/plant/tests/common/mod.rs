@@ -47,7 +47,7 @@ pub(crate) fn settings(seed: u64, channels: usize) -> PlantSettings {
 pub(crate) fn run(plant: &mut Plant, ticks: usize, coils: ChannelDrive) {
     let channels = [coils; 64];
     for _ in 0..ticks {
-        plant.step(&Drive { channels: &channels, supply_open: true, pump: 1.0 });
+        plant.step(&Drive { channels: &channels, supply_open: true, pump: 1.0, gripper_on: false });
     }
 }
 

@@ -137,6 +137,15 @@ pub struct ModuleSample {
     pub achieved: Option<f64>,
 }
 
+/// The digital outputs at one instant; in logs of earlier builds all are off.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct OutputSample {
+    /// Bits as on the wire: bit 0 tells the gripper to close.
+    pub bits: u8,
+    /// Jaws of the simulated gripper, 0 open to 1 closed.
+    pub gripper_closure: Option<f64>,
+}
+
 /// The whole limb at one instant. Positions are in the frame of the limb's base.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
@@ -148,6 +157,9 @@ pub struct Sample {
     pub fault_bits: u16,
     /// Gauge pressure of the supply, Pa.
     pub supply_pa: f64,
+    /// Digital outputs.
+    #[serde(default)]
+    pub outputs: OutputSample,
     /// One entry per channel.
     pub channels: Vec<ChannelSample>,
     /// One entry per module.

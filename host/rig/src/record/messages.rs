@@ -2,7 +2,7 @@
 //! between them and the plain data of [`super::log`].
 
 use super::cdr::{CdrError, CdrReader, CdrWriter};
-use super::{ChannelSample, FaultRecord, Sample, Shape};
+use super::{ChannelSample, FaultRecord, OutputSample, Sample, Shape};
 
 /// Frame in which positions are given.
 const FRAME_ID: &str = "base";
@@ -57,6 +57,9 @@ pub(super) const TRUTH: MessageType =
 /// `/softlimb/fault`.
 pub(super) const FAULT: MessageType =
     MessageType::new("softlimb_msgs/msg/Fault", include_str!("msg/Fault.msg"), &[HEADER, TIME]);
+/// `/softlimb/outputs`.
+pub(super) const OUTPUTS: MessageType =
+    MessageType::new("softlimb_msgs/msg/Outputs", include_str!("msg/Outputs.msg"), &[HEADER, TIME]);
 /// `/softlimb/shape`.
 pub(super) const SHAPE: MessageType =
     MessageType::new("softlimb_msgs/msg/Shape", include_str!("msg/Shape.msg"), &[HEADER, TIME, POINT]);
@@ -118,12 +121,30 @@ pub(super) fn decode_telemetry(message: &[u8]) -> Result<Sample, CdrError> {
         state,
         fault_bits,
         supply_pa,
+        outputs: OutputSample::default(),
         channels: channels.collect(),
         modules: Vec::new(),
         tip_setpoint_m: [0.0; 3],
         tip_modelled_m: [0.0; 3],
         tip_achieved_m: None,
     })
+}
+
+/// Encodes the digital outputs.
+pub(super) fn encode_outputs(unix_ns: u64, time_s: f64, outputs: &OutputSample) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.f64(time_s);
+    cdr.u8(outputs.bits);
+    cdr.f64(outputs.gripper_closure.unwrap_or(f64::NAN));
+    cdr.into_bytes()
+}
+
+/// Decodes the digital outputs.
+pub(super) fn decode_outputs(message: &[u8]) -> Result<OutputSample, CdrError> {
+    let mut cdr = open(message)?;
+    cdr.f64()?;
+    let (bits, closure) = (cdr.u8()?, cdr.f64()?);
+    Ok(OutputSample { bits, gripper_closure: (!closure.is_nan()).then_some(closure) })
 }
 
 /// Encodes module deformations and the tip.

@@ -19,8 +19,8 @@ mod writer;
 pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, RunInfo, RunLog, Sample,
-    Shape, SolidInfo,
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo, RunInfo,
+    RunLog, Sample, Shape, SolidInfo,
 };
 pub use reader::read;
 pub use writer::Recorder;
@@ -39,4 +39,5 @@ const SETPOINT_TOPIC: &str = "/softlimb/setpoint";
 const MODEL_TOPIC: &str = "/softlimb/model";
 const TRUTH_TOPIC: &str = "/softlimb/truth";
 const FAULT_TOPIC: &str = "/softlimb/fault";
+const OUTPUTS_TOPIC: &str = "/softlimb/outputs";
 const SHAPE_TOPIC: &str = "/softlimb/shape";

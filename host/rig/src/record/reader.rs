@@ -2,8 +2,8 @@
 
 use super::cdr::CdrError;
 use super::messages::{
-    DEFORMATION, FAULT, MessageType, SHAPE, TELEMETRY, TRUTH, Truth, decode_deformation, decode_fault, decode_shape,
-    decode_telemetry,
+    DEFORMATION, FAULT, MessageType, OUTPUTS, SHAPE, TELEMETRY, TRUTH, Truth, decode_deformation, decode_fault,
+    decode_outputs, decode_shape, decode_telemetry,
 };
 use super::metadata::{Metadata, read_end, read_run};
 use super::{LinkSummary, ModuleSample, RecordError, RunInfo, RunLog, Sample};
@@ -70,16 +70,18 @@ enum Topic {
     Model,
     Truth,
     Fault,
+    Outputs,
     Shape,
 }
 
 impl Topic {
-    const ALL: [(Self, &'static str, MessageType); 6] = [
+    const ALL: [(Self, &'static str, MessageType); 7] = [
         (Self::Telemetry, super::TELEMETRY_TOPIC, TELEMETRY),
         (Self::Setpoint, super::SETPOINT_TOPIC, DEFORMATION),
         (Self::Model, super::MODEL_TOPIC, DEFORMATION),
         (Self::Truth, super::TRUTH_TOPIC, TRUTH),
         (Self::Fault, super::FAULT_TOPIC, FAULT),
+        (Self::Outputs, super::OUTPUTS_TOPIC, OUTPUTS),
         (Self::Shape, super::SHAPE_TOPIC, SHAPE),
     ];
 }
@@ -152,7 +154,15 @@ impl PartialLog {
         let undecodable = |source: CdrError| RecordError::Message { topic: name, sequence, source };
         let inconsistent = |reason: String| RecordError::Inconsistent { topic: name, sequence, reason };
         match topic {
-            Topic::Telemetry => self.samples.push(decode_telemetry(data).map_err(undecodable)?),
+            Topic::Telemetry => {
+                let outputs = self.samples.last().map(|sample| sample.outputs).unwrap_or_default();
+                let sample = decode_telemetry(data).map_err(undecodable)?;
+                self.samples.push(Sample { outputs, ..sample });
+            }
+            Topic::Outputs => {
+                let outputs = decode_outputs(data).map_err(undecodable)?;
+                self.current(sequence).map_err(inconsistent)?.outputs = outputs;
+            }
             Topic::Fault => self.faults.push(decode_fault(data).map_err(undecodable)?),
             Topic::Shape => self.shapes.push(decode_shape(data).map_err(undecodable)?),
             Topic::Setpoint => {

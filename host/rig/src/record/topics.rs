@@ -1,7 +1,7 @@
 //! The topics of a log, declared once when it is opened.
 
 use super::RunInfo;
-use super::messages::{DEFORMATION, FAULT, MessageType, SHAPE, TELEMETRY, TRUTH};
+use super::messages::{DEFORMATION, FAULT, MessageType, OUTPUTS, SHAPE, TELEMETRY, TRUTH};
 use super::standard::{FLUID_PRESSURE, JOINT_STATE, pressure_topic};
 use std::collections::BTreeMap;
 
@@ -12,6 +12,7 @@ pub(super) struct Topics {
     pub(super) setpoint: u16,
     pub(super) model: u16,
     pub(super) fault: u16,
+    pub(super) outputs: u16,
     pub(super) shape: u16,
     /// One per pressure channel.
     pub(super) pressure: Vec<u16>,
@@ -61,6 +62,7 @@ impl Topics {
             setpoint: declare(super::SETPOINT_TOPIC, DEFORMATION)?,
             model: declare(super::MODEL_TOPIC, DEFORMATION)?,
             fault: declare(super::FAULT_TOPIC, FAULT)?,
+            outputs: declare(super::OUTPUTS_TOPIC, OUTPUTS)?,
             shape: declare(super::SHAPE_TOPIC, SHAPE)?,
             pressure: (0..info.channel_count())
                 .map(|channel| declare(&pressure_topic(channel), FLUID_PRESSURE))

@@ -1,10 +1,10 @@
 //! Writes a run while it happens.
 
-use super::messages::{Truth, encode_deformation, encode_fault, encode_shape, encode_telemetry};
+use super::messages::{Truth, encode_deformation, encode_fault, encode_outputs, encode_shape, encode_telemetry};
 use super::metadata::{check_modules, end_metadata, run_metadata};
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
 use super::topics::{Observed, Topics};
-use super::{FaultRecord, LinkSummary, RecordError, RunInfo, Sample, Shape};
+use super::{FaultRecord, LinkSummary, OutputSample, RecordError, RunInfo, Sample, Shape};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -28,6 +28,8 @@ pub struct Recorder {
     others: u32,
     chunk_start_s: Option<f64>,
     standard_slot: Option<i64>,
+    /// Digital outputs that were written last.
+    outputs: Option<OutputSample>,
 }
 
 impl Recorder {
@@ -58,6 +60,7 @@ impl Recorder {
             others: 0,
             chunk_start_s: None,
             standard_slot: None,
+            outputs: None,
         })
     }
 
@@ -87,6 +90,10 @@ impl Recorder {
         if let Some(truth) = Truth::of(sample) {
             let topic = self.observed()?.truth;
             self.write(topic, sequence, at, &truth.encode(at))?;
+        }
+        if self.outputs.replace(sample.outputs) != Some(sample.outputs) {
+            let message = encode_outputs(at, sample.time_s, &sample.outputs);
+            self.write(self.topics.outputs, sequence, at, &message)?;
         }
         self.standard_messages(sample, sequence, at)
     }

@@ -3,7 +3,7 @@
 
 use super::stats::ErrorStats;
 use super::{ModuleSummary, Summary};
-use crate::record::{FaultRecord, RunLog};
+use crate::record::{FaultRecord, RunLog, Sample};
 use serde::Serialize;
 
 /// Shown where nothing was observed.
@@ -125,6 +125,19 @@ pub(super) fn states(log: &RunLog) -> Vec<String> {
     let changes = log.samples.chunk_by(|a, b| a.state == b.state);
     let starts = changes.filter_map(|samples| samples.first());
     starts.map(|sample| format!("{} from {:.3} s", state_name(sample.state), sample.time_s)).collect()
+}
+
+/// What the gripper was told in order, each with the time from which it was; nothing where it was never told to close.
+pub(super) fn gripper(log: &RunLog) -> Vec<String> {
+    const GRIPPER: u8 = 1;
+    let is_on = |sample: &Sample| sample.outputs.bits & GRIPPER != 0;
+    if !log.samples.iter().any(is_on) {
+        return Vec::new();
+    }
+    let changes = log.samples.chunk_by(|a, b| is_on(a) == is_on(b));
+    let starts = changes.filter_map(|samples| samples.first());
+    let words = |sample: &Sample| if is_on(sample) { "told to close" } else { "told to open" };
+    starts.map(|sample| format!("{} from {:.3} s", words(sample), sample.time_s)).collect()
 }
 
 /// Name of a device state, as the wire interface numbers them.

@@ -10,8 +10,8 @@ use super::prepared::Origin;
 use super::recording::Traffic;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, PhaseInfo, RunInfo, Sample, Shape,
-    SolidInfo,
+    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo, RunInfo,
+    Sample, Shape, SolidInfo,
 };
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Carried, Nominal, Plan, carried, payload_kg};
@@ -101,6 +101,10 @@ impl<'a> Assembler<'a> {
             state: message.state.raw(),
             fault_bits: message.fault_bits,
             supply_pa: 10.0 * f64::from(message.supply_10pa),
+            outputs: OutputSample {
+                bits: message.outputs.bits(),
+                gripper_closure: truth.map(|truth| truth.gripper_closure),
+            },
             channels,
             modules: modules.collect(),
             tip_setpoint_m: self.plan.tip_m(self.limb, time_us as f64),

@@ -35,6 +35,8 @@ pub struct EndEffector {
     pub radius_m: f64,
     /// Mass, kg; >= 0.
     pub mass_kg: f64,
+    /// Time that its gripper takes to close, and to open, s; 0 to 10.
+    pub gripper_time_s: f64,
 }
 
 /// A bundle of equal actuators in parallel.

@@ -22,6 +22,9 @@ pub use thread::{Thread, WoundWall};
 use super::error::{Problem, Problems, SceneError};
 use super::source::{Located, Source, Span};
 
+/// Time that a gripper takes to close where no end effector states one, s.
+const GRIPPER_TIME_S: f64 = 0.3;
+
 /// A checked scene. There is no way to have one but [`parse`](super::parse) and [`load`](super::load).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
@@ -150,6 +153,11 @@ impl Scene {
     pub fn rest_length_m(&self) -> f64 {
         let modules: f64 = self.modules.iter().map(|m| *m.length_m + self.limb.connector_length_m).sum();
         modules + self.limb.end_effector.as_ref().map_or(0.0, |tool| tool.length_m)
+    }
+
+    /// Time that the gripper takes to close, and to open, s; without an end effector that of a common one.
+    pub fn gripper_time_s(&self) -> f64 {
+        self.limb.end_effector.as_ref().map_or(GRIPPER_TIME_S, |tool| tool.gripper_time_s)
     }
 
     /// Mass of elastomer, spacers, connectors and end effector, kg. Fibers, tubes and air are not counted.

@@ -43,11 +43,17 @@ pub(super) fn limb(root: &Reader<'_>) -> Option<Limb> {
 }
 
 fn tool(reader: &Reader<'_>) -> Option<EndEffector> {
-    use end_effector::{LENGTH, MASS, NAME, RADIUS};
+    use end_effector::{GRIPPER_TIME, LENGTH, MASS, NAME, RADIUS};
     let name = reader.text(&NAME);
-    let radius = reader.quantity(&RADIUS);
+    let (radius, gripper_time) = (reader.quantity(&RADIUS), reader.quantity(&GRIPPER_TIME));
     let (length, mass) = both(reader.quantity(&LENGTH), reader.quantity(&MASS))?;
-    Some(EndEffector { name: name?.value.to_owned(), length_m: *length, radius_m: *radius?, mass_kg: *mass })
+    Some(EndEffector {
+        name: name?.value.to_owned(),
+        length_m: *length,
+        radius_m: *radius?,
+        mass_kg: *mass,
+        gripper_time_s: *gripper_time?,
+    })
 }
 
 fn both<T>(a: Option<T>, b: Option<T>) -> Option<(T, T)> {

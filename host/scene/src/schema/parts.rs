@@ -79,6 +79,7 @@ section! {
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Required } = "Distance from the last connector to the tip.";
     RADIUS: Quantity { name: "radius", unit: Unit::MM, min: 0.0, max: 1000.0, presence: Default(20.0) } = "Radius of the tool about its axis, for the clearance; it ends in a ball about the tip.";
     MASS: Quantity { name: "mass", unit: Unit::KG, min: 0.0, max: 20.0, presence: Required } = "Mass.";
+    GRIPPER_TIME: Quantity { name: "gripper_time", unit: Unit::S, min: 0.0, max: 10.0, presence: Default(0.3) } = "Time that its gripper takes to close, and to open.";
 }
 
 section! {
