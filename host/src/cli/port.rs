@@ -9,7 +9,7 @@ use super::shared::limb;
 use softlimb_motion::inverses;
 use softlimb_rig::configuration;
 use softlimb_rig::link::port::{Address, Port, PortAddress, session_number};
-use softlimb_rig::link::{StreamOptions, configure};
+use softlimb_rig::link::{Direct, LinkError, StreamOptions};
 
 /// Longest wait for a device to notice that its last host has gone, us: twice the timeout of most scenes.
 const OCCUPIED_MAX_US: u64 = 500_000;
@@ -68,6 +68,24 @@ pub(super) struct MeasuringDevice {
 impl MeasuringDevice {
     /// The open port of a device that has the scene's configuration, where there is a scene.
     pub(super) fn open(&self) -> Result<Port, Failure> {
+        match &self.scene {
+            Some(_) => self.session(|_| Ok(())).map(|(port, ())| port),
+            None => self.port.open().map(|(_, port)| port),
+        }
+    }
+
+    /// The outcome of acts in a session with the device, which has the scene's configuration where there is a scene.
+    pub(super) fn by_hand<R>(
+        &self,
+        act: impl FnOnce(&mut Direct<'_, Port>) -> Result<R, LinkError>,
+    ) -> Result<R, Failure> {
+        self.session(act).map(|(_, done)| done)
+    }
+
+    fn session<R>(
+        &self,
+        act: impl FnOnce(&mut Direct<'_, Port>) -> Result<R, LinkError>,
+    ) -> Result<(Port, R), Failure> {
         let configuration = match &self.scene {
             Some(file) => {
                 let (scene, limb) = limb(file)?;
@@ -76,10 +94,13 @@ impl MeasuringDevice {
             None => None,
         };
         let (_, mut port) = self.port.open()?;
+        let (options, mut on_event) = (options(), |_: &mut Port, _| {});
+        let mut hand = Direct::open(&mut port, &options, &mut on_event).map_err(Failure::new)?;
         if let Some(configuration) = configuration {
-            configure(&mut port, &configuration, &options()).map_err(Failure::new)?;
+            hand.configure(&configuration).map_err(Failure::new)?;
         }
-        Ok(port)
+        let done = act(&mut hand).map_err(Failure::new)?;
+        Ok((port, done))
     }
 }
 

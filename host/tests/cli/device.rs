@@ -188,6 +188,33 @@ fn client_written_from_the_specification_runs_a_limb() {
 }
 
 #[test]
+fn device_is_operated_by_hand() {
+    // Between two commands the link is lost: the device holds for so long.
+    let desk = desk("controller.hold_time = \"60 s\"\n");
+    let mut device = Program::start(&desk, "device serve scene.toml");
+    let address = device.first_line();
+    let hand = |line: &str| desk.softlimb(&format!("device {line} --port {address}"));
+    let refused = hand("zero");
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.err.contains("Command is refused") || refused.err.contains("present state"), "{}", refused.err);
+    let filled = hand("valve 0 fill 40 --scene scene.toml --json").done().json();
+    let kpa = |json: &Value, key: &str| 1e-3 * json[key].as_f64().unwrap();
+    assert!(kpa(&filled, "before_pa") < 0.5 && kpa(&filled, "after_pa") > 1.0, "{filled}");
+    assert_eq!((&filled["effect"], &filled["channel"]), (&Value::Bool(true), &0.into()));
+    let vented = hand("valve 0 vent 0.5s").done().out;
+    assert!(vented.starts_with("channel 0: vent for 500 ms, ") && vented.ends_with("passed\n"), "{vented}");
+    let again = hand("valve 0 vent 50").done().out;
+    assert!(again.ends_with("nothing to let out: fill first\n"), "{again}");
+    let absent = hand("valve 7 fill 40");
+    assert!(absent.code == Some(1) && absent.err.contains("channel is out of range"), "{}", absent.err);
+    let short = hand("valve 0 fill 0.5");
+    assert!(short.code == Some(2) && short.err.contains("1 ms to 1000 ms"), "{}", short.err);
+    hand("gripper close").done();
+    hand("vent").done();
+    assert_eq!(hand("zero").done().out, "the zeros are taken; the device is ready\n");
+}
+
+#[test]
 fn device_that_vanishes_is_told_and_the_log_is_whole() {
     let desk = desk("");
     for (place, begin) in [("--pty", "/dev/"), ("--tcp 127.0.0.1:0", "tcp:127.0.0.1:")] {

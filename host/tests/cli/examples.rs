@@ -8,7 +8,7 @@ use clap::Command;
 use crate::cli::desk::Desk;
 
 /// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 22] = [
+const PARSED_ONLY: [&str; 26] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -31,6 +31,10 @@ const PARSED_ONLY: [&str; 22] = [
     "device clear",
     "device sensors",
     "device monitor",
+    "device valve",
+    "device vent",
+    "device zero",
+    "device gripper",
 ];
 
 /// Every example below a command, in the order of the help texts.

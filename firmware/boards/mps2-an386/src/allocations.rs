@@ -66,7 +66,7 @@ fn put<const N: usize>(bench: &mut impl Bench, name: &str) -> bool {
         black_box(&allocation).solve_from(black_box(&cold.pressures_pa), black_box(&NOW))
     });
     let referred = bench.put("allocation with references", name, || {
-        black_box(&allocation).clone().towards(black_box(&[0.5 * LIMIT_PA; N])).map(|allocation| allocation.solve(&NOW))
+        black_box(allocation).towards(black_box(&[0.5 * LIMIT_PA; N])).map(|allocation| allocation.solve(&NOW))
     });
     let Ok(referred) = referred else { return false };
     [cold.status, warm.status, referred.status].into_iter().all(|status| status == AllocationStatus::Solved)

@@ -3,9 +3,8 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use softlimb_protocol::{CommandCode, Decoder, DeviceMessage, DeviceState};
+use softlimb_protocol::{CommandCode, Decoder, DeviceMessage};
 
-use super::configuration::DeviceConfiguration;
 use super::device::DeviceInfo;
 use super::driver::Driver;
 use super::error::LinkError;
@@ -20,30 +19,6 @@ use super::transport::Transport;
 pub fn identify<T: Transport>(transport: &mut T, options: &StreamOptions<'_>) -> Result<DeviceInfo, LinkError> {
     let mut on_event = |_: &mut T, _| {};
     Ok(DeviceInfo::from(&Driver::new(transport, options, &mut on_event).hello()?))
-}
-
-/// Gives a device a configuration and waits until its sensors are found plausible. Nothing moves; the supply is switched on.
-///
-/// # Errors
-/// [`LinkError`]; also where the device is neither idle nor ready.
-pub fn configure<T: Transport>(
-    transport: &mut T,
-    configuration: &DeviceConfiguration,
-    options: &StreamOptions<'_>,
-) -> Result<DeviceInfo, LinkError> {
-    let mut on_event = |_: &mut T, _| {};
-    let mut driver = Driver::new(transport, options, &mut on_event);
-    let device = DeviceInfo::from(&driver.hello()?);
-    for message in configuration.upload(options.session)?.0 {
-        driver.demand(&message)?;
-    }
-    let waited_us = options.ready_max_us;
-    driver.until_state(&[DeviceState::Ready], waited_us, |driver| LinkError::NotReady {
-        waited_us,
-        state: driver.session.state(),
-        fault: driver.known_fault(),
-    })?;
-    Ok(device)
 }
 
 /// Clears the latched faults of a device. Nothing moves until the next run.

@@ -36,7 +36,7 @@ pub use disturbance::{Disturbances, DisturbedLink, LinkFaultError, LinkFaults};
 pub use error::{LinkError, VentOutcome};
 pub use event::Event;
 pub use fault::DeviceFault;
-pub use listen::{clear_faults, configure, identify, listen};
+pub use listen::{clear_faults, identify, listen};
 pub use options::StreamOptions;
 pub use session::{Answer, Session};
 pub use statistics::{LinkStatistics, RoundTrip};
@@ -44,3 +44,5 @@ pub use stream::{Ending, Summary, stream};
 pub use trajectory::Knot;
 pub use transport::Transport;
 pub use words::{code_name, fault_names, status_names};
+
+pub use softlimb_protocol::{Outputs, PulseDirection};

@@ -1,12 +1,14 @@
 //! `softlimb device`: one device and its port.
 
 mod clear;
+mod hand;
 mod info;
 mod list;
 mod monitor;
 mod screen;
 mod sensors;
 mod serve;
+mod valve;
 
 use clap::{Args, Subcommand};
 
@@ -27,6 +29,10 @@ enum Verb {
     Sensors(sensors::Sensors),
     Monitor(monitor::Monitor),
     Clear(clear::Clear),
+    Valve(valve::Valve),
+    Vent(hand::Vent),
+    Zero(hand::Zero),
+    Gripper(hand::Gripper),
     Serve(serve::Serve),
 }
 
@@ -38,6 +44,10 @@ impl Device {
             Verb::Sensors(verb) => verb.run(),
             Verb::Monitor(verb) => verb.run(),
             Verb::Clear(verb) => verb.run(),
+            Verb::Valve(verb) => verb.run(),
+            Verb::Vent(verb) => verb.run(),
+            Verb::Zero(verb) => verb.run(),
+            Verb::Gripper(verb) => verb.run(),
             Verb::Serve(verb) => verb.run(),
         }
     }
