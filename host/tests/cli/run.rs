@@ -67,7 +67,7 @@ fn link_that_goes_wrong_is_repaired_and_counted() {
     let desk = desk();
     let run =
         |options: &str| one_object(&desk.softlimb(&format!("run scene.toml --out results --json {options}")).done());
-    let (clean, hurt) = (run(""), run("--link-fault loss=0.05,flip=0.02,duplicate=0.02"));
+    let (clean, hurt) = (run(""), run("--link-fault loss=0.05,flip=0.1,duplicate=0.02"));
     let count =
         |json: &Value, key: &str| json["link"][key].as_u64().unwrap_or_else(|| panic!("{key}: {}", json["link"]));
     assert_eq!((count(&clean, "retransmitted"), count(&clean, "crc_errors")), (0, 0));
