@@ -8,13 +8,17 @@ use softlimb_rig::link::port::{Address, ClientPort, serve};
 use softlimb_rig::report;
 use softlimb_rig::report::Summary;
 use softlimb_rig::run;
-use softlimb_rig::run::Mcu;
+use softlimb_rig::run::{Mcu, RunError, RunFiles};
+use softlimb_scene::Scene;
 
 use crate::devices::Images;
 use crate::support::{run_on, scene_with};
 
 /// Samples that meet the pulses of the valves at every phase: at the default period they meet them at one, which differs from run to run.
 const OFTEN: &str = "\n[controller]\ntelemetry_period = \"3 ms\"\n";
+
+/// Runs in which a computer that is too busy for the emulator may let an answer come too late.
+const ATTEMPTS: usize = 3;
 
 #[test]
 fn the_flashed_image_behind_a_terminal_tracks_as_the_controller_here() {
@@ -23,31 +27,45 @@ fn the_flashed_image_behind_a_terminal_tracks_as_the_controller_here() {
     };
     let scene = scene_with("single-bending", OFTEN);
     let reference = measured_rmse_pa(&run_on(Mcu::Here, &scene, scene.seed()).summary);
+    let mcu = Mcu::Flashed(images.flashed());
+    let too_late = |ended: &Result<RunFiles, RunError>| match ended {
+        Err(error) => error.to_string().contains("no answer to"),
+        Ok(_) => false,
+    };
+    let mut ended = behind_a_terminal(&scene, &mcu);
+    for _ in 1..ATTEMPTS {
+        if too_late(&ended) {
+            ended = behind_a_terminal(&scene, &mcu);
+        }
+    }
 
-    let (limb, mcu) = (Limb::new(&scene).unwrap(), Mcu::Flashed(images.flashed()));
-    let mut port = ClientPort::terminal().unwrap();
-    let Ok(Address::Port(address)) = port.address().unwrap().parse() else { panic!("{port:?}") };
-    let (folder, started, stop) = (tempfile::tempdir().unwrap(), Barrier::new(2), AtomicBool::new(false));
-    let files = std::thread::scope(|scope| {
-        let server = scope.spawn(|| {
-            let device = run::simulated_device((&scene, &limb), scene.seed(), &mcu);
-            started.wait();
-            serve(&mut device.unwrap(), &mut port, &stop, |time_us, news| println!("{time_us} us: {news:?}"))
-        });
-        started.wait();
-        let files = run::run_behind(&scene, &address, None, folder.path(), &AtomicBool::new(false), |_| ());
-        stop.store(true, Ordering::Relaxed);
-        server.join().unwrap().unwrap();
-        files.unwrap()
-    });
-
-    let summary = report::summary(&files.run);
+    let summary = report::summary(&ended.unwrap().run);
     assert!(!summary.simulated && summary.faults.is_empty(), "{:?}", summary.faults);
     let (found, pace) = (measured_rmse_pa(&summary), summary.real_time_factor.unwrap());
     println!(
         "RMSE of the measured pressure: {found:.1} Pa behind the terminal, {reference:.1} Pa here; pace {pace:.2}"
     );
     assert!((found - reference).abs() < 0.05 * reference, "{found} Pa, here {reference} Pa");
+}
+
+/// A run on a served device of its own.
+fn behind_a_terminal(scene: &Scene, mcu: &Mcu) -> Result<RunFiles, RunError> {
+    let limb = Limb::new(scene).unwrap();
+    let mut port = ClientPort::terminal().unwrap();
+    let Ok(Address::Port(address)) = port.address().unwrap().parse() else { panic!("{port:?}") };
+    let (folder, started, stop) = (tempfile::tempdir().unwrap(), Barrier::new(2), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        let server = scope.spawn(|| {
+            let device = run::simulated_device((scene, &limb), scene.seed(), mcu);
+            started.wait();
+            serve(&mut device.unwrap(), &mut port, &stop, |time_us, news| println!("{time_us} us: {news:?}"))
+        });
+        started.wait();
+        let ended = run::run_behind(scene, &address, None, folder.path(), &AtomicBool::new(false), |_| ());
+        stop.store(true, Ordering::Relaxed);
+        server.join().unwrap().unwrap();
+        ended
+    })
 }
 
 fn measured_rmse_pa(summary: &Summary) -> f64 {

@@ -12,7 +12,7 @@ pub const SESSION: u16 = 0x51AB;
 
 /// Time given to every message and its answer, us; an emulated serial port may take longer, up to the second.
 const ANSWER_US: u64 = 8_000;
-const ANSWER_MAX_US: u64 = 400_000;
+const ANSWER_MAX_US: u64 = 2_000_000;
 
 /// `channels` bending actuators of about 80 mL on a pump and a reservoir.
 pub fn settings(channels: usize) -> SimSettings {
