@@ -10,7 +10,7 @@ use softlimb_sim::{Here, Processor, SimSettings, SimulatedMcu};
 
 pub const SESSION: u16 = 0x51AB;
 
-/// Time given to every message and its answer, us; an emulated serial port may take longer, up to the second.
+/// Time given to every message and its answer, us; an emulated serial port may take longer, beside other work above all.
 const ANSWER_US: u64 = 8_000;
 const ANSWER_MAX_US: u64 = 2_000_000;
 
