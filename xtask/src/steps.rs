@@ -84,9 +84,44 @@ fn all(tally: &mut Tally, options: Options) {
             false
         }
     };
+    let in_real_time = in_real_time(&built, options.full, images);
     pool::all(jobs(&program, built, options.full, images), |done| {
         end(tally, &done);
     });
+    for job in in_real_time {
+        end(tally, &pool::run(job));
+    }
+}
+
+/// Tests that keep time by this computer's clock: they run after all others, one program at a time.
+const IN_REAL_TIME: [(&str, &str); 2] = [("host/tests/main.rs", "cli::device::"), ("tests/emulated.rs", "wire::")];
+
+fn in_real_time(built: &Built, full: bool, images: bool) -> Vec<Job> {
+    let of = |(source, filter): (&str, &str)| {
+        let test = built.tests.iter().find(|test| test.source == source)?;
+        let mut job = program_job(test);
+        job.name = format!("{source}, {filter}");
+        job.command.args([filter, "--test-threads", "1"]);
+        Some(with_settings(job, full, images))
+    };
+    IN_REAL_TIME.into_iter().filter_map(of).collect()
+}
+
+/// A test program in its package's folder, as Cargo runs it.
+fn program_job(test: &Program) -> Job {
+    let mut command = Command::new(&test.file);
+    command.current_dir(&test.folder).env("CARGO_MANIFEST_DIR", &test.folder);
+    Job { name: test.source.clone(), command }
+}
+
+fn with_settings(mut job: Job, full: bool, images: bool) -> Job {
+    if images {
+        job.command.env(IMAGES, firmware::folder());
+    }
+    if full {
+        job.command.env(SAMPLES.0, SAMPLES.1);
+    }
+    job
 }
 
 fn lints(tally: &mut Tally) {
@@ -125,22 +160,15 @@ fn jobs(program: &Path, mut built: Built, full: bool, images: bool) -> Vec<Job> 
     let examples = Cargo::quiet(&["test", "--workspace", "--doc"]);
     let examples = Job { name: "examples in the documentation".to_owned(), command: examples };
     built.tests.sort_by_key(Program::place);
-    let tests = built.tests.into_iter().map(|test| {
-        let mut command = Command::new(test.file);
-        // As Cargo runs it.
-        command.current_dir(&test.folder).env("CARGO_MANIFEST_DIR", &test.folder);
-        Job { name: test.source, command }
+    let tests = built.tests.iter().map(|test| {
+        let mut job = program_job(test);
+        for (_, filter) in IN_REAL_TIME.into_iter().filter(|(source, _)| *source == test.source) {
+            job.command.args(["--skip", filter]);
+        }
+        job
     });
-    let mut jobs: Vec<Job> = [counts, examples].into_iter().chain(tests).collect();
-    for Job { command, .. } in &mut jobs {
-        if images {
-            command.env(IMAGES, firmware::folder());
-        }
-        if full {
-            command.env(SAMPLES.0, SAMPLES.1);
-        }
-    }
-    jobs
+    let jobs = [counts, examples].into_iter().chain(tests);
+    jobs.map(|job| with_settings(job, full, images)).collect()
 }
 
 /// A command of this program as a job of its own.
@@ -230,6 +258,19 @@ mod tests {
         assert_eq!(Options::read(&["--full", "--no-install"]), options(false, true));
         assert_eq!(Options::read(&["--no-install", "--full"]), options(false, true));
         assert_eq!(Options::read(&["--full", "fra-model"]), None);
+    }
+
+    #[test]
+    fn tests_in_real_time_run_once_and_alone() {
+        let test = |source: &str| Program { source: source.to_owned(), folder: "p".into(), file: "p/x".into() };
+        let built = || Built { tests: vec![test("host/tests/main.rs"), test("host/src/lib.rs")], programs: None };
+        let words = |job: &Job| job.command.get_args().map(|word| word.to_owned()).collect::<Vec<_>>();
+        let alone = in_real_time(&built(), false, true);
+        assert_eq!(alone.iter().map(words).collect::<Vec<_>>(), [["cli::device::", "--test-threads", "1"]]);
+        let beside = jobs(Path::new("xtask"), built(), false, true);
+        let of = |name: &str| words(beside.iter().find(|job| job.name == name).unwrap());
+        assert_eq!(of("host/tests/main.rs"), ["--skip", "cli::device::"]);
+        assert!(of("host/src/lib.rs").is_empty());
     }
 
     #[test]
