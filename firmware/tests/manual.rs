@@ -29,7 +29,7 @@ fn pulse_opens_one_valve_for_its_time_and_closes_by_itself() {
         assert_eq!(coils_us(&mut bench, 1, 1_100), (duration_us, 0));
         assert_eq!(bench.pulse(0, PulseDirection::Vent, duration_us).result, ResultCode::Ok);
         assert_eq!(coils_us(&mut bench, 0, 1_100), (0, duration_us));
-        assert_eq!(bench.controller.state(), DeviceState::Holding, "what was filled is held");
+        assert_eq!(bench.controller.state(), DeviceState::Holding, "the device holds the pressure");
     }
 }
 

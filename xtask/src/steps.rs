@@ -94,7 +94,8 @@ fn all(tally: &mut Tally, options: Options) {
 }
 
 /// Tests that keep time by this computer's clock: they run after all others, one program at a time.
-const IN_REAL_TIME: [(&str, &str); 2] = [("host/tests/main.rs", "cli::device::"), ("tests/emulated.rs", "wire::")];
+const IN_REAL_TIME: [(&str, &str); 3] =
+    [("host/tests/main.rs", "cli::device::"), ("host/rig/tests/main.rs", "port::"), ("tests/emulated.rs", "wire::")];
 
 fn in_real_time(built: &Built, full: bool, images: bool) -> Vec<Job> {
     let of = |(source, filter): (&str, &str)| {

@@ -28,9 +28,9 @@ pub struct PlannedPhase {
     pub hold_us: u64,
     /// Setpoint of every drive at the end of the move.
     pub values: Vec<f64>,
-    /// What the gripper is told: to close at the end of the move, to open so that it is open at the end of the hold.
+    /// Command to the gripper. It closes from the end of the move on; it is open at the end of the hold.
     pub gripper: Option<Gripper>,
-    /// When it is told, us after the start of the run.
+    /// Time of the command, us after the start of the run.
     pub gripper_us: u64,
     /// Via points that the move passes to stay clear of obstacles.
     pub via_points: usize,
@@ -96,13 +96,31 @@ impl Plan {
         self.track.duration_us()
     }
 
-    /// Whether the gripper is told to be closed at a time of the run, us. Before its first command it is what that command changes.
+    /// Whether the gripper's output is on at a time of the run, us. Before the first command it is in the other state.
     pub fn is_gripping_at(&self, time_us: u64) -> bool {
         let commands = || self.phases.iter().filter_map(|phase| Some((phase.gripper?, phase.gripper_us)));
         match commands().rfind(|(_, told_us)| *told_us <= time_us) {
             Some((command, _)) => command == Gripper::Close,
             None => commands().next().is_some_and(|(first, _)| first == Gripper::Open),
         }
+    }
+
+    /// Holds that end before a gripper of this closing and opening time, s, is through.
+    pub fn gripper_warnings(&self, gripper_time_s: f64) -> Vec<String> {
+        let warning = |phase: &PlannedPhase| {
+            let hold_s = phase.hold_us as f64 * 1e-6;
+            let done = match phase.gripper? {
+                Gripper::Close => "closed",
+                Gripper::Open => "open",
+            };
+            (hold_s < gripper_time_s).then(|| {
+                format!(
+                    "`{}` ends before its gripper is {done}: `hold` is {hold_s:.2} s, `gripper_time` {gripper_time_s:.2} s",
+                    phase.name
+                )
+            })
+        };
+        self.phases.iter().filter_map(warning).collect()
     }
 
     /// Wire values per drive at every knot.

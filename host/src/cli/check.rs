@@ -38,9 +38,17 @@ impl Check {
         let too_small = check_margins::warnings(&scene, &limb, &plan, &margins);
         let made = advice(&scene, &Settings::default());
         let valves = motion::valve_warnings(&scene, &limb);
-        let warnings =
-            [plan.warnings.clone(), scene.winding_warnings(), limb.restraint_warnings(), too_small, made, valves]
-                .concat();
+        let gripper = plan.gripper_warnings(scene.gripper_time_s());
+        let warnings = [
+            plan.warnings.clone(),
+            scene.winding_warnings(),
+            limb.restraint_warnings(),
+            too_small,
+            made,
+            valves,
+            gripper,
+        ]
+        .concat();
         let air = motion::air_demand(&scene, &limb, &sent);
         let known = Known {
             scene: &scene,

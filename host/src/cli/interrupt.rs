@@ -1,4 +1,4 @@
-//! Ctrl-C as a wish that a verb fulfils.
+//! Ctrl-C as a flag that a command reads.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -13,12 +13,12 @@ const INTERRUPTED: i32 = 130;
 
 /// Becomes true with the first Ctrl-C or end signal; the second ends the program at once.
 pub(super) fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
-    let wish = Arc::new(AtomicBool::new(false));
+    let interrupted = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
-        // In this order: the shutdown looks at the wish before the same signal makes it true.
-        flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&wish))
-            .and_then(|_| flag::register(signal, Arc::clone(&wish)))
+        // In this order: the shutdown looks at the flag before the same signal makes it true.
+        flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&interrupted))
+            .and_then(|_| flag::register(signal, Arc::clone(&interrupted)))
             .map_err(|error| Failure::new(format!("Ctrl-C cannot be caught: {error}")))?;
     }
-    Ok(wish)
+    Ok(interrupted)
 }

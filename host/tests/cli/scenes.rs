@@ -32,6 +32,17 @@ const MISTAKES: &[Mistake] = &[
     Mistake { from: "[limb]", to: "[limb", words: &["[limb"] },
 ];
 
+#[test]
+fn hold_that_is_too_short_for_the_gripper_is_a_warning() {
+    let with = |more: &str| Desk::with_scene("hold = \"0.2 s\"", &format!("hold = \"0.2 s\"\n{more}"));
+    let short = with("gripper = \"close\"").softlimb("check scene.toml");
+    assert_eq!(short.code, Some(3), "{short:?}");
+    let words = "`bend` ends before its gripper is closed: `hold` is 0.20 s, `gripper_time` 0.30 s";
+    assert!(short.err.contains(words), "{}", short.err);
+    let none = with("").softlimb("check scene.toml");
+    assert!(!none.err.contains("gripper"), "{}", none.err);
+}
+
 /// The line of the scene, from 1, on which the mistake begins.
 fn line_of(mistake: &Mistake) -> usize {
     let at = SCENE.find(mistake.from).expect("the scene has the passage");

@@ -2,8 +2,8 @@
 //!
 //! A segment whose limit point is about to vanish deforms most for little pressure, and the best design may be there. Across the
 //! [`edge`](super::edge) the limit point bounds the pressure at once, and the objective jumps: a local solve stops wherever it meets the
-//! edge. So one variable `x_k` follows from the others along the edge, as on the [`ridge`](super::ridge). A pressure moves the segment so
-//! much there that its deformations `q` take the place of the pressures, `P(x, q)`. What is left is smooth,
+//! edge. So one variable `x_k` follows from the others along the edge, as on the [`ridge`](super::ridge). Near the edge
+//! `dq/dP` is large, so the segment's deformations `q` replace its pressures `P(x, q)` as variables. The remaining problem is smooth,
 //!
 //! ```text
 //! dr/dx_j = (dr/dx_j)_g + (dr/dx_k)_g dx_k/dx_j + (dr/dP) (dP/dx_j)_q,     dr/dq = (dr/dP) (dP/dq)_x

@@ -15,7 +15,7 @@ section! {
     INSIDE: Text { name: "inside", is_name: true, presence: Optional("none, if the phase has another goal") } = "A name from `[[region]]`: the tip is in this box at the end of the move, as near as possible to its former place.";
     DIRECTION: Vector { name: "direction", unit: Unit::NUMBER, max: 1e6, presence: Optional("any direction") } = "`tip`, `inside`: direction of the end effector's axis at the end of the move; any length but zero.";
     DIRECTION_TOLERANCE: Quantity { name: "direction_tolerance", unit: Unit::DEG, min: 0.01, max: 180.0, presence: Default(1.0) } = "Largest angle between the end effector's axis and `direction`.";
-    GRIPPER: Choice { name: "gripper", words: &["open", "close"], presence: Optional("no command") } = "Command to the gripper. The device closes it at the end of the move, and opens it so that it is open at the end of the `hold`, `gripper_time` earlier.";
+    GRIPPER: Choice { name: "gripper", words: &["open", "close"], presence: Optional("no command") } = "Command to the gripper. The device closes it at the end of the move, or opens it `gripper_time` before the end of the `hold`.";
 }
 
 section! {

@@ -112,6 +112,11 @@ fn knots_are_applied_once_in_order_whatever_is_lost() {
     }
 }
 
+/// An answer to the frame with a number.
+fn answer(seq: u16, result: ResultCode, detail: u32) -> Ack {
+    Ack { ref_type: Knot::MESSAGE_TYPE, ref_seq: seq, result: result.into(), detail, free_knots: 8, mcu_time_us: 0 }
+}
+
 #[test]
 fn device_that_forgot_setpoints_is_an_error() {
     let mut window = Window::new(20_000);
@@ -119,14 +124,6 @@ fn device_that_forgot_setpoints_is_an_error() {
     window.open(0, 0, 8);
     let sent: Vec<_> = (0..3).map(|seq| window.send(0, 7, seq).unwrap().index).collect();
     assert_eq!(sent, [0, 1, 2]);
-    let answer = |seq, result: ResultCode, detail| Ack {
-        ref_type: Knot::MESSAGE_TYPE,
-        ref_seq: seq,
-        result: result.into(),
-        detail,
-        free_knots: 8,
-        mcu_time_us: 0,
-    };
     window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
     assert_eq!(window.accepted(), 2);
     let error = window.on_ack(0, &answer(2, ResultCode::UnexpectedIndex, 0)).unwrap_err();
@@ -140,14 +137,6 @@ fn answer_that_was_overtaken_has_its_knot_sent_again() {
     window.load(Trajectory::from_pairs(&knots));
     window.open(0, 0, 8);
     (0..4).for_each(|seq| assert!(window.send(0, 7, seq).is_some()));
-    let answer = |seq, result: ResultCode, detail| Ack {
-        ref_type: Knot::MESSAGE_TYPE,
-        ref_seq: seq,
-        result: result.into(),
-        detail,
-        free_knots: 8,
-        mcu_time_us: 0,
-    };
     window.on_ack(0, &answer(0, ResultCode::Ok, 0)).unwrap();
     // The third knot arrived before the second, which is told the other way round.
     window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
