@@ -20,13 +20,16 @@ pub(crate) struct SimulatedBoard {
     /// Ticks begun so far: the number of the next one.
     pub(crate) tick: u64,
     pub(crate) emergency_stop: bool,
+    inputs: TickInputs,
     outputs: TickOutputs,
 }
 
 impl SimulatedBoard {
     pub(crate) fn new(plant: Plant, to_device: Line, to_host: Line, clocks: Clocks) -> Self {
         let outputs = TickOutputs::SAFE;
-        Self { plant, to_device, to_host, clocks, tick: 0, emergency_stop: false, outputs }
+        let pressure = [AdcCode(0); MAX_CHANNELS];
+        let inputs = TickInputs { now_us: clocks.device_us(0), pressure, supply: AdcCode(0), emergency_stop: false };
+        Self { plant, to_device, to_host, clocks, tick: 0, emergency_stop: false, inputs, outputs }
     }
 
     /// Lets the plant follow the outputs of the present tick up to the next.
@@ -46,6 +49,10 @@ impl SimulatedBoard {
         self.outputs
     }
 
+    pub(crate) fn latest_inputs(&self) -> TickInputs {
+        self.inputs
+    }
+
     fn now_ns(&self) -> u64 {
         self.clocks.host_us(self.tick) * 1_000
     }
@@ -57,12 +64,13 @@ impl Board for SimulatedBoard {
         for (input, &code) in pressure.iter_mut().zip(self.plant.pressure_codes()) {
             *input = AdcCode(code);
         }
-        TickInputs {
+        self.inputs = TickInputs {
             now_us: self.clocks.device_us(self.tick),
             pressure,
             supply: AdcCode(self.plant.supply_code()),
             emergency_stop: self.emergency_stop,
-        }
+        };
+        self.inputs
     }
 
     fn apply(&mut self, outputs: &TickOutputs) {

@@ -36,4 +36,5 @@ mod settings;
 pub use error::{EmulatorError, SimError};
 pub use mcu::{Here, Processor, SimulatedMcu, here};
 pub use settings::{LineFaults, SimSettings};
+pub use softlimb_firmware::ValvePulse;
 pub use softlimb_plant as plant;

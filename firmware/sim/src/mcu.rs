@@ -1,6 +1,6 @@
 //! The simulated MCU as its host sees it.
 
-use softlimb_firmware::{Board, BootInfo, Controller, TickOutputs, turn};
+use softlimb_firmware::{Board, BootInfo, Controller, TickInputs, TickOutputs, turn};
 use softlimb_plant::{ChannelFault, Plant, PlantError, Truth};
 use softlimb_protocol::{BootCause, MAX_CHANNELS};
 
@@ -33,6 +33,11 @@ pub trait Processor {
     /// Time of the device's clock at its first tick, us.
     fn first_tick_us(&self) -> u64 {
         0
+    }
+
+    /// Whether the outputs are those of pins: one tick after the controller's decision, in steps of a pin's clock.
+    fn is_at_pins(&self) -> bool {
+        false
     }
 }
 
@@ -71,6 +76,10 @@ impl Processor for Box<dyn Processor> {
 
     fn channels_max(&self) -> usize {
         self.as_ref().channels_max()
+    }
+
+    fn is_at_pins(&self) -> bool {
+        self.as_ref().is_at_pins()
     }
 }
 
@@ -174,6 +183,16 @@ impl<P: Processor> SimulatedMcu<P> {
     /// Outputs to the valves, the supply and the pump in the latest tick.
     pub fn outputs(&self) -> TickOutputs {
         self.board.outputs()
+    }
+
+    /// Inputs of the controller in the latest tick; those of an emulated chip that counts its ticks itself are put where its converter would.
+    pub fn inputs(&self) -> TickInputs {
+        self.board.latest_inputs()
+    }
+
+    /// Number of channels of the plant.
+    pub fn channels(&self) -> usize {
+        self.board.plant.pressure_codes().len()
     }
 
     /// Why the processor does not run any more, if it does not.

@@ -10,6 +10,7 @@ mod link_session;
 mod link_stream;
 mod port;
 mod record_log;
+mod replay;
 mod report_page;
 mod report_summary;
 #[path = "../../../tests/support/samples.rs"]

@@ -190,6 +190,10 @@ impl Processor for Flashed {
         FIRST_TICK_US
     }
 
+    fn is_at_pins(&self) -> bool {
+        true
+    }
+
     fn channels_max(&self) -> usize {
         CHANNELS
     }

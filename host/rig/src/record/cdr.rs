@@ -67,6 +67,11 @@ impl CdrWriter {
         self.number(value.to_le_bytes());
     }
 
+    /// Appends a `uint64`.
+    pub(super) fn u64(&mut self, value: u64) {
+        self.number(value.to_le_bytes());
+    }
+
     /// Appends an `int32`.
     pub(super) fn i32(&mut self, value: i32) {
         self.number(value.to_le_bytes());
@@ -94,6 +99,18 @@ impl CdrWriter {
     pub(super) fn f64_sequence(&mut self, values: impl ExactSizeIterator<Item = f64>) {
         self.length(values.len());
         values.for_each(|value| self.f64(value));
+    }
+
+    /// Appends a `uint8[]`.
+    pub(super) fn u8_sequence(&mut self, values: &[u8]) {
+        self.length(values.len());
+        self.bytes.extend_from_slice(values);
+    }
+
+    /// Appends a `uint16[]`.
+    pub(super) fn u16_sequence(&mut self, values: impl ExactSizeIterator<Item = u16>) {
+        self.length(values.len());
+        values.for_each(|value| self.u16(value));
     }
 
     /// Appends a `geometry_msgs/Point`.
@@ -150,6 +167,11 @@ impl<'a> CdrReader<'a> {
         self.number().map(u32::from_le_bytes)
     }
 
+    /// Takes a `uint64`.
+    pub(super) fn u64(&mut self) -> Result<u64, CdrError> {
+        self.number().map(u64::from_le_bytes)
+    }
+
     /// Takes an `int32`.
     pub(super) fn i32(&mut self) -> Result<i32, CdrError> {
         self.number().map(i32::from_le_bytes)
@@ -180,6 +202,12 @@ impl<'a> CdrReader<'a> {
             elements.push(element(self)?);
         }
         Ok(elements)
+    }
+
+    /// Takes a `uint8[]`.
+    pub(super) fn u8_sequence(&mut self) -> Result<Vec<u8>, CdrError> {
+        let count = self.u32()? as usize;
+        self.bytes(count).map(<[u8]>::to_vec)
     }
 
     /// Takes a `geometry_msgs/Point`.

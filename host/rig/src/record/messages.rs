@@ -63,6 +63,12 @@ pub(super) const OUTPUTS: MessageType =
 /// `/softlimb/shape`.
 pub(super) const SHAPE: MessageType =
     MessageType::new("softlimb_msgs/msg/Shape", include_str!("msg/Shape.msg"), &[HEADER, TIME, POINT]);
+/// `/softlimb/wire`.
+pub(super) const WIRE: MessageType =
+    MessageType::new("softlimb_msgs/msg/Wire", include_str!("msg/Wire.msg"), &[HEADER, TIME]);
+/// `/softlimb/ticks`.
+pub(super) const TICKS: MessageType =
+    MessageType::new("softlimb_msgs/msg/Ticks", include_str!("msg/Ticks.msg"), &[HEADER, TIME]);
 
 /// Starts a message with its header.
 pub(super) fn begin(unix_ns: u64) -> CdrWriter {
@@ -76,7 +82,7 @@ pub(super) fn begin(unix_ns: u64) -> CdrWriter {
 }
 
 /// Opens a message and passes over its header.
-fn open(message: &[u8]) -> Result<CdrReader<'_>, CdrError> {
+pub(super) fn open(message: &[u8]) -> Result<CdrReader<'_>, CdrError> {
     let mut cdr = CdrReader::new(message)?;
     cdr.i32()?;
     cdr.u32()?;

@@ -7,13 +7,16 @@
 //! it knows nothing of ports, scenes or figures.
 
 mod cdr;
+mod container;
 mod error;
 mod log;
 mod messages;
 mod metadata;
 mod reader;
 mod standard;
+mod ticks;
 mod topics;
+mod wire;
 mod writer;
 
 pub use error::RecordError;
@@ -23,6 +26,8 @@ pub use log::{
     RunLog, Sample, Shape, SolidInfo,
 };
 pub use reader::read;
+pub use ticks::{CoilPulse, DeviceTick};
+pub use wire::{Capture, Direction, WireBytes, read_capture};
 pub use writer::Recorder;
 
 /// Version of the log layout, kept in the run metadata. A reader refuses others.
@@ -40,4 +45,6 @@ const MODEL_TOPIC: &str = "/softlimb/model";
 const TRUTH_TOPIC: &str = "/softlimb/truth";
 const FAULT_TOPIC: &str = "/softlimb/fault";
 const OUTPUTS_TOPIC: &str = "/softlimb/outputs";
+const WIRE_TOPIC: &str = "/softlimb/wire";
+const TICKS_TOPIC: &str = "/softlimb/ticks";
 const SHAPE_TOPIC: &str = "/softlimb/shape";

@@ -21,18 +21,24 @@ use std::path::Path;
 /// file or the message that is at fault.
 pub fn read(path: impl AsRef<Path>) -> Result<RunLog, RecordError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(RecordError::file("read", path))?;
-    if !bytes.starts_with(mcap::MAGIC) {
-        return Err(RecordError::NotMcap { path: path.to_owned() });
-    }
+    let bytes = read_bytes(path)?;
     let mut log = PartialLog::default();
     let stop = for_each_record(&bytes, |record| log.take(record))?;
     log.into_run(path, stop)
 }
 
+/// The bytes of a file that begins as an MCAP file does.
+///
+/// # Errors
+/// [`RecordError::File`], [`RecordError::NotMcap`].
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
+    let bytes = std::fs::read(path).map_err(RecordError::file("read", path))?;
+    if bytes.starts_with(mcap::MAGIC) { Ok(bytes) } else { Err(RecordError::NotMcap { path: path.to_owned() }) }
+}
+
 /// Feeds every record to `take`. Where the container stops being readable, the
 /// reason is the value: everything before it counts.
-fn for_each_record(
+pub(super) fn for_each_record(
     bytes: &[u8],
     mut take: impl FnMut(Record<'_>) -> Result<(), RecordError>,
 ) -> Result<Option<mcap::McapError>, RecordError> {

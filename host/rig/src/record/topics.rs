@@ -1,7 +1,7 @@
 //! The topics of a log, declared once when it is opened.
 
 use super::RunInfo;
-use super::messages::{DEFORMATION, FAULT, MessageType, OUTPUTS, SHAPE, TELEMETRY, TRUTH};
+use super::messages::{DEFORMATION, FAULT, MessageType, OUTPUTS, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE};
 use super::standard::{FLUID_PRESSURE, JOINT_STATE, pressure_topic};
 use std::collections::BTreeMap;
 
@@ -14,6 +14,9 @@ pub(super) struct Topics {
     pub(super) fault: u16,
     pub(super) outputs: u16,
     pub(super) shape: u16,
+    pub(super) wire: u16,
+    /// That of the ticks; `None` until the first time: only simulated and emulated devices show them.
+    pub(super) ticks: Option<u16>,
     /// One per pressure channel.
     pub(super) pressure: Vec<u16>,
     /// Setpoint, modelled.
@@ -37,6 +40,11 @@ impl Observed {
             achieved: declare(mcap, "/softlimb/modules/achieved", JOINT_STATE)?,
         })
     }
+}
+
+/// Declares the topic of the ticks.
+pub(super) fn declare_ticks<W: std::io::Write + std::io::Seek>(mcap: &mut mcap::Writer<W>) -> mcap::McapResult<u16> {
+    declare(mcap, super::TICKS_TOPIC, TICKS)
 }
 
 fn declare<W: std::io::Write + std::io::Seek>(
@@ -64,6 +72,8 @@ impl Topics {
             fault: declare(super::FAULT_TOPIC, FAULT)?,
             outputs: declare(super::OUTPUTS_TOPIC, OUTPUTS)?,
             shape: declare(super::SHAPE_TOPIC, SHAPE)?,
+            wire: declare(super::WIRE_TOPIC, WIRE)?,
+            ticks: None,
             pressure: (0..info.channel_count())
                 .map(|channel| declare(&pressure_topic(channel), FLUID_PRESSURE))
                 .collect::<Result<_, _>>()?,

@@ -1,22 +1,25 @@
 //! Writes a run while it happens.
 
+use super::container::{options, partial_path, write_opening};
 use super::messages::{Truth, encode_deformation, encode_fault, encode_outputs, encode_shape, encode_telemetry};
-use super::metadata::{check_modules, end_metadata, run_metadata};
+use super::metadata::{check_modules, end_metadata};
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
-use super::topics::{Observed, Topics};
-use super::{FaultRecord, LinkSummary, OutputSample, RecordError, RunInfo, Sample, Shape};
+use super::ticks::{encode_ticks, first_row};
+use super::topics::{Observed, Topics, declare_ticks};
+use super::wire::encode_wire;
+use super::{DeviceTick, FaultRecord, LinkSummary, OutputSample, RecordError, RunInfo, Sample, Shape, WireBytes};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-/// Log time between two closed chunks, s: what a kill can cost at most.
-const CHUNK_S: f64 = 0.5;
+/// Log time between two closed chunks, s. With the wait for the next sample a kill costs half a second at most.
+const CHUNK_S: f64 = 0.4;
 
 /// A run being written.
 ///
 /// The file is `<path>.partial` until [`finish`](Self::finish) gives it its name.
 /// A recorder that is dropped instead leaves that file, closed and readable.
-/// Twice a second of log time everything so far is handed to the operating system as
+/// Every 0.4 s of log time everything so far is handed to the operating system as
 /// a closed chunk, so a killed process loses no more than that.
 pub struct Recorder {
     mcap: mcap::Writer<BufWriter<File>>,
@@ -26,7 +29,10 @@ pub struct Recorder {
     partial: PathBuf,
     samples: u32,
     others: u32,
+    /// Start of the open chunk on the clock of the run, s.
     chunk_start_s: Option<f64>,
+    /// The same on the host's clock, by the bytes of the link.
+    chunk_start_us: Option<u64>,
     standard_slot: Option<i64>,
     /// Digital outputs that were written last.
     outputs: Option<OutputSample>,
@@ -59,6 +65,7 @@ impl Recorder {
             samples: 0,
             others: 0,
             chunk_start_s: None,
+            chunk_start_us: None,
             standard_slot: None,
             outputs: None,
         })
@@ -126,6 +133,39 @@ impl Recorder {
         self.write_other(self.topics.shape, at, &encode_shape(at, shape))
     }
 
+    /// Appends bytes of the link.
+    ///
+    /// # Errors
+    /// [`RecordError::Container`] when the disk refuses.
+    pub fn wire(&mut self, wire: &WireBytes) -> Result<(), RecordError> {
+        let start_us = *self.chunk_start_us.get_or_insert(wire.host_us);
+        if wire.host_us.saturating_sub(start_us) as f64 * 1e-6 >= CHUNK_S {
+            self.close_chunk()?;
+        }
+        let at = self.stamp(wire.host_us as f64 * 1e-6);
+        self.write_other(self.topics.wire, at, &encode_wire(at, wire))
+    }
+
+    /// Appends control ticks of a simulated or emulated device.
+    ///
+    /// # Errors
+    /// [`RecordError::Container`] when the disk refuses.
+    pub fn ticks(&mut self, ticks: &[DeviceTick], at_pins: bool) -> Result<(), RecordError> {
+        let mut rest = ticks;
+        while let Some(first) = rest.first() {
+            let topic = match self.topics.ticks {
+                Some(topic) => topic,
+                None => declare_ticks(&mut self.mcap).map_err(RecordError::container("declaring the topics"))?,
+            };
+            self.topics.ticks = Some(topic);
+            let at = self.stamp(first.device_us as f64 * 1e-6);
+            let (row, others) = first_row(rest);
+            self.write_other(topic, at, &encode_ticks(at, row, at_pins))?;
+            rest = others;
+        }
+        Ok(())
+    }
+
     /// Ends the log: link counters, wall-clock time in s, index, and its final name.
     ///
     /// # Errors
@@ -166,10 +206,15 @@ impl Recorder {
         let start_s = *self.chunk_start_s.get_or_insert(time_s);
         // The absolute value: a device whose clock restarted still gets its chunks closed.
         if (time_s - start_s).abs() >= CHUNK_S {
+            self.close_chunk()?;
             self.chunk_start_s = Some(time_s);
-            self.mcap.flush().map_err(RecordError::container("closing a chunk"))?;
         }
         Ok(())
+    }
+
+    fn close_chunk(&mut self) -> Result<(), RecordError> {
+        (self.chunk_start_s, self.chunk_start_us) = (None, None);
+        self.mcap.flush().map_err(RecordError::container("closing a chunk"))
     }
 
     /// Time of the run as ns since 1970, not before it.
@@ -219,36 +264,4 @@ impl std::fmt::Debug for Recorder {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Recorder").field("path", &self.path).field("samples", &self.samples).finish_non_exhaustive()
     }
-}
-
-/// Chunks are held back until they are whole, so that the file is at every moment
-/// the beginning of a valid one: no lengths to be filled in later. They are closed by
-/// time and never by size, so that a sample is never torn between two of them.
-fn options() -> mcap::WriteOptions {
-    mcap::WriteOptions::new()
-        .profile("ros2")
-        .library(concat!("softlimb ", env!("CARGO_PKG_VERSION")))
-        .disable_seeking(true)
-        .chunk_size(None)
-}
-
-fn write_opening<W: std::io::Write + std::io::Seek>(
-    mcap: &mut mcap::Writer<W>,
-    info: &RunInfo,
-) -> mcap::McapResult<()> {
-    mcap.write_metadata(&mcap::records::Metadata { name: super::RUN_METADATA.into(), metadata: run_metadata(info) })?;
-    mcap.attach(&mcap::Attachment {
-        log_time: info.start_unix_ns,
-        create_time: info.start_unix_ns,
-        name: super::SCENE_ATTACHMENT.into(),
-        media_type: "application/toml".into(),
-        data: info.scene_text.as_bytes().into(),
-    })?;
-    mcap.flush()
-}
-
-fn partial_path(path: &Path) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".partial");
-    name.into()
 }

@@ -7,7 +7,6 @@ use softlimb_sim::plant::Truth;
 use super::Progress;
 use super::hanging::Hanging;
 use super::prepared::Origin;
-use super::recording::Traffic;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
     ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo, RunInfo,
@@ -256,12 +255,16 @@ fn solids(scene: &Scene) -> Vec<SolidInfo> {
 }
 
 /// The link's counters in the terms of the log.
-pub(super) fn link_summary(statistics: &LinkStatistics, traffic: Traffic, telemetry_lost: u64) -> LinkSummary {
+pub(super) fn link_summary(
+    statistics: &LinkStatistics,
+    (bytes_sent, bytes_received): (u64, u64),
+    telemetry_lost: u64,
+) -> LinkSummary {
     LinkSummary {
         frames_sent: statistics.frames_sent,
         frames_received: u64::from(statistics.received.accepted),
-        bytes_sent: traffic.sent,
-        bytes_received: traffic.received,
+        bytes_sent,
+        bytes_received,
         retransmitted: statistics.messages_repeated + statistics.setpoints_repeated,
         crc_errors: u64::from(statistics.received.crc),
         telemetry_lost,

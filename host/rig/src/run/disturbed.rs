@@ -2,7 +2,8 @@
 
 use softlimb_sim::plant::Truth;
 
-use super::recording::{Bench, Traffic};
+use super::recording::Bench;
+use super::tape::Tape;
 use crate::link::{DisturbedLink, LinkFaults};
 
 /// A device behind a link with faults; without them the link is the port itself.
@@ -15,7 +16,11 @@ impl<B: Bench> Bench for DisturbedLink<B> {
         self.port().truth_at(device_us)
     }
 
-    fn traffic(&self) -> Traffic {
-        self.port().traffic()
+    fn tape(&mut self) -> &mut Tape {
+        self.port_mut().tape()
+    }
+
+    fn is_at_pins(&self) -> bool {
+        self.port().is_at_pins()
     }
 }

@@ -7,6 +7,7 @@ mod hanging;
 mod observed;
 mod prepared;
 mod recording;
+mod tape;
 mod unobserved;
 
 use std::path::{Path, PathBuf};
@@ -162,7 +163,7 @@ fn simulated(
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let device = Observed::new(simulated_device((plant, limb), options.seed, &options.mcu)?);
+    let device = Observed::recording(simulated_device((plant, limb), options.seed, &options.mcu)?);
     let mut link = disturbed(device, options.link_faults, options.seed);
     let session = Session { number: SESSION, origin: Origin::Simulated { seed: options.seed }, out: &options.out };
     let assembler = prepared.assembler(plant, limb);

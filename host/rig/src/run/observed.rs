@@ -6,8 +6,10 @@ use std::io;
 use softlimb_sim::plant::Truth;
 use softlimb_sim::{EmulatorError, Processor, SimulatedMcu};
 
-use super::recording::{Bench, Traffic};
+use super::recording::Bench;
+use super::tape::Tape;
 use crate::link::Transport;
+use crate::record::{CoilPulse, DeviceTick};
 
 /// Ticks the observer remembers: longer than any telemetry message takes to arrive.
 const MEMORY: usize = 256;
@@ -16,12 +18,17 @@ const MEMORY: usize = 256;
 pub(super) struct Observed {
     device: SimulatedMcu<Box<dyn Processor>>,
     seen: VecDeque<(u64, Truth)>,
-    traffic: Traffic,
+    tape: Tape,
 }
 
 impl Observed {
     pub(super) fn new(device: SimulatedMcu<Box<dyn Processor>>) -> Self {
-        Self { device, seen: VecDeque::with_capacity(MEMORY), traffic: Traffic::default() }
+        Self { device, seen: VecDeque::with_capacity(MEMORY), tape: Tape::default() }
+    }
+
+    /// The same for a run with a log.
+    pub(super) fn recording(device: SimulatedMcu<Box<dyn Processor>>) -> Self {
+        Self { tape: Tape::recording(), ..Self::new(device) }
     }
 
     /// Why the device does not run any more, if it does not.
@@ -38,6 +45,7 @@ impl Observed {
             self.seen.pop_front();
         }
         self.seen.push_back((time_us, self.device.truth()));
+        self.tape.tick(latest_tick(&self.device));
     }
 }
 
@@ -48,8 +56,12 @@ impl Bench for Observed {
         Some(self.seen[index].1.clone())
     }
 
-    fn traffic(&self) -> Traffic {
-        self.traffic
+    fn tape(&mut self) -> &mut Tape {
+        &mut self.tape
+    }
+
+    fn is_at_pins(&self) -> bool {
+        self.device.processor().is_at_pins()
     }
 }
 
@@ -59,14 +71,14 @@ impl Transport for Observed {
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.traffic.sent += bytes.len() as u64;
+        self.tape.sent(Transport::now_us(&self.device), bytes);
         self.device.send(bytes)
     }
 
     fn receive(&mut self, into: &mut Vec<u8>) -> io::Result<()> {
         let before = into.len();
         self.device.receive(into)?;
-        self.traffic.received += (into.len() - before) as u64;
+        self.tape.received(Transport::now_us(&self.device), &into[before..]);
         Ok(())
     }
 
@@ -76,5 +88,26 @@ impl Transport for Observed {
             self.device.advance_to(tick_us);
             self.look();
         }
+    }
+}
+
+/// Inputs and outputs of the latest tick.
+fn latest_tick(device: &SimulatedMcu<Box<dyn Processor>>) -> DeviceTick {
+    let (inputs, outputs) = (device.inputs(), device.outputs());
+    let codes = inputs.pressure.iter().take(device.channels()).chain([&inputs.supply]);
+    let energized = (0..).zip(outputs.valves).filter(|(_, pulse)| pulse.fill_us > 0 || pulse.vent_us > 0);
+    let pulse = |(channel, pulse): (u8, softlimb_sim::ValvePulse)| CoilPulse {
+        channel,
+        fill_us: pulse.fill_us,
+        vent_us: pulse.vent_us,
+    };
+    DeviceTick {
+        device_us: inputs.now_us,
+        codes: codes.map(|code| code.0).collect(),
+        stop_pressed: inputs.emergency_stop,
+        supply_open: outputs.supply_open,
+        pump_duty: outputs.pump_duty,
+        outputs: outputs.digital.bits(),
+        pulses: energized.map(pulse).collect(),
     }
 }

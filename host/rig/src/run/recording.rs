@@ -9,25 +9,27 @@ use softlimb_sim::plant::Truth;
 
 use super::assemble::{Assembler, Seen, link_summary};
 use super::prepared::{Origin, Prepared};
+use super::tape::Tape;
 use super::{Progress, RunError, RunFiles, write_report};
 use crate::link::{Event, LinkStatistics, Transport};
 use crate::record;
 use crate::record::{LinkSummary, Recorder, RunInfo};
+
+/// Ticks in a message of the log, at least: fewer would weigh less than their header.
+const TICKS: usize = 20;
 
 /// A device under a run, with whoever looks on.
 pub(super) trait Bench: Transport {
     /// The truth at a device time, us, where somebody sees it.
     fn truth_at(&self, device_us: u64) -> Option<Truth>;
 
-    /// Traffic of the link so far.
-    fn traffic(&self) -> Traffic;
-}
+    /// Bytes of the link, and ticks of a device that shows them.
+    fn tape(&mut self) -> &mut Tape;
 
-/// Bytes handed over, each way.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Traffic {
-    pub(super) sent: u64,
-    pub(super) received: u64,
+    /// Whether the outputs of the ticks are those of pins.
+    fn is_at_pins(&self) -> bool {
+        false
+    }
 }
 
 /// A session with a device, and the destination of its record.
@@ -59,7 +61,8 @@ pub(super) fn recorded<D: Bench>(
             on_progress(progress);
         }
     });
-    let link = link_summary(&recording.statistics, device.traffic(), recording.gaps.lost);
+    recording.take_tape(device, 0);
+    let link = link_summary(&recording.statistics, device.tape().traffic(), recording.gaps.lost);
     let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
     match (ended, logged) {
         (Ok(_), true) => finish_report(&path),
@@ -112,15 +115,33 @@ impl<'a> Recording<'a> {
     }
 
     /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
-    fn take(&mut self, device: &impl Bench, event: Event) -> Option<Progress> {
-        match self.note(device, event) {
-            Ok(progress) => progress,
-            Err(error) => {
+    fn take(&mut self, device: &mut impl Bench, event: Event) -> Option<Progress> {
+        let noted = self.note(device, event);
+        let progress = self.unless_lost(noted).flatten();
+        self.take_tape(device, TICKS);
+        progress
+    }
+
+    /// Takes what was said since the last time, with ticks where there are at least so many; before there is a log it stays on the tape.
+    fn take_tape(&mut self, device: &mut impl Bench, ticks_min: usize) {
+        if self.recorder.is_none() && self.failure.is_none() {
+            return;
+        }
+        let at_pins = device.is_at_pins();
+        let (wire, ticks) = (device.tape().take_wire(), device.tape().take_ticks(ticks_min));
+        let Some(recorder) = &mut self.recorder else { return };
+        let taken = wire.iter().try_for_each(|wire| recorder.wire(wire)).and_then(|()| recorder.ticks(&ticks, at_pins));
+        self.unless_lost(taken.map_err(RunError::from));
+    }
+
+    /// What came of writing to the log; there is none any more once that has failed.
+    fn unless_lost<T>(&mut self, written: Result<T, RunError>) -> Option<T> {
+        written
+            .map_err(|error| {
                 self.recorder = None;
                 self.failure.get_or_insert(error);
-                None
-            }
-        }
+            })
+            .ok()
     }
 
     fn note(&mut self, device: &impl Bench, event: Event) -> Result<Option<Progress>, RunError> {

@@ -4,18 +4,19 @@ use std::io;
 
 use softlimb_sim::plant::Truth;
 
-use super::recording::{Bench, Traffic};
+use super::recording::Bench;
+use super::tape::Tape;
 use crate::link::Transport;
 
-/// A port whose bytes are counted.
+/// A port whose bytes are kept for the log.
 pub(super) struct Unobserved<T> {
     port: T,
-    traffic: Traffic,
+    tape: Tape,
 }
 
 impl<T> Unobserved<T> {
     pub(super) fn new(port: T) -> Self {
-        Self { port, traffic: Traffic::default() }
+        Self { port, tape: Tape::recording() }
     }
 }
 
@@ -24,8 +25,8 @@ impl<T: Transport> Bench for Unobserved<T> {
         None
     }
 
-    fn traffic(&self) -> Traffic {
-        self.traffic
+    fn tape(&mut self) -> &mut Tape {
+        &mut self.tape
     }
 }
 
@@ -36,14 +37,14 @@ impl<T: Transport> Transport for Unobserved<T> {
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.port.send(bytes)?;
-        self.traffic.sent += bytes.len() as u64;
+        self.tape.sent(self.port.now_us(), bytes);
         Ok(())
     }
 
     fn receive(&mut self, into: &mut Vec<u8>) -> io::Result<()> {
         let before = into.len();
         self.port.receive(into)?;
-        self.traffic.received += (into.len() - before) as u64;
+        self.tape.received(self.port.now_us(), &into[before..]);
         Ok(())
     }
 
