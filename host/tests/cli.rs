@@ -9,6 +9,7 @@ mod files;
 mod finite_elements;
 mod labels;
 mod learn;
+mod logs;
 mod output;
 mod run;
 mod scenes;

@@ -31,10 +31,12 @@ mod error;
 mod line;
 mod mcu;
 mod noise;
+mod rerun;
 mod settings;
 
 pub use error::{EmulatorError, SimError};
 pub use mcu::{Here, Processor, SimulatedMcu, here};
+pub use rerun::Rerun;
 pub use settings::{LineFaults, SimSettings};
-pub use softlimb_firmware::ValvePulse;
+pub use softlimb_firmware::{AdcCode, TickInputs, TickOutputs, ValvePulse};
 pub use softlimb_plant as plant;

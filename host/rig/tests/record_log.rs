@@ -2,7 +2,7 @@
 
 use softlimb_rig::record;
 use softlimb_rig::record::{
-    Capture, CoilPulse, DeviceTick, Direction, LinkSummary, RecordError, Recorder, RunLog, WireBytes,
+    Capture, CoilPulse, DeviceTick, Direction, LinkSummary, RecordError, Recorder, Recovered, RunLog, WireBytes,
 };
 use std::path::Path;
 
@@ -155,6 +155,72 @@ fn bytes_of_the_link_and_ticks_come_back_and_are_on_the_disk_without_a_sample() 
     recorder.finish(LinkSummary::default(), None).unwrap();
     assert_eq!(record::read_capture(&path).unwrap(), Capture { wire, ticks, at_pins: true });
     assert_eq!(record::read(&path).unwrap().samples, []);
+}
+
+/// What `recover` makes of a file.
+fn recovered(bytes: &[u8]) -> (Recovered, RunLog) {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, out) = (folder.path().join("cut.mcap"), folder.path().join("out.mcap"));
+    std::fs::write(&log, bytes).unwrap();
+    let recovered = record::recover(&log, &out).unwrap();
+    (recovered, record::read(&out).unwrap())
+}
+
+#[test]
+fn recovery_keeps_all_samples_but_the_last_of_a_log_cut_off_anywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let run = crate::synthetic_run::run();
+    write(&run, &path);
+    let whole = std::fs::read(&path).unwrap();
+    let (_, finished) = recovered(&whole);
+    assert_eq!((finished.samples == run.samples, finished.incomplete), (true, None));
+    for cut in (whole.len() / 20..whole.len()).step_by(whole.len() / 37) {
+        let (found, log) = recovered(&whole[..cut]);
+        assert_eq!(log.samples, run.samples[..log.samples.len()], "cut at {cut}");
+        // In the index behind the last record nothing of the run is lost.
+        assert_eq!(log.incomplete.is_none(), found.was_finished, "cut at {cut}: {:?}", log.incomplete);
+        assert!(found.chunks_damaged == 0 && (!found.was_finished || log.samples == run.samples), "{found:?}");
+        // The reader without recovery has the closed chunks. All in the open one but its last sample is there too.
+        std::fs::write(&path, &whole[..cut]).unwrap();
+        let closed = record::read(&path).unwrap().samples.len();
+        assert!(
+            log.samples.len() >= closed && (found.unchecked > 0) == (log.samples.len() > closed),
+            "cut at {cut}: {found:?}"
+        );
+        let share = log.samples.len() as f64 / run.samples.len() as f64;
+        assert!((share - cut as f64 / whole.len() as f64).abs() < 0.02, "cut at {cut}: {share}");
+    }
+}
+
+#[test]
+fn recovery_leaves_a_damaged_chunk_out_and_keeps_those_behind_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let run = crate::synthetic_run::run();
+    write(&run, &path);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    let (found, log) = recovered(&bytes);
+    assert_eq!((found.chunks_damaged, found.was_finished), (1, true));
+    let lost = run.samples.len() - log.samples.len();
+    assert!((1..=50).contains(&lost), "{lost} samples lost");
+    assert_eq!(log.samples.last(), run.samples.last());
+    let kept = run.samples.iter().filter(|sample| log.samples.contains(sample)).count();
+    assert_eq!(kept, log.samples.len());
+}
+
+#[test]
+fn recovery_refuses_what_is_no_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, out) = (folder.path().join("x"), folder.path().join("out.mcap"));
+    assert!(matches!(record::recover(&log, &out), Err(RecordError::File { .. })));
+    std::fs::write(&log, b"text").unwrap();
+    assert!(matches!(record::recover(&log, &out), Err(RecordError::NotMcap { .. })));
+    std::fs::write(&log, b"\x89MCAP0\r\n").unwrap();
+    assert!(matches!(record::recover(&log, &out), Err(RecordError::NotARun { .. })));
+    assert!(!out.exists());
 }
 
 #[test]

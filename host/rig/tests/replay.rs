@@ -3,8 +3,12 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use softlimb_protocol::{Decoder, DeviceMessage, HostMessage, Message};
+use softlimb_protocol::{
+    Decoder, DeviceMessage, DeviceState, HostMessage, MAX_FRAME_LEN, Message, Telemetry, encode_frame,
+};
+use softlimb_rig::link::LinkFaults;
 use softlimb_rig::record::{Capture, Direction, read_capture};
+use softlimb_rig::replay::{Replay, ReplayError, replay};
 use softlimb_rig::run::{Mcu, RunFiles, RunOptions, run};
 use softlimb_scene::parse;
 
@@ -19,8 +23,12 @@ phase = [{ name = "p", duration = 0.4, targets = { a = { pressure = "20 kPa" } }
 "#;
 
 fn ran(folder: &Path) -> RunFiles {
+    ran_with(folder, None)
+}
+
+fn ran_with(folder: &Path, link_faults: Option<LinkFaults>) -> RunFiles {
     let scene = parse(ONE_FINGER, "minimal.toml").unwrap();
-    let options = RunOptions { seed: 3, out: folder.to_owned(), mcu: Mcu::Here, link_faults: None };
+    let options = RunOptions { seed: 3, out: folder.to_owned(), mcu: Mcu::Here, link_faults };
     run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap()
 }
 
@@ -52,4 +60,110 @@ fn log_holds_every_byte_of_the_link_and_every_tick() {
     assert!((0..).step_by(1_000).zip(&capture.ticks).all(|(us, tick)| tick.device_us == us && tick.codes.len() == 2));
     assert!(capture.ticks.iter().any(|tick| tick.pulses.iter().any(|pulse| pulse.fill_us > 0)));
     assert!(capture.ticks.iter().any(|tick| tick.supply_open && tick.outputs == 1));
+}
+
+/// The capture of a run.
+fn captured(link_faults: Option<LinkFaults>) -> Capture {
+    let folder = tempfile::tempdir().unwrap();
+    read_capture(ran_with(folder.path(), link_faults).log).unwrap()
+}
+
+/// The capture of a device that does not show its ticks.
+fn of_a_device(capture: &Capture) -> Capture {
+    Capture { ticks: Vec::new(), ..capture.clone() }
+}
+
+/// Changes the first measurement of a running device later than a time, in its frame; the device's time of it, us.
+fn forge(capture: &mut Capture, after_us: u64, change: impl Fn(&mut Telemetry)) -> u64 {
+    for wire in capture.wire.iter_mut().filter(|wire| wire.direction == Direction::ToHost) {
+        let (mut decoder, mut frame) = (Decoder::<DeviceMessage>::new(), [0; MAX_FRAME_LEN]);
+        let found = wire.bytes.iter().enumerate().find_map(|(end, &byte)| match decoder.push(byte)?.unwrap() {
+            softlimb_protocol::Frame { seq, message: DeviceMessage::Telemetry(telemetry) } => {
+                let wanted = telemetry.time_us > after_us && telemetry.state == DeviceState::Running;
+                wanted.then_some((end, seq, telemetry))
+            }
+            _ => None,
+        });
+        if let Some((end, seq, mut telemetry)) = found {
+            let time_us = telemetry.time_us;
+            let length = encode_frame(&DeviceMessage::from(telemetry.clone()), seq, &mut frame).unwrap();
+            change(&mut telemetry);
+            assert_eq!(encode_frame(&DeviceMessage::from(telemetry), seq, &mut frame), Ok(length));
+            wire.bytes[end + 1 - length..=end].copy_from_slice(&frame[..length]);
+            return time_us;
+        }
+    }
+    panic!("no whole measurement in one piece")
+}
+
+#[track_caller]
+fn differs(replay: &Replay, device_us: u64, at: &str) {
+    let difference = replay.difference.as_ref().unwrap_or_else(|| panic!("no difference: {replay:?}"));
+    assert_eq!((difference.device_us, difference.at.as_str()), (device_us, at), "{difference:?}");
+}
+
+#[test]
+fn rerun_gives_every_coil_and_every_message_of_the_log() {
+    for link_faults in [None, Some("loss=0.05,flip=0.02,duplicate=0.02".parse().unwrap())] {
+        let capture = captured(link_faults);
+        let replay = replay(&capture).unwrap();
+        assert_eq!(replay.difference, None);
+        assert!(replay.is_exact);
+        let messages = messages::<DeviceMessage>(&capture, Direction::ToHost).len() as u64;
+        assert_eq!((replay.ticks, replay.ticks_compared), (capture.ticks.len() as u64, capture.ticks.len() as u64));
+        assert_eq!((replay.messages, replay.messages_missing), (messages, 0));
+    }
+}
+
+#[test]
+fn first_difference_is_told_with_its_time_and_place() {
+    let whole = captured(None);
+    // One converter code off by one: the pressure of that tick is reported if it is a tick of a report, and remembered if not.
+    let mut capture = whole.clone();
+    let pulse =
+        |capture: &Capture| capture.ticks.iter().position(|tick| tick.pulses.iter().any(|pulse| pulse.fill_us > 0));
+    let index = pulse(&capture).unwrap();
+    capture.ticks[index].codes[0] += 40;
+    assert!(replay(&capture).unwrap().difference.unwrap().device_us >= capture.ticks[index].device_us);
+    // A coil time.
+    let mut capture = whole.clone();
+    capture.ticks[index].pulses[0].fill_us -= 1;
+    differs(&replay(&capture).unwrap(), capture.ticks[index].device_us, "channel 0, coils");
+    // A message of the device.
+    let mut capture = whole.clone();
+    let time_us = forge(&mut capture, 0, |telemetry| telemetry.channels[0].duty ^= 1);
+    differs(&replay(&capture).unwrap(), time_us, "channel 0, duty, 1/127");
+    let mut capture = whole;
+    let time_us = forge(&mut capture, 0, |telemetry| telemetry.supply_10pa += 1);
+    differs(&replay(&capture).unwrap(), time_us, "supply, 10 Pa");
+}
+
+#[test]
+fn without_ticks_what_follows_from_the_frames_of_the_host_is_compared() {
+    let whole = captured(None);
+    let device = of_a_device(&whole);
+    let rerun = replay(&device).unwrap();
+    assert_eq!(rerun.difference, None);
+    assert!(!rerun.is_exact && rerun.ticks_compared == 0 && rerun.messages > 50, "{rerun:?}");
+    // What depends on the sensors is not compared, but what the knots and the state decide is.
+    let mut capture = device.clone();
+    forge(&mut capture, 0, |telemetry| telemetry.channels[0].duty ^= 1);
+    assert_eq!(replay(&capture).unwrap().difference, None);
+    let mut capture = device.clone();
+    let start_us = rerun.start_us.unwrap();
+    let time_us = forge(&mut capture, start_us + 100_000, |telemetry| telemetry.channels[0].reference_10pa += 1);
+    differs(&replay(&capture).unwrap(), time_us, "channel 0, reference, 10 Pa");
+    let mut capture = device;
+    let time_us = forge(&mut capture, 0, |telemetry| telemetry.free_knots += 1);
+    differs(&replay(&capture).unwrap(), time_us, "free places for knots");
+}
+
+#[test]
+fn log_without_a_beginning_is_refused() {
+    assert_eq!(replay(&Capture::default()), Err(ReplayError::NoWire));
+    let mut capture = captured(None);
+    let hello = capture.wire.iter().position(|wire| wire.direction == Direction::ToHost).unwrap();
+    capture.wire.drain(..=hello);
+    let later = replay(&capture);
+    assert!(matches!(later, Err(ReplayError::NoHello)), "{later:?}");
 }

@@ -10,6 +10,7 @@ mod completions;
 mod design;
 mod device;
 mod eval;
+mod export;
 mod fabricate;
 mod failure;
 pub mod fea;
@@ -17,6 +18,9 @@ mod interrupt;
 mod learn;
 mod payload;
 mod port;
+mod record;
+mod recover;
+mod replay;
 mod report;
 mod retired;
 mod run;
@@ -66,6 +70,10 @@ enum Verb {
     Check(check::Check),
     Run(run::Run),
     Report(report::Report),
+    Replay(replay::Replay),
+    Export(export::Export),
+    Recover(recover::Recover),
+    Record(record::Record),
     Device(device::Device),
     Eval(eval::Eval),
     Design(design::Design),
@@ -86,6 +94,10 @@ impl Verb {
             Self::Check(verb) => verb.run(),
             Self::Run(verb) => verb.run(),
             Self::Report(verb) => verb.run(),
+            Self::Replay(verb) => verb.run(),
+            Self::Export(verb) => verb.run(),
+            Self::Recover(verb) => verb.run(),
+            Self::Record(verb) => verb.run(),
             Self::Device(verb) => verb.run(),
             Self::Eval(verb) => verb.run(),
             Self::Design(verb) => verb.run(),

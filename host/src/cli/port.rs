@@ -46,8 +46,14 @@ pub(super) struct DevicePort {
 impl DevicePort {
     /// The address, and the open port.
     pub(super) fn open(&self) -> Result<(PortAddress, Port), Failure> {
+        let address = self.address()?;
+        Port::open(&address).map(|port| (address, port)).map_err(Failure::new)
+    }
+
+    /// The address.
+    pub(super) fn address(&self) -> Result<PortAddress, Failure> {
         match at_baud(&self.port, self.baud)? {
-            Address::Port(address) => Port::open(&address).map(|port| (address, port)).map_err(Failure::new),
+            Address::Port(address) => Ok(address),
             other => Err(Failure::wrong_line(format!(
                 "--port {other} is no port: start `softlimb device serve SCENE` and give the address that it prints"
             ))),

@@ -8,7 +8,7 @@ use clap::Command;
 use crate::cli::desk::Desk;
 
 /// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 26] = [
+const PARSED_ONLY: [&str; 30] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -21,6 +21,10 @@ const PARSED_ONLY: [&str; 26] = [
     "fea run",
     "fea calibrate",
     "report",
+    "replay",
+    "export",
+    "recover",
+    "record",
     "eval --batch",
     "workspace",
     "tolerance",

@@ -14,12 +14,12 @@ mod flashed;
 mod flashed;
 mod halt;
 mod lock_step;
-#[cfg(unix)]
 mod pins;
 mod qemu;
 #[cfg(unix)]
 mod remote;
 
+pub use channels::Pins;
 pub use flashed::Flashed;
 pub use halt::Halt;
 pub use lock_step::{Cost, LockStep};

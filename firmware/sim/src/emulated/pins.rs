@@ -25,10 +25,13 @@ fn slots_on(slots: &[Words; SLOTS], pin: Pin) -> u16 {
 }
 
 /// The words of both halves and which one is in use, as they lie in the memory of the device.
+#[cfg(unix)]
 pub(super) const COILS_LEN: usize = 2 * HALF_LEN + 4;
+#[cfg(unix)]
 const HALF_LEN: usize = 4 * PORTS * SLOTS;
 
 /// The slots in use; `None` where the bytes are too few or name no half.
+#[cfg(unix)]
 pub(super) fn active(coils: &[u8]) -> Option<[Words; SLOTS]> {
     let word = |at: usize| -> Option<u32> { Some(u32::from_le_bytes(coils.get(at..at + 4)?.try_into().ok()?)) };
     let half = word(2 * HALF_LEN).filter(|half| *half < 2)? as usize;
@@ -39,7 +42,7 @@ pub(super) fn active(coils: &[u8]) -> Option<[Words; SLOTS]> {
     Some(slots)
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
     use softlimb_image_stm32f4::schedule::{PumpDensity, schedule};

@@ -13,6 +13,7 @@ mod log;
 mod messages;
 mod metadata;
 mod reader;
+mod recover;
 mod standard;
 mod ticks;
 mod topics;
@@ -26,6 +27,7 @@ pub use log::{
     RunLog, Sample, Shape, SolidInfo,
 };
 pub use reader::read;
+pub use recover::{Recovered, recover};
 pub use ticks::{CoilPulse, DeviceTick};
 pub use wire::{Capture, Direction, WireBytes, read_capture};
 pub use writer::Recorder;
@@ -36,6 +38,8 @@ const FORMAT_VERSION: &str = "1";
 const RUN_METADATA: &str = "softlimb.run";
 /// Name of the metadata record that only a finished log has.
 const END_METADATA: &str = "softlimb.end";
+/// Name of the metadata record that a recovered log has.
+const RECOVERED_METADATA: &str = "softlimb.recovered";
 /// Name of the attachment that carries the scene file.
 const SCENE_ATTACHMENT: &str = "scene.toml";
 

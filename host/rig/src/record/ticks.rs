@@ -2,12 +2,13 @@
 
 use super::cdr::{CdrError, CdrReader};
 use super::messages::{begin, open};
+use serde::Serialize;
 
 const STOP_PRESSED: u8 = 1;
 const SUPPLY_OPEN: u8 = 2;
 
 /// Coil times of one channel in one tick, us.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct CoilPulse {
     /// The channel.
     pub channel: u8,
@@ -18,7 +19,7 @@ pub struct CoilPulse {
 }
 
 /// One control tick of a simulated or emulated device.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct DeviceTick {
     /// The device's clock, us.
     pub device_us: u64,

@@ -6,11 +6,13 @@ use super::messages::{MessageType, TICKS, WIRE, begin, open};
 use super::reader::{for_each_record, read_bytes};
 use super::ticks::{DeviceTick, decode_ticks};
 use mcap::records::Record;
+use serde::Serialize;
 use std::collections::HashMap;
 use std::path::Path;
 
 /// Direction of bytes on the link.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Direction {
     /// From the host to the device.
     ToDevice,
@@ -19,7 +21,7 @@ pub enum Direction {
 }
 
 /// Bytes that the host handed to its port, or took from it, at once.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct WireBytes {
     /// The host's monotonic clock, us.
     pub host_us: u64,
@@ -49,7 +51,7 @@ fn decode_wire(message: &[u8]) -> Result<WireBytes, CdrError> {
 }
 
 /// Link and ticks of a whole log.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Capture {
     /// Bytes of the link in order of time.
     pub wire: Vec<WireBytes>,

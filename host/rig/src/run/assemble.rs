@@ -145,7 +145,8 @@ impl<'a> Assembler<'a> {
     }
 }
 
-fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
+/// Measurements of the channels, with the truth where somebody sees it.
+pub(super) fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
     let measured = message.channels.iter().enumerate();
     measured
         .map(|(index, channel)| ChannelSample {

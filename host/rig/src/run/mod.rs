@@ -4,6 +4,7 @@ mod assemble;
 mod disturbed;
 mod error;
 mod hanging;
+mod listening;
 mod observed;
 mod prepared;
 mod recording;
@@ -31,6 +32,7 @@ use softlimb_scene::Scene;
 
 use disturbed::disturbed;
 pub use error::RunError;
+pub use listening::{Heard, record_behind};
 use observed::Observed;
 pub(crate) use prepared::Prepared;
 pub use prepared::samples;

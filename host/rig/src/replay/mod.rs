@@ -1,0 +1,161 @@
+//! The controller run again on the inputs of a log, and its outputs compared with those of the log, bit for bit.
+//!
+//! The controller is a function of its ticks' times, its converter codes, its emergency stop, and the frames of the host with the tick in which
+//! each was taken. The log of a simulated or emulated device has the first three tick by tick ([`Capture::ticks`]). The tick of a frame is in the
+//! device's answer to it. A device that does not show its ticks leaves the codes open: then what does not depend on them is compared.
+
+mod answers;
+mod difference;
+mod frames;
+mod inputs;
+mod outputs;
+
+use std::collections::BTreeMap;
+
+use softlimb_protocol::{BootCause, CommandCode, DeviceMessage, HelloReply, HostMessage};
+use softlimb_sim::{Rerun, TickInputs};
+
+use crate::record::{Capture, Direction};
+use difference::Compared;
+pub use difference::Difference;
+use frames::Framed;
+use inputs::Inputs;
+use outputs::Coils;
+
+/// Result of a re-run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replay {
+    /// Whether the log has the codes of the converters: all outputs were compared.
+    pub is_exact: bool,
+    /// Ticks that were run again.
+    pub ticks: u64,
+    /// Ticks whose coil times, supply, pump and digital outputs were compared.
+    pub ticks_compared: u64,
+    /// Messages of the device that were compared.
+    pub messages: u64,
+    /// Messages of the re-run that the log does not have: lost on the line, or left out by a device whose queue was full.
+    pub messages_missing: u64,
+    /// Frames of the host without an answer, which the re-run did not get.
+    pub frames_unanswered: u64,
+    /// Device time of the start of the run, us; `None` if none was told.
+    pub start_us: Option<u64>,
+    /// The first difference.
+    pub difference: Option<Difference>,
+}
+
+/// Why a log cannot be run again.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ReplayError {
+    /// The log has no bytes of the link.
+    #[error(
+        "the log has no bytes of the link (topic /softlimb/wire): it is of an earlier build, or of `softlimb record` on a silent line"
+    )]
+    NoWire,
+    /// Nothing in the log says how the device began.
+    #[error("the log holds no answer to a Hello: the re-run has no beginning")]
+    NoHello,
+    /// The device had a history before the log.
+    #[error(
+        "the device had a configuration before the log began, and with it a history that the log does not have; reset the device before a run \
+         that is to be run again"
+    )]
+    NotFresh,
+}
+
+/// Runs the controller again on the inputs of a log.
+///
+/// # Errors
+/// [`ReplayError`].
+pub fn replay(capture: &Capture) -> Result<Replay, ReplayError> {
+    if capture.wire.is_empty() {
+        return Err(ReplayError::NoWire);
+    }
+    let told = frames::framed::<HostMessage>(capture, Direction::ToDevice);
+    let heard = frames::framed::<DeviceMessage>(capture, Direction::ToHost);
+    let hello = heard.iter().find_map(|frame| match &frame.message {
+        DeviceMessage::HelloReply(reply) => Some(reply.clone()),
+        _ => None,
+    });
+    let hello = hello.ok_or(ReplayError::NoHello)?;
+    if hello.config_hash != 0 {
+        return Err(ReplayError::NotFresh);
+    }
+    let (taken, frames_unanswered) = answers::ticks_of(&told, &heard);
+    let start_us = told.iter().rev().find_map(|frame| match &frame.message {
+        HostMessage::Command(command) if command.code == CommandCode::Start => Some(command.time_us),
+        _ => None,
+    });
+    let case = Case { capture, told: &told, heard: &heard, hello: &hello, taken: &taken };
+    let mut best: Option<Replay> = None;
+    // Whether a device that does not show its ticks counts the first one as 0 or as 1 ms, only the comparison tells.
+    for first_us in case.first_ticks() {
+        let replay = Replay { frames_unanswered, start_us, ..case.run(first_us) };
+        let is_better = best.as_ref().is_none_or(|best| best.difference.is_some() && replay.messages > best.messages);
+        if is_better || replay.difference.is_none() {
+            best = Some(replay);
+        }
+        if best.as_ref().is_some_and(|best| best.difference.is_none()) {
+            break;
+        }
+    }
+    best.ok_or(ReplayError::NoHello)
+}
+
+/// A log taken apart.
+struct Case<'a> {
+    capture: &'a Capture,
+    told: &'a [Framed<HostMessage>],
+    heard: &'a [Framed<DeviceMessage>],
+    hello: &'a HelloReply,
+    /// Indices of the host's frames by the tick that took them.
+    taken: &'a BTreeMap<u64, Vec<usize>>,
+}
+
+impl Case<'_> {
+    fn first_ticks(&self) -> Vec<u64> {
+        self.capture.ticks.first().map_or_else(|| vec![1_000, 0], |tick| vec![tick.device_us])
+    }
+
+    fn run(&self, first_us: u64) -> Replay {
+        let is_exact = !self.capture.ticks.is_empty();
+        let cause = self.hello.boot_cause.known().unwrap_or(BootCause::PowerOn);
+        let mut controller = Rerun::new(cause, self.hello.boot_detail);
+        let mut inputs = Inputs::new(self.capture, self.told, self.heard);
+        let mut coils = Coils::new(self.capture.at_pins);
+        let mut compared = Compared::new(self.heard, is_exact);
+        let (mut ticks, mut ticks_compared, mut difference) = (0, 0, None);
+        let last_us = self.last_us();
+        let mut now_us = first_us;
+        while now_us <= last_us && difference.is_none() && !compared.is_over() {
+            let Some(input) = inputs.at(now_us) else { break };
+            let (outputs, sent) = controller.turn(&input, &self.received(&input));
+            ticks += 1;
+            let tick = inputs.tick();
+            difference = tick.and_then(|tick| coils.compare(tick, &outputs));
+            ticks_compared += u64::from(tick.is_some());
+            difference = difference.or_else(|| compared.take(now_us, &sent));
+            now_us += 1_000;
+        }
+        Replay {
+            is_exact,
+            ticks,
+            ticks_compared,
+            messages: compared.matched,
+            messages_missing: compared.missing,
+            frames_unanswered: 0,
+            start_us: None,
+            difference,
+        }
+    }
+
+    fn received(&self, inputs: &TickInputs) -> Vec<u8> {
+        let frames = self.taken.get(&inputs.now_us).into_iter().flatten();
+        frames.flat_map(|&index| self.told[index].bytes.iter().copied()).collect()
+    }
+
+    /// The last tick that the log knows of, us.
+    fn last_us(&self) -> u64 {
+        let shown = self.capture.ticks.last().map(|tick| tick.device_us);
+        shown.or_else(|| self.heard.iter().rev().find_map(|frame| answers::device_us(&frame.message))).unwrap_or(0)
+    }
+}

@@ -1,0 +1,184 @@
+//! A log of whatever a device says, without a scene and without a word to the device.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fra_model::StateQuantity;
+use softlimb_protocol::{Decoder, DeviceMessage, SCHEMA_HASH, Telemetry};
+
+use super::{RunError, unix_ns};
+use crate::link::port::{Port, PortAddress};
+use crate::link::{DeviceFault, LinkError, Transport};
+use crate::record::{
+    Direction, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, Recorder, RunInfo, Sample, WireBytes,
+};
+
+/// Longest wait for bytes between two looks at `stop`, us.
+const LOOK_US: u64 = 50_000;
+
+/// What was heard.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Heard {
+    /// Bytes of the device.
+    pub bytes: u64,
+    /// Measurements in the log.
+    pub samples: u64,
+    /// Measurements with another number of channels than the first: the log has their bytes alone.
+    pub others: u64,
+}
+
+/// Records all bytes, measurements and faults of the device behind a port until `stop`. Says nothing to the device. The setpoint of a channel is the
+/// pressure that its loop tracks.
+///
+/// # Errors
+/// [`RunError`]. A port that is lost ends the log, which is whole.
+pub fn record_behind(port: &PortAddress, log: &Path, stop: &AtomicBool) -> Result<Heard, RunError> {
+    let mut port = Port::open(port)?;
+    let began_us = port.now_us();
+    let mut listener = Listener {
+        log,
+        unix_ns: unix_ns(),
+        recorder: None,
+        channels: 0,
+        zero_us: 0,
+        early: Vec::new(),
+        heard: Heard::default(),
+    };
+    let (mut decoder, mut bytes) = (Decoder::<DeviceMessage>::new(), Vec::new());
+    let mut lost = None;
+    while lost.is_none() && !stop.load(Ordering::Relaxed) {
+        port.wait_until(port.now_us().saturating_add(LOOK_US));
+        bytes.clear();
+        lost = port.receive(&mut bytes).err();
+        if bytes.is_empty() {
+            continue;
+        }
+        listener.wire(WireBytes { host_us: port.now_us(), direction: Direction::ToHost, bytes: bytes.clone() })?;
+        for frame in bytes.iter().filter_map(|&byte| decoder.push(byte)?.ok()) {
+            match frame.message {
+                DeviceMessage::Telemetry(message) => listener.telemetry(&message)?,
+                DeviceMessage::Fault(message) => listener.fault(&message)?,
+                _ => {}
+            }
+        }
+    }
+    let counters = decoder.counters();
+    let link = LinkSummary {
+        frames_received: u64::from(counters.accepted),
+        bytes_received: listener.heard.bytes,
+        crc_errors: u64::from(counters.crc),
+        ..LinkSummary::default()
+    };
+    let wall_s = port.now_us().saturating_sub(began_us) as f64 * 1e-6;
+    let heard = listener.finish(link, wall_s)?;
+    lost.map_or(Ok(heard), |error| Err(RunError::Link(Box::new(LinkError::Port(error)))))
+}
+
+struct Listener<'a> {
+    log: &'a Path,
+    unix_ns: u64,
+    recorder: Option<Recorder>,
+    channels: usize,
+    /// Device time of the first measurement, us.
+    zero_us: u64,
+    /// Bytes before the first measurement, which tells the number of channels.
+    early: Vec<WireBytes>,
+    heard: Heard,
+}
+
+impl Listener<'_> {
+    fn wire(&mut self, wire: WireBytes) -> Result<(), RunError> {
+        self.heard.bytes += wire.bytes.len() as u64;
+        match &mut self.recorder {
+            Some(recorder) => recorder.wire(&wire)?,
+            None => self.early.push(wire),
+        }
+        Ok(())
+    }
+
+    /// Begins the log of a device with so many channels, if it has not begun.
+    fn begin(&mut self, channels: usize) -> Result<(), RunError> {
+        if self.recorder.is_none() {
+            let mut recorder = Recorder::create(self.log, &info(channels, self.unix_ns))?;
+            self.early.drain(..).try_for_each(|wire| recorder.wire(&wire))?;
+            self.channels = channels;
+            self.recorder = Some(recorder);
+        }
+        Ok(())
+    }
+
+    fn telemetry(&mut self, message: &Telemetry) -> Result<(), RunError> {
+        if self.recorder.is_none() {
+            self.zero_us = message.time_us;
+        }
+        let sample = sample(message, self.zero_us);
+        self.begin(sample.channels.len())?;
+        if sample.channels.len() == self.channels {
+            self.heard.samples += 1;
+            self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.sample(&sample))?;
+        } else {
+            self.heard.others += 1;
+        }
+        Ok(())
+    }
+
+    fn fault(&mut self, message: &softlimb_protocol::Fault) -> Result<(), RunError> {
+        let Some(recorder) = &mut self.recorder else { return Ok(()) };
+        let time_s = (message.time_us as f64 - self.zero_us as f64) * 1e-6;
+        let text = DeviceFault::from(message).to_string();
+        let (channel, code, value) = (message.channel, message.code.raw(), message.value);
+        Ok(recorder.fault(&FaultRecord { time_s, channel, code, value, text })?)
+    }
+
+    fn finish(mut self, link: LinkSummary, wall_s: f64) -> Result<Heard, RunError> {
+        self.begin(0)?;
+        self.recorder.map_or(Ok(()), |recorder| recorder.finish(link, Some(wall_s)))?;
+        Ok(self.heard)
+    }
+}
+
+fn info(channels: usize, start_unix_ns: u64) -> RunInfo {
+    let module = |channel| ModuleInfo {
+        name: format!("channel {channel}"),
+        motion: "unknown".to_owned(),
+        quantity: StateQuantity::Pressure,
+        channels: channel..channel + 1,
+    };
+    RunInfo {
+        scene_name: "recorded".to_owned(),
+        scene_text: String::new(),
+        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        firmware_version: String::new(),
+        schema_hash: SCHEMA_HASH,
+        config_hash: 0,
+        seed: None,
+        start_unix_ns,
+        modules: (0..channels).map(module).collect(),
+        phases: Vec::new(),
+        solids: Vec::new(),
+        simulated: false,
+        weightless: false,
+    }
+}
+
+/// A measurement without a limb: nobody knows a tip.
+fn sample(message: &Telemetry, zero_us: u64) -> Sample {
+    let channels = super::assemble::channels(message, None);
+    let module = |channel: &crate::record::ChannelSample| ModuleSample {
+        setpoint: channel.reference_pa,
+        modelled: channel.pressure_pa,
+        achieved: None,
+    };
+    Sample {
+        time_s: (message.time_us as f64 - zero_us as f64) * 1e-6,
+        state: message.state.raw(),
+        fault_bits: message.fault_bits,
+        supply_pa: 10.0 * f64::from(message.supply_10pa),
+        outputs: crate::record::OutputSample { bits: message.outputs.bits(), gripper_closure: None },
+        modules: channels.iter().map(module).collect(),
+        channels,
+        tip_setpoint_m: [f64::NAN; 3],
+        tip_modelled_m: [f64::NAN; 3],
+        tip_achieved_m: None,
+    }
+}
