@@ -15,22 +15,20 @@ mod turns;
 mod wire;
 
 use devices::Images;
+use softlimb_rig::record;
+use softlimb_rig::record::{Capture, DeviceTick, Direction, RunLog, WireBytes};
 use softlimb_rig::run::Mcu;
-use support::{Ran, run_on, scene_with};
+use support::{Ran, rerun, run_on, scene_with};
 
 const SCENE: &str = "weightless-a";
 
-/// Name of the record that only a finished log has; it holds the time that the run took.
-const END: &[u8] = b"softlimb.end";
-/// What a metadata record has before its name: opcode, length of the record, length of the name.
-const BEFORE_NAME: usize = 1 + 8 + 4;
-
-/// Everything that the log says but the time that the run took.
-fn said(ran: &Ran) -> Vec<u8> {
-    let mut log = std::fs::read(&ran.files.log).unwrap();
-    let at = log.windows(END.len()).position(|window| window == END).expect("a finished log");
-    log.truncate(at - BEFORE_NAME);
-    log
+/// Everything that the log says but the time that the run took: the run, what the host said, and all inputs and outputs of each tick. What the
+/// device said differs where it tells of its board; [`rerun`] compares the rest of it.
+fn said(ran: &Ran) -> (RunLog, Vec<WireBytes>, Vec<DeviceTick>) {
+    let run = RunLog { wall_s: None, ..record::read(&ran.files.log).unwrap() };
+    let Capture { mut wire, ticks, .. } = record::read_capture(&ran.files.log).unwrap();
+    wire.retain(|wire| wire.direction == Direction::ToDevice);
+    (run, wire, ticks)
 }
 
 #[test]
@@ -42,6 +40,8 @@ fn the_twin_gives_the_bits_that_the_controller_gives_here() {
         let ran = run_on(Mcu::LockStep(images.twin()), &scene, 1);
         assert!(said(&ran) == here, "round {round}: the logs differ");
         if round == 0 {
+            let again = rerun(&ran.files.log);
+            assert!(again.is_exact && again.ticks_compared == again.ticks, "{again:?}");
             let speed = ran.files.run.wall_s.map_or(0.0, |wall_s| ran.files.run.samples.len() as f64 * 0.02 / wall_s);
             println!("the twin runs the scene at {speed:.1} times real time");
         }
@@ -55,6 +55,9 @@ fn the_flashed_image_tracks_as_well_as_the_controller_here() {
     let here = run_on(Mcu::Here, &scene, 1);
     let flashed = run_on(Mcu::Flashed(images.flashed()), &scene, 1);
     assert!(flashed.summary.faults.is_empty(), "{:?}", flashed.summary.faults);
+    // Its pins, tick by tick, are those that the controller here decides on the same codes and frames.
+    let again = rerun(&flashed.files.log);
+    assert!(again.is_exact && again.ticks_compared == again.ticks, "{again:?}");
     let (rmse, reference) = (tip_rmse_mm(&flashed), tip_rmse_mm(&here));
     println!("RMSE of the tip: {rmse:.2} mm flashed, {reference:.2} mm here");
     assert!((rmse - reference).abs() < 0.05 * reference, "{rmse} mm, here {reference} mm");

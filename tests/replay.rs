@@ -6,7 +6,7 @@ use softlimb_rig::record;
 use softlimb_rig::record::RunLog;
 use softlimb_rig::run::write_report;
 
-use support::{Ran, run, scene_with};
+use support::{Ran, rerun, run, scene_with};
 
 const SCENE: &str = "single-bending";
 
@@ -87,4 +87,11 @@ fn log_that_was_cut_off_agrees_with_the_whole_one_as_far_as_it_goes() {
         longest = cut.samples.len();
     }
     assert!(longest > whole.samples.len() / 2, "{longest} of {}", whole.samples.len());
+}
+
+#[test]
+fn controller_run_again_on_the_log_of_a_run_gives_its_outputs() {
+    let ran = ran(4);
+    let again = rerun(&ran.files.log);
+    assert!(again.is_exact && again.ticks > 9_000 && again.ticks_compared == again.ticks, "{again:?}");
 }

@@ -12,7 +12,7 @@ use softlimb_rig::run::{Mcu, RunError, RunFiles};
 use softlimb_scene::Scene;
 
 use crate::devices::Images;
-use crate::support::{run_on, scene_with};
+use crate::support::{rerun, run_on, scene_with};
 
 /// Samples that meet the pulses of the valves at every phase: at the default period they meet them at one, which differs from run to run.
 const OFTEN: &str = "\n[controller]\ntelemetry_period = \"3 ms\"\n";
@@ -64,6 +64,9 @@ fn behind_a_terminal(scene: &Scene, mcu: &Mcu) -> Result<RunFiles, RunError> {
         let ended = run::run_behind(scene, &address, None, folder.path(), &AtomicBool::new(false), |_| ());
         stop.store(true, Ordering::Relaxed);
         server.join().unwrap().unwrap();
+        if let Ok(files) = &ended {
+            assert!(!rerun(&files.log).is_exact, "a device behind a port does not show its ticks");
+        }
         ended
     })
 }

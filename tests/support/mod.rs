@@ -6,6 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use softlimb_limb::Limb;
 use softlimb_motion::Plan;
+use softlimb_rig::record::read_capture;
+use softlimb_rig::replay::{Replay, replay};
 use softlimb_rig::report;
 use softlimb_rig::report::Summary;
 use softlimb_rig::run;
@@ -87,6 +89,15 @@ pub(crate) fn run_on(mcu: Mcu, scene: &Scene, seed: u64) -> Ran {
 /// The run of a plan.
 pub(crate) fn run_planned(scene: &Scene, planned: (Limb, Plan), seed: u64) -> Ran {
     ran(scene, seed, Mcu::Here, |options| run::run_planned(scene, planned, options, &AtomicBool::new(false), |_| ()))
+}
+
+/// The controller run again on the inputs of a log: it gives what the log has.
+#[track_caller]
+pub(crate) fn rerun(log: &Path) -> Replay {
+    let replay = replay(&read_capture(log).unwrap()).unwrap();
+    assert_eq!(replay.difference, None, "{}", log.display());
+    assert!(replay.messages > 300 && replay.messages_missing == 0, "{replay:?}");
+    replay
 }
 
 fn ran(scene: &Scene, seed: u64, mcu: Mcu, run: impl FnOnce(&RunOptions) -> Result<RunFiles, RunError>) -> Ran {
