@@ -87,6 +87,15 @@ impl<'a> Carrier<'a> {
         loaded.nominal.borrow_mut().at(pressures_pa, loaded.payload_kg.get()).err()
     }
 
+    /// Checks that the limb stands at gauge pressures, Pa, with no tube that buckles; without load it does.
+    ///
+    /// # Errors
+    /// [`PoseError`].
+    pub(super) fn stands(&self, pressures_pa: &[f64]) -> Result<(), PoseError> {
+        let Some(loaded) = &self.loaded else { return Ok(()) };
+        loaded.nominal.borrow_mut().at(pressures_pa, loaded.payload_kg.get())?.unbuckled().map(|_| ())
+    }
+
     /// The body at gauge pressures, Pa, with the pose of the tip at its end; `None` where the limb does not stand.
     pub(super) fn body(&self, pressures_pa: &[f64]) -> Option<Body> {
         self.body_in(&self.states(pressures_pa))

@@ -42,6 +42,26 @@ pub fn plan(scene: &Scene, limb: &Limb) -> Result<Plan, SceneError> {
     Ok(plan)
 }
 
+/// The statics of a scene's limb at rest; `None` where it is moved without load.
+///
+/// # Errors
+/// A diagnostic of a limb that does not stand.
+pub(super) fn tier_at_rest(scene: &Scene, limb: &Limb) -> Result<Option<Fidelity>, SceneError> {
+    let Some(weight) = scene.weight().filter(|weight| weight.compensated) else { return Ok(None) };
+    let judged = weight::Judged::at_rest(scene, limb, weight.error);
+    judged.map(|judged| Some(judged.tier)).map_err(|why| Words { scene, limb }.diagnostic(&why))
+}
+
+/// Checks that a limb may be moved from rest.
+///
+/// # Errors
+/// A diagnostic at the obstacle that is too near.
+pub(super) fn jog_start(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(), SceneError> {
+    let rest: Vec<f64> = limb.drives().map(|drive| drive.measure(&drive.actuator.rest())).collect();
+    let clear = super::clear::start(scene, &planning_space(scene, limb, 0, tier), &rest);
+    clear.map_err(|why| Words { scene, limb }.diagnostic(&why))
+}
+
 /// Margins at the end of each phase of a plan with its setpoints as they are sent; none of a limb without weight. Corrections count by the
 /// mean of a module's actuators, and in its highest pressure.
 ///

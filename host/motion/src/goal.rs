@@ -225,7 +225,7 @@ fn check_clear(
 }
 
 /// The states at setpoints of a plan, each of which has one.
-fn states_at(limb: &Limb, values: &[f64]) -> Vec<State<f64>> {
+pub(super) fn states_at(limb: &Limb, values: &[f64]) -> Vec<State<f64>> {
     let drives = limb.drives().zip(values);
     drives.map(|(drive, value)| drive.state_at(*value).unwrap_or_else(|| drive.actuator.rest())).collect()
 }

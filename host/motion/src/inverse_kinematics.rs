@@ -79,6 +79,12 @@ pub(super) fn solve_near(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[
     kept.unwrap_or_else(|| end(false))
 }
 
+/// Where a few iterations from `start_pa` end, for a goal next to it: the limb under load keeps the margin of its pressures.
+pub(super) fn solve_step(carrier: &Carrier<'_>, task: &TipTask<'_>, start_pa: &[f64]) -> Reach {
+    let problem = Problem::new(carrier, task, carrier.is_loaded());
+    problem.reach(&descent::descend_few(&problem, problem.shares(start_pa)))
+}
+
 /// All different solutions found from `start_pa` and from starts spread over the range. First the one that the first descent from
 /// `start_pa` arrives at, then by the distance from there in shares of the pressure ranges. Where there is none, the nearest miss alone.
 ///

@@ -12,6 +12,7 @@ mod inverse_kinematics;
 pub mod inverse_table;
 mod inverses;
 mod jacobian;
+pub mod jog;
 mod path;
 mod payload;
 mod plan;

@@ -17,9 +17,9 @@ use softlimb_limb::statics::Fidelity;
 use softlimb_scene::{Goal, Gripper, Scene};
 
 /// By how much more than required the ways are planned to clear, m, so that setpoints rounded to wire units still do.
-const SPARE_M: f64 = 1e-5;
+pub(super) const SPARE_M: f64 = 1e-5;
 /// Share of the largest tilt of a held object that the ways are planned within: for the same reason, and for finer statics.
-const TILT_SHARE: f64 = 0.995;
+pub(super) const TILT_SHARE: f64 = 0.995;
 /// Most goals for which a way is looked for.
 const GOALS: usize = 4;
 /// Parts of a mass that changes hands.

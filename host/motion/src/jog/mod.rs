@@ -1,0 +1,279 @@
+//! A limb moved by hand: orders in, setpoints out, time as an argument.
+//!
+//! Every step is solved before anything moves: pressures and limit points, the scene's margin under load, reach, obstacles, the tilt of what is
+//! held, and whether the limb stands. A step that would leave one of them is refused with a [`Refusal`], and the limb stays. The way between
+//! is straight in the setpoints, at constant speed, and no faster than the scene's rates, its valves and its supply allow.
+//!
+//! Under load a step is solved by the rods of the scene's error, at the weight and the payload of the moment, as a plan does. The shift
+//! of tubes between plates is left out: whoever moves the limb sees the tip.
+
+mod leg;
+mod mover;
+mod order;
+mod refusal;
+mod targets;
+
+pub use order::{Order, SPEEDS, STEPS, Settings, Way, unit_of};
+pub use refusal::Refusal;
+pub use targets::{Attempt, JogTarget, Targets};
+
+use nalgebra::Vector3;
+
+use crate::diagnostics::{jog_start, tier_at_rest};
+use crate::payload::{Carried, Carrying};
+use crate::wire::to_wire;
+use leg::{Leg, Place};
+use mover::Mover;
+use softlimb_limb::Limb;
+use softlimb_limb::statics::Fidelity;
+use softlimb_scene::{Gripper, Scene, SceneError};
+
+/// Stretch of a move that goes on while a key is held, s: the longest way that is solved before the hand sees it.
+const STRETCH_S: f64 = 0.1;
+
+/// Setpoints at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JogKnot {
+    /// Wire value of each channel.
+    pub values: Vec<i32>,
+    /// Setpoint of each drive.
+    pub setpoints: Vec<f64>,
+    /// Whether the gripper is told to be closed.
+    pub gripping: bool,
+    /// Mass at the tip as the model has it, kg.
+    pub payload_kg: f64,
+    /// The tip as the model has it, m.
+    pub tip_m: [f64; 3],
+}
+
+/// A limb moved by hand.
+pub struct Jog<'a> {
+    mover: Mover<'a>,
+    targets: Targets<'a>,
+    settings: Settings,
+    /// Whether keys tell their release: a move then goes on while one is held.
+    holds: bool,
+    gripper_us: u64,
+    here: Place,
+    leg: Option<Leg>,
+    /// The move that follows the present one.
+    next: Option<Way>,
+    gripping: bool,
+    opens: bool,
+    time_us: u64,
+    refusal: Option<Refusal>,
+}
+
+impl<'a> Jog<'a> {
+    /// The limb of a scene at rest. With `holds` a move goes on until [`Order::Stop`], without it an order is a step. A tip is at a target
+    /// within a distance, m.
+    ///
+    /// # Errors
+    /// A diagnostic of a limb that is too near an obstacle at rest, or does not stand there.
+    pub fn new(scene: &'a Scene, limb: &'a Limb, holds: bool, within_m: f64) -> Result<Self, SceneError> {
+        let tier = tier_at_rest(scene, limb)?;
+        jog_start(scene, limb, tier)?;
+        let mover = Mover::new(scene, limb, tier);
+        let values = mover.at_rest();
+        let tip_m = limb.tip(&limb.drives().map(|drive| drive.actuator.rest()).collect::<Vec<_>>());
+        let here = mover.place(values.clone()).unwrap_or(Place { values, tip_m });
+        Ok(Self {
+            mover,
+            targets: Targets::new(scene, limb, within_m),
+            settings: Settings::default(),
+            holds,
+            gripper_us: (scene.gripper_time_s() * 1e6).round() as u64,
+            here,
+            leg: None,
+            next: None,
+            gripping: false,
+            opens: false,
+            time_us: 0,
+            refusal: None,
+        })
+    }
+
+    /// Takes an order at the time of the last knot. What is refused is told by [`Jog::refusal`] until the next order.
+    pub fn order(&mut self, order: Order) {
+        if order != Order::Stop {
+            self.refusal = None;
+        }
+        let outcome = match order {
+            Order::Go(way) => self.go(way),
+            Order::Stop => {
+                self.stop();
+                Ok(())
+            }
+            Order::Gripper => self.grip(),
+            other => {
+                self.settings.take(other, self.mover.limb().drives().len());
+                Ok(())
+            }
+        };
+        self.refusal = outcome.err().or(self.refusal.take());
+    }
+
+    /// Takes an observation of the tip, m, and of the command to the gripper, at a time, s.
+    pub fn see(&mut self, time_s: f64, tip_m: [f64; 3], gripping: bool) {
+        self.targets.see(time_s, tip_m, gripping);
+    }
+
+    /// Setpoints at a time, us, which must not fall.
+    pub fn knot(&mut self, time_us: u64) -> JogKnot {
+        while let Some(end_us) = self.leg.as_ref().map(Leg::end_us).filter(|end_us| *end_us <= time_us) {
+            self.time_us = end_us;
+            self.leg = None;
+            if self.opens {
+                (self.opens, self.gripping) = (false, false);
+            }
+            // Between two moves, so that no key waits for it.
+            self.mover.judge(&self.here.values);
+            let next = if self.holds { self.next } else { self.next.take() };
+            if let Some(way) = next
+                && let Err(refusal) = self.begin(way)
+            {
+                (self.next, self.refusal) = (None, Some(refusal));
+            }
+        }
+        self.time_us = time_us;
+        let setpoints = self.leg.as_ref().map_or_else(|| self.here.values.clone(), |leg| leg.at(time_us));
+        let limb = self.mover.limb();
+        let wire: Vec<i32> = limb.drives().zip(&setpoints).map(|(drive, value)| to_wire(drive.kind, *value)).collect();
+        JogKnot {
+            values: limb.channel_values(&wire),
+            setpoints,
+            gripping: self.gripping,
+            payload_kg: self.leg.as_ref().map_or(self.mover.carrying().payload_kg, |leg| leg.payload_kg(time_us)),
+            tip_m: self.leg.as_ref().map_or(self.here.tip_m, |leg| leg.tip_m(time_us)),
+        }
+    }
+
+    /// The limb is at rest again, vented, at a time from which knots go on, us. What it held it holds, by the gripper alone.
+    pub fn rest(&mut self, time_us: u64) {
+        (self.leg, self.next, self.opens, self.time_us) = (None, None, false, time_us);
+        let values = self.mover.at_rest();
+        if let Some(place) = self.mover.place(values.clone()) {
+            self.here = place;
+            return;
+        }
+        // Without pressure it does not carry its load; it lies somewhere.
+        self.mover.drop();
+        self.here = self.mover.place(values.clone()).unwrap_or(Place { values, ..self.here.clone() });
+    }
+
+    /// Whether setpoints change.
+    pub fn is_moving(&self) -> bool {
+        self.leg.is_some()
+    }
+
+    /// Why the last order was refused.
+    pub fn refusal(&self) -> Option<&Refusal> {
+        self.refusal.as_ref()
+    }
+
+    /// Settings of the keys.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// Targets and attempts.
+    pub fn targets(&self) -> &Targets<'a> {
+        &self.targets
+    }
+
+    /// What the tip carries as the model has it.
+    pub fn carrying(&self) -> Carrying {
+        self.mover.carrying()
+    }
+
+    /// Whether the gripper is told to be closed.
+    pub fn is_gripping(&self) -> bool {
+        self.gripping
+    }
+
+    /// The statics of the limb under load; `None` without load.
+    pub fn tier(&self) -> Option<Fidelity> {
+        self.mover.tier()
+    }
+
+    fn go(&mut self, way: Way) -> Result<(), Refusal> {
+        if let Some(leg) = &self.leg {
+            if leg.whole {
+                return Err(Refusal::GripperMoves);
+            }
+            if !self.holds && self.next.is_some() {
+                return Err(Refusal::Waits);
+            }
+            if !self.holds || self.next == Some(way) {
+                self.next = Some(way);
+                return Ok(());
+            }
+            self.stop();
+        }
+        self.begin(way)?;
+        self.next = self.holds.then_some(way);
+        Ok(())
+    }
+
+    /// Stops at the last knot.
+    fn stop(&mut self) {
+        self.next = None;
+        if let Some(leg) = self.leg.take_if(|leg| !leg.whole) {
+            let values = leg.at(self.time_us);
+            let tip_m = leg.tip_m(self.time_us);
+            self.here = self.mover.place(values.clone()).unwrap_or(Place { values, tip_m });
+        }
+    }
+
+    /// Begins a step, or a stretch of a move that goes on.
+    fn begin(&mut self, way: Way) -> Result<(), Refusal> {
+        let amount = if self.holds { self.settings.speed() * STRETCH_S } else { self.settings.step() };
+        let signed = if way.with { amount } else { -amount };
+        let to = match self.settings.drive {
+            None => {
+                let mut way_m = Vector3::zeros();
+                way_m[way.axis.min(2)] = 1e-3 * signed;
+                self.mover.tip(&self.here, way_m)?
+            }
+            Some(index) => self.mover.drive(&self.here, index, signed)?,
+        };
+        let rows = vec![self.here.values.clone(), to.values.clone()];
+        let seconds = self.mover.shortest_s(&rows)?.max(amount / self.settings.speed());
+        let payload_kg = self.mover.carrying().payload_kg;
+        self.start(rows, seconds, to, [payload_kg; 2], false);
+        Ok(())
+    }
+
+    fn start(&mut self, rows: Vec<Vec<f64>>, seconds: f64, to: Place, payloads_kg: [f64; 2], whole: bool) {
+        let tips_m = [self.here.tip_m, to.tip_m];
+        let move_us = ((seconds * 1e6).ceil() as u64).max(1);
+        self.leg = Some(Leg { rows, start_us: self.time_us, move_us, tips_m, payloads_kg, whole });
+        self.here = to;
+    }
+
+    /// Closes the gripper: about what the next target has, where the tip is there. Or opens it: the load is put down before.
+    fn grip(&mut self) -> Result<(), Refusal> {
+        if self.leg.as_ref().is_some_and(|leg| leg.whole) {
+            return Err(Refusal::GripperMoves);
+        }
+        self.stop();
+        let closes = !self.gripping;
+        let carrying = match self.targets.next() {
+            Some(target) if closes && target.gripper == Some(Gripper::Close) && self.targets.is_there() => {
+                let Carried { held, .. } = target.carried;
+                held
+            }
+            _ => Carrying::default(),
+        };
+        let before_kg = self.mover.carrying().payload_kg;
+        let (rows, to) = self.mover.carry(&self.here, carrying)?;
+        let seconds = self.mover.shortest_s(&rows)?.max(self.gripper_us as f64 * 1e-6);
+        if closes {
+            self.gripping = true;
+        } else {
+            self.opens = true;
+        }
+        self.start(rows, seconds, to, [before_kg, carrying.payload_kg], true);
+        Ok(())
+    }
+}

@@ -1,0 +1,69 @@
+//! Why a key moves nothing, in a word.
+
+use std::fmt;
+
+use crate::space::Hindrance;
+use crate::weight::PoseError;
+use softlimb_scene::Scene;
+
+/// Why an order is refused. The limb stays where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// A drive is at the highest pressure that it may have.
+    Highest(String),
+    /// A drive is without pressure.
+    AtRest(String),
+    /// No drive moves the tip this way from here.
+    NoWay,
+    /// The tip cannot get there.
+    OutOfReach,
+    /// An obstacle is too near there.
+    Obstacle(String),
+    /// The held object would tilt by this, rad.
+    Tilt(f64),
+    /// The limb does not stand there under its load.
+    Falls(String),
+    /// Neither valves nor supply can move it.
+    NoSupply,
+    /// A step is under way and another one waits.
+    Waits,
+    /// The gripper closes or opens.
+    GripperMoves,
+}
+
+impl Refusal {
+    /// Of what blocks a straight move.
+    pub(super) fn of(scene: &Scene, by: Hindrance) -> Self {
+        match by {
+            Hindrance::Obstacle(found) => Self::Obstacle(scene.obstacles()[found.obstacle].name.value.clone()),
+            Hindrance::Tilt(tilt_rad) => Self::Tilt(tilt_rad),
+            Hindrance::NoShape => Self::Falls("has no shape".to_owned()),
+        }
+    }
+
+    /// Of a limb that does not stand; modules by their names.
+    pub(super) fn falls(scene: &Scene, cause: PoseError) -> Self {
+        Self::Falls(match cause {
+            PoseError::NoEquilibrium => "has an actuator without equilibrium".to_owned(),
+            PoseError::EquilibriumError(_) => "loses its stability".to_owned(),
+            PoseError::Buckles { module, .. } => format!("buckles in `{}`", scene.modules()[module].name.value),
+        })
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Highest(drive) => write!(f, "`{drive}` is at its highest pressure"),
+            Self::AtRest(drive) => write!(f, "`{drive}` has no pressure left"),
+            Self::NoWay => f.write_str("no module moves the tip this way from here"),
+            Self::OutOfReach => f.write_str("out of reach"),
+            Self::Obstacle(name) => write!(f, "obstacle `{name}` is too near"),
+            Self::Tilt(tilt_rad) => write!(f, "the held object would tilt by {:.1} deg", tilt_rad.to_degrees()),
+            Self::Falls(how) => write!(f, "the limb {how} there"),
+            Self::NoSupply => f.write_str("the supply does not suffice"),
+            Self::Waits => f.write_str("one step waits already"),
+            Self::GripperMoves => f.write_str("the gripper moves"),
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A limb moved by hand: nothing that keys can do leaves its limits, and a hand that looks at the tip does a scene's task.
+
+#[path = "jog/judge.rs"]
+mod judge;
+
+use judge::Judge;
+use softlimb_limb::Limb;
+use softlimb_motion::jog::{Jog, Order, Way};
+use softlimb_numerics::Random;
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
+
+/// Time between two knots, us.
+const PERIOD_US: u64 = 20_000;
+/// A target counts as reached within this distance, m.
+const WITHIN_M: f64 = 0.01;
+
+fn repository(name: &str) -> Scene {
+    scene::load(format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))).expect("a scene of the repository")
+}
+
+/// A tenth of the sample, or all of it.
+fn samples(full: usize) -> usize {
+    if std::env::var_os("SOFTLIMB_SAMPLES").is_some_and(|value| value == "full") { full } else { full / 10 }
+}
+
+fn any_order(random: &mut Random, drives: usize) -> Order {
+    let way = Way { axis: random.index(3), with: random.uniform() < 0.6 };
+    match random.index(20) {
+        0 => Order::Gripper,
+        1 => Order::SelectTip,
+        2 => Order::SelectDrive(random.index(drives + 1)),
+        3 => Order::SelectNext,
+        4 => Order::Longer,
+        5 => Order::Shorter,
+        6 => Order::Faster,
+        7 => Order::Slower,
+        8 | 9 => Order::Stop,
+        _ => Order::Go(way),
+    }
+}
+
+/// Presses keys at random, between knots at any times, and judges every knot.
+fn press_at_random(
+    scene: &Scene,
+    jog: &mut Jog<'_>,
+    judge: &mut Judge<'_>,
+    (seed, orders): (u64, usize),
+    start_us: u64,
+) {
+    let limb = Limb::new(scene).unwrap();
+    let mut random = Random::new(seed, 0);
+    let mut time_us = start_us;
+    for _ in 0..orders {
+        jog.order(any_order(&mut random, limb.drives().len()));
+        for _ in 0..random.index(30) {
+            // Knots come at their period, and sooner behind a key.
+            time_us += if random.uniform() < 0.2 { 5_000 } else { PERIOD_US };
+            let knot = jog.knot(time_us);
+            judge.knot(time_us, &knot, jog);
+            jog.see(time_us as f64 * 1e-6, knot.tip_m, knot.gripping);
+        }
+    }
+}
+
+#[test]
+fn no_key_leaves_the_limits() {
+    for (name, full) in
+        [("weightless-a", 3000), ("reach-past-post", 3000), ("tip-waypoints", 1000), ("single-bending", 3000)]
+    {
+        random_keys(name, full);
+    }
+}
+
+#[test]
+fn no_key_leaves_the_limits_under_load() {
+    for (name, full) in
+        [("pick-and-place-a", 600), ("pick-and-place-b", 400), ("steering", 400), ("loaded/carry-hanging", 300)]
+    {
+        random_keys(name, full);
+    }
+}
+
+fn random_keys(name: &str, full: usize) {
+    let scene = repository(name);
+    let limb = Limb::new(&scene).unwrap();
+    for (seed, holds) in [(1, false), (2, true)] {
+        let mut jog = Jog::new(&scene, &limb, holds, WITHIN_M).unwrap();
+        let mut judge = Judge::new(name, &scene, &limb);
+        press_at_random(&scene, &mut jog, &mut judge, (seed, samples(full)), 0);
+        assert!(judge.moved(), "{name}: random keys moved the limb");
+    }
+}
+
+/// Presses the key of the axis that misses most, or of the next where that one is refused; the gripper's where the tip is there.
+fn press_towards(jog: &mut Jog<'_>) {
+    let Some(target) = jog.targets().next().filter(|_| !jog.is_moving()) else { return };
+    let (gripper, way) = (target.gripper, jog.targets().missing_m());
+    if jog.targets().is_there() {
+        gripper.into_iter().for_each(|_| jog.order(Order::Gripper));
+        return;
+    }
+    let Some(way) = way else { return };
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|a, b| way[*b].abs().total_cmp(&way[*a].abs()));
+    let keys = axes.into_iter().filter(|axis| way[*axis].abs() > 1e-3).map(|axis| Way { axis, with: way[axis] > 0.0 });
+    for way in keys {
+        jog.order(Order::Go(way));
+        if jog.refusal().is_none() {
+            return;
+        }
+    }
+    panic!("{:?} at {:?}", jog.refusal(), jog.targets().next());
+}
+
+/// Does the scene's task by steps of 5 mm along the axis that misses most; the time, us.
+fn do_the_task(jog: &mut Jog<'_>, judge: &mut Judge<'_>, (until, start_us): (usize, u64)) -> u64 {
+    let mut time_us = start_us;
+    while jog.targets().met() < until {
+        press_towards(jog);
+        time_us += PERIOD_US;
+        let knot = jog.knot(time_us);
+        judge.knot(time_us, &knot, jog);
+        jog.see(time_us as f64 * 1e-6, knot.tip_m, knot.gripping);
+        assert!(time_us < start_us + 300_000_000, "{:?}", jog.targets().attempts());
+    }
+    time_us
+}
+
+#[test]
+fn hand_that_looks_at_the_tip_picks_and_places() {
+    let scene = repository("pick-and-place-a");
+    let limb = Limb::new(&scene).unwrap();
+    let mut jog = Jog::new(&scene, &limb, false, WITHIN_M).unwrap();
+    let mut judge = Judge::new("pick-and-place-a", &scene, &limb);
+    let picked_us = do_the_task(&mut jog, &mut judge, (1, 0));
+    assert!(jog.is_gripping() && jog.carrying().payload_kg == 0.6, "the bottle is taken");
+    let placed_us = do_the_task(&mut jog, &mut judge, (4, picked_us));
+    for attempt in jog.targets().attempts() {
+        assert!(attempt.time_s.is_some() && attempt.least_m <= WITHIN_M, "{attempt:?}");
+    }
+    // With the bottle in the gripper.
+    press_at_random(&scene, &mut jog, &mut judge, (7, samples(400)), placed_us);
+}
