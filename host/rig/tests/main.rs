@@ -1,6 +1,7 @@
 //! Tests of the rig, one module a subject.
 
 mod calibrate;
+mod jog;
 mod learning;
 mod link_common;
 mod link_direct;

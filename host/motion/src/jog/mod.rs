@@ -148,9 +148,9 @@ impl<'a> Jog<'a> {
         }
     }
 
-    /// The limb is at rest again, vented, at a time from which knots go on, us. What it held it holds, by the gripper alone.
-    pub fn rest(&mut self, time_us: u64) {
-        (self.leg, self.next, self.opens, self.time_us) = (None, None, false, time_us);
+    /// The limb is at rest again, vented. What it held it holds, by the gripper alone.
+    pub fn rest(&mut self) {
+        (self.leg, self.next, self.opens) = (None, None, false);
         let values = self.mover.at_rest();
         if let Some(place) = self.mover.place(values.clone()) {
             self.here = place;

@@ -24,6 +24,11 @@ use softlimb_scene::Scene;
 const HANDED: usize = 4;
 /// Share of a step that no drive can do, from which on it is the direction that is wrong.
 const ACROSS: f64 = 0.3;
+/// Distance from the end of a step, as a share of it, within which the limb takes it as well as it can: at the edge of its reach, where a limb
+/// is straight or at an end of its pressures, it keeps few directions exactly.
+const SLANT: f64 = 0.6;
+/// Way that the tip may give under a load which the limb takes, m.
+const SAGS_M: f64 = 0.01;
 /// A pressure within this share of its range of an end is at that end.
 const AT_END: f64 = 1e-6;
 /// Obstacles within this beyond the clearance hinder a step that is out of reach, m.
@@ -71,7 +76,7 @@ impl<'a> Mover<'a> {
         Some(Place { values, tip_m })
     }
 
-    /// The place whose tip is a way off, m, from one of setpoints.
+    /// The place whose tip is a way off, m, from one of setpoints; at the edge of the reach as near to it as the limb gets.
     ///
     /// # Errors
     /// [`Refusal`].
@@ -82,7 +87,7 @@ impl<'a> Mover<'a> {
         let task = TipTask { goal, aim: None, upright: self.space.upright(), obstacles: &obstacles, clearance_m };
         let start_pa = self.pressures_pa(&from.values);
         let reach = solve_step(self.space.carrier(), &task, &start_pa);
-        if !reach.reached() {
+        if !reach.allowed() || reach.distance_m > SLANT * way_m.norm() {
             return Err(self.why(&start_pa, &way_m, &reach));
         }
         let to = Place { values: values(self.limb, &reach), tip_m: reach.tip_m };
@@ -131,13 +136,13 @@ impl<'a> Mover<'a> {
                 carrier.load(before_kg + (after_kg - before_kg) * part as f64 / HANDED as f64);
                 let start_pa = self.pressures_pa(&rows[part - 1]);
                 let reach = solve_step(&carrier, &task, &start_pa);
-                if !reach.reached() {
+                if reach.distance_m > SAGS_M {
                     return Err(self.why(&start_pa, &Vector3::zeros(), &reach));
                 }
                 carrier.stands(&reach.pressures_pa).map_err(|cause| Refusal::falls(self.scene, cause))?;
                 rows.push(values(self.limb, &reach));
+                here = Place { values: rows[part].clone(), tip_m: reach.tip_m };
             }
-            here = Place { values: rows[HANDED].clone(), tip_m: from.tip_m };
         } else {
             rows.push(from.values.clone());
         }

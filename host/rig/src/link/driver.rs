@@ -53,11 +53,7 @@ impl<'a, T: Transport> Driver<'a, T> {
 
     /// Sends what is due, waits for bytes or until `deadline_us`, takes what arrived.
     pub(super) fn turn(&mut self, deadline_us: u64) -> Result<(), LinkError> {
-        self.bytes.clear();
-        let due_us = self.session.transmit(self.transport.now_us(), &mut self.bytes)?;
-        if !self.bytes.is_empty() {
-            self.transport.send(&self.bytes)?;
-        }
+        let due_us = self.send()?;
         self.transport.wait_until(due_us.min(deadline_us));
         self.bytes.clear();
         self.transport.receive(&mut self.bytes)?;
@@ -73,6 +69,16 @@ impl<'a, T: Transport> Driver<'a, T> {
             return Err(LinkError::Canceled);
         }
         Ok(())
+    }
+
+    /// Sends what is due; when more will be, us.
+    pub(super) fn send(&mut self) -> Result<u64, LinkError> {
+        self.bytes.clear();
+        let due_us = self.session.transmit(self.transport.now_us(), &mut self.bytes)?;
+        if !self.bytes.is_empty() {
+            self.transport.send(&self.bytes)?;
+        }
+        Ok(due_us)
     }
 
     fn tell_events(&mut self) {

@@ -12,6 +12,9 @@ use super::transport::Transport;
 /// Largest delay of the news of a state, us.
 const STATE_NEWS_US: u64 = 250_000;
 
+/// States that a device starts from.
+const STARTABLE: [DeviceState; 2] = [DeviceState::Ready, DeviceState::Holding];
+
 /// A run on a device that has answered.
 pub(super) struct Run<'a, T> {
     pub(super) driver: Driver<'a, T>,
@@ -57,13 +60,13 @@ impl<T: Transport> Run<'_, T> {
         self.driver.until_state(&resting, waited_us, |_| LinkError::StillPressurized { waited_us })
     }
 
-    fn clear_faults(&mut self) -> Result<(), LinkError> {
+    pub(super) fn clear_faults(&mut self) -> Result<(), LinkError> {
         self.driver.command(CommandCode::ClearFaults)?;
         self.driver.forget_faults();
         Ok(())
     }
 
-    fn configure(&mut self) -> Result<(), LinkError> {
+    pub(super) fn configure(&mut self) -> Result<(), LinkError> {
         for message in &self.upload {
             self.driver.demand(message)?;
         }
@@ -71,7 +74,7 @@ impl<T: Transport> Run<'_, T> {
         Ok(())
     }
 
-    fn get_ready(&mut self) -> Result<(), LinkError> {
+    pub(super) fn get_ready(&mut self) -> Result<(), LinkError> {
         let waited_us = self.options.ready_max_us;
         let not_ready = |driver: &Driver<'_, T>| {
             let (state, fault) = (driver.session.state(), driver.known_fault());
@@ -96,7 +99,7 @@ impl<T: Transport> Run<'_, T> {
     }
 
     /// Buffers setpoints and sets the start; begins again with more lead when the line was too slow. The device time of the start.
-    fn arm(&mut self) -> Result<u64, LinkError> {
+    pub(super) fn arm(&mut self) -> Result<u64, LinkError> {
         let mut lead_us = self.options.lead_us;
         for _ in 0..self.options.attempts_max {
             let start_us = self.driver.device_now_us()?.saturating_add(lead_us);
@@ -107,13 +110,17 @@ impl<T: Transport> Run<'_, T> {
             }
             self.driver.session.close_window();
             self.driver.settle(self.options.abort_max_us);
-            self.driver.command(CommandCode::Flush)?;
-            self.driver.until_state(&[DeviceState::Ready], STATE_NEWS_US, |driver| LinkError::Stopped {
-                state: driver.session.state(),
-            })?;
+            self.flush()?;
             lead_us = lead_us.saturating_mul(2);
         }
         Err(LinkError::TooSlow { attempts: self.options.attempts_max })
+    }
+
+    /// Has the device forget its knots, and hears its state.
+    pub(super) fn flush(&mut self) -> Result<(), LinkError> {
+        self.driver.command(CommandCode::Flush)?;
+        let stopped = |driver: &Driver<'_, T>| LinkError::Stopped { state: driver.session.state() };
+        self.driver.until_state(&STARTABLE, STATE_NEWS_US, stopped)
     }
 
     /// False when setpoints or start would have come too late.
@@ -125,12 +132,12 @@ impl<T: Transport> Run<'_, T> {
         let buffered = self.driver.until(deadline_us.saturating_sub(now_us), |driver| {
             let window = driver.session.window();
             let until_us = window.accepted_until_us().unwrap_or(0);
-            window.is_filled() || until_us >= start_us.saturating_add(buffer_us) || !is_ready(driver)
+            window.is_filled() || until_us >= start_us.saturating_add(buffer_us) || !can_start(driver)
         });
         if !late_is_false(buffered)? {
             return Ok(false);
         }
-        if !is_ready(&self.driver) {
+        if !can_start(&self.driver) {
             return Err(self.why_stopped());
         }
         late_is_false(self.driver.start(start_us))
@@ -163,7 +170,7 @@ impl<T: Transport> Run<'_, T> {
         device_us >= end_us && self.driver.session.window().is_complete()
     }
 
-    fn why_stopped(&mut self) -> LinkError {
+    pub(super) fn why_stopped(&mut self) -> LinkError {
         let state = self.driver.session.state();
         if state == Some(DeviceState::Faulted) {
             return LinkError::Fault { fault: self.driver.fault_news() };
@@ -176,7 +183,7 @@ impl<T: Transport> Run<'_, T> {
     }
 
     /// Lets the pressures down and waits until the device is ready again.
-    fn vent(&mut self) -> Result<(), LinkError> {
+    pub(super) fn vent(&mut self) -> Result<(), LinkError> {
         // The run is over: there is nothing left to cancel.
         self.driver.ending = true;
         self.driver.command(CommandCode::Vent)?;
@@ -228,6 +235,10 @@ impl<T: Transport> Run<'_, T> {
             _ => VentOutcome::Unconfirmed,
         }
     }
+}
+
+fn can_start<T: Transport>(driver: &Driver<'_, T>) -> bool {
+    driver.session.state().is_some_and(|state| STARTABLE.contains(&state))
 }
 
 fn is_ready<T: Transport>(driver: &Driver<'_, T>) -> bool {

@@ -11,7 +11,7 @@ use super::clock::{ClockEstimator, ClockMap};
 use super::error::{LinkError, message_name};
 use super::event::Event;
 use super::statistics::LinkStatistics;
-use super::trajectory::Trajectory;
+use super::trajectory::{Knot, Trajectory};
 use super::window::Window;
 
 /// The answer to a reliable message.
@@ -218,6 +218,14 @@ impl Session {
     /// Begins to stream from knot 0, with times from device time `start_us`, into an empty buffer of `free` places.
     pub(super) fn open_window(&mut self, now_us: u64, start_us: u64, free: u16) {
         self.window.open(now_us, start_us, free);
+    }
+
+    /// Adds a knot behind the last one; its time counts from the start of the window.
+    ///
+    /// # Errors
+    /// [`LinkError::KnotTime`], [`LinkError::KnotValues`].
+    pub(super) fn push(&mut self, knot: &Knot) -> Result<(), LinkError> {
+        self.window.push(knot)
     }
 
     /// Streams no more.

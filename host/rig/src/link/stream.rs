@@ -85,11 +85,7 @@ fn connect<T: Transport>(
     trajectory: &Trajectory,
     options: &StreamOptions<'_>,
 ) -> Result<DeviceInfo, LinkError> {
-    let device = DeviceInfo::from(&driver.hello()?);
-    let (count, max) = (configuration.channels.len(), usize::from(device.channels_max));
-    if count > max {
-        return Err(LinkError::ChannelCount { count, max });
-    }
+    let device = greet(driver, configuration)?;
     let capacity = device.knots_capacity;
     if let Some(span_us) = trajectory.shortest_span_us(usize::from(capacity))
         && span_us < options.buffer_us
@@ -100,7 +96,17 @@ fn connect<T: Transport>(
     Ok(device)
 }
 
-fn summary<T: Transport>(mut run: Run<'_, T>, ending: Ending) -> Result<Summary, LinkError> {
+/// Opens the session with a device that has channels enough.
+pub(super) fn greet<T: Transport>(
+    driver: &mut Driver<'_, T>,
+    configuration: &DeviceConfiguration,
+) -> Result<DeviceInfo, LinkError> {
+    let device = DeviceInfo::from(&driver.hello()?);
+    let (count, max) = (configuration.channels.len(), usize::from(device.channels_max));
+    if count > max { Err(LinkError::ChannelCount { count, max }) } else { Ok(device) }
+}
+
+pub(super) fn summary<T: Transport>(mut run: Run<'_, T>, ending: Ending) -> Result<Summary, LinkError> {
     let clock = run.driver.clock()?;
     let session = &run.driver.session;
     Ok(Summary {

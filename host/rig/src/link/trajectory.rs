@@ -56,6 +56,21 @@ impl Trajectory {
         Ok(Self { knots: checked })
     }
 
+    /// Adds a knot behind the last one.
+    ///
+    /// # Errors
+    /// [`LinkError::KnotValues`] or [`LinkError::KnotTime`].
+    pub(super) fn push(&mut self, knot: &Knot) -> Result<(), LinkError> {
+        let (index, channels) = (self.knots.len(), self.knots.last().map_or(0, |last| last.values.len()));
+        if self.knots.last().is_some_and(|last| knot.time_us <= last.time_us) {
+            return Err(LinkError::KnotTime { index });
+        }
+        let values = List::from_slice(&knot.values).ok().filter(|values| values.len() == channels);
+        let values = values.ok_or(LinkError::KnotValues { index, count: knot.values.len(), channels })?;
+        self.knots.push(Checked { time_us: knot.time_us, outputs: knot.outputs, values });
+        Ok(())
+    }
+
     /// A knot by its number.
     pub(super) fn knot(&self, index: u32) -> Option<&Checked> {
         self.knots.get(index as usize)
@@ -106,6 +121,17 @@ mod tests {
         assert!(matches!(error, LinkError::KnotTime { index: 2 }));
         let error = Trajectory::new(&knots(&[0]), 3, 0).unwrap_err();
         assert!(matches!(error, LinkError::KnotValues { index: 0, count: 2, channels: 3 }));
+    }
+
+    #[test]
+    fn knots_are_added_behind_the_last_one() {
+        let mut trajectory = Trajectory::new(&knots(&[0]), 2, 10).unwrap();
+        let knot = |time_us, values: &[i32]| Knot { time_us, outputs: Outputs::GRIPPER, values: values.to_vec() };
+        trajectory.push(&knot(11, &[3, 4])).unwrap();
+        assert_eq!((trajectory.len(), &trajectory.knot(2).unwrap().values[..]), (3, &[3, 4][..]));
+        assert!(matches!(trajectory.push(&knot(11, &[3, 4])), Err(LinkError::KnotTime { index: 3 })));
+        let error = trajectory.push(&knot(12, &[3])).unwrap_err();
+        assert!(matches!(error, LinkError::KnotValues { index: 3, count: 1, channels: 2 }));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use softlimb_protocol::{Ack, ResultCode, Setpoint};
 
 use super::error::LinkError;
-use super::trajectory::{Checked, Trajectory};
+use super::trajectory::{Checked, Knot, Trajectory};
 
 /// Knots sent and not yet answered, at most: keeps the line busy at 115200 baud without filling the device's buffers.
 const IN_FLIGHT_MAX: u32 = 16;
@@ -70,6 +70,19 @@ impl Window {
         let credit_end = u64::from(free);
         let kept = Self { trajectory, repeated: self.repeated, ..Self::new(self.timeout_us) };
         *self = Self { start_us, is_open: true, credit_end, progress_us: now_us, ..kept };
+    }
+
+    /// Adds a knot behind the last one.
+    ///
+    /// # Errors
+    /// That of [`Trajectory::push`].
+    pub(super) fn push(&mut self, knot: &Knot) -> Result<(), LinkError> {
+        self.trajectory.push(knot)
+    }
+
+    /// The last knot that is in the device.
+    pub(super) fn last_accepted(&self) -> Option<&Checked> {
+        self.trajectory.knot(self.accepted.checked_sub(1)?)
     }
 
     /// Sends nothing more.

@@ -4,16 +4,17 @@ use fra_model::{Actuator, State};
 use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
 use softlimb_sim::plant::Truth;
 
-use super::Progress;
 use super::hanging::Hanging;
 use super::prepared::Origin;
+use super::reference::Reference;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
     ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo, RunInfo,
     Sample, Shape, SolidInfo,
 };
+use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
-use softlimb_motion::{Carried, Nominal, Plan, carried, payload_kg};
+use softlimb_motion::{Nominal, Plan};
 use softlimb_numerics::statistics::mean;
 use softlimb_scene::collision::Shape as Shape3;
 use softlimb_scene::{Gripper, Scene};
@@ -24,10 +25,10 @@ const SHAPE_PERIOD_S: f64 = 0.2;
 /// Makes samples of what the device sends.
 pub(super) struct Assembler<'a> {
     limb: &'a Limb,
-    plan: &'a Plan,
+    reference: Box<dyn Reference + 'a>,
     hanging: Option<Hanging<'a>>,
     /// The model's limb under load, where setpoints are corrected for weight.
-    weighed: Option<(Nominal<'a>, Vec<Carried>)>,
+    weighed: Option<Nominal<'a>>,
     start_us: Option<u64>,
     next_shape_s: f64,
 }
@@ -41,27 +42,21 @@ pub(super) struct Seen {
 }
 
 impl<'a> Assembler<'a> {
-    /// For a plan of a scene's limb, and the limb that is simulated.
+    /// For the setpoints of a scene's limb, and the limb that is simulated; the statics of the setpoints under load.
     pub(super) fn new(
         (scene, limb): (&'a Scene, &'a Limb),
-        plan: &'a Plan,
+        reference: impl Reference + 'a,
+        tier: Option<Fidelity>,
         (plant, simulated): (&'a Scene, &'a Limb),
     ) -> Self {
-        let weighed = plan.weighed();
-        let weighed = weighed.map(|weighed| (Nominal::new(scene, limb, weighed.tier), carried(scene.phases())));
-        let hanging = Hanging::new(scene, plan, (plant, simulated));
-        Self { limb, plan, hanging, weighed, start_us: None, next_shape_s: 0.0 }
+        let weighed = tier.map(|tier| Nominal::new(scene, limb, tier));
+        let hanging = Hanging::new(scene, (plant, simulated));
+        Self { limb, reference: Box::new(reference), hanging, weighed, start_us: None, next_shape_s: 0.0 }
     }
 
-    /// The trajectory starts at a device time.
-    pub(super) fn start(&mut self, start_us: u64, _end_us: u64) {
-        self.start_us = Some(start_us);
-        self.next_shape_s = 0.0;
-    }
-
-    pub(super) fn progress(&self, time_s: f64) -> Progress {
-        let duration_s = self.plan.duration_us() as f64 * 1e-6;
-        Progress { time_s: time_s.min(duration_s), duration_s }
+    /// The trajectory starts at a device time; the first start is the zero of all times.
+    pub(super) fn start(&mut self, start_us: u64) {
+        self.start_us.get_or_insert(start_us);
     }
 
     /// The sample of a telemetry message; `None` before the start.
@@ -72,10 +67,11 @@ impl<'a> Assembler<'a> {
         let modelled: Vec<State<f64>> = self.limb.drives().map(|drive| modelled(&drive, &channels)).collect();
         let achieved: Option<Vec<State<f64>>> =
             truth.map(|truth| self.limb.drives().map(|drive| achieved(&drive, truth)).collect());
-        let values = self.plan.values_at(time_us as f64);
+        let values = self.reference.values_at(time_us);
+        let payload_kg = self.reference.payload_kg(time_us);
         let (hung, faults) = match (&mut self.hanging, truth, &achieved) {
             (Some(hanging), Some(truth), Some(states)) => {
-                let (hung, faults) = hanging.at(time_us, truth, states);
+                let (hung, faults) = hanging.at((time_us, payload_kg), truth, states);
                 (Some(hung), faults)
             }
             _ => (None, Vec::new()),
@@ -94,7 +90,7 @@ impl<'a> Assembler<'a> {
             modelled: drive.measure(&modelled[index]),
             achieved: values_achieved.as_ref().map(|values| values[index]),
         });
-        let tip_modelled_m = self.tip_modelled_m(time_us, &channels, &modelled);
+        let tip_modelled_m = self.tip_modelled_m(payload_kg, &channels, &modelled);
         let sample = Sample {
             time_s,
             state: message.state.raw(),
@@ -106,7 +102,7 @@ impl<'a> Assembler<'a> {
             },
             channels,
             modules: modules.collect(),
-            tip_setpoint_m: self.plan.tip_m(self.limb, time_us as f64),
+            tip_setpoint_m: self.reference.tip_m(time_us),
             tip_modelled_m,
             tip_achieved_m,
         };
@@ -114,7 +110,7 @@ impl<'a> Assembler<'a> {
             self.next_shape_s += SHAPE_PERIOD_S;
             Shape {
                 time_s,
-                setpoint: self.plan.line_m(self.limb, time_us as f64),
+                setpoint: self.reference.line_m(time_us),
                 achieved: match hung {
                     Some(hung) => hung.map(|hung| hung.line_m),
                     None => achieved.as_ref().map(|states| self.limb.backbone(states)),
@@ -124,10 +120,9 @@ impl<'a> Assembler<'a> {
         Some(Seen { sample, shape, faults })
     }
 
-    /// Tip of the model; under load that of the plan, and NaN where the nominal limb would fall.
-    fn tip_modelled_m(&mut self, time_us: u64, channels: &[ChannelSample], states: &[State<f64>]) -> [f64; 3] {
-        let Some((nominal, carried)) = &mut self.weighed else { return self.limb.tip(states) };
-        let payload_kg = payload_kg(carried, &self.plan.phases, time_us);
+    /// Tip of the model; under load that of the setpoints' statics, and NaN where the nominal limb would fall.
+    fn tip_modelled_m(&mut self, payload_kg: f64, channels: &[ChannelSample], states: &[State<f64>]) -> [f64; 3] {
+        let Some(nominal) = &mut self.weighed else { return self.limb.tip(states) };
         let pressures: Vec<f64> = channels.iter().map(|channel| chamber_pa(channel).max(0.0)).collect();
         nominal.at_channels(&pressures, payload_kg).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
     }
@@ -202,27 +197,12 @@ fn measured(limb: &Limb, states: &[State<f64>]) -> Vec<f64> {
 }
 
 /// Data of the run as a whole, before the device has told its version and taken its configuration.
-pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, origin: Origin) -> RunInfo {
+pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origin: Origin) -> RunInfo {
     let modules = limb.drives().map(|drive| ModuleInfo {
         name: drive.name(),
         motion: drive.motion.name().into(),
         quantity: drive.kind,
         channels: drive.channels.clone(),
-    });
-    let phases = plan.phases.iter().map(|phase| PhaseInfo {
-        name: phase.name.clone(),
-        start_s: phase.start_us as f64 * 1e-6,
-        move_s: phase.move_us as f64 * 1e-6,
-        hold_s: phase.hold_us as f64 * 1e-6,
-        gripper: phase.gripper.map(|gripper| match gripper {
-            Gripper::Open => "open".to_owned(),
-            Gripper::Close => "close".to_owned(),
-        }),
-        nearest: phase.nearest.map(|nearest| NearestInfo {
-            obstacle: scene.obstacles()[nearest.obstacle].name.value.clone(),
-            distance_m: nearest.distance_m,
-            time_s: nearest.time_us as f64 * 1e-6,
-        }),
     });
     let (seed, start_unix_ns) = match origin {
         // A simulated run has no date: the same run is the same log.
@@ -239,12 +219,32 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, plan: &Plan, origin: Origin) 
         seed,
         start_unix_ns,
         modules: modules.collect(),
-        phases: phases.collect(),
+        phases,
         solids: solids(scene),
         simulated: seed.is_some(),
         // A limb on a device has its weight, whatever the plan says.
         weightless: seed.is_some() && scene.weightless(),
     }
+}
+
+/// The phases of a plan.
+pub(super) fn phase_infos(scene: &Scene, plan: &Plan) -> Vec<PhaseInfo> {
+    let phases = plan.phases.iter().map(|phase| PhaseInfo {
+        name: phase.name.clone(),
+        start_s: phase.start_us as f64 * 1e-6,
+        move_s: phase.move_us as f64 * 1e-6,
+        hold_s: phase.hold_us as f64 * 1e-6,
+        gripper: phase.gripper.map(|gripper| match gripper {
+            Gripper::Open => "open".to_owned(),
+            Gripper::Close => "close".to_owned(),
+        }),
+        nearest: phase.nearest.map(|nearest| NearestInfo {
+            obstacle: scene.obstacles()[nearest.obstacle].name.value.clone(),
+            distance_m: nearest.distance_m,
+            time_s: nearest.time_us as f64 * 1e-6,
+        }),
+    });
+    phases.collect()
 }
 
 /// Obstacles and regions as they are drawn.

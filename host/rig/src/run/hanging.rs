@@ -10,7 +10,6 @@ use softlimb_sim::plant::Truth;
 use crate::record::FaultRecord;
 use softlimb_limb::statics::{EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
 use softlimb_limb::{Drive, Limb};
-use softlimb_motion::{Carried, Plan, carried, payload_kg};
 use softlimb_scene::Scene;
 
 /// The finest tier of rods: what plans a limb uses a coarser one.
@@ -32,8 +31,6 @@ pub(super) struct Hanging<'a> {
     /// What is simulated.
     plant: &'a Scene,
     limb: &'a Limb,
-    plan: &'a Plan,
-    carried: Vec<Carried>,
     /// True actuators, one a channel; known from the first sample on.
     actuators: Option<Vec<Actuator<f64>>>,
     /// Strains of the modules at the last sample, and its unknowns.
@@ -54,17 +51,21 @@ pub(super) struct Hung {
 }
 
 impl<'a> Hanging<'a> {
-    /// The limb that a plan of a scene drives, before it hangs; `None` where the scene does not simulate its weight.
-    pub(super) fn new(scene: &Scene, plan: &'a Plan, (plant, limb): (&'a Scene, &'a Limb)) -> Option<Self> {
+    /// The limb that setpoints of a scene drive, before it hangs; `None` where the scene does not simulate its weight.
+    pub(super) fn new(scene: &Scene, (plant, limb): (&'a Scene, &'a Limb)) -> Option<Self> {
         scene.weight().filter(|weight| weight.simulated)?;
-        let carried = carried(scene.phases());
-        Some(Self { plant, limb, plan, carried, actuators: None, last: None, lost: false, told: Vec::new() })
+        Some(Self { plant, limb, actuators: None, last: None, lost: false, told: Vec::new() })
     }
 
-    /// The shape at a time of the run, us, with what happens to the limb there; `free` are the drives' states without load.
+    /// The shape at a time of the run, us, with a mass at the tip, kg, and what happens to the limb there; `free` are the drives' states without load.
     ///
     /// `None` from the moment on at which the limb falls: where to is not in the model.
-    pub(super) fn at(&mut self, time_us: u64, truth: &Truth, free: &[State<f64>]) -> (Option<Hung>, Vec<FaultRecord>) {
+    pub(super) fn at(
+        &mut self,
+        (time_us, payload_kg): (u64, f64),
+        truth: &Truth,
+        free: &[State<f64>],
+    ) -> (Option<Hung>, Vec<FaultRecord>) {
         if self.lost {
             return (None, Vec::new());
         }
@@ -73,7 +74,7 @@ impl<'a> Hanging<'a> {
             let time_s = time_us as f64 * 1e-6;
             faults.push(FaultRecord { time_s, channel: SYSTEM, code, value: value as i32, text });
         };
-        let load = Load { payload_kg: payload_kg(&self.carried, &self.plan.phases, time_us), ..Load::default() };
+        let load = Load { payload_kg, ..Load::default() };
         let Some(limb) = self.loaded(truth, &load) else {
             self.lost = true;
             tell(

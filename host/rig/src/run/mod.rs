@@ -4,11 +4,16 @@ mod assemble;
 mod disturbed;
 mod error;
 mod hanging;
+
+mod jogged;
 mod listening;
 mod observed;
+mod paced;
 mod prepared;
 mod recording;
+mod reference;
 mod tape;
+mod track;
 mod unobserved;
 
 use std::path::{Path, PathBuf};
@@ -32,6 +37,7 @@ use softlimb_scene::Scene;
 
 use disturbed::disturbed;
 pub use error::RunError;
+pub use jogged::{JogDevice, JogOptions, JogView, Operator, Press, attempts, jog, jog_behind, jog_folder};
 pub use listening::{Heard, record_behind};
 use observed::Observed;
 pub(crate) use prepared::Prepared;

@@ -6,9 +6,10 @@ use softlimb_protocol::Outputs;
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
 use super::RunError;
-use super::assemble::{Assembler, run_info};
+use super::assemble::{Assembler, phase_infos, run_info};
 use super::observed::Observed;
 use super::recording::Bench;
+use super::reference::Planned;
 use crate::link;
 use crate::link::{DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary, Transport};
 use crate::record::{RunInfo, Sample};
@@ -101,12 +102,14 @@ impl<'a> Prepared<'a> {
     }
 
     pub(super) fn info(&self, origin: Origin) -> RunInfo {
-        run_info(self.scene, &self.limb, &self.plan, origin)
+        run_info(self.scene, &self.limb, phase_infos(self.scene, &self.plan), origin)
     }
 
     /// What makes samples of a run of the limb of a scene, which need not be the planned one.
     pub(super) fn assembler<'p>(&'p self, plant: &'p Scene, simulated: &'p Limb) -> Assembler<'p> {
-        Assembler::new((self.scene, &self.limb), &self.plan, (plant, simulated))
+        let reference = Planned::new(self.scene, &self.limb, &self.plan);
+        let tier = self.plan.weighed().map(|weighed| weighed.tier);
+        Assembler::new((self.scene, &self.limb), reference, tier, (plant, simulated))
     }
 
     /// Streams the setpoints to a device.
@@ -117,16 +120,7 @@ impl<'a> Prepared<'a> {
         cancel: &AtomicBool,
         on_event: impl FnMut(&mut D, Event),
     ) -> Result<Summary, LinkError> {
-        let defaults = StreamOptions::new(session);
-        let system = &self.configuration.system;
-        let heartbeat_us = defaults.heartbeat_us.min(u64::from(system.link_timeout_us) / 4);
-        // The ramp down takes its time; twice that and the default is long enough.
-        let highest_pa = self.limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
-        let ramp_us = (highest_pa / f64::from(system.vent_ramp_pa_per_s) * 1e6) as u64;
-        let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
-        // A host that went away keeps its session for so long.
-        let occupied_max_us = u64::from(system.link_timeout_us) + OCCUPIED_MARGIN_US;
-        let options = StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, occupied_max_us, ..defaults };
+        let options = stream_options(&self.configuration, &self.limb, session, cancel);
         link::stream(device, &self.configuration, &self.knots, &options, on_event)
     }
 
@@ -140,7 +134,7 @@ impl<'a> Prepared<'a> {
         let mut assembler = self.assembler(self.scene, &self.limb);
         let mut samples = Vec::new();
         let ended = self.stream(&mut device, SESSION, &AtomicBool::new(false), |device, event| match event {
-            Event::Armed { start_us, end_us } => assembler.start(start_us, end_us),
+            Event::Armed { start_us, .. } => assembler.start(start_us),
             Event::Telemetry { message, .. } => {
                 let truth = device.truth_at(message.time_us);
                 samples.extend(assembler.sample(&message, truth.as_ref()).map(|seen| seen.sample));
@@ -150,6 +144,25 @@ impl<'a> Prepared<'a> {
         ended.map_err(|cause| RunError::Link(Box::new(cause)))?;
         Ok(samples)
     }
+}
+
+/// Settings of a session with a device that has a configuration of a limb.
+pub(super) fn stream_options<'c>(
+    configuration: &DeviceConfiguration,
+    limb: &Limb,
+    session: u16,
+    cancel: &'c AtomicBool,
+) -> StreamOptions<'c> {
+    let defaults = StreamOptions::new(session);
+    let system = &configuration.system;
+    let heartbeat_us = defaults.heartbeat_us.min(u64::from(system.link_timeout_us) / 4);
+    // The ramp down takes its time; twice that and the default is long enough.
+    let highest_pa = limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
+    let ramp_us = (highest_pa / f64::from(system.vent_ramp_pa_per_s) * 1e6) as u64;
+    let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
+    // A host that went away keeps its session for so long.
+    let occupied_max_us = u64::from(system.link_timeout_us) + OCCUPIED_MARGIN_US;
+    StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, occupied_max_us, ..defaults }
 }
 
 /// One setpoint per channel at every knot, and the gripper as the plan has it then.

@@ -1,7 +1,7 @@
 //! The recording of a run: what a device does goes to the log, and the log becomes the report.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -11,9 +11,9 @@ use super::assemble::{Assembler, Seen, link_summary};
 use super::prepared::{Origin, Prepared};
 use super::tape::Tape;
 use super::{Progress, RunError, RunFiles, write_report};
-use crate::link::{Event, LinkStatistics, Transport};
+use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
-use crate::record::{LinkSummary, Recorder, RunInfo};
+use crate::record::{LinkSummary, Recorder, RunInfo, Sample};
 
 /// Ticks in a message of the log, at least: fewer would weigh less than their header.
 const TICKS: usize = 20;
@@ -50,17 +50,30 @@ pub(super) fn recorded<D: Bench>(
     cancel: &AtomicBool,
     mut on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    fs::create_dir_all(session.out).map_err(|error| RunError::folder(session.out, error))?;
-    let path = session.out.join("run.mcap");
+    let period_us = u64::from(prepared.scene().controller().telemetry_period_us);
+    let duration_s = prepared.plan().duration_us() as f64 * 1e-6;
+    recorded_by(device, (prepared.info(session.origin), assembler, period_us), session.out, |device, recording| {
+        prepared.stream(device, session.number, cancel, |device, event| {
+            if let Some(sample) = recording.take(device, event) {
+                on_progress(Progress { time_s: sample.time_s.min(duration_s), duration_s });
+            }
+        })
+    })
+}
+
+/// Records what a session with a device does, in a folder, and writes the report. The period is that of measurements, us.
+pub(super) fn recorded_by<'a, D: Bench, R>(
+    device: &mut D,
+    (info, assembler, period_us): (RunInfo, Assembler<'a>, u64),
+    out: &Path,
+    session: impl FnOnce(&mut D, &mut Recording<'a>) -> Result<R, LinkError>,
+) -> Result<RunFiles, RunError> {
+    fs::create_dir_all(out).map_err(|error| RunError::folder(out, error))?;
+    let path = out.join("run.mcap");
 
     let began = Instant::now();
-    let period_us = u64::from(prepared.scene().controller().telemetry_period_us);
-    let mut recording = Recording::new(prepared.info(session.origin), assembler, period_us, &path);
-    let ended = prepared.stream(device, session.number, cancel, |device, event| {
-        if let Some(progress) = recording.take(device, event) {
-            on_progress(progress);
-        }
-    });
+    let mut recording = Recording::new(info, assembler, period_us, path.clone());
+    let ended = session(device, &mut recording);
     recording.take_tape(device, 0);
     let link = link_summary(&recording.statistics, device.tape().traffic(), recording.gaps.lost);
     let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
@@ -84,9 +97,9 @@ fn finish_report(log: &Path) -> Result<RunFiles, RunError> {
 }
 
 /// The recording of a run, from the moment its configuration is known.
-struct Recording<'a> {
+pub(super) struct Recording<'a> {
     info: RunInfo,
-    path: &'a Path,
+    path: PathBuf,
     assembler: Assembler<'a>,
     recorder: Option<Recorder>,
     failure: Option<RunError>,
@@ -109,17 +122,17 @@ impl Gaps {
 }
 
 impl<'a> Recording<'a> {
-    fn new(info: RunInfo, assembler: Assembler<'a>, period_us: u64, path: &'a Path) -> Self {
+    fn new(info: RunInfo, assembler: Assembler<'a>, period_us: u64, path: PathBuf) -> Self {
         let gaps = Gaps { period_us, last_us: None, lost: 0 };
         Self { info, path, assembler, recorder: None, failure: None, statistics: LinkStatistics::default(), gaps }
     }
 
     /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
-    fn take(&mut self, device: &mut impl Bench, event: Event) -> Option<Progress> {
+    pub(super) fn take(&mut self, device: &mut impl Bench, event: Event) -> Option<Sample> {
         let noted = self.note(device, event);
-        let progress = self.unless_lost(noted).flatten();
+        let sample = self.unless_lost(noted).flatten();
         self.take_tape(device, TICKS);
-        progress
+        sample
     }
 
     /// Takes what was said since the last time, with ticks where there are at least so many; before there is a log it stays on the tape.
@@ -144,30 +157,29 @@ impl<'a> Recording<'a> {
             .ok()
     }
 
-    fn note(&mut self, device: &impl Bench, event: Event) -> Result<Option<Progress>, RunError> {
+    fn note(&mut self, device: &impl Bench, event: Event) -> Result<Option<Sample>, RunError> {
         match event {
             Event::Connected(device) => self.info.firmware_version = device.firmware.to_string(),
             Event::Configured { config_hash } if self.failure.is_none() => {
                 self.info.config_hash = config_hash;
                 // The period is the configuration's from here on.
                 self.gaps.last_us = None;
-                self.recorder = Some(Recorder::create(self.path, &self.info)?);
+                self.recorder = Some(Recorder::create(&self.path, &self.info)?);
             }
             Event::Closed(statistics) => self.statistics = statistics,
-            Event::Armed { start_us, end_us } => self.assembler.start(start_us, end_us),
+            Event::Armed { start_us, .. } => self.assembler.start(start_us),
             Event::Telemetry { message, .. } => {
                 if self.recorder.is_some() {
                     self.gaps.add(message.time_us);
                 }
                 let truth = device.truth_at(message.time_us);
                 if let Some(Seen { sample, shape, faults }) = self.assembler.sample(&message, truth.as_ref()) {
-                    let progress = self.assembler.progress(sample.time_s);
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
                         shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
                         faults.iter().try_for_each(|fault| recorder.fault(fault))?;
                     }
-                    return Ok(Some(progress));
+                    return Ok(Some(sample));
                 }
             }
             Event::Fault { message, .. } => {

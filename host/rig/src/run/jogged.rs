@@ -1,0 +1,258 @@
+//! A limb moved by hand on a device, recorded like a run.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
+
+use softlimb_protocol::{DeviceState, Outputs};
+
+use super::assemble::{Assembler, run_info};
+use super::disturbed::disturbed;
+use super::observed::Observed;
+use super::paced::Paced;
+use super::prepared::{Origin, SESSION, stream_options};
+use super::recording::{Bench, recorded_by};
+use super::track::{Track, Tracked};
+use super::unobserved::Unobserved;
+use super::{Mcu, RunError, RunFiles, simulated_device, unix_ns};
+use crate::link;
+use crate::link::port::{self, Port, PortAddress};
+use crate::link::{DeviceConfiguration, DeviceFault, Event, Knot, LinkFaults, Pilot, Wish};
+use crate::record::{RunLog, Sample};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::jog::{Attempt, Jog, Order, Targets};
+use softlimb_scene::Scene;
+
+/// A key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Press {
+    /// An order to the limb.
+    Order(Order),
+    /// Let the pressures down.
+    Vent,
+    /// Go on after that.
+    Resume,
+    /// Let the pressures down and end.
+    End,
+}
+
+/// Whoever moves the limb.
+pub trait Operator {
+    /// The keys since the last look.
+    fn presses(&mut self, view: &JogView<'_, '_>) -> Vec<Press>;
+
+    /// The setpoint of the last keys is on the wire, at most so long after they were pressed by the clock of the link, us.
+    fn sent(&mut self, _waited_us: u64) {}
+}
+
+/// What the operator sees.
+#[derive(Clone, Copy)]
+pub struct JogView<'v, 'a> {
+    /// The limb.
+    pub jog: &'v Jog<'a>,
+    /// The latest measurements; `None` before the first.
+    pub sample: Option<&'v Sample>,
+    /// State of the device.
+    pub state: Option<DeviceState>,
+    /// Faults so far, in words.
+    pub faults: &'v [String],
+    /// Whether the limb is vented, and waits for [`Press::Resume`].
+    pub is_vented: bool,
+}
+
+/// Settings of a session by hand.
+#[derive(Clone, Debug)]
+pub struct JogOptions {
+    /// The folder that takes `run.mcap` and `run.html`.
+    pub out: PathBuf,
+    /// Whether the operator's keys tell their release.
+    pub holds: bool,
+    /// Distance from a target up to which the tip is there, m.
+    pub within_m: f64,
+    /// Faults of the link.
+    pub link_faults: Option<LinkFaults>,
+}
+
+/// The simulated device of a session by hand.
+#[derive(Clone, Debug)]
+pub struct JogDevice {
+    /// Seed of everything random in the plant.
+    pub seed: u64,
+    /// Processor of the controller.
+    pub mcu: Mcu,
+    /// Whether it keeps the time of this computer's clock.
+    pub in_real_time: bool,
+}
+
+/// Moves the limb of a scene by hand, on the simulated device. `cancel` vents the limb and ends the session.
+///
+/// # Errors
+/// As [`run`](super::run()).
+pub fn jog(
+    scene: &Scene,
+    device: &JogDevice,
+    options: &JogOptions,
+    operator: &mut dyn Operator,
+    cancel: &AtomicBool,
+) -> Result<RunFiles, RunError> {
+    let limb = Limb::new(scene)?;
+    let simulated = Observed::recording(simulated_device((scene, &limb), device.seed, &device.mcu)?);
+    let origin = Origin::Simulated { seed: device.seed };
+    let mut link = disturbed(simulated, options.link_faults, device.seed);
+    let (ended, failure) = if device.in_real_time {
+        let mut paced = Paced::new(link);
+        let ended = by_hand((scene, &limb), &mut paced, (SESSION, origin), options, operator, cancel);
+        (ended, paced.device_mut().port_mut().take_failure())
+    } else {
+        let ended = by_hand((scene, &limb), &mut link, (SESSION, origin), options, operator, cancel);
+        (ended, link.port_mut().take_failure())
+    };
+    failure.map_or(ended, |failure| Err(failure.into()))
+}
+
+/// [`jog`] on the device behind a port, in real time.
+///
+/// # Errors
+/// As [`run_behind`](super::run_behind).
+pub fn jog_behind(
+    scene: &Scene,
+    address: &PortAddress,
+    options: &JogOptions,
+    operator: &mut dyn Operator,
+    cancel: &AtomicBool,
+) -> Result<RunFiles, RunError> {
+    let limb = Limb::new(scene)?;
+    let mut link = disturbed(Unobserved::new(Port::open(address)?), options.link_faults, 0);
+    let origin = Origin::Device { unix_ns: unix_ns() };
+    by_hand((scene, &limb), &mut link, (port::session_number(), origin), options, operator, cancel)
+}
+
+/// How the targets of a scene were met in a log: the tip as it was seen, or as the model has it where nobody saw it.
+pub fn attempts(scene: &Scene, log: &RunLog, within_m: f64) -> Result<Vec<Attempt>, RunError> {
+    let mut targets = Targets::new(scene, &Limb::new(scene)?, within_m);
+    log.samples.iter().for_each(|sample| see(sample, |time_s, tip_m, gripping| targets.see(time_s, tip_m, gripping)));
+    Ok(targets.attempts().to_vec())
+}
+
+fn see(sample: &Sample, mut take: impl FnMut(f64, [f64; 3], bool)) {
+    let gripping = sample.outputs.bits & Outputs::GRIPPER.bits() != 0;
+    take(sample.time_s, sample.tip_achieved_m.unwrap_or(sample.tip_modelled_m), gripping);
+}
+
+fn by_hand<D: Bench>(
+    (scene, limb): (&Scene, &Limb),
+    device: &mut D,
+    (number, origin): (u16, Origin),
+    options: &JogOptions,
+    operator: &mut dyn Operator,
+    cancel: &AtomicBool,
+) -> Result<RunFiles, RunError> {
+    let jog = Jog::new(scene, limb, options.holds, options.within_m)?;
+    let configuration: DeviceConfiguration = crate::configuration(scene, &motion::inverses(scene, limb)?, limb);
+    let (track, tier) = (Rc::new(RefCell::new(Track::default())), jog.tier());
+    let reference = Tracked::new(scene, limb, tier, Rc::clone(&track));
+    let assembler = Assembler::new((scene, limb), reference, tier, (scene, limb));
+    let desk = RefCell::new(Desk::default());
+    let mut hand = Hand { jog, operator, track, desk: &desk, is_vented: false, looked_us: 0, pressed_us: None };
+    let info = run_info(scene, limb, Vec::new(), origin);
+    let period_us = u64::from(scene.controller().telemetry_period_us);
+    recorded_by(device, (info, assembler, period_us), &options.out, |device, recording| {
+        let settings = stream_options(&configuration, limb, number, cancel);
+        link::live(device, &configuration, &settings, &mut hand, |device, event| {
+            let mut desk = desk.borrow_mut();
+            match &event {
+                Event::State(state) => desk.state = Some(*state),
+                Event::Fault { message, .. } => desk.faults.push(DeviceFault::from(message).to_string()),
+                _ => {}
+            }
+            if let Some(sample) = recording.take(device, event) {
+                desk.sample = Some(sample);
+            }
+        })
+    })
+}
+
+/// What the device told.
+#[derive(Default)]
+struct Desk {
+    sample: Option<Sample>,
+    state: Option<DeviceState>,
+    faults: Vec<String>,
+}
+
+/// The operator's orders as setpoints.
+struct Hand<'a, 'h> {
+    jog: Jog<'a>,
+    operator: &'h mut dyn Operator,
+    track: Rc<RefCell<Track>>,
+    desk: &'h RefCell<Desk>,
+    is_vented: bool,
+    looked_us: u64,
+    /// The look before the last keys.
+    pressed_us: Option<u64>,
+}
+
+impl Pilot for Hand<'_, '_> {
+    fn look(&mut self, now_us: u64) -> Wish {
+        let before_us = std::mem::replace(&mut self.looked_us, now_us);
+        let desk = self.desk.borrow();
+        desk.sample
+            .iter()
+            .for_each(|sample| see(sample, |time_s, tip_m, gripping| self.jog.see(time_s, tip_m, gripping)));
+        let view = JogView {
+            jog: &self.jog,
+            sample: desk.sample.as_ref(),
+            state: desk.state,
+            faults: &desk.faults,
+            is_vented: self.is_vented,
+        };
+        let mut wish = Wish::Nothing;
+        for press in self.operator.presses(&view) {
+            match press {
+                Press::End => return Wish::End,
+                Press::Vent => return Wish::Vent,
+                Press::Resume if self.is_vented => {
+                    self.is_vented = false;
+                    wish = Wish::Move;
+                }
+                Press::Order(order) if !self.is_vented => {
+                    self.jog.order(order);
+                    self.pressed_us = Some(before_us);
+                    wish = Wish::Move;
+                }
+                Press::Order(_) | Press::Resume => {}
+            }
+        }
+        wish
+    }
+
+    fn knot(&mut self, time_us: u64) -> Knot {
+        let knot = self.jog.knot(time_us);
+        let outputs = Outputs::default().with(Outputs::GRIPPER, knot.gripping);
+        let values = knot.values.clone();
+        self.track.borrow_mut().push(time_us, knot);
+        Knot { time_us, outputs, values }
+    }
+
+    fn sent(&mut self, now_us: u64) {
+        if let Some(pressed_us) = self.pressed_us.take() {
+            self.operator.sent(now_us.saturating_sub(pressed_us));
+        }
+    }
+
+    fn stop(&mut self) {
+        self.jog.order(Order::Stop);
+    }
+
+    fn vented(&mut self) {
+        self.is_vented = true;
+        self.jog.rest();
+    }
+}
+
+/// The folder of a session by hand of a scene, where none is given.
+pub fn jog_folder(scene: &Scene) -> PathBuf {
+    Path::new("out").join(format!("{}-jog", scene.name()))
+}

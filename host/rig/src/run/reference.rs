@@ -1,0 +1,51 @@
+//! The setpoints of a run as its log needs them.
+
+use softlimb_limb::Limb;
+use softlimb_motion::{Carried, Plan, carried, payload_kg};
+use softlimb_scene::Scene;
+
+/// Setpoints over the time of a run, us.
+pub(super) trait Reference {
+    /// One a drive, as the device interpolates between knots.
+    fn values_at(&self, time_us: u64) -> Vec<f64>;
+
+    /// Mass at the tip, kg.
+    fn payload_kg(&self, time_us: u64) -> f64;
+
+    /// Where the setpoints bring the tip, m.
+    fn tip_m(&self, time_us: u64) -> [f64; 3];
+
+    /// Where they bring the centre line, m.
+    fn line_m(&self, time_us: u64) -> Vec<[f64; 3]>;
+}
+
+/// A plan of a scene's limb.
+pub(super) struct Planned<'a> {
+    limb: &'a Limb,
+    plan: &'a Plan,
+    carried: Vec<Carried>,
+}
+
+impl<'a> Planned<'a> {
+    pub(super) fn new(scene: &Scene, limb: &'a Limb, plan: &'a Plan) -> Self {
+        Self { limb, plan, carried: carried(scene.phases()) }
+    }
+}
+
+impl Reference for Planned<'_> {
+    fn values_at(&self, time_us: u64) -> Vec<f64> {
+        self.plan.values_at(time_us as f64)
+    }
+
+    fn payload_kg(&self, time_us: u64) -> f64 {
+        payload_kg(&self.carried, &self.plan.phases, time_us)
+    }
+
+    fn tip_m(&self, time_us: u64) -> [f64; 3] {
+        self.plan.tip_m(self.limb, time_us as f64)
+    }
+
+    fn line_m(&self, time_us: u64) -> Vec<[f64; 3]> {
+        self.plan.line_m(self.limb, time_us as f64)
+    }
+}

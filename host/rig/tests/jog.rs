@@ -1,0 +1,140 @@
+//! A limb moved by hand on the simulated device: its task, its latency, its log.
+
+#[path = "jog/script.rs"]
+mod script;
+
+use std::sync::atomic::AtomicBool;
+
+use script::{Script, Timed};
+use softlimb_motion::jog::{Order, Way};
+use softlimb_rig::link::LinkFaults;
+use softlimb_rig::run::{JogDevice, JogOptions, Mcu, Operator, Press, RunFiles, attempts, jog};
+use softlimb_scene as scene;
+use softlimb_scene::Scene;
+
+const WITHIN_M: f64 = 0.01;
+/// From a key to its setpoint on the wire, us.
+const TO_WIRE_US: u64 = 20_000;
+
+fn repository(name: &str) -> Scene {
+    scene::load(format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))).expect("a scene of the repository")
+}
+
+fn session(scene: &Scene, holds: bool, link_faults: Option<LinkFaults>, script: &mut dyn Operator) -> RunFiles {
+    let folder = tempfile::tempdir().unwrap();
+    let options = JogOptions { out: folder.path().to_owned(), holds, within_m: WITHIN_M, link_faults };
+    let device = JogDevice { seed: scene.seed(), mcu: Mcu::Here, in_real_time: false };
+    jog(scene, &device, &options, script, &AtomicBool::new(false)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn check_pressures(scene: &Scene, files: &RunFiles) {
+    for sample in &files.run.samples {
+        for channel in &sample.channels {
+            // What the device watches, at every sample.
+            let most_pa = *scene.limits().pressure_max_pa;
+            assert!(channel.true_pressure_pa.unwrap() <= most_pa, "{} s: {channel:?}", sample.time_s);
+        }
+    }
+}
+
+#[test]
+fn hand_does_the_task_on_a_limb_that_is_not_its_model() {
+    for holds in [false, true] {
+        let scene = repository("steering");
+        let mut script = Script::towards_targets(holds);
+        let files = session(&scene, holds, None, &mut script);
+        let attempts = attempts(&scene, &files.run, WITHIN_M).unwrap();
+        assert_eq!(attempts.len(), 4);
+        for attempt in &attempts {
+            println!("{attempt:?}");
+            assert!(attempt.time_s.is_some() && attempt.least_m <= WITHIN_M, "{attempt:?}");
+        }
+        check_pressures(&scene, &files);
+        assert!(files.run.faults.is_empty(), "{:?}", files.run.faults);
+        assert!(script.waited_us.len() > 20, "{}", script.waited_us.len());
+        assert!(script.waited_us.iter().all(|waited_us| *waited_us <= TO_WIRE_US), "{:?}", script.waited_us);
+        check_vented(&files);
+    }
+}
+
+fn check_vented(files: &RunFiles) {
+    let last = files.run.samples.last().unwrap();
+    assert!(last.channels.iter().all(|channel| channel.pressure_pa < 3e3), "vented at the end: {last:?}");
+}
+
+#[test]
+fn setpoints_are_those_of_the_keys_and_stay_where_a_key_is_let_go() {
+    let scene = repository("weightless-a");
+    let raise = Press::Order(Order::Go(Way { axis: 0, with: true }));
+    let keys =
+        [(0.1, Press::Order(Order::SelectDrive(1))), (0.5, raise), (1.5, Press::Order(Order::Stop)), (3.0, Press::End)];
+    let mut script = Timed::new(&keys);
+    let files = session(&scene, true, None, &mut script);
+    let at = |time_s: f64| {
+        let sample = files.run.samples.iter().find(|sample| sample.time_s >= time_s).unwrap();
+        sample.modules[1].setpoint.to_degrees()
+    };
+    // 20 deg/s for a second, with the lead of the knots.
+    assert!(at(0.4) == 0.0 && (at(2.0) - 20.0).abs() < 1.0, "{}", at(2.0));
+    assert_eq!(at(2.0), at(2.9), "held");
+    assert!((at(1.4) - at(0.9) - 10.0).abs() < 0.1, "{}", at(1.4) - at(0.9));
+    assert_eq!(
+        files.run.samples.iter().map(|sample| sample.modules[0].setpoint).fold(0.0, f64::max),
+        1.0,
+        "no other module"
+    );
+}
+
+#[test]
+fn vented_limb_waits_and_goes_on_from_rest() {
+    let scene = repository("weightless-a");
+    let step = Press::Order(Order::Go(Way { axis: 2, with: false }));
+    let longer = Press::Order(Order::Longer);
+    let keys = [
+        (0.1, longer),
+        (0.2, step),
+        (1.0, step),
+        (2.0, Press::Vent),
+        (2.1, step),
+        (6.0, Press::Resume),
+        (8.0, step),
+        (9.5, Press::End),
+    ];
+    let files = session(&scene, false, None, &mut Timed::new(&keys));
+    let highest_pa = |from_s: f64, to_s: f64| {
+        let samples = files.run.samples.iter().filter(|sample| (from_s..to_s).contains(&sample.time_s));
+        samples.flat_map(|sample| &sample.channels).map(|channel| channel.pressure_pa).fold(0.0, f64::max)
+    };
+    assert!(highest_pa(1.5, 2.0) > 500.0, "{}", highest_pa(1.5, 2.0));
+    assert!(highest_pa(5.0, 8.0) < 300.0, "a key without pressure moves nothing: {}", highest_pa(5.0, 8.0));
+    assert!(highest_pa(9.0, 9.5) > 250.0, "{}", highest_pa(9.0, 9.5));
+    assert!(files.run.faults.is_empty(), "{:?}", files.run.faults);
+    check_vented(&files);
+}
+
+#[test]
+fn device_that_ran_out_of_setpoints_is_led_on_from_where_it_holds() {
+    let scene = repository("weightless-a");
+    let raise = Press::Order(Order::Go(Way { axis: 0, with: true }));
+    let keys = [
+        (0.1, Press::Order(Order::SelectDrive(1))),
+        (0.5, raise),
+        (30.0, Press::Order(Order::Stop)),
+        (31.0, Press::End),
+    ];
+    let faults = "stall=0.002:300ms".parse().unwrap();
+    let files = session(&scene, true, Some(faults), &mut Timed::new(&keys));
+    assert!(!files.run.faults.is_empty(), "the link stalled");
+    // No jump of the reference anywhere.
+    let most_pa = 100e3 * 0.1;
+    for pair in files.run.samples.windows(2).filter(|pair| pair[1].time_s < 31.0) {
+        let seconds = pair[1].time_s - pair[0].time_s;
+        for (a, b) in pair[0].channels.iter().zip(&pair[1].channels) {
+            let change_pa = (b.reference_pa - a.reference_pa).abs();
+            assert!(change_pa <= most_pa * (seconds / 0.02), "{} s: {change_pa} Pa", pair[1].time_s);
+        }
+    }
+    let bent = files.run.samples.iter().map(|sample| sample.modules[1].setpoint.to_degrees()).fold(0.0, f64::max);
+    assert!(bent > 2.0, "{bent}");
+    check_vented(&files);
+}
