@@ -36,6 +36,7 @@ fn any_order(random: &mut Random, drives: usize) -> Order {
         6 => Order::Faster,
         7 => Order::Slower,
         8 | 9 => Order::Stop,
+        10..=13 => Order::Hold(way),
         _ => Order::Go(way),
     }
 }
@@ -84,8 +85,8 @@ fn no_key_leaves_the_limits_under_load() {
 fn random_keys(name: &str, full: usize) {
     let scene = repository(name);
     let limb = Limb::new(&scene).unwrap();
-    for (seed, holds) in [(1, false), (2, true)] {
-        let mut jog = Jog::new(&scene, &limb, holds, WITHIN_M).unwrap();
+    for seed in [1, 2] {
+        let mut jog = Jog::new(&scene, &limb, WITHIN_M).unwrap();
         let mut judge = Judge::new(name, &scene, &limb);
         press_at_random(&scene, &mut jog, &mut judge, (seed, samples(full)), 0);
         assert!(judge.moved(), "{name}: random keys moved the limb");
@@ -131,7 +132,7 @@ fn do_the_task(jog: &mut Jog<'_>, judge: &mut Judge<'_>, (until, start_us): (usi
 fn hand_that_looks_at_the_tip_picks_and_places() {
     let scene = repository("pick-and-place-a");
     let limb = Limb::new(&scene).unwrap();
-    let mut jog = Jog::new(&scene, &limb, false, WITHIN_M).unwrap();
+    let mut jog = Jog::new(&scene, &limb, WITHIN_M).unwrap();
     let mut judge = Judge::new("pick-and-place-a", &scene, &limb);
     let picked_us = do_the_task(&mut jog, &mut judge, (1, 0));
     assert!(jog.is_gripping() && jog.carrying().payload_kg == 0.6, "the bottle is taken");

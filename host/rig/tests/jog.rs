@@ -20,9 +20,9 @@ fn repository(name: &str) -> Scene {
     scene::load(format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))).expect("a scene of the repository")
 }
 
-fn session(scene: &Scene, holds: bool, link_faults: Option<LinkFaults>, script: &mut dyn Operator) -> RunFiles {
+fn session(scene: &Scene, link_faults: Option<LinkFaults>, script: &mut dyn Operator) -> RunFiles {
     let folder = tempfile::tempdir().unwrap();
-    let options = JogOptions { out: folder.path().to_owned(), holds, within_m: WITHIN_M, link_faults };
+    let options = JogOptions { out: folder.path().to_owned(), within_m: WITHIN_M, link_faults };
     let device = JogDevice { seed: scene.seed(), mcu: Mcu::Here, in_real_time: false };
     jog(scene, &device, &options, script, &AtomicBool::new(false)).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -42,7 +42,7 @@ fn hand_does_the_task_on_a_limb_that_is_not_its_model() {
     for holds in [false, true] {
         let scene = repository("steering");
         let mut script = Script::towards_targets(holds);
-        let files = session(&scene, holds, None, &mut script);
+        let files = session(&scene, None, &mut script);
         let attempts = attempts(&scene, &files.run, WITHIN_M).unwrap();
         assert_eq!(attempts.len(), 4);
         for attempt in &attempts {
@@ -65,11 +65,11 @@ fn check_vented(files: &RunFiles) {
 #[test]
 fn setpoints_are_those_of_the_keys_and_stay_where_a_key_is_let_go() {
     let scene = repository("weightless-a");
-    let raise = Press::Order(Order::Go(Way { axis: 0, with: true }));
+    let raise = Press::Order(Order::Hold(Way { axis: 0, with: true }));
     let keys =
         [(0.1, Press::Order(Order::SelectDrive(1))), (0.5, raise), (1.5, Press::Order(Order::Stop)), (3.0, Press::End)];
     let mut script = Timed::new(&keys);
-    let files = session(&scene, true, None, &mut script);
+    let files = session(&scene, None, &mut script);
     let at = |time_s: f64| {
         let sample = files.run.samples.iter().find(|sample| sample.time_s >= time_s).unwrap();
         sample.modules[1].setpoint.to_degrees()
@@ -100,7 +100,7 @@ fn vented_limb_waits_and_goes_on_from_rest() {
         (8.0, step),
         (9.5, Press::End),
     ];
-    let files = session(&scene, false, None, &mut Timed::new(&keys));
+    let files = session(&scene, None, &mut Timed::new(&keys));
     let highest_pa = |from_s: f64, to_s: f64| {
         let samples = files.run.samples.iter().filter(|sample| (from_s..to_s).contains(&sample.time_s));
         samples.flat_map(|sample| &sample.channels).map(|channel| channel.pressure_pa).fold(0.0, f64::max)
@@ -115,7 +115,7 @@ fn vented_limb_waits_and_goes_on_from_rest() {
 #[test]
 fn device_that_ran_out_of_setpoints_is_led_on_from_where_it_holds() {
     let scene = repository("weightless-a");
-    let raise = Press::Order(Order::Go(Way { axis: 0, with: true }));
+    let raise = Press::Order(Order::Hold(Way { axis: 0, with: true }));
     let keys = [
         (0.1, Press::Order(Order::SelectDrive(1))),
         (0.5, raise),
@@ -123,7 +123,7 @@ fn device_that_ran_out_of_setpoints_is_led_on_from_where_it_holds() {
         (31.0, Press::End),
     ];
     let faults = "stall=0.002:300ms".parse().unwrap();
-    let files = session(&scene, true, Some(faults), &mut Timed::new(&keys));
+    let files = session(&scene, Some(faults), &mut Timed::new(&keys));
     assert!(!files.run.faults.is_empty(), "the link stalled");
     // No jump of the reference anywhere.
     let most_pa = 100e3 * 0.1;

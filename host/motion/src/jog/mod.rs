@@ -51,12 +51,12 @@ pub struct Jog<'a> {
     mover: Mover<'a>,
     targets: Targets<'a>,
     settings: Settings,
-    /// Whether keys tell their release: a move then goes on while one is held.
-    holds: bool,
     gripper_us: u64,
     here: Place,
     leg: Option<Leg>,
-    /// The move that follows the present one.
+    /// The way of a key that is held.
+    held: Option<Way>,
+    /// The step that follows the present one.
     next: Option<Way>,
     gripping: bool,
     opens: bool,
@@ -65,12 +65,11 @@ pub struct Jog<'a> {
 }
 
 impl<'a> Jog<'a> {
-    /// The limb of a scene at rest. With `holds` a move goes on until [`Order::Stop`], without it an order is a step. A tip is at a target
-    /// within a distance, m.
+    /// The limb of a scene at rest. A tip is at a target within a distance, m.
     ///
     /// # Errors
     /// A diagnostic of a limb that is too near an obstacle at rest, or does not stand there.
-    pub fn new(scene: &'a Scene, limb: &'a Limb, holds: bool, within_m: f64) -> Result<Self, SceneError> {
+    pub fn new(scene: &'a Scene, limb: &'a Limb, within_m: f64) -> Result<Self, SceneError> {
         let tier = tier_at_rest(scene, limb)?;
         jog_start(scene, limb, tier)?;
         let mover = Mover::new(scene, limb, tier);
@@ -81,10 +80,10 @@ impl<'a> Jog<'a> {
             mover,
             targets: Targets::new(scene, limb, within_m),
             settings: Settings::default(),
-            holds,
             gripper_us: (scene.gripper_time_s() * 1e6).round() as u64,
             here,
             leg: None,
+            held: None,
             next: None,
             gripping: false,
             opens: false,
@@ -99,7 +98,8 @@ impl<'a> Jog<'a> {
             self.refusal = None;
         }
         let outcome = match order {
-            Order::Go(way) => self.go(way),
+            Order::Go(way) => self.step(way),
+            Order::Hold(way) => self.hold(way),
             Order::Stop => {
                 self.stop();
                 Ok(())
@@ -128,11 +128,11 @@ impl<'a> Jog<'a> {
             }
             // Between two moves, so that no key waits for it.
             self.mover.judge(&self.here.values);
-            let next = if self.holds { self.next } else { self.next.take() };
-            if let Some(way) = next
-                && let Err(refusal) = self.begin(way)
+            let step = self.next.take();
+            if let Some(way) = self.held.or(step)
+                && let Err(refusal) = self.begin(way, self.held.is_some())
             {
-                (self.next, self.refusal) = (None, Some(refusal));
+                (self.held, self.refusal) = (None, Some(refusal));
             }
         }
         self.time_us = time_us;
@@ -150,7 +150,7 @@ impl<'a> Jog<'a> {
 
     /// The limb is at rest again, vented. What it held it holds, by the gripper alone.
     pub fn rest(&mut self) {
-        (self.leg, self.next, self.opens) = (None, None, false);
+        (self.leg, self.held, self.next, self.opens) = (None, None, None, false);
         let values = self.mover.at_rest();
         if let Some(place) = self.mover.place(values.clone()) {
             self.here = place;
@@ -196,28 +196,36 @@ impl<'a> Jog<'a> {
         self.mover.tier()
     }
 
-    fn go(&mut self, way: Way) -> Result<(), Refusal> {
-        if let Some(leg) = &self.leg {
-            if leg.whole {
-                return Err(Refusal::GripperMoves);
-            }
-            if !self.holds && self.next.is_some() {
-                return Err(Refusal::Waits);
-            }
-            if !self.holds || self.next == Some(way) {
+    /// A step, or the next one behind that which is under way.
+    fn step(&mut self, way: Way) -> Result<(), Refusal> {
+        match &self.leg {
+            Some(leg) if leg.whole => Err(Refusal::GripperMoves),
+            Some(_) if self.held.is_some() || self.next.is_some() => Err(Refusal::Waits),
+            Some(_) => {
                 self.next = Some(way);
-                return Ok(());
+                Ok(())
             }
-            self.stop();
+            None => self.begin(way, false),
         }
-        self.begin(way)?;
-        self.next = self.holds.then_some(way);
+    }
+
+    /// A move that goes on.
+    fn hold(&mut self, way: Way) -> Result<(), Refusal> {
+        if self.leg.as_ref().is_some_and(|leg| leg.whole) {
+            return Err(Refusal::GripperMoves);
+        }
+        if self.held == Some(way) {
+            return Ok(());
+        }
+        self.stop();
+        self.begin(way, true)?;
+        self.held = Some(way);
         Ok(())
     }
 
     /// Stops at the last knot.
     fn stop(&mut self) {
-        self.next = None;
+        (self.held, self.next) = (None, None);
         if let Some(leg) = self.leg.take_if(|leg| !leg.whole) {
             let values = leg.at(self.time_us);
             let tip_m = leg.tip_m(self.time_us);
@@ -226,8 +234,8 @@ impl<'a> Jog<'a> {
     }
 
     /// Begins a step, or a stretch of a move that goes on.
-    fn begin(&mut self, way: Way) -> Result<(), Refusal> {
-        let amount = if self.holds { self.settings.speed() * STRETCH_S } else { self.settings.step() };
+    fn begin(&mut self, way: Way, goes_on: bool) -> Result<(), Refusal> {
+        let amount = if goes_on { self.settings.speed() * STRETCH_S } else { self.settings.step() };
         let signed = if way.with { amount } else { -amount };
         let to = match self.settings.drive {
             None => {

@@ -11,8 +11,10 @@ pub const SPEEDS: [f64; 3] = [5.0, 20.0, 50.0];
 /// One order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Order {
-    /// Move the tip along an axis of the world, or the selected drive.
+    /// Move the tip along an axis of the world, or the selected drive, by a step.
     Go(Way),
+    /// The same until [`Order::Stop`].
+    Hold(Way),
     /// Stop where the limb is: the key was released.
     Stop,
     /// Close the gripper that is open, or open it.

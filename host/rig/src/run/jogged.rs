@@ -67,8 +67,6 @@ pub struct JogView<'v, 'a> {
 pub struct JogOptions {
     /// The folder that takes `run.mcap` and `run.html`.
     pub out: PathBuf,
-    /// Whether the operator's keys tell their release.
-    pub holds: bool,
     /// Distance from a target up to which the tip is there, m.
     pub within_m: f64,
     /// Faults of the link.
@@ -149,7 +147,7 @@ fn by_hand<D: Bench>(
     operator: &mut dyn Operator,
     cancel: &AtomicBool,
 ) -> Result<RunFiles, RunError> {
-    let jog = Jog::new(scene, limb, options.holds, options.within_m)?;
+    let jog = Jog::new(scene, limb, options.within_m)?;
     let configuration: DeviceConfiguration = crate::configuration(scene, &motion::inverses(scene, limb)?, limb);
     let (track, tier) = (Rc::new(RefCell::new(Track::default())), jog.tier());
     let reference = Tracked::new(scene, limb, tier, Rc::clone(&track));

@@ -73,7 +73,7 @@ impl Operator for Script {
             return Vec::new();
         }
         self.down = self.holds.then_some(way);
-        vec![Press::Order(Order::Go(way))]
+        vec![Press::Order(if self.holds { Order::Hold(way) } else { Order::Go(way) })]
     }
 
     fn sent(&mut self, waited_us: u64) {
