@@ -4,7 +4,6 @@ mod assemble;
 mod disturbed;
 mod error;
 mod hanging;
-
 mod jogged;
 mod listening;
 mod observed;
