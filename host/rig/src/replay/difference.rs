@@ -22,6 +22,8 @@ pub struct Difference {
 pub(super) struct Compared<'a> {
     heard: &'a [Framed<DeviceMessage>],
     is_exact: bool,
+    /// Device time from which all channels track setpoints, us.
+    tracks_us: u64,
     next: usize,
     splitter: Splitter,
     pub(super) matched: u64,
@@ -31,9 +33,9 @@ pub(super) struct Compared<'a> {
 }
 
 impl<'a> Compared<'a> {
-    pub(super) fn new(heard: &'a [Framed<DeviceMessage>], is_exact: bool) -> Self {
+    pub(super) fn new(heard: &'a [Framed<DeviceMessage>], is_exact: bool, tracks_us: u64) -> Self {
         let splitter = Splitter::default();
-        Self { heard, is_exact, next: 0, splitter, matched: 0, missing: 0, has_run: false, is_over: false }
+        Self { heard, is_exact, tracks_us, next: 0, splitter, matched: 0, missing: 0, has_run: false, is_over: false }
     }
 
     /// Whether nothing is left that can be compared without the codes: the run has ended, and how long pressures take to go down depends on them.
@@ -84,7 +86,7 @@ impl<'a> Compared<'a> {
             DeviceMessage::Telemetry(telemetry) => {
                 telemetry.stack_used = 0;
                 if !self.is_exact {
-                    decided(telemetry);
+                    decided(telemetry, self.tracks_us);
                 }
             }
             DeviceMessage::Fault(_) if !self.is_exact => return None,
@@ -101,9 +103,10 @@ fn state(message: &DeviceMessage) -> Option<DeviceState> {
     }
 }
 
-/// Leaves what follows from the host's frames alone: state, buffer, outputs, and while the device runs the references.
-fn decided(telemetry: &mut Telemetry) {
-    let is_running = telemetry.state == DeviceState::Running;
+/// Leaves what follows from the host's frames alone: state, buffer, outputs, and while the device runs the references. Before a channel's first
+/// control period its reference is the measured pressure.
+fn decided(telemetry: &mut Telemetry, tracks_us: u64) {
+    let is_running = telemetry.state == DeviceState::Running && telemetry.time_us >= tracks_us;
     (telemetry.supply_10pa, telemetry.fault_bits, telemetry.ticks_late) = (0, 0, 0);
     for channel in telemetry.channels.iter_mut() {
         let ChannelSample { reference_10pa, status, .. } = *channel;

@@ -85,7 +85,12 @@ pub fn replay(capture: &Capture) -> Result<Replay, ReplayError> {
         HostMessage::Command(command) if command.code == CommandCode::Start => Some(command.time_us),
         _ => None,
     });
-    let case = Case { capture, told: &told, heard: &heard, hello: &hello, taken: &taken };
+    let period_us = told.iter().rev().find_map(|frame| match &frame.message {
+        HostMessage::ConfigSystem(system) => Some(u64::from(system.control_period_us)),
+        _ => None,
+    });
+    let tracks_us = start_us.unwrap_or(u64::MAX).saturating_add(2 * period_us.unwrap_or(0));
+    let case = Case { capture, told: &told, heard: &heard, hello: &hello, taken: &taken, tracks_us };
     let mut best: Option<Replay> = None;
     // Whether a device that does not show its ticks counts the first one as 0 or as 1 ms, only the comparison tells.
     for first_us in case.first_ticks() {
@@ -109,6 +114,8 @@ struct Case<'a> {
     hello: &'a HelloReply,
     /// Indices of the host's frames by the tick that took them.
     taken: &'a BTreeMap<u64, Vec<usize>>,
+    /// Device time from which all channels track setpoints, us.
+    tracks_us: u64,
 }
 
 impl Case<'_> {
@@ -122,7 +129,7 @@ impl Case<'_> {
         let mut controller = Rerun::new(cause, self.hello.boot_detail);
         let mut inputs = Inputs::new(self.capture, self.told, self.heard);
         let mut coils = Coils::new(self.capture.at_pins);
-        let mut compared = Compared::new(self.heard, is_exact);
+        let mut compared = Compared::new(self.heard, is_exact, self.tracks_us);
         let (mut ticks, mut ticks_compared, mut difference) = (0, 0, None);
         let last_us = self.last_us();
         let mut now_us = first_us;
