@@ -14,6 +14,9 @@ mod fem_command;
 mod mass_command;
 mod payload_command;
 mod readme;
+#[allow(dead_code)]
+#[path = "../../tests/support/samples.rs"]
+mod samples;
 mod steering_command;
 mod tolerance_command;
 

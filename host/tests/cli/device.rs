@@ -1,5 +1,7 @@
 //! `device serve` as a program of its own, and `run --port` on it in real time.
 
+mod log;
+
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};

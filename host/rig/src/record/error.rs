@@ -102,4 +102,12 @@ impl RecordError {
     pub(super) fn container(context: &'static str) -> impl FnOnce(mcap::McapError) -> RecordError {
         move |source| RecordError::Container { context, source: Box::new(source) }
     }
+
+    /// Wraps a reason of the container library that writes a file: the operating system's, with the file, or the library's own.
+    pub(super) fn written(context: &'static str, path: &Path) -> impl FnOnce(mcap::McapError) -> RecordError {
+        move |reason| match reason {
+            mcap::McapError::Io(source) => RecordError::File { action: "write", path: path.to_owned(), source },
+            other => RecordError::Container { context, source: Box::new(other) },
+        }
+    }
 }

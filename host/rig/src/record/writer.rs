@@ -44,8 +44,7 @@ impl Recorder {
     ///
     /// # Errors
     /// [`RecordError::Metadata`] when a module has impossible channels,
-    /// [`RecordError::File`] when the partial file cannot be created,
-    /// [`RecordError::Container`] when its opening cannot be written.
+    /// [`RecordError::File`] when the partial file or its opening cannot be written.
     pub fn create(path: impl AsRef<Path>, info: &RunInfo) -> Result<Self, RecordError> {
         check_modules(info)?;
         let path = path.as_ref().to_owned();
@@ -54,8 +53,9 @@ impl Recorder {
         let mut mcap = options()
             .create(BufWriter::new(file))
             .and_then(|mut mcap| write_opening(&mut mcap, info).map(|()| mcap))
-            .map_err(RecordError::container("opening the log"))?;
-        let topics = Topics::declare(&mut mcap, info).map_err(RecordError::container("declaring the topics"))?;
+            .map_err(RecordError::written("opening the log", &partial))?;
+        let topics =
+            Topics::declare(&mut mcap, info).map_err(RecordError::written("declaring the topics", &partial))?;
         Ok(Self {
             mcap,
             topics,
@@ -75,7 +75,7 @@ impl Recorder {
     ///
     /// # Errors
     /// [`RecordError::Sample`] when its time is not finite or it has not as many
-    /// channels and modules as the run, [`RecordError::Container`] when the disk
+    /// channels and modules as the run, [`RecordError::File`] when the disk
     /// refuses; after the latter every further call fails.
     pub fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
         self.check(sample)?;
@@ -110,7 +110,8 @@ impl Recorder {
         if let Some(observed) = self.topics.observed {
             return Ok(observed);
         }
-        let observed = Observed::declare(&mut self.mcap).map_err(RecordError::container("declaring the topics"))?;
+        let observed =
+            Observed::declare(&mut self.mcap).map_err(RecordError::written("declaring the topics", &self.partial))?;
         self.topics.observed = Some(observed);
         Ok(observed)
     }
@@ -118,7 +119,7 @@ impl Recorder {
     /// Appends a fault.
     ///
     /// # Errors
-    /// [`RecordError::Container`] when the disk refuses.
+    /// [`RecordError::File`] when the disk refuses.
     pub fn fault(&mut self, fault: &FaultRecord) -> Result<(), RecordError> {
         let at = self.stamp(fault.time_s);
         self.write_other(self.topics.fault, at, &encode_fault(at, fault))
@@ -127,7 +128,7 @@ impl Recorder {
     /// Appends a backbone shape.
     ///
     /// # Errors
-    /// [`RecordError::Container`] when the disk refuses.
+    /// [`RecordError::File`] when the disk refuses.
     pub fn shape(&mut self, shape: &Shape) -> Result<(), RecordError> {
         let at = self.stamp(shape.time_s);
         self.write_other(self.topics.shape, at, &encode_shape(at, shape))
@@ -136,7 +137,7 @@ impl Recorder {
     /// Appends bytes of the link.
     ///
     /// # Errors
-    /// [`RecordError::Container`] when the disk refuses.
+    /// [`RecordError::File`] when the disk refuses.
     pub fn wire(&mut self, wire: &WireBytes) -> Result<(), RecordError> {
         let start_us = *self.chunk_start_us.get_or_insert(wire.host_us);
         if wire.host_us.saturating_sub(start_us) as f64 * 1e-6 >= CHUNK_S {
@@ -149,13 +150,14 @@ impl Recorder {
     /// Appends control ticks of a simulated or emulated device.
     ///
     /// # Errors
-    /// [`RecordError::Container`] when the disk refuses.
+    /// [`RecordError::File`] when the disk refuses.
     pub fn ticks(&mut self, ticks: &[DeviceTick], at_pins: bool) -> Result<(), RecordError> {
         let mut rest = ticks;
         while let Some(first) = rest.first() {
             let topic = match self.topics.ticks {
                 Some(topic) => topic,
-                None => declare_ticks(&mut self.mcap).map_err(RecordError::container("declaring the topics"))?,
+                None => declare_ticks(&mut self.mcap)
+                    .map_err(RecordError::written("declaring the topics", &self.partial))?,
             };
             self.topics.ticks = Some(topic);
             let at = self.stamp(first.device_us as f64 * 1e-6);
@@ -169,14 +171,14 @@ impl Recorder {
     /// Ends the log: link counters, wall-clock time in s, index, and its final name.
     ///
     /// # Errors
-    /// [`RecordError::Container`] or [`RecordError::File`] when the disk refuses; the
+    /// [`RecordError::File`] when the disk refuses; the
     /// partial file then stays.
     pub fn finish(mut self, link: LinkSummary, wall_s: Option<f64>) -> Result<(), RecordError> {
         let end = mcap::records::Metadata { name: super::END_METADATA.into(), metadata: end_metadata(&link, wall_s) };
         self.mcap
             .write_metadata(&end)
             .and_then(|()| self.mcap.finish())
-            .map_err(RecordError::container("ending the log"))?;
+            .map_err(RecordError::written("ending the log", &self.partial))?;
         let file = self.mcap.into_inner().into_inner().map_err(|failed| RecordError::File {
             action: "write",
             path: self.partial.clone(),
@@ -214,7 +216,7 @@ impl Recorder {
 
     fn close_chunk(&mut self) -> Result<(), RecordError> {
         (self.chunk_start_s, self.chunk_start_us) = (None, None);
-        self.mcap.flush().map_err(RecordError::container("closing a chunk"))
+        self.mcap.flush().map_err(RecordError::written("closing a chunk", &self.partial))
     }
 
     /// Time of the run as ns since 1970, not before it.
@@ -256,7 +258,9 @@ impl Recorder {
 
     fn write(&mut self, topic: u16, sequence: u32, at: u64, data: &[u8]) -> Result<(), RecordError> {
         let header = mcap::records::MessageHeader { channel_id: topic, sequence, log_time: at, publish_time: at };
-        self.mcap.write_to_known_channel(&header, data).map_err(RecordError::container("writing a message"))
+        self.mcap
+            .write_to_known_channel(&header, data)
+            .map_err(RecordError::written("writing a message", &self.partial))
     }
 }
 

@@ -59,6 +59,16 @@ pub enum RunError {
     /// The log cannot be written or read back.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// The log could not be written to its end. The run went on without it.
+    #[error("{cause}\n{}", without_log(*last_s, ended.as_deref()))]
+    LogLost {
+        /// Error of the log.
+        cause: RecordError,
+        /// Time of the last sample in it, s after the start of the run.
+        last_s: Option<f64>,
+        /// Why the run itself did not end well, if it did not.
+        ended: Option<Box<LinkError>>,
+    },
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] FileError),
@@ -75,5 +85,18 @@ pub enum RunError {
 impl RunError {
     pub(super) fn folder(path: &Path, source: io::Error) -> Self {
         Self::Folder { path: path.to_owned(), source }
+    }
+}
+
+fn without_log(last_s: Option<f64>, ended: Option<&LinkError>) -> String {
+    let log = last_s.map_or_else(
+        || "the log has no sample".to_owned(),
+        |last_s| {
+            format!("the log ends {last_s:.2} s into the run at the latest; `softlimb recover` saves what is there")
+        },
+    );
+    match ended {
+        None => format!("{log}\nthe limb was not disturbed: the run went on to its end without a log"),
+        Some(error) => format!("{log}\n{error}"),
     }
 }

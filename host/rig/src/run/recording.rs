@@ -13,7 +13,7 @@ use super::tape::Tape;
 use super::{Progress, RunError, RunFiles, write_report};
 use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
-use crate::record::{LinkSummary, Recorder, RunInfo, Sample};
+use crate::record::{LinkSummary, RecordError, Recorder, RunInfo, Sample};
 
 /// Ticks in a message of the log, at least: fewer would weigh less than their header.
 const TICKS: usize = 20;
@@ -76,15 +76,17 @@ pub(super) fn recorded_by<'a, D: Bench, R>(
     let ended = session(device, &mut recording);
     recording.take_tape(device, 0);
     let link = link_summary(&recording.statistics, device.tape().traffic(), recording.gaps.lost);
-    let logged = recording.finish(link, began.elapsed().as_secs_f64())?;
+    let last_s = recording.last_s;
+    let logged = recording.finish(link, began.elapsed().as_secs_f64());
     match (ended, logged) {
-        (Ok(_), true) => finish_report(&path),
-        (Ok(_), false) => Err(RunError::NotRecorded),
-        (Err(cause), true) => {
+        (Ok(_), Ok(true)) => finish_report(&path),
+        (Ok(_), Ok(false)) => Err(RunError::NotRecorded),
+        (Err(cause), Ok(true)) => {
             let files = finish_report(&path)?;
             Err(RunError::Stopped { cause: Box::new(cause), files: Box::new(files) })
         }
-        (Err(cause), false) => Err(RunError::Link(Box::new(cause))),
+        (Err(cause), Ok(false)) => Err(RunError::Link(Box::new(cause))),
+        (ended, Err(cause)) => Err(RunError::LogLost { cause, last_s, ended: ended.err().map(Box::new) }),
     }
 }
 
@@ -102,7 +104,9 @@ pub(super) struct Recording<'a> {
     path: PathBuf,
     assembler: Assembler<'a>,
     recorder: Option<Recorder>,
-    failure: Option<RunError>,
+    failure: Option<RecordError>,
+    /// Time of the last sample in the log, s after the start of the run.
+    last_s: Option<f64>,
     statistics: LinkStatistics,
     gaps: Gaps,
 }
@@ -124,7 +128,16 @@ impl Gaps {
 impl<'a> Recording<'a> {
     fn new(info: RunInfo, assembler: Assembler<'a>, period_us: u64, path: PathBuf) -> Self {
         let gaps = Gaps { period_us, last_us: None, lost: 0 };
-        Self { info, path, assembler, recorder: None, failure: None, statistics: LinkStatistics::default(), gaps }
+        Self {
+            info,
+            path,
+            assembler,
+            recorder: None,
+            failure: None,
+            last_s: None,
+            statistics: LinkStatistics::default(),
+            gaps,
+        }
     }
 
     /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
@@ -144,11 +157,11 @@ impl<'a> Recording<'a> {
         let (wire, ticks) = (device.tape().take_wire(), device.tape().take_ticks(ticks_min));
         let Some(recorder) = &mut self.recorder else { return };
         let taken = wire.iter().try_for_each(|wire| recorder.wire(wire)).and_then(|()| recorder.ticks(&ticks, at_pins));
-        self.unless_lost(taken.map_err(RunError::from));
+        self.unless_lost(taken);
     }
 
     /// What came of writing to the log; there is none any more once that has failed.
-    fn unless_lost<T>(&mut self, written: Result<T, RunError>) -> Option<T> {
+    fn unless_lost<T>(&mut self, written: Result<T, RecordError>) -> Option<T> {
         written
             .map_err(|error| {
                 self.recorder = None;
@@ -157,7 +170,7 @@ impl<'a> Recording<'a> {
             .ok()
     }
 
-    fn note(&mut self, device: &impl Bench, event: Event) -> Result<Option<Sample>, RunError> {
+    fn note(&mut self, device: &impl Bench, event: Event) -> Result<Option<Sample>, RecordError> {
         match event {
             Event::Connected(device) => self.info.firmware_version = device.firmware.to_string(),
             Event::Configured { config_hash } if self.failure.is_none() => {
@@ -176,6 +189,7 @@ impl<'a> Recording<'a> {
                 if let Some(Seen { sample, shape, faults }) = self.assembler.sample(&message, truth.as_ref()) {
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
+                        self.last_s = Some(sample.time_s);
                         shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
                         faults.iter().try_for_each(|fault| recorder.fault(fault))?;
                     }
@@ -194,7 +208,7 @@ impl<'a> Recording<'a> {
     }
 
     /// Closes the log; `false` when there is none.
-    fn finish(self, link: LinkSummary, wall_s: f64) -> Result<bool, RunError> {
+    fn finish(self, link: LinkSummary, wall_s: f64) -> Result<bool, RecordError> {
         match (self.failure, self.recorder) {
             (Some(failure), _) => Err(failure),
             (None, Some(recorder)) => {
