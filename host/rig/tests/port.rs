@@ -9,7 +9,12 @@ use softlimb_protocol::DeviceState;
 use softlimb_rig::link::port::{Address, ClientPort, Port, PortAddress, PortError, Served, serve, session_number};
 use softlimb_rig::link::{Ending, LinkError, StreamOptions, Transport, stream};
 
+use softlimb_rig::record::read_capture;
+use softlimb_rig::replay::replay;
+use softlimb_rig::run::run_behind;
+
 use super::link_common::{Told, configuration, device, knots, settings};
+use super::replay::{ONE_FINGER, differs, forge};
 
 fn address(text: &str) -> PortAddress {
     match text.parse() {
@@ -127,6 +132,26 @@ fn two_hosts_run_one_after_the_other_over_tcp() {
 #[test]
 fn two_hosts_run_one_after_the_other_over_a_pseudo_terminal() {
     two_hosts_run_one_after_the_other(ClientPort::terminal().unwrap());
+}
+
+#[test]
+fn second_run_on_a_device_is_run_again_from_its_start_on() {
+    let scene = softlimb_scene::parse(ONE_FINGER, "minimal.toml").unwrap();
+    let (captures, _) = served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        [(); 2].map(|()| {
+            let folder = tempfile::tempdir().unwrap();
+            let cancel = AtomicBool::new(false);
+            let files = run_behind(&scene, &address(text), None, folder.path(), &cancel, |_| ()).unwrap();
+            read_capture(files.log).unwrap()
+        })
+    });
+    let [first, mut second] = captures;
+    let (whole, rerun) = (replay(&first).unwrap(), replay(&second).unwrap());
+    assert_eq!((&whole.difference, whole.has_history), (&None, false));
+    assert_eq!((&rerun.difference, rerun.has_history), (&None, true));
+    assert!(rerun.messages > 20 && rerun.messages < whole.messages, "{} of {}", rerun.messages, whole.messages);
+    let time_us = forge(&mut second, rerun.start_us.unwrap() + 100_000, |telemetry| telemetry.free_knots += 1);
+    differs(&replay(&second).unwrap(), time_us, "free places for knots");
 }
 
 #[cfg(unix)]

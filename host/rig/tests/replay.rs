@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use softlimb_protocol::{
-    Decoder, DeviceMessage, DeviceState, HostMessage, MAX_FRAME_LEN, Message, Telemetry, encode_frame,
+    Decoder, DeviceMessage, DeviceState, Frame, HostMessage, MAX_FRAME_LEN, Message, Telemetry, encode_frame,
 };
 use softlimb_rig::link::LinkFaults;
 use softlimb_rig::record::{Capture, Direction, read_capture};
@@ -12,7 +12,7 @@ use softlimb_rig::replay::{Replay, ReplayError, replay};
 use softlimb_rig::run::{Mcu, RunFiles, RunOptions, run};
 use softlimb_scene::parse;
 
-const ONE_FINGER: &str = r#"
+pub(crate) const ONE_FINGER: &str = r#"
 format = 1
 name = "minimal"
 weight.simulated = false
@@ -74,30 +74,30 @@ fn of_a_device(capture: &Capture) -> Capture {
 }
 
 /// Changes the first measurement of a running device later than a time, in its frame; the device's time of it, us.
-fn forge(capture: &mut Capture, after_us: u64, change: impl Fn(&mut Telemetry)) -> u64 {
-    for wire in capture.wire.iter_mut().filter(|wire| wire.direction == Direction::ToHost) {
-        let (mut decoder, mut frame) = (Decoder::<DeviceMessage>::new(), [0; MAX_FRAME_LEN]);
-        let found = wire.bytes.iter().enumerate().find_map(|(end, &byte)| match decoder.push(byte)?.unwrap() {
-            softlimb_protocol::Frame { seq, message: DeviceMessage::Telemetry(telemetry) } => {
-                let wanted = telemetry.time_us > after_us && telemetry.state == DeviceState::Running;
-                wanted.then_some((end, seq, telemetry))
-            }
-            _ => None,
-        });
-        if let Some((end, seq, mut telemetry)) = found {
-            let time_us = telemetry.time_us;
-            let length = encode_frame(&DeviceMessage::from(telemetry.clone()), seq, &mut frame).unwrap();
-            change(&mut telemetry);
-            assert_eq!(encode_frame(&DeviceMessage::from(telemetry), seq, &mut frame), Ok(length));
-            wire.bytes[end + 1 - length..=end].copy_from_slice(&frame[..length]);
-            return time_us;
+pub(crate) fn forge(capture: &mut Capture, after_us: u64, change: impl Fn(&mut Telemetry)) -> u64 {
+    let pieces = capture.wire.iter_mut().filter(|wire| wire.direction == Direction::ToHost);
+    let mut bytes: Vec<&mut u8> = pieces.flat_map(|wire| &mut wire.bytes).collect();
+    let (mut decoder, mut frame) = (Decoder::<DeviceMessage>::new(), [0; MAX_FRAME_LEN]);
+    for end in 0..bytes.len() {
+        let Some(Ok(Frame { seq, message: DeviceMessage::Telemetry(mut telemetry) })) = decoder.push(*bytes[end])
+        else {
+            continue;
+        };
+        let time_us = telemetry.time_us;
+        if time_us <= after_us || telemetry.state != DeviceState::Running {
+            continue;
         }
+        let length = encode_frame(&DeviceMessage::from(telemetry.clone()), seq, &mut frame).unwrap();
+        change(&mut telemetry);
+        assert_eq!(encode_frame(&DeviceMessage::from(telemetry), seq, &mut frame), Ok(length));
+        bytes[end + 1 - length..=end].iter_mut().zip(frame).for_each(|(place, byte)| **place = byte);
+        return time_us;
     }
-    panic!("no whole measurement in one piece")
+    panic!("no measurement of a running device")
 }
 
 #[track_caller]
-fn differs(replay: &Replay, device_us: u64, at: &str) {
+pub(crate) fn differs(replay: &Replay, device_us: u64, at: &str) {
     let difference = replay.difference.as_ref().unwrap_or_else(|| panic!("no difference: {replay:?}"));
     assert_eq!((difference.device_us, difference.at.as_str()), (device_us, at), "{difference:?}");
 }

@@ -31,6 +31,7 @@ pub(super) struct Replay {
 struct Printed {
     identical: bool,
     converter_codes: bool,
+    from_start_of_run: bool,
     ticks: u64,
     ticks_compared: u64,
     messages_compared: u64,
@@ -75,6 +76,7 @@ impl Printed {
         Self {
             identical: difference.is_none(),
             converter_codes: result.is_exact,
+            from_start_of_run: result.has_history,
             ticks: result.ticks,
             ticks_compared: result.ticks_compared,
             messages_compared: result.messages,
@@ -95,6 +97,10 @@ impl Printed {
                 self.ticks, self.messages_compared
             ),
         }];
+        if self.from_start_of_run {
+            lines
+                .push("the device had a configuration before: the run alone is compared, from its start on".to_owned());
+        }
         if self.messages_missing > 0 {
             lines.push(format!(
                 "{} messages of the re-run are not in the log: lost, or left out",

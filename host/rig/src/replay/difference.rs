@@ -22,7 +22,8 @@ pub struct Difference {
 pub(super) struct Compared<'a> {
     heard: &'a [Framed<DeviceMessage>],
     is_exact: bool,
-    /// Device time from which all channels track setpoints, us.
+    /// Device times from which messages are compared, and from which all channels track setpoints, us.
+    from_us: u64,
     tracks_us: u64,
     next: usize,
     splitter: Splitter,
@@ -33,9 +34,20 @@ pub(super) struct Compared<'a> {
 }
 
 impl<'a> Compared<'a> {
-    pub(super) fn new(heard: &'a [Framed<DeviceMessage>], is_exact: bool, tracks_us: u64) -> Self {
+    pub(super) fn new(heard: &'a [Framed<DeviceMessage>], is_exact: bool, (from_us, tracks_us): (u64, u64)) -> Self {
         let splitter = Splitter::default();
-        Self { heard, is_exact, tracks_us, next: 0, splitter, matched: 0, missing: 0, has_run: false, is_over: false }
+        Self {
+            heard,
+            is_exact,
+            from_us,
+            tracks_us,
+            next: 0,
+            splitter,
+            matched: 0,
+            missing: 0,
+            has_run: false,
+            is_over: false,
+        }
     }
 
     /// Whether nothing is left that can be compared without the codes: the run has ended, and how long pressures take to go down depends on them.
@@ -51,16 +63,16 @@ impl<'a> Compared<'a> {
     }
 
     fn compare(&mut self, now_us: u64, got: &DeviceMessage) -> Option<Difference> {
-        self.is_over = !self.is_exact && self.has_run && state(got).is_some_and(|state| state != DeviceState::Running);
-        self.has_run |= state(got) == Some(DeviceState::Running);
-        if self.is_over {
-            return None;
-        }
         let got = self.comparable(got)?;
         while self.heard.get(self.next).is_some_and(|frame| self.comparable(&frame.message).is_none()) {
             self.next += 1;
         }
         let expected = self.comparable(&self.heard.get(self.next)?.message)?;
+        self.is_over |= !self.is_exact && self.has_run && state(&expected).is_some_and(|it| it != DeviceState::Running);
+        if self.is_over {
+            return None;
+        }
+        self.has_run |= state(&expected) == Some(DeviceState::Running);
         if expected == got {
             self.next += 1;
             self.matched += 1;
@@ -80,6 +92,9 @@ impl<'a> Compared<'a> {
     /// A message without what is measured and not decided: the stack in use, the number of channels of the board, and without the codes of
     /// the converters all that depends on them. `None` where nothing is left.
     fn comparable(&self, message: &DeviceMessage) -> Option<DeviceMessage> {
+        if device_us(message).is_some_and(|us| us < self.from_us) {
+            return None;
+        }
         let mut message = message.clone();
         match &mut message {
             DeviceMessage::HelloReply(reply) => reply.channels_max = 0,

@@ -2,11 +2,13 @@
 //!
 //! The controller is a function of its ticks' times, its converter codes, its emergency stop, and the frames of the host with the tick in which
 //! each was taken. The log of a simulated or emulated device has the first three tick by tick ([`Capture::ticks`]). The tick of a frame is in the
-//! device's answer to it. A device that does not show its ticks leaves the codes open: then what does not depend on them is compared.
+//! device's answer to it. A device that does not show its ticks leaves the codes open: then what does not depend on them is compared. One that
+//! was configured before the log has a history that the log does not have: then the run alone is compared.
 
 mod answers;
 mod difference;
 mod frames;
+mod history;
 mod inputs;
 mod outputs;
 
@@ -27,6 +29,8 @@ use outputs::Coils;
 pub struct Replay {
     /// Whether the log has the codes of the converters: all outputs were compared.
     pub is_exact: bool,
+    /// Whether the device had a configuration before the log began: then the run alone was compared, from its start on.
+    pub has_history: bool,
     /// Ticks that were run again.
     pub ticks: u64,
     /// Ticks whose coil times, supply, pump and digital outputs were compared.
@@ -54,10 +58,9 @@ pub enum ReplayError {
     /// Nothing in the log says how the device began.
     #[error("the log holds no answer to a Hello: the re-run has no beginning")]
     NoHello,
-    /// The device had a history before the log.
+    /// The device had a history before the log, and there is no run to compare alone.
     #[error(
-        "the device had a configuration before the log began, and with it a history that the log does not have; reset the device before a run \
-         that is to be run again"
+        "the device had a configuration before the log began, and the log has no run: reset the device before a log that is to be run again"
     )]
     NotFresh,
 }
@@ -77,20 +80,21 @@ pub fn replay(capture: &Capture) -> Result<Replay, ReplayError> {
         _ => None,
     });
     let hello = hello.ok_or(ReplayError::NoHello)?;
-    if hello.config_hash != 0 {
-        return Err(ReplayError::NotFresh);
-    }
     let (taken, frames_unanswered) = answers::ticks_of(&told, &heard);
     let start_us = told.iter().rev().find_map(|frame| match &frame.message {
         HostMessage::Command(command) if command.code == CommandCode::Start => Some(command.time_us),
         _ => None,
     });
+    let has_history = hello.config_hash != 0;
+    let from_us = if has_history { start_us.ok_or(ReplayError::NotFresh)? } else { 0 };
     let period_us = told.iter().rev().find_map(|frame| match &frame.message {
         HostMessage::ConfigSystem(system) => Some(u64::from(system.control_period_us)),
         _ => None,
     });
-    let tracks_us = start_us.unwrap_or(u64::MAX).saturating_add(2 * period_us.unwrap_or(0));
-    let case = Case { capture, told: &told, heard: &heard, hello: &hello, taken: &taken, tracks_us };
+    let period_us = period_us.unwrap_or(1_000);
+    let tracks_us = start_us.unwrap_or(u64::MAX).saturating_add(2 * period_us);
+    let case =
+        Case { capture, told: &told, heard: &heard, hello: &hello, taken: &taken, from_us, tracks_us, period_us };
     Ok(Replay { frames_unanswered, start_us, ..case.best() })
 }
 
@@ -102,8 +106,12 @@ struct Case<'a> {
     hello: &'a HelloReply,
     /// Indices of the host's frames by the tick that took them.
     taken: &'a BTreeMap<u64, Vec<usize>>,
+    /// Device time from which outputs are compared, us.
+    from_us: u64,
     /// Device time from which all channels track setpoints, us.
     tracks_us: u64,
+    /// Control period, us.
+    period_us: u64,
 }
 
 impl Case<'_> {
@@ -124,10 +132,16 @@ impl Case<'_> {
         let mut controller = Rerun::new(cause, self.hello.boot_detail);
         let mut inputs = Inputs::new(self.capture, self.told, self.heard);
         let mut coils = Coils::new(self.capture.at_pins);
-        let mut compared = Compared::new(self.heard, is_exact, self.tracks_us);
+        let mut compared = Compared::new(self.heard, is_exact, (self.from_us, self.tracks_us));
         let (mut ticks, mut ticks_compared, mut difference) = (0, 0, None);
         let last_us = self.last_us();
-        let mut now_us = first_us;
+        let mut now_us = if is_exact { first_us } else { self.begin_us(first_us) };
+        if self.has_history()
+            && let Some(input) = inputs.at(now_us)
+        {
+            controller.turn(&input, &history::frames(self.told, self.hello.session));
+            now_us += 1_000;
+        }
         while now_us <= last_us && difference.is_none() && !compared.is_over() {
             let Some(input) = inputs.at(now_us) else { break };
             let (outputs, sent) = controller.turn(&input, &self.received(&input));
@@ -140,6 +154,7 @@ impl Case<'_> {
         }
         Replay {
             is_exact,
+            has_history: self.has_history(),
             ticks,
             ticks_compared,
             messages: compared.matched,
@@ -148,6 +163,17 @@ impl Case<'_> {
             start_us: None,
             difference,
         }
+    }
+
+    fn has_history(&self) -> bool {
+        self.hello.config_hash != 0
+    }
+
+    /// Device time at which the re-run begins, us: some seconds before the log, by whole control periods after the first tick. Without a
+    /// configuration a controller stays as it is, however long.
+    fn begin_us(&self, first_us: u64) -> u64 {
+        let before_us = self.hello.mcu_time_us.saturating_sub(history::BEFORE_US).saturating_sub(first_us);
+        first_us + before_us / self.period_us * self.period_us
     }
 
     fn received(&self, inputs: &TickInputs) -> Vec<u8> {

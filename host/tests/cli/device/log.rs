@@ -72,6 +72,9 @@ fn host_killed_at_any_time_loses_half_a_second_of_its_log_and_the_next_runs() {
     }
     println!("{} kills: at most {worst_s:.3} s lost, {worst_left_s:.3} s of the file that was left", samples(50));
     desk.softlimb(&format!("run scene.toml --out whole --port {address}")).done();
+    // Of a device that was configured before, the run alone is run again.
+    let again = desk.softlimb("replay whole/run.mcap").done().out;
+    assert!(again.contains("from its start on") && again.ends_with("no difference\n"), "{again}");
 }
 
 /// Hands bytes on between a host and a device, and measures the longest pause of the host.
@@ -159,6 +162,8 @@ fn device_is_recorded_without_a_scene_and_without_a_word() {
     assert_eq!(host.interrupt(), Some(3));
     assert_eq!(read(desk.path("silent.mcap")).unwrap().samples.len(), 0);
     desk.softlimb(&format!("run scene.toml --out results {port}")).done();
+    let again = desk.softlimb("replay results/run.mcap").done().out;
+    assert!(again.contains("without what depends on converter codes") && again.ends_with("no difference\n"), "{again}");
     let host = Program::start(&desk, &format!("record {port} -o board.mcap"));
     thread::sleep(Duration::from_millis(700));
     assert_eq!(host.interrupt(), Some(0));
