@@ -15,6 +15,7 @@ mod fabricate;
 mod failure;
 pub mod fea;
 mod interrupt;
+mod jog;
 mod learn;
 mod payload;
 mod port;
@@ -69,6 +70,7 @@ struct Arguments {
 enum Verb {
     Check(check::Check),
     Run(run::Run),
+    Jog(jog::Jog),
     Report(report::Report),
     Replay(replay::Replay),
     Export(export::Export),
@@ -93,6 +95,7 @@ impl Verb {
         match self {
             Self::Check(verb) => verb.run(),
             Self::Run(verb) => verb.run(),
+            Self::Jog(verb) => verb.run(),
             Self::Report(verb) => verb.run(),
             Self::Replay(verb) => verb.run(),
             Self::Export(verb) => verb.run(),
