@@ -7,6 +7,8 @@ mod eval;
 mod examples;
 mod files;
 mod finite_elements;
+#[cfg(unix)]
+mod jog;
 mod labels;
 mod learn;
 mod logs;

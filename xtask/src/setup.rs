@@ -16,7 +16,7 @@ struct Part {
     elsewhere: &'static str,
 }
 
-const PARTS: [Part; 5] = [
+const PARTS: [Part; 6] = [
     Part {
         packages: &["rustc-web", "cargo-web", "rust-web-src", "lld"],
         why: "a compiler for thumbv7em-none-eabihf: images for the microcontroller",
@@ -41,6 +41,11 @@ const PARTS: [Part; 5] = [
         packages: &["python3"],
         why: "the client of the link in Python, which shares no code with the host",
         elsewhere: "Python 3.9 or newer: https://www.python.org, `dnf install python3`",
+    },
+    Part {
+        packages: &["tmux"],
+        why: "a terminal, in which keys move a limb",
+        elsewhere: "tmux 3: https://github.com/tmux/tmux, `dnf install tmux`, `brew install tmux`",
     },
 ];
 
@@ -85,8 +90,8 @@ fn present() -> [bool; PARTS.len()] {
         Command::new(program).arg(option).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
     };
     let counters = runs("valgrind", "--version") && runs("objdump", "--version");
-    let python = runs("python3", "--version");
-    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters, python]
+    let (python, terminal) = (runs("python3", "--version"), runs("tmux", "-V"));
+    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters, python, terminal]
 }
 
 fn means(may_install: bool) -> Means {
@@ -173,15 +178,15 @@ mod tests {
                 "{means:?}: nothing to do, nothing to say"
             );
         }
-        assert_eq!(packages(&step([true, false, true, true, true], Means::Apt)), ["qemu-system-arm"]);
-        assert_eq!(packages(&step([true, true, false, true, true], Means::Apt)), ["calculix-ccx"]);
-        let compiler = step([false, true, true, true, true], Means::Apt);
+        assert_eq!(packages(&step([true, false, true, true, true, true], Means::Apt)), ["qemu-system-arm"]);
+        assert_eq!(packages(&step([true, true, false, true, true, true], Means::Apt)), ["calculix-ccx"]);
+        let compiler = step([false, true, true, true, true, true], Means::Apt);
         assert_eq!(packages(&compiler), ["rustc-web", "cargo-web", "rust-web-src", "lld"]);
     }
 
     #[test]
     fn only_root_with_apt_installs() {
-        for present in [[false; 5], [true, false, false, true, true], [false, true, false, false, false]] {
+        for present in [[false; 6], [true, false, false, true, true, false], [false, true, false, false, false, true]] {
             assert!(matches!(step(present, Means::Apt), Step::Install(_)));
             for means in [Means::AptOfRoot, Means::None, Means::Forbidden] {
                 let named = step(present, means);

@@ -66,8 +66,14 @@ fn root_is_told_what_will_be_installed_before_it_is() {
     // The first call only looks whether there is one.
     let asked: Vec<&str> = asked.lines().skip(1).collect();
     let install = |packages| format!("-qq --yes --no-install-recommends install {packages}");
-    let packages =
-        ["rustc-web cargo-web rust-web-src lld", "qemu-system-arm", "calculix-ccx", "valgrind binutils", "python3"];
+    let packages = [
+        "rustc-web cargo-web rust-web-src lld",
+        "qemu-system-arm",
+        "calculix-ccx",
+        "valgrind binutils",
+        "python3",
+        "tmux",
+    ];
     assert_eq!(asked, [vec!["-qq update".to_owned()], packages.map(install).to_vec()].concat());
     let calls = printed.find("xtask: apt-get -qq update").expect("it says what it calls");
     for package in packages {

@@ -143,3 +143,43 @@ fn hand_that_looks_at_the_tip_picks_and_places() {
     // With the bottle in the gripper.
     press_at_random(&scene, &mut jog, &mut judge, (7, samples(400)), placed_us);
 }
+
+/// Presses a key and waits for the end of the step; the setpoints.
+fn pressed(jog: &mut Jog<'_>, order: Order, time_us: &mut u64) -> Vec<f64> {
+    jog.order(order);
+    loop {
+        *time_us += PERIOD_US;
+        let knot = jog.knot(*time_us);
+        if !jog.is_moving() {
+            return knot.setpoints;
+        }
+    }
+}
+
+#[test]
+fn keys_of_a_module_raise_and_lower_its_pressure() {
+    for name in ["weightless-a", "weightless-b", "loaded/carry-hanging"] {
+        let scene = repository(name);
+        let limb = Limb::new(&scene).unwrap();
+        let rest: Vec<f64> = limb.drives().map(|drive| drive.measure(&drive.actuator.rest())).collect();
+        for drive in limb.drives() {
+            let mut jog = Jog::new(&scene, &limb, WITHIN_M).unwrap();
+            let (mut time_us, index) = (0, drive.index);
+            let way = |with| Order::Go(Way { axis: 0, with });
+            jog.order(Order::SelectDrive(index));
+            jog.order(way(false));
+            assert!(jog.refusal().is_some(), "{name}: {} has no pressure to lower", drive.name());
+            let raised = pressed(&mut jog, way(true), &mut time_us);
+            let pressure_pa = drive.state_at(raised[index]).unwrap().pressure_pa;
+            assert!(pressure_pa > 10.0, "{name}: {} at {pressure_pa} Pa", drive.name());
+            // 5 mm or deg, by hand.
+            let step = match drive.kind.display_unit() {
+                "deg" => 5f64.to_radians(),
+                _ => 5e-3 / drive.length_m(),
+            };
+            assert!(((raised[index] - rest[index]).abs() - step).abs() < 1e-9, "{name}: {raised:?}");
+            let lowered = pressed(&mut jog, way(false), &mut time_us);
+            assert!(lowered.iter().zip(&rest).all(|(a, b)| (a - b).abs() < 1e-9), "{name}: {lowered:?}");
+        }
+    }
+}

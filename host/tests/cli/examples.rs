@@ -8,7 +8,7 @@ use clap::Command;
 use crate::cli::desk::Desk;
 
 /// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 30] = [
+const PARSED_ONLY: [&str; 31] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -17,6 +17,7 @@ const PARSED_ONLY: [&str; 30] = [
     "payload estimate",
     "calibrate",
     "learn",
+    "jog",
     "fea export finger.json",
     "fea run",
     "fea calibrate",

@@ -29,6 +29,8 @@ const ACROSS: f64 = 0.3;
 const SLANT: f64 = 0.6;
 /// Way that the tip may give under a load which the limb takes, m.
 const SAGS_M: f64 = 0.01;
+/// A setpoint that is beyond an end of its range by less is that end: steps up and down do not add up to the last digit.
+const ROUNDED: f64 = 1e-9;
 /// A pressure within this share of its range of an end is at that end.
 const AT_END: f64 = 1e-6;
 /// Obstacles within this beyond the clearance hinder a step that is out of reach, m.
@@ -105,9 +107,11 @@ impl<'a> Mover<'a> {
         let mut to = from.values.clone();
         to[index] += change_of(&drive, amount);
         let (rest, last) = drive.range();
-        if !(rest.min(last)..=rest.max(last)).contains(&to[index]) {
+        let within = to[index].clamp(rest.min(last), rest.max(last));
+        if (within - to[index]).abs() > ROUNDED {
             return Err(end());
         }
+        to[index] = within;
         let state = drive.state_at(to[index]).ok_or_else(end)?;
         if state.pressure_pa < 0.0 || state.pressure_pa > self.highest_pa(&drive) {
             return Err(end());

@@ -94,7 +94,7 @@ pub fn unit_of(kind: StateQuantity) -> &'static str {
     }
 }
 
-/// A number of those units as a change of a drive's setpoint that raises its pressure.
+/// A number of those units as a change of a drive's setpoint; positive ones raise its pressure.
 pub(super) fn change_of(drive: &Drive<'_>, amount: f64) -> f64 {
     let (rest, end) = drive.range();
     let size = match drive.kind {
@@ -103,5 +103,5 @@ pub(super) fn change_of(drive: &Drive<'_>, amount: f64) -> f64 {
         StateQuantity::OuterRadius | StateQuantity::InnerRadius => 1e-3 * amount,
         StateQuantity::Twist | StateQuantity::BendAngle => amount.to_radians(),
     };
-    size.copysign(end - rest)
+    size * (end - rest).signum()
 }

@@ -159,7 +159,12 @@ struct Hand<'a> {
 }
 
 impl<'a> Hand<'a> {
-    fn new(scene: &Scene, limb: &'a Limb, address: Option<&Address>, gamepad: Option<Gamepad>) -> Result<Self, Failure> {
+    fn new(
+        scene: &Scene,
+        limb: &'a Limb,
+        address: Option<&Address>,
+        gamepad: Option<Gamepad>,
+    ) -> Result<Self, Failure> {
         let port = address.map_or_else(|| "sim".to_owned(), ToString::to_string);
         let head = (scene.name().to_owned(), port);
         let terminal = Terminal::open()?;
@@ -225,10 +230,16 @@ fn text(printed: &Printed) -> String {
         text.push_str(&format!("\n{name:width$}  {time:>6}  {least:>8}  {held_s:>6.1}"));
     }
     let met = printed.targets.iter().filter(|target| target.time_s.is_some()).count();
-    text.push_str(&format!("\n{met} of {} targets met, within {:.1} mm", printed.targets.len(), 1e3 * printed.within_m));
+    text.push_str(&format!(
+        "\n{met} of {} targets met, within {:.1} mm",
+        printed.targets.len(),
+        1e3 * printed.within_m
+    ));
     if let Some(Latency { p50_ms, p99_ms, max_ms }) = &printed.key_to_wire {
         let keys = printed.keys;
-        text.push_str(&format!("\nkey to setpoint on the wire, at most: p50 {p50_ms:.1}, p99 {p99_ms:.1}, max {max_ms:.1} ms, {keys} keys"));
+        text.push_str(&format!(
+            "\nkey to setpoint on the wire, at most: p50 {p50_ms:.1}, p99 {p99_ms:.1}, max {max_ms:.1} ms, {keys} keys"
+        ));
     }
     text
 }
