@@ -104,7 +104,8 @@ impl<'a> Compared<'a> {
                     decided(telemetry, self.tracks_us);
                 }
             }
-            DeviceMessage::Fault(_) if !self.is_exact => return None,
+            DeviceMessage::Ack(_) | DeviceMessage::HeartbeatReply(_) => {}
+            _ if !self.is_exact => return None,
             _ => {}
         }
         Some(message)
