@@ -1,20 +1,20 @@
-//! A controller without a plant: it gets the inputs of a device that has run, and is asked for the outputs.
+//! Runs the controller without a plant, on recorded inputs of a device.
 
 use softlimb_firmware::{Board, BootInfo, Controller, TickInputs, TickOutputs, turn};
 use softlimb_protocol::BootCause;
 
-/// The controller of the firmware, on inputs that are known.
+/// The firmware's controller, driven by recorded inputs.
 #[derive(Debug)]
 pub struct Rerun(Box<Controller>);
 
 impl Rerun {
-    /// A controller that has just been switched on, for this cause.
+    /// A controller just after a boot with this cause.
     #[must_use]
     pub fn new(cause: BootCause, detail: u32) -> Self {
         Self(Box::new(Controller::new(BootInfo { cause, detail })))
     }
 
-    /// One turn: outputs, and bytes for the host, which the link takes at once.
+    /// Runs one turn. Returns the outputs and the bytes for the host; the link accepts them all.
     pub fn turn(&mut self, inputs: &TickInputs, received: &[u8]) -> (TickOutputs, Vec<u8>) {
         let mut board = KnownInputs { inputs: *inputs, received, sent: Vec::new() };
         let outputs = turn(self.0.as_mut(), &mut board);

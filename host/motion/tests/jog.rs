@@ -3,6 +3,7 @@
 #[path = "jog/judge.rs"]
 mod judge;
 
+use crate::samples::samples;
 use judge::Judge;
 use softlimb_limb::Limb;
 use softlimb_motion::jog::{Jog, Order, Way};
@@ -17,11 +18,6 @@ const WITHIN_M: f64 = 0.01;
 
 fn repository(name: &str) -> Scene {
     scene::load(format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))).expect("a scene of the repository")
-}
-
-/// A tenth of the sample, or all of it.
-fn samples(full: usize) -> usize {
-    if std::env::var_os("SOFTLIMB_SAMPLES").is_some_and(|value| value == "full") { full } else { full / 10 }
 }
 
 fn any_order(random: &mut Random, drives: usize) -> Order {
@@ -42,13 +38,7 @@ fn any_order(random: &mut Random, drives: usize) -> Order {
 }
 
 /// Presses keys at random, between knots at any times, and judges every knot.
-fn press_at_random(
-    scene: &Scene,
-    jog: &mut Jog<'_>,
-    judge: &mut Judge<'_>,
-    (seed, orders): (u64, usize),
-    start_us: u64,
-) {
+fn press_at_random(scene: &Scene, jog: &mut Jog<'_>, judge: &mut Judge<'_>, (seed, orders): (u64, u32), start_us: u64) {
     let limb = Limb::new(scene).unwrap();
     let mut random = Random::new(seed, 0);
     let mut time_us = start_us;
@@ -82,7 +72,7 @@ fn no_key_leaves_the_limits_under_load() {
     }
 }
 
-fn random_keys(name: &str, full: usize) {
+fn random_keys(name: &str, full: u32) {
     let scene = repository(name);
     let limb = Limb::new(&scene).unwrap();
     for seed in [1, 2] {

@@ -2,6 +2,8 @@
 
 mod jog;
 mod motion_plan;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
 mod tables;
 mod task;
 mod valves;

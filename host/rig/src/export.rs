@@ -1,4 +1,4 @@
-//! A log as tables, one a topic, and as JSON.
+//! Exports a log as tables, one for each topic, and as JSON.
 
 use std::fmt::Write;
 
@@ -189,7 +189,7 @@ fn ticks(capture: &Capture) -> Rows {
     (header, capture.ticks.iter().map(row).collect())
 }
 
-/// A log with all that is in it, to be serialized.
+/// The whole log, to be serialized.
 #[derive(Debug, Serialize)]
 pub struct WholeLog<'a> {
     /// The run: data known before it, samples, faults, shapes, link counters.

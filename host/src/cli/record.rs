@@ -9,7 +9,7 @@ use super::port::DevicePort;
 use super::{Failure, Outcome, note, warn};
 use softlimb_rig::run::record_behind;
 
-/// Record what a device sends until Ctrl-C, without a scene and without a word to the device
+/// Record what a device sends until Ctrl-C, without a scene; sends nothing to the device
 #[derive(Args)]
 #[command(
     after_help = "The log has all bytes of the device, its measurements and its faults. A device without a configuration sends nothing.\n\
@@ -19,7 +19,7 @@ use softlimb_rig::run::record_behind;
 pub(super) struct Record {
     #[command(flatten)]
     port: DevicePort,
-    /// The log; one that is there is replaced when this one is finished
+    /// The log; an existing file is replaced when the new one is finished
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
 }

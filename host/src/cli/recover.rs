@@ -1,4 +1,4 @@
-//! `softlimb recover`: what a log that was cut off still holds.
+//! `softlimb recover`: recovers a log that was cut off.
 
 use std::path::{Path, PathBuf};
 

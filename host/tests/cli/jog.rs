@@ -11,10 +11,10 @@ use softlimb::rig::record::RunLog;
 
 use crate::cli::desk::Desk;
 
-/// Longest wait for what the screen shall show.
+/// Longest wait for an expected text on the screen.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Whether there is a tmux. Continuous integration must have it, or nobody would notice.
+/// Whether there is a tmux. Continuous integration must have it: else the test would be skipped unnoticed.
 fn tmux_is_installed() -> bool {
     let found = Command::new("tmux").arg("-V").stdout(Stdio::null()).status().is_ok();
     let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty());

@@ -1,4 +1,4 @@
-//! `replay`, `export` and `recover`: what they make of the log of a run.
+//! `replay`, `export` and `recover` on the log of a run.
 
 use softlimb::rig::record::{LinkSummary, Recorder, read, read_capture};
 

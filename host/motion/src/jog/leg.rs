@@ -20,7 +20,7 @@ pub(super) struct Leg {
     pub(super) tips_m: [[f64; 3]; 2],
     /// Mass at the tip at its start and end, kg.
     pub(super) payloads_kg: [f64; 2],
-    /// Whether it goes on to its end, whatever is ordered.
+    /// Whether it runs to its end in spite of new orders.
     pub(super) whole: bool,
 }
 

@@ -1,11 +1,11 @@
-//! A limb moved by hand: orders in, setpoints out, time as an argument.
+//! Moves a limb by hand: takes orders and returns setpoints; the time is an argument.
 //!
 //! Every step is solved before anything moves: pressures and limit points, the scene's margin under load, reach, obstacles, the tilt of what is
-//! held, and whether the limb stands. A step that would leave one of them is refused with a [`Refusal`], and the limb stays. The way between
+//! held, and stability. A step that would violate one of them is refused with a [`Refusal`], and the limb stays. The path between two poses
 //! is straight in the setpoints, at constant speed, and no faster than the scene's rates, its valves and its supply allow.
 //!
 //! Under load a step is solved by the rods of the scene's error, at the weight and the payload of the moment, as a plan does. The shift
-//! of tubes between plates is left out: whoever moves the limb sees the tip.
+//! of tubes between plates is left out: the operator sees the tip and corrects it.
 
 mod leg;
 mod mover;
@@ -28,7 +28,7 @@ use softlimb_limb::Limb;
 use softlimb_limb::statics::Fidelity;
 use softlimb_scene::{Gripper, Scene, SceneError};
 
-/// Stretch of a move that goes on while a key is held, s: the longest way that is solved before the hand sees it.
+/// Duration of each part of a held move, s: the move is solved at most this far ahead.
 const STRETCH_S: f64 = 0.1;
 
 /// Setpoints at one time.
@@ -38,11 +38,11 @@ pub struct JogKnot {
     pub values: Vec<i32>,
     /// Setpoint of each drive.
     pub setpoints: Vec<f64>,
-    /// Whether the gripper is told to be closed.
+    /// Whether the gripper is commanded to close.
     pub gripping: bool,
-    /// Mass at the tip as the model has it, kg.
+    /// Mass that the model assumes at the tip, kg.
     pub payload_kg: f64,
-    /// The tip as the model has it, m.
+    /// Position of the tip according to the model, m.
     pub tip_m: [f64; 3],
 }
 
@@ -54,9 +54,9 @@ pub struct Jog<'a> {
     gripper_us: u64,
     here: Place,
     leg: Option<Leg>,
-    /// The way of a key that is held.
+    /// Direction of the key that is held.
     held: Option<Way>,
-    /// The step that follows the present one.
+    /// Direction of the step that is queued.
     next: Option<Way>,
     gripping: bool,
     opens: bool,
@@ -92,7 +92,7 @@ impl<'a> Jog<'a> {
         })
     }
 
-    /// Takes an order at the time of the last knot. What is refused is told by [`Jog::refusal`] until the next order.
+    /// Takes an order at the time of the last knot. [`Jog::refusal`] says why it was refused, until the next order.
     pub fn order(&mut self, order: Order) {
         if order != Order::Stop {
             self.refusal = None;
@@ -118,7 +118,7 @@ impl<'a> Jog<'a> {
         self.targets.see(time_s, tip_m, gripping);
     }
 
-    /// Setpoints at a time, us, which must not fall.
+    /// Setpoints at a time, us. Times must not decrease.
     pub fn knot(&mut self, time_us: u64) -> JogKnot {
         while let Some(end_us) = self.leg.as_ref().map(Leg::end_us).filter(|end_us| *end_us <= time_us) {
             self.time_us = end_us;
@@ -148,7 +148,7 @@ impl<'a> Jog<'a> {
         }
     }
 
-    /// The limb is at rest again, vented. What it held it holds, by the gripper alone.
+    /// Sets the limb to rest, vented. The gripper keeps what it holds.
     pub fn rest(&mut self) {
         (self.leg, self.held, self.next, self.opens) = (None, None, None, false);
         let values = self.mover.at_rest();
@@ -156,7 +156,7 @@ impl<'a> Jog<'a> {
             self.here = place;
             return;
         }
-        // Without pressure it does not carry its load; it lies somewhere.
+        // Without pressure the limb does not carry its load.
         self.mover.drop();
         self.here = self.mover.place(values.clone()).unwrap_or(Place { values, ..self.here.clone() });
     }
@@ -181,12 +181,12 @@ impl<'a> Jog<'a> {
         &self.targets
     }
 
-    /// What the tip carries as the model has it.
+    /// What the model assumes the tip carries.
     pub fn carrying(&self) -> Carrying {
         self.mover.carrying()
     }
 
-    /// Whether the gripper is told to be closed.
+    /// Whether the gripper is commanded to close.
     pub fn is_gripping(&self) -> bool {
         self.gripping
     }
@@ -196,7 +196,7 @@ impl<'a> Jog<'a> {
         self.mover.tier()
     }
 
-    /// A step, or the next one behind that which is under way.
+    /// Starts a step, or queues it behind the present one.
     fn step(&mut self, way: Way) -> Result<(), Refusal> {
         match &self.leg {
             Some(leg) if leg.whole => Err(Refusal::GripperMoves),
@@ -233,7 +233,7 @@ impl<'a> Jog<'a> {
         }
     }
 
-    /// Begins a step, or a stretch of a move that goes on.
+    /// Starts a step or the next part of a held move.
     fn begin(&mut self, way: Way, goes_on: bool) -> Result<(), Refusal> {
         let amount = if goes_on { self.settings.speed() * STRETCH_S } else { self.settings.step() };
         let signed = if way.with { amount } else { -amount };
@@ -259,7 +259,7 @@ impl<'a> Jog<'a> {
         self.here = to;
     }
 
-    /// Closes the gripper: about what the next target has, where the tip is there. Or opens it: the load is put down before.
+    /// Closes or opens the gripper. When it closes at the next target, it takes that target's payload. Before it opens, the load is put down.
     fn grip(&mut self) -> Result<(), Refusal> {
         if self.leg.as_ref().is_some_and(|leg| leg.whole) {
             return Err(Refusal::GripperMoves);

@@ -22,21 +22,21 @@ use softlimb_scene::Scene;
 
 /// Parts of a mass that changes hands.
 const HANDED: usize = 4;
-/// Share of a step that no drive can do, from which on it is the direction that is wrong.
+/// Share of a step beyond the drives' directions above which the direction counts as impossible.
 const ACROSS: f64 = 0.3;
 /// Distance from the end of a step, as a share of it, within which the limb takes it as well as it can: at the edge of its reach, where a limb
 /// is straight or at an end of its pressures, it keeps few directions exactly.
 const SLANT: f64 = 0.6;
-/// Way that the tip may give under a load which the limb takes, m.
+/// Largest displacement of the tip while a load changes hands, m.
 const SAGS_M: f64 = 0.01;
-/// A setpoint that is beyond an end of its range by less is that end: steps up and down do not add up to the last digit.
+/// Setpoints beyond an end of their range by less than this are set to that end: sums of steps have rounding errors.
 const ROUNDED: f64 = 1e-9;
-/// A pressure within this share of its range of an end is at that end.
+/// A pressure closer to an end of its range than this share of the range counts as at that end.
 const AT_END: f64 = 1e-6;
-/// Obstacles within this beyond the clearance hinder a step that is out of reach, m.
+/// A step out of reach is blamed on an obstacle that is nearer than the clearance plus this, m.
 const NEAR_M: f64 = 1e-3;
 
-/// The limb with what it carries, and what it may do.
+/// The limb, its load and its limits.
 pub(super) struct Mover<'a> {
     scene: &'a Scene,
     limb: &'a Limb,
@@ -62,12 +62,12 @@ impl<'a> Mover<'a> {
         self.carrying
     }
 
-    /// The statics that poses are solved by; `None` without load.
+    /// The statics that solve poses; `None` without load.
     pub(super) fn tier(&self) -> Option<Fidelity> {
         self.tier
     }
 
-    /// The limb without pressure and load at its tip.
+    /// The limb without pressure, with no load at its tip.
     pub(super) fn at_rest(&self) -> Vec<f64> {
         self.limb.drives().map(|drive| drive.measure(&drive.actuator.rest())).collect()
     }
@@ -78,7 +78,7 @@ impl<'a> Mover<'a> {
         Some(Place { values, tip_m })
     }
 
-    /// The place whose tip is a way off, m, from one of setpoints; at the edge of the reach as near to it as the limb gets.
+    /// The pose whose tip is displaced by a vector, m, from that of given setpoints; at the edge of the reach the nearest one.
     ///
     /// # Errors
     /// [`Refusal`].
@@ -97,7 +97,7 @@ impl<'a> Mover<'a> {
         Ok(to)
     }
 
-    /// The place with the setpoint of one drive changed by an amount in the units of its steps; positive ones raise its pressure.
+    /// The pose with one drive's setpoint changed by an amount in the unit of its steps; a positive amount raises its pressure.
     ///
     /// # Errors
     /// [`Refusal`].
@@ -120,7 +120,7 @@ impl<'a> Mover<'a> {
         self.place(to).ok_or_else(|| Refusal::of(self.scene, crate::space::Hindrance::NoShape))
     }
 
-    /// Takes something else to the tip: rows of setpoints that keep the tip where it is while the mass changes hands.
+    /// Changes the load at the tip. Returns rows of setpoints that keep the tip in place while the mass changes hands.
     ///
     /// # Errors
     /// [`Refusal`]; it then carries what it carried.
@@ -175,7 +175,7 @@ impl<'a> Mover<'a> {
         rows.windows(2).map(leg).sum::<Option<f64>>().ok_or(Refusal::NoSupply)
     }
 
-    /// Takes the statics that the present pose needs, if those are finer.
+    /// Changes to finer statics where the present pose needs them.
     pub(super) fn judge(&mut self, values: &[f64]) {
         let (Some(tier), Some(weight)) = (self.tier, self.scene.weight()) else { return };
         let pressures_pa = self.pressures_pa(values);
@@ -225,7 +225,7 @@ impl<'a> Mover<'a> {
         drives.filter_map(end).next().unwrap_or(Refusal::OutOfReach)
     }
 
-    /// Whether hardly any part of a way is along what the drives do to the tip.
+    /// Whether hardly any part of a displacement lies along directions in which the drives move the tip.
     fn is_across(&self, start_pa: &[f64], way_m: &Vector3<f64>) -> bool {
         let Some(posture) = self.space.carrier().posture(start_pa) else { return false };
         let spans = self.limb.drives().map(|drive| self.highest_pa(&drive));

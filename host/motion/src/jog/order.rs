@@ -1,11 +1,11 @@
-//! Orders of whoever moves a limb by hand, and the settings that they change.
+//! Orders of the operator, and the settings that they change.
 
 use fra_model::StateQuantity;
 use softlimb_limb::Drive;
 
-/// Lengths of a step: mm, deg or kPa, by what moves.
+/// Lengths of a step: mm, deg or kPa.
 pub const STEPS: [f64; 3] = [1.0, 5.0, 20.0];
-/// Speeds: the same per second.
+/// Speeds: mm/s, deg/s or kPa/s.
 pub const SPEEDS: [f64; 3] = [5.0, 20.0, 50.0];
 
 /// One order.
@@ -13,7 +13,7 @@ pub const SPEEDS: [f64; 3] = [5.0, 20.0, 50.0];
 pub enum Order {
     /// Move the tip along an axis of the world, or the selected drive, by a step.
     Go(Way),
-    /// The same until [`Order::Stop`].
+    /// Move likewise until [`Order::Stop`].
     Hold(Way),
     /// Stop where the limb is: the key was released.
     Stop,
@@ -35,12 +35,12 @@ pub enum Order {
     Slower,
 }
 
-/// A direction: along an axis of the world, 0 to 2, and whether with it. Of a selected drive only whether its pressure rises counts.
+/// A direction along an axis of the world. For a selected drive, `with` raises its pressure whatever the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Way {
     /// Axis, 0 to 2.
     pub axis: usize,
-    /// Whether with the axis.
+    /// Whether in the positive direction.
     pub with: bool,
 }
 
@@ -70,7 +70,7 @@ impl Settings {
         SPEEDS[self.speed]
     }
 
-    /// Takes an order that changes settings alone, on a limb with so many drives.
+    /// Takes an order that changes only settings, on a limb with `drives` drives.
     pub(super) fn take(&mut self, order: Order, drives: usize) {
         match order {
             Order::SelectTip => self.drive = None,
@@ -94,7 +94,7 @@ pub fn unit_of(kind: StateQuantity) -> &'static str {
     }
 }
 
-/// A number of those units as a change of a drive's setpoint; positive ones raise its pressure.
+/// The change of a drive's setpoint for an amount in the unit of its steps; a positive amount raises its pressure.
 pub(super) fn change_of(drive: &Drive<'_>, amount: f64) -> f64 {
     let (rest, end) = drive.range();
     let size = match drive.kind {

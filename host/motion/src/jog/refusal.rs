@@ -1,4 +1,4 @@
-//! Why a key moves nothing, in a word.
+//! Reasons for which an order is refused.
 
 use std::fmt;
 
@@ -32,7 +32,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Of what blocks a straight move.
+    /// The refusal of a move that something blocks.
     pub(super) fn of(scene: &Scene, by: Hindrance) -> Self {
         match by {
             Hindrance::Obstacle(found) => Self::Obstacle(scene.obstacles()[found.obstacle].name.value.clone()),
@@ -41,7 +41,7 @@ impl Refusal {
         }
     }
 
-    /// Of a limb that does not stand; modules by their names.
+    /// The refusal of a pose in which the limb is unstable; it names the module.
     pub(super) fn falls(scene: &Scene, cause: PoseError) -> Self {
         Self::Falls(match cause {
             PoseError::NoEquilibrium => "has an actuator without equilibrium".to_owned(),

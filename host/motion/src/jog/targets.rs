@@ -1,4 +1,4 @@
-//! The targets of a scene for whoever moves its limb by hand, and how they were met.
+//! The targets of a scene, and how the operator met them.
 
 use fra_model::State;
 use nalgebra::Vector3;
@@ -9,7 +9,7 @@ use crate::payload::{Carried, carried};
 use softlimb_limb::Limb;
 use softlimb_scene::{Goal, Gripper, Scene};
 
-/// A target without a command to the gripper is met when the tip has been there for so long, s.
+/// Time at a target after which it is met, where the gripper has no command, s.
 const HELD_S: f64 = 0.5;
 
 /// Where a phase of a scene brings the tip, and what the gripper does there.
@@ -19,9 +19,9 @@ pub struct JogTarget<'a> {
     pub name: &'a str,
     /// Goal of the tip.
     pub goal: TipGoal<'a>,
-    /// Command to the gripper there.
+    /// Command to the gripper at the target.
     pub gripper: Option<Gripper>,
-    /// What the tip carries there.
+    /// What the tip carries at the target.
     pub carried: Carried,
 }
 
@@ -30,15 +30,15 @@ pub struct JogTarget<'a> {
 pub struct Attempt {
     /// Name of the phase.
     pub name: String,
-    /// Time from the target before, or from the start, until it was met, s; `None` while it is not.
+    /// Time from the previous target, or from the start, until this one was met, s; `None` before.
     pub time_s: Option<f64>,
-    /// Least distance of the tip from it in that time, m; infinite before the first observation.
+    /// Least distance of the tip from the target in that time, m; infinite before the first observation.
     pub least_m: f64,
     /// Time that the tip was there, s.
     pub held_s: f64,
 }
 
-/// The targets in their order, and the attempts at them so far. Times are the caller's.
+/// The targets in order, and the attempts at them so far. The caller chooses the clock.
 #[derive(Clone, Debug)]
 pub struct Targets<'a> {
     list: Vec<JogTarget<'a>>,
@@ -94,17 +94,17 @@ impl<'a> Targets<'a> {
         &self.attempts
     }
 
-    /// The way from the tip as it was seen last to the next target, m.
+    /// Vector from the tip's last observed position to the next target, m.
     pub fn missing_m(&self) -> Option<Vector3<f64>> {
         Some(self.next()?.goal.missing_m(&Vector3::from(self.tip_m?)))
     }
 
-    /// Whether the tip as it was seen last is at the next target.
+    /// Whether the tip's last observed position is at the next target.
     pub fn is_there(&self) -> bool {
         self.missing_m().is_some_and(|way| way.norm() <= self.within_m)
     }
 
-    /// Takes an observation of the tip, m, and whether the gripper is told to be closed. Times must not fall.
+    /// Takes an observation: the tip, m, and whether the gripper is commanded to close. Times must not decrease.
     pub fn see(&mut self, time_s: f64, tip_m: [f64; 3], gripping: bool) {
         let began_s = *self.began_s.get_or_insert(time_s);
         let since_s = if self.tip_m.is_some() { time_s - self.seen_s } else { 0.0 };

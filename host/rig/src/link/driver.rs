@@ -71,7 +71,7 @@ impl<'a, T: Transport> Driver<'a, T> {
         Ok(())
     }
 
-    /// Sends what is due; when more will be, us.
+    /// Sends what is due. Returns the time at which more will be due, us.
     pub(super) fn send(&mut self) -> Result<u64, LinkError> {
         self.bytes.clear();
         let due_us = self.session.transmit(self.transport.now_us(), &mut self.bytes)?;

@@ -1,7 +1,7 @@
-//! Setpoints that are made while they are sent: a device under somebody's hand.
+//! Streams setpoints that an operator makes while they are sent.
 //!
-//! Knots go to the device a short lead ahead of its clock. Where that runs out, the device holds; the stream then begins again at the setpoints
-//! that it holds, and goes from there to those of the pilot.
+//! Knots are sent a short lead ahead of the device's clock. When the lead runs out, the device holds. The stream then restarts at the held
+//! setpoints and leads to those of the pilot.
 
 use softlimb_protocol::{DeviceState, ResultCode};
 
@@ -15,17 +15,17 @@ use super::stream::{Ending, Summary, greet, summary};
 use super::trajectory::{Knot, Trajectory};
 use super::transport::Transport;
 
-/// How far knots are ahead of the device's clock, us: what a pause of the host may last.
+/// Lead of the knots over the device's clock, us: the longest pause of the host that does no harm.
 const LEAD_US: u64 = 120_000;
 /// Time between two knots, us.
 const PERIOD_US: u64 = 20_000;
 /// Longest time between two looks at the pilot, us.
 const LOOK_US: u64 = 4_000;
-/// Longest time until a device that gets no knots holds, us: more than the lead, and the delay of the news.
+/// Longest time until the host learns that a device without knots holds, us: more than the lead and the delay of the message.
 const HELD_US: u64 = 1_000_000;
-/// Largest delay of the news that the device has started, us.
+/// Largest delay of the message that the device has started, us.
 const START_NEWS_US: u64 = 500_000;
-/// Time from the setpoints that a device holds to those of the pilot, us: longer than any way that the lead had.
+/// Duration of the move from the held setpoints to those of the pilot, us: longer than the lead.
 const RESUMED_US: u64 = 500_000;
 
 /// The next thing to do.
@@ -33,7 +33,7 @@ const RESUMED_US: u64 = 500_000;
 pub enum Wish {
     /// Go on. A vented device stays vented.
     Nothing,
-    /// Send a knot at once: there was an order. A vented device goes on.
+    /// Send a knot at once, because there was an order. A vented device goes on.
     Move,
     /// Let the pressures down.
     Vent,
@@ -46,20 +46,20 @@ pub trait Pilot {
     /// Looks at the hand, at a time of the transport's clock, us.
     fn look(&mut self, now_us: u64) -> Wish;
 
-    /// The knot at a time, which never falls.
+    /// The knot at a time, which never decreases.
     fn knot(&mut self, time_us: u64) -> Knot;
 
-    /// What was due has been sent, at a time of the transport's clock, us.
+    /// Called after all due knots have been sent, at a time of the transport's clock, us.
     fn sent(&mut self, now_us: u64);
 
-    /// The device holds by itself: nothing shall move any more.
+    /// The device holds by itself: the pilot must stop moving.
     fn stop(&mut self);
 
     /// The limb is vented: setpoints begin anew from rest.
     fn vented(&mut self);
 }
 
-/// Follows a pilot on the device behind `transport`, and vents the limb when he wishes to end, whatever happens on the way.
+/// Follows a pilot on the device behind `transport`, and vents the limb at the end, also after an error.
 ///
 /// `on_event` is called as [`stream`](super::stream()) does; there is an [`Event::Armed`] at each start, and the first one is the zero of all times.
 ///
@@ -122,7 +122,7 @@ impl<T: Transport> Live<'_, '_, T> {
             };
             match pause {
                 Pause::Held => {
-                    // What is under way comes too late.
+                    // Knots on their way would come too late.
                     self.run.driver.session.close_window();
                     self.pilot.stop();
                     let held = self.run.driver.session.window().last_accepted();
@@ -169,7 +169,7 @@ impl<T: Transport> Live<'_, '_, T> {
             match self.run.driver.session.state() {
                 Some(DeviceState::Running) => has_run = true,
                 Some(DeviceState::Holding) if has_run => return Ok(Pause::Held),
-                // It may have begun and run out without news.
+                // It may have started and run out of knots without a message.
                 Some(DeviceState::Holding) if self.is_overdue()? => return Ok(Pause::Held),
                 Some(DeviceState::Ready) if !has_run && self.is_overdue()? => {
                     return Err(LinkError::NotStarted { fault: self.run.driver.fault_news() });
@@ -195,12 +195,12 @@ impl<T: Transport> Live<'_, '_, T> {
         }
     }
 
-    /// Whether the device should have begun by now.
+    /// Whether the device should have started by now.
     fn is_overdue(&mut self) -> Result<bool, LinkError> {
         Ok(self.run.driver.device_now_us()? > self.start_us.saturating_add(START_NEWS_US))
     }
 
-    /// Waits until a device that refuses late knots has used up those that it has.
+    /// Waits until a device that refuses late knots has used up its knots.
     fn held(&mut self) -> Result<Pause, LinkError> {
         self.run.driver.session.close_window();
         let stopped = |driver: &Driver<'_, T>| LinkError::Stopped { state: driver.session.state() };

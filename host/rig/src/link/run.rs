@@ -116,7 +116,7 @@ impl<T: Transport> Run<'_, T> {
         Err(LinkError::TooSlow { attempts: self.options.attempts_max })
     }
 
-    /// Has the device forget its knots, and hears its state.
+    /// Flushes the device's knots, and learns its state.
     pub(super) fn flush(&mut self) -> Result<(), LinkError> {
         self.driver.command(CommandCode::Flush)?;
         let stopped = |driver: &Driver<'_, T>| LinkError::Stopped { state: driver.session.state() };

@@ -96,7 +96,7 @@ fn connect<T: Transport>(
     Ok(device)
 }
 
-/// Opens the session with a device that has channels enough.
+/// Opens the session with a device that has enough channels.
 pub(super) fn greet<T: Transport>(
     driver: &mut Driver<'_, T>,
     configuration: &DeviceConfiguration,

@@ -27,7 +27,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<RunLog, RecordError> {
     log.into_run(path, stop)
 }
 
-/// The bytes of a file that begins as an MCAP file does.
+/// The bytes of a file that begins with the magic of MCAP.
 ///
 /// # Errors
 /// [`RecordError::File`], [`RecordError::NotMcap`].

@@ -1,4 +1,4 @@
-//! What a log that was cut off or damaged still holds, as a whole file.
+//! Recovers a log that was cut off or damaged, as a whole file.
 
 use super::container::options;
 use super::reader::read_bytes;
@@ -12,7 +12,7 @@ use std::path::Path;
 /// Opcode and length of a record.
 const RECORD_HEADER: usize = 1 + 8;
 
-/// Topics whose messages are numbered by themselves and not by the sample that they belong to.
+/// Topics that number their own messages, instead of taking the number of the sample.
 const ALONE: [&str; 4] = [FAULT_TOPIC, SHAPE_TOPIC, WIRE_TOPIC, TICKS_TOPIC];
 
 /// Outcome of a recovery.
@@ -20,13 +20,13 @@ const ALONE: [&str; 4] = [FAULT_TOPIC, SHAPE_TOPIC, WIRE_TOPIC, TICKS_TOPIC];
 pub struct Recovered {
     /// Messages in the new file.
     pub messages: u64,
-    /// Those among them that come from a chunk that was not closed: no checksum covers them.
+    /// Those of them from a chunk that was not closed: no checksum covers them.
     pub unchecked: u64,
-    /// Chunks that were closed and whole.
+    /// Chunks that were closed and undamaged.
     pub chunks: u64,
     /// Chunks that are damaged and left out.
     pub chunks_damaged: u64,
-    /// Bytes at the end of the old file that say nothing.
+    /// Bytes of the old file that hold nothing readable.
     pub bytes_lost: u64,
     /// Whether the old file was a finished log.
     pub was_finished: bool,

@@ -1,4 +1,4 @@
-//! Inputs and outputs of a controller, tick by tick: what a re-run of it needs beside the bytes of the link.
+//! Inputs and outputs of the controller in each tick: with the bytes of the link, all that a re-run needs.
 
 use super::cdr::{CdrError, CdrReader};
 use super::messages::{begin, open};

@@ -15,7 +15,7 @@ pub(super) struct Topics {
     pub(super) outputs: u16,
     pub(super) shape: u16,
     pub(super) wire: u16,
-    /// That of the ticks; `None` until the first time: only simulated and emulated devices show them.
+    /// Topic of the ticks; `None` before the first: only simulated and emulated devices show ticks.
     pub(super) ticks: Option<u16>,
     /// One per pressure channel.
     pub(super) pressure: Vec<u16>,

@@ -1,4 +1,4 @@
-//! The bytes of the link in a log, and with them all that a re-run of the controller needs.
+//! Reads and writes the bytes of the link in a log, and gathers the inputs of a re-run.
 
 use super::RecordError;
 use super::cdr::CdrError;
@@ -69,7 +69,7 @@ impl Capture {
     }
 }
 
-/// Reads link and ticks of a log; of one that was cut off, as much as is there.
+/// Reads the link and the ticks of a log; of a log that was cut off, as much as it has.
 ///
 /// # Errors
 /// As [`super::read`].

@@ -1,4 +1,4 @@
-//! The tick in which a device took each frame of its host, by its answers.
+//! Finds the tick in which a device took each frame of its host, from the device's answers.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 
@@ -6,7 +6,7 @@ use softlimb_protocol::{DeviceMessage, Heartbeat, HostMessage, Message};
 
 use super::frames::Framed;
 
-/// Longest time from a frame to its answer, us: sequence numbers come again after 65536 frames.
+/// Longest time from a frame to its answer, us: sequence numbers repeat after 65536 frames.
 const ANSWER_MAX_US: u64 = 2_000_000;
 
 /// Type of a frame of the host, and its number: what an answer repeats.

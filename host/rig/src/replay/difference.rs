@@ -1,4 +1,4 @@
-//! The device's messages beside those of the log.
+//! Compares the device's messages with those of the log.
 
 use softlimb_protocol::{ChannelSample, ChannelStatus, DeviceMessage, DeviceState, Telemetry};
 
@@ -55,7 +55,7 @@ impl<'a> Compared<'a> {
         self.is_over
     }
 
-    /// Takes what the re-run sends in a tick.
+    /// Takes the bytes that the re-run sends in a tick.
     pub(super) fn take(&mut self, now_us: u64, sent: &[u8]) -> Option<Difference> {
         let mut messages = Vec::new();
         self.splitter.take(sent, |_, message: DeviceMessage, _| messages.push(message));
@@ -136,7 +136,7 @@ fn decided(telemetry: &mut Telemetry, tracks_us: u64) {
     }
 }
 
-/// Place and values of the first field that differs.
+/// Name and values of the first field that differs.
 fn first_field(expected: &DeviceMessage, got: &DeviceMessage) -> (String, String, String) {
     if let (DeviceMessage::Telemetry(expected), DeviceMessage::Telemetry(got)) = (expected, got)
         && expected.time_us == got.time_us

@@ -1,4 +1,4 @@
-//! What a controller has to have gone through before a log of a device that was configured before.
+//! Brings a controller into the state of a device that was configured before its log began.
 
 use softlimb_protocol::{Hello, HostMessage, MAX_FRAME_LEN, PROTOCOL_VERSION, SCHEMA_HASH, encode_frame};
 

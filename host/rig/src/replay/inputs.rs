@@ -1,4 +1,4 @@
-//! Inputs of each tick: those of the log, or as near as the measurements of a device come to them.
+//! Inputs of each tick: those of the log, or an approximation from a device's measurements.
 
 use softlimb_protocol::{ConfigSystem, DeviceMessage, HostMessage, MAX_CHANNELS, Telemetry};
 use softlimb_sim::{AdcCode, TickInputs};

@@ -29,7 +29,7 @@ use outputs::Coils;
 pub struct Replay {
     /// Whether the log has the codes of the converters: all outputs were compared.
     pub is_exact: bool,
-    /// Whether the device had a configuration before the log began: then the run alone was compared, from its start on.
+    /// Whether the device had a configuration before the log began: then only the run was compared, from its start on.
     pub has_history: bool,
     /// Ticks that were run again.
     pub ticks: u64,
@@ -55,10 +55,10 @@ pub enum ReplayError {
         "the log has no bytes of the link (topic /softlimb/wire): it is of an earlier build, or of `softlimb record` on a silent line"
     )]
     NoWire,
-    /// Nothing in the log says how the device began.
+    /// The log does not say how the device started.
     #[error("the log holds no answer to a Hello: the re-run has no beginning")]
     NoHello,
-    /// The device had a history before the log, and there is no run to compare alone.
+    /// The device was configured before the log, and the log has no run to compare.
     #[error(
         "the device had a configuration before the log began, and the log has no run: reset the device before a log that is to be run again"
     )]

@@ -42,7 +42,7 @@ pub(super) struct Seen {
 }
 
 impl<'a> Assembler<'a> {
-    /// For the setpoints of a scene's limb, and the limb that is simulated; the statics of the setpoints under load.
+    /// An assembler for the setpoints of a scene's limb and for the simulated limb. `tier` is the statics of the setpoints under load.
     pub(super) fn new(
         (scene, limb): (&'a Scene, &'a Limb),
         reference: impl Reference + 'a,
@@ -140,7 +140,7 @@ impl<'a> Assembler<'a> {
     }
 }
 
-/// Measurements of the channels, with the truth where somebody sees it.
+/// Measurements of the channels, with the truth where it is known.
 pub(super) fn channels(message: &Telemetry, truth: Option<&Truth>) -> Vec<ChannelSample> {
     let measured = message.channels.iter().enumerate();
     measured

@@ -66,7 +66,7 @@ pub enum RunError {
         cause: RecordError,
         /// Time of the last sample in it, s after the start of the run.
         last_s: Option<f64>,
-        /// Why the run itself did not end well, if it did not.
+        /// Error of the run itself, if there was one.
         ended: Option<Box<LinkError>>,
     },
     /// The report cannot be written.

@@ -38,12 +38,12 @@ pub enum Press {
     End,
 }
 
-/// Whoever moves the limb.
+/// Moves the limb by keys.
 pub trait Operator {
     /// The keys since the last look.
     fn presses(&mut self, view: &JogView<'_, '_>) -> Vec<Press>;
 
-    /// The setpoint of the last keys is on the wire, at most so long after they were pressed by the clock of the link, us.
+    /// Called when the setpoint of the last keys is on the wire, with the longest time since they were pressed, us of the link's clock.
     fn sent(&mut self, _waited_us: u64) {}
 }
 
@@ -67,7 +67,7 @@ pub struct JogView<'v, 'a> {
 pub struct JogOptions {
     /// The folder that takes `run.mcap` and `run.html`.
     pub out: PathBuf,
-    /// Distance from a target up to which the tip is there, m.
+    /// Largest distance at which the tip is at a target, m.
     pub within_m: f64,
     /// Faults of the link.
     pub link_faults: Option<LinkFaults>,
@@ -127,7 +127,7 @@ pub fn jog_behind(
     by_hand((scene, &limb), &mut link, (port::session_number(), origin), options, operator, cancel)
 }
 
-/// How the targets of a scene were met in a log: the tip as it was seen, or as the model has it where nobody saw it.
+/// How the targets of a scene were met in a log, by the true tip, or by the model's tip on a device.
 pub fn attempts(scene: &Scene, log: &RunLog, within_m: f64) -> Result<Vec<Attempt>, RunError> {
     let mut targets = Targets::new(scene, &Limb::new(scene)?, within_m);
     log.samples.iter().for_each(|sample| see(sample, |time_s, tip_m, gripping| targets.see(time_s, tip_m, gripping)));
@@ -188,7 +188,7 @@ struct Hand<'a, 'h> {
     desk: &'h RefCell<Desk>,
     is_vented: bool,
     looked_us: u64,
-    /// The look before the last keys.
+    /// Time of the look before the last keys, us.
     pressed_us: Option<u64>,
 }
 
@@ -250,7 +250,7 @@ impl Pilot for Hand<'_, '_> {
     }
 }
 
-/// The folder of a session by hand of a scene, where none is given.
+/// The default folder of a scene's session by hand.
 pub fn jog_folder(scene: &Scene) -> PathBuf {
     Path::new("out").join(format!("{}-jog", scene.name()))
 }

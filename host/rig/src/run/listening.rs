@@ -1,4 +1,4 @@
-//! A log of whatever a device says, without a scene and without a word to the device.
+//! Records what a device sends, without a scene. Sends nothing to the device.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,12 +23,12 @@ pub struct Heard {
     pub bytes: u64,
     /// Measurements in the log.
     pub samples: u64,
-    /// Measurements with another number of channels than the first: the log has their bytes alone.
+    /// Measurements with another number of channels than the first: the log has only their bytes.
     pub others: u64,
 }
 
-/// Records all bytes, measurements and faults of the device behind a port until `stop`. Says nothing to the device. The setpoint of a channel is the
-/// pressure that its loop tracks.
+/// Records all bytes, measurements and faults of the device behind a port until `stop`. Sends nothing to the device. The setpoint of a channel
+/// is the pressure that its loop tracks.
 ///
 /// # Errors
 /// [`RunError`]. A port that is lost ends the log, which is whole.
@@ -96,7 +96,7 @@ impl Listener<'_> {
         Ok(())
     }
 
-    /// Begins the log of a device with so many channels, if it has not begun.
+    /// Creates the log of a device with this number of channels, if there is none yet.
     fn begin(&mut self, channels: usize) -> Result<(), RunError> {
         if self.recorder.is_none() {
             let mut recorder = Recorder::create(self.log, &info(channels, self.unix_ns))?;
@@ -161,7 +161,7 @@ fn info(channels: usize, start_unix_ns: u64) -> RunInfo {
     }
 }
 
-/// A measurement without a limb: nobody knows a tip.
+/// A measurement without a limb: the tip is unknown.
 fn sample(message: &Telemetry, zero_us: u64) -> Sample {
     let channels = super::assemble::channels(message, None);
     let module = |channel: &crate::record::ChannelSample| ModuleSample {

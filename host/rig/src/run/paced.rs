@@ -1,4 +1,4 @@
-//! A simulated device at the pace of this computer's clock, for somebody who looks on.
+//! Paces a simulated device by this computer's clock, for an operator who watches it.
 
 use std::io;
 use std::thread;
@@ -10,7 +10,7 @@ use super::recording::Bench;
 use super::tape::Tape;
 use crate::link::Transport;
 
-/// Lag behind the clock beyond which the rest is given up, us.
+/// Lag behind the clock above which the device stops catching up, us.
 const LAG_MAX_US: u64 = 250_000;
 
 /// A device that never runs ahead of the clock.

@@ -160,7 +160,7 @@ pub(super) fn stream_options<'c>(
     let highest_pa = limb.modules().iter().map(|module| module.pressure_max_pa).fold(0.0, f64::max);
     let ramp_us = (highest_pa / f64::from(system.vent_ramp_pa_per_s) * 1e6) as u64;
     let vent_max_us = defaults.vent_max_us + 2 * ramp_us;
-    // A host that went away keeps its session for so long.
+    // A host that went away keeps its session for this long.
     let occupied_max_us = u64::from(system.link_timeout_us) + OCCUPIED_MARGIN_US;
     StreamOptions { cancel: Some(cancel), heartbeat_us, vent_max_us, occupied_max_us, ..defaults }
 }

@@ -15,7 +15,7 @@ use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
 use crate::record::{LinkSummary, RecordError, Recorder, RunInfo, Sample};
 
-/// Ticks in a message of the log, at least: fewer would weigh less than their header.
+/// Least number of ticks in a message of the log: fewer would be smaller than their header.
 const TICKS: usize = 20;
 
 /// A device under a run, with whoever looks on.
@@ -61,7 +61,7 @@ pub(super) fn recorded<D: Bench>(
     })
 }
 
-/// Records what a session with a device does, in a folder, and writes the report. The period is that of measurements, us.
+/// Records a session with a device in a folder, and writes the report. The period is that of the measurements, us.
 pub(super) fn recorded_by<'a, D: Bench, R>(
     device: &mut D,
     (info, assembler, period_us): (RunInfo, Assembler<'a>, u64),
@@ -148,7 +148,7 @@ impl<'a> Recording<'a> {
         sample
     }
 
-    /// Takes what was said since the last time, with ticks where there are at least so many; before there is a log it stays on the tape.
+    /// Writes the bytes since the last call, and the ticks where there are at least `ticks_min`. Before there is a log, they stay on the tape.
     fn take_tape(&mut self, device: &mut impl Bench, ticks_min: usize) {
         if self.recorder.is_none() && self.failure.is_none() {
             return;
@@ -160,7 +160,7 @@ impl<'a> Recording<'a> {
         self.unless_lost(taken);
     }
 
-    /// What came of writing to the log; there is none any more once that has failed.
+    /// Handles the result of writing to the log. After a failure there is no log any more.
     fn unless_lost<T>(&mut self, written: Result<T, RecordError>) -> Option<T> {
         written
             .map_err(|error| {

@@ -1,4 +1,4 @@
-//! What a device and its host said, until the log takes it.
+//! Keeps the bytes and ticks of a device until the log takes them.
 
 use crate::record::{DeviceTick, Direction, WireBytes};
 

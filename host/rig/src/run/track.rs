@@ -1,4 +1,4 @@
-//! The setpoints of a limb that is moved by hand, for as long as measurements may still refer to them.
+//! Keeps the setpoints of a limb that is moved by hand, for as long as measurements may refer to them.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -13,7 +13,7 @@ use softlimb_motion::Nominal;
 use softlimb_motion::jog::JogKnot;
 use softlimb_scene::Scene;
 
-/// Knots that are kept: more than any measurement is late.
+/// Number of knots that are kept: they span more than the delay of any measurement.
 const KNOTS: usize = 512;
 
 /// Knots by their times, us.
@@ -34,7 +34,7 @@ impl Track {
         self.knots.push_back((time_us, knot));
     }
 
-    /// What a function of two knots and the share between them gives at a time.
+    /// Value at a time of a function of two knots and the share between them.
     fn at<R>(&self, time_us: u64, of: impl FnOnce(&JogKnot, &JogKnot, f64) -> R) -> Option<R> {
         let after = self.knots.partition_point(|(knot_us, _)| *knot_us <= time_us);
         let (from_us, from) = self.knots.get(after.saturating_sub(1))?;

@@ -1,4 +1,4 @@
-//! An operator who follows a script: keys by what he sees.
+//! An operator who follows a script and presses keys by what the log shows.
 
 use softlimb_motion::jog::{Order, Way};
 use softlimb_rig::run::{JogView, Operator, Press};

@@ -13,7 +13,7 @@ use softlimb_rig::run::Press;
 /// Kinds of records. The first records, of the state of everything, have bit 0x80 besides.
 const BUTTON: u8 = 1;
 const AXIS: u8 = 2;
-/// A stick moves the limb beyond half of its way, and lets it go below a third.
+/// A stick moves the limb beyond half of its travel, and stops it below a third.
 const ON: i16 = 16_384;
 const OFF: i16 = 11_000;
 
@@ -38,7 +38,7 @@ impl Gamepad {
     pub(super) fn open(path: &Path) -> Result<Self, Failure> {
         let mut file = File::open(path).map_err(|error| Failure::file("read", path, &error))?;
         let (sender, records) = channel();
-        // It ends with the file, or with the first record that nobody takes.
+        // It ends with the file, or when the receiver is gone.
         thread::spawn(move || {
             let mut record = [0; 8];
             while file.read_exact(&mut record).is_ok() && sender.send(record).is_ok() {}
@@ -46,7 +46,7 @@ impl Gamepad {
         Ok(Self { records, sticks: Sticks::default(), is_lost: false })
     }
 
-    /// The presses since the last look. A gamepad that is lost lets go.
+    /// The presses since the last look. A gamepad that is lost stops the limb.
     pub(super) fn presses(&mut self) -> Vec<Press> {
         let mut presses = Vec::new();
         while !self.is_lost {
@@ -69,7 +69,7 @@ impl Sticks {
         match (record[6], record[7]) {
             (BUTTON, button) if value != 0 => act(button),
             (AXIS, number) => self.stick(number, value),
-            // Others, and the state at the beginning, which moves nothing.
+            // Other records, and the initial state, move nothing.
             _ => None,
         }
     }

@@ -120,7 +120,7 @@ mod tests {
         let stop = Some(Press::Order(Order::Stop));
         assert_eq!(keys.press(event('w', KeyEventKind::Press)), hold(0, true));
         assert_eq!(keys.press(event('w', KeyEventKind::Repeat)), None);
-        // A second key takes over; the release of the first is none of its business.
+        // A second key takes over; the release of the first is ignored.
         assert_eq!(keys.press(event('a', KeyEventKind::Press)), hold(1, true));
         assert_eq!(keys.press(event('w', KeyEventKind::Release)), None);
         assert_eq!(keys.press(event('a', KeyEventKind::Release)), stop);

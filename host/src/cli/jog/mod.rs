@@ -49,7 +49,7 @@ pub(super) struct Jog {
     seed: Option<u64>,
     #[command(flatten)]
     port: PortOption,
-    /// Distance from a target at which the tip is there
+    /// Largest distance at which the tip is at a target
     #[arg(long, value_name = "LENGTH", value_parser = quantity("mm", 0.1, 1000.0), default_value = "10mm")]
     within: Quantity,
     /// Gamepad of Linux: its file of 8-byte records
@@ -147,7 +147,7 @@ impl Jog {
     }
 }
 
-/// Whoever sits at the terminal.
+/// The operator at the terminal.
 struct Hand<'a> {
     terminal: Terminal,
     gamepad: Option<Gamepad>,

@@ -1,4 +1,4 @@
-//! The terminal of `softlimb jog`: keys in, a screen out, and as it was before in the end.
+//! The terminal of `softlimb jog`: reads keys, draws the screen, and restores the terminal at the end.
 
 use std::io::{Stdout, Write, stdout};
 use std::time::{Duration, Instant};
@@ -30,7 +30,7 @@ pub(super) struct Terminal {
 }
 
 impl Terminal {
-    /// Takes the terminal, and asks it once whether it tells the releases of keys.
+    /// Takes the terminal, and asks it once whether it reports the release of keys.
     pub(super) fn open() -> Result<Self, Failure> {
         let failed = |error| Failure::new(format!("the terminal cannot be used: {error}"));
         enable_raw_mode().map_err(failed)?;
@@ -84,7 +84,7 @@ impl Terminal {
             queue!(self.out, Clear(ClearType::FromCursorDown))?;
             self.out.flush()
         });
-        // Where nobody looks, the next reading of keys ends the session.
+        // Where drawing fails, the next reading of keys ends the session.
         drop(drawn);
     }
 }

@@ -1,4 +1,4 @@
-//! Logs of a device whose host is killed, whose disk is full, or that nobody runs a scene on.
+//! Logs of a device whose host is killed, whose disk is full, or that runs no scene.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
