@@ -50,13 +50,16 @@ impl<const N: usize> Controller<N> {
             Arrival::New => {
                 let answer = self.handle(now_us, message);
                 let ack = self.acknowledge(now_us, seq, message, answer);
+                if let (HostMessage::Hello(hello), ResultCode::WrongSession) = (message, answer.0) {
+                    self.reply_hello(now_us, self.link.owner().unwrap_or(hello.session));
+                }
                 if self.link.is_owner(message.session()) {
                     self.dedup.record(message, &ack);
                 }
             }
             Arrival::Repeated(ack) => {
                 if let HostMessage::Hello(hello) = message {
-                    self.reply_hello(now_us, hello);
+                    self.reply_hello(now_us, hello.session);
                 }
                 self.outbox.push(&Ack { free_knots: self.queue.free(), mcu_time_us: now_us, ..ack }.into());
             }
@@ -104,7 +107,7 @@ impl<const N: usize> Controller<N> {
     fn hello(&mut self, now_us: u64, hello: &Hello) -> Answer {
         if Compatibility::of(hello.protocol_version, hello.schema_hash) != Compatibility::Same {
             self.link.turn_away(hello.session);
-            self.reply_hello(now_us, hello);
+            self.reply_hello(now_us, hello.session);
             return (ResultCode::SchemaMismatch, 0);
         }
         let timeout_us = self.config.as_ref().map(|config| config.system.link_timeout_us);
@@ -117,16 +120,17 @@ impl<const N: usize> Controller<N> {
             self.staged.forget();
             self.start_us = None;
         }
-        self.reply_hello(now_us, hello);
+        self.reply_hello(now_us, hello.session);
         OK
     }
 
-    fn reply_hello(&mut self, now_us: u64, hello: &Hello) {
+    /// Tells who this is, with the session of the Hello, or with the one that commands where the Hello was refused.
+    fn reply_hello(&mut self, now_us: u64, session: u16) {
         let version = |text: &str| text.parse().unwrap_or(0);
         let reply = HelloReply {
             protocol_version: PROTOCOL_VERSION,
             schema_hash: SCHEMA_HASH,
-            session: hello.session,
+            session,
             firmware_major: version(env!("CARGO_PKG_VERSION_MAJOR")),
             firmware_minor: version(env!("CARGO_PKG_VERSION_MINOR")),
             firmware_patch: version(env!("CARGO_PKG_VERSION_PATCH")),

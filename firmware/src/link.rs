@@ -22,6 +22,11 @@ impl Link {
         self.session == Some(session)
     }
 
+    /// The session that commands the device.
+    pub(crate) fn owner(&self) -> Option<u16> {
+        self.session
+    }
+
     /// Opens a session; refused while another owner is still heard.
     pub(crate) fn open(&mut self, now_us: u64, session: u16, timeout_us: Option<u32>) -> bool {
         let timeout_us = timeout_us.map_or(TAKEOVER_US, u64::from);

@@ -9,6 +9,12 @@ fn second_host_can_read_but_not_command() {
     let other = SESSION + 1;
     let hello = Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: other };
     assert_eq!(bench.request(&hello.into()).result, ResultCode::WrongSession);
+    let told = |wanted: fn(&DeviceMessage) -> bool| bench.messages.iter().rposition(wanted);
+    let ack = told(|message| matches!(message, DeviceMessage::Ack(ack) if ack.result == ResultCode::WrongSession));
+    let reply = told(|message| matches!(message, DeviceMessage::HelloReply(_)));
+    assert!(ack.is_some() && ack < reply, "the refusal first, then the answer: {ack:?}, {reply:?}");
+    let DeviceMessage::HelloReply(reply) = &bench.messages[reply.unwrap()] else { panic!("a HelloReply") };
+    assert_eq!((reply.session, reply.channels_max), (SESSION, 27), "nobody takes it for a session of his own");
     for code in [CommandCode::Hold, CommandCode::Vent, CommandCode::Flush] {
         let command = Command { session: other, code: code.into(), time_us: 0 };
         assert_eq!(bench.request(&command.into()).result, ResultCode::WrongSession);

@@ -436,7 +436,7 @@ interface! {
             protocol_version: u16,
             /// Schema hash of the device.
             schema_hash: u32,
-            /// Session of the Hello.
+            /// Session of the Hello; where the Hello is refused, the session that commands the device.
             session: u16,
             /// Firmware version, major.
             firmware_major: u8,

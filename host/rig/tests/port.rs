@@ -2,12 +2,18 @@
 
 use std::io::{Read, Write};
 use std::net::TcpListener;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use softlimb_protocol::DeviceState;
-use softlimb_rig::link::port::{Address, ClientPort, Port, PortAddress, PortError, Served, serve, session_number};
-use softlimb_rig::link::{Ending, LinkError, StreamOptions, Transport, stream};
+use softlimb_protocol::{
+    Command, CommandCode, Decoder, DeviceMessage, DeviceState, Hello, HostMessage, MAX_FRAME_LEN, Outputs,
+    PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, encode_frame,
+};
+use softlimb_rig::link::port::{
+    Address, ClientPort, Leave, Port, PortAddress, PortError, Served, serve, session_number,
+};
+use softlimb_rig::link::{Direct, Ending, Event, LinkError, StreamOptions, Transport, identify, listen, stream};
 
 use softlimb_rig::record::read_capture;
 use softlimb_rig::replay::replay;
@@ -79,6 +85,15 @@ fn port_that_cannot_be_opened_is_named_with_the_reason() {
     assert!(message.contains(&format!("cannot connect to tcp:{closed}")), "{message}");
 }
 
+/// Ends the server, also when the client panics.
+struct Stopping<'a>(&'a AtomicBool);
+
+impl Drop for Stopping<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 /// Serves a device with one channel until `client` has done its work at its address; the news of the device.
 fn served<T>(mut port: ClientPort, client: impl FnOnce(&str) -> T) -> (T, Vec<Served>) {
     let text = port.address().unwrap();
@@ -89,8 +104,9 @@ fn served<T>(mut port: ClientPort, client: impl FnOnce(&str) -> T) -> (T, Vec<Se
             serve(&mut device(&settings(1)), &mut port, &stop, |_, told| news.push(told)).unwrap();
             news
         });
+        let stopping = Stopping(&stop);
         let done = client(&text);
-        stop.store(true, Ordering::Relaxed);
+        drop(stopping);
         (done, server.join().unwrap())
     })
 }
@@ -125,7 +141,103 @@ fn two_hosts_run_one_after_the_other_over_tcp() {
     let news = two_hosts_run_one_after_the_other(ClientPort::tcp("127.0.0.1:0").unwrap());
     let count = |wanted: fn(&Served) -> bool| news.iter().filter(|told| wanted(told)).count();
     assert_eq!(count(|told| matches!(told, Served::Connected(_))), 2, "{news:?}");
-    assert!(count(|told| matches!(told, Served::Left)) >= 1, "{news:?}");
+    assert!(count(|told| matches!(told, Served::Left { why: Leave::Closed, .. })) >= 1, "{news:?}");
+}
+
+/// The device's answers to one frame within 0.3 s, apart from its reports.
+fn answers(port: &mut Port, seq: u16, message: &HostMessage) -> Vec<DeviceMessage> {
+    let mut frame = [0; MAX_FRAME_LEN];
+    let len = encode_frame(message, seq, &mut frame).unwrap();
+    port.send(&frame[..len]).unwrap();
+    let (mut decoder, mut bytes, end_us) = (Decoder::<DeviceMessage>::new(), Vec::new(), port.now_us() + 300_000);
+    while port.now_us() < end_us {
+        port.wait_until(end_us);
+        port.receive(&mut bytes).unwrap();
+    }
+    let frames = bytes.iter().filter_map(|&byte| decoder.push(byte)?.ok());
+    let is_report = |message: &DeviceMessage| matches!(message, DeviceMessage::Telemetry(_) | DeviceMessage::Fault(_));
+    frames.map(|frame| frame.message).filter(|message| !is_report(message)).collect()
+}
+
+fn command(session: u16, code: CommandCode) -> HostMessage {
+    Command { session, code: code.into(), time_us: 0 }.into()
+}
+
+/// Waits until the device behind a port reports a state, by listening alone.
+fn wait_for(port: &mut Port, state: DeviceState) {
+    listen(port, 3_000_000, &AtomicBool::new(false), |event| {
+        let Event::Telemetry { message, .. } = event else { return ControlFlow::Continue(()) };
+        if message.state == state { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })
+    .unwrap();
+}
+
+#[test]
+fn second_client_looks_until_the_first_has_left_and_commands_then() {
+    let knots = knots(1, 1.6);
+    let (_, news) = served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        let mut second = Port::open(&address(text)).unwrap();
+        thread::scope(|scope| {
+            let first = scope.spawn(|| {
+                let mut port = Port::open(&address(text)).unwrap();
+                let options = StreamOptions::new(7);
+                let ended = stream(&mut port, &configuration(1), &knots, &options, |_, _| {});
+                assert_eq!(ended.unwrap().ending, Ending::Completed);
+            });
+            wait_for(&mut second, DeviceState::Running);
+            let options = StreamOptions { occupied_max_us: 0, ..StreamOptions::new(8) };
+            let device = identify(&mut second, &options).unwrap();
+            assert!(device.is_occupied && device.channels_max == 27 && device.config_hash.is_some(), "{device:?}");
+            // Neither its own session nor the number of the first one gives it a say.
+            for (seq, session) in [(1, 8), (2, 7)] {
+                for code in [CommandCode::Vent, CommandCode::Hold, CommandCode::Flush] {
+                    let told = answers(&mut second, seq, &command(session, code));
+                    let [DeviceMessage::Ack(ack)] = &told[..] else { panic!("{told:?}") };
+                    assert_eq!((ack.ref_seq, ack.result.known()), (seq, Some(ResultCode::WrongSession)));
+                }
+            }
+            let error = Direct::open(&mut second, &options, &mut |_, _| {}).err().map(|error| error.to_string());
+            assert_eq!(error.as_deref(), Some("another program controls the device"));
+            first.join().unwrap();
+        });
+        // The device notices the silence of the first after `link_timeout_us`.
+        let options = StreamOptions { occupied_max_us: 2_000_000, ..StreamOptions::new(8) };
+        let mut on_event = |_: &mut Port, _| {};
+        let mut hand = Direct::open(&mut second, &options, &mut on_event).unwrap();
+        hand.set_outputs(Outputs::GRIPPER).unwrap();
+    });
+    let count = |wanted: fn(&Served) -> bool| news.iter().filter(|told| wanted(told)).count();
+    assert_eq!(count(|told| matches!(told, Served::Connected(_))), 2, "{news:?}");
+    assert_eq!(count(|told| matches!(told, Served::Commands(_))), 2, "{news:?}");
+}
+
+#[test]
+fn emergency_stop_of_a_client_that_looks_is_obeyed() {
+    served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        let mut second = Port::open(&address(text)).unwrap();
+        thread::scope(|scope| {
+            let first = scope.spawn(|| run_at(text).0);
+            wait_for(&mut second, DeviceState::Running);
+            let told = answers(&mut second, 1, &command(0, CommandCode::EmergencyStop));
+            assert!(matches!(&told[..], [DeviceMessage::Ack(ack)] if ack.result == ResultCode::Ok), "{told:?}");
+            let error = first.join().unwrap().unwrap_err().to_string();
+            assert!(error.contains("emergency stop"), "{error}");
+        });
+    });
+}
+
+#[test]
+fn client_that_died_without_closing_blocks_nobody() {
+    served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        // It commands, then neither reads nor writes, and its connection stays open.
+        let mut dead = Port::open(&address(text)).unwrap();
+        let hello = Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: 9 }.into();
+        assert_eq!(answers(&mut dead, 0, &hello).len(), 2);
+        let (ended, told) = run_at(text);
+        assert_eq!(ended.unwrap(), Ending::Completed);
+        assert!(told.running().count() >= 30);
+        drop(dead);
+    });
 }
 
 #[cfg(unix)]
@@ -150,7 +262,7 @@ fn second_run_on_a_device_is_run_again_from_its_start_on() {
     assert_eq!((&whole.difference, whole.has_history), (&None, false));
     assert_eq!((&rerun.difference, rerun.has_history), (&None, true));
     assert!(rerun.messages > 20 && rerun.messages < whole.messages, "{} of {}", rerun.messages, whole.messages);
-    let time_us = forge(&mut second, rerun.start_us.unwrap() + 100_000, |telemetry| telemetry.free_knots += 1);
+    let time_us = forge(&mut second, rerun.start_us.unwrap() + 300_000, |telemetry| telemetry.free_knots += 1);
     differs(&replay(&second).unwrap(), time_us, "free places for knots");
 }
 

@@ -42,6 +42,8 @@ pub struct DeviceInfo {
     pub tick_us: u32,
     /// Hash of the configuration it held; `None` if it held none.
     pub config_hash: Option<u32>,
+    /// Whether another host commands it: this one may only look.
+    pub is_occupied: bool,
 }
 
 impl From<&HelloReply> for DeviceInfo {
@@ -58,6 +60,7 @@ impl From<&HelloReply> for DeviceInfo {
             knots_capacity: reply.knots_capacity,
             tick_us: reply.tick_us,
             config_hash: (reply.config_hash != 0).then_some(reply.config_hash),
+            is_occupied: false,
         }
     }
 }

@@ -12,13 +12,24 @@ use super::event::Event;
 use super::options::StreamOptions;
 use super::transport::Transport;
 
-/// Asks a device who it is, in a session that ends with the answer.
+/// Longest wait for the answer behind a refusal, us.
+const REFUSED_REPLY_US: u64 = 100_000;
+
+/// Asks a device who it is, in a session that ends with the answer. A device that another host commands answers too.
 ///
 /// # Errors
-/// [`LinkError`]: no answer, another interface, another host.
+/// [`LinkError`]: no answer, another interface.
 pub fn identify<T: Transport>(transport: &mut T, options: &StreamOptions<'_>) -> Result<DeviceInfo, LinkError> {
     let mut on_event = |_: &mut T, _| {};
-    Ok(DeviceInfo::from(&Driver::new(transport, options, &mut on_event).hello()?))
+    let mut driver = Driver::new(transport, options, &mut on_event);
+    match driver.hello() {
+        Err(LinkError::Occupied) => {
+            driver.until(REFUSED_REPLY_US, |driver| driver.session.refused_reply().is_some())?;
+            let reply = driver.session.refused_reply().ok_or(LinkError::Occupied)?;
+            Ok(DeviceInfo { is_occupied: true, ..reply.into() })
+        }
+        answer => Ok(DeviceInfo::from(&answer?)),
+    }
 }
 
 /// Clears the latched faults of a device. Nothing moves until the next run.

@@ -30,6 +30,8 @@ pub struct Session {
     heartbeat_us: u64,
     sender: ReliableSender,
     answer: Option<Answer>,
+    /// The device's answer to a Hello that it refused: it carries the session that commands it.
+    refused_reply: Option<HelloReply>,
     decoder: Decoder<DeviceMessage>,
     window: Window,
     clock: ClockEstimator,
@@ -55,6 +57,7 @@ impl Session {
             heartbeat_us,
             sender: ReliableSender::new(retry),
             answer: None,
+            refused_reply: None,
             decoder: Decoder::new(),
             window: Window::new(retry.timeout_us),
             clock: ClockEstimator::default(),
@@ -83,6 +86,12 @@ impl Session {
     /// The answer to the last request, once.
     pub fn take_answer(&mut self) -> Option<Answer> {
         self.answer.take()
+    }
+
+    /// The answer of a device that another host commands.
+    #[must_use]
+    pub fn refused_reply(&self) -> Option<&HelloReply> {
+        self.refused_reply.as_ref()
     }
 
     /// Whether a request is unanswered.
@@ -156,6 +165,7 @@ impl Session {
             DeviceMessage::HeartbeatReply(reply) => self.on_heartbeat(now_us, &reply),
             DeviceMessage::Telemetry(message) => self.on_telemetry(now_us, message),
             DeviceMessage::Fault(message) => self.events.push_back(Event::Fault { host_time_us: now_us, message }),
+            DeviceMessage::HelloReply(reply) if reply.session != self.id => self.refused_reply = Some(reply),
             DeviceMessage::HelloReply(_) | DeviceMessage::Ack(_) => {}
         }
         Ok(())

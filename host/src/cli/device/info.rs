@@ -10,8 +10,10 @@ use softlimb_rig::link::{DeviceInfo, code_name, identify};
 
 /// Ask a device for its firmware, its limits, its state, and why it last started
 #[derive(Args)]
-#[command(after_help = "Changes nothing on the device. A device that another program controls does not answer.\n\n\
-                  Example: softlimb device info --port /dev/ttyACM0")]
+#[command(
+    after_help = "Changes nothing on the device. A device that another program commands answers too, and says so.\n\n\
+                  Example: softlimb device info --port /dev/ttyACM0"
+)]
 pub(super) struct Info {
     #[command(flatten)]
     port: DevicePort,
@@ -35,6 +37,8 @@ struct Printed {
     /// Absent where the device has no configuration.
     #[serde(skip_serializing_if = "Option::is_none")]
     config_hash: Option<String>,
+    /// Whether another program commands the device.
+    commanded_by_another: bool,
 }
 
 impl Info {
@@ -60,6 +64,7 @@ impl Printed {
             knots_capacity: device.knots_capacity,
             tick_us: device.tick_us,
             config_hash: device.config_hash.map(|hash| format!("{hash:08x}")),
+            commanded_by_another: device.is_occupied,
         }
     }
 
@@ -74,6 +79,7 @@ impl Printed {
             ("buffer", format!("{} setpoints", self.knots_capacity)),
             ("tick", format!("{} us", self.tick_us)),
             ("configuration", self.config_hash.clone().unwrap_or_else(|| "none".to_owned())),
+            ("commanded by", if self.commanded_by_another { "another program" } else { "nobody else" }.to_owned()),
         ];
         rows.iter().map(|(name, value)| format!("{name:13}  {value}\n")).collect()
     }

@@ -8,13 +8,14 @@ use super::super::interrupt::interrupt;
 use super::super::run::Controller;
 use super::super::shared::limb;
 use super::super::{Failure, Outcome, note, say};
-use softlimb_rig::link::port::{ClientPort, Served, serve};
+use softlimb_rig::link::port::{ClientPort, Leave, Served, serve};
 use softlimb_rig::run::simulated_device;
 
 /// Run the simulated device with the limb of a scene in real time, behind a port, until Ctrl-C
 #[derive(Args)]
 #[command(
-    after_help = "Prints the address for clients first. They come one after the other; the device lives on between them.\n\
+    after_help = "Prints the address for clients first. At a TCP address several connect: the first that opens a session commands, the others\n\
+                  look. A terminal has one client. The device lives on between them.\n\
                   `softlimb run SCENE --port ADDRESS` in another window is such a client.\n\n\
                   Examples:\n  softlimb device serve scenes/single-bending.toml\n  \
                   softlimb device serve scenes/single-bending.toml --tcp 127.0.0.1:7000"
@@ -66,7 +67,14 @@ impl Serve {
 fn in_words(news: &Served) -> String {
     match news {
         Served::Connected(client) => format!("client {client} connected"),
-        Served::Left => "client left".to_owned(),
+        Served::Commands(client) => format!("client {client} commands"),
+        Served::Left { client, why: Leave::Closed } => format!("client {client} left"),
+        Served::Left { client, why: Leave::TookNothing(time) } => {
+            format!("client {client} took no bytes for {} s: connection closed", time.as_secs())
+        }
+        Served::Left { client, why: Leave::MadeRoom } => {
+            format!("client {client} makes room for a new one: it was silent the longest")
+        }
         Served::State(state) => state.known().map_or_else(|| format!("state {}", state.raw()), |s| format!("{s:?}")),
         Served::Fault(fault) => format!("fault: {fault}"),
         Served::Lag(lag_us) => format!("this computer is too slow: the clock stood still for {} ms", lag_us / 1_000),

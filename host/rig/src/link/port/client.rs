@@ -1,19 +1,23 @@
-//! The device's end of a port: where a served device meets its client.
+//! The device's end of a port: where a served device meets its clients.
 
 use std::fmt;
-use std::io::{self, ErrorKind, Read, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
+use std::io;
+#[cfg(unix)]
+use std::io::Write;
+use std::net::ToSocketAddrs;
 #[cfg(unix)]
 use std::time::{Duration, Instant};
+
+use super::clients::Clients;
+#[cfg(unix)]
+use super::clients::{is_nothing, read_all};
+use super::serve::Served;
 
 /// A port that a device answers at. No call waits.
 pub struct ClientPort(Kind);
 
 enum Kind {
-    Tcp {
-        listener: TcpListener,
-        client: Option<TcpStream>,
-    },
+    Tcp(Box<Clients>),
     #[cfg(unix)]
     Terminal(Terminal),
 }
@@ -24,9 +28,7 @@ impl ClientPort {
     /// # Errors
     /// The operating system's: a wrong address, or one that is taken.
     pub fn tcp(address: impl ToSocketAddrs) -> io::Result<Self> {
-        let listener = TcpListener::bind(address)?;
-        listener.set_nonblocking(true)?;
-        Ok(Self(Kind::Tcp { listener, client: None }))
+        Clients::listen(address).map(|clients| Self(Kind::Tcp(Box::new(clients))))
     }
 
     /// A new pseudo-terminal.
@@ -44,7 +46,7 @@ impl ClientPort {
     /// The operating system's; always where it is not Unix.
     #[cfg(not(unix))]
     pub fn terminal() -> io::Result<Self> {
-        Err(io::Error::new(ErrorKind::Unsupported, "this system has no pseudo-terminals; serve at a TCP address"))
+        Err(io::Error::new(io::ErrorKind::Unsupported, "this system has no pseudo-terminals; serve at a TCP address"))
     }
 
     /// The address for clients, as [`Address`](super::Address) reads it.
@@ -53,70 +55,41 @@ impl ClientPort {
     /// The operating system's.
     pub fn address(&self) -> io::Result<String> {
         match &self.0 {
-            Kind::Tcp { listener, .. } => listener.local_addr().map(|address| format!("tcp:{address}")),
+            Kind::Tcp(clients) => clients.address().map(|address| format!("tcp:{address}")),
             #[cfg(unix)]
             Kind::Terminal(terminal) => Ok(terminal.path.clone()),
         }
     }
 
-    /// The next client that has come, if the port tells and none is there.
-    pub(super) fn greet(&mut self) -> io::Result<Option<SocketAddr>> {
-        let Kind::Tcp { listener, client: client @ None } = &mut self.0 else { return Ok(None) };
-        match listener.accept() {
-            Ok((stream, address)) => {
-                stream.set_nonblocking(true)?;
-                stream.set_nodelay(true)?;
-                *client = Some(stream);
-                Ok(Some(address))
-            }
-            Err(error) if is_nothing(&error) => Ok(None),
-            Err(error) => Err(error),
-        }
-    }
-
-    /// Appends the bytes that have arrived; false when the client has left.
-    pub(super) fn receive(&mut self, into: &mut Vec<u8>) -> io::Result<bool> {
+    /// Lets clients in, and appends the bytes of clients that may go to the device, whose time is `mcu_time_us`.
+    pub(super) fn receive(
+        &mut self,
+        mcu_time_us: u64,
+        into: &mut Vec<u8>,
+        on_news: &mut dyn FnMut(Served),
+    ) -> io::Result<()> {
         match &mut self.0 {
-            Kind::Tcp { client, .. } => {
-                let Some(stream) = client else { return Ok(true) };
-                let stays = read_all(stream, into);
-                if !stays {
-                    *client = None;
-                }
-                Ok(stays)
+            Kind::Tcp(clients) => {
+                clients.greet(on_news)?;
+                clients.receive(mcu_time_us, into, on_news);
+                Ok(())
             }
             #[cfg(unix)]
-            Kind::Terminal(terminal) => terminal.receive(into).map(|()| true),
+            Kind::Terminal(terminal) => terminal.receive(into),
         }
     }
 
-    /// Sends bytes to the client. Bytes that no one takes are lost, as on a line.
-    pub(super) fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+    /// Sends bytes to the clients. Bytes that no one takes are lost, as on a line.
+    pub(super) fn send(&mut self, bytes: &[u8], on_news: &mut dyn FnMut(Served)) -> io::Result<()> {
         match &mut self.0 {
-            // A client that has left shows at the next receipt; one that reads too slowly loses bytes.
-            Kind::Tcp { client, .. } => drop(client.as_mut().map(|stream| stream.write(bytes))),
+            Kind::Tcp(clients) => {
+                clients.send(bytes, on_news);
+                Ok(())
+            }
             #[cfg(unix)]
-            Kind::Terminal(terminal) => terminal.send(bytes)?,
-        }
-        Ok(())
-    }
-}
-
-/// Appends what has arrived; whether the client is still there.
-fn read_all(stream: &mut impl Read, into: &mut Vec<u8>) -> bool {
-    let mut bytes = [0; 4096];
-    loop {
-        match stream.read(&mut bytes) {
-            Ok(0) => return false,
-            Ok(count) => into.extend(bytes.iter().take(count)),
-            Err(error) => return is_nothing(&error),
+            Kind::Terminal(terminal) => terminal.send(bytes),
         }
     }
-}
-
-/// Whether there is only nothing to do.
-fn is_nothing(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }
 
 impl fmt::Debug for ClientPort {

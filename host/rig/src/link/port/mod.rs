@@ -5,7 +5,9 @@
 
 mod address;
 mod client;
+mod clients;
 mod error;
+mod gate;
 mod serial;
 mod serve;
 mod stream;
@@ -14,5 +16,5 @@ pub use address::{Address, AddressError, BAUD, BAUD_RANGE, PortAddress};
 pub use client::ClientPort;
 pub use error::PortError;
 pub use serial::{SerialPort, serial_ports};
-pub use serve::{ServeError, Served, serve};
+pub use serve::{Leave, ServeError, Served, serve};
 pub use stream::{Port, session_number};

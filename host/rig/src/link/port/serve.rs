@@ -26,14 +26,32 @@ const REPORT: Duration = Duration::from_secs(10);
 pub enum Served {
     /// A client has connected.
     Connected(SocketAddr),
-    /// The client has left.
-    Left,
+    /// The device has accepted the session of a client, which commands it from now on.
+    Commands(SocketAddr),
+    /// A client is not served any more.
+    Left {
+        /// The client.
+        client: SocketAddr,
+        /// Why.
+        why: Leave,
+    },
     /// The device says that it is in another state.
     State(Code<DeviceState>),
     /// The device reports a fault.
     Fault(DeviceFault),
     /// This computer is too slow for real time: the device's clock has stood still for so long since the last report, us.
     Lag(u64),
+}
+
+/// End of a connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leave {
+    /// The client has closed it, or it has failed.
+    Closed,
+    /// The client has taken no bytes for so long: it died without closing.
+    TookNothing(Duration),
+    /// All places were taken, and this client had been silent the longest.
+    MadeRoom,
 }
 
 /// Why a device is not served any more.
@@ -48,8 +66,8 @@ pub enum ServeError {
     Emulator(#[from] EmulatorError),
 }
 
-/// Lets a device live in real time and answer at a port until `stop`. Clients come one after the other; the device stays as the last one
-/// left it, as a board does. `on_news` is given the device's time of an event, us.
+/// Lets a device live in real time and answer at a port until `stop`. At a TCP address one client commands and the others look; a
+/// terminal has one client. The device stays as the last one left it, as a board does. `on_news` is given the device's time of an event, us.
 ///
 /// # Errors
 /// [`ServeError`]. A client that leaves is none.
@@ -72,13 +90,10 @@ pub fn serve<P: Processor>(
         lag_us.into_iter().for_each(|lag_us| on_news(at_us, Served::Lag(lag_us)));
         bytes.clear();
         device.read(&mut bytes);
-        port.send(&bytes)?;
+        port.send(&bytes, &mut |news| on_news(at_us, news))?;
         listener.hear(&bytes, |news| on_news(at_us, news));
-        port.greet()?.into_iter().for_each(|client| on_news(at_us, Served::Connected(client)));
         bytes.clear();
-        if !port.receive(&mut bytes)? {
-            on_news(at_us, Served::Left);
-        }
+        port.receive(at_us, &mut bytes, &mut |news| on_news(at_us, news))?;
         device.write(&bytes);
         pace.rest(device.next_tick_us());
     }
