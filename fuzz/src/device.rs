@@ -1,0 +1,217 @@
+//! Target: a session's frames on their way to the device, hurt. The device is the controller of the firmware.
+
+use softlimb_firmware::{AdcCode, BootInfo, Controller, TickInputs};
+use softlimb_protocol::{
+    BootCause, Command, CommandCode, ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, ConfigSystem, Decoder,
+    DeviceMessage, DeviceState, FiberPlacement, Heartbeat, Hello, HostMessage, LinkLossPolicy, List, MaterialLaw,
+    MotionKind, Outputs, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, Setpoint, SetpointKind,
+};
+
+use crate::draw::Draw;
+use crate::fault::hurt;
+use crate::{ROUND, frame};
+
+const SESSION: u16 = 0x51AB;
+const CHANNELS: usize = 2;
+/// Highest setpoint, Pa.
+const HIGHEST_PA: i32 = 140_000;
+/// Knots between two flushes: fewer than the buffer holds.
+const KNOTS: u32 = 40;
+/// Time from the present to the first knot, us: longer than any input lasts between two flushes.
+const LEAD_US: u64 = 60_000_000;
+const TICK_US: u64 = 1_000;
+
+/// Hurts the frames of a session until there were so many faults, or the draw is over.
+///
+/// Behind each hurt frame the same frame comes whole, twice, as a host repeats it; the first copy may have lost its leading delimiter.
+///
+/// # Panics
+/// Where the device applies anything but what was sent, where it misses the second copy, and where its state changes.
+pub fn device(draw: &mut Draw<'_>, faults: u64) {
+    let mut bench = Bench::new();
+    let mut done = 0;
+    while done < faults && !draw.is_over() {
+        bench.flush();
+        for index in 0..KNOTS {
+            bench.knot(index, draw);
+            bench.heartbeat(draw);
+            done += 2;
+        }
+        for _ in 0..ROUND {
+            bench.tick();
+        }
+        bench.check();
+    }
+}
+
+struct Bench {
+    controller: Box<Controller<CHANNELS>>,
+    decoder: Decoder<DeviceMessage>,
+    now_us: u64,
+    seq: u16,
+    config_hash: u32,
+}
+
+impl Bench {
+    /// A device that is configured and ready.
+    fn new() -> Self {
+        let boot = BootInfo { cause: BootCause::PowerOn, detail: 0 };
+        let controller = Box::new(Controller::new(boot));
+        let mut bench = Self { controller, decoder: Decoder::new(), now_us: 0, seq: 0, config_hash: 0 };
+        bench.accept(&Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION }.into());
+        let (upload, config_hash) = upload();
+        upload.iter().for_each(|part| bench.accept(part));
+        bench.config_hash = config_hash;
+        (0..ROUND).for_each(|_| bench.tick());
+        bench.check();
+        bench
+    }
+
+    /// Sends a whole frame, which the device must apply.
+    fn accept(&mut self, message: &HostMessage) {
+        self.seq = self.seq.wrapping_add(1);
+        let results = self.send(&frame::<HostMessage>(self.seq, message.clone()));
+        assert_eq!(results, [(self.seq, ResultCode::Ok)], "{message:?}");
+    }
+
+    fn flush(&mut self) {
+        self.accept(&Command { session: SESSION, code: CommandCode::Flush.into(), time_us: 0 }.into());
+        assert_eq!(self.controller.queue().next_index(), 0);
+    }
+
+    /// One knot: hurt, then whole twice.
+    fn knot(&mut self, index: u32, draw: &mut Draw<'_>) {
+        let time_us = self.now_us + LEAD_US + u64::from(index) * 20_000;
+        let values: [i32; CHANNELS] = std::array::from_fn(|_| (draw.number() % (HIGHEST_PA as u32 + 1)) as i32);
+        let list = List::from_slice(&values).expect("a list as long as the channels");
+        let outputs = Outputs::default();
+        let whole = frame::<HostMessage>(0, Setpoint { session: SESSION, index, time_us, outputs, values: list });
+        for wire in wires(&whole, draw) {
+            for (_, result) in self.send(&wire) {
+                // A copy that arrives behind another is refused; nothing else is.
+                assert!(matches!(result, ResultCode::Ok | ResultCode::UnexpectedIndex), "{result:?} to {wire:02x?}");
+            }
+            let next = self.controller.queue().next_index();
+            assert!(next == index || next == index + 1, "knot {next} after {index}: {wire:02x?}");
+        }
+        let queue = self.controller.queue();
+        assert_eq!(queue.next_index(), index + 1, "knot {index} is lost behind one fault");
+        let found: [Option<f32>; CHANNELS] = std::array::from_fn(|channel| queue.value(channel, time_us));
+        assert_eq!(found, values.map(|value| Some(value as f32)), "knot {index}");
+    }
+
+    /// One heartbeat: hurt, then whole twice.
+    fn heartbeat(&mut self, draw: &mut Draw<'_>) {
+        let next = self.controller.queue().next_index();
+        let whole = frame::<HostMessage>(0, Heartbeat { session: SESSION, host_time_us: u64::from(draw.number()) });
+        for wire in wires(&whole, draw) {
+            assert_eq!(self.send(&wire), [], "a heartbeat has no result: {wire:02x?}");
+        }
+        assert_eq!(self.controller.queue().next_index(), next);
+    }
+
+    /// Hands bytes to the device; number and result of each message that it acknowledges.
+    fn send(&mut self, wire: &[u8]) -> Vec<(u16, ResultCode)> {
+        self.controller.receive(self.now_us, wire);
+        let (mut results, mut chunk) = (Vec::new(), [0; 512]);
+        loop {
+            let count = self.controller.transmit(&mut chunk);
+            if count == 0 {
+                return results;
+            }
+            for frame in chunk[..count].iter().filter_map(|&byte| self.decoder.push(byte)) {
+                if let DeviceMessage::Ack(ack) = frame.expect("the device sends valid frames").message {
+                    results.push((ack.ref_seq, ack.result.known().expect("a known result")));
+                }
+            }
+        }
+    }
+
+    fn tick(&mut self) {
+        let pressure = [AdcCode(410); CHANNELS];
+        let inputs = TickInputs { now_us: self.now_us, pressure, supply: AdcCode(1_360), emergency_stop: false };
+        self.controller.tick(&inputs);
+        self.send(&[]);
+        self.now_us += TICK_US;
+    }
+
+    /// Nothing that was hurt has changed the device.
+    fn check(&self) {
+        let config = self.controller.config().map(|config| config.hash);
+        assert_eq!((self.controller.state(), config), (DeviceState::Ready, Some(self.config_hash)));
+    }
+}
+
+/// A hurt frame, the frame without its leading delimiter or with it, and the frame.
+fn wires(whole: &[u8], draw: &mut Draw<'_>) -> [Vec<u8>; 3] {
+    [hurt(whole, draw), whole[draw.below(2)..].to_vec(), whole.to_vec()]
+}
+
+/// An upload whose setpoints are pressures, and its hash.
+fn upload() -> (Vec<HostMessage>, u32) {
+    let begin = ConfigBegin { session: SESSION, channels: CHANNELS as u8 };
+    let mut hash = ConfigHash::begin(&begin);
+    let system = system();
+    hash.add_system(&system);
+    let mut parts = vec![begin.into(), system.into()];
+    for index in 0..CHANNELS as u8 {
+        let channel = channel(index);
+        hash.add_channel(&channel);
+        parts.push(channel.into());
+    }
+    parts.push(ConfigCommit { session: SESSION, config_hash: hash.value() }.into());
+    (parts, hash.value())
+}
+
+fn system() -> ConfigSystem {
+    ConfigSystem {
+        session: SESSION,
+        telemetry_period_us: 10_000,
+        control_period_us: 20_000,
+        link_timeout_us: 100_000,
+        hold_time_us: 2_000_000,
+        link_loss_policy: LinkLossPolicy::HoldThenRamp.into(),
+        vent_ramp_pa_per_s: 20_000.0,
+        supply_min_pa: 150e3,
+        supply_max_pa: 230e3,
+        atmosphere_pa: 101_325.0,
+        temperature_k: 293.15,
+        valve_conductance_m3_per_s_pa: 1.44e-9,
+        valve_critical_ratio: 0.3,
+        valve_on_delay_us: 3_500,
+        valve_off_delay_us: 2_000,
+        line_conductance_m3_per_s_pa: 3.78e-9,
+        sensor_min_pa: 0.0,
+        sensor_max_pa: 206_843.0,
+        supply_sensor_min_pa: 0.0,
+        supply_sensor_max_pa: 689_476.0,
+        adc_full_scale: 4095,
+    }
+}
+
+/// A tube that lengthens: the device solves its model without tables.
+fn channel(channel: u8) -> ConfigChannel {
+    ConfigChannel {
+        session: SESSION,
+        channel,
+        motion: MotionKind::Extension.into(),
+        setpoint_kind: SetpointKind::Pressure.into(),
+        law: MaterialLaw::NeoHookean.into(),
+        families: 2,
+        placement: FiberPlacement::Sheet.into(),
+        inner_radius_m: 15e-3,
+        outer_radius_m: 20e-3,
+        length_m: 0.1132,
+        c_pa_1: 0.4e6,
+        c_pa_2: 0.0,
+        c_pa_3: 0.0,
+        fiber_angle_rad: 0.05,
+        fiber_modulus_pa: 361e6,
+        fiber_thickness_m: 0.178e-3,
+        fiber_radius_m: 20e-3,
+        pressure_max_pa: 150e3,
+        dead_volume_m3: 5.9e-6,
+        setpoint_min: 0,
+        setpoint_max: HIGHEST_PA,
+    }
+}

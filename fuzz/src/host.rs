@@ -1,0 +1,71 @@
+//! Target: measurements of the device on their way to the host, hurt. The host is the rig's session.
+
+use softlimb_protocol::{ChannelSample, DeviceMessage, DeviceState, List, RetryPolicy, Telemetry};
+use softlimb_rig::link::{Event, Session};
+
+use crate::draw::Draw;
+use crate::fault::hurt;
+use crate::frame;
+
+/// Hurts measurements until there were so many faults, or the draw is over. Behind each hurt frame come two whole ones, the first of which
+/// may have lost its leading delimiter.
+///
+/// # Panics
+/// Where the host takes anything but what was sent, or loses the second whole frame.
+pub fn host(draw: &mut Draw<'_>, faults: u64) {
+    let mut session = Session::new(7, RetryPolicy::default(), 25_000);
+    let (mut time_us, mut done) = (0, 0);
+    while done < faults && !draw.is_over() {
+        let mut sent = Vec::new();
+        for copy in 0..3 {
+            time_us += 5_000;
+            let message = telemetry(time_us, draw);
+            let mut wire = frame::<DeviceMessage>(copy, message.clone());
+            match copy {
+                0 => wire = hurt(&wire, draw),
+                1 => drop(wire.drain(..draw.below(2))),
+                _ => {}
+            }
+            sent.push(message);
+            session.receive(time_us, &wire).expect("measurements refuse nothing");
+        }
+        let told = std::iter::from_fn(|| session.next_event());
+        let taken: Vec<Telemetry> = told
+            .filter_map(|event| match event {
+                Event::Telemetry { message, .. } => Some(message),
+                Event::State(state) => {
+                    assert_eq!(state, DeviceState::Running);
+                    None
+                }
+                other => panic!("nobody sent {other:?}"),
+            })
+            .collect();
+        // What arrives is what was sent, in order; a piece that is repeated whole may bring a message twice.
+        assert!(taken.iter().all(|message| sent.contains(message)), "{taken:?} of {sent:?}");
+        assert!(taken.is_sorted_by_key(|message| message.time_us), "{taken:?}");
+        assert_eq!(taken.last(), sent.last());
+        done += 1;
+    }
+}
+
+fn telemetry(time_us: u64, draw: &mut Draw<'_>) -> Telemetry {
+    let sample = |draw: &mut Draw<'_>| ChannelSample {
+        pressure_10pa: draw.number() as u16,
+        reference_10pa: draw.number() as u16,
+        duty: draw.number() as i8,
+        status: Default::default(),
+    };
+    let channels = [sample(draw), sample(draw)];
+    Telemetry {
+        time_us,
+        state: DeviceState::Running.into(),
+        fault_bits: 0,
+        supply_10pa: draw.number() as u16,
+        free_knots: 3,
+        next_index: draw.number(),
+        ticks_late: 0,
+        stack_used: 0,
+        outputs: Default::default(),
+        channels: List::from_slice(&channels).expect("a list as long as the channels"),
+    }
+}
