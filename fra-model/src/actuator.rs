@@ -3,7 +3,7 @@
 use crate::number::real::Real;
 use crate::parameters::{ActuatorParameters, InvalidParameter, Motion, require};
 use crate::precision::Precision;
-use crate::solution::{Load, Solution, State, Target};
+use crate::solution::{Load, PressureRange, Solution, State, Status, Target};
 use crate::solve::bend::Bender;
 use crate::solve::blocked::Blocked;
 use crate::solve::tube::Tube;
@@ -90,13 +90,42 @@ impl<T: Precision> Actuator<T> {
 
     /// The gauge pressure at which the actuator reaches a deformation, and the state there.
     ///
-    /// Of several such pressures it is the first one met on raising the pressure from zero. The result is a vacuum if no pressure
-    /// reaches the target, or if the vacuum is the lesser of the two and the pressure exceeds the shear modulus.
+    /// Of several such pressures it is the first one met on raising the pressure from zero. The result is a vacuum only if no pressure
+    /// reaches the target, and never below [`PressureRange::physical`].
     ///
     /// # Errors
     /// [`InvalidParameter`] when the target is out of its range or not one of this motion's, or the load is not finite.
     pub fn inverse(&self, target: Target<T>, load: &Load<T>) -> Result<Solution<T>, InvalidParameter<T>> {
-        T::inverse(self, None, target, load)
+        self.inverse_within(&PressureRange::physical(), target, load)
+    }
+
+    /// [`inverse`](Self::inverse) among the pressures of a range. Where it holds no pressure and no vacuum that reaches the target, there
+    /// is no solution.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse), and when the range is not finite or empty.
+    pub fn inverse_within(
+        &self,
+        range: &PressureRange<T>,
+        target: Target<T>,
+        load: &Load<T>,
+    ) -> Result<Solution<T>, InvalidParameter<T>> {
+        T::inverse(self, None, range, target, load)
+    }
+
+    /// Hands every equilibrium of the branch with a deformation and a pressure in a range to `each`: first the pressures, upwards from
+    /// zero, then the vacuums, downwards. Returns whether the branch was followed to its ends or those of the range.
+    ///
+    /// # Errors
+    /// As [`inverse_within`](Self::inverse_within).
+    pub fn inverse_all(
+        &self,
+        range: &PressureRange<T>,
+        target: Target<T>,
+        load: &Load<T>,
+        each: &mut dyn FnMut(&Solution<T>),
+    ) -> Result<bool, InvalidParameter<T>> {
+        T::inverse_all(self, range, target, load, each)
     }
 
     /// [`inverse`](Self::inverse), started from an earlier state of this actuator under the same load: of several pressures
@@ -110,7 +139,7 @@ impl<T: Precision> Actuator<T> {
         target: Target<T>,
         load: &Load<T>,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
-        T::inverse(self, Some(start), target, load)
+        T::inverse(self, Some(start), &PressureRange::physical(), target, load)
     }
 
     /// [`inverse_from`](Self::inverse_from) without the restart from rest, in bounded time: about `budget`
@@ -186,7 +215,10 @@ impl<T: Real> Actuator<T> {
         require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
         let is_plain = parameters.motion != Motion::Bending && load.is_none();
         let found = if is_plain { Tube::forward_once(parameters, pressure_pa) } else { None };
-        found.map_or_else(|| Self::prepare(parameters)?.solve_forward(None, pressure_pa, load), Ok)
+        found.map_or_else(
+            || Self::prepare(parameters)?.solve_forward(None, pressure_pa, load),
+            |found| Ok(found.sound()),
+        )
     }
 
     pub(crate) fn solve_rest(&self) -> State<T> {
@@ -204,10 +236,11 @@ impl<T: Real> Actuator<T> {
     ) -> Result<Solution<T>, InvalidParameter<T>> {
         load.check()?;
         require(pressure_pa.is_finite(), "pressure_pa", pressure_pa, "finite")?;
-        Ok(match &self.body {
+        let solution = match &self.body {
             Body::Straight(tube) => tube.forward(start, pressure_pa, load),
             Body::Bending(bender) => bender.forward(start, pressure_pa, load),
-        })
+        };
+        Ok(solution.sound())
     }
 
     pub(crate) fn solve_forward_near(
@@ -228,13 +261,37 @@ impl<T: Real> Actuator<T> {
     pub(crate) fn solve_inverse(
         &self,
         start: Option<&State<T>>,
+        range: &PressureRange<T>,
         target: Target<T>,
         load: &Load<T>,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
         load.check()?;
+        range.check()?;
+        let solution = match &self.body {
+            Body::Straight(tube) => tube.inverse(start, range, target, load),
+            Body::Bending(bender) => bender.inverse(target, load).map(|solution| within(range, solution)),
+        };
+        solution.map(Solution::sound)
+    }
+
+    pub(crate) fn solve_inverse_all(
+        &self,
+        range: &PressureRange<T>,
+        target: Target<T>,
+        load: &Load<T>,
+        each: &mut dyn FnMut(&Solution<T>),
+    ) -> Result<bool, InvalidParameter<T>> {
+        load.check()?;
+        range.check()?;
         match &self.body {
-            Body::Straight(tube) => tube.inverse(start, target, load),
-            Body::Bending(bender) => bender.inverse(target, load),
+            Body::Straight(tube) => tube.inverse_all(range, target, load, each),
+            Body::Bending(bender) => {
+                let solution = within(range, bender.inverse(target, load)?).sound();
+                if solution.status == Status::Solved {
+                    each(&solution);
+                }
+                Ok(solution.status != Status::NotConverged)
+            }
         }
     }
 
@@ -271,4 +328,10 @@ impl<T: Real> Actuator<T> {
             }),
         }
     }
+}
+
+/// The one solution of a bend, if its pressure lies in the range.
+fn within<T: Real>(range: &PressureRange<T>, solution: Solution<T>) -> Solution<T> {
+    let outside = solution.status == Status::Solved && !range.contains(solution.state.pressure_pa);
+    if outside { Solution { status: Status::NoSolution, ..solution } } else { solution }
 }

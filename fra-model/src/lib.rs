@@ -56,7 +56,7 @@ pub use precision::Precision;
 pub use quantity::StateQuantity;
 pub use sensitivity::{NoDerivative, Parameter};
 pub use series::{InvalidSeries, Series, SeriesLimit, SeriesSolution, SeriesState, SeriesTarget};
-pub use solution::{Load, Solution, State, Status, Target};
+pub use solution::{Load, PressureRange, Solution, State, Status, Target};
 pub use solve::blocked::Blocked;
 pub use solve::closed_form::{Arithmetic, LANES, Lanes, atanh_series};
 pub use table::{Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable};

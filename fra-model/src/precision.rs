@@ -3,7 +3,7 @@
 use crate::actuator::Actuator;
 use crate::number::real::Real;
 use crate::parameters::{ActuatorParameters, InvalidParameter};
-use crate::solution::{Load, Solution, State, Target};
+use crate::solution::{Load, PressureRange, Solution, State, Target};
 use crate::{Blocked, NoDerivative, Parameter};
 
 /// A scalar of [`Actuator`]: `f32` or `f64`.
@@ -78,10 +78,22 @@ macro_rules! entry_points {
         fn inverse(
             actuator: &Actuator<Self>,
             start: Option<&State<Self>>,
+            range: &PressureRange<Self>,
             target: Target<Self>,
             load: &Load<Self>,
         ) -> Result<Solution<Self>, InvalidParameter<Self>> {
-            actuator.solve_inverse(start, target, load)
+            actuator.solve_inverse(start, range, target, load)
+        }
+
+        #[doc(hidden)]
+        fn inverse_all(
+            actuator: &Actuator<Self>,
+            range: &PressureRange<Self>,
+            target: Target<Self>,
+            load: &Load<Self>,
+            each: &mut dyn FnMut(&Solution<Self>),
+        ) -> Result<bool, InvalidParameter<Self>> {
+            actuator.solve_inverse_all(range, target, load, each)
         }
 
         #[doc(hidden)]

@@ -1,6 +1,6 @@
 //! Loads, targets, states and solutions: inputs and outputs of the solvers.
 
-use crate::number::real::Real;
+use crate::number::real::{Real, real};
 use crate::parameters::{InvalidParameter, require};
 
 /// External load on the free end of one actuator.
@@ -57,6 +57,40 @@ impl<T> Target<T> {
     }
 }
 
+/// Gauge pressures that an inverse problem may answer with, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureRange<T> {
+    /// The least, Pa; below zero it is a vacuum.
+    pub least_pa: T,
+    /// The largest, Pa; at least `least_pa`.
+    pub most_pa: T,
+}
+
+/// An absolute pressure of zero under a standard atmosphere, Pa, gauge.
+const ABSOLUTE_ZERO_PA: f64 = -101_325.0;
+
+impl<T: Real> PressureRange<T> {
+    /// Every pressure, and every vacuum down to an absolute pressure of zero under a standard atmosphere.
+    pub fn physical() -> Self {
+        Self { least_pa: real(ABSOLUTE_ZERO_PA), most_pa: T::max_value().unwrap_or_else(|| real(1e30)) }
+    }
+
+    /// Whether a pressure lies in it.
+    pub fn contains(&self, pressure_pa: T) -> bool {
+        pressure_pa >= self.least_pa && pressure_pa <= self.most_pa
+    }
+
+    /// Checks both ends.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names the end that is not accepted.
+    pub fn check(&self) -> Result<(), InvalidParameter<T>> {
+        require(self.least_pa.is_finite(), "pressure_range[0]", self.least_pa, "finite")?;
+        let most = self.most_pa;
+        require(most.is_finite() && most >= self.least_pa, "pressure_range[1]", most, "finite and >= pressure_range[0]")
+    }
+}
+
 /// Outcome of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
@@ -109,6 +143,24 @@ impl<T: Copy> State<T> {
             volume_strain: field(|s| s.volume_strain),
             compliance_m3_per_pa: field(|s| s.compliance_m3_per_pa),
         }
+    }
+}
+
+impl<T: Real> State<T> {
+    /// Whether every value is a number that the scalar holds: nothing has overflowed, and the lumen's volume has not vanished.
+    fn is_sound(&self) -> bool {
+        let mut finite = true;
+        Self::combine([self], |[value]| finite &= value.is_finite());
+        finite && self.volume_m3 > T::zero()
+    }
+}
+
+impl<T: Real> Solution<T> {
+    /// The same, but not converged where a number has overflowed or the volume has vanished: sizes that the scalar does not hold.
+    #[inline(always)]
+    pub(crate) fn sound(self) -> Self {
+        let sound = self.status != Status::Solved || (self.state.is_sound() && self.residual.is_finite());
+        if sound { self } else { Self { status: Status::NotConverged, ..self } }
     }
 }
 

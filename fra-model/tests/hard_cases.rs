@@ -22,6 +22,11 @@ fn error<T: Scalar>(row: &Row) -> Result<f64, String> {
     let load = row.load(T::rounded);
     let kind = row.text("kind");
     let solution = match kind {
+        // A pressure that reaches the same target goes before a vacuum.
+        "inverse" if row.number("first") < 0.0 => {
+            let vacuums = PressureRange { most_pa: T::rounded(0.0), ..PressureRange::physical() };
+            actuator.inverse_within(&vacuums, row.target(T::rounded), &load)
+        }
         "inverse" | "bend_inverse" => actuator.inverse(row.target(T::rounded), &load),
         _ => actuator.forward(T::rounded(row.number("pressure")), &load),
     }

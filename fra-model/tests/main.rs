@@ -6,6 +6,7 @@ mod closed_form;
 mod common;
 mod dimensions;
 mod hard_cases;
+mod inverse_range;
 mod kinematics;
 mod limits_and_anchors;
 mod oracle;

@@ -157,3 +157,63 @@ fn line_that_cannot_be_answered_says_why_and_the_others_are_answered() {
         assert_eq!(answers[1]["status"], "ok");
     }
 }
+
+/// A weak winding at 45 deg first shortens the tube and then lengthens it: three pressures give one stretch, as forward answers show.
+#[test]
+fn pressure_range_and_all_solutions_choose_among_pressures() {
+    let weak = json!({"id": 1, "motion": "extension", "problem": "forward", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3,
+        "length_m": 0.1, "material": {"law": "neo-hookean", "shear_modulus_pa": 0.2e6},
+        "fiber": {"angle_deg": 45, "families": 2, "modulus_pa": 0.1e6, "thickness_m": 0.2e-3}, "pressure_pa": 500});
+    let stretch = ask(&weak.to_string(), Scalar::F64)[0]["axial_stretch"].as_f64().unwrap();
+    let mut inverse = with(weak.clone(), "problem", json!("inverse"));
+    inverse.as_object_mut().unwrap().remove("pressure_pa");
+    let inverse = with(inverse, "target", json!({"axial_stretch": stretch}));
+    for scalar in [Scalar::F64, Scalar::F32] {
+        let tolerance = if scalar == Scalar::F64 { 1e-6 } else { 0.05 };
+        let first = &ask(&inverse.to_string(), scalar)[0];
+        assert!((first["pressure_pa"].as_f64().unwrap() / 500.0 - 1.0).abs() < tolerance, "{first}");
+        assert!(first.get("solutions").is_none());
+        let all = with(with(inverse.clone(), "solutions", json!("all")), "pressure_range", json!([-1e5, 3e4]));
+        let all = &ask(&all.to_string(), scalar)[0];
+        assert_eq!((&all["status"], &all["solutions_complete"]), (&json!("ok"), &json!(true)));
+        assert_eq!(all["solutions"][0]["pressure_pa"], all["pressure_pa"]);
+        let pressures: Vec<f64> =
+            all["solutions"].as_array().unwrap().iter().map(|s| s["pressure_pa"].as_f64().unwrap()).collect();
+        assert!(pressures.len() >= 2 && pressures[0] > 0.0 && pressures[1] > pressures[0], "{pressures:?}");
+        for pressure in &pressures {
+            let again = &ask(&with(weak.clone(), "pressure_pa", json!(pressure)).to_string(), scalar)[0];
+            let miss = again["axial_stretch"].as_f64().unwrap() - stretch;
+            assert!(miss.abs() < if scalar == Scalar::F64 { 1e-12 } else { 1e-6 }, "{miss}");
+        }
+        // Between the first and the second nothing is left.
+        let [low, high] = [pressures[0], pressures[1]];
+        let behind = with(inverse.clone(), "pressure_range", json!([0.5 * (low + high), 3e4]));
+        assert!((ask(&behind.to_string(), scalar)[0]["pressure_pa"].as_f64().unwrap() / high - 1.0).abs() < tolerance);
+        let between =
+            with(inverse.clone(), "pressure_range", json!([low + 0.2 * (high - low), high - 0.2 * (high - low)]));
+        let none = &ask(&between.to_string(), scalar)[0];
+        assert_eq!((&none["status"], &none["pressure_pa"]), (&json!("no_solution"), &Value::Null));
+        let empty = with(with(inverse.clone(), "pressure_range", json!([1e6, 2e6])), "solutions", json!("all"));
+        assert_eq!(ask(&empty.to_string(), scalar)[0]["solutions"], json!([]));
+    }
+}
+
+#[test]
+fn pressure_range_is_checked() {
+    let refused = |line: &Value| {
+        let answer = &ask(&line.to_string(), Scalar::F64)[0];
+        assert_eq!(answer["status"], "invalid", "{answer}");
+        answer["message"].as_str().unwrap().to_owned()
+    };
+    let message = refused(&with(extender(), "pressure_range", json!([5e4, 1e4])));
+    assert!(message.contains("pressure_range[1] = 10000"), "{message}");
+    assert!(refused(&with(extender(), "pressure_range", json!([0.0]))).contains("2"));
+    let message = refused(&with(bender(), "pressure_range", json!([0.0, 1e4])));
+    assert!(message.contains("a forward problem takes no `pressure_range`"), "{message}");
+    let message = refused(&with(bender(), "solutions", json!("all")));
+    assert!(message.contains("a forward problem takes no `solutions`"), "{message}");
+    let by_section = with(with(extender(), "solutions", json!("all")), "model", json!("section-fe"));
+    assert!(refused(&by_section).contains("section-fe"));
+    let by_section = with(with(extender(), "pressure_range", json!([2e4, 1e4])), "model", json!("section-fe"));
+    assert!(refused(&by_section).contains("pressure_range[1]"));
+}

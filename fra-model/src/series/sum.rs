@@ -69,7 +69,11 @@ impl<T: Real> Sum<T> {
 
     pub(super) fn solution(self) -> SeriesSolution<T> {
         let limit = self.limit.filter(|_| self.status == Status::NoSolution);
-        let Self { status, state, residual, iterations, .. } = self;
+        let Self { mut status, state, residual, iterations, .. } = self;
+        let sums = [state.length_m, state.extension_m, state.twist_rad, state.bend_angle_rad, state.volume_m3];
+        if status == Status::Solved && !sums.iter().all(T::is_finite) {
+            status = Status::NotConverged;
+        }
         SeriesSolution { status, state, limit, residual, iterations }
     }
 }

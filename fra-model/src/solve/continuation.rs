@@ -24,6 +24,8 @@ pub(crate) const STALL: f64 = 1e4;
 const COARSEST: f64 = 1e-3;
 /// Largest share of the change of a step that plain arithmetic may lose by rounding; beyond it the step cannot be checked.
 pub(crate) const BLINDING: f64 = 0.03;
+/// A root is left where the residual is this many times its rounding.
+const LEFT: f64 = 4.0;
 /// Farther than any step.
 pub(crate) const FAR: f64 = 1e30;
 /// Longest step in `ln(1 + w)`.
@@ -219,6 +221,32 @@ impl<T: Scalar> Continuation<'_, T> {
             way *= T::constant(0.25);
         }
         None
+    }
+
+    /// The first state past a root at which rounding no longer explains the residual.
+    pub(crate) fn leave(
+        &self,
+        root: Point<T>,
+        residual: &Residual<T>,
+        outwards: bool,
+        iterations: &mut u32,
+    ) -> Outcome<T> {
+        let mut share = T::rounding().sqrt();
+        while share < T::constant(LONGEST_STEP) {
+            let way = share * (T::one() + root.at.y);
+            let w = root.at.y + if outwards { way } else { -way };
+            let Some(there) = self.advance(&root, w, iterations) else { return Outcome::Failed(root) };
+            if there.slope <= T::zero() {
+                return Outcome::Limit(root);
+            }
+            let (value, rate) = residual.measure(&there);
+            let seen = value.abs() > T::constant(LEFT) * residual.noise(&there);
+            if seen && (value / rate).abs() > T::constant(STALL) * T::rounding() * there.at.y.abs() {
+                return Outcome::Root(there);
+            }
+            share *= T::constant(4.0);
+        }
+        Outcome::Failed(root)
     }
 
     /// Follows the branch from `start`, towards larger volume if `outwards`, until the goal is met, the branch ends, or the

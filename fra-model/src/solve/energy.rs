@@ -162,7 +162,12 @@ impl<T: Scalar> Wall<T> {
             Elastomer::Yeoh { a, b, rule } => yeoh(e, w, g, *a, *b, rule),
         };
         // The elastomer's stiffness is of the order of X_o - 1 in every coordinate, also where its terms cancel.
-        sum.magnitude = Vector3::repeat((self.x_outer - T::one()) * (e.abs() + w.abs() + g.abs()));
+        let thickness = self.x_outer - T::one();
+        sum.magnitude = Vector3::repeat(thickness * (e.abs() + w.abs() + g.abs()));
+        if !self.twists_by_itself() {
+            // The torque is proportional to the twist.
+            sum.magnitude.z = thickness * self.x_outer * g.abs();
+        }
         sum
     }
 }
@@ -339,11 +344,63 @@ impl<T: Scalar> Winding<T> {
             let ring = Ring::new(e, w, x);
             let rho = x.sqrt();
             let stiffness = weight * self.modulus_ratio;
-            self.add_family(&ring, g, rho, self.cos, stiffness, sum);
-            if self.families == Families::Two {
-                self.add_family(&ring, g, rho, -self.cos, stiffness, sum);
+            match self.families {
+                Families::One => self.strain(&ring, g, rho, self.cos).add_to(sum, stiffness),
+                // (A+B)^2 + (A-B)^2 = 2 A^2 + 2 B^2: the torques of the two families would cancel, all but a tiny twist's.
+                Families::Two => {
+                    for strain in [self.even(&ring, g, rho), self.odd(&ring, g, rho)] {
+                        strain.add_to(sum, stiffness);
+                        strain.add_to(sum, stiffness);
+                    }
+                }
             }
         });
+    }
+
+    /// What the strains of two mirrored families have in common: `c^2 eta + p (g rho s)^2 + s^2 eps`.
+    fn even(&self, ring: &Ring<T>, g: T, rho: T) -> FiberStrain<T> {
+        let two = T::constant(2.0);
+        let (sin, cos) = (self.sin, self.cos);
+        let per_g = rho * sin;
+        let shear = g * per_g;
+        let p = T::one() + ring.eta;
+        let by_p = cos * cos + shear * shear;
+        let by_pg = two * shear * per_g;
+        let twist = p * shear * shear;
+        FiberStrain {
+            value: cos * cos * ring.eta + twist + sin * sin * ring.eps,
+            terms: cos * cos * ring.eta_terms + twist.abs() + sin * sin * ring.eps.abs(),
+            first: Vector3::new(by_p * ring.eta_e + two * sin * sin * ring.lambda, by_p * ring.eta_w, by_pg * p),
+            cancelling: (by_p * ring.eta_e).abs(),
+            second: Matrix3::new(
+                by_p * ring.eta_ee + two * sin * sin,
+                by_p * ring.eta_ew,
+                by_pg * ring.eta_e,
+                by_p * ring.eta_ew,
+                T::zero(),
+                by_pg * ring.eta_w,
+                by_pg * ring.eta_e,
+                by_pg * ring.eta_w,
+                two * p * per_g * per_g,
+            ),
+        }
+    }
+
+    /// What they differ by from that: `2 c p g rho s`.
+    fn odd(&self, ring: &Ring<T>, g: T, rho: T) -> FiberStrain<T> {
+        let by_pg = T::constant(2.0) * self.cos * rho * self.sin;
+        let p = T::one() + ring.eta;
+        let by_p = by_pg * g;
+        let value = by_p * p;
+        let (eg, wg) = (by_pg * ring.eta_e, by_pg * ring.eta_w);
+        let (ee, ew, zero) = (by_p * ring.eta_ee, by_p * ring.eta_ew, T::zero());
+        FiberStrain {
+            value,
+            terms: value.abs(),
+            first: Vector3::new(by_p * ring.eta_e, by_p * ring.eta_w, by_pg * p),
+            cancelling: (by_p * ring.eta_e).abs(),
+            second: Matrix3::new(ee, ew, eg, ew, zero, wg, eg, wg, zero),
+        }
     }
 
     /// One family at one radius: `I4 - 1 = c^2 eta + p g rho s (2c + g rho s) + s^2 eps`.
@@ -368,15 +425,17 @@ impl<T: Scalar> Winding<T> {
             second: Matrix3::new(ee, ew, eg, ew, T::zero(), wg, eg, wg, gg),
         }
     }
+}
 
-    fn add_family(&self, ring: &Ring<T>, g: T, rho: T, cos: T, stiffness: T, sum: &mut Derivatives<T>) {
-        let strain = self.strain(ring, g, rho, cos);
-        let first = strain.first;
-        sum.magnitude += first.map(T::abs) * (stiffness * strain.terms);
+impl<T: Scalar> FiberStrain<T> {
+    /// Adds the energy `stiffness/2 value^2`.
+    fn add_to(&self, sum: &mut Derivatives<T>, stiffness: T) {
+        let first = self.first;
+        sum.magnitude += first.map(T::abs) * (stiffness * self.terms);
         // At the neutral angle the two parts of d I4/de cancel, and with them what they have in common.
-        sum.magnitude.x += strain.cancelling * (stiffness * strain.value.abs());
-        sum.gradient += first * (stiffness * strain.value);
-        sum.hessian += strain.second * (stiffness * strain.value) + outer(&first) * stiffness;
+        sum.magnitude.x += self.cancelling * (stiffness * self.value.abs());
+        sum.gradient += first * (stiffness * self.value);
+        sum.hessian += self.second * (stiffness * self.value) + outer(&first) * stiffness;
     }
 }
 

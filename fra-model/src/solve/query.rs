@@ -42,6 +42,8 @@ pub(crate) struct Query<T> {
     pub(crate) residual: Residual<T>,
     /// A state `(e, w, g)` to start from; else the search starts at rest under the load.
     pub(crate) start: Option<Vector3<T>>,
+    /// Whether the start is a root itself, and the next one is wanted.
+    pub(crate) is_left: bool,
     pub(crate) direction: Direction,
     /// Largest `|P|/mu1` of the search.
     pub(crate) within: T,
@@ -112,7 +114,17 @@ impl<T: Scalar> Query<T> {
                     Direction::Outwards => true,
                     Direction::Inwards => false,
                 };
-                continuation.search(point, &self.residual, outwards, self.within, &mut iterations)
+                let begin = if self.is_left {
+                    continuation.leave(point, &self.residual, outwards, &mut iterations)
+                } else {
+                    Outcome::Root(point)
+                };
+                match begin {
+                    Outcome::Root(begin) => {
+                        continuation.search(begin, &self.residual, outwards, self.within, &mut iterations)
+                    }
+                    ended => ended,
+                }
             }
             // The load alone has no stable equilibrium: no pressure is to blame.
             Outcome::Root(point) | Outcome::Limit(point) => Outcome::Unreached(point),
@@ -129,6 +141,7 @@ impl<T: Scalar> Query<T> {
             budget: self.budget,
             residual: self.residual.map(&f),
             start: self.start.map(|at| at.map(&f)),
+            is_left: self.is_left,
             direction: self.direction,
             within: f(self.within),
         }

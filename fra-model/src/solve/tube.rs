@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::number::real::{Real, epsilon, real};
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
-use crate::solution::{Load, Solution, State, Status, Target};
+use crate::solution::{Load, PressureRange, Solution, State, Status, Target};
 use crate::solve::blocked::{Blocked, block};
 use crate::solve::closed_form::{ClosedForm, Equilibrium};
 use crate::solve::continuation::{LARGEST_PRESSURE, Outcome, Point};
@@ -15,6 +15,8 @@ use crate::solve::size::Size;
 
 /// Newton iterations that no search of a whole branch needs.
 const WHOLE_BRANCH: u32 = 1_000_000;
+/// Pressure below which a solution is taken for the one without pressure, in roundings of the shear modulus.
+const NO_PRESSURE: f64 = 64.0;
 
 /// A straight tube, ready to solve.
 #[derive(Clone, Copy, Debug)]
@@ -87,35 +89,106 @@ impl<T: Real> Tube<T> {
         solution
     }
 
-    /// The first pressure on the way up that reaches a target; a vacuum where no pressure does, or where it takes less and the
-    /// pressure exceeds the shear modulus, beyond the work of an actuator.
+    /// The first pressure in a range, on the way up, that reaches a target; the first vacuum in it, on the way down, where no pressure does.
     pub(crate) fn inverse(
         &self,
         start: Option<&State<T>>,
+        range: &PressureRange<T>,
         target: Target<T>,
         load: &Load<T>,
     ) -> Result<Solution<T>, InvalidParameter<T>> {
-        let residual = self.residual(target)?;
-        let query = self.query(residual, load);
+        let query = self.query(self.residual(target)?, load);
         if let Some(start) = start {
             let warm = self.solve(&self.from(start, query));
-            if warm.status == Status::Solved {
+            if warm.status == Status::Solved && range.contains(warm.state.pressure_pa) {
                 return Ok(warm);
             }
         }
-        let pressed = self.solve(&Query { direction: Direction::Outwards, ..query });
-        if matches!(target, Target::Twist(_)) && !query.twists {
+        let pressed = self.each(&query, Direction::Outwards, range, &mut |_| false);
+        if pressed.status != Status::NoSolution || !self.has_vacuums(&query, range) {
             return Ok(pressed);
         }
-        let solved = pressed.status == Status::Solved;
-        if solved && pressed.state.pressure_pa <= self.shear_modulus_pa {
-            return Ok(pressed);
-        }
-        let within = if solved { pressed.state.pressure_pa / self.shear_modulus_pa } else { query.within };
-        let evacuated = self.solve(&Query { direction: Direction::Inwards, within, ..query });
-        let iterations = pressed.iterations + evacuated.iterations;
-        let answer = if evacuated.status == Status::Solved { evacuated } else { pressed };
+        let evacuated = self.each(&query, Direction::Inwards, range, &mut |_| false);
+        let iterations = pressed.iterations.saturating_add(evacuated.iterations);
+        let answer = if evacuated.status == Status::NoSolution { pressed } else { evacuated };
         Ok(Solution { iterations, ..answer })
+    }
+
+    /// Every solution in a range, pressures first, each time from the one next to zero; whether the search came to its end.
+    pub(crate) fn inverse_all(
+        &self,
+        range: &PressureRange<T>,
+        target: Target<T>,
+        load: &Load<T>,
+        each: &mut dyn FnMut(&Solution<T>),
+    ) -> Result<bool, InvalidParameter<T>> {
+        let query = self.query(self.residual(target)?, load);
+        let mut at_zero = false;
+        let pressed = self.each(&query, Direction::Outwards, range, &mut |solution| {
+            at_zero |= solution.state.pressure_pa == T::zero();
+            each(solution);
+            true
+        });
+        let mut complete = pressed.status == Status::NoSolution;
+        if self.has_vacuums(&query, range) {
+            // The solution without pressure, met again, is that of both ways.
+            let rounding = real::<T>(NO_PRESSURE) * epsilon::<T>() * self.shear_modulus_pa;
+            let evacuated = self.each(&query, Direction::Inwards, range, &mut |solution| {
+                if !at_zero || solution.state.pressure_pa < -rounding {
+                    each(solution);
+                }
+                true
+            });
+            complete &= evacuated.status == Status::NoSolution;
+        }
+        Ok(complete)
+    }
+
+    /// Whether the range has vacuums, and one could reach the target: a tube that does not twist cannot be made to.
+    fn has_vacuums(&self, query: &Query<T>, range: &PressureRange<T>) -> bool {
+        let twist = match query.residual {
+            Residual::Deformation { weights, .. } => weights.z != T::zero(),
+            Residual::Pressure(_) => false,
+        };
+        range.least_pa < T::zero() && (query.twists || !twist)
+    }
+
+    /// Follows the branch from rest one way and shows every solution in the range to `goes_on`. The outcome is the solution at which that
+    /// said no, or what ended the way.
+    fn each(
+        &self,
+        query: &Query<T>,
+        direction: Direction,
+        range: &PressureRange<T>,
+        goes_on: &mut dyn FnMut(&Solution<T>) -> bool,
+    ) -> Solution<T> {
+        let zero = T::zero();
+        let outwards = direction == Direction::Outwards;
+        let end_pa = if outwards { range.most_pa.max(zero) } else { -range.least_pa.min(zero) };
+        let within = (end_pa / self.shear_modulus_pa).min(real(LARGEST_PRESSURE));
+        let query = Query { direction, within, ..*query };
+        let mut solution = self.solve(&query);
+        let mut iterations = solution.iterations;
+        while solution.status == Status::Solved {
+            solution = Solution { iterations, ..solution }.sound();
+            if solution.status != Status::Solved {
+                return solution;
+            }
+            // Rounding may put a solution without pressure on the wrong side of zero.
+            let found_pa = solution.state.pressure_pa;
+            let pressure_pa = if outwards { found_pa.max(zero) } else { found_pa.min(zero) };
+            solution.state.pressure_pa = pressure_pa;
+            if pressure_pa.abs() > end_pa {
+                return Solution { status: Status::NoSolution, ..solution };
+            }
+            if range.contains(pressure_pa) && !goes_on(&solution) {
+                return solution;
+            }
+            let next = Query { is_left: true, ..self.from(&solution.state, query) };
+            solution = self.searched(&next);
+            iterations = iterations.saturating_add(solution.iterations);
+        }
+        Solution { iterations, ..solution }
     }
 
     /// The pressure next to an earlier state that reaches a target, with bounded work.
@@ -166,6 +239,7 @@ impl<T: Real> Tube<T> {
             budget: WHOLE_BRANCH,
             residual,
             start: None,
+            is_left: false,
             direction: Direction::Towards,
             within: real(LARGEST_PRESSURE),
         }
@@ -190,6 +264,11 @@ impl<T: Real> Tube<T> {
         if let Some(found) = self.closed_form().and_then(|solver| solver.answer(query)) {
             return self.solved(&found, found.pressure * self.shear_modulus_pa);
         }
+        self.searched(query)
+    }
+
+    /// The solution of the continuation.
+    fn searched(&self, query: &Query<T>) -> Solution<T> {
         let Answer { found, iterations } = query.answer(&self.wall);
         let (status, point, limit) = match found {
             Outcome::Root(point) => (Status::Solved, point, None),

@@ -6,7 +6,9 @@ use std::io::{self, BufRead, Write};
 use std::num::NonZero;
 use std::thread;
 
-use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Precision, Real, Solution, State, Status};
+use fra_model::{
+    Actuator, ActuatorParameters, InvalidParameter, Load, Precision, Real, Solution, State, Status, Target,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -42,7 +44,14 @@ struct Answer {
     residual: Option<f64>,
     iterations: u32,
     discretisation_error: Option<Discretisation>,
+    all: Option<All>,
     message: Option<String>,
+}
+
+/// Every solution of an inverse question, and whether more of them may be unknown.
+struct All {
+    solutions: Vec<State<f64>>,
+    complete: bool,
 }
 
 /// Answers every line of `input` on `output`, in order. Empty lines are passed over.
@@ -134,12 +143,36 @@ pub(super) fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
 
 fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
     let case = request.case()?;
+    if let (true, Question::Inverse { target }) = (case.all, &case.question) {
+        return match solver.scalar {
+            Scalar::F64 => all::<f64>(&case, *target, |parameters| *parameters),
+            Scalar::F32 => all::<f32>(&case, *target, convert::parameters),
+        };
+    }
     match (case.model, solver.scalar) {
         (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solver.solve_double(&case)?)),
         (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solver.solve_single(&case)?)),
         (Model::SectionFe, Scalar::F64) => Ok(Answer::found(&by_section(&case)?)),
         (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
     }
+}
+
+/// The answer with every solution in the range.
+fn all<T: Precision>(
+    case: &Case,
+    target: Target<f64>,
+    rounded: impl Fn(&ActuatorParameters<f64>) -> ActuatorParameters<T>,
+) -> Result<Answer, String> {
+    case.parameters.check().map_err(|error| as_written(error).to_string())?;
+    let invalid = |error: InvalidParameter<T>| convert::invalid(error).to_string();
+    let actuator = Actuator::new(&rounded(&case.parameters)).map_err(invalid)?;
+    let (range, load, target) = (convert::range(&case.range), convert::load(&case.load), convert::target(target));
+    let mut solutions = vec![];
+    let complete = actuator
+        .inverse_all(&range, target, &load, &mut |found| solutions.push(convert::state(&found.state)))
+        .map_err(invalid)?;
+    let first = actuator.inverse_within(&range, target, &load).map_err(invalid)?;
+    Ok(Answer { all: Some(All { solutions, complete }), ..Answer::of(&convert::solution(&first)) })
 }
 
 fn by_section(case: &Case) -> Result<Found, String> {
@@ -190,13 +223,7 @@ impl Solver {
         case.parameters.check().map_err(|error| as_written(error).to_string())?;
         let solution = solved(&mut self.single, case, convert::parameters);
         let solution = solution.map_err(|error| convert::invalid(error).to_string())?;
-        Ok(Solution {
-            status: solution.status,
-            state: convert::state(&solution.state),
-            limit_pressure_pa: solution.limit_pressure_pa.map(convert::wide),
-            residual: convert::wide(solution.residual),
-            iterations: solution.iterations,
-        })
+        Ok(convert::solution(&solution))
     }
 }
 
@@ -233,7 +260,9 @@ fn solve<T: Precision>(actuator: &Actuator<T>, case: &Case) -> Result<Solution<T
     let load: Load<T> = convert::load(&case.load);
     match case.question {
         Question::Forward { pressure_pa } => actuator.forward(nalgebra::convert(pressure_pa), &load),
-        Question::Inverse { target } => actuator.inverse(convert::target(target), &load),
+        Question::Inverse { target } => {
+            actuator.inverse_within(&convert::range(&case.range), convert::target(target), &load)
+        }
     }
 }
 
@@ -258,6 +287,30 @@ pub(super) fn word(status: Status) -> &'static str {
     }
 }
 
+/// One of several solutions.
+#[derive(Serialize)]
+struct Listed {
+    pressure_pa: f64,
+    axial_stretch: f64,
+    inner_radius_m: f64,
+    outer_radius_m: f64,
+    twist_rad: f64,
+    bend_angle_rad: f64,
+}
+
+impl Listed {
+    fn of(state: &State<f64>) -> Self {
+        Self {
+            pressure_pa: state.pressure_pa,
+            axial_stretch: state.axial_stretch,
+            inner_radius_m: state.inner_radius_m,
+            outer_radius_m: state.outer_radius_m,
+            twist_rad: state.twist_rad,
+            bend_angle_rad: state.bend_angle_rad,
+        }
+    }
+}
+
 impl Answer {
     fn without_state(status: &'static str, message: Option<String>) -> Self {
         Self {
@@ -272,6 +325,7 @@ impl Answer {
             residual: None,
             iterations: 0,
             discretisation_error: None,
+            all: None,
             message,
         }
     }
@@ -279,7 +333,7 @@ impl Answer {
     fn of(solution: &Solution<f64>) -> Self {
         let blank = Self::without_state(word(solution.status), None);
         let common = Self {
-            limit_pressure_pa: solution.limit_pressure_pa,
+            limit_pressure_pa: solution.limit_pressure_pa.filter(|limit| limit.is_finite()),
             residual: Some(solution.residual),
             iterations: solution.iterations,
             ..blank
@@ -323,6 +377,10 @@ impl Answer {
         append(out, ",\"iterations\":", &self.iterations)?;
         if let Some(error) = &self.discretisation_error {
             append(out, ",\"discretisation_error\":", error)?;
+        }
+        if let Some(all) = &self.all {
+            append(out, ",\"solutions\":", &all.solutions.iter().map(Listed::of).collect::<Vec<_>>())?;
+            append(out, ",\"solutions_complete\":", &all.complete)?;
         }
         if let Some(message) = &self.message {
             append(out, ",\"message\":", message)?;

@@ -1,6 +1,8 @@
 //! The model's types in another precision.
 
-use fra_model::{ActuatorParameters, InvalidParameter, Load, Real, SeriesTarget, State, Target};
+use fra_model::{
+    ActuatorParameters, InvalidParameter, Load, PressureRange, Real, SeriesTarget, Solution, State, Target,
+};
 use nalgebra::{convert, try_convert};
 
 /// The parameters rounded to another scalar.
@@ -10,6 +12,24 @@ pub(super) fn parameters<T: Real>(p: &ActuatorParameters<f64>) -> ActuatorParame
 
 pub(super) fn load<T: Real>(load: &Load<f64>) -> Load<T> {
     Load { force_n: convert(load.force_n), torque_nm: convert(load.torque_nm) }
+}
+
+/// The range in another scalar; an end beyond its largest number excludes nothing.
+pub(super) fn range<T: Real>(range: &PressureRange<f64>) -> PressureRange<T> {
+    let largest = T::max_value().map_or(f64::MAX, wide);
+    let end = |value: f64| convert(if value.is_finite() { value.clamp(-largest, largest) } else { value });
+    PressureRange { least_pa: end(range.least_pa), most_pa: end(range.most_pa) }
+}
+
+/// A solution whose numbers are those of another scalar.
+pub(super) fn solution<T: Real>(solution: &Solution<T>) -> Solution<f64> {
+    Solution {
+        status: solution.status,
+        state: state(&solution.state),
+        limit_pressure_pa: solution.limit_pressure_pa.map(wide),
+        residual: wide(solution.residual),
+        iterations: solution.iterations,
+    }
 }
 
 pub(super) fn target<T: Real>(target: Target<f64>) -> Target<T> {

@@ -4,7 +4,9 @@
 
 use softlimb_files::object::Object;
 
-use super::request::{FiberSpec, Law, MaterialSpec, Model, MotionName, PlacementName, Problem, Request, TargetSpec};
+use super::request::{
+    FiberSpec, Law, MaterialSpec, Model, MotionName, PlacementName, Problem, Request, Solutions, TargetSpec,
+};
 use super::scan::Scan;
 
 /// The question on the first line of a text, and the text after the line; `None` where `serde_json` has to decide.
@@ -25,6 +27,7 @@ fn request(scan: &mut Scan) -> Option<Request> {
     let (mut inner_radius_m, mut outer_radius_m, mut length_m) = (None, None, None);
     let (mut material, mut fiber, mut pressure_pa, mut target) = (None, None, None, None);
     let (mut external_force_n, mut external_torque_nm) = (None, None);
+    let (mut pressure_range, mut solutions) = (None, None);
     scan.object(|scan, name| match name {
         b"id" => put(&mut id, scan.id()),
         b"model" => put(&mut model, scan.word().and_then(model_named)),
@@ -37,6 +40,8 @@ fn request(scan: &mut Scan) -> Option<Request> {
         b"fiber" => put(&mut fiber, fiber_spec(scan)),
         b"pressure_pa" => put(&mut pressure_pa, scan.number()),
         b"target" => put(&mut target, target_spec(scan)),
+        b"pressure_range" => put(&mut pressure_range, scan.numbers()),
+        b"solutions" => put(&mut solutions, scan.word().and_then(solutions_named)),
         b"external_force_n" => put(&mut external_force_n, scan.number()),
         b"external_torque_nm" => put(&mut external_torque_nm, scan.number()),
         _ => None,
@@ -53,6 +58,8 @@ fn request(scan: &mut Scan) -> Option<Request> {
         fiber: fiber.map(Object),
         pressure_pa,
         target: target.map(Object),
+        pressure_range,
+        solutions,
         external_force_n,
         external_torque_nm,
     })
@@ -125,6 +132,14 @@ fn problem_named(name: &[u8]) -> Option<Problem> {
     }
 }
 
+fn solutions_named(name: &[u8]) -> Option<Solutions> {
+    match name {
+        b"first" => Some(Solutions::First),
+        b"all" => Some(Solutions::All),
+        _ => None,
+    }
+}
+
 fn law_named(name: &[u8]) -> Option<Law> {
     match name {
         b"neo-hookean" => Some(Law::NeoHookean),
@@ -166,6 +181,12 @@ mod tests {
             same(&format!(
                 r#" {{"target":{{"{target}":1.25}},"motion":"bending","problem":"inverse",{TUBE},{material}}} "#
             ));
+        }
+        for solutions in ["first", "all"] {
+            same(&format!(
+                r#"{{"target":{{"axial_stretch":1.25}},"pressure_range":[-1e4, 2e5],"solutions":"{solutions}","motion":"twisting",
+                    "problem":"inverse",{TUBE},{material}}}"#
+            ).replace('\n', ""));
         }
         for placement in ["sheet", "layer", "smeared"] {
             let fiber = format!(

@@ -1,6 +1,6 @@
 //! One question to the actuator model, as a line of JSON.
 
-use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Target};
+use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, PressureRange, Target};
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
@@ -24,12 +24,14 @@ pub(super) struct Request {
     pub(super) fiber: Option<Object<FiberSpec>>,
     pub(super) pressure_pa: Option<f64>,
     pub(super) target: Option<Object<TargetSpec>>,
+    pub(super) pressure_range: Option<[f64; 2]>,
+    pub(super) solutions: Option<Solutions>,
     pub(super) external_force_n: Option<f64>,
     pub(super) external_torque_nm: Option<f64>,
 }
 
 /// Model that answers.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum Model {
     /// The equations of the tube and of the bending section.
@@ -46,6 +48,16 @@ pub(super) enum MotionName {
     Expansion,
     Bending,
     Twisting,
+}
+
+/// Solutions of an inverse problem that are wanted.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(variant_identifier, rename_all = "kebab-case")]
+pub(super) enum Solutions {
+    /// The first by the rule.
+    First,
+    /// That and every other one.
+    All,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -122,6 +134,9 @@ pub(super) struct Case {
     pub(super) model: Model,
     pub(super) parameters: ActuatorParameters<f64>,
     pub(super) question: Question<Target<f64>>,
+    /// Pressures that may answer an inverse question, and whether all that do are wanted.
+    pub(super) range: PressureRange<f64>,
+    pub(super) all: bool,
     pub(super) load: Load<f64>,
 }
 
@@ -131,6 +146,19 @@ impl Request {
         let motion = self.motion.motion();
         let material = self.material.0.material()?;
         let fiber = self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?;
+        let question = self.problem.question(self.pressure_pa, self.target.as_ref(), TargetSpec::target)?;
+        let all = self.solutions == Some(Solutions::All);
+        for (field, given) in
+            [("pressure_range", self.pressure_range.is_some()), ("solutions", self.solutions.is_some())]
+        {
+            if given && matches!(question, Question::Forward { .. }) {
+                return Err(format!("a forward problem takes no `{field}`"));
+            }
+        }
+        if all && self.model == Model::SectionFe {
+            return Err("`solutions` \"all\" is not for `model` \"section-fe\": it finds one".into());
+        }
+        let stated = self.pressure_range.map(|[least_pa, most_pa]| PressureRange { least_pa, most_pa });
         Ok(Case {
             model: self.model,
             parameters: ActuatorParameters {
@@ -141,7 +169,9 @@ impl Request {
                 material,
                 fiber,
             },
-            question: self.problem.question(self.pressure_pa, self.target.as_ref(), TargetSpec::target)?,
+            question,
+            range: stated.unwrap_or_else(PressureRange::physical),
+            all,
             load: load(self.external_force_n, self.external_torque_nm),
         })
     }

@@ -55,15 +55,14 @@ impl<'a> Scan<'a> {
     }
 
     /// Three numbers.
-    pub(super) fn numbers(&mut self) -> Option<[f64; 3]> {
-        self.token(b'[')?;
-        let first = self.number()?;
-        self.token(b',')?;
-        let second = self.number()?;
-        self.token(b',')?;
-        let third = self.number()?;
+    pub(super) fn numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for (index, number) in numbers.iter_mut().enumerate() {
+            self.token(if index == 0 { b'[' } else { b',' })?;
+            *number = self.number()?;
+        }
         self.token(b']')?;
-        Some([first, second, third])
+        Some(numbers)
     }
 
     /// A string or a natural number.
@@ -262,7 +261,7 @@ mod tests {
         {
             assert_eq!(id(text), Some(serde_json::from_str(text).expect("JSON")), "{text}");
         }
-        assert_eq!(read(b" [1, 2.5 ,\t3]", Scan::numbers), Some([1.0, 2.5, 3.0]));
+        assert_eq!(read(b" [1, 2.5 ,\t3]", Scan::numbers::<3>), Some([1.0, 2.5, 3.0]));
     }
 
     /// The bits of the standard library, by all ways: eight digits at a time and one, exact powers of ten and others.
@@ -319,7 +318,7 @@ mod tests {
             assert_eq!(id(text), None, "{text}");
         }
         for text in ["[1,2]", "[1,2,3,4]", "[1,2,3", "[1,2,3,]", "[,1,2,3]", "[1 2,3,4]", "{1,2,3}"] {
-            assert_eq!(read(text.as_bytes(), Scan::numbers), None, "{text}");
+            assert_eq!(read(text.as_bytes(), Scan::numbers::<3>), None, "{text}");
         }
         assert_eq!(read(b"\"\xff\"", Scan::id), None);
     }

@@ -68,6 +68,8 @@ impl Asked<'_> {
     /// The pressure that reaches a target: from that of the analytic model by the secant method, below what is known to have no answer.
     fn reach(&mut self, target: Target<f64>) -> Result<Found, String> {
         let actuator = Actuator::new(&self.case.parameters).map_err(|error| error.to_string())?;
+        let range = &self.case.range;
+        range.check().map_err(|error| error.to_string())?;
         let first = actuator.inverse(target, &self.case.load).map_err(|error| error.to_string())?;
         if first.status != Status::Solved || first.state.pressure_pa < 0.0 {
             return Ok(self.nothing(Status::NoSolution, first.limit_pressure_pa));
@@ -83,7 +85,8 @@ impl Asked<'_> {
                 continue;
             };
             if miss.abs() <= TOLERANCE * size(target) {
-                return Ok(self.found(&answer));
+                let inside = range.contains(answer.pressure_pa);
+                return Ok(if inside { self.found(&answer) } else { self.nothing(Status::NoSolution, None) });
             }
             let Some(old) = self.miss(&before.1, target) else { return Ok(self.found(&before.1)) };
             let next = pressure_pa - miss * (pressure_pa - before.0) / (miss - old);
