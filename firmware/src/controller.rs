@@ -12,6 +12,7 @@ use crate::link::Link;
 use crate::outbox::Outbox;
 use crate::queue::KnotQueue;
 use crate::safety::{Lasting, TickWatch};
+use crate::sampling::Sampling;
 use crate::sensor::{AdcCode, Sensor};
 use crate::valve::ValvePulse;
 
@@ -99,6 +100,7 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) supply_high: Lasting,
     pub(crate) tick_count: u32,
     pub(crate) telemetry_due_us: u64,
+    pub(crate) sampling: Sampling,
     pub(crate) stack_used: u16,
 }
 
@@ -132,6 +134,7 @@ impl<const N: usize> Controller<N> {
             supply_high: Lasting::new(),
             tick_count: 0,
             telemetry_due_us: 0,
+            sampling: Sampling::new(),
             stack_used: 0,
         }
     }

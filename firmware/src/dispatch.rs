@@ -1,16 +1,14 @@
 //! Effect of each message of the host, and its answer.
 
 use softlimb_protocol::{
-    Ack, Arrival, Command, CommandCode, Compatibility, ConfigChannel, ConfigInverse, ConfigSystem, ConfigVolume,
-    DeviceState, Heartbeat, HeartbeatReply, Hello, HelloReply, HostMessage, Message, PROTOCOL_VERSION, ResultCode,
-    SCHEMA_HASH, Setpoint,
+    Ack, Arrival, Command, CommandCode, Compatibility, DeviceState, Heartbeat, HeartbeatReply, Hello, HelloReply,
+    HostMessage, Message, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH,
 };
 
 use crate::channel::Channel;
-use crate::config::{ActiveConfig, ConfigError, StagedConfig, StagingError};
+use crate::config::{ActiveConfig, ConfigError, StagingError, number};
 use crate::controller::Controller;
-use crate::manual::has_unknown;
-use crate::queue::{KNOTS, QueueError};
+use crate::queue::KNOTS;
 use crate::state::Event;
 use crate::valve::TICK_US;
 
@@ -71,23 +69,18 @@ impl<const N: usize> Controller<N> {
         match message {
             HostMessage::Hello(hello) => self.hello(now_us, hello),
             HostMessage::Heartbeat(_) => OK,
-            HostMessage::ConfigBegin(begin) => match self.staged.begin(begin) {
-                Ok(()) => OK,
-                Err(error) => refused_field(error, softlimb_protocol::ConfigBegin::field_number),
-            },
-            HostMessage::ConfigSystem(part) => self.stage(|staged| staged.add_system(part), ConfigSystem::field_number),
-            HostMessage::ConfigChannel(part) => {
-                self.stage(|staged| staged.add_channel(part), ConfigChannel::field_number)
-            }
-            HostMessage::ConfigVolume(part) => self.stage(|staged| staged.add_volume(part), ConfigVolume::field_number),
-            HostMessage::ConfigInverse(part) => {
-                self.stage(|staged| staged.add_inverse(part), ConfigInverse::field_number)
-            }
+            HostMessage::ConfigBegin(begin) => staged(self.staged.begin(begin).map_err(StagingError::from)),
+            HostMessage::ConfigSystem(part) => staged(self.staged.add_system(part)),
+            HostMessage::ConfigChannel(part) => staged(self.staged.add_channel(part)),
+            HostMessage::ConfigVolume(part) => staged(self.staged.add_volume(part)),
+            HostMessage::ConfigInverse(part) => staged(self.staged.add_inverse(part)),
             HostMessage::ConfigCommit(commit) => self.commit(now_us, commit.config_hash),
             HostMessage::Command(command) => self.command(now_us, command),
             HostMessage::Setpoint(setpoint) => self.setpoint(now_us, setpoint),
             HostMessage::ManualPulse(pulse) => self.manual_pulse(now_us, pulse),
             HostMessage::SetOutputs(request) => self.set_outputs(request),
+            HostMessage::Knots(knots) => self.knots(now_us, knots),
+            HostMessage::SetSampling(request) => self.set_sampling(now_us, request),
         }
     }
 
@@ -119,6 +112,7 @@ impl<const N: usize> Controller<N> {
             // What another host has begun does not go on under this one.
             self.staged.forget();
             self.start_us = None;
+            self.sampling.stop();
         }
         self.reply_hello(now_us, hello.session);
         OK
@@ -156,18 +150,6 @@ impl<const N: usize> Controller<N> {
         self.outbox.push(&reply.into());
     }
 
-    fn stage(
-        &mut self,
-        add: impl FnOnce(&mut StagedConfig<N>) -> Result<(), StagingError>,
-        field_number: fn(&str) -> Option<u32>,
-    ) -> Answer {
-        match add(&mut self.staged) {
-            Ok(()) => OK,
-            Err(StagingError::Field(error)) => refused_field(error, field_number),
-            Err(error) => mismatch(error),
-        }
-    }
-
     /// Swaps to the uploaded configuration as a whole, or leaves everything as it is.
     fn commit(&mut self, now_us: u64, config_hash: u32) -> Answer {
         if !matches!(self.state, DeviceState::Idle | DeviceState::Ready) {
@@ -175,8 +157,9 @@ impl<const N: usize> Controller<N> {
         }
         let sensors = |config: &ActiveConfig<N>| (config.system.sensor, config.channels.len());
         let before = self.config.as_ref().map(sensors);
-        if let Err(error) = self.staged.commit(config_hash, &mut self.config) {
-            return mismatch(error);
+        let answer = staged(self.staged.commit(config_hash, &mut self.config));
+        if answer != OK {
+            return answer;
         }
         // The zero belongs to the sensor: the same sensors keep theirs, whatever the pressure now.
         let same_sensors = before == self.config.as_ref().map(sensors);
@@ -190,6 +173,7 @@ impl<const N: usize> Controller<N> {
         self.telemetry_due_us = now_us;
         self.staged.forget();
         self.start_us = None;
+        self.sampling.stop();
         self.queue.flush();
         self.apply(now_us, Event::Reconfigured);
         OK
@@ -197,7 +181,7 @@ impl<const N: usize> Controller<N> {
 
     fn command(&mut self, now_us: u64, command: &Command) -> Answer {
         let Some(code) = command.code.known() else {
-            return (ResultCode::UnknownCode, Command::field_number("code").unwrap_or(0));
+            return (ResultCode::UnknownCode, u32::from(number!(Command, "code")));
         };
         match code {
             CommandCode::Start => self.start(now_us, command.time_us),
@@ -251,48 +235,19 @@ impl<const N: usize> Controller<N> {
         }
         OK
     }
-
-    fn setpoint(&mut self, now_us: u64, setpoint: &Setpoint) -> Answer {
-        let Some(config) = &self.config else { return WRONG_STATE };
-        if !matches!(self.state, DeviceState::Ready | DeviceState::Running | DeviceState::Holding) {
-            return WRONG_STATE;
-        }
-        if setpoint.values.len() != config.channels.len() {
-            return (ResultCode::WrongChannelCount, config.channels.len() as u32);
-        }
-        let outside = setpoint.values.iter().zip(&config.channels).position(|(value, channel)| {
-            let (low, high) = channel.setpoint_range;
-            !(low..=high).contains(value)
-        });
-        if let Some(channel) = outside {
-            return (ResultCode::OutOfRange, channel as u32);
-        }
-        if has_unknown(setpoint.outputs) {
-            return (ResultCode::UnknownCode, Setpoint::field_number("outputs").unwrap_or(0));
-        }
-        match self.queue.push(now_us, setpoint.index, setpoint.time_us, (setpoint.outputs, &setpoint.values)) {
-            Ok(()) => OK,
-            Err(QueueError::UnexpectedIndex { expected }) => (ResultCode::UnexpectedIndex, expected),
-            Err(QueueError::Full) => (ResultCode::QueueFull, 0),
-            Err(QueueError::Late) => (ResultCode::Late, 0),
-            Err(QueueError::TooManyValues) => (ResultCode::WrongChannelCount, config.channels.len() as u32),
-        }
-    }
 }
 
-/// Why an upload as a whole is refused.
-fn mismatch(error: StagingError) -> Answer {
-    match error {
-        StagingError::TablesMissing { channel } => (ResultCode::TablesMissing, u32::from(channel)),
-        _ => (ResultCode::ConfigMismatch, 0),
-    }
-}
-
-/// The number of the offending field, as the protocol counts them.
-fn refused_field(error: ConfigError, field_number: fn(&str) -> Option<u32>) -> Answer {
-    let detail = field_number(error.field()).unwrap_or(0);
-    match error {
-        ConfigError::OutOfRange { .. } => (ResultCode::OutOfRange, detail),
-        ConfigError::UnknownCode { .. } => (ResultCode::UnknownCode, detail),
+/// The answer to a part of an upload.
+fn staged(outcome: Result<(), StagingError>) -> Answer {
+    match outcome {
+        Ok(()) => OK,
+        Err(StagingError::Field(error @ ConfigError::OutOfRange { .. })) => {
+            (ResultCode::OutOfRange, error.field().into())
+        }
+        Err(StagingError::Field(error @ ConfigError::UnknownCode { .. })) => {
+            (ResultCode::UnknownCode, error.field().into())
+        }
+        Err(StagingError::TablesMissing { channel }) => (ResultCode::TablesMissing, u32::from(channel)),
+        Err(_) => (ResultCode::ConfigMismatch, 0),
     }
 }

@@ -4,6 +4,7 @@ use core::ops::RangeInclusive;
 
 use softlimb_protocol::{DeviceState, FaultCode, ManualPulse, Outputs, PulseDirection, ResultCode, SetOutputs};
 
+use crate::config::number;
 use crate::controller::Controller;
 use crate::dispatch::{Answer, OK, WRONG_STATE};
 use crate::state::Event;
@@ -23,16 +24,15 @@ impl<const N: usize> Controller<N> {
         if !self.takes_hands() {
             return WRONG_STATE;
         }
-        let refused = |result, field| (result, ManualPulse::field_number(field).unwrap_or(0));
         let index = usize::from(pulse.channel);
         if index >= self.channels.len() {
-            return refused(ResultCode::OutOfRange, "channel");
+            return (ResultCode::OutOfRange, u32::from(number!(ManualPulse, "channel")));
         }
         let Some(direction) = pulse.direction.known() else {
-            return refused(ResultCode::UnknownCode, "direction");
+            return (ResultCode::UnknownCode, u32::from(number!(ManualPulse, "direction")));
         };
         if !PULSE_US.contains(&pulse.duration_us) {
-            return refused(ResultCode::OutOfRange, "duration_us");
+            return (ResultCode::OutOfRange, u32::from(number!(ManualPulse, "duration_us")));
         }
         let direction = match direction {
             PulseDirection::Fill => Direction::Fill,
@@ -54,7 +54,7 @@ impl<const N: usize> Controller<N> {
             return WRONG_STATE;
         }
         if has_unknown(request.outputs) {
-            return (ResultCode::UnknownCode, SetOutputs::field_number("outputs").unwrap_or(0));
+            return (ResultCode::UnknownCode, u32::from(number!(SetOutputs, "outputs")));
         }
         self.outputs = request.outputs;
         OK

@@ -1,6 +1,5 @@
 //! Bytes that wait for the link, in whole frames.
 
-use heapless::Deque;
 use softlimb_protocol::{DeviceMessage, MAX_FRAME_LEN, encode_frame};
 
 /// Bytes that can wait: eight of the largest frames.
@@ -9,16 +8,19 @@ const CAPACITY: usize = 8 * MAX_FRAME_LEN;
 /// Space that stays free for answers when telemetry is queued.
 const RESERVE: usize = 2 * MAX_FRAME_LEN;
 
-/// The queue.
+/// The queue: a ring that is copied in pieces, since every byte of every turn passes it.
 #[derive(Clone, Debug)]
 pub(crate) struct Outbox {
-    bytes: Deque<u8, CAPACITY>,
+    ring: [u8; CAPACITY],
+    /// Place of the first byte, below the capacity.
+    start: usize,
+    len: usize,
     seq: u16,
 }
 
 impl Outbox {
     pub(crate) const fn new() -> Self {
-        Self { bytes: Deque::new(), seq: 0 }
+        Self { ring: [0; CAPACITY], start: 0, len: 0, seq: 0 }
     }
 
     /// Queues a message; false, and nothing queued, when there is no room. The host repeats a request without answer.
@@ -26,27 +28,44 @@ impl Outbox {
         let mut frame = [0; MAX_FRAME_LEN];
         let encoded = encode_frame(message, self.seq, &mut frame).ok().and_then(|len| frame.get(..len));
         let Some(frame) = encoded else { return false };
-        if frame.len() > CAPACITY - self.bytes.len() {
+        if frame.len() > CAPACITY - self.len {
             return false;
         }
         self.seq = self.seq.wrapping_add(1);
-        frame.iter().all(|&byte| self.bytes.push_back(byte).is_ok())
+        let end = wrapped(self.start + self.len);
+        let (to_end, from_start) = frame.split_at(frame.len().min(CAPACITY - end));
+        copy(to_end, self.ring.get_mut(end..));
+        copy(from_start, Some(&mut self.ring));
+        self.len += frame.len();
+        true
     }
 
     /// Whether there is room for telemetry with enough left for answers.
     pub(crate) fn has_room_for_telemetry(&self) -> bool {
-        CAPACITY - self.bytes.len() >= MAX_FRAME_LEN + RESERVE
+        CAPACITY - self.len >= MAX_FRAME_LEN + RESERVE
     }
 
     /// Moves bytes to the link; returns how many.
     pub(crate) fn drain(&mut self, out: &mut [u8]) -> usize {
-        let mut count = 0;
-        for place in out {
-            let Some(byte) = self.bytes.pop_front() else { break };
-            *place = byte;
-            count += 1;
-        }
+        let count = out.len().min(self.len);
+        let to_end = count.min(CAPACITY - self.start);
+        copy(self.ring.get(self.start..self.start + to_end).unwrap_or_default(), Some(out));
+        copy(self.ring.get(..count - to_end).unwrap_or_default(), out.get_mut(to_end..));
+        self.start = wrapped(self.start + count);
+        self.len -= count;
         count
+    }
+}
+
+/// A place in the ring; `place` is less than twice the capacity.
+const fn wrapped(place: usize) -> usize {
+    if place < CAPACITY { place } else { place - CAPACITY }
+}
+
+/// Copies `from` to the beginning of `to`, which is at least as long.
+fn copy(from: &[u8], to: Option<&mut [u8]>) {
+    if let Some(place) = to.and_then(|to| to.get_mut(..from.len())) {
+        place.copy_from_slice(from);
     }
 }
 
@@ -77,5 +96,21 @@ mod tests {
         }
         assert_eq!(numbers, (0..taken as u16).collect::<Vec<_>>());
         assert!(outbox.has_room_for_telemetry());
+    }
+
+    #[test]
+    fn frames_cross_the_end_of_the_ring_whole() {
+        let (mut outbox, mut decoder, mut bytes) = (Outbox::new(), Decoder::<DeviceMessage>::new(), [0; 61]);
+        let mut seen = 0;
+        for number in 0..300 {
+            assert!(outbox.push(&reply(number)));
+            let count = outbox.drain(&mut bytes);
+            for frame in bytes[..count].iter().filter_map(|&byte| decoder.push(byte)) {
+                let frame = frame.unwrap();
+                assert_eq!((frame.seq, frame.message), (seen as u16, reply(seen)));
+                seen += 1;
+            }
+        }
+        assert_eq!(seen, 300, "more than four times around");
     }
 }

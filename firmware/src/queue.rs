@@ -8,10 +8,10 @@ pub const KNOTS: usize = 64;
 
 /// One knot: the setpoints of all channels at one time.
 #[derive(Clone, Debug, PartialEq)]
-struct Knot<const N: usize> {
-    time_us: u64,
+pub(crate) struct Knot<const N: usize> {
+    pub(crate) time_us: u64,
     outputs: Outputs,
-    values: Vec<i32, N>,
+    pub(crate) values: Vec<i32, N>,
 }
 
 /// Why a knot was not accepted. Nothing of a refused knot is kept.
@@ -26,8 +26,6 @@ pub enum QueueError {
     Full,
     /// Not in the future, or not after the previous knot.
     Late,
-    /// More values than channels.
-    TooManyValues,
 }
 
 impl core::fmt::Display for QueueError {
@@ -36,7 +34,6 @@ impl core::fmt::Display for QueueError {
             Self::UnexpectedIndex { expected } => write!(f, "knot {expected} is expected next"),
             Self::Full => f.write_str("no free place in the setpoint buffer"),
             Self::Late => f.write_str("the knot is not in the future or not after the previous one"),
-            Self::TooManyValues => f.write_str("more values than channels"),
         }
     }
 }
@@ -68,7 +65,7 @@ impl<const N: usize> KnotQueue<N> {
         now_us: u64,
         index: u32,
         time_us: u64,
-        (outputs, values): (Outputs, &[i32]),
+        (outputs, values): (Outputs, Vec<i32, N>),
     ) -> Result<(), QueueError> {
         if index != self.next_index {
             return Err(QueueError::UnexpectedIndex { expected: self.next_index });
@@ -79,11 +76,24 @@ impl<const N: usize> KnotQueue<N> {
         if time_us <= now_us || time_us <= self.last_time_us {
             return Err(QueueError::Late);
         }
-        let values = Vec::from_slice(values).map_err(|_| QueueError::TooManyValues)?;
         self.knots.push_back(Knot { time_us, outputs, values }).map_err(|_| QueueError::Full)?;
         self.next_index = index.wrapping_add(1);
         self.last_time_us = time_us;
         Ok(())
+    }
+
+    /// The knot accepted last, passed or not; `None` after a flush.
+    pub(crate) fn last(&self) -> Option<&Knot<N>> {
+        self.knots.back().or(self.passed.as_ref())
+    }
+
+    /// Forgets the `count` knots accepted last, none of which was passed.
+    pub(crate) fn take_back(&mut self, count: u32) {
+        for _ in 0..count {
+            self.knots.pop_back();
+        }
+        self.next_index = self.next_index.wrapping_sub(count);
+        self.last_time_us = self.last().map_or(0, |knot| knot.time_us);
     }
 
     /// Drops everything; the next index is 0.
@@ -161,12 +171,16 @@ fn interpolate<const N: usize>(before: &Knot<N>, after: &Knot<N>, channel: usize
 mod tests {
     use super::*;
 
+    fn values<const N: usize, const COUNT: usize>(values: [i32; COUNT]) -> Vec<i32, N> {
+        Vec::from_slice(&values).unwrap()
+    }
+
     const OFF: Outputs = Outputs::from_bits(0);
 
     fn filled(times_and_values: &[(u64, i32)]) -> KnotQueue {
         let mut queue = KnotQueue::new();
         for (index, &(time_us, value)) in times_and_values.iter().enumerate() {
-            queue.push(0, index as u32, time_us, (OFF, &[value, -value])).unwrap();
+            queue.push(0, index as u32, time_us, (OFF, values([value, -value]))).unwrap();
         }
         queue
     }
@@ -202,13 +216,13 @@ mod tests {
         let mut queue = KnotQueue::<1>::new();
         let all = [(100, Outputs::GRIPPER), (200, OFF), (300, Outputs::GRIPPER)];
         for (index, (time_us, outputs)) in (0..).zip(all) {
-            queue.push(0, index, time_us, (outputs, &[0])).unwrap();
+            queue.push(0, index, time_us, (outputs, values([0]))).unwrap();
         }
         assert_eq!(queue.advance(99), None);
         assert_eq!(queue.advance(100), Some(Outputs::GRIPPER));
         assert_eq!(queue.advance(199), None, "nothing new");
         assert_eq!(queue.advance(250), Some(OFF));
-        queue.push(250, 3, 301, (OFF, &[0])).unwrap();
+        queue.push(250, 3, 301, (OFF, values([0]))).unwrap();
         assert_eq!(queue.advance(400), Some(OFF), "two at once");
     }
 
@@ -216,30 +230,30 @@ mod tests {
     fn duplicates_and_gaps_name_the_expected_index() {
         let mut queue = filled(&[(100, 1)]);
         for index in [0, 2, u32::MAX] {
-            assert_eq!(queue.push(0, index, 500, (OFF, &[1])), Err(QueueError::UnexpectedIndex { expected: 1 }));
+            assert_eq!(queue.push(0, index, 500, (OFF, values([1]))), Err(QueueError::UnexpectedIndex { expected: 1 }));
         }
-        assert_eq!(queue.push(0, 1, 500, (OFF, &[1])), Ok(()));
+        assert_eq!(queue.push(0, 1, 500, (OFF, values([1]))), Ok(()));
     }
 
     #[test]
     fn late_knots_are_refused_and_can_be_sent_again_in_time() {
         let mut queue = filled(&[(100, 1)]);
-        assert_eq!(queue.push(50, 1, 100, (OFF, &[1])), Err(QueueError::Late), "not after the previous one");
-        assert_eq!(queue.push(300, 1, 300, (OFF, &[1])), Err(QueueError::Late), "not in the future");
-        assert_eq!(queue.push(300, 1, 301, (OFF, &[1])), Ok(()));
+        assert_eq!(queue.push(50, 1, 100, (OFF, values([1]))), Err(QueueError::Late), "not after the previous one");
+        assert_eq!(queue.push(300, 1, 300, (OFF, values([1]))), Err(QueueError::Late), "not in the future");
+        assert_eq!(queue.push(300, 1, 301, (OFF, values([1]))), Ok(()));
     }
 
     #[test]
     fn full_buffer_refuses_and_keeps_what_it_has() {
         let mut queue = KnotQueue::<1>::new();
         for index in 0..KNOTS as u32 {
-            queue.push(0, index, 1_000 + u64::from(index), (OFF, &[index as i32])).unwrap();
+            queue.push(0, index, 1_000 + u64::from(index), (OFF, values([index as i32]))).unwrap();
         }
         assert_eq!(queue.free(), 0);
-        assert_eq!(queue.push(0, 64, 9_000, (OFF, &[0])), Err(QueueError::Full));
+        assert_eq!(queue.push(0, 64, 9_000, (OFF, values([0]))), Err(QueueError::Full));
         assert_eq!(queue.value(0, 1_000), Some(0.0));
         queue.advance(1_000);
-        assert_eq!(queue.push(0, 64, 9_000, (OFF, &[0])), Ok(()));
+        assert_eq!(queue.push(0, 64, 9_000, (OFF, values([0]))), Ok(()));
     }
 
     #[test]
@@ -247,14 +261,14 @@ mod tests {
         let mut queue = filled(&[(1_000, 1), (2_000, 2)]);
         queue.flush();
         assert_eq!((queue.free(), queue.next_index()), (64, 0));
-        assert_eq!(queue.push(0, 0, 10, (OFF, &[5])), Ok(()));
+        assert_eq!(queue.push(0, 0, 10, (OFF, values([5]))), Ok(()));
     }
 
     #[test]
     fn after_a_pause_nothing_is_interpolated_from_before_it() {
         let mut queue = filled(&[(100, 0)]);
         queue.advance(100);
-        queue.push(100, 1, 1_000, (OFF, &[900])).unwrap();
+        queue.push(100, 1, 1_000, (OFF, values([900]))).unwrap();
         assert_eq!(queue.value(0, 550), Some(450.0));
         queue.resume();
         assert_eq!(queue.value(0, 550), None);

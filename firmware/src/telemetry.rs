@@ -6,7 +6,7 @@ use crate::channel::Channel;
 use crate::controller::Controller;
 
 impl<const N: usize> Controller<N> {
-    /// Queues untold faults and, when it is due, a telemetry message.
+    /// Queues untold faults and, when they are due, samples and a telemetry message.
     pub(crate) fn report(&mut self, now_us: u64) {
         while let Some(&occurrence) = self.faults.untold() {
             let message = Fault {
@@ -20,6 +20,7 @@ impl<const N: usize> Controller<N> {
             }
             self.faults.mark_reported();
         }
+        self.sample(now_us);
         let Some(config) = &self.config else { return };
         if now_us < self.telemetry_due_us {
             return;
@@ -69,7 +70,7 @@ fn sample(channel: &Channel, now_us: u64) -> ChannelSample {
 }
 
 /// A pressure as telemetry carries it; clipped at both ends.
-fn tens_of_pascals(pressure_pa: f32) -> u16 {
+pub(crate) fn tens_of_pascals(pressure_pa: f32) -> u16 {
     // The cast saturates and turns NaN into 0.
     (pressure_pa * 0.1 + 0.5) as u16
 }

@@ -1,6 +1,7 @@
 //! Tests of the controller, one binary.
 
 mod after_crash;
+mod batches;
 mod board;
 mod closed_loop;
 mod common;

@@ -114,6 +114,13 @@ fn takes(bench: &mut Bench, name: &str) -> bool {
         "ConfigBegin, ConfigSystem, ConfigChannel" => parts[..3].to_vec(),
         "ConfigCommit" => parts,
         "Setpoint" => vec![next_knot.into()],
+        "Knots" => {
+            let step = KnotStep { step_us: 60_000, outputs: Outputs::GRIPPER, steps: List::from_slice(&[0]).unwrap() };
+            let mut knots = Batch::new();
+            knots.push(&step).unwrap();
+            vec![Knots { session: SESSION, index: next_knot.index, knots }.into()]
+        }
+        "SetSampling" => vec![SetSampling { session: SESSION, period_us: 5_000, samples: 1 }.into()],
         "Start" => vec![command(CommandCode::Start)],
         "Hold" => vec![command(CommandCode::Hold)],
         "Vent" => vec![command(CommandCode::Vent)],
@@ -145,7 +152,11 @@ fn table_of_messages_by_state_is_the_firmwares() {
     let states = [Idle, Ready, Running, Holding, Venting, Faulted];
     let rows = table(["Message", "Idle", "Ready", "Running", "Holding", "Venting", "Faulted"]);
     let codes = (0..=255).filter_map(CommandCode::from_code).count();
-    assert_eq!(rows.len(), codes + 5, "all commands, the upload, its commit, the setpoint, pulse and outputs by hand");
+    assert_eq!(
+        rows.len(),
+        codes + 7,
+        "all commands, the upload, its commit, setpoint and knots, pulse and outputs by hand, sampling"
+    );
     for row in rows {
         let (name, answers) = row.split_first().unwrap();
         for (state, written) in states.into_iter().zip(answers) {

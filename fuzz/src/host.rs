@@ -13,7 +13,7 @@ use crate::frame;
 /// # Panics
 /// Where the host takes anything but what was sent, or loses the second whole frame.
 pub fn host(draw: &mut Draw<'_>, faults: u64) {
-    let mut session = Session::new(7, RetryPolicy::default(), 25_000);
+    let mut session = Session::new(7, RetryPolicy::default(), 25_000, 4);
     let (mut time_us, mut done) = (0, 0);
     while done < faults && !draw.is_over() {
         let mut sent = Vec::new();

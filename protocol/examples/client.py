@@ -19,17 +19,16 @@ import termios
 import time
 import tty
 
-VERSION, SCHEMA_HASH = 1, 0xAF1C69FB  # section 9
+VERSION, SCHEMA_HASH = 1, 0xDF4F86DB  # section 9
 
-HELLO, HEARTBEAT, BEGIN, SYSTEM, CHANNEL, COMMIT, COMMAND, SETPOINT = 1, 2, 3, 4, 5, 6, 7, 8  # section 8.4
-HELLO_REPLY, ACK, HEARTBEAT_REPLY, TELEMETRY, FAULT = 0x81, 0x82, 0x83, 0x84, 0x85  # section 8.5
+HELLO, HEARTBEAT, BEGIN, SYSTEM, CHANNEL, COMMIT, COMMAND, SETPOINT, KNOTS, SET_SAMPLING = 1, 2, 3, 4, 5, 6, 7, 8, 13, 14
+HELLO_REPLY, ACK, HEARTBEAT_REPLY, TELEMETRY, FAULT, SAMPLES = 0x81, 0x82, 0x83, 0x84, 0x85, 0x86  # section 8.5
 IDLE, READY, RUNNING, HOLDING, VENTING, FAULTED = range(6)  # section 8.1
 START, VENT, CLEAR_FAULTS, GRIPPER = 0, 2, 4, 1
 OK, UNEXPECTED_INDEX, QUEUE_FULL = 0, 5, 6
 
 
-def crc32c(data):
-    """Section 2.2."""
+def crc32c(data):  # section 2.2
     crc = 0xFFFFFFFF
     for byte in data:
         crc ^= byte
@@ -38,8 +37,7 @@ def crc32c(data):
     return crc ^ 0xFFFFFFFF
 
 
-def stuff(body):
-    """COBS, section 2.1."""
+def stuff(body):  # COBS, section 2.1
     out = bytearray()
     for run in body.split(b"\0"):
         while len(run) >= 254:
@@ -48,29 +46,24 @@ def stuff(body):
     return bytes(out)
 
 
-def unstuff(piece):
-    """The body, or None where the delimiter came inside a piece."""
-    out, at = bytearray(), 0
-    while at < len(piece):
-        length = piece[at]
-        run = piece[at + 1 : at + length]
+def unstuff(piece):  # the body, or None where the delimiter came inside a piece
+    out = bytearray()
+    while piece:
+        length, run = piece[0], piece[1 : piece[0]]
         if len(run) != length - 1:
             return None
-        out += run
-        at += length
-        if length < 255 and at < len(piece):
+        out, piece = out + run, piece[length:]
+        if length < 255 and piece:
             out.append(0)
     return bytes(out)
 
 
-def frame(kind, seq, payload):
-    """Section 2."""
+def frame(kind, seq, payload):  # section 2
     body = struct.pack("<BH", kind, seq) + payload
     return b"\0" + stuff(body + struct.pack("<I", crc32c(body))) + b"\0"
 
 
-def parse(piece):
-    """Type, number and payload of what stood between two delimiters, or None (section 2.4)."""
+def parse(piece):  # type, number and payload of what stood between two delimiters, or None (section 2.4)
     body = unstuff(piece)
     if body is None or not 7 <= len(body) <= 254 or crc32c(body[:-4]) != struct.unpack("<I", body[-4:])[0]:
         return None
@@ -82,9 +75,7 @@ def now_us():
     return time.monotonic_ns() // 1000
 
 
-class Port:
-    """A TCP connection or a serial device."""
-
+class Port:  # a TCP connection or a serial device
     def __init__(self, address):
         if address.startswith("tcp:"):
             _, host, port = address.split(":")
@@ -110,16 +101,13 @@ class Port:
             data = data[os.write(self.fd, data) :]
 
 
-class Host:
-    """One session (sections 3 and 4)."""
-
+class Host:  # one session (sections 3 and 4)
     def __init__(self, port):
         self.port, self.buffer = port, b""
         self.session, self.reliable_seq, self.seq = random.randrange(1, 65536), 0, 0
         self.state, self.telemetry, self.faults = None, None, []
-        self.answer, self.acks = None, []
-        self.best_round_trip, self.offset_us = math.inf, 0.0
-        self.heartbeat_due = None
+        self.answer, self.acks, self.in_flight, self.samples = None, [], {}, []
+        self.best_round_trip, self.offset_us, self.heartbeat_due = math.inf, 0.0, None
 
     def send(self, kind, payload):
         self.port.write(frame(kind, self.seq, payload))
@@ -149,6 +137,12 @@ class Host:
             samples = struct.iter_unpack("<HHbB", payload[25 : 25 + 6 * self.telemetry["count"]])
             self.telemetry["channels"] = [(10 * p, 10 * r, duty, status) for p, r, duty, status in samples]
             self.state = self.telemetry["state"]
+        elif kind == SAMPLES:
+            time_us, period_us, _, count = struct.unpack_from("<QIIB", payload)
+            size = 2 + 3 * payload[18]  # state, number of channels, a pressure and a duty of each
+            for k in range(count):
+                channels = struct.iter_unpack("<Hb", payload[17 + k * size + 2 : 17 + (k + 1) * size])
+                self.samples.append((time_us + k * period_us, [10 * pressure for pressure, _ in channels]))
         elif kind == FAULT:
             self.faults.append(struct.unpack_from("<QBBi", payload))
 
@@ -157,8 +151,8 @@ class Host:
             self.answer = (HELLO, None, payload)
             return
         ref_type, ref_seq, result, detail, *_ = struct.unpack_from("<BHBIHQ", payload)
-        if ref_type == SETPOINT:
-            self.acks.append((result, detail))
+        if ref_type in (SETPOINT, KNOTS):
+            self.acks.append((result, detail, self.in_flight.pop(ref_seq, 0)))
         elif ref_type != HELLO or result != OK:
             self.answer = (ref_type, ref_seq, (result, detail))
 
@@ -223,21 +217,36 @@ class Host:
         self.demand(COMMIT, struct.pack("<HI", self.session, whole))
         self.until([READY], 5)
         self.command(CLEAR_FAULTS)
+        self.demand(SET_SAMPLING, struct.pack("<HIB", self.session, 5000, min(4, 230 // (2 + 3 * channels))))  # section 7.6
+
+    def send_knots(self, knots, index, count):
+        """The first knot as it is, the others by their steps (section 6); how many were sent."""
+        if index == 0:
+            (time_us, outputs, values), kind, count = knots[0], SETPOINT, 1
+            form = f"<HIQBB{len(values)}i"
+            payload = struct.pack(form, self.session, index, time_us, outputs, len(values), *values)
+        else:
+            kind, count = KNOTS, min(count, 4, len(knots) - index)  # four of 27 channels fit
+            payload = struct.pack("<HIB", self.session, index, count)
+            for (last_us, _, last), (time_us, outputs, values) in zip(knots[index - 1 :], knots[index : index + count]):
+                steps = [value - before for value, before in zip(values, last)]
+                payload += struct.pack(f"<HBB{len(steps)}h", time_us - last_us, outputs, len(steps), *steps)
+        self.in_flight[self.seq] = count
+        self.send(kind, payload)
+        return count
 
     def stream(self, knots, on_telemetry):
-        """Section 6: up to eight knots (device us, outputs, values) on the way; goes back to the index that a refusal names."""
+        """Up to eight knots (device us, outputs, values) on the way; goes back to the index that a refusal names."""
         sent, accepted, free, sent_at, started, seen = 0, 0, self.capacity, 0.0, False, None
         begin_us, end_us = knots[0][0], knots[-1][0]
         while True:
             while sent < len(knots) and sent - accepted < min(8, free):
-                time_us, outputs, values = knots[sent]
-                head = struct.pack("<HIQBB", self.session, sent, time_us, outputs, len(values))
-                self.send(SETPOINT, head + struct.pack(f"<{len(values)}i", *values))
-                sent, sent_at = sent + 1, time.monotonic()
+                sent += self.send_knots(knots, sent, min(8, free) - (sent - accepted))
+                sent_at = time.monotonic()
             self.turn(0.005)
-            for result, detail in self.acks:
+            for result, detail, count in self.acks:
                 if result == OK:
-                    accepted = min(accepted + 1, sent)
+                    accepted = min(accepted + count, sent)
                 elif result == UNEXPECTED_INDEX:
                     accepted = sent = detail
                 elif result != QUEUE_FULL:
@@ -259,14 +268,6 @@ class Host:
                 return
 
 
-def wave(begin_us, seconds, amplitude_pa, channels):
-    step_us = 20_000
-    for index in range(int(seconds * 1e6 / step_us) + 1):
-        phase = 2 * math.pi * index * step_us * 1e-6
-        closed = GRIPPER if index * step_us >= 5e5 * seconds else 0
-        yield begin_us + index * step_us, closed, [round(amplitude_pa * (1 - math.cos(phase)) / 2)] * channels
-
-
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("address", help="tcp:HOST:PORT or a serial device")
@@ -279,21 +280,20 @@ def main():
     host.configure(options.channels, 60e3)
     while host.telemetry is None or 10 * host.telemetry["supply_10pa"] < 100e3:
         host.turn(0.05)
-    begin_us, amplitude_pa = int(now_us() + host.offset_us) + 500_000, 1e3 * options.amplitude_kpa
-    knots = list(wave(begin_us, options.seconds, amplitude_pa, options.channels))
-    errors, grips = [], []
-
-    def note(telemetry):
-        if telemetry["state"] == RUNNING:
-            errors.extend(p - r for p, r, duty, _ in telemetry["channels"] if duty == 0)
-            grips.append(telemetry["outputs"] & GRIPPER)
-
-    host.stream(knots, note)
+    begin_us, seen, knots = int(now_us() + host.offset_us) + 500_000, [], []
+    for at_us in range(0, int(1e6 * options.seconds) + 1, 20_000):
+        value = round(1e3 * options.amplitude_kpa * (1 - math.cos(2e-6 * math.pi * at_us)) / 2)
+        closed = GRIPPER if at_us >= 5e5 * options.seconds else 0
+        knots.append((begin_us + at_us, closed, [value] * options.channels))
+    host.stream(knots, seen.append)
     host.command(VENT)
     host.until([READY], 60)
+    seen = [telemetry for telemetry in seen if telemetry["state"] == RUNNING]
+    errors = [p - r for telemetry in seen for p, r, duty, _ in telemetry["channels"] if duty == 0]
+    grips = [telemetry["outputs"] & GRIPPER for telemetry in seen]
     rmse = math.sqrt(sum(e * e for e in errors) / max(len(errors), 1))
     print(f"ran {len(knots)} knots; pressure RMSE {rmse * 1e-3:.2f} kPa over {len(errors)} samples with closed valves")
-    print(f"gripper closed in {sum(grips)} of {len(grips)} messages; vented")
+    print(f"{len(host.samples)} samples between; gripper closed in {sum(grips)} of {len(grips)} messages; vented")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@
 #![no_std]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
+mod batch;
 mod code;
 mod codec;
 mod config_hash;
@@ -36,6 +37,7 @@ mod setpoint;
 mod version;
 mod wire;
 
+pub use batch::Batch;
 pub use code::{Code, CodeSet};
 pub use codec::{Decoder, Frame, LinkCounters, MAX_BODY_LEN, MAX_FRAME_LEN, MAX_PAYLOAD_LEN, Message, encode_frame};
 pub use config_hash::ConfigHash;

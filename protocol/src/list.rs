@@ -75,6 +75,14 @@ impl<T: Wire> Wire for List<T> {
         Ok(Self { elements })
     }
 
+    fn skip(reader: &mut Reader<'_>) -> Result<(), PayloadError> {
+        let count = u8::read(reader)?;
+        if !(1..=MAX_CHANNELS).contains(&usize::from(count)) {
+            return Err(PayloadError::ListLength { count });
+        }
+        reader.pass(usize::from(count) * T::FIXED_LEN)
+    }
+
     fn write(&self, writer: &mut Writer<'_>) -> Result<(), EncodeError> {
         // The length is at most MAX_CHANNELS, far below 256.
         (self.elements.len() as u8).write(writer)?;

@@ -1,9 +1,10 @@
 //! The whole interface, as one table.
 //!
-//! All integers are little-endian. A `Code<..>` is one byte. A `List<..>` is a count byte, then that many elements. Setpoints and
+//! All integers are little-endian. A `Code<..>` is one byte. A `List<..>` or `Batch<..>` is a count byte, then that many elements. Setpoints and
 //! telemetry are integers only, so that a value that is not a number has no encoding; configuration carries IEEE 754
 //! binary32, which the device checks for finiteness and range.
 
+use crate::batch::Batch;
 use crate::code::{Code, CodeSet};
 use crate::codec::{Body, MAX_PAYLOAD_LEN, Message};
 use crate::error::{EncodeError, PayloadError};
@@ -166,6 +167,8 @@ interface! {
             WrongChannelCount = 10,
             /// A channel has no tables, and the device does not solve the model of its actuator; detail is the channel.
             TablesMissing = 11,
+            /// Steps without a knot before them: the first knot after a flush is a Setpoint.
+            NoKnotBefore = 12,
         }
 
         /// Faults of the device; bit `code - 1` of the fault bits in Telemetry.
@@ -220,6 +223,32 @@ interface! {
             duty: i8,
             /// Condition of the channel.
             status: ChannelStatus,
+        }
+
+        /// One knot in a Knots message, as the way from the knot before it.
+        KnotStep {
+            /// Time since the knot before it, us; 1..=65535.
+            step_us: u16,
+            /// State of the digital outputs from the time of the knot on.
+            outputs: Outputs,
+            /// Value less that of the knot before it, one per configured channel, in the unit of its setpoint.
+            steps: List<i16>,
+        }
+
+        /// One channel in a Sample.
+        PressureSample {
+            /// Gauge pressure at the manifold, 10 Pa; clipped at 0.
+            pressure_10pa: u16,
+            /// Share of the control period in 1/127: positive fills, negative vents; -127..=127.
+            duty: i8,
+        }
+
+        /// All channels at one time, in a Samples message.
+        Sample {
+            /// State at that time.
+            state: Code<DeviceState>,
+            /// One per configured channel.
+            channels: List<PressureSample>,
         }
     }
 
@@ -426,6 +455,26 @@ interface! {
             /// State of all outputs from the next tick on.
             outputs: Outputs,
         }
+
+        /// Several knots of the trajectory, each by its step from the one before.
+        0x0d Knots Indexed {
+            /// Session.
+            session: u16,
+            /// Number of the first knot, as in Setpoint; the others follow without gaps.
+            index: u32,
+            /// The knots in order.
+            knots: Batch<KnotStep>,
+        }
+
+        /// Asks for Samples beside the Telemetry, until the next configuration or session.
+        0x0e SetSampling Reliable {
+            /// Session.
+            session: u16,
+            /// Time between two samples, us; 0 asks for none.
+            period_us: u32,
+            /// Samples in one Samples message.
+            samples: u8,
+        }
     }
 
     /// A message from the device to the host.
@@ -524,6 +573,18 @@ interface! {
             code: Code<FaultCode>,
             /// The offending value; its meaning depends on the code.
             value: i32,
+        }
+
+        /// Several measurements in a row, sent once SetSampling has asked for them.
+        0x86 Samples Unacknowledged {
+            /// Device time of the first sample, us.
+            time_us: u64,
+            /// Time from one sample to the next, us.
+            period_us: u32,
+            /// Samples left out since SetSampling, for want of room on the line; stays at its maximum.
+            left_out: u32,
+            /// The samples in order.
+            samples: Batch<Sample>,
         }
     }
 }

@@ -13,6 +13,17 @@ impl<'a> Reader<'a> {
         Self { rest: payload }
     }
 
+    /// Bytes that are left.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// Passes over bytes.
+    pub(crate) fn pass(&mut self, count: usize) -> Result<(), PayloadError> {
+        self.rest = self.rest.get(count..).ok_or(PayloadError::Truncated)?;
+        Ok(())
+    }
+
     fn take<const N: usize>(&mut self) -> Result<[u8; N], PayloadError> {
         let (head, rest) = self.rest.split_first_chunk().ok_or(PayloadError::Truncated)?;
         self.rest = rest;
@@ -57,6 +68,11 @@ pub(crate) trait Wire: Sized {
     /// Takes the value from the front of a payload.
     fn read(reader: &mut Reader<'_>) -> Result<Self, PayloadError>;
 
+    /// Passes over the value, with the errors of [`read`](Self::read).
+    fn skip(reader: &mut Reader<'_>) -> Result<(), PayloadError> {
+        Self::read(reader).map(drop)
+    }
+
     /// Appends the value to a payload.
     fn write(&self, writer: &mut Writer<'_>) -> Result<(), EncodeError>;
 }
@@ -82,4 +98,4 @@ macro_rules! little_endian {
     )*};
 }
 
-little_endian!(u8, u16, u32, u64, i8, i32, f32);
+little_endian!(u8, u16, u32, u64, i8, i16, i32, f32);

@@ -39,6 +39,7 @@ fn fields(fields: &[FieldLayout]) -> String {
     let mut offset = 0;
     for (number, field) in fields.iter().enumerate() {
         let bytes = match field.element_len {
+            0 if is_batch(field) => format!("{} + records", field.fixed_len),
             0 => field.fixed_len.to_string(),
             element_len => format!("{} + {element_len} n", field.fixed_len),
         };
@@ -49,6 +50,10 @@ fn fields(fields: &[FieldLayout]) -> String {
     out
 }
 
+fn is_batch(field: &FieldLayout) -> bool {
+    field.wire_type.starts_with("Batch<")
+}
+
 fn records() -> String {
     RECORDS.iter().map(|(name, layout)| format!("\n#### {name}\n\n{}\n", fields(layout))).collect()
 }
@@ -56,6 +61,7 @@ fn records() -> String {
 fn payload_len(fields: &[FieldLayout]) -> String {
     let fixed: usize = fields.iter().map(|field| field.fixed_len).sum();
     match fields.iter().map(|field| field.element_len).sum::<usize>() {
+        0 if fields.iter().any(is_batch) => format!("{fixed} bytes and the records"),
         0 => format!("{fixed} bytes"),
         element => format!("{fixed} + {element} n bytes, n = 1..={MAX_CHANNELS}"),
     }
@@ -130,6 +136,6 @@ fn schema_text_has_one_line_per_definition() {
 #[test]
 fn type_bytes_name_one_message_and_tell_the_direction() {
     let types = |layouts: &[MessageLayout]| layouts.iter().map(|layout| layout.message_type).collect::<Vec<_>>();
-    assert_eq!(types(HostMessage::LAYOUT), (0x01..=0x0c).collect::<Vec<_>>());
-    assert_eq!(types(DeviceMessage::LAYOUT), (0x81..=0x85).collect::<Vec<_>>());
+    assert_eq!(types(HostMessage::LAYOUT), (0x01..=0x0e).collect::<Vec<_>>());
+    assert_eq!(types(DeviceMessage::LAYOUT), (0x81..=0x86).collect::<Vec<_>>());
 }

@@ -67,6 +67,10 @@ fn host_fields(message: &HostMessage) -> (&'static str, Value) {
                 "values": m.values.to_vec(),
             }),
         ),
+        HostMessage::Knots(m) => ("Knots", knots_fields(m)),
+        HostMessage::SetSampling(m) => {
+            ("SetSampling", json!({ "session": m.session, "period_us": m.period_us, "samples": m.samples }))
+        }
         HostMessage::ManualPulse(m) => (
             "ManualPulse",
             json!({
@@ -147,6 +151,7 @@ fn device_fields(message: &DeviceMessage) -> (&'static str, Value) {
             }),
         ),
         DeviceMessage::Telemetry(m) => ("Telemetry", telemetry_fields(m)),
+        DeviceMessage::Samples(m) => ("Samples", samples_fields(m)),
         DeviceMessage::Fault(m) => {
             ("Fault", json!({ "time_us": m.time_us, "channel": m.channel, "code": m.code.raw(), "value": m.value }))
         }
@@ -190,6 +195,23 @@ fn telemetry_fields(m: &Telemetry) -> Value {
         "outputs": m.outputs.bits(),
         "channels": m.channels.iter().map(sample).collect::<Vec<_>>(),
     })
+}
+
+fn samples_fields(m: &Samples) -> Value {
+    let channel = |s: &PressureSample| json!({ "pressure_10pa": s.pressure_10pa, "duty": s.duty });
+    let sample =
+        |s: Sample| json!({ "state": s.state.raw(), "channels": s.channels.iter().map(channel).collect::<Vec<_>>() });
+    json!({
+        "time_us": m.time_us,
+        "period_us": m.period_us,
+        "left_out": m.left_out,
+        "samples": m.samples.iter().map(sample).collect::<Vec<_>>(),
+    })
+}
+
+fn knots_fields(m: &Knots) -> Value {
+    let knot = |k: KnotStep| json!({ "step_us": k.step_us, "outputs": k.outputs.bits(), "steps": k.steps.to_vec() });
+    json!({ "session": m.session, "index": m.index, "knots": m.knots.iter().map(knot).collect::<Vec<_>>() })
 }
 
 fn error_name(error: FrameError) -> &'static str {

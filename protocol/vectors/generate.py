@@ -110,7 +110,7 @@ def wrong_length():
 
 def wrong_content():
     """Unknown types and impossible lists."""
-    for message_type in (0x00, 0x0D, 0x7F, 0x80, 0xFF):
+    for message_type in (0x00, 0x0F, 0x7F, 0x80, 0xFF):
         yield vector(f"type {message_type:#04x}", "host", frame(body(message_type, 1, bytes(8))), error("unknown_type"))
     yield vector("a host's message at the host", "device",
                  frame(encoded("Heartbeat", 1, samples.TYPICAL["Heartbeat"])), error("unknown_type"))
@@ -120,6 +120,10 @@ def wrong_content():
     for count, elements in ((0, 0), (0, 4), (2, 1), (28, 28), (255, 40)):
         content = head + bytes([count]) + bytes(4 * elements)
         yield vector(f"{count} values announced, {elements} sent", "host", frame(body(0x08, 1, content)), error("payload"))
+    for title, rows in (("fewer knots than announced", 1), ("a knot without steps", 2)):
+        row = struct.pack("<HBB2h", 1000, 0, 2, 1, 1)
+        content = struct.pack("<HIB", 7, 1, 2) + (row + b"\1\0\0\0" if rows == 2 else row)
+        yield vector(f"Knots, {title}", "host", frame(body(0x0d, 1, content)), error("payload"))
     for name, values in samples.TYPICAL.items():
         direction, message_type, fields = table_of(name)
         if ":list:" in fields:

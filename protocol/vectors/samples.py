@@ -52,11 +52,17 @@ TYPICAL = {
     "Setpoint": {"session": 7, "index": 0, "time_us": 1_500_000, "outputs": 0, "values": [0, 1_570_796]},
     "ManualPulse": {"session": 7, "channel": 1, "direction": 0, "duration_us": 20_000},
     "SetOutputs": {"session": 7, "outputs": 1},
+    "Knots": {"session": 7, "index": 1, "knots": [
+        {"step_us": 20_000, "outputs": 0, "steps": [100, -200]}, {"step_us": 10_000, "outputs": 1, "steps": [0, 3000]}]},
+    "SetSampling": {"session": 7, "period_us": 5000, "samples": 2},
     "HelloReply": REPLY,
     "Ack": ACK,
     "HeartbeatReply": {"host_time_us": 1_000_000, "mcu_time_us": 1_300_000, "state": 1, "free_knots": 64},
     "Telemetry": TELEMETRY,
     "Fault": {"time_us": 2_500_000, "channel": 3, "code": 2, "value": 151_000},
+    "Samples": {"time_us": 2_000_000, "period_us": 5000, "left_out": 0, "samples": [
+        {"state": 2, "channels": [{"pressure_10pa": 1000, "duty": 12}, {"pressure_10pa": 0, "duty": -127}]},
+        {"state": 2, "channels": [{"pressure_10pa": 1010, "duty": 0}, {"pressure_10pa": 1, "duty": 127}]}]},
 }
 DENSE_SETPOINT = {
     "session": 0x0101, "index": 0x01010101, "time_us": 0x0101010101010101, "outputs": 1, "values": [-1, 0x7F7F7F7F],
@@ -94,7 +100,7 @@ def variants():
         "values": [(-1) ** k * (2**31 - 1 - k) for k in range(27)]}
     yield "HelloReply after a watchdog reset", "HelloReply", 0, REPLY | {"boot_cause": 3, "config_hash": 0xCAFEF00D}
     yield "HelloReply, state of a later version", "HelloReply", 0, REPLY | {"state": 77}
-    for result in range(12):
+    for result in range(13):
         yield f"Ack, result {result}", "Ack", result, ACK | {"result": result, "detail": 10 * result}
     yield "Telemetry, 27 channels, all bits set", "Telemetry", 9, {
         "time_us": 2**64 - 1, "state": 5, "fault_bits": 65535, "supply_10pa": 65535, "free_knots": 65535,
@@ -104,6 +110,7 @@ def variants():
     yield from every_code()
     yield from every_length()
     yield from by_hand()
+    yield from batches()
 
 
 def every_code():
@@ -159,6 +166,26 @@ def by_hand():
     for title, bits in (("gripper closes", 1), ("output of a later version", 128)):
         yield f"Setpoint, {title}", "Setpoint", 62, TYPICAL["Setpoint"] | {"outputs": bits}
     yield "Telemetry, gripper open", "Telemetry", 63, TELEMETRY | {"outputs": 0}
+
+
+def batches():
+    """Knots and samples of several numbers of channels, up to the longest frame of each."""
+    for count, most in ((1, 39), (9, 10), (27, 4)):
+        for knots in sorted({1, 2, most}):
+            yield f"Knots, {knots} of {count} channels", "Knots", 70 + knots, {"session": 7, "index": 2**32 - 2, "knots": [
+                {"step_us": 65_535 - k, "outputs": k % 2, "steps": [(-1) ** (j + k) * (32_767 - j) for j in range(count)]}
+                for k in range(knots)]}
+    for count, most in ((1, 46), (9, 7), (27, 2)):
+        for number in sorted({1, 2, most}):
+            yield f"Samples, {number} of {count} channels", "Samples", 70 + number, {
+                "time_us": 2**63, "period_us": 1000, "left_out": 2**32 - 1, "samples": [
+                    {"state": k % 7, "channels": [{"pressure_10pa": 100 * j + k, "duty": j - k} for j in range(count)]}
+                    for k in range(number)]}
+    yield "Knots, another number of channels in each knot", "Knots", 90, {"session": 7, "index": 3, "knots": [
+        {"step_us": 0, "outputs": 255, "steps": [-(2**15)] * 27}, {"step_us": 1, "outputs": 0, "steps": [2**15 - 1]}]}
+    for period_us, number in ((0, 0), (1000, 255), (2**32 - 1, 1)):
+        yield f"SetSampling, {number} every {period_us} us", "SetSampling", 91, {
+            "session": 7, "period_us": period_us, "samples": number}
 
 
 MESSAGES = [(f"{name}, typical", name, 0x0A00, values) for name, values in TYPICAL.items()] + list(variants())
@@ -220,21 +247,24 @@ def session(schema_hash):
     yield telemetry(1, 600_000, next_index=0, free_knots=64)
     yield from request("SetOutputs", 11)
     yield from request("SetOutputs", 12, outputs=0)
+    yield from request("SetSampling", 13)
     # A run that closes the gripper with its last knot.
     start_us = 3_000_000
     setpoint = TYPICAL["Setpoint"] | {"time_us": start_us}
     yield "Setpoint", 0, setpoint
     yield answer("Setpoint", 0, 63)
-    yield "Setpoint", 1, setpoint | {"index": 1, "time_us": start_us + 20_000, "outputs": 1}
-    yield answer("Setpoint", 1, 62)
-    yield from request("Command", 13, 62, time_us=start_us)
+    last = {"step_us": 10_000, "outputs": 1, "steps": [0, 100]}
+    yield "Knots", 1, TYPICAL["Knots"] | {"knots": [last | {"outputs": 0}, last]}
+    yield answer("Knots", 1, 61)
+    yield from request("Command", 14, 61, time_us=start_us)
     yield "Heartbeat", 2, TYPICAL["Heartbeat"]
-    yield "HeartbeatReply", next(device_seq), TYPICAL["HeartbeatReply"] | {"mcu_time_us": now(), "free_knots": 62}
-    yield telemetry(2, start_us + 10_000 - time_us, free_knots=63, next_index=2)
-    yield "Fault", next(device_seq), {"time_us": now(10_000), "channel": 255, "code": 4, "value": 2}
-    yield telemetry(3, 5_000, fault_bits=8, free_knots=64, next_index=2, outputs=1)
+    yield "HeartbeatReply", next(device_seq), TYPICAL["HeartbeatReply"] | {"mcu_time_us": now(), "free_knots": 61}
+    yield telemetry(2, start_us + 5_000 - time_us, free_knots=63, next_index=3)
+    yield "Samples", next(device_seq), TYPICAL["Samples"] | {"time_us": now(0)}
+    yield "Fault", next(device_seq), {"time_us": now(15_000), "channel": 255, "code": 4, "value": 3}
+    yield telemetry(3, 5_000, fault_bits=8, free_knots=64, next_index=3, outputs=1)
     # The payload stays: the output keeps its state while the limb is vented.
-    yield from command(2, 14)
-    yield telemetry(4, fault_bits=8, next_index=2, free_knots=64, outputs=1)
-    yield from command(4, 15)
-    yield telemetry(1, 600_000, next_index=2, free_knots=64, outputs=1)
+    yield from command(2, 15)
+    yield telemetry(4, fault_bits=8, next_index=3, free_knots=64, outputs=1)
+    yield from command(4, 16)
+    yield telemetry(1, 600_000, next_index=3, free_knots=64, outputs=1)

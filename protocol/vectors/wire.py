@@ -2,7 +2,7 @@
 
 import struct
 
-# Fields of every message: name and format. "list:" stands for a count byte and that many elements.
+# Fields of every message: name and format. "list:" stands for a count byte and that many numbers or records.
 HOST = {
     0x01: ("Hello", "protocol_version:H schema_hash:I session:H"),
     0x02: ("Heartbeat", "session:H host_time_us:Q"),
@@ -24,6 +24,8 @@ HOST = {
            "coefficients_pa:list:f"),
     0x0b: ("ManualPulse", "session:H channel:B direction:B duration_us:I"),
     0x0c: ("SetOutputs", "session:H outputs:B"),
+    0x0d: ("Knots", "session:H index:I knots:list:step"),
+    0x0e: ("SetSampling", "session:H period_us:I samples:B"),
 }
 DEVICE = {
     0x81: ("HelloReply", "protocol_version:H schema_hash:I session:H firmware_major:B firmware_minor:B firmware_patch:B "
@@ -33,8 +35,14 @@ DEVICE = {
     0x84: ("Telemetry", "time_us:Q state:B fault_bits:H supply_10pa:H free_knots:H next_index:I ticks_late:H stack_used:H "
            "outputs:B channels:list:sample"),
     0x85: ("Fault", "time_us:Q channel:B code:B value:i"),
+    0x86: ("Samples", "time_us:Q period_us:I left_out:I samples:list:moment"),
 }
-SAMPLE = "pressure_10pa:H reference_10pa:H duty:b status:B"
+RECORDS = {
+    "sample": "pressure_10pa:H reference_10pa:H duty:b status:B",
+    "step": "step_us:H outputs:B steps:list:h",
+    "moment": "state:B channels:list:pressure",
+    "pressure": "pressure_10pa:H duty:b",
+}
 
 
 def crc32c(data):
@@ -77,10 +85,11 @@ def payload(fields, values):
     out = b""
     for name, form in single(fields):
         value = values[name]
-        if form in ("list:i", "list:f"):
-            out += bytes([len(value)]) + b"".join(struct.pack("<" + form[-1], element) for element in value)
-        elif form == "list:sample":
-            out += bytes([len(value)]) + b"".join(payload(SAMPLE, element) for element in value)
+        kind = form.removeprefix("list:")
+        if kind in RECORDS:
+            out += bytes([len(value)]) + b"".join(payload(RECORDS[kind], element) for element in value)
+        elif kind != form:
+            out += bytes([len(value)]) + b"".join(struct.pack("<" + kind, element) for element in value)
         else:
             out += struct.pack("<" + form, value)
     return out

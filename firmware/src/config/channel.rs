@@ -8,7 +8,7 @@ use softlimb_protocol::{
     ConfigChannel, ConfigInverse, ConfigVolume, FiberPlacement, MaterialLaw, MotionKind, SetpointKind,
 };
 
-use super::{ConfigError, StagingError, known, tables, within};
+use super::{ConfigError, StagingError, known, number, tables, within};
 
 /// The reference keeps this distance from the pressure limit, Pa, at which the channel is vented.
 const REFERENCE_MARGIN_PA: f32 = 3_000.0;
@@ -115,18 +115,18 @@ impl TryFrom<&ConfigChannel> for ChannelConfig {
     fn try_from(wire: &ConfigChannel) -> Result<Self, ConfigError> {
         let parameters = parameters(wire)?;
         let model = Tracker::new(&parameters).map_err(|error| ConfigError::OutOfRange { field: wire_field(&error) })?;
-        let setpoint_kind = known("setpoint_kind", wire.setpoint_kind)?;
-        within("setpoint_max", wire.setpoint_max, wire.setpoint_min..=i32::MAX)?;
-        check_setpoint(parameters.motion, setpoint_kind, wire.setpoint_min, "setpoint_min")?;
-        check_setpoint(parameters.motion, setpoint_kind, wire.setpoint_max, "setpoint_max")?;
+        let setpoint_kind = known(number!(ConfigChannel, "setpoint_kind"), wire.setpoint_kind)?;
+        within(number!(ConfigChannel, "setpoint_max"), wire.setpoint_max, wire.setpoint_min..=i32::MAX)?;
+        check_setpoint(parameters.motion, setpoint_kind, wire.setpoint_min, number!(ConfigChannel, "setpoint_min"))?;
+        check_setpoint(parameters.motion, setpoint_kind, wire.setpoint_max, number!(ConfigChannel, "setpoint_max"))?;
         let ActuatorParameters { inner_radius_m, length_m, .. } = parameters;
         Ok(Self {
             source: model.map_or(Source::Nothing, Source::Model),
             rest_volume_m3: core::f32::consts::PI * inner_radius_m * inner_radius_m * length_m,
             setpoint_kind,
             setpoint_range: (wire.setpoint_min, wire.setpoint_max),
-            pressure_max_pa: within("pressure_max_pa", wire.pressure_max_pa, 1e3..=1e6)?,
-            dead_volume_m3: within("dead_volume_m3", wire.dead_volume_m3, 0.0..=1e-2)?,
+            pressure_max_pa: within(number!(ConfigChannel, "pressure_max_pa"), wire.pressure_max_pa, 1e3..=1e6)?,
+            dead_volume_m3: within(number!(ConfigChannel, "dead_volume_m3"), wire.dead_volume_m3, 0.0..=1e-2)?,
         })
     }
 }
@@ -143,7 +143,7 @@ fn target(kind: SetpointKind, setpoint: f32) -> Option<Target<f32>> {
 }
 
 /// A deformation must be one of the motion at both ends of the range; whether it can be reached shows at run time.
-fn check_setpoint(motion: Motion, kind: SetpointKind, setpoint: i32, field: &'static str) -> Result<(), ConfigError> {
+fn check_setpoint(motion: Motion, kind: SetpointKind, setpoint: i32, field: u8) -> Result<(), ConfigError> {
     let is_of_motion =
         kind == SetpointKind::Pressure || (kind == SetpointKind::BendAngle) == (motion == Motion::Bending);
     if is_of_motion && tables::is_in_domain(kind, kind.from_wire(setpoint)) {
@@ -154,7 +154,7 @@ fn check_setpoint(motion: Motion, kind: SetpointKind, setpoint: i32, field: &'st
 }
 
 fn parameters(wire: &ConfigChannel) -> Result<ActuatorParameters<f32>, ConfigError> {
-    let motion = match known("motion", wire.motion)? {
+    let motion = match known(number!(ConfigChannel, "motion"), wire.motion)? {
         MotionKind::Extension => Motion::Extension,
         MotionKind::Expansion => Motion::Expansion,
         MotionKind::Bending => Motion::Bending,
@@ -162,51 +162,54 @@ fn parameters(wire: &ConfigChannel) -> Result<ActuatorParameters<f32>, ConfigErr
     };
     Ok(ActuatorParameters {
         motion,
-        inner_radius_m: within("inner_radius_m", wire.inner_radius_m, 1e-5..=1.0)?,
-        outer_radius_m: within("outer_radius_m", wire.outer_radius_m, 1e-5..=1.0)?,
-        length_m: within("length_m", wire.length_m, 1e-4..=10.0)?,
+        inner_radius_m: within(number!(ConfigChannel, "inner_radius_m"), wire.inner_radius_m, 1e-5..=1.0)?,
+        outer_radius_m: within(number!(ConfigChannel, "outer_radius_m"), wire.outer_radius_m, 1e-5..=1.0)?,
+        length_m: within(number!(ConfigChannel, "length_m"), wire.length_m, 1e-4..=10.0)?,
         material: material(wire)?,
         fiber: fiber(wire)?,
     })
 }
 
 fn material(wire: &ConfigChannel) -> Result<Material<f32>, ConfigError> {
-    let c1 = within("c_pa_1", wire.c_pa_1, 1.0..=1e9)?;
-    let c2 = within("c_pa_2", wire.c_pa_2, -1e9..=1e9)?;
-    let c3 = within("c_pa_3", wire.c_pa_3, -1e9..=1e9)?;
-    Ok(match known("law", wire.law)? {
+    let c1 = within(number!(ConfigChannel, "c_pa_1"), wire.c_pa_1, 1.0..=1e9)?;
+    let c2 = within(number!(ConfigChannel, "c_pa_2"), wire.c_pa_2, -1e9..=1e9)?;
+    let c3 = within(number!(ConfigChannel, "c_pa_3"), wire.c_pa_3, -1e9..=1e9)?;
+    Ok(match known(number!(ConfigChannel, "law"), wire.law)? {
         MaterialLaw::NeoHookean => Material::NeoHookean { shear_modulus_pa: c1 },
         MaterialLaw::Yeoh => Material::Yeoh { c_pa: [c1, c2, c3] },
     })
 }
 
 fn fiber(wire: &ConfigChannel) -> Result<Option<Fiber<f32>>, ConfigError> {
-    let placement = match known("placement", wire.placement)? {
+    let placement = match known(number!(ConfigChannel, "placement"), wire.placement)? {
         FiberPlacement::Sheet => Placement::Sheet,
         FiberPlacement::Layer => Placement::Layer,
         FiberPlacement::Smeared => Placement::Smeared,
     };
     let fiber = Fiber {
-        angle_rad: within("fiber_angle_rad", wire.fiber_angle_rad, -1.571..=1.571)?,
+        angle_rad: within(number!(ConfigChannel, "fiber_angle_rad"), wire.fiber_angle_rad, -1.571..=1.571)?,
         families: if wire.families == 1 { Families::One } else { Families::Two },
-        modulus_pa: within("fiber_modulus_pa", wire.fiber_modulus_pa, 0.0..=1e12)?,
+        modulus_pa: within(number!(ConfigChannel, "fiber_modulus_pa"), wire.fiber_modulus_pa, 0.0..=1e12)?,
         placement,
-        thickness_m: within("fiber_thickness_m", wire.fiber_thickness_m, 0.0..=1.0)?,
-        radius_m: within("fiber_radius_m", wire.fiber_radius_m, 0.0..=1.0)?,
+        thickness_m: within(number!(ConfigChannel, "fiber_thickness_m"), wire.fiber_thickness_m, 0.0..=1.0)?,
+        radius_m: within(number!(ConfigChannel, "fiber_radius_m"), wire.fiber_radius_m, 0.0..=1.0)?,
     };
-    Ok((within("families", wire.families, 0..=2)? > 0).then_some(fiber))
+    Ok((within(number!(ConfigChannel, "families"), wire.families, 0..=2)? > 0).then_some(fiber))
 }
 
-/// The wire's name for a field of the model.
-fn wire_field(error: &InvalidParameter<f32>) -> &'static str {
+/// The wire's number for a field of the model.
+fn wire_field(error: &InvalidParameter<f32>) -> u8 {
     match error.field {
-        "shear_modulus_pa" | "c_pa[0]" => "c_pa_1",
-        "c_pa[1]" => "c_pa_2",
-        "c_pa[2]" => "c_pa_3",
-        "angle_rad" => "fiber_angle_rad",
-        "modulus_pa" => "fiber_modulus_pa",
-        "thickness_m" => "fiber_thickness_m",
-        "radius_m" => "fiber_radius_m",
-        other => other,
+        "inner_radius_m" => number!(ConfigChannel, "inner_radius_m"),
+        "outer_radius_m" => number!(ConfigChannel, "outer_radius_m"),
+        "length_m" => number!(ConfigChannel, "length_m"),
+        "shear_modulus_pa" | "c_pa[0]" => number!(ConfigChannel, "c_pa_1"),
+        "c_pa[1]" => number!(ConfigChannel, "c_pa_2"),
+        "c_pa[2]" => number!(ConfigChannel, "c_pa_3"),
+        "angle_rad" => number!(ConfigChannel, "fiber_angle_rad"),
+        "modulus_pa" => number!(ConfigChannel, "fiber_modulus_pa"),
+        "thickness_m" => number!(ConfigChannel, "fiber_thickness_m"),
+        "radius_m" => number!(ConfigChannel, "fiber_radius_m"),
+        _ => number!(ConfigChannel, "families"),
     }
 }

@@ -28,20 +28,20 @@ pub struct ActiveConfig<const N: usize = MAX_CHANNELS> {
 pub enum ConfigError {
     /// The value is not finite or out of its range.
     OutOfRange {
-        /// Name of the field in its message.
-        field: &'static str,
+        /// Number of the field in its message.
+        field: u8,
     },
     /// The code is none that this version knows.
     UnknownCode {
-        /// Name of the field in its message.
-        field: &'static str,
+        /// Number of the field in its message.
+        field: u8,
     },
 }
 
 impl ConfigError {
-    /// Name of the field in its message.
-    pub fn field(&self) -> &'static str {
-        match self {
+    /// Number of the field in its message, as the protocol counts them.
+    pub fn field(&self) -> u8 {
+        match *self {
             Self::OutOfRange { field } | Self::UnknownCode { field } => field,
         }
     }
@@ -50,23 +50,34 @@ impl ConfigError {
 impl core::fmt::Display for ConfigError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::OutOfRange { field } => write!(f, "{field} is out of range"),
-            Self::UnknownCode { field } => write!(f, "{field} holds an unknown code"),
+            Self::OutOfRange { field } => write!(f, "field {field} is out of range"),
+            Self::UnknownCode { field } => write!(f, "field {field} holds an unknown code"),
         }
     }
 }
 
 impl core::error::Error for ConfigError {}
 
+/// Number of a field of a message, found by the compiler: no image holds its name.
+macro_rules! number {
+    ($Message:ident, $field:literal) => {
+        const {
+            assert!($Message::field_number($field).is_some(), "no such field");
+            match $Message::field_number($field) {
+                Some(number) => number as u8,
+                None => 0,
+            }
+        }
+    };
+}
+pub(crate) use number;
+
 /// The value, if it lies in the range; NaN and infinities lie in none.
-fn within<T: PartialOrd>(field: &'static str, value: T, range: core::ops::RangeInclusive<T>) -> Result<T, ConfigError> {
+fn within<T: PartialOrd>(field: u8, value: T, range: core::ops::RangeInclusive<T>) -> Result<T, ConfigError> {
     if range.contains(&value) { Ok(value) } else { Err(ConfigError::OutOfRange { field }) }
 }
 
 /// The member behind a code.
-fn known<E: softlimb_protocol::CodeSet>(
-    field: &'static str,
-    code: softlimb_protocol::Code<E>,
-) -> Result<E, ConfigError> {
+fn known<E: softlimb_protocol::CodeSet>(field: u8, code: softlimb_protocol::Code<E>) -> Result<E, ConfigError> {
     code.known().ok_or(ConfigError::UnknownCode { field })
 }

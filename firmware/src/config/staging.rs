@@ -5,7 +5,7 @@ use softlimb_protocol::{
     ConfigBegin, ConfigChannel, ConfigHash, ConfigInverse, ConfigSystem, ConfigVolume, MAX_CHANNELS,
 };
 
-use super::{ActiveConfig, ChannelConfig, ConfigError, SystemConfig, within};
+use super::{ActiveConfig, ChannelConfig, ConfigError, SystemConfig, number, within};
 
 /// Why a part of an upload was refused. The upload so far is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ impl<const N: usize> StagedConfig<N> {
     /// # Errors
     /// [`ConfigError`] unless the number of channels is `1..=N`; the upload so far is kept.
     pub fn begin(&mut self, wire: &ConfigBegin) -> Result<(), ConfigError> {
-        let count = within("channels", wire.channels, 1..=N as u8)?;
+        let count = within(number!(ConfigBegin, "channels"), wire.channels, 1..=N as u8)?;
         self.forget();
         (self.count, self.hash) = (count, ConfigHash::begin(wire));
         Ok(())
@@ -106,7 +106,7 @@ impl<const N: usize> StagedConfig<N> {
         if next >= self.count {
             return Err(StagingError::Mismatch);
         }
-        within("channel", wire.channel, next..=next)?;
+        within(number!(ConfigChannel, "channel"), wire.channel, next..=next)?;
         let channel = ChannelConfig::try_from(wire)?;
         self.channels.push(channel).map_err(|_| StagingError::Mismatch)?;
         self.hash.add_channel(wire);
@@ -138,7 +138,7 @@ impl<const N: usize> StagedConfig<N> {
         self.begun()?;
         // At most 27 channels are kept.
         let last = (self.channels.len() as u8).checked_sub(1).ok_or(StagingError::Mismatch)?;
-        within("channel", number, last..=last)?;
+        within(number!(ConfigVolume, "channel"), number, last..=last)?;
         self.channels.last_mut().ok_or(StagingError::Mismatch)
     }
 

@@ -2,7 +2,7 @@
 
 use softlimb_protocol::{Code, ConfigSystem, LinkLossPolicy};
 
-use super::{ConfigError, known, within};
+use super::{ConfigError, known, number, within};
 use crate::flow::Orifice;
 use crate::gas::Absolute;
 use crate::pneumatics::Pneumatics;
@@ -49,21 +49,39 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
     type Error = ConfigError;
 
     fn try_from(wire: &ConfigSystem) -> Result<Self, ConfigError> {
-        let supply_min_pa = within("supply_min_pa", wire.supply_min_pa, 0.0..=1e6)?;
-        let sensor_min_pa = within("sensor_min_pa", wire.sensor_min_pa, -2e5..=1e6)?;
-        let supply_sensor_min_pa = within("supply_sensor_min_pa", wire.supply_sensor_min_pa, -2e5..=1e6)?;
-        let full_scale = within("adc_full_scale", wire.adc_full_scale, 255..=u16::MAX)?;
-        let sensor_max_pa = above("sensor_max_pa", wire.sensor_max_pa, sensor_min_pa)?;
-        let supply_sensor_max_pa = above("supply_sensor_max_pa", wire.supply_sensor_max_pa, supply_sensor_min_pa)?;
+        let supply_min_pa = within(number!(ConfigSystem, "supply_min_pa"), wire.supply_min_pa, 0.0..=1e6)?;
+        let sensor_min_pa = within(number!(ConfigSystem, "sensor_min_pa"), wire.sensor_min_pa, -2e5..=1e6)?;
+        let supply_sensor_min_pa =
+            within(number!(ConfigSystem, "supply_sensor_min_pa"), wire.supply_sensor_min_pa, -2e5..=1e6)?;
+        let full_scale = within(number!(ConfigSystem, "adc_full_scale"), wire.adc_full_scale, 255..=u16::MAX)?;
+        let sensor_max_pa = above(number!(ConfigSystem, "sensor_max_pa"), wire.sensor_max_pa, sensor_min_pa)?;
+        let supply_sensor_max_pa =
+            above(number!(ConfigSystem, "supply_sensor_max_pa"), wire.supply_sensor_max_pa, supply_sensor_min_pa)?;
         Ok(Self {
-            telemetry_period_us: within("telemetry_period_us", wire.telemetry_period_us, TICK_US..=10_000_000)?,
+            telemetry_period_us: within(
+                number!(ConfigSystem, "telemetry_period_us"),
+                wire.telemetry_period_us,
+                TICK_US..=10_000_000,
+            )?,
             control_period_ticks: control_period(wire.control_period_us)?,
-            link_timeout_us: within("link_timeout_us", wire.link_timeout_us, 10 * TICK_US..=10_000_000)?,
-            hold_time_us: within("hold_time_us", wire.hold_time_us, 0..=600_000_000)?,
-            link_loss_policy: known("link_loss_policy", wire.link_loss_policy)?.into(),
-            vent_ramp_pa_per_s: within("vent_ramp_pa_per_s", wire.vent_ramp_pa_per_s, 100.0..=1e6)?,
+            link_timeout_us: within(
+                number!(ConfigSystem, "link_timeout_us"),
+                wire.link_timeout_us,
+                10 * TICK_US..=10_000_000,
+            )?,
+            hold_time_us: within(number!(ConfigSystem, "hold_time_us"), wire.hold_time_us, 0..=600_000_000)?,
+            link_loss_policy: known(number!(ConfigSystem, "link_loss_policy"), wire.link_loss_policy)?.into(),
+            vent_ramp_pa_per_s: within(
+                number!(ConfigSystem, "vent_ramp_pa_per_s"),
+                wire.vent_ramp_pa_per_s,
+                100.0..=1e6,
+            )?,
             supply_min_pa,
-            supply_max_pa: within("supply_max_pa", wire.supply_max_pa, supply_min_pa + 100.0..=supply_sensor_max_pa)?,
+            supply_max_pa: within(
+                number!(ConfigSystem, "supply_max_pa"),
+                wire.supply_max_pa,
+                supply_min_pa + 100.0..=supply_sensor_max_pa,
+            )?,
             pneumatics: pneumatics(wire)?,
             sensor: SensorScale::new(sensor_min_pa, sensor_max_pa, full_scale),
             supply_sensor: SensorScale::new(supply_sensor_min_pa, supply_sensor_max_pa, full_scale),
@@ -73,14 +91,19 @@ impl TryFrom<&ConfigSystem> for SystemConfig {
 }
 
 fn pneumatics(wire: &ConfigSystem) -> Result<Pneumatics, ConfigError> {
-    let conductance = within("valve_conductance_m3_per_s_pa", wire.valve_conductance_m3_per_s_pa, 1e-11..=1e-6)?;
-    let critical_ratio = within("valve_critical_ratio", wire.valve_critical_ratio, 0.0..=0.9)?;
-    let line = within("line_conductance_m3_per_s_pa", wire.line_conductance_m3_per_s_pa, 1e-11..=1e-5)?;
-    let atmosphere_pa = within("atmosphere_pa", wire.atmosphere_pa, 5e4..=1.2e5)?;
-    let temperature_k = within("temperature_k", wire.temperature_k, 250.0..=350.0)?;
+    let conductance = within(
+        number!(ConfigSystem, "valve_conductance_m3_per_s_pa"),
+        wire.valve_conductance_m3_per_s_pa,
+        1e-11..=1e-6,
+    )?;
+    let critical_ratio = within(number!(ConfigSystem, "valve_critical_ratio"), wire.valve_critical_ratio, 0.0..=0.9)?;
+    let line =
+        within(number!(ConfigSystem, "line_conductance_m3_per_s_pa"), wire.line_conductance_m3_per_s_pa, 1e-11..=1e-5)?;
+    let atmosphere_pa = within(number!(ConfigSystem, "atmosphere_pa"), wire.atmosphere_pa, 5e4..=1.2e5)?;
+    let temperature_k = within(number!(ConfigSystem, "temperature_k"), wire.temperature_k, 250.0..=350.0)?;
     let timing = ValveTiming {
-        on_delay_us: within("valve_on_delay_us", wire.valve_on_delay_us, 0..=20_000)?,
-        off_delay_us: within("valve_off_delay_us", wire.valve_off_delay_us, 0..=20_000)?,
+        on_delay_us: within(number!(ConfigSystem, "valve_on_delay_us"), wire.valve_on_delay_us, 0..=20_000)?,
+        off_delay_us: within(number!(ConfigSystem, "valve_off_delay_us"), wire.valve_off_delay_us, 0..=20_000)?,
     };
     let valve = Orifice::new(conductance, critical_ratio);
     Ok(Pneumatics::new(valve, Orifice::line(line), Absolute::new(atmosphere_pa), temperature_k, timing))
@@ -88,12 +111,12 @@ fn pneumatics(wire: &ConfigSystem) -> Result<Pneumatics, ConfigError> {
 
 /// Whole ticks, 10 to 100: shorter periods leave no time to settle between pulses.
 fn control_period(period_us: u32) -> Result<u32, ConfigError> {
-    let field = "control_period_us";
+    let field = number!(ConfigSystem, "control_period_us");
     within(field, period_us % TICK_US, 0..=0)?;
     Ok(within(field, period_us, 10 * TICK_US..=100 * TICK_US)? / TICK_US)
 }
 
 /// At least 100 Pa above the lower end, at most 2 MPa.
-fn above(field: &'static str, value_pa: f32, lower_pa: f32) -> Result<f32, ConfigError> {
+fn above(field: u8, value_pa: f32, lower_pa: f32) -> Result<f32, ConfigError> {
     within(field, value_pa, lower_pa + 100.0..=2e6)
 }

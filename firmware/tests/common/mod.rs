@@ -25,6 +25,8 @@ pub(crate) struct Bench {
     pub(crate) emergency_stop: bool,
     /// Whether the host sends heartbeats.
     pub(crate) heartbeats: bool,
+    /// Whether the host reads what the device sends.
+    pub(crate) reads: bool,
     /// All messages of the device so far.
     pub(crate) messages: Vec<DeviceMessage>,
     decoder: Decoder<DeviceMessage>,
@@ -43,6 +45,7 @@ impl Bench {
             code: [None; MAX_CHANNELS],
             emergency_stop: false,
             heartbeats: true,
+            reads: true,
             messages: Vec::new(),
             decoder: Decoder::new(),
             seq: 0,
@@ -191,6 +194,9 @@ impl Bench {
     }
 
     fn drain(&mut self) {
+        if !self.reads {
+            return;
+        }
         let mut chunk = [0; 100];
         loop {
             let count = self.controller.transmit(&mut chunk);

@@ -7,7 +7,7 @@ use softlimb_rig::link::{Answer, Event, LinkError, Session, StreamOptions, Trans
 const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION };
 
 fn session() -> Session {
-    Session::new(SESSION, RetryPolicy { timeout_us: 50_000, attempts_max: 3 }, 25_000)
+    Session::new(SESSION, RetryPolicy { timeout_us: 50_000, attempts_max: 3 }, 25_000, 1)
 }
 
 fn frame(seq: u16, message: impl Into<DeviceMessage>) -> Vec<u8> {

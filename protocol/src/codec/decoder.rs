@@ -2,9 +2,7 @@
 
 use core::marker::PhantomData;
 
-use cobs::{DecodeResult, DecoderState};
-
-use super::frame::{CRC_LEN, MAX_BODY_LEN, Message, split_body};
+use super::frame::{CRC_LEN, DELIMITER, MAX_BODY_LEN, Message, split_body};
 use crate::crc::crc32c;
 use crate::error::FrameError;
 
@@ -59,6 +57,9 @@ impl LinkCounters {
     }
 }
 
+/// The length byte of a piece without a zero behind it.
+const FULL_LENGTH: u8 = 0xFF;
+
 /// More bytes than a body has.
 const TOO_MANY: usize = MAX_BODY_LEN + 1;
 
@@ -67,7 +68,10 @@ const TOO_MANY: usize = MAX_BODY_LEN + 1;
 /// Any bytes may precede: the frame after the next delimiter is decoded as by a new decoder.
 #[derive(Debug)]
 pub struct Decoder<M> {
-    cobs: DecoderState,
+    /// Bytes to come in the COBS piece in progress; `None` between two frames.
+    left: Option<u8>,
+    /// A zero stood behind the piece in progress, unless the frame ends with it.
+    ends_in_zero: bool,
     body: [u8; MAX_BODY_LEN],
     /// Decoded bytes of the frame in progress; `TOO_MANY` once they exceed the body.
     len: usize,
@@ -80,7 +84,8 @@ impl<M> Decoder<M> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            cobs: DecoderState::Idle,
+            left: None,
+            ends_in_zero: false,
             body: [0; MAX_BODY_LEN],
             len: 0,
             counters: LinkCounters {
@@ -118,18 +123,27 @@ impl<M: Message> Decoder<M> {
     /// Eats one byte. At the delimiter that ends a frame, yields the frame or why it was rejected.
     /// Delimiters without anything between them are idle line and yield nothing.
     pub fn push(&mut self, byte: u8) -> Option<Result<Frame<M>, FrameError>> {
-        let outcome = match self.cobs.feed(byte) {
-            Ok(DecodeResult::DataContinue(decoded)) => {
-                self.store(decoded);
+        let outcome = match (self.left, byte) {
+            (None, DELIMITER) => return None,
+            (Some(0), DELIMITER) => self.finish(),
+            (Some(_), DELIMITER) if self.len == TOO_MANY => Err(FrameError::Oversize),
+            (Some(_), DELIMITER) => Err(FrameError::Malformed),
+            (Some(left @ 1..), _) => {
+                self.left = Some(left - 1);
+                self.store(byte);
                 return None;
             }
-            Ok(DecodeResult::DataComplete) => self.finish(),
-            Ok(DecodeResult::NoData | DecodeResult::DataStart) => return None,
-            // Only a delimiter inside a piece is an error, so the COBS state is already between frames.
-            Err(_) if self.len == TOO_MANY => Err(FrameError::Oversize),
-            Err(_) => Err(FrameError::Malformed),
+            // The length of a piece, which tells the end of the one before.
+            (left, length) => {
+                if left.is_some() && self.ends_in_zero {
+                    self.store(0);
+                }
+                self.left = Some(length - 1);
+                self.ends_in_zero = length < FULL_LENGTH;
+                return None;
+            }
         };
-        self.len = 0;
+        (self.left, self.len) = (None, 0);
         self.counters.count(&outcome);
         Some(outcome)
     }
@@ -143,8 +157,12 @@ impl<M: Message> Decoder<M> {
         if crc32c(checked) != received {
             return Err(FrameError::Crc);
         }
-        let message = M::read_payload(message_type, payload).ok_or(FrameError::UnknownType { message_type })?;
-        message.map(|message| Frame { seq, message }).map_err(|error| FrameError::Payload { message_type, seq, error })
+        // A message is large: no step in between moves it.
+        match M::read_payload(message_type, payload) {
+            Some(Ok(message)) => Ok(Frame { seq, message }),
+            Some(Err(error)) => Err(FrameError::Payload { message_type, seq, error }),
+            None => Err(FrameError::UnknownType { message_type }),
+        }
     }
 }
 

@@ -11,7 +11,7 @@ pub(super) const HEADER_LEN: usize = 1 + 2;
 /// The checksum.
 pub(super) const CRC_LEN: usize = 4;
 /// The byte that stands between frames and nowhere else.
-const DELIMITER: u8 = 0;
+pub(super) const DELIMITER: u8 = 0;
 
 /// Most bytes of a frame before COBS, header and checksum included.
 ///

@@ -45,6 +45,11 @@ macro_rules! record {
                 Ok(Self { $( $field: Wire::read(reader)?, )+ })
             }
 
+            fn skip(reader: &mut Reader<'_>) -> Result<(), PayloadError> {
+                $( <$Type $(<$Arg>)? as Wire>::skip(reader)?; )+
+                Ok(())
+            }
+
             fn write(&self, writer: &mut Writer<'_>) -> Result<(), EncodeError> {
                 $( self.$field.write(writer)?; )+
                 Ok(())

@@ -176,8 +176,37 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         commit,
         command,
         setpoint,
+        knots(),
         by_hand(),
     ]
+}
+
+/// As many records as fit, of those given.
+fn batch<T: core::fmt::Debug>(records: Vec<T>, push: fn(&mut Batch<T>, &T) -> bool) -> Batch<T> {
+    let mut batch = Batch::new();
+    records.iter().take_while(|record| push(&mut batch, record)).count();
+    batch
+}
+
+fn knots() -> impl Strategy<Value = HostMessage> {
+    let step = (any::<(u16, u8)>(), list(any::<i16>())).prop_map(|((step_us, bits), steps)| KnotStep {
+        step_us,
+        outputs: Outputs::from_bits(bits),
+        steps,
+    });
+    (any::<(u16, u32)>(), vec(step, 1..4)).prop_map(|((session, index), steps)| {
+        let knots = batch(steps, |batch, step| batch.len() < 2 && batch.push(step).is_ok());
+        Knots { session, index, knots }.into()
+    })
+}
+
+fn samples_message() -> impl Strategy<Value = DeviceMessage> {
+    let channel = any::<(u16, i8)>().prop_map(|(pressure_10pa, duty)| PressureSample { pressure_10pa, duty });
+    let sample = (code(), list(channel)).prop_map(|(state, channels)| Sample { state, channels });
+    (any::<(u64, u32, u32)>(), vec(sample, 1..4)).prop_map(|((time_us, period_us, left_out), all)| {
+        let samples = batch(all, |batch, sample| batch.len() < 2 && batch.push(sample).is_ok());
+        Samples { time_us, period_us, left_out, samples }.into()
+    })
 }
 
 /// What is asked of the device by hand.
@@ -187,7 +216,9 @@ fn by_hand() -> impl Strategy<Value = HostMessage> {
     });
     let outputs =
         any::<(u16, u8)>().prop_map(|(session, bits)| SetOutputs { session, outputs: Outputs::from_bits(bits) }.into());
-    prop_oneof![pulse, outputs]
+    let sampling = any::<(u16, u32, u8)>()
+        .prop_map(|(session, period_us, samples)| SetSampling { session, period_us, samples }.into());
+    prop_oneof![pulse, outputs, sampling]
 }
 
 fn hello_reply() -> impl Strategy<Value = DeviceMessage> {
@@ -243,5 +274,5 @@ pub(crate) fn device_message() -> impl Strategy<Value = DeviceMessage> {
     });
     let fault = (any::<(u64, u8, i32)>(), code())
         .prop_map(|((time_us, channel, value), code)| Fault { time_us, channel, code, value }.into());
-    prop_oneof![hello_reply(), ack, heartbeat, telemetry(), fault]
+    prop_oneof![hello_reply(), ack, heartbeat, telemetry(), samples_message(), fault]
 }

@@ -43,7 +43,7 @@ impl<'a, T: Transport> Driver<'a, T> {
         options: &'a StreamOptions<'a>,
         on_event: &'a mut dyn FnMut(&mut T, Event),
     ) -> Self {
-        let session = Session::new(options.session, options.retry, options.heartbeat_us);
+        let session = Session::new(options.session, options.retry, options.heartbeat_us, options.batch);
         Self { transport, session, options, on_event, fault: None, ending: false, bytes: Vec::new() }
     }
 
@@ -135,7 +135,7 @@ impl<'a, T: Transport> Driver<'a, T> {
     pub(super) fn demand(&mut self, message: &HostMessage) -> Result<(), LinkError> {
         let ack = self.acknowledged(message)?;
         if ack.result != ResultCode::Ok {
-            return Err(LinkError::refused(message, &ack));
+            return Err(LinkError::refused(message, &ack, self.session.last_state()));
         }
         self.session.forget_state();
         Ok(())
@@ -154,7 +154,7 @@ impl<'a, T: Transport> Driver<'a, T> {
         match ack.result.known() {
             Some(ResultCode::Ok) => Ok(true),
             Some(ResultCode::Late) => Ok(false),
-            _ => Err(LinkError::refused(&message, &ack)),
+            _ => Err(LinkError::refused(&message, &ack, self.session.last_state())),
         }
     }
 
@@ -207,7 +207,7 @@ impl<'a, T: Transport> Driver<'a, T> {
         let reply = match self.request(&hello)? {
             Answer::Hello(reply) => reply,
             Answer::Ack(ack) if ack.result == ResultCode::WrongSession => return Err(LinkError::Occupied),
-            Answer::Ack(ack) => return Err(LinkError::refused(&hello, &ack)),
+            Answer::Ack(ack) => return Err(LinkError::refused(&hello, &ack, self.session.last_state())),
         };
         if Compatibility::of(reply.protocol_version, reply.schema_hash) != Compatibility::Same {
             return Err(LinkError::Incompatible {

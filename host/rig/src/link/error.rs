@@ -110,7 +110,7 @@ pub enum LinkError {
     /// The device refuses a setpoint.
     #[error("the device refuses setpoint {index}: {}", knot_reason(*result, *detail))]
     KnotRefused {
-        /// The knot, from 0.
+        /// The knot, or the first of those in its frame, from 0.
         index: u32,
         /// Why.
         result: Code<ResultCode>,
@@ -226,7 +226,8 @@ impl fmt::Display for VentOutcome {
 
 impl LinkError {
     /// The refusal of a reliable message.
-    pub(super) fn refused(message: &HostMessage, ack: &Ack) -> Self {
+    /// The device was in `state` by its last word.
+    pub(super) fn refused(message: &HostMessage, ack: &Ack, state: Option<DeviceState>) -> Self {
         if ack.result == ResultCode::WrongSession {
             return Self::DeviceRestarted;
         }
@@ -236,9 +237,9 @@ impl LinkError {
             Some(ResultCode::OutOfRange) => format!("{field} is out of range{}", channel_of(message)),
             Some(ResultCode::UnknownCode) => format!("{field} holds an unknown code{}", channel_of(message)),
             Some(ResultCode::WrongState) if (1..=255).contains(&ack.detail) => {
-                name(Code::<FaultCode>::from_raw(ack.detail as u8))
+                format!("{} (it is {})", name(Code::<FaultCode>::from_raw(ack.detail as u8)), in_words(state))
             }
-            Some(ResultCode::WrongState) => "not allowed in its present state".to_owned(),
+            Some(ResultCode::WrongState) => format!("it is {}; {}", in_words(state), way_out(state)),
             Some(ResultCode::ConfigMismatch) => "the upload is incomplete or was damaged".to_owned(),
             Some(ResultCode::TablesMissing) => {
                 format!("channel {detail} has no tables, and the device does not solve the model of its actuator")
@@ -286,6 +287,21 @@ fn in_words(state: Option<DeviceState>) -> &'static str {
         Some(DeviceState::Venting) => "venting",
         Some(DeviceState::Faulted) => "faulted",
         None => "in an unknown state",
+    }
+}
+
+/// The next step of a user whose device is in a state that takes no such message.
+fn way_out(state: Option<DeviceState>) -> &'static str {
+    match state {
+        Some(DeviceState::Idle) => {
+            "it becomes ready once it is configured, its sensors are plausible and the emergency stop is released"
+        }
+        Some(DeviceState::Ready) => "send this while it runs or holds",
+        Some(DeviceState::Running) => "end the run, or wait for its end",
+        Some(DeviceState::Holding) => "let the pressures down with `softlimb device vent`",
+        Some(DeviceState::Venting) => "wait until it is ready",
+        Some(DeviceState::Faulted) => "find the cause of its fault, then `softlimb device clear`",
+        None => "ask it with `softlimb device info`",
     }
 }
 

@@ -1,6 +1,6 @@
 //! Events of a run as they happen.
 
-use softlimb_protocol::{DeviceState, Fault, Telemetry};
+use softlimb_protocol::{DeviceState, Fault, Samples, Telemetry};
 
 use super::device::DeviceInfo;
 use super::statistics::LinkStatistics;
@@ -30,6 +30,13 @@ pub enum Event {
         host_time_us: u64,
         /// The message.
         message: Telemetry,
+    },
+    /// Measurements between those, where the options ask for them.
+    Samples {
+        /// When they arrived, host time.
+        host_time_us: u64,
+        /// The message.
+        message: Samples,
     },
     /// A fault occurred.
     Fault {

@@ -39,7 +39,7 @@ pub use event::Event;
 pub use fault::DeviceFault;
 pub use listen::{clear_faults, identify, listen};
 pub use live::{Pilot, Wish, live};
-pub use options::StreamOptions;
+pub use options::{Sampling, StreamOptions};
 pub use session::{Answer, Session};
 pub use statistics::{LinkStatistics, RoundTrip};
 pub use stream::{Ending, Summary, stream};

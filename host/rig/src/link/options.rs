@@ -4,6 +4,15 @@ use std::sync::atomic::AtomicBool;
 
 use softlimb_protocol::RetryPolicy;
 
+/// Samples of all pressures and valves, several in one message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Time between two samples, us; whole milliseconds, at most 10 s.
+    pub period_us: u32,
+    /// Samples in one message; at least 1, at most [`Samples::most`](softlimb_protocol::Samples::most) of the channels.
+    pub samples: u8,
+}
+
 /// Settings of a streamed run. Times in us.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamOptions<'a> {
@@ -13,6 +22,10 @@ pub struct StreamOptions<'a> {
     pub retry: RetryPolicy,
     /// Time between two heartbeats: a quarter of the device's link timeout, or less.
     pub heartbeat_us: u64,
+    /// Knots that a frame waits for while more are to come; as many as fit, at most 16.
+    pub batch: u8,
+    /// Samples beside the telemetry; `None` asks for none.
+    pub sampling: Option<Sampling>,
     /// Silence of a connected device after which the link counts as lost: longer than a USB port pauses at times. The device does not
     /// wait for it, but acts by its own `link_timeout_us`.
     pub silence_max_us: u64,
@@ -48,6 +61,8 @@ impl StreamOptions<'_> {
             session,
             retry: RetryPolicy { attempts_max: 20, ..RetryPolicy::default() },
             heartbeat_us: 25_000,
+            batch: 4,
+            sampling: None,
             silence_max_us: 1_000_000,
             occupied_max_us: 0,
             ready_max_us: 2_000_000,

@@ -1,12 +1,12 @@
 //! The steps of a run: make safe, configure, buffer, start, follow, vent; and what happens when one of them fails.
 
-use softlimb_protocol::{CommandCode, DeviceState, HostMessage, ResultCode};
+use softlimb_protocol::{CommandCode, DeviceState, HostMessage, ResultCode, SetSampling};
 
 use super::device::DeviceInfo;
 use super::driver::Driver;
 use super::error::{LinkError, VentOutcome};
 use super::event::Event;
-use super::options::StreamOptions;
+use super::options::{Sampling, StreamOptions};
 use super::transport::Transport;
 
 /// Largest delay of the news of a state, us.
@@ -69,6 +69,9 @@ impl<T: Transport> Run<'_, T> {
     pub(super) fn configure(&mut self) -> Result<(), LinkError> {
         for message in &self.upload {
             self.driver.demand(message)?;
+        }
+        if let Some(Sampling { period_us, samples }) = self.options.sampling {
+            self.driver.demand(&SetSampling { session: self.options.session, period_us, samples }.into())?;
         }
         self.driver.tell(Event::Configured { config_hash: self.config_hash });
         Ok(())

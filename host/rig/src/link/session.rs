@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use softlimb_protocol::{
-    Ack, Compatibility, Decoder, DeviceMessage, DeviceState, Heartbeat, HeartbeatReply, HelloReply, HostMessage,
+    Ack, Compatibility, Decoder, DeviceMessage, DeviceState, Heartbeat, HeartbeatReply, HelloReply, HostMessage, Knots,
     MAX_FRAME_LEN, ReliableSender, RetryPolicy, SendError, SenderStep, Setpoint, Telemetry, encode_frame,
 };
 
@@ -49,9 +49,10 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session that has not spoken yet. `id` should differ from the last session's; a heartbeat goes out every `heartbeat_us`.
+    /// A session that has not spoken yet. `id` should differ from the last session's; a heartbeat goes out every `heartbeat_us`, a frame has
+    /// up to `batch` knots.
     #[must_use]
-    pub fn new(id: u16, retry: RetryPolicy, heartbeat_us: u64) -> Self {
+    pub fn new(id: u16, retry: RetryPolicy, heartbeat_us: u64, batch: u8) -> Self {
         Self {
             id,
             heartbeat_us,
@@ -59,7 +60,7 @@ impl Session {
             answer: None,
             refused_reply: None,
             decoder: Decoder::new(),
-            window: Window::new(retry.timeout_us),
+            window: Window::new(retry.timeout_us, batch),
             clock: ClockEstimator::default(),
             events: VecDeque::new(),
             heartbeat_due_us: None,
@@ -110,8 +111,8 @@ impl Session {
             self.heartbeat_due_us = Some(now_us + self.heartbeat_us);
             self.push_frame(&Heartbeat { session: self.id, host_time_us: now_us }.into(), out);
         }
-        while let Some(setpoint) = self.window.send(now_us, self.id, self.frame_seq) {
-            self.push_frame(&setpoint.into(), out);
+        while let Some(knots) = self.window.send(now_us, self.id, self.frame_seq) {
+            self.push_frame(&knots, out);
         }
         Ok(request_due_us.min(self.heartbeat_due_us.unwrap_or(u64::MAX)).min(self.window.due_us()))
     }
@@ -161,9 +162,12 @@ impl Session {
         match message {
             DeviceMessage::HelloReply(reply) if answers => self.on_hello(now_us, reply),
             DeviceMessage::Ack(ack) if answers => self.answer = Some(Answer::Ack(ack)),
-            DeviceMessage::Ack(ack) if ack.ref_type == Setpoint::MESSAGE_TYPE => self.window.on_ack(now_us, &ack)?,
+            DeviceMessage::Ack(ack) if [Setpoint::MESSAGE_TYPE, Knots::MESSAGE_TYPE].contains(&ack.ref_type) => {
+                self.window.on_ack(now_us, &ack)?;
+            }
             DeviceMessage::HeartbeatReply(reply) => self.on_heartbeat(now_us, &reply),
             DeviceMessage::Telemetry(message) => self.on_telemetry(now_us, message),
+            DeviceMessage::Samples(message) => self.events.push_back(Event::Samples { host_time_us: now_us, message }),
             DeviceMessage::Fault(message) => self.events.push_back(Event::Fault { host_time_us: now_us, message }),
             DeviceMessage::HelloReply(reply) if reply.session != self.id => self.refused_reply = Some(reply),
             DeviceMessage::HelloReply(_) | DeviceMessage::Ack(_) => {}
@@ -257,6 +261,11 @@ impl Session {
     #[must_use]
     pub fn state(&self) -> Option<DeviceState> {
         self.state
+    }
+
+    /// The same, however old.
+    pub(super) fn last_state(&self) -> Option<DeviceState> {
+        self.told_state
     }
 
     /// The last measurements.

@@ -1,6 +1,6 @@
 //! The setpoints of a run, checked for form.
 
-use softlimb_protocol::{List, Outputs};
+use softlimb_protocol::{KnotStep, List, Outputs};
 
 use super::error::LinkError;
 
@@ -76,6 +76,24 @@ impl Trajectory {
         self.knots.get(index as usize)
     }
 
+    /// A knot by its step from the one before it; `None` for the first, and where the step is too large for the wire.
+    pub(super) fn step(&self, index: u32) -> Option<KnotStep> {
+        let (before, knot) = (self.knot(index.checked_sub(1)?)?, self.knot(index)?);
+        let step =
+            |(&value, &before): (&i32, &i32)| value.checked_sub(before).and_then(|step| i16::try_from(step).ok());
+        let steps: Option<Vec<_>> = knot.values.iter().zip(before.values.iter()).map(step).collect();
+        Some(KnotStep {
+            step_us: u16::try_from(knot.time_us - before.time_us).ok()?,
+            outputs: knot.outputs,
+            steps: List::from_slice(&steps?).ok()?,
+        })
+    }
+
+    /// Channels of each knot.
+    pub(super) fn channels(&self) -> usize {
+        self.knots.first().map_or(0, |knot| knot.values.len())
+    }
+
     /// Knots, the repeated last one included.
     pub(super) fn len(&self) -> u32 {
         u32::try_from(self.knots.len()).unwrap_or(u32::MAX)
@@ -132,6 +150,18 @@ mod tests {
         assert!(matches!(trajectory.push(&knot(11, &[3, 4])), Err(LinkError::KnotTime { index: 3 })));
         let error = trajectory.push(&knot(12, &[3])).unwrap_err();
         assert!(matches!(error, LinkError::KnotValues { index: 3, count: 1, channels: 2 }));
+    }
+
+    #[test]
+    fn step_leads_from_knot_to_knot_where_it_fits() {
+        let pairs =
+            [(0, vec![5, -5]), (65_535, vec![32_772, -32_773]), (65_536, vec![65_540, 0]), (200_000, vec![65_540, 0])];
+        let trajectory = Trajectory::from_pairs(&pairs);
+        let step = trajectory.step(1).unwrap();
+        assert_eq!((step.step_us, &step.steps[..]), (65_535, &[32_767, -32_768][..]));
+        assert!([0, 2, 3, 4].iter().all(|&index| trajectory.step(index).is_none()), "first, far, late, behind the end");
+        let far = Trajectory::from_pairs(&[(0, vec![i32::MIN]), (1, vec![i32::MAX])]);
+        assert!(far.step(1).is_none());
     }
 
     #[test]

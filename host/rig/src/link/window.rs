@@ -1,11 +1,13 @@
 //! Setpoints on their way: a window that goes back to the index the device expects.
 //!
+//! Several knots share a frame, each as the step from the one before it. A step too large for that has its knot sent alone.
+//!
 //! The device accepts only the next index, so every answer is cumulative. It also names its free places: `next index + free places` never
 //! falls while the buffer is not flushed, and no knot at or beyond it is sent, so the buffer never overflows.
 
 use std::collections::VecDeque;
 
-use softlimb_protocol::{Ack, ResultCode, Setpoint};
+use softlimb_protocol::{Ack, Batch, HostMessage, Knots, ResultCode, Setpoint};
 
 use super::error::LinkError;
 use super::trajectory::{Checked, Knot, Trajectory};
@@ -13,11 +15,12 @@ use super::trajectory::{Checked, Knot, Trajectory};
 /// Knots sent and not yet answered, at most: keeps the line busy at 115200 baud without filling the device's buffers.
 const IN_FLIGHT_MAX: u32 = 16;
 
-/// Which transmission carried which knot.
+/// Which transmission carried which knots.
 #[derive(Clone, Copy, Debug)]
 struct Transmission {
     seq: u16,
     index: u32,
+    count: u32,
 }
 
 /// The sending side of the setpoint buffer.
@@ -26,6 +29,8 @@ pub(super) struct Window {
     trajectory: Trajectory,
     start_us: u64,
     is_open: bool,
+    /// Knots that a frame waits for, where so many are to come.
+    batch: u32,
     /// The knot to send next.
     next: u32,
     /// One behind the highest knot ever sent.
@@ -41,12 +46,13 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// A closed window; without an answer for `timeout_us` it sends again.
-    pub(super) fn new(timeout_us: u64) -> Self {
+    /// A closed window of frames with up to `batch` knots; without an answer for `timeout_us` it sends again.
+    pub(super) fn new(timeout_us: u64, batch: u8) -> Self {
         Self {
             trajectory: Trajectory::default(),
             start_us: 0,
             is_open: false,
+            batch: u32::from(batch).clamp(1, IN_FLIGHT_MAX),
             next: 0,
             sent_end: 0,
             accepted: 0,
@@ -68,7 +74,10 @@ impl Window {
     pub(super) fn open(&mut self, now_us: u64, start_us: u64, free: u16) {
         let trajectory = std::mem::take(&mut self.trajectory);
         let credit_end = u64::from(free);
-        let kept = Self { trajectory, repeated: self.repeated, ..Self::new(self.timeout_us) };
+        // No more than fit into a frame and into the buffer.
+        let most = Knots::most(trajectory.channels()) as u32;
+        let batch = self.batch.min(most).min(u32::from(free)).max(1);
+        let kept = Self { trajectory, repeated: self.repeated, batch, ..Self::new(self.timeout_us, 1) };
         *self = Self { start_us, is_open: true, credit_end, progress_us: now_us, ..kept };
     }
 
@@ -90,8 +99,8 @@ impl Window {
         self.is_open = false;
     }
 
-    /// The next knot to send now with frame number `seq`, if there is one.
-    pub(super) fn send(&mut self, now_us: u64, session: u16, seq: u16) -> Option<Setpoint> {
+    /// The next knots to send now with frame number `seq`, if there are enough for a frame.
+    pub(super) fn send(&mut self, now_us: u64, session: u16, seq: u16) -> Option<HostMessage> {
         if !self.is_open {
             return None;
         }
@@ -99,18 +108,37 @@ impl Window {
             self.go_back(now_us, self.accepted);
         }
         let index = self.next;
-        if u64::from(index) >= self.credit_end || index - self.accepted >= IN_FLIGHT_MAX {
+        let wanted = self.batch.min(self.trajectory.len().saturating_sub(index));
+        let places = self.credit_end.saturating_sub(u64::from(index)).min(u64::from(IN_FLIGHT_MAX));
+        let allowed = (places as u32).min(IN_FLIGHT_MAX.saturating_sub(index - self.accepted));
+        if wanted == 0 || allowed < wanted {
             return None;
         }
-        let Checked { time_us, outputs, values } = self.trajectory.knot(index)?.clone();
+        let (message, count) = self.frame(session, index, wanted)?;
         if !self.is_waiting() {
             self.progress_us = now_us;
         }
-        self.repeated += u64::from(index < self.sent_end);
-        self.next += 1;
+        self.repeated += u64::from(self.sent_end.min(index + count).saturating_sub(index));
+        self.next += count;
         self.sent_end = self.sent_end.max(self.next);
-        self.in_flight.push_back(Transmission { seq, index });
-        Some(Setpoint { session, index, time_us: self.start_us.saturating_add(time_us), outputs, values })
+        self.in_flight.push_back(Transmission { seq, index, count });
+        Some(message)
+    }
+
+    /// Up to `wanted` knots from `index` on, and how many they are.
+    fn frame(&self, session: u16, index: u32, wanted: u32) -> Option<(HostMessage, u32)> {
+        let mut knots = Batch::new();
+        if wanted > 1 {
+            let steps = (index..index + wanted).map_while(|index| self.trajectory.step(index));
+            steps.take_while(|step| knots.push(step).is_ok()).count();
+        }
+        if !knots.is_empty() {
+            let count = knots.len() as u32;
+            return Some((Knots { session, index, knots }.into(), count));
+        }
+        let Checked { time_us, outputs, values } = self.trajectory.knot(index)?.clone();
+        let time_us = self.start_us.saturating_add(time_us);
+        Some((Setpoint { session, index, time_us, outputs, values }.into(), 1))
     }
 
     /// When to send again without an answer, us; never if nothing is in flight.
@@ -125,11 +153,11 @@ impl Window {
     pub(super) fn on_ack(&mut self, now_us: u64, ack: &Ack) -> Result<(), LinkError> {
         let position = self.in_flight.iter().position(|sent| sent.seq == ack.ref_seq);
         let Some(position) = position.filter(|_| self.is_open) else { return Ok(()) };
-        let index = self.in_flight[position].index;
+        let Transmission { index, count, .. } = self.in_flight[position];
         // Earlier transmissions were lost, or their answers, or these come too late to matter.
         self.in_flight.drain(..=position);
         match ack.result.known() {
-            Some(ResultCode::Ok) => self.accept(now_us, index + 1, ack.free_knots),
+            Some(ResultCode::Ok) => self.accept(now_us, index + count, ack.free_knots),
             // A device goes back to no index but the first; any other from before is an answer that a later one overtook.
             Some(ResultCode::UnexpectedIndex) if ack.detail == 0 && self.accepted > 0 => {
                 return Err(LinkError::SetpointsDropped);
@@ -164,10 +192,10 @@ impl Window {
         self.accepted
     }
 
-    /// Whether all knots are in the device, or as many as it has places for.
+    /// Whether all knots are in the device, or so many that it has no places for another frame.
     pub(super) fn is_filled(&self) -> bool {
-        let end = u64::from(self.trajectory.len()).min(self.credit_end);
-        self.is_open && u64::from(self.accepted) >= end
+        let next_end = u64::from(self.accepted) + u64::from(self.batch);
+        self.is_open && (self.is_complete() || next_end > self.credit_end)
     }
 
     /// Whether all knots are in the device.

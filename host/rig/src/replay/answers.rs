@@ -19,7 +19,12 @@ pub(super) fn device_us(message: &DeviceMessage) -> Option<u64> {
         DeviceMessage::HeartbeatReply(reply) => Some(reply.mcu_time_us),
         DeviceMessage::Ack(ack) => Some(ack.mcu_time_us),
         DeviceMessage::Telemetry(telemetry) => Some(telemetry.time_us),
-        _ => None,
+        // Sent in the tick of the last one.
+        DeviceMessage::Samples(samples) => {
+            let steps = samples.samples.len().saturating_sub(1) as u64;
+            Some(samples.time_us.saturating_add(steps.saturating_mul(samples.period_us.into())))
+        }
+        DeviceMessage::Fault(_) => None,
     }
 }
 

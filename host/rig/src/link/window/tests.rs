@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use softlimb_protocol::Setpoint as Knot;
+use softlimb_protocol::{List, Message, Setpoint as Knot};
 
 use super::*;
 
@@ -27,23 +27,28 @@ impl Device {
         (self.random >> 33) % 100 < self.loss
     }
 
-    fn receive(&mut self, seq: u16, knot: Knot) -> Option<Ack> {
+    fn receive(&mut self, seq: u16, message: HostMessage) -> Option<Ack> {
         if self.loses() {
             return None;
         }
         let expected = self.applied.len() as u32;
-        let (result, detail) = if knot.index != expected {
+        let (index, knots) = match &message {
+            HostMessage::Setpoint(knot) => (knot.index, vec![knot.clone()]),
+            HostMessage::Knots(message) => (message.index, self.walked(message)),
+            other => panic!("{other:?}"),
+        };
+        let (result, detail) = if index != expected {
             (ResultCode::UnexpectedIndex, expected)
-        } else if self.free == 0 {
+        } else if usize::from(self.free) < knots.len() {
             (ResultCode::QueueFull, 0)
         } else {
-            self.free -= 1;
-            self.applied.push(knot);
+            self.free -= knots.len() as u16;
+            self.applied.extend(knots);
             (ResultCode::Ok, 0)
         };
         assert_ne!(result, ResultCode::QueueFull, "the host knows how many places there are");
         let ack = Ack {
-            ref_type: Knot::MESSAGE_TYPE,
+            ref_type: message.message_type(),
             ref_seq: seq,
             result: result.into(),
             detail,
@@ -54,10 +59,31 @@ impl Device {
     }
 }
 
+impl Device {
+    /// The knots that the steps lead to from the last one.
+    fn walked(&self, message: &Knots) -> Vec<Knot> {
+        let Some(mut last) = self.applied.last().cloned() else { return Vec::new() };
+        let walk = message.knots.iter().map(|step| {
+            let values: Vec<_> = last.values.iter().zip(&step.steps[..]).map(|(v, s)| v + i32::from(*s)).collect();
+            let (index, time_us) = (last.index + 1, last.time_us + u64::from(step.step_us));
+            last = Knot { index, time_us, outputs: step.outputs, values: List::from_slice(&values).unwrap(), ..last };
+            last.clone()
+        });
+        walk.collect()
+    }
+}
+
+fn index(message: HostMessage) -> u32 {
+    match message {
+        HostMessage::Setpoint(Knot { index, .. }) | HostMessage::Knots(Knots { index, .. }) => index,
+        other => panic!("{other:?}"),
+    }
+}
+
 /// Rounds of 1 ms until all `count` knots are accepted; answers take 4 rounds.
-fn rounds(count: i32, loss: u64, seed: u64) -> (u64, Device, Window) {
+fn rounds(count: i32, batch: u8, loss: u64, seed: u64) -> (u64, Device, Window) {
     let knots: Vec<_> = (0..count).map(|i| (i as u64 * 1_000, vec![i, -i])).collect();
-    let mut window = Window::new(20_000);
+    let mut window = Window::new(20_000, batch);
     window.load(Trajectory::from_pairs(&knots));
     window.open(0, 500, 8);
     let mut device = Device { applied: Vec::new(), free: 8, random: seed, loss };
@@ -67,12 +93,12 @@ fn rounds(count: i32, loss: u64, seed: u64) -> (u64, Device, Window) {
             return (round, device, window);
         }
         let now_us = round * 1_000;
-        while let Some(knot) = window.send(now_us, 7, seq) {
-            answers.push_back((round + 4, device.receive(seq, knot).map(Word::Ack)));
+        while let Some(message) = window.send(now_us, 7, seq) {
+            answers.push_back((round + 4, device.receive(seq, message).map(Word::Ack)));
             seq = seq.wrapping_add(1);
         }
-        if round % 3 == 0 && device.free < 8 {
-            device.free += 1;
+        if round % 3 == 0 {
+            device.free = (device.free + 1).min(8);
             let told = Word::Progress(device.applied.len() as u32, device.free);
             answers.push_back((round + 4, (!device.loses()).then_some(told)));
         }
@@ -95,17 +121,19 @@ fn assert_in_order(device: &Device, count: i32) {
 
 #[test]
 fn good_line_repeats_nothing_and_is_limited_by_the_device() {
-    let (rounds, device, window) = rounds(300, 0, 1);
-    assert_in_order(&device, 300);
-    assert_eq!(window.repeated(), 0);
-    assert!(rounds <= 3 * 300, "{rounds}");
+    for batch in [1, 2, 4] {
+        let (rounds, device, window) = rounds(300, batch, 0, 1);
+        assert_in_order(&device, 300);
+        assert_eq!(window.repeated(), 0);
+        assert!(rounds <= 3 * 300, "{rounds}");
+    }
 }
 
 #[test]
 fn knots_are_applied_once_in_order_whatever_is_lost() {
     for seed in 0..50 {
-        for loss in [5, 30, 60] {
-            let (_, device, window) = rounds(200, loss, seed);
+        for (batch, loss) in [(1, 5), (1, 30), (1, 60), (3, 30), (8, 60)] {
+            let (_, device, window) = rounds(200, batch, loss, seed);
             assert_in_order(&device, 200);
             assert!(window.repeated() > 0);
         }
@@ -119,10 +147,10 @@ fn answer(seq: u16, result: ResultCode, detail: u32) -> Ack {
 
 #[test]
 fn device_that_forgot_setpoints_is_an_error() {
-    let mut window = Window::new(20_000);
+    let mut window = Window::new(20_000, 1);
     window.load(Trajectory::from_pairs(&[(0, vec![0]), (1_000, vec![0]), (2_000, vec![0])]));
     window.open(0, 0, 8);
-    let sent: Vec<_> = (0..3).map(|seq| window.send(0, 7, seq).unwrap().index).collect();
+    let sent: Vec<_> = (0..3).map(|seq| index(window.send(0, 7, seq).unwrap())).collect();
     assert_eq!(sent, [0, 1, 2]);
     window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
     assert_eq!(window.accepted(), 2);
@@ -132,7 +160,7 @@ fn device_that_forgot_setpoints_is_an_error() {
 
 #[test]
 fn answer_that_was_overtaken_has_its_knot_sent_again() {
-    let mut window = Window::new(20_000);
+    let mut window = Window::new(20_000, 1);
     let knots: Vec<_> = (0..5).map(|index| (1_000 * index, vec![0])).collect();
     window.load(Trajectory::from_pairs(&knots));
     window.open(0, 0, 8);
@@ -142,5 +170,5 @@ fn answer_that_was_overtaken_has_its_knot_sent_again() {
     window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
     window.on_ack(0, &answer(2, ResultCode::UnexpectedIndex, 1)).unwrap();
     assert_eq!(window.accepted(), 2);
-    assert_eq!(window.send(0, 7, 9).map(|knot| knot.index), Some(2));
+    assert_eq!(window.send(0, 7, 9).map(index), Some(2));
 }
