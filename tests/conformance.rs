@@ -11,7 +11,7 @@ use host::{Host, SESSION, settings};
 use softlimb_firmware::{TickOutputs, ValvePulse};
 use softlimb_protocol::*;
 use softlimb_sim::emulated::{Flashed, LockStep};
-use softlimb_sim::plant::ChannelFault;
+use softlimb_sim::plant::PartFault;
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
 /// Bytes that a board keeps for the stack.
@@ -84,7 +84,7 @@ fn a_device_that_is_switched_on_answers_within_100_ms() {
 #[test]
 fn without_a_sensor_nothing_can_be_started() {
     on_every_device("without_a_sensor_nothing_can_be_started", |name, host| {
-        host.mcu.inject(4, ChannelFault::SensorOpen).expect("a channel");
+        host.mcu.inject(4, PartFault::SensorOpen).expect("a channel");
         host.configure(CHANNELS, SetpointKind::Pressure);
         live(host, 500_000);
         assert_eq!(state(host), Some(DeviceState::Idle), "{name}");

@@ -3,7 +3,7 @@
 use crate::actuator::TrueActuator;
 use crate::curve::VolumeCurve;
 use crate::error::PlantError;
-use crate::fault::ChannelFault;
+use crate::fault::PartFault;
 use crate::gas::{Orifice, tube_conductance};
 use crate::plant::{ChannelDrive, TICK_US};
 use crate::pneumatics::{Gas, Openings, Piping};
@@ -20,8 +20,14 @@ const TICK_S: f64 = TICK_US as f64 * S_PER_US;
 /// The faults that act on a channel now.
 #[derive(Clone, Copy, Debug, Default)]
 struct Broken {
-    stuck: Openings,
+    stuck_open: Openings,
+    stuck_closed: Openings,
+    coils_swapped: bool,
     sensor_open: bool,
+    /// Code that the sensor repeats.
+    sensor_code: Option<u16>,
+    sensor_hose_off: bool,
+    sensor_drift_pa_per_s: f64,
 }
 
 /// One channel.
@@ -36,7 +42,9 @@ pub(crate) struct Channel {
     sensor: Sensor,
     random: Random,
     broken: Broken,
+    last_code: u16,
     intact_leak_m3_per_s_pa: f64,
+    intact_tube: Orifice,
     motion: MotionSettings,
     creep_share: f64,
     creep_time_s: f64,
@@ -72,6 +80,8 @@ impl Channel {
             sensor: Sensor::new(nominal.sensor, parameters.sensor_offset_pa, parameters.sensor_gain),
             random: Random::new(plant.noise_seed, stream + 1),
             broken: Broken::default(),
+            last_code: 0,
+            intact_tube: piping.tube,
             intact_leak_m3_per_s_pa: nominal.leak_m3_per_s_pa,
             motion: nominal.motion,
             creep_share: nominal.creep_share,
@@ -89,6 +99,7 @@ impl Channel {
     pub(crate) fn tick(&mut self, start_us: u64, drive: ChannelDrive, supply_abs_pa: Option<f64>) -> f64 {
         let drawn_before = self.gas.filled_kg;
         let end = start_us + TICK_US;
+        let drive = if self.broken.coils_swapped { drive.swapped() } else { drive };
         let fill_off = start_us + u64::from(drive.fill_us).min(TICK_US);
         let vent_off = start_us + u64::from(drive.vent_us).min(TICK_US);
         self.move_limb(start_us);
@@ -104,6 +115,7 @@ impl Channel {
             now = next;
         }
         self.creep();
+        self.sensor.drift(self.broken.sensor_drift_pa_per_s * TICK_S);
         self.gas.filled_kg - drawn_before
     }
 
@@ -111,26 +123,44 @@ impl Channel {
     pub(crate) fn code(&mut self) -> u16 {
         // The noise is drawn either way, so that a broken wire changes no other number.
         let code = self.sensor.sample(&mut self.random);
-        if self.broken.sensor_open { 0 } else { code }
+        self.last_code = match self.broken.sensor_code {
+            _ if self.broken.sensor_open => 0,
+            Some(repeated) => repeated,
+            None => code,
+        };
+        self.last_code
     }
 
-    /// Breaks a part.
-    pub(crate) fn break_part(&mut self, fault: ChannelFault, room_k: f64) {
+    /// Breaks a part of the channel. A fault of no channel changes nothing here.
+    pub(crate) fn break_part(&mut self, fault: PartFault, room_k: f64) {
         match fault {
-            ChannelFault::StuckFill => self.broken.stuck.fill = true,
-            ChannelFault::StuckVent => self.broken.stuck.vent = true,
-            ChannelFault::SensorOpen => self.broken.sensor_open = true,
-            ChannelFault::Leak { conductance_m3_per_s_pa } => {
+            PartFault::FillStuckOpen => self.broken.stuck_open.fill = true,
+            PartFault::VentStuckOpen => self.broken.stuck_open.vent = true,
+            PartFault::FillStuckClosed => self.broken.stuck_closed.fill = true,
+            PartFault::VentStuckClosed => self.broken.stuck_closed.vent = true,
+            PartFault::CoilsSwapped => self.broken.coils_swapped = true,
+            PartFault::SensorOpen => self.broken.sensor_open = true,
+            PartFault::SensorFrozen => self.broken.sensor_code = Some(self.last_code),
+            PartFault::SensorZero => self.broken.sensor_hose_off = true,
+            PartFault::SensorDrift { pa_per_s } => self.broken.sensor_drift_pa_per_s = pa_per_s,
+            PartFault::HoseKinked { share } => self.piping.tube = self.intact_tube.scaled(share),
+            PartFault::Leak { conductance_m3_per_s_pa } => {
                 let total = self.intact_leak_m3_per_s_pa + conductance_m3_per_s_pa;
                 self.piping.leak = leak(total, room_k);
             }
+            PartFault::SensorsSwapped
+            | PartFault::SupplyStuckOpen
+            | PartFault::SupplyStuckClosed
+            | PartFault::PumpWeak { .. }
+            | PartFault::ReferenceSag { .. } => {}
         }
     }
 
-    /// Repairs everything.
+    /// Repairs every part of the channel. A sensor that has drifted stays where it is.
     pub(crate) fn repair(&mut self, room_k: f64) {
         self.broken = Broken::default();
         self.piping.leak = leak(self.intact_leak_m3_per_s_pa, room_k);
+        self.piping.tube = self.intact_tube;
     }
 
     /// True state of the channel.
@@ -154,9 +184,10 @@ impl Channel {
     }
 
     fn openings(&self) -> Openings {
+        let Broken { stuck_open, stuck_closed, .. } = self.broken;
         Openings {
-            fill: self.fill.is_open() || self.broken.stuck.fill,
-            vent: self.vent.is_open() || self.broken.stuck.vent,
+            fill: stuck_open.fill || self.fill.is_open() && !stuck_closed.fill,
+            vent: stuck_open.vent || self.vent.is_open() && !stuck_closed.vent,
         }
     }
 
@@ -171,7 +202,8 @@ impl Channel {
             let step = if quiet { left } else { left.min(self.step_us) };
             let h_s = step as f64 * S_PER_US;
             self.gas.step(&self.piping, open, supply, h_s);
-            self.sensor.follow(self.gas.line_abs_pa - self.piping.ambient_abs_pa, h_s);
+            let line_pa = self.gas.line_abs_pa - self.piping.ambient_abs_pa;
+            self.sensor.follow(if self.broken.sensor_hose_off { 0.0 } else { line_pa }, h_s);
             left -= step;
         }
     }

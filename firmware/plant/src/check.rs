@@ -3,7 +3,7 @@
 use core::ops::RangeInclusive;
 
 use crate::error::PlantError;
-use crate::fault::ChannelFault;
+use crate::fault::PartFault;
 use crate::settings::{ChannelSettings, PlantSettings, PumpSettings, SensorSettings, Spread, Supply};
 use crate::supply::RELIEF_BAND;
 
@@ -33,19 +33,23 @@ pub(crate) fn check(settings: &PlantSettings) -> Checked {
         let refuse = |source| PlantError::Actuator { channel: index, source };
         channel.actuator.check().map_err(refuse)?;
     }
-    for fault in &settings.faults {
-        check_fault(fault.channel, &fault.fault, settings.channels.len())?;
-    }
     Ok(())
 }
 
-/// Checks a fault against the number of channels.
-pub(crate) fn check_fault(channel: usize, fault: &ChannelFault, channels: usize) -> Checked {
-    if channel >= channels {
+/// Checks a fault against the number of channels and the kind of the supply.
+pub(crate) fn check_fault(channel: usize, fault: &PartFault, channels: usize, has_pump: bool) -> Checked {
+    if fault.is_of_channel() && channel >= channels {
         return Err(PlantError::NoSuchChannel { channel, channels });
     }
     match *fault {
-        ChannelFault::Leak { conductance_m3_per_s_pa: c } => within("fault.conductance_m3_per_s_pa", c, 0.0..=1e-7),
+        PartFault::Leak { conductance_m3_per_s_pa: c } => within("fault.conductance_m3_per_s_pa", c, 0.0..=1e-7),
+        PartFault::HoseKinked { share } | PartFault::PumpWeak { share } if !(0.0..=1.0).contains(&share) => {
+            within("fault.share", share, 0.0..=1.0)
+        }
+        PartFault::PumpWeak { .. } if !has_pump => Err(PlantError::NoPump),
+        PartFault::SensorDrift { pa_per_s } => within("fault.pa_per_s", pa_per_s, -1e5..=1e5),
+        PartFault::SensorsSwapped => within("channels.len()", channels as f64, 2.0..=64.0),
+        PartFault::ReferenceSag { share } => within("fault.share", share, 0.0..=0.5),
         _ => Ok(()),
     }
 }

@@ -32,6 +32,9 @@ pub enum PlantError {
         /// The gauge pressure at which it failed, Pa.
         pressure_pa: f64,
     },
+    /// A fault of the pump of a plant that has a regulator.
+    #[error("the supply is a regulator: it has no pump that could be weak")]
+    NoPump,
     /// A channel that the plant does not have.
     #[error("channel {channel} does not exist: the plant has {channels}")]
     NoSuchChannel {

@@ -1,50 +1,97 @@
 //! Parts that break.
 
-use crate::random::Random;
-
-/// A broken part of one channel.
+/// A broken part. The faults of the supply and of the converter belong to no channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ChannelFault {
+pub enum PartFault {
     /// The fill valve stays open.
-    StuckFill,
+    FillStuckOpen,
+    /// The fill valve stays closed.
+    FillStuckClosed,
     /// The vent valve stays open.
-    StuckVent,
+    VentStuckOpen,
+    /// The vent valve stays closed.
+    VentStuckClosed,
+    /// The coils of fill and vent valve are connected to each other's output.
+    CoilsSwapped,
     /// A hole in the actuator.
     Leak {
         /// Its sonic conductance, m3/(s Pa); 0..=1e-7. A slow puncture is 2e-11, a torn tube 1e-9.
         conductance_m3_per_s_pa: f64,
     },
+    /// The hose between manifold and actuator is kinked.
+    HoseKinked {
+        /// What is left of its sonic conductance, 0..=1.
+        share: f64,
+    },
     /// The wire of the pressure sensor is off: the converter reads 0.
     SensorOpen,
+    /// The sensor repeats its last code.
+    SensorFrozen,
+    /// The hose of the sensor is off: it measures the room.
+    SensorZero,
+    /// The offset of the sensor moves.
+    SensorDrift {
+        /// Change of the reading at an unchanged pressure, Pa/s; -1e5..=1e5.
+        pa_per_s: f64,
+    },
+    /// The sensor and that of the next channel are connected to each other's input; the last channel's next is the first.
+    SensorsSwapped,
+    /// The valve between supply and fill valves stays open.
+    SupplyStuckOpen,
+    /// The valve between supply and fill valves stays closed.
+    SupplyStuckClosed,
+    /// The pump delivers less than it should.
+    PumpWeak {
+        /// What is left of its flow, 0..=1.
+        share: f64,
+    },
+    /// The reference voltage of the converter sinks: all codes rise.
+    ReferenceSag {
+        /// Share of the reference that is missing, 0..=0.5.
+        share: f64,
+    },
 }
 
-/// A fault with its place and time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimedFault {
-    /// Plant time at which the part breaks, us; it takes effect at the next tick.
-    pub time_us: u64,
-    /// The channel.
-    pub channel: usize,
-    /// Kind of the fault.
-    pub fault: ChannelFault,
-}
+/// Faults by name, with the severity that a name alone stands for.
+const NAMED: [(&str, PartFault); 17] = [
+    ("fill-stuck-open", PartFault::FillStuckOpen),
+    ("fill-stuck-closed", PartFault::FillStuckClosed),
+    ("vent-stuck-open", PartFault::VentStuckOpen),
+    ("vent-stuck-closed", PartFault::VentStuckClosed),
+    ("coils-swapped", PartFault::CoilsSwapped),
+    // 4 normal mL/s at 100 kPa.
+    ("leak", PartFault::Leak { conductance_m3_per_s_pa: 2e-11 }),
+    // A tear of 10 mm2.
+    ("burst", PartFault::Leak { conductance_m3_per_s_pa: 2e-8 }),
+    ("hose-kinked", PartFault::HoseKinked { share: 0.02 }),
+    ("sensor-open", PartFault::SensorOpen),
+    ("sensor-frozen", PartFault::SensorFrozen),
+    ("sensor-zero", PartFault::SensorZero),
+    ("sensor-drift", PartFault::SensorDrift { pa_per_s: -5e3 }),
+    ("sensors-swapped", PartFault::SensorsSwapped),
+    ("supply-stuck-open", PartFault::SupplyStuckOpen),
+    ("supply-stuck-closed", PartFault::SupplyStuckClosed),
+    ("pump-weak", PartFault::PumpWeak { share: 0.1 }),
+    ("reference-sag", PartFault::ReferenceSag { share: 0.1 }),
+];
 
-impl TimedFault {
-    /// Draws one fault by `seed`: any kind, any of `channels` channels, uniform in time from
-    /// `from_us` to `until_us`.
-    pub fn draw(seed: u64, channels: usize, from_us: u64, until_us: u64) -> Self {
-        let mut random = Random::new(seed, u64::MAX);
-        let fault = match random.below(4) {
-            0 => ChannelFault::StuckFill,
-            1 => ChannelFault::StuckVent,
-            2 => ChannelFault::Leak { conductance_m3_per_s_pa: 2e-11 + 1e-9 * random.unit() },
-            _ => ChannelFault::SensorOpen,
-        };
-        Self {
-            time_us: from_us + random.below(until_us.saturating_sub(from_us)),
-            channel: random.below(channels as u64) as usize,
-            fault,
-        }
+impl PartFault {
+    /// The fault of a name; [`names`](Self::names) lists them.
+    pub fn named(name: &str) -> Option<Self> {
+        NAMED.into_iter().find_map(|(known, fault)| (known == name).then_some(fault))
+    }
+
+    /// All names.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        NAMED.into_iter().map(|(name, _)| name)
+    }
+
+    /// Whether the fault is one of a channel; the supply and the converter serve all.
+    pub fn is_of_channel(&self) -> bool {
+        !matches!(
+            self,
+            Self::SupplyStuckOpen | Self::SupplyStuckClosed | Self::PumpWeak { .. } | Self::ReferenceSag { .. }
+        )
     }
 }
 
@@ -53,13 +100,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn draws_cover_kinds_channels_and_the_window() {
-        let faults: Vec<_> = (0..200).map(|seed| TimedFault::draw(seed, 3, 1_000, 2_000)).collect();
-        assert!(faults.iter().all(|f| f.channel < 3 && (1_000..2_000).contains(&f.time_us)));
-        let kinds: std::collections::HashSet<_> = faults.iter().map(|f| std::mem::discriminant(&f.fault)).collect();
-        assert_eq!(kinds.len(), 4);
-        let channels: std::collections::HashSet<_> = faults.iter().map(|f| f.channel).collect();
-        assert_eq!(channels.len(), 3);
-        assert_eq!(TimedFault::draw(5, 3, 0, 9), TimedFault::draw(5, 3, 0, 9));
+    fn names_are_unique_and_find_their_fault() {
+        let names: std::collections::HashSet<_> = PartFault::names().collect();
+        assert_eq!(names.len(), NAMED.len());
+        assert_eq!(PartFault::named("sensor-zero"), Some(PartFault::SensorZero));
+        assert_eq!(PartFault::named("sensor"), None);
     }
 }

@@ -42,6 +42,11 @@ impl Orifice {
         }
     }
 
+    /// The same orifice with a share of its conductance.
+    pub(crate) fn scaled(self, share: f64) -> Self {
+        Self { coefficient: share * self.coefficient, ..self }
+    }
+
     /// Mass flow divided by pressure difference, kg/(s Pa), between two absolute pressures, Pa.
     ///
     /// Never negative and the same in both directions, so that a network of chords obeys the

@@ -50,7 +50,7 @@ mod truth;
 mod valve;
 
 pub use error::PlantError;
-pub use fault::{ChannelFault, TimedFault};
+pub use fault::PartFault;
 pub use gas::REFERENCE_DENSITY_KG_PER_M3;
 pub use plant::{ChannelDrive, Drive, Plant, TICK_US};
 pub use settings::{

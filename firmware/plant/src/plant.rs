@@ -1,9 +1,9 @@
 //! The plant: all channels on one supply, one tick at a time.
 
 use crate::channel::Channel;
-use crate::check::check;
+use crate::check::{check, check_fault};
 use crate::error::PlantError;
-use crate::fault::{ChannelFault, TimedFault};
+use crate::fault::PartFault;
 use crate::gripper::Gripper;
 use crate::random::Random;
 use crate::sensor::Sensor;
@@ -23,6 +23,26 @@ pub struct ChannelDrive {
     pub fill_us: u16,
     /// Vent valve, us; as `fill_us`.
     pub vent_us: u16,
+}
+
+impl ChannelDrive {
+    /// The same with the coils exchanged.
+    pub(crate) fn swapped(self) -> Self {
+        Self { fill_us: self.vent_us, vent_us: self.fill_us }
+    }
+}
+
+/// Faults that belong to no channel, or to two.
+#[derive(Clone, Debug, Default)]
+struct Broken {
+    /// State in which the supply's valve is stuck.
+    supply_open: Option<bool>,
+    /// What is missing of the pump's flow.
+    pump_missing: f64,
+    /// What is missing of the converter's reference.
+    reference_missing: f64,
+    /// Channels whose sensor is exchanged with the next one's.
+    swapped: Vec<usize>,
 }
 
 /// Everything that drives the plant for one tick.
@@ -50,11 +70,13 @@ pub struct Plant {
     random: Random,
     pressure_codes: Vec<u16>,
     supply_code: u16,
+    /// Codes of the converter at 100 %, of the channels and of the supply.
+    full_scales: Vec<u16>,
+    supply_full_scale: u16,
     air_used_kg: f64,
     ambient_abs_pa: f64,
     room_k: f64,
-    /// By falling time: the next one is the last.
-    pending_faults: Vec<TimedFault>,
+    broken: Broken,
 }
 
 impl Plant {
@@ -73,8 +95,6 @@ impl Plant {
         // Noise is what follows the parameters in the stream, whichever seed these came from.
         let mut random = Random::new(settings.noise_seed, 0);
         supply_sensor(&mut random);
-        let mut pending_faults = settings.faults.clone();
-        pending_faults.sort_by_key(|fault| core::cmp::Reverse(fault.time_us));
         let mut plant = Self {
             time_us: 0,
             source: Source::new(settings),
@@ -84,10 +104,12 @@ impl Plant {
             gripper: Gripper::new(settings.gripper_time_s),
             random,
             supply_code: 0,
+            full_scales: settings.channels.iter().map(|channel| channel.sensor.adc_full_scale).collect(),
+            supply_full_scale: settings.supply_sensor.adc_full_scale,
             air_used_kg: 0.0,
             ambient_abs_pa: settings.atmosphere_pa,
             room_k: settings.temperature_k,
-            pending_faults,
+            broken: Broken::default(),
         };
         plant.supply_sensor.settle(plant.source.abs_pa() - plant.ambient_abs_pa);
         plant.sample();
@@ -96,9 +118,8 @@ impl Plant {
 
     /// Advances by one tick of [`TICK_US`].
     pub fn step(&mut self, drive: &Drive<'_>) {
-        self.break_due_parts();
         let supply = self.source.abs_pa();
-        let reaching = drive.supply_open.then_some(supply);
+        let reaching = self.broken.supply_open.unwrap_or(drive.supply_open).then_some(supply);
         let mut drawn_kg = 0.0;
         for (index, channel) in self.channels.iter_mut().enumerate() {
             let coils = drive.channels.get(index).copied().unwrap_or_default();
@@ -107,7 +128,7 @@ impl Plant {
         let tick_s = TICK_US as f64 * 1e-6;
         // Written so that NaN is 0.
         let speed = if drive.pump > 0.0 { drive.pump.min(1.0) } else { 0.0 };
-        self.source.step(drawn_kg, speed, tick_s);
+        self.source.step(drawn_kg, speed * (1.0 - self.broken.pump_missing), tick_s);
         self.air_used_kg += drawn_kg;
         self.gripper.step(drive.gripper_on);
         self.time_us += TICK_US;
@@ -142,13 +163,21 @@ impl Plant {
         }
     }
 
-    /// Breaks a part from the next tick on.
+    /// Breaks a part from the next tick on. A fault of no channel does not look at `channel`.
     ///
     /// # Errors
-    /// When there is no such channel or the leak is out of range.
-    pub fn inject(&mut self, channel: usize, fault: ChannelFault) -> Result<(), PlantError> {
-        crate::check::check_fault(channel, &fault, self.channels.len())?;
-        self.channels[channel].break_part(fault, self.room_k);
+    /// When there is no such channel or no such part, or the fault is out of range.
+    pub fn inject(&mut self, channel: usize, fault: PartFault) -> Result<(), PlantError> {
+        let has_pump = matches!(self.source, Source::Reservoir(_));
+        check_fault(channel, &fault, self.channels.len(), has_pump)?;
+        match fault {
+            PartFault::SupplyStuckOpen => self.broken.supply_open = Some(true),
+            PartFault::SupplyStuckClosed => self.broken.supply_open = Some(false),
+            PartFault::PumpWeak { share } => self.broken.pump_missing = 1.0 - share,
+            PartFault::ReferenceSag { share } => self.broken.reference_missing = share,
+            PartFault::SensorsSwapped => self.broken.swapped.push(channel),
+            _ => self.channels[channel].break_part(fault, self.room_k),
+        }
         Ok(())
     }
 
@@ -163,18 +192,26 @@ impl Plant {
         Ok(())
     }
 
-    fn break_due_parts(&mut self) {
-        while let Some(due) = self.pending_faults.pop_if(|fault| fault.time_us <= self.time_us) {
-            if let Some(channel) = self.channels.get_mut(due.channel) {
-                channel.break_part(due.fault, self.room_k);
-            }
-        }
-    }
-
     fn sample(&mut self) {
         for (code, channel) in self.pressure_codes.iter_mut().zip(&mut self.channels) {
             *code = channel.code();
         }
         self.supply_code = self.supply_sensor.sample(&mut self.random);
+        let count = self.pressure_codes.len();
+        for &channel in &self.broken.swapped {
+            self.pressure_codes.swap(channel, (channel + 1) % count);
+        }
+        if self.broken.reference_missing > 0.0 {
+            let scales = self.full_scales.iter().zip(&mut self.pressure_codes);
+            let all = scales.chain([(&self.supply_full_scale, &mut self.supply_code)]);
+            for (&full_scale, code) in all {
+                *code = raised(*code, self.broken.reference_missing).min(full_scale);
+            }
+        }
     }
+}
+
+/// The code of the same voltage by a reference of which the share `missing` is lacking.
+fn raised(code: u16, missing: f64) -> u16 {
+    (f64::from(code) / (1.0 - missing)).round() as u16
 }

@@ -27,11 +27,6 @@ impl Random {
         2.0 * self.unit() - 1.0
     }
 
-    /// Uniform in `0..bound`; 0 when `bound` is 0.
-    pub(crate) fn below(&mut self, bound: u64) -> u64 {
-        (self.unit() * bound as f64) as u64
-    }
-
     /// Close to the standard normal distribution and truncated at 3 standard deviations
     /// (twelve uniform numbers, drawn again outside).
     pub(crate) fn truncated_normal(&mut self) -> f64 {

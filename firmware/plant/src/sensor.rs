@@ -30,6 +30,11 @@ impl Sensor {
         self.lagged_pa += (pressure_pa - self.lagged_pa) * h_s / (self.settings.lag_s + h_s);
     }
 
+    /// Moves the offset by `change_pa`.
+    pub(crate) fn drift(&mut self, change_pa: f64) {
+        self.offset_pa += change_pa;
+    }
+
     /// Puts the sensing element at a gauge pressure that has been there for long.
     pub(crate) fn settle(&mut self, pressure_pa: f64) {
         self.lagged_pa = pressure_pa;

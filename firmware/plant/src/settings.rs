@@ -3,8 +3,6 @@
 
 use fra_model::{ActuatorParameters, Load};
 
-use crate::fault::TimedFault;
-
 /// The whole plant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantSettings {
@@ -28,8 +26,6 @@ pub struct PlantSettings {
     pub gripper_time_s: f64,
     /// One entry per pneumatic channel; 1..=64.
     pub channels: Vec<ChannelSettings>,
-    /// Parts that break on the way.
-    pub faults: Vec<TimedFault>,
 }
 
 impl PlantSettings {
@@ -46,7 +42,6 @@ impl PlantSettings {
             spread: Spread::default(),
             gripper_time_s: 0.3,
             channels,
-            faults: Vec::new(),
         }
     }
 }

@@ -22,7 +22,7 @@ fn pressures(plant: &Plant) -> Vec<f64> {
 fn stuck_fill_valve_fills_to_the_supply_and_only_its_channel() {
     let mut plant = charged(1);
     let before = pressures(&plant);
-    plant.inject(0, ChannelFault::StuckFill).unwrap();
+    plant.inject(0, PartFault::FillStuckOpen).unwrap();
     run(&mut plant, 5_000, HOLD);
     let after = pressures(&plant);
     assert!((after[0] - 200e3).abs() < 500.0, "{after:?}");
@@ -32,14 +32,14 @@ fn stuck_fill_valve_fills_to_the_supply_and_only_its_channel() {
 #[test]
 fn stuck_vent_valve_empties_and_a_repair_ends_it() {
     let mut plant = charged(1);
-    plant.inject(1, ChannelFault::StuckVent).unwrap();
+    plant.inject(1, PartFault::VentStuckOpen).unwrap();
     run(&mut plant, 100, HOLD);
     let half_way = pressures(&plant)[1];
     plant.repair(1).unwrap();
     run(&mut plant, 1_000, HOLD);
     let kept = pressures(&plant)[1];
     assert!(kept > 5e3 && kept > 0.8 * half_way);
-    plant.inject(1, ChannelFault::StuckVent).unwrap();
+    plant.inject(1, PartFault::VentStuckOpen).unwrap();
     run(&mut plant, 5_000, HOLD);
     assert!(pressures(&plant)[1].abs() < 100.0);
 }
@@ -48,7 +48,7 @@ fn stuck_vent_valve_empties_and_a_repair_ends_it() {
 fn choked_leak_loses_its_conductance_times_pressure() {
     let mut plant = charged(1);
     let before = pressures(&plant);
-    plant.inject(0, ChannelFault::Leak { conductance_m3_per_s_pa: 2e-11 }).unwrap();
+    plant.inject(0, PartFault::Leak { conductance_m3_per_s_pa: 2e-11 }).unwrap();
     run(&mut plant, 1_000, HOLD);
     let after = pressures(&plant);
     // dP/dt = -R T m'/(V + P dV/dP), m' = C rho0 P phi; the volume grows with pressure, so the
@@ -62,7 +62,7 @@ fn choked_leak_loses_its_conductance_times_pressure() {
 #[test]
 fn open_sensor_reads_zero_and_nothing_else_changes() {
     let (mut broken, mut intact) = (charged(1), charged(1));
-    broken.inject(0, ChannelFault::SensorOpen).unwrap();
+    broken.inject(0, PartFault::SensorOpen).unwrap();
     run(&mut broken, 100, HOLD);
     run(&mut intact, 100, HOLD);
     assert_eq!(broken.pressure_codes()[0], 0);
@@ -71,21 +71,111 @@ fn open_sensor_reads_zero_and_nothing_else_changes() {
 }
 
 #[test]
-fn timed_faults_come_in_time() {
-    let mut s = settings(1, 1);
-    s.faults = vec![TimedFault { time_us: 20_000, channel: 0, fault: ChannelFault::StuckFill }];
-    let mut plant = Plant::new(&s).unwrap();
-    run(&mut plant, 20, HOLD);
-    assert!(!plant.truth().channels[0].fill_open);
-    run(&mut plant, 1, HOLD);
-    assert!(plant.truth().channels[0].fill_open);
+fn valves_stuck_closed_pass_nothing() {
+    for (fault, drive) in [(PartFault::FillStuckClosed, FILL), (PartFault::VentStuckClosed, VENT)] {
+        let mut plant = charged(1);
+        let before = pressures(&plant);
+        plant.inject(0, fault).unwrap();
+        run(&mut plant, 100, drive);
+        run(&mut plant, 50, HOLD);
+        let after = pressures(&plant);
+        assert!((after[0] - before[0]).abs() < 1e3, "{fault:?}: {before:?} {after:?}");
+        assert!((after[1] - before[1]).abs() > 10e3, "{fault:?}: {before:?} {after:?}");
+    }
+}
+
+#[test]
+fn swapped_coils_fill_where_they_should_vent() {
+    let mut plant = charged(1);
+    let before = pressures(&plant);
+    plant.inject(0, PartFault::CoilsSwapped).unwrap();
+    run(&mut plant, 60, VENT);
+    let after = pressures(&plant);
+    assert!(after[0] > before[0] + 5e3 && after[1] < before[1] - 5e3, "{before:?} {after:?}");
+}
+
+#[test]
+fn broken_sensors_deceive_and_change_no_pressure() {
+    let intact = {
+        let mut plant = charged(1);
+        run(&mut plant, 1_000, HOLD);
+        plant
+    };
+    // One code is 206 843 Pa / 3276 = 63.1 Pa; a charged chamber reads about 2000 codes above the room's 410.
+    let broken = |fault| {
+        let mut plant = charged(1);
+        let frozen = plant.pressure_codes()[0];
+        plant.inject(0, fault).unwrap();
+        run(&mut plant, 1_000, HOLD);
+        assert_eq!(pressures(&plant), pressures(&intact), "{fault:?}");
+        (frozen, plant.pressure_codes().to_vec(), plant.supply_code())
+    };
+    let codes = intact.pressure_codes();
+    let (frozen, read, _) = broken(PartFault::SensorFrozen);
+    assert_eq!((read[0], read[1]), (frozen, codes[1]));
+    let (_, read, _) = broken(PartFault::SensorZero);
+    assert!((i32::from(read[0]) - 410).abs() < 20, "{read:?}");
+    let (_, read, _) = broken(PartFault::SensorDrift { pa_per_s: -6_310.0 });
+    assert!((i32::from(codes[0]) - i32::from(read[0]) - 100).abs() <= 1, "{read:?} {codes:?}");
+    let (_, read, _) = broken(PartFault::SensorsSwapped);
+    assert_eq!(read, [codes[1], codes[0]]);
+    let (_, read, supply) = broken(PartFault::ReferenceSag { share: 0.2 });
+    let sagged = [codes[0], codes[1], intact.supply_code()].map(|code| f64::from(code) / 0.8);
+    for (read, expected) in [read[0], read[1], supply].into_iter().zip(sagged) {
+        assert!((f64::from(read) - expected.min(4_095.0)).abs() <= 0.5, "{read} {expected}");
+    }
+}
+
+#[test]
+fn kinked_hose_fills_the_manifold_and_hardly_the_chamber() {
+    let mut plant = charged(1);
+    run(&mut plant, 3_000, VENT);
+    plant.inject(0, PartFault::HoseKinked { share: 0.02 }).unwrap();
+    run(&mut plant, 60, FILL);
+    let truth = plant.truth();
+    assert!(truth.channels[0].line_pressure_pa > 100e3, "{}", truth.channels[0].line_pressure_pa);
+    assert!(truth.channels[0].pressure_pa < 5e3, "{}", truth.channels[0].pressure_pa);
+    assert!(truth.channels[1].pressure_pa > 20e3, "{}", truth.channels[1].pressure_pa);
+}
+
+#[test]
+fn stuck_supply_valve_does_not_follow_its_coil() {
+    let filled = |fault: Option<PartFault>, supply_open| {
+        let mut plant = charged(1);
+        run(&mut plant, 3_000, VENT);
+        fault.map_or(Ok(()), |fault| plant.inject(9, fault)).unwrap();
+        for _ in 0..100 {
+            plant.step(&Drive { supply_open, ..Drive { channels: &[FILL; 2], ..Drive::default() } });
+        }
+        pressures(&plant)[0] > 10e3
+    };
+    assert!(filled(None, true) && !filled(None, false));
+    assert!(filled(Some(PartFault::SupplyStuckOpen), false));
+    assert!(!filled(Some(PartFault::SupplyStuckClosed), true));
+}
+
+#[test]
+fn weak_pump_delivers_its_share_and_a_regulator_has_none() {
+    let risen = |share| {
+        let mut s = settings(1, 1);
+        s.supply = Supply::Pump(PumpSettings { initial_pressure_pa: 0.0, ..PumpSettings::default() });
+        let mut plant = Plant::new(&s).unwrap();
+        plant.inject(0, PartFault::PumpWeak { share }).unwrap();
+        for _ in 0..200 {
+            plant.step(&Drive { pump: 1.0, ..Drive::default() });
+        }
+        plant.truth().supply_pressure_pa
+    };
+    let ratio = risen(0.25) / risen(1.0);
+    assert!((ratio - 0.25).abs() < 0.01, "{ratio}");
+    assert_eq!(charged(1).inject(0, PartFault::PumpWeak { share: 0.5 }), Err(PlantError::NoPump));
 }
 
 #[test]
 fn faults_name_the_channel_that_is_missing() {
     let mut plant = charged(1);
     let missing = PlantError::NoSuchChannel { channel: 7, channels: 2 };
-    assert_eq!(plant.inject(7, ChannelFault::StuckFill), Err(missing.clone()));
+    assert_eq!(plant.inject(7, PartFault::FillStuckOpen), Err(missing.clone()));
     assert_eq!(plant.repair(7), Err(missing));
 }
 

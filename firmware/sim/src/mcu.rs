@@ -1,7 +1,7 @@
 //! The simulated MCU as its host sees it.
 
 use softlimb_firmware::{Board, BootInfo, Controller, TickInputs, TickOutputs, turn};
-use softlimb_plant::{ChannelFault, Plant, PlantError, Truth};
+use softlimb_plant::{PartFault, Plant, PlantError, Truth};
 use softlimb_protocol::{BootCause, MAX_CHANNELS};
 
 use crate::board::SimulatedBoard;
@@ -235,7 +235,7 @@ impl<P: Processor> SimulatedMcu<P> {
     ///
     /// # Errors
     /// [`PlantError`] when there is no such channel or the fault is out of range.
-    pub fn inject(&mut self, channel: usize, fault: ChannelFault) -> Result<(), PlantError> {
+    pub fn inject(&mut self, channel: usize, fault: PartFault) -> Result<(), PlantError> {
         self.board.plant.inject(channel, fault)
     }
 }

@@ -1,7 +1,7 @@
 //! The simulated device as a whole: time, line, determinism, and that controller and plant are really joined.
 
 use crate::common::{Host, SESSION, settings};
-use softlimb_plant::ChannelFault;
+use softlimb_plant::PartFault;
 use softlimb_protocol::*;
 use softlimb_sim::{LineFaults, SimError, SimulatedMcu};
 
@@ -140,7 +140,7 @@ fn time_that_passes_in_other_steps_is_the_same_time() {
 fn broken_sensor_reaches_the_controller() {
     let mut host = Host::new(&settings(2));
     host.get_ready(2, SetpointKind::Pressure);
-    host.mcu.inject(1, ChannelFault::SensorOpen).unwrap();
+    host.mcu.inject(1, PartFault::SensorOpen).unwrap();
     host.wait(20_000);
     let told = host.heard.iter().find_map(|(_, message)| match message {
         DeviceMessage::Fault(fault) => Some((fault.code.known(), fault.channel)),

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::link_common::*;
 use softlimb_protocol::*;
 use softlimb_rig::link::{Ending, Event, LinkError, StreamOptions, Summary, VentOutcome, stream};
-use softlimb_sim::plant::ChannelFault;
+use softlimb_sim::plant::PartFault;
 use softlimb_sim::{LineFaults, SimSettings, SimulatedMcu};
 
 /// Runs 4 s of setpoints and lets `act` do something once, `after_us` after the start.
@@ -43,7 +43,7 @@ fn over_pressure_is_named_with_channel_and_pressure() {
     let mut mcu = device(&settings(3));
     let options = StreamOptions::new(SESSION);
     let (result, told) =
-        disturbed(&mut mcu, 3, &options, 1_500_000, |mcu| mcu.inject(1, ChannelFault::StuckFill).unwrap());
+        disturbed(&mut mcu, 3, &options, 1_500_000, |mcu| mcu.inject(1, PartFault::FillStuckOpen).unwrap());
     let text = result.as_ref().unwrap_err().to_string();
     let (error, at_us, vent) = cause(result);
     let LinkError::Fault { fault: Some(fault) } = error else { panic!("{error}") };
@@ -198,7 +198,7 @@ fn supply_that_never_comes_up_is_named() {
 #[test]
 fn open_sensor_keeps_the_device_from_becoming_ready() {
     let mut mcu = device(&settings(2));
-    mcu.inject(1, ChannelFault::SensorOpen).unwrap();
+    mcu.inject(1, PartFault::SensorOpen).unwrap();
     let result = stream(&mut mcu, &configuration(2), &knots(2, 1.0), &StreamOptions::new(SESSION), |_, _| {});
     let LinkError::Run { cause, .. } = result.unwrap_err() else { panic!() };
     assert!(matches!(*cause, LinkError::NotReady { state: Some(DeviceState::Idle), .. }), "{cause}");

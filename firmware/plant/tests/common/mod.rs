@@ -3,9 +3,10 @@
 use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement};
 use softlimb_plant::*;
 
-/// Coils of one channel: nothing, filling.
+/// Coils of one channel: nothing, filling, venting.
 pub(crate) const HOLD: ChannelDrive = ChannelDrive { fill_us: 0, vent_us: 0 };
 pub(crate) const FILL: ChannelDrive = ChannelDrive { fill_us: 1_000, vent_us: 0 };
+pub(crate) const VENT: ChannelDrive = ChannelDrive { fill_us: 0, vent_us: 1_000 };
 
 /// An extending actuator of about 80 mL.
 pub(crate) fn extender() -> ActuatorParameters<f64> {
