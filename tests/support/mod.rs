@@ -102,7 +102,7 @@ pub(crate) fn rerun(log: &Path) -> Replay {
 
 fn ran(scene: &Scene, seed: u64, mcu: Mcu, run: impl FnOnce(&RunOptions) -> Result<RunFiles, RunError>) -> Ran {
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed, out: folder.path().to_owned(), mcu, link_faults: None };
+    let options = RunOptions { seed, out: folder.path().to_owned(), mcu, link_faults: None, faults: Vec::new() };
     let files = run(&options).unwrap_or_else(|error| panic!("{}, seed {seed}: {error}", scene.name()));
     let summary = report::summary(&files.run);
     Ran { files, summary, folder }

@@ -43,6 +43,8 @@ pub(crate) struct Channel {
     random: Random,
     broken: Broken,
     last_code: u16,
+    /// Highest gauge pressure at the end of a tick so far.
+    peak_pa: f64,
     intact_leak_m3_per_s_pa: f64,
     intact_tube: Orifice,
     motion: MotionSettings,
@@ -81,6 +83,7 @@ impl Channel {
             random: Random::new(plant.noise_seed, stream + 1),
             broken: Broken::default(),
             last_code: 0,
+            peak_pa: 0.0,
             intact_tube: piping.tube,
             intact_leak_m3_per_s_pa: nominal.leak_m3_per_s_pa,
             motion: nominal.motion,
@@ -114,6 +117,7 @@ impl Channel {
             self.flow(next - now, supply_abs_pa);
             now = next;
         }
+        self.peak_pa = self.peak_pa.max(self.gas.chamber_abs_pa - self.piping.ambient_abs_pa);
         self.creep();
         self.sensor.drift(self.broken.sensor_drift_pa_per_s * TICK_S);
         self.gas.filled_kg - drawn_before
@@ -161,6 +165,11 @@ impl Channel {
         self.broken = Broken::default();
         self.piping.leak = leak(self.intact_leak_m3_per_s_pa, room_k);
         self.piping.tube = self.intact_tube;
+    }
+
+    /// Highest gauge pressure of the chamber at the end of a tick so far, Pa.
+    pub(crate) fn peak_pa(&self) -> f64 {
+        self.peak_pa
     }
 
     /// True state of the channel.

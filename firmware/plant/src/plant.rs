@@ -168,8 +168,7 @@ impl Plant {
     /// # Errors
     /// When there is no such channel or no such part, or the fault is out of range.
     pub fn inject(&mut self, channel: usize, fault: PartFault) -> Result<(), PlantError> {
-        let has_pump = matches!(self.source, Source::Reservoir(_));
-        check_fault(channel, &fault, self.channels.len(), has_pump)?;
+        self.can_break(channel, &fault)?;
         match fault {
             PartFault::SupplyStuckOpen => self.broken.supply_open = Some(true),
             PartFault::SupplyStuckClosed => self.broken.supply_open = Some(false),
@@ -179,6 +178,20 @@ impl Plant {
             _ => self.channels[channel].break_part(fault, self.room_k),
         }
         Ok(())
+    }
+
+    /// Whether the plant has the part of a fault.
+    ///
+    /// # Errors
+    /// As [`inject`](Self::inject).
+    pub fn can_break(&self, channel: usize, fault: &PartFault) -> Result<(), PlantError> {
+        let has_pump = matches!(self.source, Source::Reservoir(_));
+        check_fault(channel, fault, self.channels.len(), has_pump)
+    }
+
+    /// Highest gauge pressure of each chamber since the start, Pa.
+    pub fn peak_chamber_pa(&self) -> Vec<f64> {
+        self.channels.iter().map(Channel::peak_pa).collect()
     }
 
     /// Repairs every part of a channel.

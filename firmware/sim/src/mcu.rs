@@ -231,6 +231,19 @@ impl<P: Processor> SimulatedMcu<P> {
         Ok(())
     }
 
+    /// Whether the plant has the part of a fault.
+    ///
+    /// # Errors
+    /// As [`inject`](Self::inject).
+    pub fn can_break(&self, channel: usize, fault: &PartFault) -> Result<(), PlantError> {
+        self.board.plant.can_break(channel, fault)
+    }
+
+    /// Highest true gauge pressure of each chamber since the start, Pa.
+    pub fn peak_chamber_pa(&self) -> Vec<f64> {
+        self.board.plant.peak_chamber_pa()
+    }
+
     /// Breaks a part of the plant from the next tick on.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use softlimb_rig::record;
 use softlimb_rig::record::{
-    Capture, CoilPulse, DeviceTick, Direction, LinkSummary, RecordError, Recorder, Recovered, RunLog, WireBytes,
+    Capture, CoilPulse, DeviceTick, Direction, RecordError, Recorder, Recovered, RunEnd, RunLog, WireBytes,
 };
 use std::path::Path;
 
@@ -10,7 +10,11 @@ use std::path::Path;
 fn write(run: &RunLog, path: &Path) {
     let mut recorder = Recorder::create(path, &run.info).unwrap();
     stream(run, &mut recorder);
-    recorder.finish(run.link, run.wall_s).unwrap();
+    recorder.finish(&end(run)).unwrap();
+}
+
+fn end(run: &RunLog) -> RunEnd {
+    RunEnd { link: run.link, peak_chamber_pa: run.peak_chamber_pa.clone(), wall_s: run.wall_s }
 }
 
 fn stream(run: &RunLog, recorder: &mut Recorder) {
@@ -152,7 +156,7 @@ fn bytes_of_the_link_and_ticks_come_back_and_are_on_the_disk_without_a_sample() 
     let seen = record::read_capture(&partial).unwrap();
     let behind_us = 2_900_000 - seen.wire.last().unwrap().host_us;
     assert!(behind_us <= 500_000, "{behind_us} us behind");
-    recorder.finish(LinkSummary::default(), None).unwrap();
+    recorder.finish(&RunEnd::default()).unwrap();
     assert_eq!(record::read_capture(&path).unwrap(), Capture { wire, ticks, at_pins: true });
     assert_eq!(record::read(&path).unwrap().samples, []);
 }
@@ -332,6 +336,6 @@ fn sample_that_does_not_fit_the_run_is_refused_and_the_log_goes_on() {
     assert!(recorder.sample(&bad).unwrap_err().to_string().contains("not finite"));
 
     recorder.sample(good).unwrap();
-    recorder.finish(run.link, None).unwrap();
+    recorder.finish(&RunEnd { wall_s: None, ..end(&run) }).unwrap();
     assert_eq!(record::read(&path).unwrap().samples, run.samples[..1]);
 }

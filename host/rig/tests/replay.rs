@@ -28,7 +28,7 @@ fn ran(folder: &Path) -> RunFiles {
 
 fn ran_with(folder: &Path, link_faults: Option<LinkFaults>) -> RunFiles {
     let scene = parse(ONE_FINGER, "minimal.toml").unwrap();
-    let options = RunOptions { seed: 3, out: folder.to_owned(), mcu: Mcu::Here, link_faults };
+    let options = RunOptions { seed: 3, out: folder.to_owned(), mcu: Mcu::Here, link_faults, faults: Vec::new() };
     run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap()
 }
 

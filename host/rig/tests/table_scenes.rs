@@ -186,7 +186,7 @@ fn goal_beyond_the_finite_elements_is_refused_where_it_is_written() {
     // No run of it either.
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results");
-    let options = RunOptions { seed: 1, out: out.clone(), mcu: Mcu::Here, link_faults: None };
+    let options = RunOptions { seed: 1, out: out.clone(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
     assert!(run(&beyond, &options, &AtomicBool::new(false), |_| ()).is_err());
     assert!(!out.exists());
 }
@@ -217,7 +217,7 @@ fn table_that_errs_more_than_the_scene_allows_is_not_sent() {
     // A run that is refused leaves nothing behind.
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results");
-    let options = RunOptions { seed: 1, out: out.clone(), mcu: Mcu::Here, link_faults: None };
+    let options = RunOptions { seed: 1, out: out.clone(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
     assert!(run(&scene, &options, &AtomicBool::new(false), |_| ()).is_err());
     assert!(!out.exists());
 }
@@ -254,7 +254,7 @@ fn module_that_the_device_does_not_solve_needs_tables_within_the_budget() {
 fn run_by_tables_is_the_run_by_the_model() {
     let reached = |controller: &str| {
         let folder = tempfile::tempdir().unwrap();
-        let options = RunOptions { seed: 1, out: folder.path().to_owned(), mcu: Mcu::Here, link_faults: None };
+        let options = RunOptions { seed: 1, out: folder.path().to_owned(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
         let files = run(&straight(controller), &options, &AtomicBool::new(false), |_| ()).unwrap();
         let summary = report::summary(&files.run);
         // At rest at the end of the move: on the way there the upload, which is longer with tables, shifts the periods of the

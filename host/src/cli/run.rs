@@ -15,7 +15,7 @@ use softlimb_rig::link::port::Address;
 use softlimb_rig::report;
 use softlimb_rig::report::{Miss, Summary};
 use softlimb_rig::run;
-use softlimb_rig::run::{Mcu, Progress, RunError, RunFiles, RunOptions};
+use softlimb_rig::run::{Mcu, Progress, RunError, RunFiles, RunOptions, TimedFault};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -26,6 +26,7 @@ use softlimb_scene::Scene;
                   Examples:\n  softlimb run scenes/pick-and-place-a.toml\n  \
                   softlimb run scenes/single-bending.toml --port /dev/ttyACM0\n  \
                   softlimb run scenes/single-bending.toml --link-fault loss=0.05,flip=0.01,stall=0.001:600ms\n  \
+                  softlimb run scenes/pick-and-place-a.toml --fault sensor-frozen@4.5,1\n  \
                   softlimb run calibrated.toml --plant scenes/pick-and-place-a.toml")]
 pub(super) struct Run {
     /// The scene file
@@ -46,6 +47,9 @@ pub(super) struct Run {
     /// Faults of the link, as shares of the frames each way: loss, flip, burst, cut, duplicate, reorder, garbage, wrong-baud, stall
     #[arg(long, value_name = "NAME=SHARE,..")]
     link_fault: Option<LinkFaults>,
+    /// Fault that the simulated limb, its device or the link meets on purpose, by time in seconds into the run; may be repeated
+    #[arg(long, value_name = "NAME@TIME[,CHANNEL]")]
+    fault: Vec<TimedFault>,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -144,7 +148,8 @@ impl Run {
     ) -> Result<Result<RunFiles, RunError>, Failure> {
         let plant = self.plant.as_ref().map(scene::load).transpose()?;
         let plant = plant.as_ref().unwrap_or(scene);
-        let options = RunOptions { seed: self.seed.unwrap_or(plant.seed()), out, mcu, link_faults: self.link_fault };
+        let seed = self.seed.unwrap_or(plant.seed());
+        let options = RunOptions { seed, out, mcu, link_faults: self.link_fault, faults: self.fault.clone() };
         Ok(run::run_on(scene, plant, &options, &AtomicBool::new(false), on_progress))
     }
 
@@ -155,6 +160,7 @@ impl Run {
             ("--mcu", self.controller.mcu.is_some(), true),
             ("--image", self.controller.image.is_some(), *address != Address::Emulated),
             ("--seed", self.seed.is_some(), matches!(address, Address::Port(_))),
+            ("--fault", !self.fault.is_empty(), matches!(address, Address::Port(_))),
             ("--plant", self.plant.is_some(), matches!(address, Address::Port(_))),
         ];
         match given.into_iter().find(|(_, is_given, contradicts)| *is_given && *contradicts) {

@@ -1,6 +1,6 @@
 //! `replay`, `export` and `recover` on the log of a run.
 
-use softlimb::rig::record::{LinkSummary, Recorder, read, read_capture};
+use softlimb::rig::record::{RunEnd, Recorder, read, read_capture};
 
 use crate::cli::desk::Desk;
 
@@ -37,7 +37,7 @@ fn first_difference_is_told_and_ends_with_exit_code_3() {
     let mut recorder = Recorder::create(desk.path("forged.mcap"), &run.info).unwrap();
     capture.wire.iter().for_each(|wire| recorder.wire(wire).unwrap());
     recorder.ticks(&capture.ticks, false).unwrap();
-    recorder.finish(LinkSummary::default(), None).unwrap();
+    recorder.finish(&RunEnd::default()).unwrap();
 
     let answer = desk.softlimb("replay forged.mcap");
     assert_eq!(answer.code, Some(3), "{answer:?}");

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// One module of the limb: a bundle of actuators of one kind.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModuleInfo {
     /// Name in the scene file.
     pub name: String,
@@ -16,6 +16,9 @@ pub struct ModuleInfo {
     pub quantity: StateQuantity,
     /// Channels that drive the module, as indices into [`Sample::channels`].
     pub channels: Range<usize>,
+    /// Gauge pressure above which the device vents a channel of the module, Pa; `None` in logs of earlier versions and without a scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_limit_pa: Option<f64>,
 }
 
 /// One phase of the scene: a move, then a hold.
@@ -71,6 +74,18 @@ impl PhaseInfo {
     }
 }
 
+/// A fault that the run met on purpose.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InjectedFault {
+    /// Name, as on the command line.
+    pub name: String,
+    /// Time since the start of the run, s.
+    pub time_s: f64,
+    /// Channel, from 0; absent for a fault of no channel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<usize>,
+}
+
 /// Everything about a run that is known before it starts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunInfo {
@@ -102,6 +117,9 @@ pub struct RunInfo {
     pub simulated: bool,
     /// True when the simulated limb carried neither its own weight nor a payload.
     pub weightless: bool,
+    /// Faults that a simulated run meets on purpose.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub injected_faults: Vec<InjectedFault>,
 }
 
 impl RunInfo {
@@ -217,6 +235,17 @@ pub struct LinkSummary {
     pub telemetry_lost: u64,
 }
 
+/// What is known after a run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RunEnd {
+    /// Link counters.
+    pub link: LinkSummary,
+    /// Highest true gauge pressure of each channel's chamber, Pa; empty where no one sees into the chambers.
+    pub peak_chamber_pa: Vec<f64>,
+    /// Wall-clock time that the run took, s.
+    pub wall_s: Option<f64>,
+}
+
 /// A whole run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunLog {
@@ -230,6 +259,8 @@ pub struct RunLog {
     pub shapes: Vec<Shape>,
     /// Link counters; all zero in a log that was cut off.
     pub link: LinkSummary,
+    /// Highest true gauge pressure of each channel's chamber, Pa; empty where no one sees into the chambers.
+    pub peak_chamber_pa: Vec<f64>,
     /// Wall-clock time that the run took, s.
     pub wall_s: Option<f64>,
     /// Why the log ends before the run did; `None` for a finished log.

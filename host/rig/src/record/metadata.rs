@@ -1,11 +1,16 @@
 //! The two metadata records of a log, written and read: what is known before a run
 //! and what is known after it.
 
-use super::{LinkSummary, ModuleInfo, RecordError, RunInfo};
+use super::{ModuleInfo, RecordError, RunEnd, RunInfo};
 use softlimb_chart::WEIGHTLESS;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
+
+/// Key of the faults that a run meets on purpose.
+const INJECTED: &str = "injected_faults";
+/// Key of the highest true pressures.
+const PEAKS: &str = "peak_chamber_pa";
 
 /// A metadata record's content.
 pub(super) type Metadata = BTreeMap<String, String>;
@@ -28,15 +33,23 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     if let Some(seed) = info.seed {
         metadata.insert("seed".into(), seed.to_string());
     }
+    if !info.injected_faults.is_empty() {
+        metadata.insert(INJECTED.into(), to_json(&info.injected_faults));
+    }
     if !info.solids.is_empty() {
         metadata.insert("solids".into(), to_json(&info.solids));
     }
     metadata
 }
 
-/// Link counters and wall-clock time in s, as JSON.
-pub(super) fn end_metadata(link: &LinkSummary, wall_s: Option<f64>) -> Metadata {
-    Metadata::from([("link".into(), to_json(link)), ("wall_s".into(), to_json(&wall_s))])
+/// What is known after the run, as JSON.
+pub(super) fn end_metadata(end: &RunEnd) -> Metadata {
+    let mut metadata =
+        Metadata::from([("link".into(), to_json(&end.link)), ("wall_s".into(), to_json(&end.wall_s))]);
+    if !end.peak_chamber_pa.is_empty() {
+        metadata.insert(PEAKS.into(), to_json(&end.peak_chamber_pa));
+    }
+    metadata
 }
 
 /// JSON of plain data. Numbers and strings cannot fail to become JSON.
@@ -68,19 +81,21 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         solids: if run.contains_key("solids") { fields.json("solids")? } else { Vec::new() },
         simulated: fields.parse("simulated")?,
         // Logs of earlier versions do not say.
+        injected_faults: if run.contains_key(INJECTED) { fields.json(INJECTED)? } else { Vec::new() },
         weightless: run.contains_key(WEIGHTLESS) && fields.parse(WEIGHTLESS)?,
     };
     check_modules(&info)?;
     Ok(info)
 }
 
-/// Reads link counters and wall-clock time in s.
+/// Reads what was known after the run.
 ///
 /// # Errors
 /// [`RecordError::Metadata`].
-pub(super) fn read_end(end: &Metadata) -> Result<(LinkSummary, Option<f64>), RecordError> {
+pub(super) fn read_end(end: &Metadata) -> Result<RunEnd, RecordError> {
     let fields = Fields { name: super::END_METADATA, fields: end };
-    Ok((fields.json("link")?, fields.json("wall_s")?))
+    let peak_chamber_pa = if end.contains_key(PEAKS) { fields.json(PEAKS)? } else { Vec::new() };
+    Ok(RunEnd { link: fields.json("link")?, peak_chamber_pa, wall_s: fields.json("wall_s")? })
 }
 
 /// Refuses modules whose channels no device can have: they are numbered by a byte.

@@ -6,7 +6,7 @@ use super::messages::{
     decode_outputs, decode_shape, decode_telemetry,
 };
 use super::metadata::{Metadata, read_end, read_run};
-use super::{LinkSummary, ModuleSample, RecordError, RunInfo, RunLog, Sample};
+use super::{ModuleSample, RecordError, RunEnd, RunInfo, RunLog, Sample};
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::HashMap;
@@ -212,12 +212,21 @@ impl PartialLog {
             (None, None) => Some("the run was not finished".to_owned()),
             (_, Some(reason)) => Some(format!("the file is cut off or damaged, and the rest is lost ({reason})")),
         };
-        let (link, wall_s) = match self.end {
+        let RunEnd { link, peak_chamber_pa, wall_s } = match self.end {
             Some(end) => read_end(&end)?,
-            None => (LinkSummary::default(), None),
+            None => RunEnd::default(),
         };
         check_counts(&info, &self.samples)?;
-        Ok(RunLog { info, samples: self.samples, faults: self.faults, shapes: self.shapes, link, wall_s, incomplete })
+        Ok(RunLog {
+            info,
+            samples: self.samples,
+            faults: self.faults,
+            shapes: self.shapes,
+            link,
+            peak_chamber_pa,
+            wall_s,
+            incomplete,
+        })
     }
 }
 

@@ -7,7 +7,7 @@ use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
 use super::ticks::{encode_ticks, first_row};
 use super::topics::{Observed, Topics, declare_ticks};
 use super::wire::encode_wire;
-use super::{DeviceTick, FaultRecord, LinkSummary, OutputSample, RecordError, RunInfo, Sample, Shape, WireBytes};
+use super::{DeviceTick, FaultRecord, OutputSample, RecordError, RunEnd, RunInfo, Sample, Shape, WireBytes};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -168,13 +168,13 @@ impl Recorder {
         Ok(())
     }
 
-    /// Ends the log: link counters, wall-clock time in s, index, and its final name.
+    /// Ends the log: what is known after the run, index, and its final name.
     ///
     /// # Errors
     /// [`RecordError::File`] when the disk refuses; the
     /// partial file then stays.
-    pub fn finish(mut self, link: LinkSummary, wall_s: Option<f64>) -> Result<(), RecordError> {
-        let end = mcap::records::Metadata { name: super::END_METADATA.into(), metadata: end_metadata(&link, wall_s) };
+    pub fn finish(mut self, end: &RunEnd) -> Result<(), RecordError> {
+        let end = mcap::records::Metadata { name: super::END_METADATA.into(), metadata: end_metadata(end) };
         self.mcap
             .write_metadata(&end)
             .and_then(|()| self.mcap.finish())

@@ -3,7 +3,7 @@
 
 use super::stats::ErrorStats;
 use super::{ModuleSummary, Summary};
-use crate::record::{FaultRecord, RunLog, Sample};
+use crate::record::{FaultRecord, InjectedFault, RunLog, Sample};
 use serde::Serialize;
 
 /// Shown where nothing was observed.
@@ -118,6 +118,20 @@ pub(super) fn fault(fault: &FaultRecord) -> String {
         channel => format!("channel {channel}"),
     };
     format!("{:.3} s, {place}: {} (code {}, value {})", fault.time_s, fault.text, fault.code, fault.value)
+}
+
+/// A fault that the run met on purpose, as one line.
+pub(super) fn injected(fault: &InjectedFault) -> String {
+    let place = fault.channel.map_or(String::new(), |channel| format!(", channel {channel}"));
+    format!("{:.3} s{place}: {}", fault.time_s, fault.name)
+}
+
+/// The chamber that came nearest to its limit, or went furthest beyond it; `None` where no one saw into the chambers.
+pub(super) fn peak(summary: &Summary) -> Option<String> {
+    let limits = summary.pressure_limit_pa.as_ref()?;
+    let chambers = summary.peak_chamber_pa.iter().zip(limits).enumerate();
+    let (channel, (peak_pa, limit_pa)) = chambers.max_by(|a, b| (a.1.0 - a.1.1).total_cmp(&(b.1.0 - b.1.1)))?;
+    Some(format!("{:.1} kPa in channel {channel}, whose limit is {:.1} kPa", peak_pa * 1e-3, limit_pa * 1e-3))
 }
 
 /// Device states in order, each with the time from which it held.

@@ -1,7 +1,7 @@
 //! The figures of merit of a run.
 
 use super::stats::{ErrorStats, distance};
-use crate::record::{FaultRecord, LinkSummary, ModuleInfo, RunInfo, RunLog, Sample};
+use crate::record::{FaultRecord, InjectedFault, LinkSummary, ModuleInfo, RunInfo, RunLog, Sample};
 use fra_model::StateQuantity;
 use serde::Serialize;
 use std::ops::Range;
@@ -37,6 +37,15 @@ pub struct Summary {
     pub real_time_factor: Option<f64>,
     /// Faults that the device reported.
     pub faults: Vec<FaultRecord>,
+    /// Faults that a simulated run met on purpose.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub injected_faults: Vec<InjectedFault>,
+    /// Highest true gauge pressure of each channel's chamber, Pa.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub peak_chamber_pa: Vec<f64>,
+    /// Gauge pressure above which the device vents the channel, Pa, one per channel; absent in logs of earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_limit_pa: Option<Vec<f64>>,
     /// Modules that were not at their setpoint when a phase ended.
     pub misses: Vec<Miss>,
     /// Channels whose reference the device had to limit.
@@ -155,6 +164,9 @@ pub fn summary(log: &RunLog) -> Summary {
         wall_s: log.wall_s,
         real_time_factor: log.wall_s.filter(|wall_s| *wall_s > 0.0).map(|wall_s| duration_s / wall_s),
         faults: log.faults.clone(),
+        injected_faults: log.info.injected_faults.clone(),
+        peak_chamber_pa: log.peak_chamber_pa.clone(),
+        pressure_limit_pa: pressure_limits(&log.info),
         misses: misses(&log.info, &counted),
         limited_channels: limited_channels(&counted),
         link: log.link,
@@ -202,6 +214,14 @@ fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
         missed.collect::<Vec<_>>()
     };
     info.modules.iter().enumerate().flat_map(of_module).collect()
+}
+
+fn pressure_limits(info: &RunInfo) -> Option<Vec<f64>> {
+    let mut limits = vec![f64::NAN; info.channel_count()];
+    for module in &info.modules {
+        limits.get_mut(module.channels.clone())?.fill(module.pressure_limit_pa?);
+    }
+    limits.iter().all(|limit| limit.is_finite()).then_some(limits)
 }
 
 fn limited_channels(samples: &[&Sample]) -> Vec<usize> {

@@ -29,6 +29,7 @@ impl Summary {
         text.push_str(&aligned(&error_cells(&rows::errors(self)), &[1, 2]));
         text.push('\n');
         text.push_str(&link(self));
+        text.push_str(&injected(self));
         text.push_str(&faults(self));
         text
     }
@@ -58,6 +59,19 @@ fn link(summary: &Summary) -> String {
         text.push_str(&entry);
     }
     text.push('\n');
+    text
+}
+
+/// Faults met on purpose, and the pressure they came to; nothing in a run without.
+fn injected(summary: &Summary) -> String {
+    if summary.injected_faults.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("faults on purpose  {}\n", summary.injected_faults.len());
+    for fault in &summary.injected_faults {
+        let _ = writeln!(text, "  {}", cut(&rows::injected(fault), WIDTH - 2));
+    }
+    rows::peak(summary).into_iter().for_each(|peak| text.push_str(&format!("highest true pressure  {peak}\n")));
     text
 }
 

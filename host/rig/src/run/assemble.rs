@@ -203,6 +203,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         motion: drive.motion.name().into(),
         quantity: drive.kind,
         channels: drive.channels.clone(),
+        pressure_limit_pa: Some(drive.pressure_max_pa),
     });
     let (seed, start_unix_ns) = match origin {
         // A simulated run has no date: the same run is the same log.
@@ -224,6 +225,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         simulated: seed.is_some(),
         // A limb on a device has its weight, whatever the plan says.
         weightless: seed.is_some() && scene.weightless(),
+        injected_faults: Vec::new(),
     }
 }
 

@@ -20,6 +20,14 @@ impl<B: Bench> Bench for DisturbedLink<B> {
         self.port_mut().tape()
     }
 
+    fn armed(&mut self, start_us: u64) {
+        self.port_mut().armed(start_us);
+    }
+
+    fn peak_chamber_pa(&self) -> Vec<f64> {
+        self.port().peak_chamber_pa()
+    }
+
     fn is_at_pins(&self) -> bool {
         self.port().is_at_pins()
     }

@@ -47,6 +47,14 @@ pub enum RunError {
         /// The same in the scene of the simulated limb.
         simulated: String,
     },
+    /// A fault that the run is to meet, and cannot.
+    #[error("{name}: {reason}")]
+    Fault {
+        /// Name of the fault.
+        name: String,
+        /// Reason.
+        reason: String,
+    },
     /// There is no tip to be seen: the limb fell, or the run ended before.
     #[error("{time_s:.2} s into the run the tip is not visible: the limb fell under its load, or the run ended before")]
     NotSeen {

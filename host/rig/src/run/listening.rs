@@ -10,7 +10,7 @@ use super::{RunError, unix_ns};
 use crate::link::port::{Port, PortAddress};
 use crate::link::{DeviceFault, LinkError, Transport};
 use crate::record::{
-    Direction, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, Recorder, RunInfo, Sample, WireBytes,
+    Direction, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, Recorder, RunEnd, RunInfo, Sample, WireBytes,
 };
 
 /// Longest wait for bytes between two looks at `stop`, us.
@@ -132,7 +132,8 @@ impl Listener<'_> {
 
     fn finish(mut self, link: LinkSummary, wall_s: f64) -> Result<Heard, RunError> {
         self.begin(0)?;
-        self.recorder.map_or(Ok(()), |recorder| recorder.finish(link, Some(wall_s)))?;
+        let end = RunEnd { link, peak_chamber_pa: Vec::new(), wall_s: Some(wall_s) };
+        self.recorder.map_or(Ok(()), |recorder| recorder.finish(&end))?;
         Ok(self.heard)
     }
 }
@@ -143,6 +144,7 @@ fn info(channels: usize, start_unix_ns: u64) -> RunInfo {
         motion: "unknown".to_owned(),
         quantity: StateQuantity::Pressure,
         channels: channel..channel + 1,
+        pressure_limit_pa: None,
     };
     RunInfo {
         scene_name: "recorded".to_owned(),
@@ -158,6 +160,7 @@ fn info(channels: usize, start_unix_ns: u64) -> RunInfo {
         solids: Vec::new(),
         simulated: false,
         weightless: false,
+        injected_faults: Vec::new(),
     }
 }
 

@@ -12,6 +12,7 @@ mod prepared;
 mod recording;
 mod reference;
 mod tape;
+mod timed_fault;
 mod track;
 mod unobserved;
 
@@ -43,6 +44,7 @@ pub(crate) use prepared::Prepared;
 pub use prepared::samples;
 use prepared::{Origin, SESSION};
 use recording::{Session, recorded};
+pub use timed_fault::{TimedFault, TimedFaultError};
 use unobserved::Unobserved;
 
 /// Settings of a run, and its destination.
@@ -56,6 +58,8 @@ pub struct RunOptions {
     pub mcu: Mcu,
     /// Faults of the link, drawn by the seed.
     pub link_faults: Option<LinkFaults>,
+    /// Faults that the run meets on purpose.
+    pub faults: Vec<TimedFault>,
 }
 
 /// Processor of the controller.
@@ -170,9 +174,12 @@ fn simulated(
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let device = Observed::recording(simulated_device((plant, limb), options.seed, &options.mcu)?);
+    let device = simulated_device((plant, limb), options.seed, &options.mcu)?;
+    let device = Observed::recording(device).with_faults(&options.faults, prepared.plan().duration_us())?;
     let mut link = disturbed(device, options.link_faults, options.seed);
-    let session = Session { number: SESSION, origin: Origin::Simulated { seed: options.seed }, out: &options.out };
+    let origin = Origin::Simulated { seed: options.seed };
+    let injected = options.faults.iter().map(TimedFault::injected).collect();
+    let session = Session { number: SESSION, origin, injected, out: &options.out };
     let assembler = prepared.assembler(plant, limb);
     let ended = recorded(prepared, assembler, &mut link, &session, cancel, on_progress);
     link.port_mut().take_failure().map_or(ended, |failure| Err(failure.into()))
@@ -195,7 +202,8 @@ pub fn run_behind(
     let plan = motion::plan(scene, &limb)?;
     let prepared = Prepared::planned(scene, limb, plan)?;
     let mut link = disturbed(Unobserved::new(Port::open(port)?), link_faults, 0);
-    let session = Session { number: port::session_number(), origin: Origin::Device { unix_ns: unix_ns() }, out };
+    let origin = Origin::Device { unix_ns: unix_ns() };
+    let session = Session { number: port::session_number(), origin, injected: Vec::new(), out };
     let assembler = prepared.assembler(scene, prepared.limb());
     recorded(&prepared, assembler, &mut link, &session, cancel, on_progress)
 }

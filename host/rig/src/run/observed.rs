@@ -6,8 +6,10 @@ use std::io;
 use softlimb_sim::plant::Truth;
 use softlimb_sim::{EmulatorError, Processor, SimulatedMcu};
 
+use super::RunError;
 use super::recording::Bench;
 use super::tape::Tape;
+use super::timed_fault::{FaultKind, TimedFault};
 use crate::link::Transport;
 use crate::record::{CoilPulse, DeviceTick};
 
@@ -19,16 +21,87 @@ pub(super) struct Observed {
     device: SimulatedMcu<Box<dyn Processor>>,
     seen: VecDeque<(u64, Truth)>,
     tape: Tape,
+    /// Faults to come, by falling time: the next one is the last.
+    faults: Vec<TimedFault>,
+    /// Device time of the start of the run, us.
+    start_us: Option<u64>,
+    link: Link,
+}
+
+/// What the faults have made of the link.
+#[derive(Debug, Default)]
+struct Link {
+    is_silent: bool,
+    /// Time up to which the host does nothing, us.
+    stalled_until_us: u64,
+    /// Bytes to the device that wait for that time.
+    to_device: Vec<u8>,
 }
 
 impl Observed {
     pub(super) fn new(device: SimulatedMcu<Box<dyn Processor>>) -> Self {
-        Self { device, seen: VecDeque::with_capacity(MEMORY), tape: Tape::default() }
+        Self {
+            device,
+            seen: VecDeque::with_capacity(MEMORY),
+            tape: Tape::default(),
+            faults: Vec::new(),
+            start_us: None,
+            link: Link::default(),
+        }
     }
 
     /// The same for a run with a log.
     pub(super) fn recording(device: SimulatedMcu<Box<dyn Processor>>) -> Self {
         Self { tape: Tape::recording(), ..Self::new(device) }
+    }
+
+    /// The same with faults on the way; the run lasts for `duration_us`.
+    ///
+    /// # Errors
+    /// [`RunError::Fault`].
+    pub(super) fn with_faults(mut self, faults: &[TimedFault], duration_us: u64) -> Result<Self, RunError> {
+        for fault in faults {
+            let refused = |reason| Err(RunError::Fault { name: fault.name.clone(), reason });
+            if fault.time_us > duration_us {
+                let (time_s, end_s) = (fault.time_us as f64 * 1e-6, duration_us as f64 * 1e-6);
+                return refused(format!("its time is {time_s} s, and the run ends at {end_s} s"));
+            }
+            if let FaultKind::Part(part) = fault.kind
+                && let Err(error) = self.device.can_break(fault.channel.unwrap_or(0), &part)
+            {
+                return refused(error.to_string());
+            }
+        }
+        self.faults = faults.to_vec();
+        self.faults.sort_by_key(|fault| std::cmp::Reverse(fault.time_us));
+        Ok(self)
+    }
+
+    /// Lets those faults happen whose time has come.
+    fn break_due_parts(&mut self) {
+        let Some(start_us) = self.start_us else { return };
+        let run_us = self.device.device_time_us().saturating_sub(start_us);
+        while let Some(fault) = self.faults.pop_if(|fault| fault.time_us <= run_us) {
+            match fault.kind {
+                FaultKind::Part(part) => {
+                    // The part was found when the run was made ready.
+                    let _ = self.device.inject(fault.channel.unwrap_or(0), part);
+                }
+                FaultKind::EmergencyStop => self.device.set_emergency_stop(true),
+                FaultKind::Reset => {
+                    // A processor that does not start again is found at its next turn.
+                    let _ = self.device.processor_mut().crash();
+                }
+                FaultKind::LinkSilent => self.link.is_silent = true,
+                FaultKind::HostStall { length_us } => {
+                    self.link.stalled_until_us = Transport::now_us(&self.device) + length_us;
+                }
+            }
+        }
+    }
+
+    fn is_stalled(&self) -> bool {
+        Transport::now_us(&self.device) < self.link.stalled_until_us
     }
 
     /// Why the device does not run any more, if it does not.
@@ -60,6 +133,14 @@ impl Bench for Observed {
         &mut self.tape
     }
 
+    fn armed(&mut self, start_us: u64) {
+        self.start_us.get_or_insert(start_us);
+    }
+
+    fn peak_chamber_pa(&self) -> Vec<f64> {
+        self.device.peak_chamber_pa()
+    }
+
     fn is_at_pins(&self) -> bool {
         self.device.processor().is_at_pins()
     }
@@ -71,22 +152,37 @@ impl Transport for Observed {
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.tape.sent(Transport::now_us(&self.device), bytes);
-        self.device.send(bytes)
+        if self.link.is_silent {
+            return Ok(());
+        }
+        self.link.to_device.extend_from_slice(bytes);
+        if self.is_stalled() {
+            return Ok(());
+        }
+        let bytes = std::mem::take(&mut self.link.to_device);
+        self.tape.sent(Transport::now_us(&self.device), &bytes);
+        self.device.send(&bytes)
     }
 
     fn receive(&mut self, into: &mut Vec<u8>) -> io::Result<()> {
+        if self.is_stalled() {
+            return Ok(());
+        }
         let before = into.len();
         self.device.receive(into)?;
+        if self.link.is_silent {
+            into.truncate(before);
+        }
         self.tape.received(Transport::now_us(&self.device), &into[before..]);
         Ok(())
     }
 
     fn wait_until(&mut self, deadline_us: u64) {
-        while !self.device.is_readable() && Transport::now_us(&self.device) < deadline_us {
+        while (self.is_stalled() || !self.device.is_readable()) && Transport::now_us(&self.device) < deadline_us {
             let tick_us = self.device.next_tick_us().min(deadline_us);
             self.device.advance_to(tick_us);
             self.look();
+            self.break_due_parts();
         }
     }
 }

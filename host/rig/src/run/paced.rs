@@ -45,6 +45,14 @@ impl<B: Bench> Bench for Paced<B> {
         self.device.tape()
     }
 
+    fn armed(&mut self, start_us: u64) {
+        self.device.armed(start_us);
+    }
+
+    fn peak_chamber_pa(&self) -> Vec<f64> {
+        self.device.peak_chamber_pa()
+    }
+
     fn is_at_pins(&self) -> bool {
         self.device.is_at_pins()
     }

@@ -13,7 +13,7 @@ use super::tape::Tape;
 use super::{Progress, RunError, RunFiles, write_report};
 use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
-use crate::record::{LinkSummary, RecordError, Recorder, RunInfo, Sample};
+use crate::record::{InjectedFault, RecordError, Recorder, RunEnd, RunInfo, Sample};
 
 /// Least number of ticks in a message of the log: fewer would be smaller than their header.
 const TICKS: usize = 20;
@@ -26,6 +26,14 @@ pub(super) trait Bench: Transport {
     /// Bytes of the link, and ticks of a device that shows them.
     fn tape(&mut self) -> &mut Tape;
 
+    /// The trajectory starts at a device time, us.
+    fn armed(&mut self, _start_us: u64) {}
+
+    /// Highest true gauge pressure of each chamber so far, Pa; empty where no one sees into the chambers.
+    fn peak_chamber_pa(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Whether the outputs of the ticks are those of pins.
     fn is_at_pins(&self) -> bool {
         false
@@ -37,6 +45,8 @@ pub(super) struct Session<'a> {
     /// Number of the link session.
     pub(super) number: u16,
     pub(super) origin: Origin,
+    /// Faults that it meets on purpose.
+    pub(super) injected: Vec<InjectedFault>,
     /// The folder that takes `run.mcap` and `run.html`.
     pub(super) out: &'a Path,
 }
@@ -52,7 +62,8 @@ pub(super) fn recorded<D: Bench>(
 ) -> Result<RunFiles, RunError> {
     let period_us = u64::from(prepared.scene().controller().telemetry_period_us);
     let duration_s = prepared.plan().duration_us() as f64 * 1e-6;
-    recorded_by(device, (prepared.info(session.origin), assembler, period_us), session.out, |device, recording| {
+    let info = RunInfo { injected_faults: session.injected.clone(), ..prepared.info(session.origin) };
+    recorded_by(device, (info, assembler, period_us), session.out, |device, recording| {
         prepared.stream(device, session.number, cancel, |device, event| {
             if let Some(sample) = recording.take(device, event) {
                 on_progress(Progress { time_s: sample.time_s.min(duration_s), duration_s });
@@ -77,7 +88,8 @@ pub(super) fn recorded_by<'a, D: Bench, R>(
     recording.take_tape(device, 0);
     let link = link_summary(&recording.statistics, device.tape().traffic(), recording.gaps.lost);
     let last_s = recording.last_s;
-    let logged = recording.finish(link, began.elapsed().as_secs_f64());
+    let wall_s = Some(began.elapsed().as_secs_f64());
+    let logged = recording.finish(&RunEnd { link, peak_chamber_pa: device.peak_chamber_pa(), wall_s });
     match (ended, logged) {
         (Ok(_), Ok(true)) => finish_report(&path),
         (Ok(_), Ok(false)) => Err(RunError::NotRecorded),
@@ -170,9 +182,9 @@ impl<'a> Recording<'a> {
             .ok()
     }
 
-    fn note(&mut self, device: &impl Bench, event: Event) -> Result<Option<Sample>, RecordError> {
+    fn note(&mut self, device: &mut impl Bench, event: Event) -> Result<Option<Sample>, RecordError> {
         match event {
-            Event::Connected(device) => self.info.firmware_version = device.firmware.to_string(),
+            Event::Connected(connected) => self.info.firmware_version = connected.firmware.to_string(),
             Event::Configured { config_hash } if self.failure.is_none() => {
                 self.info.config_hash = config_hash;
                 // The period is the configuration's from here on.
@@ -180,7 +192,10 @@ impl<'a> Recording<'a> {
                 self.recorder = Some(Recorder::create(&self.path, &self.info)?);
             }
             Event::Closed(statistics) => self.statistics = statistics,
-            Event::Armed { start_us, .. } => self.assembler.start(start_us),
+            Event::Armed { start_us, .. } => {
+                self.assembler.start(start_us);
+                device.armed(start_us);
+            }
             Event::Telemetry { message, .. } => {
                 if self.recorder.is_some() {
                     self.gaps.add(message.time_us);
@@ -208,11 +223,11 @@ impl<'a> Recording<'a> {
     }
 
     /// Closes the log; `false` when there is none.
-    fn finish(self, link: LinkSummary, wall_s: f64) -> Result<bool, RecordError> {
+    fn finish(self, end: &RunEnd) -> Result<bool, RecordError> {
         match (self.failure, self.recorder) {
             (Some(failure), _) => Err(failure),
             (None, Some(recorder)) => {
-                recorder.finish(link, Some(wall_s))?;
+                recorder.finish(end)?;
                 Ok(true)
             }
             (None, None) => Ok(false),

@@ -28,6 +28,7 @@ pub(crate) fn info() -> RunInfo {
         motion: motion.into(),
         quantity,
         channels: first..first + 3,
+        pressure_limit_pa: Some(150e3),
     };
     let phases = ["reach", "grasp", "lift", "return"].iter().zip(0..).map(|(name, index)| PhaseInfo {
         name: (*name).into(),
@@ -55,6 +56,7 @@ pub(crate) fn info() -> RunInfo {
         solids: Vec::new(),
         simulated: true,
         weightless: false,
+        injected_faults: Vec::new(),
     }
 }
 
@@ -94,7 +96,8 @@ pub(crate) fn run() -> RunLog {
         crc_errors: 2,
         telemetry_lost: 1,
     };
-    RunLog { info, samples, faults, shapes, link, wall_s: Some(0.25), incomplete: None }
+    let peak_chamber_pa = (0..9).map(|channel| 90e3 + 1e3 * f64::from(channel)).collect();
+    RunLog { info, samples, faults, shapes, link, peak_chamber_pa, wall_s: Some(0.25), incomplete: None }
 }
 
 fn stiffer(stretch: f64, rest: f64) -> f64 {
