@@ -62,7 +62,8 @@ fn device_takes_the_ends_of_every_range() {
     assert!(scenes.len() >= 10, "{}", scenes.len());
     for (said, scene) in scenes {
         let out = tempfile::tempdir().unwrap();
-        let options = RunOptions { seed: 1, out: out.path().join("run"), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+        let options =
+            RunOptions { seed: 1, out: out.path().join("run"), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
         let ended = run(&scene, &options, &AtomicBool::new(false), |_| ());
         // The slowest ramp takes longer to vent than a run waits for; that is no refusal.
         let began = match &ended {

@@ -254,7 +254,13 @@ fn module_that_the_device_does_not_solve_needs_tables_within_the_budget() {
 fn run_by_tables_is_the_run_by_the_model() {
     let reached = |controller: &str| {
         let folder = tempfile::tempdir().unwrap();
-        let options = RunOptions { seed: 1, out: folder.path().to_owned(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+        let options = RunOptions {
+            seed: 1,
+            out: folder.path().to_owned(),
+            mcu: Mcu::Here,
+            link_faults: None,
+            faults: Vec::new(),
+        };
         let files = run(&straight(controller), &options, &AtomicBool::new(false), |_| ()).unwrap();
         let summary = report::summary(&files.run);
         // At rest at the end of the move: on the way there the upload, which is longer with tables, shifts the periods of the

@@ -52,7 +52,13 @@ fn repository(name: &str, more: &str) -> Scene {
 
 fn log(scene: &Scene) -> RunLog {
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed: scene.seed(), out: folder.path().to_owned(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+    let options = RunOptions {
+        seed: scene.seed(),
+        out: folder.path().to_owned(),
+        mcu: Mcu::Here,
+        link_faults: None,
+        faults: Vec::new(),
+    };
     run::run(scene, &options, &AtomicBool::new(false), |_| ()).unwrap_or_else(|error| panic!("{error}")).run
 }
 

@@ -1,6 +1,6 @@
 //! `replay`, `export` and `recover` on the log of a run.
 
-use softlimb::rig::record::{RunEnd, Recorder, read, read_capture};
+use softlimb::rig::record::{Recorder, RunEnd, read, read_capture};
 
 use crate::cli::desk::Desk;
 

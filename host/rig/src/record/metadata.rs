@@ -44,8 +44,7 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
 
 /// What is known after the run, as JSON.
 pub(super) fn end_metadata(end: &RunEnd) -> Metadata {
-    let mut metadata =
-        Metadata::from([("link".into(), to_json(&end.link)), ("wall_s".into(), to_json(&end.wall_s))]);
+    let mut metadata = Metadata::from([("link".into(), to_json(&end.link)), ("wall_s".into(), to_json(&end.wall_s))]);
     if !end.peak_chamber_pa.is_empty() {
         metadata.insert(PEAKS.into(), to_json(&end.peak_chamber_pa));
     }

@@ -23,8 +23,8 @@ mod writer;
 pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{
-    ChannelSample, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo, RunInfo,
-    RunEnd, RunLog, Sample, Shape, SolidInfo,
+    ChannelSample, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
+    PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SolidInfo,
 };
 pub use reader::read;
 pub use recover::{Recovered, recover};

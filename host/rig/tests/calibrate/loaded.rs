@@ -44,7 +44,13 @@ fn log(scene: &Scene) -> RunLog {
 /// The log of a scene that drives the limb of another.
 fn run_on(scene: &Scene, plant: &Scene) -> RunLog {
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed: plant.seed(), out: folder.path().to_owned(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+    let options = RunOptions {
+        seed: plant.seed(),
+        out: folder.path().to_owned(),
+        mcu: Mcu::Here,
+        link_faults: None,
+        faults: Vec::new(),
+    };
     let files = run::run_on(scene, plant, &options, &AtomicBool::new(false), |_| ());
     files.unwrap_or_else(|error| panic!("{error}")).run
 }
