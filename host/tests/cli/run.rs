@@ -199,3 +199,25 @@ fn log_that_was_cut_off_is_reported_with_a_warning() {
     assert!(answer.out.contains("incomplete log") && answer.err.contains("warning: "), "{answer:?}");
     assert!(desk.path("cut.html").is_file());
 }
+
+#[test]
+fn fault_on_purpose_is_met_reported_and_named() {
+    let desk = desk();
+    let run = desk.softlimb("run scene.toml --fault sensor-zero@0.5,0 --json");
+    assert!(run.code == Some(1) && run.err.contains("the device stopped: "), "{run:?}");
+    let summary: Value = serde_json::from_str(&run.out).expect("JSON");
+    assert_eq!(summary["injected_faults"][0]["name"], "sensor-zero");
+    assert_eq!(summary["faults"][0]["channel"], 0);
+    let peak_pa = summary["peak_chamber_pa"][0].as_f64().expect("a number");
+    let limit_pa = summary["pressure_limit_pa"][0].as_f64().expect("a number");
+    assert!(peak_pa > 0.0 && peak_pa < limit_pa + 12e3, "{peak_pa} {limit_pa}");
+    for (fault, told) in [
+        ("sensor@1,0", "\"sensor\" is no fault; there are fill-stuck-open"),
+        ("burst@1", "burst needs a channel"),
+        ("burst@1,99", "channel 99 does not exist"),
+        ("burst@9999,0", "the run ends at"),
+    ] {
+        let answer = desk.softlimb(&format!("run scene.toml --fault {fault}"));
+        assert!(answer.code != Some(0) && answer.err.contains(told), "{fault}: {}", answer.err);
+    }
+}
