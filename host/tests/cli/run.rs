@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::cli::desk::{Answer, Desk};
 
 /// A supply that starts below what the controller demands, with a pump too weak to help.
-const NO_AIR: &str = "name = \"small\"\nplant.supply.pressure = \"101 kPa\"\nplant.supply.stall_pressure = \"110 kPa\"\n\
+const NO_AIR: &str = "name = \"small\"\nplant.supply.pressure = \"104 kPa\"\nplant.supply.stall_pressure = \"110 kPa\"\n\
                       plant.supply.flow = \"0.1 NL/min\"\nplant.supply.reservoir_volume = \"0.05 L\"\n\
                       limits.supply_min = \"100 kPa\"";
 
