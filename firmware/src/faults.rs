@@ -38,13 +38,9 @@ pub const fn reaction(code: FaultCode) -> Reaction {
         FaultCode::EmergencyStop => (true, true, VentScope::All),
         FaultCode::OverPressure => (true, true, VentScope::Channel),
         // A chamber whose valves or reading deceive must not be filled by any of them.
-        FaultCode::SupplyHigh
-        | FaultCode::SensorFrozen
-        | FaultCode::ReadingJumped
-        | FaultCode::FillWithoutEffect
-        | FaultCode::VentWithoutEffect
-        | FaultCode::RiseWithoutFill
-        | FaultCode::FallWithoutVent => (true, true, VentScope::Nothing),
+        FaultCode::SupplyHigh | FaultCode::SensorFrozen | FaultCode::ReadingJumped | FaultCode::FillWithoutEffect => {
+            (true, true, VentScope::Nothing)
+        }
         FaultCode::SensorImplausible | FaultCode::SupplyLow | FaultCode::InverseFailed | FaultCode::TickOverrun => {
             (true, false, VentScope::Nothing)
         }
@@ -151,7 +147,7 @@ impl Default for Faults {
     }
 }
 
-const BLOCKING: [FaultCode; 14] = [
+const BLOCKING: [FaultCode; 11] = [
     FaultCode::EmergencyStop,
     FaultCode::OverPressure,
     FaultCode::SensorImplausible,
@@ -163,9 +159,6 @@ const BLOCKING: [FaultCode; 14] = [
     FaultCode::SensorFrozen,
     FaultCode::ReadingJumped,
     FaultCode::FillWithoutEffect,
-    FaultCode::VentWithoutEffect,
-    FaultCode::RiseWithoutFill,
-    FaultCode::FallWithoutVent,
 ];
 
 impl Occurrence {

@@ -193,16 +193,10 @@ interface! {
             TickOverrun = 9,
             /// A pressure sensor repeats its code while air flows.
             SensorFrozen = 10,
-            /// A reading jumped as no valve can make it: the hose of the sensor is off, sensors were exchanged, or the chamber burst.
+            /// A reading fell as no venting makes it: the hose of the sensor is off, sensors were exchanged, the vent stays open, or the chamber burst.
             ReadingJumped = 11,
             /// Filling does not raise a reading: a valve or the supply stays closed, a hose is kinked, coils are exchanged, or the sensor is wrong.
             FillWithoutEffect = 12,
-            /// Venting does not lower a reading: the vent stays closed, the fill valve open, coils are exchanged, or the sensor is wrong.
-            VentWithoutEffect = 13,
-            /// A reading rises without filling: the fill valve stays open, or the sensor is wrong.
-            RiseWithoutFill = 14,
-            /// A reading falls without venting: the vent stays open, a leak, a burst, or the sensor is wrong.
-            FallWithoutVent = 15,
         }
     }
 

@@ -64,10 +64,7 @@ impl fmt::Display for DeviceFault {
                 | FaultCode::InverseFailed
                 | FaultCode::SensorFrozen
                 | FaultCode::ReadingJumped
-                | FaultCode::FillWithoutEffect
-                | FaultCode::VentWithoutEffect
-                | FaultCode::RiseWithoutFill
-                | FaultCode::FallWithoutVent,
+                | FaultCode::FillWithoutEffect,
             ) => write!(f, " at {:.1} kPa", f64::from(value) * 1e-3),
             Some(FaultCode::LinkLost | FaultCode::TickOverrun) => write!(f, " for {:.1} ms", f64::from(value) * 1e-3),
             Some(FaultCode::SetpointsExhausted) => write!(f, " at knot {value}"),
@@ -89,15 +86,12 @@ pub(super) fn name(code: Code<FaultCode>) -> String {
         Some(FaultCode::InverseFailed) => "deformation out of reach",
         Some(FaultCode::TickOverrun) => "late control tick",
         Some(FaultCode::SensorFrozen) => "frozen pressure sensor",
-        Some(FaultCode::ReadingJumped) => "jump of a reading (hose off the sensor, sensors exchanged, or a burst)",
+        Some(FaultCode::ReadingJumped) => {
+            "fall of a reading without venting (hose off the sensor, sensors exchanged, vent open, or a burst)"
+        }
         Some(FaultCode::FillWithoutEffect) => {
             "filling without effect (fill valve or supply closed, vent open, hose kinked, coils exchanged, or sensor wrong)"
         }
-        Some(FaultCode::VentWithoutEffect) => {
-            "venting without effect (vent closed, fill valve open, coils exchanged, or sensor wrong)"
-        }
-        Some(FaultCode::RiseWithoutFill) => "rise without filling (fill valve open, or sensor wrong)",
-        Some(FaultCode::FallWithoutVent) => "fall without venting (vent open, leak, burst, or sensor wrong)",
         None => return format!("unknown fault {}", code.raw()),
     };
     words.to_owned()
