@@ -1,11 +1,8 @@
 //! One channel from sample to coil times.
 
-use softlimb_protocol::FaultCode;
-
 use crate::config::{ChannelConfig, SystemConfig};
 use crate::duty::Duty;
 use crate::inverse::Inverse;
-use crate::observer::{Observation, Observer};
 use crate::pressure_loop::{LoopInput, PressureLoop};
 use crate::reference::Reference;
 use crate::relief::Relief;
@@ -45,9 +42,6 @@ pub struct Channel {
     sensor: Sensor,
     zero: ZeroCheck,
     control: PressureLoop,
-    observer: Observer,
-    /// Whether the reading is that of another pressure, as the observer found.
-    is_deceived: bool,
     inverse: Inverse,
     relief: Relief,
     reference: Option<Reference>,
@@ -65,8 +59,6 @@ impl Channel {
             sensor: Sensor::new(),
             zero: ZeroCheck::new(),
             control: PressureLoop::new(),
-            observer: Observer::new(),
-            is_deceived: false,
             inverse: Inverse::new(),
             relief: Relief::new(),
             reference: None,
@@ -142,42 +134,6 @@ impl Channel {
         (self.over_samples >= OVER_PRESSURE_SAMPLES).then_some(pressure_pa)
     }
 
-    /// Compares the reading with what the valves should have made; a fault, once it has lasted.
-    pub(crate) fn observe(
-        &mut self,
-        context: &TickContext,
-        config: &ChannelConfig,
-        code: AdcCode,
-    ) -> Option<FaultCode> {
-        if self.sensor.is_implausible() {
-            self.observer.restart();
-            return None;
-        }
-        let pneumatics = &context.system.pneumatics;
-        let found = self.observer.observe(&Observation {
-            now_us: context.now_us,
-            code,
-            reading_pa: self.pressure_pa(),
-            supply_pa: context.supply_pa,
-            is_line_moving: self.control.is_line_moving(context.now_us, pneumatics.timing),
-            chamber: self.observer.has_flowed(context.now_us).then(|| self.inverse.chamber(config)),
-            pneumatics,
-        });
-        self.is_deceived |=
-            matches!(found, Some(FaultCode::SensorFrozen | FaultCode::ReadingJumped | FaultCode::FillWithoutEffect));
-        found
-    }
-
-    /// Believes the next reading.
-    pub(crate) fn believe(&mut self) {
-        self.observer.restart();
-    }
-
-    /// Whether the loop and the ramp down may go by the reading.
-    fn is_sensor_trusted(&self) -> bool {
-        !self.is_deceived && !self.sensor.is_implausible()
-    }
-
     /// Keeps the vent open until faults are cleared.
     pub(crate) fn latch_vent(&mut self) {
         self.vent_latched = true;
@@ -187,8 +143,6 @@ impl Channel {
     pub(crate) fn clear_faults(&mut self) {
         self.vent_latched = false;
         self.over_samples = 0;
-        self.is_deceived = false;
-        self.observer.restart();
         self.inverse.forgive();
     }
 
@@ -233,7 +187,6 @@ impl Channel {
             }
             Task::Relieve => self.relieve(context, config, slot),
         };
-        self.observer.drive(context.now_us, pulse, context.system.pneumatics.timing);
         self.duty.add(pulse, slot, context.system.control_period_us());
         pulse
     }
@@ -255,11 +208,7 @@ impl Channel {
         }
         match valves.direction_at(now_us) {
             Some(Direction::Fill) if is_full => self.rest(now_us, ValvePulse::CLOSED),
-            Some(_) => {
-                // An operator may have any vessel behind the valve, or none.
-                self.observer.restart();
-                valves.tick(now_us)
-            }
+            Some(_) => valves.tick(now_us),
             None => self.rest(now_us, ValvePulse::CLOSED),
         }
     }
@@ -279,7 +228,7 @@ impl Channel {
 
     fn relieve(&mut self, context: &TickContext, config: &ChannelConfig, slot: bool) -> ValvePulse {
         let pressure_pa = self.pressure_pa();
-        let trusted = self.is_sensor_trusted();
+        let trusted = !self.sensor.is_implausible();
         let ramp = self.relief.advance(context.now_us, pressure_pa, trusted, context.system.vent_ramp_pa_per_s);
         if ramp.is_open() {
             return self.rest(context.now_us, ValvePulse::VENTING);
@@ -312,7 +261,7 @@ impl Channel {
             let input = LoopInput {
                 now_us: context.now_us,
                 sensor_pa: self.pressure_pa(),
-                sensor_trusted: self.is_sensor_trusted(),
+                sensor_trusted: !self.sensor.is_implausible(),
                 supply_pa: context.supply_pa,
                 pressure_max_pa: config.pressure_max_pa,
                 may_fill,

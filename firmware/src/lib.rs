@@ -30,7 +30,6 @@ mod gas;
 mod inverse;
 mod link;
 mod manual;
-mod observer;
 mod outbox;
 mod pneumatics;
 mod pressure_loop;

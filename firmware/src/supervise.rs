@@ -23,7 +23,6 @@ impl<const N: usize> Controller<N> {
         if self.state != DeviceState::Idle && self.config.is_some() {
             self.watch_sensors(now_us);
             self.watch_pressures(now_us);
-            self.watch_effects(inputs);
             self.watch_supply(now_us);
         }
         self.watch_link(now_us);
@@ -125,28 +124,6 @@ impl<const N: usize> Controller<N> {
             };
             if let Some(pressure_pa) = over_pa {
                 self.fault(now_us, index as u8, FaultCode::OverPressure, pressure_pa as i32);
-            }
-        }
-    }
-
-    /// Effort without effect, and effect without effort. Venting empties whatever is there and needs no watching.
-    fn watch_effects(&mut self, inputs: &TickInputs<N>) {
-        let now_us = inputs.now_us;
-        for index in 0..self.channels.len() {
-            let Some(config) = &self.config else { return };
-            let context = TickContext { now_us, system: &config.system, supply_pa: self.supply.pressure_pa() };
-            let (Some(channel), Some(channel_config), Some(&code)) =
-                (self.channels.get_mut(index), config.channels.get(index), inputs.pressure.get(index))
-            else {
-                return;
-            };
-            if !matches!(self.state, DeviceState::Running | DeviceState::Holding) {
-                channel.believe();
-                continue;
-            }
-            let pressure_pa = channel.pressure_pa() as i32;
-            if let Some(code) = channel.observe(&context, channel_config, code) {
-                self.fault(now_us, index as u8, code, pressure_pa);
             }
         }
     }

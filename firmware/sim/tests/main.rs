@@ -2,6 +2,3 @@
 
 mod common;
 mod device;
-#[path = "../../../tests/support/samples.rs"]
-mod samples;
-mod supervision;
