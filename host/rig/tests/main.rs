@@ -3,6 +3,7 @@
 mod calibrate;
 mod jog;
 mod learning;
+mod link_commissioning;
 mod link_common;
 mod link_direct;
 mod link_disturbance;

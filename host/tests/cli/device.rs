@@ -11,7 +11,7 @@ use std::time::Duration;
 use serde_json::Value;
 use softlimb::rig::record;
 
-use crate::cli::desk::Desk;
+use crate::cli::desk::{Desk, SCENE};
 
 /// Longest wait for a program's next line.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -218,6 +218,63 @@ fn device_is_operated_by_hand() {
     hand("gripper close").done();
     hand("vent").done();
     assert_eq!(hand("zero").done().out, "the zeros are taken; the device is ready\n");
+}
+
+#[test]
+fn device_is_tested_step_by_step() {
+    let desk = desk("");
+    let verdicts = |json: &Value| {
+        let steps = json["steps"].as_array().unwrap().iter();
+        steps.map(|step| format!("{} {}", step["step"].as_str().unwrap(), step["verdict"].as_str().unwrap())).collect()
+    };
+    let here = desk.softlimb("device test scene.toml --port sim --json").done().json();
+    let found: Vec<String> = verdicts(&here);
+    let steps = ["link", "configuration", "sensor", "supply", "valves closed", "fill valve", "leak", "vent valve"];
+    let passed: Vec<String> = steps.iter().chain(&["pressures down"]).map(|step| format!("{step} passed")).collect();
+    assert_eq!((found, &here["passed"]), (passed, &Value::Bool(true)));
+
+    // Vented channels creep back while the next one is filled.
+    let nine = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/pick-and-place-a.toml");
+    desk.softlimb(&format!("device test {nine} --port sim")).done();
+
+    let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
+    let port = device.first_line();
+    let table = desk.softlimb(&format!("device test scene.toml --port {port}")).done().out;
+    assert!(
+        table.lines().count() == 10 && !table.contains("failed") && table.contains("leak             0  passed"),
+        "{table}"
+    );
+
+    // A supply below the least that the scene allows.
+    desk.put("hungry.toml", SCENE.replace("[weight]", "[controller]\nsupply_min = \"250 kPa\"\n\n[weight]"));
+    let hungry = desk.softlimb(&format!("device test hungry.toml --port {port}"));
+    assert_eq!(hungry.code, Some(3));
+    assert!(hungry.err.contains("warning: supply: ") && hungry.err.contains("allowed 250.0 to"), "{}", hungry.err);
+    assert!(hungry.out.contains("look at: pump") && hungry.out.contains("left out"), "{}", hungry.out);
+    desk.softlimb("device test scene.toml --port qemu").failed(2, &["device serve", "--mcu qemu"]);
+}
+
+#[test]
+fn device_without_a_scene_is_one_bending_actuator() {
+    let desk = Desk::new();
+    let mut device = Program::start(&desk, "device serve --tcp 127.0.0.1:0");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/single-bending.toml");
+    let answer = desk.softlimb(&format!("device sensors --scene {scene} --port {} --json", device.first_line())).done();
+    assert_eq!(answer.json().as_array().unwrap().len(), 2, "the supply and one channel: {}", answer.out);
+}
+
+#[test]
+fn second_program_looks_beside_a_run() {
+    let desk = desk("");
+    let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
+    let port = device.first_line();
+    let mut host = Program::start(&desk, &format!("run scene.toml --out results --port {port}"));
+    device.until("Running");
+    let info = desk.softlimb(&format!("device info --port {port} --json")).done().json();
+    assert_eq!(info["commanded_by_another"], Value::Bool(true));
+    desk.softlimb(&format!("device vent --port {port}")).failed(1, &["another program controls the device"]);
+    desk.softlimb(&format!("device monitor --port {port} --lines 1")).done();
+    assert_eq!(host.child.wait().unwrap().code(), Some(0));
 }
 
 #[test]

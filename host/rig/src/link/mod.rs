@@ -7,6 +7,7 @@
 //! accepted only in order, so that whatever the line loses is sent again and nothing is applied twice.
 
 mod clock;
+mod commissioning;
 mod configuration;
 mod device;
 mod direct;
@@ -30,6 +31,7 @@ mod window;
 mod words;
 
 pub use clock::ClockMap;
+pub use commissioning::{Step, StepKind, Verdict, commission};
 pub use configuration::DeviceConfiguration;
 pub use device::{DeviceInfo, FirmwareVersion};
 pub use direct::Direct;

@@ -1,14 +1,14 @@
-//! Records what a device sends, without a scene. Sends nothing to the device.
+//! Records what a device sends, without a scene. Asks the device once who it is, and says nothing more.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fra_model::StateQuantity;
-use softlimb_protocol::{Decoder, DeviceMessage, SCHEMA_HASH, Telemetry};
+use softlimb_protocol::{Decoder, DeviceMessage, RetryPolicy, SCHEMA_HASH, Telemetry};
 
 use super::{RunError, unix_ns};
-use crate::link::port::{Port, PortAddress};
-use crate::link::{DeviceFault, LinkError, Transport};
+use crate::link::port::{Port, session_number};
+use crate::link::{DeviceFault, DeviceInfo, LinkError, StreamOptions, Transport, identify};
 use crate::record::{
     Direction, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, Recorder, RunEnd, RunInfo, Sample, WireBytes,
 };
@@ -27,16 +27,17 @@ pub struct Heard {
     pub others: u64,
 }
 
-/// Records all bytes, measurements and faults of the device behind a port until `stop`. Sends nothing to the device. The setpoint of a channel
-/// is the pressure that its loop tracks.
+/// Records all bytes, measurements and faults of the device behind a port until `stop`. Asks it first who it is, by a Hello that commands nothing
+/// where another host commands. The setpoint of a channel is the pressure that its loop tracks.
 ///
 /// # Errors
 /// [`RunError`]. A port that is lost ends the log, which is whole.
-pub fn record_behind(port: &PortAddress, log: &Path, stop: &AtomicBool) -> Result<Heard, RunError> {
-    let mut port = Port::open(port)?;
+pub fn record_behind(mut port: Port, log: &Path, stop: &AtomicBool) -> Result<Heard, RunError> {
     let began_us = port.now_us();
+    let device = who(&mut port)?;
     let mut listener = Listener {
         log,
+        device,
         unix_ns: unix_ns(),
         recorder: None,
         channels: 0,
@@ -74,8 +75,18 @@ pub fn record_behind(port: &PortAddress, log: &Path, stop: &AtomicBool) -> Resul
     lost.map_or(Ok(heard), |error| Err(RunError::Link(Box::new(LinkError::Port(error)))))
 }
 
+/// The device's answer; `None` where there is none, since it may send measurements nevertheless.
+fn who(port: &mut Port) -> Result<Option<DeviceInfo>, RunError> {
+    let retry = RetryPolicy { attempts_max: 5, ..RetryPolicy::default() };
+    match identify(port, &StreamOptions { retry, ..StreamOptions::new(session_number()) }) {
+        Err(error @ LinkError::Port(_)) => Err(RunError::Link(Box::new(error))),
+        answer => Ok(answer.ok()),
+    }
+}
+
 struct Listener<'a> {
     log: &'a Path,
+    device: Option<DeviceInfo>,
     unix_ns: u64,
     recorder: Option<Recorder>,
     channels: usize,
@@ -99,7 +110,7 @@ impl Listener<'_> {
     /// Creates the log of a device with this number of channels, if there is none yet.
     fn begin(&mut self, channels: usize) -> Result<(), RunError> {
         if self.recorder.is_none() {
-            let mut recorder = Recorder::create(self.log, &info(channels, self.unix_ns))?;
+            let mut recorder = Recorder::create(self.log, &info(channels, self.unix_ns, self.device.as_ref()))?;
             self.early.drain(..).try_for_each(|wire| recorder.wire(&wire))?;
             self.channels = channels;
             self.recorder = Some(recorder);
@@ -138,7 +149,7 @@ impl Listener<'_> {
     }
 }
 
-fn info(channels: usize, start_unix_ns: u64) -> RunInfo {
+fn info(channels: usize, start_unix_ns: u64, device: Option<&DeviceInfo>) -> RunInfo {
     let module = |channel| ModuleInfo {
         name: format!("channel {channel}"),
         motion: "unknown".to_owned(),
@@ -150,9 +161,9 @@ fn info(channels: usize, start_unix_ns: u64) -> RunInfo {
         scene_name: "recorded".to_owned(),
         scene_text: String::new(),
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
-        firmware_version: String::new(),
-        schema_hash: SCHEMA_HASH,
-        config_hash: 0,
+        firmware_version: device.map_or_else(String::new, |device| device.firmware.to_string()),
+        schema_hash: device.map_or(SCHEMA_HASH, |device| device.schema_hash),
+        config_hash: device.and_then(|device| device.config_hash).unwrap_or(0),
         seed: None,
         start_unix_ns,
         modules: (0..channels).map(module).collect(),

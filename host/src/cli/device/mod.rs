@@ -8,6 +8,7 @@ mod monitor;
 mod screen;
 mod sensors;
 mod serve;
+mod test;
 mod valve;
 
 use clap::{Args, Subcommand};
@@ -28,6 +29,7 @@ enum Verb {
     Info(info::Info),
     Sensors(sensors::Sensors),
     Monitor(monitor::Monitor),
+    Test(test::Test),
     Clear(clear::Clear),
     Valve(valve::Valve),
     Vent(hand::Vent),
@@ -43,6 +45,7 @@ impl Device {
             Verb::Info(verb) => verb.run(),
             Verb::Sensors(verb) => verb.run(),
             Verb::Monitor(verb) => verb.run(),
+            Verb::Test(verb) => verb.run(),
             Verb::Clear(verb) => verb.run(),
             Verb::Valve(verb) => verb.run(),
             Verb::Vent(verb) => verb.run(),

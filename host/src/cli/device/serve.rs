@@ -8,21 +8,23 @@ use super::super::interrupt::interrupt;
 use super::super::run::Controller;
 use super::super::shared::limb;
 use super::super::{Failure, Outcome, note, say};
+use softlimb_limb::Limb;
 use softlimb_rig::link::port::{ClientPort, Leave, Served, serve};
 use softlimb_rig::run::simulated_device;
+use softlimb_scene::Scene;
 
 /// Run the simulated device with the limb of a scene in real time, behind a port, until Ctrl-C
 #[derive(Args)]
 #[command(
-    after_help = "Prints the address for clients first. At a TCP address several connect: the first that opens a session commands, the others\n\
+    after_help = "Without a scene it serves one bending actuator. Prints the address for clients first. At a TCP address several connect: the first that opens a session commands, the others\n\
                   look. A terminal has one client. The device lives on between them.\n\
                   `softlimb run SCENE --port ADDRESS` in another window is such a client.\n\n\
                   Examples:\n  softlimb device serve scenes/single-bending.toml\n  \
                   softlimb device serve scenes/single-bending.toml --tcp 127.0.0.1:7000"
 )]
 pub(super) struct Serve {
-    /// The scene of the limb and its pneumatics
-    scene: PathBuf,
+    /// The scene of the limb and its pneumatics [default: one bending actuator, scenes/single-bending.toml]
+    scene: Option<PathBuf>,
     /// Serve at a TCP address instead of a pseudo-terminal; port 0 takes a free one
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "pty")]
     tcp: Option<String>,
@@ -36,9 +38,21 @@ pub(super) struct Serve {
     controller: Controller,
 }
 
+/// The rig where no scene is given.
+const DEFAULT_RIG: &str = include_str!("../../../../scenes/single-bending.toml");
+
+fn default_rig() -> Result<(Scene, Limb), Failure> {
+    let scene = softlimb_scene::parse(DEFAULT_RIG, "single-bending.toml")?;
+    let limb = Limb::new(&scene)?;
+    Ok((scene, limb))
+}
+
 impl Serve {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb) = limb(&self.scene)?;
+        let (scene, limb) = match &self.scene {
+            Some(file) => limb(file)?,
+            None => default_rig()?,
+        };
         let seed = self.seed.unwrap_or(scene.seed());
         let mut device = simulated_device((&scene, &limb), seed, &self.controller.mcu())?;
         let stop = interrupt()?;

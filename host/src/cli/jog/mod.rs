@@ -22,6 +22,7 @@ use gamepad::Gamepad;
 use screen::Head;
 use softlimb_limb::Limb;
 use softlimb_motion::jog::Attempt;
+use softlimb_rig::link::LinkFaults;
 use softlimb_rig::link::port::Address;
 use softlimb_rig::report;
 use softlimb_rig::run;
@@ -49,6 +50,9 @@ pub(super) struct Jog {
     seed: Option<u64>,
     #[command(flatten)]
     port: PortOption,
+    /// Faults of the link, as shares of the frames each way; `softlimb run --help` names them
+    #[arg(long, value_name = "NAME=SHARE,..")]
+    link_fault: Option<LinkFaults>,
     /// Largest distance at which the tip is at a target
     #[arg(long, value_name = "LENGTH", value_parser = quantity("mm", 0.1, 1000.0), default_value = "10mm")]
     within: Quantity,
@@ -108,7 +112,7 @@ impl Jog {
         let options = JogOptions {
             out: self.out.clone().unwrap_or_else(|| run::jog_folder(&scene)),
             within_m: self.within.si(),
-            link_faults: None,
+            link_faults: self.link_fault,
         };
         let gamepad = self.gamepad.as_deref().map(Gamepad::open).transpose()?;
         let cancel = interrupt()?;

@@ -48,7 +48,7 @@ fn host_killed_at_any_time_loses_half_a_second_of_its_log_and_the_next_runs() {
         thread::sleep(Duration::from_secs_f64(0.05 + 2.4 * uniform(&mut random)));
         host.kill();
         // The operating system closes the connection of a dead program at once.
-        let killed_s = device.until("client left") - running_s;
+        let killed_s = device.until(" left") - running_s;
         device.until("fault: link lost");
         let holding_s = device.until("Holding");
         let venting_s = device.until("Venting");
@@ -152,26 +152,34 @@ fn full_disk_is_told_with_file_and_cause_and_does_not_disturb_the_limb() {
 }
 
 #[test]
-fn device_is_recorded_without_a_scene_and_without_a_word() {
+fn device_is_recorded_without_a_scene() {
     let desk = desk("");
     let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
     let port = format!("--port {}", device.first_line());
+    // A port that cannot be opened is told before anything is recorded.
+    let closed = desk.softlimb("record --port /dev/no-such-port -o none.mcap");
+    assert!(closed.code == Some(1) && !closed.err.contains("recording"), "{}", closed.err);
     // Without a configuration it is silent.
     let host = Program::start(&desk, &format!("record {port} -o silent.mcap"));
-    thread::sleep(Duration::from_millis(300));
+    host.until("recording tcp:");
+    thread::sleep(Duration::from_millis(500));
     assert_eq!(host.interrupt(), Some(3));
     assert_eq!(read(desk.path("silent.mcap")).unwrap().samples.len(), 0);
     desk.softlimb(&format!("run scene.toml --out results {port}")).done();
     let again = desk.softlimb("replay results/run.mcap").done().out;
     assert!(again.contains("without what depends on converter codes") && again.ends_with("no difference\n"), "{again}");
     let host = Program::start(&desk, &format!("record {port} -o board.mcap"));
+    host.until("recording tcp:");
     thread::sleep(Duration::from_millis(700));
     assert_eq!(host.interrupt(), Some(0));
     let log = read(desk.path("board.mcap")).unwrap();
     assert_eq!((log.incomplete, log.info.simulated, log.info.modules.len()), (None, false, 1));
     assert!((300..900).contains(&log.samples.len()), "a sample each millisecond: {}", log.samples.len());
+    let info = desk.softlimb(&format!("device info {port} --json")).done().json();
+    assert_eq!(info["firmware"], log.info.firmware_version.as_str());
+    assert_eq!(info["config_hash"], format!("{:08x}", log.info.config_hash).as_str());
     let capture = read_capture(desk.path("board.mcap")).unwrap();
-    assert_eq!(capture.bytes(Direction::ToDevice).count(), 0, "nothing was said");
+    assert_eq!(capture.bytes(Direction::ToDevice).count(), 0, "nothing is said while it records");
     let bytes: usize = capture.bytes(Direction::ToHost).map(|(_, bytes)| bytes.len()).sum();
     assert_eq!(bytes as u64, log.link.bytes_received);
     desk.softlimb("report board.mcap").done();

@@ -1,0 +1,195 @@
+//! Measurements of a device under direct control, and the steps of one channel.
+
+use std::cell::RefCell;
+
+use softlimb_protocol::{ChannelStatus, DeviceState, PulseDirection, Telemetry};
+
+use super::step::{Finding, StepKind, failed, passed};
+use crate::link::direct::Direct;
+use crate::link::error::LinkError;
+use crate::link::transport::Transport;
+use crate::link::words::fault_names;
+
+/// Pressure that a channel is filled to, Pa, and its largest share of the channel's highest pressure.
+const TARGET_PA: f64 = 10_000.0;
+const TARGET_SHARE: f64 = 0.3;
+/// First and longest pulse, us; a pulse without much effect is followed by one of twice its length.
+const PULSE_US: u32 = 5_000;
+const PULSE_MAX_US: u32 = 100_000;
+/// Longest time of the fill valve to reach the target, us.
+const FILL_US: u64 = 4_000_000;
+/// Time for line and chamber to come to rest after a pulse, us.
+const REST_US: u64 = 200_000;
+/// Time within which a leak as large as a valve empties a chamber, us, and the share of the target that is held at least then.
+const HELD_US: u64 = 1_000_000;
+const HELD_SHARE: f64 = 0.25;
+/// Rise of another channel, as a share of the target, by which it counts as connected to this one.
+const OTHER_SHARE: f64 = 0.3;
+/// Change of pressure from which on a valve has an effect, Pa: several times the scatter of a sensor.
+const EFFECT_PA: f64 = 300.0;
+/// Settling and watch of a closed chamber, us, and the largest rate of change, Pa/s: air that cools and walls that creep stay below.
+const SETTLE_US: u64 = 3_000_000;
+const WATCH_US: u64 = 2_000_000;
+const WINDOW_US: u64 = 250_000;
+const RATE_PA_PER_S: f64 = 150.0;
+/// One pulse of the vent, us, their number, and the pressure of a vented chamber, Pa.
+const VENT_US: u32 = 500_000;
+const VENTS: usize = 8;
+const VENTED_PA: f64 = 2_000.0;
+
+/// A device under direct control, and the measurements that it sends.
+pub(super) struct Probe<'a, 'h, T> {
+    pub(super) hand: Direct<'a, T>,
+    heard: &'h RefCell<Vec<Telemetry>>,
+}
+
+impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
+    pub(super) fn new(hand: Direct<'a, T>, heard: &'h RefCell<Vec<Telemetry>>) -> Self {
+        Self { hand, heard }
+    }
+
+    /// The measurements of a time from now on, us. A lost link ends them early, and shows in the next command.
+    pub(super) fn observe(&mut self, time_us: u64) -> Vec<Telemetry> {
+        self.heard.borrow_mut().clear();
+        // An error leaves fewer measurements.
+        let _ = self.hand.wait(time_us);
+        self.heard.take()
+    }
+
+    pub(super) fn is_ready(&self) -> bool {
+        matches!(self.hand.state(), Some(DeviceState::Ready | DeviceState::Holding))
+    }
+
+    /// A finding, with the faults that the device has latched.
+    pub(super) fn with_faults(&self, text: String) -> String {
+        let faults = self.hand.telemetry().map_or_else(Vec::new, |last| fault_names(last.fault_bits));
+        if faults.is_empty() { text } else { format!("{text}; {}", faults.join(", ")) }
+    }
+
+    /// Fills, watches and vents one channel. `add` notes a step and says whether it passed.
+    pub(super) fn channel(&mut self, index: u8, pressure_max_pa: f64, mut add: impl FnMut(StepKind, Finding) -> bool) {
+        let target_pa = TARGET_PA.min(TARGET_SHARE * pressure_max_pa);
+        let filled = self.fill(index, target_pa);
+        if !add(StepKind::Fill, self.told(filled)) {
+            return;
+        }
+        let leak = self.leak(usize::from(index));
+        add(StepKind::Leak, leak);
+        let vented = self.vent(index);
+        add(StepKind::Vent, self.told(vented));
+    }
+
+    /// A refusal or a lost link fails a step.
+    fn told(&self, finding: Result<Finding, LinkError>) -> Finding {
+        finding.unwrap_or_else(|error| failed(self.with_faults(error.to_string())))
+    }
+
+    /// Pulses the fill valve until its chamber is at the target.
+    fn fill(&mut self, index: u8, target_pa: f64) -> Result<Finding, LinkError> {
+        let channel = usize::from(index);
+        let before = self.observe(REST_US);
+        let start_pa = mean_pa(&before, channel);
+        let (mut pulse_us, mut spent_us, mut at_pa, mut peak_pa) = (PULSE_US, 0, start_pa, start_pa);
+        let mut after = Vec::new();
+        while at_pa - start_pa < target_pa && spent_us < FILL_US {
+            self.hand.pulse(index, PulseDirection::Fill, pulse_us)?;
+            let during = self.observe(u64::from(pulse_us) + REST_US / 4);
+            peak_pa = pressures_pa(&during, channel).fold(peak_pa, f64::max);
+            after = self.observe(REST_US);
+            let reached_pa = mean_pa(&after[after.len() / 2..], channel);
+            spent_us += u64::from(pulse_us);
+            if reached_pa - at_pa < 0.25 * target_pa {
+                pulse_us = PULSE_MAX_US.min(2 * pulse_us);
+            }
+            at_pa = reached_pa;
+        }
+        let rest = self.observe(HELD_US);
+        let held_pa = mean_pa(&rest[rest.len() - rest.len() / 4..], channel);
+        let [from, to, peak] = [start_pa, at_pa, peak_pa].map(|pressure_pa| pressure_pa * 1e-3);
+        let text = format!("{from:.2} to {to:.2} kPa within {} ms", spent_us / 1_000);
+        // A channel that was vented a moment ago rises too, as its air warms up and its wall creeps back, but less.
+        let moved = (0..channels(&after)).find(|&other| {
+            other != channel && mean_pa(&after, other) - mean_pa(&before, other) >= OTHER_SHARE * target_pa
+        });
+        Ok(match moved {
+            Some(other) => failed(format!("{text}; channel {other} rises")),
+            None if peak_pa - start_pa >= EFFECT_PA && held_pa - start_pa < HELD_SHARE * target_pa => {
+                failed(self.with_faults(format!("{text}: {peak:.2} kPa while it fills, and the air escapes")))
+            }
+            None if at_pa - start_pa >= target_pa => passed(text),
+            None => failed(self.with_faults(text)),
+        })
+    }
+
+    /// Watches a filled chamber with closed valves.
+    fn leak(&mut self, channel: usize) -> Finding {
+        self.observe(SETTLE_US);
+        let first_pa = mean_pa(&self.observe(WINDOW_US), channel);
+        self.observe(WATCH_US - WINDOW_US);
+        let last_pa = mean_pa(&self.observe(WINDOW_US), channel);
+        let rate_pa_per_s = (last_pa - first_pa) * 1e6 / WATCH_US as f64;
+        let text = format!("{:+.3} kPa/s at {:.2} kPa", rate_pa_per_s * 1e-3, last_pa * 1e-3);
+        if rate_pa_per_s.abs() <= RATE_PA_PER_S { passed(text) } else { failed(self.with_faults(text)) }
+    }
+
+    /// Pulses the vent valve until its chamber is empty.
+    fn vent(&mut self, index: u8) -> Result<Finding, LinkError> {
+        let channel = usize::from(index);
+        let start_pa = mean_pa(&self.observe(REST_US), channel);
+        let mut at_pa = start_pa;
+        for _ in 0..VENTS {
+            if at_pa <= VENTED_PA {
+                break;
+            }
+            self.hand.pulse(index, PulseDirection::Vent, VENT_US)?;
+            self.observe(u64::from(VENT_US));
+            at_pa = mean_pa(&self.observe(REST_US), channel);
+        }
+        let text = format!("{:.2} to {:.2} kPa", start_pa * 1e-3, at_pa * 1e-3);
+        // A chamber that is empty already shows nothing of its vent.
+        let is_good = at_pa <= VENTED_PA && start_pa - at_pa >= EFFECT_PA;
+        Ok(if is_good { passed(text) } else { failed(self.with_faults(text)) })
+    }
+}
+
+fn channels(heard: &[Telemetry]) -> usize {
+    heard.first().map_or(0, |message| message.channels.len())
+}
+
+fn pressures_pa(heard: &[Telemetry], channel: usize) -> impl Iterator<Item = f64> {
+    heard.iter().filter_map(move |message| Some(10.0 * f64::from(message.channels.get(channel)?.pressure_10pa)))
+}
+
+/// Mean pressure of a channel, Pa; not a number without measurements.
+pub(super) fn mean_pa(heard: &[Telemetry], channel: usize) -> f64 {
+    mean(pressures_pa(heard, channel))
+}
+
+/// Standard deviation of a channel's pressure, Pa.
+pub(super) fn scatter_pa(heard: &[Telemetry], channel: usize) -> f64 {
+    let mean_pa = mean_pa(heard, channel);
+    mean(pressures_pa(heard, channel).map(|pressure_pa| (pressure_pa - mean_pa).powi(2))).sqrt()
+}
+
+/// Rise of a channel's pressure from the first quarter of the measurements to the last, Pa.
+pub(super) fn rise_pa(heard: &[Telemetry], channel: usize) -> f64 {
+    let quarter = heard.len() / 4;
+    mean_pa(&heard[heard.len() - quarter..], channel) - mean_pa(&heard[..quarter], channel)
+}
+
+/// Mean pressure of the supply, Pa.
+pub(super) fn supply_pa(heard: &[Telemetry]) -> f64 {
+    let last = &heard[heard.len() / 2..];
+    mean(last.iter().map(|message| 10.0 * f64::from(message.supply_10pa)))
+}
+
+/// Whether the device finds a sensor plausible.
+pub(super) fn is_plausible(message: &Telemetry, channel: usize) -> bool {
+    let sample = message.channels.get(channel);
+    sample.is_some_and(|sample| sample.status.bits() & ChannelStatus::SENSOR_IMPLAUSIBLE.bits() == 0)
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count)
+}

@@ -1,0 +1,90 @@
+//! A device step by step, healthy and with every fault that the simulated plant can have.
+
+use softlimb_rig::link::{Step, StepKind, StreamOptions, Verdict, commission};
+use softlimb_sim::SimSettings;
+use softlimb_sim::plant::{ChannelFault, Supply};
+
+use crate::link_common::{SESSION, configuration, device, settings};
+
+/// Commissions two channels; the second one may be broken. Every step is told as it is noted.
+fn commissioned(settings: &SimSettings, fault: Option<ChannelFault>) -> Vec<Step> {
+    let mut mcu = device(settings);
+    fault.into_iter().for_each(|fault| mcu.inject(1, fault).unwrap());
+    let mut told = Vec::new();
+    let steps =
+        commission(&mut mcu, &configuration(2), &StreamOptions::new(SESSION), &mut |step| told.push(step.clone()));
+    assert_eq!(told, steps);
+    for step in &steps {
+        println!("{} {:?}: {}, {}", step.kind, step.channel, step.verdict, step.finding);
+        assert_eq!(step.advice().is_some(), step.verdict == Verdict::Failed);
+    }
+    steps
+}
+
+/// The steps that failed, and whether every step of channel 0 passed.
+fn failures(steps: &[Step]) -> (Vec<(StepKind, Option<u8>)>, bool) {
+    let failed = steps.iter().filter(|step| step.verdict == Verdict::Failed).map(|step| (step.kind, step.channel));
+    let of_first = |step: &&Step| step.channel == Some(0);
+    (failed.collect(), steps.iter().filter(of_first).all(|step| step.verdict == Verdict::Passed))
+}
+
+#[track_caller]
+fn finds(fault: ChannelFault, step: StepKind, words: &str) -> (Vec<(StepKind, Option<u8>)>, bool) {
+    let steps = commissioned(&settings(2), Some(fault));
+    let found = steps.iter().find(|found| (found.kind, found.channel) == (step, Some(1))).unwrap();
+    assert!(found.verdict == Verdict::Failed && found.finding.contains(words), "{found:?}");
+    failures(&steps)
+}
+
+#[test]
+fn healthy_device_passes_every_step() {
+    let steps = commissioned(&settings(2), None);
+    // Link, configuration, two sensors, supply, two closed channels, three steps for each, and the end.
+    assert_eq!(steps.len(), 14);
+    assert!(steps.iter().all(|step| step.verdict == Verdict::Passed), "{steps:?}");
+}
+
+#[test]
+fn dead_sensor_is_named_and_nothing_is_filled() {
+    let (failed, _) = finds(ChannelFault::SensorOpen, StepKind::Sensor, "implausible");
+    assert_eq!(failed, [(StepKind::Sensor, Some(1))]);
+}
+
+#[test]
+fn fill_valve_that_stays_open_is_found_before_anything_is_filled() {
+    let (failed, _) = finds(ChannelFault::StuckFill, StepKind::Sensor, "over-pressure");
+    assert!(!failed.iter().any(|(kind, _)| *kind == StepKind::Fill), "{failed:?}");
+}
+
+#[test]
+fn vent_valve_that_stays_open_lets_the_air_escape() {
+    let (failed, first_passed) = finds(ChannelFault::StuckVent, StepKind::Fill, "the air escapes");
+    assert_eq!((failed, first_passed), (vec![(StepKind::Fill, Some(1))], true));
+}
+
+#[test]
+fn leak_is_found_by_its_rate_or_by_a_fill_that_does_not_last() {
+    let leak = |conductance_m3_per_s_pa| ChannelFault::Leak { conductance_m3_per_s_pa };
+    let (failed, first_passed) = finds(leak(2e-11), StepKind::Leak, "kPa/s");
+    assert_eq!((failed, first_passed), (vec![(StepKind::Leak, Some(1))], true));
+    let (failed, first_passed) = finds(leak(1e-8), StepKind::Fill, "");
+    assert_eq!((failed, first_passed), (vec![(StepKind::Fill, Some(1))], true));
+}
+
+#[test]
+fn missing_supply_is_found_and_nothing_is_filled() {
+    let mut low = settings(2);
+    low.plant.supply = Supply::Regulated { pressure_pa: 50e3 };
+    let steps = commissioned(&low, None);
+    assert_eq!(failures(&steps).0, [(StepKind::Supply, None)]);
+    let left_out = steps.iter().filter(|step| step.verdict == Verdict::LeftOut).count();
+    assert_eq!(left_out, 8, "closed, fill, leak and vent of two channels");
+}
+
+#[test]
+fn device_that_does_not_answer_fails_the_first_step() {
+    let cut = SimSettings { line_faults: softlimb_sim::LineFaults::CUT, ..settings(2) };
+    let steps = commissioned(&cut, None);
+    assert_eq!(failures(&steps).0, [(StepKind::Link, None)]);
+    assert!(steps[0].finding.contains("no answer to Hello"), "{:?}", steps[0]);
+}
