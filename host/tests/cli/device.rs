@@ -246,10 +246,10 @@ fn device_is_tested_step_by_step() {
     );
 
     // A supply below the least that the scene allows.
-    desk.put("hungry.toml", SCENE.replace("[weight]", "[controller]\nsupply_min = \"250 kPa\"\n\n[plant]\nsupply = { pressure = \"270 kPa\" }\n\n[weight]"));
+    desk.put("hungry.toml", SCENE.replace("[weight]", "[limits]\nsupply_min = \"270 kPa\"\n\n[plant]\nsupply = { kind = \"regulated\", pressure = \"290 kPa\" }\n\n[weight]"));
     let hungry = desk.softlimb(&format!("device test hungry.toml --port {port}"));
     assert_eq!(hungry.code, Some(3));
-    assert!(hungry.err.contains("warning: supply: ") && hungry.err.contains("allowed 250.0 to"), "{}", hungry.err);
+    assert!(hungry.err.contains("warning: supply: ") && hungry.err.contains("allowed 270.0 to"), "{}", hungry.err);
     assert!(hungry.out.contains("look at: pump") && hungry.out.contains("left out"), "{}", hungry.out);
     desk.softlimb("device test scene.toml --port qemu").failed(2, &["device serve", "--mcu qemu"]);
 }
