@@ -2,12 +2,12 @@
 
 use softlimb_rig::link::{Step, StepKind, StreamOptions, Verdict, commission};
 use softlimb_sim::SimSettings;
-use softlimb_sim::plant::{ChannelFault, Supply};
+use softlimb_sim::plant::{PartFault, Supply};
 
 use crate::link_common::{SESSION, configuration, device, settings};
 
 /// Commissions two channels; the second one may be broken. Every step is told as it is noted.
-fn commissioned(settings: &SimSettings, fault: Option<ChannelFault>) -> Vec<Step> {
+fn commissioned(settings: &SimSettings, fault: Option<PartFault>) -> Vec<Step> {
     let mut mcu = device(settings);
     fault.into_iter().for_each(|fault| mcu.inject(1, fault).unwrap());
     let mut told = Vec::new();
@@ -29,7 +29,7 @@ fn failures(steps: &[Step]) -> (Vec<(StepKind, Option<u8>)>, bool) {
 }
 
 #[track_caller]
-fn finds(fault: ChannelFault, step: StepKind, words: &str) -> (Vec<(StepKind, Option<u8>)>, bool) {
+fn finds(fault: PartFault, step: StepKind, words: &str) -> (Vec<(StepKind, Option<u8>)>, bool) {
     let steps = commissioned(&settings(2), Some(fault));
     let found = steps.iter().find(|found| (found.kind, found.channel) == (step, Some(1))).unwrap();
     assert!(found.verdict == Verdict::Failed && found.finding.contains(words), "{found:?}");
@@ -46,25 +46,35 @@ fn healthy_device_passes_every_step() {
 
 #[test]
 fn dead_sensor_is_named_and_nothing_is_filled() {
-    let (failed, _) = finds(ChannelFault::SensorOpen, StepKind::Sensor, "implausible");
+    let (failed, _) = finds(PartFault::SensorOpen, StepKind::Sensor, "implausible");
     assert_eq!(failed, [(StepKind::Sensor, Some(1))]);
 }
 
 #[test]
 fn fill_valve_that_stays_open_is_found_before_anything_is_filled() {
-    let (failed, _) = finds(ChannelFault::StuckFill, StepKind::Sensor, "over-pressure");
+    let (failed, _) = finds(PartFault::FillStuckOpen, StepKind::Sensor, "over-pressure");
     assert!(!failed.iter().any(|(kind, _)| *kind == StepKind::Fill), "{failed:?}");
 }
 
 #[test]
 fn vent_valve_that_stays_open_lets_the_air_escape() {
-    let (failed, first_passed) = finds(ChannelFault::StuckVent, StepKind::Fill, "the air escapes");
+    let (failed, first_passed) = finds(PartFault::VentStuckOpen, StepKind::Fill, "the air escapes");
     assert_eq!((failed, first_passed), (vec![(StepKind::Fill, Some(1))], true));
 }
 
 #[test]
+fn valves_that_stay_closed_and_exchanged_plugs_are_found() {
+    let (failed, first_passed) = finds(PartFault::FillStuckClosed, StepKind::Fill, "");
+    assert_eq!((failed, first_passed), (vec![(StepKind::Fill, Some(1))], true));
+    let (failed, first_passed) = finds(PartFault::VentStuckClosed, StepKind::Vent, "");
+    assert_eq!((failed, first_passed), (vec![(StepKind::Vent, Some(1)), (StepKind::Down, None)], true));
+    let (failed, _) = finds(PartFault::SensorsSwapped, StepKind::Fill, "channel 0 rises");
+    assert_eq!(failed, [(StepKind::Fill, Some(0)), (StepKind::Fill, Some(1))], "and no chamber bursts meanwhile");
+}
+
+#[test]
 fn leak_is_found_by_its_rate_or_by_a_fill_that_does_not_last() {
-    let leak = |conductance_m3_per_s_pa| ChannelFault::Leak { conductance_m3_per_s_pa };
+    let leak = |conductance_m3_per_s_pa| PartFault::Leak { conductance_m3_per_s_pa };
     let (failed, first_passed) = finds(leak(2e-11), StepKind::Leak, "kPa/s");
     assert_eq!((failed, first_passed), (vec![(StepKind::Leak, Some(1))], true));
     let (failed, first_passed) = finds(leak(1e-8), StepKind::Fill, "");

@@ -116,8 +116,8 @@ fn whole<T: Transport>(
             });
         }
     }
-    let vented = probe.hand.vent().map(|()| passed("all pressures are down".to_owned()));
-    steps.add(StepKind::Down, None, vented.unwrap_or_else(|error| failed(probe.with_faults(error.to_string()))));
+    let down = probe.down();
+    steps.add(StepKind::Down, None, down);
 }
 
 /// The device's answer, its last start and its state.

@@ -66,6 +66,18 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         if faults.is_empty() { text } else { format!("{text}; {}", faults.join(", ")) }
     }
 
+    /// Lets all pressures down, and measures that they are.
+    pub(super) fn down(&mut self) -> Finding {
+        let vented = self.hand.vent();
+        if vented.is_err() {
+            return self.told(vented.map(|()| passed(String::new())));
+        }
+        let heard = self.observe(REST_US);
+        let highest_pa = (0..channels(&heard)).map(|channel| mean_pa(&heard, channel)).fold(0.0, f64::max);
+        let text = format!("{:.2} kPa at most", highest_pa * 1e-3);
+        if highest_pa <= VENTED_PA && !heard.is_empty() { passed(text) } else { failed(self.with_faults(text)) }
+    }
+
     /// Fills, watches and vents one channel. `add` notes a step and says whether it passed.
     pub(super) fn channel(&mut self, index: u8, pressure_max_pa: f64, mut add: impl FnMut(StepKind, Finding) -> bool) {
         let target_pa = TARGET_PA.min(TARGET_SHARE * pressure_max_pa);
@@ -90,12 +102,16 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         let before = self.observe(REST_US);
         let start_pa = mean_pa(&before, channel);
         let (mut pulse_us, mut spent_us, mut at_pa, mut peak_pa) = (PULSE_US, 0, start_pa, start_pa);
-        let mut after = Vec::new();
-        while at_pa - start_pa < target_pa && spent_us < FILL_US {
+        let mut moved = None;
+        while moved.is_none() && at_pa - start_pa < target_pa && spent_us < FILL_US {
             self.hand.pulse(index, PulseDirection::Fill, pulse_us)?;
             let during = self.observe(u64::from(pulse_us) + REST_US / 4);
             peak_pa = pressures_pa(&during, channel).fold(peak_pa, f64::max);
-            after = self.observe(REST_US);
+            let after = self.observe(REST_US);
+            // A channel that was vented a moment ago rises too, as its air warms up and its wall creeps back, but less.
+            moved = (0..channels(&after)).find(|&other| {
+                other != channel && mean_pa(&after, other) - mean_pa(&before, other) >= OTHER_SHARE * target_pa
+            });
             let reached_pa = mean_pa(&after[after.len() / 2..], channel);
             spent_us += u64::from(pulse_us);
             if reached_pa - at_pa < 0.25 * target_pa {
@@ -107,10 +123,6 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         let held_pa = mean_pa(&rest[rest.len() - rest.len() / 4..], channel);
         let [from, to, peak] = [start_pa, at_pa, peak_pa].map(|pressure_pa| pressure_pa * 1e-3);
         let text = format!("{from:.2} to {to:.2} kPa within {} ms", spent_us / 1_000);
-        // A channel that was vented a moment ago rises too, as its air warms up and its wall creeps back, but less.
-        let moved = (0..channels(&after)).find(|&other| {
-            other != channel && mean_pa(&after, other) - mean_pa(&before, other) >= OTHER_SHARE * target_pa
-        });
         Ok(match moved {
             Some(other) => failed(format!("{text}; channel {other} rises")),
             None if peak_pa - start_pa >= EFFECT_PA && held_pa - start_pa < HELD_SHARE * target_pa => {
