@@ -118,7 +118,7 @@ impl<const N: usize> Controller<N> {
         OK
     }
 
-    /// Tells who this is, with the session of the Hello, or with the one that commands where the Hello was refused.
+    /// Sends a HelloReply: with the session of the Hello, or with the commanding session if the Hello was refused.
     fn reply_hello(&mut self, now_us: u64, session: u16) {
         let version = |text: &str| text.parse().unwrap_or(0);
         let reply = HelloReply {

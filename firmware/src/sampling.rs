@@ -1,4 +1,4 @@
-//! Samples beside the telemetry: as often as a host asks for, several in one message.
+//! Samples beside the telemetry: at the rate that a host requests, several in one message.
 
 use softlimb_protocol::{Batch, List, PressureSample, ResultCode, Sample, Samples, SetSampling};
 
@@ -12,10 +12,10 @@ use crate::valve::TICK_US;
 /// Longest time between two samples, us: that of the telemetry.
 const PERIOD_MAX_US: u32 = 10_000_000;
 
-/// Samples that were asked for, and those that wait for the rest of their message.
+/// The sampling that a host has requested, and the samples of the message in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Sampling {
-    /// 0 while none are asked for.
+    /// Time between two samples, us; 0 if no host has requested samples.
     period_us: u32,
     per_message: u8,
     due_us: u64,
@@ -29,7 +29,7 @@ impl Sampling {
         Self { period_us: 0, per_message: 0, due_us: 0, first_us: 0, batch: Batch::new(), left_out: 0 }
     }
 
-    /// Takes no more samples.
+    /// Stops sampling.
     pub(crate) fn stop(&mut self) {
         (self.period_us, self.left_out) = (0, 0);
         self.batch.clear();
@@ -39,7 +39,7 @@ impl Sampling {
         self.period_us > 0 && now_us >= self.due_us
     }
 
-    /// Takes a sample, and sends the message that it fills. One that does not follow its predecessors in time begins a new message.
+    /// Takes a sample, and sends the message once it is full. A sample after a gap in time begins a new message.
     fn add(&mut self, now_us: u64, sample: &Sample, outbox: &mut Outbox) {
         let period_us = u64::from(self.period_us);
         if now_us != self.first_us + period_us * self.batch.len() as u64 {
@@ -71,7 +71,7 @@ impl Sampling {
 }
 
 impl<const N: usize> Controller<N> {
-    /// Begins to sample anew, or ends it.
+    /// Starts sampling with new settings, or stops it.
     pub(crate) fn set_sampling(&mut self, now_us: u64, request: &SetSampling) -> Answer {
         if self.config.is_none() {
             return WRONG_STATE;
@@ -91,7 +91,7 @@ impl<const N: usize> Controller<N> {
         OK
     }
 
-    /// Takes a sample where one is due.
+    /// Takes a sample if one is due.
     pub(crate) fn sample(&mut self, now_us: u64) {
         if !self.sampling.is_due(now_us) {
             return;

@@ -90,7 +90,7 @@ impl<T: Precision> Actuator<T> {
 
     /// The gauge pressure at which the actuator reaches a deformation, and the state there.
     ///
-    /// Of several such pressures it is the first one met on raising the pressure from zero. The result is a vacuum only if no pressure
+    /// Of several such pressures, the answer is the first on raising the pressure from zero. The result is a vacuum only if no pressure
     /// reaches the target, and never below [`PressureRange::physical`].
     ///
     /// # Errors
@@ -99,8 +99,7 @@ impl<T: Precision> Actuator<T> {
         self.inverse_within(&PressureRange::physical(), target, load)
     }
 
-    /// [`inverse`](Self::inverse) among the pressures of a range. Where it holds no pressure and no vacuum that reaches the target, there
-    /// is no solution.
+    /// [`inverse`](Self::inverse) restricted to a range of pressures. There is no solution if nothing in the range reaches the target.
     ///
     /// # Errors
     /// As [`inverse`](Self::inverse), and when the range is not finite or empty.
@@ -113,8 +112,8 @@ impl<T: Precision> Actuator<T> {
         T::inverse(self, None, range, target, load)
     }
 
-    /// Hands every equilibrium of the branch with a deformation and a pressure in a range to `each`: first the pressures, upwards from
-    /// zero, then the vacuums, downwards. Returns whether the branch was followed to its ends or those of the range.
+    /// Calls `each` with every equilibrium of the branch that has a deformation and whose pressure lies in a range: first the pressures,
+    /// upwards from zero, then the vacuums, downwards. Returns whether the search reached the ends of the branch or of the range.
     ///
     /// # Errors
     /// As [`inverse_within`](Self::inverse_within).

@@ -156,7 +156,7 @@ impl<T: Real> State<T> {
 }
 
 impl<T: Real> Solution<T> {
-    /// The same, but not converged where a number has overflowed or the volume has vanished: sizes that the scalar does not hold.
+    /// The same solution, marked as not converged if a number has overflowed or the volume has vanished.
     #[inline(always)]
     pub(crate) fn sound(self) -> Self {
         let sound = self.status != Status::Solved || (self.state.is_sound() && self.residual.is_finite());

@@ -1,4 +1,4 @@
-//! Target: a session's frames on their way to the device, hurt. The device is the controller of the firmware.
+//! Target: damaged frames of a session on their way to the device, which is the firmware's controller.
 
 use softlimb_firmware::{AdcCode, BootInfo, Controller, TickInputs};
 use softlimb_protocol::{
@@ -21,9 +21,9 @@ const KNOTS: u32 = 40;
 const LEAD_US: u64 = 60_000_000;
 const TICK_US: u64 = 1_000;
 
-/// Hurts the frames of a session until there were so many faults, or the draw is over.
+/// Damages the frames of a session, up to a number of faults or the end of the draw.
 ///
-/// Behind each hurt frame the same frame comes whole, twice, as a host repeats it; the first copy may have lost its leading delimiter.
+/// After each damaged frame the intact frame follows twice, as a host repeats it. The first copy may lack its leading delimiter.
 ///
 /// # Panics
 /// Where the device applies anything but what was sent, where it misses the second copy, and where its state changes.
@@ -79,7 +79,7 @@ impl Bench {
         assert_eq!(self.controller.queue().next_index(), 0);
     }
 
-    /// One knot: hurt, then whole twice.
+    /// Sends one knot: damaged, then intact twice.
     fn knot(&mut self, index: u32, draw: &mut Draw<'_>) {
         let time_us = self.now_us + LEAD_US + u64::from(index) * 20_000;
         let values: [i32; CHANNELS] = std::array::from_fn(|_| (draw.number() % (HIGHEST_PA as u32 + 1)) as i32);
@@ -88,7 +88,7 @@ impl Bench {
         let whole = frame::<HostMessage>(0, Setpoint { session: SESSION, index, time_us, outputs, values: list });
         for wire in wires(&whole, draw) {
             for (_, result) in self.send(&wire) {
-                // A copy that arrives behind another is refused; nothing else is.
+                // Only a second copy is refused.
                 assert!(matches!(result, ResultCode::Ok | ResultCode::UnexpectedIndex), "{result:?} to {wire:02x?}");
             }
             let next = self.controller.queue().next_index();
@@ -100,7 +100,7 @@ impl Bench {
         assert_eq!(found, values.map(|value| Some(value as f32)), "knot {index}");
     }
 
-    /// One heartbeat: hurt, then whole twice.
+    /// Sends one heartbeat: damaged, then intact twice.
     fn heartbeat(&mut self, draw: &mut Draw<'_>) {
         let next = self.controller.queue().next_index();
         let whole = frame::<HostMessage>(0, Heartbeat { session: SESSION, host_time_us: u64::from(draw.number()) });
@@ -110,7 +110,7 @@ impl Bench {
         assert_eq!(self.controller.queue().next_index(), next);
     }
 
-    /// Hands bytes to the device; number and result of each message that it acknowledges.
+    /// Sends bytes to the device. Returns number and result of each message that it acknowledges.
     fn send(&mut self, wire: &[u8]) -> Vec<(u16, ResultCode)> {
         self.controller.receive(self.now_us, wire);
         let (mut results, mut chunk) = (Vec::new(), [0; 512]);
@@ -135,14 +135,14 @@ impl Bench {
         self.now_us += TICK_US;
     }
 
-    /// Nothing that was hurt has changed the device.
+    /// Asserts that no damaged frame has changed the device.
     fn check(&self) {
         let config = self.controller.config().map(|config| config.hash);
         assert_eq!((self.controller.state(), config), (DeviceState::Ready, Some(self.config_hash)));
     }
 }
 
-/// A hurt frame, the frame without its leading delimiter or with it, and the frame.
+/// A damaged frame, then the intact frame twice. The first copy may lack its leading delimiter.
 fn wires(whole: &[u8], draw: &mut Draw<'_>) -> [Vec<u8>; 3] {
     [hurt(whole, draw), whole[draw.below(2)..].to_vec(), whole.to_vec()]
 }

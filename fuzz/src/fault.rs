@@ -5,7 +5,7 @@ use crate::draw::Draw;
 /// Kinds of faults.
 const KINDS: usize = 12;
 
-/// A frame's bytes, which are not empty, with a fault: they always differ.
+/// The bytes of a frame, which is not empty, with a fault. The result always differs from the frame.
 pub(crate) fn hurt(whole: &[u8], draw: &mut Draw<'_>) -> Vec<u8> {
     loop {
         let mut wire = whole.to_vec();

@@ -1,4 +1,4 @@
-//! Target: measurements of the device on their way to the host, hurt. The host is the rig's session.
+//! Target: damaged measurements of a device on their way to the host, which is the rig's session.
 
 use softlimb_protocol::{ChannelSample, DeviceMessage, DeviceState, List, RetryPolicy, Telemetry};
 use softlimb_rig::link::{Event, Session};
@@ -7,8 +7,8 @@ use crate::draw::Draw;
 use crate::fault::hurt;
 use crate::frame;
 
-/// Hurts measurements until there were so many faults, or the draw is over. Behind each hurt frame come two whole ones, the first of which
-/// may have lost its leading delimiter.
+/// Damages measurements, up to a number of faults or the end of the draw. After each damaged frame two intact ones follow. The first may
+/// lack its leading delimiter.
 ///
 /// # Panics
 /// Where the host takes anything but what was sent, or loses the second whole frame.
@@ -40,7 +40,7 @@ pub fn host(draw: &mut Draw<'_>, faults: u64) {
                 other => panic!("nobody sent {other:?}"),
             })
             .collect();
-        // What arrives is what was sent, in order; a piece that is repeated whole may bring a message twice.
+        // Messages arrive in the order in which they were sent. A repeated piece may deliver one twice.
         assert!(taken.iter().all(|message| sent.contains(message)), "{taken:?} of {sent:?}");
         assert!(taken.is_sorted_by_key(|message| message.time_us), "{taken:?}");
         assert_eq!(taken.last(), sent.last());

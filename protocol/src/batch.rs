@@ -7,7 +7,7 @@ use crate::codec::MAX_PAYLOAD_LEN;
 use crate::error::{EncodeError, PayloadError};
 use crate::wire::{Reader, Wire, Writer};
 
-/// The longest content: what a payload holds behind the count and a session.
+/// Size of the longest content, bytes: a payload less the count and a session.
 const CAPACITY: usize = MAX_PAYLOAD_LEN - 3;
 
 /// One record or more. On the wire: a count byte, then the records. Held as those bytes, which are shorter than the records.
@@ -19,25 +19,25 @@ pub struct Batch<T> {
 }
 
 impl<T> Batch<T> {
-    /// None yet: it can be filled, and not be sent before.
+    /// An empty batch. It cannot be encoded before it holds a record.
     #[must_use]
     pub const fn new() -> Self {
         Self { count: 0, len: 0, bytes: [0; CAPACITY], records: PhantomData }
     }
 
-    /// Records in it.
+    /// Number of records.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.count as usize
     }
 
-    /// Whether it has none.
+    /// Whether the batch is empty.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Takes all out.
+    /// Removes all records.
     pub const fn clear(&mut self) {
         (self.count, self.len) = (0, 0);
     }
@@ -65,7 +65,7 @@ impl<T: Wire> Batch<T> {
     /// The records in order.
     pub fn iter(&self) -> impl Iterator<Item = T> + '_ {
         let mut reader = Reader::new(self.content());
-        // What was written or checked on the way in can be read.
+        // The bytes were written or checked by this type, so reading them cannot fail.
         (0..self.count).map_while(move |_| T::read(&mut reader).ok())
     }
 }
@@ -107,7 +107,7 @@ impl<T: Wire> Wire for Batch<T> {
             T::skip(reader)?;
         }
         let content = whole.get(..whole.len() - reader.rest().len()).unwrap_or_default();
-        // Longer than any message with a batch can be: the payload is not what it says.
+        // Only an invalid payload is longer than the longest message with a batch.
         let mut batch = Self { count, len: content.len(), ..Self::new() };
         batch.bytes.get_mut(..content.len()).ok_or(PayloadError::ListLength { count })?.copy_from_slice(content);
         Ok(batch)

@@ -167,7 +167,7 @@ interface! {
             WrongChannelCount = 10,
             /// A channel has no tables, and the device does not solve the model of its actuator; detail is the channel.
             TablesMissing = 11,
-            /// Steps without a knot before them: the first knot after a flush is a Setpoint.
+            /// Knots without a preceding knot: the first knot after a flush must be a Setpoint.
             NoKnotBefore = 12,
         }
 
@@ -225,13 +225,13 @@ interface! {
             status: ChannelStatus,
         }
 
-        /// One knot in a Knots message, as the way from the knot before it.
+        /// One knot in a Knots message, as the step from the preceding knot.
         KnotStep {
-            /// Time since the knot before it, us; 1..=65535.
+            /// Time since the preceding knot, us; 1..=65535.
             step_us: u16,
             /// State of the digital outputs from the time of the knot on.
             outputs: Outputs,
-            /// Value less that of the knot before it, one per configured channel, in the unit of its setpoint.
+            /// Value minus that of the preceding knot, one per configured channel, in the unit of its setpoint.
             steps: List<i16>,
         }
 
@@ -456,7 +456,7 @@ interface! {
             outputs: Outputs,
         }
 
-        /// Several knots of the trajectory, each by its step from the one before.
+        /// Several knots of the trajectory, each as the step from the preceding one.
         0x0d Knots Indexed {
             /// Session.
             session: u16,
@@ -466,11 +466,11 @@ interface! {
             knots: Batch<KnotStep>,
         }
 
-        /// Asks for Samples beside the Telemetry, until the next configuration or session.
+        /// Requests Samples beside the Telemetry, until the next configuration or session.
         0x0e SetSampling Reliable {
             /// Session.
             session: u16,
-            /// Time between two samples, us; 0 asks for none.
+            /// Time between two samples, us; 0 stops them.
             period_us: u32,
             /// Samples in one Samples message.
             samples: u8,
@@ -485,7 +485,7 @@ interface! {
             protocol_version: u16,
             /// Schema hash of the device.
             schema_hash: u32,
-            /// Session of the Hello; where the Hello is refused, the session that commands the device.
+            /// Session of the Hello; if the Hello was refused, the commanding session.
             session: u16,
             /// Firmware version, major.
             firmware_major: u8,
@@ -575,13 +575,13 @@ interface! {
             value: i32,
         }
 
-        /// Several measurements in a row, sent once SetSampling has asked for them.
+        /// Several consecutive measurements, sent after a SetSampling.
         0x86 Samples Unacknowledged {
             /// Device time of the first sample, us.
             time_us: u64,
             /// Time from one sample to the next, us.
             period_us: u32,
-            /// Samples left out since SetSampling, for want of room on the line; stays at its maximum.
+            /// Samples dropped since SetSampling because the transmitter was full; stays at its maximum.
             left_out: u32,
             /// The samples in order.
             samples: Batch<Sample>,

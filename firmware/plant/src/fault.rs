@@ -20,7 +20,7 @@ pub enum PartFault {
     },
     /// The hose between manifold and actuator is kinked.
     HoseKinked {
-        /// What is left of its sonic conductance, 0..=1.
+        /// Remaining share of its sonic conductance, 0..=1.
         share: f64,
     },
     /// The wire of the pressure sensor is off: the converter reads 0.
@@ -40,14 +40,14 @@ pub enum PartFault {
     SupplyStuckOpen,
     /// The valve between supply and fill valves stays closed.
     SupplyStuckClosed,
-    /// The pump delivers less than it should.
+    /// The pump delivers a share of its flow.
     PumpWeak {
-        /// What is left of its flow, 0..=1.
+        /// Remaining share of its flow, 0..=1.
         share: f64,
     },
     /// The reference voltage of the converter sinks: all codes rise.
     ReferenceSag {
-        /// Share of the reference that is missing, 0..=0.5.
+        /// Lost share of the reference, 0..=0.5.
         share: f64,
     },
 }

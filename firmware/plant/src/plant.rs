@@ -37,9 +37,9 @@ impl ChannelDrive {
 struct Broken {
     /// State in which the supply's valve is stuck.
     supply_open: Option<bool>,
-    /// What is missing of the pump's flow.
+    /// Lost share of the pump's flow.
     pump_missing: f64,
-    /// What is missing of the converter's reference.
+    /// Lost share of the converter's reference.
     reference_missing: f64,
     /// Channels whose sensor is exchanged with the next one's.
     swapped: Vec<usize>,
@@ -163,7 +163,7 @@ impl Plant {
         }
     }
 
-    /// Breaks a part from the next tick on. A fault of no channel does not look at `channel`.
+    /// Breaks a part from the next tick on. `channel` is ignored for a fault of no channel.
     ///
     /// # Errors
     /// When there is no such channel or no such part, or the fault is out of range.
@@ -224,7 +224,7 @@ impl Plant {
     }
 }
 
-/// The code of the same voltage by a reference of which the share `missing` is lacking.
+/// The code of the same voltage after the reference has lost the share `missing`.
 fn raised(code: u16, missing: f64) -> u16 {
     (f64::from(code) / (1.0 - missing)).round() as u16
 }

@@ -357,7 +357,7 @@ impl<T: Scalar> Winding<T> {
         });
     }
 
-    /// What the strains of two mirrored families have in common: `c^2 eta + p (g rho s)^2 + s^2 eps`.
+    /// The common part of the strains of two mirrored families: `c^2 eta + p (g rho s)^2 + s^2 eps`.
     fn even(&self, ring: &Ring<T>, g: T, rho: T) -> FiberStrain<T> {
         let two = T::constant(2.0);
         let (sin, cos) = (self.sin, self.cos);
@@ -386,7 +386,7 @@ impl<T: Scalar> Winding<T> {
         }
     }
 
-    /// What they differ by from that: `2 c p g rho s`.
+    /// The difference of each strain from it: `2 c p g rho s`.
     fn odd(&self, ring: &Ring<T>, g: T, rho: T) -> FiberStrain<T> {
         let by_pg = T::constant(2.0) * self.cos * rho * self.sin;
         let p = T::one() + ring.eta;

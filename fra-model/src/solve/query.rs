@@ -42,7 +42,7 @@ pub(crate) struct Query<T> {
     pub(crate) residual: Residual<T>,
     /// A state `(e, w, g)` to start from; else the search starts at rest under the load.
     pub(crate) start: Option<Vector3<T>>,
-    /// Whether the start is a root itself, and the next one is wanted.
+    /// Whether the start is itself a root, and the search is for the next one.
     pub(crate) is_left: bool,
     pub(crate) direction: Direction,
     /// Largest `|P|/mu1` of the search.

@@ -153,8 +153,8 @@ impl<T: Real> Tube<T> {
         range.least_pa < T::zero() && (query.twists || !twist)
     }
 
-    /// Follows the branch from rest one way and shows every solution in the range to `goes_on`. The outcome is the solution at which that
-    /// said no, or what ended the way.
+    /// Follows the branch from rest in one direction, and calls `goes_on` with every solution in the range. Returns the solution at which
+    /// `goes_on` was false, or the reason for which the search ended.
     fn each(
         &self,
         query: &Query<T>,

@@ -6,7 +6,7 @@ use softlimb_sim::plant::{PartFault, Supply};
 
 use crate::link_common::{SESSION, configuration, device, settings};
 
-/// Commissions two channels; the second one may be broken. Every step is told as it is noted.
+/// Commissions two channels, of which the second may be broken. Asserts that each step was reported when it ended.
 fn commissioned(settings: &SimSettings, fault: Option<PartFault>) -> Vec<Step> {
     let mut mcu = device(settings);
     fault.into_iter().for_each(|fault| mcu.inject(1, fault).unwrap());

@@ -73,7 +73,7 @@ impl Transport for Supplied {
     }
 }
 
-/// Configures the device in a session of its own.
+/// Configures the device in a new session.
 fn configure(port: &mut Supplied, session: u16, configuration: &DeviceConfiguration) -> Result<u32, LinkError> {
     let options = StreamOptions { occupied_max_us: 1_000_000, ..StreamOptions::new(session) };
     let mut on_event = |_: &mut Supplied, _| {};

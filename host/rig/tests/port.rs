@@ -229,7 +229,7 @@ fn emergency_stop_of_a_client_that_looks_is_obeyed() {
 #[test]
 fn client_that_died_without_closing_blocks_nobody() {
     served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
-        // It commands, then neither reads nor writes, and its connection stays open.
+        // The client commands, then neither reads nor writes, and keeps its connection open.
         let mut dead = Port::open(&address(text)).unwrap();
         let hello = Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: 9 }.into();
         assert_eq!(answers(&mut dead, 0, &hello).len(), 2);

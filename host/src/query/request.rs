@@ -50,13 +50,13 @@ pub(super) enum MotionName {
     Twisting,
 }
 
-/// Solutions of an inverse problem that are wanted.
+/// Requested solutions of an inverse problem.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum Solutions {
-    /// The first by the rule.
+    /// The answer by the rule.
     First,
-    /// That and every other one.
+    /// Every solution.
     All,
 }
 
@@ -134,7 +134,7 @@ pub(super) struct Case {
     pub(super) model: Model,
     pub(super) parameters: ActuatorParameters<f64>,
     pub(super) question: Question<Target<f64>>,
-    /// Pressures that may answer an inverse question, and whether all that do are wanted.
+    /// Range of the answers to an inverse question, and whether all of them are requested.
     pub(super) range: PressureRange<f64>,
     pub(super) all: bool,
     pub(super) load: Load<f64>,

@@ -42,7 +42,7 @@ pub struct DeviceInfo {
     pub tick_us: u32,
     /// Hash of the configuration it held; `None` if it held none.
     pub config_hash: Option<u32>,
-    /// Whether another host commands it: this one may only look.
+    /// Whether another host commands the device. This host is read-only then.
     pub is_occupied: bool,
 }
 

@@ -226,7 +226,7 @@ impl fmt::Display for VentOutcome {
 
 impl LinkError {
     /// The refusal of a reliable message.
-    /// The device was in `state` by its last word.
+    /// `state` is the state in the device's latest message.
     pub(super) fn refused(message: &HostMessage, ack: &Ack, state: Option<DeviceState>) -> Self {
         if ack.result == ResultCode::WrongSession {
             return Self::DeviceRestarted;
@@ -290,7 +290,7 @@ fn in_words(state: Option<DeviceState>) -> &'static str {
     }
 }
 
-/// The next step of a user whose device is in a state that takes no such message.
+/// Advice to a user whose device refuses a message in its present state.
 fn way_out(state: Option<DeviceState>) -> &'static str {
     match state {
         Some(DeviceState::Idle) => {

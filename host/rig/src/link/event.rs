@@ -31,7 +31,7 @@ pub enum Event {
         /// The message.
         message: Telemetry,
     },
-    /// Measurements between those, where the options ask for them.
+    /// Samples between the telemetry messages, if the options request them.
     Samples {
         /// When they arrived, host time.
         host_time_us: u64,

@@ -12,10 +12,10 @@ use super::event::Event;
 use super::options::StreamOptions;
 use super::transport::Transport;
 
-/// Longest wait for the answer behind a refusal, us.
+/// Longest wait for the HelloReply after a refusal, us.
 const REFUSED_REPLY_US: u64 = 100_000;
 
-/// Asks a device who it is, in a session that ends with the answer. A device that another host commands answers too.
+/// Identifies a device by one Hello. A device that another host commands answers too.
 ///
 /// # Errors
 /// [`LinkError`]: no answer, another interface.

@@ -22,9 +22,9 @@ pub struct StreamOptions<'a> {
     pub retry: RetryPolicy,
     /// Time between two heartbeats: a quarter of the device's link timeout, or less.
     pub heartbeat_us: u64,
-    /// Knots that a frame waits for while more are to come; as many as fit, at most 16.
+    /// Knots in a frame while more are pending: limited to the number that fits, at most 16.
     pub batch: u8,
-    /// Samples beside the telemetry; `None` asks for none.
+    /// Samples to request beside the telemetry.
     pub sampling: Option<Sampling>,
     /// Silence of a connected device after which the link counts as lost: longer than a USB port pauses at times. The device does not
     /// wait for it, but acts by its own `link_timeout_us`.

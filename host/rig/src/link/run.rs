@@ -119,7 +119,7 @@ impl<T: Transport> Run<'_, T> {
         Err(LinkError::TooSlow { attempts: self.options.attempts_max })
     }
 
-    /// Flushes the device's knots, and learns its state.
+    /// Flushes the device's knots, and returns its state.
     pub(super) fn flush(&mut self) -> Result<(), LinkError> {
         self.driver.command(CommandCode::Flush)?;
         let stopped = |driver: &Driver<'_, T>| LinkError::Stopped { state: driver.session.state() };

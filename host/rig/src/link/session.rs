@@ -263,7 +263,7 @@ impl Session {
         self.state
     }
 
-    /// The same, however old.
+    /// The state in the device's latest message, of any age.
     pub(super) fn last_state(&self) -> Option<DeviceState> {
         self.told_state
     }

@@ -76,7 +76,7 @@ impl Trajectory {
         self.knots.get(index as usize)
     }
 
-    /// A knot by its step from the one before it; `None` for the first, and where the step is too large for the wire.
+    /// A knot as its step from the preceding one; `None` for the first, and if the step is too large for the wire.
     pub(super) fn step(&self, index: u32) -> Option<KnotStep> {
         let (before, knot) = (self.knot(index.checked_sub(1)?)?, self.knot(index)?);
         let step =

@@ -15,7 +15,7 @@ use super::trajectory::{Checked, Knot, Trajectory};
 /// Knots sent and not yet answered, at most: keeps the line busy at 115200 baud without filling the device's buffers.
 const IN_FLIGHT_MAX: u32 = 16;
 
-/// Which transmission carried which knots.
+/// The knots that each transmission carried.
 #[derive(Clone, Copy, Debug)]
 struct Transmission {
     seq: u16,
@@ -29,7 +29,7 @@ pub(super) struct Window {
     trajectory: Trajectory,
     start_us: u64,
     is_open: bool,
-    /// Knots that a frame waits for, where so many are to come.
+    /// Knots in a frame, if that many are pending.
     batch: u32,
     /// The knot to send next.
     next: u32,
@@ -125,7 +125,7 @@ impl Window {
         Some(message)
     }
 
-    /// Up to `wanted` knots from `index` on, and how many they are.
+    /// Up to `wanted` knots from `index` on, and their number.
     fn frame(&self, session: u16, index: u32, wanted: u32) -> Option<(HostMessage, u32)> {
         let mut knots = Batch::new();
         if wanted > 1 {
@@ -192,7 +192,7 @@ impl Window {
         self.accepted
     }
 
-    /// Whether all knots are in the device, or so many that it has no places for another frame.
+    /// Whether the device has all knots, or has no places for another frame.
     pub(super) fn is_filled(&self) -> bool {
         let next_end = u64::from(self.accepted) + u64::from(self.batch);
         self.is_open && (self.is_complete() || next_end > self.credit_end)

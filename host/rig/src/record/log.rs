@@ -235,12 +235,12 @@ pub struct LinkSummary {
     pub telemetry_lost: u64,
 }
 
-/// What is known after a run.
+/// Data known after a run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RunEnd {
     /// Link counters.
     pub link: LinkSummary,
-    /// Highest true gauge pressure of each channel's chamber, Pa; empty where no one sees into the chambers.
+    /// Highest true gauge pressure of each channel's chamber, Pa; empty on a device.
     pub peak_chamber_pa: Vec<f64>,
     /// Wall-clock time that the run took, s.
     pub wall_s: Option<f64>,
@@ -259,7 +259,7 @@ pub struct RunLog {
     pub shapes: Vec<Shape>,
     /// Link counters; all zero in a log that was cut off.
     pub link: LinkSummary,
-    /// Highest true gauge pressure of each channel's chamber, Pa; empty where no one sees into the chambers.
+    /// Highest true gauge pressure of each channel's chamber, Pa; empty on a device.
     pub peak_chamber_pa: Vec<f64>,
     /// Wall-clock time that the run took, s.
     pub wall_s: Option<f64>,

@@ -42,7 +42,7 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     metadata
 }
 
-/// What is known after the run, as JSON.
+/// Data known after the run, as JSON.
 pub(super) fn end_metadata(end: &RunEnd) -> Metadata {
     let mut metadata = Metadata::from([("link".into(), to_json(&end.link)), ("wall_s".into(), to_json(&end.wall_s))]);
     if !end.peak_chamber_pa.is_empty() {
@@ -87,7 +87,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
     Ok(info)
 }
 
-/// Reads what was known after the run.
+/// Reads the data known after the run.
 ///
 /// # Errors
 /// [`RecordError::Metadata`].

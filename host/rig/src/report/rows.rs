@@ -126,7 +126,7 @@ pub(super) fn injected(fault: &InjectedFault) -> String {
     format!("{:.3} s{place}: {}", fault.time_s, fault.name)
 }
 
-/// The chamber that came nearest to its limit, or went furthest beyond it; `None` where no one saw into the chambers.
+/// The chamber that came nearest to its limit, or went furthest beyond it; `None` on a device.
 pub(super) fn peak(summary: &Summary) -> Option<String> {
     let limits = summary.pressure_limit_pa.as_ref()?;
     let chambers = summary.peak_chamber_pa.iter().zip(limits).enumerate();

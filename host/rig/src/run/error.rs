@@ -47,7 +47,7 @@ pub enum RunError {
         /// The same in the scene of the simulated limb.
         simulated: String,
     },
-    /// A fault that the run is to meet, and cannot.
+    /// A fault on purpose that this run cannot have.
     #[error("{name}: {reason}")]
     Fault {
         /// Name of the fault.

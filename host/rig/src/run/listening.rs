@@ -1,4 +1,4 @@
-//! Records what a device sends, without a scene. Asks the device once who it is, and says nothing more.
+//! Records what a device sends, without a scene. Sends one Hello and nothing else.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

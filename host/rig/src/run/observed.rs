@@ -28,7 +28,7 @@ pub(super) struct Observed {
     link: Link,
 }
 
-/// What the faults have made of the link.
+/// State of the link under the faults.
 #[derive(Debug, Default)]
 struct Link {
     is_silent: bool,
@@ -77,7 +77,7 @@ impl Observed {
         Ok(self)
     }
 
-    /// Lets those faults happen whose time has come.
+    /// Injects the faults that are due.
     fn break_due_parts(&mut self) {
         let Some(start_us) = self.start_us else { return };
         let run_us = self.device.device_time_us().saturating_sub(start_us);

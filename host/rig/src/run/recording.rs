@@ -29,7 +29,7 @@ pub(super) trait Bench: Transport {
     /// The trajectory starts at a device time, us.
     fn armed(&mut self, _start_us: u64) {}
 
-    /// Highest true gauge pressure of each chamber so far, Pa; empty where no one sees into the chambers.
+    /// Highest true gauge pressure of each chamber so far, Pa; empty on a device.
     fn peak_chamber_pa(&self) -> Vec<f64> {
         Vec::new()
     }

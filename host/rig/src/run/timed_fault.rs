@@ -30,7 +30,7 @@ pub(super) enum FaultKind {
     EmergencyStop,
     /// The device resets.
     Reset,
-    /// The link carries nothing any more, either way.
+    /// The link stops carrying bytes, in both directions.
     LinkSilent,
     /// The host does nothing for a while.
     HostStall {
@@ -46,7 +46,7 @@ const OTHERS: [(&str, FaultKind); 4] = [
     ("host-stall", FaultKind::HostStall { length_us: STALL_US }),
 ];
 
-/// A word of the command line that is no fault with a time.
+/// A word of the command line that is not a fault with a time.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TimedFaultError {
     /// No such fault.

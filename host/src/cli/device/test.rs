@@ -76,7 +76,7 @@ impl Test {
     }
 }
 
-/// Takes the steps; each is told as it ends.
+/// Runs the steps, and prints each one as it ends.
 fn steps<T: Transport>(port: &mut T, configuration: &DeviceConfiguration) -> Vec<Step> {
     commission(port, configuration, &options(), &mut |step| {
         if step.verdict != Verdict::LeftOut {

@@ -156,7 +156,7 @@ fn device_is_recorded_without_a_scene() {
     let desk = desk("");
     let mut device = Program::start(&desk, "device serve scene.toml --tcp 127.0.0.1:0");
     let port = format!("--port {}", device.first_line());
-    // A port that cannot be opened is told before anything is recorded.
+    // A port that cannot be opened is an error before recording begins.
     let closed = desk.softlimb("record --port /dev/no-such-port -o none.mcap");
     assert!(closed.code == Some(1) && !closed.err.contains("recording"), "{}", closed.err);
     // Without a configuration it is silent.

@@ -27,7 +27,7 @@ const SENSOR_US: u64 = 500_000;
 /// Largest reading of an empty chamber, and largest standard deviation of a sensor, Pa.
 const EMPTY_PA: f64 = 1_000.0;
 const SCATTER_PA: f64 = 500.0;
-/// Time for which a supply that does not rise is waited for, us, and the least rise in it, Pa.
+/// Longest wait for a supply that does not rise, us, and the least rise in that time, Pa.
 const SUPPLY_US: u64 = 5_000_000;
 const SUPPLY_RISE_PA: f64 = 1_000.0;
 /// Time for which closed valves are watched, us, and the largest change of a chamber meanwhile, Pa.
@@ -174,7 +174,7 @@ fn sensors<T: Transport>(
     configured.is_ok() && all
 }
 
-/// The supply, once it has risen as far as it does.
+/// The supply, once it no longer rises.
 fn supply<T: Transport>(probe: &mut Probe<'_, '_, T>, configuration: &DeviceConfiguration, limit_us: u64) -> Finding {
     let range_pa = [configuration.system.supply_min_pa, configuration.system.supply_max_pa].map(f64::from);
     let (mut found_pa, mut waited_us) = (supply_pa(&probe.observe(SENSOR_US)), SENSOR_US);

@@ -48,10 +48,10 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         Self { hand, heard }
     }
 
-    /// The measurements of a time from now on, us. A lost link ends them early, and shows in the next command.
+    /// Collects measurements for a time, us. A lost link ends this early; the next command then fails.
     pub(super) fn observe(&mut self, time_us: u64) -> Vec<Telemetry> {
         self.heard.borrow_mut().clear();
-        // An error leaves fewer measurements.
+        // After an error there are fewer measurements.
         let _ = self.hand.wait(time_us);
         self.heard.take()
     }
@@ -66,7 +66,7 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
         if faults.is_empty() { text } else { format!("{text}; {}", faults.join(", ")) }
     }
 
-    /// Lets all pressures down, and measures that they are.
+    /// Vents all channels, and checks their pressures.
     pub(super) fn down(&mut self) -> Finding {
         let vented = self.hand.vent();
         if vented.is_err() {

@@ -30,9 +30,9 @@ pub enum StepKind {
 /// Outcome of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// As it must be.
+    /// The step passed.
     Passed,
-    /// Not so.
+    /// The step failed.
     Failed,
     /// Not taken, because an earlier step failed.
     LeftOut,
@@ -47,7 +47,7 @@ pub struct Step {
     pub channel: Option<u8>,
     /// Its outcome.
     pub verdict: Verdict,
-    /// What was measured, or the error.
+    /// The measurement, or the error.
     pub finding: String,
 }
 

@@ -61,7 +61,7 @@ impl ClientPort {
         }
     }
 
-    /// Lets clients in, and appends the bytes of clients that may go to the device, whose time is `mcu_time_us`.
+    /// Accepts clients, and appends their bytes that may reach the device. `mcu_time_us` is the device's time.
     pub(super) fn receive(
         &mut self,
         mcu_time_us: u64,
@@ -79,7 +79,7 @@ impl ClientPort {
         }
     }
 
-    /// Sends bytes to the clients. Bytes that no one takes are lost, as on a line.
+    /// Sends bytes to the clients. Bytes that nobody reads are lost, as on a serial line.
     pub(super) fn send(&mut self, bytes: &[u8], on_news: &mut dyn FnMut(Served)) -> io::Result<()> {
         match &mut self.0 {
             Kind::Tcp(clients) => {

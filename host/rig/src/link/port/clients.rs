@@ -48,7 +48,7 @@ impl Clients {
         self.listener.local_addr()
     }
 
-    /// Lets new clients in. The one that was heard the longest ago makes room when all places are taken.
+    /// Accepts new clients. If all places are taken, the client that has been silent the longest is closed.
     pub(super) fn greet(&mut self, on_news: &mut dyn FnMut(Served)) -> io::Result<()> {
         loop {
             match self.listener.accept() {
@@ -100,7 +100,7 @@ impl Clients {
         self.dismiss(on_news);
     }
 
-    /// Hands what the device says to those whom it concerns.
+    /// Forwards the device's messages to their receivers.
     pub(super) fn send(&mut self, bytes: &[u8], on_news: &mut dyn FnMut(Served)) {
         let now = Instant::now();
         for &byte in bytes {
@@ -119,7 +119,7 @@ impl Clients {
         }
     }
 
-    /// Lets go of clients that have left.
+    /// Removes clients that have disconnected.
     fn dismiss(&mut self, on_news: &mut dyn FnMut(Served)) {
         self.clients.retain(|client| {
             let Some(why) = client.gone else { return true };
@@ -181,7 +181,7 @@ pub(super) fn read_all(stream: &mut impl Read, into: &mut Vec<u8>) -> bool {
     true
 }
 
-/// Whether there is only nothing to do.
+/// Whether the operation had nothing to do, and may be repeated.
 pub(super) fn is_nothing(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -157,7 +157,7 @@ impl Commander {
     }
 }
 
-/// Whether every host may send a message.
+/// Whether every host may send this message.
 fn is_open_to_all(message: &HostMessage) -> bool {
     match message {
         HostMessage::Hello(_) | HostMessage::Heartbeat(_) => true,
@@ -187,7 +187,7 @@ mod tests {
         Command { session, code: code.into(), time_us: 0 }.into()
     }
 
-    /// One moment of a device that answers each frame as it is said to.
+    /// A gate at one moment, and a device whose answers the test chooses.
     struct Scene {
         gate: Gate,
         now: Instant,
@@ -236,7 +236,7 @@ mod tests {
         }
         let reply = HeartbeatReply { host_time_us: 7, mcu_time_us: 0, state: DeviceState::Idle.into(), free_knots: 0 };
         for client in [2, 1, 1] {
-            // The third answer has nobody who asked: it is the commander's.
+            // Nobody asked for the third answer: the commander gets it.
             assert_eq!(scene.gate.addressee(scene.now, &reply.clone().into()), Addressee::One(client));
             let stop = command(5, CommandCode::EmergencyStop);
             assert_eq!(scene.answer(9, &stop, ResultCode::Ok), Addressee::One(client));

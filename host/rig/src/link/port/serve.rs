@@ -28,7 +28,7 @@ pub enum Served {
     Connected(SocketAddr),
     /// The device has accepted the session of a client, which commands it from now on.
     Commands(SocketAddr),
-    /// A client is not served any more.
+    /// A client was disconnected.
     Left {
         /// The client.
         client: SocketAddr,
@@ -66,7 +66,7 @@ pub enum ServeError {
     Emulator(#[from] EmulatorError),
 }
 
-/// Lets a device live in real time and answer at a port until `stop`. At a TCP address one client commands and the others look; a
+/// Runs a device in real time behind a port until `stop`. At a TCP address one client commands and the others look; a
 /// terminal has one client. The device stays as the last one left it, as a board does. `on_news` is given the device's time of an event, us.
 ///
 /// # Errors
