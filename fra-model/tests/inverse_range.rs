@@ -43,6 +43,26 @@ fn target(p: &ActuatorParameters<f64>, state: &State<f64>, aim: f64) -> (Target<
     }
 }
 
+/// A target with the pressure that it was made by.
+struct Question {
+    p: ActuatorParameters<f64>,
+    actuator: Actuator<f64>,
+    pressure_pa: f64,
+    solution: Solution<f64>,
+    target: Target<f64>,
+    measure: Measure,
+}
+
+/// Questions of the tubes that have a shape at their pressure.
+fn questions(count: u32) -> impl Iterator<Item = Question> {
+    wound_tubes(count).into_iter().filter_map(|(p, pressure_pa, aim)| {
+        let actuator = Actuator::new(&p).expect("valid");
+        let solution = actuator.forward(pressure_pa, &Load::none()).expect("finite");
+        let (target, measure) = target(&p, &solution.state, aim);
+        (solution.status == Status::Solved).then_some(Question { p, actuator, pressure_pa, solution, target, measure })
+    })
+}
+
 /// Pressures of a scan upwards between which a measure passes a value, by forward solves alone.
 fn crossings(actuator: &Actuator<f64>, measure: Measure, value: f64) -> Vec<(f64, f64)> {
     let mu = actuator.parameters().material.shear_modulus_pa();
@@ -68,13 +88,7 @@ fn crossings(actuator: &Actuator<f64>, measure: Measure, value: f64) -> Vec<(f64
 #[test]
 fn vacuum_is_an_answer_only_where_no_pressure_is() {
     let (mut vacuums, mut pressures, mut several) = (0_u32, 0_u32, 0_u32);
-    for (p, pressure_pa, aim) in wound_tubes(samples(600)) {
-        let actuator = Actuator::new(&p).expect("valid");
-        let solution = actuator.forward(pressure_pa, &Load::none()).expect("finite");
-        if solution.status != Status::Solved {
-            continue;
-        }
-        let (target, measure) = target(&p, &solution.state, aim);
+    for Question { p, actuator, pressure_pa, solution, target, measure } in questions(samples(600)) {
         let answer = actuator.inverse(target, &Load::none()).expect("a target");
         let scan = crossings(&actuator, measure, measure(&solution.state));
         let beyond = pressure_pa < -VACUUM_PA && scan.is_empty();
@@ -101,13 +115,7 @@ fn vacuum_is_an_answer_only_where_no_pressure_is() {
 #[test]
 fn all_answers_are_listed_and_a_range_chooses_among_them() {
     let mut several = 0_u32;
-    for (p, pressure_pa, aim) in wound_tubes(samples(600)) {
-        let actuator = Actuator::new(&p).expect("valid");
-        let solution = actuator.forward(pressure_pa, &Load::none()).expect("finite");
-        if solution.status != Status::Solved {
-            continue;
-        }
-        let (target, measure) = target(&p, &solution.state, aim);
+    for Question { p, actuator, pressure_pa, solution, target, measure } in questions(samples(600)) {
         let mu = p.material.shear_modulus_pa();
         let list = |range: &PressureRange<f64>| {
             let mut found = vec![];
