@@ -348,10 +348,9 @@ impl<T: Scalar> Winding<T> {
                 Families::One => self.strain(&ring, g, rho, self.cos).add_to(sum, stiffness),
                 // (A+B)^2 + (A-B)^2 = 2 A^2 + 2 B^2: the torques of the two families would cancel, all but a tiny twist's.
                 Families::Two => {
-                    for strain in [self.even(&ring, g, rho), self.odd(&ring, g, rho)] {
-                        strain.add_to(sum, stiffness);
-                        strain.add_to(sum, stiffness);
-                    }
+                    let both = stiffness + stiffness;
+                    self.even(&ring, g, rho).add_to(sum, both);
+                    self.odd(&ring, g, rho).add_to(sum, both);
                 }
             }
         });

@@ -8,7 +8,7 @@ use clap::Command;
 use crate::cli::desk::Desk;
 
 /// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 31] = [
+const PARSED_ONLY: [&str; 32] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -31,6 +31,7 @@ const PARSED_ONLY: [&str; 31] = [
     "tolerance",
     "run calibrated.toml",
     "run scenes/single-bending.toml --port",
+    "device test scenes/single-bending.toml --port /dev",
     "device serve",
     "device info",
     "device clear",

@@ -2,7 +2,9 @@
 
 use core::hint::black_box;
 
-use fra_model::{Actuator, Arrangement, Link, Load, Motion, Parameter, Segment, State, Status, Tracker, tip_pose};
+use fra_model::{
+    Actuator, Arrangement, Link, Load, Motion, Parameter, PressureRange, Segment, State, Status, Tracker, tip_pose,
+};
 use nalgebra::Isometry3;
 
 use crate::Bench;
@@ -76,7 +78,17 @@ fn solvers(
 ) -> bool {
     let (name, none, target, pressure_pa) = (case.name, Load::none(), case.target(cold), case.pressure_pa);
     let search = actuator.by_search();
+    let range = PressureRange::physical();
+    bench.put("inverse, all answers", name, || {
+        let mut found = 0;
+        let ended = black_box(actuator).inverse_all(&range, black_box(target), &none, &mut |_| found += 1);
+        ended.map(|_| Count(found))
+    });
+    bench.put("range of pressures", name, || Count(black_box(range).contains(black_box(pressure_pa)).into()));
     let answers = [
+        bench.put("inverse, within a range", name, || {
+            black_box(actuator).inverse_within(black_box(&range), black_box(target), &none)
+        }),
         bench.put("forward, warm", name, || {
             black_box(actuator).forward_from(black_box(near), black_box(pressure_pa), &none)
         }),
