@@ -1,6 +1,6 @@
 //! Limbs designed under load: small tasks, judged by the statics of the product on the scene that is written.
 
-use softlimb_design::from_scene::{loaded_design, loaded_text};
+use softlimb_design::from_scene::{BriefError, loaded_design, loaded_text};
 use softlimb_design::loaded::{
     Effort, Found, Judgement, LimbSizes, Margin, REACHED_M, Refusal, active_bounds, evaluate, search, search_to_run,
     seeded,
@@ -103,6 +103,37 @@ fn limits_are_those_of_the_scene() {
 #[test]
 fn a_limb_is_found_whose_scene_stands_where_the_task_wants_it() {
     stands_where_wanted(&read(TASK), [[0.12, 0.0, 0.56], [0.16, 0.0, 0.58]]);
+}
+
+/// Ends of 6 mm in each module, which the statics of the written scene know from its text.
+#[test]
+fn limb_with_ends_is_found_that_stands_where_the_task_wants_it() {
+    let ends = "material = \"silicone\"\nend_length = \"6 mm\"";
+    let wanted = read(&TASK.replace("material = \"silicone\"", ends));
+    let designed = stands_where_wanted(&wanted, [[0.12, 0.0, 0.56], [0.16, 0.0, 0.58]]);
+    for module in designed.modules() {
+        assert!(module.end_length_m == 6e-3 && (0.1..=0.22).contains(&*module.length_m), "{:?}", *module.length_m);
+    }
+    let limb = Limb::new(&designed).unwrap();
+    let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let margins = motion::margins(&designed, &limb, &plan, &motion::Sent::uncorrected(&limb, &plan)).unwrap();
+    // One pressure a module in a plane: the planner's pressures are those of the design, and so are its margins.
+    let stated = found(&wanted).confirmed;
+    for (stated, planned) in stated.iter().zip(&margins) {
+        for (a, b) in [(stated.sag_m, planned.sag_m), (stated.stiffness_n_per_m, planned.stiffness_n_per_m)] {
+            assert!((a / b - 1.0).abs() < 0.02, "{stated:?} {planned:?}");
+        }
+    }
+}
+
+#[test]
+fn lengths_that_ends_use_up_are_refused_at_their_bounds() {
+    let ends = "material = \"silicone\"\nend_length = \"60 mm\"";
+    let wanted = read(&TASK.replace("material = \"silicone\"", ends));
+    let Err(BriefError::Scene(error)) = loaded_design(&wanted) else { panic!("no length is left") };
+    let error = error.render(false);
+    assert!(error.contains("the least `length` of `shoulder` must be more than `end_length` at both ends"), "{error}");
+    assert!(error.contains("a length of 120.000 mm is allowed") && error.contains("take 120.000 mm of it"), "{error}");
 }
 
 /// A pressure for each actuator of the shoulder, one for the wrist: out of the plane, and the tip still has one way more than coordinates.

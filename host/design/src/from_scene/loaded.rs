@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use fra_model::{Arrangement, Motion, Placement};
 
 use super::error::BriefError;
+use super::space::length_m;
 use super::task::{SPARE_M, inside};
 use crate::actuators::Winding;
 use crate::loaded::{
@@ -34,7 +35,6 @@ pub struct LoadedDesign {
 /// # Errors
 /// A diagnostic at a phase that does not lead the tip to a place, at a choice of kinds, and at a winding within the wall.
 pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
-    scene.without_end_lengths("`softlimb design`")?;
     if let Some(choice) = scene.design().and_then(|design| design.choice.as_ref()) {
         let title = "kinds of modules are not chosen under weight";
         let help = Some("remove `modules` and `motions`, or search with `simulated = false` in `[weight]` first");
@@ -157,7 +157,8 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
         winding,
         inner_radius_m: pair(bounds.inner_radius_m, inner_m),
         wall_m: pair(bounds.wall_m, *module.outer_radius_m - inner_m),
-        length_m: pair(bounds.length_m, *module.length_m),
+        length_m: length_m(scene, module, bounds)?,
+        end_m: module.end_length_m,
         angle_rad: pair(bounds.fiber_angle_rad, module.fiber.as_ref().map_or(0.0, |fiber| fiber.angle_rad)),
         spread_m: pair(spread, own_m),
         spacer_kg: module.spacer_mass_kg,

@@ -35,7 +35,7 @@ pub(super) fn refuse_steering(scene: &Scene) -> Result<(), SceneError> {
     Err(scene.diagnostic(module.span, title, &label, Some(help)))
 }
 
-/// A module's motion, material, winding and bounds, without goals. `bounds` are those of `[design]`; what has none keeps its value.
+/// A module's motion, material, winding and bounds of what moves of it, without goals. `bounds` are those of `[design]`; what has none keeps its value.
 ///
 /// # Errors
 /// A diagnostic at bounds whose actuators would overlap, and at a winding that has another place than the outer face.
@@ -57,7 +57,7 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
         bounds: GeometryBounds {
             sizes: Sizes::InnerAndWall,
             sizes_m: [inner_radius_m, wall_m],
-            length_m: pair(bounds.length_m, *module.length_m),
+            length_m: length_m(scene, module, bounds)?.map(|length_m| length_m - 2.0 * module.end_length_m),
             angle_rad: if *module.motion == Motion::Bending {
                 [0.0; 2]
             } else {
@@ -71,6 +71,23 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
         goals: Vec::new(),
         effort_per_pa2: 0.0,
     })
+}
+
+/// Bounds of the length of a module with both ends, m.
+///
+/// # Errors
+/// A diagnostic at bounds that leave nothing between the ends.
+pub(super) fn length_m(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> Result<Bounds, SceneError> {
+    let length_m = pair(bounds.length_m, *module.length_m);
+    let ends_m = 2.0 * module.end_length_m;
+    if length_m[0] > ends_m {
+        return Ok(length_m);
+    }
+    let span = bounds.length_m.map_or(module.span, |bounds| bounds.span);
+    let title = format!("the least `length` of `{}` must be more than `end_length` at both ends", *module.name);
+    let label = format!("a length of {:.3} mm is allowed", 1e3 * length_m[0]);
+    let help = format!("its two ends take {:.3} mm of it, which do not move", 1e3 * ends_m);
+    Err(scene.diagnostic(span, &title, &label, Some(&help)))
 }
 
 /// Share of the limit pressure that stays unused where a scene says nothing.

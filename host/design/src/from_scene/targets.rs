@@ -19,7 +19,6 @@ const PER_RAD2: f64 = 1e4;
 /// A diagnostic at a target that eq. (14) has no term for, at a steering module, at a module whose actuators plates hold back, and those of the bounds and of [`Limb::new`].
 pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
     refuse_steering(scene)?;
-    scene.without_end_lengths("`softlimb design`")?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let open = ModuleBounds::default();
@@ -29,7 +28,7 @@ pub fn targets(scene: &Scene) -> Result<Problem, SceneError> {
         let mut segment = segment(scene, module, bounds(index))?;
         let mut held = None;
         for phase in scene.phases() {
-            held = goal(scene, phase, index, *module.length_m)?.or(held);
+            held = goal(scene, phase, index, module.moving_length_m())?.or(held);
             segment.goals.push(held);
         }
         segments.push(segment);
@@ -55,6 +54,15 @@ fn goal(scene: &Scene, phase: &Phase, module: usize, length_m: f64) -> Result<Op
     Ok(Some(fit::Goal { value, weight }))
 }
 
+/// An answer whose lengths are those of the modules with both ends, for printing; its targets stay those of what moves.
+#[must_use]
+pub fn with_ends(scene: &Scene, answer: &fit::Answer) -> fit::Answer {
+    let mut whole = answer.clone();
+    let segments = whole.segments.iter_mut().zip(scene.modules());
+    segments.for_each(|(segment, module)| segment.length_m += 2.0 * module.end_length_m);
+    whole
+}
+
 /// The modules and targets of an answer. What was asked as a stretch is the same length with the length found; what could not be reached is
 /// what was found.
 pub fn redesigned_targets(scene: &Scene, answer: &fit::Answer) -> (Vec<Redesign>, Vec<Vec<RedesignedTarget>>) {
@@ -67,7 +75,7 @@ pub fn redesigned_targets(scene: &Scene, answer: &fit::Answer) -> (Vec<Redesign>
             bundle: (module.actuators, module.arrangement),
             mount_angle_rad: module.mount_angle_rad,
             radii_m: [segment.inner_radius_m, segment.outer_radius_m],
-            length_m: segment.length_m,
+            length_m: segment.length_m + 2.0 * module.end_length_m,
             winding: module.fiber.as_ref().map(|fiber| angle(*module.motion, segment, fiber.angle_rad)),
         })
         .collect();

@@ -34,7 +34,6 @@ pub struct Tasked {
 /// [`Limb::new`].
 pub fn task(scene: &Scene) -> Result<Tasked, BriefError> {
     refuse_steering(scene)?;
-    scene.without_end_lengths("`softlimb design`")?;
     // A bundle that holds itself is refused before it is searched for.
     refuse_restrained(scene, &Limb::new(scene)?)?;
     let patterns = patterns(scene);
@@ -89,6 +88,7 @@ fn space(scene: &Scene, index: usize) -> Result<Space, SceneError> {
         actuators: module.actuators.into(),
         reach_m: module.reach_m(),
         mount_angle_rad: if free { [own - PI, own + PI] } else { [own; 2] },
+        end_m: module.end_length_m,
         density_kg_per_m3: module.density_kg_per_m3,
     })
 }

@@ -61,8 +61,12 @@ pub fn active_bounds(
         let name = variable.module.map(|module| space.modules[module].name.clone());
         let moved = |by: f64| {
             let by = by * (high - low);
-            // A size stays positive.
-            let bounds = if at_high { [low, high + by] } else { [(low - by).max(0.25 * low.abs()), high] };
+            // A size stays positive, and a length more than what its ends take.
+            let ends_m =
+                variable.module.filter(|_| variable.name == "length").map(|index| 2.0 * space.modules[index].end_m);
+            let least = ends_m.unwrap_or(0.0);
+            let bounds =
+                if at_high { [low, high + by] } else { [(low - by).max(least + 0.25 * (low - least).abs()), high] };
             let bounds = if variable.module.is_none() && !at_high { [low - by, high] } else { bounds };
             (space.with_bounds(index, bounds), if at_high { bounds[1] } else { bounds[0] })
         };

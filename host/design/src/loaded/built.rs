@@ -17,6 +17,7 @@ pub(super) struct BuiltModule {
     motion: Motion,
     actuator: Actuator<f64>,
     positions_m: Vec<[f64; 2]>,
+    /// Length of the part that moves, m.
     pub(super) length_m: f64,
     bay_m: f64,
     mount_angle_rad: f64,
@@ -31,6 +32,8 @@ pub(super) struct BuiltModule {
     springs: Arc<Mutex<Vec<(f64, Spring)>>>,
     /// Radius of the module about its centre line at rest, m.
     pub(super) radius_m: f64,
+    /// Length of the rigid part behind it but for the tool, m: a connector between two ends.
+    pub(super) connector_m: f64,
 }
 
 /// A limb of certain sizes. Pressures, one a drive, are shares of the highest that keep the margin.
@@ -42,7 +45,9 @@ pub struct Built {
     owners: Vec<usize>,
     /// The reserve that its pressures keep.
     pub(super) reserve: f64,
-    connector: [f64; 2],
+    /// Mass of a connector, kg.
+    connector_kg: f64,
+    /// Length and mass of the tool, m and kg.
     tool: [f64; 2],
     /// Length at rest from base to tip, m.
     pub length_m: f64,
@@ -86,6 +91,8 @@ impl Built {
             let actuator = Actuator::new(&module.actuator(size)).ok()?;
             let limit_pa = ceiling_pa(&actuator, module.pressure_max_pa)?;
             let arrangement = module.arrangement(size);
+            let moving_m = module.moving_m(size);
+            let next_m = space.modules.get(index + 1).map_or(0.0, |next| next.end_m);
             let [inner_m, outer_m] = size.radii_m;
             let section_m2 = PI * (outer_m - inner_m) * (outer_m + inner_m);
             modules.push(BuiltModule {
@@ -96,22 +103,23 @@ impl Built {
                 span_pa: task.limits.pressure_share / (1.0 + reserve) * limit_pa,
                 actuator,
                 positions_m: arrangement.positions_m(module.actuators).collect(),
-                length_m: size.length_m,
-                bay_m: size.length_m / (f64::from(size.spacers) + 1.0),
+                length_m: moving_m,
+                bay_m: moving_m / (f64::from(size.spacers) + 1.0),
                 mount_angle_rad: size.mount_angle_rad,
                 between_kg: f64::from(module.actuators) * section_m2 * size.length_m * module.density_kg_per_m3
                     + f64::from(size.spacers) * module.spacer_kg,
                 radius_m: arrangement.reach_m(module.actuators) + outer_m,
+                connector_m: module.end_m + task.connector_m + next_m,
             });
         }
         let rigid_m = modules.len() as f64 * task.connector_m + task.tool_m[0];
         Some(Self {
             base: space.base(sizes),
-            length_m: modules.iter().map(|module| module.length_m).sum::<f64>() + rigid_m,
+            length_m: sizes.modules.iter().map(|module| module.length_m).sum::<f64>() + rigid_m,
             modules,
             owners: space.owners(),
             reserve,
-            connector: [task.connector_m, task.connector_kg],
+            connector_kg: task.connector_kg,
             tool: [task.tool_m[0], task.tool_kg],
         })
     }
@@ -150,7 +158,7 @@ impl Built {
     /// Mass without payload, kg.
     pub fn mass_kg(&self) -> f64 {
         let walls: f64 = self.modules.iter().map(|module| module.between_kg).sum();
-        walls + self.modules.len() as f64 * self.connector[1] + self.tool[1]
+        walls + self.modules.len() as f64 * self.connector_kg + self.tool[1]
     }
 
     /// The bundle of a module at shares of its pressures, one a drive of it; `None` where it has no equilibrium.
@@ -165,13 +173,12 @@ impl Built {
     /// The rod of a module with a bundle, with what is fixed behind it.
     pub(super) fn piece(&self, index: usize, bundle: &Bundle, payload_kg: f64) -> Piece {
         let module = &self.modules[index];
-        let [connector_m, connector_kg] = self.connector;
-        let mut masses = vec![(0.5 * connector_m, connector_kg)];
-        let mut rigid_m = connector_m;
+        let mut rigid_m = module.connector_m;
+        let mut masses = vec![(0.5 * rigid_m, self.connector_kg)];
         if index + 1 == self.modules.len() {
             let [tool_m, tool_kg] = self.tool;
+            masses.push((rigid_m + 0.5 * tool_m, tool_kg));
             rigid_m += tool_m;
-            masses.push((connector_m + 0.5 * tool_m, tool_kg));
             masses.push((rigid_m, payload_kg));
         }
         Piece {

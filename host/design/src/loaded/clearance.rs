@@ -32,7 +32,7 @@ fn balls(built: &Built, task: &LoadedTask, stand: &Stand) -> Vec<(Vector3<f64>, 
         if rigid(index) {
             let (from, to) = (line[first], line[first + 1]);
             let length_m = stand.rod.pieces[index].rigid_m;
-            let connector = (task.connector_m / length_m).min(1.0);
+            let connector = (module.connector_m / length_m).min(1.0);
             all.push((from.lerp(&to, connector), module.radius_m));
             if connector < 1.0 {
                 all.extend(capsule(&from.lerp(&to, connector), &to, task.tool_m[1]));

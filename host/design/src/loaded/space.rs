@@ -1,7 +1,7 @@
 //! What a limb may be: bounds, and their unit box.
 
 use fra_model::{ActuatorParameters, Arrangement, Fiber, Material, Motion};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 use serde::Serialize;
 
 use crate::actuators::{Bounds, Winding};
@@ -46,8 +46,10 @@ pub struct ModuleSpace {
     pub inner_radius_m: Bounds,
     /// Bounds of the wall, m; > 0.
     pub wall_m: Bounds,
-    /// Bounds of the length, m; > 0.
+    /// Bounds of the length, m; > twice the end length.
     pub length_m: Bounds,
+    /// Length at each end that its cap takes out of the motion, m; >= 0.
+    pub end_m: f64,
     /// Bounds of the fiber angle, rad; unused for bending.
     pub angle_rad: Bounds,
     /// Bounds of the circle's radius or of the distance of neighbours in the row, m. Actuators never overlap, whatever this says.
@@ -78,7 +80,7 @@ pub struct LimbSpace {
 pub struct ModuleSizes {
     /// Inner and outer radius, m.
     pub radii_m: [f64; 2],
-    /// Length, m.
+    /// Length with both ends, m.
     pub length_m: f64,
     /// Fiber angle, rad.
     pub angle_rad: f64,
@@ -198,10 +200,11 @@ impl LimbSpace {
         })
     }
 
-    /// Pose of the base.
+    /// Pose of the start of the part that moves: behind the first end.
     pub fn base(&self, sizes: &LimbSizes) -> Isometry3<f64> {
         let [direction, up] = self.directions(sizes.pitch_rad);
-        base_pose(sizes.position_m, direction, up)
+        let end_m = self.modules.first().map_or(0.0, |module| module.end_m);
+        base_pose(sizes.position_m, direction, up) * Translation3::new(0.0, 0.0, end_m)
     }
 
     /// Unit vectors along the first module and towards which modules bend at a mount angle of 0, at a pitch, rad.
@@ -250,7 +253,7 @@ impl ModuleSpace {
         let share = if spread[1] > spread[0] { (next(spread) - spread[0]) / (spread[1] - spread[0]) } else { 0.0 };
         let spread_m = at([spread[0].max(least_m), spread[1].max(least_m)], share);
         let mount_angle_rad = next(mount);
-        let spacers = ((length_m / self.bay_m).ceil() - 1.0).clamp(0.0, 50.0) as u8;
+        let spacers = (((length_m - 2.0 * self.end_m) / self.bay_m).ceil() - 1.0).clamp(0.0, 50.0) as u8;
         ModuleSizes { radii_m: [inner_m, outer_m], length_m, angle_rad, spread_m, spacers, mount_angle_rad }
     }
 
@@ -269,14 +272,19 @@ impl ModuleSpace {
         }
     }
 
-    /// One of its actuators.
+    /// Length of the part that moves, m.
+    pub(super) fn moving_m(&self, sizes: &ModuleSizes) -> f64 {
+        sizes.length_m - 2.0 * self.end_m
+    }
+
+    /// One of its actuators, as long as the part that moves.
     pub(super) fn actuator(&self, sizes: &ModuleSizes) -> ActuatorParameters<f64> {
         let [inner_radius_m, outer_radius_m] = sizes.radii_m;
         ActuatorParameters {
             motion: self.motion,
             inner_radius_m,
             outer_radius_m,
-            length_m: sizes.length_m,
+            length_m: self.moving_m(sizes),
             material: self.material,
             fiber: self.winding.filter(|_| self.motion != Motion::Bending).map(|winding| Fiber {
                 angle_rad: sizes.angle_rad,

@@ -20,8 +20,8 @@ pub(super) struct Bundle {
     pub(super) mount_angle_rad: f64,
     /// Its derivative by its variable.
     pub(super) by_mount: f64,
-    /// Length of the rigid part behind it, m.
-    pub(super) rigid_m: f64,
+    /// Lengths of the rigid parts behind it, m: connector and tool.
+    pub(super) rigid_m: [f64; 2],
 }
 
 /// One module in its place.
@@ -80,22 +80,21 @@ impl Chain {
                 end,
                 end_axis,
             });
-            start = end + end_axis * bundle.rigid_m;
+            start = end + end_axis * bundle.rigid_m.iter().sum::<f64>();
         }
         (self.tip, self.tip_axis) = (start, rotation.column(2).into_owned());
     }
 
     /// The solid that the limb is, by its own kinematics: segments and mount angles, not the places found here.
-    pub(super) fn body(&self, task: &Task) -> Body {
-        let mut body = Body::new(&task.base);
-        for (index, joint) in self.joints.iter().enumerate() {
+    pub(super) fn body(&self, task: &Task, start: &Isometry3<f64>) -> Body {
+        let mut body = Body::new(start);
+        for joint in &self.joints {
             let [length_m, bend_angle_rad, twist_rad, radius] = joint.bundle.value;
             let segment = Segment { length_m, bend_angle_rad, twist_rad };
             body.module(&segment, joint.bundle.mount_angle_rad, radius);
-            body.rigid(task.connector_m[0], task.connector_m[1]);
-            if index + 1 == self.joints.len() {
-                body.rigid(task.tool_m[0], task.tool_m[1]);
-            }
+            let [connector_m, tool_m] = joint.bundle.rigid_m;
+            body.rigid(connector_m, task.connector_m[1]);
+            body.rigid(tool_m, task.tool_m[1]);
         }
         body
     }
@@ -133,9 +132,14 @@ impl Joint {
         &self.bundle.value
     }
 
-    /// Length of the centre line of the module and of the rigid part behind it, m.
+    /// Length of the centre line of the module and of the rigid parts behind it, m.
     pub(super) fn lengths(&self) -> [f64; 2] {
-        [self.bundle.value[0], self.bundle.rigid_m]
+        [self.bundle.value[0], self.bundle.rigid_m.iter().sum()]
+    }
+
+    /// Lengths of the rigid parts behind it, m: connector and tool.
+    pub(super) fn rigid_m(&self) -> [f64; 2] {
+        self.bundle.rigid_m
     }
 
     /// The point of the centre line at a share of its length.

@@ -37,14 +37,15 @@ pub(super) fn confirm(exact: &Exact, sections: &[Space]) -> Result<Candidate, Ta
     let mut made = Vec::new();
     for (module, space) in final_spaces.iter().enumerate() {
         let section = Section::new(space, &[0.5; 4]).map_err(|reason| refused(space, reason))?;
-        let last = module + 1 == final_spaces.len();
+        let next_m = final_spaces.get(module + 1).map(|next| next.end_m);
         made.push(Made {
             section,
             density_kg_per_m3: space.density_kg_per_m3,
             actuators: space.actuators,
             name: &space.segment.name,
             mount_angle_rad: layout.mount_angle_rad(&exact.place, module),
-            rigid_m: task.connector_m[0] + if last { task.tool_m[0] } else { 0.0 },
+            rigid_m: task.rigid_parts_m(space.end_m, next_m),
+            end_m: space.end_m,
         });
     }
     let curves = exact.objective.curves(&exact.place);

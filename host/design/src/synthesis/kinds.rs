@@ -124,6 +124,7 @@ pub fn space(motion: Motion) -> Space {
         },
         actuators: if motion == Motion::Twisting { 1 } else { 3 },
         reach_m: if motion == Motion::Twisting { 0.0 } else { 25e-3 },
+        end_m: 0.0,
         mount_angle_rad: [-PI, PI],
         density_kg_per_m3: 1080.0,
     }
@@ -149,7 +150,7 @@ fn body_and_tip(objective: &Objective, place: &[f64], way_point: usize) -> (Body
     if let Some(pose) = pose {
         objective.chain(place, &curves, pose, &mut chain);
     }
-    (chain.body(objective.task), chain.tip)
+    (chain.body(objective.task, &objective.start()), chain.tip)
 }
 
 /// Solids, each a few millimetres beside the hidden limb at one way-point and clear of it at all.

@@ -17,7 +17,10 @@ pub(super) struct Made<'a> {
     pub(super) actuators: u32,
     pub(super) name: &'a str,
     pub(super) mount_angle_rad: f64,
-    pub(super) rigid_m: f64,
+    /// Lengths of the rigid parts behind it, m: connector with ends, and tool.
+    pub(super) rigid_m: [f64; 2],
+    /// Length of an end, m.
+    pub(super) end_m: f64,
 }
 
 /// The limb in one configuration, by the kinematics of the model.
@@ -26,6 +29,10 @@ pub(super) struct Shape {
     pub(super) tip: Isometry3<f64>,
     pub(super) body: Body,
     pub(super) links: Vec<(Link<f64>, f64)>,
+    /// Where the part of the limb starts that moves.
+    start: Isometry3<f64>,
+    /// Lengths of the rigid parts behind each module, m.
+    rigid_m: Vec<[f64; 2]>,
 }
 
 impl Made<'_> {
@@ -36,13 +43,19 @@ impl Made<'_> {
         (solution.status == Status::Solved).then_some(solution.state)
     }
 
+    /// Length of the part that moves, m.
     pub(super) fn length_m(&self) -> f64 {
         self.section.candidate.geometry.length_m
     }
 
+    /// Length with both ends, m.
+    fn whole_m(&self) -> f64 {
+        self.length_m() + 2.0 * self.end_m
+    }
+
     pub(super) fn wall_volume_m3(&self) -> f64 {
         let geometry = &self.section.candidate.geometry;
-        std::f64::consts::PI * (geometry.outer_radius_m.powi(2) - geometry.inner_radius_m.powi(2)) * geometry.length_m
+        std::f64::consts::PI * (geometry.outer_radius_m.powi(2) - geometry.inner_radius_m.powi(2)) * self.whole_m()
     }
 
     pub(super) fn design(&self, task: &Task) -> ModuleDesign {
@@ -53,7 +66,7 @@ impl Made<'_> {
             motion: self.section.motion().into(),
             inner_radius_m: geometry.inner_radius_m,
             outer_radius_m: geometry.outer_radius_m,
-            length_m: geometry.length_m,
+            length_m: self.whole_m(),
             fiber_angle_rad: geometry.angle_rad,
             mount_angle_rad: if self.section.motion() == Motion::Bending { self.mount_angle_rad } else { 0.0 },
             pressure_cap_pa: self.section.cap_pa(),
@@ -73,23 +86,25 @@ impl Made<'_> {
 
 impl Shape {
     pub(super) fn new(task: &Task, made: &[Made], states: Vec<State<f64>>) -> Self {
-        let mut body = Body::new(&task.base);
-        let mut tip = task.base;
+        let start = task.start(made.first().map_or(0.0, |first| first.end_m));
+        let mut body = Body::new(&start);
+        let mut tip = start;
         let mut links = Vec::new();
-        for (index, (made, state)) in made.iter().zip(&states).enumerate() {
+        for (made, state) in made.iter().zip(&states) {
             let segment = Segment::of_bundle(made.section.motion(), made.length_m(), made.section.reach_m(), state)
                 .unwrap_or(Segment { length_m: made.length_m(), bend_angle_rad: 0.0, twist_rad: 0.0 });
-            let link = Link { segment, mount_angle_rad: made.mount_angle_rad, rigid_length_m: made.rigid_m };
+            let link =
+                Link { segment, mount_angle_rad: made.mount_angle_rad, rigid_length_m: made.rigid_m.iter().sum() };
             let radius_m = made.section.reach_m() + state.outer_radius_m;
             body.module(&segment, made.mount_angle_rad, radius_m);
-            body.rigid(task.connector_m[0], task.connector_m[1]);
-            if index + 1 == states.len() {
-                body.rigid(task.tool_m[0], task.tool_m[1]);
-            }
+            let [connector_m, tool_m] = made.rigid_m;
+            body.rigid(connector_m, task.connector_m[1]);
+            body.rigid(tool_m, task.tool_m[1]);
             tip *= link.pose();
             links.push((link, radius_m));
         }
-        Self { states, tip, body, links }
+        let rigid_m = made.iter().map(|made| made.rigid_m).collect();
+        Self { states, tip, body, links, start, rigid_m }
     }
 
     pub(super) fn answer(&self, task: &Task, made: &[Made], to: usize) -> WayPointAnswer {
@@ -120,11 +135,10 @@ impl Shape {
 
     /// Squared penetrations of the body points, mm2.
     pub(super) fn penetration_mm2(&self, task: &Task) -> f64 {
-        let mut pose = task.base;
+        let mut pose = self.start;
         let mut sum = 0.0;
-        for (index, (link, radius_m)) in self.links.iter().enumerate() {
-            let last = index + 1 == self.links.len();
-            for (along, radius) in body_points(task, last, *radius_m) {
+        for ((link, radius_m), rigid_m) in self.links.iter().zip(&self.rigid_m) {
+            for (along, radius) in body_points(task, *rigid_m, *radius_m) {
                 let point = if along <= 1.0 {
                     pose * link.pose_at(along)
                 } else {

@@ -42,7 +42,7 @@ impl Move<'_, '_> {
 
     /// The body when a share of the move is done.
     pub(super) fn body(&self, share: f64) -> Body {
-        self.chain(share).body(self.objective.task)
+        self.chain(share).body(self.objective.task, &self.objective.start())
     }
 
     /// A bound of the speed of any surface point, m per whole move.
@@ -104,20 +104,24 @@ fn improve(best: &mut Option<Nearest>, found: Option<Clearance>, share: f64) {
     }
 }
 
-/// Where on the limb a piece of its body is: the module, and the share of it, beyond 1 of the rigid part behind it.
+/// Where on the limb a piece of its body is: the module, and the share of it, beyond 1 of the rigid parts behind it.
 pub(super) fn spot(objective: &Objective, clearance: &Clearance) -> (usize, f64) {
-    let task = objective.task;
-    let rigid = task.connector_m[0] + task.tool_m[0];
-    let per_module = 1 + usize::from(task.connector_m[0] > 0.0);
-    let last = objective.tables.len() - 1;
-    let (module, part) = (clearance.piece / per_module, clearance.piece % per_module);
-    if module > last {
-        let distance = task.connector_m[0] + clearance.share * task.tool_m[0];
-        return (last, 1.0 + distance / rigid);
+    let mut piece = clearance.piece;
+    for module in 0..objective.tables.len() {
+        let [connector_m, tool_m] = objective.rigid_parts_m(module);
+        if piece == 0 {
+            return (module, clearance.share);
+        }
+        piece -= 1;
+        // A part of no length has no piece of its own.
+        for (before_m, length_m) in [(0.0, connector_m), (connector_m, tool_m)] {
+            if length_m > 0.0 {
+                if piece == 0 {
+                    return (module, 1.0 + (before_m + clearance.share * length_m) / (connector_m + tool_m));
+                }
+                piece -= 1;
+            }
+        }
     }
-    match part {
-        0 => (module, clearance.share),
-        _ if module == last => (module, 1.0 + clearance.share * task.connector_m[0] / rigid),
-        _ => (module, 1.0 + clearance.share),
-    }
+    (objective.tables.len() - 1, 2.0)
 }

@@ -7,7 +7,7 @@
 //!
 //! The body points are points of the centre line, evenly spaced, at every way-point and between them along the moves.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Isometry3};
 
 use super::aim::{MM, aim};
 use super::chain::{Bundle, COLUMNS, Chain, On};
@@ -99,15 +99,25 @@ impl<'a> Objective<'a> {
             bundle.by[field] = [x, y, z, per_length, 0.0, by_share * pose.share, by_share * from];
         }
         bundle.value[RADIUS] += self.tables[module].reach_m();
-        let last = module + 1 == self.tables.len();
-        bundle.rigid_m = self.task.connector_m[0] + if last { self.task.tool_m[0] } else { 0.0 };
+        bundle.rigid_m = self.rigid_parts_m(module);
         bundle
+    }
+
+    /// Lengths of the rigid parts behind a module, m: connector with ends, and tool.
+    pub(super) fn rigid_parts_m(&self, module: usize) -> [f64; 2] {
+        let next_m = self.tables.get(module + 1).map(|table| table.end_m());
+        self.task.rigid_parts_m(self.tables[module].end_m(), next_m)
+    }
+
+    /// Where the part of the limb starts that moves.
+    pub(super) fn start(&self) -> Isometry3<f64> {
+        self.task.start(self.tables.first().map_or(0.0, |table| table.end_m()))
     }
 
     /// The limb in a pose.
     pub(super) fn chain(&self, place: &[f64], curves: &[Curve], pose: &Pose, chain: &mut Chain) {
         let bundles = curves.iter().enumerate().map(|(module, curve)| self.bundle(place, curve, module, pose));
-        chain.place(&self.task.base, bundles);
+        chain.place(&self.start(), bundles);
     }
 
     /// Value and derivatives at a place.
@@ -172,15 +182,15 @@ impl<'a> Objective<'a> {
                     continue;
                 }
                 let required = obstacle.clearance_m;
-                for (along, radius) in body_points(self.task, last, joint.radius().0) {
+                for (along, radius) in body_points(self.task, joint.rigid_m(), joint.radius().0) {
                     self.touch(chain, &obstacle.shape, required + radius, (module, along), rows);
                 }
             }
         }
         for spot in self.spots.iter().filter(|spot| spot.pose == pose) {
             let obstacle = &self.task.obstacles[spot.obstacle];
-            let last = spot.module + 1 == chain.joints.len();
-            let radius = radius_at(self.task, last, chain.joints[spot.module].radius().0, spot.along);
+            let joint = &chain.joints[spot.module];
+            let radius = radius_at(self.task, joint.rigid_m(), joint.radius().0, spot.along);
             self.touch(chain, &obstacle.shape, obstacle.clearance_m + radius, (spot.module, spot.along), rows);
         }
     }

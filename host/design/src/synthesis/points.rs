@@ -6,24 +6,23 @@ use super::task::Task;
 const INTERVALS: usize = 12;
 const SPACING_M: f64 = 10e-3;
 
-/// Radius of the body at a share of a module's length, beyond 1 of the rigid part behind it, m.
-pub(super) fn radius_at(task: &Task, last: bool, module_radius: f64, along: f64) -> f64 {
-    let rigid = task.connector_m[0] + if last { task.tool_m[0] } else { 0.0 };
+/// Radius of the body at a share of a module's length, beyond 1 of the rigid parts behind it, whose lengths are `rigid_m`, m.
+pub(super) fn radius_at(task: &Task, rigid_m: [f64; 2], module_radius: f64, along: f64) -> f64 {
+    let [connector_m, tool_m] = rigid_m;
     if along <= 1.0 {
         module_radius
-    } else if last && (along - 1.0) * rigid > task.connector_m[0] + 1e-12 {
+    } else if (along - 1.0) * (connector_m + tool_m) > connector_m + 1e-12 {
         task.tool_m[1]
     } else {
         task.connector_m[1]
     }
 }
 
-/// Where the body points of a module and of the rigid part behind it are, as shares of their lengths, the latter beyond 1; each with the
+/// Where the body points of a module and of the rigid parts behind it are, as shares of their lengths, the latter beyond 1; each with the
 /// radius of the body there, m.
-pub(super) fn body_points(task: &Task, last: bool, module_radius: f64) -> impl Iterator<Item = (f64, f64)> {
-    let rigid = task.connector_m[0] + if last { task.tool_m[0] } else { 0.0 };
-    let count = (rigid / SPACING_M).ceil() as usize;
+pub(super) fn body_points(task: &Task, rigid_m: [f64; 2], module_radius: f64) -> impl Iterator<Item = (f64, f64)> {
+    let count = ((rigid_m[0] + rigid_m[1]) / SPACING_M).ceil() as usize;
     let module = (0..=INTERVALS).map(|step| step as f64 / INTERVALS as f64);
     let behind = (1..=count).map(move |step| 1.0 + step as f64 / count as f64);
-    module.chain(behind).map(move |along| (along, radius_at(task, last, module_radius, along)))
+    module.chain(behind).map(move |along| (along, radius_at(task, rigid_m, module_radius, along)))
 }

@@ -40,7 +40,7 @@ fn duplicate(spaces: &[&Space]) -> Option<String> {
     idle.then(|| "a twist behind which nothing bends moves no tip".into())
 }
 
-/// The length that a module's centre line cannot exceed, m.
+/// The length that a module cannot exceed with its ends, m.
 pub(super) fn longest(space: &Space, table: &Table) -> f64 {
     let mut most: f64 = 0.0;
     let steps = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -53,7 +53,7 @@ pub(super) fn longest(space: &Space, table: &Table) -> f64 {
         }
     }
     // A twentieth for what lies between these points, and for the error of the interpolation.
-    1.05 * most * space.segment.bounds.length_m[1]
+    1.05 * most * space.segment.bounds.length_m[1] + 2.0 * space.end_m
 }
 
 fn reach(task: &Task, longest_m: &[f64]) -> f64 {

@@ -26,6 +26,8 @@ pub(super) struct Table {
     coefficients: Vec<f64>,
     /// Distance of the farthest actuator from the module's axis, m.
     reach_m: f64,
+    /// Length of an end, m.
+    end_m: f64,
 }
 
 /// The response of one section: polynomials in the share, with their derivatives by the section.
@@ -110,12 +112,17 @@ impl Table {
         transform(&mut values, sizes[2], inner);
         transform(&mut values, sizes[1], inner * sizes[2]);
         transform(&mut values, sizes[0], inner * sizes[2] * sizes[1]);
-        Ok(Self { sizes, depth, coefficients: values, reach_m: space.reach_m })
+        Ok(Self { sizes, depth, coefficients: values, reach_m: space.reach_m, end_m: space.end_m })
     }
 
     /// Distance of the farthest actuator from the module's axis, m.
     pub(super) fn reach_m(&self) -> f64 {
         self.reach_m
+    }
+
+    /// Length of an end, m.
+    pub(super) fn end_m(&self) -> f64 {
+        self.end_m
     }
 
     /// The response of the section at a place of its unit box.

@@ -1,7 +1,7 @@
 //! What a limb shall do and what it may be made of, as plain data.
 
 use fra_model::Motion;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::actuators::{Bounds, Segment};
 use softlimb_files::range::{OutOfRange, positive, require};
@@ -97,6 +97,8 @@ pub struct Space {
     /// Distance of the farthest actuator from the module's axis, m; >= 0, and 0 for a twisting module: plates hold twisting actuators back that stand
     /// beside the axis.
     pub reach_m: f64,
+    /// Length at each end that its cap takes out of the motion, m; >= 0. The bounds of the length are those of what moves.
+    pub end_m: f64,
     /// Bounds of the direction that it bends towards, rad about the limb's axis; a width of a full turn or more leaves it free.
     pub mount_angle_rad: Bounds,
     /// Density of the elastomer, kg/m3; > 0.
@@ -176,6 +178,18 @@ impl Task {
         self.moves && (way_point > 0 || self.from_rest)
     }
 
+    /// Where the part of a limb starts that moves, behind a first end, m.
+    pub(super) fn start(&self, end_m: f64) -> Isometry3<f64> {
+        self.base * Translation3::new(0.0, 0.0, end_m)
+    }
+
+    /// Lengths of the rigid parts behind a module with ends of some lengths, m: the connector between its end and that of the next, if there is
+    /// one, and the end effector behind the last.
+    pub(super) fn rigid_parts_m(&self, end_m: f64, next_m: Option<f64>) -> [f64; 2] {
+        let tool_m = if next_m.is_none() { self.tool_m[0] } else { 0.0 };
+        [end_m + self.connector_m[0] + next_m.unwrap_or(0.0), tool_m]
+    }
+
     /// Checks every number.
     ///
     /// # Errors
@@ -228,6 +242,7 @@ impl Space {
         at(place, ordered("length_m", bounds.length_m, 0.0))?;
         count("actuators", self.actuators as usize, 1..=100)?;
         at(place, non_negative("reach_m", self.reach_m))?;
+        at(place, non_negative("end_m", self.end_m))?;
         if self.motion() == Motion::Twisting {
             at(place, require(self.reach_m == 0.0, "reach_m", self.reach_m, "0 for a twisting module"))?;
         }

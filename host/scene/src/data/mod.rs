@@ -191,18 +191,6 @@ impl Scene {
         self.source.position(span.range().start)
     }
 
-    /// Refuses a scene with end lengths where a calculation chooses lengths that move from end to end; `by` names the calculation.
-    ///
-    /// # Errors
-    /// A diagnostic at the first module with an end length.
-    pub fn without_end_lengths(&self, by: &str) -> Result<(), SceneError> {
-        let Some(module) = self.modules.iter().find(|module| module.end_length_m > 0.0) else { return Ok(()) };
-        let title = format!("{by} chooses lengths that move from end to end");
-        let label = format!("`{}` has an `end_length`", *module.name);
-        let help = "leave `end_length` out, and write it into the designed scene with twice as much added to `length`";
-        Err(self.diagnostic(module.span, &title, &label, Some(help)))
-    }
-
     /// A diagnostic of another room at a place of this scene: what is wrong, what the underlined text has to do with it, and what to do.
     pub fn diagnostic(&self, span: Span, title: &str, label: &str, help: Option<&str>) -> SceneError {
         let problem = Problem::at(span, title, label);

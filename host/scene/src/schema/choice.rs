@@ -8,7 +8,7 @@ section! {
     design, "[design]";
     INNER_RADIUS: Pair { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("the module's own") } = "Inner radius at rest.";
     WALL: Pair { name: "wall", unit: Unit::MM, min: 0.1, max: 100.0, presence: Optional("the module's own") } = "Thickness of the wall at rest.";
-    LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("the module's own") } = "Length at rest.";
+    LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("the module's own") } = "Length at rest, with both ends.";
     FIBER_ANGLE: Pair { name: "fiber_angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Optional("that of the module's winding") } = "Fiber angle from the hoop direction. A bending module has none.";
     CIRCLE_RADIUS: Pair { name: "circle_radius", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("the module's own") } = "Distance from the connector's center to each actuator's axis, of modules whose actuators stand on a circle. Not of a weightless limb.";
     SPACING: Pair { name: "spacing", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("the module's own") } = "Distance between neighbouring axes, of modules whose actuators stand in a row. Not of a weightless limb.";
@@ -28,7 +28,7 @@ section! {
     bounds, "module.bounds";
     INNER_RADIUS: Pair { name: "inner_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Optional("that of `[design]`") } = "Inner radius at rest.";
     WALL: Pair { name: "wall", unit: Unit::MM, min: 0.1, max: 100.0, presence: Optional("that of `[design]`") } = "Thickness of the wall at rest.";
-    LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("that of `[design]`") } = "Length at rest.";
+    LENGTH: Pair { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Optional("that of `[design]`") } = "Length at rest, with both ends.";
     FIBER_ANGLE: Pair { name: "fiber_angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Optional("that of `[design]`") } = "Fiber angle from the hoop direction.";
     CIRCLE_RADIUS: Pair { name: "circle_radius", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("that of `[design]`") } = "Distance from the connector's center to each actuator's axis, of modules whose actuators stand on a circle. Not of a weightless limb.";
     SPACING: Pair { name: "spacing", unit: Unit::MM, min: 0.0, max: 500.0, presence: Optional("that of `[design]`") } = "Distance between neighbouring axes, of modules whose actuators stand in a row. Not of a weightless limb.";

@@ -11,7 +11,7 @@ use crate::cli::shared::{about, bar, read, show, threads};
 use crate::cli::{Failure, Outcome, note, say};
 use softlimb_chart::labelled;
 use softlimb_design::from_scene::{
-    BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task,
+    BriefError, Tasked, design_to_run, leads_the_tip, redesigned_limb, redesigned_targets, targets, task, with_ends,
 };
 use softlimb_design::synthesis as path;
 use softlimb_design::synthesis::{Budget, Candidate, Choice, Choosing};
@@ -70,7 +70,8 @@ impl LimbDesign {
             let answer = self.search.solve(&targets(&scene)?)?;
             let (modules, targets) = redesigned_targets(&scene, &answer);
             let file = self.write(&scene, &modules, Some(&targets))?;
-            self.say(&scene, &file, &answer, Vec::new(), || table(&answer))?;
+            let printed = with_ends(&scene, &answer);
+            self.say(&scene, &file, &printed, Vec::new(), || table(&printed))?;
             return self.judge(
                 &file,
                 answer.status == "reached",
