@@ -4,9 +4,9 @@ mod support;
 
 use softlimb_rig::record;
 use softlimb_rig::record::RunLog;
-use softlimb_rig::run::write_report;
+use softlimb_rig::run::{RunError, RunOptions, write_report};
 
-use support::{Ran, rerun, run, scene_with};
+use support::{Ran, options, rerun, run, run_with, scene_with};
 
 const SCENE: &str = "single-bending";
 
@@ -94,4 +94,24 @@ fn controller_run_again_on_the_log_of_a_run_gives_its_outputs() {
     let ran = ran(4);
     let again = rerun(&ran.files.log);
     assert!(again.is_exact && again.ticks > 9_000 && again.ticks_compared == again.ticks, "{again:?}");
+}
+
+#[test]
+fn fault_decisions_of_a_log_are_made_again() {
+    for (fault, told) in [
+        ("sensor-frozen@0.7,0", "frozen pressure sensor"),
+        ("sensor-zero@1,0", "fall of a reading without venting"),
+        ("supply-stuck-closed@0.5", "filling without effect"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let faults = vec![fault.parse().unwrap()];
+        let options = RunOptions { faults, ..options(folder.path(), 4) };
+        let Err(RunError::Stopped { files, .. }) = run_with(&scene_with(SCENE, ""), &options) else {
+            panic!("{fault} stops no run");
+        };
+        let heard = &files.run.faults;
+        assert!(heard.first().is_some_and(|heard| heard.text.starts_with(told)), "{fault}: {heard:?}");
+        let again = rerun(&files.log);
+        assert!(again.is_exact && again.ticks_compared == again.ticks, "{fault}: {again:?}");
+    }
 }

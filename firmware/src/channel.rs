@@ -1,8 +1,11 @@
 //! One channel from sample to coil times.
 
+use softlimb_protocol::FaultCode;
+
 use crate::config::{ChannelConfig, SystemConfig};
 use crate::duty::Duty;
 use crate::inverse::Inverse;
+use crate::observer::{Observation, Observer};
 use crate::pressure_loop::{LoopInput, PressureLoop};
 use crate::reference::Reference;
 use crate::relief::Relief;
@@ -42,6 +45,9 @@ pub struct Channel {
     sensor: Sensor,
     zero: ZeroCheck,
     control: PressureLoop,
+    observer: Observer,
+    /// Whether the reading is that of another pressure, as the observer found.
+    is_deceived: bool,
     inverse: Inverse,
     relief: Relief,
     reference: Option<Reference>,
@@ -59,6 +65,8 @@ impl Channel {
             sensor: Sensor::new(),
             zero: ZeroCheck::new(),
             control: PressureLoop::new(),
+            observer: Observer::new(),
+            is_deceived: false,
             inverse: Inverse::new(),
             relief: Relief::new(),
             reference: None,
@@ -127,11 +135,47 @@ impl Channel {
 
     /// The pressure, Pa, once two samples in a row exceed the limit.
     pub(crate) fn over_pressure_pa(&mut self, context: &TickContext, config: &ChannelConfig) -> Option<f32> {
-        let pressure_pa = self.sensor.pressure_pa();
-        let limit_pa = config.pressure_max_pa + self.line_drop_pa(context, config);
-        let over = !self.sensor.is_implausible() && pressure_pa > limit_pa;
+        let (pressure_pa, limit_pa) = (self.sensor.pressure_pa(), config.pressure_max_pa);
+        // The line drop is a flow through two orifices: reckoned only where it decides.
+        let over = !self.sensor.is_implausible()
+            && pressure_pa > limit_pa
+            && pressure_pa > limit_pa + self.line_drop_pa(context, config);
         self.over_samples = if over { self.over_samples.saturating_add(1) } else { 0 };
         (self.over_samples >= OVER_PRESSURE_SAMPLES).then_some(pressure_pa)
+    }
+
+    /// Compares the reading with what the valves should have made; a fault, once it has lasted.
+    pub(crate) fn observe(
+        &mut self,
+        context: &TickContext,
+        config: &ChannelConfig,
+        code: AdcCode,
+    ) -> Option<FaultCode> {
+        if self.sensor.is_implausible() {
+            self.observer.restart();
+            return None;
+        }
+        let pneumatics = &context.system.pneumatics;
+        let found = self.observer.observe(&Observation {
+            code,
+            reading_pa: self.pressure_pa(),
+            supply_pa: context.supply_pa,
+            is_line_moving: self.control.is_line_moving(context.now_us, pneumatics.timing),
+            chamber: &self.inverse.chamber(config),
+            pneumatics,
+        });
+        self.is_deceived |= found.is_some();
+        found
+    }
+
+    /// Believes the next reading.
+    pub(crate) fn believe(&mut self) {
+        self.observer.restart();
+    }
+
+    /// Whether the loop and the ramp down may go by the reading.
+    fn is_sensor_trusted(&self) -> bool {
+        !self.is_deceived && !self.sensor.is_implausible()
     }
 
     /// Keeps the vent open until faults are cleared.
@@ -143,6 +187,8 @@ impl Channel {
     pub(crate) fn clear_faults(&mut self) {
         self.vent_latched = false;
         self.over_samples = 0;
+        self.is_deceived = false;
+        self.observer.restart();
         self.inverse.forgive();
     }
 
@@ -187,6 +233,7 @@ impl Channel {
             }
             Task::Relieve => self.relieve(context, config, slot),
         };
+        self.observer.drive(pulse, context.system.pneumatics.timing);
         self.duty.add(pulse, slot, context.system.control_period_us());
         pulse
     }
@@ -228,7 +275,7 @@ impl Channel {
 
     fn relieve(&mut self, context: &TickContext, config: &ChannelConfig, slot: bool) -> ValvePulse {
         let pressure_pa = self.pressure_pa();
-        let trusted = !self.sensor.is_implausible();
+        let trusted = self.is_sensor_trusted();
         let ramp = self.relief.advance(context.now_us, pressure_pa, trusted, context.system.vent_ramp_pa_per_s);
         if ramp.is_open() {
             return self.rest(context.now_us, ValvePulse::VENTING);
@@ -261,7 +308,7 @@ impl Channel {
             let input = LoopInput {
                 now_us: context.now_us,
                 sensor_pa: self.pressure_pa(),
-                sensor_trusted: !self.sensor.is_implausible(),
+                sensor_trusted: self.is_sensor_trusted(),
                 supply_pa: context.supply_pa,
                 pressure_max_pa: config.pressure_max_pa,
                 may_fill,

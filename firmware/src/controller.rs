@@ -90,6 +90,8 @@ pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) stop_requested: bool,
     pub(crate) stop_pressed: bool,
     pub(crate) state_since_us: u64,
+    /// A valve was opened by hand since the state began.
+    pub(crate) is_by_hand: bool,
     pub(crate) vent_at_once: bool,
     pub(crate) link: Link,
     pub(crate) decoder: Decoder<HostMessage>,
@@ -124,6 +126,7 @@ impl<const N: usize> Controller<N> {
             stop_requested: false,
             stop_pressed: false,
             state_since_us: 0,
+            is_by_hand: false,
             vent_at_once: is_after_crash,
             link: Link::new(),
             decoder: Decoder::new(),
@@ -206,6 +209,12 @@ impl<const N: usize> Controller<N> {
         self.tick_count = self.tick_count.wrapping_add(1);
         self.report(now_us);
         outputs
+    }
+
+    /// Believes the next reading of every channel, whatever the valves did. Called before each tick, no fault comes of effects: for a program
+    /// that runs a controller on readings which are not those of its valves.
+    pub fn believe_readings(&mut self) {
+        self.channels.iter_mut().for_each(Channel::believe);
     }
 
     fn sense(&mut self, inputs: &TickInputs<N>) {

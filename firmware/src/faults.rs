@@ -3,6 +3,9 @@
 use heapless::Deque;
 use softlimb_protocol::{FaultCode, SYSTEM_CHANNEL};
 
+/// Number of codes: as many as the fault bits have.
+const CODES: usize = 16;
+
 /// Faults that wait for their report.
 const PENDING: usize = 32;
 
@@ -34,7 +37,10 @@ pub const fn reaction(code: FaultCode) -> Reaction {
     let (latches, cuts_supply, vents) = match code {
         FaultCode::EmergencyStop => (true, true, VentScope::All),
         FaultCode::OverPressure => (true, true, VentScope::Channel),
-        FaultCode::SupplyHigh => (true, true, VentScope::Nothing),
+        // A chamber whose valves or reading deceive must not be filled by any of them.
+        FaultCode::SupplyHigh | FaultCode::SensorFrozen | FaultCode::ReadingJumped | FaultCode::FillWithoutEffect => {
+            (true, true, VentScope::Nothing)
+        }
         FaultCode::SensorImplausible | FaultCode::SupplyLow | FaultCode::InverseFailed | FaultCode::TickOverrun => {
             (true, false, VentScope::Nothing)
         }
@@ -61,14 +67,15 @@ pub struct Occurrence {
 pub struct Faults {
     bits: u16,
     cuts_supply: bool,
-    seen: [u32; 16],
+    /// One word a code; the codes begin at 1.
+    seen: [u32; CODES + 1],
     pending: Deque<Occurrence, PENDING>,
 }
 
 impl Faults {
     /// No fault.
     pub const fn new() -> Self {
-        Self { bits: 0, cuts_supply: false, seen: [0; 16], pending: Deque::new() }
+        Self { bits: 0, cuts_supply: false, seen: [0; CODES + 1], pending: Deque::new() }
     }
 
     /// Latches an occurrence; true if it is the first of its code and channel. Beyond 32 unreported ones an occurrence is latched but not reported.
@@ -122,7 +129,7 @@ impl Faults {
     pub fn clear(&mut self) {
         self.bits = 0;
         self.cuts_supply = false;
-        self.seen = [0; 16];
+        self.seen = [0; CODES + 1];
     }
 
     /// Forgets one code.
@@ -140,7 +147,7 @@ impl Default for Faults {
     }
 }
 
-const BLOCKING: [FaultCode; 8] = [
+const BLOCKING: [FaultCode; 11] = [
     FaultCode::EmergencyStop,
     FaultCode::OverPressure,
     FaultCode::SensorImplausible,
@@ -149,6 +156,9 @@ const BLOCKING: [FaultCode; 8] = [
     FaultCode::InverseFailed,
     FaultCode::TickOverrun,
     FaultCode::LinkLost,
+    FaultCode::SensorFrozen,
+    FaultCode::ReadingJumped,
+    FaultCode::FillWithoutEffect,
 ];
 
 impl Occurrence {

@@ -30,6 +30,7 @@ mod gas;
 mod inverse;
 mod link;
 mod manual;
+mod observer;
 mod outbox;
 mod pneumatics;
 mod pressure_loop;

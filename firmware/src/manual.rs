@@ -42,6 +42,7 @@ impl<const N: usize> Controller<N> {
             // A chamber under pressure is held: what watches over Holding watches over it. In Holding this changes nothing.
             self.apply(now_us, Event::Fill);
         }
+        self.is_by_hand = true;
         if let Some(channel) = self.channels.get_mut(index) {
             channel.request(direction, pulse.duration_us);
         }

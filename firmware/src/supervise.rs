@@ -5,6 +5,7 @@ use softlimb_protocol::{DeviceState, FaultCode, LinkLossPolicy, SYSTEM_CHANNEL};
 use crate::channel::TickContext;
 use crate::controller::{Controller, TickInputs};
 use crate::faults::{Occurrence, VentScope, reaction};
+use crate::observer;
 use crate::safety::{SUPPLY_HIGH_TICKS, SUPPLY_LOW_TICKS};
 use crate::state::{Event, next};
 
@@ -23,6 +24,7 @@ impl<const N: usize> Controller<N> {
         if self.state != DeviceState::Idle && self.config.is_some() {
             self.watch_sensors(now_us);
             self.watch_pressures(now_us);
+            self.watch_effects(inputs);
             self.watch_supply(now_us);
         }
         self.watch_link(now_us);
@@ -37,6 +39,7 @@ impl<const N: usize> Controller<N> {
         self.state = state;
         self.state_since_us = now_us;
         self.start_us = None;
+        self.is_by_hand = false;
         self.vent_at_once = false;
         self.channels.iter_mut().for_each(|channel| channel.restart(now_us));
         true
@@ -124,6 +127,35 @@ impl<const N: usize> Controller<N> {
             };
             if let Some(pressure_pa) = over_pa {
                 self.fault(now_us, index as u8, FaultCode::OverPressure, pressure_pa as i32);
+            }
+        }
+    }
+
+    /// Effort without effect, and effect without effort. Venting empties whatever is there and needs no watching; an operator may have any
+    /// vessel behind a valve, or none.
+    fn watch_effects(&mut self, inputs: &TickInputs<N>) {
+        let now_us = inputs.now_us;
+        let tick = self.tick_count;
+        let is_watched = match self.state {
+            DeviceState::Running => true,
+            DeviceState::Holding => !self.is_by_hand,
+            _ => false,
+        };
+        for index in (0..self.channels.len()).filter(|&index| observer::is_due(tick, index)) {
+            let Some(config) = &self.config else { return };
+            let context = TickContext { now_us, system: &config.system, supply_pa: self.supply.pressure_pa() };
+            let (Some(channel), Some(channel_config), Some(&code)) =
+                (self.channels.get_mut(index), config.channels.get(index), inputs.pressure.get(index))
+            else {
+                return;
+            };
+            if !is_watched {
+                channel.believe();
+                continue;
+            }
+            let pressure_pa = channel.pressure_pa() as i32;
+            if let Some(code) = channel.observe(&context, channel_config, code) {
+                self.fault(now_us, index as u8, code, pressure_pa);
             }
         }
     }

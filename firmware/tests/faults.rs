@@ -178,6 +178,7 @@ fn deformation_that_no_pressure_reaches_keeps_the_last_pressure_and_then_faults(
     let mut bench = Bench::new();
     bench.hello();
     bench.configure(&crate::common::system(), &[channel]);
+    bench.attach(1, 0.0);
     bench.ticks(50);
     let first_us = bench.now_us + 20_000;
     // No wall of 5 mm is left of it at a stretch of 50.

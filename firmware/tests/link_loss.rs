@@ -15,8 +15,8 @@ fn policy(policy: LinkLossPolicy) -> Bench {
     for index in 0..25 {
         bench.setpoint(index, first_us + u64::from(index) * 20_000, &[50_000]);
     }
-    bench.command(CommandCode::Start);
     bench.pressure_pa[0] = 50e3;
+    bench.command(CommandCode::Start);
     bench.heartbeats = false;
     bench
 }

@@ -77,7 +77,7 @@ fn filling_ends_where_the_references_end() {
     assert_eq!(coils_us(&mut bench, 0, 5), (5_000, 0));
     bench.pressure_pa[0] = 148e3;
     assert_eq!(coils_us(&mut bench, 0, 600), (0, 0));
-    bench.pressure_pa[0] = 100e3;
+    bench.pressure_pa[0] = 144e3;
     assert_eq!(coils_us(&mut bench, 0, 600), (0, 0), "what has ended does not go on");
     bench.pressure_pa[0] = 148e3;
     bench.pulse(0, PulseDirection::Vent, 20_000);

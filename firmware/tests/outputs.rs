@@ -20,6 +20,7 @@ fn gripping() -> Bench {
 #[test]
 fn output_switches_at_the_tick_that_passes_its_knot() {
     let mut bench = Bench::ready(&PRESSURE);
+    bench.attach(1, 0.0);
     let first_us = bench.now_us + 50_000;
     let knots =
         [(0, OFF), (20_000, OFF), (40_000, Outputs::GRIPPER), (60_500, Outputs::GRIPPER), (80_000, OFF), (90_000, OFF)];

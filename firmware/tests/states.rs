@@ -81,6 +81,7 @@ fn small_offset_is_taken_away() {
 #[test]
 fn start_runs_and_the_end_of_the_knots_holds_with_all_valves_closed() {
     let mut bench = Bench::running(2, 50_000, 5);
+    bench.attach(2, 46e3);
     let mut moved = false;
     while bench.controller.state() == DeviceState::Running {
         let outputs = bench.tick();

@@ -191,6 +191,12 @@ interface! {
             InverseFailed = 8,
             /// Two control ticks within a second came late while running.
             TickOverrun = 9,
+            /// A pressure sensor repeats its code while air flows.
+            SensorFrozen = 10,
+            /// A reading fell as no venting makes it: the hose of the sensor is off, sensors were exchanged, the vent stays open, or the chamber burst.
+            ReadingJumped = 11,
+            /// Filling does not raise a reading: a valve or the supply stays closed, a hose is kinked, coils are exchanged, or the sensor is wrong.
+            FillWithoutEffect = 12,
         }
     }
 

@@ -83,7 +83,7 @@ pub(crate) fn run(scene: &Scene, seed: u64) -> Ran {
 }
 
 pub(crate) fn run_on(mcu: Mcu, scene: &Scene, seed: u64) -> Ran {
-    ran(scene, seed, mcu, |options| run::run(scene, options, &AtomicBool::new(false), |_| ()))
+    ran(scene, seed, mcu, |options| run_with(scene, options))
 }
 
 /// The run of a plan.
@@ -100,9 +100,18 @@ pub(crate) fn rerun(log: &Path) -> Replay {
     replay
 }
 
+/// Options of a run in this process, without faults.
+pub(crate) fn options(out: &Path, seed: u64) -> RunOptions {
+    RunOptions { seed, out: out.to_owned(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() }
+}
+
+pub(crate) fn run_with(scene: &Scene, options: &RunOptions) -> Result<RunFiles, RunError> {
+    run::run(scene, options, &AtomicBool::new(false), |_| ())
+}
+
 fn ran(scene: &Scene, seed: u64, mcu: Mcu, run: impl FnOnce(&RunOptions) -> Result<RunFiles, RunError>) -> Ran {
     let folder = tempfile::tempdir().unwrap();
-    let options = RunOptions { seed, out: folder.path().to_owned(), mcu, link_faults: None, faults: Vec::new() };
+    let options = RunOptions { mcu, ..options(folder.path(), seed) };
     let files = run(&options).unwrap_or_else(|error| panic!("{}, seed {seed}: {error}", scene.name()));
     let summary = report::summary(&files.run);
     Ran { files, summary, folder }

@@ -59,8 +59,8 @@ const NAMED: [(&str, PartFault); 17] = [
     ("vent-stuck-open", PartFault::VentStuckOpen),
     ("vent-stuck-closed", PartFault::VentStuckClosed),
     ("coils-swapped", PartFault::CoilsSwapped),
-    // 4 normal mL/s at 100 kPa.
-    ("leak", PartFault::Leak { conductance_m3_per_s_pa: 2e-11 }),
+    // 20 normal mL/s at 100 kPa.
+    ("leak", PartFault::Leak { conductance_m3_per_s_pa: 1e-10 }),
     // A tear of 10 mm2.
     ("burst", PartFault::Leak { conductance_m3_per_s_pa: 2e-8 }),
     ("hose-kinked", PartFault::HoseKinked { share: 0.02 }),

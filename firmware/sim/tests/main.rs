@@ -2,3 +2,6 @@
 
 mod common;
 mod device;
+#[path = "../../../tests/support/samples.rs"]
+mod samples;
+mod supervision;

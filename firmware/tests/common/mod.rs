@@ -62,9 +62,10 @@ impl Bench {
         bench
     }
 
-    /// A running device: pressure channels with knots every 20 ms, all at `pressure_pa`, for `knots` times 20 ms.
+    /// A running device: pressure channels whose sensors show `pressure_pa`, and knots at that pressure every 20 ms for `knots` times 20 ms.
     pub(crate) fn running(channels: usize, pressure_pa: i32, knots: u32) -> Self {
         let mut bench = Self::ready(&vec![SetpointKind::Pressure; channels]);
+        bench.pressure_pa[..channels].fill(f64::from(pressure_pa));
         let first_us = bench.now_us + 20_000;
         for index in 0..knots {
             let values = vec![pressure_pa; channels];

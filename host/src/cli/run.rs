@@ -26,7 +26,7 @@ use softlimb_scene::Scene;
                   Examples:\n  softlimb run scenes/pick-and-place-a.toml\n  \
                   softlimb run scenes/single-bending.toml --port /dev/ttyACM0\n  \
                   softlimb run scenes/single-bending.toml --link-fault loss=0.05,flip=0.01,stall=0.001:600ms\n  \
-                  softlimb run scenes/pick-and-place-a.toml --fault sensor-open@4.5,1\n  \
+                  softlimb run scenes/pick-and-place-a.toml --fault sensor-frozen@4.5,1\n  \
                   softlimb run calibrated.toml --plant scenes/pick-and-place-a.toml")]
 pub(super) struct Run {
     /// The scene file

@@ -203,10 +203,10 @@ fn log_that_was_cut_off_is_reported_with_a_warning() {
 #[test]
 fn fault_on_purpose_is_met_reported_and_named() {
     let desk = desk();
-    let run = desk.softlimb("run scene.toml --fault sensor-open@0.5,0 --json");
+    let run = desk.softlimb("run scene.toml --fault sensor-zero@0.5,0 --json");
     assert!(run.code == Some(1) && run.err.contains("the device stopped: "), "{run:?}");
     let summary: Value = serde_json::from_str(&run.out).expect("JSON");
-    assert_eq!(summary["injected_faults"][0]["name"], "sensor-open");
+    assert_eq!(summary["injected_faults"][0]["name"], "sensor-zero");
     assert_eq!(summary["faults"][0]["channel"], 0);
     let peak_pa = summary["peak_chamber_pa"][0].as_f64().expect("a number");
     let limit_pa = summary["pressure_limit_pa"][0].as_f64().expect("a number");

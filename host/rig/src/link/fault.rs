@@ -61,7 +61,10 @@ impl fmt::Display for DeviceFault {
                 | FaultCode::SupplyLow
                 | FaultCode::SupplyHigh
                 | FaultCode::SensorImplausible
-                | FaultCode::InverseFailed,
+                | FaultCode::InverseFailed
+                | FaultCode::SensorFrozen
+                | FaultCode::ReadingJumped
+                | FaultCode::FillWithoutEffect,
             ) => write!(f, " at {:.1} kPa", f64::from(value) * 1e-3),
             Some(FaultCode::LinkLost | FaultCode::TickOverrun) => write!(f, " for {:.1} ms", f64::from(value) * 1e-3),
             Some(FaultCode::SetpointsExhausted) => write!(f, " at knot {value}"),
@@ -82,6 +85,13 @@ pub(super) fn name(code: Code<FaultCode>) -> String {
         Some(FaultCode::EmergencyStop) => "emergency stop",
         Some(FaultCode::InverseFailed) => "deformation out of reach",
         Some(FaultCode::TickOverrun) => "late control tick",
+        Some(FaultCode::SensorFrozen) => "frozen pressure sensor",
+        Some(FaultCode::ReadingJumped) => {
+            "fall of a reading without venting (hose off the sensor, sensors exchanged, vent open, or a burst)"
+        }
+        Some(FaultCode::FillWithoutEffect) => {
+            "filling without effect (fill valve or supply closed, vent open, hose kinked, coils exchanged, or sensor wrong)"
+        }
         None => return format!("unknown fault {}", code.raw()),
     };
     words.to_owned()

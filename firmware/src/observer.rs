@@ -1,0 +1,217 @@
+//! Observes a channel by the model: what the coil times should have done, beside the reading.
+//!
+//! A sensor that is frozen, or whose hose is off, reads a plausible pressure, and the loop would fill its chamber to the supply. Effects are those
+//! of the model at gain 1, which may be wrong by a factor of two.
+
+use softlimb_protocol::FaultCode;
+
+use crate::gas::Chamber;
+use crate::pneumatics::Pneumatics;
+use crate::sensor::AdcCode;
+use crate::valve::{Direction, TICK_US, ValvePulse, ValveTiming};
+
+/// Effect without any change of the code that tells a frozen sensor, Pa: noise alone moves the code of a sound one.
+const FROZEN_PA: f32 = 4_000.0;
+
+/// Fall of a reading that no venting explains, Pa, and part of the modelled venting by which it may be more.
+const FALL_PA: f32 = 6_000.0;
+const VENTED: f32 = 3.0;
+
+/// Filling after which the reading has to have risen, Pa; share of it that is an effect; and share below which there is none.
+const FILLED_PA: f32 = 25_000.0;
+const EFFECT: f32 = 0.25;
+const NO_EFFECT: f32 = 0.1;
+
+/// Looks in a row that a finding has to last.
+const LOOKS: u8 = 2;
+
+/// Ticks between two looks at a channel: a look costs two flows through orifices, and a turn of the controller has nine channels.
+const LOOK_TICKS: u32 = 3;
+
+/// Whether the device looks at a channel in a tick: the channels take turns.
+pub(crate) const fn is_due(tick: u32, channel: usize) -> bool {
+    tick.wrapping_add(channel as u32).is_multiple_of(LOOK_TICKS)
+}
+
+/// Time after which the flow through an open valve and its line is steady, us.
+const STEADY_US: i32 = 9_000;
+
+/// Length of one tick, us.
+const TICK: i32 = TICK_US as i32;
+
+/// One valve as its coil makes it move. Times are counted from the start of the next tick, us.
+#[derive(Clone, Copy, Debug)]
+struct Poppet {
+    opens_us: i32,
+    closes_us: i32,
+    is_energized: bool,
+    /// Time for which the valve was open since the last look.
+    open_us: u16,
+}
+
+impl Poppet {
+    /// Later than any tick.
+    const NEVER: i32 = i32::MAX / 2;
+
+    const CLOSED: Self = Self { opens_us: Self::NEVER, closes_us: 0, is_energized: false, open_us: 0 };
+
+    /// Takes the coil time of one tick.
+    fn drive(&mut self, coil_us: u16, timing: ValveTiming) {
+        let coil_us = i32::from(coil_us);
+        if coil_us == 0 && self.closes_us <= 0 {
+            return;
+        }
+        if coil_us > 0 {
+            let is_open = self.closes_us > 0 && self.opens_us <= 0;
+            if !self.is_energized && !is_open {
+                self.opens_us = timing.on_delay_us as i32;
+            }
+            self.closes_us = coil_us + timing.off_delay_us as i32;
+        }
+        self.is_energized = coil_us == TICK;
+        if !self.is_energized && self.opens_us > coil_us {
+            // Switched off within the opening delay: it never opens.
+            (self.opens_us, self.closes_us) = (Self::NEVER, 0);
+            return;
+        }
+        let open_us = self.closes_us.min(TICK) - self.opens_us.max(0);
+        self.open_us = self.open_us.saturating_add(open_us.max(0) as u16);
+        self.opens_us = (self.opens_us - TICK).max(-STEADY_US);
+        self.closes_us -= TICK;
+    }
+
+    /// Time for which the valve was open since the last look, s.
+    fn take_open_s(&mut self) -> f32 {
+        f32::from(core::mem::take(&mut self.open_us)) * 1e-6
+    }
+
+    /// Whether the valve is open for so long that the flow through the line is steady.
+    fn is_steady(&self) -> bool {
+        self.closes_us > 0 && self.opens_us <= -STEADY_US
+    }
+}
+
+/// Inputs of one look.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Observation<'a> {
+    pub(crate) code: AdcCode,
+    pub(crate) reading_pa: f32,
+    pub(crate) supply_pa: f32,
+    /// Air may still move in the line, so that the manifold does not read the chamber's pressure.
+    pub(crate) is_line_moving: bool,
+    /// Air volume of the channel.
+    pub(crate) chamber: &'a Chamber,
+    pub(crate) pneumatics: &'a Pneumatics,
+}
+
+/// Observer of one channel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Observer {
+    fill: Poppet,
+    vent: Poppet,
+    last_code: AdcCode,
+    /// Effects since the code changed, Pa.
+    unchanged_pa: f32,
+    /// The latest settled reading, Pa, and what venting has done since, >= 0, Pa.
+    settled_pa: Option<f32>,
+    vented_pa: f32,
+    /// Effort to fill that is being judged.
+    effort: Effort,
+    suspicion: Option<FaultCode>,
+    looks: u8,
+}
+
+/// Filling and venting since a reading, Pa.
+#[derive(Clone, Copy, Debug)]
+struct Effort {
+    from_pa: f32,
+    filled_pa: f32,
+    vented_pa: f32,
+}
+
+impl Observer {
+    pub(crate) const fn new() -> Self {
+        Self {
+            fill: Poppet::CLOSED,
+            vent: Poppet::CLOSED,
+            last_code: AdcCode(0),
+            unchanged_pa: 0.0,
+            settled_pa: None,
+            vented_pa: 0.0,
+            effort: Effort { from_pa: 0.0, filled_pa: 0.0, vented_pa: 0.0 },
+            suspicion: None,
+            looks: 0,
+        }
+    }
+
+    /// Believes the next settled reading; the valves stay as they are.
+    pub(crate) fn restart(&mut self) {
+        let (fill, vent) = (Poppet { open_us: 0, ..self.fill }, Poppet { open_us: 0, ..self.vent });
+        *self = Self { fill, vent, ..Self::new() };
+    }
+
+    /// Takes the coil times of one tick.
+    pub(crate) fn drive(&mut self, pulse: ValvePulse, timing: ValveTiming) {
+        self.fill.drive(pulse.fill_us, timing);
+        self.vent.drive(pulse.vent_us, timing);
+    }
+
+    /// Takes a reading. A finding is returned once it has lasted.
+    pub(crate) fn observe(&mut self, input: &Observation<'_>) -> Option<FaultCode> {
+        let fill_pa = effect_pa(&mut self.fill, input, Direction::Fill).max(0.0);
+        let vent_pa = -effect_pa(&mut self.vent, input, Direction::Vent).min(0.0);
+        let size_pa = fill_pa + vent_pa;
+        self.unchanged_pa = if input.code == self.last_code { self.unchanged_pa + size_pa } else { 0.0 };
+        self.last_code = input.code;
+        self.vented_pa += vent_pa;
+        self.effort.filled_pa += fill_pa;
+        self.effort.vented_pa += vent_pa;
+        let finding = self.finding(input);
+        if finding.is_none() && !input.is_line_moving {
+            self.settle(input.reading_pa);
+        }
+        self.looks = if finding.is_some() && finding == self.suspicion { self.looks.saturating_add(1) } else { 1 };
+        self.suspicion = finding;
+        finding.filter(|_| self.looks >= LOOKS)
+    }
+
+    /// Takes a settled reading that is plausible. An effort whose effect has come, or with venting in it, is judged no longer.
+    fn settle(&mut self, reading_pa: f32) {
+        let risen_pa = reading_pa - self.effort.from_pa;
+        let Effort { filled_pa, vented_pa, .. } = self.effort;
+        if self.settled_pa.is_none() || vented_pa > EFFECT * filled_pa || risen_pa > EFFECT * filled_pa {
+            self.effort = Effort { from_pa: reading_pa, filled_pa: 0.0, vented_pa: 0.0 };
+        }
+        self.settled_pa = Some(reading_pa);
+        self.vented_pa = 0.0;
+    }
+
+    fn finding(&self, input: &Observation<'_>) -> Option<FaultCode> {
+        if self.unchanged_pa > FROZEN_PA {
+            return Some(FaultCode::SensorFrozen);
+        }
+        let settled_pa = self.settled_pa?;
+        // While air flows steadily, the manifold reads more than a filling chamber.
+        if input.is_line_moving && !self.fill.is_steady() {
+            return None;
+        }
+        let risen_pa = input.reading_pa - self.effort.from_pa;
+        if input.reading_pa < settled_pa - FALL_PA - VENTED * self.vented_pa {
+            Some(FaultCode::ReadingJumped)
+        } else if self.effort.filled_pa > FILLED_PA && risen_pa < NO_EFFECT * self.effort.filled_pa {
+            Some(FaultCode::FillWithoutEffect)
+        } else {
+            None
+        }
+    }
+}
+
+/// Modelled effect of a valve since the last look, Pa.
+fn effect_pa(poppet: &mut Poppet, input: &Observation<'_>, direction: Direction) -> f32 {
+    let open_s = poppet.take_open_s();
+    if open_s > 0.0 {
+        input.pneumatics.rate_pa_per_s(direction, input.chamber, input.reading_pa, input.supply_pa) * open_s
+    } else {
+        0.0
+    }
+}
