@@ -17,6 +17,9 @@ const FROZEN_PA: f32 = 4_000.0;
 const FALL_PA: f32 = 6_000.0;
 const VENTED: f32 = 3.0;
 
+/// Change of a reading from one look to the next below which it stands, Pa. Behind a long hose a line settles for longer than the loop waits.
+const STANDS_PA: f32 = 1_000.0;
+
 /// Filling after which the reading has to have risen, Pa; share of it that is an effect; and share below which there is none.
 const FILLED_PA: f32 = 25_000.0;
 const EFFECT: f32 = 0.25;
@@ -110,6 +113,7 @@ pub(crate) struct Observer {
     fill: Poppet,
     vent: Poppet,
     last_code: AdcCode,
+    last_pa: f32,
     /// Effects since the code changed, Pa.
     unchanged_pa: f32,
     /// The latest settled reading, Pa, and what venting has done since, >= 0, Pa.
@@ -135,6 +139,7 @@ impl Observer {
             fill: Poppet::CLOSED,
             vent: Poppet::CLOSED,
             last_code: AdcCode(0),
+            last_pa: 0.0,
             unchanged_pa: 0.0,
             settled_pa: None,
             vented_pa: 0.0,
@@ -166,8 +171,10 @@ impl Observer {
         self.vented_pa += vent_pa;
         self.effort.filled_pa += fill_pa;
         self.effort.vented_pa += vent_pa;
-        let finding = self.finding(input);
-        if finding.is_none() && !input.is_line_moving {
+        let step_pa = input.reading_pa - self.last_pa;
+        self.last_pa = input.reading_pa;
+        let finding = self.finding(input, step_pa);
+        if finding.is_none() && !input.is_line_moving && step_pa.abs() < STANDS_PA {
             self.settle(input.reading_pa);
         }
         self.looks = if finding.is_some() && finding == self.suspicion { self.looks.saturating_add(1) } else { 1 };
@@ -186,7 +193,7 @@ impl Observer {
         self.vented_pa = 0.0;
     }
 
-    fn finding(&self, input: &Observation<'_>) -> Option<FaultCode> {
+    fn finding(&self, input: &Observation<'_>, step_pa: f32) -> Option<FaultCode> {
         if self.unchanged_pa > FROZEN_PA {
             return Some(FaultCode::SensorFrozen);
         }
@@ -196,7 +203,9 @@ impl Observer {
             return None;
         }
         let risen_pa = input.reading_pa - self.effort.from_pa;
-        if input.reading_pa < settled_pa - FALL_PA - VENTED * self.vented_pa {
+        // A reading that rises by itself comes back from venting.
+        let falls = step_pa < STANDS_PA;
+        if falls && input.reading_pa < settled_pa - FALL_PA - VENTED * self.vented_pa {
             Some(FaultCode::ReadingJumped)
         } else if self.effort.filled_pa > FILLED_PA && risen_pa < NO_EFFECT * self.effort.filled_pa {
             Some(FaultCode::FillWithoutEffect)
