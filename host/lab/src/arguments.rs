@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use softlimb::cli::{finish, with_negative_numbers};
 
-use crate::{accuracy, design, payload, statics, validation};
+use crate::{accuracy, design, faults, payload, statics, validation};
 
 #[derive(Parser)]
 #[command(name = "softlimb-lab", version, about = "Compare methods and write the pages of evidence")]
@@ -20,6 +20,7 @@ enum Verb {
     Validation(validation::Validation),
     Bundles(validation::Bundles),
     Design(design::Design),
+    Faults(faults::Faults),
     Payload(payload::Payload),
     Statics(statics::Statics),
 }
@@ -33,6 +34,7 @@ pub fn main() -> ExitCode {
         Verb::Validation(verb) => verb.run(),
         Verb::Bundles(verb) => verb.run(),
         Verb::Design(verb) => verb.run(),
+        Verb::Faults(verb) => verb.run(),
         Verb::Payload(verb) => verb.run(),
         Verb::Statics(verb) => verb.run(),
     }))

@@ -5,6 +5,7 @@
 pub mod accuracy;
 mod arguments;
 pub mod design;
+pub mod faults;
 pub mod generated_section;
 pub mod payload;
 mod published;

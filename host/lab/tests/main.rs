@@ -4,4 +4,5 @@ mod bench_accuracy;
 mod bundle;
 mod command;
 mod design_compare;
+mod faults;
 mod validation;

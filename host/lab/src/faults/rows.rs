@@ -1,0 +1,112 @@
+//! Faults with their expectations: names that the device may give them, and the time that it may take.
+
+use std::ops::Range;
+
+use softlimb_protocol::FaultCode::{
+    self, EmergencyStop, FillWithoutEffect, LinkLost, OverPressure, ReadingJumped, SensorFrozen, SensorImplausible,
+    SupplyLow,
+};
+use softlimb_sim::plant::PartFault::{
+    self, CoilsSwapped, FillStuckClosed, FillStuckOpen, HoseKinked, Leak, PumpWeak, ReferenceSag, SensorDrift,
+    SensorOpen, SensorZero, SensorsSwapped, SupplyStuckClosed, SupplyStuckOpen, VentStuckClosed, VentStuckOpen,
+};
+
+use super::bench::CHANNELS;
+
+/// One fault on purpose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// A part of the pneumatics.
+    Part(PartFault),
+    /// The emergency stop is pressed.
+    Stop,
+    /// The device resets.
+    Reset,
+    /// The link carries nothing any more.
+    Silence,
+    /// The host does nothing for 600 ms.
+    Stall,
+}
+
+/// A row of the matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Name, with the severity.
+    pub name: &'static str,
+    /// What breaks, all of it at the same time.
+    pub faults: &'static [Fault],
+    /// Codes that name it; without any, the device need not report it.
+    pub codes: &'static [FaultCode],
+    /// Time from the fault to its report, ms.
+    pub deadline_ms: u32,
+    /// Reason of failures that are left; empty where none is.
+    pub reason: &'static str,
+}
+
+impl Row {
+    /// The channels that it is tried on: one, where it belongs to none.
+    #[must_use]
+    pub fn channels(&self) -> Range<usize> {
+        let is_of_channel = |fault: &Fault| matches!(fault, Fault::Part(part) if part.is_of_channel());
+        if self.faults.iter().any(is_of_channel) { 0..CHANNELS } else { 0..1 }
+    }
+}
+
+const fn row(
+    name: &'static str,
+    faults: &'static [Fault],
+    codes: &'static [FaultCode],
+    deadline_ms: u32,
+    reason: &'static str,
+) -> Row {
+    Row { name, faults, codes, deadline_ms, reason }
+}
+
+const ANY: &[FaultCode] = &[SensorFrozen, ReadingJumped, FillWithoutEffect, OverPressure, SupplyLow];
+const DRIFT: &[FaultCode] = &[SensorImplausible, FillWithoutEffect, ReadingJumped];
+const BLIND: &str = "a chamber without a sensor fills before the start: nothing else measures it";
+const AT_REST: &str = "named once the loop fills or vents again: a chamber at rest shows no effect";
+const NO_NAME: &str = "the loop compensates it: no observer has a code for it";
+const LATE: &str = "named by its effect on readings, which takes longer, and by that on another channel";
+
+/// All rows.
+#[must_use]
+pub fn rows() -> [Row; 34] {
+    use Fault::{Part, Reset, Silence, Stall, Stop};
+    [
+        row("sensor-open", &[Part(SensorOpen)], &[SensorImplausible], 10, ""),
+        row("sensor-frozen", &[Part(PartFault::SensorFrozen)], &[SensorFrozen], 300, AT_REST),
+        row("sensor-zero", &[Part(SensorZero)], &[SensorFrozen, ReadingJumped, FillWithoutEffect], 300, AT_REST),
+        row("sensor-drift -5 kPa/s", &[Part(SensorDrift { pa_per_s: -5e3 })], DRIFT, 5_000, NO_NAME),
+        row("sensor-drift -1 kPa/s", &[Part(SensorDrift { pa_per_s: -1e3 })], DRIFT, 5_000, NO_NAME),
+        row("sensors-swapped", &[Part(SensorsSwapped)], ANY, 300, AT_REST),
+        row("fill-stuck-open", &[Part(FillStuckOpen)], ANY, 300, LATE),
+        row("fill-stuck-closed", &[Part(FillStuckClosed)], ANY, 500, AT_REST),
+        row("vent-stuck-open", &[Part(VentStuckOpen)], ANY, 300, LATE),
+        row("vent-stuck-closed", &[Part(VentStuckClosed)], ANY, 500, NO_NAME),
+        row("coils-swapped", &[Part(CoilsSwapped)], ANY, 500, AT_REST),
+        row("burst 10 mm2", &[Part(Leak { conductance_m3_per_s_pa: 2e-8 })], ANY, 100, LATE),
+        row("burst 2.5 mm2", &[Part(Leak { conductance_m3_per_s_pa: 5e-9 })], ANY, 100, LATE),
+        row("leak 20 mL/s", &[Part(Leak { conductance_m3_per_s_pa: 1e-10 })], ANY, 5_000, NO_NAME),
+        row("leak 4 mL/s", &[Part(Leak { conductance_m3_per_s_pa: 2e-11 })], ANY, 5_000, NO_NAME),
+        row("hose-kinked 2 %", &[Part(HoseKinked { share: 0.02 })], ANY, 500, LATE),
+        row("hose-kinked 10 %", &[Part(HoseKinked { share: 0.1 })], ANY, 500, LATE),
+        row("supply-stuck-open", &[Part(SupplyStuckOpen)], &[], 0, ""),
+        row("supply-stuck-closed", &[Part(SupplyStuckClosed)], ANY, 500, AT_REST),
+        row("pump-weak 10 %", &[Part(PumpWeak { share: 0.1 })], &[], 0, ""),
+        row("pump-weak 50 %", &[Part(PumpWeak { share: 0.5 })], &[], 0, ""),
+        row("reference-sag 10 %", &[Part(ReferenceSag { share: 0.1 })], &[], 0, ""),
+        row("reference-sag 3 %", &[Part(ReferenceSag { share: 0.03 })], &[], 0, ""),
+        row("emergency-stop", &[Stop], &[EmergencyStop], 5, ""),
+        row("device-reset", &[Reset], &[], 0, ""),
+        row("link-silent", &[Silence], &[LinkLost], 300, ""),
+        row("host-stall", &[Stall], &[], 0, ""),
+        row("frozen + fill open", &[Part(PartFault::SensorFrozen), Part(FillStuckOpen)], ANY, 300, AT_REST),
+        row("hose off + fill open", &[Part(SensorZero), Part(FillStuckOpen)], ANY, 300, BLIND),
+        row("frozen + supply open", &[Part(PartFault::SensorFrozen), Part(SupplyStuckOpen)], ANY, 300, AT_REST),
+        row("hose off + supply open", &[Part(SensorZero), Part(SupplyStuckOpen)], ANY, 300, AT_REST),
+        row("frozen + link silent", &[Part(PartFault::SensorFrozen), Silence], &[SensorFrozen, LinkLost], 300, ""),
+        row("fill open + vent closed", &[Part(FillStuckOpen), Part(VentStuckClosed)], ANY, 300, LATE),
+        row("fill open + reset", &[Part(FillStuckOpen), Reset], &[], 0, ""),
+    ]
+}
