@@ -72,7 +72,7 @@ impl<const N: usize> TickOutputs<N> {
 }
 
 /// The controller of up to `N` channels, at most 27: as many as the board has. Nothing but the number depends on it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Controller<const N: usize = MAX_CHANNELS> {
     pub(crate) boot: BootInfo,
     pub(crate) state: DeviceState,

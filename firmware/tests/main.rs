@@ -6,6 +6,7 @@ mod board;
 mod closed_loop;
 mod common;
 mod configuration;
+mod enumeration;
 mod faults;
 mod link_loss;
 mod manual;

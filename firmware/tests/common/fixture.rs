@@ -66,6 +66,7 @@ pub(crate) const NOMINAL: Truth = Truth {
     leak_c: 1e-13,
 };
 
+#[derive(Clone)]
 pub(crate) struct Fixture {
     truth: Truth,
     line_pa: f64,

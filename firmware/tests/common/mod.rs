@@ -12,6 +12,7 @@ use softlimb_protocol::*;
 pub(crate) const SESSION: u16 = 0x51AB;
 
 /// A device with a host at its link and a sensor bench at its converters.
+#[derive(Clone)]
 pub(crate) struct Bench {
     pub(crate) controller: Controller,
     pub(crate) now_us: u64,

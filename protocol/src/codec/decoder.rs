@@ -66,7 +66,7 @@ const TOO_MANY: usize = MAX_BODY_LEN + 1;
 /// Eats bytes one by one and yields the messages of one direction.
 ///
 /// Any bytes may precede: the frame after the next delimiter is decoded as by a new decoder.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Decoder<M> {
     /// Bytes to come in the COBS piece in progress; `None` between two frames.
     left: Option<u8>,
