@@ -34,6 +34,7 @@ fn cantilever(share: f64) -> Rod {
         free: [1.0, 0.0, 0.0, 0.0],
         free_shear: [0.0; 2],
         stiffness: Matrix4::from_diagonal(&Vector4::new(1e4, 1.4, 1.4, 1.4)),
+        coupled: nalgebra::Matrix4x2::zeros(),
         shear_n: 1e4,
         sway: 0.6,
         length_m: 0.81,

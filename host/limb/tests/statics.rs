@@ -5,6 +5,7 @@ mod beam;
 mod bundles;
 mod closed_forms;
 mod derivatives;
+mod leaning;
 mod shares;
 mod shooting;
 mod springs;
@@ -38,6 +39,7 @@ pub(crate) fn slender(length_m: f64, ei: f64, stiff: f64) -> Piece {
         free: [1.0, 0.0, 0.0, 0.0],
         free_shear: [0.0; 2],
         stiffness: Matrix4::from_diagonal(&Vector4::new(axial, ei, ei, stiff * ei)),
+        coupled: nalgebra::Matrix4x2::zeros(),
         shear_n: axial,
         sway: 0.6,
         length_m,
@@ -83,6 +85,7 @@ pub(crate) fn random_rod(stream: &mut Stream, load: f64) -> Rod {
                 ],
                 free_shear: [0.0; 2],
                 stiffness,
+                coupled: nalgebra::Matrix4x2::zeros(),
                 shear_n: stream.between(60.0, 300.0),
                 sway: 0.6,
                 length_m: stream.between(0.15, 0.3),

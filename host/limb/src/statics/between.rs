@@ -168,10 +168,14 @@ impl LoadedLimb {
         let [_, x, y, twist, slide_x, slide_y] = <[f64; 6]>::from(*strains);
         let u = [bundle.free.bend_rad_per_m[0] + x, bundle.free.bend_rad_per_m[1] + y];
         // All slide per slide of the rod, and what the rod shortens by, over half the square of its slide.
-        let all = bundle.slides.map(|slide| slide.tubes * bundle.shear_n);
+        let own_slide = bundle.own_slide();
+        // Springs about leaning tubes have the first power of their forces.
+        let softer = bundle.softer(self.motions[module]);
+        let first = if softer.is_some() { 0.0 } else { 1.0 };
+        let all = bundle.slides.map(|slide| slide.tubes / own_slide);
         let rods = bundle.slides.map(|slide| {
-            let bends = slide.bends * bundle.shear_n;
-            (1.2 * bends + 2.0) * bends + 2.0 * bundle.sway
+            let bends = slide.bends / own_slide;
+            first * ((1.2 * bends + 2.0) * bends + 2.0 * bundle.sway)
         });
         let own = rods[0] * slide_x * slide_x + rods[1] * slide_y * slide_y;
         let mut slope = Strains::zeros();
@@ -180,7 +184,7 @@ impl LoadedLimb {
             let beam = Beam::new(tangent, stretch, bay_m);
             let g = [all[0] * slide_x - twist * y, all[1] * slide_y + twist * x];
             let (bent, slid) = (u[0] * u[0] + u[1] * u[1], g[0] * g[0] + g[1] * g[1]);
-            let lean = shortening(beam.share());
+            let lean = first * shortening(beam.share());
             // The energy of a tube is bow bent/2 + (slide - N lean) slid/2 less, and that of the rod's own shortening more, all over the stretch.
             let ([bow, slide], [bow_by, slide_by]) = beam.lost_with_slope(-force_n);
             let by_strain = -0.5 * tangent.axial_n * (bow_by * bent + slide_by * slid + lean * slid - own);
@@ -192,13 +196,19 @@ impl LoadedLimb {
             slope[4] += by_slide * g[0] * all[0] + force_n * rods[0] * slide_x;
             slope[5] += by_slide * g[1] * all[1] + force_n * rods[1] * slide_y;
         }
-        slope * (bay_m / stretch)
+        slope *= bay_m / stretch;
+        // Leaning tubes bend more easily than their second order has it.
+        let moments = bundle.stiffness * strains.fixed_rows::<4>(0) + bundle.coupled * strains.fixed_rows::<2>(4);
+        let more = softer.unwrap_or(0.0) * bay_m;
+        slope[1] += more * moments[1];
+        slope[2] += more * moments[2];
+        slope
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Isometry3, Matrix4};
+    use nalgebra::{Isometry3, Matrix4, Matrix4x2};
 
     use super::super::rod::Piece;
     use super::super::tube::Tangent;
@@ -226,6 +236,7 @@ mod tests {
             free: [bundle.free.stretch, 0.0, 0.0, 0.0],
             free_shear: [0.0; 2],
             stiffness: Matrix4::identity(),
+            coupled: Matrix4x2::zeros(),
             shear_n: bundle.shear_n,
             sway: bundle.sway,
             length_m: 0.24,

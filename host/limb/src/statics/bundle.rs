@@ -8,7 +8,7 @@
 //! rod yield alike to small loads.
 
 use fra_model::Motion;
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix2, Matrix4, Matrix4x2, Matrix6, Vector4, Vector6};
 
 use super::restraint::{Leaning, equilibrium, tangent};
 use super::rod::Piece;
@@ -22,6 +22,13 @@ const TURNS: usize = 20;
 /// Turns after which bending and shear stiffness of their walls change no more.
 const WALLS: usize = 3;
 const CONVERGED: f64 = 1e-10;
+/// Compliance to bending that the rod of leaning tubes lacks, over the square of their lean by bending, where they shear much more than they bend;
+/// and the ratio of shear to bending at which it is half of that. Both are those of `bends_and_slides_are_those_of_leaning_tubes`.
+const LEAN: f64 = 1.9;
+const LEAN_SHEAR: f64 = 0.7;
+/// Share of the slide of leaning tubes, with their plates not bent, that a rod's bends may have. Struts that lean far slide less than a rod
+/// bends.
+const BENDS_MOST: f64 = 0.8;
 
 /// The shape of a bundle, per length at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +65,10 @@ pub struct Bundle {
     pub free: Free,
     /// Second derivatives of its energy by stretch, bends and twist rate: N, N m, N m2 and so on.
     pub stiffness: Matrix4<f64>,
+    /// Second derivatives by these four and by slides towards `x` and `y`: not 0 where tubes of a twisting bundle lean.
+    pub coupled: Matrix4x2<f64>,
+    /// Slides towards `x` and `y` without load.
+    pub free_shear: [f64; 2],
     /// Shear stiffness, N.
     pub shear_n: f64,
     /// What it shortens by when it slides, over the square of the slide and the stretch: 3/5 for slender tubes, less where walls shear.
@@ -109,8 +120,8 @@ impl Bundle {
                 bundle.springs = bundle.held_springs(&before)?;
             }
             let tubes = bundle.tubes_at(motion, &before)?;
-            let rest = equilibrium(&tubes, bay_m, Some(&before))?;
-            bundle = Self { springs: bundle.springs, ..Self::about(rest, true, tubes, bay_m)? };
+            let rest = equilibrium(&tubes, bay_m, Some(&sliding(&before, bundle.free_shear)))?;
+            bundle = Self { springs: bundle.springs, ..Self::leaning_about(rest, tubes, bay_m)? };
             let change = bundle.free.strain() - before;
             if turn >= WALLS && change.x.abs().max(bay_m * change.fixed_rows::<3>(1).amax()) <= CONVERGED {
                 return Some(bundle);
@@ -124,10 +135,13 @@ impl Bundle {
     /// `None` where a tube has no stable equilibrium there, or where its tubes are linear springs.
     pub fn strained(&self, motion: Motion, strain: &Vector4<f64>) -> Option<Self> {
         let tubes = self.tubes_at(motion, strain)?;
-        let held = holds_back(motion, &tubes);
-        // The slide of leaning tubes is no linear spring either.
-        let rest = if held { tangent(&tubes, self.bay_m, strain)? } else { minimum(motion, &tubes)? };
-        Some(Self { springs: self.springs.clone(), ..Self::about(rest, held, tubes, self.bay_m)? })
+        let found = if holds_back(motion, &tubes) {
+            // The slide of leaning tubes is no linear spring either.
+            Self::leaning_about(tangent(&tubes, self.bay_m, &sliding(strain, [0.0; 2]))?, tubes, self.bay_m)
+        } else {
+            Self::about(minimum(motion, &tubes)?, tubes, self.bay_m)
+        };
+        Some(Self { springs: self.springs.clone(), ..found? })
     }
 
     /// The models of twisting tubes with the walls that they have where plates hold them.
@@ -176,30 +190,74 @@ impl Bundle {
 
     /// The bundle of tubes at places of the section, m, with plates `bay_m` apart. `None` where their energy has no minimum.
     pub fn of_tubes(motion: Motion, tubes: Vec<([f64; 2], Tangent)>, bay_m: f64) -> Option<Self> {
-        let held = holds_back(motion, &tubes);
-        let rest = if held { equilibrium(&tubes, bay_m, None)? } else { minimum(motion, &tubes)? };
-        Self::about(rest, held, tubes, bay_m)
+        if holds_back(motion, &tubes) {
+            return Self::leaning_about(equilibrium(&tubes, bay_m, None)?, tubes, bay_m);
+        }
+        Self::about(minimum(motion, &tubes)?, tubes, bay_m)
     }
 
-    /// The same with its shape without load and the stiffness there; that of tubes that plates hold back has their slide.
+    /// The same with its shape without load and the stiffness there.
     fn about(
         (free, mut stiffness): (Vector4<f64>, Matrix4<f64>),
-        held: bool,
         tubes: Vec<([f64; 2], Tangent)>,
         bay_m: f64,
     ) -> Option<Self> {
         let long_m = free[0] * bay_m;
         let slides = slides(&stiffness, &tubes, long_m);
-        let mean = |of: fn(&Slide) -> f64| 0.5 * (of(&slides[0]) + of(&slides[1]));
-        let shear_n = 1.0 / mean(|slide| slide.tubes - slide.bends);
-        let sway = 0.5 * (sway(&slides[0], 0, &tubes, long_m) + sway(&slides[1], 1, &tubes, long_m));
-        if !held {
-            let turning =
-                |([x, y], tube): &([f64; 2], Tangent)| slide_n(tube, mean_nm2(tube), long_m) * (x * x + y * y);
-            stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
+        let turning = |([x, y], tube): &([f64; 2], Tangent)| slide_n(tube, mean_nm2(tube), long_m) * (x * x + y * y);
+        stiffness[(3, 3)] += tubes.iter().map(turning).sum::<f64>();
+        let shear_n = 1.0 / own_slide(&slides);
+        Some(Self::of_parts(&sliding(&free, [0.0; 2]), (stiffness, Matrix4x2::zeros(), shear_n), slides, tubes, bay_m))
+    }
+
+    /// The same of leaning tubes, with the stiffness of their plates, slides included.
+    fn leaning_about(
+        (free, plates): (Vector6<f64>, Matrix6<f64>),
+        tubes: Vec<([f64; 2], Tangent)>,
+        bay_m: f64,
+    ) -> Option<Self> {
+        let long_m = free[0] * bay_m;
+        if tubes.len() == 1 {
+            // It stands for its circle, whose slides are not known.
+            let stiffness = plates.fixed_view::<4, 4>(0, 0).into_owned();
+            let slides = slides(&stiffness, &tubes, long_m);
+            let parts = (stiffness, Matrix4x2::zeros(), 1.0 / own_slide(&slides));
+            return Some(Self::of_parts(&free, parts, slides, tubes, bay_m));
         }
+        let mut yields = plates.cholesky()?.inverse();
+        let bends = yields.fixed_view::<2, 2>(1, 1) * (long_m * long_m / 12.0);
+        let bends = bends * f64::min(1.0, BENDS_MOST / largest(&(bends * plates.fixed_view::<2, 2>(4, 4))));
+        let slides = [0, 1].map(|axis| Slide { tubes: yields[(4 + axis, 4 + axis)], bends: bends[(axis, axis)] });
+        // A rod has the slide of its bends by itself.
+        let mut own = yields.fixed_view_mut::<2, 2>(4, 4);
+        own -= bends;
+        let rod = yields.cholesky()?.inverse();
+        let parts = (
+            rod.fixed_view::<4, 4>(0, 0).into_owned(),
+            rod.fixed_view::<4, 2>(0, 4).into_owned(),
+            0.5 * (rod[(4, 4)] + rod[(5, 5)]),
+        );
+        // The stiffness about a strain has the work of axial forces on slides.
+        Some(Self { sway: 0.0, ..Self::of_parts(&free, parts, slides, tubes, bay_m) })
+    }
+
+    fn of_parts(
+        free: &Vector6<f64>,
+        (stiffness, coupled, shear_n): (Matrix4<f64>, Matrix4x2<f64>, f64),
+        slides: [Slide; 2],
+        tubes: Vec<([f64; 2], Tangent)>,
+        bay_m: f64,
+    ) -> Self {
+        let long_m = free[0] * bay_m;
+        let sway = 0.5 * (sway(&slides[0], 0, &tubes, long_m) + sway(&slides[1], 1, &tubes, long_m));
+        let free_shear = [free[4], free[5]];
         let free = Free { stretch: free[0], bend_rad_per_m: [free[1], free[2]], twist_rad_per_m: free[3] };
-        Some(Self { free, stiffness, shear_n, sway, slides, bay_m, tubes, springs: Vec::new() })
+        Self { free, stiffness, coupled, free_shear, shear_n, sway, slides, bay_m, tubes, springs: Vec::new() }
+    }
+
+    /// Slide of a rod's own per force across it, 1/N: that of the tubes without the part that the rod's bends have.
+    pub(super) fn own_slide(&self) -> f64 {
+        own_slide(&self.slides)
     }
 
     /// The bundle as a rod of a length at rest, m, without mass and with nothing behind it.
@@ -207,8 +265,9 @@ impl Bundle {
         let Free { stretch, bend_rad_per_m: [x, y], twist_rad_per_m } = self.free;
         Piece {
             free: [stretch, x, y, twist_rad_per_m],
-            free_shear: [0.0; 2],
+            free_shear: self.free_shear,
             stiffness: self.stiffness,
+            coupled: self.coupled,
             shear_n: self.shear_n,
             sway: self.sway,
             length_m,
@@ -225,10 +284,32 @@ impl Bundle {
         leaning(*place, tangent, self.bay_m, &self.free.strain())
     }
 
+    /// Share by which leaning tubes bend more easily than the rod, about, in the shape without load; `None` where plates hold none back.
+    pub(super) fn softer(&self, motion: Motion) -> Option<f64> {
+        let of = |leaning: Leaning| LEAN * leaning.shear / (LEAN_SHEAR + leaning.shear) * leaning.bend * leaning.bend;
+        (0..self.tubes.len()).filter_map(|tube| self.leaning(motion, tube)).map(of).reduce(f64::max)
+    }
+
     /// Stretches between plates in a module of this length at rest, m.
     pub(super) fn bays(&self, length_m: f64) -> usize {
         (length_m / self.bay_m).round().max(1.0) as usize
     }
+}
+
+/// Strains of a bundle with the slides of its plates.
+fn sliding(strain: &Vector4<f64>, [x, y]: [f64; 2]) -> Vector6<f64> {
+    Vector6::new(strain.x, strain.y, strain.z, strain.w, x, y)
+}
+
+/// The largest eigenvalue of a product of two symmetric matrices with positive ones.
+fn largest(product: &Matrix2<f64>) -> f64 {
+    let half = 0.5 * product.trace();
+    half + (half * half - product.determinant()).max(0.0).sqrt()
+}
+
+/// Mean slide of both directions that is the rod's own, per force, 1/N.
+fn own_slide(slides: &[Slide; 2]) -> f64 {
+    0.5 * slides.iter().map(|slide| slide.tubes - slide.bends).sum::<f64>()
 }
 
 /// Bending stiffness of a tube towards `x` and `y`, N m2.
@@ -280,7 +361,9 @@ fn holds_back(motion: Motion, tubes: &[([f64; 2], Tangent)]) -> bool {
 }
 
 fn leaning([x, y]: [f64; 2], tube: &Tangent, bay_m: f64, strain: &Vector4<f64>) -> Option<Leaning> {
-    Leaning::of(tube, x.hypot(y), bay_m, strain.x - strain.y * x - strain.z * y, strain.w)
+    // Plates that turn against each other bend about the middle between them.
+    let cos = (0.5 * strain.w * bay_m).cos();
+    Leaning::of(tube, x.hypot(y), bay_m, strain.x - (strain.y * x + strain.z * y) * cos, strain.w)
 }
 
 /// Shape of least energy of tubes that plates do not hold back, and the stiffness of stretch, bends and twist.

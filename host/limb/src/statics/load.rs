@@ -115,6 +115,7 @@ impl LoadedLimb {
         self.stiffer *= factor;
         for piece in &mut self.rod.pieces {
             piece.stiffness *= factor;
+            piece.coupled *= factor;
             piece.shear_n *= factor;
         }
         self
@@ -123,8 +124,9 @@ impl LoadedLimb {
     /// Puts a bundle in the place of a module's own.
     pub(super) fn set_bundle(&mut self, module: usize, bundle: Bundle) {
         let piece = &mut self.rod.pieces[module];
-        let Piece { free, stiffness, shear_n, sway, .. } = bundle.piece(piece.length_m);
-        (piece.free, piece.sway) = (free, sway);
+        let Piece { free, free_shear, stiffness, coupled, shear_n, sway, .. } = bundle.piece(piece.length_m);
+        (piece.free, piece.free_shear, piece.sway) = (free, free_shear, sway);
+        piece.coupled = coupled * self.stiffer;
         (piece.stiffness, piece.shear_n) = (stiffness * self.stiffer, shear_n * self.stiffer);
         self.bundles[module] = bundle;
     }

@@ -11,7 +11,8 @@
 //! piece where the unknowns are of two.
 
 use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4,
+    DMatrix, DVector, Isometry3, Matrix2, Matrix3, Matrix4, Matrix4x2, Rotation3, Translation3, UnitQuaternion,
+    Vector2, Vector3, Vector4,
 };
 
 use super::step::{Arms, Step, Sums, TURNS};
@@ -32,6 +33,8 @@ pub struct Piece {
     pub free_shear: [f64; 2],
     /// Second derivatives of the energy per length by these four.
     pub stiffness: Matrix4<f64>,
+    /// Second derivatives by these four and by the shears towards `x` and `y`: not 0 where tubes lean in their bundle.
+    pub coupled: Matrix4x2<f64>,
     /// Shear stiffness, N.
     pub shear_n: f64,
     /// What it shortens by when it slides, over the square of the slide and the stretch ([`super::Bundle::sway`]).
@@ -114,21 +117,41 @@ impl Piece {
     fn energy(&self, q: &[f64], sums: &mut Sums) -> f64 {
         let length = self.length_m;
         let [mean, linear] = self.differences(q);
-        let (stress, bent) = (self.stiffness * mean, self.stiffness * linear);
+        let slides = Vector2::new(q[5], q[6]);
+        let (own, yielding) = (self.stiffness * mean, self.yielding());
+        let stress = own + self.coupled * slides;
         let sway = 2.0 * self.sway / self.free[0];
         // The strain that each unknown is, and by what factor: of the mean, and of the amplitude.
         let of_mean = [(0, 2, -1.0), (2, 1, 1.0), (4, 3, 1.0), (5, 0, sway * q[5]), (6, 0, sway * q[6]), (7, 0, 1.0)];
         let of_linear = [(1, 2, -1.0), (3, 1, 1.0)];
         spring(&self.stiffness, &of_mean, &stress, length, sums);
-        let across = self.stiffness.column(0);
-        spring(&(self.stiffness - across * across.transpose() / across[0]), &of_linear, &bent, length / 3.0, sums);
+        let bent = yielding * linear;
+        spring(&yielding, &of_linear, &bent, length / 3.0, sums);
         let Sums { gradient, tangent, .. } = sums;
+        let pushed = self.coupled.tr_mul(&mean);
         for a in [5, 6] {
-            gradient[a] += length * self.shear_n * q[a];
+            gradient[a] += length * (self.shear_n * q[a] + pushed[a - 5]);
+            for (b, row, by) in of_mean {
+                let entry = length * by * self.coupled[(row, a - 5)];
+                tangent[(a.min(b), a.max(b))] += if a == b { 2.0 * entry } else { entry };
+            }
             tangent[(a, a)] += length * (self.shear_n + stress.x * sway);
         }
         let shear = 0.5 * self.shear_n * (q[5] * q[5] + q[6] * q[6]);
-        length * (0.5 * mean.dot(&stress) + linear.dot(&bent) / 6.0 + shear)
+        length * (0.5 * mean.dot(&own) + mean.dot(&(self.coupled * slides)) + linear.dot(&bent) / 6.0 + shear)
+    }
+
+    /// Stiffness against bends that change along the piece, to which the axis stretches and shears as costs least.
+    fn yielding(&self) -> Matrix4<f64> {
+        let across = self.stiffness.column(0);
+        let stretching = self.stiffness - across * across.transpose() / across[0];
+        if self.coupled == Matrix4x2::zeros() {
+            return stretching;
+        }
+        let pulled = self.coupled.row(0) / across[0];
+        let coupled = self.coupled - across * pulled;
+        let shear = Matrix2::from_diagonal_element(self.shear_n) - pulled.tr_mul(&self.coupled.row(0));
+        shear.try_inverse().map_or(stretching, |inverse| stretching - coupled * inverse * coupled.transpose())
     }
 
     /// Mass at a node of the rod by Simpson's rule, kg.

@@ -65,6 +65,7 @@ impl Limb {
                 free: [free.stretch, free.bend_rad_per_m[0], free.bend_rad_per_m[1], free.twist_rad_per_m],
                 free_shear: [0.0; 2],
                 stiffness: bundle.stiffness,
+                coupled: nalgebra::Matrix4x2::zeros(),
                 shear_n: bundle.shear_n,
                 sway: bundle.sway,
                 length_m: *length_m,

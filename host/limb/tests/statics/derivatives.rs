@@ -1,9 +1,19 @@
 //! The potential: its derivatives against differences of it, symmetry, independence of the frame.
 
-use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
-use softlimb_limb::statics::{Bends, LOAD_FACTOR_MAX, solve};
+use nalgebra::{DVector, Isometry3, Matrix4x2, Translation3, UnitQuaternion, Vector3};
+use softlimb_limb::statics::{Bends, LOAD_FACTOR_MAX, Rod, solve};
 
 use crate::statics::{Stream, random_rod};
+
+/// A rod whose bends and slides are coupled, as those of leaning tubes are.
+fn coupled_rod(stream: &mut Stream) -> Rod {
+    let mut rod = random_rod(stream, 1.0);
+    for piece in &mut rod.pieces {
+        piece.coupled = Matrix4x2::from_fn(|_, _| stream.between(-3.0, 3.0));
+        piece.free_shear = [stream.between(-0.05, 0.05), stream.between(-0.05, 0.05)];
+    }
+    rod
+}
 
 fn random_shape(stream: &mut Stream, count: usize, size: f64) -> DVector<f64> {
     DVector::from_fn(count, |index, _| {
@@ -16,7 +26,7 @@ fn random_shape(stream: &mut Stream, count: usize, size: f64) -> DVector<f64> {
 fn gradient_is_that_of_the_potential() {
     let mut stream = Stream(3);
     for _ in 0..20 {
-        let rod = random_rod(&mut stream, 1.0);
+        let rod = coupled_rod(&mut stream);
         let q = random_shape(&mut stream, rod.unknowns(), 1.0);
         let gradient = rod.potential(&q, 0.7).gradient;
         for index in 0..q.len() {
@@ -37,7 +47,7 @@ fn gradient_is_that_of_the_potential() {
 fn tangent_is_symmetric_and_the_slope_of_the_gradient() {
     let mut stream = Stream(5);
     for _ in 0..20 {
-        let rod = random_rod(&mut stream, 1.0);
+        let rod = coupled_rod(&mut stream);
         let q = random_shape(&mut stream, rod.unknowns(), 1.0);
         let tangent = rod.potential(&q, 1.0).tangent;
         let springs = rod.potential(&DVector::zeros(q.len()), 0.0).tangent;

@@ -7,21 +7,25 @@ use softlimb_scene::{Scene, parse};
 use crate::statics::Stream;
 
 /// A limb of one twisting module, upright.
-struct Case {
-    count: u8,
-    radius_mm: f64,
-    spacers: u8,
-    inner_mm: f64,
-    wall_mm: f64,
-    length_mm: f64,
-    angle_deg: f64,
+pub(super) struct Case {
+    pub(super) count: u8,
+    pub(super) radius_mm: f64,
+    pub(super) spacers: u8,
+    pub(super) inner_mm: f64,
+    pub(super) wall_mm: f64,
+    pub(super) length_mm: f64,
+    pub(super) angle_deg: f64,
 }
 
 impl Case {
-    fn scene(&self) -> Scene {
+    pub(super) fn scene(&self) -> Scene {
+        parse(&self.text(), "twisted.toml").unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    pub(super) fn text(&self) -> String {
         let Self { count, radius_mm, spacers, inner_mm, wall_mm, length_mm, angle_deg } = self;
         let outer_mm = inner_mm + wall_mm;
-        let text = format!(
+        format!(
             "format = 1\nname = \"twisted\"\n\
              limb = {{ base_direction = [0, 0, 1], base_up = [1, 0, 0], connector = {{ length = 0, mass = 0 }} }}\n\
              materials.silicone = {{ law = \"neo-hookean\", shear_modulus = \"0.223 MPa\" }}\n\
@@ -33,11 +37,10 @@ impl Case {
              [[phase]]\nname = \"p\"\nduration = 1\ntargets = {{ shoulder = {{ twist = \"0 deg\" }} }}\n\
              [limits]\npressure_max = \"60 kPa\"\n",
             if *count > 1 { format!("circle_radius = \"{radius_mm} mm\"\n") } else { String::new() },
-        );
-        parse(&text, "twisted.toml").unwrap_or_else(|error| panic!("{error}"))
+        )
     }
 
-    fn random(stream: &mut Stream) -> Self {
+    pub(super) fn random(stream: &mut Stream) -> Self {
         let (inner_mm, wall_mm) = (stream.between(8.0, 12.0), stream.between(4.0, 7.0));
         let count = stream.between(2.0, 7.0) as u8;
         let touching_mm = (inner_mm + wall_mm) / (std::f64::consts::PI / f64::from(count)).sin();

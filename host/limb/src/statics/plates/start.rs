@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fra_model::Motion;
-use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{DVector, Isometry3, Matrix4x2, Translation3, UnitQuaternion, Vector3, Vector6};
 
 use super::tube::Held;
 use super::{Bay, Plates};
@@ -79,7 +79,10 @@ impl LoadedLimb {
                     let at = Isometry3::from_parts(Translation3::from(mount * Vector3::new(x, y, 0.0)), mount);
                     Held { at, rod, q: DVector::from_vec(q), forces_n: Vector6::zeros() }
                 };
-                let middle = tube([0.0; 2], Piece { free: [1.0, 0.0, 0.0, 0.0], sway: 0.0, ..piece.clone() });
+                let middle = tube(
+                    [0.0; 2],
+                    Piece { free: [1.0, 0.0, 0.0, 0.0], free_shear: [0.0; 2], sway: 0.0, ..piece.clone() },
+                );
                 let way = middle.rod.potential(&middle.q, 0.0).poses.last().copied()?;
                 let tubes = if bending {
                     vec![tube([0.0; 2], piece.clone())]
@@ -184,6 +187,7 @@ fn alone(motion: Motion, tangent: &Tangent, kg_per_m: f64) -> Piece {
         free: [rest[0], 0.0, 0.0, rest[3]],
         free_shear: [0.0; 2],
         stiffness,
+        coupled: Matrix4x2::zeros(),
         shear_n: tangent.shear_n,
         sway: 0.0,
         length_m: 0.0,
