@@ -61,7 +61,9 @@ fn behind_a_terminal(scene: &Scene, mcu: &Mcu) -> Result<RunFiles, RunError> {
             serve(&mut device.unwrap(), &mut port, &stop, |time_us, news| println!("{time_us} us: {news:?}"))
         });
         started.wait();
-        let ended = run::run_behind(scene, &address, None, folder.path(), &AtomicBool::new(false), |_| ());
+        let plan = softlimb_motion::plan(scene, &limb).unwrap();
+        let planned = (limb.clone(), plan);
+        let ended = run::run_behind(scene, planned, &address, None, folder.path(), &AtomicBool::new(false), |_| ());
         stop.store(true, Ordering::Relaxed);
         server.join().unwrap().unwrap();
         if let Ok(files) = &ended {

@@ -7,7 +7,7 @@
 
 use fra_model::{Actuator, ActuatorParameters, Load as NoLoad, Material};
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Tangent, by_fidelity};
+use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Spring};
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_rig::payload_estimation::{Observation, mass};
@@ -74,20 +74,20 @@ fn seen(scene: &Scene, limb: &Limb, plan: &Plan, actuators: &[Actuator<f64>], ca
             let tubes = module.channels.clone().enumerate().map(|(place, channel)| {
                 let own = case.module.is_none_or(|only| only == index);
                 let pick = |own| if own { &actuators[channel] } else { &module.actuator };
-                let springs = Tangent::of(pick(own && case.springs), pressure_pa)?;
+                let spring = Spring::new(pick(own && case.springs), pressure_pa)?;
                 let shape = pick(own && case.shape).forward(pressure_pa, &NoLoad::none()).ok()?.state;
-                Some((positions_m[place], springs.about(&shape, module.length_m())))
+                Some((positions_m[place], spring.about(&shape)))
             });
             let bays = f64::from(scene.modules()[index].spacers + 1);
-            Bundle::of_tubes(module.motion, tubes.collect::<Option<_>>()?, module.length_m() / bays)
+            Bundle::of_springs(module.motion, tubes.collect::<Option<_>>()?, module.length_m() / bays)
         };
         let bundles: Vec<Bundle> =
             (0..limb.modules().len()).map(|index| bundle(index).expect("an equilibrium")).collect();
-        let walls_kg: Vec<f64> = scene.modules().iter().map(scene::Module::elastomer_mass_kg).collect();
+        let walls_kg: Vec<f64> = scene.modules().iter().map(scene::Module::mass_kg).collect();
         for loaded in [false, true] {
             let load = Load { payload_kg: if loaded { LOAD_N / GRAVITY_M_PER_S2 } else { 0.0 }, ..Load::default() };
             let hung = LoadedLimb::of_bundles(scene, limb, bundles.clone(), &walls_kg, &load);
-            let tip_m = by_fidelity(&hung.rod, Fidelity::Fourfold, None).expect("stands").1.tip().translation.vector;
+            let tip_m = hung.settle(Fidelity::Fourfold, None).expect("stands").shape.tip().translation.vector;
             let pressures_pa = pressures_pa.clone();
             seen.push(Observation { line: 0, phase, loaded, tip_m, accuracy_m: 1e-3, pressures_pa });
         }

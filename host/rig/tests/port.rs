@@ -253,7 +253,9 @@ fn second_run_on_a_device_is_run_again_from_its_start_on() {
         [(); 2].map(|()| {
             let folder = tempfile::tempdir().unwrap();
             let cancel = AtomicBool::new(false);
-            let files = run_behind(&scene, &address(text), None, folder.path(), &cancel, |_| ()).unwrap();
+            let limb = softlimb_limb::Limb::new(&scene).unwrap();
+            let plan = softlimb_motion::plan(&scene, &limb).unwrap();
+            let files = run_behind(&scene, (limb, plan), &address(text), None, folder.path(), &cancel, |_| ()).unwrap();
             read_capture(files.log).unwrap()
         })
     });

@@ -94,7 +94,7 @@ fn module_of_its_own_gets_a_copy_of_the_part_it_shared() {
 }
 
 #[test]
-fn thread_becomes_its_sheet_where_something_changes() {
+fn thread_stays_beside_its_sheet_where_something_changes() {
     let sheet = "modulus = \"361 MPa\"";
     let at = SCENE.find(sheet).unwrap();
     let end = at + SCENE[at..].find("mm\"").unwrap() + 3;
@@ -112,7 +112,7 @@ fn thread_becomes_its_sheet_where_something_changes() {
     }
     let (written, log) = rewritten(&scene, &wanted).unwrap();
     let again = read(&written).modules()[user].clone();
-    assert_eq!(again.thread, None, "{written}");
+    assert_eq!(again.thread, scene.modules()[user].thread, "{written}");
     let [kept, asked] = [again.fiber.unwrap().modulus_pa, wanted[user].fiber.unwrap().modulus_pa];
     assert!((kept / asked - 1.0).abs() < 1e-8, "{written}");
     assert!(log.iter().any(|line| line.contains("the sheet of its thread")), "{log:?}");

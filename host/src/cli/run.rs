@@ -8,8 +8,11 @@ use serde::Serialize;
 
 use super::interrupt::interrupt;
 use super::port::PortOption;
-use super::shared::{bar, show};
-use super::{Failure, Outcome, warn};
+use super::shared::{bar, limb, show};
+use super::{Failure, Outcome, check_margins, warn};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::Plan;
 use softlimb_rig::link::LinkFaults;
 use softlimb_rig::link::port::Address;
 use softlimb_rig::report;
@@ -107,7 +110,10 @@ impl Run {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let address = self.port.address()?;
         self.refuse_contradictions(address.as_ref())?;
-        let scene = scene::load(&self.scene)?;
+        let (scene, limb) = limb(&self.scene)?;
+        let plan = motion::plan(&scene, &limb)?;
+        let margins = margin_warning(&scene, &limb, &plan)?;
+        let planned = (limb, plan);
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
         let bar = bar(1000, "running");
         let on_progress = |progress: Progress| {
@@ -116,12 +122,14 @@ impl Run {
         let (outcome, canceled) = match address {
             Some(Address::Port(port)) => {
                 let cancel = interrupt()?;
-                let outcome = run::run_behind(&scene, &port, self.link_fault, &out, &cancel, on_progress);
+                let outcome = run::run_behind(&scene, planned, &port, self.link_fault, &out, &cancel, on_progress);
                 (outcome, cancel.load(Ordering::Relaxed))
             }
-            Some(Address::Emulated) => (self.simulate(&scene, self.controller.flashed(), out, on_progress)?, false),
-            Some(Address::Simulated) => (self.simulate(&scene, Mcu::Here, out, on_progress)?, false),
-            None => (self.simulate(&scene, self.controller.mcu(), out, on_progress)?, false),
+            Some(Address::Emulated) => {
+                (self.simulate(&scene, planned, self.controller.flashed(), out, on_progress)?, false)
+            }
+            Some(Address::Simulated) => (self.simulate(&scene, planned, Mcu::Here, out, on_progress)?, false),
+            None => (self.simulate(&scene, planned, self.controller.mcu(), out, on_progress)?, false),
         };
         bar.finish_and_clear();
         let (files, stopped) = match outcome {
@@ -131,7 +139,9 @@ impl Run {
         };
         let summary = report::summary(&files.run);
         let canceled = canceled.then(|| "the run was canceled".to_owned());
-        let warnings = [canceled.into_iter().collect(), warnings(&summary), scene.winding_warnings()].concat();
+        let canceled = canceled.into_iter().collect();
+        let margins = margins.into_iter().collect();
+        let warnings = [canceled, warnings(&summary), scene.winding_warnings(), margins].concat();
         show(self.json, &Printed { summary: &summary, warnings: &warnings }, || summary.table())?;
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
         let outcome = warn(&warnings);
@@ -142,6 +152,7 @@ impl Run {
     fn simulate(
         &self,
         scene: &Scene,
+        planned: (Limb, Plan),
         mcu: Mcu,
         out: PathBuf,
         on_progress: impl FnMut(Progress),
@@ -150,7 +161,7 @@ impl Run {
         let plant = plant.as_ref().unwrap_or(scene);
         let seed = self.seed.unwrap_or(plant.seed());
         let options = RunOptions { seed, out, mcu, link_faults: self.link_fault, faults: self.fault.clone() };
-        Ok(run::run_on(scene, plant, &options, &AtomicBool::new(false), on_progress))
+        Ok(run::run_on(scene, planned, plant, &options, &AtomicBool::new(false), on_progress))
     }
 
     /// An address says which processor; a device behind a port has a limb of its own.
@@ -168,6 +179,18 @@ impl Run {
             None => Ok(()),
         }
     }
+}
+
+/// One line for the margins that `check` warns of, with the first of its warnings.
+fn margin_warning(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Option<String>, Failure> {
+    let sent = motion::sent(scene, limb, plan)?;
+    let margins = motion::margins(scene, limb, plan, &sent)?;
+    let all = [check_margins::warnings(scene, limb, plan, &margins), limb.restraint_warnings()].concat();
+    let rest = match all.len() {
+        0 | 1 => String::new(),
+        count => format!("; `softlimb check` has {} more such warnings", count - 1),
+    };
+    Ok(all.first().map(|first| format!("margins are too small: {first}{rest}")))
 }
 
 /// Faults of the device, and goals that the run missed.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::check_margins::load_factor;
@@ -43,6 +44,8 @@ struct Row {
     payload_kg: f64,
     pressures_pa: Vec<f64>,
     free_tip_m: [f64; 3],
+    /// Tip of the plan at the same time, which is under the phase's own load.
+    planned_tip_m: [f64; 3],
     found: Result<Standing, EquilibriumError>,
 }
 
@@ -76,6 +79,8 @@ enum Balance<'a> {
 #[derive(Serialize)]
 struct Found<'a> {
     tip_m: [f64; 3],
+    /// Distance of the tip from the plan's.
+    off_target_m: f64,
     deflection_m: f64,
     tip_stiffness_n_per_m: Option<[f64; 3]>,
     load_factor: f64,
@@ -100,13 +105,8 @@ impl Statics {
             .map(|(planned, phase)| {
                 let end_us = (planned.start_us + planned.move_us + planned.hold_us) as f64;
                 let pressures: Vec<f64> = plan.states_at(end_us).iter().map(|state| state.pressure_pa).collect();
-                self.row(
-                    &scene,
-                    &limb,
-                    &planned.name,
-                    &pressures,
-                    self.payload.as_ref().map_or(phase.payload_kg, Quantity::si),
-                )
+                let payload_kg = self.payload.as_ref().map_or(phase.payload_kg, Quantity::si);
+                self.row((&scene, &limb), &planned.name, &pressures, payload_kg, plan.tip_m(&limb, end_us))
             })
             .collect::<Result<_, _>>()?;
         let phases = rows.iter().map(|row| row.printed(&limb)).collect();
@@ -118,11 +118,11 @@ impl Statics {
 
     fn row(
         &self,
-        scene: &Scene,
-        limb: &Limb,
+        (scene, limb): (&Scene, &Limb),
         phase: &str,
         pressures_pa: &[f64],
         payload_kg: f64,
+        planned_tip_m: [f64; 3],
     ) -> Result<Row, Failure> {
         let channels = limb.channel_values(pressures_pa);
         let bays: Vec<usize> =
@@ -135,17 +135,23 @@ impl Statics {
         })?;
         let free_tip_m: [f64; 3] = loaded.free_tip().translation.vector.into();
         let found = loaded.stand(self.tolerance.si(), scene.rest_length_m());
-        Ok(Row { phase: phase.to_owned(), payload_kg, pressures_pa: pressures_pa.to_vec(), free_tip_m, found })
+        let (phase, pressures_pa) = (phase.to_owned(), pressures_pa.to_vec());
+        Ok(Row { phase, payload_kg, pressures_pa, free_tip_m, planned_tip_m, found })
     }
 }
 
 impl Row {
+    fn off_target_m(&self, found: &Standing) -> f64 {
+        (Vector3::from(found.tip_m) - Vector3::from(self.planned_tip_m)).norm()
+    }
+
     fn printed<'a>(&'a self, limb: &'a Limb) -> PrintedPhase<'a> {
         let name = |module: Option<usize>| module.map(|index| limb.modules()[index].name.as_str());
         let found = match &self.found {
             Err(lost) => Balance::EquilibriumError { lost: lost.to_string() },
             Ok(found) => Balance::Found(Box::new(Found {
                 tip_m: found.tip_m,
+                off_target_m: self.off_target_m(found),
                 deflection_m: found.sag_m,
                 tip_stiffness_n_per_m: found.stiffness_n_per_m,
                 load_factor: found.load_factor,
@@ -212,10 +218,21 @@ fn table(scene: &Scene, rows: &[Row]) -> String {
         format!("{}: {:.2} kg, {:.3} m at rest", scene.name(), scene.mass_kg(), scene.rest_length_m()),
         String::new(),
         format!(
-            "{:16} {:>7} {:>23} {:>10} {:>20} {:>9} {:>9} {:>7}  model",
-            "phase", "payload", "tip x, y, z", "deflection", "stiffness x, y, z", "load fac.", "buckling", "error"
+            "{:16} {:>7} {:>23} {:>7} {:>10} {:>20} {:>9} {:>9} {:>7}  model",
+            "phase",
+            "payload",
+            "tip x, y, z",
+            "target",
+            "deflection",
+            "stiffness x, y, z",
+            "load fac.",
+            "buckling",
+            "error"
         ),
-        format!("{:16} {:>7} {:>23} {:>10} {:>20} {:>9} {:>9} {:>7}", "", "kg", "m", "mm", "N/m", "", "%", "%"),
+        format!(
+            "{:16} {:>7} {:>23} {:>7} {:>10} {:>20} {:>9} {:>9} {:>7}",
+            "", "kg", "m", "mm off", "mm", "N/m", "", "%", "%"
+        ),
     ];
     for row in rows {
         let head = format!("{:16} {:7.2}", row.phase, row.payload_kg);
@@ -227,8 +244,9 @@ fn table(scene: &Scene, rows: &[Row]) -> String {
                     .stiffness_n_per_m
                     .map_or_else(String::new, |k| format!("{:.1}, {:.1}, {:.1}", k[0], k[1], k[2]));
                 format!(
-                    "{head} {:>23} {:10.1} {stiffness:>20} {:>9} {:>9} {:7.2}  {}",
+                    "{head} {:>23} {:7.1} {:10.1} {stiffness:>20} {:>9} {:>9} {:7.2}  {}",
                     format!("{x:.3}, {y:.3}, {z:.3}"),
+                    1e3 * row.off_target_m(found),
                     found.sag_m * 1e3,
                     load_factor(found.load_factor),
                     buckling_percent(found.buckling_margin),

@@ -19,7 +19,7 @@
 //! where they slide across it. At one chord an axial force `N` moves `b` against `s`: the tube yields by `N (c/h - 4/5 b)^2/((1 + r) GA)` more. Plates that bend by `u` pull a tube at `r` by `-(u . r) cos(t/2)` and turn it by `b (u . r)/a` about its leaning
 //! axis. So bends and slides of leaning tubes are coupled, and such a bundle bends the more easily the more it is twisted.
 
-use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix, Vector2, Vector4, Vector6};
+use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix, Vector2, Vector3, Vector4, Vector6};
 
 use super::bundle::{mean_nm2, slide_n};
 use super::tube::Tangent;
@@ -45,6 +45,7 @@ pub(crate) struct Leaning {
     by_slide: f64,
     /// Stretch by the lean by bending at one chord, where the lean by shear changes as much; and the slope of the force against that, N.
     longer: f64,
+    longer_by: [f64; 3],
     bend_n: f64,
     /// Lean by shear over that by bending.
     pub(crate) shear: f64,
@@ -97,32 +98,40 @@ impl Leaning {
             }
             let force_n = bend / bent;
             let [step, turned] = STEPS;
-            let at = |own: f64, chord_m: f64, arm_m: f64| {
-                leant(own, chord_m, arm_m).map(|(height, bend, ..)| Vector2::new(height, bend))
+            let longer = |own: f64, chord_m: f64, bend: f64| {
+                own * (chord_m / (own * bay_m) - 0.8 * bend) / (1.0 + 0.4 * bend * bend)
             };
-            let slope = |more: Option<Vector2<f64>>, less: Option<Vector2<f64>>, step: f64| {
+            let at = |own: f64, chord_m: f64, arm_m: f64| {
+                let (height, bend, ..) = leant(own, chord_m, arm_m)?;
+                Some(Vector3::new(height, bend, longer(own, chord_m, bend)))
+            };
+            let slope = |more: Option<Vector3<f64>>, less: Option<Vector3<f64>>, step: f64| {
                 Some((more? - less?) / (2.0 * step))
             };
             let turn = |by: f64| at(own, chord_at(turn_rad + by), arm_at(turn_rad + by));
             let slide = |by: f64| at(own, chord_m + by * bay_m, arm_m);
-            let longer = |by: f64| at(own + by, chord_m, arm_m);
-            let of_own = slope(longer(step), longer(-step), step)?;
+            let more = |by: f64| at(own + by, chord_m, arm_m);
+            let of_own = slope(more(step), more(-step), step)?;
             let of_turn = slope(turn(turned), turn(-turned), turned)?;
             let of_slide = slope(slide(step), slide(-step), step)?;
             let yields = height + own * of_own.x;
             let owns = [1.0, -own * of_turn.x * bay_m, -own * of_slide.x].map(|change| change / yields);
-            let direct = [0.0, of_turn.y * bay_m, of_slide.y];
+            let by = |axis: usize| {
+                let direct = [0.0, of_turn[axis] * bay_m, of_slide[axis]];
+                [0, 1, 2].map(|strain: usize| direct[strain] + of_own[axis] * owns[strain])
+            };
             let chord = chord_m / (own * bay_m);
             return Some(Self {
                 stretch: own,
                 by_stretch: owns[0],
                 by_twist_m: owns[1],
                 by_slide: owns[2],
-                longer: own * (chord - 0.8 * bend) / (1.0 + 0.4 * bend * bend),
+                longer: longer(own, chord_m, bend),
+                longer_by: by(2),
                 bend_n: own * (1.0 + 1.0 / series.shear) / bent,
                 shear: series.shear,
                 bend,
-                bend_by: [0, 1, 2].map(|axis: usize| direct[axis] + of_own.y * owns[axis]),
+                bend_by: by(1),
                 twist_rad_per_m: twist_rad_per_m + 2.4 * series.arm * bend.powi(3) / bay_m,
                 slide: chord_m / (stretch * bay_m),
                 pull_n: force_n * (chord - series.shear * bend),
@@ -207,7 +216,7 @@ struct Across {
 /// Further the stiffness across the lean, N, unless the tube stands upright, and that force by the bend of the plates along the lean, N m.
 fn wrench(tube: &Tangent, radius_m: f64, bay_m: f64, at: Vector4<f64>) -> Option<(Vector4<f64>, Across)> {
     let [stretch, twist, along, bent] = <[f64; 4]>::from(at);
-    let cos = (0.5 * twist * bay_m).cos();
+    let (sin, cos) = (0.5 * twist * bay_m).sin_cos();
     let leaning = Leaning::slid(tube, radius_m, bay_m, stretch - bent * cos, twist, along)?;
     let per_m = if radius_m > 0.0 { 1.0 / radius_m } else { 0.0 };
     let turned = bent * per_m;
@@ -220,21 +229,25 @@ fn wrench(tube: &Tangent, radius_m: f64, bay_m: f64, at: Vector4<f64>) -> Option
     // Sections lean by `b` in the mean and by more in the middle, where an axial force shears the wall; it also bends an S, which is not straight.
     let long_m = leaning.stretch * bay_m;
     let square = leaning.bend * leaning.bend;
-    let uneven = square * (0.2 / tube.shear_n + long_m * long_m / (700.0 * mean_nm2(tube)));
-    let uneven = Matrix2::new(uneven, 0.0, 0.0, 0.0);
-    let springs = (springs.try_inverse()? + uneven).try_inverse()?;
+    let uneven = 0.2 / tube.shear_n + long_m * long_m / (700.0 * mean_nm2(tube));
+    let yields = springs.try_inverse()?;
+    let strain = strain - yields * Vector2::new(leaning.pull_n, 0.0);
+    let springs = (yields + Matrix2::new(uneven * square, 0.0, 0.0, 0.0)).try_inverse()?;
     // At one chord the lean by bending is such that it takes the least energy.
     let by_bend = Vector2::new(leaning.longer, turned);
-    let pulled = springs * strain - Vector2::new(leaning.pull_n, 0.0);
+    let pulled = springs * strain;
     let bent_more = -by_bend.dot(&pulled) / (leaning.bend_n + by_bend.dot(&(springs * by_bend)));
     let bend = leaning.bend + bent_more;
     // A force on the plates also works on the lean: it stretches a tube that it does not let shorten.
     let [carried_n, torque_nm] = <[f64; 2]>::from(pulled + springs * by_bend * bent_more);
-    let [by_stretch, by_twist, by_slide] = leaning.bend_by.map(|by| torque_nm * turned * by);
+    let [by_stretch, by_twist, by_slide] = [0, 1, 2].map(|strain: usize| {
+        let by_bend = torque_nm * turned - carried_n * carried_n * uneven * leaning.bend;
+        by_bend * leaning.bend_by[strain] + carried_n * bent_more * leaning.longer_by[strain]
+    });
     let axial_n = carried_n * leaning.by_stretch + by_stretch;
     let found = Vector4::new(
         axial_n,
-        torque_nm + leaning.moment_nm + carried_n * leaning.by_twist_m + by_twist,
+        torque_nm + leaning.moment_nm + carried_n * leaning.by_twist_m + by_twist + 0.5 * axial_n * bent * sin * bay_m,
         leaning.force_n + carried_n * leaning.by_slide + by_slide,
         torque_nm * bend * per_m - axial_n * cos,
     );
@@ -324,4 +337,47 @@ fn forces(tubes: &[Placed], bay_m: f64, shape: &Strain) -> Option<(Strain, Matri
         }
     }
     Some((force, all))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tube() -> Tangent {
+        Tangent {
+            stretch: 1.0203,
+            bend_rad_per_m: 0.0,
+            twist_rad_per_m: 4.66,
+            axial_n: 963.0,
+            bending_nm2: 0.246,
+            across_nm2: 0.246,
+            torsion_nm2: 0.547,
+            coupling_nm: 3.43,
+            shear_n: 318.0,
+            outer_radius_m: 0.0268,
+        }
+    }
+
+    /// The forces are slopes of an energy: their own slopes are symmetric.
+    #[test]
+    fn forces_are_those_of_an_energy() {
+        for at in [
+            Vector4::new(1.0188, 2.57, 0.0, 0.0),
+            Vector4::new(1.03, 2.4, 0.004, 0.02),
+            Vector4::new(1.01, 2.6, -0.006, -0.02),
+        ] {
+            let mut found = Matrix4::<f64>::zeros();
+            for (axis, step) in [1e-5, 1e-5 / 0.12, 1e-5, 1e-5].into_iter().enumerate() {
+                let mut by = Vector4::zeros();
+                by[axis] = step;
+                let side = |way: f64| wrench(&tube(), 0.06, 0.12, at + by * way).expect("a wrench").0;
+                found.set_column(axis, &((side(1.0) - side(-1.0)) / (2.0 * step)));
+            }
+            for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+                let size = (found[(a, a)] * found[(b, b)]).sqrt();
+                let odd = (found[(a, b)] - found[(b, a)]).abs();
+                assert!(odd < 0.01 * size, "{a} {b}: {found:.4}");
+            }
+        }
+    }
 }

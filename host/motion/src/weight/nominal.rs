@@ -11,6 +11,8 @@ use softlimb_limb::statics::{
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::Scene;
 
+/// Turns for the springs of leaning tubes after a step of a pressure.
+const LEANING_TURNS: usize = 3;
 /// By how much a pressure is moved for a derivative, as a share of its range: the model is smooth, and its pressures are good to 1e-10.
 const STEP: f64 = 1e-5;
 /// Error of the tip that tubes between plates may have, m.
@@ -148,11 +150,14 @@ impl<'a> Nominal<'a> {
             let step_pa = step_pa(&self.limb.modules()[module], channels_pa[group.start]);
             moved_pa[group].iter_mut().for_each(|pressure_pa| *pressure_pa += step_pa);
             let other = self.loaded_at(&moved_pa, payload_kg)?;
-            // Springs go with the strains, which the response of these springs tells.
-            let near = other.at_strains(&strains).ok()?;
-            let rod = near.rod.split(parts);
-            let (_, change) = responding.to(&rod);
-            let there = other.at_strains(&near.strains(&rod, &(&pose.shape.q + change))).ok()?;
+            // Springs go with the strains, which the response of these springs tells. Those of leaning tubes converge more slowly.
+            let turns = if self.limb.modules()[module].is_restrained() { LEANING_TURNS } else { 1 };
+            let mut there = other.at_strains(&strains).ok()?;
+            for _ in 0..turns {
+                let rod = there.rod.split(parts);
+                let (_, change) = responding.to(&rod);
+                there = other.at_strains(&there.strains(&rod, &(&pose.shape.q + change))).ok()?;
+            }
             let rod = there.rod.split(parts);
             let (tip_m, change) = responding.to(&rod);
             Some(Moved { step_pa, tip_m, q: &pose.shape.q + change, rod })

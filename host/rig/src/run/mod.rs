@@ -134,20 +134,19 @@ pub fn run_planned(
     simulated(&prepared, (scene, prepared.limb()), options, cancel, on_progress)
 }
 
-/// [`run`] with the simulated limb and pneumatics of another scene, about whose parameters those of the plant are drawn: a scene that has been
+/// [`run_planned`] with the simulated limb and pneumatics of another scene, about whose parameters those of the plant are drawn: a scene that has been
 /// calibrated to a limb runs on that limb.
 ///
 /// # Errors
 /// As [`run`], and [`RunError::OtherLimb`].
 pub fn run_on(
     scene: &Scene,
+    (planned, plan): (Limb, Plan),
     plant: &Scene,
     options: &RunOptions,
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let planned = Limb::new(scene)?;
-    let plan = motion::plan(scene, &planned)?;
     let prepared = Prepared::planned(scene, planned, plan)?;
     let limb = Limb::new(plant)?;
     same_drives(prepared.limb(), &limb)?;
@@ -185,21 +184,20 @@ fn simulated(
     link.port_mut().take_failure().map_or(ended, |failure| Err(failure.into()))
 }
 
-/// Runs a scene on the device behind a port, in real time, records it in `out` and writes the report. Nobody sees the limb itself: log and
+/// Runs a scene by its plan on the device behind a port, in real time, records it in `out` and writes the report. Nobody sees the limb itself: log and
 /// report have what the device measures. Faults of the link are drawn by a seed of 0. `cancel` vents the limb and ends the run.
 ///
 /// # Errors
 /// As [`run`]; a port that is unplugged stops the run.
 pub fn run_behind(
     scene: &Scene,
+    (limb, plan): (Limb, Plan),
     port: &PortAddress,
     link_faults: Option<LinkFaults>,
     out: &Path,
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let limb = Limb::new(scene)?;
-    let plan = motion::plan(scene, &limb)?;
     let prepared = Prepared::planned(scene, limb, plan)?;
     let mut link = disturbed(Unobserved::new(Port::open(port)?), link_faults, 0);
     let origin = Origin::Device { unix_ns: unix_ns() };

@@ -51,7 +51,9 @@ fn run_on(scene: &Scene, plant: &Scene) -> RunLog {
         link_faults: None,
         faults: Vec::new(),
     };
-    let files = run::run_on(scene, plant, &options, &AtomicBool::new(false), |_| ());
+    let limb = Limb::new(scene).unwrap();
+    let plan = softlimb_motion::plan(scene, &limb).unwrap_or_else(|error| panic!("{error}"));
+    let files = run::run_on(scene, (limb, plan), plant, &options, &AtomicBool::new(false), |_| ());
     files.unwrap_or_else(|error| panic!("{error}")).run
 }
 

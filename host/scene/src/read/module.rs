@@ -187,8 +187,11 @@ fn fiber(
             shear_modulus_pa: law?.shear_modulus_pa(),
         };
         has_room(reader, name, winding, &thread, &wall)?;
-        fiber.thickness_m = thread.diameter_m;
-        fiber.modulus_pa = thread.sheet_n_per_m(&wall) / thread.diameter_m;
+        // A calibrated winding states the sheet of its thread itself.
+        if fiber.thickness_m == 0.0 {
+            fiber.thickness_m = thread.diameter_m;
+            fiber.modulus_pa = thread.sheet_n_per_m(&wall) / thread.diameter_m;
+        }
     }
     Some(Some((name.map(|_| fiber), winding.thread)))
 }

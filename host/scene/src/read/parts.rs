@@ -130,12 +130,16 @@ fn winding(reader: &Reader<'_>) -> Option<Winding> {
     let thread = thread?;
     let (modulus_pa, thickness_m) = match thread {
         Some(_) => {
-            reader.forbid(&[MODULUS.name, THICKNESS.name], "beside `thread`")?;
             if *placement != Placement::Sheet {
                 let problem = Problem::at(placement.span, "a `thread` lies on one radius", "not at this placement");
                 return reader.log().note(problem.help("leave `placement` out: it is `sheet`"));
             }
-            (0.0, 0.0)
+            match (modulus?, thickness?) {
+                (None, None) => (0.0, 0.0),
+                (Some(modulus), Some(thickness)) => (*modulus, *thickness),
+                (None, Some(_)) => return reader.missing(MODULUS.name, " beside `thickness` and `thread`"),
+                (Some(_), None) => return reader.missing(THICKNESS.name, " beside `modulus` and `thread`"),
+            }
         }
         None => (stated_modulus(reader, modulus?)?, stated_thickness(reader, *placement, thickness?)?),
     };

@@ -40,7 +40,7 @@ section! {
     winding, "[windings.NAME]";
     ANGLE: Quantity { name: "angle", unit: Unit::DEG, min: -90.0, max: 90.0, presence: Required } = "Fiber angle from the hoop direction; the sign mirrors the twist.";
     FAMILIES: Integer { name: "families", min: 1, max: 2, presence: Required } = "One helix, or two mirrored ones that do not twist.";
-    THREAD: Nested { name: "thread", shape: "table", presence: Optional("no thread; `modulus` and `thickness` state a sheet") } = "Thread of which `modulus` and `thickness` follow, with the loss by the distance of its turns. Only for `sheet`.";
+    THREAD: Nested { name: "thread", shape: "table", presence: Optional("no thread; `modulus` and `thickness` state a sheet") } = "Thread that `fabricate` winds. `modulus` and `thickness` follow from it, with the loss by the distance of its turns, unless both are stated. Only for `sheet`.";
     MODULUS: Quantity { name: "modulus", unit: Unit::MPA, min: 0.0, max: 1e6, presence: Optional("required without `thread`") } = "Fiber modulus mu2 of each family; the stiffness along the fiber is 4 mu2.";
     PLACEMENT: Choice { name: "placement", words: &["sheet", "layer", "smeared"], presence: Default("sheet") } = "Thin sheet at `radius`; layer from `radius` to the outer surface; or the whole wall.";
     THICKNESS: Quantity { name: "thickness", unit: Unit::MM, min: 0.001, max: 20.0, presence: Optional("required for `sheet` without `thread`") } = "Thickness of the sheet.";

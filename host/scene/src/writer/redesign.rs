@@ -5,7 +5,7 @@ use toml_edit::{ArrayOfTables, InlineTable, Item, Table, Value};
 
 use super::RewriteError;
 use super::draft::{Draft, Part, put};
-use super::sheets::freeze;
+use super::sheets::{Threads, freeze};
 use crate::data::{Goal, Scene};
 use crate::schema::{module, phase, scene, target, winding};
 
@@ -48,7 +48,7 @@ pub fn redesigned(
 ) -> Result<String, RewriteError> {
     let unwritten = |index: usize, what| RewriteError::NotWritten { module: modules[index].name.clone(), what };
     let mut draft = Draft::new(scene).ok_or_else(|| unwritten(0, "text"))?;
-    freeze(&mut draft, scene).ok_or_else(|| unwritten(0, "thread"))?;
+    freeze(&mut draft, scene, Threads::Go).ok_or_else(|| unwritten(0, "thread"))?;
     let before = draft.document.get(scene::MODULE.name).and_then(Item::as_array_of_tables).cloned().unwrap_or_default();
     let mut after = ArrayOfTables::new();
     for (index, redesign) in modules.iter().enumerate() {

@@ -6,7 +6,7 @@ use fra_model::{ActuatorParameters, Fiber, Material};
 use toml_edit::{Array, TableLike, Value};
 
 use super::draft::{Draft, Part, put, rename};
-use super::sheets::freeze;
+use super::sheets::{Threads, freeze};
 use super::{RewriteError, not_written};
 use crate::data::{Module, Scene};
 use crate::schema::{material, module, winding};
@@ -37,7 +37,7 @@ pub fn rewritten(scene: &Scene, wanted: &[ActuatorParameters<f64>]) -> Result<(S
     let mut log = Vec::new();
     // The sheet of a thread would follow the wall and the material that change.
     if modules.iter().zip(wanted).any(|(module, new)| !same_actuator(&module.actuator(), new)) {
-        log = freeze(&mut draft, scene).ok_or_else(|| not_written(&modules[0], "thread"))?;
+        log = freeze(&mut draft, scene, Threads::Stay).ok_or_else(|| not_written(&modules[0], "thread"))?;
     }
     let mut pen = Pen { modules, wanted, draft, log };
     for index in 0..modules.len() {

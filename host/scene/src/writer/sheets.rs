@@ -10,9 +10,18 @@ use crate::schema::{module, winding};
 /// Longest beginning of a module's name in that of a winding made for it.
 const NAME_MAX: usize = 24;
 
-/// Replaces the thread of every winding by the `modulus` and `thickness` that it has in this scene, so that they stay when sizes or
+/// The thread of a winding whose sheet is written.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Threads {
+    /// It stays beside its sheet: the wall is that on which it is wound.
+    Stay,
+    /// It goes: sizes of the wall change.
+    Go,
+}
+
+/// Writes the `modulus` and `thickness` that the thread of every winding has in this scene, so that they stay when sizes or
 /// materials change. A line for each. Modules that share a thread get a winding each. `None` where a winding cannot be written.
-pub(super) fn freeze(draft: &mut Draft, scene: &Scene) -> Option<Vec<String>> {
+pub(super) fn freeze(draft: &mut Draft, scene: &Scene, threads: Threads) -> Option<Vec<String>> {
     let mut log = Vec::new();
     let mut users: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (index, _) in scene.modules().iter().enumerate().filter(|(_, module)| module.thread.is_some()) {
@@ -30,17 +39,19 @@ pub(super) fn freeze(draft: &mut Draft, scene: &Scene) -> Option<Vec<String>> {
                 put(draft.module(*user)?, module::WINDING.name, own.as_str().into());
                 own
             };
-            write(draft, &own, module)?;
+            write(draft, &own, module, threads)?;
             log.push(format!("[windings.{own}]: the sheet of its thread"));
         }
     }
     Some(log)
 }
 
-fn write(draft: &mut Draft, name: &str, module: &Module) -> Option<()> {
+fn write(draft: &mut Draft, name: &str, module: &Module, threads: Threads) -> Option<()> {
     let fiber = module.fiber.as_ref()?;
     let table = draft.part(Part::Winding, name)?;
-    table.remove(winding::THREAD.name);
+    if threads == Threads::Go {
+        table.remove(winding::THREAD.name);
+    }
     put(table, winding::MODULUS.name, megapascals(fiber.modulus_pa));
     put(table, winding::THICKNESS.name, millimetres(fiber.thickness_m));
     Some(())
