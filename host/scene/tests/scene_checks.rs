@@ -67,8 +67,12 @@ fn threads() {
     let beside = changed("thickness = \"0.178 mm\"", &format!("thickness = \"0.178 mm\"\n{thread}"));
     let stated = parse(&beside, "arm.toml").unwrap().modules()[0].clone();
     assert_eq!((stated.thread, stated.fiber.unwrap().modulus_pa), (scene.modules()[0].thread, 361e6));
-    expect(&changed("thickness = \"0.178 mm\"", thread), "missing key `thickness`", "[windings.hoop]");
-    expect(&changed("modulus = \"361 MPa\"", thread), "missing key `modulus`", "[windings.hoop]");
+    expect(
+        &changed("thickness = \"0.178 mm\"", thread),
+        "missing key `thickness` in `[windings.NAME]`",
+        "[windings.hoop]",
+    );
+    expect(&changed("modulus = \"361 MPa\"", thread), "missing key `modulus` in `[windings.NAME]`", "[windings.hoop]");
     expect(&changed(sheet, ""), "missing key `modulus` in `[windings.NAME]`", "[windings.hoop]");
     let smeared = changed(sheet, &format!("{thread}\nplacement = \"smeared\""));
     expect(&smeared, "a `thread` lies on one radius", "\"smeared\"");

@@ -12,7 +12,7 @@ use super::solve::{EquilibriumError, Shape};
 const TURNS: usize = 12;
 const CONVERGED: f64 = 1e-5;
 /// The same of leaning tubes, whose slides go with no strain: their turns converge linearly.
-const LEANING: f64 = 1e-7;
+const LEANING: f64 = 1e-9;
 
 /// A limb in equilibrium, with springs about the strains of its shape.
 #[derive(Clone, Debug)]
