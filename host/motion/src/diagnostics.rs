@@ -365,11 +365,12 @@ impl Words<'_> {
             .collect();
         let because =
             if ends.is_empty() { "no pressures of its modules move the tip there".to_owned() } else { ends.join(", ") };
-        let label = format!("under its load {}: {because}", missed(nearest));
-        let help = format!(
-            "{}; `softlimb payload capacity` prints the largest load, `softlimb design limb` sizes a limb for it",
-            nearest_point(nearest)
-        );
+        let sizes = "`softlimb payload capacity` prints the largest load, `softlimb design limb` sizes a limb for it";
+        let (label, help) = if nearest.distance_m.is_finite() {
+            (format!("under its load {}: {because}", missed(nearest)), format!("{}; {sizes}", nearest_point(nearest)))
+        } else {
+            (format!("under its load {}", missed(nearest)), sizes.to_owned())
+        };
         self.at(span, "the limb cannot reach this goal under its load", &label, Some(&help))
     }
 
@@ -594,6 +595,9 @@ fn away(tip_m: [f64; 3], distance_m: f64) -> String {
 
 /// How far off the tip stays.
 fn missed(reach: &Reach) -> String {
+    if !reach.distance_m.is_finite() {
+        return "no pressures were found at which the limb stands".to_owned();
+    }
     format!("the nearest the tip gets is {:.1} mm away", reach.distance_m * 1e3)
 }
 

@@ -11,8 +11,9 @@ use super::solve::{EquilibriumError, Shape};
 /// goes with its square.
 const TURNS: usize = 12;
 const CONVERGED: f64 = 1e-5;
-/// The same of leaning tubes, whose slides go with no strain: their turns converge linearly.
+/// The same of leaning tubes, whose slides go with no strain: their turns converge linearly, to where rounding ends them.
 const LEANING: f64 = 1e-9;
+const ROUNDING: f64 = 1e-7;
 
 /// A limb in equilibrium, with springs about the strains of its shape.
 #[derive(Clone, Debug)]
@@ -39,12 +40,15 @@ impl LoadedLimb {
             return Ok(settled);
         }
         let leans = self.bundles.iter().any(|bundle| bundle.coupled != Matrix4x2::zeros());
-        let converged = if leans { LEANING } else { CONVERGED };
+        let (converged, rounding) = if leans { (LEANING, ROUNDING) } else { (CONVERGED, 0.0) };
+        let mut last = f64::INFINITY;
         for _ in 0..TURNS {
             let strains = settled.limb.strains(&settled.rod, &settled.shape.q);
-            if settled.limb.change(&strains) <= converged {
+            let change = settled.limb.change(&strains);
+            if change <= converged || (change <= rounding && change > 0.5 * last) {
                 return Ok(settled);
             }
+            last = change;
             let limb = settled.limb.at_strains(&strains)?;
             let q = rebased(&settled, &limb);
             let (rod, shape) = by_fidelity(&limb.rod, tier, Some(&q))?;
