@@ -1,8 +1,9 @@
 //! Board interface of the controller, real or simulated.
 
-use softlimb_protocol::MAX_CHANNELS;
+use softlimb_protocol::{DeviceState, MAX_CHANNELS};
 
 use crate::controller::{Controller, TickInputs, TickOutputs};
+use crate::valve::TICK_US;
 
 /// Bytes moved to or from the link at once.
 const CHUNK: usize = 64;
@@ -31,23 +32,58 @@ pub trait Board<const N: usize = MAX_CHANNELS> {
     fn write_link(&mut self, bytes: &[u8]);
 }
 
+/// Time from the start of a tick to the second look at the link, us.
+pub const LOOK_US: u64 = TICK_US as u64 / 2;
+
 /// One turn of the device: control first, then the link.
 pub fn turn<const N: usize, B: Board<N> + ?Sized>(controller: &mut Controller<N>, board: &mut B) -> TickOutputs<N> {
+    let (now_us, outputs) = control(controller, board);
+    receive(controller, board, now_us);
+    transmit(controller, board);
+    outputs
+}
+
+/// The link alone, at `now_us`: while the limb follows setpoints, a look [`LOOK_US`] behind the start of a tick halves their wait. Nothing
+/// happens in any other state or without new bytes.
+pub fn exchange<const N: usize, B: Board<N> + ?Sized>(controller: &mut Controller<N>, board: &mut B, now_us: u64) {
+    if controller.state() == DeviceState::Running && receive(controller, board, now_us) {
+        transmit(controller, board);
+    }
+}
+
+/// One tick of the controller. Like the two below in a stack frame of its own, so that the largest do not add up.
+#[inline(never)]
+fn control<const N: usize, B: Board<N> + ?Sized>(
+    controller: &mut Controller<N>,
+    board: &mut B,
+) -> (u64, TickOutputs<N>) {
     let inputs = board.inputs();
     controller.set_stack_used(board.stack_used());
     let outputs = controller.tick(&inputs);
     board.apply(&outputs);
-    let mut chunk = [0; CHUNK];
+    (inputs.now_us, outputs)
+}
+
+/// Hands all received bytes to the controller; whether there were some.
+#[inline(never)]
+fn receive<const N: usize, B: Board<N> + ?Sized>(controller: &mut Controller<N>, board: &mut B, now_us: u64) -> bool {
+    let (mut chunk, mut any) = ([0; CHUNK], false);
     loop {
         let count = board.read_link(&mut chunk);
-        let Some(bytes) = chunk.get(..count).filter(|bytes| !bytes.is_empty()) else { break };
-        controller.receive(inputs.now_us, bytes);
+        let Some(bytes) = chunk.get(..count).filter(|bytes| !bytes.is_empty()) else { return any };
+        controller.receive(now_us, bytes);
+        any = true;
     }
+}
+
+/// Hands bytes to the link while it has room.
+#[inline(never)]
+fn transmit<const N: usize, B: Board<N> + ?Sized>(controller: &mut Controller<N>, board: &mut B) {
+    let mut chunk = [0; CHUNK];
     loop {
         let room = board.link_room().min(CHUNK);
         let count = chunk.get_mut(..room).map_or(0, |space| controller.transmit(space));
-        let Some(bytes) = chunk.get(..count).filter(|bytes| !bytes.is_empty()) else { break };
+        let Some(bytes) = chunk.get(..count).filter(|bytes| !bytes.is_empty()) else { return };
         board.write_link(bytes);
     }
-    outputs
 }

@@ -48,7 +48,7 @@ mod telemetry;
 mod valve;
 
 pub use adapt::{Adaptation, Effect};
-pub use board::{Board, turn};
+pub use board::{Board, LOOK_US, exchange, turn};
 pub use channel::Channel;
 pub use config::{ActiveConfig, ChannelConfig, ConfigError, Source, StagedConfig, StagingError, SystemConfig};
 pub use controller::{BootInfo, Controller, TickInputs, TickOutputs};

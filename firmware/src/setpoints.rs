@@ -1,7 +1,7 @@
 //! Knots from the host: checked, then buffered.
 
 use heapless::Vec;
-use softlimb_protocol::{DeviceState, KnotStep, Knots, Outputs, ResultCode, Setpoint};
+use softlimb_protocol::{DeviceState, Knots, Outputs, ResultCode, Setpoint, StepInPlace};
 
 use crate::config::number;
 use crate::controller::Controller;
@@ -13,7 +13,7 @@ impl<const N: usize> Controller<N> {
     /// Buffers one knot.
     pub(crate) fn setpoint(&mut self, now_us: u64, setpoint: &Setpoint) -> Answer {
         let Setpoint { index, time_us, outputs, ref values, .. } = *setpoint;
-        let Ok(values) = Vec::from_slice(values) else { return self.wrong_count() };
+        let values = self.checked(values.len(), values.iter().map(|&value| Some(value)));
         self.knot(now_us, index, (time_us, outputs, values), number!(Setpoint, "outputs"))
     }
 
@@ -27,8 +27,8 @@ impl<const N: usize> Controller<N> {
         if message.index != expected {
             return (ResultCode::UnexpectedIndex, expected);
         }
-        for (taken, step) in (0_u32..).zip(message.knots.iter()) {
-            let answer = self.step(now_us, message.index.wrapping_add(taken), &step);
+        for (taken, step) in (0_u32..).zip(message.knots.in_place()) {
+            let answer = self.step(now_us, message.index.wrapping_add(taken), step);
             if answer != OK {
                 self.queue.take_back(taken);
                 return answer;
@@ -37,13 +37,14 @@ impl<const N: usize> Controller<N> {
         OK
     }
 
-    fn step(&mut self, now_us: u64, index: u32, step: &KnotStep) -> Answer {
+    fn step(&mut self, now_us: u64, index: u32, step: StepInPlace<'_>) -> Answer {
         let Some(before) = self.queue.last() else { return (ResultCode::NoKnotBefore, 0) };
         let time_us = before.time_us.saturating_add(u64::from(step.step_us));
-        match stepped(&before.values, &step.steps) {
-            Ok(values) => self.knot(now_us, index, (time_us, step.outputs, values), number!(Knots, "knots")),
-            Err(answer) => answer,
-        }
+        let steps = step.steps();
+        // The knot before has a value for every channel.
+        let stepped = |(step, &value): (i16, &i32)| value.checked_add(i32::from(step));
+        let values = self.checked(steps.len(), steps.zip(&before.values).map(stepped));
+        self.knot(now_us, index, (time_us, step.outputs, values), number!(Knots, "knots"))
     }
 
     fn takes_knots(&self) -> bool {
@@ -54,20 +55,13 @@ impl<const N: usize> Controller<N> {
         &mut self,
         now_us: u64,
         index: u32,
-        (time_us, outputs, values): (u64, Outputs, Vec<i32, N>),
+        (time_us, outputs, values): (u64, Outputs, Result<Vec<i32, N>, Answer>),
         outputs_number: u8,
     ) -> Answer {
-        let Some(config) = self.config.as_ref().filter(|_| self.takes_knots()) else { return WRONG_STATE };
-        if values.len() != config.channels.len() {
-            return self.wrong_count();
-        }
-        let outside = values.iter().zip(&config.channels).position(|(value, channel)| {
-            let (low, high) = channel.setpoint_range;
-            !(low..=high).contains(value)
-        });
-        if let Some(channel) = outside {
-            return (ResultCode::OutOfRange, channel as u32);
-        }
+        let values = match values {
+            Ok(values) => values,
+            Err(answer) => return answer,
+        };
         if has_unknown(outputs) {
             return (ResultCode::UnknownCode, outputs_number.into());
         }
@@ -79,20 +73,23 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// The answer to a knot with another number of values than channels.
-    fn wrong_count(&self) -> Answer {
-        if self.takes_knots() { (ResultCode::WrongChannelCount, self.channels.len() as u32) } else { WRONG_STATE }
+    /// The values of a knot in the ranges of their channels; a `None` among them is in no range.
+    fn checked(&self, count: usize, values: impl Iterator<Item = Option<i32>>) -> Result<Vec<i32, N>, Answer> {
+        let Some(config) = self.config.as_ref().filter(|_| self.takes_knots()) else { return Err(WRONG_STATE) };
+        let channels = config.channels.len();
+        if count != channels {
+            return Err((ResultCode::WrongChannelCount, channels as u32));
+        }
+        let mut checked = Vec::new();
+        for (value, channel) in values.zip(&config.channels) {
+            let (low, high) = channel.setpoint_range;
+            let in_range = value.filter(|value| (low..=high).contains(value));
+            // There is a place for every channel.
+            let is_kept = in_range.is_some_and(|value| checked.push(value).is_ok());
+            if !is_kept {
+                return Err((ResultCode::OutOfRange, checked.len() as u32));
+            }
+        }
+        Ok(checked)
     }
-}
-
-/// The values one step further.
-fn stepped<const N: usize>(before: &Vec<i32, N>, steps: &[i16]) -> Result<Vec<i32, N>, Answer> {
-    if before.len() != steps.len() {
-        return Err((ResultCode::WrongChannelCount, before.len() as u32));
-    }
-    let mut values = before.clone();
-    for (channel, (value, &step)) in (0_u32..).zip(values.iter_mut().zip(steps)) {
-        *value = value.checked_add(i32::from(step)).ok_or((ResultCode::OutOfRange, channel))?;
-    }
-    Ok(values)
 }

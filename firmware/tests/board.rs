@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::common::{SESSION, frame};
-use softlimb_firmware::{AdcCode, Board, BootInfo, Controller, TickInputs, TickOutputs, turn};
+use crate::common::{Bench, SESSION, frame};
+use softlimb_firmware::{AdcCode, Board, BootInfo, Controller, LOOK_US, TickInputs, TickOutputs, exchange, turn};
 use softlimb_protocol::*;
 
 /// A board whose link takes only a few bytes a turn.
@@ -71,4 +71,28 @@ fn slow_link_delays_bytes_and_loses_none() {
         })
         .collect();
     assert_eq!(heartbeats, [(0, 1_000), (1, 1_000), (2, 1_000), (3, 1_000)]);
+}
+
+#[test]
+fn look_between_two_turns_of_a_running_device_answers_at_its_own_time() {
+    for is_running in [false, true] {
+        let Bench { mut controller, now_us, .. } =
+            if is_running { Bench::running(1, 40_000, 60) } else { Bench::ready(&[SetpointKind::Pressure]) };
+        while controller.transmit(&mut [0; 64]) > 0 {}
+        let mut board = Slow { now_us, incoming: VecDeque::new(), outgoing: Vec::new(), room: 1_000, applied: vec![] };
+        exchange(&mut controller, &mut board, now_us + LOOK_US);
+        assert_eq!(board.outgoing, [], "nothing arrived");
+        let beat = frame(2, &Heartbeat { session: SESSION, host_time_us: 7 }.into());
+        board.incoming.extend(&beat);
+        exchange(&mut controller, &mut board, now_us + LOOK_US);
+        assert_eq!(board.applied, [], "a look moves nothing");
+        let mut decoder = Decoder::<DeviceMessage>::new();
+        let frames: Vec<_> = board.outgoing.iter().filter_map(|&byte| decoder.push(byte)).map(Result::unwrap).collect();
+        if is_running {
+            let DeviceMessage::HeartbeatReply(reply) = &frames[0].message else { panic!("{frames:?}") };
+            assert_eq!((reply.host_time_us, reply.mcu_time_us), (7, now_us + 500));
+        } else {
+            assert_eq!((frames.len(), board.incoming.len()), (0, beat.len()), "left to the next turn");
+        }
+    }
 }

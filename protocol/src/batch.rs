@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 
 use crate::codec::MAX_PAYLOAD_LEN;
 use crate::error::{EncodeError, PayloadError};
+use crate::message::{KnotStep, Outputs};
 use crate::wire::{Reader, Wire, Writer};
 
 /// Size of the longest content, bytes: a payload less the count and a session.
@@ -124,11 +125,42 @@ const fn fitting<T: Wire>(fixed: usize, channels: usize) -> usize {
     (MAX_PAYLOAD_LEN - fixed) / (T::FIXED_LEN + T::ELEMENT_LEN * channels)
 }
 
+/// A record of [`Knots`] in its place: a device copies no list of steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepInPlace<'a> {
+    /// As in [`KnotStep`].
+    pub step_us: u16,
+    /// As in [`KnotStep`].
+    pub outputs: Outputs,
+    steps: &'a [[u8; 2]],
+}
+
+impl<'a> StepInPlace<'a> {
+    fn read(reader: &mut Reader<'a>) -> Result<Self, PayloadError> {
+        let (step_us, outputs) = (u16::read(reader)?, Outputs::read(reader)?);
+        let count = u8::read(reader)?;
+        Ok(Self { step_us, outputs, steps: reader.pass(2 * usize::from(count))?.as_chunks().0 })
+    }
+
+    /// Steps of the channels.
+    pub fn steps(self) -> impl ExactSizeIterator<Item = i16> + 'a {
+        self.steps.iter().map(|&bytes| i16::from_le_bytes(bytes))
+    }
+}
+
+impl Batch<KnotStep> {
+    /// The records in order, in their places.
+    pub fn in_place(&self) -> impl Iterator<Item = StepInPlace<'_>> {
+        let mut reader = Reader::new(self.content());
+        (0..self.count).map_while(move |_| StepInPlace::read(&mut reader).ok())
+    }
+}
+
 impl crate::message::Knots {
     /// The most knots of so many channels in one frame.
     #[must_use]
     pub const fn most(channels: usize) -> usize {
-        fitting::<crate::message::KnotStep>(<Self as Wire>::FIXED_LEN, channels)
+        fitting::<KnotStep>(<Self as Wire>::FIXED_LEN, channels)
     }
 }
 
@@ -137,5 +169,26 @@ impl crate::message::Samples {
     #[must_use]
     pub const fn most(channels: usize) -> usize {
         fitting::<crate::message::Sample>(<Self as Wire>::FIXED_LEN, channels)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::List;
+
+    #[test]
+    fn records_in_place_are_the_records() {
+        let mut batch = Batch::new();
+        for (step_us, bits, steps) in [(7, 0, &[1, -2, i16::MIN][..]), (u16::MAX, 0xA5, &[i16::MAX])] {
+            let steps = List::from_slice(steps).unwrap();
+            batch.push(&KnotStep { step_us, outputs: Outputs::from_bits(bits), steps }).unwrap();
+        }
+        let copied = |step: StepInPlace<'_>| {
+            let steps = List::try_from_iter(step.steps()).unwrap();
+            KnotStep { step_us: step.step_us, outputs: step.outputs, steps }
+        };
+        assert!(batch.in_place().map(copied).eq(batch.iter()));
+        assert_eq!(batch.in_place().count(), 2);
     }
 }

@@ -37,7 +37,7 @@ mod setpoint;
 mod version;
 mod wire;
 
-pub use batch::Batch;
+pub use batch::{Batch, StepInPlace};
 pub use code::{Code, CodeSet};
 pub use codec::{Decoder, Frame, LinkCounters, MAX_BODY_LEN, MAX_FRAME_LEN, MAX_PAYLOAD_LEN, Message, encode_frame};
 pub use config_hash::ConfigHash;

@@ -58,29 +58,14 @@ impl<T: Wire> Wire for List<T> {
     const ELEMENT_LEN: usize = T::FIXED_LEN;
 
     fn read(reader: &mut Reader<'_>) -> Result<Self, PayloadError> {
-        let count = u8::read(reader)?;
-        let wrong_length = PayloadError::ListLength { count };
-        let mut elements = heapless::Vec::new();
-        for _ in 0..count {
-            // A count beyond the limit is refused before its missing elements are.
-            if elements.is_full() {
-                return Err(wrong_length);
-            }
-            let element = T::read(reader)?;
-            elements.push(element).map_err(|_| wrong_length)?;
-        }
-        if elements.is_empty() {
-            return Err(wrong_length);
-        }
-        Ok(Self { elements })
+        let count = length(reader)?;
+        let elements = &mut Reader::new(reader.pass(count * T::FIXED_LEN)?);
+        Self::try_from_iter((0..count).map_while(|_| T::read(elements).ok())).map_err(|_| PayloadError::Truncated)
     }
 
     fn skip(reader: &mut Reader<'_>) -> Result<(), PayloadError> {
-        let count = u8::read(reader)?;
-        if !(1..=MAX_CHANNELS).contains(&usize::from(count)) {
-            return Err(PayloadError::ListLength { count });
-        }
-        reader.pass(usize::from(count) * T::FIXED_LEN)
+        let count = length(reader)?;
+        reader.pass(count * T::FIXED_LEN).map(drop)
     }
 
     fn write(&self, writer: &mut Writer<'_>) -> Result<(), EncodeError> {
@@ -88,4 +73,11 @@ impl<T: Wire> Wire for List<T> {
         (self.elements.len() as u8).write(writer)?;
         self.elements.iter().try_for_each(|element| element.write(writer))
     }
+}
+
+/// The count byte. A count beyond the limit is refused before its missing elements are.
+fn length(reader: &mut Reader<'_>) -> Result<usize, PayloadError> {
+    let count = u8::read(reader)?;
+    let length = usize::from(count);
+    if (1..=MAX_CHANNELS).contains(&length) { Ok(length) } else { Err(PayloadError::ListLength { count }) }
 }

@@ -12,6 +12,12 @@ use crate::layout::{CodeLayout, Delivery, FieldLayout, MessageLayout, position};
 use crate::list::List;
 use crate::wire::{Reader, Wire, Writer, max_len};
 
+/// Reads one message into its direction. Each in a function of its own: a device with all of them in one would need a stack for all at once.
+#[inline(never)]
+fn read<M: Wire + Into<D>, D>(reader: &mut Reader<'_>) -> Result<D, PayloadError> {
+    M::read(reader).map(M::into)
+}
+
 interface! {
     protocol 1;
     channels 27;

@@ -18,10 +18,11 @@ impl<'a> Reader<'a> {
         self.rest
     }
 
-    /// Passes over bytes.
-    pub(crate) fn pass(&mut self, count: usize) -> Result<(), PayloadError> {
-        self.rest = self.rest.get(count..).ok_or(PayloadError::Truncated)?;
-        Ok(())
+    /// Passes over bytes, and returns them.
+    pub(crate) fn pass(&mut self, count: usize) -> Result<&'a [u8], PayloadError> {
+        let (passed, rest) = self.rest.split_at_checked(count).ok_or(PayloadError::Truncated)?;
+        self.rest = rest;
+        Ok(passed)
     }
 
     fn take<const N: usize>(&mut self) -> Result<[u8; N], PayloadError> {

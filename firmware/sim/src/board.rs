@@ -1,6 +1,6 @@
 //! The board around the controller: its converters read the plant, its coils drive it, its link is the line.
 
-use softlimb_firmware::{AdcCode, Board, TickInputs, TickOutputs};
+use softlimb_firmware::{AdcCode, Board, LOOK_US, TickInputs, TickOutputs};
 use softlimb_plant::{ChannelDrive, Drive, Plant};
 use softlimb_protocol::{MAX_CHANNELS, Outputs};
 
@@ -19,6 +19,8 @@ pub(crate) struct SimulatedBoard {
     pub(crate) clocks: Clocks,
     /// Ticks begun so far: the number of the next one.
     pub(crate) tick: u64,
+    /// Host time of the turn or look in progress, us.
+    now_us: u64,
     pub(crate) emergency_stop: bool,
     inputs: TickInputs,
     outputs: TickOutputs,
@@ -29,7 +31,24 @@ impl SimulatedBoard {
         let outputs = TickOutputs::SAFE;
         let pressure = [AdcCode(0); MAX_CHANNELS];
         let inputs = TickInputs { now_us: clocks.device_us(0), pressure, supply: AdcCode(0), emergency_stop: false };
-        Self { plant, to_device, to_host, clocks, tick: 0, emergency_stop: false, inputs, outputs }
+        Self { plant, to_device, to_host, clocks, tick: 0, now_us: 0, emergency_stop: false, inputs, outputs }
+    }
+
+    /// Begins the next tick.
+    pub(crate) fn begin_tick(&mut self) {
+        self.now_us = self.clocks.host_us(self.tick);
+    }
+
+    /// Host time of the second look at the link in the present tick, us; none before the first tick.
+    pub(crate) fn look_us(&self) -> Option<u64> {
+        Some(self.clocks.host_us_at(self.tick.checked_sub(1)?, LOOK_US))
+    }
+
+    /// Begins the second look at the link in the present tick. Device time of it, us; `None` without a new byte.
+    pub(crate) fn begin_look(&mut self) -> Option<u64> {
+        self.now_us = self.look_us()?;
+        let has_bytes = self.to_device.is_readable(self.now_ns());
+        has_bytes.then(|| self.clocks.device_us(self.tick - 1) + LOOK_US)
     }
 
     /// Lets the plant follow the outputs of the present tick up to the next.
@@ -54,7 +73,7 @@ impl SimulatedBoard {
     }
 
     fn now_ns(&self) -> u64 {
-        self.clocks.host_us(self.tick) * 1_000
+        self.now_us * 1_000
     }
 }
 

@@ -23,7 +23,12 @@ impl Clocks {
 
     /// Host time of a tick, us, rounded down.
     pub(crate) fn host_us(&self, tick: u64) -> u64 {
-        ((tick * TICK_US) as f64 / self.rate) as u64
+        self.host_us_at(tick, 0)
+    }
+
+    /// Host time `later_us` of the device's clock after a tick, us, rounded down.
+    pub(crate) fn host_us_at(&self, tick: u64, later_us: u64) -> u64 {
+        ((tick * TICK_US + later_us) as f64 / self.rate) as u64
     }
 }
 
@@ -38,5 +43,6 @@ mod tests {
         // 200 ppm are 2 s in 10 000 s.
         assert_eq!(clocks.device_us(10_002_000), 5_000_000 + 10_002_000_000);
         assert_eq!(clocks.host_us(10_002_000), 10_000_000_000);
+        assert_eq!(clocks.host_us_at(10_002_000, 5_001), 10_000_005_000);
     }
 }

@@ -38,5 +38,5 @@ pub use error::{EmulatorError, SimError};
 pub use mcu::{Here, Processor, SimulatedMcu, here};
 pub use rerun::Rerun;
 pub use settings::{LineFaults, SimSettings};
-pub use softlimb_firmware::{AdcCode, TickInputs, TickOutputs, ValvePulse};
+pub use softlimb_firmware::{AdcCode, LOOK_US, TickInputs, TickOutputs, ValvePulse};
 pub use softlimb_plant as plant;

@@ -1,6 +1,6 @@
 //! The simulated MCU as its host sees it.
 
-use softlimb_firmware::{Board, BootInfo, Controller, TickInputs, TickOutputs, turn};
+use softlimb_firmware::{Board, BootInfo, Controller, TickInputs, TickOutputs, exchange, turn};
 use softlimb_plant::{PartFault, Plant, PlantError, Truth};
 use softlimb_protocol::{BootCause, MAX_CHANNELS};
 
@@ -18,6 +18,14 @@ pub trait Processor {
     /// # Errors
     /// [`EmulatorError`] where the processor is emulated and the emulator fails: it will not run again.
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError>;
+
+    /// The second look at the link in a tick, at a time of the device's clock, us. A processor whose link goes by ticks alone leaves it out.
+    ///
+    /// # Errors
+    /// [`EmulatorError`], as [`turn`](Self::turn).
+    fn exchange(&mut self, _board: &mut dyn Board, _now_us: u64) -> Result<(), EmulatorError> {
+        Ok(())
+    }
 
     /// Makes the program stop by a fault of the processor: its next turn is the first of a new start.
     ///
@@ -55,6 +63,11 @@ impl Processor for Here {
         Ok(())
     }
 
+    fn exchange(&mut self, board: &mut dyn Board, now_us: u64) -> Result<(), EmulatorError> {
+        exchange(self.as_mut(), board, now_us);
+        Ok(())
+    }
+
     fn crash(&mut self) -> Result<(), EmulatorError> {
         **self = Controller::new(BootInfo { cause: BootCause::HardFault, detail: 0 });
         Ok(())
@@ -64,6 +77,10 @@ impl Processor for Here {
 impl Processor for Box<dyn Processor> {
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
         self.as_mut().turn(board)
+    }
+
+    fn exchange(&mut self, board: &mut dyn Board, now_us: u64) -> Result<(), EmulatorError> {
+        self.as_mut().exchange(board, now_us)
     }
 
     fn crash(&mut self) -> Result<(), EmulatorError> {
@@ -89,6 +106,8 @@ pub struct SimulatedMcu<P = Here> {
     processor: P,
     board: SimulatedBoard,
     now_us: u64,
+    /// Whether the second look of the present tick is over.
+    has_looked: bool,
     failure: Option<EmulatorError>,
     has_failed: bool,
 }
@@ -126,6 +145,7 @@ impl<P: Processor> SimulatedMcu<P> {
             processor,
             board: SimulatedBoard::new(Plant::new(&settings.plant)?, line(0), line(1), clocks),
             now_us: 0,
+            has_looked: false,
             failure: None,
             has_failed: false,
         })
@@ -149,14 +169,35 @@ impl<P: Processor> SimulatedMcu<P> {
     /// Lets time pass up to `host_us`, with every tick on the way. A time in the past changes nothing. A processor that has failed
     /// leaves its outputs as they were and is silent.
     pub fn advance_to(&mut self, host_us: u64) {
-        while self.next_tick_us() <= host_us {
-            if !self.has_failed {
-                self.failure = self.processor.turn(&mut self.board).err();
-                self.has_failed = self.failure.is_some();
+        loop {
+            self.look(host_us);
+            if self.next_tick_us() > host_us {
+                break;
             }
+            self.board.begin_tick();
+            self.work(|processor, board| processor.turn(board));
             self.board.finish_tick();
+            self.has_looked = false;
         }
         self.now_us = self.now_us.max(host_us);
+    }
+
+    /// The second look at the link in the present tick, once its time has come.
+    fn look(&mut self, host_us: u64) {
+        if self.has_looked || self.board.look_us().is_none_or(|look_us| look_us > host_us) {
+            return;
+        }
+        self.has_looked = true;
+        if let Some(device_us) = self.board.begin_look() {
+            self.work(|processor, board| processor.exchange(board, device_us));
+        }
+    }
+
+    fn work(&mut self, work: impl FnOnce(&mut P, &mut SimulatedBoard) -> Result<(), EmulatorError>) {
+        if !self.has_failed {
+            self.failure = work(&mut self.processor, &mut self.board).err();
+            self.has_failed = self.failure.is_some();
+        }
     }
 
     /// Hands bytes to the line now; they reach the device at the speed of the line.

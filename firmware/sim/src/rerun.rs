@@ -1,6 +1,6 @@
 //! Runs the controller without a plant, on recorded inputs of a device.
 
-use softlimb_firmware::{Board, BootInfo, Controller, TickInputs, TickOutputs, turn};
+use softlimb_firmware::{Board, BootInfo, Controller, LOOK_US, TickInputs, TickOutputs, exchange, turn};
 use softlimb_protocol::BootCause;
 
 /// The firmware's controller, driven by recorded inputs.
@@ -24,6 +24,13 @@ impl Rerun {
         let mut board = KnownInputs { inputs: *inputs, received, sent: Vec::new() };
         let outputs = turn(self.0.as_mut(), &mut board);
         (outputs, board.sent)
+    }
+
+    /// Runs the second look at the link in the tick of the last turn, which had these inputs. Returns the bytes for the host.
+    pub fn look(&mut self, inputs: &TickInputs, received: &[u8]) -> Vec<u8> {
+        let mut board = KnownInputs { inputs: *inputs, received, sent: Vec::new() };
+        exchange(self.0.as_mut(), &mut board, inputs.now_us + LOOK_US);
+        board.sent
     }
 }
 

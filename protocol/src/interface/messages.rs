@@ -121,7 +121,7 @@ macro_rules! direction {
             fn read_payload(message_type: u8, payload: &[u8]) -> Option<Result<Self, PayloadError>> {
                 let reader = &mut Reader::new(payload);
                 match message_type {
-                    $( $message_type => Some($Message::read(reader).map(Self::$Message)), )+
+                    $( $message_type => Some(read::<$Message, Self>(reader)), )+
                     _ => None,
                 }
             }

@@ -87,10 +87,10 @@ impl Fixture {
         self.surroundings.arrived = encode_frame(message, self.sequence, &mut self.surroundings.received).unwrap_or(0);
     }
 
-    /// Puts bytes on the line that are no message.
-    pub(crate) fn send_garbage(&mut self, bytes: [u8; LINE]) {
-        self.surroundings.received[..LINE].copy_from_slice(&bytes);
-        (self.surroundings.taken, self.surroundings.arrived) = (0, LINE);
+    /// Puts bytes on the line, at most as many as it carries in a tick.
+    pub(crate) fn send_bytes(&mut self, bytes: &[u8]) {
+        self.surroundings.received[..bytes.len()].copy_from_slice(bytes);
+        (self.surroundings.taken, self.surroundings.arrived) = (0, bytes.len());
     }
 
     /// One turn of the device.

@@ -6,24 +6,30 @@ use softlimb_protocol::*;
 
 use crate::Bench;
 use crate::answer::{Answer, Note};
-use crate::upload::{CHANNELS, knot};
+use crate::upload::{CHANNELS, knot, knots};
 
 const NAME: &str = "nine channels";
 
 /// A message that came through the decoder.
-struct Read(Option<Setpoint>);
+struct Read(Option<HostMessage>);
 
 impl Answer for Read {
     fn note(&self) -> Note {
         match &self.0 {
-            Some(setpoint) => Note::of("read", 0, setpoint.values.iter().map(|value| *value as f32)),
-            None => Note::of("lost", 0, []),
+            Some(HostMessage::Setpoint(setpoint)) => {
+                Note::of("read", 0, setpoint.values.iter().map(|value| *value as f32))
+            }
+            Some(HostMessage::Knots(knots)) => {
+                let steps = knots.knots.in_place().flat_map(|step| step.steps().map(f32::from));
+                Note::of("read", 0, steps)
+            }
+            _ => Note::of("lost", 0, []),
         }
     }
 }
 
 /// A frame, and its length.
-struct Written([u8; MAX_FRAME_LEN], usize);
+pub(crate) struct Written(pub(crate) [u8; MAX_FRAME_LEN], pub(crate) usize);
 
 impl Answer for Written {
     fn note(&self) -> Note {
@@ -43,25 +49,25 @@ pub(crate) fn put_all(bench: &mut impl Bench) -> bool {
         .filter_map(|byte| decoder.push(*byte))
         .any(|frame| frame.is_ok_and(|frame| same(frame.message)));
 
-    let setpoint = knot(17, 1_234_567);
-    let frame = written(&HostMessage::from(setpoint.clone()));
-    let read = bench.put("frame, decode a Setpoint", NAME, || Read(read(black_box(&frame))));
-    kept && read.0 == Some(setpoint)
+    let setpoint = HostMessage::from(knot(17, 1_234_567));
+    let frame = written(&setpoint);
+    let one = bench.put("frame, decode a Setpoint", NAME, || Read(read(black_box(&frame))));
+    let knots = HostMessage::from(knots(18));
+    let frame = written(&knots);
+    let several = bench.put("frame, decode Knots", NAME, || Read(read(black_box(&frame))));
+    kept && one.0 == Some(setpoint) && several.0 == Some(knots)
 }
 
-fn written<M: Message>(message: &M) -> Written {
+pub(crate) fn written<M: Message>(message: &M) -> Written {
     let mut bytes = [0; MAX_FRAME_LEN];
     let length = encode_frame(message, 4_711, &mut bytes).unwrap_or(0);
     Written(bytes, length)
 }
 
-fn read(Written(bytes, length): &Written) -> Option<Setpoint> {
+fn read(Written(bytes, length): &Written) -> Option<HostMessage> {
     let mut decoder = Decoder::<HostMessage>::new();
     let frames = bytes[..*length].iter().filter_map(|byte| decoder.push(*byte));
-    frames.filter_map(Result::ok).find_map(|frame| match frame.message {
-        HostMessage::Setpoint(setpoint) => Some(setpoint),
-        _ => None,
-    })
+    frames.filter_map(Result::ok).map(|frame| frame.message).next()
 }
 
 fn telemetry() -> Telemetry {

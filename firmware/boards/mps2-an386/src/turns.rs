@@ -1,16 +1,19 @@
 //! Queries to the controller: turns of nine channels that follow a trajectory.
 
 use softlimb_firmware::{TICK_US, ValvePulse};
-use softlimb_protocol::{Command, DeviceState};
+use softlimb_protocol::{Command, DeviceState, HostMessage};
 
 use crate::Bench;
 use crate::answer::{Answer, Note};
 use crate::fixture::{Fixture, LINE, TickOutputs};
-use crate::upload::{Inverse, configuration, knot, start};
+use crate::frames::written;
+use crate::upload::{FRAME, Inverse, KNOT_US, configuration, knot, knots, start};
 
-/// Time from knot to knot, us, and knots that are sent ahead.
-const KNOT_US: u64 = 20_000;
-const AHEAD: u32 = 30;
+/// Knots that are sent ahead.
+const AHEAD: u32 = 52;
+
+/// Turns from one frame of knots to the next.
+const FRAME_TURNS: u64 = FRAME as u64 * KNOT_US as u64 / TICK_US as u64;
 
 /// Turns until a device with good sensors is ready, at most.
 const TURNS_UNTIL_READY: usize = 200;
@@ -49,15 +52,20 @@ fn run(bench: &mut impl Bench, inverse: Inverse, name: &str) -> bool {
         fixture.pass(&outputs);
     }
     // A message a turn, then the start.
-    let begin_us = fixture.now_us() + 2 * KNOT_US + u64::from(AHEAD * TICK_US);
-    let knot = |index: u32| knot(index, begin_us + KNOT_US * u64::from(index)).into();
+    let begin_us = fixture.now_us() + 4 * u64::from(KNOT_US) + u64::from(AHEAD * TICK_US);
+    let knot = |index: u32| knot(index, begin_us + u64::from(KNOT_US) * u64::from(index)).into();
     (0..AHEAD).for_each(|index| fixture.tell(&knot(index)));
     let start: Command = start();
-    fixture.tell(&start.into());
+    fixture.tell(&start.clone().into());
+    let mut bytes = written(&HostMessage::from(start));
     for number in 0..TURNS {
-        // One knot at a time, as a host sends them.
-        if number % 20 == 7 {
-            fixture.send(&knot(AHEAD + (number / 20) as u32));
+        // Frames of knots, as a host sends them, at the speed of the line.
+        let (frame, turn) = (number / FRAME_TURNS, number % FRAME_TURNS);
+        if turn == 0 {
+            bytes = written(&HostMessage::from(knots(AHEAD + FRAME * frame as u32)));
+        }
+        if let Some(part) = bytes.0[..bytes.1].chunks(LINE).nth(turn as usize) {
+            fixture.send_bytes(part);
         }
         let outputs = bench.put("turn", name, || fixture.turn());
         fixture.pass(&outputs);
@@ -65,7 +73,7 @@ fn run(bench: &mut impl Bench, inverse: Inverse, name: &str) -> bool {
     let well = fixture.state() == DeviceState::Running && fixture.is_well();
     let mut word = 0x2545_f491_u32;
     for _ in 0..GARBAGE {
-        fixture.send_garbage([(); LINE].map(|()| {
+        fixture.send_bytes(&[(); LINE].map(|()| {
             word ^= word << 13;
             word ^= word >> 17;
             word ^= word << 5;

@@ -8,6 +8,10 @@ pub(crate) const CHANNELS: usize = 9;
 
 const SESSION: u16 = 7;
 
+/// Time from knot to knot, us, and knots in a frame.
+pub(crate) const KNOT_US: u16 = 10_000;
+pub(crate) const FRAME: u32 = 8;
+
 /// Highest pressure of a table, gauge Pa.
 const TABLE_MAX_PA: f32 = 80e3;
 /// Highest pressure of a chamber, gauge Pa.
@@ -93,13 +97,26 @@ pub(crate) fn configuration(by: Inverse, mut send: impl FnMut(HostMessage)) {
 pub(crate) fn knot(index: u32, time_us: u64) -> Setpoint {
     let value = |channel: usize| {
         let Kind { rest, most, .. } = *kind(channel);
-        // A triangle of 80 knots.
-        let phase = (index as i32 + 4 * channel as i32) % 80;
-        rest + (most - rest) / 40 * if phase < 40 { phase } else { 80 - phase }
+        // A triangle of 160 knots.
+        let phase = (index as i32 + 8 * channel as i32) % 160;
+        rest + (most - rest) / 80 * if phase < 80 { phase } else { 160 - phase }
     };
     let values = List::try_from_iter((0..CHANNELS).map(value)).expect("as many as there is room for");
-    let outputs = Outputs::default().with(Outputs::GRIPPER, index % 80 < 40);
+    let outputs = Outputs::default().with(Outputs::GRIPPER, index % 160 < 80);
     Setpoint { session: SESSION, index, time_us, outputs, values }
+}
+
+/// The knots from a number on, each as its step from the one before, as many as a host sends in a frame.
+pub(crate) fn knots(index: u32) -> Knots {
+    let mut knots = Batch::new();
+    for index in index..index + FRAME {
+        let (before, knot) = (knot(index - 1, 0), knot(index, 0));
+        let steps = knot.values.iter().zip(before.values.iter()).map(|(value, before)| (value - before) as i16);
+        let steps = List::try_from_iter(steps).expect("as many as there is room for");
+        let step = KnotStep { step_us: KNOT_US, outputs: knot.outputs, steps };
+        knots.push(&step).expect("a frame has room for as many");
+    }
+    Knots { session: SESSION, index, knots }
 }
 
 /// The command to begin with the first knot.

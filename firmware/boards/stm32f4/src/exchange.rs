@@ -1,4 +1,4 @@
-//! Messages between the co-simulated controller and the simulator of its surroundings, each tick.
+//! Messages between the co-simulated controller and the simulator of its surroundings, each tick and between ticks.
 //!
 //! One query, one answer, little-endian, each a fixed part and the link's bytes behind it. Both sides wait for each other, so that
 //! nothing depends on how long either takes.
@@ -23,6 +23,7 @@ pub const ANSWER_LEN: usize = 4 + 4 * CHANNELS + 1 + 1 + 1 + 2;
 const STOP_PRESSED: u8 = 1;
 const LAST: u8 = 2;
 const AFTER_CRASH: u8 = 4;
+const LINK_ALONE: u8 = 8;
 
 /// Start of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +38,8 @@ pub struct Query {
     pub last: bool,
     /// This is the first tick, after a fault of the processor.
     pub after_crash: bool,
+    /// There is no tick: a look at the link between two of them. The outputs of the answer mean nothing.
+    pub link_alone: bool,
 }
 
 /// End of a tick.
@@ -51,6 +54,16 @@ pub struct Answer {
 }
 
 impl Query {
+    /// The end of an emulation.
+    pub const END: Self = Self {
+        inputs: TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0), emergency_stop: false },
+        room: 0,
+        received: 0,
+        last: true,
+        after_crash: false,
+        link_alone: false,
+    };
+
     /// The fixed part.
     #[must_use]
     pub fn encode(&self) -> [u8; QUERY_LEN] {
@@ -58,7 +71,8 @@ impl Query {
         let mut writer = Writer(bytes.iter_mut());
         let flags = u8::from(self.inputs.emergency_stop) * STOP_PRESSED
             + u8::from(self.last) * LAST
-            + u8::from(self.after_crash) * AFTER_CRASH;
+            + u8::from(self.after_crash) * AFTER_CRASH
+            + u8::from(self.link_alone) * LINK_ALONE;
         writer.put(self.inputs.now_us.to_le_bytes());
         writer.put([flags]);
         writer.put(self.room.to_le_bytes());
@@ -83,7 +97,14 @@ impl Query {
         }
         let supply = AdcCode(u16::from_le_bytes(reader.take()));
         let inputs = TickInputs { now_us, pressure, supply, emergency_stop: flags & STOP_PRESSED != 0 };
-        Self { inputs, room, received, last: flags & LAST != 0, after_crash: flags & AFTER_CRASH != 0 }
+        Self {
+            inputs,
+            room,
+            received,
+            last: flags & LAST != 0,
+            after_crash: flags & AFTER_CRASH != 0,
+            link_alone: flags & LINK_ALONE != 0,
+        }
     }
 }
 
@@ -156,7 +177,8 @@ mod tests {
         }
         for (emergency_stop, last) in [(false, false), (true, false), (false, true), (true, true)] {
             let inputs = TickInputs { now_us: u64::MAX - 7, pressure, supply: AdcCode(0xabcd), emergency_stop };
-            let query = Query { inputs, room: 0x1234, received: 0x0567, last, after_crash: emergency_stop != last };
+            let (after_crash, link_alone) = (emergency_stop != last, !emergency_stop);
+            let query = Query { inputs, room: 0x1234, received: 0x0567, last, after_crash, link_alone };
             assert_eq!(Query::decode(&query.encode()), query);
             let outputs = TickOutputs { valves, supply_open: last, pump_duty: 200, digital: Outputs::from_bits(0x5a) };
             let answer = Answer { cost: 0x89ab_cdef, outputs, sent: 0x00fe };
@@ -168,10 +190,8 @@ mod tests {
     fn last_byte_of_each_part_is_in_use() {
         let inputs =
             TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0xff00), emergency_stop: false };
-        assert_eq!(
-            Query { inputs, room: 0, received: 0, last: false, after_crash: false }.encode().last(),
-            Some(&0xff)
-        );
+        let query = Query { inputs, room: 0, received: 0, last: false, after_crash: false, link_alone: false };
+        assert_eq!(query.encode().last(), Some(&0xff));
         assert_eq!(Answer { cost: 0, outputs: TickOutputs::SAFE, sent: 0xff00 }.encode().last(), Some(&0xff));
     }
 }

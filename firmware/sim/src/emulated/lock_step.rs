@@ -1,4 +1,4 @@
-//! The twin image: the controller on an emulated processor, one query and one answer a tick.
+//! The twin image: the controller on an emulated processor, one query and one answer a tick, and one more if the link has bytes between two.
 
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -8,9 +8,9 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
 use std::time::Duration;
 
-use softlimb_firmware::{AdcCode, Board};
+use softlimb_firmware::Board;
 use softlimb_image_stm32f4::exchange::{ANSWER_LEN, Answer, Query, RECEIVED_MAX, SENT_MAX};
-use softlimb_image_stm32f4::pins::{CHANNELS, TickInputs};
+use softlimb_image_stm32f4::pins::{CHANNELS, TickInputs, TickOutputs};
 
 use super::channels::{narrowed, widened};
 use super::qemu::{Qemu, image};
@@ -29,11 +29,11 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// Cost of the turns so far, instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// The dearest turn.
+    /// The dearest turn, or look at the link between two.
     pub worst: u64,
     /// All together.
     pub total: u64,
-    /// Turns.
+    /// Turns and looks.
     pub turns: u64,
 }
 
@@ -94,6 +94,18 @@ impl LockStep {
         self.cost = Cost { worst: worst.max(instructions), total: total + instructions, turns: turns + 1 };
     }
 
+    /// One query with the link's bytes, and its answer's to the link. The outputs.
+    fn round(&mut self, board: &mut dyn Board, query: Query) -> Result<TickOutputs, EmulatorError> {
+        let mut received = [0; RECEIVED_MAX];
+        let count = board.read_link(&mut received);
+        let room = board.link_room().min(SENT_MAX) as u16;
+        self.ask(&Query { room, received: count as u16, ..query }, received.get(..count).unwrap_or(&received))?;
+        let (answer, sent) = self.listen()?;
+        self.note_cost(answer.cost);
+        board.write_link(&sent);
+        Ok(answer.outputs)
+    }
+
     fn ask(&mut self, query: &Query, received: &[u8]) -> io::Result<()> {
         let mut bytes = query.encode().to_vec();
         bytes.extend(received);
@@ -116,17 +128,15 @@ impl LockStep {
 impl Processor for LockStep {
     fn turn(&mut self, board: &mut dyn Board) -> Result<(), EmulatorError> {
         let inputs = narrowed(&board.inputs());
-        let mut received = [0; RECEIVED_MAX];
-        let count = board.read_link(&mut received);
-        let room = board.link_room().min(SENT_MAX) as u16;
         let after_crash = std::mem::take(&mut self.after_crash);
-        let query = Query { inputs, room, received: count as u16, last: false, after_crash };
-        self.ask(&query, received.get(..count).unwrap_or(&received))?;
-        let (answer, sent) = self.listen()?;
-        self.note_cost(answer.cost);
-        board.apply(&widened(&answer.outputs));
-        board.write_link(&sent);
+        let outputs = self.round(board, Query { inputs, after_crash, last: false, ..Query::END })?;
+        board.apply(&widened(&outputs));
         Ok(())
+    }
+
+    fn exchange(&mut self, board: &mut dyn Board, now_us: u64) -> Result<(), EmulatorError> {
+        let inputs = TickInputs { now_us, ..Query::END.inputs };
+        self.round(board, Query { inputs, link_alone: true, last: false, ..Query::END }).map(drop)
     }
 
     /// A new processor; what the image does not remember, it is told.
@@ -144,10 +154,8 @@ impl Processor for LockStep {
 
 impl Drop for LockStep {
     fn drop(&mut self) {
-        let inputs =
-            TickInputs { now_us: 0, pressure: [AdcCode(0); CHANNELS], supply: AdcCode(0), emergency_stop: false };
         // An image that is gone already needs no farewell.
-        let _ = self.ask(&Query { inputs, room: 0, received: 0, last: true, after_crash: false }, &[]);
+        let _ = self.ask(&Query::END, &[]);
     }
 }
 

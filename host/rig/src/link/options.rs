@@ -61,7 +61,7 @@ impl StreamOptions<'_> {
             session,
             retry: RetryPolicy { attempts_max: 20, ..RetryPolicy::default() },
             heartbeat_us: 25_000,
-            batch: 4,
+            batch: 8,
             sampling: None,
             silence_max_us: 1_000_000,
             occupied_max_us: 0,

@@ -14,6 +14,9 @@ use super::statistics::LinkStatistics;
 use super::trajectory::{Knot, Trajectory};
 use super::window::Window;
 
+/// Time from knots to the next heartbeat, us: the longest frame of a single knot has left a line of 115200 baud long before.
+const HEARTBEAT_APART_US: u64 = 10_000;
+
 /// The answer to a reliable message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
@@ -38,6 +41,7 @@ pub struct Session {
     events: VecDeque<Event>,
     /// `None` until a compatible device has answered.
     heartbeat_due_us: Option<u64>,
+    heartbeat_sent_us: u64,
     frame_seq: u16,
     heard_us: u64,
     state: Option<DeviceState>,
@@ -64,6 +68,7 @@ impl Session {
             clock: ClockEstimator::default(),
             events: VecDeque::new(),
             heartbeat_due_us: None,
+            heartbeat_sent_us: 0,
             frame_seq: 0,
             heard_us: 0,
             state: None,
@@ -107,14 +112,22 @@ impl Session {
     /// [`LinkError::NoAnswer`] when a reliable message was repeated often enough.
     pub fn transmit(&mut self, now_us: u64, out: &mut Vec<u8>) -> Result<u64, LinkError> {
         let request_due_us = self.transmit_request(now_us, out)?;
-        if self.heartbeat_due_us.is_some_and(|due_us| now_us >= due_us) {
-            self.heartbeat_due_us = Some(now_us + self.heartbeat_us);
-            self.push_frame(&Heartbeat { session: self.id, host_time_us: now_us }.into(), out);
-        }
         while let Some(knots) = self.window.send(now_us, self.id, self.frame_seq) {
             self.push_frame(&knots, out);
+            self.shift_heartbeat(now_us);
+        }
+        if self.heartbeat_due_us.is_some_and(|due_us| now_us >= due_us) {
+            (self.heartbeat_due_us, self.heartbeat_sent_us) = (Some(now_us + self.heartbeat_us), now_us);
+            self.push_frame(&Heartbeat { session: self.id, host_time_us: now_us }.into(), out);
         }
         Ok(request_due_us.min(self.heartbeat_due_us.unwrap_or(u64::MAX)).min(self.window.due_us()))
+    }
+
+    /// Moves the heartbeat away from knots sent now: neither shall wait for the other on a slow line. No two are further apart by that.
+    fn shift_heartbeat(&mut self, now_us: u64) {
+        let (period_us, sent_us) = (self.heartbeat_us, self.heartbeat_sent_us);
+        let apart_us = (now_us + HEARTBEAT_APART_US).max(sent_us + period_us / 2);
+        self.heartbeat_due_us = self.heartbeat_due_us.map(|_| apart_us.min(sent_us + period_us));
     }
 
     fn transmit_request(&mut self, now_us: u64, out: &mut Vec<u8>) -> Result<u64, LinkError> {
@@ -177,7 +190,7 @@ impl Session {
 
     fn on_hello(&mut self, now_us: u64, reply: HelloReply) {
         if Compatibility::of(reply.protocol_version, reply.schema_hash) == Compatibility::Same {
-            self.heartbeat_due_us = Some(now_us);
+            (self.heartbeat_due_us, self.heartbeat_sent_us) = (Some(now_us), now_us);
             self.enter(reply.state.known());
         }
         self.answer = Some(Answer::Hello(reply));
@@ -191,6 +204,7 @@ impl Session {
             self.device_time_us = reply.mcu_time_us;
             self.statistics.round_trip.add(round_trip_us);
         }
+        self.window.on_places(reply.free_knots);
         self.enter(reply.state.known());
     }
 

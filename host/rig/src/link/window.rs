@@ -1,6 +1,7 @@
 //! Setpoints on their way: a window that goes back to the index the device expects.
 //!
-//! Several knots share a frame, each as the step from the one before it. A step too large for that has its knot sent alone.
+//! Several knots share a frame, each as the step from the one before it. The first knot, and one too far from the one before, is sent whole and
+//! alone.
 //!
 //! The device accepts only the next index, so every answer is cumulative. It also names its free places: `next index + free places` never
 //! falls while the buffer is not flushed, and no knot at or beyond it is sent, so the buffer never overflows.
@@ -14,6 +15,9 @@ use super::trajectory::{Checked, Knot, Trajectory};
 
 /// Knots sent and not yet answered, at most: keeps the line busy at 115200 baud without filling the device's buffers.
 const IN_FLIGHT_MAX: u32 = 16;
+
+/// Frames in a row that arrive before frames get longer again.
+const ARRIVALS: u32 = 8;
 
 /// The knots that each transmission carried.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +33,13 @@ pub(super) struct Window {
     trajectory: Trajectory,
     start_us: u64,
     is_open: bool,
-    /// Knots in a frame, if that many are pending.
+    /// Knots in a frame, at most.
     batch: u32,
+    /// Knots in a frame now, if that many are pending: half after a loss, since a bad line hurts long frames, and double after a row of
+    /// frames that arrived.
+    size: u32,
+    /// Frames that arrived since the last change of the size.
+    arrived: u32,
     /// The knot to send next.
     next: u32,
     /// One behind the highest knot ever sent.
@@ -48,11 +57,14 @@ pub(super) struct Window {
 impl Window {
     /// A closed window of frames with up to `batch` knots; without an answer for `timeout_us` it sends again.
     pub(super) fn new(timeout_us: u64, batch: u8) -> Self {
+        let batch = u32::from(batch).clamp(1, IN_FLIGHT_MAX);
         Self {
             trajectory: Trajectory::default(),
             start_us: 0,
             is_open: false,
-            batch: u32::from(batch).clamp(1, IN_FLIGHT_MAX),
+            batch,
+            size: batch,
+            arrived: 0,
             next: 0,
             sent_end: 0,
             accepted: 0,
@@ -77,7 +89,8 @@ impl Window {
         // No more than fit into a frame and into the buffer.
         let most = Knots::most(trajectory.channels()) as u32;
         let batch = self.batch.min(most).min(u32::from(free)).max(1);
-        let kept = Self { trajectory, repeated: self.repeated, batch, ..Self::new(self.timeout_us, 1) };
+        let size = self.size.min(batch);
+        let kept = Self { trajectory, repeated: self.repeated, batch, size, ..Self::new(self.timeout_us, 1) };
         *self = Self { start_us, is_open: true, credit_end, progress_us: now_us, ..kept };
     }
 
@@ -108,7 +121,7 @@ impl Window {
             self.go_back(now_us, self.accepted);
         }
         let index = self.next;
-        let wanted = self.batch.min(self.trajectory.len().saturating_sub(index));
+        let wanted = self.size.min(self.trajectory.len().saturating_sub(index));
         let places = self.credit_end.saturating_sub(u64::from(index)).min(u64::from(IN_FLIGHT_MAX));
         let allowed = (places as u32).min(IN_FLIGHT_MAX.saturating_sub(index - self.accepted));
         if wanted == 0 || allowed < wanted {
@@ -128,10 +141,8 @@ impl Window {
     /// Up to `wanted` knots from `index` on, and their number.
     fn frame(&self, session: u16, index: u32, wanted: u32) -> Option<(HostMessage, u32)> {
         let mut knots = Batch::new();
-        if wanted > 1 {
-            let steps = (index..index + wanted).map_while(|index| self.trajectory.step(index));
-            steps.take_while(|step| knots.push(step).is_ok()).count();
-        }
+        let steps = (index..index + wanted).map_while(|index| self.trajectory.step(index));
+        steps.take_while(|step| knots.push(step).is_ok()).count();
         if !knots.is_empty() {
             let count = knots.len() as u32;
             return Some((Knots { session, index, knots }.into(), count));
@@ -157,7 +168,10 @@ impl Window {
         // Earlier transmissions were lost, or their answers, or these come too late to matter.
         self.in_flight.drain(..=position);
         match ack.result.known() {
-            Some(ResultCode::Ok) => self.accept(now_us, index + count, ack.free_knots),
+            Some(ResultCode::Ok) => {
+                self.accept(now_us, index + count, ack.free_knots);
+                self.grow();
+            }
             // A device goes back to no index but the first; any other from before is an answer that a later one overtook.
             Some(ResultCode::UnexpectedIndex) if ack.detail == 0 && self.accepted > 0 => {
                 return Err(LinkError::SetpointsDropped);
@@ -187,6 +201,13 @@ impl Window {
         }
     }
 
+    /// Takes free places without an index, as HeartbeatReply has them: the device has at least the knots whose answers came before.
+    pub(super) fn on_places(&mut self, free: u16) {
+        if self.is_open {
+            self.credit_end = self.credit_end.max(u64::from(self.accepted) + u64::from(free));
+        }
+    }
+
     /// Knots in the device or passed by it.
     pub(super) fn accepted(&self) -> u32 {
         self.accepted
@@ -194,7 +215,7 @@ impl Window {
 
     /// Whether the device has all knots, or has no places for another frame.
     pub(super) fn is_filled(&self) -> bool {
-        let next_end = u64::from(self.accepted) + u64::from(self.batch);
+        let next_end = u64::from(self.accepted) + u64::from(self.size);
         self.is_open && (self.is_complete() || next_end > self.credit_end)
     }
 
@@ -235,7 +256,15 @@ impl Window {
         self.credit_end = self.credit_end.max(u64::from(next_index) + u64::from(free));
     }
 
+    fn grow(&mut self) {
+        self.arrived += 1;
+        if self.arrived >= ARRIVALS {
+            (self.size, self.arrived) = ((2 * self.size).min(self.batch), 0);
+        }
+    }
+
     fn go_back(&mut self, now_us: u64, index: u32) {
+        (self.size, self.arrived) = ((self.size / 2).max(1), 0);
         self.next = index;
         self.in_flight.clear();
         self.progress_us = now_us;

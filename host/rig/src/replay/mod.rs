@@ -1,8 +1,8 @@
 //! The controller run again on the inputs of a log, and its outputs compared with those of the log, bit for bit.
 //!
-//! The controller is a function of its ticks' times, its converter codes, its emergency stop, and the frames of the host with the tick in which
-//! each was taken. The log of a simulated or emulated device has the first three tick by tick ([`Capture::ticks`]). The tick of a frame is in the
-//! device's answer to it. A device that does not show its ticks leaves the codes open: then what does not depend on them is compared. One that
+//! The controller is a function of its ticks' times, its converter codes, its emergency stop, and the frames of the host with the look at the
+//! link that took each: there are two in a tick. The log of a simulated or emulated device has the first three tick by tick
+//! ([`Capture::ticks`]). The look that took a frame is in the device's answer to it. A device that does not show its ticks leaves the codes open: then what does not depend on them is compared. One that
 //! was configured before the log has a history that the log does not have: then the run alone is compared.
 
 mod answers;
@@ -15,7 +15,7 @@ mod outputs;
 use std::collections::BTreeMap;
 
 use softlimb_protocol::{BootCause, CommandCode, DeviceMessage, HelloReply, HostMessage};
-use softlimb_sim::{Rerun, TickInputs};
+use softlimb_sim::{LOOK_US, Rerun};
 
 use crate::record::{Capture, Direction};
 use difference::Compared;
@@ -104,7 +104,7 @@ struct Case<'a> {
     told: &'a [Framed<HostMessage>],
     heard: &'a [Framed<DeviceMessage>],
     hello: &'a HelloReply,
-    /// Indices of the host's frames by the tick that took them.
+    /// Indices of the host's frames by the time of the device's look at the link, us.
     taken: &'a BTreeMap<u64, Vec<usize>>,
     /// Device time from which outputs are compared, us.
     from_us: u64,
@@ -148,7 +148,8 @@ impl Case<'_> {
                 // Measurements between messages are unknown: compared with the valves they would look frozen.
                 controller.believe_readings();
             }
-            let (outputs, sent) = controller.turn(&input, &self.received(&input));
+            let (outputs, mut sent) = controller.turn(&input, &self.received(now_us));
+            sent.extend(controller.look(&input, &self.received(now_us + LOOK_US)));
             ticks += 1;
             let tick = inputs.tick();
             difference = tick.and_then(|tick| coils.compare(tick, &outputs));
@@ -180,8 +181,9 @@ impl Case<'_> {
         first_us + before_us / self.period_us * self.period_us
     }
 
-    fn received(&self, inputs: &TickInputs) -> Vec<u8> {
-        let frames = self.taken.get(&inputs.now_us).into_iter().flatten();
+    /// The host's frames that the device took at a time of its clock, us.
+    fn received(&self, device_us: u64) -> Vec<u8> {
+        let frames = self.taken.get(&device_us).into_iter().flatten();
         frames.flat_map(|&index| self.told[index].bytes.iter().copied()).collect()
     }
 

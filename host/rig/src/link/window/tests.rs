@@ -172,3 +172,27 @@ fn answer_that_was_overtaken_has_its_knot_sent_again() {
     assert_eq!(window.accepted(), 2);
     assert_eq!(window.send(0, 7, 9).map(index), Some(2));
 }
+
+#[test]
+fn frames_shorten_after_a_loss_and_grow_again_when_they_arrive() {
+    let knots: Vec<_> = (0..400).map(|index| (1_000 * index, vec![0])).collect();
+    let mut window = Window::new(20_000, 8);
+    window.load(Trajectory::from_pairs(&knots));
+    window.open(0, 0, 400);
+    let count = |message| match message {
+        HostMessage::Knots(knots) => knots.knots.len(),
+        HostMessage::Setpoint(_) => 1,
+        other => panic!("{other:?}"),
+    };
+    // The first knot is alone, and the next frame is lost.
+    let sent = [0, 1].map(|seq| count(window.send(0, 7, seq).unwrap()));
+    window.on_ack(0, &answer(0, ResultCode::Ok, 0)).unwrap();
+    let mut lengths = sent.to_vec();
+    for seq in 2..30 {
+        let now_us = 20_000 + 1_000 * u64::from(seq);
+        lengths.push(count(window.send(now_us, 7, seq).unwrap()));
+        window.on_ack(now_us, &Ack { free_knots: 400, ..answer(seq, ResultCode::Ok, 0) }).unwrap();
+    }
+    // The whole knot before the loss is the first of no row.
+    assert_eq!(lengths, [vec![1, 8], vec![4; 8], vec![8; 20]].concat());
+}

@@ -10,11 +10,9 @@ use softlimb_image_stm32f4::pins::{CHANNELS, TickInputs, TickOutputs};
 /// The processor's timer counts from here to zero.
 const LARGEST: u32 = 0x00ff_ffff;
 
-const NOTHING: [u8; QUERY_LEN] = [0; QUERY_LEN];
-
 /// Inputs and answers of the present tick.
 pub(crate) struct LockStep {
-    query: [u8; QUERY_LEN],
+    query: Query,
     received: [u8; RECEIVED_MAX],
     /// Of the bytes received, those that the controller has, and all.
     taken: usize,
@@ -30,7 +28,7 @@ pub(crate) struct LockStep {
 impl LockStep {
     pub(crate) const fn new() -> Self {
         Self {
-            query: NOTHING,
+            query: Query::END,
             received: [0; RECEIVED_MAX],
             taken: 0,
             arrived: 0,
@@ -50,19 +48,28 @@ impl LockStep {
 
     /// Waits for the next query; false for the last one.
     pub(crate) fn ask(&mut self, streams: &Streams) -> Result<bool, Gone> {
-        streams.read(&mut self.query)?;
-        let query = Query::decode(&self.query);
-        let bytes = self.received.get_mut(..usize::from(query.received)).ok_or(Gone)?;
-        streams.read(bytes)?;
-        self.arrived = bytes.len();
-        self.room = usize::from(query.room).min(SENT_MAX);
+        let mut fixed = [0; QUERY_LEN];
+        streams.read(&mut fixed)?;
+        // Here and not in the turn, whose cost is that of the device.
+        self.query = Query::decode(&fixed);
+        // A look may have left bytes to the next turn.
+        let left = self.arrived - self.taken;
+        self.received.copy_within(self.taken..self.arrived, 0);
+        self.arrived = left + usize::from(self.query.received);
+        streams.read(self.received.get_mut(left..self.arrived).ok_or(Gone)?)?;
+        self.room = usize::from(self.query.room).min(SENT_MAX);
         (self.taken, self.sent) = (0, 0);
-        Ok(!query.last)
+        Ok(!self.query.last)
     }
 
     /// Whether this is the first tick after a crash.
     pub(crate) fn is_after_crash(&self) -> bool {
-        Query::decode(&self.query).after_crash
+        self.query.after_crash
+    }
+
+    /// Time of a look at the link without a tick, us.
+    pub(crate) fn link_alone_us(&self) -> Option<u64> {
+        self.query.link_alone.then_some(self.query.inputs.now_us)
     }
 
     /// Takes what the turn has cost, from the timer that was cleared when it began.
@@ -85,7 +92,7 @@ impl LockStep {
 
 impl Board<CHANNELS> for LockStep {
     fn inputs(&mut self) -> TickInputs {
-        Query::decode(&self.query).inputs
+        self.query.inputs
     }
 
     fn apply(&mut self, outputs: &TickOutputs) {

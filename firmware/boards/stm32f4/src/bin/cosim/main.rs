@@ -15,7 +15,7 @@ fn main() -> std::process::ExitCode {
 
 #[cfg(target_os = "none")]
 mod image {
-    use softlimb_firmware::{BootInfo, turn};
+    use softlimb_firmware::{BootInfo, exchange, turn};
     use softlimb_image_stm32f4::hardware::host::{Gone, Streams};
     use softlimb_image_stm32f4::pins::Controller;
     use softlimb_protocol::BootCause;
@@ -51,7 +51,10 @@ mod image {
             }
             timer.clear_current();
             timer.enable_counter();
-            turn(controller, board);
+            match board.link_alone_us() {
+                Some(now_us) => exchange(controller, board, now_us),
+                None => drop(turn(controller, board)),
+            }
             board.note_cost(timer);
             board.answer(streams)?;
         }

@@ -47,6 +47,16 @@ impl FlashedBoard {
     pub(crate) fn new(incoming: Consumer<'static, u8>, outgoing: Producer<'static, u8>, is_time_exact: bool) -> Self {
         Self { incoming, outgoing, pump: PumpDensity::new(), is_time_exact, ticks: 0, now_ticks: 0 }
     }
+
+    /// Whether a tick has begun since the last turn.
+    pub(crate) fn has_tick(&self) -> bool {
+        COUNTS.ticks.load(Ordering::Relaxed) != self.ticks
+    }
+
+    /// Start of the present tick, us.
+    pub(crate) fn now_us(&self) -> u64 {
+        self.now_ticks * u64::from(TICK_US)
+    }
 }
 
 impl Board<CHANNELS> for FlashedBoard {
@@ -55,12 +65,7 @@ impl Board<CHANNELS> for FlashedBoard {
         self.now_ticks += u64::from(ticks.wrapping_sub(self.ticks));
         self.ticks = ticks;
         let [pressure @ .., supply] = converter::take().map(|code| AdcCode(if self.is_time_exact { code } else { 0 }));
-        TickInputs {
-            now_us: self.now_ticks * u64::from(TICK_US),
-            pressure,
-            supply,
-            emergency_stop: ports::is_high(EMERGENCY_STOP),
-        }
+        TickInputs { now_us: self.now_us(), pressure, supply, emergency_stop: ports::is_high(EMERGENCY_STOP) }
     }
 
     fn apply(&mut self, outputs: &TickOutputs) {

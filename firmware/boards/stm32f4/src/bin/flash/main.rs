@@ -19,13 +19,13 @@ mod app {
     use core::sync::atomic::Ordering;
 
     use heapless::spsc::{Consumer, Producer, Queue};
-    use softlimb_firmware::BootInfo;
+    use softlimb_firmware::{BootInfo, LOOK_US};
     use softlimb_image_stm32f4::hardware::coils::{COILS, tick_begins};
     use softlimb_image_stm32f4::hardware::{clocks, converter, crash, ports, stack};
     use softlimb_image_stm32f4::health::{Counters, Health};
     use softlimb_image_stm32f4::pins::Controller;
     use softlimb_image_stm32f4::record::{ResetFlags, boot_info};
-    use softlimb_image_stm32f4::schedule::{OFF, SLOTS, VENTING};
+    use softlimb_image_stm32f4::schedule::{OFF, SLOT_US, SLOTS, VENTING};
     use softlimb_protocol::BootCause;
     use stm32f4xx_hal::pac::{self, USART2};
     use stm32f4xx_hal::prelude::*;
@@ -36,6 +36,9 @@ mod app {
 
     /// Speed of the link, bits a second.
     const BAUD: u32 = 921_600;
+    /// Slots from one look at the link to the next.
+    const SLOTS_PER_LOOK: usize = (LOOK_US / SLOT_US as u64) as usize;
+    const _: () = assert!(2 * SLOTS_PER_LOOK == SLOTS);
     /// Slots of the schedule a second.
     const SLOTS_PER_S: u32 = 10_000;
     /// Nominal; the watchdog's own oscillator makes 68 to 188 ms of it.
@@ -94,7 +97,7 @@ mod app {
         (Shared {}, Local { watchdog, transmitter, receiver, received, to_send, board, boot: Some(boot), source })
     }
 
-    /// Every 100 us: the coils, and every tenth time the controller.
+    /// Every 100 us: the coils, and every fifth time the controller.
     #[task(binds = SysTick, priority = 2, local = [slot: usize = SLOTS - 1])]
     fn slot(context: slot::Context) {
         let slot = context.local.slot;
@@ -103,13 +106,15 @@ mod app {
             COILS.begin_tick();
             COUNTS.ticks.fetch_add(1, Ordering::Relaxed);
             tick_begins();
+        }
+        if *slot % SLOTS_PER_LOOK == 0 {
             rtic::pend(pac::Interrupt::EXTI0);
         }
         ports::apply(&COILS.words(*slot));
         COUNTS.slots.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Every millisecond: one turn of the controller.
+    /// Every half millisecond: one turn of the controller where a tick has begun, else a look at the link.
     #[task(binds = EXTI0, priority = 1, local = [
         board, boot,
         controller: Controller = Controller::new(BootInfo { cause: BootCause::PowerOn, detail: 0 }),
@@ -119,8 +124,14 @@ mod app {
         if let Some(boot) = context.local.boot.take() {
             controller.set_boot(boot);
         }
-        softlimb_firmware::turn(controller, context.local.board);
-        COUNTS.turns.fetch_add(1, Ordering::Relaxed);
+        let board = context.local.board;
+        if board.has_tick() {
+            softlimb_firmware::turn(controller, board);
+            COUNTS.turns.fetch_add(1, Ordering::Relaxed);
+        } else {
+            let now_us = board.now_us() + LOOK_US;
+            softlimb_firmware::exchange(controller, board, now_us);
+        }
         rtic::pend(pac::Interrupt::USART2);
     }
 
