@@ -11,3 +11,6 @@ pub mod bundle;
 pub mod from_scene;
 pub mod loaded;
 pub mod synthesis;
+
+#[cfg(test)]
+mod exact_derivatives;

@@ -207,6 +207,11 @@ impl Built {
 }
 
 impl BuiltModule {
+    /// Whether it is another one's clone.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.springs, &other.springs)
+    }
+
     /// A tube at a share of its pressure; `None` where it has no equilibrium.
     fn spring(&self, share: f64) -> Option<Spring> {
         let pressure_pa = share * self.span_pa;

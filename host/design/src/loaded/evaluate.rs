@@ -109,7 +109,7 @@ pub(super) fn poses_at(
     let mut poses: Vec<PoseState> = Vec::with_capacity(task.poses.len());
     for (index, [moved, held]) in shares.iter().enumerate() {
         let sought = sought(task, index, by, grasp(task, &refs(&poses), index));
-        poses.push(pose_at(built, &sought, [moved, held], &near[index], changed)?);
+        poses.push(pose_at(built, &sought, [moved, held], (&near[index], &near[index]), changed)?);
     }
     Some(poses)
 }
@@ -160,7 +160,7 @@ impl Evaluation {
         for (index, (pose, state)) in task.poses.iter().zip(&self.poses).enumerate() {
             let reached = |near: &Stand, aim: &Aim, kg| {
                 let shares: Vec<f64> = near.shares.iter().map(|share| share * factor).collect();
-                let near = Stand { shares: shares.clone(), ..near.clone() };
+                let near = near.with_shares(shares.clone());
                 Some(reach(&built, &near, (&shares, kg), aim, None).ok()?.stand)
             };
             let [there, then] = by.shift(index).tip_m;

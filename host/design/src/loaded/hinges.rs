@@ -62,7 +62,7 @@ pub(super) fn minimise<P: Hinged>(problem: &mut P, start: &[f64], ends: Ends) ->
     let mut objective = objective_of(problem, &evaluation);
     let (mut evaluations, mut idle, mut damping) = (1, 0, FIRST_DAMPING);
     let mut model: Option<Model> = None;
-    let mut steps = 0;
+    let (mut steps, mut rejected) = (0, false);
     while steps < ends.steps && evaluations < TRIALS * ends.steps && objective > ends.zero && idle < IDLE {
         let Some(here) = model.take().or_else(|| Model::of(problem, &evaluation)) else { break };
         let (step, left) = here.step(&point, damping);
@@ -84,6 +84,7 @@ pub(super) fn minimise<P: Hinged>(problem: &mut P, start: &[f64], ends: Ends) ->
         let actual = objective - reached;
         let gain = actual / predicted;
         let Some(next) = next.filter(|_| gain > LEAST_GAIN) else {
+            rejected = true;
             damping *= if gain.is_finite() && gain > -1.0 { 4.0 } else { 10.0 };
             if damping > MOST_DAMPING {
                 break;
@@ -92,7 +93,8 @@ pub(super) fn minimise<P: Hinged>(problem: &mut P, start: &[f64], ends: Ends) ->
             continue;
         };
         damping *= if gain > 0.75 {
-            0.1
+            // Along a curved valley a tenth of it would be rejected again and again.
+            if rejected { 0.3 } else { 0.1 }
         } else if gain < 0.25 {
             3.0
         } else {
@@ -101,7 +103,7 @@ pub(super) fn minimise<P: Hinged>(problem: &mut P, start: &[f64], ends: Ends) ->
         damping = damping.clamp(LEAST_DAMPING, MOST_DAMPING);
         idle = if actual < ends.least_gain * objective { idle + 1 } else { 0 };
         (point, evaluation, objective) = (there, next, reached);
-        steps += 1;
+        (steps, rejected) = (steps + 1, false);
     }
     Some(Minimum { point: point.as_slice().to_vec(), evaluation, objective, evaluations })
 }

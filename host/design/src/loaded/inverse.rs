@@ -3,9 +3,12 @@
 //! Newton's method on the tip with the tangent of the statics. Where several pressures do, those nearest to `home` are taken, in shares of
 //! the ranges; a pressure that leaves its range, and a little more at its high end, is held there.
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3, Vector4};
 
 use super::built::Built;
+use super::nearby::Nearby;
 use crate::synthesis::Aim;
 use softlimb_limb::statics::{Bends, EquilibriumError, Fidelity, LoadedLimb, Rod, Settled, Shape};
 
@@ -59,9 +62,16 @@ pub(super) struct Stand {
     pub(super) limb: LoadedLimb,
     pub(super) rod: Rod,
     pub(super) shape: Shape,
+    built: Built,
+    /// Made for the first limb beside it.
+    nearby: Arc<OnceLock<Option<Nearby>>>,
 }
 
 impl Stand {
+    pub(super) fn new(built: &Built, shares: &[f64], Settled { limb, rod, shape }: Settled) -> Self {
+        Self { shares: shares.to_vec(), limb, rod, shape, built: built.clone(), nearby: Arc::default() }
+    }
+
     /// The equilibrium that `start`, or else the limb at rest, leads to.
     ///
     /// # Errors
@@ -74,17 +84,25 @@ impl Stand {
             None => limb.settle(Fidelity::Linear, None),
         };
         match settled {
-            Ok(Settled { limb, rod, shape }) => Ok(Self { shares: shares.to_vec(), limb, rod, shape }),
+            Ok(settled) => Ok(Self::new(built, shares, settled)),
             Err(EquilibriumError::Unstable { share }) => Err(share),
             Err(EquilibriumError::Overstrained { .. } | EquilibriumError::Unsettled) => Err(0.0),
         }
     }
 
-    /// The same just beside `start`, with springs about its strains: to first order in the distance it is the same equilibrium.
+    /// The same just beside `start`, which has the same payload: to first order in the distance it is the same equilibrium.
     pub(super) fn beside(built: &Built, shares: &[f64], kg: f64, start: &Self) -> Option<Self> {
-        let limb = built.loaded(shares, kg)?.at_strains(&start.strains()).ok()?;
-        let shape = start.shape.beside(&limb.rod)?;
-        Some(Self { shares: shares.to_vec(), rod: limb.rod.clone(), limb, shape })
+        let nearby = start.nearby.get_or_init(|| Nearby::of(&start.built, &start.shares, kg, start.settled()));
+        Some(Self::new(built, shares, nearby.as_ref()?.beside(built, shares, kg)?))
+    }
+
+    fn settled(&self) -> Settled {
+        Settled { limb: self.limb.clone(), rod: self.rod.clone(), shape: self.shape.clone() }
+    }
+
+    /// The same with other shares, to start from.
+    pub(super) fn with_shares(&self, shares: Vec<f64>) -> Self {
+        Self { shares, nearby: Arc::default(), ..self.clone() }
     }
 
     /// Tilt of the axis of a body that stood upright when the tip grasped it, rad; 0 without one.

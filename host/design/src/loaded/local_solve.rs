@@ -13,8 +13,9 @@ use super::task::LoadedTask;
 use nalgebra::{DMatrix, DVector};
 use softlimb_numerics::least_squares::Minimum;
 
-/// Step of a derivative in the unit box.
-const STEP: f64 = 2e-4;
+/// Steps of a derivative in the unit box, and of that of a load factor, which is known to a thousandth.
+const STEP: f64 = 1e-6;
+const LOAD_STEP: f64 = 2e-4;
 /// A sum of squares that counts as nothing lacking: 0.03 mm, or 0.1 % of a limit, which the reserve covers.
 pub(super) const NOTHING: f64 = 1e-5;
 
@@ -74,19 +75,32 @@ impl Problem<'_> {
         (0, 0)
     }
 
-    /// Derivative of the residuals by one variable; zeros where the limb beside does not stand.
-    fn column(&self, at: &At, here: &[Residual], axis: usize) -> DVector<f64> {
-        let step = if at.point[axis] > 0.5 { -STEP } else { STEP };
-        let mut point = at.point.clone();
-        point[axis] += step;
-        let there = if axis < self.sizes { self.with_size(at, &point) } else { self.with_pressure(at, &point, axis) };
-        match there {
-            Some(there) => DVector::from_fn(here.len(), |row, _| (there[row].value - here[row].value) / step),
-            None => DVector::zeros(here.len()),
+    /// Derivative of the residuals by one variable; zeros where the limb beside does not stand. `base` is the limb itself by the same route.
+    fn column(&self, at: &At, base: &Base, axis: usize) -> DVector<f64> {
+        let here = &base.residuals;
+        let sign = if at.point[axis] > 0.5 { -1.0 } else { 1.0 };
+        let by = |step: f64| {
+            let mut point = at.point.clone();
+            point[axis] += step;
+            let there = if axis < self.sizes {
+                self.with_size(at, &point).map(|there| there.residuals)
+            } else {
+                self.with_pressure(at, base, &point, axis)
+            };
+            match there {
+                Some(there) => DVector::from_fn(here.len(), |row, _| (there[row].value - here[row].value) / step),
+                None => DVector::zeros(here.len()),
+            }
+        };
+        let mut column = by(sign * STEP);
+        if here.iter().any(Residual::is_stepped) {
+            let coarse = by(sign * LOAD_STEP);
+            (0..here.len()).filter(|row| here[*row].is_stepped()).for_each(|row| column[row] = coarse[row]);
         }
+        column
     }
 
-    fn with_size(&self, at: &At, point: &[f64]) -> Option<Vec<Residual>> {
+    fn with_size(&self, at: &At, point: &[f64]) -> Option<Base> {
         let (task, space, by) = (self.task, self.space, self.by);
         let near = &at.limb;
         let mut sizes = space.sizes(&point[..self.sizes]);
@@ -97,10 +111,11 @@ impl Problem<'_> {
         let moves: Vec<_> =
             (0..poses.len()).map(|index| beside(&built, task, by, index, &refs(&poses), &near.poses[index])).collect();
         poses.iter_mut().zip(moves).for_each(|(pose, by)| (pose.spares_m, pose.tilt_rad) = by);
-        Some(residuals(task, &built, &refs(&poses), by))
+        let residuals = residuals(task, &built, &refs(&poses), by);
+        Some(Base { poses, residuals })
     }
 
-    fn with_pressure(&self, at: &At, point: &[f64], axis: usize) -> Option<Vec<Residual>> {
+    fn with_pressure(&self, at: &At, base: &Base, point: &[f64], axis: usize) -> Option<Vec<Residual>> {
         let (task, by, near) = (self.task, self.by, &at.limb);
         let (pose, state) = self.pose_of(axis - self.sizes);
         let changed = match (states(task, pose), state) {
@@ -109,19 +124,19 @@ impl Problem<'_> {
             _ => Changed::Held,
         };
         let [moved, held] = &self.shares(point)[pose];
-        let poses = refs(&near.poses);
+        let poses = refs(&base.poses);
         let sought = sought(task, pose, by, grasp(task, &poses, pose));
-        let own = pose_at(&near.built, &sought, [moved, held], &near.poses[pose], changed)?;
+        let own = pose_at(&near.built, &sought, [moved, held], (&near.poses[pose], &base.poses[pose]), changed)?;
         // The moves to it and from it, and the bodies that are grasped there.
         let affected = |index: &usize| {
             *index == pose || *index == pose + 1 || (state == 0 && grasped_at(task, *index) == Some(pose))
         };
         let mut others: Vec<(usize, PoseState)> = Vec::new();
-        for index in (pose..near.poses.len()).filter(affected) {
+        for index in (pose..poses.len()).filter(affected) {
             let mut there = poses.clone();
             there[pose] = &own;
             let (spares_m, tilt_rad) = beside(&near.built, task, by, index, &there, &near.poses[index]);
-            let mut judged = if index == pose { own.clone() } else { near.poses[index].clone() };
+            let mut judged = if index == pose { own.clone() } else { base.poses[index].clone() };
             (judged.spares_m, judged.tilt_rad) = (spares_m, tilt_rad);
             others.push((index, judged));
         }
@@ -129,6 +144,12 @@ impl Problem<'_> {
         others.iter().for_each(|(index, judged)| poses[*index] = judged);
         Some(residuals(task, &near.built, &poses, by))
     }
+}
+
+/// A limb beside another one: its poses and residuals.
+struct Base {
+    poses: Vec<PoseState>,
+    residuals: Vec<Residual>,
 }
 
 /// A point with its limb.
@@ -153,12 +174,13 @@ impl Hinged for Problem<'_> {
 
     fn jacobian(&mut self, at: &At) -> Option<DMatrix<f64>> {
         self.warm = Some(at.limb.clone());
-        let here = &at.limb.residuals;
-        self.evaluations += self.sizes - self.idle.iter().filter(|idle| **idle).count();
+        let base = self.with_size(at, &at.point)?;
+        let count = base.residuals.len();
+        self.evaluations += 1 + self.sizes - self.idle.iter().filter(|idle| **idle).count();
         let columns: Vec<DVector<f64>> = (0..at.point.len())
             .map(|axis| {
                 let idle = self.idle.get(axis).copied().unwrap_or(false);
-                if idle { DVector::zeros(here.len()) } else { self.column(at, here, axis) }
+                if idle { DVector::zeros(count) } else { self.column(at, &base, axis) }
             })
             .collect();
         Some(DMatrix::from_columns(&columns))
@@ -191,3 +213,6 @@ pub(super) fn abreast<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sy
         handles.into_iter().map(|handle| handle.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
     })
 }
+
+#[cfg(test)]
+pub(super) mod compared;

@@ -15,6 +15,7 @@ mod inverse;
 mod limits;
 mod local_solve;
 mod moves;
+mod nearby;
 mod places;
 mod plates;
 mod pose;
@@ -31,6 +32,8 @@ pub use built::Built;
 pub use confirm::{ConfirmedPose, LOAD_FACTOR_MOST, REACHED_M};
 pub use evaluate::{Evaluation, Judgement, evaluate};
 pub use limits::{Margin, StandingLimits};
+#[cfg(test)]
+pub(crate) use local_solve::compared::{Compared, compare};
 pub use plates::Shift;
 pub use pose::{LoadState, PoseState};
 pub use residuals::Lack;

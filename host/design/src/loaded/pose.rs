@@ -125,12 +125,13 @@ pub(super) enum Changed {
     Held,
 }
 
-/// The pose at given pressures, shares of their ranges as it is reached and as it is held, near another one; `None` where it does not stand.
+/// The pose at given pressures, shares of their ranges as it is reached and as it is held, near another one; `None` where it does not stand. What has not
+/// changed is that of `same`.
 pub(super) fn pose_at(
     built: &Built,
     sought: &Sought<'_>,
     shares: [&[f64]; 2],
-    near: &PoseState,
+    (near, same): (&PoseState, &PoseState),
     changed: Changed,
 ) -> Option<PoseState> {
     let Sought { pose, shift: Shift { tip_m: shift_m, .. }, .. } = sought;
@@ -139,7 +140,7 @@ pub(super) fn pose_at(
         _ => Stand::beside(built, shares, kg, near),
     };
     let stand = match changed {
-        Changed::Held => near.moved.stand.clone(),
+        Changed::Held => same.moved.stand.clone(),
         _ => at(shares[0], pose.move_kg, &near.moved.stand)?,
     };
     let aim = moved_aim(&sought.aim, &-shift_m[0]);
@@ -148,14 +149,14 @@ pub(super) fn pose_at(
         moved.clone()
     } else {
         let stand = match changed {
-            Changed::Moved => near.held.stand.clone(),
+            Changed::Moved => same.held.stand.clone(),
             _ => at(shares[1], pose.hold_kg, &near.held.stand)?,
         };
         Reached::of(stand, &Aim::Point(moved.stand.tip_m() + shift_m[0] - shift_m[1]))
     };
     let state = judged(built, sought, moved, held, Some(near));
     if changed == Changed::Moved && pose.hold_kg != pose.move_kg {
-        let kept = near.clone();
+        let kept = same.clone();
         return Some(PoseState { loads: kept.loads, not_carried: kept.not_carried, other: kept.other, ..state });
     }
     Some(state.with_loads(built, sought, Some((near, changed != Changed::Anew))))

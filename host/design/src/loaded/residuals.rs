@@ -49,6 +49,11 @@ pub(super) struct Residual {
 }
 
 impl Residual {
+    /// Whether it goes in steps: the way to where a limb falls is followed in such.
+    pub(super) fn is_stepped(&self) -> bool {
+        self.margin == Margin::LoadFactor && self.value > -FAR
+    }
+
     /// What is lacking.
     pub(super) fn lack(&self) -> Lack {
         let Self { margin, pose, value, one_sided } = *self;

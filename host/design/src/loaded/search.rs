@@ -14,7 +14,7 @@ use softlimb_numerics::Random;
 /// By how much the reserve is raised at a time.
 pub(super) const RAISE: f64 = 0.05;
 /// Steps of a local solve with another reserve or another bound.
-pub(super) const RAISE_STEPS: usize = 10;
+pub(super) const RAISE_STEPS: usize = 15;
 /// Standard deviations of the starts about the first guess, in the unit box, one after the other.
 const SPREADS: [f64; 3] = [0.1, 0.15, 0.25];
 

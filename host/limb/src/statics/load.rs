@@ -121,6 +121,28 @@ impl LoadedLimb {
         self
     }
 
+    /// The bundles of its modules.
+    pub fn bundles(&self) -> &[Bundle] {
+        &self.bundles
+    }
+
+    /// Strains of each module that its springs are about: stretch, bends and twist.
+    pub fn spring_strains(&self) -> &[Vector4<f64>] {
+        &self.strains
+    }
+
+    /// The limb with other bundles in its modules, whose springs are about these strains.
+    ///
+    /// # Panics
+    /// When there are not as many bundles and strains as modules.
+    #[must_use]
+    pub fn with_bundles(mut self, bundles: Vec<Bundle>, strains: Vec<Vector4<f64>>) -> Self {
+        assert_eq!((bundles.len(), strains.len()), (self.bundles.len(), self.bundles.len()), "one a module");
+        bundles.into_iter().enumerate().for_each(|(module, bundle)| self.set_bundle(module, bundle));
+        self.strains = strains;
+        self
+    }
+
     /// Puts a bundle in the place of a module's own.
     pub(super) fn set_bundle(&mut self, module: usize, bundle: Bundle) {
         let piece = &mut self.rod.pieces[module];

@@ -40,6 +40,6 @@ pub use settled::Settled;
 pub use solve::{Bends, EquilibriumError, LOAD_FACTOR_MAX, Shape, solve, solve_pressurized};
 pub use spring::{Spring, TubeStrain};
 pub use standing::{BUCKLING_MARGIN_MAX, Standing};
-pub use tip_response::Responding;
+pub use tip_response::{Neighbours, Responding};
 pub use tube::Tangent;
 pub(crate) use tube::shear_n;

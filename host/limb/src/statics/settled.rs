@@ -96,6 +96,24 @@ impl LoadedLimb {
     }
 }
 
+impl Settled {
+    /// One turn more: springs about the strains of the shape, and the shape of these springs.
+    ///
+    /// # Errors
+    /// As [`LoadedLimb::settle`].
+    pub fn turned(&self, tier: Fidelity) -> Result<Self, EquilibriumError> {
+        let limb = self.limb.at_strains(&self.limb.strains(&self.rod, &self.shape.q))?;
+        let q = rebased(self, &limb);
+        let (rod, shape) = by_fidelity(&limb.rod, tier, Some(&q))?;
+        Ok(Self { limb, rod, shape })
+    }
+
+    /// Largest change of the strains of the shape from those that its springs are about, times the length of a module where they are rates.
+    pub fn unsettled(&self) -> f64 {
+        self.limb.change(&self.limb.strains(&self.rod, &self.shape.q))
+    }
+}
+
 /// Unknowns of the same strains with the springs of `limb`.
 fn rebased(settled: &Settled, limb: &LoadedLimb) -> DVector<f64> {
     let parts = settled.rod.pieces.len() / limb.rod.pieces.len().max(1);

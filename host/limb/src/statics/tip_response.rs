@@ -2,9 +2,33 @@
 
 use nalgebra::{Cholesky, DVector, Dyn, Vector3};
 
-use super::newton_step::newton_step;
 use super::rod::Rod;
 use super::solve::{Bends, Shape};
+
+/// A shape with linear bends and the factors of its tangent: shapes of rods that differ a little, each by one step of Newton's method from this one.
+#[derive(Clone, Debug)]
+pub struct Neighbours {
+    q: DVector<f64>,
+    tangent: Cholesky<f64, Dyn>,
+}
+
+impl Neighbours {
+    /// Change of the unknowns where the rod of the shape becomes another: right to first order in the difference.
+    pub fn change(&self, other: &Rod) -> DVector<f64> {
+        -self.tangent.solve(&other.potential(&self.q, 1.0).gradient)
+    }
+
+    /// The shape of another rod, whose unknowns differ by a known change.
+    pub fn shape(&self, other: &Rod, change: &DVector<f64>) -> Shape {
+        let q = &self.q + change;
+        Shape { potential: other.potential(&q, 1.0), q, iterations: 1, steps: 1 }
+    }
+
+    /// The unknowns of the shape itself.
+    pub fn q(&self) -> &DVector<f64> {
+        &self.q
+    }
+}
 
 /// A shape with the inverse of its tangent.
 pub struct Responding<'a> {
@@ -14,12 +38,9 @@ pub struct Responding<'a> {
 }
 
 impl Shape {
-    /// The shape of a rod that differs a little, with linear bends, by one step of Newton's method from this one: right to first order in the
-    /// difference. `None` where the tangent is not positive definite.
-    pub fn beside(&self, rod: &Rod) -> Option<Self> {
-        let there = rod.potential(&self.q, 1.0);
-        let q = &self.q - newton_step(&there.tangent, &there.gradient)?;
-        Some(Self { potential: rod.potential(&q, 1.0), q, iterations: 1, steps: 1 })
+    /// The shape with the factors of its tangent; `None` where that is not positive definite.
+    pub fn neighbours(&self) -> Option<Neighbours> {
+        Some(Neighbours { q: self.q.clone(), tangent: self.potential.tangent.clone().cholesky()? })
     }
 
     /// How the shape responds to changes of its rod; `None` where the tangent is not positive definite.

@@ -133,7 +133,13 @@ impl<const N: usize> Form<N> {
     /// Adds the product of two rows times a factor. Inlined at each of its calls it would be 100 kB of the binary.
     #[inline(never)]
     fn add(&mut self, factor: f64, a: &Row<N>, b: &Row<N>) {
-        self.0.ger(2.0 * factor, a, b, 1.0);
+        // Arrays of a known size take whole registers; nalgebra's own update goes entry by entry.
+        let (rows, columns): (&[f64; N], &[f64; N]) = (&(a * (2.0 * factor)).data.0[0], &b.data.0[0]);
+        for (column, by) in self.0.data.0.iter_mut().zip(columns) {
+            for (entry, row) in column.iter_mut().zip(rows) {
+                *entry += row * by;
+            }
+        }
     }
 }
 
