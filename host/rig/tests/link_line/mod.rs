@@ -4,6 +4,7 @@ mod clock;
 mod latency;
 mod observed;
 mod rates;
+mod table;
 
 use crate::link_common::{SESSION, configuration, settings};
 use observed::{Counts, Observed};
@@ -31,6 +32,10 @@ struct Outcome {
     /// Whether the device ran out of set points.
     starved: bool,
     setpoints: u32,
+    /// Set points sent again.
+    repeated: u64,
+    /// The shortest stretch of set points buffered while more were to come, us.
+    buffered_min_us: Option<u64>,
     /// Duration of the session, s.
     session_s: f64,
 }
@@ -75,7 +80,15 @@ impl Case {
         })?;
         let session_s = port.mcu().now_us() as f64 * 1e-6;
         let starved = states.contains(&DeviceState::Holding);
-        Ok(Outcome { counts: port.counts, samples, starved, setpoints: summary.setpoints, session_s })
+        Ok(Outcome {
+            counts: port.counts,
+            samples,
+            starved,
+            setpoints: summary.setpoints,
+            repeated: summary.statistics.setpoints_repeated,
+            buffered_min_us: summary.buffered_min_us,
+            session_s,
+        })
     }
 }
 
@@ -91,6 +104,11 @@ impl Outcome {
         };
         let all = (last - first) / u64::from(message.period_us) + 1;
         (times.len() as u64, all - times.len() as u64)
+    }
+
+    /// The latency that a share of the set points does not exceed, ms.
+    fn latency_ms(&self, percent: usize) -> f64 {
+        percentile_ms(&self.counts.latencies_us, percent)
     }
 
     /// Share of the line's bits that times and values of set points are.
