@@ -2,10 +2,13 @@
 
 use softlimb_firmware::{AdcCode, BootInfo, Controller, TickInputs};
 use softlimb_protocol::{
-    BootCause, Command, CommandCode, ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, ConfigSystem, Decoder,
-    DeviceMessage, DeviceState, FiberPlacement, Heartbeat, Hello, HostMessage, LinkLossPolicy, List, MaterialLaw,
-    MotionKind, Outputs, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, Setpoint, SetpointKind,
+    Batch, BootCause, Command, CommandCode, ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, Decoder,
+    DeviceMessage, DeviceState, FiberPlacement, Heartbeat, Hello, HostMessage, KnotStep, Knots, List, MaterialLaw,
+    MotionKind, Outputs, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, SetSampling, Setpoint, SetpointKind,
 };
+
+#[path = "../../firmware/tests/common/configuration.rs"]
+mod configuration;
 
 use crate::draw::Draw;
 use crate::fault::hurt;
@@ -15,7 +18,7 @@ const SESSION: u16 = 0x51AB;
 const CHANNELS: usize = 2;
 /// Highest setpoint, Pa.
 const HIGHEST_PA: i32 = 140_000;
-/// Knots between two flushes: fewer than the buffer holds.
+/// Knots between two flushes, and two more at most: fewer than the buffer holds.
 const KNOTS: u32 = 40;
 /// Time from the present to the first knot, us: longer than any input lasts between two flushes.
 const LEAD_US: u64 = 60_000_000;
@@ -32,11 +35,17 @@ pub fn device(draw: &mut Draw<'_>, faults: u64) {
     let mut done = 0;
     while done < faults && !draw.is_over() {
         bench.flush();
-        for index in 0..KNOTS {
-            bench.knot(index, draw);
+        let mut index = 0;
+        while index < KNOTS {
+            index += match draw.below(2) {
+                1 if index > 0 => bench.knots(index, draw),
+                _ => bench.knot(index, draw),
+            };
             bench.heartbeat(draw);
             done += 2;
         }
+        bench.sampling(draw);
+        done += 1;
         for _ in 0..ROUND {
             bench.tick();
         }
@@ -50,6 +59,16 @@ struct Bench {
     now_us: u64,
     seq: u16,
     config_hash: u32,
+    /// The knot sent last.
+    last: Knot,
+    /// Period and number of the samples in the last message of them.
+    samples: (u32, usize),
+}
+
+#[derive(Clone, Copy)]
+struct Knot {
+    time_us: u64,
+    values: [i32; CHANNELS],
 }
 
 impl Bench {
@@ -57,7 +76,9 @@ impl Bench {
     fn new() -> Self {
         let boot = BootInfo { cause: BootCause::PowerOn, detail: 0 };
         let controller = Box::new(Controller::new(boot));
-        let mut bench = Self { controller, decoder: Decoder::new(), now_us: 0, seq: 0, config_hash: 0 };
+        let last = Knot { time_us: 0, values: [0; CHANNELS] };
+        let mut bench =
+            Self { controller, decoder: Decoder::new(), now_us: 0, seq: 0, config_hash: 0, last, samples: (0, 0) };
         bench.accept(&Hello { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH, session: SESSION }.into());
         let (upload, config_hash) = upload();
         upload.iter().for_each(|part| bench.accept(part));
@@ -79,25 +100,72 @@ impl Bench {
         assert_eq!(self.controller.queue().next_index(), 0);
     }
 
-    /// Sends one knot: damaged, then intact twice.
-    fn knot(&mut self, index: u32, draw: &mut Draw<'_>) {
+    /// Sends one knot as a whole. Returns 1.
+    fn knot(&mut self, index: u32, draw: &mut Draw<'_>) -> u32 {
         let time_us = self.now_us + LEAD_US + u64::from(index) * 20_000;
         let values: [i32; CHANNELS] = std::array::from_fn(|_| (draw.number() % (HIGHEST_PA as u32 + 1)) as i32);
         let list = List::from_slice(&values).expect("a list as long as the channels");
         let outputs = Outputs::default();
         let whole = frame::<HostMessage>(0, Setpoint { session: SESSION, index, time_us, outputs, values: list });
-        for wire in wires(&whole, draw) {
+        self.apply(index, &whole, &[Knot { time_us, values }], draw);
+        1
+    }
+
+    /// Sends one to three knots as steps from the last one. Returns their number.
+    fn knots(&mut self, index: u32, draw: &mut Draw<'_>) -> u32 {
+        let (mut batch, mut sent, mut last) = (Batch::new(), Vec::new(), self.last);
+        for _ in 0..=draw.below(3) {
+            let step_us = 1 + draw.below(20_000) as u16;
+            let values = last.values.map(|value| {
+                let far = value + i32::from(draw.number() as i16);
+                far.clamp(0, HIGHEST_PA)
+            });
+            // A clamped step is shorter than the one drawn.
+            let steps =
+                List::try_from_iter(values.iter().zip(last.values).map(|(value, before)| (value - before) as i16));
+            let steps = steps.expect("a list as long as the channels");
+            batch.push(&KnotStep { step_us, outputs: Outputs::default(), steps }).expect("a frame holds three");
+            last = Knot { time_us: last.time_us + u64::from(step_us), values };
+            sent.push(last);
+        }
+        let whole = frame::<HostMessage>(0, Knots { session: SESSION, index, knots: batch });
+        self.apply(index, &whole, &sent, draw);
+        sent.len() as u32
+    }
+
+    /// Sends a frame of knots: damaged, then intact twice. Asserts that they are applied once and whole.
+    fn apply(&mut self, index: u32, whole: &[u8], knots: &[Knot], draw: &mut Draw<'_>) {
+        let end = index + knots.len() as u32;
+        for wire in wires(whole, draw) {
             for (_, result) in self.send(&wire) {
                 // Only a second copy is refused.
                 assert!(matches!(result, ResultCode::Ok | ResultCode::UnexpectedIndex), "{result:?} to {wire:02x?}");
             }
             let next = self.controller.queue().next_index();
-            assert!(next == index || next == index + 1, "knot {next} after {index}: {wire:02x?}");
+            assert!(next == index || next == end, "knot {next} after {index}: {wire:02x?}");
         }
         let queue = self.controller.queue();
-        assert_eq!(queue.next_index(), index + 1, "knot {index} is lost behind one fault");
-        let found: [Option<f32>; CHANNELS] = std::array::from_fn(|channel| queue.value(channel, time_us));
-        assert_eq!(found, values.map(|value| Some(value as f32)), "knot {index}");
+        assert_eq!(queue.next_index(), end, "knot {index} is lost behind one fault");
+        for Knot { time_us, values } in knots {
+            let found: [Option<f32>; CHANNELS] = std::array::from_fn(|channel| queue.value(channel, *time_us));
+            assert_eq!(found, values.map(|value| Some(value as f32)), "knot {index}");
+        }
+        self.last = knots.last().copied().unwrap_or(self.last);
+    }
+
+    /// Requests samples: damaged, then intact twice. Asserts that they come as requested.
+    fn sampling(&mut self, draw: &mut Draw<'_>) {
+        let (ticks, samples) = (1 + draw.below(3), 1 + draw.below(3) as u8);
+        let period_us = ticks as u32 * TICK_US as u32;
+        self.seq = self.seq.wrapping_add(1);
+        let whole = frame::<HostMessage>(self.seq, SetSampling { session: SESSION, period_us, samples });
+        for wire in wires(&whole, draw) {
+            let results = self.send(&wire);
+            assert!(results.iter().all(|&answer| answer == (self.seq, ResultCode::Ok)), "{results:?} to {wire:02x?}");
+        }
+        self.samples = (0, 0);
+        (0..ticks * usize::from(samples)).for_each(|_| self.tick());
+        assert_eq!(self.samples, (period_us, usize::from(samples)));
     }
 
     /// Sends one heartbeat: damaged, then intact twice.
@@ -120,8 +188,12 @@ impl Bench {
                 return results;
             }
             for frame in chunk[..count].iter().filter_map(|&byte| self.decoder.push(byte)) {
-                if let DeviceMessage::Ack(ack) = frame.expect("the device sends valid frames").message {
-                    results.push((ack.ref_seq, ack.result.known().expect("a known result")));
+                match frame.expect("the device sends valid frames").message {
+                    DeviceMessage::Ack(ack) => {
+                        results.push((ack.ref_seq, ack.result.known().expect("a known result")));
+                    }
+                    DeviceMessage::Samples(message) => self.samples = (message.period_us, message.samples.len()),
+                    _ => {}
                 }
             }
         }
@@ -151,7 +223,7 @@ fn wires(whole: &[u8], draw: &mut Draw<'_>) -> [Vec<u8>; 3] {
 fn upload() -> (Vec<HostMessage>, u32) {
     let begin = ConfigBegin { session: SESSION, channels: CHANNELS as u8 };
     let mut hash = ConfigHash::begin(&begin);
-    let system = system();
+    let system = configuration::system(SESSION);
     hash.add_system(&system);
     let mut parts = vec![begin.into(), system.into()];
     for index in 0..CHANNELS as u8 {
@@ -161,32 +233,6 @@ fn upload() -> (Vec<HostMessage>, u32) {
     }
     parts.push(ConfigCommit { session: SESSION, config_hash: hash.value() }.into());
     (parts, hash.value())
-}
-
-fn system() -> ConfigSystem {
-    ConfigSystem {
-        session: SESSION,
-        telemetry_period_us: 10_000,
-        control_period_us: 20_000,
-        link_timeout_us: 100_000,
-        hold_time_us: 2_000_000,
-        link_loss_policy: LinkLossPolicy::HoldThenRamp.into(),
-        vent_ramp_pa_per_s: 20_000.0,
-        supply_min_pa: 150e3,
-        supply_max_pa: 230e3,
-        atmosphere_pa: 101_325.0,
-        temperature_k: 293.15,
-        valve_conductance_m3_per_s_pa: 1.44e-9,
-        valve_critical_ratio: 0.3,
-        valve_on_delay_us: 3_500,
-        valve_off_delay_us: 2_000,
-        line_conductance_m3_per_s_pa: 3.78e-9,
-        sensor_min_pa: 0.0,
-        sensor_max_pa: 206_843.0,
-        supply_sensor_min_pa: 0.0,
-        supply_sensor_max_pa: 689_476.0,
-        adc_full_scale: 4095,
-    }
 }
 
 /// A tube that lengthens: the device solves its model without tables.

@@ -1,10 +1,12 @@
 //! A bench around the controller: a host that speaks the wire, samples that a test sets or a chamber gives.
 
+pub(crate) mod configuration;
 pub(crate) mod fixture;
 pub(crate) mod spec;
 #[path = "../../sim/tests/common/tables.rs"]
 pub(crate) mod tables;
 
+pub(crate) use configuration::{SENSOR_MAX_PA, SUPPLY_SENSOR_MAX_PA};
 use softlimb_firmware::{AdcCode, BootInfo, Controller, TICK_US, TickInputs, TickOutputs};
 use softlimb_protocol::*;
 
@@ -231,37 +233,9 @@ pub(crate) fn upload(system: &ConfigSystem, channels: &[ConfigChannel]) -> Vec<H
     messages
 }
 
-/// Gauge pressure at 90 % of the sensors, Pa.
-pub(crate) const SENSOR_MAX_PA: f32 = 206_843.0;
-
-/// Gauge pressure at 90 % of the supply sensor, Pa.
-pub(crate) const SUPPLY_SENSOR_MAX_PA: f32 = 689_476.0;
-
 /// The system part of the nominal fixture.
 pub(crate) fn system() -> ConfigSystem {
-    ConfigSystem {
-        session: SESSION,
-        telemetry_period_us: 10_000,
-        control_period_us: 20_000,
-        link_timeout_us: 100_000,
-        hold_time_us: 2_000_000,
-        link_loss_policy: LinkLossPolicy::HoldThenRamp.into(),
-        vent_ramp_pa_per_s: 20_000.0,
-        supply_min_pa: 150e3,
-        supply_max_pa: 230e3,
-        atmosphere_pa: 101_325.0,
-        temperature_k: 293.15,
-        valve_conductance_m3_per_s_pa: 1.44e-9,
-        valve_critical_ratio: 0.3,
-        valve_on_delay_us: 3_500,
-        valve_off_delay_us: 2_000,
-        line_conductance_m3_per_s_pa: 3.78e-9,
-        sensor_min_pa: 0.0,
-        sensor_max_pa: SENSOR_MAX_PA,
-        supply_sensor_min_pa: 0.0,
-        supply_sensor_max_pa: SUPPLY_SENSOR_MAX_PA,
-        adc_full_scale: 4095,
-    }
+    configuration::system(SESSION)
 }
 
 /// A bending actuator of 80 mL.
