@@ -209,7 +209,7 @@ impl Session {
     }
 
     fn on_telemetry(&mut self, now_us: u64, message: Telemetry) {
-        self.window.on_progress(now_us, message.next_index, message.free_knots);
+        self.window.on_progress(now_us, message.time_us, message.next_index, message.free_knots);
         self.device_time_us = message.time_us;
         self.enter(message.state.known());
         if message.state == DeviceState::Running && !self.window.is_complete() {

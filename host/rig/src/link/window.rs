@@ -46,6 +46,8 @@ pub(super) struct Window {
     sent_end: u32,
     /// Knots before this one are in the device.
     accepted: u32,
+    /// Device time of the latest answer that says so, us.
+    accepted_at_us: u64,
     /// Knots from this one on have no place yet.
     credit_end: u64,
     in_flight: VecDeque<Transmission>,
@@ -68,6 +70,7 @@ impl Window {
             next: 0,
             sent_end: 0,
             accepted: 0,
+            accepted_at_us: 0,
             credit_end: 0,
             in_flight: VecDeque::new(),
             timeout_us,
@@ -170,10 +173,14 @@ impl Window {
         match ack.result.known() {
             Some(ResultCode::Ok) => {
                 self.accept(now_us, index + count, ack.free_knots);
+                self.accepted_at_us = self.accepted_at_us.max(ack.mcu_time_us);
                 self.grow();
             }
-            // A device goes back to no index but the first; any other from before is an answer that a later one overtook.
-            Some(ResultCode::UnexpectedIndex) if ack.detail == 0 && self.accepted > 0 => {
+            // A device goes back to no index but the first; any other from before is an answer that a later one overtook. So is the first
+            // where it was said no later than an acceptance.
+            Some(ResultCode::UnexpectedIndex)
+                if ack.detail == 0 && self.accepted > 0 && ack.mcu_time_us > self.accepted_at_us =>
+            {
                 return Err(LinkError::SetpointsDropped);
             }
             Some(ResultCode::UnexpectedIndex) => {
@@ -194,9 +201,12 @@ impl Window {
         Ok(())
     }
 
-    /// Takes the cumulative answer that Telemetry carries.
-    pub(super) fn on_progress(&mut self, now_us: u64, next_index: u32, free: u16) {
+    /// Takes the cumulative answer that Telemetry of a device time carries.
+    pub(super) fn on_progress(&mut self, now_us: u64, device_us: u64, next_index: u32, free: u16) {
         if self.is_open {
+            if (1..=self.sent_end).contains(&next_index) {
+                self.accepted_at_us = self.accepted_at_us.max(device_us);
+            }
             self.accept(now_us, next_index, free);
         }
     }

@@ -105,7 +105,7 @@ fn rounds(count: i32, batch: u8, loss: u64, seed: u64) -> (u64, Device, Window) 
         while answers.front().is_some_and(|(due, _)| *due <= round) {
             match answers.pop_front().unwrap().1 {
                 Some(Word::Ack(ack)) => window.on_ack(now_us, &ack).unwrap(),
-                Some(Word::Progress(next_index, free)) => window.on_progress(now_us, next_index, free),
+                Some(Word::Progress(next_index, free)) => window.on_progress(now_us, 0, next_index, free),
                 None => {}
             }
         }
@@ -154,7 +154,8 @@ fn device_that_forgot_setpoints_is_an_error() {
     assert_eq!(sent, [0, 1, 2]);
     window.on_ack(0, &answer(1, ResultCode::Ok, 0)).unwrap();
     assert_eq!(window.accepted(), 2);
-    let error = window.on_ack(0, &answer(2, ResultCode::UnexpectedIndex, 0)).unwrap_err();
+    let later = Ack { mcu_time_us: 1, ..answer(2, ResultCode::UnexpectedIndex, 0) };
+    let error = window.on_ack(0, &later).unwrap_err();
     assert!(matches!(error, LinkError::SetpointsDropped));
 }
 
@@ -195,4 +196,23 @@ fn frames_shorten_after_a_loss_and_grow_again_when_they_arrive() {
     }
     // The whole knot before the loss is the first of no row.
     assert_eq!(lengths, [vec![1, 8], vec![4; 8], vec![8; 20]].concat());
+}
+
+#[test]
+fn answer_that_names_the_first_knot_and_was_overtaken_is_no_drop() {
+    let knots: Vec<_> = (0..5).map(|index| (1_000 * index, vec![0])).collect();
+    for by_telemetry in [false, true] {
+        let mut window = Window::new(20_000, 1);
+        window.load(Trajectory::from_pairs(&knots));
+        window.open(0, 0, 8);
+        (0..2).for_each(|seq| assert!(window.send(0, 7, seq).is_some()));
+        // The second knot arrived first, and is refused by the first one's index; then that of the first one, whose answer overtakes.
+        match by_telemetry {
+            true => window.on_progress(0, 5_000, 1, 7),
+            false => window.on_ack(0, &Ack { mcu_time_us: 5_000, ..answer(0, ResultCode::Ok, 0) }).unwrap(),
+        }
+        window.on_ack(0, &Ack { mcu_time_us: 4_500, ..answer(1, ResultCode::UnexpectedIndex, 0) }).unwrap();
+        assert_eq!(window.accepted(), 1);
+        assert_eq!(window.send(0, 7, 9).map(index), Some(1), "sent again");
+    }
 }
