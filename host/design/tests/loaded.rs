@@ -229,6 +229,36 @@ fn stiffness_of_the_tip_is_a_goal_of_the_scene() {
     assert!(free >= 40.0 && stiff >= goal, "{free} {stiff} {goal}");
 }
 
+/// The mass by hand from the sizes of the written scene: walls at 1080 kg/m3, and 0.1 kg for each connector and the gripper.
+#[test]
+fn limb_is_no_heavier_than_the_scene_allows() {
+    let found = |text: &str| {
+        let wanted = read(text);
+        let design = loaded_design(&wanted).unwrap();
+        let effort = Effort { raises: 0, ..effort() };
+        let found = search(&design.task, &design.space, &design.space.first_guess(), &effort, &|| false).unwrap();
+        let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
+        let walls_m3 = designed.modules().iter().map(|module| {
+            let [inner, outer] = [*module.inner_radius_m, *module.outer_radius_m];
+            3.0 * std::f64::consts::PI * (outer * outer - inner * inner) * *module.length_m
+        });
+        (
+            found.reached,
+            1080.0 * walls_m3.sum::<f64>() + 0.3 + designed.modules().iter().map(|m| m.spacers_mass_kg()).sum::<f64>(),
+            found,
+        )
+    };
+    let (reached, free_kg, _) = found(TASK);
+    assert!(reached);
+    let most_kg = 0.9 * free_kg;
+    let with = |kg: f64| TASK.replace("[design]", &format!("[design]\nmass_max = \"{kg} kg\""));
+    let (reached, light_kg, _) = found(&with(most_kg));
+    assert!(reached && light_kg <= most_kg * (1.0 + 1e-9), "{free_kg} {light_kg} {most_kg}");
+    // Connectors and gripper alone weigh 0.3 kg.
+    let (reached, _, limb) = found(&with(0.31));
+    assert!(!reached && limb.confirmed[0].lacks.contains(&Margin::Mass), "{:?}", limb.confirmed);
+}
+
 #[test]
 fn answer_depends_on_the_seed_but_not_on_the_threads() {
     let design = loaded_design(&read(TASK)).unwrap();

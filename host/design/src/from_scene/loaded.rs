@@ -66,6 +66,7 @@ pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
         poses: poses(scene)?,
         obstacles: scene.obstacles().iter().map(obstacle).collect(),
         moves: true,
+        mass_max_kg: scene.design().and_then(|design| design.mass_max_kg).map(|most| *most),
         limits,
     };
     Ok(LoadedDesign { task, space: LimbSpace { base: base(scene), modules } })

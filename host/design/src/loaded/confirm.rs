@@ -266,6 +266,9 @@ fn confirm_pose(
         }
     }
     answer.lacks = lacks(&task.limits, &answer, built.length_m);
+    if index == 0 && task.mass_max_kg.is_some_and(|most| limb.mass_kg > most) {
+        answer.lacks.push(Margin::Mass);
+    }
     if state.turned_rad > 1e-3 {
         answer.lacks.push(Margin::Direction);
     }

@@ -39,6 +39,8 @@ pub enum Margin {
     Buckling,
     /// Pressure below its limit and the limit point.
     Pressure,
+    /// The limb is not too heavy.
+    Mass,
     /// A bending module is not bent backwards.
     BentBack,
     /// Distance from obstacles.
@@ -58,6 +60,7 @@ impl Margin {
             Self::Sag => "sag",
             Self::Buckling => "buckling",
             Self::Pressure => "pressure",
+            Self::Mass => "mass",
             Self::BentBack => "bending backwards",
             Self::Clearance => "clearance",
         }

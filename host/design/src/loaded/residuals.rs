@@ -19,6 +19,8 @@ const CLEARANCE_M: f64 = 0.02;
 const SHARE: f64 = 0.25;
 /// Excess of a pressure over the highest that keeps its margin, as a share of it, that counts as one.
 const PRESSURE: f64 = 0.05;
+/// By how much less than the largest mass is sought, as a share of it.
+const LIGHTER: f64 = 2e-3;
 /// What a load that is not carried counts.
 const FALLS: f64 = 10.0;
 /// Backward bend that counts as one, rad/m.
@@ -86,6 +88,10 @@ pub(super) fn of_pose(
         lacks.extend(state.held.missing_m.iter().map(|missing_m| reach(*missing_m, false)));
     }
     let mut push = |margin, value| lacks.push(Residual { margin, pose, value, one_sided: true });
+    // A mass is sought a little below its limit, and needs no reserve.
+    if let Some(most) = task.mass_max_kg.filter(|_| pose == 0) {
+        push(Margin::Mass, (built.mass_kg() / ((1.0 - LIGHTER) * most) - 1.0) / SHARE);
+    }
     push(Margin::Direction, state.turned_rad / ANGLE_RAD);
     if let Some(body) = task.poses[pose].carried {
         push(Margin::Tilt, (state.tilt_rad + by.shift(pose).tilt_rad - body.tilt_max_rad / more) / ANGLE_RAD);

@@ -58,6 +58,8 @@ pub struct LoadedTask {
     pub obstacles: Vec<Obstacle>,
     /// Whether the moves keep clear too, along straight lines in the pressures.
     pub moves: bool,
+    /// Largest mass of the limb without payload, kg; `None` for any.
+    pub mass_max_kg: Option<f64>,
     /// Margins that every pose keeps.
     pub limits: StandingLimits,
 }

@@ -134,11 +134,10 @@ impl<const N: usize> Form<N> {
     #[inline(never)]
     fn add(&mut self, factor: f64, a: &Row<N>, b: &Row<N>) {
         // Arrays of a known size take whole registers; nalgebra's own update goes entry by entry.
-        let (rows, columns): (&[f64; N], &[f64; N]) = (&(a * (2.0 * factor)).data.0[0], &b.data.0[0]);
+        let (rows, columns): (&[f64; N], &[f64; N]) = (&a.data.0[0], &b.data.0[0]);
         for (column, by) in self.0.data.0.iter_mut().zip(columns) {
-            for (entry, row) in column.iter_mut().zip(rows) {
-                *entry += row * by;
-            }
+            let by = 2.0 * factor * by;
+            column.iter_mut().zip(rows).for_each(|(entry, row)| *entry += by * row);
         }
     }
 }

@@ -19,6 +19,8 @@ pub struct Design {
     pub limit_margin: f64,
     /// Share of the highest pressure a device follows that is kept free; 0..=0.5.
     pub pressure_reserve: f64,
+    /// Largest mass of the limb without what it carries, kg; `None` for any.
+    pub mass_max_kg: Option<Located<f64>>,
     /// Largest distance of the plates of a module, m; > 0.
     pub bay_m: f64,
     /// Bounds of the angle by which the base may be turned from its direction towards its `up`, rad.

@@ -27,12 +27,14 @@ pub(super) fn design(root: &Reader<'_>, drafts: &[Draft<'_>], regions: Option<&[
     let limit_margin = reader.quantity(&keys::LIMIT_MARGIN);
     let shared_supply_line = reader.flag(&keys::SHARED_SUPPLY_LINE);
     let pressure_reserve = reader.quantity(&keys::PRESSURE_RESERVE);
+    let mass_max = reader.maybe(&keys::MASS_MAX);
     let mount_angle_free = reader.choice(&keys::MOUNT_ANGLE, &[false, true]);
     let choice = choice(&reader);
     let common = common?;
     Some(Some(Design {
         common,
         modules: drafts.iter().map(|draft| draft.bounds.or(&common)).collect(),
+        mass_max_kg: mass_max?,
         bay_m: *bay?,
         base_pitch_rad: base_pitch?,
         base_region: base_region?,

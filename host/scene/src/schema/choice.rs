@@ -17,6 +17,7 @@ section! {
     BASE_REGION: Text { name: "base_region", is_name: true, presence: Optional("the position of `[limb]`") } = "A name from `[[region]]`, of a box without `rotation`: the limb may start anywhere in it. Not of a weightless limb.";
     LIMIT_MARGIN: Quantity { name: "limit_margin", unit: Unit::NUMBER, min: 0.001, max: 0.9, presence: Default(0.05) } = "Share of the pressure at the limit point that is kept free.";
     PRESSURE_RESERVE: Quantity { name: "pressure_reserve", unit: Unit::PERCENT, min: 0.0, max: 50.0, presence: Default(0.0) } = "Share of the highest pressure that a device follows which is kept free, for a limb that turns out stiffer than its model.";
+    MASS_MAX: Quantity { name: "mass_max", unit: Unit::KG, min: 0.01, max: 1000.0, presence: Optional("any mass") } = "Largest mass of the limb with its connectors and its end effector, without what it carries. Not of a weightless limb.";
     SHARED_SUPPLY_LINE: Flag { name: "shared_supply_line", presence: Default(false) } = "Whether all modules have the same pressure.";
     MOUNT_ANGLE: Choice { name: "mount_angle", words: &["fixed", "free"], presence: Default("fixed") } = "Whether modules keep their `mount_angle` or may be turned.";
     MODULES: Pair { name: "modules", unit: Unit::NUMBER, min: 1.0, max: 9.0, presence: Optional("as many as there are") } = "Least and greatest number of modules where their kinds and order are chosen, too.";
