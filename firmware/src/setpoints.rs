@@ -9,6 +9,12 @@ use crate::dispatch::{Answer, OK, WRONG_STATE};
 use crate::manual::has_unknown;
 use crate::queue::QueueError;
 
+/// Farthest time of a knot from now, us: what lies beyond is the error of a clock or of a unit.
+const HORIZON_US: u32 = 60_000_000;
+
+/// Shortest time in which a setpoint may cross its limits, us: a valve fills a chamber of 30 mL to 100 kPa in that time.
+const CROSSING_US: u32 = 100_000;
+
 impl<const N: usize> Controller<N> {
     /// Buffers one knot.
     pub(crate) fn setpoint(&mut self, now_us: u64, setpoint: &Setpoint) -> Answer {
@@ -65,12 +71,36 @@ impl<const N: usize> Controller<N> {
         if has_unknown(outputs) {
             return (ResultCode::UnknownCode, outputs_number.into());
         }
+        // The rate from another knot than the last means nothing.
+        if index == self.queue.next_index() {
+            if time_us > now_us.saturating_add(u64::from(HORIZON_US)) {
+                return (ResultCode::BeyondHorizon, HORIZON_US);
+            }
+            if let Some(channel) = self.too_fast(time_us, &values) {
+                return (ResultCode::TooFast, channel);
+            }
+        }
         match self.queue.push(now_us, index, time_us, (outputs, values)) {
             Ok(()) => OK,
             Err(QueueError::UnexpectedIndex { expected }) => (ResultCode::UnexpectedIndex, expected),
             Err(QueueError::Full) => (ResultCode::QueueFull, 0),
             Err(QueueError::Late) => (ResultCode::Late, 0),
         }
+    }
+
+    /// The first channel whose setpoint would cross its limits in less than [`CROSSING_US`]. A time that does not follow is late, not fast.
+    fn too_fast(&self, time_us: u64, values: &[i32]) -> Option<u32> {
+        let (config, before) = (self.config.as_ref()?, self.queue.last()?);
+        let step_us = u32::try_from(time_us.checked_sub(before.time_us)?).ok()?;
+        if !(1..CROSSING_US).contains(&step_us) {
+            return None;
+        }
+        let mut changes = before.values.iter().zip(values).zip(&config.channels);
+        let channel = changes.position(|((&from, &to), channel)| {
+            let (low, high) = channel.setpoint_range;
+            u64::from(from.abs_diff(to)) * u64::from(CROSSING_US) > u64::from(low.abs_diff(high)) * u64::from(step_us)
+        });
+        channel.map(|channel| channel as u32)
     }
 
     /// The values of a knot in the ranges of their channels; a `None` among them is in no range.

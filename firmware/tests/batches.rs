@@ -26,20 +26,23 @@ fn with_a_knot() -> (Bench, u64) {
 #[test]
 fn steps_lead_where_whole_knots_would() {
     let (mut stepped, first_us) = with_a_knot();
-    let batch =
-        [step(20_000, OFF, &[500, -500]), step(10_000, Outputs::GRIPPER, &[32_767, -1]), step(1, OFF, &[-32_768, 0])];
+    let batch = [
+        step(20_000, OFF, &[500, -500]),
+        step(30_000, Outputs::GRIPPER, &[32_767, -1]),
+        step(22_000, OFF, &[-32_768, 0]),
+    ];
     let ack = stepped.request(&knots(1, &batch));
     assert_eq!((ack.result.known(), ack.free_knots), (Some(ResultCode::Ok), 60));
     let (mut whole, _) = with_a_knot();
     // Worked by hand.
     for (index, after_us, outputs, values) in [
         (1, 20_000, OFF, [10_500, 19_500]),
-        (2, 30_000, Outputs::GRIPPER, [43_267, 19_499]),
-        (3, 30_001, OFF, [10_499, 19_499]),
+        (2, 50_000, Outputs::GRIPPER, [43_267, 19_499]),
+        (3, 72_000, OFF, [10_499, 19_499]),
     ] {
         assert_eq!(whole.knot(index, first_us + after_us, outputs, &values).result, ResultCode::Ok);
     }
-    for at_us in [0, 7_000, 20_000, 27_500, 30_000, 30_001, 90_000] {
+    for at_us in [0, 7_000, 20_000, 35_500, 50_000, 50_001, 72_000, 90_000] {
         for channel in 0..2 {
             let value = |bench: &Bench| bench.controller.queue().value(channel, first_us + at_us);
             assert_eq!(value(&stepped), value(&whole), "channel {channel} after {at_us} us");
@@ -57,6 +60,7 @@ fn refused_frame_changes_nothing_and_says_why() {
         (step(20_000, OFF, &[0, -30_000]), ResultCode::OutOfRange, 1),
         (step(20_000, unknown, &[0, 0]), ResultCode::UnknownCode, 2),
         (step(0, OFF, &[0, 0]), ResultCode::Late, 0),
+        (step(20_000, OFF, &[30_000, 30_001]), ResultCode::TooFast, 1),
     ] {
         let (mut bench, first_us) = with_a_knot();
         let ack = bench.request(&knots(1, &[fine(), fine(), bad, fine()]));

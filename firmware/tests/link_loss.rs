@@ -106,14 +106,19 @@ fn setpoints_go_back_to_the_expected_index() {
         (1, at + 1, vec![0, 0, 0], ResultCode::WrongChannelCount, 2),
         (1, at + 1, vec![0, 150_001], ResultCode::OutOfRange, 1),
         (1, at + 1, vec![-1, 0], ResultCode::OutOfRange, 0),
-        (1, at + 1, vec![0, 150_000], ResultCode::Ok, 0),
+        // The limits are 150 kPa apart.
+        (1, at + 1, vec![0, 150_000], ResultCode::TooFast, 1),
+        (1, at + 99_999, vec![150_000, 0], ResultCode::TooFast, 0),
+        (1, at + 10_000, vec![15_000, 15_001], ResultCode::TooFast, 1),
+        (1, bench.now_us + 60_000_001, vec![0, 0], ResultCode::BeyondHorizon, 60_000_000),
+        (1, at + 100_000, vec![0, 150_000], ResultCode::Ok, 0),
     ] {
         let ack = bench.setpoint(index, time_us, &values);
         assert_eq!((ack.result.known(), ack.detail), (Some(result), detail), "{index} {values:?}");
     }
     assert_eq!(bench.controller.queue().next_index(), 2);
     for index in 2..64 {
-        assert_eq!(bench.setpoint(index, at + 10 + u64::from(index), &[0, 0]).result, ResultCode::Ok);
+        assert_eq!(bench.setpoint(index, at + 200_000 + u64::from(index), &[0, 0]).result, ResultCode::Ok);
     }
     let full = bench.setpoint(64, at + 900_000, &[0, 0]);
     assert_eq!((full.result.known(), full.free_knots), (Some(ResultCode::QueueFull), 0));

@@ -176,21 +176,24 @@ fn setpoint_is_checked_in_the_order_of_the_table() {
     for index in 0..64 {
         bench.setpoint(index, bench.now_us + 1_000_000 + u64::from(index), &[0, 0]);
     }
-    // Each knot has one fault less than the one before; the last fault of the first is that it is in the past.
+    // Each knot has one fault less than the one before; the buffer is full for all.
     let (unknown, known) = (Outputs::from_bits(0x80), Outputs::GRIPPER);
     let mut answers = vec![idle.knot(999, 0, unknown, &[-1])];
-    for (index, outputs, values) in [
-        (999, unknown, &[-1][..]),
-        (999, unknown, &[0, -1]),
-        (999, unknown, &[0, 0]),
-        (999, known, &[0, 0]),
-        (64, known, &[0, 0]),
+    let far_us = bench.now_us + 60_000_001;
+    for (index, time_us, outputs, values) in [
+        (999, far_us, unknown, &[-1][..]),
+        (999, far_us, unknown, &[0, -1]),
+        (999, far_us, unknown, &[0, 0]),
+        (999, far_us, known, &[0, 150_000]),
+        (64, far_us, known, &[0, 150_000]),
+        (64, bench.now_us + 1_000_064, known, &[0, 150_000]),
+        (64, 0, known, &[0, 0]),
     ] {
-        answers.push(bench.knot(index, 0, outputs, values));
+        answers.push(bench.knot(index, time_us, outputs, values));
     }
     bench.command(CommandCode::Flush);
     answers.push(bench.setpoint(0, bench.now_us, &[0, 0]));
     let found: Vec<_> = answers.iter().map(|ack| format!("{} {:?}", ack.result.raw(), ack.result)).collect();
     assert_eq!(written, found);
-    assert_eq!(answers.iter().map(|ack| ack.detail).collect::<Vec<_>>(), [0, 2, 1, 3, 64, 0, 0]);
+    assert_eq!(answers.iter().map(|ack| ack.detail).collect::<Vec<_>>(), [0, 2, 1, 3, 64, 60_000_000, 1, 0, 0]);
 }

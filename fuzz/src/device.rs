@@ -21,7 +21,11 @@ const HIGHEST_PA: i32 = 140_000;
 /// Knots between two flushes, and two more at most: fewer than the buffer holds.
 const KNOTS: u32 = 40;
 /// Time from the present to the first knot, us: longer than any input lasts between two flushes.
-const LEAD_US: u64 = 60_000_000;
+const LEAD_US: u64 = 50_000_000;
+/// Time between two whole knots, us: any change of a setpoint is slow enough.
+const KNOT_US: u64 = 100_000;
+/// Shortest step in time, us: slow enough for the largest step of 16 bits.
+const STEP_US: u16 = 24_000;
 const TICK_US: u64 = 1_000;
 
 /// Damages the frames of a session, up to a number of faults or the end of the draw.
@@ -102,7 +106,7 @@ impl Bench {
 
     /// Sends one knot as a whole. Returns 1.
     fn knot(&mut self, index: u32, draw: &mut Draw<'_>) -> u32 {
-        let time_us = self.now_us + LEAD_US + u64::from(index) * 20_000;
+        let time_us = self.now_us + LEAD_US + u64::from(index) * KNOT_US;
         let values: [i32; CHANNELS] = std::array::from_fn(|_| (draw.number() % (HIGHEST_PA as u32 + 1)) as i32);
         let list = List::from_slice(&values).expect("a list as long as the channels");
         let outputs = Outputs::default();
@@ -115,7 +119,7 @@ impl Bench {
     fn knots(&mut self, index: u32, draw: &mut Draw<'_>) -> u32 {
         let (mut batch, mut sent, mut last) = (Batch::new(), Vec::new(), self.last);
         for _ in 0..=draw.below(3) {
-            let step_us = 1 + draw.below(20_000) as u16;
+            let step_us = STEP_US + draw.below(20_000) as u16;
             let values = last.values.map(|value| {
                 let far = value + i32::from(draw.number() as i16);
                 far.clamp(0, HIGHEST_PA)

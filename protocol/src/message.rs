@@ -175,6 +175,10 @@ interface! {
             TablesMissing = 11,
             /// Knots without a preceding knot: the first knot after a flush must be a Setpoint.
             NoKnotBefore = 12,
+            /// A setpoint changes faster than its channel's limits in 100 ms; detail is the channel.
+            TooFast = 13,
+            /// A setpoint lies too far in the future; detail is the farthest distance, us.
+            BeyondHorizon = 14,
         }
 
         /// Faults of the device; bit `code - 1` of the fault bits in Telemetry.

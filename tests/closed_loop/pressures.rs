@@ -29,7 +29,9 @@ const STEPS: [(f64, f64, f64); 2] = [(0.5, 60e3, 0.115), (2.0, 20e3, 0.295)];
 
 #[test]
 fn step_up_and_a_step_down_settle() {
-    let wanted_pa = |time_s: f64| if (0.5..2.0).contains(&time_s) { 60e3 } else { 20e3 };
+    // Two knots up and two down: the device takes no setpoint that crosses its limits in less than 100 ms.
+    let ramp = |from_s: f64, time_s: f64| ((time_s - from_s) / 0.04 + 0.5).clamp(0.0, 1.0);
+    let wanted_pa = |time_s: f64| 20e3 + 40e3 * (ramp(0.5, time_s) - ramp(2.0, time_s));
     let run = follow(3.5, wanted_pa);
     for (from_s, wanted_pa, open_s) in STEPS {
         let off = |moment: &&crate::bench::Moment| (moment.channels[0].0 - wanted_pa).abs() > 1e3;

@@ -273,6 +273,8 @@ fn knot_reason(result: Code<ResultCode>, detail: u32) -> String {
     match result.known() {
         Some(ResultCode::OutOfRange) => format!("channel {detail} cannot take its value"),
         Some(ResultCode::Late) => "it arrived after its time".to_owned(),
+        Some(ResultCode::TooFast) => format!("channel {detail} would cross its limits in less than 100 ms"),
+        Some(ResultCode::BeyondHorizon) => format!("its time is more than {:.0} s ahead", f64::from(detail) * 1e-6),
         Some(ResultCode::WrongChannelCount) => format!("the device has {detail} channels"),
         _ => format!("result {result:?}, detail {detail}"),
     }
