@@ -125,8 +125,9 @@ impl Problem<'_> {
         };
         let [moved, held] = &self.shares(point)[pose];
         let poses = refs(&base.poses);
-        let sought = sought(task, pose, by, grasp(task, &poses, pose));
-        let own = pose_at(&near.built, &sought, [moved, held], (&near.poses[pose], &base.poses[pose]), changed)?;
+        let seeks = |index: usize, poses: &[&PoseState]| sought(task, index, by, grasp(task, poses, index));
+        let own =
+            pose_at(&near.built, &seeks(pose, &poses), [moved, held], (&near.poses[pose], &base.poses[pose]), changed)?;
         // The moves to it and from it, and the bodies that are grasped there.
         let affected = |index: &usize| {
             *index == pose || *index == pose + 1 || (state == 0 && grasped_at(task, *index) == Some(pose))
@@ -135,6 +136,11 @@ impl Problem<'_> {
         for index in (pose..poses.len()).filter(affected) {
             let mut there = poses.clone();
             there[pose] = &own;
+            let turned = (index != pose && grasped_at(task, index) == Some(pose))
+                .then(|| base.poses[index].grasped(&near.built, &seeks(index, &there)));
+            if let Some(turned) = &turned {
+                there[index] = turned;
+            }
             let (spares_m, tilt_rad) = beside(&near.built, task, by, index, &there, &near.poses[index]);
             let mut judged = if index == pose { own.clone() } else { base.poses[index].clone() };
             (judged.spares_m, judged.tilt_rad) = (spares_m, tilt_rad);

@@ -164,8 +164,7 @@ pub(super) fn pose_at(
 
 /// A pose with its equilibria, and without the states under its loads.
 fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, near: Option<&PoseState>) -> PoseState {
-    let Sought { task, pose, shift: Shift { tip_m: shift_m, .. }, .. } = sought;
-    let clear = |stand: &Stand, shift_m| spares_m(built, task, stand, pose.carried.as_ref().zip(sought.grasp), shift_m);
+    let Sought { pose, shift: Shift { tip_m: shift_m, .. }, .. } = sought;
     let axis = moved.stand.shape.tip().rotation * Vector3::z();
     let turned_rad =
         pose.direction.map_or(0.0, |direction| (axis.angle(&direction.axis) - direction.tolerance_rad).max(0.0));
@@ -178,11 +177,7 @@ fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, nea
         tilt_rad: 0.0,
         loads: Vec::new(),
         not_carried: 0.0,
-        spares_m: if pose.hold_kg == pose.move_kg {
-            clear(&moved.stand, &shift_m[0])
-        } else {
-            nearer(&clear(&moved.stand, &shift_m[0]), &clear(&held.stand, &shift_m[1]))
-        },
+        spares_m: end_spares_m(built, sought, &moved.stand, &held.stand),
         moved,
         held,
         other: near.and_then(|near| near.other.clone()),
@@ -193,7 +188,20 @@ fn judged(built: &Built, sought: &Sought<'_>, moved: Reached, held: Reached, nea
     PoseState { tilt_rad: state.end_tilt_rad(sought.grasp.as_ref()), ..state }
 }
 
+/// Clearance beyond the one asked for of each obstacle in a pose, as it is reached and as it is held, m.
+fn end_spares_m(built: &Built, sought: &Sought<'_>, moved: &Stand, held: &Stand) -> Vec<f64> {
+    let Sought { task, pose, shift: Shift { tip_m: shift_m, .. }, .. } = sought;
+    let clear = |stand: &Stand, shift_m| spares_m(built, task, stand, pose.carried.as_ref().zip(sought.grasp), shift_m);
+    let moved_m = clear(moved, &shift_m[0]);
+    if pose.hold_kg == pose.move_kg { moved_m } else { nearer(&moved_m, &clear(held, &shift_m[1])) }
+}
+
 impl PoseState {
+    /// The same pose with what it carries grasped in another way; the way to it is not judged.
+    pub(super) fn grasped(&self, built: &Built, sought: &Sought<'_>) -> Self {
+        Self { spares_m: end_spares_m(built, sought, &self.moved.stand, &self.held.stand), ..self.clone() }
+    }
+
     /// Least clearance beyond the one asked for, in the pose and on the way to it, m, and the obstacle; `None` without obstacles.
     pub fn spare_m(&self) -> Option<(f64, usize)> {
         least(&self.spares_m)
