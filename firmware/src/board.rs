@@ -51,7 +51,7 @@ pub fn exchange<const N: usize, B: Board<N> + ?Sized>(controller: &mut Controlle
     }
 }
 
-/// One tick of the controller. Like the two below in a stack frame of its own, so that the largest do not add up.
+/// One tick of the controller. It and the two below have stack frames of their own: the largest frames do not add up.
 #[inline(never)]
 fn control<const N: usize, B: Board<N> + ?Sized>(
     controller: &mut Controller<N>,

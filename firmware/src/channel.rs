@@ -144,7 +144,7 @@ impl Channel {
         (self.over_samples >= OVER_PRESSURE_SAMPLES).then_some(pressure_pa)
     }
 
-    /// Compares the reading with what the valves should have made; a fault, once it has lasted.
+    /// Compares the reading with the effect that the model expects of the valves. Returns a fault once it has lasted.
     pub(crate) fn observe(
         &mut self,
         context: &TickContext,

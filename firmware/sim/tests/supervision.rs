@@ -1,4 +1,4 @@
-//! Supervision: every part that can break is noticed before it hurts, and sound plants are left alone.
+//! Supervision: broken parts are noticed before a chamber gets too much pressure, and sound plants raise no fault.
 
 use crate::common::{Host, SESSION, settings};
 use crate::samples::samples;
@@ -89,7 +89,7 @@ type Row = (&'static str, &'static [FaultCode], &'static [&'static str]);
 
 const ALWAYS: &[&str] = &["fill", "hold", "fall", "tracking"];
 
-/// Whatever breaks, no chamber gets too much. The faults that would fill one unseen have to be named.
+/// No fault brings a chamber far above its limit. Faults that would fill one unnoticed have to be named.
 fn matrix() -> Vec<Row> {
     use FaultCode::*;
     let any: &[FaultCode] = &[SensorFrozen, ReadingJumped, FillWithoutEffect, OverPressure, SupplyLow];

@@ -17,7 +17,7 @@
 //!
 //! Plates that slide against each other by `g` per length add `g . e` to the chord, with the direction `e` of the lean, and turn the chord
 //! where they slide across it. At one chord an axial force `N` moves `b` against `s`: the tube yields by `N (c/h - 4/5 b)^2/((1 + r) GA)` more. Plates that bend by `u` pull a tube at `r` by `-(u . r) cos(t/2)` and turn it by `b (u . r)/a` about its leaning
-//! axis. So bends and slides of leaning tubes are coupled, and such a bundle bends the more easily the more it is twisted.
+//! axis. So bends and slides of leaning tubes are coupled, and such a bundle bends more easily the more it is twisted.
 
 use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix, Vector2, Vector3, Vector4, Vector6};
 

@@ -35,7 +35,7 @@ pub(super) struct Window {
     is_open: bool,
     /// Knots in a frame, at most.
     batch: u32,
-    /// Knots in a frame now, if that many are pending: half after a loss, since a bad line hurts long frames, and double after a row of
+    /// Knots in a frame now, if that many are pending: half after a loss, since a bad line damages long frames more often, and double after a row of
     /// frames that arrived.
     size: u32,
     /// Frames that arrived since the last change of the size.
