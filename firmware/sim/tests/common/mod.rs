@@ -1,6 +1,8 @@
 //! A host without cares around the simulated device: says what it is told to, hears everything.
 #![allow(dead_code, unreachable_pub, reason = "each user takes its own part")]
 
+#[path = "../../../tests/common/configuration.rs"]
+mod configuration;
 mod tables;
 
 use fra_model::{ActuatorParameters, Material, Motion};
@@ -131,27 +133,10 @@ impl<P: Processor> Host<P> {
 
 pub fn system() -> ConfigSystem {
     ConfigSystem {
-        session: SESSION,
-        telemetry_period_us: 10_000,
-        control_period_us: 20_000,
         link_timeout_us: 200_000,
-        hold_time_us: 2_000_000,
-        link_loss_policy: LinkLossPolicy::HoldThenRamp.into(),
-        vent_ramp_pa_per_s: 20_000.0,
         supply_min_pa: 100e3,
         supply_max_pa: 240e3,
-        atmosphere_pa: 101_325.0,
-        temperature_k: 293.15,
-        valve_conductance_m3_per_s_pa: 1.44e-9,
-        valve_critical_ratio: 0.3,
-        valve_on_delay_us: 3_500,
-        valve_off_delay_us: 2_000,
-        line_conductance_m3_per_s_pa: 3.78e-9,
-        sensor_min_pa: 0.0,
-        sensor_max_pa: 206_843.0,
-        supply_sensor_min_pa: 0.0,
-        supply_sensor_max_pa: 689_476.0,
-        adc_full_scale: 4095,
+        ..configuration::system(SESSION)
     }
 }
 
