@@ -1,7 +1,7 @@
 //! The figures of merit of a run.
 
 use super::stats::{ErrorStats, distance};
-use crate::record::{FaultRecord, InjectedFault, LinkSummary, ModuleInfo, RunInfo, RunLog, Sample};
+use crate::record::{FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, RunInfo, RunLog, Sample};
 use fra_model::StateQuantity;
 use serde::Serialize;
 use std::ops::Range;
@@ -124,13 +124,16 @@ pub struct Miss {
     pub module: String,
     /// Name of the phase.
     pub phase: String,
-    /// Distance from the setpoint, by the model at the chamber's pressure or as the limb was seen, whichever is less, as a share of the
-    /// module's travel in the run.
+    /// Mean distance from the setpoint in the last 0.1 s of the hold, by the model at the measured pressure or as the limb was seen, whichever
+    /// is less, as a share of the module's travel in the run.
     pub share_of_travel: f64,
 }
 
 /// Misses below this share of the travel are tracking errors and not worth a warning.
 const MISS_SHARE: f64 = 0.05;
+
+/// Time before the end of a hold over which a miss is a mean, s: a sensor beside a switching valve reads up to 12 kPa off for 5 ms.
+const MISS_WINDOW_S: f64 = 0.1;
 
 /// Bit of [`ChannelSample::status`](crate::record::ChannelSample) that says the reference was limited.
 const REFERENCE_LIMITED: u8 = 1 << 1;
@@ -193,21 +196,30 @@ fn schedule(info: &RunInfo) -> Option<(f64, f64)> {
 
 fn misses(info: &RunInfo, samples: &[&Sample]) -> Vec<Miss> {
     let ends = info.phases.iter().filter_map(|phase| {
-        let last = samples.iter().rfind(|sample| sample.time_s <= phase.end_s() + 1e-6)?;
+        let last = samples.iter().rposition(|sample| sample.time_s <= phase.end_s() + 1e-6)?;
         // A run that was stopped before has not missed this phase.
-        (samples.last()?.time_s + 0.1 >= phase.end_s()).then_some((phase, last))
+        if samples.last()?.time_s + 0.1 < phase.end_s() {
+            return None;
+        }
+        let from_s = (phase.end_s() - MISS_WINDOW_S).max(phase.hold_start_s());
+        let first = samples.partition_point(|sample| sample.time_s < from_s).min(last);
+        Some((phase, &samples[first..=last]))
     });
     let ends: Vec<_> = ends.collect();
     let of_module = |(index, module): (usize, &ModuleInfo)| {
         let setpoints = samples.iter().filter_map(|sample| Some(sample.modules.get(index)?.setpoint));
         let (low, high) = setpoints.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let travel = high - low;
-        let missed = ends.iter().filter_map(|(phase, sample)| {
-            let value = sample.modules.get(index)?;
-            let off = |found: f64| (found - value.setpoint).abs();
+        let missed = ends.iter().filter_map(|(phase, window)| {
+            let values: Vec<_> = window.iter().filter_map(|sample| sample.modules.get(index)).collect();
+            let mean = |error: &dyn Fn(&ModuleSample) -> Option<f64>| -> Option<f64> {
+                let errors = values.iter().map(|value| error(value)).collect::<Option<Vec<_>>>()?;
+                (!errors.is_empty()).then(|| (errors.iter().sum::<f64>() / errors.len() as f64).abs())
+            };
+            let modelled = mean(&|value| Some(value.modelled - value.setpoint))?;
             // With corrections the model is not meant to be there, but the limb is.
-            let share_of_travel =
-                value.achieved.map_or(off(value.modelled), |found| off(found).min(off(value.modelled))) / travel;
+            let off = mean(&|value| Some(value.achieved? - value.setpoint)).map_or(modelled, |seen| seen.min(modelled));
+            let share_of_travel = off / travel;
             let miss = Miss { module: module.name.clone(), phase: phase.name.clone(), share_of_travel };
             (share_of_travel > MISS_SHARE).then_some(miss)
         });
