@@ -12,6 +12,7 @@ mod jog;
 mod labels;
 mod learn;
 mod logs;
+mod materials;
 mod output;
 mod run;
 mod scenes;

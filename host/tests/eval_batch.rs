@@ -217,3 +217,26 @@ fn pressure_range_is_checked() {
     let by_section = with(with(extender(), "pressure_range", json!([2e4, 1e4])), "model", json!("section-fe"));
     assert!(refused(&by_section).contains("pressure_range[1]"));
 }
+
+#[test]
+fn trade_name_stands_for_its_law_and_warns_beyond_its_test() {
+    let known = softlimb::scene::castable_elastomer("Ecoflex 00-30").unwrap();
+    let named = with(bender(), "material", json!(known.name));
+    let named = with(named, "pressure_pa", json!(1e3));
+    let stated = with(named.clone(), "material", json!({"law": "yeoh", "c_pa": known.c_pa}));
+    let answers = ask(&format!("{named}\n{stated}\n"), Scalar::F64);
+    assert_eq!(answers[0], answers[1]);
+    // Its test ends at three times the length.
+    let stretched = |stretch: f64| {
+        let question = with(extender(), "material", json!(known.name));
+        ask(&with(question, "target", json!({"axial_stretch": stretch})).to_string(), Scalar::F64).remove(0)
+    };
+    let (within, beyond) = (stretched(2.9), stretched(3.1));
+    assert_eq!((&within["status"], within.get("warnings")), (&json!("ok"), None), "{within}");
+    assert_eq!(beyond["status"], "ok", "{beyond}");
+    let warning = beyond["warnings"][0].as_str().unwrap();
+    assert!(warning.ends_with("the test behind the law ends at 3.00"), "{warning}");
+    let unknown = &ask(&with(bender(), "material", json!("Ecoflex 00-31")).to_string(), Scalar::F64)[0];
+    let message = "line 1: material = \"Ecoflex 00-31\" is no known elastomer: did you mean \"Ecoflex 00-30\"?";
+    assert_eq!((&unknown["status"], &unknown["message"]), (&json!("invalid"), &json!(message)));
+}

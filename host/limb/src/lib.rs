@@ -14,9 +14,11 @@ mod limb;
 pub mod payload;
 mod restraint;
 pub mod statics;
+mod stretch;
 pub mod tolerance;
 pub mod workspace;
 
 pub use curve::StateCurve;
 pub use limb::{Drive, Limb, LimbModule, base_pose, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;
+pub use stretch::largest_stretch;

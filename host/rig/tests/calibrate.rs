@@ -4,6 +4,7 @@ mod creep;
 mod loaded;
 mod noise;
 mod pressure;
+mod range;
 mod refusals;
 mod tension;
 mod tube;

@@ -16,6 +16,7 @@
 
 pub mod collision;
 mod data;
+mod elastomers;
 mod error;
 mod quantity;
 mod read;
@@ -35,6 +36,7 @@ pub use data::{
     InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker, Module, ModuleBounds, Object, Obstacle, Phase,
     Plant, Region, Scene, Sensor, Spread, Supply, Target, Thread, Valve, Weight, WoundWall,
 };
+pub use elastomers::{CASTABLE_ELASTOMERS, CastableElastomer, TENSILE_TESTS, castable_elastomer};
 pub use error::{Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};
 pub use reference::reference;

@@ -1,5 +1,6 @@
 //! Tests of scenes, one module a subject.
 
+mod castable;
 mod loaded_keys;
 mod obstacle;
 mod scene_arrangement;

@@ -15,6 +15,7 @@ use super::shared::{above_zero, show, write};
 use super::{Failure, Outcome, warn};
 use softlimb_rig::calibrate::{Noise, Property, Settings};
 use softlimb_scene::{Quantity, Scene, rewritten};
+pub(super) use tension::coefficients;
 
 /// Fit parameters to measurements: materials, fibers, walls, sensors, creep
 #[derive(Args)]

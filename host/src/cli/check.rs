@@ -43,6 +43,7 @@ impl Check {
             plan.warnings.clone(),
             scene.winding_warnings(),
             limb.restraint_warnings(),
+            limb.stretch_warnings(&scene, &highest),
             too_small,
             made,
             valves,

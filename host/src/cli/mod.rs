@@ -17,6 +17,7 @@ pub mod fea;
 mod interrupt;
 mod jog;
 mod learn;
+mod materials;
 mod payload;
 mod port;
 mod record;
@@ -82,6 +83,7 @@ enum Verb {
     Payload(payload::Payload),
     Calibrate(calibrate::Calibrate),
     Learn(learn::Learn),
+    Materials(materials::Materials),
     Fea(fea::Fea),
     Workspace(workspace::Workspace),
     Statics(statics::Statics),
@@ -107,6 +109,7 @@ impl Verb {
             Self::Payload(verb) => verb.run(),
             Self::Calibrate(verb) => verb.run(),
             Self::Learn(verb) => verb.run(),
+            Self::Materials(verb) => verb.run(),
             Self::Fea(verb) => verb.run(),
             Self::Workspace(verb) => verb.run(),
             Self::Statics(verb) => verb.run(),

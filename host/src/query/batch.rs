@@ -21,6 +21,7 @@ use super::request::{Case, Model, Question, Request};
 use super::section_fe::{self, Discretisation, Found};
 use super::series::{SeriesAnswer, SeriesRequest};
 use softlimb_files::object::Object;
+use softlimb_limb::largest_stretch;
 
 /// The precision a batch is computed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,17 +35,14 @@ pub enum Scalar {
 /// A line of output about one actuator.
 struct Answer {
     status: &'static str,
-    pressure_pa: Option<f64>,
-    axial_stretch: Option<f64>,
-    inner_radius_m: Option<f64>,
-    outer_radius_m: Option<f64>,
-    twist_rad: Option<f64>,
-    bend_angle_rad: Option<f64>,
+    /// Of the equilibrium, with the status `ok`.
+    state: Option<State<f64>>,
     limit_pressure_pa: Option<f64>,
     residual: Option<f64>,
     iterations: u32,
     discretisation_error: Option<Discretisation>,
     all: Option<All>,
+    warning: Option<String>,
     message: Option<String>,
 }
 
@@ -143,16 +141,22 @@ pub(super) fn parsed<T: DeserializeOwned>(line: &[u8]) -> Answered<T> {
 
 fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
     let case = request.case()?;
+    let mut answer = answered(&case, solver)?;
+    answer.warning = answer.beyond_the_test(&case);
+    Ok(answer)
+}
+
+fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
     if let (true, Question::Inverse { target }) = (case.all, &case.question) {
         return match solver.scalar {
-            Scalar::F64 => all::<f64>(&case, *target, |parameters| *parameters),
-            Scalar::F32 => all::<f32>(&case, *target, convert::parameters),
+            Scalar::F64 => all::<f64>(case, *target, |parameters| *parameters),
+            Scalar::F32 => all::<f32>(case, *target, convert::parameters),
         };
     }
     match (case.model, solver.scalar) {
-        (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solver.solve_double(&case)?)),
-        (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solver.solve_single(&case)?)),
-        (Model::SectionFe, Scalar::F64) => Ok(Answer::found(&by_section(&case)?)),
+        (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solver.solve_double(case)?)),
+        (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solver.solve_single(case)?)),
+        (Model::SectionFe, Scalar::F64) => Ok(Answer::found(&by_section(case)?)),
         (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
     }
 }
@@ -315,61 +319,53 @@ impl Answer {
     fn without_state(status: &'static str, message: Option<String>) -> Self {
         Self {
             status,
-            pressure_pa: None,
-            axial_stretch: None,
-            inner_radius_m: None,
-            outer_radius_m: None,
-            twist_rad: None,
-            bend_angle_rad: None,
+            state: None,
             limit_pressure_pa: None,
             residual: None,
             iterations: 0,
             discretisation_error: None,
             all: None,
+            warning: None,
             message,
         }
     }
 
     fn of(solution: &Solution<f64>) -> Self {
         let blank = Self::without_state(word(solution.status), None);
-        let common = Self {
+        Self {
+            state: (solution.status == Status::Solved).then_some(solution.state),
             limit_pressure_pa: solution.limit_pressure_pa.filter(|limit| limit.is_finite()),
             residual: Some(solution.residual),
             iterations: solution.iterations,
             ..blank
-        };
-        if solution.status == Status::Solved { common.with(&solution.state) } else { common }
+        }
     }
 
     fn found(found: &Found) -> Self {
         let blank = Self::without_state(word(found.status), None);
-        let Found { limit_pressure_pa, iterations, error, .. } = *found;
-        let common = Self { limit_pressure_pa, iterations, discretisation_error: error, ..blank };
-        found.state.iter().fold(common, Self::with)
+        let Found { state, limit_pressure_pa, iterations, error, .. } = *found;
+        Self { state, limit_pressure_pa, iterations, discretisation_error: error, ..blank }
     }
 
-    fn with(self, state: &State<f64>) -> Self {
-        Self {
-            pressure_pa: Some(state.pressure_pa),
-            axial_stretch: Some(state.axial_stretch),
-            inner_radius_m: Some(state.inner_radius_m),
-            outer_radius_m: Some(state.outer_radius_m),
-            twist_rad: Some(state.twist_rad),
-            bend_angle_rad: Some(state.bend_angle_rad),
-            ..self
-        }
+    /// The warning of a wall that stretches further than the test behind the law of its elastomer.
+    fn beyond_the_test(&self, case: &Case) -> Option<String> {
+        let most = case.stretch_max?;
+        let stretch = largest_stretch(&case.parameters, self.state.as_ref()?);
+        (stretch > most)
+            .then(|| format!("the wall stretches to {stretch:.2}, and the test behind the law ends at {most:.2}"))
     }
 
     /// Appends the answer as JSON. By hand, since a derived one would look for characters to escape in the names of its fields.
     fn write(&self, id: &Value, out: &mut Vec<u8>) -> serde_json::Result<()> {
+        let number = |of: fn(&State<f64>) -> f64| self.state.as_ref().map(of);
         append(out, "{\"id\":", id)?;
         append(out, ",\"status\":", self.status)?;
-        append(out, ",\"pressure_pa\":", &self.pressure_pa)?;
-        append(out, ",\"axial_stretch\":", &self.axial_stretch)?;
-        append(out, ",\"inner_radius_m\":", &self.inner_radius_m)?;
-        append(out, ",\"outer_radius_m\":", &self.outer_radius_m)?;
-        append(out, ",\"twist_rad\":", &self.twist_rad)?;
-        append(out, ",\"bend_angle_rad\":", &self.bend_angle_rad)?;
+        append(out, ",\"pressure_pa\":", &number(|state| state.pressure_pa))?;
+        append(out, ",\"axial_stretch\":", &number(|state| state.axial_stretch))?;
+        append(out, ",\"inner_radius_m\":", &number(|state| state.inner_radius_m))?;
+        append(out, ",\"outer_radius_m\":", &number(|state| state.outer_radius_m))?;
+        append(out, ",\"twist_rad\":", &number(|state| state.twist_rad))?;
+        append(out, ",\"bend_angle_rad\":", &number(|state| state.bend_angle_rad))?;
         if let Some(limit_pressure_pa) = &self.limit_pressure_pa {
             append(out, ",\"limit_pressure_pa\":", limit_pressure_pa)?;
         }
@@ -381,6 +377,9 @@ impl Answer {
         if let Some(all) = &self.all {
             append(out, ",\"solutions\":", &all.solutions.iter().map(Listed::of).collect::<Vec<_>>())?;
             append(out, ",\"solutions_complete\":", &all.complete)?;
+        }
+        if let Some(warning) = &self.warning {
+            append(out, ",\"warnings\":", &[warning])?;
         }
         if let Some(message) = &self.message {
             append(out, ",\"message\":", message)?;

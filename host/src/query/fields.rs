@@ -2,7 +2,7 @@
 //!
 //! Fields, words and defaults are those of the types in `request`; what is missing, unknown or given twice is `serde_json`'s to refuse.
 
-use softlimb_files::object::Object;
+use softlimb_files::object::{NamedOr, Object};
 
 use super::request::{
     FiberSpec, Law, MaterialSpec, Model, MotionName, PlacementName, Problem, Request, Solutions, TargetSpec,
@@ -54,7 +54,7 @@ fn request(scan: &mut Scan) -> Option<Request> {
         inner_radius_m: inner_radius_m?,
         outer_radius_m: outer_radius_m?,
         length_m: length_m?,
-        material: Object(material?),
+        material: NamedOr::Object(material?),
         fiber: fiber.map(Object),
         pressure_pa,
         target: target.map(Object),

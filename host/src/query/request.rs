@@ -4,7 +4,8 @@ use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Pla
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
-use softlimb_files::object::Object;
+use softlimb_files::object::{NamedOr, Object};
+use softlimb_scene::castable_elastomer;
 
 /// A line of a batch, as it is written.
 #[derive(Debug, Deserialize)]
@@ -20,7 +21,7 @@ pub(super) struct Request {
     pub(super) inner_radius_m: f64,
     pub(super) outer_radius_m: f64,
     pub(super) length_m: f64,
-    pub(super) material: Object<MaterialSpec>,
+    pub(super) material: NamedOr<MaterialSpec>,
     pub(super) fiber: Option<Object<FiberSpec>>,
     pub(super) pressure_pa: Option<f64>,
     pub(super) target: Option<Object<TargetSpec>>,
@@ -133,6 +134,8 @@ pub(super) enum Question<T> {
 pub(super) struct Case {
     pub(super) model: Model,
     pub(super) parameters: ActuatorParameters<f64>,
+    /// Largest stretch of the test behind the law of a named elastomer.
+    pub(super) stretch_max: Option<f64>,
     pub(super) question: Question<Target<f64>>,
     /// Range of the answers to an inverse question, and whether all of them are requested.
     pub(super) range: PressureRange<f64>,
@@ -144,7 +147,7 @@ impl Request {
     /// The case, or what the request leaves out or has too much of. Values are the model's to check.
     pub(super) fn case(&self) -> Result<Case, String> {
         let motion = self.motion.motion();
-        let material = self.material.0.material()?;
+        let (material, stretch_max) = material(&self.material)?;
         let fiber = self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?;
         let question = self.problem.question(self.pressure_pa, self.target.as_ref(), TargetSpec::target)?;
         let all = self.solutions == Some(Solutions::All);
@@ -169,6 +172,7 @@ impl Request {
                 material,
                 fiber,
             },
+            stretch_max,
             question,
             range: stated.unwrap_or_else(PressureRange::physical),
             all,
@@ -221,8 +225,19 @@ pub(super) fn only<T>(fields: impl IntoIterator<Item = Option<T>>) -> Result<T, 
     }
 }
 
+/// The law of a material; of a castable elastomer by trade name the largest stretch of its test, too.
+pub(super) fn material(material: &NamedOr<MaterialSpec>) -> Result<(Material<f64>, Option<f64>), String> {
+    match material {
+        NamedOr::Object(spec) => Ok((spec.material()?, None)),
+        NamedOr::Name(name) => match castable_elastomer(name) {
+            Ok(known) => Ok((known.material(), Some(known.stretch[1]))),
+            Err(help) => Err(format!("material = \"{name}\" is no known elastomer: {help}")),
+        },
+    }
+}
+
 impl MaterialSpec {
-    pub(super) fn material(&self) -> Result<Material<f64>, String> {
+    fn material(&self) -> Result<Material<f64>, String> {
         match (self.law, self.shear_modulus_pa, self.c_pa) {
             (Law::NeoHookean, Some(shear_modulus_pa), None) => Ok(Material::NeoHookean { shear_modulus_pa }),
             (Law::Yeoh, None, Some(c_pa)) => Ok(Material::Yeoh { c_pa }),

@@ -10,8 +10,8 @@ use serde_json::Value;
 
 use super::batch::{Scalar, as_written, word};
 use super::convert;
-use super::request::{FiberSpec, MaterialSpec, MotionName, Problem, Question, load, only, present};
-use softlimb_files::object::Object;
+use super::request::{FiberSpec, MaterialSpec, MotionName, Problem, Question, load, material, only, present};
+use softlimb_files::object::{NamedOr, Object};
 
 /// A line of a batch that asks about a series, as it is written.
 #[derive(Deserialize)]
@@ -35,7 +35,7 @@ struct SegmentSpec {
     inner_radius_m: f64,
     outer_radius_m: f64,
     length_m: f64,
-    material: Object<MaterialSpec>,
+    material: NamedOr<MaterialSpec>,
     fiber: Option<Object<FiberSpec>>,
     bend_direction_deg: Option<f64>,
 }
@@ -120,7 +120,7 @@ impl SegmentSpec {
             inner_radius_m: self.inner_radius_m,
             outer_radius_m: self.outer_radius_m,
             length_m: self.length_m,
-            material: self.material.0.material()?,
+            material: material(&self.material)?.0,
             fiber: self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?,
         };
         Ok((parameters, direction_deg.to_radians()))

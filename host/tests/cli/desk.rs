@@ -78,7 +78,7 @@ impl Desk {
     /// Runs `softlimb` with the words of a line and something on its standard input.
     pub(crate) fn softlimb_reading(&self, line: &str, input: &[u8]) -> Answer {
         let mut child = Command::new(env!("CARGO_BIN_EXE_softlimb"))
-            .args(line.split_whitespace())
+            .args(words(line))
             .current_dir(self.0.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -95,6 +95,15 @@ impl Desk {
             err: String::from_utf8(output.stderr).expect("standard error is UTF-8"),
         }
     }
+}
+
+/// The words of a line; quotes keep blanks together.
+pub(crate) fn words(line: &str) -> impl Iterator<Item = &str> {
+    let is_quoted = |index: usize| index % 2 == 1;
+    line.split('"').enumerate().flat_map(move |(index, part)| {
+        let plain = if is_quoted(index) { "" } else { part };
+        is_quoted(index).then_some(part).into_iter().chain(plain.split_whitespace())
+    })
 }
 
 fn collect(root: &Path, folder: &Path, found: &mut Vec<String>) {

@@ -2,7 +2,7 @@
 
 use crate::cli::desk::Desk;
 
-const VERBS: [&str; 15] = [
+const VERBS: [&str; 16] = [
     "check",
     "run",
     "report",
@@ -12,6 +12,7 @@ const VERBS: [&str; 15] = [
     "payload",
     "calibrate",
     "learn",
+    "materials",
     "fea",
     "workspace",
     "statics",

@@ -18,6 +18,7 @@ mod picture;
 mod points;
 mod problem;
 mod property;
+mod range;
 mod runs;
 mod tension;
 
@@ -29,8 +30,9 @@ pub use estimate::{Estimate, Noise, Value};
 pub use fit::{Fit, Observation, Settings, Unknown, fit};
 pub use holds::{Hold, LimbHold, holds, limb_holds};
 pub use loaded::{Loaded, fit_loaded};
-pub use picture::{picture, tension_picture};
+pub use picture::{picture, range_picture, tension_picture};
 pub use points::{Point, Points};
 pub use property::Property;
+pub use range::{RangeFit, fit_range};
 pub use softlimb_files::table::TableError;
 pub use tension::{Law, Tension, TensionFit, fit_tension};

@@ -1,6 +1,6 @@
 //! Measurements, what the model says before and after, and what is left.
 
-use super::{Fit, Observation, Tension, TensionFit};
+use super::{Fit, Observation, RangeFit, Tension, TensionFit};
 use fra_model::StateQuantity;
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 
@@ -75,6 +75,21 @@ pub fn tension_picture(test: &Tension, fit: &TensionFit) -> String {
         chart("residual".into(), "stretch", "residual, kPa", left),
     ];
     sheet(&[charts], ROOM, "A tensile test, the law that fits it, and the residuals")
+}
+
+/// A tensile test and the law of its range as a document that stands by itself.
+pub fn range_picture(name: &str, test: &Tension, fit: Option<&RangeFit>) -> String {
+    let measured = test.points().iter().map(|[stretch, stress]| [*stretch, 1e-3 * stress]).collect();
+    let mut curves = Vec::new();
+    if let Some(fit) = fit {
+        let [low, high] = fit.stretch;
+        let law = (0..=100).map(|step| low + (high - low) * f64::from(step) / 100.0);
+        let points = law.map(|stretch| [stretch, 1e-3 * fit.stress_pa(stretch)]).collect();
+        curves.push(Series { label: "yeoh".into(), color: Color::First, stroke: Stroke::Solid, points });
+    }
+    curves.push(Series { label: "measured".into(), color: Color::Ink, stroke: Stroke::Dots, points: measured });
+    let charts = vec![chart(format!("{name}: nominal stress"), "stretch", "nominal stress, kPa", curves)];
+    sheet(&[charts], ROOM, &format!("Tensile test of {name}, and the law that describes it"))
 }
 
 fn chart(title: String, x: &str, y: &str, series: Vec<Series>) -> Chart {

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::estimate::{Column, Shown, Value, enough, judge};
 use super::{CalibrationError, Settings};
-use softlimb_files::table::{Known, Table, TableError};
+use softlimb_files::table::{Known, Row, Table, TableError};
 
 /// A law of the elastomer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +89,9 @@ const COLUMNS: [Known<Kind>; 7] = [
     Known { name: "force_n", kind: Kind::Force, factor: 1.0, shift: 0.0, range: [-1e5, 1e5] },
 ];
 
+/// The column that names a material.
+const MATERIAL: &str = "material";
+
 impl Tension {
     /// Reads a test from a table with one column of stretch or strain and one of stress or force; `section_m2` is the undeformed section,
     /// which a force needs and a stress has no use for.
@@ -98,31 +101,30 @@ impl Tension {
     pub fn read(text: &str, section_m2: Option<f64>) -> Result<Self, TableError> {
         let table = Table::cut(text)?;
         table.only(&COLUMNS, &[])?;
-        let there = table.columns(&COLUMNS);
-        let one_of = |wanted: &[Kind], what: &str| match there.iter().filter(|c| wanted.contains(&c.1.kind)).count() {
-            1 => Ok(*there.iter().find(|c| wanted.contains(&c.1.kind)).unwrap_or(&there[0])),
-            count => {
-                let names = COLUMNS.iter().filter(|c| wanted.contains(&c.kind)).map(|c| c.name).collect::<Vec<_>>();
-                Err(table.header_error(format!("{count} columns of {what}; give one of {}", names.join(", "))))
+        let points = points(&table, section_m2)?;
+        Ok(Self { points: points.into_iter().map(|(_, point)| point).collect() })
+    }
+
+    /// Reads the tests of several materials from a table that has a column `material`, too; in the order of their first rows.
+    ///
+    /// # Errors
+    /// [`TableError`] with line, column, value and what is accepted.
+    pub fn read_by_name(text: &str) -> Result<Vec<(String, Self)>, TableError> {
+        let table = Table::cut(text)?;
+        table.only(&COLUMNS, &[MATERIAL])?;
+        let place = table.place(MATERIAL).ok_or_else(|| table.header_error(format!("no column `{MATERIAL}`")))?;
+        let mut tests: Vec<(String, Self)> = Vec::new();
+        for (row, point) in points(&table, None)? {
+            let name = row.text(place);
+            if name.is_empty() {
+                return Err(row.refused(place, MATERIAL, "a name".into()));
             }
-        };
-        let stretch = one_of(&[Kind::Stretch], "stretch")?;
-        let stress = one_of(&[Kind::Stress, Kind::Force], "stress or force")?;
-        let divisor = match (stress.1.kind, section_m2) {
-            (Kind::Force, Some(section)) => section,
-            (Kind::Force, None) => return Err(table.header_error("a force needs the undeformed section".into())),
-            (_, Some(_)) => return Err(table.header_error("a stress is already per section: give a force".into())),
-            (_, None) => 1.0,
-        };
-        let mut points = Vec::with_capacity(table.rows().len());
-        for row in table.rows() {
-            let number = |(place, column): (usize, &Known<Kind>)| {
-                let missing = || row.refused(place, column.name, "a number".into());
-                row.number(place, column)?.ok_or_else(missing)
-            };
-            points.push([number(stretch)?, number(stress)? / divisor]);
+            match tests.iter_mut().find(|(known, _)| known == name) {
+                Some((_, test)) => test.points.push(point),
+                None => tests.push((name.into(), Self { points: vec![point] })),
+            }
         }
-        Ok(Self { points })
+        Ok(tests)
     }
 
     /// The points: stretch and nominal stress, Pa.
@@ -136,8 +138,37 @@ impl Tension {
     }
 }
 
+/// The rows of a table, each with its stretch and nominal stress, Pa.
+fn points(table: &Table, section_m2: Option<f64>) -> Result<Vec<(&Row, [f64; 2])>, TableError> {
+    let there = table.columns(&COLUMNS);
+    let one_of = |wanted: &[Kind], what: &str| match there.iter().filter(|c| wanted.contains(&c.1.kind)).count() {
+        1 => Ok(*there.iter().find(|c| wanted.contains(&c.1.kind)).unwrap_or(&there[0])),
+        count => {
+            let names = COLUMNS.iter().filter(|c| wanted.contains(&c.kind)).map(|c| c.name).collect::<Vec<_>>();
+            Err(table.header_error(format!("{count} columns of {what}; give one of {}", names.join(", "))))
+        }
+    };
+    let stretch = one_of(&[Kind::Stretch], "stretch")?;
+    let stress = one_of(&[Kind::Stress, Kind::Force], "stress or force")?;
+    let divisor = match (stress.1.kind, section_m2) {
+        (Kind::Force, Some(section)) => section,
+        (Kind::Force, None) => return Err(table.header_error("a force needs the undeformed section".into())),
+        (_, Some(_)) => return Err(table.header_error("a stress is already per section: give a force".into())),
+        (_, None) => 1.0,
+    };
+    let mut points = Vec::with_capacity(table.rows().len());
+    for row in table.rows() {
+        let number = |(place, column): (usize, &Known<Kind>)| {
+            let missing = || row.refused(place, column.name, "a number".into());
+            row.number(place, column)?.ok_or_else(missing)
+        };
+        points.push((row, [number(stretch)?, number(stress)? / divisor]));
+    }
+    Ok(points)
+}
+
 /// Contribution of each coefficient to the nominal stress at a stretch.
-fn shares(law: Law, stretch: f64) -> Vec<f64> {
+pub(super) fn shares(law: Law, stretch: f64) -> Vec<f64> {
     let lever = stretch - 1.0 / (stretch * stretch);
     let x = stretch * stretch + 2.0 / stretch - 3.0;
     match law {
@@ -196,7 +227,7 @@ pub fn fit_tension(
 }
 
 /// Linear least squares, columns made equally long first.
-fn solve(matrix: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+pub(super) fn solve(matrix: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     let lengths: Vec<f64> = matrix.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     let equal = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, k| matrix[(i, k)] / lengths[k]);
     let found = equal.svd(true, true).solve(right, 1e-14).unwrap_or_else(|_| DVector::zeros(lengths.len()));

@@ -69,6 +69,8 @@ pub struct Module {
     pub end_length_m: f64,
     /// The elastomer, located at its name in the module.
     pub material: Located<Material<f64>>,
+    /// Largest stretch of the test behind the elastomer's law, where it is known.
+    pub stretch_max: Option<f64>,
     /// Density of the elastomer, kg/m3.
     pub density_kg_per_m3: f64,
     /// The winding, located at its name in the module.

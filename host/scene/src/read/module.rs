@@ -6,6 +6,7 @@ use super::arrangement::{arrangement, steering};
 use super::design::module_bounds;
 use super::parts::{Elastomer, Parts, Winding};
 use crate::data::{Limits, Module, ModuleBounds, Thread, WoundWall};
+use crate::elastomers::castable_elastomer;
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
@@ -75,7 +76,7 @@ fn draft<'a>(
     let mount_angle = reader.quantity(&keys::MOUNT_ANGLE);
     let spacers = reader.integer(&keys::SPACERS);
     let spacer_mass = reader.quantity(&keys::SPACER_MASS);
-    let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, materials.find(reader.log(), name)?)));
+    let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, elastomer(reader, materials, name)?)));
     let bounds = module_bounds(reader).unwrap_or_default();
     let law = material.as_ref().map(|(_, elastomer)| elastomer.law);
     let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall, law));
@@ -100,6 +101,7 @@ fn draft<'a>(
             length_m: length?,
             end_length_m: end_length?,
             material: material_name.map(|_| material.law),
+            stretch_max: material.stretch_max,
             density_kg_per_m3: material.density_kg_per_m3,
             fiber: fiber.map(|wound| wound.map(|(fiber, _)| fiber))?,
             thread: fiber?.and_then(|(_, thread)| thread),
@@ -110,6 +112,22 @@ fn draft<'a>(
     };
     let module = module().filter(|module| model_accepts(reader, module));
     Draft { name, motion, actuators, bounds, module }
+}
+
+/// The scene's material of a name, or the castable elastomer of a trade name.
+fn elastomer(reader: &Reader<'_>, materials: &Parts<'_, Elastomer>, name: Located<&str>) -> Option<Elastomer> {
+    if materials.has(name.value) {
+        return materials.find(reader.log(), name).copied();
+    }
+    match castable_elastomer(name.value) {
+        Ok(castable) => Some(castable.into()),
+        // A trade name has blanks or digits that a name of the scene's own rarely has.
+        Err(help) if name.value.contains(' ') => {
+            let title = format!("unknown elastomer {}", quoted(name.value));
+            reader.log().note(Problem::at(name.span, title, "no such material").help(help))
+        }
+        Err(_) => materials.find(reader.log(), name).copied(),
+    }
 }
 
 fn wall(reader: &Reader<'_>, inner: Located<f64>, outer: Located<f64>) -> Option<(Located<f64>, Located<f64>)> {

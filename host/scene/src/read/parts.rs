@@ -6,6 +6,7 @@ use fra_model::{Families, Material, Placement};
 use toml::de::DeValue;
 
 use crate::data::Thread;
+use crate::elastomers::CastableElastomer;
 use crate::error::{Problem, quoted};
 use crate::reader::{Log, Reader, Value};
 use crate::schema;
@@ -21,6 +22,10 @@ pub(super) struct Parts<'a, T> {
 }
 
 impl<T> Parts<'_, T> {
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.by_name.contains_key(name)
+    }
+
     /// The part a module names.
     pub(super) fn find(&self, log: &Log, name: Located<&str>) -> Option<&T> {
         if let Some(part) = self.by_name.get(name.value) {
@@ -38,9 +43,19 @@ impl<T> Parts<'_, T> {
 }
 
 /// An elastomer.
+#[derive(Clone, Copy)]
 pub(super) struct Elastomer {
     pub(super) law: Material<f64>,
+    /// Largest stretch of the test behind the law.
+    pub(super) stretch_max: Option<f64>,
     pub(super) density_kg_per_m3: f64,
+}
+
+impl From<&CastableElastomer> for Elastomer {
+    fn from(castable: &CastableElastomer) -> Self {
+        let [_, most] = castable.stretch;
+        Self { law: castable.material(), stretch_max: Some(most), density_kg_per_m3: schema::DENSITY_KG_PER_M3 }
+    }
 }
 
 /// A winding whose radius may still depend on the actuator.
@@ -60,11 +75,8 @@ pub(super) struct Winding {
 }
 
 pub(super) fn materials<'a>(root: &Reader<'a>) -> Parts<'a, Elastomer> {
-    let key = schema::scene::MATERIALS;
-    if root.value(key.name).is_none() {
-        root.no_table::<()>(key.name, schema::material::SECTION.header, "define a material");
-    }
-    Parts { kind: "material", by_name: named(root, key.name, &schema::material::SECTION, material) }
+    let name = schema::scene::MATERIALS.name;
+    Parts { kind: "material", by_name: named(root, name, &schema::material::SECTION, material) }
 }
 
 pub(super) fn windings<'a>(root: &Reader<'a>) -> Parts<'a, Winding> {
@@ -94,8 +106,9 @@ fn named<'a, T>(
 }
 
 fn material(reader: &Reader<'_>) -> Option<Elastomer> {
-    use schema::material::{C, DENSITY, LAW, SHEAR_MODULUS};
+    use schema::material::{C, DENSITY, LAW, SHEAR_MODULUS, STRETCH_MAX};
     let density = reader.quantity(&DENSITY);
+    let stretch_max = reader.maybe(&STRETCH_MAX);
     let is_yeoh = *reader.choice(&LAW, &[false, true])?;
     let law = if is_yeoh {
         reader.forbid(&[SHEAR_MODULUS.name], "with `law = \"yeoh\"`")?;
@@ -106,7 +119,8 @@ fn material(reader: &Reader<'_>) -> Option<Elastomer> {
         let modulus = modulus.or_else(|| reader.missing(SHEAR_MODULUS.name, " with `law = \"neo-hookean\"`"))?;
         Material::NeoHookean { shear_modulus_pa: *modulus }
     };
-    Some(Elastomer { law, density_kg_per_m3: *density? })
+    let stretch_max = stretch_max?.map(|stretch| *stretch);
+    Some(Elastomer { law, stretch_max, density_kg_per_m3: *density? })
 }
 
 fn yeoh_coefficients(reader: &Reader<'_>, name: &str) -> Option<[f64; 3]> {

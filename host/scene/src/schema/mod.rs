@@ -9,7 +9,7 @@ mod units;
 
 pub(super) use choice::{bounds, design};
 pub(super) use motion::{controller, limits, phase, target, weight};
-pub(super) use parts::{connector, end_effector, limb, material, module, scene, thread, winding};
+pub(super) use parts::{DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, thread, winding};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, valve};
 pub(super) use task::{corrections, markers, object, obstacle, region};
 pub(super) use units::Unit;

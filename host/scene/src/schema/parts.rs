@@ -2,6 +2,9 @@
 
 use super::section;
 
+/// Density of platinum-cure silicone, kg/m3.
+pub(crate) const DENSITY_KG_PER_M3: f64 = 1080.0;
+
 section! {
     /// Name of the scene, and its tables.
     scene, "";
@@ -9,7 +12,7 @@ section! {
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name of the scene; results go to a folder of this name.";
     DESCRIPTION: Text { name: "description", is_name: false, presence: Default("") } = "Purpose of the scene, in a sentence.";
     SEED: Integer { name: "seed", min: 0, max: i64::MAX, presence: Default(0) } = "Seed of everything random in the simulated plant. The same scene and seed give the same run.";
-    MATERIALS: Nested { name: "materials", shape: "tables `[materials.NAME]`", presence: Required } = "Elastomers.";
+    MATERIALS: Nested { name: "materials", shape: "tables `[materials.NAME]`", presence: Optional("castable elastomers by trade name only") } = "Elastomers.";
     WINDINGS: Nested { name: "windings", shape: "tables `[windings.NAME]`", presence: Optional("no windings") } = "Fiber windings.";
     LIMB: Nested { name: "limb", shape: "table `[limb]`", presence: Required } = "Base of the limb, and its rigid parts.";
     MODULE: Nested { name: "module", shape: "tables `[[module]]`, 1 to 27", presence: Required } = "Modules from the base to the tip.";
@@ -32,7 +35,8 @@ section! {
     LAW: Choice { name: "law", words: &["neo-hookean", "yeoh"], presence: Required } = "Strain-energy function: mu/2 (I1-3), or C1 (I1-3) + C2 (I1-3)^2 + C3 (I1-3)^3.";
     SHEAR_MODULUS: Quantity { name: "shear_modulus", unit: Unit::MPA, min: 0.001, max: 100.0, presence: Optional("required for `neo-hookean`") } = "Shear modulus mu.";
     C: Nested { name: "c", shape: "three pressures", presence: Optional("required for `yeoh`") } = "Coefficients C1, C2, C3; C1 from 0.0005 to 50 MPa, the others from -50 to 50 MPa.";
-    DENSITY: Quantity { name: "density", unit: Unit::KG_PER_M3, min: 100.0, max: 10_000.0, presence: Default(1080.0) } = "Density; the default is that of platinum-cure silicone.";
+    STRETCH_MAX: Quantity { name: "stretch_max", unit: Unit::NUMBER, min: 1.0, max: 20.0, presence: Optional("not known") } = "Largest stretch of the test behind the law; `check` warns of walls that stretch further.";
+    DENSITY: Quantity { name: "density", unit: Unit::KG_PER_M3, min: 100.0, max: 10_000.0, presence: Default(super::DENSITY_KG_PER_M3) } = "Density; the default is that of platinum-cure silicone.";
 }
 
 section! {
@@ -99,7 +103,7 @@ section! {
     OUTER_RADIUS: Quantity { name: "outer_radius", unit: Unit::MM, min: 0.2, max: 200.0, presence: Required } = "Outer radius at rest, above `inner_radius`.";
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";
     END_LENGTH: Quantity { name: "end_length", unit: Unit::MM, min: 0.0, max: 500.0, presence: Default(0.0) } = "Length at each end that the cap takes out of the motion, less than half of `length`; `softlimb fea calibrate` prints it. The rest moves.";
-    MATERIAL: Text { name: "material", is_name: true, presence: Required } = "A name from `[materials]`.";
+    MATERIAL: Text { name: "material", is_name: false, presence: Required } = "A name from `[materials]`, or the trade name of an elastomer that `softlimb materials` lists.";
     WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`. `twisting` needs one family.";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Optional("`pressure_max` of `[limits]`") } = "Largest gauge pressure in its chambers.";
     BOUNDS: Nested { name: "bounds", shape: "table `[module.bounds]`", presence: Optional("those of `[design]`") } = "Bounds of this module, where they differ from `[design]`.";

@@ -62,6 +62,21 @@ impl Draft {
         self.document.get_mut(part.tables())?.as_table_like_mut()?.get_mut(name)?.as_table_like_mut()
     }
 
+    /// Adds a material under a name that is free; `None` where the materials are on one line.
+    pub(super) fn add_material(&mut self, base: &str, keys: [(&str, Value); 2]) -> Option<String> {
+        let mut empty = Table::new();
+        empty.set_implicit(true);
+        let parts = self.document.entry(Part::Material.tables()).or_insert(Item::Table(empty)).as_table_mut()?;
+        let mut names = std::iter::once(base.to_owned()).chain((2..100).map(|count| format!("{base}-{count}")));
+        let free = names.find(|name| !parts.contains_key(name))?;
+        let mut table = Table::new();
+        for (key, new) in keys {
+            table.insert(key, value(new));
+        }
+        parts.insert(&free, Item::Table(table));
+        Some(free)
+    }
+
     /// Copies a part under the first of `names` that is free, without the comments, which are about the other one. `None` where the parts of
     /// the kind are on one line.
     pub(super) fn copy(&mut self, part: Part, name: &str, mut names: impl Iterator<Item = String>) -> Option<String> {

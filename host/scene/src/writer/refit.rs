@@ -99,6 +99,10 @@ impl Pen<'_> {
             let differing: Vec<usize> = users.iter().filter(|user| !changes(user).is_empty()).copied().collect();
             let Some(first) = differing.first() else { continue };
             let alike = |user: &usize| same_part(part, &self.wanted[*user], &self.wanted[*first], stated);
+            if part == Part::Material && self.draft.part(part, name).is_none() {
+                self.castable(name, &differing)?;
+                return self.parts(part);
+            }
             if users.iter().all(alike) {
                 self.part(part, name, *first, stated)?;
                 continue;
@@ -111,12 +115,33 @@ impl Pen<'_> {
         Ok(())
     }
 
+    /// Writes the law of a castable elastomer under a name of the scene's own, and has its modules use that.
+    fn castable(&mut self, name: &str, users: &[usize]) -> Result<(), RewriteError> {
+        let module = &self.modules[users[0]];
+        let (law, key, value) = material_words(&module.material);
+        let base: String = name.to_lowercase().split_whitespace().collect::<Vec<_>>().join("-");
+        let own = self.draft.add_material(&base, [(material::LAW.name, law.into()), (key, value)]);
+        let own = own.ok_or_else(|| not_written(module, Part::Material.key()))?;
+        for user in users {
+            let table = self.draft.module(*user).ok_or_else(|| not_written(module, Part::Material.key()))?;
+            let changes = vec![(module::MATERIAL.name, module::MATERIAL.name, own.as_str().into())];
+            write(table, &format!("module `{}`", *self.modules[*user].name), changes, &mut self.log)
+                .ok_or_else(|| not_written(module, Part::Material.key()))?;
+        }
+        Ok(())
+    }
+
     /// Writes into a part what one of its modules gets.
     fn part(&mut self, part: Part, name: &str, user: usize, stated: bool) -> Result<(), RewriteError> {
         let module = &self.modules[user];
         let changes = changes(part, module, &self.wanted[user], stated);
         let place = format!("[{}.{name}]", part.tables());
         let table = self.draft.part(part, name).ok_or_else(|| not_written(module, part.key()))?;
+        // The stretch of a test says nothing about a law from other measurements.
+        let stretch_max = material::STRETCH_MAX.name;
+        if part == Part::Material && !changes.is_empty() && table.remove(stretch_max).is_some() {
+            self.log.push(format!("{place}: {stretch_max} removed"));
+        }
         write(table, &place, changes, &mut self.log).ok_or_else(|| not_written(module, part.key()))
     }
 

@@ -4,13 +4,13 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use fra_model::{ActuatorParameters, Material, Motion};
+use fra_model::{ActuatorParameters, Material};
 use serde::Serialize;
 
 use super::super::shared::{about, above_zero, read};
 use super::super::{Failure, Outcome};
 use super::{Files, Fitted, Fitting};
-use softlimb_limb::Limb;
+use softlimb_limb::{Limb, largest_stretch};
 use softlimb_rig::calibrate::{Law, Tension, TensionFit, fit_tension, tension_picture};
 use softlimb_scene as scene;
 use softlimb_scene::{Quantity, Scene};
@@ -134,14 +134,6 @@ impl TensionMode {
     }
 }
 
-/// The largest stretch in a wall: along the tube, at the far side of a bend, or around the lumen.
-fn largest_stretch(actuator: &ActuatorParameters<f64>, state: &fra_model::State<f64>) -> f64 {
-    match actuator.motion {
-        Motion::Bending => 2.0 * state.axial_stretch - 1.0,
-        _ => state.axial_stretch.max(state.inner_radius_m / actuator.inner_radius_m),
-    }
-}
-
 fn warnings(fit: &TensionFit) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(stretch) = fit.softens_at {
@@ -176,7 +168,7 @@ fn table(test: &Tension, fit: &TensionFit, confidence: f64) -> String {
 }
 
 /// The coefficients as a scene has them.
-fn coefficients(material: &Material<f64>) -> String {
+pub(in crate::cli) fn coefficients(material: &Material<f64>) -> String {
     match material {
         Material::NeoHookean { shear_modulus_pa } => format!("shear_modulus = \"{:.7} MPa\"", shear_modulus_pa * 1e-6),
         Material::Yeoh { c_pa } => {

@@ -12,7 +12,7 @@ use segment::SegmentSpec;
 use softlimb_files::object::Object;
 use softlimb_files::problem;
 use softlimb_files::problem::{ProblemError, Refused, missing, require};
-pub(crate) use winding::{PLACEMENTS, families, material, thickness_m, wall_share};
+pub(crate) use winding::{PLACEMENTS, families, material, stated_or_named, thickness_m, wall_share};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -5,9 +5,9 @@ use serde::Deserialize;
 
 use super::Weights;
 use super::bounds::BoundsSpec;
-use super::winding::{FiberSpec, MaterialSpec};
+use super::winding::{FiberSpec, MaterialSpec, stated_or_named};
 use crate::actuators::problem::{Goal, MOST, Segment};
-use softlimb_files::object::Object;
+use softlimb_files::object::{NamedOr, Object};
 use softlimb_files::problem::{Refused, missing, require, superfluous};
 
 /// The share of the limit pressure that stays unused where a file does not say.
@@ -32,7 +32,7 @@ pub(super) enum Name {
 pub(super) struct SegmentSpec {
     name: String,
     motion: Name,
-    material: Object<MaterialSpec>,
+    material: NamedOr<MaterialSpec>,
     fiber: Option<Object<FiberSpec>>,
     bounds: Object<BoundsSpec>,
     targets: Object<TargetsSpec>,
@@ -63,7 +63,7 @@ impl SegmentSpec {
         require(within, &format!("{at}.bounds.limit_margin"), margin, "0.001 to 0.9")?;
         let highest = bounds.pressure_max_pa;
         require(highest > 0.0, &format!("{at}.bounds.pressure_max_pa"), highest, "> 0")?;
-        let material = self.material.0.material(&format!("{at}.material"))?;
+        let material = stated_or_named(&self.material, &format!("{at}.material"), MaterialSpec::material)?;
         let wound = format!("{at}.fiber");
         let fiber = self.fiber(motion, &wound)?;
         let geometry = bounds.geometry(motion, &format!("{at}.bounds"))?;

@@ -5,7 +5,9 @@ use serde::Deserialize;
 
 use super::segment::Name;
 use crate::actuators::problem::Winding;
+use softlimb_files::object::NamedOr;
 use softlimb_files::problem::{Refused, missing, require, superfluous};
+use softlimb_scene::castable_elastomer;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -33,6 +35,21 @@ impl MaterialSpec {
             _ => "",
         };
         material(law, self.shear_modulus_pa, self.c_pa, at)
+    }
+}
+
+/// A material that is stated, or that of a castable elastomer by trade name.
+pub(crate) fn stated_or_named<S>(
+    material: &NamedOr<S>,
+    at: &str,
+    stated: impl Fn(&S, &str) -> Result<Material<f64>, Refused>,
+) -> Result<Material<f64>, Refused> {
+    match material {
+        NamedOr::Object(spec) => stated(spec, at),
+        NamedOr::Name(name) => match castable_elastomer(name) {
+            Ok(known) => Ok(known.material()),
+            Err(help) => Err((at.into(), format!("= \"{name}\" is no known elastomer: {help}"))),
+        },
     }
 }
 

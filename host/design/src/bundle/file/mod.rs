@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::problem::{Attachment, ForceProblem, Place, Sample, Tube};
 use crate::actuators::Bounds;
-use softlimb_files::object::Object;
+use softlimb_files::object::{NamedOr, Object};
 use softlimb_files::problem;
 use softlimb_files::problem::{ProblemError, Refused, bounds_from, require};
 use tube::{BoundsSpec, FiberSpec, MaterialSpec, OwnBoundsSpec, TubeSpec, own};
@@ -23,7 +23,7 @@ struct File {
     #[serde(default)]
     shared_geometry: bool,
     weights: Object<Weights>,
-    material: Object<MaterialSpec>,
+    material: NamedOr<MaterialSpec>,
     fiber: Object<FiberSpec>,
     bounds: Object<BoundsSpec>,
     actuators: Vec<Object<AttachmentSpec>>,
@@ -54,7 +54,7 @@ struct AttachmentSpec {
     slope_x: Bounds,
     #[serde(default)]
     slope_y: Bounds,
-    material: Option<Object<MaterialSpec>>,
+    material: Option<NamedOr<MaterialSpec>>,
     fiber: Option<Object<FiberSpec>>,
     bounds: Option<Object<OwnBoundsSpec>>,
 }
@@ -107,7 +107,7 @@ impl File {
     fn attachments(&self) -> Result<Vec<Attachment>, Refused> {
         // Common values are checked even if no actuator uses them.
         TubeSpec {
-            material: (&self.material.0, "material"),
+            material: (&self.material, "material"),
             fiber: (&self.fiber.0, "fiber"),
             bounds: (self.bounds.0, "bounds"),
         }
@@ -137,8 +137,8 @@ impl File {
             own_bounds.refuse_sizes(&bounds)?;
         }
         TubeSpec {
-            material: own(&spec.material, &self.material.0, [&material, "material"]),
-            fiber: own(&spec.fiber, &self.fiber.0, [&fiber, "fiber"]),
+            material: own(spec.material.as_ref(), &self.material, [&material, "material"]),
+            fiber: own(spec.fiber.as_ref().map(|Object(own)| own), &self.fiber.0, [&fiber, "fiber"]),
             bounds: (own_bounds.over(&self.bounds.0), &bounds),
         }
         .tube()

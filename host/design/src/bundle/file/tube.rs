@@ -4,9 +4,9 @@ use fra_model::{Material, Placement};
 use serde::Deserialize;
 
 use super::super::problem::Tube;
-use crate::actuators::file::{PLACEMENTS, families, material, thickness_m, wall_share};
+use crate::actuators::file::{PLACEMENTS, families, material, stated_or_named, thickness_m, wall_share};
 use crate::actuators::{Bounds, Winding};
-use softlimb_files::object::Object;
+use softlimb_files::object::NamedOr;
 use softlimb_files::problem::{Refused, bounds_from, positive_bounds, require, superfluous};
 
 #[derive(Deserialize)]
@@ -52,7 +52,7 @@ pub(super) struct OwnBoundsSpec {
 
 /// What a tube is made of and its bounds, and the fields that say so.
 pub(super) struct TubeSpec<'a> {
-    pub(super) material: (&'a MaterialSpec, &'a str),
+    pub(super) material: (&'a NamedOr<MaterialSpec>, &'a str),
     pub(super) fiber: (&'a FiberSpec, &'a str),
     pub(super) bounds: (BoundsSpec, &'a str),
 }
@@ -63,7 +63,7 @@ impl TubeSpec<'_> {
         bounds.check(at)?;
         let (fiber, wound) = self.fiber;
         Ok(Tube {
-            material: self.material.0.material(self.material.1)?,
+            material: stated_or_named(self.material.0, self.material.1, MaterialSpec::material)?,
             winding: fiber.winding(bounds.wall_m[0], wound)?,
             mirrored: fiber.mirrored,
             inner_radius_m: bounds.inner_radius_m,
@@ -149,10 +149,6 @@ impl FiberSpec {
 }
 
 /// The actuator's own value or the common one, with its place in the file.
-pub(super) fn own<'a, T>(
-    own: &'a Option<Object<T>>,
-    common: &'a T,
-    [own_at, common_at]: [&'a str; 2],
-) -> (&'a T, &'a str) {
-    own.as_ref().map_or((common, common_at), |Object(own)| (own, own_at))
+pub(super) fn own<'a, T>(own: Option<&'a T>, common: &'a T, [own_at, common_at]: [&'a str; 2]) -> (&'a T, &'a str) {
+    own.map_or((common, common_at), |own| (own, own_at))
 }
