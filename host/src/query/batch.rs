@@ -16,10 +16,12 @@ use serde_json::Value;
 use super::chunks;
 use super::complaint;
 use super::convert;
+use super::errors::{self, Errors};
 use super::fields;
 use super::request::{Case, Model, Question, Request};
 use super::section_fe::{self, Discretisation, Found};
 use super::series::{SeriesAnswer, SeriesRequest};
+use softlimb_fea::cross_section::analytic_bend_error;
 use softlimb_files::object::Object;
 use softlimb_limb::largest_stretch;
 
@@ -42,6 +44,9 @@ struct Answer {
     iterations: u32,
     discretisation_error: Option<Discretisation>,
     all: Option<All>,
+    /// The model that answered, where there was a choice.
+    model: Option<&'static str>,
+    errors: Option<Errors>,
     warning: Option<String>,
     message: Option<String>,
 }
@@ -154,10 +159,45 @@ fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
         };
     }
     match (case.model, solver.scalar) {
-        (Model::Analytic, Scalar::F64) => Ok(Answer::of(&solver.solve_double(case)?)),
-        (Model::Analytic, Scalar::F32) => Ok(Answer::of(&solver.solve_single(case)?)),
-        (Model::SectionFe, Scalar::F64) => Ok(Answer::found(&by_section(case)?)),
+        (Model::Analytic | Model::Auto, scalar) => {
+            let solution = match scalar {
+                Scalar::F64 => solver.solve_double(case)?,
+                Scalar::F32 => solver.solve_single(case)?,
+            };
+            // Most answers are neither about a wound bender nor have their errors.
+            let has_choice = case.model == Model::Auto && errors::is_wound_bender(&case.parameters);
+            if case.errors || has_choice { chosen(case, &solution, scalar) } else { Ok(Answer::of(&solution)) }
+        }
+        (Model::SectionFe, Scalar::F64) => {
+            let found = by_section(case)?;
+            let answer = Answer::found(&found);
+            Ok(if case.errors { answer.with_errors_of(case, &found) } else { answer })
+        }
         (Model::SectionFe, Scalar::F32) => Err("`model` \"section-fe\" has no single precision".into()),
+    }
+}
+
+/// The analytic answer with its errors, or with model `auto` that of finite elements where the error of the first is beyond the tolerance.
+fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answer, String> {
+    let precision = match scalar {
+        Scalar::F64 => f64::EPSILON,
+        Scalar::F32 => f64::from(f32::EPSILON),
+    };
+    let is_solved = analytic.status == Status::Solved;
+    let errors = is_solved.then(|| errors::of_analytic(case, &analytic.state, precision));
+    let is_within = analytic_bend_error(&case.parameters, &analytic.state).is_some_and(|error| error <= case.tolerance);
+    let answer = Answer { model: Some("analytic"), errors, ..Answer::of(analytic) };
+    if case.model == Model::Analytic
+        || scalar == Scalar::F32
+        || (is_solved && is_within)
+        || !errors::is_wound_bender(&case.parameters)
+    {
+        return Ok(answer);
+    }
+    // Vacuum and more than 100 shear moduli are outside the finite elements' range.
+    match by_section(case) {
+        Ok(found) => Ok(Answer { model: Some("section-fe"), ..Answer::found(&found) }.with_errors_of(case, &found)),
+        Err(_) => Ok(answer),
     }
 }
 
@@ -325,6 +365,8 @@ impl Answer {
             iterations: 0,
             discretisation_error: None,
             all: None,
+            model: None,
+            errors: None,
             warning: None,
             message,
         }
@@ -345,6 +387,11 @@ impl Answer {
         let blank = Self::without_state(word(found.status), None);
         let Found { state, limit_pressure_pa, iterations, error, .. } = *found;
         Self { state, limit_pressure_pa, iterations, discretisation_error: error, ..blank }
+    }
+
+    fn with_errors_of(self, case: &Case, found: &Found) -> Self {
+        let discretisation = found.error.map(|error| error.natural(case.parameters.motion));
+        Self { errors: found.state.as_ref().map(|state| errors::of_section(case, state, discretisation)), ..self }
     }
 
     /// The warning of a wall that stretches further than the test behind the law of its elastomer.
@@ -377,6 +424,12 @@ impl Answer {
         if let Some(all) = &self.all {
             append(out, ",\"solutions\":", &all.solutions.iter().map(Listed::of).collect::<Vec<_>>())?;
             append(out, ",\"solutions_complete\":", &all.complete)?;
+        }
+        if let Some(model) = self.model {
+            append(out, ",\"model\":", model)?;
+        }
+        if let Some(errors) = &self.errors {
+            append(out, ",\"errors\":", errors)?;
         }
         if let Some(warning) = &self.warning {
             append(out, ",\"warnings\":", &[warning])?;

@@ -28,6 +28,7 @@ fn request(scan: &mut Scan) -> Option<Request> {
     let (mut material, mut fiber, mut pressure_pa, mut target) = (None, None, None, None);
     let (mut external_force_n, mut external_torque_nm) = (None, None);
     let (mut pressure_range, mut solutions) = (None, None);
+    let mut tolerance = None;
     scan.object(|scan, name| match name {
         b"id" => put(&mut id, scan.id()),
         b"model" => put(&mut model, scan.word().and_then(model_named)),
@@ -42,6 +43,7 @@ fn request(scan: &mut Scan) -> Option<Request> {
         b"target" => put(&mut target, target_spec(scan)),
         b"pressure_range" => put(&mut pressure_range, scan.numbers()),
         b"solutions" => put(&mut solutions, scan.word().and_then(solutions_named)),
+        b"tolerance" => put(&mut tolerance, scan.number()),
         b"external_force_n" => put(&mut external_force_n, scan.number()),
         b"external_torque_nm" => put(&mut external_torque_nm, scan.number()),
         _ => None,
@@ -60,6 +62,8 @@ fn request(scan: &mut Scan) -> Option<Request> {
         target: target.map(Object),
         pressure_range,
         solutions,
+        tolerance,
+        errors: false,
         external_force_n,
         external_torque_nm,
     })
@@ -108,6 +112,7 @@ fn target_spec(scan: &mut Scan) -> Option<TargetSpec> {
 
 fn model_named(name: &[u8]) -> Option<Model> {
     match name {
+        b"auto" => Some(Model::Auto),
         b"analytic" => Some(Model::Analytic),
         b"section-fe" => Some(Model::SectionFe),
         _ => None,

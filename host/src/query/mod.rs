@@ -5,6 +5,7 @@ mod chunks;
 mod complaint;
 mod convert;
 mod curve;
+mod errors;
 mod fields;
 mod request;
 mod scan;

@@ -27,16 +27,24 @@ pub(super) struct Request {
     pub(super) target: Option<Object<TargetSpec>>,
     pub(super) pressure_range: Option<[f64; 2]>,
     pub(super) solutions: Option<Solutions>,
+    pub(super) tolerance: Option<f64>,
+    #[serde(default)]
+    pub(super) errors: bool,
     pub(super) external_force_n: Option<f64>,
     pub(super) external_torque_nm: Option<f64>,
 }
+
+/// Relative error of the analytic bend that is accepted where the query states none.
+const TOLERANCE: f64 = 0.1;
 
 /// Model that answers.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(variant_identifier, rename_all = "kebab-case")]
 pub(super) enum Model {
-    /// The equations of the tube and of the bending section.
+    /// Analytic where its error is within the tolerance, else finite elements.
     #[default]
+    Auto,
+    /// The equations of the tube and of the bending section.
     Analytic,
     /// Finite elements of the section.
     SectionFe,
@@ -141,6 +149,10 @@ pub(super) struct Case {
     pub(super) range: PressureRange<f64>,
     pub(super) all: bool,
     pub(super) load: Load<f64>,
+    /// Largest relative error of the analytic bend that model `auto` accepts.
+    pub(super) tolerance: f64,
+    /// Whether the answer has its errors.
+    pub(super) errors: bool,
 }
 
 impl Request {
@@ -161,6 +173,12 @@ impl Request {
         if all && self.model == Model::SectionFe {
             return Err("`solutions` \"all\" is not for `model` \"section-fe\": it finds one".into());
         }
+        let tolerance = match (self.tolerance, self.model) {
+            (None, _) => TOLERANCE,
+            (Some(value), Model::Auto) if value > 0.0 && value.is_finite() => value,
+            (Some(value), Model::Auto) => return Err(format!("tolerance = {value} is not allowed: finite and > 0")),
+            (Some(_), _) => return Err("`tolerance` is for `model` \"auto\"".into()),
+        };
         let stated = self.pressure_range.map(|[least_pa, most_pa]| PressureRange { least_pa, most_pa });
         Ok(Case {
             model: self.model,
@@ -177,6 +195,8 @@ impl Request {
             range: stated.unwrap_or_else(PressureRange::physical),
             all,
             load: load(self.external_force_n, self.external_torque_nm),
+            tolerance,
+            errors: self.errors,
         })
     }
 }

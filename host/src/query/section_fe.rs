@@ -1,6 +1,6 @@
 //! Questions to the finite element model of the section.
 
-use fra_model::{Actuator, State, Status, Target};
+use fra_model::{Actuator, ActuatorParameters, Load, Motion, State, Status, Target};
 use serde::Serialize;
 
 use super::request::{Case, Question};
@@ -20,6 +20,18 @@ pub(super) struct Discretisation {
     outer_radius_m: f64,
     twist_rad: f64,
     bend_angle_rad: f64,
+}
+
+impl Discretisation {
+    /// Of the deformation that a motion is named after.
+    pub(super) fn natural(&self, motion: Motion) -> f64 {
+        match motion {
+            Motion::Extension => self.axial_stretch,
+            Motion::Expansion => self.outer_radius_m,
+            Motion::Bending => self.bend_angle_rad,
+            Motion::Twisting => self.twist_rad,
+        }
+    }
 }
 
 /// Answer of the section model to a case.
@@ -52,6 +64,13 @@ pub(super) fn solve(case: &Case) -> Result<Found, String> {
         }
         Question::Inverse { target } => asked.reach(target),
     }
+}
+
+/// The bend of an actuator at a gauge pressure, rad; `None` where there is no answer.
+pub(super) fn bend(parameters: &ActuatorParameters<f64>, pressure_pa: f64, load: &Load<f64>) -> Option<f64> {
+    let section = Section::new(parameters, &Options::default()).ok()?;
+    let curve = section.curve(&[pressure_pa], &EndLoad::of(load, parameters.motion)).ok()?;
+    Some(curve.answers.first()?.equilibrium()?.state.over(parameters.length_m).bend_angle_rad)
 }
 
 fn plain(error: SectionError) -> String {

@@ -23,6 +23,7 @@
 //! # Ok::<(), softlimb_fea::cross_section::SectionError>(())
 //! ```
 
+mod analytic_error;
 mod answer;
 mod build;
 mod calibrate;
@@ -44,6 +45,7 @@ mod tests;
 
 use fra_model::ActuatorParameters;
 
+pub use analytic_error::analytic_bend_error;
 pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
 pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};
 pub use error::SectionError;

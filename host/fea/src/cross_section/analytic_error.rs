@@ -1,0 +1,48 @@
+//! Error of the analytic bending model against the finite elements of its cross-section.
+
+use fra_model::{ActuatorParameters, Families, Motion, Placement, State};
+
+/// Walls over the inner radius that the estimate was fitted to.
+const WALL: [f64; 2] = [0.1, 1.0];
+/// Largest stretch of the axis, winding angle from the hoop and strain of the thread of the fit.
+const STRETCH_MAX: f64 = 1.6;
+const ANGLE_MAX_DEG: f64 = 30.0;
+const THREAD_STRAIN_MAX: f64 = 0.02;
+/// Stretch of the axis below which the relative error no longer changes.
+const STRETCH_LEAST: f64 = 1.02;
+
+/// An upper estimate of the relative error of the analytic bend angle, `|analytic / finite elements - 1|` at one pressure without load.
+///
+/// The analytic model winds along the hoop with a thread that does not stretch. A thread at an angle shrinks the tube as it bends, which costs
+/// bend. The estimate is a fit to 6375 seeded actuators that leaves out 0.8 % of them; `docs/explanation/cross-section.md` has its equation. `None` outside the
+/// range of the fit: walls of 0.1 to 1 inner radius, two equal families as a sheet at up to 30 deg, stretches up to 1.6, threads strained by up to 2 %.
+pub fn analytic_bend_error(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {
+    let wall = parameters.outer_radius_m / parameters.inner_radius_m - 1.0;
+    let stretch = state.axial_stretch;
+    // A little more than the range, for radii that are stated in decimals.
+    let is_covered = parameters.motion == Motion::Bending
+        && (WALL[0] - 1e-9..=WALL[1] + 1e-9).contains(&wall)
+        && state.pressure_pa >= 0.0
+        && (1.0..=STRETCH_MAX).contains(&stretch);
+    if !is_covered {
+        return None;
+    }
+    let base = 0.01 + 0.05 * wall;
+    // A winding without a modulus keeps its radius.
+    let Some(fiber) = parameters.fiber.filter(|fiber| fiber.modulus_pa > 0.0) else { return Some(base) };
+    let thread_strain = state.pressure_pa * parameters.inner_radius_m / (4.0 * fiber.modulus_pa * fiber.thickness_m);
+    let is_covered = fiber.placement == Placement::Sheet
+        && fiber.families == Families::Two
+        && fiber.radius_m == parameters.outer_radius_m
+        && fiber.angle_rad.abs() <= ANGLE_MAX_DEG.to_radians() + 1e-9
+        && thread_strain <= THREAD_STRAIN_MAX;
+    if !is_covered {
+        return None;
+    }
+    let slope = fiber.angle_rad.tan().powi(2);
+    let strain = stretch.max(STRETCH_LEAST) - 1.0;
+    let pressure = state.pressure_pa / parameters.material.shear_modulus_pa();
+    let exponent = 1.47 + 4.89 * slope + 1.84 * strain - 0.17 * wall - 0.20 * pressure;
+    let winding = exponent.exp() * slope.powf(0.81) * strain.powf(0.47);
+    Some(base + 1.5 * thread_strain + winding)
+}

@@ -1,0 +1,108 @@
+//! Errors of an answer, and the choice of the model that they ask for.
+
+use fra_model::{Actuator, ActuatorParameters, Fiber, Load, Motion, State, StateQuantity, Status};
+use serde::Serialize;
+
+use super::request::{Case, Question};
+use super::section_fe;
+use softlimb_fea::cross_section::analytic_bend_error;
+
+/// Errors of the closed forms and of the search, in units of the precision times the condition number.
+const ROUNDING: f64 = 10.0;
+/// Relative error to which the finite element equations are solved.
+const SECTION_ROUNDING: f64 = 1e-9;
+/// Relative step of a numeric derivative.
+const STEP: f64 = 1e-4;
+/// Winding error that an answer states the effect of, rad.
+const WINDING_ERROR_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
+
+/// Relative errors of the answer: of the deformation, or of the pressure in an inverse problem.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(super) struct Errors {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rounding: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    discretisation: Option<f64>,
+    /// Against finite elements of the cross-section; absent where it is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) model: Option<f64>,
+    /// The largest change of the bend if the winding is 2 deg off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    winding_2deg: Option<f64>,
+}
+
+/// Whether the winding of a bending actuator is stated, and not an ideal one that keeps its radius.
+pub(super) fn is_wound_bender(parameters: &ActuatorParameters<f64>) -> bool {
+    parameters.motion == Motion::Bending && parameters.fiber.is_some_and(|fiber| fiber.modulus_pa > 0.0)
+}
+
+/// Errors of an analytic answer. Without a request for all of them, the error of the model alone.
+pub(super) fn of_analytic(case: &Case, state: &State<f64>, precision: f64) -> Errors {
+    let straight = case.parameters.motion != Motion::Bending;
+    let loaded = case.load != Load::none();
+    let bend = || analytic_bend_error(&case.parameters, state).filter(|_| !loaded);
+    let model = if straight { Some(0.0) } else { bend() };
+    if !case.errors {
+        return Errors { model, ..Errors::default() };
+    }
+    Errors {
+        rounding: condition(case, state).map(|condition| ROUNDING * precision * condition.max(1.0)),
+        discretisation: Some(0.0),
+        model,
+        winding_2deg: winding(case, state),
+    }
+}
+
+/// Errors of an answer by finite elements, with the error of discretisation of its quantity.
+pub(super) fn of_section(case: &Case, state: &State<f64>, discretisation: Option<f64>) -> Errors {
+    let relative = |error: f64| error / natural(case, state).abs();
+    let errors = Errors { discretisation: discretisation.map(relative), model: Some(0.0), ..Errors::default() };
+    if case.errors {
+        Errors { rounding: Some(SECTION_ROUNDING), winding_2deg: winding(case, state), ..errors }
+    } else {
+        errors
+    }
+}
+
+/// The deformation that the motion is named after.
+fn natural(case: &Case, state: &State<f64>) -> f64 {
+    StateQuantity::natural(case.parameters.motion).of(state)
+}
+
+/// Relative change of the answer over that of the given value.
+fn condition(case: &Case, state: &State<f64>) -> Option<f64> {
+    if state.pressure_pa == 0.0 {
+        return Some(1.0);
+    }
+    let actuator = Actuator::new(&case.parameters).ok()?;
+    let at = |factor: f64| {
+        let found = actuator.forward(factor * state.pressure_pa, &case.load).ok()?;
+        (found.status == Status::Solved).then(|| natural(case, &found.state))
+    };
+    // One-sided next to a limit point.
+    let (low, high, width) = match at(1.0 + STEP) {
+        Some(high) => (at(1.0 - STEP)?, high, 2.0 * STEP),
+        None => (at(1.0 - STEP)?, natural(case, state), STEP),
+    };
+    let slope = ((high - low) / (width * high)).abs();
+    Some(match case.question {
+        Question::Forward { .. } => slope,
+        Question::Inverse { .. } => slope.recip(),
+    })
+}
+
+/// The largest relative change of the bend with the winding 2 deg more or less, by finite elements at the answer's pressure.
+fn winding(case: &Case, state: &State<f64>) -> Option<f64> {
+    if !is_wound_bender(&case.parameters) || state.pressure_pa <= 0.0 {
+        return None;
+    }
+    let fiber = case.parameters.fiber?;
+    let bend = |angle_rad: f64| {
+        let wound = ActuatorParameters { fiber: Some(Fiber { angle_rad, ..fiber }), ..case.parameters };
+        section_fe::bend(&wound, state.pressure_pa, &case.load)
+    };
+    let nominal = bend(fiber.angle_rad)?;
+    let changes = [-WINDING_ERROR_RAD, WINDING_ERROR_RAD]
+        .map(|error| Some((bend(fiber.angle_rad + error)? / nominal - 1.0).abs()));
+    changes.into_iter().collect::<Option<Vec<_>>>()?.into_iter().reduce(f64::max)
+}

@@ -1,0 +1,143 @@
+//! The model that answers where the query leaves the choice, and the errors that answers have.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde_json::{Value, json};
+use softlimb::query::{Scalar, batch};
+
+use crate::samples::samples;
+
+fn ask_as(lines: &[Value], scalar: Scalar) -> Vec<Value> {
+    let text = lines.iter().map(|line| format!("{line}\n")).collect::<String>();
+    let mut out = Vec::new();
+    batch(text.as_bytes(), &mut out, scalar).expect("in memory");
+    String::from_utf8(out).expect("UTF-8").lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+fn ask(line: &Value) -> Value {
+    ask_as(std::slice::from_ref(line), Scalar::F64).remove(0)
+}
+
+fn with(mut base: Value, key: &str, value: Value) -> Value {
+    base[key] = value;
+    base
+}
+
+/// A latex tube with two families of thread.
+fn wound(angle_deg: f64) -> Value {
+    json!({"id": 1, "motion": "bending", "problem": "forward", "inner_radius_m": 4.7625e-3, "outer_radius_m": 6.065e-3, "length_m": 0.18,
+        "material": {"law": "neo-hookean", "shear_modulus_pa": 0.52e6}, "pressure_pa": 137895.0,
+        "fiber": {"angle_deg": angle_deg, "families": 2, "modulus_pa": 361e6, "thickness_m": 0.178e-3}})
+}
+
+fn number(answer: &Value, field: &str) -> f64 {
+    answer[field].as_f64().unwrap_or_else(|| panic!("no {field} in {answer}"))
+}
+
+#[test]
+fn winding_along_the_hoop_is_answered_by_the_analytic_model_and_others_by_finite_elements() {
+    for (angle_deg, model) in [(3.0, "analytic"), (5.0, "analytic"), (15.0, "section-fe"), (25.0, "section-fe")] {
+        let answer = ask(&wound(angle_deg));
+        assert_eq!((&answer["status"], &answer["model"]), (&json!("ok"), &json!(model)), "{angle_deg} deg");
+        let stated = ask(&with(wound(angle_deg), "model", json!(model)));
+        assert_eq!(answer["bend_angle_rad"], stated["bend_angle_rad"]);
+        let error = number(&answer["errors"], "model");
+        assert!(if model == "analytic" { (0.0..=0.1).contains(&error) } else { error == 0.0 }, "{answer}");
+    }
+    // Without the modulus of a winding there is no choice, and nothing is added.
+    let mut bare = wound(3.0);
+    bare.as_object_mut().unwrap().remove("fiber");
+    assert!(ask(&bare).get("model").is_none());
+    assert!(ask(&with(wound(20.0), "model", json!("analytic"))).get("errors").is_none());
+}
+
+#[test]
+fn inverse_by_finite_elements_leads_back() {
+    let mut inverse = with(with(wound(20.0), "problem", json!("inverse")), "target", json!({"bend_angle_rad": 2.0}));
+    inverse.as_object_mut().unwrap().remove("pressure_pa");
+    let found = ask(&inverse);
+    assert_eq!((&found["status"], &found["model"]), (&json!("ok"), &json!("section-fe")), "{found}");
+    let again = ask(&with(wound(20.0), "pressure_pa", found["pressure_pa"].clone()));
+    assert!((number(&again, "bend_angle_rad") - 2.0).abs() < 1e-8, "{again}");
+}
+
+#[test]
+fn tolerance_moves_the_choice_and_is_checked() {
+    let model = |tolerance: f64| ask(&with(wound(5.0), "tolerance", json!(tolerance)))["model"].clone();
+    assert_eq!((model(0.02), model(0.5)), (json!("section-fe"), json!("analytic")));
+    let message = |line: Value| ask(&line)["message"].as_str().unwrap().to_owned();
+    for bad in [0.0, -1.0] {
+        let told = message(with(wound(5.0), "tolerance", json!(bad)));
+        assert!(told.contains("tolerance = ") && told.contains("is not allowed: finite and > 0"), "{told}");
+    }
+    let told = message(with(with(wound(5.0), "tolerance", json!(0.1)), "model", json!("section-fe")));
+    assert!(told.contains("`tolerance` is for `model` \"auto\""), "{told}");
+}
+
+#[test]
+fn single_precision_keeps_the_analytic_model_and_states_its_error() {
+    let answer = &ask_as(&[wound(20.0)], Scalar::F32)[0];
+    assert_eq!((&answer["status"], &answer["model"]), (&json!("ok"), &json!("analytic")));
+    assert!(number(&answer["errors"], "model") > 0.3, "{answer}");
+}
+
+#[test]
+fn requested_errors_are_those_of_rounding_discretisation_model_and_winding() {
+    let errors = |line: Value| ask(&with(line, "errors", json!(true)))["errors"].clone();
+    let bend = errors(wound(20.0));
+    assert!(number(&bend, "rounding") < 1e-8 && number(&bend, "discretisation") < 1e-3, "{bend}");
+    // Between the ends of a secant over the same error: 22 and 18 deg.
+    let angle = |degrees: f64| number(&ask(&with(wound(degrees), "model", json!("section-fe"))), "bend_angle_rad");
+    let changes = [18.0, 22.0].map(|degrees| (angle(degrees) / angle(20.0) - 1.0).abs());
+    assert!((number(&bend, "winding_2deg") / changes[0].max(changes[1]) - 1.0).abs() < 1e-9, "{bend}");
+    let fiber = json!({"angle_deg": 3, "families": 2, "modulus_pa": 361e6, "thickness_m": 0.178e-3});
+    let straight = errors(with(with(wound(3.0), "motion", json!("extension")), "fiber", fiber));
+    assert_eq!((&straight["discretisation"], &straight["model"]), (&json!(0.0), &json!(0.0)));
+    assert!((1e-16..1e-12).contains(&number(&straight, "rounding")), "{straight}");
+}
+
+/// The error of the analytic model is told before finite elements are asked.
+#[test]
+fn told_error_of_the_model_covers_that_against_finite_elements() {
+    let mut random = ChaCha8Rng::seed_from_u64(18);
+    let mut uniform = |low: f64, high: f64| low + (high - low) * f64::from(random.next_u32()) / 4_294_967_296.0;
+    let count = samples(500);
+    let mut questions = Vec::new();
+    for index in 0..count {
+        let inner_m = uniform(3e-3, 15e-3);
+        let outer_m = inner_m * (1.0 + uniform(0.1, 1.0));
+        let c1_pa = 10_f64.powf(uniform(4.2, 5.5));
+        let material = if index % 2 == 0 {
+            json!({"law": "neo-hookean", "shear_modulus_pa": 2.0 * c1_pa})
+        } else {
+            json!({"law": "yeoh", "c_pa": [c1_pa, c1_pa * uniform(0.0, 0.2), -c1_pa * uniform(0.0, 0.005)]})
+        };
+        let bend = uniform(0.01, 0.5) * 0.18 / outer_m;
+        let question = json!({"id": index, "model": "analytic", "errors": true, "motion": "bending", "problem": "inverse",
+            "inner_radius_m": inner_m, "outer_radius_m": outer_m, "length_m": 0.18, "material": material,
+            "fiber": {"angle_deg": uniform(0.0, 30.0), "families": 2, "modulus_pa": 361e6, "thickness_m": 0.178e-3},
+            "target": {"bend_angle_rad": bend}});
+        questions.push(question);
+    }
+    let analytic = ask_as(&questions, Scalar::F64);
+    let by_section = questions.iter().zip(&analytic).map(|(question, answer)| {
+        let mut question = with(with(question.clone(), "problem", json!("forward")), "model", json!("section-fe"));
+        question.as_object_mut().unwrap().retain(|field, _| field != "target" && field != "errors");
+        with(question, "pressure_pa", answer["pressure_pa"].clone())
+    });
+    let by_section = ask_as(&by_section.collect::<Vec<_>>(), Scalar::F64);
+    let (mut ratios, mut untold) = (Vec::new(), 0);
+    for (analytic, section) in analytic.iter().zip(&by_section) {
+        assert_eq!((&analytic["status"], &section["status"]), (&json!("ok"), &json!("ok")), "{analytic} {section}");
+        let error = (number(analytic, "bend_angle_rad") / number(section, "bend_angle_rad") - 1.0).abs();
+        match analytic["errors"].get("model").and_then(Value::as_f64) {
+            Some(told) => ratios.push(told / error),
+            None => untold += 1,
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let (covered, median) = (ratios.iter().filter(|ratio| **ratio >= 1.0).count(), ratios[ratios.len() / 2]);
+    println!("{covered} of {} covered, {untold} without a figure, median of told over true {median:.2}", ratios.len());
+    assert!(covered * 100 >= ratios.len() * 99 && median <= 3.0);
+    assert!(untold * 20 <= count, "{untold} of {count}");
+}
