@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use softlimb::cli::{finish, with_negative_numbers};
 
-use crate::{accuracy, design, faults, payload, statics, validation};
+use crate::{accuracy, design, faults, measured, payload, statics, validation};
 
 #[derive(Parser)]
 #[command(name = "softlimb-lab", version, about = "Compare methods and write the pages of evidence")]
@@ -21,6 +21,7 @@ enum Verb {
     Bundles(validation::Bundles),
     Design(design::Design),
     Faults(faults::Faults),
+    Measured(measured::Measured),
     Payload(payload::Payload),
     Statics(statics::Statics),
 }
@@ -35,6 +36,7 @@ pub fn main() -> ExitCode {
         Verb::Bundles(verb) => verb.run(),
         Verb::Design(verb) => verb.run(),
         Verb::Faults(verb) => verb.run(),
+        Verb::Measured(verb) => verb.run(),
         Verb::Payload(verb) => verb.run(),
         Verb::Statics(verb) => verb.run(),
     }))

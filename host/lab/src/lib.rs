@@ -7,6 +7,7 @@ mod arguments;
 pub mod design;
 pub mod faults;
 pub mod generated_section;
+pub mod measured;
 pub mod payload;
 mod published;
 mod statics;

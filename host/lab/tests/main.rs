@@ -5,4 +5,5 @@ mod bundle;
 mod command;
 mod design_compare;
 mod faults;
+mod measured;
 mod validation;
