@@ -157,6 +157,12 @@ fn the_log_of_a_run_gives_the_moduli_of_the_limb_that_ran() {
     }
     assert_eq!(json["estimates"].as_array().unwrap().len(), 2);
     assert!(json.get("tips").is_none(), "a weightless run has no tips to fit to");
+    // A log that is cut off is told, and its holds count.
+    let whole = std::fs::read(folder.path().join("out/run.mcap")).unwrap();
+    std::fs::write(folder.path().join("cut.mcap"), &whole[..whole.len() * 9 / 10]).unwrap();
+    let cut = softlimb(folder.path(), "calibrate run cut.mcap --scene scene.toml --fit shear_modulus --accuracy 0.01");
+    assert_eq!(cut.code, 3, "{}", cut.err);
+    assert!(cut.err.contains("warning: cut.mcap: ") && cut.err.contains(": the holds before count"), "{}", cut.err);
     let refused =
         softlimb(folder.path(), "calibrate run out/run.mcap --scene scene.toml --fit shear_modulus --per actuator");
     assert_eq!(refused.code, 2, "{}", refused.out);
@@ -243,6 +249,28 @@ fn step_gives_the_creep_of_a_scene() {
         "{}",
         answer.out
     );
+}
+
+#[test]
+fn rows_that_repeat_a_measurement_count_once() {
+    let rows = table();
+    let line = rows.lines().nth(3).unwrap();
+    let folder = desk(&[("scene.toml", SCENE), ("once.csv", &rows), ("again.csv", &format!("{rows}{line}\n{line}\n"))]);
+    let fit = |file: &str| {
+        softlimb(folder.path(), &format!("calibrate pressure {file} --scene scene.toml --fit shear_modulus --json"))
+    };
+    let (once, again) = (fit("once.csv"), fit("again.csv"));
+    assert_eq!((once.code, &once.out), (0, &again.out), "{}", once.err);
+    assert_eq!(again.code, 3, "{}", again.err);
+    assert!(
+        again.err.contains("warning: line 4 is repeated 2 times to the last digit: it counts once"),
+        "{}",
+        again.err
+    );
+    let copies = format!("module,pressure_kpa,axial_stretch\n{}", "arm,20,1.05\n".repeat(5));
+    let folder = desk(&[("scene.toml", SCENE), ("copies.csv", &copies)]);
+    let refused = softlimb(folder.path(), "calibrate pressure copies.csv --scene scene.toml --fit shear_modulus");
+    assert!(refused.code == 1 && refused.err.contains("2 points are the fewest"), "{} {}", refused.code, refused.err);
 }
 
 #[test]

@@ -13,6 +13,8 @@ pub struct Body {
     pub name: String,
     /// The actuator.
     pub parameters: ActuatorParameters<f64>,
+    /// Pressure that seats wall and thread before they deform, Pa.
+    pub seating_pressure_pa: f64,
     /// Reading of the sensor at no pressure, Pa.
     pub pressure_offset_pa: f64,
     /// Change of the reading by 1 Pa more; > 0.
@@ -53,6 +55,8 @@ pub(super) struct Answer {
     pub(super) value: f64,
     quantity: StateQuantity,
     state: State<f64>,
+    /// Gauge pressure that the reading means, Pa; of a mirrored bend the opposite.
+    pressure_pa: f64,
     /// -1 where the bend at the opposite pressure was asked in place of a bend backwards, else 1.
     sign: f64,
 }
@@ -60,12 +64,17 @@ pub(super) struct Answer {
 impl Body {
     /// An actuator whose sensor reads the truth.
     pub fn new(name: impl Into<String>, parameters: ActuatorParameters<f64>) -> Self {
-        Self { name: name.into(), parameters, pressure_offset_pa: 0.0, pressure_gain: 1.0 }
+        Self { name: name.into(), parameters, seating_pressure_pa: 0.0, pressure_offset_pa: 0.0, pressure_gain: 1.0 }
     }
 
     /// The gauge pressure, Pa, that a reading of the sensor means.
     pub fn pressure_pa(&self, reading_pa: f64) -> f64 {
         (reading_pa - self.pressure_offset_pa) / self.pressure_gain
+    }
+
+    /// The part of a gauge pressure that deforms the actuator, Pa: beyond the seating pressure. A vacuum needs no seating.
+    pub fn deforming_pa(&self, pressure_pa: f64) -> f64 {
+        if pressure_pa < 0.0 { pressure_pa } else { (pressure_pa - self.seating_pressure_pa).max(0.0) }
     }
 
     /// The deformation without pressure, in the SI unit of the quantity.
@@ -86,11 +95,12 @@ impl Solver<'_> {
     pub(super) fn at(&self, reading_pa: f64, quantity: StateQuantity) -> Result<Answer, NoAnswer> {
         let pressure_pa = self.body.pressure_pa(reading_pa);
         let sign = if self.body.parameters.motion == Motion::Bending && pressure_pa < 0.0 { -1.0 } else { 1.0 };
-        let solution = self.actuator.forward(sign * pressure_pa, &Load::none())?;
+        let pressure_pa = sign * pressure_pa;
+        let solution = self.actuator.forward(self.body.deforming_pa(pressure_pa), &Load::none())?;
         if solution.status != Status::Solved {
             return Err(NoAnswer::BeyondLimit(solution.limit_pressure_pa));
         }
-        Ok(Answer { value: sign * quantity.of(&solution.state), quantity, state: solution.state, sign })
+        Ok(Answer { value: sign * quantity.of(&solution.state), quantity, state: solution.state, pressure_pa, sign })
     }
 
     /// The derivative of an answer by a property.
@@ -100,10 +110,13 @@ impl Solver<'_> {
             Ok(answer.quantity.of(&change))
         };
         // Two signs cancel in what the pressure does to a mirrored bend.
-        let by_reading = |factor: f64| Ok(factor * by(Parameter::Pressure)?);
+        let is_unseated = (0.0..self.body.seating_pressure_pa).contains(&answer.pressure_pa);
+        let by_reading = |factor: f64| if is_unseated { Ok(0.0) } else { Ok(factor * by(Parameter::Pressure)?) };
         match property {
+            Property::SeatingPressure if answer.pressure_pa < 0.0 => Ok(0.0),
+            Property::SeatingPressure => by_reading(-answer.sign),
             Property::PressureOffset => by_reading(-1.0 / self.body.pressure_gain),
-            Property::PressureGain => by_reading(-answer.sign * answer.state.pressure_pa / self.body.pressure_gain),
+            Property::PressureGain => by_reading(-answer.sign * answer.pressure_pa / self.body.pressure_gain),
             _ => property
                 .inputs(self.body)
                 .into_iter()

@@ -149,6 +149,12 @@ pub(super) fn advice(confused: &[Property]) -> String {
         () if modulus && (has(Property::Wall) || has(Property::InnerRadius)) => {
             "A harder wall acts like a thicker one: measure the wall, or the modulus in a tensile test."
         }
+        () if has(Property::SeatingPressure) && has(Property::PressureOffset) => {
+            "Beyond the seating pressure both act alike: readings without pressure, or below the seating pressure, tell them apart."
+        }
+        () if modulus && has(Property::SeatingPressure) => {
+            "Points over a wider range of pressures help: the seating pressure moves all of them alike, the modulus the higher ones more."
+        }
         () if modulus && has(Property::PressureOffset) => {
             "Points over a wider range of pressures help, and one without pressure fixes the offset."
         }

@@ -82,6 +82,9 @@ pub(super) fn check(bodies: &[Body], observations: &[Observation]) -> Result<(),
         if !(body.pressure_gain.is_finite() && body.pressure_gain > 0.0) {
             return invalid("pressure_gain", body.pressure_gain, body.name.clone(), "finite and > 0");
         }
+        if !body.seating_pressure_pa.is_finite() {
+            return invalid("seating_pressure_pa", body.seating_pressure_pa, body.name.clone(), "finite");
+        }
         if !body.pressure_offset_pa.is_finite() {
             return invalid("pressure_offset_pa", body.pressure_offset_pa, body.name.clone(), "finite");
         }

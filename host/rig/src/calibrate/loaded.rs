@@ -62,7 +62,9 @@ pub fn fit_loaded(
     settings: &Settings,
 ) -> Result<Fit, CalibrationError> {
     check(bodies, observations)?;
-    let without = |property: &Property| matches!(property, Property::Length | Property::PressureOffset);
+    let without = |property: &Property| {
+        matches!(property, Property::Length | Property::SeatingPressure | Property::PressureOffset)
+    };
     if let Some(property) = unknowns.iter().map(|unknown| unknown.property).find(without) {
         return Err(CalibrationError::NotUnderWeight { property });
     }

@@ -28,6 +28,8 @@ pub enum Property {
     InnerRadius,
     /// Length at rest, m.
     Length,
+    /// Pressure that seats wall and thread before they deform, Pa: a dead band.
+    SeatingPressure,
     /// Reading of the pressure sensor at no pressure, Pa.
     PressureOffset,
     /// Change of the reading of the pressure sensor by 1 Pa more.
@@ -36,7 +38,7 @@ pub enum Property {
 
 impl Property {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::ShearModulus,
         Self::YeohC1,
         Self::YeohC2,
@@ -46,6 +48,7 @@ impl Property {
         Self::Wall,
         Self::InnerRadius,
         Self::Length,
+        Self::SeatingPressure,
         Self::PressureOffset,
         Self::PressureGain,
     ];
@@ -62,6 +65,7 @@ impl Property {
             Self::Wall => "wall",
             Self::InnerRadius => "inner_radius",
             Self::Length => "length",
+            Self::SeatingPressure => "seating_pressure",
             Self::PressureOffset => "pressure_offset",
             Self::PressureGain => "pressure_gain",
         }
@@ -107,6 +111,7 @@ impl Property {
             (Self::Wall, _) => Some(p.outer_radius_m - p.inner_radius_m),
             (Self::InnerRadius, _) => Some(p.inner_radius_m),
             (Self::Length, _) => Some(p.length_m),
+            (Self::SeatingPressure, _) => Some(body.seating_pressure_pa),
             (Self::PressureOffset, _) => Some(body.pressure_offset_pa),
             (Self::PressureGain, _) => Some(body.pressure_gain),
         }
@@ -138,12 +143,13 @@ impl Property {
             }
             Self::InnerRadius => p.inner_radius_m = value,
             Self::Length => p.length_m = value,
+            Self::SeatingPressure => body.seating_pressure_pa = value,
             Self::PressureOffset => body.pressure_offset_pa = value,
             Self::PressureGain => body.pressure_gain = value,
         }
     }
 
-    /// The inputs of the model that change with it, each with its derivative; empty for what the sensor does.
+    /// The inputs of the model that change with it, each with its derivative; empty for what changes its pressure.
     pub(super) fn inputs(self, body: &Body) -> Vec<(Parameter, f64)> {
         let p = &body.parameters;
         match (self, p.material) {
@@ -166,7 +172,7 @@ impl Property {
             }
             (Self::InnerRadius, _) => vec![(Parameter::InnerRadius, 1.0)],
             (Self::Length, _) => vec![(Parameter::Length, 1.0)],
-            (Self::PressureOffset | Self::PressureGain, _) => Vec::new(),
+            (Self::SeatingPressure | Self::PressureOffset | Self::PressureGain, _) => Vec::new(),
         }
     }
 
@@ -174,7 +180,7 @@ impl Property {
     pub(super) fn shown(self) -> Shown {
         match self {
             Self::FiberAngle => Shown::Degrees,
-            Self::PressureOffset | Self::YeohC2 | Self::YeohC3 => Shown::Kilopascals,
+            Self::SeatingPressure | Self::PressureOffset | Self::YeohC2 | Self::YeohC3 => Shown::Kilopascals,
             _ => Shown::Percent,
         }
     }
@@ -188,7 +194,7 @@ impl Property {
             Self::YeohC2 => value.max(0.1 * c1),
             Self::YeohC3 => value.max(0.01 * c1),
             Self::FiberAngle => 0.1,
-            Self::PressureOffset => 0.1 * largest_pressure_pa,
+            Self::SeatingPressure | Self::PressureOffset => 0.1 * largest_pressure_pa,
             Self::PressureGain => 0.25,
             Self::Wall | Self::InnerRadius | Self::Length => 0.25 * value,
             Self::ShearModulus | Self::YeohC1 | Self::FiberModulus => 0.5 * value,

@@ -51,6 +51,45 @@ fn the_sensor_is_found_from_a_known_actuator() {
     assert!((found.estimates[1].value - 1.03).abs() < 1e-9, "{:?}", found.estimates[1]);
 }
 
+/// The data of a tube whose wall and thread seat first: no deformation up to 20 kPa, and all readings 20 kPa higher beyond.
+fn seated(tube: &Tube, accuracy: f64) -> Vec<Observation> {
+    let mut data = tube.observed(0, &grid(1.02, 1.3, 9), accuracy);
+    let at_rest = |reading_pa, seen: &Observation| Observation {
+        reading_pa,
+        value: tube.body("tube").at_rest(seen.quantity),
+        ..*seen
+    };
+    let first = data[0];
+    data.iter_mut().for_each(|seen| seen.reading_pa += 20e3);
+    data.extend([0.0, 6e3, 12e3, 18e3].map(|reading_pa| at_rest(reading_pa, &first)));
+    data
+}
+
+#[test]
+fn seating_pressure_is_found_beside_modulus_and_offset() {
+    let tube = Tube::soft();
+    let mut data = seated(&tube, EXACT);
+    data.iter_mut().for_each(|seen| seen.reading_pa += 350.0);
+    let start = Tube { c: [1.2e5, 0.0, 0.0], ..tube };
+    let sought = [Property::ShearModulus, Property::SeatingPressure];
+    let mut body = start.body("tube");
+    body.pressure_offset_pa = 350.0;
+    let found = fit(&[body], &data, &all_of(&sought), &Settings::default()).unwrap();
+    assert!((found.estimates[0].value / 2e5 - 1.0).abs() < 1e-6, "{:?}", found.estimates[0]);
+    assert!((found.estimates[1].value / 20e3 - 1.0).abs() < 1e-6, "{:?}", found.estimates[1]);
+}
+
+#[test]
+fn seating_pressure_and_offset_act_alike_where_every_reading_deforms() {
+    let tube = Tube::soft();
+    let mut data = tube.observed(0, &grid(1.02, 1.3, 9), 2e-3);
+    data.iter_mut().for_each(|seen| seen.reading_pa += 20e3);
+    let both = all_of(&[Property::SeatingPressure, Property::PressureOffset]);
+    let refused = fit(&[tube.body("tube")], &data, &both, &Settings::default()).unwrap_err().to_string();
+    assert!(refused.contains("seating_pressure of tube") && refused.contains("pressure_offset of tube"), "{refused}");
+    assert!(refused.contains("below the seating pressure"), "{refused}");
+}
+
 /// One modulus for two tubes, a wall for each.
 #[test]
 fn shared_unknown_is_one_and_others_are_each_their_own() {
@@ -145,13 +184,23 @@ fn sets() -> usize {
     samples(400) as usize
 }
 
+/// A tube whose readings do not depend on the stiffness of its thread.
+fn hoop_wound() -> Tube {
+    Tube { angle: 0.05, fiber_modulus: 40e6, ..Tube::soft() }
+}
+
 /// How many of [`sets`] noisy sets have the truth in the interval of each unknown.
 fn covered(errors: Errors, accuracy_stated: f64) -> [usize; 2] {
-    let tube = Tube { angle: 0.05, fiber_modulus: 40e6, ..Tube::soft() };
+    let clean = hoop_wound().observed(0, &grid(1.03, 1.3, 6), accuracy_stated);
+    let sought = [(Property::ShearModulus, 2e5), (Property::PressureOffset, 0.0)];
+    covered_by(&clean.into_iter().step_by(2).collect::<Vec<_>>(), sought, errors)
+}
+
+/// The same for two unknowns with their true values, of data without noise.
+fn covered_by(clean: &[Observation], sought: [(Property, f64); 2], errors: Errors) -> [usize; 2] {
     let sigma = 2e-3;
-    let clean: Vec<_> = tube.observed(0, &grid(1.03, 1.3, 6), accuracy_stated).into_iter().step_by(2).collect();
-    let start = Tube { c: [1.1e5, 0.0, 0.0], ..tube };
-    let unknowns = all_of(&[Property::ShearModulus, Property::PressureOffset]);
+    let start = Tube { c: [1.1e5, 0.0, 0.0], ..hoop_wound() };
+    let unknowns = all_of(&sought.map(|(property, _)| property));
     let settings = Settings { noise: errors, ..Settings::default() };
     let mut counts = [0; 2];
     for seed in 0..sets() as u64 {
@@ -159,7 +208,7 @@ fn covered(errors: Errors, accuracy_stated: f64) -> [usize; 2] {
         let data: Vec<_> =
             clean.iter().map(|seen| Observation { value: seen.value + sigma * noise.normal(), ..*seen }).collect();
         let found = fit(&[start.body("tube")], &data, &unknowns, &settings).unwrap();
-        for (count, (estimate, truth)) in counts.iter_mut().zip(found.estimates.iter().zip([2e5, 0.0])) {
+        for (count, (estimate, (_, truth))) in counts.iter_mut().zip(found.estimates.iter().zip(sought)) {
             let [low, high] = estimate.interval;
             *count += usize::from((low..=high).contains(&truth));
         }
@@ -172,6 +221,15 @@ fn intervals_from_residuals_hold_the_truth_as_often_as_they_say() {
     // The stated accuracy is wrong by a factor of four and must not matter.
     let counts = covered(Errors::FromResiduals, 5e-4);
     println!("of {} sets the 95 % intervals hold the truth: modulus {}, offset {}", sets(), counts[0], counts[1]);
+    assert!(counts.iter().all(|count| is_binomial(*count, sets(), 0.95)), "{counts:?}");
+}
+
+#[test]
+fn intervals_of_the_seating_pressure_hold_the_truth_as_often_as_they_say() {
+    let clean = seated(&hoop_wound(), 2e-3).into_iter().filter(|seen| seen.quantity == StateQuantity::AxialStretch);
+    let sought = [(Property::ShearModulus, 2e5), (Property::SeatingPressure, 20e3)];
+    let counts = covered_by(&clean.collect::<Vec<_>>(), sought, Errors::FromResiduals);
+    println!("of {} sets the 95 % intervals hold the truth: modulus {}, seating {}", sets(), counts[0], counts[1]);
     assert!(counts.iter().all(|count| is_binomial(*count, sets(), 0.95)), "{counts:?}");
 }
 

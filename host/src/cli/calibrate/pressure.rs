@@ -39,6 +39,8 @@ pub(super) struct Source<'a> {
     pub(super) bodies: Vec<Body>,
     pub(super) modules: Vec<usize>,
     pub(super) seen: Vec<Seen>,
+    /// Warnings about the measurements.
+    pub(super) warnings: Vec<String>,
     /// The limb under its weight; `None` of actuators without load.
     pub(super) loaded: Option<&'a Loaded<'a>>,
 }
@@ -47,7 +49,14 @@ impl<'a> Source<'a> {
     /// Modules, each of them a body.
     pub(super) fn of_modules(scene: &'a Scene, seen: Vec<Seen>, loaded: Option<&'a Loaded<'a>>) -> Self {
         let bodies = scene.modules().iter().map(|module| Body::new(module.name.as_str(), module.actuator()));
-        Self { scene, bodies: bodies.collect(), modules: (0..scene.modules().len()).collect(), seen, loaded }
+        Self {
+            scene,
+            bodies: bodies.collect(),
+            modules: (0..scene.modules().len()).collect(),
+            seen,
+            warnings: Vec::new(),
+            loaded,
+        }
     }
 
     /// The parameters of each module: the means of its bodies in what was fitted.
@@ -93,15 +102,39 @@ impl Pressure {
             value: point.value,
             from: format!("line {}", point.line),
         });
-        let seen: Vec<Seen> = seen.collect();
+        let (seen, repeated) = distinct(seen);
         if self.unknowns.per == Per::Actuator {
             return Err(Failure::wrong_line(
                 "--per actuator takes a run under weight, which alone tells the actuators of a module apart",
             ));
         }
-        let source = Source::of_modules(&scene, seen, None);
+        let mut source = Source::of_modules(&scene, seen, None);
+        source.warnings = repeated;
         Ok(self.unknowns.fit(&source, &self.data, (&self.fitting, &self.files))?.1)
     }
+}
+
+/// The measurements without repetitions, and a warning for each that is repeated. A row that is written again to the last digit is one measurement:
+/// counted as several, they would seem to scatter little, and the intervals would be too narrow.
+fn distinct(seen: impl Iterator<Item = Seen>) -> (Vec<Seen>, Vec<String>) {
+    let mut kept: Vec<(Seen, usize)> = Vec::new();
+    for new in seen {
+        let is_same = |old: &Seen| {
+            (old.module, old.quantity) == (new.module, new.quantity)
+                && (old.reading_pa, old.value) == (new.reading_pa, new.value)
+        };
+        match kept.iter_mut().find(|(old, _)| is_same(old)) {
+            Some((_, count)) => *count += 1,
+            None => kept.push((new, 1)),
+        }
+    }
+    let told = |(seen, count): &(Seen, usize)| {
+        (*count > 1).then(|| format!("{} is repeated {} times to the last digit: it counts once", seen.from, count - 1))
+    };
+    let mut warnings: Vec<String> = kept.iter().filter_map(told).collect();
+    // A row has several quantities.
+    warnings.dedup();
+    (kept.into_iter().map(|(seen, _)| seen).collect(), warnings)
 }
 
 impl Unknowns {
@@ -124,21 +157,21 @@ impl Unknowns {
             None => fit(bodies, &observations, &unknowns, &fitting.settings()),
         };
         let fit = fit.map_err(|error| about(&error))?;
-        let mut warnings: Vec<String> = fit
-            .systematic(&observations)
-            .into_iter()
-            .map(|body| {
+        let mut warnings = source.warnings.clone();
+        warnings.extend(fit.systematic(&observations).into_iter().map(|body| {
                 let name = &bodies[body].name;
                 format!("the residuals of {name} are not random: the model does not follow these data, and the intervals are too narrow")
-            })
-            .collect();
+            }));
         warnings.extend(fit.outliers(&observations).into_iter().map(|k| {
             format!("{} stands out: {} is beyond four times the scatter of all", seen[k].from, observations[k].value)
         }));
         let measured =
             scene.modules().iter().enumerate().filter(|(index, _)| seen.iter().any(|of| of.module == *index));
         warnings.extend(measured.filter_map(|(_, module)| scene.winding_warning(module)));
-        let written = self.fit.iter().any(|p| !matches!(p, Property::PressureOffset | Property::PressureGain));
+        let written = self
+            .fit
+            .iter()
+            .any(|p| !matches!(p, Property::SeatingPressure | Property::PressureOffset | Property::PressureGain));
         let fitted = Fitted {
             table: table(&fit, &observations, source, fitting.confidence.si()),
             json: printed(&fit, &observations, source),

@@ -14,7 +14,7 @@ fn shown(property: Property, value: f64) -> (f64, &'static str) {
         Property::FiberAngle => (value.to_degrees(), "deg"),
         Property::Wall | Property::InnerRadius | Property::Length => (value * 1e3, "mm"),
         Property::PressureGain => (value, ""),
-        Property::PressureOffset => (value, "Pa"),
+        Property::SeatingPressure | Property::PressureOffset => (value, "Pa"),
         _ => (value * 1e-6, "MPa"),
     }
 }

@@ -65,8 +65,10 @@ impl Run {
         if self.corrections.is_some() && !self.per_actuator() {
             return Err(Failure::wrong_line("--corrections takes --per actuator: equal actuators need none"));
         }
+        let damaged: Vec<String> =
+            log.incomplete.iter().map(|why| format!("{}: {why}: the holds before count", self.log.display())).collect();
         if !log.info.weightless {
-            return self.under_weight(&scene, &limb, &limb_holds(&log, &carried(recorded?.phases())));
+            return self.under_weight(&scene, &limb, &limb_holds(&log, &carried(recorded?.phases())), damaged);
         }
         let seen = without_load(&limb, &log);
         if seen.is_empty() {
@@ -75,7 +77,8 @@ impl Run {
         if self.per_actuator() || self.corrections.is_some() {
             return Err(Failure::wrong_line(UNEQUAL_ONLY_UNDER_WEIGHT));
         }
-        let source = Source::of_modules(&scene, seen, None);
+        let mut source = Source::of_modules(&scene, seen, None);
+        source.warnings = damaged;
         Ok(self.unknowns.fit(&source, &self.log, (&self.fitting, &self.files))?.1)
     }
 
@@ -84,7 +87,13 @@ impl Run {
     }
 
     /// Fits the limb as it hangs in its holds.
-    fn under_weight(&self, scene: &Scene, limb: &Limb, holds: &[LimbHold]) -> Result<Outcome, Failure> {
+    fn under_weight(
+        &self,
+        scene: &Scene,
+        limb: &Limb,
+        holds: &[LimbHold],
+        warnings: Vec<String>,
+    ) -> Result<Outcome, Failure> {
         let Bodies { bodies, modules, of_channels } = bodies(scene, limb, self.per_actuator());
         let tip_accuracy_m = self.fitting.accuracy.si() * reach_m(holds);
         let loaded = Loaded { scene, limb, bodies: &of_channels, holds, tip_accuracy_m };
@@ -98,7 +107,7 @@ impl Run {
         if seen.is_empty() {
             return Err(about(&self.log)(&NOTHING_SEEN));
         }
-        let source = Source { scene, bodies, modules, seen, loaded: Some(&loaded) };
+        let source = Source { scene, bodies, modules, seen, warnings, loaded: Some(&loaded) };
         let (fit, outcome) = self.unknowns.fit(&source, &self.log, (&self.fitting, &self.files))?;
         if let Some(file) = &self.corrections {
             let (text, _) = scene::rewritten(scene, &source.means(&fit, &self.unknowns.fit)).map_err(Failure::new)?;
