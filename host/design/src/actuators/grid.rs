@@ -20,6 +20,10 @@ const VALUES: usize = 5;
 const TRIALS: usize = 32;
 /// Most products of a row and two phases in these trials: a bound for large problems alone.
 const WORK: usize = 10_000_000;
+/// Fractions of the way between neighbouring rows: most near the lower bounds, where thin walls deform most.
+const BETWEEN: [f64; 4] = [0.1, 0.25, 0.5, 0.75];
+/// Sections nearer to each other in each variable, as a share of its bounds, are alike.
+const ALIKE: f64 = 0.3;
 /// Most rounds over all phases.
 const ROUNDS: usize = 8;
 /// A section with its fiber angle.
@@ -206,11 +210,56 @@ impl<'a> Rows<'a> {
         best
     }
 
+    /// The rows and the points between neighbouring rows that leave least at these pressures, the best first, none alike another one.
+    fn best_between(&self, shares: &[f64], most: usize) -> Vec<Vec<f64>> {
+        let [_, wall, angle] = self.sizes;
+        let on_grid: usize = self.sizes.iter().product();
+        let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            let Some(row) = row else { continue };
+            found.extend(self.between(row, row, 0.0, shares));
+            let steps = [(wall * angle, self.sizes[0]), (angle, wall), (1, angle)];
+            let steps = steps.into_iter().filter(|(step, count)| index < on_grid && index / step % count + 1 < *count);
+            for next in steps.filter_map(|(step, _)| self.rows[index + step].as_ref()) {
+                found.extend(BETWEEN.iter().filter_map(|along| self.between(row, next, *along, shares)));
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best: Vec<Vec<f64>> = Vec::new();
+        for (_, place) in found {
+            // The best length follows from the section.
+            let differ = |axis: usize, other: &[f64]| axis != 2 && (place[axis] - other[axis]).abs() > ALIKE;
+            let is_new = best.iter().all(|other| (0..place.len()).any(|axis| differ(axis, other)));
+            if is_new && best.len() < most {
+                best.push(place);
+            }
+        }
+        best
+    }
+
+    /// The least that a point between two rows leaves by interpolation, and its geometry at its best length; `None` beyond a cap.
+    fn between(&self, from: &Row, to: &Row, along: f64, shares: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let mut sums = Sums::default();
+        for (share, goal) in shares.iter().zip(&self.segment.goals) {
+            sums = sums.with(*goal, interpolated(from.at(*share)?, to.at(*share)?, along));
+        }
+        let (length_m, left) = sums.best(self.segment);
+        let mut place: Vec<f64> = from.place.iter().zip(&to.place).map(|(a, b)| a + along * (b - a)).collect();
+        let [low, width] = self.segment.axis(2);
+        place[2] = if width > 0.0 { (length_m - low) / width } else { 0.0 };
+        Some((left, place))
+    }
+
     fn best_of(&self, left: &[f64], shares: &[f64], is_meant: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
         let meant = (0..left.len()).filter(|index| is_meant(*index) && left[*index].is_finite());
         let best = meant.min_by(|a, b| left[*a].total_cmp(&left[*b]))?;
         self.place(self.rows[best].as_ref()?, shares)
     }
+}
+
+/// A deformation between those of two rows; by its logarithm, because it is about a power of the sizes.
+fn interpolated(from: f64, to: f64, along: f64) -> f64 {
+    if from * to > 0.0 { from * (to / from).powf(along) } else { from + along * (to - from) }
 }
 
 impl<'a> Grid<'a> {
@@ -228,6 +277,11 @@ impl<'a> Grid<'a> {
     /// The best geometries of one segment at these pressures for each fiber angle, of a bend for each inner radius, and for bounds of the wall.
     pub(super) fn geometries(&self, segment: usize, shares: &[f64]) -> Vec<Vec<f64>> {
         self.segments[segment].best_of_each(shares)
+    }
+
+    /// The best geometries of one segment at these pressures, at most so many, between rows by interpolation.
+    pub(super) fn between(&self, segment: usize, shares: &[f64], most: usize) -> Vec<Vec<f64>> {
+        self.segments[segment].best_between(shares, most)
     }
 
     /// Geometries and shares of the pressures that no other level of a single phase makes better, the best first, each once.

@@ -14,6 +14,7 @@ mod edge;
 mod effort;
 pub(crate) mod file;
 mod grid;
+mod hops;
 pub mod kinds;
 mod objective;
 mod problem;

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::actuator::Counts;
 use super::along::along;
 use super::grid::Grid;
+use super::hops::{HOPS, Hops};
 use super::problem::{Problem, Segment};
 use super::reach::{Separate, Span};
 use super::ridge;
@@ -21,18 +22,14 @@ const LOOKED_AT: [[f64; 4]; 5] =
     [[0.5, 0.5, 0.5, 0.5], [0.8, 0.2, 0.7, 0.5], [1.0, 0.0, 1.0, 0.5], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 1.0]];
 /// As many minima at least must agree on one supply line: the best basin may be one that few starts lie in.
 const ON_A_LINE: usize = 16;
-/// Share of the evaluations that starting points may take on a supply line; the others are for exchanges of single segments.
-const STARTING: f64 = 0.67;
-/// Most evaluations of a segment whose geometry is exchanged.
-const ALONE: usize = 60;
-/// Geometries that leave more than this share of the objective in addition are not exchanged.
-const PROMISING: f64 = 0.1;
+/// Share of the evaluations that starting points may take on a supply line; the others are for hops from the best minimum.
+const STARTING: f64 = 0.5;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
 /// The same while they are settled: differences are not exact to more.
 const FINE: f64 = 1e-8;
 /// Objectives within this share of each other agree.
-const SAME: f64 = 1e-6;
+pub(super) const SAME: f64 = 1e-6;
 
 /// How long to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -227,35 +224,6 @@ pub(super) fn separate(
     Some(Found { point: minimum.point, pressures_pa, objective, starts: solves.into(), counts })
 }
 
-/// Points that differ from a minimum in one segment, whose geometry is at another minimum for the same pressures; the best one last.
-fn exchanges(grid: &Grid, limb: &mut Shared, point: &[f64], objective: f64) -> Vec<Vec<f64>> {
-    let (places, shares) = point.split_at(limb.dimensions());
-    let criteria = StoppingCriteria { evaluations: ALONE, least_gain: SAME, ..StoppingCriteria::default() };
-    let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
-    let mut first = 0;
-    for (index, segment) in limb.segments.iter().enumerate() {
-        let mut alone = limb.alone(index, shares);
-        let range = first..first + segment.dimensions();
-        first = range.end;
-        let here = alone.objective_at(&places[range.clone()]);
-        for place in grid.geometries(index, shares) {
-            let Some(start) = alone.begin(place) else { continue };
-            let Some(end) = minimise(&mut alone, &start, criteria) else { continue };
-            let more = (end.objective - here) / objective;
-            // As good is as likely a section of another size that deforms alike.
-            let is_known = more.abs() <= SAME || found.iter().any(|(known, _)| (known - more).abs() <= SAME);
-            if more < PROMISING && !is_known {
-                let mut other = point.to_vec();
-                other[range.clone()].copy_from_slice(&end.point);
-                found.push((more, other));
-            }
-        }
-        limb.add(alone.counts);
-    }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, point)| point).collect()
-}
-
 /// The best geometries of segments on one supply line; `None` where the model answers nowhere.
 pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&Progress)) -> Option<Found> {
     let mut random = Random::new(effort.seed, 0);
@@ -294,20 +262,21 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
     let (mut minimum, mut solves) = multi_start(&mut limb, settings, before(STARTING), start, refine)?;
     minimum.objective.is_finite().then_some(())?;
     let spent = before(1.0);
-    // A better basin often differs from the best one in a single segment.
-    let mut next = Vec::new();
-    let mut is_new = true;
+    let (mut next, mut hops): (Vec<Vec<f64>>, &[Hops]) = (Vec::new(), HOPS);
     while minimum.objective > criteria.zero && !spent(&limb) {
-        if std::mem::take(&mut is_new) {
-            next = exchanges(&grid, &mut limb.problem, &minimum.point, minimum.objective);
-        }
-        let Some(point) = next.pop() else { break };
+        let Some(point) = next.pop() else {
+            let Some((hop, others)) = hops.split_first() else { break };
+            next = hop(&grid, &mut limb.problem, &minimum.point, minimum.objective);
+            hops = others;
+            continue;
+        };
         let Some(point) = limb.problem.start_at(point) else { continue };
         let Some(rough) = minimise(&mut limb, &point, settings.criteria) else { continue };
         let found = refine(&mut limb, rough);
         if found.objective < minimum.objective * (1.0 - SAME) {
             // No start has ended there.
-            (minimum, solves.agreeing, is_new) = (found, 1, true);
+            (minimum, solves.agreeing) = (found, 1);
+            (next, hops) = (Vec::new(), HOPS);
         } else if found.objective <= minimum.objective * (1.0 + SAME) {
             solves.agreeing += 1;
         }
