@@ -290,7 +290,7 @@ impl Words<'_> {
     fn tilt(&self, phase: usize, tilt_rad: f64) -> String {
         let object = self.phase(phase).object.map(|index| &self.scene.objects()[index]);
         let name = object.map_or("the object", |object| object.name.value.as_str());
-        let most_rad = object.and_then(|object| object.tilt_max_rad).map_or(f64::INFINITY, |most| *most);
+        let most_rad = object.map_or(f64::INFINITY, |object| object.tilt_max_rad);
         let [tilt_deg, most_deg] = [tilt_rad, most_rad].map(f64::to_degrees);
         format!("`{name}` would tilt by {tilt_deg:.1} deg since it was grasped; its `tilt_max` is {most_deg:.1} deg")
     }

@@ -11,7 +11,7 @@ use softlimb_scene::Scene;
 pub struct Upright {
     /// Its axis in the frame of the tip.
     axis: Vector3<f64>,
-    /// Largest angle of the axis from the vertical, rad; infinite where it may tilt as it likes.
+    /// Largest angle of the axis from the vertical, rad.
     most_rad: f64,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Grip<'a> {
     pub(super) fn hold(&mut self, object: Option<usize>, space: &Space<'_>, values: &[f64]) -> Option<Upright> {
         if object != self.object {
             self.object = object;
-            let most_rad = |index: usize| self.scene.objects()[index].tilt_max_rad.map_or(f64::INFINITY, |most| *most);
+            let most_rad = |index: usize| self.scene.objects()[index].tilt_max_rad;
             let taken = |index| Some(Upright::taken(&space.body(values)?.end().rotation, most_rad(index)));
             self.upright = object.and_then(taken);
         }

@@ -46,11 +46,11 @@ fn tilt_of_an_object_has_a_range_and_a_line() {
     let most = |line: &str| {
         let text =
             with("object = \"bottle\"\n", "").replace("mass = \"0.6 kg\"\n", &format!("mass = \"0.6 kg\"\n{line}"));
-        parse(&text, "arm.toml").map(|scene| scene.objects()[0].tilt_max_rad.map(|most| *most))
+        parse(&text, "arm.toml").map(|scene| scene.objects()[0].tilt_max_rad)
     };
-    assert_eq!(most(""), Ok(None));
-    let found = most("tilt_max = \"35 deg\"\n").unwrap().unwrap();
-    assert!((found - 0.610_865_238_198_015_3).abs() < 1e-15);
+    for (line, rad) in [("", 0.610_865_238_198_015_3), ("tilt_max = \"90 deg\"\n", std::f64::consts::FRAC_PI_2)] {
+        assert!((most(line).unwrap() - rad).abs() < 1e-15, "{line}");
+    }
     for (line, shown) in [("tilt_max = \"0 deg\"\n", "0.1 deg"), ("tilt_max = \"181 deg\"\n", "180 deg")] {
         let said = most(line).unwrap_err().render(false);
         assert!(said.contains("tilt_max") && said.contains(shown) && said.contains(line.trim_end()), "{said}");

@@ -18,9 +18,6 @@ use softlimb_scene::{
     redesigned_at,
 };
 
-/// Largest tilt of a carried object that states none, rad.
-const TILT_MAX_RAD: f64 = 35.0 * PI / 180.0;
-
 /// A limb under load to search for.
 #[derive(Clone, Debug)]
 pub struct LoadedDesign {
@@ -180,7 +177,7 @@ fn poses(scene: &Scene) -> Result<Vec<LoadedPose>, SceneError> {
                 radius_m: object.radius_m,
                 above_m: object.height_m - object.grasp_m,
                 below_m: object.grasp_m,
-                tilt_max_rad: object.tilt_max_rad.map_or(TILT_MAX_RAD, |most| *most),
+                tilt_max_rad: object.tilt_max_rad,
             }
         });
         // The gripper takes up or puts down at the end of the move.

@@ -126,8 +126,8 @@ impl<'a> Mover<'a> {
     /// [`Refusal`]; it then carries what it carried.
     pub(super) fn carry(&mut self, from: &Place, carrying: Carrying) -> Result<(Vec<Vec<f64>>, Place), Refusal> {
         let held = self.space.body(&from.values).map(|body| body.end().rotation);
-        let most_rad = carrying.object.and_then(|index| self.scene.objects()[index].tilt_max_rad.as_ref());
-        let upright = held.zip(most_rad).map(|(tip, most)| Upright::taken(&tip, **most).within(TILT_SHARE));
+        let most_rad = carrying.object.map(|index| self.scene.objects()[index].tilt_max_rad);
+        let upright = held.zip(most_rad).map(|(tip, most)| Upright::taken(&tip, most).within(TILT_SHARE));
         let other = space(self.scene, self.limb, self.tier, carrying, upright);
         let mut rows = vec![from.values.clone()];
         let (before_kg, after_kg) = (self.carrying.payload_kg, carrying.payload_kg);

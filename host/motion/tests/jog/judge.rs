@@ -110,7 +110,7 @@ impl<'a> Judge<'a> {
             self.limb.loaded_shape(&pose.rod, &pose.shape.q, &states, &mut body);
         }
         let carried = jog.carrying().object.map(|index| &self.scene.objects()[index]);
-        let tilt_max_rad = carried.and_then(|object| object.tilt_max_rad.as_ref()).map(|most| **most);
+        let tilt_max_rad = carried.map(|object| object.tilt_max_rad);
         let turn = body.end().rotation;
         if let Some(object) = carried {
             body.hanging(object.height_m - object.grasp_m, object.grasp_m, object.radius_m);

@@ -41,8 +41,8 @@ pub struct Object {
     pub grasp_m: f64,
     /// Mass, kg; >= 0.
     pub mass_kg: f64,
-    /// Largest angle of its axis from the vertical since it was grasped, rad; > 0. `None` where it may tilt as it likes.
-    pub tilt_max_rad: Option<Located<f64>>,
+    /// Largest angle of its axis from the vertical since it was grasped, rad; > 0.
+    pub tilt_max_rad: f64,
     /// The header of its table.
     pub span: Span,
 }

@@ -54,9 +54,9 @@ pub(super) fn objects(root: &Reader<'_>) -> Option<Vec<Object>> {
 }
 
 fn object(reader: &Reader<'_>, name: Located<String>) -> Option<Object> {
-    let [radius, height, grasp, mass] =
-        [object::RADIUS, object::HEIGHT, object::GRASP, object::MASS].map(|key| reader.quantity(&key));
-    let tilt_max = reader.maybe(&object::TILT_MAX);
+    let [radius, height, grasp, mass, tilt_max] =
+        [object::RADIUS, object::HEIGHT, object::GRASP, object::MASS, object::TILT_MAX]
+            .map(|key| reader.quantity(&key));
     let (radius, height, grasp) = (radius?, height?, grasp?);
     if *grasp > *height {
         let title = "an object is grasped within its height";
@@ -69,7 +69,7 @@ fn object(reader: &Reader<'_>, name: Located<String>) -> Option<Object> {
         height_m: *height,
         grasp_m: *grasp,
         mass_kg: *mass?,
-        tilt_max_rad: tilt_max?,
+        tilt_max_rad: *tilt_max?,
         span: reader.span(),
     })
 }

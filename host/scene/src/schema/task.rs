@@ -33,7 +33,7 @@ section! {
     HEIGHT: Quantity { name: "height", unit: Unit::MM, min: 0.1, max: 1e4, presence: Required } = "Height.";
     GRASP: Quantity { name: "grasp", unit: Unit::MM, min: 0.0, max: 1e4, presence: Required } = "Height above its bottom at which the tip holds it, at most `height`.";
     MASS: Quantity { name: "mass", unit: Unit::KG, min: 0.0, max: 100.0, presence: Required } = "Mass.";
-    TILT_MAX: Quantity { name: "tilt_max", unit: Unit::DEG, min: 0.1, max: 180.0, presence: Optional("it may tilt as it likes; in a design at most 35 deg") } = "Largest angle of its axis from the vertical, where it was upright as the gripper took it. Goals, ways and pauses that carry it keep this angle.";
+    TILT_MAX: Quantity { name: "tilt_max", unit: Unit::DEG, min: 0.1, max: 180.0, presence: Default(35.0) } = "Largest angle of its axis from the vertical, where it was upright as the gripper took it. Goals, ways and pauses that carry it keep this angle, and so does a designed limb. `180 deg` lets it tilt freely.";
 }
 
 section! {
