@@ -252,6 +252,46 @@ fn step_gives_the_creep_of_a_scene() {
 }
 
 #[test]
+fn specimens_have_a_mean_and_a_spread() {
+    let moduli = [1.8e5, 2.0e5, 2.1e5, 2.3e5];
+    let mut rows = "specimen,module,pressure_kpa,axial_stretch\n".to_owned();
+    for (index, modulus) in moduli.iter().enumerate() {
+        let tube = Tube { c: [0.5 * modulus, 0.0, 0.0], ..Tube::soft() };
+        for stretch in grid(1.02, 1.12, 6) {
+            let held = tube.at_stretch(stretch);
+            let _ = writeln!(rows, "cast {index},arm,{},{}", held.pressure * 1e-3, held.stretch);
+        }
+    }
+    let folder = desk(&[("scene.toml", SCENE), ("casts.csv", &rows)]);
+    let line = "calibrate pressure casts.csv --scene scene.toml --fit shear_modulus --per module";
+    let answer = softlimb(folder.path(), &format!("{line} --json --write fitted.toml"));
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    let json: Value = serde_json::from_str(&answer.out).unwrap();
+    for (found, modulus) in json["specimens"].as_array().unwrap().iter().zip(moduli) {
+        assert!((found["estimates"][0]["value"].as_f64().unwrap() / modulus - 1.0).abs() < 1e-6, "{found}");
+    }
+    let effect = &json["random_effects"][0];
+    let number = |field: &str| effect[field].as_f64().unwrap();
+    // Mean and deviation of the four moduli.
+    assert!(
+        (number("mean") / 2.05e5 - 1.0).abs() < 1e-6 && (number("spread") / 20_816.66 - 1.0).abs() < 1e-5,
+        "{effect}"
+    );
+    let written = scene::load(folder.path().join("fitted.toml")).unwrap();
+    assert!((written.modules()[0].actuator().material.shear_modulus_pa() / 2.05e5 - 1.0).abs() < 1e-6);
+    let table = softlimb(folder.path(), line).out;
+    assert!(table.contains("  cast 3 ") && table.contains("  between specimens "), "{table}");
+    let two: String = rows.lines().take(13).map(|row| format!("{row}\n")).collect();
+    let folder = desk(&[("scene.toml", SCENE), ("casts.csv", &two)]);
+    let refused = softlimb(folder.path(), line);
+    assert!(
+        refused.code == 1 && refused.err.contains("2 specimens: mean and spread take 3 or more"),
+        "{}",
+        refused.err
+    );
+}
+
+#[test]
 fn rows_that_repeat_a_measurement_count_once() {
     let rows = table();
     let line = rows.lines().nth(3).unwrap();

@@ -70,6 +70,41 @@ fn fraction_within(t: f64, freedom: usize) -> f64 {
     if odd { FRAC_2_PI * (angle + sine * sum) } else { sine * sum }
 }
 
+/// The value that a chi-square variable does not exceed with the given probability.
+///
+/// `fraction` is between 0 and 1, both excluded; `freedom` from 1 to 500.
+pub fn chi_square_quantile(fraction: f64, freedom: usize) -> f64 {
+    let (mut low, mut high) = (0.0, freedom as f64);
+    while chi_square(high, freedom) < fraction && high < 1e4 {
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if chi_square(middle, freedom) < fraction { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Probability that a chi-square variable does not exceed a value: the series of the incomplete gamma function.
+fn chi_square(value: f64, freedom: usize) -> f64 {
+    let (a, x) = (0.5 * freedom as f64, 0.5 * value);
+    if x <= 0.0 {
+        return 0.0;
+    }
+    // Gamma(a + 1) from Gamma(1) = 1 or Gamma(3/2) = sqrt(pi)/2, step by step.
+    let (start, at_start) = if freedom % 2 == 0 { (0.0, 1.0) } else { (0.5, 0.5 * std::f64::consts::PI.sqrt()) };
+    let log_gamma = f64::ln(at_start) + (1..=freedom / 2).map(|step| (start + step as f64).ln()).sum::<f64>();
+    let mut term = (a * x.ln() - x - log_gamma).exp();
+    let mut sum = term;
+    let mut n = a;
+    while term > f64::EPSILON * sum {
+        n += 1.0;
+        term *= x / n;
+        sum += term;
+    }
+    sum.min(1.0)
+}
+
 /// The `t` of Student's distribution with the given fraction between `-t` and `t`.
 ///
 /// `fraction` is between 0 and 1, both excluded; infinite for no degree of freedom.
@@ -107,6 +142,16 @@ mod tests {
         assert!((student_quantile(0.99, 4) - 4.604).abs() < 6e-4);
         assert!((student_quantile(0.95, usize::MAX) - 1.960).abs() < 6e-4);
         assert_eq!(student_quantile(0.95, 0), f64::INFINITY);
+    }
+
+    #[test]
+    fn chi_square_quantiles_are_those_of_the_printed_tables() {
+        for (freedom, low, high) in
+            [(1, 0.000_98, 5.024), (2, 0.0506, 7.378), (5, 0.831, 12.833), (10, 3.247, 20.483), (100, 74.222, 129.561)]
+        {
+            let found = [0.025, 0.975].map(|fraction| chi_square_quantile(fraction, freedom));
+            assert!((found[0] - low).abs() < 6e-4 && (found[1] - high).abs() < 6e-4, "{freedom}: {found:?}");
+        }
     }
 
     #[test]

@@ -6,5 +6,6 @@ mod noise;
 mod pressure;
 mod range;
 mod refusals;
+mod specimens;
 mod tension;
 mod tube;

@@ -20,6 +20,7 @@ mod problem;
 mod property;
 mod range;
 mod runs;
+mod specimens;
 mod tension;
 
 pub use body::Body;
@@ -35,4 +36,5 @@ pub use points::{Point, Points};
 pub use property::Property;
 pub use range::{RangeFit, fit_range};
 pub use softlimb_files::table::TableError;
+pub use specimens::{RandomEffects, SPECIMENS_MIN, random_effects};
 pub use tension::{Law, Tension, TensionFit, fit_tension};

@@ -10,6 +10,8 @@ pub struct Point {
     pub line: usize,
     /// The module or actuator, as the table names it.
     pub name: String,
+    /// The specimen, where the table tells several apart.
+    pub specimen: Option<String>,
     /// Reading of the pressure sensor, Pa gauge.
     pub reading_pa: f64,
     /// Measured quantity.
@@ -65,15 +67,19 @@ const COLUMNS: [Known<Kind>; 12] = [
 /// Accepted headings of the column of names.
 const NAMES: [&str; 2] = ["module", "actuator"];
 
+/// Column of the names of specimens.
+const SPECIMEN: &str = "specimen";
+
 impl Points {
-    /// Reads a table: a column `module` or `actuator`, one of pressure, at least one of a deformation, and `time_s` if it is a response
-    /// to a step. `known` are the names that may be used; a table without names is about the only one of them.
+    /// Reads a table: a column `module` or `actuator`, one of pressure, at least one of a deformation, `specimen` if it
+    /// has several, and `time_s` if it is a response to a step. `known` are the names that may be used; a table without names is about the only one of them.
     ///
     /// # Errors
     /// [`TableError`] with line, column, value and what is accepted.
     pub fn read(text: &str, known: &[&str]) -> Result<Self, TableError> {
         let table = Table::cut(text)?;
-        table.only(&COLUMNS, &NAMES)?;
+        table.only(&COLUMNS, &[NAMES[0], NAMES[1], SPECIMEN])?;
+        let specimen = table.place(SPECIMEN);
         let there = table.columns(&COLUMNS);
         let of = |kind: Kind| there.iter().copied().filter(move |(_, column)| column.kind == kind).collect::<Vec<_>>();
         let [pressure] = of(Kind::Pressure)[..] else {
@@ -104,13 +110,18 @@ impl Points {
                 }
                 None => known[0],
             };
+            let specimen = match specimen.map(|place| (place, row.text(place))) {
+                Some((place, "")) => return Err(row.refused(place, SPECIMEN, "a name".into())),
+                named => named.map(|(_, name)| name.to_owned()),
+            };
             let reading_pa = required(pressure)?;
             let time_s = time.map(required).transpose()?;
             for (place, column) in &deformations {
                 let (Kind::Deformation(quantity), Some(value)) = (column.kind, row.number(*place, column)?) else {
                     continue;
                 };
-                points.push(Point { line: row.line, name: name.into(), reading_pa, quantity, value, time_s });
+                let specimen = specimen.clone();
+                points.push(Point { line: row.line, name: name.into(), specimen, reading_pa, quantity, value, time_s });
             }
         }
         Ok(Self { points, timed: time.is_some() })

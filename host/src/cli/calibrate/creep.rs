@@ -59,6 +59,9 @@ impl Creep {
         let about = about(&self.step);
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         let points = Points::read(&read(&self.step)?, &names).map_err(|error| about(&error))?;
+        if points.points.iter().any(|point| point.specimen.is_some()) {
+            return Err(about(&"creep takes one specimen: give a table without the column specimen"));
+        }
         if !points.timed {
             return Err(about(&"creep needs a column time_s: the time since the pressure was raised"));
         }

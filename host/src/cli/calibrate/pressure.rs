@@ -1,6 +1,7 @@
 //! `softlimb calibrate pressure`: actuators from a table of pressures and deformations; and the fit that `calibrate run` has, too.
 
 use fra_model::{ActuatorParameters, StateQuantity};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,6 +9,7 @@ use clap::Args;
 use super::super::shared::{about, read};
 use super::super::{Failure, Outcome};
 use super::print::{printed, table};
+use super::specimens::{self, Specimen};
 use super::{Files, Fitted, Fitting, Per, Unknowns};
 use softlimb_rig::calibrate::{Body, Fit, Loaded, Observation, Points, Property, Unknown, fit, fit_loaded, picture};
 use softlimb_scene as scene;
@@ -95,19 +97,34 @@ impl Pressure {
                         out of equilibria";
             return Err(about(&text));
         }
-        let seen = points.points.into_iter().map(|point| Seen {
-            module: names.iter().position(|name| *name == point.name).unwrap_or(0),
-            reading_pa: point.reading_pa,
-            quantity: point.quantity,
-            value: point.value,
-            from: format!("line {}", point.line),
-        });
-        let (seen, repeated) = distinct(seen);
+        let mut groups: Vec<(Option<String>, Vec<Seen>)> = Vec::new();
+        for point in points.points {
+            let seen = Seen {
+                module: names.iter().position(|name| *name == point.name).unwrap_or(0),
+                reading_pa: point.reading_pa,
+                quantity: point.quantity,
+                value: point.value,
+                from: format!("line {}", point.line),
+            };
+            match groups.iter_mut().find(|(name, _)| *name == point.specimen) {
+                Some((_, group)) => group.push(seen),
+                None => groups.push((point.specimen, vec![seen])),
+            }
+        }
         if self.unknowns.per == Per::Actuator {
             return Err(Failure::wrong_line(
                 "--per actuator takes a run under weight, which alone tells the actuators of a module apart",
             ));
         }
+        if groups.iter().any(|(name, _)| name.is_some()) {
+            let specimens = groups.into_iter().map(|(name, seen)| {
+                let (seen, warnings) = distinct(seen);
+                Specimen { name: name.unwrap_or_default(), seen, warnings }
+            });
+            let options = (&self.unknowns, &self.fitting, &self.files);
+            return specimens::fit(specimens.collect(), &scene, &self.data, options);
+        }
+        let (seen, repeated) = distinct(groups.into_iter().flat_map(|(_, seen)| seen).collect());
         let mut source = Source::of_modules(&scene, seen, None);
         source.warnings = repeated;
         Ok(self.unknowns.fit(&source, &self.data, (&self.fitting, &self.files))?.1)
@@ -116,7 +133,7 @@ impl Pressure {
 
 /// The measurements without repetitions, and a warning for each that is repeated. A row that is written again to the last digit is one measurement:
 /// counted as several, they would seem to scatter little, and the intervals would be too narrow.
-fn distinct(seen: impl Iterator<Item = Seen>) -> (Vec<Seen>, Vec<String>) {
+fn distinct(seen: Vec<Seen>) -> (Vec<Seen>, Vec<String>) {
     let mut kept: Vec<(Seen, usize)> = Vec::new();
     for new in seen {
         let is_same = |old: &Seen| {
@@ -138,14 +155,20 @@ fn distinct(seen: impl Iterator<Item = Seen>) -> (Vec<Seen>, Vec<String>) {
 }
 
 impl Unknowns {
-    /// Fits the unknowns to the measurements of a file and finishes the command.
-    pub(super) fn fit(
+    /// Whether a scene has a place for one of the unknowns.
+    pub(super) fn written(&self) -> bool {
+        let has_none =
+            |p: &Property| matches!(p, Property::SeatingPressure | Property::PressureOffset | Property::PressureGain);
+        !self.fit.iter().all(has_none)
+    }
+
+    /// Fits the unknowns to measurements, which `about` names in errors; the fit with its observations and warnings.
+    pub(super) fn fitted(
         &self,
         source: &Source<'_>,
-        file: &Path,
-        (fitting, files): (&Fitting, &Files),
-    ) -> Result<(Fit, Outcome), Failure> {
-        let about = about(file);
+        about: &dyn Fn(&dyn Display) -> Failure,
+        fitting: &Fitting,
+    ) -> Result<(Fit, Vec<Observation>, Vec<String>), Failure> {
         let Source { scene, bodies, seen, loaded, .. } = source;
         let observations = observations(source, fitting.accuracy.si());
         let mut unknowns = Vec::new();
@@ -168,15 +191,22 @@ impl Unknowns {
         let measured =
             scene.modules().iter().enumerate().filter(|(index, _)| seen.iter().any(|of| of.module == *index));
         warnings.extend(measured.filter_map(|(_, module)| scene.winding_warning(module)));
-        let written = self
-            .fit
-            .iter()
-            .any(|p| !matches!(p, Property::SeatingPressure | Property::PressureOffset | Property::PressureGain));
+        Ok((fit, observations, warnings))
+    }
+
+    /// Fits the unknowns to the measurements of a file and finishes the command.
+    pub(super) fn fit(
+        &self,
+        source: &Source<'_>,
+        file: &Path,
+        (fitting, files): (&Fitting, &Files),
+    ) -> Result<(Fit, Outcome), Failure> {
+        let (fit, observations, warnings) = self.fitted(source, &about(file), fitting)?;
         let fitted = Fitted {
             table: table(&fit, &observations, source, fitting.confidence.si()),
             json: printed(&fit, &observations, source),
             svg: picture(&fit, &observations),
-            scene: written.then(|| ((*scene).clone(), source.means(&fit, &self.fit))),
+            scene: self.written().then(|| (source.scene.clone(), source.means(&fit, &self.fit))),
             warnings,
         };
         let outcome = fitted.finish(fitting, files)?;

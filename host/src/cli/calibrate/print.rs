@@ -9,7 +9,7 @@ use super::pressure::Source;
 use softlimb_rig::calibrate::{Fit, LimbHold, Loaded, Observation, Property};
 
 /// A value in the unit that people read it in.
-fn shown(property: Property, value: f64) -> (f64, &'static str) {
+pub(super) fn shown(property: Property, value: f64) -> (f64, &'static str) {
     match property {
         Property::FiberAngle => (value.to_degrees(), "deg"),
         Property::Wall | Property::InnerRadius | Property::Length => (value * 1e3, "mm"),
