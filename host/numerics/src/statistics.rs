@@ -92,7 +92,8 @@ fn chi_square(value: f64, freedom: usize) -> f64 {
         return 0.0;
     }
     // Gamma(a + 1) from Gamma(1) = 1 or Gamma(3/2) = sqrt(pi)/2, step by step.
-    let (start, at_start) = if freedom % 2 == 0 { (0.0, 1.0) } else { (0.5, 0.5 * std::f64::consts::PI.sqrt()) };
+    let (start, at_start) =
+        if freedom.is_multiple_of(2) { (0.0, 1.0) } else { (0.5, 0.5 * std::f64::consts::PI.sqrt()) };
     let log_gamma = f64::ln(at_start) + (1..=freedom / 2).map(|step| (start + step as f64).ln()).sum::<f64>();
     let mut term = (a * x.ln() - x - log_gamma).exp();
     let mut sum = term;
