@@ -6,6 +6,7 @@
 //! `docs/reference/log.md`. This is the only room that knows the container format;
 //! it knows nothing of ports, scenes or figures.
 
+mod background;
 mod cdr;
 mod container;
 mod error;

@@ -1,5 +1,6 @@
 //! Writes a run while it happens.
 
+use super::background::{Background, LogFile};
 use super::container::{options, partial_path, write_opening};
 use super::messages::{Truth, encode_deformation, encode_fault, encode_outputs, encode_shape, encode_telemetry};
 use super::metadata::{check_modules, end_metadata};
@@ -22,7 +23,7 @@ const CHUNK_S: f64 = 0.4;
 /// Every 0.4 s of log time everything so far is handed to the operating system as
 /// a closed chunk, so a killed process loses no more than that.
 pub struct Recorder {
-    mcap: mcap::Writer<BufWriter<File>>,
+    mcap: mcap::Writer<LogFile>,
     topics: Topics,
     info: RunInfo,
     path: PathBuf,
@@ -50,8 +51,14 @@ impl Recorder {
         let path = path.as_ref().to_owned();
         let partial = partial_path(&path);
         let file = File::create(&partial).map_err(RecordError::file("create", &partial))?;
+        // A simulation waits for the disk, a device does not.
+        let file = if info.simulated {
+            LogFile::Direct(BufWriter::new(file))
+        } else {
+            LogFile::Background(Background::new(file).map_err(RecordError::file("write", &partial))?)
+        };
         let mut mcap = options()
-            .create(BufWriter::new(file))
+            .create(file)
             .and_then(|mut mcap| write_opening(&mut mcap, info).map(|()| mcap))
             .map_err(RecordError::written("opening the log", &partial))?;
         let topics =
@@ -179,11 +186,7 @@ impl Recorder {
             .write_metadata(&end)
             .and_then(|()| self.mcap.finish())
             .map_err(RecordError::written("ending the log", &self.partial))?;
-        let file = self.mcap.into_inner().into_inner().map_err(|failed| RecordError::File {
-            action: "write",
-            path: self.partial.clone(),
-            source: failed.into_error(),
-        })?;
+        let file = self.mcap.into_inner().into_inner().map_err(RecordError::file("write", &self.partial))?;
         file.sync_all().map_err(RecordError::file("write", &self.partial))?;
         std::fs::rename(&self.partial, &self.path).map_err(RecordError::file("name", &self.path))
     }
