@@ -157,7 +157,7 @@ fn the_log_of_a_run_gives_the_moduli_of_the_limb_that_ran() {
     }
     assert_eq!(json["estimates"].as_array().unwrap().len(), 2);
     assert!(json.get("tips").is_none(), "a weightless run has no tips to fit to");
-    // A log that is cut off is told, and its holds count.
+    // The command warns of a truncated log and uses the holds before the cut.
     let whole = std::fs::read(folder.path().join("out/run.mcap")).unwrap();
     std::fs::write(folder.path().join("cut.mcap"), &whole[..whole.len() * 9 / 10]).unwrap();
     let cut = softlimb(folder.path(), "calibrate run cut.mcap --scene scene.toml --fit shear_modulus --accuracy 0.01");

@@ -96,7 +96,7 @@ fn requested_errors_are_those_of_rounding_discretisation_model_and_winding() {
     assert!((1e-16..1e-12).contains(&number(&straight, "rounding")), "{straight}");
 }
 
-/// The error of the analytic model is told before finite elements are asked.
+/// The estimate comes from the parameters alone; finite elements then give the true error.
 #[test]
 fn told_error_of_the_model_covers_that_against_finite_elements() {
     let mut random = ChaCha8Rng::seed_from_u64(18);

@@ -69,7 +69,7 @@ impl Materials {
     }
 }
 
-/// Tests by name: of the library, or of a file, whose only one may have no name of its own.
+/// Tensile tests with the names of their materials: those of the library or of a file. A file without names has one test, named after the file.
 fn tests(file: Option<&Path>) -> Result<Vec<(String, Tension)>, Failure> {
     let Some(file) = file else { return Tension::read_by_name(TENSILE_TESTS).map_err(Failure::new) };
     let text = read(file)?;

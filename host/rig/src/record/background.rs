@@ -1,4 +1,4 @@
-//! A file that a thread of its own writes, so that a slow disk does not hold up the link.
+//! Writes a file in a second thread, so that a slow disk does not delay the link.
 
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, IntoInnerError, Result, Seek, SeekFrom, Write};
@@ -6,15 +6,20 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
+use std::time::Duration;
 
 /// Bytes that may wait for the disk: a minute of a run of nine channels.
 pub(super) const WAITING_MAX: usize = 8 << 20;
-/// Bytes that are handed to the thread together.
+/// Longest wait for the disk when a log is opened, before the device is armed: a disk that takes nothing is reported then.
+const OPENING_MAX: Duration = Duration::from_millis(100);
+/// Bytes that are passed to the second thread together.
 const BLOCK: usize = 1 << 16;
 
 enum Order {
     Write(Vec<u8>),
     Seek(u64),
+    /// Answers once everything before is carried out.
+    Reply(Sender<()>),
 }
 
 /// Shared by both threads.
@@ -30,6 +35,8 @@ pub(super) struct Background<W> {
     block: Vec<u8>,
     position: u64,
     length: u64,
+    /// Whether the opening of the file was flushed.
+    is_open: bool,
     orders: Option<Sender<Order>>,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<Option<W>>>,
@@ -45,7 +52,15 @@ impl<W: Write + Seek + Send + 'static> Background<W> {
         let shared = Arc::new(Shared::default());
         let of_thread = Arc::clone(&shared);
         let thread = Builder::new().name("log".into()).spawn(move || write_all(file, &receiver, &of_thread))?;
-        Ok(Self { block: Vec::new(), position: 0, length: 0, orders: Some(sender), shared, thread: Some(thread) })
+        Ok(Self {
+            block: Vec::new(),
+            position: 0,
+            length: 0,
+            is_open: false,
+            orders: Some(sender),
+            shared,
+            thread: Some(thread),
+        })
     }
 
     /// Waits until everything is written, and returns the file.
@@ -106,6 +121,10 @@ fn write_all<W: Write + Seek>(file: W, orders: &Receiver<Order>, shared: &Shared
         let (done, bytes) = match order {
             Order::Write(block) => (file.write_all(&block), block.len()),
             Order::Seek(position) => (file.seek(SeekFrom::Start(position)).map(drop), 0),
+            Order::Reply(reply) => {
+                let _ = reply.send(());
+                (Ok(()), 0)
+            }
         };
         shared.waiting.fetch_sub(bytes, Ordering::Relaxed);
         if let Err(error) = done {
@@ -127,9 +146,18 @@ impl<W: Write + Seek + Send + 'static> Write for Background<W> {
         Ok(bytes.len())
     }
 
-    /// Hands on what is there, and does not wait for the disk.
+    /// Passes buffered bytes to the second thread. The first call waits for the disk, for at most [`OPENING_MAX`]; later ones do not.
     fn flush(&mut self) -> Result<()> {
-        self.hand_over()
+        self.hand_over()?;
+        if self.is_open {
+            return Ok(());
+        }
+        self.is_open = true;
+        let (reply, done) = channel();
+        self.order(Order::Reply(reply))?;
+        // Neither a slow disk nor a failed one replies.
+        let _ = done.recv_timeout(OPENING_MAX);
+        self.failure()
     }
 }
 

@@ -63,6 +63,9 @@ impl Recorder {
             .map_err(RecordError::written("opening the log", &partial))?;
         let topics =
             Topics::declare(&mut mcap, info).map_err(RecordError::written("declaring the topics", &partial))?;
+        if !info.simulated {
+            mcap.flush().map_err(RecordError::written("opening the log", &partial))?;
+        }
         Ok(Self {
             mcap,
             topics,
