@@ -4,8 +4,9 @@
 //! It is generic over the scalar: the same source runs in `f32` on a microcontroller and in `f64` on the host. `no_std`, no heap,
 //! no clock.
 //!
-//! Two entry points:
+//! Entry points:
 //! - [`Actuator`] for a host: every motion, material and load, forward and inverse, blocked forces, derivatives.
+//! - `TwoWindings` for a host: a straight tube wound twice, at two angles or in two places.
 //! - [`Tracker`] for a device: straight, unloaded tubes with closed forms, from state to state, in bounded time.
 //!
 //! Several actuators along one tube are a [`Series`], several pressures for one wrench an [`Allocation`], polynomials in place of the
@@ -44,6 +45,8 @@ mod solution;
 mod solve;
 mod table;
 mod tracker;
+#[cfg(not(target_os = "none"))]
+mod two_windings;
 
 pub use actuator::Actuator;
 pub use allocation::{Allocated, Allocation, AllocationStatus};
@@ -61,3 +64,5 @@ pub use solve::blocked::Blocked;
 pub use solve::closed_form::{Arithmetic, LANES, Lanes, atanh_series};
 pub use table::{Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable};
 pub use tracker::Tracker;
+#[cfg(not(target_os = "none"))]
+pub use two_windings::TwoWindings;

@@ -170,14 +170,21 @@ impl<T: Copy> ActuatorParameters<T> {
                 }
                 Material::Yeoh { c_pa } => Material::Yeoh { c_pa: c_pa.map(&f) },
             },
-            fiber: self.fiber.map(|fiber| Fiber {
-                angle_rad: f(fiber.angle_rad),
-                families: fiber.families,
-                modulus_pa: f(fiber.modulus_pa),
-                placement: fiber.placement,
-                thickness_m: f(fiber.thickness_m),
-                radius_m: f(fiber.radius_m),
-            }),
+            fiber: self.fiber.map(|fiber| fiber.map(f)),
+        }
+    }
+}
+
+impl<T> Fiber<T> {
+    /// The same winding in another scalar.
+    pub(crate) fn map<U>(self, f: impl Fn(T) -> U) -> Fiber<U> {
+        Fiber {
+            angle_rad: f(self.angle_rad),
+            families: self.families,
+            modulus_pa: f(self.modulus_pa),
+            placement: self.placement,
+            thickness_m: f(self.thickness_m),
+            radius_m: f(self.radius_m),
         }
     }
 }

@@ -20,3 +20,4 @@ mod stress_integrals;
 mod sweep;
 mod table;
 mod tracker;
+mod two_windings;

@@ -106,6 +106,9 @@ pub(crate) struct Wall<T> {
     pub(crate) x_outer: T,
     elastomer: Elastomer<T>,
     winding: Option<Winding<T>>,
+    /// A device has one winding, and neither room nor time for this one.
+    #[cfg(not(target_os = "none"))]
+    second: Option<(Fiber<T>, Winding<T>)>,
 }
 
 impl<T: Scalar> Wall<T> {
@@ -123,7 +126,35 @@ impl<T: Scalar> Wall<T> {
         };
         let winding = parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > T::zero());
         let winding = winding.map(|fiber| Winding::new(fiber, parameters.inner_radius_m, x_outer, mu1));
-        Self { parameters: *parameters, x_outer, elastomer, winding }
+        Self {
+            parameters: *parameters,
+            x_outer,
+            elastomer,
+            winding,
+            #[cfg(not(target_os = "none"))]
+            second: None,
+        }
+    }
+
+    /// The same wall with a second winding. Two windings have no closed forms.
+    #[cfg(not(target_os = "none"))]
+    pub(crate) fn with_second(self, fiber: &Fiber<T>) -> Self {
+        let Self { parameters, x_outer, .. } = self;
+        let mu1 = parameters.material.shear_modulus_pa();
+        let stiff = fiber.modulus_pa > T::zero();
+        let second = stiff.then(|| (*fiber, Winding::new(fiber, parameters.inner_radius_m, x_outer, mu1)));
+        Self { second, ..self }.with_closed_form(None)
+    }
+
+    #[cfg(not(target_os = "none"))]
+    fn second(&self) -> Option<&Winding<T>> {
+        self.second.as_ref().map(|(_, winding)| winding)
+    }
+
+    #[cfg(target_os = "none")]
+    #[inline(always)]
+    fn second(&self) -> Option<&Winding<T>> {
+        None
     }
 
     /// The same wall with a closed-form solver, or without one.
@@ -144,13 +175,17 @@ impl<T: Scalar> Wall<T> {
 
     /// `true` when the tube can twist without an external torque.
     pub(crate) fn twists_by_itself(&self) -> bool {
-        self.winding.as_ref().is_some_and(|winding| winding.families == Families::One)
+        let one = |winding: Option<&Winding<T>>| winding.is_some_and(|winding| winding.families == Families::One);
+        one(self.winding.as_ref()) || one(self.second())
     }
 
     /// Gradient and Hessian at `(e, w, g)`; `1 + e > 0` and `1 + w > 0`.
     pub(crate) fn derivatives(&self, e: T, w: T, g: T) -> Derivatives<T> {
         let mut sum = self.elastomer_derivatives(e, w, g);
         if let Some(winding) = &self.winding {
+            winding.add(e, w, g, &mut sum);
+        }
+        if let Some(winding) = self.second() {
             winding.add(e, w, g, &mut sum);
         }
         sum
@@ -176,13 +211,22 @@ impl<T: Real> Wall<T> {
     /// Whether the rounding of the fibers' strains, magnified by their modulus, would hide how the elastomer deforms. A sheet's tension
     /// follows from the loads instead.
     pub(crate) fn is_too_stiff_for_plain_arithmetic(&self) -> bool {
-        let Some(winding) = self.winding.as_ref().filter(|winding| !winding.is_sheet) else { return false };
-        winding.modulus_ratio * T::default_epsilon() > real::<T>(MAGNIFIED_ROUNDING)
+        let stiff = |winding: &Winding<T>| winding.modulus_ratio * T::default_epsilon() > real::<T>(MAGNIFIED_ROUNDING);
+        if let Some(second) = self.second() {
+            // The loads do not tell the tensions of two windings apart.
+            return stiff(second) || self.winding.as_ref().is_some_and(stiff);
+        }
+        self.winding.as_ref().is_some_and(|winding| !winding.is_sheet && stiff(winding))
     }
 
     /// The same wall in double-double arithmetic, nodes and parameters included: the nodes of a thin wall keep their distances.
     pub(crate) fn in_double_double(&self) -> Wall<DoubleDouble<T>> {
-        Wall::new(&self.parameters.map(DoubleDouble::from))
+        let wall = Wall::new(&self.parameters.map(DoubleDouble::from));
+        #[cfg(not(target_os = "none"))]
+        if let Some((fiber, _)) = &self.second {
+            return wall.with_second(&fiber.map(DoubleDouble::from));
+        }
+        wall
     }
 }
 
@@ -191,7 +235,7 @@ impl<T: Scalar> Wall<T> {
     ///
     /// The tension of a stiff sheet is a tiny strain times a huge modulus, and the rounding of the strain comes out magnified. At
     /// equilibrium the tension also follows from what the elastomer leaves of the loads, without the modulus: of the three, the one
-    /// with the least rounding is used. `None` where the families carry different tensions, or the fibers are not a sheet.
+    /// with the least rounding is used. `None` where families or windings carry different tensions, or the fibers are not a sheet.
     pub(crate) fn pressure_by_tension(
         &self,
         at: Vector3<T>,
@@ -199,6 +243,9 @@ impl<T: Scalar> Wall<T> {
         torque: Option<T>,
         settling_noise: &Vector3<T>,
     ) -> Option<(T, T)> {
+        if self.second().is_some() {
+            return None;
+        }
         let winding = self.winding.as_ref().filter(|winding| winding.is_sheet)?;
         let Sheet { first, cancelling, strain, terms, stiffness } = winding.sheet(at.x, at.y, at.z)?;
         let bare = self.elastomer_derivatives(at.x, at.y, at.z);

@@ -3,6 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::number::real::{Real, epsilon, real};
+#[cfg(not(target_os = "none"))]
+use crate::parameters::Fiber;
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
 use crate::solution::{Load, PressureRange, Solution, State, Status, Target};
 use crate::solve::blocked::{Blocked, block};
@@ -39,6 +41,12 @@ impl<T: Real> Tube<T> {
             shear_modulus_pa: parameters.material.shear_modulus_pa(),
             size,
         }
+    }
+
+    /// The same tube with a second winding.
+    #[cfg(not(target_os = "none"))]
+    pub(crate) fn with_second(self, fiber: &Fiber<T>) -> Self {
+        Self { wall: self.wall.with_second(fiber), ..self }
     }
 
     /// The equilibrium at a gauge pressure.

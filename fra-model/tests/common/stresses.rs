@@ -55,7 +55,16 @@ fn simpson(a: f64, b: f64, f: impl Fn(f64) -> [f64; 3]) -> [f64; 3] {
 }
 
 /// Resultants of the shape with an axial stretch, an inner radius and a twist.
-pub(crate) fn resultants(p: &ActuatorParameters<f64>, [lambda, inner_deformed, twist]: [f64; 3]) -> Resultants {
+pub(crate) fn resultants(p: &ActuatorParameters<f64>, shape: [f64; 3]) -> Resultants {
+    resultants_of(p, p.fiber.as_slice(), shape)
+}
+
+/// The same of the tube with these windings.
+pub(crate) fn resultants_of(
+    p: &ActuatorParameters<f64>,
+    windings: &[Fiber<f64>],
+    [lambda, inner_deformed, twist]: [f64; 3],
+) -> Resultants {
     let tau = twist / p.length_m;
     let inner = p.inner_radius_m;
     let deformed = |radius: f64| (inner_deformed.powi(2) + (radius * radius - inner * inner) / lambda).sqrt();
@@ -70,11 +79,11 @@ pub(crate) fn resultants(p: &ActuatorParameters<f64>, [lambda, inner_deformed, t
         let r = deformed(radius);
         integrand(radius, elastomer_stress(&p.material, r / radius, lambda, r * tau))
     });
-    let winding = p.fiber.map_or([0.0; 3], |fiber| {
+    let of_winding = |fiber: &Fiber<f64>| {
         let smeared = |from: f64| {
             simpson(from, p.outer_radius_m, |radius| {
                 let r = deformed(radius);
-                integrand(radius, fiber_stress(&fiber, r / radius, lambda, r * tau))
+                integrand(radius, fiber_stress(fiber, r / radius, lambda, r * tau))
             })
         };
         match fiber.placement {
@@ -83,11 +92,15 @@ pub(crate) fn resultants(p: &ActuatorParameters<f64>, [lambda, inner_deformed, t
             Placement::Sheet => {
                 let r = deformed(fiber.radius_m);
                 let thickness = fiber.thickness_m * fiber.radius_m / (r * lambda);
-                let [tt, zz, tz] = fiber_stress(&fiber, r / fiber.radius_m, lambda, r * tau).map(|s| s * thickness);
+                let [tt, zz, tz] = fiber_stress(fiber, r / fiber.radius_m, lambda, r * tau).map(|s| s * thickness);
                 let pi = std::f64::consts::PI;
                 [tt / r, pi * r * (2.0 * zz - tt), 2.0 * pi * r * r * tz]
             }
         }
-    });
-    Resultants { pressure_pa: wall[0] + winding[0], force_n: wall[1] + winding[1], torque_nm: wall[2] + winding[2] }
+    };
+    let [pressure_pa, force_n, torque_nm] = windings
+        .iter()
+        .map(of_winding)
+        .fold(wall, |sum, winding| std::array::from_fn(|resultant| sum[resultant] + winding[resultant]));
+    Resultants { pressure_pa, force_n, torque_nm }
 }
