@@ -75,7 +75,7 @@ fn answer_beyond_the_limit_is_the_limit_pressure() {
 #[test]
 fn array_is_no_object_whatever_it_holds() {
     let question = r#"["b","bending","forward",6e-3,8e-3,0.1,{"law":"neo-hookean","shear_modulus_pa":2e5},null,3e4,null,null,null]"#;
-    let fiber = json!([3, 2, 361e6, "sheet", 0.178e-3, null]);
+    let fiber = json!([[3, 2, 361e6, "sheet", 0.178e-3, null]]);
     let cases = [
         question.to_owned(),
         with(bender(), "material", json!(["neo-hookean", 0.2e6])).to_string(),

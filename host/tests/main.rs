@@ -10,6 +10,7 @@ mod eval_lines;
 mod eval_order;
 mod eval_section;
 mod eval_series;
+mod eval_two_windings;
 #[cfg(unix)]
 mod fem_command;
 mod mass_command;

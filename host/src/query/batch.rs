@@ -21,6 +21,7 @@ use super::fields;
 use super::request::{Case, Model, Question, Request};
 use super::section_fe::{self, Discretisation, Found};
 use super::series::{SeriesAnswer, SeriesRequest};
+use super::two_windings;
 use softlimb_fea::cross_section::analytic_bend_error;
 use softlimb_files::object::Object;
 use softlimb_limb::largest_stretch;
@@ -152,6 +153,9 @@ fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
 }
 
 fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
+    if let Some(second) = &case.second_fiber {
+        return two_windings::answer(case, second, solver.scalar).map(|solution| Answer::of(&solution));
+    }
     if let (true, Question::Inverse { target }) = (case.all, &case.question) {
         return match solver.scalar {
             Scalar::F64 => all::<f64>(case, *target, |parameters| *parameters),

@@ -1,13 +1,19 @@
 //! The model's types in another precision.
 
 use fra_model::{
-    ActuatorParameters, InvalidParameter, Load, PressureRange, Real, SeriesTarget, Solution, State, Target,
+    ActuatorParameters, Fiber, InvalidParameter, Load, PressureRange, Real, SeriesTarget, Solution, State, Target,
 };
 use nalgebra::{convert, try_convert};
 
 /// The parameters rounded to another scalar.
 pub(super) fn parameters<T: Real>(p: &ActuatorParameters<f64>) -> ActuatorParameters<T> {
     p.map(convert)
+}
+
+pub(super) fn fiber<T: Real>(fiber: &Fiber<f64>) -> Fiber<T> {
+    let Fiber { angle_rad, families, modulus_pa, placement, thickness_m, radius_m } = *fiber;
+    let [angle_rad, modulus_pa, thickness_m, radius_m] = [angle_rad, modulus_pa, thickness_m, radius_m].map(convert);
+    Fiber { angle_rad, families, modulus_pa, placement, thickness_m, radius_m }
 }
 
 pub(super) fn load<T: Real>(load: &Load<f64>) -> Load<T> {

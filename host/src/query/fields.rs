@@ -5,7 +5,7 @@
 use softlimb_files::object::{NamedOr, Object};
 
 use super::request::{
-    FiberSpec, Law, MaterialSpec, Model, MotionName, PlacementName, Problem, Request, Solutions, TargetSpec,
+    FiberSpec, Fibers, Law, MaterialSpec, Model, MotionName, PlacementName, Problem, Request, Solutions, TargetSpec,
 };
 use super::scan::Scan;
 
@@ -57,7 +57,7 @@ fn request(scan: &mut Scan) -> Option<Request> {
         outer_radius_m: outer_radius_m?,
         length_m: length_m?,
         material: NamedOr::Object(material?),
-        fiber: fiber.map(Object),
+        fiber: fiber.map(Fibers::One),
         pressure_pa,
         target: target.map(Object),
         pressure_range,

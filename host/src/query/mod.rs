@@ -12,6 +12,7 @@ mod scan;
 mod section_fe;
 mod series;
 mod single;
+mod two_windings;
 
 pub use batch::{Scalar, batch, batch_on};
 pub use curve::{Curve, CurvePoint, curves};

@@ -1,6 +1,10 @@
 //! One question to the actuator model, as a line of JSON.
 
+use std::fmt;
+
 use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, PressureRange, Target};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
@@ -22,7 +26,7 @@ pub(super) struct Request {
     pub(super) outer_radius_m: f64,
     pub(super) length_m: f64,
     pub(super) material: NamedOr<MaterialSpec>,
-    pub(super) fiber: Option<Object<FiberSpec>>,
+    pub(super) fiber: Option<Fibers>,
     pub(super) pressure_pa: Option<f64>,
     pub(super) target: Option<Object<TargetSpec>>,
     pub(super) pressure_range: Option<[f64; 2]>,
@@ -112,6 +116,37 @@ pub(super) struct FiberSpec {
     pub(super) radius_m: Option<f64>,
 }
 
+/// One winding, or a list of windings.
+#[derive(Debug)]
+pub(super) enum Fibers {
+    One(FiberSpec),
+    List(Vec<Object<FiberSpec>>),
+}
+
+impl<'de> Deserialize<'de> for Fibers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ObjectOrList)
+    }
+}
+
+struct ObjectOrList;
+
+impl<'de> Visitor<'de> for ObjectOrList {
+    type Value = Fibers;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object or an array of objects")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Fibers, A::Error> {
+        FiberSpec::deserialize(MapAccessDeserializer::new(map)).map(Fibers::One)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Fibers, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(list)).map(Fibers::List)
+    }
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TargetSpec {
@@ -142,6 +177,7 @@ pub(super) enum Question<T> {
 pub(super) struct Case {
     pub(super) model: Model,
     pub(super) parameters: ActuatorParameters<f64>,
+    pub(super) second_fiber: Option<Fiber<f64>>,
     /// Largest stretch of the test behind the law of a named elastomer.
     pub(super) stretch_max: Option<f64>,
     pub(super) question: Question<Target<f64>>,
@@ -160,7 +196,10 @@ impl Request {
     pub(super) fn case(&self) -> Result<Case, String> {
         let motion = self.motion.motion();
         let (material, stretch_max) = material(&self.material)?;
-        let fiber = self.fiber.as_ref().map(|fiber| fiber.0.fiber(motion, self.outer_radius_m)).transpose()?;
+        let [fiber, second_fiber] = match &self.fiber {
+            None => [None, None],
+            Some(fibers) => fibers.windings(motion, self.outer_radius_m)?,
+        };
         let question = self.problem.question(self.pressure_pa, self.target.as_ref(), TargetSpec::target)?;
         let all = self.solutions == Some(Solutions::All);
         for (field, given) in
@@ -190,6 +229,7 @@ impl Request {
                 material,
                 fiber,
             },
+            second_fiber,
             stretch_max,
             question,
             range: stated.unwrap_or_else(PressureRange::physical),
@@ -265,6 +305,25 @@ impl MaterialSpec {
             (Law::Yeoh, _, None) => Err("`material.c_pa` is missing: three numbers".into()),
             (Law::NeoHookean, Some(_), Some(_)) => Err("a neo-hookean material takes no `c_pa`".into()),
             (Law::Yeoh, Some(_), Some(_)) => Err("a yeoh material takes no `shear_modulus_pa`".into()),
+        }
+    }
+}
+
+impl Fibers {
+    /// The first and the second winding. In a list, a winding is one family unless it states two.
+    fn windings(&self, motion: Motion, outer_radius_m: f64) -> Result<[Option<Fiber<f64>>; 2], String> {
+        let listed = |spec: &FiberSpec, place: &str| {
+            let spec = FiberSpec { families: spec.families.or(Some(1)), ..*spec };
+            let winding = spec.fiber(motion, outer_radius_m);
+            winding.map_err(|message| format!("fiber, {place} winding: {}", message.replace("fiber.", "")))
+        };
+        match self {
+            Self::One(spec) => Ok([Some(spec.fiber(motion, outer_radius_m)?), None]),
+            Self::List(list) => match list.as_slice() {
+                [Object(one)] => Ok([Some(listed(one, "first")?), None]),
+                [Object(first), Object(second)] => Ok([Some(listed(first, "first")?), Some(listed(second, "second")?)]),
+                _ => Err(format!("fiber has {} windings: 1 or 2 are allowed", list.len())),
+            },
         }
     }
 }

@@ -15,6 +15,9 @@ pub fn actuator(json: &[u8]) -> Result<(ActuatorParameters<f64>, f64), String> {
     let message = |(_, message): (Value, String)| message;
     let request: Request = parsed(json).map_err(message)?;
     let case = request.case()?;
+    if case.second_fiber.is_some() {
+        return Err("fiber, second winding: one winding is allowed here".into());
+    }
     let Question::Forward { pressure_pa } = case.question else {
         return Err("`problem` must be \"forward\" here: the pressure is given".into());
     };

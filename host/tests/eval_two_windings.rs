@@ -1,0 +1,110 @@
+//! Two windings in the batch interface.
+
+use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, TwoWindings};
+use serde_json::{Value, json};
+use softlimb::query::{Scalar, batch};
+
+fn answer(fiber: &Value, changes: &[(&str, Value)], scalar: Scalar) -> Value {
+    let mut line = json!({"motion": "twisting", "problem": "forward", "inner_radius_m": 6e-3, "outer_radius_m": 8e-3,
+        "length_m": 0.1, "material": {"law": "neo-hookean", "shear_modulus_pa": 0.2e6}, "pressure_pa": 50e3});
+    line["fiber"] = fiber.clone();
+    for (key, value) in changes {
+        line[key] = value.clone();
+    }
+    let mut out = Vec::new();
+    batch(line.to_string().as_bytes(), &mut out, scalar).expect("in memory");
+    serde_json::from_slice(&out).expect("JSON")
+}
+
+fn thread(angle_deg: f64) -> Value {
+    json!({"angle_deg": angle_deg, "modulus_pa": 200e6, "thickness_m": 1e-4})
+}
+
+fn number(answer: &Value, field: &str) -> f64 {
+    answer[field].as_f64().unwrap_or_else(|| panic!("{field} of {answer}"))
+}
+
+#[test]
+fn list_of_two_is_the_tube_with_both() {
+    let helix = Fiber {
+        angle_rad: -30.0_f64.to_radians(),
+        families: Families::One,
+        modulus_pa: 200e6,
+        placement: Placement::Sheet,
+        thickness_m: 1e-4,
+        radius_m: 8e-3,
+    };
+    let parameters = ActuatorParameters {
+        motion: Motion::Twisting,
+        inner_radius_m: 6e-3,
+        outer_radius_m: 8e-3,
+        length_m: 0.1,
+        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+        fiber: Some(helix),
+    };
+    let axial = Fiber { angle_rad: 90.0_f64.to_radians(), ..helix };
+    let load = Load { force_n: 1.0, torque_nm: 2e-3 };
+    let exact = TwoWindings::new(&parameters, &axial).expect("valid").forward(50e3, &load).expect("finite").state;
+    let loads = [("external_force_n", json!(1.0)), ("external_torque_nm", json!(2e-3))];
+    let found = answer(&json!([thread(-30.0), thread(90.0)]), &loads, Scalar::F64);
+    assert_eq!(number(&found, "twist_rad"), exact.twist_rad);
+    assert_eq!(number(&found, "axial_stretch"), exact.axial_stretch);
+    let single = answer(&json!([thread(-30.0), thread(90.0)]), &loads, Scalar::F32);
+    let twist = number(&single, "twist_rad");
+    assert!((twist / exact.twist_rad - 1.0).abs() < 1e-5 && twist != exact.twist_rad, "{single}");
+}
+
+#[test]
+fn mirrored_pair_is_two_families_and_a_list_of_one_is_its_winding() {
+    let extends = [("motion", json!("extension")), ("pressure_pa", json!(20e3))];
+    let pair = answer(&json!([thread(10.0), thread(-10.0)]), &extends, Scalar::F64);
+    let mut both = thread(10.0);
+    both["families"] = json!(2);
+    let both = answer(&both, &extends, Scalar::F64);
+    assert!((number(&pair, "axial_stretch") - number(&both, "axial_stretch")).abs() < 1e-9, "{pair} {both}");
+    let mut one = thread(30.0);
+    one["families"] = json!(1);
+    let twists = [("pressure_pa", json!(20e3))];
+    assert_eq!(answer(&json!([thread(30.0)]), &twists, Scalar::F64), answer(&one, &twists, Scalar::F64));
+}
+
+#[test]
+fn inverse_leads_back() {
+    let fiber = json!([thread(30.0), thread(90.0)]);
+    let twist = number(&answer(&fiber, &[], Scalar::F64), "twist_rad");
+    let changes =
+        [("problem", json!("inverse")), ("pressure_pa", Value::Null), ("target", json!({"twist_rad": twist}))];
+    let found = answer(&fiber, &changes, Scalar::F64);
+    assert!((number(&found, "pressure_pa") / 50e3 - 1.0).abs() < 1e-9, "{found}");
+}
+
+#[test]
+fn errors_name_the_winding() {
+    let with = |field: &str, value: Value| {
+        let mut thread = thread(90.0);
+        thread[field] = value;
+        thread
+    };
+    let good = thread(30.0);
+    let cases = [
+        (json!([good, thread(95.0)]), vec![], "fiber, second winding: angle_deg = 95 is not allowed: -90 to 90"),
+        (json!([thread(-91.0), good]), vec![], "fiber, first winding: angle_deg = -91 is not allowed"),
+        (json!([good, with("modulus_pa", json!(-1))]), vec![], "fiber, second winding: modulus_pa = -1 is not"),
+        (json!([good, with("radius_m", json!(9e-3))]), vec![], "fiber, second winding: radius_m = 0.009 is not"),
+        (json!([good, with("thickness_m", Value::Null)]), vec![], "fiber, second winding: `thickness_m` is missing"),
+        (json!([good, with("families", json!(3))]), vec![], "fiber, second winding: families = 3 is not allowed"),
+        (json!([]), vec![], "fiber has 0 windings: 1 or 2 are allowed"),
+        (json!([good, good, good]), vec![], "fiber has 3 windings"),
+        (json!([good, with("pitch", json!(1))]), vec![], "unknown field `pitch`"),
+        (json!([good, good]), vec![("motion", json!("bending"))], "`motion` \"bending\" takes one winding"),
+        (json!([good, good]), vec![("model", json!("section-fe"))], "`model` \"section-fe\" takes one winding"),
+        (json!([good, good]), vec![("errors", json!(true))], "`errors` takes one winding"),
+    ];
+    for (fiber, changes, expected) in cases {
+        for scalar in [Scalar::F64, Scalar::F32] {
+            let answer = answer(&fiber, &changes, scalar);
+            assert_eq!(answer["status"], "invalid", "{fiber}");
+            assert!(answer["message"].as_str().is_some_and(|message| message.contains(expected)), "{answer}");
+        }
+    }
+}
