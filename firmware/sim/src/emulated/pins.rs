@@ -1,7 +1,9 @@
 //! From port writes back to valve pulses: the inverse of `schedule`.
 
 use softlimb_firmware::ValvePulse;
-use softlimb_image_stm32f4::pins::{DIGITAL, FILL, PORTS, PUMP, Pin, SUPPLY, TickOutputs, VENT};
+#[cfg(unix)]
+use softlimb_image_stm32f4::pins::PORTS;
+use softlimb_image_stm32f4::pins::{DIGITAL, FILL, PUMP, Pin, SUPPLY, TickOutputs, VENT};
 use softlimb_image_stm32f4::schedule::{SLOT_US, SLOTS, Words};
 
 /// Coil times and pump of a tick whose slots are these. A coil counts from the start of the tick for as many slots as it is on.

@@ -1,7 +1,9 @@
 //! A program that does not outlive the one that started it.
 
 use std::io;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ExitStatus};
+#[cfg(unix)]
+use std::process::{Command, Stdio};
 
 /// A process that is ended when nobody waits for it any more, or when this one is ended.
 pub(crate) struct Running {
