@@ -460,3 +460,63 @@ fn payload_on_a_limb_without_weight() {
     let scene = parse(&changed("[[phase]]", &payload.replace("0.5", "0")), "arm.toml").unwrap();
     assert!(scene.weightless());
 }
+
+/// The scene with these keys in its two phases and a third.
+fn gripping(first: &str, second: &str, third: &str) -> String {
+    let text = changed("name = \"reach\"", &format!("name = \"reach\"\n{first}"));
+    let text = text.replacen("name = \"stretch\"", &format!("name = \"stretch\"\n{second}"), 1);
+    let last = format!(
+        "[[phase]]\nname = \"back\"\n{third}\nduration = \"2 s\"\ntargets = {{ upper = {{ axial_stretch = 1.0 }} }}\n\n[limits]"
+    );
+    text.replacen("[limits]", &last, 1)
+}
+
+#[test]
+fn payload_in_open_jaws() {
+    let text =
+        gripping("gripper = \"close\"\npayload = \"1 kg\"", "gripper = \"open\"\npayload = \"1 kg\"", "payload = 1");
+    let opened = parse(&text, "arm.toml").unwrap_err().render(false);
+    assert_eq!(
+        opened,
+        r#"error: a payload needs closed jaws
+  --> arm.toml:54:11
+   |
+47 | gripper = "open"
+   |           ------ it opens here
+...
+54 | payload = 1
+   |           ^ the gripper is open on the way here: nothing holds this
+   |
+   = help: close the gripper in this phase or before it (`gripper = "close"`), or leave out this key"#
+    );
+    // Open until its first command closes it, and where an open gripper opens again.
+    for [first, second, third] in [
+        ["payload = \"1 kg\"", "gripper = \"close\"\npayload = \"1 kg\"", "payload = \"1 kg\""],
+        ["gripper = \"open\"", "", "gripper = \"open\"\npayload = \"1 kg\""],
+    ] {
+        let said = parse(&gripping(first, second, third), "arm.toml").unwrap_err().render(false);
+        assert!(said.contains("a payload needs closed jaws") && said.matches("error").count() == 1, "{said}");
+    }
+    // Without commands it is fixed to the tip.
+    assert!(parse(&gripping("payload = 1", "", "payload = 2"), "arm.toml").is_ok());
+}
+
+#[test]
+fn payload_that_changes_in_closed_jaws() {
+    let text = gripping("gripper = \"close\"\npayload = \"1 kg\"", "payload = \"0.4 kg\"", "gripper = \"open\"");
+    let said = parse(&text, "arm.toml").unwrap_err().render(false);
+    assert_eq!(
+        said,
+        r#"error: a payload changes in closed jaws
+  --> arm.toml:47:11
+   |
+47 | payload = "0.4 kg"
+   |           ^^^^^^^^ 0.4 kg here, 1 kg in `reach`
+   |
+   = help: the gripper keeps what it holds until it opens: give the same `payload` or `object` in all phases until then"#
+    );
+    // Closed from the start on, until its first command opens it.
+    let held = |second: &str| parse(&gripping("payload = 1", second, "gripper = \"open\"\npayload = 1"), "arm.toml");
+    assert!(held("payload = 1").is_ok());
+    assert!(held("").unwrap_err().render(false).contains("0 kg here, 1 kg in `reach`"));
+}

@@ -4,6 +4,7 @@ use fra_model::{Actuator, State};
 use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
 use softlimb_sim::plant::Truth;
 
+use super::grasp::Grasp;
 use super::hanging::Hanging;
 use super::prepared::Origin;
 use super::reference::Reference;
@@ -27,6 +28,8 @@ pub(super) struct Assembler<'a> {
     limb: &'a Limb,
     reference: Box<dyn Reference + 'a>,
     hanging: Option<Hanging<'a>>,
+    /// The simulated gripper; `None` where the scene has none.
+    grasp: Option<Grasp>,
     /// The model's limb under load, where setpoints are corrected for weight.
     weighed: Option<Nominal<'a>>,
     start_us: Option<u64>,
@@ -51,7 +54,8 @@ impl<'a> Assembler<'a> {
     ) -> Self {
         let weighed = tier.map(|tier| Nominal::new(scene, limb, tier));
         let hanging = Hanging::new(scene, (plant, simulated));
-        Self { limb, reference: Box::new(reference), hanging, weighed, start_us: None, next_shape_s: 0.0 }
+        let grasp = Grasp::new(scene);
+        Self { limb, reference: Box::new(reference), hanging, grasp, weighed, start_us: None, next_shape_s: 0.0 }
     }
 
     /// The trajectory starts at a device time; the first start is the zero of all times.
@@ -71,8 +75,10 @@ impl<'a> Assembler<'a> {
         let payload_kg = self.reference.payload_kg(time_us);
         let (hung, faults) = match (&mut self.hanging, truth, &achieved) {
             (Some(hanging), Some(truth), Some(states)) => {
-                let (hung, faults) = hanging.at((time_us, payload_kg), truth, states);
-                (Some(hung), faults)
+                let held = |grasp: &mut Grasp| grasp.carried_kg(time_us, payload_kg, truth.gripper_closure);
+                let (carried_kg, lost) = self.grasp.as_mut().map_or((payload_kg, None), held);
+                let (hung, faults) = hanging.at((time_us, carried_kg), truth, states);
+                (Some(hung), lost.into_iter().chain(faults).collect())
             }
             _ => (None, Vec::new()),
         };

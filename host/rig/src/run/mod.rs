@@ -3,6 +3,7 @@
 mod assemble;
 mod disturbed;
 mod error;
+mod grasp;
 mod hanging;
 mod jogged;
 mod listening;

@@ -43,3 +43,30 @@ fn a_limb_that_cannot_carry_itself_is_said_to_fall_and_has_no_tip_from_there_on(
     assert!(summary.tip.error_m.is_none() && summary.table().contains("faults  1"));
     assert!(softlimb_rig::report::html(&log).contains("buckles"));
 }
+
+/// The scene with a gripper of this time.
+fn gripping_in(time: &str) -> String {
+    let tool = format!("limb = {{ end_effector = {{ length = 0, mass = 0, gripper_time = \"{time}\" }}, ");
+    HANGING.replace("limb = { ", &tool)
+}
+
+#[test]
+fn jaws_that_close_too_late_leave_the_payload_behind() {
+    let more = NO_SPREAD.to_owned() + "[weight]\ncompensated = false\n";
+    let free = log(&parsed(&(empty() + NO_SPREAD)));
+    let scene = parsed(&(gripping_in("1 s") + &more));
+    let log = log(&scene);
+    let [fault] = &log.faults[..] else { panic!("{:?}", log.faults) };
+    assert_eq!((fault.code, fault.channel, fault.value), (244, 0xFF, 50));
+    // The hold of `pick` ends at 2.2 s, when the jaws are 0.4 of their way.
+    assert!((2.2..2.3).contains(&fault.time_s) && fault.text.contains("leaves behind"), "{fault:?}");
+    let closure = before(&log, 2.2).outputs.gripper_closure.unwrap();
+    assert!((0.35..0.4).contains(&closure), "{closure}");
+    // The connector alone is carried to the place and away from it.
+    for time_s in [2.55, 2.99, 3.4] {
+        let (a, b) = (before(&free, time_s), before(&log, time_s));
+        let lower_m = a.tip_achieved_m.unwrap()[2] - b.tip_achieved_m.unwrap()[2];
+        let expected_m = longer_m(&scene, b.channels[0].true_pressure_pa.unwrap(), 0.1);
+        assert!((lower_m / expected_m - 1.0).abs() < 0.01, "{time_s} s: {lower_m} {expected_m}");
+    }
+}

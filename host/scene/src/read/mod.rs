@@ -4,6 +4,7 @@ mod arrangement;
 mod check;
 mod corrections;
 mod design;
+mod grip;
 mod limb;
 mod markers;
 mod module;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use fra_model::{Motion, StateQuantity};
 use toml::de::DeValue;
 
+use super::grip::note_grip;
 use super::limb::unit;
 use super::module::{Draft, note_duplicate};
 use super::settings::microseconds;
@@ -71,7 +72,9 @@ pub(super) fn phases(
     if weight.is_some_and(|weight| !weight.simulated) {
         note_payload(&readers, &phases);
     }
-    phases.into_iter().collect()
+    let phases: Vec<Phase> = phases.into_iter().collect::<Option<_>>()?;
+    note_grip(&readers, &phases, objects.unwrap_or_default());
+    Some(phases)
 }
 
 /// A payload that nothing carries: the first is named, as one cure is good for all.

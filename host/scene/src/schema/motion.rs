@@ -7,7 +7,7 @@ section! {
     phase, "[[phase]]";
     NAME: Text { name: "name", is_name: true, presence: Required } = "Name.";
     DURATION: Quantity { name: "duration", unit: Unit::S, min: 0.02, max: 600.0, presence: Optional("the shortest that limits, valves and supply allow, with a reserve") } = "Time of the move.";
-    PAYLOAD: Quantity { name: "payload", unit: Unit::KG, min: 0.0, max: 100.0, presence: Default(0.0) } = "Mass that the tip carries in this phase, beside the end effector; refused where the limb is weightless (`simulated = false` in `[weight]`). Where the gripper closes at the end of the move, the mass is taken up then; where it opens, it is put down then.";
+    PAYLOAD: Quantity { name: "payload", unit: Unit::KG, min: 0.0, max: 100.0, presence: Default(0.0) } = "Mass that the tip carries in this phase, beside the end effector; refused where the limb is weightless (`simulated = false` in `[weight]`). Where the gripper closes at the end of the move, the mass is taken up then; where it opens, it is put down then. A mass in an open gripper, or another one in a closed gripper, is refused; in a scene without `gripper` it is fixed to the tip.";
     OBJECT: Text { name: "object", is_name: true, presence: Optional("none") } = "A name from `[[object]]`, instead of `payload`: the tip carries its mass, and a design keeps it clear of obstacles.";
     HOLD: Quantity { name: "hold", unit: Unit::S, min: 0.0, max: 600.0, presence: Default(0.0) } = "Time at rest after the move.";
     TARGETS: Nested { name: "targets", shape: "table `{ MODULE = { QUANTITY = VALUE }, ... }`", presence: Optional("none, if the phase has another goal") } = "Deformation or pressure of modules at the end of the move; a module that is left out keeps its own.";
