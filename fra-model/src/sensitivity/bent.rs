@@ -28,19 +28,21 @@ pub(super) struct BentPoint<T: Real> {
 
 /// The state of a bend with the pressure that balances it.
 fn balanced<S: Scalar>(section: &Section<S>, inputs: &Inputs<S>, bent: &Bent<S>) -> State<S> {
-    section.state(bent, section.load_moment(inputs.force_n, inputs.torque_nm))
+    section.state(bent, &section.end_load(inputs.force_n, inputs.torque_nm))
 }
 
 impl<T: Real> BentPoint<T> {
     pub(super) fn new(inputs: Inputs<T>, state: &State<T>) -> Result<Self, NoDerivative<T>> {
-        let k = state.axial_strain;
+        let fixed = inputs.map(Dual::fixed);
+        let section = Section::new(&fixed.parameters);
+        // The strain of the axis of a hoop is `k` to the last digit.
+        let wound = section.is_wound();
+        let k = if wound { section.curvature(Dual::fixed(state.bend_angle_rad)).value } else { state.axial_strain };
         let forwards = k >= T::zero();
         if !forwards {
             return Err(NoDerivative::NotAnEquilibrium);
         }
-        let fixed = inputs.map(Dual::fixed);
-        let section = Section::new(&fixed.parameters);
-        let bent = section.bent(Dual::variable(k));
+        let bent = section.bent(Dual::variable(k), &section.end_load(fixed.force_n, fixed.torque_nm));
         let (found, slope) = (balanced(&section, &fixed, &bent).pressure_pa, section.pressure_slope(&bent));
         let error = (found.value - inputs.pressure_pa).abs();
         let scale = inputs.pressure_pa.abs() + slope.value.abs() * k;
@@ -63,7 +65,7 @@ impl<T: Real> BentPoint<T> {
     pub(super) fn change(&self, of: Parameter, fixed: Fixed<T>) -> Result<Change<T>, NoDerivative<T>> {
         let inputs = self.inputs.varied(of).ok_or(NoDerivative::NotAnInput(of))?;
         let section = Section::new(&inputs.parameters);
-        let still = self.while_still(&section);
+        let still = self.while_still(&section, &inputs);
         let at_bend = balanced(&section, &inputs, &still);
         let dk = match fixed {
             Fixed::Pressure if self.at_limit => return Err(NoDerivative::AtLimit),
@@ -87,12 +89,12 @@ impl<T: Real> BentPoint<T> {
     }
 
     /// The moment and its slope with their derivatives by an input, the bend unchanged.
-    fn while_still(&self, section: &Section<Dual<T>>) -> Bent<Dual<T>> {
+    fn while_still(&self, section: &Section<Dual<T>>, inputs: &Inputs<Dual<T>>) -> Bent<Dual<T>> {
         let k = Dual::fixed(self.k);
         if section.keeps_its_shape() {
             let [moment, slope] = [self.bent.moment, self.bent.slope].map(|dual| Dual::fixed(dual.value));
             return Bent { k, moment, slope };
         }
-        section.bent(k)
+        section.bent(k, &section.end_load(inputs.force_n, inputs.torque_nm))
     }
 }

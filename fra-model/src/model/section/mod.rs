@@ -6,10 +6,13 @@ mod moment;
 mod nodes;
 #[cfg(test)]
 mod tests;
+mod wound;
+#[cfg(test)]
+mod wound_tests;
 
 use crate::number::dual::Dual;
 use crate::number::scalar::Scalar;
-use crate::parameters::{ActuatorParameters, Material};
+use crate::parameters::{ActuatorParameters, Families, Material, Placement};
 use crate::solution::State;
 
 use moment::Bend;
@@ -17,9 +20,16 @@ use nodes::{
     ANGLES_2, ANGLES_4, ANGLES_6, ANGLES_8, ANGLES_10, ANGLES_12, ANGLES_16, Digits, Wall, angles, constants,
     equal_angles,
 };
+use wound::Circle;
 
 /// `R_i/R_o` above which the moment of a wall that does not soften rises throughout.
 const THICK: f64 = 0.1;
+
+/// Lever of the pressure, as a share of that of the straight tube, below which it does not bend.
+const LEAST_LEVER: f64 = 1e-3;
+
+/// Largest squared tangent of the winding's angle; pressure bends no tube of more than half of it.
+const STEEPEST: f64 = 1.0;
 
 /// A bending actuator with its section in units of `R_o`.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +44,8 @@ pub(crate) struct Section<T> {
     a: T,
     b: T,
     wall: Wall<T>,
+    /// Squared tangent of the winding's angle from the hoop; zero for one that keeps its radius.
+    slant: T,
     /// A singularity beyond the outer face, as the inverse of the `x` of `nodes.rs`.
     beyond: T,
 }
@@ -45,6 +57,39 @@ pub(crate) struct Bent<T> {
     pub(crate) k: T,
     pub(crate) moment: T,
     pub(crate) slope: T,
+}
+
+/// A load on the end in units of `mu1 R_o^3`: its moment about the inextensible line of the straight tube, and the share of its force in that.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EndLoad<T> {
+    pub(crate) moment: T,
+    by_force: T,
+}
+
+/// The space within the winding: strain of the axis, `area` and its slope in `k` per undeformed length in units of `pi R_o^2`, and the
+/// gained volume as a share of the lumen's.
+struct Within<T> {
+    strain: T,
+    area: T,
+    gained: T,
+    rate: T,
+}
+
+fn cosines<T: Scalar>(angles: &[(T, T)]) -> impl Iterator<Item = T> + Clone {
+    angles.iter().map(|&(cos, _)| cos)
+}
+
+/// Squared tangent of a winding's angle from the hoop. Two equal families as a sheet shrink the tube as it bends. Others, and one whose
+/// modulus is not stated, keep their radius.
+fn slant<T: Scalar>(parameters: &ActuatorParameters<T>) -> T {
+    let leaning = parameters.fiber.filter(|fiber| {
+        fiber.families == Families::Two && fiber.placement == Placement::Sheet && fiber.modulus_pa > T::zero()
+    });
+    leaning.map_or(T::zero(), |fiber| {
+        let (sin, cos) = fiber.angle_rad.sin_cos();
+        let tangent = sin / cos;
+        Scalar::min(tangent * tangent, T::constant(STEEPEST))
+    })
 }
 
 impl<T: Scalar> Section<T> {
@@ -70,6 +115,7 @@ impl<T: Scalar> Section<T> {
             a,
             b,
             wall: Wall::new(parameters.inner_radius_m, outer),
+            slant: slant(parameters),
             beyond: if wound_within { one + (missing * T::constant(2.0 / 3.0)).sqrt() } else { one },
         }
     }
@@ -83,15 +129,25 @@ impl<T: Scalar> Section<T> {
         self.a < T::zero() || self.b < T::zero() || self.inner < T::constant(THICK)
     }
 
-    /// `d(volume)/d(kappa)` per length, in units of `R_o^3`.
+    /// `d(volume)/d(kappa)` of the straight tube per length, in units of `R_o^3`.
     pub(crate) fn lever(&self) -> T {
-        T::constant(core::f64::consts::PI) * self.winding * self.winding
+        T::constant(core::f64::consts::PI) * self.winding * self.winding * self.lever_share()
     }
 
-    /// Moment of the external load about the inextensible line, in units of `mu1 R_o^3`.
-    pub(crate) fn load_moment(&self, force_n: T, torque_nm: T) -> T {
+    /// The lever as a share of that of a hoop, `1 - 2 t`: from 35.3 deg on, pressure does not bend the tube.
+    fn lever_share(&self) -> T {
+        if self.is_wound() {
+            Scalar::max(T::one() - self.slant - self.slant, T::constant(LEAST_LEVER))
+        } else {
+            T::one()
+        }
+    }
+
+    /// The external load, in units of `mu1 R_o^3` and about the inextensible line of the straight tube.
+    pub(crate) fn end_load(&self, force_n: T, torque_nm: T) -> EndLoad<T> {
         let r = self.outer_radius_m;
-        (torque_nm + force_n * r) / (self.shear_modulus_pa * r * r * r)
+        let moment = (torque_nm + force_n * r) / (self.shear_modulus_pa * r * r * r);
+        EndLoad { moment, by_force: force_n / (self.shear_modulus_pa * r * r) }
     }
 
     /// `k` of a bend angle.
@@ -100,8 +156,8 @@ impl<T: Scalar> Section<T> {
     }
 
     /// The gauge pressure that balances a bend under a load.
-    pub(crate) fn pressure(&self, bent: &Bent<T>, load_moment: T) -> T {
-        (bent.moment - load_moment) / self.lever() * self.shear_modulus_pa
+    pub(crate) fn pressure(&self, bent: &Bent<T>, load: &EndLoad<T>) -> T {
+        (bent.moment - load.moment) / self.lever() * self.shear_modulus_pa
     }
 
     /// `dP/dk` under a constant load.
@@ -109,40 +165,67 @@ impl<T: Scalar> Section<T> {
         bent.slope / self.lever() * self.shear_modulus_pa
     }
 
-    pub(crate) fn state(&self, bent: &Bent<T>, load_moment: T) -> State<T> {
-        let one = T::one();
+    pub(crate) fn state(&self, bent: &Bent<T>, load: &EndLoad<T>) -> State<T> {
         let r = self.outer_radius_m;
-        let centre_stretch = one + bent.k;
+        let Within { strain, area, gained, rate } = self.within(bent.k);
+        let centre_stretch = T::one() + strain;
         // Areas per undeformed length in units of pi R_o^2; sections of mean area follow by dividing by the centre stretch.
-        let within_winding = self.winding * self.winding * centre_stretch;
-        let lumen = within_winding - (self.winding * self.winding - self.inner * self.inner);
-        let section = lumen + one - self.inner * self.inner;
+        let lumen = area - (self.winding * self.winding - self.inner * self.inner);
+        let section = lumen + T::one() - self.inner * self.inner;
         let volume_scale = T::constant(core::f64::consts::PI) * r * r * self.length_m;
         State {
-            pressure_pa: self.pressure(bent, load_moment),
+            pressure_pa: self.pressure(bent, load),
             axial_stretch: centre_stretch,
-            axial_strain: bent.k,
+            axial_strain: strain,
             inner_radius_m: r * (lumen / centre_stretch).sqrt(),
             outer_radius_m: r * (section / centre_stretch).sqrt(),
             twist_rad: T::zero(),
             bend_angle_rad: bent.k * self.length_m / r,
             volume_m3: volume_scale * lumen,
-            volume_strain: bent.k * (self.winding / self.inner) * (self.winding / self.inner),
-            compliance_m3_per_pa: volume_scale * self.winding * self.winding / self.pressure_slope(bent),
+            volume_strain: gained,
+            compliance_m3_per_pa: volume_scale * rate / self.pressure_slope(bent),
         }
     }
 
+    /// The space within the winding at a bend.
+    fn within(&self, k: T) -> Within<T> {
+        let f2 = self.winding * self.winding;
+        if self.is_wound() {
+            let angles = &equal_angles::<T, 16>();
+            if let Some(circle) = self.circle(k, angles) {
+                let gained = circle.swell();
+                let rate = Scalar::max(circle.twice(cosines(angles)).swell().value.slope, T::zero());
+                let inner2 = self.inner * self.inner;
+                return Within { strain: circle.axial_strain(), area: f2 + gained, gained: gained / inner2, rate };
+            }
+        }
+        let share = self.winding / self.inner;
+        Within { strain: k, area: f2 * (T::one() + k), gained: k * share * share, rate: f2 }
+    }
+
+    /// Whether the winding shrinks as the tube bends.
+    pub(crate) fn is_wound(&self) -> bool {
+        self.slant > T::zero()
+    }
+
+    fn circle(&self, k: T, angles: &[(T, T)]) -> Option<Circle<T>> {
+        Circle::new(k, self.slant, self.winding, cosines(angles))
+    }
+
     /// Integrates the restoring moment over the section.
-    pub(crate) fn bent(&self, k: T) -> Bent<T> {
-        self.sampled(k, Digits::All)
+    pub(crate) fn bent(&self, k: T, load: &EndLoad<T>) -> Bent<T> {
+        self.sampled(k, load, Digits::All)
     }
 
     /// The same to some digits, for a first guess.
-    pub(crate) fn roughly_bent(&self, k: T) -> Bent<T> {
-        self.sampled(k, Digits::Few)
+    pub(crate) fn roughly_bent(&self, k: T, load: &EndLoad<T>) -> Bent<T> {
+        self.sampled(k, load, Digits::Few)
     }
 
-    fn sampled(&self, k: T, digits: Digits) -> Bent<T> {
+    fn sampled(&self, k: T, load: &EndLoad<T>, digits: Digits) -> Bent<T> {
+        if self.is_wound() {
+            return self.sampled_wound(k, load, digits);
+        }
         match angles(self.nearness(k), digits) {
             2 => self.integrated(k, digits, &ANGLES_2.map(constants)),
             4 => self.integrated(k, digits, &ANGLES_4.map(constants)),
@@ -165,6 +248,65 @@ impl<T: Scalar> Section<T> {
         let lumen = f2 - (f2 - self.wall.inner2()) / stretch;
         let within = f2 * self.winding * T::constant(2.0 / 3.0) / lumen;
         k / stretch * Scalar::max(within, self.beyond)
+    }
+
+    /// [`sampled`](Self::sampled) of a winding that leans.
+    fn sampled_wound(&self, k: T, load: &EndLoad<T>, digits: Digits) -> Bent<T> {
+        // Where the thread lies along the axis, `t (lambda^2 - 1) = 1`.
+        let closed = (T::one() + T::one() / self.slant).sqrt() - T::one();
+        let near = if closed > k + k { k / (closed - k) } else { T::one() };
+        match angles(Scalar::max(self.nearness(k), near), digits) {
+            2 | 4 => self.integrated_wound(k, load, digits, &ANGLES_4.map(constants)),
+            6 => self.integrated_wound(k, load, digits, &ANGLES_6.map(constants)),
+            8 => self.integrated_wound(k, load, digits, &ANGLES_8.map(constants)),
+            10 => self.integrated_wound(k, load, digits, &ANGLES_10.map(constants)),
+            12 => self.integrated_wound(k, load, digits, &ANGLES_12.map(constants)),
+            16 => self.integrated_wound(k, load, digits, &ANGLES_16.map(constants)),
+            32 => self.integrated_wound(k, load, digits, &equal_angles::<T, 16>()),
+            64 => self.integrated_wound(k, load, digits, &equal_angles::<T, 32>()),
+            _ => self.integrated_wound(k, load, digits, &equal_angles::<T, 64>()),
+        }
+    }
+
+    /// The moment of a leaning winding, scaled to the lever of a hoop: `(dU/dk - load) lever(0)/lever(k) + load`. Beyond the bend at
+    /// which the lever vanishes, no pressure balances it, and the moment is not finite.
+    fn integrated_wound(&self, k: T, load: &EndLoad<T>, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
+        let nowhere = Bent { k, moment: T::one() / T::zero(), slope: T::zero() };
+        let Some(circle) = self.circle(k, angles) else { return nowhere };
+        let twice = circle.twice(cosines(angles));
+        let (swell, strain) = (twice.swell(), twice.axial_strain());
+        let f2 = self.winding * self.winding * self.lever_share();
+        let (lever, lever_slope) = (swell.value.slope / f2, swell.slope.slope / f2);
+        // The straight tube is one whether or not pressure can bend it.
+        let lever = if k == T::zero() { T::one() } else { lever };
+        if lever <= T::constant(LEAST_LEVER) {
+            return nowhere;
+        }
+        let (mut moment, mut slope, mut halves) = (T::zero(), T::zero(), T::zero());
+        for &(cos, sin) in angles {
+            halves += T::constant(2.0);
+            for side in [cos, -cos] {
+                let energy = circle.ray(&twice, (side, sin), [self.a, self.b], |each| {
+                    self.wall.for_each(k, || self.fold(k), digits, each);
+                });
+                moment += energy.value.slope;
+                slope += energy.slope.slope;
+            }
+        }
+        let scale = T::constant(core::f64::consts::PI) / halves;
+        // The force acts on the axis, whose strain is `k d`.
+        let by_force = load.by_force * (strain.value.slope - T::one());
+        let left = moment * scale - load.moment - by_force;
+        let by_force_slope = load.by_force * strain.slope.slope;
+        Bent {
+            k,
+            moment: left / lever + load.moment,
+            slope: (slope * scale - by_force_slope - left * lever_slope / lever) / lever,
+        }
+    }
+
+    fn fold(&self, k: T) -> T {
+        Bend::new(k, self.winding, self.a, self.b).fold()
     }
 
     fn integrated(&self, k: T, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
@@ -194,6 +336,7 @@ impl<T: Scalar> Section<Dual<T>> {
     /// Whether the variable of the derivatives leaves the dimensionless section as it is.
     pub(crate) fn keeps_its_shape(&self) -> bool {
         let fixed = |dual: Dual<T>| dual.slope == T::zero();
-        fixed(self.inner) && fixed(self.winding) && fixed(self.a) && fixed(self.b)
+        // The lever of a load changes with it where the winding leans.
+        !self.is_wound() && fixed(self.inner) && fixed(self.winding) && fixed(self.a) && fixed(self.b)
     }
 }

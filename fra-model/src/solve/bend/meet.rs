@@ -1,7 +1,7 @@
 //! Fast solver of the bend for a moment that rises throughout with the bend.
 
 use super::{Bender, LARGEST_CURVATURE};
-use crate::model::section::Bent;
+use crate::model::section::{Bent, EndLoad};
 use crate::number::real::{Real, epsilon, real};
 use crate::number::scalar::Scalar;
 
@@ -59,7 +59,7 @@ impl<T: Real> Bender<T> {
     /// A cubic through the last two bends leads to the next one. The first may be rough, and then are all too large or small by the
     /// same factor, nearly. The last cubic is the answer, with its slope, where the next term of its kind, of the order of
     /// `step^2 whole^2`, and its derivative are below rounding.
-    pub(super) fn meet(&self, from: T, wanted: T, iterations: &mut u32) -> Option<Met<T>> {
+    pub(super) fn meet(&self, from: T, wanted: T, load: &EndLoad<T>, iterations: &mut u32) -> Option<Met<T>> {
         if wanted == T::zero() {
             return Some(Met { bent: self.straight, off: T::zero() });
         }
@@ -67,11 +67,11 @@ impl<T: Real> Bender<T> {
         let double = epsilon::<T>() < real(1e-9);
         let (mut before, mut next, mut is_rough) = (self.straight, first, false);
         if double && from == T::zero() && first > real(SLIGHT) {
-            (before, next) = self.look_around(first, wanted, iterations)?;
+            (before, next) = self.look_around(first, wanted, load, iterations)?;
             is_rough = true;
         }
         for _ in 0..ROUNDS {
-            let here = self.bent(next, iterations);
+            let here = self.bent(next, load, iterations);
             if is_rough {
                 let factor = here.moment / wanted;
                 (before.moment, before.slope) = (before.moment * factor, before.slope * factor);
@@ -86,11 +86,11 @@ impl<T: Real> Bender<T> {
     }
 
     /// A rough bend near the desired one, and the next guess.
-    fn look_around(&self, first: T, wanted: T, iterations: &mut u32) -> Option<(Bent<T>, T)> {
+    fn look_around(&self, first: T, wanted: T, load: &EndLoad<T>, iterations: &mut u32) -> Option<(Bent<T>, T)> {
         let (mut before, mut next) = (self.straight, first);
         for _ in 0..ROUNDS {
             *iterations += 1;
-            let here = self.section.roughly_bent(next);
+            let here = self.section.roughly_bent(next, load);
             let found = led_on(&before, &here, wanted)?;
             let settled = (found.k - next).abs() <= found.k * real(OPEN);
             (before, next) = (here, found.k);

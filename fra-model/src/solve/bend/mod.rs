@@ -9,7 +9,7 @@
 
 mod meet;
 
-use crate::model::section::{Bent, Section};
+use crate::model::section::{Bent, EndLoad, Section};
 use crate::number::real::{Real, epsilon, real};
 use crate::number::scalar::Scalar;
 use crate::parameters::{ActuatorParameters, InvalidParameter, require};
@@ -33,28 +33,29 @@ pub(crate) struct Bender<T: Real> {
 impl<T: Real> Bender<T> {
     pub(crate) fn new(parameters: &ActuatorParameters<T>) -> Self {
         let section = Section::new(parameters);
-        Self { straight: section.bent(T::zero()), section }
+        Self { straight: section.bent(T::zero(), &section.end_load(T::zero(), T::zero())), section }
     }
 
     /// The bend at a gauge pressure.
     pub(crate) fn forward(&self, start: Option<&State<T>>, pressure_pa: T, load: &Load<T>) -> Solution<T> {
-        let wanted = pressure_pa / self.section.shear_modulus_pa() * self.section.lever() + self.load_moment(load);
+        let wanted = pressure_pa / self.section.shear_modulus_pa() * self.section.lever() + self.end_load(load).moment;
         // A line that cannot shorten and a winding that cannot push do not bend backwards.
         if wanted < T::zero() {
             return self.solution(Status::NoSolution, self.straight, load, Some(self.straight), 0);
         }
+        let end_load = self.end_load(load);
         let mut iterations = 0;
         let from =
             start.map_or(T::zero(), |state| Scalar::max(self.section.curvature(state.bend_angle_rad), T::zero()));
         // Only a moment that rises throughout has one bend for every value, so that any start leads to it.
         let rises = !self.section.may_turn();
-        let met = if rises { self.meet(from, wanted, &mut iterations) } else { None };
+        let met = if rises { self.meet(from, wanted, &end_load, &mut iterations) } else { None };
         let mut solution = match met {
             Some(Met { bent, off }) => {
                 Solution { residual: off / self.section.lever(), ..self.solution(Status::Solved, bent, load, None, 0) }
             }
             None => {
-                let begin = if rises && from > T::zero() { self.bent(from, &mut iterations) } else { self.straight };
+                let begin = if rises && from > T::zero() { self.bent(from, &end_load, &mut iterations) } else { self.straight };
                 self.reach(begin, wanted, load, &mut iterations)
             }
         };
@@ -73,12 +74,12 @@ impl<T: Real> Bender<T> {
         require(angle.is_finite() && angle >= T::zero(), "bend_angle_rad", angle, "finite and >= 0")?;
         let k = self.section.curvature(angle);
         let mut iterations = 0;
-        let bent = self.bent(k, &mut iterations);
+        let bent = self.bent(k, &self.end_load(load), &mut iterations);
         if !bent.moment.is_finite() || !bent.slope.is_finite() || k > real::<T>(LARGEST_CURVATURE) {
             return Ok(self.solution(Status::NoSolution, self.straight, load, None, iterations));
         }
         if self.section.may_turn()
-            && let Some(limit) = self.limit_before(self.straight, k, &mut iterations)
+            && let Some(limit) = self.limit_before(k, &self.end_load(load), &mut iterations)
         {
             return Ok(self.solution(Status::NoSolution, limit, load, Some(limit), iterations));
         }
@@ -87,35 +88,48 @@ impl<T: Real> Bender<T> {
 
     /// Straight, without pressure.
     pub(crate) fn rest(&self) -> State<T> {
-        self.section.state(&self.straight, T::zero())
+        self.section.state(&self.straight, &self.end_load(&Load::none()))
     }
 
-    fn load_moment(&self, load: &Load<T>) -> T {
-        self.section.load_moment(load.force_n, load.torque_nm)
+    fn end_load(&self, load: &Load<T>) -> EndLoad<T> {
+        self.section.end_load(load.force_n, load.torque_nm)
     }
 
-    fn bent(&self, k: T, iterations: &mut u32) -> Bent<T> {
+    fn bent(&self, k: T, load: &EndLoad<T>, iterations: &mut u32) -> Bent<T> {
         *iterations += 1;
-        self.section.bent(k)
+        self.section.bent(k, load)
     }
 
     /// Raises the curvature from `begin` until the moment is `wanted`, or to the limit point before it.
     fn reach(&self, begin: Bent<T>, wanted: T, load: &Load<T>, iterations: &mut u32) -> Solution<T> {
+        let end_load = self.end_load(load);
         let mut here = begin;
+        // A bend that no pressure balances.
+        let mut beyond = None;
         for _ in 0..MARCH_STEPS {
             let newton = (wanted - here.moment) / here.slope;
             if newton.abs() <= epsilon::<T>() * here.k {
                 return self.solution(Status::Solved, here, load, None, 0);
             }
-            let longest = real::<T>(LONGEST_STEP) * (here.k + real::<T>(0.1));
-            let there = self.bent((here.k + newton.min(longest)).max(T::zero()), iterations);
+            let mut longest = real::<T>(LONGEST_STEP) * (here.k + real::<T>(0.1));
+            if let Some(beyond) = beyond {
+                longest = longest.min((beyond - here.k) * real(0.5));
+                if longest <= epsilon::<T>() * (here.k + real(0.1)) {
+                    return self.solution(Status::NoSolution, here, load, None, 0);
+                }
+            }
+            let there = self.bent((here.k + newton.min(longest)).max(T::zero()), &end_load, iterations);
             if !there.moment.is_finite() || !there.slope.is_finite() {
-                break;
+                if !self.section.is_wound() {
+                    break;
+                }
+                beyond = Some(there.k);
+                continue;
             }
             if there.slope <= T::zero() {
-                let limit = self.refine(here, there, |b| b.slope, iterations);
+                let limit = self.refine(here, there, |b| b.slope, &end_load, iterations);
                 let found = wanted <= limit.moment;
-                let bent = if found { self.refine(here, limit, |b| b.moment - wanted, iterations) } else { limit };
+                let bent = if found { self.refine(here, limit, |b| b.moment - wanted, &end_load, iterations) } else { limit };
                 let status = if found { Status::Solved } else { Status::NoSolution };
                 return self.solution(status, bent, load, (!found).then_some(limit), 0);
             }
@@ -124,7 +138,7 @@ impl<T: Real> Bender<T> {
             }
             // The moment rises here: a change of sign brackets the answer.
             if (there.moment - wanted > T::zero()) != (here.moment - wanted > T::zero()) {
-                let bent = self.refine(here, there, |b| b.moment - wanted, iterations);
+                let bent = self.refine(here, there, |b| b.moment - wanted, &end_load, iterations);
                 return self.solution(Status::Solved, bent, load, None, 0);
             }
             here = there;
@@ -133,13 +147,13 @@ impl<T: Real> Bender<T> {
     }
 
     /// The first limit point below `k`, where the moment stops rising.
-    fn limit_before(&self, straight: Bent<T>, k: T, iterations: &mut u32) -> Option<Bent<T>> {
-        let mut here = straight;
+    fn limit_before(&self, k: T, load: &EndLoad<T>, iterations: &mut u32) -> Option<Bent<T>> {
+        let mut here = self.straight;
         while here.k < k {
             let step = real::<T>(0.2 * LONGEST_STEP) * (here.k + real::<T>(0.1));
-            let there = self.bent((here.k + step).min(k), iterations);
+            let there = self.bent((here.k + step).min(k), load, iterations);
             if there.slope <= T::zero() {
-                return Some(self.refine(here, there, |b| b.slope, iterations));
+                return Some(self.refine(here, there, |b| b.slope, load, iterations));
             }
             here = there;
         }
@@ -147,7 +161,14 @@ impl<T: Real> Bender<T> {
     }
 
     /// The zero of `measure` between two bends at which it has opposite signs: secant and bisection in turn.
-    fn refine(&self, a: Bent<T>, b: Bent<T>, measure: impl Fn(&Bent<T>) -> T, iterations: &mut u32) -> Bent<T> {
+    fn refine(
+        &self,
+        a: Bent<T>,
+        b: Bent<T>,
+        measure: impl Fn(&Bent<T>) -> T,
+        load: &EndLoad<T>,
+        iterations: &mut u32,
+    ) -> Bent<T> {
         let (mut low, mut high) = (a, b);
         for round in 0..REFINE_STEPS {
             let (at_low, at_high) = (measure(&low), measure(&high));
@@ -162,7 +183,7 @@ impl<T: Real> Bender<T> {
             if (k - low.k) * (k - high.k) >= T::zero() {
                 return nearest;
             }
-            let next = self.bent(k, iterations);
+            let next = self.bent(k, load, iterations);
             if (measure(&next) > T::zero()) == (at_low > T::zero()) { low = next } else { high = next }
         }
         low
@@ -176,10 +197,11 @@ impl<T: Real> Bender<T> {
         limit: Option<Bent<T>>,
         iterations: u32,
     ) -> Solution<T> {
-        let limit_pressure_pa = limit.map(|limit| self.section.pressure(&limit, self.load_moment(load)));
+        let load = self.end_load(load);
+        let limit_pressure_pa = limit.map(|limit| self.section.pressure(&limit, &load));
         Solution {
             status,
-            state: self.section.state(&bent, self.load_moment(load)),
+            state: self.section.state(&bent, &load),
             limit_pressure_pa,
             residual: T::zero(),
             iterations,
