@@ -186,6 +186,18 @@ impl<T: Real> Actuator<T> {
         &self.parameters
     }
 
+    /// Growth of the lumen of a bending actuator with its bend angle, m3/rad, and the slope of that, m3/rad2: the moment of a bend at a gauge
+    /// pressure `P` that a load holds is `(P - P_0) dV/dtheta`, where `P_0` holds it without load. `None` for a straight actuator, for an angle
+    /// that is not finite and >= 0, and for one that the winding forbids.
+    pub fn volume_by_bend(&self, bend_angle_rad: T) -> Option<[T; 2]> {
+        match &self.body {
+            Body::Bending(bender) if bend_angle_rad.is_finite() && bend_angle_rad >= T::zero() => {
+                bender.volume_by_bend(bend_angle_rad)
+            }
+            Body::Bending(_) | Body::Straight(_) => None,
+        }
+    }
+
     /// The tube of a straight actuator.
     pub(crate) fn tube(&self) -> Option<&Tube<T>> {
         match &self.body {

@@ -35,14 +35,24 @@ fn number(answer: &Value, field: &str) -> f64 {
 }
 
 #[test]
-fn winding_along_the_hoop_is_answered_by_the_analytic_model_and_others_by_finite_elements() {
-    for (angle_deg, model) in [(3.0, "analytic"), (5.0, "analytic"), (15.0, "section-fe"), (25.0, "section-fe")] {
+fn analytic_model_answers_within_the_tolerance_and_finite_elements_beyond() {
+    for angle_deg in [3.0, 5.0, 15.0, 25.0] {
         let answer = ask(&wound(angle_deg));
-        assert_eq!((&answer["status"], &answer["model"]), (&json!("ok"), &json!(model)), "{angle_deg} deg");
-        let stated = ask(&with(wound(angle_deg), "model", json!(model)));
-        assert_eq!(answer["bend_angle_rad"], stated["bend_angle_rad"]);
-        let error = number(&answer["errors"], "model");
-        assert!(if model == "analytic" { (0.0..=0.1).contains(&error) } else { error == 0.0 }, "{answer}");
+        assert_eq!((&answer["status"], &answer["model"]), (&json!("ok"), &json!("analytic")), "{angle_deg} deg");
+        let section = ask(&with(wound(angle_deg), "tolerance", json!(1e-3)));
+        assert_eq!((&section["status"], &section["model"]), (&json!("ok"), &json!("section-fe")), "{angle_deg} deg");
+        for answer in [&answer, &section] {
+            let stated = ask(&with(wound(angle_deg), "model", answer["model"].clone()));
+            assert_eq!(answer["bend_angle_rad"], stated["bend_angle_rad"]);
+        }
+        let off = (number(&answer, "bend_angle_rad") / number(&section, "bend_angle_rad") - 1.0).abs();
+        let told = number(&answer["errors"], "model");
+        assert!(
+            off <= told && told <= 0.1 && number(&section["errors"], "model") == 0.0,
+            "{angle_deg} deg: {off} {told}"
+        );
+        // A winding that leans is in the analytic model; one within 5 deg of the hoop is a hoop there.
+        assert!(angle_deg <= 5.0 || off < 0.02, "{angle_deg} deg: {off}");
     }
     // Without the modulus of a winding there is no choice, and nothing is added.
     let mut bare = wound(3.0);
@@ -53,11 +63,12 @@ fn winding_along_the_hoop_is_answered_by_the_analytic_model_and_others_by_finite
 
 #[test]
 fn inverse_by_finite_elements_leads_back() {
-    let mut inverse = with(with(wound(20.0), "problem", json!("inverse")), "target", json!({"bend_angle_rad": 2.0}));
+    let asked = with(wound(20.0), "tolerance", json!(1e-3));
+    let mut inverse = with(with(asked.clone(), "problem", json!("inverse")), "target", json!({"bend_angle_rad": 2.0}));
     inverse.as_object_mut().unwrap().remove("pressure_pa");
     let found = ask(&inverse);
     assert_eq!((&found["status"], &found["model"]), (&json!("ok"), &json!("section-fe")), "{found}");
-    let again = ask(&with(wound(20.0), "pressure_pa", found["pressure_pa"].clone()));
+    let again = ask(&with(asked, "pressure_pa", found["pressure_pa"].clone()));
     assert!((number(&again, "bend_angle_rad") - 2.0).abs() < 1e-8, "{again}");
 }
 
@@ -76,9 +87,9 @@ fn tolerance_moves_the_choice_and_is_checked() {
 
 #[test]
 fn single_precision_keeps_the_analytic_model_and_states_its_error() {
-    let answer = &ask_as(&[wound(20.0)], Scalar::F32)[0];
+    let answer = &ask_as(&[with(wound(20.0), "tolerance", json!(1e-3))], Scalar::F32)[0];
     assert_eq!((&answer["status"], &answer["model"]), (&json!("ok"), &json!("analytic")));
-    assert!(number(&answer["errors"], "model") > 0.3, "{answer}");
+    assert!(number(&answer["errors"], "model") > 1e-3, "{answer}");
 }
 
 #[test]
@@ -112,10 +123,13 @@ fn told_error_of_the_model_covers_that_against_finite_elements() {
         } else {
             json!({"law": "yeoh", "c_pa": [c1_pa, c1_pa * uniform(0.0, 0.2), -c1_pa * uniform(0.0, 0.005)]})
         };
-        let bend = uniform(0.01, 0.5) * 0.18 / outer_m;
+        let angle_deg = uniform(0.0, 30.0);
+        // Beyond a stretch of 1/(sqrt(3) sin a) of its axis a tube under pressure would lose volume: it bends less.
+        let most = 0.7 * ((3.0_f64.sqrt() * f64::to_radians(angle_deg).sin()).recip() - 1.0);
+        let bend = uniform(0.01, most.min(0.5)) * 0.18 / outer_m;
         let question = json!({"id": index, "model": "analytic", "errors": true, "motion": "bending", "problem": "inverse",
             "inner_radius_m": inner_m, "outer_radius_m": outer_m, "length_m": 0.18, "material": material,
-            "fiber": {"angle_deg": uniform(0.0, 30.0), "families": 2, "modulus_pa": 361e6, "thickness_m": 0.178e-3},
+            "fiber": {"angle_deg": angle_deg, "families": 2, "modulus_pa": 361e6, "thickness_m": 0.178e-3},
             "target": {"bend_angle_rad": bend}});
         questions.push(question);
     }

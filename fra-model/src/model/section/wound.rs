@@ -126,7 +126,8 @@ impl<S: Scalar> Circle<S> {
         let depth = outer - u * u * u;
         let around = (near - bow * depth) / square;
         let strain = self.k * (self.line - u / turn.rate * turn.cos);
-        let lean = (self.k * turn.sin * depth / (three * turn.rate) + missing * turn.rate_slope / two) / (u * (one + strain));
+        let lean =
+            (self.k * turn.sin * depth / (three * turn.rate) + missing * turn.rate_slope / two) / (u * (one + strain));
         (u, [around, strain * (strain + two), lean * lean / square])
     }
 }

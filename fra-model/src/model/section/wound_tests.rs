@@ -20,6 +20,12 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 
+/// A section whose winding leans, by however little.
+fn section(p: &ActuatorParameters<f64>) -> Section<f64> {
+    let tangent = p.fiber.expect("wound").angle_rad.tan();
+    Section { slant: tangent * tangent, ..Section::new(p) }
+}
+
 fn parameters(inner: f64, winding: f64, degrees: f64, c_pa: [f64; 3]) -> ActuatorParameters<f64> {
     let fiber = Fiber {
         angle_rad: degrees.to_radians(),
@@ -106,14 +112,11 @@ impl Map {
 
     /// First invariant less three at a point, from the gradient of the places.
     fn invariant(&self, before: f64, angle: f64) -> f64 {
-        let difference = |plus: [f64; 2], minus: [f64; 2], by: f64| {
-            [(plus[0] - minus[0]) / by, (plus[1] - minus[1]) / by]
-        };
-        let outwards =
-            difference(self.place(before + STEP, angle), self.place(before - STEP, angle), 2.0 * STEP);
+        let difference =
+            |plus: [f64; 2], minus: [f64; 2], by: f64| [(plus[0] - minus[0]) / by, (plus[1] - minus[1]) / by];
+        let outwards = difference(self.place(before + STEP, angle), self.place(before - STEP, angle), 2.0 * STEP);
         let turned = self.before(angle + STEP) - self.before(angle - STEP);
-        let around =
-            difference(self.place(before, angle + STEP), self.place(before, angle - STEP), before * turned);
+        let around = difference(self.place(before, angle + STEP), self.place(before, angle - STEP), before * turned);
         let along = 1.0 + self.k * (self.line() - self.radius_at(before, angle) * angle.cos());
         let square = |v: [f64; 2]| v[0] * v[0] + v[1] * v[1];
         let volume = (outwards[0] * around[1] - outwards[1] * around[0]) * along;
@@ -166,7 +169,7 @@ fn leaning_winding_bends_as_its_map_does() {
         (0.5, 0.9, 30.0, 0.03, [0.5, 0.1, 0.0]),
     ] {
         let p = parameters(inner, winding, degrees, c_pa);
-        let section = Section::new(&p);
+        let section = section(&p);
         for load in [(0.0, 0.0), (0.05, -0.1)] {
             let end = section.end_load(load.1, load.0);
             let found = section.pressure(&section.bent(k, &end), &end);
@@ -179,7 +182,7 @@ fn leaning_winding_bends_as_its_map_does() {
 #[test]
 fn hoop_is_the_limit_of_a_leaning_winding() {
     for (inner, winding, k) in [(0.7, 1.0, 0.2), (0.5, 0.8, 0.02), (0.9, 1.0, 1e-4)] {
-        let wound = Section::new(&parameters(inner, winding, 1e-4, [0.5, 0.02, 0.0]));
+        let wound = section(&parameters(inner, winding, 1e-4, [0.5, 0.02, 0.0]));
         let hoop = Section::new(&parameters(inner, winding, 0.0, [0.5, 0.02, 0.0]));
         assert!(wound.is_wound() && !hoop.is_wound());
         let (none_wound, none_hoop) = (wound.end_load(0.0, 0.0), hoop.end_load(0.0, 0.0));
@@ -194,7 +197,7 @@ fn hoop_is_the_limit_of_a_leaning_winding() {
 #[test]
 fn nodes_of_a_leaning_winding_are_as_good_as_many_more() {
     for (inner, winding, degrees) in [(0.9, 1.0, 5.0), (0.5, 1.0, 20.0), (0.7, 0.9, 28.0), (0.6, 1.0, 3.0)] {
-        let section = Section::new(&parameters(inner, winding, degrees, [0.5, 0.01, 0.0]));
+        let section = section(&parameters(inner, winding, degrees, [0.5, 0.01, 0.0]));
         let end = section.end_load(0.0, 0.0);
         for k in [1e-6, 1e-3, 0.02, 0.1, 0.2, 0.4] {
             let found = section.bent(k, &end);
@@ -220,6 +223,12 @@ fn slope_is_the_derivative_of_the_moment() {
         let slope = section.bent(k, &end).slope;
         assert!((slope / difference - 1.0).abs() < 1e-5, "{k}: {slope} {difference}");
     }
+}
+
+#[test]
+fn winding_near_the_hoop_keeps_its_radius() {
+    let is_wound = |degrees| Section::new(&parameters(0.7, 1.0, degrees, [0.5, 0.0, 0.0])).is_wound();
+    assert!(!is_wound(5.0) && !is_wound(-5.0) && is_wound(5.1) && is_wound(-20.0));
 }
 
 #[test]

@@ -55,7 +55,8 @@ impl<T: Real> Bender<T> {
                 Solution { residual: off / self.section.lever(), ..self.solution(Status::Solved, bent, load, None, 0) }
             }
             None => {
-                let begin = if rises && from > T::zero() { self.bent(from, &end_load, &mut iterations) } else { self.straight };
+                let begin =
+                    if rises && from > T::zero() { self.bent(from, &end_load, &mut iterations) } else { self.straight };
                 self.reach(begin, wanted, load, &mut iterations)
             }
         };
@@ -89,6 +90,14 @@ impl<T: Real> Bender<T> {
     /// Straight, without pressure.
     pub(crate) fn rest(&self) -> State<T> {
         self.section.state(&self.straight, &self.end_load(&Load::none()))
+    }
+
+    /// Slope of the volume in the bend angle, m3/rad, and the slope of that, m3/rad2.
+    pub(crate) fn volume_by_bend(&self, bend_angle_rad: T) -> Option<[T; 2]> {
+        let [first, second] = self.section.growth(self.section.curvature(bend_angle_rad))?;
+        let [outer_m, length_m] = self.section.size_m();
+        let first_m3 = real::<T>(core::f64::consts::PI) * outer_m * outer_m * outer_m * first;
+        Some([first_m3, real::<T>(core::f64::consts::PI) * outer_m * outer_m * outer_m * outer_m * second / length_m])
     }
 
     fn end_load(&self, load: &Load<T>) -> EndLoad<T> {
@@ -129,7 +138,8 @@ impl<T: Real> Bender<T> {
             if there.slope <= T::zero() {
                 let limit = self.refine(here, there, |b| b.slope, &end_load, iterations);
                 let found = wanted <= limit.moment;
-                let bent = if found { self.refine(here, limit, |b| b.moment - wanted, &end_load, iterations) } else { limit };
+                let bent =
+                    if found { self.refine(here, limit, |b| b.moment - wanted, &end_load, iterations) } else { limit };
                 let status = if found { Status::Solved } else { Status::NoSolution };
                 return self.solution(status, bent, load, (!found).then_some(limit), 0);
             }
@@ -199,13 +209,7 @@ impl<T: Real> Bender<T> {
     ) -> Solution<T> {
         let load = self.end_load(load);
         let limit_pressure_pa = limit.map(|limit| self.section.pressure(&limit, &load));
-        Solution {
-            status,
-            state: self.section.state(&bent, &load),
-            limit_pressure_pa,
-            residual: T::zero(),
-            iterations,
-        }
+        Solution { status, state: self.section.state(&bent, &load), limit_pressure_pa, residual: T::zero(), iterations }
     }
 }
 

@@ -9,8 +9,6 @@
 use fra_model::{Actuator, InvalidParameter, Load, Motion, Status, Target};
 use nalgebra::{DMatrix, Matrix6x2, Vector2, Vector3, Vector6};
 
-/// Bend below which the lever of the pressure is asked at this angle, rad: the lumen's volume is linear in the bend.
-const LEVER_ANGLE_RAD: f64 = 0.1;
 /// Singular values below this share of the largest count as none.
 const RANK: f64 = 1e-10;
 
@@ -165,17 +163,13 @@ impl Mounted {
         }
     }
 
-    /// The energy of a bent section is that of the wall less `P V`, and the volume linear in the bend: so the moment is
-    /// `(P - P_free) dV/dphi`, without remainder.
+    /// The energy of a bent section is that of the wall less `P V`: the moment is `(P - P_free) dV/dphi`, without remainder.
     fn bend(&self, pressure_pa: f64, bend_angle_rad: f64) -> Result<Push, PayloadError> {
-        let none = Load::none();
-        let free = self.actuator.inverse(Target::BendAngle(bend_angle_rad), &none)?;
-        let probe_rad = bend_angle_rad.max(LEVER_ANGLE_RAD);
-        let probe = self.actuator.inverse(Target::BendAngle(probe_rad), &none)?;
-        if free.status != Status::Solved || probe.status != Status::Solved {
+        let free = self.actuator.inverse(Target::BendAngle(bend_angle_rad), &Load::none())?;
+        let growth = self.actuator.volume_by_bend(bend_angle_rad);
+        let (Status::Solved, Some([per_pascal, _])) = (free.status, growth) else {
             return Err(self.no_balance(pressure_pa));
-        }
-        let per_pascal = (probe.state.volume_m3 - self.actuator.rest().volume_m3) / probe_rad;
+        };
         let moment = (pressure_pa - free.state.pressure_pa) * per_pascal;
         Ok(Push { pressure_pa, load: Vector2::new(0.0, moment), by_pressure: Vector2::new(0.0, per_pascal) })
     }

@@ -6,7 +6,7 @@
 
 use fra_model::{Actuator, ActuatorParameters, Blocked, Load, Motion, State, Status, Target};
 
-use super::tube::{Tangent, bender_nm2, volume_by_angle_m3};
+use super::tube::{Tangent, bender_nm2};
 use super::wall;
 
 /// Strains of a tube per length at rest: stretch, bend (rad/m) and twist (rad/m).
@@ -140,15 +140,17 @@ impl Spring {
 
     /// The springs of a bender about a bend.
     ///
-    /// The moment on a wall of hooped fibers is linear in the pressure: `M = (p_0 - p) dV/dtheta`, where `p_0` holds the bend without load.
+    /// The moment on the wall is linear in the pressure: `M = (p_0 - p) dV/dtheta`, where `p_0` holds the bend without load.
     fn bent(&self, bend_rad_per_m: f64) -> Option<Tangent> {
         let length_m = self.actuator.parameters().length_m;
         let solution = self.actuator.inverse(Target::BendAngle(bend_rad_per_m * length_m), &Load::none()).ok()?;
         if solution.status != Status::Solved {
             return None;
         }
-        let torque_nm = (solution.state.pressure_pa - self.pressure_pa) * volume_by_angle_m3(&self.actuator);
-        let bending_nm2 = bender_nm2(&self.actuator, &solution.state);
+        let short_pa = solution.state.pressure_pa - self.pressure_pa;
+        let [by_bend, slope] = self.actuator.volume_by_bend(solution.state.bend_angle_rad)?;
+        let torque_nm = short_pa * by_bend;
+        let bending_nm2 = bender_nm2(&self.actuator, &solution.state)? + short_pa * slope * length_m;
         let rest = bend_rad_per_m - torque_nm / bending_nm2;
         (bending_nm2 > 0.0 && bending_nm2.is_finite()).then_some(Tangent {
             // Of a line that keeps its length.

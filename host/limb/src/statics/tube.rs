@@ -102,7 +102,7 @@ fn bending(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
         bend_rad_per_m: state.bend_angle_rad / parameters.length_m,
         twist_rad_per_m: 0.0,
         axial_n: LINE * wall_n,
-        bending_nm2: bender_nm2(actuator, state),
+        bending_nm2: bender_nm2(actuator, state)?,
         across_nm2,
         torsion_nm2: across_nm2 * 0.5,
         coupling_nm: 0.0,
@@ -112,18 +112,12 @@ fn bending(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     .filter(|tangent| tangent.bending_nm2.is_finite() && tangent.bending_nm2 > 0.0)
 }
 
-/// Growth of a bender's lumen with its bend, m3/rad: `pi R_f^2 R_o` with the radius of the winding, which keeps its size.
-pub(super) fn volume_by_angle_m3(actuator: &Actuator<f64>) -> f64 {
-    let parameters = actuator.parameters();
-    let winding_m = parameters.fiber.as_ref().map_or(parameters.outer_radius_m, |fiber| fiber.radius_m);
-    PI * winding_m * winding_m * parameters.outer_radius_m
-}
-
 /// Change of a bender's moment with its bend per length at constant pressure, N m2, at a state without load.
 ///
-/// The moment is `(p_0(theta) - p) dV/dtheta`, and the compliance is `dV/dp_0`.
-pub(super) fn bender_nm2(actuator: &Actuator<f64>, state: &State<f64>) -> f64 {
-    actuator.parameters().length_m * volume_by_angle_m3(actuator).powi(2) / state.compliance_m3_per_pa
+/// The moment is `(p - p_0(theta)) dV/dtheta`, and the compliance is `dV/dp_0`.
+pub(super) fn bender_nm2(actuator: &Actuator<f64>, state: &State<f64>) -> Option<f64> {
+    let [volume_by_bend, _] = actuator.volume_by_bend(state.bend_angle_rad)?;
+    Some(actuator.parameters().length_m * volume_by_bend.powi(2) / state.compliance_m3_per_pa)
 }
 
 /// Mean square of the distance of the wall from a diameter, m2.
