@@ -7,8 +7,6 @@ mod nodes;
 #[cfg(test)]
 mod tests;
 mod wound;
-#[cfg(test)]
-mod wound_tests;
 
 use crate::number::dual::Dual;
 use crate::number::scalar::Scalar;

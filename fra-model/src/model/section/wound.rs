@@ -7,6 +7,9 @@
 //! `((1+kd)(rho^2 - r^2)/2 - k cos(phi) (rho^3 - r^3)/3) phi' = (rho_f^2 - rho_0^2)/2`, `lambda = 1 + k (d - r cos(phi))`.
 //! With `t = 0` all of this is the map of a hoop. The moment is the derivative of the energy, by dual numbers.
 
+#[cfg(test)]
+mod tests;
+
 use crate::number::dual::Dual;
 use crate::number::scalar::Scalar;
 

@@ -2,8 +2,8 @@
 
 use core::f64::consts::PI;
 
-use super::nodes::equal_angles;
-use super::*;
+use super::super::nodes::equal_angles;
+use super::super::*;
 use crate::{Fiber, Motion};
 
 /// Settings of the check: points of half a turn, and steps of the differences.
