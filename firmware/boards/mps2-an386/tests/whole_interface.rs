@@ -3,12 +3,15 @@
 use std::fs;
 use std::path::Path;
 
-/// What only a host has a use for: vector registers, queries about actuators that come but once, names and units of quantities.
-const HOST_ONLY: [&str; 14] = [
+/// What only a host has a use for: vector registers, queries about actuators that come but once, a second winding, the growth of a bend in
+/// statics, names and units of quantities.
+const HOST_ONLY: [&str; 16] = [
     "forward_many",
     "forward_prepared",
     "atanh_series",
     "forward_once",
+    "second_fiber",
+    "volume_by_bend",
     "natural",
     "fits",
     "of",
