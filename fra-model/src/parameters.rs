@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::number::real::{Real, real};
+use crate::number::scalar::Scalar;
 
 /// The motion an actuator is wound for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -80,7 +81,7 @@ pub enum Placement {
 /// Parameters of the winding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fiber<T> {
-    /// Fiber angle from the hoop direction, rad; `-pi/2..=pi/2`. A negative angle mirrors the twist.
+    /// Fiber angle from the hoop direction, rad; `-pi/2..=pi/2`. A negative angle mirrors the twist. Bending: see [`shrinks_bends`](Self::shrinks_bends).
     pub angle_rad: T,
     /// One or two families.
     pub families: Families,
@@ -90,7 +91,7 @@ pub struct Fiber<T> {
     pub placement: Placement,
     /// Thickness of the sheet, m; > 0. Only the sheet uses it.
     pub thickness_m: T,
-    /// Winding radius, m; within the wall. Sheet: its radius. Layer: its inner radius. Bending: the radius the winding keeps.
+    /// Winding radius, m; within the wall. Sheet: its radius. Layer: its inner radius. Bending: the radius that a hoop keeps.
     pub radius_m: T,
 }
 
@@ -186,6 +187,25 @@ impl<T> Fiber<T> {
             thickness_m: f(self.thickness_m),
             radius_m: f(self.radius_m),
         }
+    }
+}
+
+/// Angle of a winding from the hoop up to which a bender takes it as a hoop: 5 deg and the rounding of an angle in another unit.
+const HOOP_LIKE_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0 + 1e-7;
+
+/// [`Fiber::shrinks_bends`] in any arithmetic.
+pub(crate) fn shrinks_bends<T: Scalar>(fiber: &Fiber<T>) -> bool {
+    fiber.families == Families::Two
+        && fiber.placement == Placement::Sheet
+        && fiber.modulus_pa > T::zero()
+        && Scalar::abs(fiber.angle_rad) > T::constant(HOOP_LIKE_RAD)
+}
+
+impl<T: Real> Fiber<T> {
+    /// Whether a bending actuator follows the angle of this winding: of two equal families as a sheet with a modulus, more than 5 deg from the
+    /// hoop. It takes any other winding as a hoop that keeps its radius.
+    pub fn shrinks_bends(&self) -> bool {
+        shrinks_bends(self)
     }
 }
 

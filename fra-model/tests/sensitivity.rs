@@ -120,6 +120,22 @@ fn bent_cases() -> Vec<Case> {
     cases
 }
 
+/// Bends of both laws with helical windings on the outer face and within the wall, with loads.
+fn helical_cases() -> Vec<Case> {
+    let mut cases = vec![];
+    for material in [neo_hookean(0.2e6), DRAGONSKIN_30] {
+        for (pressure_pa, force_n, torque_nm) in [(40e3, 0.0, 0.0), (20e3, 0.5, 0.01), (60e3, -1.0, -0.005)] {
+            for (angle_deg, radius_m) in [(17.0, 8e-3), (-7.0, 7.3e-3)] {
+                let p = tube(Motion::Bending, 6.0, 8.0, material);
+                let mut p = wound(p, angle_deg, Families::Two, 1e9, Placement::Sheet, 0.2);
+                p.fiber.as_mut().expect("wound").radius_m = radius_m;
+                cases.push(Case::new(p, pressure_pa, force_n, torque_nm));
+            }
+        }
+    }
+    cases
+}
+
 #[track_caller]
 fn close(found: f64, expected: f64, tolerance: f64, what: impl std::fmt::Debug) {
     let error = (found - expected).abs();

@@ -6,7 +6,7 @@ use fra_model::*;
 
 const PAIRS: u32 = 200;
 
-/// A fraction of one, from a stream of its own for every sample: the fractional part of multiples of the golden ratio's powers.
+/// Quasi-random number in 0..1: the fractional part of a multiple of a power of the golden ratio. Each sample has its own sequence.
 fn fraction(sample: u32, stream: i32) -> f64 {
     (f64::from(sample + 1) * 1.220_744_084_605_759_5_f64.powi(-stream)).fract()
 }

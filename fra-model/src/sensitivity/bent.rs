@@ -36,8 +36,11 @@ impl<T: Real> BentPoint<T> {
         let fixed = inputs.map(Dual::fixed);
         let section = Section::new(&fixed.parameters);
         // The strain of the axis of a hoop is `k` to the last digit.
-        let wound = section.is_wound();
-        let k = if wound { section.curvature(Dual::fixed(state.bend_angle_rad)).value } else { state.axial_strain };
+        let k = if section.is_helical() {
+            section.curvature(Dual::fixed(state.bend_angle_rad)).value
+        } else {
+            state.axial_strain
+        };
         let forwards = k >= T::zero();
         if !forwards {
             return Err(NoDerivative::NotAnEquilibrium);

@@ -26,7 +26,7 @@ const STRESSES: [(Parameter, f64); 8] = [
 ];
 
 fn cases() -> Vec<Case> {
-    straight_cases().into_iter().chain(bent_cases()).collect()
+    [straight_cases(), bent_cases(), helical_cases()].into_iter().flatten().collect()
 }
 
 /// `P dV + N dl + M dPhi` (on a bend `M dphi`) is the change of an energy, so `V`, `l` and the angle are its derivatives by the

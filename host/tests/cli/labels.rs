@@ -144,6 +144,21 @@ fn bender_whose_winding_the_model_heeds_is_not_warned_of() {
     }
 }
 
+/// The winding costs half of the bend: a design that took it as a hoop would state far less pressure.
+#[test]
+fn design_has_the_pressure_of_a_helical_winding_that_check_finds() {
+    let scene = wound("20 deg", 2).replace("bend_angle = \"30 deg\"", "bend_angle = \"100 deg\"");
+    let desk = desk(&scene);
+    let designed = desk.softlimb("design limb scene.toml --out designed.toml --json").json();
+    let checked = desk.softlimb("check designed.toml --json").json();
+    let pressure_pa = &designed["answer"]["segments"][0]["phases"][0]["pressure_pa"];
+    let found_pa = checked["modules"][0]["highest_pressure_pa"].as_f64().unwrap();
+    assert!((pressure_pa.as_f64().unwrap() / found_pa - 1.0).abs() < 1e-6, "{designed} {checked}");
+    desk.put("hoop.toml", scene.replace("20 deg", "5 deg"));
+    let hoop_pa = desk.softlimb("check hoop.toml --json").json()["modules"][0]["highest_pressure_pa"].as_f64().unwrap();
+    assert!(found_pa > 1.2 * hoop_pa, "{found_pa} {hoop_pa}");
+}
+
 #[test]
 fn answers_of_a_batch_have_no_warnings() {
     let question = r#"{"motion":"bending","problem":"forward","inner_radius_m":0.006,"outer_radius_m":0.008,"length_m":0.1,"material":{"law":"neo-hookean","shear_modulus_pa":2e5},"pressure_pa":3e4}"#;

@@ -3,15 +3,16 @@
 use std::fs;
 use std::path::Path;
 
-/// What only a host has a use for: vector registers, queries about actuators that come but once, a second winding, the growth of a bend in
-/// statics, names and units of quantities.
-const HOST_ONLY: [&str; 16] = [
+/// What only a host has a use for: vector registers, queries about actuators that come but once, a second winding, what statics and warnings
+/// need of bends, names and units of quantities.
+const HOST_ONLY: [&str; 17] = [
     "forward_many",
     "forward_prepared",
     "atanh_series",
     "forward_once",
     "second_fiber",
     "volume_by_bend",
+    "shrinks_bends",
     "natural",
     "fits",
     "of",

@@ -2,33 +2,29 @@
 //!
 //! Everything here is computed in any [`Scalar`], so that the derivatives with respect to the parameters are those of the same code.
 
+mod helical;
 mod moment;
 mod nodes;
 #[cfg(test)]
 mod tests;
-mod wound;
 
 use crate::number::dual::Dual;
 use crate::number::scalar::Scalar;
-use crate::parameters::{ActuatorParameters, Families, Material, Placement};
+use crate::parameters::{ActuatorParameters, Material, shrinks_bends};
 use crate::solution::State;
 
+use helical::Circle;
 use moment::Bend;
 use nodes::{
     ANGLES_2, ANGLES_4, ANGLES_6, ANGLES_8, ANGLES_10, ANGLES_12, ANGLES_16, Digits, Wall, angles, constants,
     equal_angles,
 };
-use wound::Circle;
 
 /// `R_i/R_o` above which the moment of a wall that does not soften rises throughout.
 const THICK: f64 = 0.1;
 
 /// Lever of the pressure, as a share of that of the straight tube, below which it does not bend.
 const LEAST_LEVER: f64 = 1e-3;
-
-/// Angle of a winding from the hoop up to which it keeps its radius: 5 deg and the rounding of an angle in another unit. Its bends are up to 4 %
-/// too large.
-const HOOP_LIKE_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0 + 1e-7;
 
 /// Largest squared tangent of the winding's angle; pressure bends no tube of more than half of it.
 const STEEPEST: f64 = 1.0;
@@ -81,16 +77,9 @@ fn cosines<T: Scalar>(angles: &[(T, T)]) -> impl Iterator<Item = T> + Clone {
     angles.iter().map(|&(cos, _)| cos)
 }
 
-/// Squared tangent of a winding's angle from the hoop. Two equal families as a sheet shrink the tube as it bends. Others, one whose
-/// modulus is not stated, and one that hardly leans keep their radius.
+/// Squared tangent of a winding's angle from the hoop; zero where the winding keeps its radius.
 fn slant<T: Scalar>(parameters: &ActuatorParameters<T>) -> T {
-    let leaning = parameters.fiber.filter(|fiber| {
-        fiber.families == Families::Two
-            && fiber.placement == Placement::Sheet
-            && fiber.modulus_pa > T::zero()
-            && fiber.angle_rad.abs() > T::constant(HOOP_LIKE_RAD)
-    });
-    leaning.map_or(T::zero(), |fiber| {
+    parameters.fiber.filter(shrinks_bends).map_or(T::zero(), |fiber| {
         let (sin, cos) = fiber.angle_rad.sin_cos();
         let tangent = sin / cos;
         Scalar::min(tangent * tangent, T::constant(STEEPEST))
@@ -141,7 +130,7 @@ impl<T: Scalar> Section<T> {
 
     /// The lever as a share of that of a hoop, `1 - 2 t`: from 35.3 deg on, pressure does not bend the tube.
     fn lever_share(&self) -> T {
-        if self.is_wound() {
+        if self.is_helical() {
             Scalar::max(T::one() - self.slant - self.slant, T::constant(LEAST_LEVER))
         } else {
             T::one()
@@ -195,7 +184,7 @@ impl<T: Scalar> Section<T> {
     /// The space within the winding at a bend.
     fn within(&self, k: T) -> Within<T> {
         let f2 = self.winding * self.winding;
-        if self.is_wound() {
+        if self.is_helical() {
             let angles = &equal_angles::<T, 16>();
             if let Some(circle) = self.circle(k, angles) {
                 let gained = circle.swell();
@@ -211,7 +200,7 @@ impl<T: Scalar> Section<T> {
     /// Slope of the volume within the winding in `k` and the slope of that, per length in units of `pi R_o^2`; `None` where the winding leaves
     /// no such bend.
     pub(crate) fn growth(&self, k: T) -> Option<[T; 2]> {
-        if !self.is_wound() {
+        if !self.is_helical() {
             return Some([self.winding * self.winding, T::zero()]);
         }
         let angles = &equal_angles::<T, 16>();
@@ -224,7 +213,7 @@ impl<T: Scalar> Section<T> {
     }
 
     /// Whether the winding shrinks as the tube bends.
-    pub(crate) fn is_wound(&self) -> bool {
+    pub(crate) fn is_helical(&self) -> bool {
         self.slant > T::zero()
     }
 
@@ -243,8 +232,8 @@ impl<T: Scalar> Section<T> {
     }
 
     fn sampled(&self, k: T, load: &EndLoad<T>, digits: Digits) -> Bent<T> {
-        if self.is_wound() {
-            return self.sampled_wound(k, load, digits);
+        if self.is_helical() {
+            return self.sampled_helical(k, load, digits);
         }
         match angles(self.nearness(k), digits) {
             2 => self.integrated(k, digits, &ANGLES_2.map(constants)),
@@ -270,27 +259,27 @@ impl<T: Scalar> Section<T> {
         k / stretch * Scalar::max(within, self.beyond)
     }
 
-    /// [`sampled`](Self::sampled) of a winding that leans.
-    fn sampled_wound(&self, k: T, load: &EndLoad<T>, digits: Digits) -> Bent<T> {
+    /// [`sampled`](Self::sampled) with a helical winding.
+    fn sampled_helical(&self, k: T, load: &EndLoad<T>, digits: Digits) -> Bent<T> {
         // Where the thread lies along the axis, `t (lambda^2 - 1) = 1`.
         let closed = (T::one() + T::one() / self.slant).sqrt() - T::one();
         let near = if closed > k + k { k / (closed - k) } else { T::one() };
         match angles(Scalar::max(self.nearness(k), near), digits) {
-            2 | 4 => self.integrated_wound(k, load, digits, &ANGLES_4.map(constants)),
-            6 => self.integrated_wound(k, load, digits, &ANGLES_6.map(constants)),
-            8 => self.integrated_wound(k, load, digits, &ANGLES_8.map(constants)),
-            10 => self.integrated_wound(k, load, digits, &ANGLES_10.map(constants)),
-            12 => self.integrated_wound(k, load, digits, &ANGLES_12.map(constants)),
-            16 => self.integrated_wound(k, load, digits, &ANGLES_16.map(constants)),
-            32 => self.integrated_wound(k, load, digits, &equal_angles::<T, 16>()),
-            64 => self.integrated_wound(k, load, digits, &equal_angles::<T, 32>()),
-            _ => self.integrated_wound(k, load, digits, &equal_angles::<T, 64>()),
+            2 | 4 => self.integrated_helical(k, load, digits, &ANGLES_4.map(constants)),
+            6 => self.integrated_helical(k, load, digits, &ANGLES_6.map(constants)),
+            8 => self.integrated_helical(k, load, digits, &ANGLES_8.map(constants)),
+            10 => self.integrated_helical(k, load, digits, &ANGLES_10.map(constants)),
+            12 => self.integrated_helical(k, load, digits, &ANGLES_12.map(constants)),
+            16 => self.integrated_helical(k, load, digits, &ANGLES_16.map(constants)),
+            32 => self.integrated_helical(k, load, digits, &equal_angles::<T, 16>()),
+            64 => self.integrated_helical(k, load, digits, &equal_angles::<T, 32>()),
+            _ => self.integrated_helical(k, load, digits, &equal_angles::<T, 64>()),
         }
     }
 
-    /// The moment of a leaning winding, scaled to the lever of a hoop: `(dU/dk - load) lever(0)/lever(k) + load`. Beyond the bend at
+    /// The moment of a helical winding, scaled to the lever of a hoop: `(dU/dk - load) lever(0)/lever(k) + load`. Beyond the bend at
     /// which the lever vanishes, no pressure balances it, and the moment is not finite.
-    fn integrated_wound(&self, k: T, load: &EndLoad<T>, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
+    fn integrated_helical(&self, k: T, load: &EndLoad<T>, digits: Digits, angles: &[(T, T)]) -> Bent<T> {
         let nowhere = Bent { k, moment: T::one() / T::zero(), slope: T::zero() };
         let Some(circle) = self.circle(k, angles) else { return nowhere };
         let twice = circle.twice(cosines(angles));
@@ -356,7 +345,7 @@ impl<T: Scalar> Section<Dual<T>> {
     /// Whether the variable of the derivatives leaves the dimensionless section as it is.
     pub(crate) fn keeps_its_shape(&self) -> bool {
         let fixed = |dual: Dual<T>| dual.slope == T::zero();
-        // The lever of a load changes with it where the winding leans.
-        !self.is_wound() && fixed(self.inner) && fixed(self.winding) && fixed(self.a) && fixed(self.b)
+        // With a helical winding the lever of a load depends on it.
+        !self.is_helical() && fixed(self.inner) && fixed(self.winding) && fixed(self.a) && fixed(self.b)
     }
 }

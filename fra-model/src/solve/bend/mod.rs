@@ -1,4 +1,4 @@
-//! Bending: a hoop-wound tube with an inextensible line along its outer face.
+//! Bending: a wound tube with an inextensible line along its outer face.
 //!
 //! The wall follows an isochoric map of the section (lengths in units of `R_o`, `k = kappa R_o`, `phi_c` from the
 //! inextensible side, winding at `rho_f` which keeps its radius):
@@ -129,7 +129,7 @@ impl<T: Real> Bender<T> {
             }
             let there = self.bent((here.k + newton.min(longest)).max(T::zero()), &end_load, iterations);
             if !there.moment.is_finite() || !there.slope.is_finite() {
-                if !self.section.is_wound() {
+                if !self.section.is_helical() {
                     break;
                 }
                 beyond = Some(there.k);

@@ -117,7 +117,7 @@ pub struct Segment {
     pub motion: Motion,
     /// The elastomer.
     pub material: Material<f64>,
-    /// The winding; `None` for bending.
+    /// The winding; `None` for a bender wound as a hoop.
     pub winding: Option<Winding>,
     /// Bounds of the geometry.
     pub bounds: GeometryBounds,
@@ -183,7 +183,7 @@ impl Segment {
         self.motion == Motion::Bending && stiffens
     }
 
-    /// Number of design variables of the geometry: a bending actuator is wound along the hoop.
+    /// Number of design variables of the geometry: a bending actuator keeps the angle of its winding.
     pub(super) fn dimensions(&self) -> usize {
         if self.motion == Motion::Bending { 3 } else { 4 }
     }
@@ -214,7 +214,9 @@ impl Segment {
             if place[index] == 1.0 { self.highest(index) } else { low + place[index] * width }
         };
         let [inner_radius_m, outer_radius_m] = self.bounds.sizes.radii([at(0), at(1)]);
-        let angle_rad = if self.dimensions() > 3 { at(3) } else { 0.0 };
+        // A bender keeps the angle of its winding, if it has one that counts.
+        let own_rad = self.winding.map_or(0.0, |_| self.bounds.angle_rad[0]);
+        let angle_rad = if self.dimensions() > 3 { at(3) } else { own_rad };
         Geometry { inner_radius_m, outer_radius_m, length_m: at(2), angle_rad }
     }
 

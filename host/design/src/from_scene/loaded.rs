@@ -123,7 +123,7 @@ fn module_space(scene: &Scene, index: usize, module: &Module) -> Result<ModuleSp
     let pair = |bounds: Option<Located<Bounds>>, own: f64| bounds.map_or([own; 2], |bounds| *bounds);
     let bender = *module.motion == Motion::Bending;
     let winding = match &module.fiber {
-        Some(fiber) if !bender => {
+        Some(fiber) if !bender || fiber.shrinks_bends() => {
             if fiber.placement == Placement::Layer || fiber.radius_m != *module.outer_radius_m {
                 let title = "a design winds actuators on their outer face or through the whole wall";
                 let help = Some("give the module a winding without `radius`");

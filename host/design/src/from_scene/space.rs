@@ -45,7 +45,7 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
     let wall_m = pair(bounds.wall_m, outer - inner);
     overlap(scene, module, bounds, inner_radius_m[1] + wall_m[1])?;
     let winding = match &module.fiber {
-        Some(fiber) if *module.motion != Motion::Bending => Some(wound(scene, module, fiber)?),
+        Some(fiber) if *module.motion != Motion::Bending || fiber.shrinks_bends() => Some(wound(scene, module, fiber)?),
         _ => None,
     };
     let angle_rad = module.fiber.as_ref().map_or(0.0, |fiber| fiber.angle_rad);
@@ -59,7 +59,7 @@ pub(super) fn segment(scene: &Scene, module: &Module, bounds: &ModuleBounds) -> 
             sizes_m: [inner_radius_m, wall_m],
             length_m: length_m(scene, module, bounds)?.map(|length_m| length_m - 2.0 * module.end_length_m),
             angle_rad: if *module.motion == Motion::Bending {
-                [0.0; 2]
+                [angle_rad; 2]
             } else {
                 pair(bounds.fiber_angle_rad, angle_rad)
             },

@@ -40,7 +40,7 @@ pub struct ModuleSpace {
     pub material: Material<f64>,
     /// Its density, kg/m3; > 0.
     pub density_kg_per_m3: f64,
-    /// The winding but for its angle; `None` for bending.
+    /// The winding but for its angle; `None` for a bender wound as a hoop.
     pub winding: Option<Winding>,
     /// Bounds of the inner radius, m; > 0.
     pub inner_radius_m: Bounds,
@@ -219,7 +219,8 @@ impl LimbSpace {
 
 impl ModuleSpace {
     fn axes(&self) -> [(&'static str, Bounds); 6] {
-        let angle_rad = if self.motion == Motion::Bending { [0.0; 2] } else { self.angle_rad };
+        // A bender keeps the angle of its winding.
+        let angle_rad = if self.motion == Motion::Bending { [self.angle_rad[0]; 2] } else { self.angle_rad };
         let spread_m = if self.actuators == 1 { [0.0; 2] } else { self.spread_m };
         [
             ("inner_radius", self.inner_radius_m),
@@ -286,7 +287,7 @@ impl ModuleSpace {
             outer_radius_m,
             length_m: self.moving_m(sizes),
             material: self.material,
-            fiber: self.winding.filter(|_| self.motion != Motion::Bending).map(|winding| Fiber {
+            fiber: self.winding.map(|winding| Fiber {
                 angle_rad: sizes.angle_rad,
                 families: winding.families,
                 modulus_pa: winding.modulus_pa,

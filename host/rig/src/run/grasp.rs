@@ -1,6 +1,7 @@
-//! The load of the simulated gripper: the tip carries of the planned payload what its true jaws hold.
+//! The load of the simulated gripper: the tip carries the planned payload while the true jaws hold it.
 //!
-//! A payload that changes hands stands on something, and jaws that are not quite open share it as planned. Elsewhere only closed jaws hold it.
+//! While the gripper takes or releases a payload, the payload stands on a support, and partly closed jaws carry it as planned. At all other
+//! times only closed jaws hold it.
 
 use crate::record::FaultRecord;
 use softlimb_scene::{Gripper, Scene};

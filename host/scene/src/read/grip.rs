@@ -1,4 +1,4 @@
-//! The gripper and what the phases carry: a payload is in closed jaws, and the same one until they open.
+//! Checks payloads against the gripper: only closed jaws carry a payload, and they keep it until they open.
 
 use crate::data::{Gripper, Object, Phase};
 use crate::error::Problem;

@@ -1,10 +1,10 @@
-//! The bend of a leaning winding against its map in coordinates: gradients and derivatives are differences of positions and energies.
+//! The bend of a helical winding against its map in coordinates: gradients and derivatives are differences of positions and energies.
 
 use core::f64::consts::PI;
 
 use super::super::nodes::equal_angles;
 use super::super::*;
-use crate::{Fiber, Motion};
+use crate::{Families, Fiber, Motion, Placement};
 
 /// Settings of the check: points of half a turn, and steps of the differences.
 const POINTS: u32 = 48;
@@ -20,7 +20,7 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 
-/// A section whose winding leans, by however little.
+/// A section with a helical winding at any angle, those near the hoop included.
 fn section(p: &ActuatorParameters<f64>) -> Section<f64> {
     let tangent = p.fiber.expect("wound").angle_rad.tan();
     Section { slant: tangent * tangent, ..Section::new(p) }
@@ -45,7 +45,7 @@ fn parameters(inner: f64, winding: f64, degrees: f64, c_pa: [f64; 3]) -> Actuato
     }
 }
 
-/// A tube whose winding leans, as its map has it.
+/// The map of a tube with a helical winding.
 struct Map {
     k: f64,
     tangent: f64,
@@ -160,7 +160,7 @@ fn pressure(p: &ActuatorParameters<f64>, tangent: f64, k: f64, (torque, force): 
 }
 
 #[test]
-fn leaning_winding_bends_as_its_map_does() {
+fn helical_winding_bends_as_its_map_does() {
     for (inner, winding, degrees, k, c_pa) in [
         (0.7, 1.0, 5.0, 0.3, [0.5, 0.0, 0.0]),
         (0.5, 1.0, 20.0, 0.2, [0.5, 0.05, -0.002]),
@@ -180,13 +180,13 @@ fn leaning_winding_bends_as_its_map_does() {
 }
 
 #[test]
-fn hoop_is_the_limit_of_a_leaning_winding() {
+fn hoop_is_the_limit_of_a_helical_winding() {
     for (inner, winding, k) in [(0.7, 1.0, 0.2), (0.5, 0.8, 0.02), (0.9, 1.0, 1e-4)] {
-        let wound = section(&parameters(inner, winding, 1e-4, [0.5, 0.02, 0.0]));
+        let helical = section(&parameters(inner, winding, 1e-4, [0.5, 0.02, 0.0]));
         let hoop = Section::new(&parameters(inner, winding, 0.0, [0.5, 0.02, 0.0]));
-        assert!(wound.is_wound() && !hoop.is_wound());
-        let (none_wound, none_hoop) = (wound.end_load(0.0, 0.0), hoop.end_load(0.0, 0.0));
-        let (found, expected) = (wound.bent(k, &none_wound), hoop.bent(k, &none_hoop));
+        assert!(helical.is_helical() && !hoop.is_helical());
+        let (none_helical, none_hoop) = (helical.end_load(0.0, 0.0), hoop.end_load(0.0, 0.0));
+        let (found, expected) = (helical.bent(k, &none_helical), hoop.bent(k, &none_hoop));
         for (found, expected) in [(found.moment, expected.moment), (found.slope, expected.slope)] {
             assert!((found / expected - 1.0).abs() < 1e-9, "{inner} {winding} {k}: {found} {expected}");
         }
@@ -195,13 +195,13 @@ fn hoop_is_the_limit_of_a_leaning_winding() {
 
 /// Of slight bends too, whose moments are small differences of the wall's strains.
 #[test]
-fn nodes_of_a_leaning_winding_are_as_good_as_many_more() {
+fn nodes_of_a_helical_winding_are_as_good_as_many_more() {
     for (inner, winding, degrees) in [(0.9, 1.0, 5.0), (0.5, 1.0, 20.0), (0.7, 0.9, 28.0), (0.6, 1.0, 3.0)] {
         let section = section(&parameters(inner, winding, degrees, [0.5, 0.01, 0.0]));
         let end = section.end_load(0.0, 0.0);
         for k in [1e-6, 1e-3, 0.02, 0.1, 0.2, 0.4] {
             let found = section.bent(k, &end);
-            let many = section.integrated_wound(k, &end, Digits::All, &equal_angles::<f64, 96>());
+            let many = section.integrated_helical(k, &end, Digits::All, &equal_angles::<f64, 96>());
             if !many.moment.is_finite() {
                 assert!(!found.moment.is_finite(), "{inner} {degrees} {k}");
                 continue;
@@ -227,8 +227,8 @@ fn slope_is_the_derivative_of_the_moment() {
 
 #[test]
 fn winding_near_the_hoop_keeps_its_radius() {
-    let is_wound = |degrees| Section::new(&parameters(0.7, 1.0, degrees, [0.5, 0.0, 0.0])).is_wound();
-    assert!(!is_wound(5.0) && !is_wound(-5.0) && is_wound(5.1) && is_wound(-20.0));
+    let is_helical = |degrees| Section::new(&parameters(0.7, 1.0, degrees, [0.5, 0.0, 0.0])).is_helical();
+    assert!(!is_helical(5.0) && !is_helical(-5.0) && is_helical(5.1) && is_helical(-20.0));
 }
 
 #[test]

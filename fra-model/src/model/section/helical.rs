@@ -1,4 +1,4 @@
-//! A bent section whose winding leans from the hoop: two equal families of a thread that does not stretch, on a surface of the wall.
+//! A bent section with a helical winding: two equal families of a thread that does not stretch, on a surface of the wall.
 //!
 //! Where the wall is stretched along the axis by `lambda`, such a winding shrinks around it: `lambda_c^2 = 1 - t (lambda^2 - 1)` with
 //! `t = tan^2` of its angle. The surface of the winding stays a circle, of radius `rho = rho_f/(1+s)`, at `d = rho + 1 - rho_f` from the
