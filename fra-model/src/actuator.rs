@@ -186,9 +186,10 @@ impl<T: Real> Actuator<T> {
         &self.parameters
     }
 
-    /// Growth of the lumen of a bending actuator with its bend angle, m3/rad, and the slope of that, m3/rad2: the moment of a bend at a gauge
-    /// pressure `P` that a load holds is `(P - P_0) dV/dtheta`, where `P_0` holds it without load. `None` for a straight actuator, for an angle
-    /// that is not finite and >= 0, and for one that the winding forbids.
+    /// First and second derivative of a bending actuator's lumen volume by its bend angle, m3/rad and m3/rad2.
+    ///
+    /// A bender that is held at an angle by a load exerts the moment `(P - P_0) dV/dtheta` at the gauge pressure `P`. `P_0` is the pressure that
+    /// holds the angle without load. `None` for a straight actuator, for an angle that is not finite and >= 0, and for one beyond the winding's reach.
     pub fn volume_by_bend(&self, bend_angle_rad: T) -> Option<[T; 2]> {
         match &self.body {
             Body::Bending(bender) if bend_angle_rad.is_finite() && bend_angle_rad >= T::zero() => {

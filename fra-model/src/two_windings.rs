@@ -5,7 +5,7 @@ use crate::precision::Precision;
 use crate::solution::{Load, PressureRange, Solution, State, Target};
 use crate::solve::tube::Tube;
 
-/// A straight actuator with a second winding, for a host. Its own type: no part of the library that knows one winding takes it.
+/// A straight actuator with a second winding, for a host. It is a separate type: functions for one winding do not accept it.
 ///
 /// The energies of both windings add up; each has its own signed angle, families, modulus, thickness and place. Solutions lie on the
 /// branch of stable equilibria connected to zero pressure, as those of [`Actuator`](crate::Actuator).

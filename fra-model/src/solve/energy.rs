@@ -106,7 +106,7 @@ pub(crate) struct Wall<T> {
     pub(crate) x_outer: T,
     elastomer: Elastomer<T>,
     winding: Option<Winding<T>>,
-    /// A device has one winding, and neither room nor time for this one.
+    /// Devices take one winding: this one would cost them memory and time.
     #[cfg(not(target_os = "none"))]
     second: Option<(Fiber<T>, Winding<T>)>,
 }

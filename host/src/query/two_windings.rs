@@ -9,7 +9,7 @@ use super::request::{Case, Model, Question};
 /// The answer of the analytic model.
 ///
 /// # Errors
-/// What the model does not take, naming the winding.
+/// A message with the winding, the field and the allowed values.
 pub(super) fn answer(case: &Case, second: &Fiber<f64>, scalar: Scalar) -> Result<Solution<f64>, String> {
     let refused = [
         (case.parameters.motion == Motion::Bending, "`motion` \"bending\""),
@@ -44,7 +44,7 @@ fn solve<T: Precision>(tube: &TwoWindings<T>, case: &Case) -> Result<Solution<T>
     }
 }
 
-/// The error with the winding it is about.
+/// The error as a message that names the winding.
 fn in_winding(error: InvalidParameter<f64>) -> String {
     let (winding, field) = match (error.field.strip_prefix("second_fiber."), error.field) {
         (Some(field), _) => ("second", field),

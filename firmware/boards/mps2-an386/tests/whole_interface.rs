@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-/// What only a host has a use for: vector registers, queries about actuators that come but once, a second winding, what statics and warnings
-/// need of bends, names and units of quantities.
+/// What only a host has a use for: vector registers, queries about actuators that come but once, a second winding, properties of
+/// bends for statics and warnings, names and units of quantities.
 const HOST_ONLY: [&str; 17] = [
     "forward_many",
     "forward_prepared",

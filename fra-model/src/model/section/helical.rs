@@ -2,8 +2,8 @@
 //!
 //! Where the wall is stretched along the axis by `lambda`, such a winding shrinks around it: `lambda_c^2 = 1 - t (lambda^2 - 1)` with
 //! `t = tan^2` of its angle. The surface of the winding stays a circle, of radius `rho = rho_f/(1+s)`, at `d = rho + 1 - rho_f` from the
-//! inextensible line, and its points move around it: `phi'(phi_c) = (1+s) lambda_c`, where `s` closes the circle. Inside, the map is
-//! isochoric and keeps rays:
+//! inextensible line, and its points move around it: `phi'(phi_c) = (1+s) lambda_c`, where `s` closes the circle. The wall inside
+//! keeps its volume, and the points of a ray stay on one ray:
 //! `((1+kd)(rho^2 - r^2)/2 - k cos(phi) (rho^3 - r^3)/3) phi' = (rho_f^2 - rho_0^2)/2`, `lambda = 1 + k (d - r cos(phi))`.
 //! With `t = 0` all of this is the map of a hoop. The moment is the derivative of the energy, by dual numbers.
 
@@ -35,7 +35,7 @@ pub(super) struct Circle<S> {
 
 /// The winding at an angle around the circle.
 struct Turn<S> {
-    /// `phi'`, itself less one, its slope in `phi_c`, `t (lambda^2 - 1)`, and `rho_f lambda_c`.
+    /// `phi'`, `phi' - 1`, the slope of `phi'` in `phi_c`, `t (lambda^2 - 1)`, and `rho_f lambda_c`.
     rate: S,
     gain: S,
     rate_slope: S,
@@ -57,7 +57,7 @@ impl<S: Scalar> Circle<S> {
         (strain, self.slant * strain * (strain + S::constant(2.0)))
     }
 
-    /// Newton's step to the circle that closes, `s` being the mean of `1/lambda_c - 1` over the cosines.
+    /// Newton step for `s`, the mean of `1/lambda_c - 1` over the cosines.
     fn step(&self, cosines: impl Iterator<Item = S>) -> S {
         let one = S::one();
         let (mut sum, mut slope, mut count) = (S::zero(), S::zero(), S::zero());
@@ -75,7 +75,7 @@ impl<S: Scalar> Circle<S> {
         (sum / count - self.shrinkage) / (one - slope / count)
     }
 
-    /// Share of the area and of the length within the winding that it has gained, `pi` being left out: `rho^2 (1 + k d) - rho_f^2`.
+    /// Volume gained within the winding, per length and divided by `pi`: `rho^2 (1 + k d) - rho_f^2`.
     pub(super) fn swell(&self) -> S {
         let closer = S::one() + self.shrinkage;
         let lost = self.shrinkage * (S::constant(2.0) + self.shrinkage);
@@ -174,8 +174,8 @@ impl<T: Scalar> Circle<T> {
         circle
     }
 
-    /// Energy of the ray at an angle, by radius squared and angle before the bend, in units of `mu1`: `a` and `b` are the law's, and `nodes`
-    /// calls a function with those of the wall.
+    /// Strain energy of the ray at an angle, in units of `mu1`, integrated over the squared radius. `law` has the coefficients `a` and `b`; `nodes`
+    /// passes the nodes of the wall to a function.
     pub(super) fn ray(
         &self,
         twice: &Circle<Twice<T>>,

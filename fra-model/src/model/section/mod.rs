@@ -57,7 +57,7 @@ pub(crate) struct Bent<T> {
     pub(crate) slope: T,
 }
 
-/// A load on the end in units of `mu1 R_o^3`: its moment about the inextensible line of the straight tube, and the share of its force in that.
+/// A load on the end, in units of `mu1 R_o^3`: its moment about the inextensible line of the straight tube, and the part of it that the force has.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EndLoad<T> {
     pub(crate) moment: T,
@@ -197,8 +197,8 @@ impl<T: Scalar> Section<T> {
         Within { strain: k, area: f2 * (T::one() + k), gained: k * share * share, rate: f2 }
     }
 
-    /// Slope of the volume within the winding in `k` and the slope of that, per length in units of `pi R_o^2`; `None` where the winding leaves
-    /// no such bend.
+    /// First and second derivative by `k` of the volume within the winding, per length in units of `pi R_o^2`; `None` where the winding does not
+    /// allow the bend.
     pub(crate) fn growth(&self, k: T) -> Option<[T; 2]> {
         if !self.is_helical() {
             return Some([self.winding * self.winding, T::zero()]);

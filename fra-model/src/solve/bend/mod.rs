@@ -92,7 +92,7 @@ impl<T: Real> Bender<T> {
         self.section.state(&self.straight, &self.end_load(&Load::none()))
     }
 
-    /// Slope of the volume in the bend angle, m3/rad, and the slope of that, m3/rad2.
+    /// First and second derivative of the volume by the bend angle, m3/rad and m3/rad2.
     pub(crate) fn volume_by_bend(&self, bend_angle_rad: T) -> Option<[T; 2]> {
         let [first, second] = self.section.growth(self.section.curvature(bend_angle_rad))?;
         let [outer_m, length_m] = self.section.size_m();

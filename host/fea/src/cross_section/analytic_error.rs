@@ -17,7 +17,7 @@ const STRAIN_LEAST: f64 = 0.002;
 
 /// An upper estimate of the relative error of the analytic bend angle, `|analytic / finite elements - 1|` at one pressure without load.
 ///
-/// The analytic model has a thread that does not stretch, a winding that stays a circle. Within 5 deg of the hoop it ignores the angle.
+/// The analytic model has a thread that does not stretch and a winding that stays a circle. Within 5 deg of the hoop it ignores the angle.
 /// The estimate is a fit to seeded actuators that leaves out fewer than 1 % of them; `docs/explanation/cross-section.md` has its equations. `None` outside the
 /// range of the fit: walls of 0.1 to 1 inner radius, two equal families as a sheet at up to 30 deg, stretches up to 1.6, threads strained by up to 2 %, or 5 % more than 5 deg from the hoop.
 pub fn analytic_bend_error(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {

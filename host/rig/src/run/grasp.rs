@@ -6,22 +6,22 @@
 use crate::record::FaultRecord;
 use softlimb_scene::{Gripper, Scene};
 
-/// Codes of what is seen on the gripper; after those of the limb.
+/// Fault codes of the gripper, after those of the limb.
 const DROPPED: u8 = 243;
 const LEFT_BEHIND: u8 = 244;
-/// The channel of what concerns the whole system.
+/// Channel number of faults of the whole system.
 const SYSTEM: u8 = 0xFF;
-/// Knots by which the jaws follow the plan late at most: the device switches at a knot, and a movement by hand starts between two.
+/// Largest delay of the jaws behind the plan, in knots: the device switches at a knot, and a movement by hand starts between two knots.
 const KNOTS_LATE: u64 = 2;
 
-/// What the jaws have of a payload.
+/// Hold of the jaws on a payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Hold {
     Nothing,
     /// They close on it.
     Closing,
     Closed,
-    /// It is gone until the plan has none any more.
+    /// The payload is lost, until the plan carries none.
     Lost,
 }
 
@@ -29,7 +29,7 @@ enum Hold {
 #[derive(Debug)]
 pub(super) struct Grasp {
     late_us: u64,
-    /// Time until which jaws that are planned closed from the start on may still close, us: a hand holds the payload there.
+    /// Time until which jaws may still close that the plan has closed from the start, us: a hand holds the payload until then.
     begun_us: u64,
     /// Planned mass at the last sample, kg, and time of its last change, us.
     planned_kg: f64,
@@ -50,7 +50,7 @@ impl Grasp {
         Some(Self { late_us, begun_us, planned_kg: 0.0, changed_us: 0, hold })
     }
 
-    /// Mass at the tip, kg, at a time of the run, us, with the planned one, kg, and the jaws' share of the way to closed; and a loss, once.
+    /// Mass at the tip, kg, and the loss of a payload, reported once. Arguments: time of the run, planned mass, position of the jaws (1 closed).
     pub(super) fn carried_kg(&mut self, time_us: u64, planned_kg: f64, closure: f64) -> (f64, Option<FaultRecord>) {
         if planned_kg != self.planned_kg {
             (self.planned_kg, self.changed_us) = (planned_kg, time_us);
@@ -83,7 +83,7 @@ impl Grasp {
     }
 }
 
-/// The hold of jaws on a payload that stands.
+/// Hold of the jaws on a supported payload.
 fn shared(closure: f64) -> Hold {
     match closure {
         0.0 => Hold::Nothing,

@@ -10,8 +10,8 @@ const HOOP_LIKE_DEG: f64 = 5.0;
 const ROUNDING_DEG: f64 = 1e-9;
 
 impl Scene {
-    /// The warning about a bending module whose winding is more than 5 deg from the hoop, where the model takes it as a hoop nevertheless;
-    /// `None` for all others.
+    /// The warning about a bending module whose winding is more than 5 deg from the hoop although the model takes it as a hoop; `None` for
+    /// all others.
     pub fn winding_warning(&self, module: &Module) -> Option<String> {
         let fiber = module.fiber.filter(|_| *module.motion == Motion::Bending)?;
         let angle_deg = fiber.angle_rad.to_degrees().abs();

@@ -1,4 +1,4 @@
-//! The bend of a helical winding against its map in coordinates: gradients and derivatives are differences of positions and energies.
+//! Bends with a helical winding, computed a second time from the coordinates of their map: all derivatives are finite differences.
 
 use core::f64::consts::PI;
 
@@ -193,7 +193,7 @@ fn hoop_is_the_limit_of_a_helical_winding() {
     }
 }
 
-/// Of slight bends too, whose moments are small differences of the wall's strains.
+/// Slight bends are among them: their moments must not lose digits.
 #[test]
 fn nodes_of_a_helical_winding_are_as_good_as_many_more() {
     for (inner, winding, degrees) in [(0.9, 1.0, 5.0), (0.5, 1.0, 20.0), (0.7, 0.9, 28.0), (0.6, 1.0, 3.0)] {
