@@ -63,7 +63,8 @@ fn behind_a_terminal(scene: &Scene, mcu: &Mcu) -> Result<RunFiles, RunError> {
         started.wait();
         let plan = softlimb_motion::plan(scene, &limb).unwrap();
         let planned = (limb.clone(), plan);
-        let ended = run::run_behind(scene, planned, &address, None, folder.path(), &AtomicBool::new(false), |_| ());
+        let ended =
+            run::run_behind(scene, planned, (&address, None), None, folder.path(), &AtomicBool::new(false), |_| ());
         stop.store(true, Ordering::Relaxed);
         server.join().unwrap().unwrap();
         if let Ok(files) = &ended {

@@ -255,7 +255,8 @@ fn second_run_on_a_device_is_run_again_from_its_start_on() {
             let cancel = AtomicBool::new(false);
             let limb = softlimb_limb::Limb::new(&scene).unwrap();
             let plan = softlimb_motion::plan(&scene, &limb).unwrap();
-            let files = run_behind(&scene, (limb, plan), &address(text), None, folder.path(), &cancel, |_| ()).unwrap();
+            let files =
+                run_behind(&scene, (limb, plan), (&address(text), None), None, folder.path(), &cancel, |_| ()).unwrap();
             read_capture(files.log).unwrap()
         })
     });
@@ -278,4 +279,33 @@ fn terminal_that_is_closed_is_told() {
     drop(terminal);
     let error = received(&mut port, 1).unwrap_err().to_string();
     assert!(error.starts_with(&format!("{text} is gone: unplugged")), "{error}");
+}
+
+#[test]
+fn samples_of_a_run_are_in_its_log() {
+    let scene = softlimb_scene::parse(ONE_FINGER, "minimal.toml").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        let limb = softlimb_limb::Limb::new(&scene).unwrap();
+        let plan = softlimb_motion::plan(&scene, &limb).unwrap();
+        let (port, cancel) = ((&address(text), Some(2_000)), AtomicBool::new(false));
+        run_behind(&scene, (limb, plan), port, None, folder.path(), &cancel, |_| ()).unwrap();
+    });
+    let bytes = std::fs::read(folder.path().join("run.mcap")).unwrap();
+    let (mut next_s, mut count) = (None, 0);
+    for message in mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap) {
+        if message.channel.topic != "/softlimb/samples" {
+            continue;
+        }
+        // By the layout of the definition, behind the four bytes of the encapsulation and a header of 24.
+        let at = |from: usize| f64::from_le_bytes(message.data[from..from + 8].try_into().unwrap());
+        let word = |from: usize| u32::from_le_bytes(message.data[from..from + 4].try_into().unwrap());
+        let (time_s, period_s, [left_out, channels, rows]) = (at(28), at(36), [44, 48, 52].map(word));
+        assert_eq!((period_s, left_out, channels), (0.002, 0, 1));
+        assert!(next_s.is_none_or(|next_s: f64| (time_s - next_s).abs() < 1e-9), "{time_s} after {next_s:?}");
+        next_s = Some(time_s + period_s * f64::from(rows));
+        count += rows;
+    }
+    // The run takes 0.4 s, and the vent after it longer.
+    assert!(count >= 200 && next_s.is_some_and(|end_s| end_s >= 0.4), "{count} to {next_s:?}");
 }

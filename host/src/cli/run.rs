@@ -53,6 +53,9 @@ pub(super) struct Run {
     /// Fault that the simulated limb, its device or the link meets on purpose, by time in seconds into the run; may be repeated
     #[arg(long, value_name = "NAME@TIME[,CHANNEL]")]
     fault: Vec<TimedFault>,
+    /// Time between samples of pressures and valves that a device behind a port sends beside its telemetry, whole ms; topic /softlimb/samples of the log
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    sample_period: Option<u32>,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -122,7 +125,15 @@ impl Run {
         let (outcome, canceled) = match address {
             Some(Address::Port(port)) => {
                 let cancel = interrupt()?;
-                let outcome = run::run_behind(&scene, planned, &port, self.link_fault, &out, &cancel, on_progress);
+                let outcome = run::run_behind(
+                    &scene,
+                    planned,
+                    (&port, self.sample_us()),
+                    self.link_fault,
+                    &out,
+                    &cancel,
+                    on_progress,
+                );
                 (outcome, cancel.load(Ordering::Relaxed))
             }
             Some(Address::Emulated) => {
@@ -148,6 +159,10 @@ impl Run {
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
     }
 
+    fn sample_us(&self) -> Option<u32> {
+        self.sample_period.map(|ms| 1_000 * ms)
+    }
+
     /// Runs beside a simulated limb; the outer error is of the command line or a file.
     fn simulate(
         &self,
@@ -166,6 +181,10 @@ impl Run {
 
     /// An address says which processor; a device behind a port has a limb of its own.
     fn refuse_contradictions(&self, address: Option<&Address>) -> Result<(), Failure> {
+        if self.sample_period.is_some() && !matches!(address, Some(Address::Port(_))) {
+            let line = "--sample-period is for a device behind --port: the log of a simulated device has every tick";
+            return Err(Failure::wrong_line(line.to_owned()));
+        }
         let Some(address) = address else { return Ok(()) };
         let given = [
             ("--mcu", self.controller.mcu.is_some(), true),

@@ -106,6 +106,9 @@ fn options_that_do_not_fit_are_wrong_command_lines() {
         ("run scene.toml --seed 1.5", "1.5"),
         ("run scene.toml --out", "--out"),
         ("run scene.toml other.toml", "other.toml"),
+        ("run scene.toml --sample-period 2", "--port"),
+        ("run scene.toml --port sim --sample-period 2", "every tick"),
+        ("run scene.toml --port tcp:127.0.0.1:1 --sample-period 0", "1..=10000"),
         ("eval scene.toml --batch questions.jsonl", "--batch"),
         ("eval scene.toml --steps 0", "0"),
         ("eval --batch questions.jsonl --scalar f16", "f16"),
@@ -117,4 +120,17 @@ fn options_that_do_not_fit_are_wrong_command_lines() {
         desk.softlimb(line).failed(2, &[word]);
         assert_eq!(desk.content(), ["scene.toml"], "{line}");
     }
+}
+
+#[test]
+fn samples_that_a_line_does_not_carry_are_refused_before_the_port_is_opened() {
+    let desk = Desk::with_scene("small", "small");
+    let refused = |baud, words: &[&str]| {
+        let line = format!("run scene.toml --port /dev/no-such-port --baud {baud} --sample-period 1");
+        desk.softlimb(&line).failed(1, words);
+    };
+    refused(115_200, &["1 channel each 1 ms", "of a line of 115200 baud", "sample each 2 ms or less often"]);
+    // Telemetry and answers alone take more than 85 % of it.
+    refused(38_400, &["of a line of 38400 baud", "allowed: choose a higher baud"]);
+    assert_eq!(desk.content(), ["scene.toml"]);
 }

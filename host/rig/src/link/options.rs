@@ -4,14 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use softlimb_protocol::RetryPolicy;
 
-/// Samples of all pressures and valves, several in one message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sampling {
-    /// Time between two samples, us; whole milliseconds, at most 10 s.
-    pub period_us: u32,
-    /// Samples in one message; at least 1, at most [`Samples::most`](softlimb_protocol::Samples::most) of the channels.
-    pub samples: u8,
-}
+use super::sampling::Sampling;
 
 /// Settings of a streamed run. Times in us.
 #[derive(Clone, Copy, Debug)]

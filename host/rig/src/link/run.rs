@@ -6,7 +6,8 @@ use super::device::DeviceInfo;
 use super::driver::Driver;
 use super::error::{LinkError, VentOutcome};
 use super::event::Event;
-use super::options::{Sampling, StreamOptions};
+use super::options::StreamOptions;
+use super::sampling::Sampling;
 use super::transport::Transport;
 
 /// Largest delay of the news of a state, us.

@@ -66,6 +66,9 @@ pub(super) const SHAPE: MessageType =
 /// `/softlimb/wire`.
 pub(super) const WIRE: MessageType =
     MessageType::new("softlimb_msgs/msg/Wire", include_str!("msg/Wire.msg"), &[HEADER, TIME]);
+/// `/softlimb/samples`.
+pub(super) const SAMPLES: MessageType =
+    MessageType::new("softlimb_msgs/msg/Samples", include_str!("msg/Samples.msg"), &[HEADER, TIME]);
 /// `/softlimb/ticks`.
 pub(super) const TICKS: MessageType =
     MessageType::new("softlimb_msgs/msg/Ticks", include_str!("msg/Ticks.msg"), &[HEADER, TIME]);

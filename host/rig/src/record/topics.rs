@@ -1,7 +1,7 @@
 //! The topics of a log, declared once when it is opened.
 
 use super::RunInfo;
-use super::messages::{DEFORMATION, FAULT, MessageType, OUTPUTS, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE};
+use super::messages::{DEFORMATION, FAULT, MessageType, OUTPUTS, SAMPLES, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE};
 use super::standard::{FLUID_PRESSURE, JOINT_STATE, pressure_topic};
 use std::collections::BTreeMap;
 
@@ -17,6 +17,8 @@ pub(super) struct Topics {
     pub(super) wire: u16,
     /// Topic of the ticks; `None` before the first: only simulated and emulated devices show ticks.
     pub(super) ticks: Option<u16>,
+    /// Topic of samples; `None` before the first: only a host that requests them gets any.
+    pub(super) samples: Option<u16>,
     /// One per pressure channel.
     pub(super) pressure: Vec<u16>,
     /// Setpoint, modelled.
@@ -47,6 +49,11 @@ pub(super) fn declare_ticks<W: std::io::Write + std::io::Seek>(mcap: &mut mcap::
     declare(mcap, super::TICKS_TOPIC, TICKS)
 }
 
+/// Declares the topic of samples.
+pub(super) fn declare_samples<W: std::io::Write + std::io::Seek>(mcap: &mut mcap::Writer<W>) -> mcap::McapResult<u16> {
+    declare(mcap, super::SAMPLES_TOPIC, SAMPLES)
+}
+
 fn declare<W: std::io::Write + std::io::Seek>(
     mcap: &mut mcap::Writer<W>,
     topic: &str,
@@ -74,6 +81,7 @@ impl Topics {
             shape: declare(super::SHAPE_TOPIC, SHAPE)?,
             wire: declare(super::WIRE_TOPIC, WIRE)?,
             ticks: None,
+            samples: None,
             pressure: (0..info.channel_count())
                 .map(|channel| declare(&pressure_topic(channel), FLUID_PRESSURE))
                 .collect::<Result<_, _>>()?,

@@ -4,11 +4,12 @@ use super::background::{Background, LogFile};
 use super::container::{options, partial_path, write_opening};
 use super::messages::{Truth, encode_deformation, encode_fault, encode_outputs, encode_shape, encode_telemetry};
 use super::metadata::{check_modules, end_metadata};
+use super::samples::encode_samples;
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
 use super::ticks::{encode_ticks, first_row};
-use super::topics::{Observed, Topics, declare_ticks};
+use super::topics::{Observed, Topics, declare_samples, declare_ticks};
 use super::wire::encode_wire;
-use super::{DeviceTick, FaultRecord, OutputSample, RecordError, RunEnd, RunInfo, Sample, Shape, WireBytes};
+use super::{DeviceTick, FaultRecord, OutputSample, RecordError, RunEnd, RunInfo, Sample, SampleRow, Shape, WireBytes};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -155,6 +156,22 @@ impl Recorder {
         }
         let at = self.stamp(wire.host_us as f64 * 1e-6);
         self.write_other(self.topics.wire, at, &encode_wire(at, wire))
+    }
+
+    /// Appends samples between those of the telemetry.
+    ///
+    /// # Errors
+    /// [`RecordError::File`] when the disk refuses.
+    pub fn samples(&mut self, row: &SampleRow) -> Result<(), RecordError> {
+        let topic = match self.topics.samples {
+            Some(topic) => topic,
+            None => {
+                declare_samples(&mut self.mcap).map_err(RecordError::written("declaring the topics", &self.partial))?
+            }
+        };
+        self.topics.samples = Some(topic);
+        let at = self.stamp(row.time_s);
+        self.write_other(topic, at, &encode_samples(at, row))
     }
 
     /// Appends control ticks of a simulated or emulated device.

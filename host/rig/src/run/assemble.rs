@@ -1,7 +1,7 @@
 //! From telemetry, plan and truth to the samples of the log.
 
 use fra_model::{Actuator, State};
-use softlimb_protocol::{Fault, SCHEMA_HASH, Telemetry};
+use softlimb_protocol::{Fault, PressureSample, SCHEMA_HASH, Samples, Telemetry};
 use softlimb_sim::plant::Truth;
 
 use super::grasp::Grasp;
@@ -11,7 +11,7 @@ use super::reference::Reference;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
     ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo, RunInfo,
-    Sample, Shape, SolidInfo,
+    Sample, SampleRow, Shape, SolidInfo,
 };
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
@@ -124,6 +124,21 @@ impl<'a> Assembler<'a> {
             }
         });
         Some(Seen { sample, shape, faults })
+    }
+
+    /// Samples between the telemetry messages; `None` before the start.
+    pub(super) fn samples(&self, message: &Samples) -> Option<SampleRow> {
+        let time_us = message.time_us.checked_sub(self.start_us?)?;
+        let value = |channel: &PressureSample| {
+            (10.0 * f64::from(channel.pressure_10pa), f64::from(channel.duty) / f64::from(i8::MAX))
+        };
+        Some(SampleRow {
+            time_s: time_us as f64 * 1e-6,
+            period_s: f64::from(message.period_us) * 1e-6,
+            left_out: message.left_out,
+            states: message.samples.iter().map(|sample| sample.state.raw()).collect(),
+            channels: message.samples.iter().map(|sample| sample.channels.iter().map(value).collect()).collect(),
+        })
     }
 
     /// Tip of the model; under load that of the setpoints' statics, and NaN where the nominal limb would fall.

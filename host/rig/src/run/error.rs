@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use softlimb_sim::{EmulatorError, SimError};
 
 use super::RunFiles;
-use crate::link::LinkError;
 use crate::link::port::PortError;
+use crate::link::{LinkError, SamplingError};
 use crate::record::RecordError;
 use softlimb_files::FileError;
 use softlimb_scene::SceneError;
@@ -28,6 +28,9 @@ pub enum RunError {
     /// The port cannot be opened.
     #[error(transparent)]
     Port(#[from] PortError),
+    /// The samples are too many.
+    #[error(transparent)]
+    Sampling(#[from] SamplingError),
     /// The run did not begin.
     #[error("{0}")]
     Link(Box<LinkError>),

@@ -186,20 +186,25 @@ fn simulated(
 }
 
 /// Runs a scene by its plan on the device behind a port, in real time, records it in `out` and writes the report. Nobody sees the limb itself: log and
-/// report have what the device measures. Faults of the link are drawn by a seed of 0. `cancel` vents the limb and ends the run.
+/// report have what the device measures. With `sample_us` the device also sends samples of pressures and duties
+/// that often, us. Faults of the link are drawn by a seed of 0. `cancel` vents the limb and ends the run.
 ///
 /// # Errors
-/// As [`run`]; a port that is unplugged stops the run.
+/// As [`run`], and [`RunError::Sampling`]; a port that is unplugged stops the run.
 pub fn run_behind(
     scene: &Scene,
     (limb, plan): (Limb, Plan),
-    port: &PortAddress,
+    (port, sample_us): (&PortAddress, Option<u32>),
     link_faults: Option<LinkFaults>,
     out: &Path,
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
-    let prepared = Prepared::planned(scene, limb, plan)?;
+    let mut prepared = Prepared::planned(scene, limb, plan)?;
+    if let Some(sample_us) = sample_us {
+        let baud = if let PortAddress::Serial { baud, .. } = port { Some(*baud) } else { None };
+        prepared = prepared.sampled(sample_us, baud)?;
+    }
     let mut link = disturbed(Unobserved::new(Port::open(port)?), link_faults, 0);
     let origin = Origin::Device { unix_ns: unix_ns() };
     let session = Session { number: port::session_number(), origin, injected: Vec::new(), out };

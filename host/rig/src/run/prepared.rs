@@ -11,7 +11,7 @@ use super::observed::Observed;
 use super::recording::Bench;
 use super::reference::Planned;
 use crate::link;
-use crate::link::{DeviceConfiguration, Event, Knot, LinkError, StreamOptions, Summary, Transport};
+use crate::link::{DeviceConfiguration, Event, Knot, LinkError, Sampling, StreamOptions, Summary, Traffic, Transport};
 use crate::record::{RunInfo, Sample};
 use crate::simulate;
 use softlimb_limb::{Drive, Limb};
@@ -49,6 +49,7 @@ pub(crate) struct Prepared<'a> {
     inverses: Vec<ModuleInverse>,
     configuration: DeviceConfiguration,
     knots: Vec<Knot>,
+    sampling: Option<Sampling>,
 }
 
 impl<'a> Prepared<'a> {
@@ -77,7 +78,21 @@ impl<'a> Prepared<'a> {
         motion::check_goals(scene, &limb, &plan, sent, &inverses)?;
         let configuration = crate::configuration(scene, &inverses, &limb);
         let knots = wire_knots(&plan, sent);
-        Ok(Self { scene, limb, plan, inverses, configuration, knots })
+        Ok(Self { scene, limb, plan, inverses, configuration, knots, sampling: None })
+    }
+
+    /// The same with samples each `period_us` beside the telemetry, for a line of some baud, if it is one.
+    pub(super) fn sampled(mut self, period_us: u32, baud: Option<u32>) -> Result<Self, RunError> {
+        let cancel = AtomicBool::new(false);
+        let options = stream_options(&self.configuration, &self.limb, SESSION, &cancel);
+        let traffic = Traffic {
+            channels: self.configuration.channels.len(),
+            telemetry_us: self.configuration.system.telemetry_period_us,
+            knot_us: self.plan.knot_period_us(),
+            heartbeat_us: options.heartbeat_us,
+        };
+        self.sampling = Some(Sampling::new(period_us, &traffic, baud)?);
+        Ok(self)
     }
 
     /// The scene.
@@ -121,6 +136,7 @@ impl<'a> Prepared<'a> {
         on_event: impl FnMut(&mut D, Event),
     ) -> Result<Summary, LinkError> {
         let options = stream_options(&self.configuration, &self.limb, session, cancel);
+        let options = StreamOptions { sampling: self.sampling, ..options };
         link::stream(device, &self.configuration, &self.knots, &options, on_event)
     }
 

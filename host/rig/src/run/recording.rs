@@ -217,6 +217,11 @@ impl<'a> Recording<'a> {
                     recorder.fault(&fault)?;
                 }
             }
+            Event::Samples { message, .. } => {
+                if let (Some(recorder), Some(row)) = (&mut self.recorder, self.assembler.samples(&message)) {
+                    recorder.samples(&row)?;
+                }
+            }
             _ => {}
         }
         Ok(None)
