@@ -36,19 +36,50 @@ pub fn forward(
     })
 }
 
-/// Actuators laid out to be solved side by side at any number of pressures.
+/// Actuators, borrowed or owned, laid out to be solved side by side at any number of pressures.
 #[derive(Debug)]
-pub struct ActuatorBatch<'a> {
-    actuators: &'a [Actuator<f64>],
+pub struct ActuatorBatch<A> {
+    actuators: A,
     lanes: usize,
     groups: Vec<Prepared<f64>>,
 }
 
-impl<'a> ActuatorBatch<'a> {
+impl<A: AsRef<[Actuator<f64>]>> ActuatorBatch<A> {
     /// Lays the actuators out for the vector units that are there.
-    pub fn new(actuators: &'a [Actuator<f64>]) -> Self {
+    pub fn new(actuators: A) -> Self {
         let lanes = Arch::new().dispatch(Width);
-        Self { actuators, lanes, groups: actuators.chunks(lanes).map(Prepared::new).collect() }
+        let groups = actuators.as_ref().chunks(lanes).map(Prepared::new).collect();
+        Self { actuators, lanes, groups }
+    }
+
+    /// The actuators, in order.
+    pub fn actuators(&self) -> &[Actuator<f64>] {
+        self.actuators.as_ref()
+    }
+
+    /// Number of actuators that are solved side by side.
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// [`forward`](Self::forward) of the actuators from the index `from` on, as many as there are pressures, on the calling thread: for callers
+    /// with threads of their own.
+    ///
+    /// # Panics
+    /// When `from` is no multiple of [`lanes`](Self::lanes), or there are fewer solutions or actuators than pressures.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] when a pressure is not finite.
+    pub fn forward_from(
+        &self,
+        from: usize,
+        pressures_pa: &[f64],
+        solutions: &mut [Solution<f64>],
+    ) -> Result<(), InvalidParameter<f64>> {
+        assert!(from.is_multiple_of(self.lanes) && pressures_pa.len() <= solutions.len(), "whole groups");
+        let actuators = &self.actuators()[from..from + pressures_pa.len()];
+        let groups = from / self.lanes..(from + actuators.len()).div_ceil(self.lanes);
+        Arch::new().dispatch(Batch { prepared: Some(&self.groups[groups]), actuators, pressures_pa, solutions })
     }
 
     /// [`forward`] of the actuators.
@@ -58,10 +89,12 @@ impl<'a> ActuatorBatch<'a> {
     ///
     /// # Errors
     /// [`InvalidParameter`] when a pressure is not finite.
-    pub fn forward(&self, pressures_pa: &[f64], solutions: &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>> {
-        in_shares(self.lanes, self.actuators, pressures_pa, solutions, |from, actuators, pressures_pa, solutions| {
-            let groups = from / self.lanes..(from + actuators.len()).div_ceil(self.lanes);
-            Arch::new().dispatch(Batch { prepared: Some(&self.groups[groups]), actuators, pressures_pa, solutions })
+    pub fn forward(&self, pressures_pa: &[f64], solutions: &mut [Solution<f64>]) -> Result<(), InvalidParameter<f64>>
+    where
+        A: Sync,
+    {
+        in_shares(self.lanes, self.actuators(), pressures_pa, solutions, |from, _, pressures_pa, solutions| {
+            self.forward_from(from, pressures_pa, solutions)
         })
     }
 }

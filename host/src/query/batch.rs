@@ -19,7 +19,7 @@ use super::convert;
 use super::errors::{self, Errors};
 use super::fields;
 use super::request::{Case, Model, Question, Request};
-use super::section_fe::{self, Discretisation, Found};
+use super::section_fe::{Discretisation, SectionAnswer, SectionQuery, solve_section};
 use super::series::{SeriesAnswer, SeriesRequest};
 use super::two_windings;
 use softlimb_fea::cross_section::analytic_bend_error;
@@ -223,10 +223,12 @@ fn all<T: Precision>(
     Ok(Answer { all: Some(All { solutions, complete }), ..Answer::of(&convert::solution(&first)) })
 }
 
-fn by_section(case: &Case) -> Result<Found, String> {
+fn by_section(case: &Case) -> Result<SectionAnswer, String> {
     // Checked first in the unit it is written in, as for the other model.
     case.parameters.check().map_err(|error| as_written(error).to_string())?;
-    section_fe::solve(case)
+    let Case { parameters, question, range, load, .. } = case;
+    let query = SectionQuery { parameters, question: *question, range: *range, load: *load };
+    solve_section(&query).map_err(|error| error.to_string())
 }
 
 fn series(line: &[u8], scalar: Scalar) -> Answered<SeriesAnswer> {
@@ -387,13 +389,13 @@ impl Answer {
         }
     }
 
-    fn found(found: &Found) -> Self {
+    fn found(found: &SectionAnswer) -> Self {
         let blank = Self::without_state(word(found.status), None);
-        let Found { state, limit_pressure_pa, iterations, error, .. } = *found;
+        let SectionAnswer { state, limit_pressure_pa, iterations, error, .. } = *found;
         Self { state, limit_pressure_pa, iterations, discretisation_error: error, ..blank }
     }
 
-    fn with_errors_of(self, case: &Case, found: &Found) -> Self {
+    fn with_errors_of(self, case: &Case, found: &SectionAnswer) -> Self {
         let discretisation = found.error.map(|error| error.natural(case.parameters.motion));
         Self { errors: found.state.as_ref().map(|state| errors::of_section(case, state, discretisation)), ..self }
     }

@@ -32,7 +32,7 @@ pub(super) struct Errors {
 }
 
 /// Whether the winding of a bending actuator is stated, and not an ideal one that keeps its radius.
-pub(super) fn is_wound_bender(parameters: &ActuatorParameters<f64>) -> bool {
+pub fn is_wound_bender(parameters: &ActuatorParameters<f64>) -> bool {
     parameters.motion == Motion::Bending && parameters.fiber.is_some_and(|fiber| fiber.modulus_pa > 0.0)
 }
 

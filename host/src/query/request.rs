@@ -167,10 +167,19 @@ pub(super) fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Opti
     f64::deserialize(deserializer).map(Some)
 }
 
-/// A query.
-pub(super) enum Question<T> {
-    Forward { pressure_pa: f64 },
-    Inverse { target: T },
+/// The given quantity of a query.
+#[derive(Clone, Copy, Debug)]
+pub enum Question<T> {
+    /// Pressure to deformation.
+    Forward {
+        /// Gauge pressure, Pa.
+        pressure_pa: f64,
+    },
+    /// Deformation to pressure.
+    Inverse {
+        /// The deformation.
+        target: T,
+    },
 }
 
 /// A request in the terms of the model.

@@ -1,10 +1,11 @@
 //! Questions to the finite element model of the section.
 
-use fra_model::{Actuator, ActuatorParameters, Load, Motion, State, Status, Target};
+use fra_model::{Actuator, ActuatorParameters, Load, Motion, PressureRange, State, StateQuantity, Status, Target};
 use serde::Serialize;
 
-use super::request::{Case, Question};
+use super::request::Question;
 use softlimb_fea::cross_section::{Answer, EndLoad, Equilibrium, Options, Outcome, Section, SectionError};
+use softlimb_files::range::OutOfRange;
 
 /// Steps of the search for a pressure.
 const STEPS: usize = 30;
@@ -34,30 +35,59 @@ impl Discretisation {
     }
 }
 
-/// Answer of the section model to a case.
-pub(super) struct Found {
-    pub(super) status: Status,
+/// A query to the finite elements of the cross-section.
+#[derive(Clone, Copy, Debug)]
+pub struct SectionQuery<'a> {
+    /// The actuator.
+    pub parameters: &'a ActuatorParameters<f64>,
+    /// The given pressure or deformation.
+    pub question: Question<Target<f64>>,
+    /// Pressures that may answer an inverse question.
+    pub range: PressureRange<f64>,
+    /// Load on the free end.
+    pub load: Load<f64>,
+}
+
+/// Answer of the finite elements of the cross-section.
+#[derive(Clone, Copy, Debug)]
+pub struct SectionAnswer {
+    /// Outcome of the solve.
+    pub status: Status,
     /// The equilibrium, if the status is [`Status::Solved`].
-    pub(super) state: Option<State<f64>>,
+    pub state: Option<State<f64>>,
     pub(super) error: Option<Discretisation>,
-    pub(super) limit_pressure_pa: Option<f64>,
-    pub(super) iterations: u32,
+    /// Pressure at the end of the branch, Pa, where it ends at one.
+    pub limit_pressure_pa: Option<f64>,
+    /// Linear systems solved, on both meshes.
+    pub iterations: u32,
+}
+
+impl SectionAnswer {
+    /// Estimated relative error of discretisation, of the deformation that a motion is named after; `None` where the coarser mesh has no
+    /// equilibrium.
+    pub fn discretisation(&self, motion: Motion) -> Option<f64> {
+        let value = StateQuantity::natural(motion).of(self.state.as_ref()?);
+        Some(self.error?.natural(motion) / value.abs())
+    }
 }
 
 /// A section with the question's length and load, and the work done for it.
 struct Asked<'a> {
     section: Section,
-    case: &'a Case,
+    query: &'a SectionQuery<'a>,
     load: EndLoad,
     iterations: u32,
 }
 
-/// Answers a case.
-pub(super) fn solve(case: &Case) -> Result<Found, String> {
-    let section = Section::new(&case.parameters, &Options::default()).map_err(plain)?;
-    let load = EndLoad::of(&case.load, case.parameters.motion);
-    let mut asked = Asked { section, case, load, iterations: 0 };
-    match case.question {
+/// Answers a query.
+///
+/// # Errors
+/// What the finite elements do not accept, naming field, value and range.
+pub fn solve_section(query: &SectionQuery<'_>) -> Result<SectionAnswer, SectionError> {
+    let section = Section::new(query.parameters, &Options::default()).map_err(plain)?;
+    let load = EndLoad::of(&query.load, query.parameters.motion);
+    let mut asked = Asked { section, query, load, iterations: 0 };
+    match query.question {
         Question::Forward { pressure_pa } => {
             let answer = asked.at(pressure_pa)?;
             Ok(asked.found(&answer))
@@ -73,23 +103,30 @@ pub(super) fn bend(parameters: &ActuatorParameters<f64>, pressure_pa: f64, load:
     Some(curve.answers.first()?.equilibrium()?.state.over(parameters.length_m).bend_angle_rad)
 }
 
-fn plain(error: SectionError) -> String {
-    error.to_string().replace("pressures_pa", "pressure_pa")
+/// The error with the name of the one pressure.
+fn plain(error: SectionError) -> SectionError {
+    match error {
+        SectionError::Option(OutOfRange { field: "pressures_pa", value, allowed }) => {
+            SectionError::Option(OutOfRange { field: "pressure_pa", value, allowed })
+        }
+        other => other,
+    }
 }
 
 impl Asked<'_> {
-    fn at(&mut self, pressure_pa: f64) -> Result<Answer, String> {
+    fn at(&mut self, pressure_pa: f64) -> Result<Answer, SectionError> {
         let curve = self.section.curve(&[pressure_pa], &self.load).map_err(plain)?;
         self.iterations += curve.effort.newton_iterations + curve.coarse_effort.newton_iterations;
-        curve.answers.first().copied().ok_or_else(|| "the model gave no answer".into())
+        // One answer a pressure.
+        Ok(curve.answers[0])
     }
 
     /// The pressure that reaches a target: from that of the analytic model by the secant method, below what is known to have no answer.
-    fn reach(&mut self, target: Target<f64>) -> Result<Found, String> {
-        let actuator = Actuator::new(&self.case.parameters).map_err(|error| error.to_string())?;
-        let range = &self.case.range;
-        range.check().map_err(|error| error.to_string())?;
-        let first = actuator.inverse(target, &self.case.load).map_err(|error| error.to_string())?;
+    fn reach(&mut self, target: Target<f64>) -> Result<SectionAnswer, SectionError> {
+        let actuator = Actuator::new(self.query.parameters)?;
+        let range = &self.query.range;
+        range.check()?;
+        let first = actuator.inverse(target, &self.query.load)?;
         if first.status != Status::Solved || first.state.pressure_pa < 0.0 {
             return Ok(self.nothing(Status::NoSolution, first.limit_pressure_pa));
         }
@@ -124,7 +161,7 @@ impl Asked<'_> {
 
     /// Distance of an answer beyond a target.
     fn miss(&self, answer: &Answer, target: Target<f64>) -> Option<f64> {
-        let state = answer.equilibrium()?.state.over(self.case.parameters.length_m);
+        let state = answer.equilibrium()?.state.over(self.query.parameters.length_m);
         Some(match target {
             Target::AxialStretch(value) => state.axial_stretch - value,
             Target::OuterRadius(value) => state.outer_radius_m - value,
@@ -134,18 +171,18 @@ impl Asked<'_> {
         })
     }
 
-    fn found(&self, answer: &Answer) -> Found {
-        let length_m = self.case.parameters.length_m;
+    fn found(&self, answer: &Answer) -> SectionAnswer {
+        let length_m = self.query.parameters.length_m;
         let Some(equilibrium) = answer.equilibrium() else { return self.nothing(status(answer), limit(answer)) };
-        Found {
+        SectionAnswer {
             state: Some(equilibrium.state.over(length_m)),
             error: discretisation(equilibrium, length_m),
             ..self.nothing(Status::Solved, None)
         }
     }
 
-    fn nothing(&self, status: Status, limit_pressure_pa: Option<f64>) -> Found {
-        Found { status, state: None, error: None, limit_pressure_pa, iterations: self.iterations }
+    fn nothing(&self, status: Status, limit_pressure_pa: Option<f64>) -> SectionAnswer {
+        SectionAnswer { status, state: None, error: None, limit_pressure_pa, iterations: self.iterations }
     }
 }
 
