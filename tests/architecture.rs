@@ -76,6 +76,11 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-lab", "softlimb-rig"),
     ("softlimb-lab", "softlimb-scene"),
     ("softlimb-lab", "softlimb-sim"),
+    ("softlimb-python", "fra-model"),
+    ("softlimb-python", "softlimb"),
+    ("softlimb-python", "softlimb-fea"),
+    ("softlimb-python", "softlimb-limb"),
+    ("softlimb-python", "softlimb-scene"),
     ("softlimb-fuzz", "softlimb-firmware"),
     ("softlimb-fuzz", "softlimb-protocol"),
     ("softlimb-fuzz", "softlimb-rig"),
@@ -104,6 +109,8 @@ const ONLY: &[(&str, &[&str])] = &[
     ("indicatif", &["softlimb", "softlimb-lab"]),
     ("tempfile", &["softlimb-fea", "softlimb-files"]),
     ("qd", &["softlimb-lab"]),
+    ("pyo3", &["softlimb-python"]),
+    ("numpy", &["softlimb-python"]),
 ];
 
 /// The package that may write unsafe code, and where in it: registers and faults have no safe names.

@@ -18,10 +18,14 @@ impl Cargo {
 
     /// The same without printing it, for what a step needs and whoever reads along does not.
     pub(crate) fn quiet(arguments: &[&str]) -> Command {
-        let program = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
-        let mut command = Command::new(program);
+        let mut command = Command::new(Self::program());
         command.args(arguments).current_dir(root());
         command
+    }
+
+    /// The program: the one that runs this, where one does.
+    pub(crate) fn program() -> OsString {
+        std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
     }
 
     /// Whether `cargo <component>` exists: rustfmt and clippy are separate parts of a toolchain.

@@ -10,6 +10,7 @@ mod lab;
 mod msrv;
 mod pool;
 mod programs;
+mod python;
 mod setup;
 mod steps;
 mod table;
@@ -33,6 +34,8 @@ Usage: cargo xtask <command>
                Rust it names, and installs by apt-get where it may; with --no-install it installs nothing. With --full the
                tests take whole samples in place of a tenth (SOFTLIMB_SAMPLES=full)
   lint         formatting and lints alone
+  wheel        builds the wheel of the Python package into target/python/wheels; with --test it installs the wheel into a fresh
+               environment and runs its tests
   msrv         compiles the workspace with the oldest Rust that it supports, where rustup has that
   lab          runs the laboratory (package softlimb-lab), which compares methods and makes pages; arguments are its own
   model-image  builds the model and the controller for a microcontroller, looks for double precision in them, runs them in an
@@ -46,7 +49,7 @@ Usage: cargo xtask <command>
   help         this text
 
 Formatting needs rustfmt and the lints need clippy; images need a toolchain for the microcontroller and qemu-system-arm, finite
-element decks CalculiX. What `test` skips without them it names at the end; where CI is set that is a failure.
+element decks CalculiX, the wheel Python and a package index. What `test` skips without them it names at the end; where CI is set that is a failure.
 Exit codes: 0; 1 where a step fails; 2 for a wrong command line, and where a command lacks a tool; those of the laboratory.";
 
 fn main() -> ExitCode {
@@ -58,6 +61,8 @@ fn main() -> ExitCode {
             None => return usage(),
         },
         ["lint"] => steps::lint(),
+        ["wheel"] => installed(python::wheel().map(drop)),
+        ["wheel", "--test"] => installed(python::test()),
         ["msrv"] => installed(msrv::check()),
         ["lab", ref arguments @ ..] => lab::run(arguments),
         ["model-image"] => installed(image::check(Counts::Compare, None)),

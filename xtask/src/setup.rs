@@ -38,9 +38,9 @@ const PARTS: [Part; 6] = [
         elsewhere: "valgrind: https://valgrind.org, `dnf install valgrind binutils`",
     },
     Part {
-        packages: &["python3"],
-        why: "the client of the link in Python, which shares no code with the host",
-        elsewhere: "Python 3.9 or newer: https://www.python.org, `dnf install python3`",
+        packages: &["python3", "python3-venv"],
+        why: "the Python package, and the client of the link in Python, which shares no code with the host",
+        elsewhere: "Python 3.10 or newer: https://www.python.org, `dnf install python3`",
     },
     Part {
         packages: &["tmux"],
@@ -90,7 +90,11 @@ fn present() -> [bool; PARTS.len()] {
         Command::new(program).arg(option).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
     };
     let counters = runs("valgrind", "--version") && runs("objdump", "--version");
-    let (python, terminal) = (runs("python3", "--version"), runs("tmux", "-V"));
+    // Debian's interpreter comes without what makes virtual environments.
+    let mut environments = Command::new("python3");
+    environments.args(["-c", "import ensurepip"]).stdout(Stdio::null()).stderr(Stdio::null());
+    let python = environments.status().is_ok_and(|status| status.success());
+    let terminal = runs("tmux", "-V");
     [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters, python, terminal]
 }
 

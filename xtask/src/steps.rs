@@ -22,6 +22,7 @@ const SAMPLES: (&str, &str) = ("SOFTLIMB_SAMPLES", "full");
 /// Steps that need more than Rust.
 const BOARDS: &str = "images for the board";
 const COUNTS: &str = "`cargo xtask model-image`";
+const PYTHON: &str = "the Python package";
 
 /// Exit codes of this program.
 const FAILED: u8 = 1;
@@ -172,7 +173,8 @@ fn jobs(program: &Path, mut built: Built, full: bool, images: bool) -> Vec<Job> 
         }
         job
     });
-    let jobs = [counts, examples].into_iter().chain(tests);
+    let python = own(program, PYTHON, &["wheel", "--test"]);
+    let jobs = [counts, python, examples].into_iter().chain(tests);
     jobs.map(|job| with_settings(job, full, images)).collect()
 }
 
@@ -203,7 +205,7 @@ fn end(tally: &mut Tally, done: &Done) -> bool {
     }
     match output.status.code() {
         Some(0) => return true,
-        Some(code) if code == i32::from(MISSING) && [BOARDS, COUNTS].contains(&name.as_str()) => {
+        Some(code) if code == i32::from(MISSING) && [BOARDS, COUNTS, PYTHON].contains(&name.as_str()) => {
             missing(tally, name, "a tool is missing")
         }
         Some(_) => tally.fail(name),
@@ -285,7 +287,7 @@ mod tests {
         let built = || Built { tests: vec![test("xtask/src/main.rs"), test("host/src/lib.rs")], programs: None };
         let of = |full, images| jobs(Path::new("xtask"), built(), full, images);
         let names: Vec<String> = of(false, false).into_iter().map(|job| job.name).collect();
-        assert_eq!(names, [COUNTS, "examples in the documentation", "host/src/lib.rs", "xtask/src/main.rs"]);
+        assert_eq!(names, [COUNTS, PYTHON, "examples in the documentation", "host/src/lib.rs", "xtask/src/main.rs"]);
         let has =
             |job: &Job, variable: &str| job.command.get_envs().any(|(name, value)| name == variable && value.is_some());
         for (full, images) in [(false, false), (false, true), (true, false), (true, true)] {

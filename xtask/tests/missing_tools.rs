@@ -71,7 +71,7 @@ fn root_is_told_what_will_be_installed_before_it_is() {
         "qemu-system-arm",
         "calculix-ccx",
         "valgrind binutils",
-        "python3",
+        "python3 python3-venv",
         "tmux",
     ];
     assert_eq!(asked, [vec!["-qq update".to_owned()], packages.map(install).to_vec()].concat());

@@ -1,0 +1,45 @@
+from typing import TypeAlias, final
+
+import numpy as np
+import numpy.typing as npt
+
+_Floats: TypeAlias = npt.NDArray[np.float64]
+_Codes: TypeAlias = npt.NDArray[np.int8]
+_Arrays: TypeAlias = tuple[list[_Codes], npt.NDArray[np.int32], list[_Floats]]
+_Elastomer: TypeAlias = tuple[str, list[float], list[float]]
+
+__all__ = ["Actuators", "Refused", "__version__", "castable_elastomer", "castable_elastomers"]
+
+__version__: str
+
+class Refused(ValueError): ...
+
+@final
+class Actuators:
+    def __new__(
+        cls,
+        rows: int,
+        tube: tuple[npt.NDArray[np.generic], ...],
+        windings: list[tuple[npt.NDArray[np.generic], ...]],
+        stretch_max: npt.NDArray[np.generic] | None,
+    ) -> Actuators: ...
+    def __len__(self) -> int: ...
+    def forward(
+        self, pressures_pa: _Floats, loads: tuple[_Floats, _Floats] | None, model: str, tolerance: float
+    ) -> _Arrays: ...
+    def inverse(
+        self,
+        quantity: str,
+        targets: _Floats,
+        loads: tuple[_Floats, _Floats] | None,
+        range_pa: tuple[float, float] | None,
+        model: str,
+        tolerance: float,
+    ) -> _Arrays: ...
+    def sensitivity(
+        self, of: str, quantity: str, given: _Floats, loads: tuple[_Floats, _Floats] | None
+    ) -> _Arrays: ...
+    def blocked(self, pressures_pa: _Floats, stretches: _Floats, twists_rad: _Floats) -> _Arrays: ...
+
+def castable_elastomers() -> list[_Elastomer]: ...
+def castable_elastomer(name: str) -> _Elastomer: ...

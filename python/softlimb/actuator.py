@@ -1,0 +1,299 @@
+"""One actuator, or an array of them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from softlimb import _native
+from softlimb.arrays import Codes, FloatLike, Floats, NameLike, floats, frozen
+from softlimb.building import built
+from softlimb.errors import InvalidParameter
+from softlimb.material import MaterialLike
+from softlimb.order import Order
+from softlimb.solution import Blocked, Sensitivity, Solution
+from softlimb.winding import Fiber
+
+ModelName: TypeAlias = Literal["auto", "analytic", "section-fe"]
+InputName: TypeAlias = Literal[
+    "inner_radius_m",
+    "outer_radius_m",
+    "length_m",
+    "material.shear_modulus_pa",
+    "material.c1_pa",
+    "material.c2_pa",
+    "material.c3_pa",
+    "fiber.angle_rad",
+    "fiber.modulus_pa",
+    "fiber.thickness_m",
+    "fiber.radius_m",
+    "pressure_pa",
+    "external_force_n",
+    "external_torque_nm",
+]
+"""Inputs of an equilibrium."""
+
+_INPUTS: dict[str, str] = {
+    "inner_radius_m": "inner_radius_m",
+    "outer_radius_m": "outer_radius_m",
+    "length_m": "length_m",
+    "material.shear_modulus_pa": "shear_modulus_pa",
+    **{f"material.c{i + 1}_pa": f"c_pa[{i}]" for i in range(3)},
+    **{f"fiber.{name}": name for name in ("angle_rad", "modulus_pa", "thickness_m", "radius_m")},
+    **{name: name for name in ("pressure_pa", "external_force_n", "external_torque_nm")},
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Actuator:
+    """An actuator, or an array of actuators: checked and built once, solved for any number of pressures and deformations.
+
+    Every field is a scalar or an array; arrays broadcast to the shape of the actuators. All solutions lie on the branch of stable
+    equilibria connected to zero pressure. Equations: ``docs/explanation/model.md``, after Xu et al. 2024, eq. (1) to (13).
+
+    Attributes:
+        motion: ``"extension"``, ``"expansion"``, ``"bending"`` or ``"twisting"``.
+        inner_radius_m: Inner radius, m, > 0.
+        outer_radius_m: Outer radius, m, > ``inner_radius_m``.
+        length_m: Length, m, > 0.
+        material: A :class:`NeoHookean`, a :class:`Yeoh`, or trade names of castable elastomers.
+        fiber: The winding, or a pair of windings of a straight tube. None: a bare tube; for bending, wound at the outer radius.
+
+    Raises:
+        InvalidParameter: A value is not accepted.
+        ValueError: Arrays do not broadcast, or a trade name is not known.
+    """
+
+    motion: NameLike
+    inner_radius_m: FloatLike
+    outer_radius_m: FloatLike
+    length_m: FloatLike
+    material: MaterialLike
+    fiber: Fiber | Sequence[Fiber] | None = None
+    _built: _native.Actuators = field(init=False, repr=False)
+    _shape: tuple[int, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        of_tube = (self.motion, self.inner_radius_m, self.outer_radius_m, self.length_m)
+        native, shape = built(*of_tube, self.material, self.fiber)
+        object.__setattr__(self, "_built", native)
+        object.__setattr__(self, "_shape", shape)
+        for name in ("motion", "inner_radius_m", "outer_radius_m", "length_m", "material"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the array of actuators; ``()`` for one actuator."""
+        return self._shape
+
+    @property
+    def size(self) -> int:
+        """Number of actuators."""
+        return len(self._built)
+
+    def forward(
+        self,
+        pressure_pa: FloatLike,
+        *,
+        external_force_n: FloatLike = 0.0,
+        external_torque_nm: FloatLike = 0.0,
+        model: ModelName = "auto",
+        tolerance: float = 0.1,
+    ) -> Solution:
+        """Equilibria at gauge pressures.
+
+        Args:
+            pressure_pa: Gauge pressure, Pa; negative is vacuum. Broadcasts against the actuators.
+            external_force_n: Axial force on the free end, N; tension is positive. Broadcasts against the actuators.
+            external_torque_nm: Torque about the axis, N m; on a bending actuator the bending moment in the sense of the bend. Broadcasts
+                against the actuators.
+            model: ``"analytic"``, ``"section-fe"`` (finite elements of the cross-section), or ``"auto"``: finite elements for bending
+                actuators whose analytic bend may be off by more than ``tolerance``.
+            tolerance: Relative error of the bend that the analytic model may have, for ``"auto"``; > 0.
+
+        Returns:
+            The equilibria, in the shape to which pressures, loads and actuators broadcast.
+
+        Raises:
+            InvalidParameter: A value is not accepted.
+            ValueError: Arrays do not broadcast.
+        """
+        arguments = {"pressure_pa": floats("pressure_pa", pressure_pa), **_loads(external_force_n, external_torque_nm)}
+        order, tolerance = Order(self._shape, arguments), _tolerance(tolerance)
+        try:
+            answer = self._built.forward(order["pressure_pa"], order.loads(), model, tolerance)
+        except _native.Refused as refused:
+            raise order.error(refused) from None
+        return _solution(order, answer)
+
+    def inverse(
+        self,
+        *,
+        axial_stretch: FloatLike | None = None,
+        outer_radius_m: FloatLike | None = None,
+        inner_radius_m: FloatLike | None = None,
+        twist_rad: FloatLike | None = None,
+        bend_angle_rad: FloatLike | None = None,
+        pressure_range_pa: tuple[float, float] | None = None,
+        external_force_n: FloatLike = 0.0,
+        external_torque_nm: FloatLike = 0.0,
+        model: ModelName = "auto",
+        tolerance: float = 0.1,
+    ) -> Solution:
+        """Gauge pressures that reach deformations, and the equilibria there.
+
+        The answer is the first pressure on raising it from zero, and a vacuum only if no pressure reaches the target.
+
+        Args:
+            axial_stretch: Target stretch, > 0. Give exactly one target; it broadcasts against the actuators.
+            outer_radius_m: Target outer radius, m, > 0.
+            inner_radius_m: Target inner radius, m, > 0.
+            twist_rad: Target twist, rad.
+            bend_angle_rad: Target bend angle, rad, >= 0, of bending actuators.
+            pressure_range_pa: Least and largest gauge pressure that may answer, Pa; default -101 325 Pa and everything above.
+            external_force_n: As in :meth:`forward`, like the others.
+
+        Returns:
+            The equilibria, in the shape to which targets, loads and actuators broadcast.
+
+        Raises:
+            InvalidParameter: A value is not accepted, or the motion does not have this deformation.
+            TypeError: Not exactly one target.
+            ValueError: Arrays do not broadcast.
+        """
+        name, value = _only(
+            axial_stretch=axial_stretch,
+            outer_radius_m=outer_radius_m,
+            inner_radius_m=inner_radius_m,
+            twist_rad=twist_rad,
+            bend_angle_rad=bend_angle_rad,
+        )
+        order = Order(self._shape, {name: floats(name, value), **_loads(external_force_n, external_torque_nm)})
+        tolerance = _tolerance(tolerance)
+        try:
+            answer = self._built.inverse(name, order[name], order.loads(), pressure_range_pa, model, tolerance)
+        except _native.Refused as refused:
+            raise order.error(refused) from None
+        return _solution(order, answer)
+
+    def sensitivity(
+        self,
+        of: InputName,
+        *,
+        pressure_pa: FloatLike | None = None,
+        axial_stretch: FloatLike | None = None,
+        outer_radius_m: FloatLike | None = None,
+        inner_radius_m: FloatLike | None = None,
+        twist_rad: FloatLike | None = None,
+        bend_angle_rad: FloatLike | None = None,
+        external_force_n: FloatLike = 0.0,
+        external_torque_nm: FloatLike = 0.0,
+    ) -> Sensitivity:
+        """Exact derivatives of equilibria by one input, of the analytic model, by the implicit function theorem.
+
+        With ``pressure_pa`` the pressure stays the same while the input changes. With a deformation that stays the same, and the
+        pressure follows: ``pressure_pa`` of the answer is its derivative.
+
+        Args:
+            of: The input, such as ``"fiber.angle_rad"``.
+            pressure_pa: Gauge pressure, Pa. Give exactly one of this and the targets of :meth:`inverse`.
+            external_force_n: As in :meth:`forward`, like ``external_torque_nm``.
+
+        Returns:
+            Derivatives per unit of the input, in the shape to which arguments and actuators broadcast.
+
+        Raises:
+            InvalidParameter: A value is not accepted, or ``of`` is no input of every actuator: a bare tube has no fiber angle.
+            TypeError: Not exactly one of pressure and targets.
+            ValueError: Arrays do not broadcast, or the actuators have two windings.
+        """
+        name, value = _only(
+            pressure_pa=pressure_pa,
+            axial_stretch=axial_stretch,
+            outer_radius_m=outer_radius_m,
+            inner_radius_m=inner_radius_m,
+            twist_rad=twist_rad,
+            bend_angle_rad=bend_angle_rad,
+        )
+        if of not in _INPUTS:
+            raise InvalidParameter("of", of, ", ".join(_INPUTS))
+        order = Order(self._shape, {name: floats(name, value), **_loads(external_force_n, external_torque_nm)})
+        try:
+            [status], _, numbers = self._built.sensitivity(_INPUTS[of], name, order[name], order.loads())
+        except _native.Refused as refused:
+            raise order.error(refused, of=of) from None
+        return Sensitivity(order.back(status), *(order.back(column) for column in numbers))
+
+    def blocked_force(
+        self, pressure_pa: FloatLike, *, axial_stretch: FloatLike = 1.0, twist_rad: FloatLike = 0.0
+    ) -> Blocked:
+        """Force and torque on the blocked end of straight actuators, with stiffness and lever arms of the pressure.
+
+        Args:
+            pressure_pa: Gauge pressure, Pa. Broadcasts against the actuators, like the others.
+            axial_stretch: Stretch at which the end is blocked, > 0.
+            twist_rad: Twist at which the end is blocked, rad.
+
+        Returns:
+            Loads in the shape to which arguments and actuators broadcast.
+
+        Raises:
+            InvalidParameter: A value is not accepted, or an actuator bends.
+            ValueError: Arrays do not broadcast, or the actuators have two windings.
+        """
+        given = {"pressure_pa": pressure_pa, "axial_stretch": axial_stretch, "twist_rad": twist_rad}
+        order = Order(self._shape, {name: floats(name, value) for name, value in given.items()})
+        try:
+            [status], _, numbers = self._built.blocked(*(order[name] for name in given))
+        except _native.Refused as refused:
+            raise order.error(refused) from None
+        force, torque, *derivatives, volume = (order.back(column) for column in numbers)
+        pair = np.stack(derivatives[:2], axis=-1)
+        stiffness = np.stack(derivatives[2:], axis=-1).reshape((*order.shape, 2, 2))
+        return Blocked(order.back(status), force, torque, pair, stiffness, volume)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # The built part is not kept: the receiver builds it again.
+        return _rebuilt, ({each.name: getattr(self, each.name) for each in fields(self) if each.init},)
+
+
+def _rebuilt(values: dict[str, object]) -> Actuator:
+    return Actuator(**values)  # type: ignore[arg-type]
+
+
+def _only(**targets: FloatLike | None) -> tuple[str, FloatLike]:
+    """The one argument that is given."""
+    given = [(name, value) for name, value in targets.items() if value is not None]
+    if len(given) != 1:
+        raise TypeError(f"exactly one of {', '.join(targets)} is needed; {len(given)} are given")
+    return given[0]
+
+
+def _tolerance(tolerance: float) -> float:
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise InvalidParameter("tolerance", tolerance, "finite and > 0")
+    return float(tolerance)
+
+
+def _loads(force_n: FloatLike, torque_nm: FloatLike) -> dict[str, Floats]:
+    """The loads by name; none where there is none, which is faster."""
+    loads = {"external_force_n": force_n, "external_torque_nm": torque_nm}
+    if all(isinstance(load, (int, float)) and load == 0 for load in loads.values()):
+        return {}
+    return {name: floats(name, load) for name, load in loads.items()}
+
+
+def _solution(order: Order, answer: tuple[list[Codes], npt.NDArray[np.int32], list[Floats]]) -> Solution:
+    (status, model, beyond), iterations, numbers = answer
+    beyond_test = order.back(beyond).view(np.bool_)
+    if beyond_test.any():
+        count, all_of_them = np.count_nonzero(beyond_test), beyond_test.size
+        text = f"{count} of {all_of_them} walls stretch further than the test behind their law"
+        warnings.warn(text, stacklevel=3)
+    columns = [order.back(column) for column in numbers]
+    return Solution(order.back(status), order.back(model), order.back(iterations), beyond_test, *columns)

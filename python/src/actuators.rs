@@ -1,0 +1,124 @@
+//! Actuators, built once and solved for any number of pressures or deformations.
+
+use fra_model::PressureRange;
+use numpy::PyUntypedArrayMethods;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use softlimb::query::Question;
+
+use super::answers::Arrays;
+use super::arguments::{Loads, choice, parameter, target, values};
+use super::body::{Body, Built};
+use super::columns::{Columns, Numbers, Tube, Winding};
+use super::derivatives::{Fixed, SensitivityQuery};
+use super::refused::Refusal;
+
+/// Built actuators, in the flat order of their array.
+#[pyclass(frozen, module = "softlimb._native")]
+pub(crate) struct Actuators {
+    built: Built,
+}
+
+#[pymethods]
+impl Actuators {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        rows: usize,
+        tube: Tube<'_>,
+        windings: Vec<Winding<'_>>,
+        stretch_max: Option<Numbers<'_>>,
+    ) -> PyResult<Self> {
+        let columns = Columns::new(rows, &tube, &windings)?;
+        let stretch_max = stretch_max.map(|column| values(&column)).transpose()?;
+        if stretch_max.as_ref().is_some_and(|column| column.len() != rows) {
+            return Err(PyValueError::new_err("a stretch a row, or none"));
+        }
+        Ok(Self { built: Built { body: py.detach(|| Body::new(&columns))?, stretch_max } })
+    }
+
+    fn __len__(&self) -> usize {
+        self.built.body.len()
+    }
+
+    /// Equilibria at gauge pressures, passing through the actuators again and again.
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        pressures_pa: Numbers<'py>,
+        loads: Option<(Numbers<'py>, Numbers<'py>)>,
+        model: &str,
+        tolerance: f64,
+    ) -> PyResult<Arrays<'py>> {
+        let choice = choice(model, tolerance)?;
+        let (pressures, loads) = (values(&pressures_pa)?, Loads::new(loads, pressures_pa.len())?);
+        let table = py.detach(|| {
+            Refusal::unless_finite("pressure_pa", &pressures)?;
+            loads.check()?;
+            self.built.forward(&pressures, choice, &loads)
+        })?;
+        Ok(table.into_arrays(py))
+    }
+
+    /// Gauge pressures in a range that reach deformations, passing through the actuators again and again.
+    #[allow(clippy::too_many_arguments, reason = "one caller, in Python, which names them")]
+    fn inverse<'py>(
+        &self,
+        py: Python<'py>,
+        quantity: &str,
+        targets: Numbers<'py>,
+        loads: Option<(Numbers<'py>, Numbers<'py>)>,
+        range_pa: Option<[f64; 2]>,
+        model: &str,
+        tolerance: f64,
+    ) -> PyResult<Arrays<'py>> {
+        let (choice, target) = (choice(model, tolerance)?, target(quantity)?);
+        let (targets, loads) = (values(&targets)?, Loads::new(loads, targets.len())?);
+        let range = range_pa.map(|[least_pa, most_pa]| PressureRange { least_pa, most_pa });
+        let range = range.unwrap_or_else(PressureRange::physical);
+        let table = py.detach(|| {
+            range.check().map_err(|error| Refusal::new(0, error))?;
+            loads.check()?;
+            let query = |i: usize| Question::Inverse { target: target(targets[i]) };
+            self.built.solve(targets.len(), choice, &loads, range, query)
+        })?;
+        Ok(table.into_arrays(py))
+    }
+
+    /// Derivatives of equilibria by one input: at gauge pressures, or with a deformation kept.
+    fn sensitivity<'py>(
+        &self,
+        py: Python<'py>,
+        of: &str,
+        quantity: &str,
+        given: Numbers<'py>,
+        loads: Option<(Numbers<'py>, Numbers<'py>)>,
+    ) -> PyResult<Arrays<'py>> {
+        let (values, loads) = (values(&given)?, Loads::new(loads, given.len())?);
+        let fixed = if quantity == "pressure_pa" { Fixed::Pressure } else { Fixed::Target(target(quantity)?) };
+        let query = SensitivityQuery { of: parameter(of)?, fixed, values: &values, loads: &loads };
+        let actuators = self.built.body.one_winding("sensitivity")?;
+        let table = py.detach(|| {
+            loads.check()?;
+            query.solve(actuators)
+        })?;
+        Ok(table.into_arrays(py))
+    }
+
+    /// Loads that hold the ends: status; force, torque, their derivatives by the pressure and by length and twist, lumen volume.
+    fn blocked<'py>(
+        &self,
+        py: Python<'py>,
+        pressures_pa: Numbers<'py>,
+        stretches: Numbers<'py>,
+        twists_rad: Numbers<'py>,
+    ) -> PyResult<Arrays<'py>> {
+        let (pressures, stretches, twists) = (values(&pressures_pa)?, values(&stretches)?, values(&twists_rad)?);
+        let actuators = self.built.body.one_winding("blocked_force")?;
+        if stretches.len() != pressures.len() || twists.len() != pressures.len() {
+            return Err(PyValueError::new_err("pressures, stretches and twists differ in number"));
+        }
+        let table = py.detach(|| super::blocked::solve(actuators, &pressures, &stretches, &twists))?;
+        Ok(table.into_arrays(py))
+    }
+}

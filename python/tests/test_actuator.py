@@ -1,0 +1,200 @@
+"""The actuator model against closed forms, and the interface against itself."""
+
+import pickle
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import softlimb
+from softlimb import Fiber, InvalidParameter, NeoHookean, Status, Yeoh
+
+MU = 0.2e6
+
+def wall_pressure(inner_m, outer_m, inner, stretch, mu):
+    """Pressure of a bare neo-Hookean tube at a deformed inner radius and stretch, and the axial force of its closed end, both of the
+    textbook's integrals over the wall (Rivlin): P = int mu (a^2 - 1/(a l)^2) / (a ...) dR, by Gauss quadrature."""
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    radius = 0.5 * (outer_m + inner_m) + 0.5 * (outer_m - inner_m) * nodes
+    weights = 0.5 * (outer_m - inner_m) * weights
+    deformed = np.sqrt(inner**2 + (radius**2 - inner_m**2) / stretch)
+    hoop, radial = deformed / radius, radius / (deformed * stretch)
+    pressure = np.sum(weights * mu * (hoop**2 - radial**2) * radius / (stretch * deformed**2))
+    # Reduced axial force with closed ends: int (2 s_z - s_r - s_h) pi r dr = 0.
+    reduced = np.sum(weights * mu * np.pi * (2 * stretch**2 - radial**2 - hoop**2) * radius / stretch)
+    return pressure, reduced
+
+
+def test_bare_tube_satisfies_the_integrals_over_its_wall(tube):
+    solution = tube().forward(np.linspace(1e3, 2e4, 7))
+    assert solution.ok.all()
+    for p, r, l in zip(solution.pressure_pa, solution.inner_radius_m, solution.axial_stretch, strict=True):
+        pressure, force = wall_pressure(6e-3, 8e-3, r, l, MU)
+        assert pressure == pytest.approx(p, rel=1e-10)
+        assert abs(force) < 1e-9 * MU * 8e-3**2
+
+
+def test_volume_of_the_wall_is_kept(tube):
+    solution = tube(material=Yeoh(c1_pa=86560, c2_pa=13805, c3_pa=-1466.1)).forward([5e3, 1e4])
+    area = np.pi * (solution.outer_radius_m**2 - solution.inner_radius_m**2) * solution.axial_stretch
+    np.testing.assert_allclose(area, np.pi * (8e-3**2 - 6e-3**2), rtol=1e-12)
+
+
+def test_actuators_and_pressures_broadcast(tube):
+    radii = np.linspace(7.5e-3, 9e-3, 5).reshape(5, 1)
+    pressures = np.linspace(1e3, 1.2e4, 40)
+    many = tube(outer_radius_m=radii).forward(pressures)
+    assert many.shape == (5, 40)
+    for i, radius in enumerate(radii[:, 0]):
+        one = tube(outer_radius_m=radius)
+        for j in (0, 17, 39):
+            np.testing.assert_allclose(many.axial_stretch[i, j], one.forward(pressures[j]).axial_stretch, rtol=1e-12)
+
+
+def test_many_are_answered_as_one_by_one(tube):
+    radii = np.linspace(7.5e-3, 9e-3, 3000)
+    many = tube(outer_radius_m=radii).forward(8e3)
+    for i in (0, 1, 511, 512, 1777, 2999):
+        np.testing.assert_allclose(many.volume_m3[i], tube(outer_radius_m=radii[i]).forward(8e3).volume_m3, rtol=1e-11)
+
+
+def test_inverse_undoes_forward(tube):
+    bender = tube(motion="bending")
+    pressures = np.linspace(5e3, 4e4, 9)
+    back = bender.inverse(bend_angle_rad=bender.forward(pressures).bend_angle_rad)
+    np.testing.assert_allclose(back.pressure_pa, pressures, rtol=1e-10)
+
+
+def test_blocked_force_is_the_load_that_holds_the_end(tube):
+    actuator = tube(fiber=Fiber(angle_rad=0.05, families=2, modulus_pa=2e7, thickness_m=2e-4))
+    blocked = actuator.blocked_force(2e4)
+    held = actuator.forward(2e4, external_force_n=blocked.force_n, external_torque_nm=blocked.torque_nm)
+    assert blocked.force_n < 0
+    np.testing.assert_allclose(held.axial_stretch, 1.0, atol=1e-10)
+
+
+def test_no_solution_is_a_status_and_nan(tube):
+    solution = tube().forward([1e3, 1e6])
+    assert solution.status.dtype == np.int8
+    assert solution.status.tolist() == [Status.OK, Status.NO_SOLUTION]
+    assert np.isnan(solution.axial_stretch).tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "index"),
+    [
+        ({"outer_radius_m": [8e-3, 5e-3]}, "outer_radius_m", (1,)),
+        ({"length_m": np.nan}, "length_m", ()),
+        ({"motion": ["bending", "bends"]}, "motion", (1,)),
+        ({"fiber": Fiber(angle_rad=2.0, families=2, modulus_pa=1e6, thickness_m=1e-4)}, "fiber.angle_rad", ()),
+        ({"fiber": Fiber(angle_rad=0.1, families=2, modulus_pa=1e6)}, "fiber.thickness_m", ()),
+        ({"material": NeoHookean(shear_modulus_pa=[[1e5], [-1.0]])}, "material.shear_modulus_pa", (1, 0)),
+    ],
+)
+def test_bad_parameters_name_field_index_and_range(changes, field, index, tube):
+    with pytest.raises(InvalidParameter) as caught:
+        tube(**changes)
+    assert (caught.value.field, caught.value.index) == (field, index)
+    assert caught.value.allowed and isinstance(caught.value, ValueError)
+
+
+def test_bad_pressure_is_named_in_its_own_array(tube):
+    with pytest.raises(InvalidParameter) as caught:
+        tube(outer_radius_m=np.full((4, 1), 8e-3)).forward([1e3, 2e3, np.inf])
+    assert (caught.value.field, caught.value.index) == ("pressure_pa", (2,))
+
+
+def test_castable_elastomers_are_known_by_name(tube):
+    names = [elastomer.name for elastomer in softlimb.castable_elastomers()]
+    assert "Dragon Skin 30" in names
+    assert tube(material=names).forward(1e2).shape == (len(names),)
+    with pytest.raises(ValueError, match="did you mean"):
+        tube(material="Dragon Skin 3O")
+
+
+def test_actuators_are_frozen_and_travel(tube):
+    actuator = tube()
+    with pytest.raises(AttributeError):
+        actuator.length_m = 1.0
+    again = pickle.loads(pickle.dumps(actuator))
+    assert again.forward(1e4).axial_stretch == actuator.forward(1e4).axial_stretch
+
+
+def test_interpreter_is_free_while_answers_are_computed(tube):
+    bender, counted, done = tube(motion="bending"), [0], threading.Event()
+
+    def count():
+        while not done.is_set():
+            counted[0] += 1
+            time.sleep(0)
+
+    other = threading.Thread(target=count)
+    other.start()
+    before = counted[0]
+    bender.forward(np.linspace(1e3, 4e4, 20_000))
+    during = counted[0] - before
+    done.set()
+    other.join()
+    # With the lock held for the whole call, the other thread could take a turn or two around it.
+    assert during > 10
+
+
+def test_every_motion_is_undone(tube):
+    helix = Fiber(angle_rad=0.5, families=1, modulus_pa=2e7, thickness_m=2e-4)
+    for motion, fiber, target in [
+        ("extension", None, "axial_stretch"),
+        ("expansion", None, "outer_radius_m"),
+        ("twisting", helix, "twist_rad"),
+        ("bending", None, "bend_angle_rad"),
+    ]:
+        actuator = tube(motion=motion, fiber=fiber)
+        there = actuator.forward([3e3, 9e3])
+        back = actuator.inverse(**{target: getattr(there, target)})
+        np.testing.assert_allclose(back.pressure_pa, [3e3, 9e3], rtol=1e-9)
+
+
+def test_exactly_one_target_is_taken(tube):
+    for targets in ({}, {"axial_stretch": 1.1, "twist_rad": 0.0}):
+        with pytest.raises(TypeError, match="exactly one of axial_stretch"):
+            tube().inverse(**targets)
+    with pytest.raises(InvalidParameter, match="bend_angle_rad"):
+        tube().inverse(bend_angle_rad=0.5)
+
+
+@pytest.mark.parametrize("kind", [list, tuple, np.float32, np.int64, "strided", "empty"])
+def test_any_array_of_numbers_will_do(tube, kind):
+    numbers = [1000, 2000, 4000]
+    if kind == "strided":
+        given = np.repeat(np.array(numbers, dtype=float), 2)[::2]
+    elif kind == "empty":
+        given, numbers = np.empty((0, 3)), []
+    else:
+        given = kind(numbers) if kind in (list, tuple) else np.array(numbers, dtype=kind)
+    found = tube().forward(given)
+    assert found.shape == np.shape(given)
+    np.testing.assert_array_equal(found.pressure_pa.ravel(), numbers)
+
+
+def test_words_are_no_numbers(tube):
+    with pytest.raises(InvalidParameter, match="pressure_pa"):
+        tube().forward("1 kPa")
+    with pytest.raises(ValueError, match=r"the actuators \(2,\), pressure_pa \(3,\)"):
+        tube(length_m=[0.1, 0.2]).forward([1e3, 2e3, 3e3])
+
+
+def test_walls_beyond_their_test_are_reported(tube):
+    thread = Fiber(angle_rad=0.05, families=2, modulus_pa=3e8, thickness_m=2e-4)
+    # The law of this elastomer comes from a test up to a stretch of 5.
+    named = tube(material="Ecoflex 00-10", fiber=thread)
+    with pytest.warns(UserWarning, match="1 of 2 walls"):
+        found = named.inverse(axial_stretch=[4.5, 5.5])
+    assert found.beyond_test.tolist() == [False, True]
+
+
+def test_arrays_of_an_actuator_are_its_own(tube):
+    lengths = np.array([0.1, 0.2])
+    actuator = tube(length_m=lengths)
+    lengths[:] = 5.0
+    assert actuator.length_m.tolist() == [0.1, 0.2]
+    assert pickle.loads(pickle.dumps(actuator)).forward(1e3).volume_m3[1] == actuator.forward(1e3).volume_m3[1]

@@ -1,0 +1,109 @@
+"""Derivatives, stiffness and windings against differences and equivalent actuators."""
+
+import numpy as np
+import pytest
+
+from softlimb import Fiber, InvalidParameter, Model, NeoHookean, Status
+
+THREAD = dict(modulus_pa=2e7, thickness_m=2e-4)
+STATE = ("axial_stretch", "inner_radius_m", "outer_radius_m", "twist_rad", "bend_angle_rad", "volume_m3")
+
+
+@pytest.mark.parametrize(
+    ("motion", "of", "value"),
+    [
+        ("extension", "outer_radius_m", 8e-3),
+        ("extension", "fiber.angle_rad", 0.4),
+        ("twisting", "fiber.angle_rad", 0.4),
+        ("twisting", "fiber.modulus_pa", 2e7),
+        ("expansion", "material.shear_modulus_pa", 0.2e6),
+        ("bending", "outer_radius_m", 8e-3),
+        ("bending", "length_m", 0.1),
+    ],
+)
+def test_derivatives_are_the_limits_of_differences(tube, motion, of, value):
+    families = {"extension": 2, "twisting": 1}.get(motion)
+
+    def made(step):
+        angle, modulus = (value + step if of == f"fiber.{name}" else other for name, other in (("angle_rad", 0.4), ("modulus_pa", 2e7)))
+        # The winding stays where it is while the outer radius changes.
+        winding = Fiber(angle_rad=angle, families=families or 2, modulus_pa=modulus, thickness_m=2e-4, radius_m=7e-3)
+        changes = {of: value + step} if of.endswith("_m") else {}
+        if of == "material.shear_modulus_pa":
+            changes = {"material": NeoHookean(shear_modulus_pa=value + step)}
+        return tube(motion=motion, fiber=winding if families else None, **changes)
+
+    pressures = np.array([4e3, 1.2e4])
+    exact = made(0.0).sensitivity(of, pressure_pa=pressures)
+    step = 1e-5 * value
+    ahead, behind = made(step).forward(pressures), made(-step).forward(pressures)
+    assert exact.status.tolist() == [Status.OK] * 2
+    for name in STATE:
+        difference = (getattr(ahead, name) - getattr(behind, name)) / (2 * step)
+        size = np.abs(getattr(ahead, name)) / value
+        assert np.all(np.abs(getattr(exact, name) - difference) <= 1e-7 * size + 1e-6 * np.abs(difference)), name
+    assert exact.pressure_pa.tolist() == [0.0, 0.0]
+
+
+def test_pressure_follows_where_the_deformation_is_kept(tube):
+    step, angle = 1e-7, np.radians([20.0, 60.0])
+    exact = tube(motion="bending").sensitivity("inner_radius_m", bend_angle_rad=angle)
+    ahead, behind = (tube(motion="bending", inner_radius_m=6e-3 + d).inverse(bend_angle_rad=angle) for d in (step, -step))
+    np.testing.assert_allclose(exact.pressure_pa, (ahead.pressure_pa - behind.pressure_pa) / (2 * step), rtol=1e-6)
+    assert np.abs(exact.bend_angle_rad).max() < 1e-9
+
+
+def test_what_an_actuator_does_not_have_is_no_input(tube):
+    with pytest.raises(InvalidParameter, match="fiber.angle_rad"):
+        tube().sensitivity("fiber.angle_rad", pressure_pa=1e4)
+    with pytest.raises(InvalidParameter, match="inner_radius_m, outer_radius_m"):
+        tube().sensitivity("inner_radius", pressure_pa=1e4)
+
+
+def test_stiffness_and_lever_arms_are_the_limits_of_differences(tube):
+    actuator = tube(motion="twisting", fiber=Fiber(angle_rad=0.5, families=1, **THREAD))
+    at = dict(axial_stretch=1.02, twist_rad=-0.1)
+    blocked = actuator.blocked_force(2e4, **at)
+    pull, turn = 1e-6, 1e-6
+
+    def loads(pressure=2e4, **changes):
+        found = actuator.blocked_force(pressure, **{**at, **changes})
+        return np.array([found.force_n, found.torque_nm])
+
+    # By the length, which is 0.1 m times the stretch; by the twist; by the pressure.
+    by_length = (loads(axial_stretch=1.02 + pull) - loads(axial_stretch=1.02 - pull)) / (2 * pull * 0.1)
+    by_twist = (loads(twist_rad=-0.1 + turn) - loads(twist_rad=-0.1 - turn)) / (2 * turn)
+    np.testing.assert_allclose(blocked.stiffness, np.stack([by_length, by_twist], axis=-1), rtol=1e-5)
+    np.testing.assert_allclose(blocked.by_pressure, (loads(2e4 + 1) - loads(2e4 - 1)) / 2, rtol=1e-6)
+
+
+def test_two_mirrored_windings_are_one_of_two_families(tube):
+    pair = tuple(Fiber(angle_rad=angle, families=1, **THREAD) for angle in (0.4, -0.4))
+    one = Fiber(angle_rad=0.4, families=2, **THREAD)
+    pressures = [5e3, 2e4]
+    two, both = tube(fiber=pair).forward(pressures), tube(fiber=one).forward(pressures)
+    np.testing.assert_allclose(two.axial_stretch, both.axial_stretch, rtol=1e-10)
+    assert np.abs(two.twist_rad).max() < 1e-9
+    # With its mirror image gone, a family twists the tube.
+    alone = tube(fiber=(pair[0], Fiber(angle_rad=np.pi / 2, families=1, **THREAD))).forward(pressures)
+    assert np.all(np.abs(alone.twist_rad) > 1e-3)
+
+
+def test_second_winding_is_named_in_errors(tube):
+    pair = (Fiber(angle_rad=0.4, families=1, **THREAD), Fiber(angle_rad=[0.1, 2.0], families=1, **THREAD))
+    with pytest.raises(InvalidParameter) as caught:
+        tube(fiber=pair)
+    assert (caught.value.field, caught.value.index) == ("fiber[1].angle_rad", (1,))
+    with pytest.raises(ValueError, match="one winding"):
+        tube(fiber=(pair[0], pair[0])).blocked_force(1e4)
+
+
+def test_leaning_windings_of_benders_agree_with_finite_elements(tube):
+    bender = tube(motion="bending", fiber=Fiber(angle_rad=np.radians(20), families=2, modulus_pa=3.6e8, thickness_m=1.8e-4))
+    analytic = bender.forward(2e4, model="analytic")
+    elements = bender.forward(2e4, model="section-fe")
+    assert (analytic.model, elements.model) == (Model.ANALYTIC, Model.SECTION_FE)
+    difference = abs(analytic.bend_angle_rad / elements.bend_angle_rad - 1)
+    assert difference <= analytic.model_error + elements.discretisation_error
+    # As a hoop it would bend farther.
+    assert tube(motion="bending").forward(2e4).bend_angle_rad > 1.1 * elements.bend_angle_rad
