@@ -28,7 +28,7 @@ impl Carried {
     }
 
     /// The object that hangs from the tip throughout the hold; none while one changes hands.
-    pub(super) fn held_object(&self) -> Option<usize> {
+    pub fn held_object(&self) -> Option<usize> {
         self.held.object.filter(|_| self.held == self.moved)
     }
 

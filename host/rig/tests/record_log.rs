@@ -19,11 +19,15 @@ fn end(run: &RunLog) -> RunEnd {
 
 fn stream(run: &RunLog, recorder: &mut Recorder) {
     let mut shapes = run.shapes.iter().peekable();
+    let mut bodies = run.bodies.iter().peekable();
     let mut faults = run.faults.iter().peekable();
     for sample in &run.samples {
         recorder.sample(sample).unwrap();
         while let Some(shape) = shapes.next_if(|shape| shape.time_s <= sample.time_s) {
             recorder.shape(shape).unwrap();
+        }
+        while let Some(body) = bodies.next_if(|body| body.time_s <= sample.time_s) {
+            recorder.body(body).unwrap();
         }
         while let Some(fault) = faults.next_if(|fault| fault.time_s <= sample.time_s) {
             recorder.fault(fault).unwrap();
@@ -43,6 +47,8 @@ fn run_reads_back_exactly() {
     run.samples[9].tip_achieved_m = None;
     run.samples[10].tip_setpoint_m = [f64::MIN_POSITIVE, -0.0, f64::MAX];
     run.shapes[1].achieved = None;
+    run.bodies[1].nearest = None;
+    run.bodies[2].tip_unloaded_m = None;
     run.info.scene_name = "größe \"x\"".into();
     write(&run, &path);
     let read = record::read(&path).unwrap();
@@ -54,6 +60,7 @@ fn run_reads_back_exactly() {
     }
     assert_eq!(read.samples[10].tip_setpoint_m[1].to_bits(), (-0.0_f64).to_bits());
     assert_eq!(read.shapes, run.shapes);
+    assert_eq!(read.bodies, run.bodies);
     assert_eq!((read.faults, read.link, read.wall_s), (run.faults, run.link, run.wall_s));
     assert_eq!(read.incomplete, None);
 }
@@ -70,6 +77,7 @@ fn run_that_nobody_observed_reads_back() {
         sample.modules.iter_mut().for_each(|module| module.achieved = None);
     }
     run.shapes.clear();
+    run.bodies.clear();
     run.faults.clear();
     run.wall_s = None;
     write(&run, &path);

@@ -198,7 +198,7 @@ fn views_of_obstacles_are_a_pair_a_phase_to_one_scale() {
     let mut run = crate::synthetic_run::run();
     assert!(!html(&run).contains("Among the obstacles"));
     let line = vec![[0.1, 0.2, 0.3], [0.15, 0.2, 0.3]];
-    run.info.solids = vec![SolidInfo { name: "post".into(), region: false, lines_m: vec![line] }];
+    run.info.solids = vec![SolidInfo { name: "post".into(), region: false, lines_m: vec![line], shape: None }];
     let time_s = run.info.phases[1].start_s;
     run.info.phases[1].nearest = Some(NearestInfo { obstacle: "post".into(), distance_m: 0.012, time_s });
     let page = html(&run);

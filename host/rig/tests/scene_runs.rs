@@ -89,3 +89,39 @@ fn smallest_reservoir_is_the_one_the_plant_takes() {
     pump.reservoir_volume_m3 = 0.249e-3;
     assert!(SimulatedMcu::new(&refused).is_err());
 }
+
+/// The solid of the limb in a log ends at the observed tip. Its clearance is that of the nearest of its points, or up to half their distance less.
+#[test]
+fn solids_of_the_limb_end_at_its_tip_and_clear_the_obstacles_as_logged() {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/reach-past-post.toml"));
+    let scene = parse(&text.unwrap(), "reach-past-post.toml").unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let options =
+        RunOptions { seed: 1, out: out.path().to_owned(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+    let log = run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap().run;
+    assert!(log.bodies.len() as f64 >= 10.0 * log.samples.last().unwrap().time_s - 1.0, "{}", log.bodies.len());
+    let mut points = log.bodies.iter().map(|body| body.line_m.len()).collect::<Vec<_>>();
+    points.dedup();
+    assert_eq!(points.len(), 1, "each solid has as many points");
+    for body in &log.bodies {
+        let sample = log.samples.iter().find(|sample| sample.time_s == body.time_s).unwrap();
+        let (tip, end) = (sample.tip_achieved_m.unwrap(), *body.line_m.last().unwrap());
+        assert!((0..3).all(|axis| (tip[axis] - end[axis]).abs() < 1e-9), "{tip:?} {end:?}");
+        let (clearance_m, name) = body.nearest.as_ref().unwrap();
+        let of_points = |shape: &softlimb_scene::collision::Shape| {
+            let points = body.line_m.iter().zip(&body.radius_m);
+            let distances = points.map(|(point, radius_m)| shape.distance(&(*point).into()).distance_m - radius_m);
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let spacing_m = body
+            .line_m
+            .windows(2)
+            .map(|pair| (0..3).map(|axis| (pair[1][axis] - pair[0][axis]).powi(2)).sum::<f64>().sqrt());
+        let half_m = 0.5 * spacing_m.fold(0.0, f64::max);
+        let least_m = scene.obstacles().iter().map(|obstacle| of_points(&obstacle.shape)).fold(f64::INFINITY, f64::min);
+        assert!(*clearance_m <= least_m + 1e-5 && *clearance_m >= least_m - half_m, "{clearance_m} {least_m}");
+        assert!(scene.obstacles().iter().any(|obstacle| obstacle.name.value == *name));
+    }
+    assert!(log.bodies.iter().all(|body| body.tip_unloaded_m.is_none()), "a weightless limb does not sag");
+    assert!(log.info.solids.iter().all(|solid| solid.shape.is_some()));
+}

@@ -1,5 +1,6 @@
 //! A run as plain data: SI units, no container format, no behaviour.
 
+use super::solid::{Body, CarriedInfo, SolidInfo};
 use fra_model::StateQuantity;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -49,17 +50,6 @@ pub struct NearestInfo {
     pub distance_m: f64,
     /// When, s after the start of the run.
     pub time_s: f64,
-}
-
-/// A solid that the limb keeps clear of, or a box that its tip enters, as it is drawn.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SolidInfo {
-    /// Name in the scene file.
-    pub name: String,
-    /// True for a box that the tip enters.
-    pub region: bool,
-    /// Lines on its surface, m.
-    pub lines_m: Vec<Vec<[f64; 3]>>,
 }
 
 impl PhaseInfo {
@@ -113,6 +103,9 @@ pub struct RunInfo {
     /// Solids around the limb.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solids: Vec<SolidInfo>,
+    /// Objects that the tip carries, in order of time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub carried: Vec<CarriedInfo>,
     /// True when the device and the limb were simulated.
     pub simulated: bool,
     /// True when the simulated limb carried neither its own weight nor a payload.
@@ -257,6 +250,9 @@ pub struct RunLog {
     pub faults: Vec<FaultRecord>,
     /// Backbone shapes in order of time.
     pub shapes: Vec<Shape>,
+    /// The limb as a solid in order of time; empty in logs of earlier versions and where nobody saw it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<Body>,
     /// Link counters; all zero in a log that was cut off.
     pub link: LinkSummary,
     /// Highest true gauge pressure of each channel's chamber, Pa; empty on a device.

@@ -2,7 +2,7 @@
 //! between them and the plain data of [`super::log`].
 
 use super::cdr::{CdrError, CdrReader, CdrWriter};
-use super::{ChannelSample, FaultRecord, OutputSample, Sample, Shape};
+use super::{Body, ChannelSample, FaultRecord, OutputSample, Sample, Shape};
 
 /// Frame in which positions are given.
 const FRAME_ID: &str = "base";
@@ -63,6 +63,9 @@ pub(super) const OUTPUTS: MessageType =
 /// `/softlimb/shape`.
 pub(super) const SHAPE: MessageType =
     MessageType::new("softlimb_msgs/msg/Shape", include_str!("msg/Shape.msg"), &[HEADER, TIME, POINT]);
+/// `/softlimb/body`.
+pub(super) const BODY: MessageType =
+    MessageType::new("softlimb_msgs/msg/Body", include_str!("msg/Body.msg"), &[HEADER, TIME, POINT]);
 /// `/softlimb/wire`.
 pub(super) const WIRE: MessageType =
     MessageType::new("softlimb_msgs/msg/Wire", include_str!("msg/Wire.msg"), &[HEADER, TIME]);
@@ -254,4 +257,30 @@ pub(super) fn decode_shape(message: &[u8]) -> Result<Shape, CdrError> {
     let setpoint = cdr.sequence(CdrReader::point)?;
     let achieved = cdr.sequence(CdrReader::point)?;
     Ok(Shape { time_s, setpoint, achieved: (!achieved.is_empty()).then_some(achieved) })
+}
+
+/// Encodes the limb as a solid.
+pub(super) fn encode_body(unix_ns: u64, body: &Body) -> Vec<u8> {
+    let mut cdr = begin(unix_ns);
+    cdr.f64(body.time_s);
+    cdr.length(body.line_m.len());
+    body.line_m.iter().for_each(|&point| cdr.point(point));
+    cdr.f64_sequence(body.radius_m.iter().copied());
+    let (distance_m, obstacle) = body.nearest.as_ref().map_or((f64::NAN, ""), |(at, name)| (*at, name.as_str()));
+    cdr.f64(distance_m);
+    cdr.string(obstacle);
+    cdr.point(body.tip_unloaded_m.unwrap_or([f64::NAN; 3]));
+    cdr.into_bytes()
+}
+
+/// Decodes the limb as a solid.
+pub(super) fn decode_body(message: &[u8]) -> Result<Body, CdrError> {
+    let mut cdr = open(message)?;
+    let time_s = cdr.f64()?;
+    let (line_m, radius_m) = (cdr.sequence(CdrReader::point)?, cdr.sequence(CdrReader::f64)?);
+    let (distance_m, obstacle) = (cdr.f64()?, cdr.string()?);
+    let tip = cdr.point()?;
+    let nearest = (!distance_m.is_nan()).then_some((distance_m, obstacle));
+    let tip_unloaded_m = (!tip.iter().any(|value| value.is_nan())).then_some(tip);
+    Ok(Body { time_s, line_m, radius_m, nearest, tip_unloaded_m })
 }

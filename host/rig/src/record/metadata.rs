@@ -39,6 +39,9 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     if !info.solids.is_empty() {
         metadata.insert("solids".into(), to_json(&info.solids));
     }
+    if !info.carried.is_empty() {
+        metadata.insert("carried".into(), to_json(&info.carried));
+    }
     metadata
 }
 
@@ -78,6 +81,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         modules: fields.json("modules")?,
         phases: fields.json("phases")?,
         solids: if run.contains_key("solids") { fields.json("solids")? } else { Vec::new() },
+        carried: if run.contains_key("carried") { fields.json("carried")? } else { Vec::new() },
         simulated: fields.parse("simulated")?,
         // Logs of earlier versions do not say.
         injected_faults: if run.contains_key(INJECTED) { fields.json(INJECTED)? } else { Vec::new() },

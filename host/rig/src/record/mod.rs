@@ -16,6 +16,7 @@ mod metadata;
 mod reader;
 mod recover;
 mod samples;
+mod solid;
 mod standard;
 mod ticks;
 mod topics;
@@ -26,11 +27,12 @@ pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{
     ChannelSample, FaultRecord, InjectedFault, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample,
-    PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape, SolidInfo,
+    PhaseInfo, RunEnd, RunInfo, RunLog, Sample, Shape,
 };
 pub use reader::read;
 pub use recover::{Recovered, recover};
 pub use samples::SampleRow;
+pub use solid::{Body, CarriedInfo, SolidInfo, SolidShape};
 pub use ticks::{CoilPulse, DeviceTick};
 pub use wire::{Capture, Direction, WireBytes, read_capture};
 pub use writer::Recorder;
@@ -56,3 +58,4 @@ const WIRE_TOPIC: &str = "/softlimb/wire";
 const SAMPLES_TOPIC: &str = "/softlimb/samples";
 const TICKS_TOPIC: &str = "/softlimb/ticks";
 const SHAPE_TOPIC: &str = "/softlimb/shape";
+const BODY_TOPIC: &str = "/softlimb/body";

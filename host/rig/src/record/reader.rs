@@ -2,8 +2,8 @@
 
 use super::cdr::CdrError;
 use super::messages::{
-    DEFORMATION, FAULT, MessageType, OUTPUTS, SHAPE, TELEMETRY, TRUTH, Truth, decode_deformation, decode_fault,
-    decode_outputs, decode_shape, decode_telemetry,
+    BODY, DEFORMATION, FAULT, MessageType, OUTPUTS, SHAPE, TELEMETRY, TRUTH, Truth, decode_body, decode_deformation,
+    decode_fault, decode_outputs, decode_shape, decode_telemetry,
 };
 use super::metadata::{Metadata, read_end, read_run};
 use super::{ModuleSample, RecordError, RunEnd, RunInfo, RunLog, Sample};
@@ -78,10 +78,11 @@ enum Topic {
     Fault,
     Outputs,
     Shape,
+    Body,
 }
 
 impl Topic {
-    const ALL: [(Self, &'static str, MessageType); 7] = [
+    const ALL: [(Self, &'static str, MessageType); 8] = [
         (Self::Telemetry, super::TELEMETRY_TOPIC, TELEMETRY),
         (Self::Setpoint, super::SETPOINT_TOPIC, DEFORMATION),
         (Self::Model, super::MODEL_TOPIC, DEFORMATION),
@@ -89,6 +90,7 @@ impl Topic {
         (Self::Fault, super::FAULT_TOPIC, FAULT),
         (Self::Outputs, super::OUTPUTS_TOPIC, OUTPUTS),
         (Self::Shape, super::SHAPE_TOPIC, SHAPE),
+        (Self::Body, super::BODY_TOPIC, BODY),
     ];
 }
 
@@ -103,6 +105,7 @@ struct PartialLog {
     samples: Vec<Sample>,
     faults: Vec<super::FaultRecord>,
     shapes: Vec<super::Shape>,
+    bodies: Vec<super::Body>,
 }
 
 impl PartialLog {
@@ -171,6 +174,14 @@ impl PartialLog {
             }
             Topic::Fault => self.faults.push(decode_fault(data).map_err(undecodable)?),
             Topic::Shape => self.shapes.push(decode_shape(data).map_err(undecodable)?),
+            Topic::Body => {
+                let body = decode_body(data).map_err(undecodable)?;
+                let (points, radii) = (body.line_m.len(), body.radius_m.len());
+                if points != radii {
+                    return Err(inconsistent(format!("{radii} radii for {points} points")));
+                }
+                self.bodies.push(body);
+            }
             Topic::Setpoint => {
                 let (setpoints, tip) = decode_deformation(data).map_err(undecodable)?;
                 let sample = self.current(sequence).map_err(inconsistent)?;
@@ -222,6 +233,7 @@ impl PartialLog {
             samples: self.samples,
             faults: self.faults,
             shapes: self.shapes,
+            bodies: self.bodies,
             link,
             peak_chamber_pa,
             wall_s,

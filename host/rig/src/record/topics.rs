@@ -1,7 +1,7 @@
 //! The topics of a log, declared once when it is opened.
 
 use super::RunInfo;
-use super::messages::{DEFORMATION, FAULT, MessageType, OUTPUTS, SAMPLES, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE};
+use super::messages::{BODY, DEFORMATION, FAULT, MessageType, OUTPUTS, SAMPLES, SHAPE, TELEMETRY, TICKS, TRUTH, WIRE};
 use super::standard::{FLUID_PRESSURE, JOINT_STATE, pressure_topic};
 use std::collections::BTreeMap;
 
@@ -32,6 +32,7 @@ pub(super) struct Topics {
 pub(super) struct Observed {
     pub(super) truth: u16,
     pub(super) achieved: u16,
+    pub(super) body: u16,
 }
 
 impl Observed {
@@ -40,6 +41,7 @@ impl Observed {
         Ok(Self {
             truth: declare(mcap, super::TRUTH_TOPIC, TRUTH)?,
             achieved: declare(mcap, "/softlimb/modules/achieved", JOINT_STATE)?,
+            body: declare(mcap, super::BODY_TOPIC, BODY)?,
         })
     }
 }

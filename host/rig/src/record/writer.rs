@@ -2,14 +2,18 @@
 
 use super::background::{Background, LogFile};
 use super::container::{options, partial_path, write_opening};
-use super::messages::{Truth, encode_deformation, encode_fault, encode_outputs, encode_shape, encode_telemetry};
+use super::messages::{
+    Truth, encode_body, encode_deformation, encode_fault, encode_outputs, encode_shape, encode_telemetry,
+};
 use super::metadata::{check_modules, end_metadata};
 use super::samples::encode_samples;
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
 use super::ticks::{encode_ticks, first_row};
 use super::topics::{Observed, Topics, declare_samples, declare_ticks};
 use super::wire::encode_wire;
-use super::{DeviceTick, FaultRecord, OutputSample, RecordError, RunEnd, RunInfo, Sample, SampleRow, Shape, WireBytes};
+use super::{
+    Body, DeviceTick, FaultRecord, OutputSample, RecordError, RunEnd, RunInfo, Sample, SampleRow, Shape, WireBytes,
+};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -143,6 +147,16 @@ impl Recorder {
     pub fn shape(&mut self, shape: &Shape) -> Result<(), RecordError> {
         let at = self.stamp(shape.time_s);
         self.write_other(self.topics.shape, at, &encode_shape(at, shape))
+    }
+
+    /// Appends the limb as a solid.
+    ///
+    /// # Errors
+    /// [`RecordError::File`] when the disk refuses.
+    pub fn body(&mut self, body: &Body) -> Result<(), RecordError> {
+        let at = self.stamp(body.time_s);
+        let topic = self.observed()?.body;
+        self.write_other(topic, at, &encode_body(at, body))
     }
 
     /// Appends bytes of the link.

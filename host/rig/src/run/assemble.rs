@@ -8,23 +8,27 @@ use super::grasp::Grasp;
 use super::hanging::Hanging;
 use super::prepared::Origin;
 use super::reference::Reference;
+use super::solid;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo, RunInfo,
-    Sample, SampleRow, Shape, SolidInfo,
+    Body, ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo,
+    RunInfo, Sample, SampleRow, Shape,
 };
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Nominal, Plan};
 use softlimb_numerics::statistics::mean;
-use softlimb_scene::collision::Shape as Shape3;
 use softlimb_scene::{Gripper, Scene};
 
 /// Log time between two recorded shapes of the whole limb, s.
 const SHAPE_PERIOD_S: f64 = 0.2;
 
+/// Log time between two recorded solids of it, s.
+const BODY_PERIOD_S: f64 = 0.1;
+
 /// Makes samples of what the device sends.
 pub(super) struct Assembler<'a> {
+    scene: &'a Scene,
     limb: &'a Limb,
     reference: Box<dyn Reference + 'a>,
     hanging: Option<Hanging<'a>>,
@@ -34,12 +38,14 @@ pub(super) struct Assembler<'a> {
     weighed: Option<Nominal<'a>>,
     start_us: Option<u64>,
     next_shape_s: f64,
+    next_body_s: f64,
 }
 
 /// Observations of the limb when a message comes.
 pub(super) struct Seen {
     pub(super) sample: Sample,
     pub(super) shape: Option<Shape>,
+    pub(super) body: Option<Body>,
     /// Faults of the limb itself.
     pub(super) faults: Vec<FaultRecord>,
 }
@@ -55,7 +61,17 @@ impl<'a> Assembler<'a> {
         let weighed = tier.map(|tier| Nominal::new(scene, limb, tier));
         let hanging = Hanging::new(scene, (plant, simulated));
         let grasp = Grasp::new(scene);
-        Self { limb, reference: Box::new(reference), hanging, grasp, weighed, start_us: None, next_shape_s: 0.0 }
+        Self {
+            scene,
+            limb,
+            reference: Box::new(reference),
+            hanging,
+            grasp,
+            weighed,
+            start_us: None,
+            next_shape_s: 0.0,
+            next_body_s: 0.0,
+        }
     }
 
     /// The trajectory starts at a device time; the first start is the zero of all times.
@@ -112,6 +128,20 @@ impl<'a> Assembler<'a> {
             tip_modelled_m,
             tip_achieved_m,
         };
+        let body = if time_s >= self.next_body_s {
+            self.next_body_s += BODY_PERIOD_S;
+            let unloaded = || Some(self.limb.tip(achieved.as_ref()?));
+            // The model of a plan that compensates weight has the sag in it.
+            let tip_unloaded_m = if hung.is_some() && self.weighed.is_none() { unloaded() } else { None };
+            let body = match &hung {
+                Some(hung) => hung.as_ref().map(|hung| hung.body.clone()),
+                None => achieved.as_ref().map(|states| self.limb.body(states)),
+            };
+            let object = self.reference.object_at(time_us);
+            body.map(|body| solid::seen((self.scene, self.limb), body, object, (time_s, tip_unloaded_m)))
+        } else {
+            None
+        };
         let shape = (time_s >= self.next_shape_s).then(|| {
             self.next_shape_s += SHAPE_PERIOD_S;
             Shape {
@@ -123,7 +153,7 @@ impl<'a> Assembler<'a> {
                 },
             }
         });
-        Some(Seen { sample, shape, faults })
+        Some(Seen { sample, shape, body, faults })
     }
 
     /// Samples between the telemetry messages; `None` before the start.
@@ -241,8 +271,9 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         seed,
         start_unix_ns,
         modules: modules.collect(),
+        carried: solid::carried_infos(scene, &phases),
         phases,
-        solids: solids(scene),
+        solids: solid::solids(scene),
         simulated: seed.is_some(),
         // A limb on a device has its weight, whatever the plan says.
         weightless: seed.is_some() && scene.weightless(),
@@ -268,14 +299,6 @@ pub(super) fn phase_infos(scene: &Scene, plan: &Plan) -> Vec<PhaseInfo> {
         }),
     });
     phases.collect()
-}
-
-/// Obstacles and regions as they are drawn.
-fn solids(scene: &Scene) -> Vec<SolidInfo> {
-    let solid =
-        |name: &str, region, shape: &Shape3| SolidInfo { name: name.to_owned(), region, lines_m: shape.outlines() };
-    let obstacles = scene.obstacles().iter().map(|obstacle| solid(&obstacle.name.value, false, &obstacle.shape));
-    obstacles.chain(scene.regions().iter().map(|region| solid(&region.name.value, true, &region.shape))).collect()
 }
 
 /// The link's counters in the terms of the log.

@@ -11,6 +11,7 @@ use crate::record::FaultRecord;
 use softlimb_limb::statics::{EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
 use softlimb_limb::{Drive, Limb};
 use softlimb_scene::Scene;
+use softlimb_scene::collision::Body;
 
 /// The finest tier of rods: what plans a limb uses a coarser one.
 const TIER: Fidelity = Fidelity::Fourfold;
@@ -48,6 +49,8 @@ pub(super) struct Hung {
     pub(super) values: Vec<f64>,
     /// The centre line, m.
     pub(super) line_m: Vec<[f64; 3]>,
+    /// The limb as a solid.
+    pub(super) body: Body,
 }
 
 impl<'a> Hanging<'a> {
@@ -145,7 +148,9 @@ impl<'a> Hanging<'a> {
         };
         let values = self.limb.drives().zip(free).map(value);
         let (tip_m, values) = (shape.tip().translation.vector.into(), values.collect());
-        (Some(Hung { tip_m, values, line_m: rod.line_m(&shape) }), faults)
+        let mut body = Body::new(self.limb.base());
+        self.limb.loaded_shape(&rod, &shape.q, free, &mut body);
+        (Some(Hung { tip_m, values, line_m: rod.line_m(&shape), body }), faults)
     }
 
     /// The limb of the true actuators; `None` where one has no equilibrium.

@@ -169,6 +169,7 @@ fn info(channels: usize, start_unix_ns: u64, device: Option<&DeviceInfo>) -> Run
         modules: (0..channels).map(module).collect(),
         phases: Vec::new(),
         solids: Vec::new(),
+        carried: Vec::new(),
         simulated: false,
         weightless: false,
         injected_faults: Vec::new(),

@@ -12,6 +12,7 @@ mod paced;
 mod prepared;
 mod recording;
 mod reference;
+mod solid;
 mod tape;
 mod timed_fault;
 mod track;

@@ -201,11 +201,12 @@ impl<'a> Recording<'a> {
                     self.gaps.add(message.time_us);
                 }
                 let truth = device.truth_at(message.time_us);
-                if let Some(Seen { sample, shape, faults }) = self.assembler.sample(&message, truth.as_ref()) {
+                if let Some(Seen { sample, shape, body, faults }) = self.assembler.sample(&message, truth.as_ref()) {
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
                         self.last_s = Some(sample.time_s);
                         shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
+                        body.map_or(Ok(()), |body| recorder.body(&body))?;
                         faults.iter().try_for_each(|fault| recorder.fault(fault))?;
                     }
                     return Ok(Some(sample));

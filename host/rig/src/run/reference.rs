@@ -17,6 +17,11 @@ pub(super) trait Reference {
 
     /// Where they bring the centre line, m.
     fn line_m(&self, time_us: u64) -> Vec<[f64; 3]>;
+
+    /// The object that hangs from the tip, as the plan keeps it clear of obstacles: its index in the scene.
+    fn object_at(&self, _time_us: u64) -> Option<usize> {
+        None
+    }
 }
 
 /// A plan of a scene's limb.
@@ -47,5 +52,11 @@ impl Reference for Planned<'_> {
 
     fn line_m(&self, time_us: u64) -> Vec<[f64; 3]> {
         self.plan.line_m(self.limb, time_us as f64)
+    }
+
+    fn object_at(&self, time_us: u64) -> Option<usize> {
+        let index = self.plan.phases.iter().rposition(|phase| phase.start_us <= time_us)?;
+        let (phase, carried) = (&self.plan.phases[index], self.carried.get(index)?);
+        if time_us > phase.start_us + phase.move_us { carried.held_object() } else { carried.moved.object }
     }
 }

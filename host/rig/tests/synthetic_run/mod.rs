@@ -5,7 +5,7 @@
 
 use fra_model::StateQuantity;
 use softlimb_rig::record::{
-    ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, OutputSample, PhaseInfo, RunInfo, RunLog,
+    Body, ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, OutputSample, PhaseInfo, RunInfo, RunLog,
     Sample, Shape,
 };
 
@@ -54,6 +54,7 @@ pub(crate) fn info() -> RunInfo {
         ],
         phases: phases.collect(),
         solids: Vec::new(),
+        carried: Vec::new(),
         simulated: true,
         weightless: false,
         injected_faults: Vec::new(),
@@ -65,7 +66,7 @@ pub(crate) fn run() -> RunLog {
     let info = info();
     let mut lagged = TARGETS[0];
     let mut samples = Vec::new();
-    let mut shapes = Vec::new();
+    let (mut shapes, mut bodies) = (Vec::new(), Vec::new());
     for step in 0..=2000_u32 {
         let time_s = f64::from(step) * PERIOD_S;
         let setpoint = setpoint_at(time_s);
@@ -76,6 +77,13 @@ pub(crate) fn run() -> RunLog {
         let modelled = lagged.map(|value| value + ripple);
         let achieved = [stiffer(modelled[0], 1.0), modelled[1] * 0.94, stiffer(modelled[2], 1.0)];
         samples.push(sample(time_s, setpoint, modelled, achieved));
+        if step % 10 == 0 {
+            let line_m = backbone(achieved);
+            // Its distance from a post falls and rises again once.
+            let nearest = Some((0.012 + 0.01 * (time_s - 9.0).abs(), "post".to_owned()));
+            let tip_unloaded_m = Some(tip(achieved));
+            bodies.push(Body { time_s, radius_m: vec![0.03; line_m.len()], line_m, nearest, tip_unloaded_m });
+        }
         if step % 20 == 0 {
             shapes.push(Shape { time_s, setpoint: backbone(setpoint), achieved: Some(backbone(achieved)) });
         }
@@ -97,7 +105,7 @@ pub(crate) fn run() -> RunLog {
         telemetry_lost: 1,
     };
     let peak_chamber_pa = (0..9).map(|channel| 90e3 + 1e3 * f64::from(channel)).collect();
-    RunLog { info, samples, faults, shapes, link, peak_chamber_pa, wall_s: Some(0.25), incomplete: None }
+    RunLog { info, samples, faults, shapes, bodies, link, peak_chamber_pa, wall_s: Some(0.25), incomplete: None }
 }
 
 fn stiffer(stretch: f64, rest: f64) -> f64 {
