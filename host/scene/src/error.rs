@@ -46,6 +46,13 @@ pub enum Unreadable {
 }
 
 impl Unreadable {
+    fn line(self) -> Option<usize> {
+        match self {
+            Self::NotUtf8 { line, .. } => Some(line),
+            _ => None,
+        }
+    }
+
     fn help(self) -> Option<String> {
         match self {
             Self::Io(ErrorKind::NotFound) => Some("check the spelling and the current directory".into()),
@@ -135,6 +142,21 @@ fn within(text: &str, span: Span) -> std::ops::Range<usize> {
     start..end.max(start)
 }
 
+/// A problem of a scene, for programs: [`SceneError::render`] draws it for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// The problem.
+    pub message: String,
+    /// Line of the text, from 1; `None` where it is of no line.
+    pub line: Option<usize>,
+    /// Column in characters, from 1; `None` where it is of no line.
+    pub column: Option<usize>,
+    /// The words beside the underlined place.
+    pub label: Option<String>,
+    /// A remedy.
+    pub help: Option<String>,
+}
+
 /// The problems of one scene, in the order of its text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problems {
@@ -151,6 +173,20 @@ impl Problems {
     /// Number of problems, those that are not shown included.
     pub fn count(&self) -> usize {
         self.problems.len()
+    }
+
+    fn diagnostics(&self) -> Vec<Diagnostic> {
+        let of = |problem: &Problem| {
+            let place = problem.labels.first().map(|(span, _)| self.source.position(span.range().start));
+            Diagnostic {
+                message: problem.title.clone(),
+                line: place.map(|(line, _)| line),
+                column: place.map(|(_, column)| column),
+                label: problem.labels.first().map(|(_, label)| label.clone()),
+                help: problem.help.clone(),
+            }
+        };
+        self.problems.iter().map(of).collect()
     }
 
     fn render(&self, renderer: &Renderer) -> String {
@@ -185,6 +221,17 @@ impl fmt::Display for Problems {
 }
 
 impl SceneError {
+    /// Every problem, in the order of the text.
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        match self {
+            Self::Invalid(problems) => problems.diagnostics(),
+            Self::Unreadable { reason, .. } => {
+                let (line, help) = (reason.line(), reason.help());
+                vec![Diagnostic { message: self.to_string(), line, column: None, label: None, help }]
+            }
+        }
+    }
+
     /// The full diagnostic, as rustc draws it, with ANSI colors if asked for. It does not end with a line break.
     pub fn render(&self, color: bool) -> String {
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };

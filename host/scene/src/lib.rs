@@ -37,7 +37,7 @@ pub use data::{
     Plant, Region, Scene, Sensor, Spread, Supply, Target, Thread, Valve, Weight, WoundWall,
 };
 pub use elastomers::{CASTABLE_ELASTOMERS, CastableElastomer, TENSILE_TESTS, castable_elastomer};
-pub use error::{Problems, SceneError, Unreadable};
+pub use error::{Diagnostic, Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};
 pub use reference::reference;
 pub use source::{Located, SCENE_BYTES_MAX, Span};

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::results::ResultError;
 use softlimb_scene::SceneError;
 
 /// A failure with the text that explains it.
@@ -40,5 +41,14 @@ impl Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Self { text: error.render(super::colour()), wrong_line: false }
+    }
+}
+
+impl From<ResultError> for Failure {
+    fn from(error: ResultError) -> Self {
+        match error {
+            ResultError::Scene(error) => error.into(),
+            other => Self::new(other),
+        }
     }
 }

@@ -138,30 +138,38 @@ pub fn with_negative_numbers(command: Command) -> Command {
 
 /// Parses the command line, runs a verb, and returns its exit code.
 pub fn main() -> ExitCode {
-    let words: Vec<OsString> = std::env::args_os().collect();
+    main_of(std::env::args_os().collect()).into()
+}
+
+/// [`main`] with the words of a command line, the program's name before them.
+pub fn main_of(words: Vec<OsString>) -> u8 {
     if let Some(failure) = retired::answer(&words) {
-        return finish(Ok(Err(failure)));
+        return code(Ok(Err(failure)));
     }
     let parsed = command().try_get_matches_from(words);
     let parsed =
         parsed.and_then(|matches| Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command())));
-    finish(parsed.map(|arguments| arguments.verb.run()))
+    code(parsed.map(|arguments| arguments.verb.run()))
 }
 
 /// The exit code of a parsed command line that ran, or of one that could not be parsed.
 pub fn finish(outcome: Result<Result<Outcome, Failure>, clap::Error>) -> ExitCode {
+    code(outcome).into()
+}
+
+fn code(outcome: Result<Result<Outcome, Failure>, clap::Error>) -> u8 {
     match outcome {
         Err(error) => {
             let wrong = error.use_stderr();
             // Nothing is left to do if the terminal is gone.
             let _ = error.print();
-            if wrong { ExitCode::from(2) } else { ExitCode::SUCCESS }
+            if wrong { 2 } else { 0 }
         }
-        Ok(Ok(Outcome::Done)) => ExitCode::SUCCESS,
-        Ok(Ok(Outcome::DoneWithWarnings)) => ExitCode::from(3),
+        Ok(Ok(Outcome::Done)) => 0,
+        Ok(Ok(Outcome::DoneWithWarnings)) => 3,
         Ok(Err(failure)) => {
             failure.print();
-            ExitCode::from(failure.code())
+            failure.code()
         }
     }
 }

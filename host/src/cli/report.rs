@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::run::Printed;
 use super::shared::show;
 use super::{Failure, Outcome};
+use crate::results::RunSummary;
 use softlimb_rig::record;
 use softlimb_rig::report;
 use softlimb_rig::run;
@@ -35,10 +35,10 @@ impl Report {
         }
         run::write_report(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
-        let warnings = [super::run::warnings(&summary), log.incomplete.iter().cloned().collect()].concat();
-        show(self.json, &Printed { summary: &summary, warnings: &warnings }, || summary.table())?;
+        let result = RunSummary::new(&summary, Vec::new(), log.incomplete.iter().cloned().collect());
+        show(self.json, &result, || summary.table())?;
         super::note(&format!("wrote {}", out.display()));
-        Ok(super::warn(&warnings))
+        Ok(super::warn(&result.warnings))
     }
 }
 

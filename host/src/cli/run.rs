@@ -4,19 +4,18 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
-use serde::Serialize;
 
 use super::interrupt::interrupt;
 use super::port::PortOption;
 use super::shared::{bar, limb, show};
-use super::{Failure, Outcome, check_margins, warn};
+use super::{Failure, Outcome, warn};
+use crate::results::{RunSummary, margin_warning};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_rig::link::LinkFaults;
 use softlimb_rig::link::port::Address;
 use softlimb_rig::report;
-use softlimb_rig::report::{Miss, Summary};
 use softlimb_rig::run;
 use softlimb_rig::run::{Mcu, Progress, RunError, RunFiles, RunOptions, TimedFault};
 use softlimb_scene as scene;
@@ -83,14 +82,6 @@ enum Device {
     Qemu,
 }
 
-/// The result of `--json`, of a run and of a report.
-#[derive(Serialize)]
-pub(super) struct Printed<'a> {
-    #[serde(flatten)]
-    pub(super) summary: &'a Summary,
-    pub(super) warnings: &'a [String],
-}
-
 impl Controller {
     pub(super) fn mcu(&self) -> Mcu {
         match self.mcu {
@@ -149,13 +140,12 @@ impl Run {
             Err(error) => return Err(error.into()),
         };
         let summary = report::summary(&files.run);
-        let canceled = canceled.then(|| "the run was canceled".to_owned());
-        let canceled = canceled.into_iter().collect();
-        let margins = margins.into_iter().collect();
-        let warnings = [canceled, warnings(&summary), scene.winding_warnings(), margins].concat();
-        show(self.json, &Printed { summary: &summary, warnings: &warnings }, || summary.table())?;
+        let before: Vec<String> = canceled.then(|| "the run was canceled".to_owned()).into_iter().collect();
+        let after = [scene.winding_warnings(), margins.into_iter().collect()].concat();
+        let result = RunSummary::new(&summary, before, after);
+        show(self.json, &result, || summary.table())?;
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
-        let outcome = warn(&warnings);
+        let outcome = warn(&result.warnings);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
     }
 
@@ -198,35 +188,6 @@ impl Run {
             None => Ok(()),
         }
     }
-}
-
-/// One line for the margins that `check` warns of, with the first of its warnings.
-fn margin_warning(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Option<String>, Failure> {
-    let sent = motion::sent(scene, limb, plan)?;
-    let margins = motion::margins(scene, limb, plan, &sent)?;
-    let all = [check_margins::warnings(scene, limb, plan, &margins), limb.restraint_warnings()].concat();
-    let rest = match all.len() {
-        0 | 1 => String::new(),
-        count => format!("; `softlimb check` has {} more such warnings", count - 1),
-    };
-    Ok(all.first().map(|first| format!("margins are too small: {first}{rest}")))
-}
-
-/// Faults of the device, and goals that the run missed.
-pub(super) fn warnings(summary: &Summary) -> Vec<String> {
-    let mut warnings = Vec::new();
-    for fault in &summary.faults {
-        warnings.push(format!("{:.3} s into the run: {}", fault.time_s, fault.text));
-    }
-    for miss in &summary.misses {
-        let Miss { module, phase, share_of_travel } = miss;
-        let percent = 100.0 * share_of_travel;
-        warnings.push(format!("the pressures had not brought `{module}` to its setpoint at the end of `{phase}`: {percent:.0} % of its travel off"));
-    }
-    for channel in &summary.limited_channels {
-        warnings.push(format!("the device limited the reference of channel {channel}"));
-    }
-    warnings
 }
 
 impl From<RunError> for Failure {

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::cli::check_margins;
 use crate::cli::shared::show;
 use crate::cli::{Failure, Outcome, note};
+use crate::results::margin_warnings;
 use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
 use softlimb_design::loaded::{
     ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds, search_to_run,
@@ -101,7 +101,7 @@ pub fn refused(scene: &Scene, design: &LoadedDesign, sizes: &LimbSizes) -> Optio
         let limb = Limb::new(&designed)?;
         let plan = motion::plan(&designed, &limb)?;
         let margins = motion::margins(&designed, &limb, &plan, &motion::sent(&designed, &limb, &plan)?)?;
-        Ok(check_margins::warnings(&designed, &limb, &plan, &margins))
+        Ok(margin_warnings(&designed, &limb, &plan, &margins))
     };
     let complaints = complaint().unwrap_or_else(|error| vec![error.to_string()]);
     (!complaints.is_empty()).then(|| complaints.join("; "))

@@ -15,9 +15,9 @@ use serde::Serialize;
 
 use super::interrupt::interrupt;
 use super::port::PortOption;
-use super::run::warnings;
 use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, note, warn};
+use crate::results::run_warnings;
 use gamepad::Gamepad;
 use screen::Head;
 use softlimb_limb::Limb;
@@ -212,7 +212,7 @@ fn printed(scene: &Scene, files: &RunFiles, options: &JogOptions, waits: Vec<Dur
         targets: attempts.into_iter().map(target).collect(),
         keys: waits.len(),
         key_to_wire: latency(waits),
-        warnings: warnings(&report::summary(&files.run)),
+        warnings: run_warnings(&report::summary(&files.run)),
     })
 }
 
