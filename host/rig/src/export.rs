@@ -5,15 +5,74 @@ use std::fmt::Write;
 use serde::Serialize;
 use softlimb_files::table::written;
 
-use crate::record::{Capture, Direction, ModuleInfo, ModuleSample, RunLog, Sample};
+use crate::record::{Capture, DeviceTick, Direction, ModuleInfo, ModuleSample, RunLog, Sample};
 
 /// A table of a topic.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Name of the topic without `/softlimb/`.
     pub name: &'static str,
-    /// Comma-separated values with a header whose names end with the unit. A cell is empty where a value is not known.
-    pub csv: String,
+    /// Columns of one length.
+    pub columns: Vec<Column>,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Name, which ends with the unit.
+    pub name: String,
+    /// Values.
+    pub values: Values,
+}
+
+/// Values of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers; not a number where a value is not known.
+    Number(Vec<f64>),
+    /// Whole numbers.
+    Whole(Vec<i64>),
+    /// Words.
+    Text(Vec<String>),
+}
+
+impl Values {
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Number(values) => values.len(),
+            Self::Whole(values) => values.len(),
+            Self::Text(values) => values.len(),
+        }
+    }
+
+    /// Whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A value that reads back exactly; empty for one that is not known.
+    fn cell(&self, row: usize) -> String {
+        match self {
+            Self::Number(values) if values[row].is_nan() => String::new(),
+            Self::Number(values) => values[row].to_string(),
+            Self::Whole(values) => values[row].to_string(),
+            Self::Text(values) => values[row].clone(),
+        }
+    }
+}
+
+impl Table {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// Comma-separated values under the names of the columns. A cell is empty where a value is not known.
+    pub fn csv(&self) -> String {
+        let header: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
+        written(&header, (0..self.rows()).map(|row| self.columns.iter().map(move |column| column.values.cell(row))))
+    }
 }
 
 /// The tables of a log: those of topics without a message are left out.
@@ -29,52 +88,63 @@ pub fn tables(log: &RunLog, capture: &Capture) -> Vec<Table> {
         ("wire", wire(capture)),
         ("ticks", ticks(capture)),
     ];
-    let filled = tables.into_iter().filter(|(_, (_, rows))| !rows.is_empty());
-    let text = |(header, rows): Rows| written(&header.iter().map(String::as_str).collect::<Vec<_>>(), rows);
-    filled.map(|(name, rows)| Table { name, csv: text(rows) }).collect()
+    let tables = tables.into_iter().map(|(name, columns)| Table { name, columns });
+    tables.filter(|table| table.rows() > 0).collect()
 }
 
-/// Header and rows.
-type Rows = (Vec<String>, Vec<Vec<String>>);
-
-/// A number that reads back exactly; empty for one that is not known.
-fn number(value: f64) -> String {
-    if value.is_nan() { String::new() } else { value.to_string() }
+fn numbers(name: impl Into<String>, values: impl Iterator<Item = f64>) -> Column {
+    Column { name: name.into(), values: Values::Number(values.collect()) }
 }
 
-fn maybe(value: Option<f64>) -> String {
-    value.map_or_else(String::new, number)
+fn whole(name: impl Into<String>, values: impl Iterator<Item = impl Into<i64>>) -> Column {
+    Column { name: name.into(), values: Values::Whole(values.map(Into::into).collect()) }
 }
 
-fn strings(names: &[&str]) -> Vec<String> {
-    names.iter().map(|&name| name.to_owned()).collect()
+/// Times of a clock, which stay below the largest `i64` for 292 000 years.
+fn clock(name: &str, values: impl Iterator<Item = u64>) -> Column {
+    whole(name, values.map(u64::cast_signed))
 }
 
-fn telemetry(log: &RunLog) -> Rows {
-    let mut header = strings(&["time_s", "state", "fault_bits", "supply_pa", "output_bits"]);
-    for channel in 0..log.info.channel_count() {
-        let names = ["pressure_pa", "reference_pa", "duty", "status"];
-        header.extend(names.map(|name| format!("channel_{channel}_{name}")));
+fn words(name: &str, values: impl Iterator<Item = String>) -> Column {
+    Column { name: name.to_owned(), values: Values::Text(values.collect()) }
+}
+
+fn known(value: Option<f64>) -> f64 {
+    value.unwrap_or(f64::NAN)
+}
+
+/// The three columns of a point.
+fn point<'a, T: 'a>(name: &str, rows: &[&'a T], at: impl Fn(&'a T) -> Option<[f64; 3]>) -> [Column; 3] {
+    [0, 1, 2].map(|axis| {
+        let named = format!("{name}{}_m", ["x", "y", "z"][axis]);
+        numbers(named, rows.iter().map(|row| at(row).map_or(f64::NAN, |point| point[axis])))
+    })
+}
+
+fn telemetry(log: &RunLog) -> Vec<Column> {
+    let samples = &log.samples;
+    let mut columns = vec![
+        numbers("time_s", samples.iter().map(|sample| sample.time_s)),
+        whole("state", samples.iter().map(|sample| sample.state)),
+        whole("fault_bits", samples.iter().map(|sample| sample.fault_bits)),
+        numbers("supply_pa", samples.iter().map(|sample| sample.supply_pa)),
+        whole("output_bits", samples.iter().map(|sample| sample.outputs.bits)),
+    ];
+    for index in 0..log.info.channel_count() {
+        let name = |quantity: &str| format!("channel_{index}_{quantity}");
+        let channels = || samples.iter().map(|sample| &sample.channels[index]);
+        columns.extend([
+            numbers(name("pressure_pa"), channels().map(|channel| channel.pressure_pa)),
+            numbers(name("reference_pa"), channels().map(|channel| channel.reference_pa)),
+            numbers(name("duty"), channels().map(|channel| channel.duty)),
+            whole(name("status"), channels().map(|channel| channel.status)),
+        ]);
     }
-    let row = |sample: &Sample| {
-        let mut cells = vec![
-            number(sample.time_s),
-            sample.state.to_string(),
-            sample.fault_bits.to_string(),
-            number(sample.supply_pa),
-            sample.outputs.bits.to_string(),
-        ];
-        for channel in &sample.channels {
-            cells.extend([channel.pressure_pa, channel.reference_pa, channel.duty].map(number));
-            cells.push(channel.status.to_string());
-        }
-        cells
-    };
-    (header, log.samples.iter().map(row).collect())
+    columns
 }
 
 /// Name of a module's column: the module, its quantity and the unit.
-fn column(module: &ModuleInfo) -> String {
+fn column_name(module: &ModuleInfo) -> String {
     let (name, quantity) = (module.name.replace(' ', "_"), module.quantity.name());
     match module.quantity.si_unit() {
         "1" => format!("{name}_{quantity}"),
@@ -82,111 +152,118 @@ fn column(module: &ModuleInfo) -> String {
     }
 }
 
-fn point_names(name: &str) -> [String; 3] {
-    ["x", "y", "z"].map(|axis| format!("{name}_{axis}_m"))
-}
-
-fn point(point: Option<[f64; 3]>) -> [String; 3] {
-    point.unwrap_or([f64::NAN; 3]).map(number)
-}
-
 fn deformation(
     log: &RunLog,
     tip: &str,
     value: impl Fn(&ModuleSample) -> Option<f64>,
     tip_m: impl Fn(&Sample) -> Option<[f64; 3]>,
-) -> Rows {
-    let mut header = strings(&["time_s"]);
-    header.extend(log.info.modules.iter().map(column));
-    header.extend(point_names(tip));
-    let row = |sample: &Sample| {
-        let modules = sample.modules.iter().map(|module| maybe(value(module)));
-        [number(sample.time_s)].into_iter().chain(modules).chain(point(tip_m(sample))).collect()
-    };
-    (header, log.samples.iter().map(row).collect())
+) -> Vec<Column> {
+    deformations(log, &log.samples.iter().collect::<Vec<_>>(), tip, value, tip_m)
 }
 
-fn truth(log: &RunLog) -> Rows {
-    let (mut header, _) = deformation(log, "tip_achieved", |_| None, |_| None);
-    header.extend((0..log.info.channel_count()).map(|channel| format!("channel_{channel}_chamber_pressure_pa")));
-    header.push("gripper_closure".to_owned());
+fn deformations(
+    log: &RunLog,
+    samples: &[&Sample],
+    tip: &str,
+    value: impl Fn(&ModuleSample) -> Option<f64>,
+    tip_m: impl Fn(&Sample) -> Option<[f64; 3]>,
+) -> Vec<Column> {
+    let mut columns = vec![numbers("time_s", samples.iter().map(|sample| sample.time_s))];
+    columns.extend(log.info.modules.iter().enumerate().map(|(index, module)| {
+        numbers(column_name(module), samples.iter().map(|sample| known(value(&sample.modules[index]))))
+    }));
+    columns.extend(point(&format!("{tip}_"), samples, tip_m));
+    columns
+}
+
+fn truth(log: &RunLog) -> Vec<Column> {
     let seen = log.samples.iter().filter(|sample| {
         sample.tip_achieved_m.is_some() || sample.channels.iter().any(|channel| channel.true_pressure_pa.is_some())
     });
-    let row = |sample: &Sample| {
-        let modules = sample.modules.iter().map(|module| maybe(module.achieved));
-        let chambers = sample.channels.iter().map(|channel| maybe(channel.true_pressure_pa));
-        let cells = [number(sample.time_s)].into_iter().chain(modules).chain(point(sample.tip_achieved_m));
-        cells.chain(chambers).chain([maybe(sample.outputs.gripper_closure)]).collect()
-    };
-    (header, seen.map(row).collect())
+    let seen: Vec<&Sample> = seen.collect();
+    let mut columns = deformations(log, &seen, "tip_achieved", |module| module.achieved, |s| s.tip_achieved_m);
+    columns.extend((0..log.info.channel_count()).map(|index| {
+        let pressures = seen.iter().map(|sample| known(sample.channels[index].true_pressure_pa));
+        numbers(format!("channel_{index}_chamber_pressure_pa"), pressures)
+    }));
+    columns.push(numbers("gripper_closure", seen.iter().map(|sample| known(sample.outputs.gripper_closure))));
+    columns
 }
 
-fn fault(log: &RunLog) -> Rows {
-    let rows = log.faults.iter().map(|fault| {
-        let numbers = [fault.channel.to_string(), fault.code.to_string(), fault.value.to_string()];
-        [number(fault.time_s)].into_iter().chain(numbers).chain([fault.text.clone()]).collect()
-    });
-    (strings(&["time_s", "channel", "code", "value", "text"]), rows.collect())
+fn fault(log: &RunLog) -> Vec<Column> {
+    let faults = &log.faults;
+    vec![
+        numbers("time_s", faults.iter().map(|fault| fault.time_s)),
+        whole("channel", faults.iter().map(|fault| fault.channel)),
+        whole("code", faults.iter().map(|fault| fault.code)),
+        whole("value", faults.iter().map(|fault| fault.value)),
+        words("text", faults.iter().map(|fault| fault.text.clone())),
+    ]
 }
+
+/// A point of a backbone: time, line, index, place.
+type ShapePoint = (f64, &'static str, u32, [f64; 3]);
 
 /// One row a point of a backbone.
-fn shape(log: &RunLog) -> Rows {
-    let mut header = strings(&["time_s", "line", "point"]);
-    header.extend(["x_m", "y_m", "z_m"].map(str::to_owned));
-    let mut rows = Vec::new();
+fn shape(log: &RunLog) -> Vec<Column> {
+    let mut rows: Vec<ShapePoint> = Vec::new();
     for shape in &log.shapes {
         for (line, points) in [("setpoint", Some(&shape.setpoint)), ("achieved", shape.achieved.as_ref())] {
-            for (index, at) in points.into_iter().flatten().enumerate() {
-                let cells = [number(shape.time_s), line.to_owned(), index.to_string()];
-                rows.push(cells.into_iter().chain(point(Some(*at))).collect());
-            }
+            let points = (0..).zip(points.into_iter().flatten());
+            rows.extend(points.map(|(index, at)| (shape.time_s, line, index, *at)));
         }
     }
-    (header, rows)
+    let mut columns = vec![
+        numbers("time_s", rows.iter().map(|row| row.0)),
+        words("line", rows.iter().map(|row| row.1.to_owned())),
+        whole("point", rows.iter().map(|row| row.2)),
+    ];
+    columns.extend(point("", &rows.iter().collect::<Vec<_>>(), |row| Some(row.3)));
+    columns
 }
 
-fn wire(capture: &Capture) -> Rows {
-    let row = |wire: &crate::record::WireBytes| {
-        let hexadecimal = wire.bytes.iter().fold(String::new(), |mut text, byte| {
+fn wire(capture: &Capture) -> Vec<Column> {
+    let direction = |direction: &Direction| match direction {
+        Direction::ToDevice => "to_device".to_owned(),
+        Direction::ToHost => "to_host".to_owned(),
+    };
+    let hexadecimal = |bytes: &[u8]| {
+        bytes.iter().fold(String::new(), |mut text, byte| {
             // Writing to memory cannot fail.
             let _ = write!(text, "{byte:02x}");
             text
-        });
-        let direction = match wire.direction {
-            Direction::ToDevice => "to_device",
-            Direction::ToHost => "to_host",
-        };
-        vec![wire.host_us.to_string(), direction.to_owned(), hexadecimal]
+        })
     };
-    (strings(&["host_us", "direction", "bytes_hex"]), capture.wire.iter().map(row).collect())
+    let wire = &capture.wire;
+    vec![
+        clock("host_us", wire.iter().map(|wire| wire.host_us)),
+        words("direction", wire.iter().map(|wire| direction(&wire.direction))),
+        words("bytes_hex", wire.iter().map(|wire| hexadecimal(&wire.bytes))),
+    ]
 }
 
-fn ticks(capture: &Capture) -> Rows {
-    let channels = capture.ticks.first().map_or(0, |tick| tick.codes.len().saturating_sub(1));
-    let mut header =
-        strings(&["device_us", "stop_pressed", "supply_open", "pump_duty_255", "output_bits", "supply_code"]);
+fn ticks(capture: &Capture) -> Vec<Column> {
+    let ticks = &capture.ticks;
+    let channels = ticks.first().map_or(0, |tick| tick.codes.len().saturating_sub(1));
+    let code = |code: Option<&u16>| code.map_or(f64::NAN, |code| f64::from(*code));
+    let mut columns = vec![
+        clock("device_us", ticks.iter().map(|tick| tick.device_us)),
+        whole("stop_pressed", ticks.iter().map(|tick| tick.stop_pressed)),
+        whole("supply_open", ticks.iter().map(|tick| tick.supply_open)),
+        whole("pump_duty_255", ticks.iter().map(|tick| tick.pump_duty)),
+        whole("output_bits", ticks.iter().map(|tick| tick.outputs)),
+        numbers("supply_code", ticks.iter().map(|tick| code(tick.codes.last()))),
+    ];
     for channel in 0..channels {
-        header.extend(["code", "fill_us", "vent_us"].map(|name| format!("channel_{channel}_{name}")));
+        let pulse = |tick: &DeviceTick| tick.pulses.iter().find(|pulse| usize::from(pulse.channel) == channel).copied();
+        let name = |quantity: &str| format!("channel_{channel}_{quantity}");
+        columns.extend([
+            numbers(name("code"), ticks.iter().map(|tick| code(tick.codes.get(channel)))),
+            whole(name("fill_us"), ticks.iter().map(|tick| pulse(tick).map_or(0, |pulse| pulse.fill_us))),
+            whole(name("vent_us"), ticks.iter().map(|tick| pulse(tick).map_or(0, |pulse| pulse.vent_us))),
+        ]);
     }
-    let row = |tick: &crate::record::DeviceTick| {
-        let mut cells = vec![
-            tick.device_us.to_string(),
-            u8::from(tick.stop_pressed).to_string(),
-            u8::from(tick.supply_open).to_string(),
-            tick.pump_duty.to_string(),
-            tick.outputs.to_string(),
-            tick.codes.last().map_or_else(String::new, u16::to_string),
-        ];
-        for channel in 0..channels {
-            let pulse = tick.pulses.iter().find(|pulse| usize::from(pulse.channel) == channel);
-            cells.push(tick.codes.get(channel).map_or_else(String::new, u16::to_string));
-            cells.push(pulse.map_or(0, |pulse| pulse.fill_us).to_string());
-            cells.push(pulse.map_or(0, |pulse| pulse.vent_us).to_string());
-        }
-        cells
-    };
-    (header, capture.ticks.iter().map(row).collect())
+    columns
 }
 
 /// The whole log, to be serialized.

@@ -36,7 +36,7 @@ impl Export {
         if let Some(folder) = &self.csv {
             make_folder(folder).map_err(Failure::new)?;
             for table in tables(&log, &capture) {
-                write(&folder.join(table.name).with_extension("csv"), &table.csv)?;
+                write(&folder.join(table.name).with_extension("csv"), &table.csv())?;
             }
         }
         if let Some(file) = &self.json {
