@@ -13,8 +13,12 @@ Quantities are in SI units, with the unit in the name. Pressures are gauge press
 
 from softlimb._native import __version__
 from softlimb.actuator import Actuator
-from softlimb.errors import InvalidParameter
+from softlimb.calibrate import calibrate_pressure, calibrate_tension
+from softlimb.cli import CommandResult, command
+from softlimb.errors import CommandError, Diagnostic, InvalidParameter, LogError, RunError, SceneError
+from softlimb.log import Log, read_log
 from softlimb.material import CastableElastomer, NeoHookean, Yeoh, castable_elastomers
+from softlimb.scene import Plan, Scene
 from softlimb.solution import Blocked, Model, Sensitivity, Solution, Status
 from softlimb.winding import Fiber
 
@@ -22,14 +26,27 @@ __all__ = [
     "Actuator",
     "Blocked",
     "CastableElastomer",
+    "CommandError",
+    "CommandResult",
+    "Diagnostic",
     "Fiber",
     "InvalidParameter",
+    "Log",
+    "LogError",
     "Model",
     "NeoHookean",
+    "Plan",
+    "RunError",
+    "Scene",
+    "SceneError",
     "Sensitivity",
     "Solution",
     "Status",
     "Yeoh",
     "__version__",
+    "calibrate_pressure",
+    "calibrate_tension",
     "castable_elastomers",
+    "command",
+    "read_log",
 ]

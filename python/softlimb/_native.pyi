@@ -1,3 +1,4 @@
+from pathlib import Path
 from typing import TypeAlias, final
 
 import numpy as np
@@ -8,7 +9,16 @@ _Codes: TypeAlias = npt.NDArray[np.int8]
 _Arrays: TypeAlias = tuple[list[_Codes], npt.NDArray[np.int32], list[_Floats]]
 _Elastomer: TypeAlias = tuple[str, list[float], list[float]]
 
-__all__ = ["Actuators", "Refused", "__version__", "castable_elastomer", "castable_elastomers"]
+__all__ = [
+    "Actuators",
+    "Refused",
+    "Scene",
+    "__version__",
+    "castable_elastomer",
+    "castable_elastomers",
+    "main",
+    "read_log",
+]
 
 __version__: str
 
@@ -43,3 +53,32 @@ class Actuators:
 
 def castable_elastomers() -> list[_Elastomer]: ...
 def castable_elastomer(name: str) -> _Elastomer: ...
+
+@final
+class Scene:
+    @staticmethod
+    def load(path: Path) -> Scene: ...
+    @staticmethod
+    def parse(text: str, name: str) -> Scene: ...
+    def name(self) -> str: ...
+    def drives(self) -> list[tuple[str, str]]: ...
+    def check(self) -> str: ...
+    def plan(self) -> tuple[tuple[_Floats, _Floats, _Floats, _Floats], list[str]]: ...
+    def statics(self, payload_kg: float | None, spacers: int | None, tolerance: float) -> tuple[str, list[str]]: ...
+    def workspace(
+        self,
+        each_actuator: bool,
+        samples: int,
+        points: str,
+        seed: int,
+        cell_m: float,
+        loaded: tuple[float, int | None] | None,
+    ) -> tuple[str, _Floats]: ...
+    def run(
+        self, out: Path, seed: int | None, plant: Scene | None, link_fault: str | None, faults: list[str]
+    ) -> tuple[str, Path, Path]: ...
+
+def main(words: list[str]) -> int: ...
+def read_log(
+    path: Path,
+) -> tuple[list[tuple[str, list[tuple[str, npt.NDArray[np.generic] | list[str]]]]], str, str, str | None]: ...

@@ -59,3 +59,9 @@ def one_shape(fields: Mapping[str, npt.NDArray[np.generic]]) -> tuple[int, ...]:
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in fields.items() if array.shape)
         raise ValueError(f"shapes do not broadcast: {shapes}") from None
+
+
+def within(field: str, value: float | None, low: float, high: float) -> None:
+    """Refuses a number outside of a range; None stands for a default."""
+    if value is not None and not low <= value <= high:
+        raise InvalidParameter(field, value, f"{low} to {high}")

@@ -9,11 +9,23 @@ mod blocked;
 mod body;
 mod columns;
 mod derivatives;
+mod failed;
+mod logs;
 mod materials;
 mod refused;
+mod runs;
+mod scenes;
 mod solve;
 
+use std::ffi::OsString;
+
 use pyo3::prelude::*;
+
+/// Runs the command with the words of a command line, the program's name before them; its exit code.
+#[pyfunction]
+fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| softlimb::cli::main_of(words))
+}
 
 /// The extension module.
 #[pymodule]
@@ -21,9 +33,15 @@ mod _native {
     #[pymodule_export]
     use super::actuators::Actuators;
     #[pymodule_export]
+    use super::logs::read_log;
+    #[pymodule_export]
+    use super::main;
+    #[pymodule_export]
     use super::materials::{castable_elastomer, castable_elastomers};
     #[pymodule_export]
     use super::refused::Refused;
+    #[pymodule_export]
+    use super::scenes::Scene;
 
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
 

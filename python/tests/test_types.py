@@ -16,6 +16,10 @@ def test_examples_pass_the_strict_checker(tmp_path):
     checked("mypy", "--strict", "--cache-dir", str(tmp_path), ".")
 
 
+def test_package_passes_the_strict_checker(tmp_path):
+    checked("mypy", "--strict", "--cache-dir", str(tmp_path), "-p", "softlimb")
+
+
 def test_stubs_are_those_of_the_native_part():
     checked("mypy.stubtest", "softlimb._native")
 
