@@ -15,6 +15,7 @@ from softlimb._native import __version__
 from softlimb.actuator import Actuator
 from softlimb.calibrate import calibrate_pressure, calibrate_tension
 from softlimb.cli import CommandResult, command
+from softlimb.design import design_actuators, design_bundle
 from softlimb.errors import CommandError, Diagnostic, InvalidParameter, LogError, RunError, SceneError
 from softlimb.log import Log, read_log
 from softlimb.material import CastableElastomer, NeoHookean, Yeoh, castable_elastomers
@@ -48,5 +49,7 @@ __all__ = [
     "calibrate_tension",
     "castable_elastomers",
     "command",
+    "design_actuators",
+    "design_bundle",
     "read_log",
 ]
