@@ -207,7 +207,7 @@ impl<const N: usize> Controller<N> {
         self.supervise(inputs);
         let outputs = TickOutputs { digital: self.outputs, ..self.drive(now_us) };
         self.tick_count = self.tick_count.wrapping_add(1);
-        self.report(now_us);
+        self.report(inputs, &outputs);
         outputs
     }
 

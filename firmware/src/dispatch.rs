@@ -173,7 +173,7 @@ impl<const N: usize> Controller<N> {
         self.telemetry_due_us = now_us;
         self.staged.forget();
         self.start_us = None;
-        self.sampling.stop();
+        self.sampling.reconfigure(&mut self.outbox);
         self.queue.flush();
         self.apply(now_us, Event::Reconfigured);
         OK

@@ -3,11 +3,12 @@
 use softlimb_protocol::{ChannelSample, ChannelStatus, Fault, List, Telemetry};
 
 use crate::channel::Channel;
-use crate::controller::Controller;
+use crate::controller::{Controller, TickInputs, TickOutputs};
 
 impl<const N: usize> Controller<N> {
-    /// Queues untold faults and, when they are due, samples and a telemetry message.
-    pub(crate) fn report(&mut self, now_us: u64) {
+    /// Queues untold faults and, when they are due, samples and a telemetry message at the end of a tick.
+    pub(crate) fn report(&mut self, inputs: &TickInputs<N>, outputs: &TickOutputs<N>) {
+        let now_us = inputs.now_us;
         while let Some(&occurrence) = self.faults.untold() {
             let message = Fault {
                 time_us: occurrence.time_us,
@@ -20,7 +21,7 @@ impl<const N: usize> Controller<N> {
             }
             self.faults.mark_reported();
         }
-        self.sample(now_us);
+        self.sample(inputs, outputs);
         let Some(config) = &self.config else { return };
         if now_us < self.telemetry_due_us {
             return;

@@ -1,6 +1,7 @@
 //! Several knots in a frame, several samples in a message.
 
 use crate::common::{Bench, SESSION};
+use softlimb_firmware::TickOutputs;
 use softlimb_protocol::*;
 
 const OFF: Outputs = Outputs::from_bits(0);
@@ -116,7 +117,8 @@ fn first_knot_after_a_flush_is_whole() {
 }
 
 fn sampling(bench: &mut Bench, period_us: u32, samples: u8) -> Ack {
-    bench.request(&SetSampling { session: SESSION, period_us, samples }.into())
+    let content = SampleContent::Measurements.into();
+    bench.request(&SetSampling { session: SESSION, period_us, samples, content }.into())
 }
 
 fn told(bench: &Bench) -> Vec<&Samples> {
@@ -205,4 +207,92 @@ fn samples_without_room_are_counted() {
     let (last, count) = (all.last().unwrap(), all.iter().map(|message| message.samples.len()).sum::<usize>());
     assert!(last.left_out > 0 && last.left_out % 7 == 0, "{}", last.left_out);
     assert_eq!(count + last.left_out as usize, 273);
+}
+
+fn ticks_of(bench: &Bench) -> Vec<&Ticks> {
+    let ticks = bench.messages.iter().filter_map(|message| match message {
+        DeviceMessage::Ticks(ticks) => Some(ticks),
+        _ => None,
+    });
+    ticks.collect()
+}
+
+fn request_ticks(bench: &mut Bench, samples: u8) -> Ack {
+    let content = SampleContent::Ticks.into();
+    bench.request(&SetSampling { session: SESSION, period_us: 1_000, samples, content }.into())
+}
+
+/// Fill and vent time of the channels, then supply valve, pump and digital outputs, as the specification orders them.
+fn outputs_crc(outputs: &TickOutputs, channels: usize) -> u32 {
+    let coils = outputs.valves[..channels].iter().flat_map(|valves| [valves.fill_us, valves.vent_us]);
+    let mut bytes: Vec<u8> = coils.flat_map(u16::to_le_bytes).collect();
+    bytes.extend([u8::from(outputs.supply_open), outputs.pump_duty, outputs.digital.bits()]);
+    crc32c(&bytes)
+}
+
+#[test]
+fn ticks_requested_before_a_configuration_come_from_its_first_tick_on() {
+    let mut bench = Bench::new();
+    bench.hello();
+    assert_eq!(request_ticks(&mut bench, 5).result, ResultCode::Ok);
+    bench.ticks(10);
+    assert!(ticks_of(&bench).is_empty(), "no channel, no code");
+    let channels = crate::common::channels(&[SetpointKind::Pressure; 2]);
+    bench.configure(&crate::common::system(), &channels);
+    let begin_us = bench.now_us;
+    let mut expected = Vec::new();
+    for tick in 0..120_u16 {
+        // Within the plausible band; the stop is pressed in the last ticks.
+        (bench.code[0], bench.code[1]) = (Some(410 + tick % 3), Some(411));
+        bench.emergency_stop = tick >= 115;
+        if tick == 60 {
+            assert_eq!(bench.pulse(1, PulseDirection::Fill, 20_000).result, ResultCode::Ok);
+        }
+        let outputs = bench.tick();
+        let flags = if tick >= 115 { TickFlags::EMERGENCY_STOP } else { TickFlags::default() };
+        expected.push(([410 + tick % 3, 411], flags, outputs_crc(&outputs, 2)));
+    }
+    let mut found = Vec::new();
+    for (number, message) in (0..).zip(ticks_of(&bench)) {
+        assert_eq!((message.time_us, message.left_out, message.ticks.len()), (begin_us + 5_000 * number, 0, 5));
+        found.extend(message.ticks.iter().map(|tick| ([tick.codes[0], tick.codes[1]], tick.flags, tick.outputs_crc)));
+    }
+    assert_eq!(found, expected);
+    let of_pulse = found[61].2;
+    assert!(found[..60].iter().all(|tick| tick.2 != of_pulse), "the coil of the pulse is in the checksum");
+    // A later configuration does not end them, a request and another session do.
+    bench.emergency_stop = false;
+    bench.command(CommandCode::ClearFaults);
+    assert_eq!(request_ticks(&mut bench, 255).detail, 2);
+    let content = SampleContent::Ticks.into();
+    bench.request(&SetSampling { session: SESSION, period_us: 0, samples: 0, content }.into());
+    bench.messages.clear();
+    bench.ticks(20);
+    assert!(ticks_of(&bench).is_empty());
+}
+
+#[test]
+fn ticks_go_on_through_another_configuration_in_messages_that_hold_them() {
+    let mut bench = Bench::ready(&[SetpointKind::Pressure; 1]);
+    assert_eq!(request_ticks(&mut bench, 23).result, ResultCode::Ok);
+    bench.ticks(30);
+    bench.configure(&crate::common::system(), &crate::common::channels(&[SetpointKind::Pressure; 9]));
+    bench.ticks(30);
+    let told: Vec<_> = ticks_of(&bench).iter().map(|message| message.ticks.len()).collect();
+    assert_eq!(told, [23, 7, 9, 9, 9]);
+    assert!(ticks_of(&bench).iter().all(|message| message.left_out == 0));
+}
+
+#[test]
+fn ticks_are_every_tick_and_of_a_content_that_is_known() {
+    let mut bench = Bench::ready(&[SetpointKind::Pressure; 9]);
+    for (period_us, samples, content, result, detail) in [
+        (2_000, 1, SampleContent::Ticks.into(), ResultCode::OutOfRange, 1),
+        (1_000, 0, SampleContent::Ticks.into(), ResultCode::OutOfRange, 2),
+        (1_000, 24, SampleContent::Ticks.into(), ResultCode::OutOfRange, 2),
+        (1_000, 1, Code::from_raw(2), ResultCode::UnknownCode, 3),
+    ] {
+        let ack = bench.request(&SetSampling { session: SESSION, period_us, samples, content }.into());
+        assert_eq!((ack.result.known(), ack.detail), (Some(result), detail), "{period_us} {samples} {content:?}");
+    }
 }

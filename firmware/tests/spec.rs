@@ -120,7 +120,10 @@ fn takes(bench: &mut Bench, name: &str) -> bool {
             knots.push(&step).unwrap();
             vec![Knots { session: SESSION, index: next_knot.index, knots }.into()]
         }
-        "SetSampling" => vec![SetSampling { session: SESSION, period_us: 5_000, samples: 1 }.into()],
+        "SetSampling" => vec![
+            SetSampling { session: SESSION, period_us: 5_000, samples: 1, content: SampleContent::Measurements.into() }
+                .into(),
+        ],
         "Start" => vec![command(CommandCode::Start)],
         "Hold" => vec![command(CommandCode::Hold)],
         "Vent" => vec![command(CommandCode::Vent)],

@@ -4,7 +4,7 @@ use softlimb_firmware::{AdcCode, BootInfo, Controller, TickInputs};
 use softlimb_protocol::{
     Batch, BootCause, Command, CommandCode, ConfigBegin, ConfigChannel, ConfigCommit, ConfigHash, Decoder,
     DeviceMessage, DeviceState, FiberPlacement, Heartbeat, Hello, HostMessage, KnotStep, Knots, List, MaterialLaw,
-    MotionKind, Outputs, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, SetSampling, Setpoint, SetpointKind,
+    MotionKind, Outputs, PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, SampleContent, SetSampling, Setpoint, SetpointKind,
 };
 
 #[path = "../../firmware/tests/common/configuration.rs"]
@@ -162,7 +162,10 @@ impl Bench {
         let (ticks, samples) = (1 + draw.below(3), 1 + draw.below(3) as u8);
         let period_us = ticks as u32 * TICK_US as u32;
         self.seq = self.seq.wrapping_add(1);
-        let whole = frame::<HostMessage>(self.seq, SetSampling { session: SESSION, period_us, samples });
+        let whole = frame::<HostMessage>(
+            self.seq,
+            SetSampling { session: SESSION, period_us, samples, content: SampleContent::Measurements.into() },
+        );
         for wire in wires(&whole, draw) {
             let results = self.send(&wire);
             assert!(results.iter().all(|&answer| answer == (self.seq, ResultCode::Ok)), "{results:?} to {wire:02x?}");

@@ -19,7 +19,7 @@ import termios
 import time
 import tty
 
-VERSION, SCHEMA_HASH = 1, 0x7FB26412  # section 9
+VERSION, SCHEMA_HASH = 1, 0xD9209C80  # section 9
 
 HELLO, HEARTBEAT, BEGIN, SYSTEM, CHANNEL, COMMIT, COMMAND, SETPOINT, KNOTS, SET_SAMPLING = 1, 2, 3, 4, 5, 6, 7, 8, 13, 14
 HELLO_REPLY, ACK, HEARTBEAT_REPLY, TELEMETRY, FAULT, SAMPLES = 0x81, 0x82, 0x83, 0x84, 0x85, 0x86  # section 8.5
@@ -217,7 +217,7 @@ class Host:  # one session (sections 3 and 4)
         self.demand(COMMIT, struct.pack("<HI", self.session, whole))
         self.until([READY], 5)
         self.command(CLEAR_FAULTS)
-        self.demand(SET_SAMPLING, struct.pack("<HIB", self.session, 5000, min(4, 230 // (2 + 3 * channels))))  # section 7.6
+        self.demand(SET_SAMPLING, struct.pack("<HIBB", self.session, 5000, min(4, 230 // (2 + 3 * channels)), 0))  # section 7.6
 
     def send_knots(self, knots, index, count):
         """The first knot as it is, the others by their steps (section 6); how many were sent."""

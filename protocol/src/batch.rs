@@ -172,6 +172,14 @@ impl crate::message::Samples {
     }
 }
 
+impl crate::message::Ticks {
+    /// The most ticks of so many channels in one frame.
+    #[must_use]
+    pub const fn most(channels: usize) -> usize {
+        fitting::<crate::message::Tick>(<Self as Wire>::FIXED_LEN, channels)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -208,6 +208,14 @@ interface! {
             /// Filling does not raise a reading: a valve or the supply stays closed, a hose is kinked, coils are exchanged, or the sensor is wrong.
             FillWithoutEffect = 12,
         }
+
+        /// Content of a sample.
+        SampleContent {
+            /// State, pressures and duties, in Samples messages.
+            Measurements = 0,
+            /// Inputs of every control tick, in Ticks messages.
+            Ticks = 1,
+        }
     }
 
     flags {
@@ -225,6 +233,12 @@ interface! {
             REFERENCE_LIMITED = 1,
             /// No pressure was found for the setpoint; the last good one is kept.
             INVERSE_FAILED = 2,
+        }
+
+        /// Inputs of a control tick that are on or off.
+        TickFlags {
+            /// The emergency stop is pressed.
+            EMERGENCY_STOP = 0,
         }
     }
 
@@ -265,6 +279,18 @@ interface! {
             state: Code<DeviceState>,
             /// One per configured channel.
             channels: List<PressureSample>,
+        }
+
+        /// Inputs of one control tick and a checksum of its outputs, in a Ticks message.
+        Tick {
+            /// Inputs that are on or off.
+            flags: TickFlags,
+            /// Code of the supply's sensor.
+            supply_code: u16,
+            /// CRC-32C of the outputs: fill and vent time of each configured channel (u16 each, us), then one byte each for supply valve, pump and digital outputs.
+            outputs_crc: u32,
+            /// Codes of the sensors, one per configured channel.
+            codes: List<u16>,
         }
     }
 
@@ -482,14 +508,16 @@ interface! {
             knots: Batch<KnotStep>,
         }
 
-        /// Requests Samples beside the Telemetry, until the next configuration or session.
+        /// Requests Samples or Ticks beside the Telemetry, until the next session; Samples until the next configuration.
         0x0e SetSampling Reliable {
             /// Session.
             session: u16,
             /// Time between two samples, us; 0 stops them.
             period_us: u32,
-            /// Samples in one Samples message.
+            /// Samples in one message.
             samples: u8,
+            /// Content of a sample.
+            content: Code<SampleContent>,
         }
     }
 
@@ -601,6 +629,16 @@ interface! {
             left_out: u32,
             /// The samples in order.
             samples: Batch<Sample>,
+        }
+
+        /// Inputs of consecutive control ticks, sent after a SetSampling of Ticks.
+        0x87 Ticks Unacknowledged {
+            /// Device time of the first tick, us; the others follow each 1000 us.
+            time_us: u64,
+            /// Ticks dropped since SetSampling because the transmitter was full; stays at its maximum.
+            left_out: u32,
+            /// The ticks in order.
+            ticks: Batch<Tick>,
         }
     }
 }

@@ -69,7 +69,11 @@ fn host_fields(message: &HostMessage) -> (&'static str, Value) {
         ),
         HostMessage::Knots(m) => ("Knots", knots_fields(m)),
         HostMessage::SetSampling(m) => {
-            ("SetSampling", json!({ "session": m.session, "period_us": m.period_us, "samples": m.samples }))
+            let content = m.content.raw();
+            (
+                "SetSampling",
+                json!({ "session": m.session, "period_us": m.period_us, "samples": m.samples, "content": content }),
+            )
         }
         HostMessage::ManualPulse(m) => (
             "ManualPulse",
@@ -152,6 +156,7 @@ fn device_fields(message: &DeviceMessage) -> (&'static str, Value) {
         ),
         DeviceMessage::Telemetry(m) => ("Telemetry", telemetry_fields(m)),
         DeviceMessage::Samples(m) => ("Samples", samples_fields(m)),
+        DeviceMessage::Ticks(m) => ("Ticks", ticks_fields(m)),
         DeviceMessage::Fault(m) => {
             ("Fault", json!({ "time_us": m.time_us, "channel": m.channel, "code": m.code.raw(), "value": m.value }))
         }
@@ -207,6 +212,15 @@ fn samples_fields(m: &Samples) -> Value {
         "left_out": m.left_out,
         "samples": m.samples.iter().map(sample).collect::<Vec<_>>(),
     })
+}
+
+fn ticks_fields(m: &Ticks) -> Value {
+    let tick = |t: Tick| {
+        json!({
+            "flags": t.flags.bits(), "supply_code": t.supply_code, "outputs_crc": t.outputs_crc, "codes": t.codes.to_vec(),
+        })
+    };
+    json!({ "time_us": m.time_us, "left_out": m.left_out, "ticks": m.ticks.iter().map(tick).collect::<Vec<_>>() })
 }
 
 fn knots_fields(m: &Knots) -> Value {

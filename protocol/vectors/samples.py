@@ -54,7 +54,7 @@ TYPICAL = {
     "SetOutputs": {"session": 7, "outputs": 1},
     "Knots": {"session": 7, "index": 1, "knots": [
         {"step_us": 20_000, "outputs": 0, "steps": [100, -200]}, {"step_us": 10_000, "outputs": 1, "steps": [0, 3000]}]},
-    "SetSampling": {"session": 7, "period_us": 5000, "samples": 2},
+    "SetSampling": {"session": 7, "period_us": 5000, "samples": 2, "content": 0},
     "HelloReply": REPLY,
     "Ack": ACK,
     "HeartbeatReply": {"host_time_us": 1_000_000, "mcu_time_us": 1_300_000, "state": 1, "free_knots": 64},
@@ -63,6 +63,9 @@ TYPICAL = {
     "Samples": {"time_us": 2_000_000, "period_us": 5000, "left_out": 0, "samples": [
         {"state": 2, "channels": [{"pressure_10pa": 1000, "duty": 12}, {"pressure_10pa": 0, "duty": -127}]},
         {"state": 2, "channels": [{"pressure_10pa": 1010, "duty": 0}, {"pressure_10pa": 1, "duty": 127}]}]},
+    "Ticks": {"time_us": 2_000_000, "left_out": 0, "ticks": [
+        {"flags": 0, "supply_code": 2867, "outputs_crc": 0x7D5DB7F3, "codes": [410, 1200]},
+        {"flags": 1, "supply_code": 2866, "outputs_crc": 0, "codes": [411, 4095]}]},
 }
 DENSE_SETPOINT = {
     "session": 0x0101, "index": 0x01010101, "time_us": 0x0101010101010101, "outputs": 1, "values": [-1, 0x7F7F7F7F],
@@ -181,11 +184,20 @@ def batches():
                 "time_us": 2**63, "period_us": 1000, "left_out": 2**32 - 1, "samples": [
                     {"state": k % 7, "channels": [{"pressure_10pa": 100 * j + k, "duty": j - k} for j in range(count)]}
                     for k in range(number)]}
+    for count, most in ((1, 23), (9, 9), (27, 3)):
+        for number in sorted({1, 2, most}):
+            yield f"Ticks, {number} of {count} channels", "Ticks", 80 + number, {
+                "time_us": 2**64 - 1, "left_out": 2**32 - 1, "ticks": [
+                    {"flags": k % 2, "supply_code": 65_535 - k, "outputs_crc": 2**32 - 1 - k,
+                     "codes": [100 * j + k for j in range(count)]} for k in range(number)]}
     yield "Knots, another number of channels in each knot", "Knots", 90, {"session": 7, "index": 3, "knots": [
         {"step_us": 0, "outputs": 255, "steps": [-(2**15)] * 27}, {"step_us": 1, "outputs": 0, "steps": [2**15 - 1]}]}
     for period_us, number in ((0, 0), (1000, 255), (2**32 - 1, 1)):
         yield f"SetSampling, {number} every {period_us} us", "SetSampling", 91, {
-            "session": 7, "period_us": period_us, "samples": number}
+            "session": 7, "period_us": period_us, "samples": number, "content": 0}
+    for content, name in ((1, "ticks"), (200, "content of a later version")):
+        yield f"SetSampling, {name}", "SetSampling", 92, {
+            "session": 7, "period_us": 1000, "samples": 8, "content": content}
 
 
 MESSAGES = [(f"{name}, typical", name, 0x0A00, values) for name, values in TYPICAL.items()] + list(variants())

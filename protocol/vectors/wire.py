@@ -25,7 +25,7 @@ HOST = {
     0x0b: ("ManualPulse", "session:H channel:B direction:B duration_us:I"),
     0x0c: ("SetOutputs", "session:H outputs:B"),
     0x0d: ("Knots", "session:H index:I knots:list:step"),
-    0x0e: ("SetSampling", "session:H period_us:I samples:B"),
+    0x0e: ("SetSampling", "session:H period_us:I samples:B content:B"),
 }
 DEVICE = {
     0x81: ("HelloReply", "protocol_version:H schema_hash:I session:H firmware_major:B firmware_minor:B firmware_patch:B "
@@ -36,12 +36,14 @@ DEVICE = {
            "outputs:B channels:list:sample"),
     0x85: ("Fault", "time_us:Q channel:B code:B value:i"),
     0x86: ("Samples", "time_us:Q period_us:I left_out:I samples:list:moment"),
+    0x87: ("Ticks", "time_us:Q left_out:I ticks:list:tick"),
 }
 RECORDS = {
     "sample": "pressure_10pa:H reference_10pa:H duty:b status:B",
     "step": "step_us:H outputs:B steps:list:h",
     "moment": "state:B channels:list:pressure",
     "pressure": "pressure_10pa:H duty:b",
+    "tick": "flags:B supply_code:H outputs_crc:I codes:list:H",
 }
 
 

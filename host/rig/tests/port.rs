@@ -7,20 +7,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use softlimb_protocol::{
-    Command, CommandCode, Decoder, DeviceMessage, DeviceState, Hello, HostMessage, MAX_FRAME_LEN, Outputs,
-    PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, encode_frame,
+    Batch, Command, CommandCode, Decoder, DeviceMessage, DeviceState, Hello, HostMessage, MAX_FRAME_LEN, Outputs,
+    PROTOCOL_VERSION, ResultCode, SCHEMA_HASH, Tick, Ticks, encode_frame,
 };
 use softlimb_rig::link::port::{
     Address, ClientPort, Leave, Port, PortAddress, PortError, Served, serve, session_number,
 };
-use softlimb_rig::link::{Direct, Ending, Event, LinkError, StreamOptions, Transport, identify, listen, stream};
+use softlimb_rig::link::{
+    Direct, Ending, Event, LinkError, SampleRequest, StreamOptions, Transport, identify, listen, stream,
+};
 
-use softlimb_rig::record::read_capture;
+use softlimb_rig::record::{Capture, read_capture};
 use softlimb_rig::replay::replay;
 use softlimb_rig::run::run_behind;
 
 use super::link_common::{Told, configuration, device, knots, settings};
-use super::replay::{ONE_FINGER, differs, forge};
+use super::replay::{ONE_FINGER, differs, forge, replace};
 
 fn address(text: &str) -> PortAddress {
     match text.parse() {
@@ -269,6 +271,68 @@ fn second_run_on_a_device_is_run_again_from_its_start_on() {
     differs(&replay(&second).unwrap(), time_us, "free places for knots");
 }
 
+/// Changes one tick of the first Ticks message behind a time; the device's time of the message, us.
+fn forge_tick(capture: &mut Capture, after_us: u64, change: impl Fn(&mut Ticks, &mut Vec<Tick>)) -> u64 {
+    replace(capture, |message| match message {
+        DeviceMessage::Ticks(message) if message.time_us > after_us => {
+            let time_us = message.time_us;
+            let mut ticks: Vec<Tick> = message.ticks.iter().collect();
+            change(message, &mut ticks);
+            message.ticks = Batch::new();
+            ticks.iter().for_each(|tick| message.ticks.push(tick).unwrap());
+            Some(time_us)
+        }
+        _ => None,
+    })
+}
+
+#[test]
+fn run_with_the_codes_of_every_tick_is_run_again_bit_for_bit() {
+    let scene = softlimb_scene::parse(ONE_FINGER, "minimal.toml").unwrap();
+    let (captures, _) = served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        [(); 2].map(|()| {
+            let folder = tempfile::tempdir().unwrap();
+            let (port, cancel) = ((&address(text), Some(SampleRequest::Codes)), AtomicBool::new(false));
+            let limb = softlimb_limb::Limb::new(&scene).unwrap();
+            let plan = softlimb_motion::plan(&scene, &limb).unwrap();
+            let files = run_behind(&scene, (limb, plan), port, None, folder.path(), &cancel, |_| ()).unwrap();
+            read_capture(files.log).unwrap()
+        })
+    });
+    let [whole, second] = captures;
+    assert!(whole.ticks.is_empty(), "a device behind a port does not show its ticks");
+    let rerun = replay(&whole).unwrap();
+    assert_eq!((&rerun.difference, rerun.gap_us, rerun.is_exact), (&None, None, true));
+    assert!(rerun.ticks_compared > 1_000 && rerun.messages_missing == 0, "{rerun:?}");
+
+    let start_us = rerun.start_us.unwrap();
+    // Codes of some ticks, 2.5 kPa higher: the controller decides on other coil times.
+    let mut capture = whole.clone();
+    let time_us = forge_tick(&mut capture, start_us + 100_000, |_, ticks| {
+        ticks.iter_mut().for_each(|tick| tick.codes.iter_mut().for_each(|code| *code += 40));
+    });
+    let difference = replay(&capture).unwrap().difference.unwrap();
+    assert!((time_us..time_us + 50_000).contains(&difference.device_us), "{difference:?} behind {time_us}");
+    // A checksum of outputs.
+    let mut capture = whole.clone();
+    let time_us = forge_tick(&mut capture, start_us + 100_000, |_, ticks| ticks[3].outputs_crc ^= 1);
+    differs(&replay(&capture).unwrap(), time_us + 3_000, "coils, supply valve, pump and digital outputs");
+    // A measurement that the codes decide.
+    let mut capture = whole.clone();
+    let time_us = forge(&mut capture, start_us + 100_000, |telemetry| telemetry.channels[0].duty ^= 1);
+    differs(&replay(&capture).unwrap(), time_us, "channel 0, duty, 1/127");
+    // Ticks that did not arrive.
+    let mut capture = whole;
+    let time_us = forge_tick(&mut capture, start_us + 100_000, |message, _| message.time_us += 500_000);
+    let broken = replay(&capture).unwrap();
+    assert_eq!((broken.difference, broken.gap_us), (None, Some(time_us)));
+    assert!(broken.ticks_compared < rerun.ticks_compared);
+
+    // The second run begins with sensors and a state that the log does not have.
+    let later = replay(&second).unwrap();
+    assert_eq!((&later.difference, later.is_exact, later.has_history), (&None, false, true));
+}
+
 #[cfg(unix)]
 #[test]
 fn terminal_that_is_closed_is_told() {
@@ -288,7 +352,7 @@ fn samples_of_a_run_are_in_its_log() {
     served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
         let limb = softlimb_limb::Limb::new(&scene).unwrap();
         let plan = softlimb_motion::plan(&scene, &limb).unwrap();
-        let (port, cancel) = ((&address(text), Some(2_000)), AtomicBool::new(false));
+        let (port, cancel) = ((&address(text), Some(SampleRequest::Measurements(2_000))), AtomicBool::new(false));
         run_behind(&scene, (limb, plan), port, None, folder.path(), &cancel, |_| ()).unwrap();
     });
     let bytes = std::fs::read(folder.path().join("run.mcap")).unwrap();

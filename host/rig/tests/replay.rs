@@ -75,25 +75,31 @@ fn of_a_device(capture: &Capture) -> Capture {
 
 /// Changes the first measurement of a running device later than a time, in its frame; the device's time of it, us.
 pub(crate) fn forge(capture: &mut Capture, after_us: u64, change: impl Fn(&mut Telemetry)) -> u64 {
+    replace(capture, |message| match message {
+        DeviceMessage::Telemetry(telemetry)
+            if telemetry.time_us > after_us && telemetry.state == DeviceState::Running =>
+        {
+            change(telemetry);
+            Some(telemetry.time_us)
+        }
+        _ => None,
+    })
+}
+
+/// Changes the first message of the device that `change` takes, in its frame; the answer of `change`.
+pub(crate) fn replace<R>(capture: &mut Capture, mut change: impl FnMut(&mut DeviceMessage) -> Option<R>) -> R {
     let pieces = capture.wire.iter_mut().filter(|wire| wire.direction == Direction::ToHost);
     let mut bytes: Vec<&mut u8> = pieces.flat_map(|wire| &mut wire.bytes).collect();
     let (mut decoder, mut frame) = (Decoder::<DeviceMessage>::new(), [0; MAX_FRAME_LEN]);
     for end in 0..bytes.len() {
-        let Some(Ok(Frame { seq, message: DeviceMessage::Telemetry(mut telemetry) })) = decoder.push(*bytes[end])
-        else {
-            continue;
-        };
-        let time_us = telemetry.time_us;
-        if time_us <= after_us || telemetry.state != DeviceState::Running {
-            continue;
-        }
-        let length = encode_frame(&DeviceMessage::from(telemetry.clone()), seq, &mut frame).unwrap();
-        change(&mut telemetry);
-        assert_eq!(encode_frame(&DeviceMessage::from(telemetry), seq, &mut frame), Ok(length));
+        let Some(Ok(Frame { seq, mut message })) = decoder.push(*bytes[end]) else { continue };
+        let length = encode_frame(&message, seq, &mut frame).unwrap();
+        let Some(answer) = change(&mut message) else { continue };
+        assert_eq!(encode_frame(&message, seq, &mut frame), Ok(length));
         bytes[end + 1 - length..=end].iter_mut().zip(frame).for_each(|(place, byte)| **place = byte);
-        return time_us;
+        return answer;
     }
-    panic!("no measurement of a running device")
+    panic!("no such message")
 }
 
 #[track_caller]

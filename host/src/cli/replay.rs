@@ -14,8 +14,9 @@ use softlimb_rig::replay;
 #[derive(Args)]
 #[command(
     after_help = "The log of a simulated or emulated device has the converter codes of each control tick: all coils and all messages are compared.\n\
-                  That of a board or of `device serve` has none: answers, states, setpoint buffer, digital outputs and references are compared up to\n\
-                  the end of the run. Exit code 3 tells of a difference.\n\n\
+                  So has that of a board or of `device serve` by `run --record-codes`, if the device was reset before. Without codes, answers,\n\
+                  states, setpoint buffer, digital outputs and references are compared up to the end of the run. Exit code 3 tells of a\n\
+                  difference, or of a log with missing ticks.\n\n\
                   Example: softlimb replay out/pick-and-place-a/run.mcap"
 )]
 pub(super) struct Replay {
@@ -37,6 +38,9 @@ struct Printed {
     messages_compared: u64,
     messages_missing: u64,
     frames_unanswered: u64,
+    /// Of the device's clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gap_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     difference: Option<Difference>,
 }
@@ -74,7 +78,7 @@ impl Printed {
             got: difference.got.clone(),
         });
         Self {
-            identical: difference.is_none(),
+            identical: difference.is_none() && result.gap_us.is_none(),
             converter_codes: result.is_exact,
             from_start_of_run: result.has_history,
             ticks: result.ticks,
@@ -82,6 +86,7 @@ impl Printed {
             messages_compared: result.messages,
             messages_missing: result.messages_missing,
             frames_unanswered: result.frames_unanswered,
+            gap_s: result.gap_us.map(seconds),
             difference,
         }
     }
@@ -99,13 +104,16 @@ impl Printed {
         }];
         if self.from_start_of_run {
             lines
-                .push("the device had a configuration before: the run alone is compared, from its start on".to_owned());
+                .push("the device had a configuration before: the run alone is compared, from its start on; reset a device before a run to compare all of it".to_owned());
         }
         if self.messages_missing > 0 {
             lines.push(format!(
                 "{} messages of the re-run are not in the log: lost, or left out",
                 self.messages_missing
             ));
+        }
+        if let Some(gap_s) = self.gap_s {
+            lines.push(format!("the log has no inputs of the tick at device time {gap_s:.3} s: compared until then"));
         }
         lines.push(match &self.difference {
             None => "no difference".to_owned(),

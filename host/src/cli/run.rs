@@ -13,8 +13,8 @@ use crate::results::{RunSummary, margin_warning};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
-use softlimb_rig::link::LinkFaults;
 use softlimb_rig::link::port::Address;
+use softlimb_rig::link::{LinkFaults, SampleRequest};
 use softlimb_rig::report;
 use softlimb_rig::run;
 use softlimb_rig::run::{Mcu, Progress, RunError, RunFiles, RunOptions, TimedFault};
@@ -55,6 +55,9 @@ pub(super) struct Run {
     /// Time between samples of pressures and valves that a device behind a port sends beside its telemetry, whole ms; topic /softlimb/samples of the log
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     sample_period: Option<u32>,
+    /// Log the converter codes of every control tick of a device behind a port: `softlimb replay` compares the log of a device that was reset before
+    #[arg(long, conflicts_with = "sample_period")]
+    record_codes: bool,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -119,7 +122,7 @@ impl Run {
                 let outcome = run::run_behind(
                     &scene,
                     planned,
-                    (&port, self.sample_us()),
+                    (&port, self.samples()),
                     self.link_fault,
                     &out,
                     &cancel,
@@ -149,8 +152,9 @@ impl Run {
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
     }
 
-    fn sample_us(&self) -> Option<u32> {
-        self.sample_period.map(|ms| 1_000 * ms)
+    fn samples(&self) -> Option<SampleRequest> {
+        let measurements = self.sample_period.map(|ms| SampleRequest::Measurements(1_000 * ms));
+        if self.record_codes { Some(SampleRequest::Codes) } else { measurements }
     }
 
     /// Runs beside a simulated limb; the outer error is of the command line or a file.
@@ -171,9 +175,10 @@ impl Run {
 
     /// An address says which processor; a device behind a port has a limb of its own.
     fn refuse_contradictions(&self, address: Option<&Address>) -> Result<(), Failure> {
-        if self.sample_period.is_some() && !matches!(address, Some(Address::Port(_))) {
-            let line = "--sample-period is for a device behind --port: the log of a simulated device has every tick";
-            return Err(Failure::wrong_line(line.to_owned()));
+        let samples = self.sample_period.map(|_| "--sample-period").or(self.record_codes.then_some("--record-codes"));
+        if let (Some(option), false) = (samples, matches!(address, Some(Address::Port(_)))) {
+            let line = format!("{option} is for a device behind --port: the log of a simulated device has every tick");
+            return Err(Failure::wrong_line(line));
         }
         let Some(address) = address else { return Ok(()) };
         let given = [

@@ -209,6 +209,16 @@ fn samples_message() -> impl Strategy<Value = DeviceMessage> {
     })
 }
 
+fn ticks_message() -> impl Strategy<Value = DeviceMessage> {
+    let tick = (any::<(u8, u16, u32)>(), list(any::<u16>())).prop_map(|((bits, supply_code, outputs_crc), codes)| {
+        Tick { flags: TickFlags::from_bits(bits), supply_code, outputs_crc, codes }
+    });
+    (any::<(u64, u32)>(), vec(tick, 1..4)).prop_map(|((time_us, left_out), all)| {
+        let ticks = batch(all, |batch, tick| batch.len() < 3 && batch.push(tick).is_ok());
+        Ticks { time_us, left_out, ticks }.into()
+    })
+}
+
 /// What is asked of the device by hand.
 fn by_hand() -> impl Strategy<Value = HostMessage> {
     let pulse = (any::<(u16, u8, u32)>(), code()).prop_map(|((session, channel, duration_us), direction)| {
@@ -216,8 +226,9 @@ fn by_hand() -> impl Strategy<Value = HostMessage> {
     });
     let outputs =
         any::<(u16, u8)>().prop_map(|(session, bits)| SetOutputs { session, outputs: Outputs::from_bits(bits) }.into());
-    let sampling = any::<(u16, u32, u8)>()
-        .prop_map(|(session, period_us, samples)| SetSampling { session, period_us, samples }.into());
+    let sampling = (any::<(u16, u32, u8)>(), code()).prop_map(|((session, period_us, samples), content)| {
+        SetSampling { session, period_us, samples, content }.into()
+    });
     prop_oneof![pulse, outputs, sampling]
 }
 
@@ -274,5 +285,5 @@ pub(crate) fn device_message() -> impl Strategy<Value = DeviceMessage> {
     });
     let fault = (any::<(u64, u8, i32)>(), code())
         .prop_map(|((time_us, channel, value), code)| Fault { time_us, channel, code, value }.into());
-    prop_oneof![hello_reply(), ack, heartbeat, telemetry(), samples_message(), fault]
+    prop_oneof![hello_reply(), ack, heartbeat, telemetry(), samples_message(), ticks_message(), fault]
 }

@@ -43,7 +43,7 @@ pub use fault::DeviceFault;
 pub use listen::{clear_faults, identify, listen};
 pub use live::{Pilot, Wish, live};
 pub use options::StreamOptions;
-pub use sampling::{Sampling, SamplingError, Traffic};
+pub use sampling::{SampleRequest, Sampling, SamplingError, Traffic};
 pub use session::{Answer, Session};
 pub use statistics::{LinkStatistics, RoundTrip};
 pub use stream::{Ending, Summary, stream};

@@ -1,6 +1,6 @@
 //! The steps of a run: make safe, configure, buffer, start, follow, vent; and what happens when one of them fails.
 
-use softlimb_protocol::{CommandCode, DeviceState, HostMessage, ResultCode, SetSampling};
+use softlimb_protocol::{CommandCode, DeviceState, HostMessage, ResultCode, SampleContent, SetSampling};
 
 use super::device::DeviceInfo;
 use super::driver::Driver;
@@ -68,13 +68,24 @@ impl<T: Transport> Run<'_, T> {
     }
 
     pub(super) fn configure(&mut self) -> Result<(), LinkError> {
+        // A configuration ends measurements; a replay needs ticks from its first one on.
+        self.request(SampleContent::Ticks)?;
         for message in &self.upload {
             self.driver.demand(message)?;
         }
-        if let Some(Sampling { period_us, samples }) = self.options.sampling {
-            self.driver.demand(&SetSampling { session: self.options.session, period_us, samples }.into())?;
-        }
+        self.request(SampleContent::Measurements)?;
         self.driver.tell(Event::Configured { config_hash: self.config_hash });
+        Ok(())
+    }
+
+    /// Requests the samples of the options, if they are of this content.
+    fn request(&mut self, wanted: SampleContent) -> Result<(), LinkError> {
+        let Some(Sampling { period_us, samples, content }) = self.options.sampling else { return Ok(()) };
+        if content != wanted {
+            return Ok(());
+        }
+        let content = content.into();
+        self.driver.demand(&SetSampling { session: self.options.session, period_us, samples, content }.into())?;
         Ok(())
     }
 

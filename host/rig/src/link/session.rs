@@ -183,7 +183,8 @@ impl Session {
             DeviceMessage::Samples(message) => self.events.push_back(Event::Samples { host_time_us: now_us, message }),
             DeviceMessage::Fault(message) => self.events.push_back(Event::Fault { host_time_us: now_us, message }),
             DeviceMessage::HelloReply(reply) if reply.session != self.id => self.refused_reply = Some(reply),
-            DeviceMessage::HelloReply(_) | DeviceMessage::Ack(_) => {}
+            // Ticks are for a replay: the log has the bytes.
+            DeviceMessage::HelloReply(_) | DeviceMessage::Ack(_) | DeviceMessage::Ticks(_) => {}
         }
         Ok(())
     }

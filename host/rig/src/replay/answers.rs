@@ -24,6 +24,10 @@ pub(super) fn device_us(message: &DeviceMessage) -> Option<u64> {
             let steps = samples.samples.len().saturating_sub(1) as u64;
             Some(samples.time_us.saturating_add(steps.saturating_mul(samples.period_us.into())))
         }
+        DeviceMessage::Ticks(ticks) => {
+            let steps = ticks.ticks.len().saturating_sub(1) as u64;
+            Some(ticks.time_us.saturating_add(1_000 * steps))
+        }
         DeviceMessage::Fault(_) => None,
     }
 }

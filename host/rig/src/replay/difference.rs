@@ -1,9 +1,10 @@
 //! Compares the device's messages with those of the log.
 
-use softlimb_protocol::{ChannelSample, ChannelStatus, DeviceMessage, DeviceState, Telemetry};
+use softlimb_protocol::{ChannelSample, ChannelStatus, DeviceMessage, DeviceState, Telemetry, Ticks};
 
 use super::answers::device_us;
 use super::frames::{Framed, Splitter};
+use super::inputs::Codes;
 
 /// The first output that differs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,29 +22,32 @@ pub struct Difference {
 /// Compares message after message.
 pub(super) struct Compared<'a> {
     heard: &'a [Framed<DeviceMessage>],
-    is_exact: bool,
+    codes: Codes,
     /// Device times from which messages are compared, and from which all channels track setpoints, us.
     from_us: u64,
     tracks_us: u64,
     next: usize,
     splitter: Splitter,
     pub(super) matched: u64,
+    /// Ticks whose outputs a checksum of the device confirmed.
+    pub(super) ticks: u64,
     pub(super) missing: u64,
     has_run: bool,
     is_over: bool,
 }
 
 impl<'a> Compared<'a> {
-    pub(super) fn new(heard: &'a [Framed<DeviceMessage>], is_exact: bool, (from_us, tracks_us): (u64, u64)) -> Self {
+    pub(super) fn new(heard: &'a [Framed<DeviceMessage>], codes: Codes, (from_us, tracks_us): (u64, u64)) -> Self {
         let splitter = Splitter::default();
         Self {
             heard,
-            is_exact,
+            codes,
             from_us,
             tracks_us,
             next: 0,
             splitter,
             matched: 0,
+            ticks: 0,
             missing: 0,
             has_run: false,
             is_over: false,
@@ -68,7 +72,8 @@ impl<'a> Compared<'a> {
             self.next += 1;
         }
         let expected = self.comparable(&self.heard.get(self.next)?.message)?;
-        self.is_over |= !self.is_exact && self.has_run && state(&expected).is_some_and(|it| it != DeviceState::Running);
+        self.is_over |=
+            !self.codes.are_known() && self.has_run && state(&expected).is_some_and(|it| it != DeviceState::Running);
         if self.is_over {
             return None;
         }
@@ -76,6 +81,9 @@ impl<'a> Compared<'a> {
         if expected == got {
             self.next += 1;
             self.matched += 1;
+            if let DeviceMessage::Ticks(ticks) = &got {
+                self.ticks += ticks.ticks.len() as u64;
+            }
             return None;
         }
         // A later message of the log that is the same: those between are missing in the re-run, which is a difference. A message of the re-run
@@ -85,8 +93,14 @@ impl<'a> Compared<'a> {
             self.missing += 1;
             return None;
         }
-        let (at, expected, got) = first_field(&expected, &got);
-        Some(Difference { device_us: now_us, at, expected, got })
+        let in_ticks = match (&expected, &got) {
+            (DeviceMessage::Ticks(expected), DeviceMessage::Ticks(got)) => first_of_ticks(expected, got),
+            _ => None,
+        };
+        in_ticks.or_else(|| {
+            let (at, expected, got) = first_field(&expected, &got);
+            Some(Difference { device_us: now_us, at, expected, got })
+        })
     }
 
     /// A message without what is measured and not decided: the stack in use, the number of channels of the board, and without the codes of
@@ -100,13 +114,20 @@ impl<'a> Compared<'a> {
             DeviceMessage::HelloReply(reply) => reply.channels_max = 0,
             DeviceMessage::Telemetry(telemetry) => {
                 telemetry.stack_used = 0;
-                if !self.is_exact {
+                if self.codes == Codes::Sent {
+                    // Of the time before the log too.
+                    telemetry.ticks_late = 0;
+                }
+                if !self.codes.are_known() {
                     decided(telemetry, self.tracks_us);
                 }
             }
             DeviceMessage::Ack(_) | DeviceMessage::HeartbeatReply(_) => {}
-            _ if !self.is_exact => return None,
-            _ => {}
+            _ if !self.codes.are_known() => return None,
+            // How full the transmitter was depends on the line.
+            DeviceMessage::Samples(samples) => samples.left_out = 0,
+            DeviceMessage::Ticks(ticks) => ticks.left_out = 0,
+            DeviceMessage::Fault(_) => {}
         }
         Some(message)
     }
@@ -144,6 +165,21 @@ fn first_field(expected: &DeviceMessage, got: &DeviceMessage) -> (String, String
         return first_of_telemetry(expected, got);
     }
     ("message".to_owned(), format!("{expected:?}"), format!("{got:?}"))
+}
+
+/// The first tick of other outputs; `None` where the messages begin at different times or the outputs are equal.
+fn first_of_ticks(expected: &Ticks, got: &Ticks) -> Option<Difference> {
+    let first_us = expected.time_us;
+    let mut pairs = (0_u64..).zip(expected.ticks.iter().zip(got.ticks.iter()));
+    let differing = pairs.find(|(_, (expected, got))| expected.outputs_crc != got.outputs_crc);
+    let (index, (expected, got)) = differing.filter(|_| first_us == got.time_us)?;
+    let crc = |crc: u32| format!("checksum {crc:08x}");
+    Some(Difference {
+        device_us: first_us + 1_000 * index,
+        at: "coils, supply valve, pump and digital outputs".to_owned(),
+        expected: crc(expected.outputs_crc),
+        got: crc(got.outputs_crc),
+    })
 }
 
 fn first_of_telemetry(expected: &Telemetry, got: &Telemetry) -> (String, String, String) {

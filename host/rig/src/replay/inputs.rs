@@ -1,13 +1,52 @@
 //! Inputs of each tick: those of the log, or an approximation from a device's measurements.
 
-use softlimb_protocol::{ConfigSystem, DeviceMessage, HostMessage, MAX_CHANNELS, Telemetry};
+use softlimb_protocol::{ConfigSystem, DeviceMessage, HostMessage, MAX_CHANNELS, Telemetry, TickFlags};
 use softlimb_sim::{AdcCode, TickInputs};
 
 use super::frames::Framed;
-use crate::record::{Capture, DeviceTick};
+use crate::record::DeviceTick;
+
+/// Origin of the converter codes of a re-run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Codes {
+    /// A simulated or emulated device shows its ticks, from the first one on, with their outputs.
+    Shown,
+    /// A device behind a port has sent them, from its configuration on.
+    Sent,
+    /// The log has none.
+    Unknown,
+}
+
+impl Codes {
+    pub(super) fn are_known(self) -> bool {
+        self != Self::Unknown
+    }
+}
+
+/// The ticks that a device has sent.
+pub(super) fn sent(heard: &[Framed<DeviceMessage>]) -> Vec<DeviceTick> {
+    let messages = heard.iter().filter_map(|frame| match &frame.message {
+        DeviceMessage::Ticks(message) => Some(message),
+        _ => None,
+    });
+    let ticks = messages.flat_map(|message| {
+        (0..).zip(message.ticks.iter()).map(|(index, tick)| DeviceTick {
+            device_us: message.time_us.saturating_add(1_000 * index),
+            codes: tick.codes.iter().copied().chain([tick.supply_code]).collect(),
+            stop_pressed: tick.flags.contains(TickFlags::EMERGENCY_STOP),
+            // The outputs are a checksum, which is compared as a part of the message.
+            supply_open: false,
+            pump_duty: 0,
+            outputs: 0,
+            pulses: Vec::new(),
+        })
+    });
+    ticks.collect()
+}
 
 /// Inputs in order of time.
 pub(super) struct Inputs<'a> {
+    codes: Codes,
     ticks: &'a [DeviceTick],
     /// Place in `ticks` behind the present tick.
     next: usize,
@@ -17,7 +56,11 @@ pub(super) struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    pub(super) fn new(capture: &'a Capture, told: &[Framed<HostMessage>], heard: &'a [Framed<DeviceMessage>]) -> Self {
+    pub(super) fn new(
+        (codes, ticks): (Codes, &'a [DeviceTick]),
+        told: &[Framed<HostMessage>],
+        heard: &'a [Framed<DeviceMessage>],
+    ) -> Self {
         let measured = heard.iter().filter_map(|frame| match &frame.message {
             DeviceMessage::Telemetry(telemetry) => Some(telemetry),
             _ => None,
@@ -26,13 +69,18 @@ impl<'a> Inputs<'a> {
             HostMessage::ConfigSystem(system) => Some(Scale::of(system)),
             _ => None,
         });
-        Self { ticks: &capture.ticks, next: 0, measured: measured.collect(), scale }
+        Self { codes, ticks, next: 0, measured: measured.collect(), scale }
     }
 
     /// Inputs of the tick at a device time, later than that of the last call; `None` where the log has a gap.
     pub(super) fn at(&mut self, now_us: u64) -> Option<TickInputs> {
-        if self.ticks.is_empty() {
-            return Some(self.near(now_us));
+        match self.codes {
+            Codes::Unknown => return Some(self.near(now_us)),
+            // A device without a configuration reads no converter.
+            Codes::Sent if self.ticks.first().is_some_and(|first| now_us < first.device_us) => {
+                return Some(silent(now_us));
+            }
+            Codes::Shown | Codes::Sent => {}
         }
         let tick = self.ticks.get(self.next).filter(|tick| tick.device_us == now_us)?;
         self.next += 1;
@@ -42,9 +90,9 @@ impl<'a> Inputs<'a> {
         Some(TickInputs { now_us, pressure, supply: AdcCode(*supply), emergency_stop: tick.stop_pressed })
     }
 
-    /// The tick of the log that the last inputs were taken from.
-    pub(super) fn tick(&self) -> Option<&'a DeviceTick> {
-        self.ticks.get(self.next.checked_sub(1)?)
+    /// The tick of the log that the last inputs were taken from, with its outputs.
+    pub(super) fn shown(&self) -> Option<&'a DeviceTick> {
+        self.ticks.get(self.next.checked_sub(1)?).filter(|_| self.codes == Codes::Shown)
     }
 
     /// The measurement at a time or before, as codes.
@@ -52,15 +100,18 @@ impl<'a> Inputs<'a> {
         while self.measured.get(self.next + 1).is_some_and(|telemetry| telemetry.time_us <= now_us) {
             self.next += 1;
         }
-        let silent =
-            TickInputs { now_us, pressure: [AdcCode(0); MAX_CHANNELS], supply: AdcCode(0), emergency_stop: false };
-        let (Some(telemetry), Some(scale)) = (self.measured.get(self.next), self.scale) else { return silent };
+        let (Some(telemetry), Some(scale)) = (self.measured.get(self.next), self.scale) else { return silent(now_us) };
         let mut pressure = [AdcCode(0); MAX_CHANNELS];
         for (place, channel) in pressure.iter_mut().zip(telemetry.channels.iter()) {
             *place = code(channel.pressure_10pa, scale.sensor, scale.full_scale);
         }
-        TickInputs { pressure, supply: code(telemetry.supply_10pa, scale.supply, scale.full_scale), ..silent }
+        TickInputs { pressure, supply: code(telemetry.supply_10pa, scale.supply, scale.full_scale), ..silent(now_us) }
     }
+}
+
+/// Inputs of a device that reads nothing.
+fn silent(now_us: u64) -> TickInputs {
+    TickInputs { now_us, pressure: [AdcCode(0); MAX_CHANNELS], supply: AdcCode(0), emergency_stop: false }
 }
 
 /// Scales of the sensors: gauge pressures at 10 % and 90 %, Pa, and the code of 100 %.

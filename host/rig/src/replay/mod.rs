@@ -2,8 +2,9 @@
 //!
 //! The controller is a function of its ticks' times, its converter codes, its emergency stop, and the frames of the host with the look at the
 //! link that took each: there are two in a tick. The log of a simulated or emulated device has the first three tick by tick
-//! ([`Capture::ticks`]). The look that took a frame is in the device's answer to it. A device that does not show its ticks leaves the codes open: then what does not depend on them is compared. One that
-//! was configured before the log has a history that the log does not have: then the run alone is compared.
+//! ([`Capture::ticks`]). A device behind a port sends them from its configuration on, where the host requests Ticks. The look that took a frame
+//! is in the device's answer to it. Without the codes, what does not depend on them is compared. A device that
+//! was configured before the log has a history that the log does not have: then the run alone is compared, without codes.
 
 mod answers;
 mod difference;
@@ -17,11 +18,11 @@ use std::collections::BTreeMap;
 use softlimb_protocol::{BootCause, CommandCode, DeviceMessage, HelloReply, HostMessage};
 use softlimb_sim::{LOOK_US, Rerun};
 
-use crate::record::{Capture, Direction};
+use crate::record::{Capture, DeviceTick, Direction};
 use difference::Compared;
 pub use difference::Difference;
 use frames::Framed;
-use inputs::Inputs;
+use inputs::{Codes, Inputs};
 use outputs::Coils;
 
 /// Result of a re-run.
@@ -35,6 +36,8 @@ pub struct Replay {
     pub ticks: u64,
     /// Ticks whose coil times, supply, pump and digital outputs were compared.
     pub ticks_compared: u64,
+    /// Device time of the first tick that the log does not have although it has a later one, us: the comparison ends there.
+    pub gap_us: Option<u64>,
     /// Messages of the device that were compared.
     pub messages: u64,
     /// Messages of the re-run that the log does not have: lost on the line, or left out by a device whose queue was full.
@@ -93,14 +96,42 @@ pub fn replay(capture: &Capture) -> Result<Replay, ReplayError> {
     });
     let period_us = period_us.unwrap_or(1_000);
     let tracks_us = start_us.unwrap_or(u64::MAX).saturating_add(2 * period_us);
-    let case =
-        Case { capture, told: &told, heard: &heard, hello: &hello, taken: &taken, from_us, tracks_us, period_us };
+    let sent = inputs::sent(&heard);
+    let first_us = sent.first().map(|tick| tick.device_us);
+    let (codes, ticks) = if !capture.ticks.is_empty() {
+        (Codes::Shown, &capture.ticks)
+    } else if !has_history && first_us.is_some_and(|us| Some(us) == configured_us(&told, &taken).map(|us| us + 1_000)) {
+        (Codes::Sent, &sent)
+    } else {
+        (Codes::Unknown, &sent)
+    };
+    let case = Case {
+        capture,
+        codes,
+        ticks,
+        told: &told,
+        heard: &heard,
+        hello: &hello,
+        taken: &taken,
+        from_us,
+        tracks_us,
+        period_us,
+    };
     Ok(Replay { frames_unanswered, start_us, ..case.best() })
+}
+
+/// Device time of the tick that took the first configuration, us.
+fn configured_us(told: &[Framed<HostMessage>], taken: &BTreeMap<u64, Vec<usize>>) -> Option<u64> {
+    let is_commit = |index: &usize| matches!(told[*index].message, HostMessage::ConfigCommit(_));
+    taken.iter().find(|(_, frames)| frames.iter().any(is_commit)).map(|(us, _)| *us)
 }
 
 /// A log taken apart.
 struct Case<'a> {
     capture: &'a Capture,
+    codes: Codes,
+    /// The ticks that the log has, of a simulated or emulated device or sent by a device.
+    ticks: &'a [DeviceTick],
     told: &'a [Framed<HostMessage>],
     heard: &'a [Framed<DeviceMessage>],
     hello: &'a HelloReply,
@@ -117,7 +148,7 @@ struct Case<'a> {
 impl Case<'_> {
     /// The re-run. Whether a device that does not show its ticks counts the first one as 0 or as 1 ms, only the comparison tells.
     fn best(&self) -> Replay {
-        if let Some(tick) = self.capture.ticks.first() {
+        if let (Codes::Shown, Some(tick)) = (self.codes, self.ticks.first()) {
             return self.run(tick.device_us);
         }
         let [board, simulated] = [1_000, 0].map(|first_us| self.run(first_us));
@@ -127,15 +158,14 @@ impl Case<'_> {
     }
 
     fn run(&self, first_us: u64) -> Replay {
-        let is_exact = !self.capture.ticks.is_empty();
         let cause = self.hello.boot_cause.known().unwrap_or(BootCause::PowerOn);
         let mut controller = Rerun::new(cause, self.hello.boot_detail);
-        let mut inputs = Inputs::new(self.capture, self.told, self.heard);
+        let mut inputs = Inputs::new((self.codes, self.ticks), self.told, self.heard);
         let mut coils = Coils::new(self.capture.at_pins);
-        let mut compared = Compared::new(self.heard, is_exact, (self.from_us, self.tracks_us));
-        let (mut ticks, mut ticks_compared, mut difference) = (0, 0, None);
+        let mut compared = Compared::new(self.heard, self.codes, (self.from_us, self.tracks_us));
+        let (mut ticks, mut ticks_compared, mut gap_us, mut difference) = (0, 0, None, None);
         let last_us = self.last_us();
-        let mut now_us = if is_exact { first_us } else { self.begin_us(first_us) };
+        let mut now_us = if self.codes == Codes::Shown { first_us } else { self.begin_us(first_us) };
         if self.has_history()
             && let Some(input) = inputs.at(now_us)
         {
@@ -143,25 +173,29 @@ impl Case<'_> {
             now_us += 1_000;
         }
         while now_us <= last_us && difference.is_none() && !compared.is_over() {
-            let Some(input) = inputs.at(now_us) else { break };
-            if !is_exact {
+            let Some(input) = inputs.at(now_us) else {
+                gap_us = Some(now_us);
+                break;
+            };
+            if !self.codes.are_known() {
                 // Measurements between messages are unknown: compared with the valves they would look frozen.
                 controller.believe_readings();
             }
             let (outputs, mut sent) = controller.turn(&input, &self.received(now_us));
             sent.extend(controller.look(&input, &self.received(now_us + LOOK_US)));
             ticks += 1;
-            let tick = inputs.tick();
+            let tick = inputs.shown();
             difference = tick.and_then(|tick| coils.compare(tick, &outputs));
             ticks_compared += u64::from(tick.is_some());
             difference = difference.or_else(|| compared.take(now_us, &sent));
             now_us += 1_000;
         }
         Replay {
-            is_exact,
+            is_exact: self.codes.are_known(),
             has_history: self.has_history(),
             ticks,
-            ticks_compared,
+            ticks_compared: ticks_compared + compared.ticks,
+            gap_us,
             messages: compared.matched,
             messages_missing: compared.missing,
             frames_unanswered: 0,
@@ -189,7 +223,7 @@ impl Case<'_> {
 
     /// The last tick that the log knows of, us.
     fn last_us(&self) -> u64 {
-        let shown = self.capture.ticks.last().map(|tick| tick.device_us);
-        shown.or_else(|| self.heard.iter().rev().find_map(|frame| answers::device_us(&frame.message))).unwrap_or(0)
+        let known = self.ticks.last().filter(|_| self.codes.are_known()).map(|tick| tick.device_us);
+        known.or_else(|| self.heard.iter().rev().find_map(|frame| answers::device_us(&frame.message))).unwrap_or(0)
     }
 }

@@ -25,9 +25,9 @@ use std::time::SystemTime;
 use softlimb_sim::emulated::{Flashed, LockStep};
 use softlimb_sim::{Processor, SimulatedMcu, here};
 
-use crate::link::LinkFaults;
 use crate::link::port;
 use crate::link::port::{Port, PortAddress};
+use crate::link::{LinkFaults, SampleRequest};
 use crate::record::RunLog;
 use crate::report;
 use crate::simulate;
@@ -187,24 +187,24 @@ fn simulated(
 }
 
 /// Runs a scene by its plan on the device behind a port, in real time, records it in `out` and writes the report. Nobody sees the limb itself: log and
-/// report have what the device measures. With `sample_us` the device also sends samples of pressures and duties
-/// that often, us. Faults of the link are drawn by a seed of 0. `cancel` vents the limb and ends the run.
+/// report have what the device measures. With `samples` the device also sends samples: after a reset of the device, a log
+/// with its converter codes can be run again bit for bit. Faults of the link are drawn by a seed of 0. `cancel` vents the limb and ends the run.
 ///
 /// # Errors
 /// As [`run`], and [`RunError::Sampling`]; a port that is unplugged stops the run.
 pub fn run_behind(
     scene: &Scene,
     (limb, plan): (Limb, Plan),
-    (port, sample_us): (&PortAddress, Option<u32>),
+    (port, samples): (&PortAddress, Option<SampleRequest>),
     link_faults: Option<LinkFaults>,
     out: &Path,
     cancel: &AtomicBool,
     on_progress: impl FnMut(Progress),
 ) -> Result<RunFiles, RunError> {
     let mut prepared = Prepared::planned(scene, limb, plan)?;
-    if let Some(sample_us) = sample_us {
+    if let Some(request) = samples {
         let baud = if let PortAddress::Serial { baud, .. } = port { Some(*baud) } else { None };
-        prepared = prepared.sampled(sample_us, baud)?;
+        prepared = prepared.sampled(request, baud)?;
     }
     let mut link = disturbed(Unobserved::new(Port::open(port)?), link_faults, 0);
     let origin = Origin::Device { unix_ns: unix_ns() };

@@ -11,7 +11,9 @@ use super::observed::Observed;
 use super::recording::Bench;
 use super::reference::Planned;
 use crate::link;
-use crate::link::{DeviceConfiguration, Event, Knot, LinkError, Sampling, StreamOptions, Summary, Traffic, Transport};
+use crate::link::{
+    DeviceConfiguration, Event, Knot, LinkError, SampleRequest, Sampling, StreamOptions, Summary, Traffic, Transport,
+};
 use crate::record::{RunInfo, Sample};
 use crate::simulate;
 use softlimb_limb::{Drive, Limb};
@@ -81,8 +83,8 @@ impl<'a> Prepared<'a> {
         Ok(Self { scene, limb, plan, inverses, configuration, knots, sampling: None })
     }
 
-    /// The same with samples each `period_us` beside the telemetry, for a line of some baud, if it is one.
-    pub(super) fn sampled(mut self, period_us: u32, baud: Option<u32>) -> Result<Self, RunError> {
+    /// The same with samples beside the telemetry, for a line of some baud, if it is one.
+    pub(super) fn sampled(mut self, request: SampleRequest, baud: Option<u32>) -> Result<Self, RunError> {
         let cancel = AtomicBool::new(false);
         let options = stream_options(&self.configuration, &self.limb, SESSION, &cancel);
         let traffic = Traffic {
@@ -91,7 +93,7 @@ impl<'a> Prepared<'a> {
             knot_us: self.plan.knot_period_us(),
             heartbeat_us: options.heartbeat_us,
         };
-        self.sampling = Some(Sampling::new(period_us, &traffic, baud)?);
+        self.sampling = Some(Sampling::new(request, &traffic, baud)?);
         Ok(self)
     }
 

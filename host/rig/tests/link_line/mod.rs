@@ -8,7 +8,7 @@ mod table;
 
 use crate::link_common::{SESSION, configuration, settings};
 use observed::{Counts, Observed};
-use softlimb_protocol::{DeviceState, Outputs, Samples};
+use softlimb_protocol::{DeviceState, Outputs, SampleContent, Samples};
 use softlimb_rig::link::{Event, Knot, LinkError, LinkFaults, Sampling, StreamOptions, stream};
 
 /// A line and what goes over it.
@@ -67,7 +67,7 @@ impl Case {
         let mut port = Observed::new(&settings, (self.faults, self.seed), &knots);
         let most = Samples::most(self.channels).min(8) as u8;
         let options = StreamOptions {
-            sampling: Some(Sampling { period_us: self.sample_us, samples: most }),
+            sampling: Some(Sampling { period_us: self.sample_us, samples: most, content: SampleContent::Measurements }),
             // A buffer of 64 set points covers less at a high rate.
             buffer_us: StreamOptions::new(SESSION).buffer_us.min(62 * self.knot_us),
             ..StreamOptions::new(SESSION)

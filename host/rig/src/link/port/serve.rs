@@ -157,7 +157,7 @@ impl Listener {
                         on_news(Served::Fault(DeviceFault::from(&fault)));
                         continue;
                     }
-                    DeviceMessage::Ack(_) | DeviceMessage::Samples(_) => continue,
+                    DeviceMessage::Ack(_) | DeviceMessage::Samples(_) | DeviceMessage::Ticks(_) => continue,
                 },
                 _ => continue,
             };
