@@ -1,5 +1,6 @@
 """``python -m softlimb``: the command."""
 
+import signal
 import sys
 
 from softlimb import _native
@@ -7,6 +8,8 @@ from softlimb import _native
 
 def main() -> int:
     """Runs the command with the words of this process; its exit code."""
+    # Python would note Ctrl-C and wait for the native part to end.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _native.main(["softlimb", *sys.argv[1:]])
 
 

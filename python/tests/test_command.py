@@ -1,6 +1,10 @@
 """The command from Python, calibration from arrays, and the table of verbs."""
 
 import re
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +51,16 @@ def test_failure_has_code_and_message():
         softlimb.command("chekc")
     assert caught.value.code == 2
     assert softlimb.command("--version").output.strip() == f"softlimb {softlimb.__version__}"
+
+
+def test_interrupt_ends_a_command():
+    # So many samples take minutes.
+    words = [sys.executable, "-m", "softlimb", "workspace", str(SINGLE), "--samples", "100000000", "--json"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        time.sleep(2.0)
+        running.send_signal(signal.SIGINT)
+        output, _ = running.communicate()
+    assert running.returncode != 0 and not output
 
 
 def test_tensile_test_gives_its_law():
