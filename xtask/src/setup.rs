@@ -10,42 +10,56 @@ use crate::toolchain::Toolchain;
 struct Part {
     /// Packages of Debian and what descends from it.
     packages: &'static [&'static str],
+    /// Modules of Python, by pip.
+    modules: &'static [&'static str],
     /// Its purpose.
     why: &'static str,
     /// Advice without `apt-get`.
     elsewhere: &'static str,
 }
 
-const PARTS: [Part; 6] = [
+const PARTS: [Part; 7] = [
     Part {
         packages: &["rustc-web", "cargo-web", "rust-web-src", "lld"],
+        modules: &[],
         why: "a compiler for thumbv7em-none-eabihf: images for the microcontroller",
         elsewhere: "`rustup target add thumbv7em-none-eabihf`",
     },
     Part {
         packages: &["qemu-system-arm"],
+        modules: &[],
         why: "the emulator that those images run in",
         elsewhere: "qemu: https://www.qemu.org/download, `dnf install qemu-system-arm`, `brew install qemu`",
     },
     Part {
         packages: &["calculix-ccx"],
+        modules: &[],
         why: "CalculiX, which solves the finite element decks",
         elsewhere: "CalculiX: http://www.calculix.de, `dnf install calculix`",
     },
     Part {
         packages: &["valgrind", "binutils"],
+        modules: &[],
         why: "what counts the instructions of the model",
         elsewhere: "valgrind: https://valgrind.org, `dnf install valgrind binutils`",
     },
     Part {
         packages: &["python3", "python3-venv"],
+        modules: &[],
         why: "the Python package, and the client of the link in Python, which shares no code with the host",
         elsewhere: "Python 3.10 or newer: https://www.python.org, `dnf install python3`",
     },
     Part {
         packages: &["tmux"],
+        modules: &[],
         why: "a terminal, in which keys move a limb",
         elsewhere: "tmux 3: https://github.com/tmux/tmux, `dnf install tmux`, `brew install tmux`",
+    },
+    Part {
+        packages: &["chromium", "python3-pip"],
+        modules: &["playwright"],
+        why: "a browser, in which reports are used, and its driver",
+        elsewhere: "Chromium: https://www.chromium.org, `dnf install chromium`; `pip install playwright`",
     },
 ];
 
@@ -91,11 +105,16 @@ fn present() -> [bool; PARTS.len()] {
     };
     let counters = runs("valgrind", "--version") && runs("objdump", "--version");
     // Debian's interpreter comes without what makes virtual environments.
-    let mut environments = Command::new("python3");
-    environments.args(["-c", "import ensurepip"]).stdout(Stdio::null()).stderr(Stdio::null());
-    let python = environments.status().is_ok_and(|status| status.success());
-    let terminal = runs("tmux", "-V");
-    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters, python, terminal]
+    let (python, terminal) = (has_module("ensurepip"), runs("tmux", "-V"));
+    let browser = runs("chromium", "--version") && has_module("playwright");
+    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters, python, terminal, browser]
+}
+
+/// Whether Python finds a module.
+fn has_module(name: &str) -> bool {
+    let mut command = Command::new("python3");
+    command.args(["-c", &format!("import {name}")]).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
 }
 
 fn means(may_install: bool) -> Means {
@@ -122,13 +141,17 @@ fn step(present: [bool; PARTS.len()], means: Means) -> Step {
 
 /// Announcement of an installation, with its reason.
 fn announcement(parts: &[&Part]) -> String {
-    let lines: String = parts.iter().map(|part| line(&part.packages.join(" "), part)).collect();
-    format!("xtask: tests need what is not here; about to install by apt-get (not with --no-install):\n{lines}")
+    let names = |part: &Part| [part.packages, part.modules].concat().join(" ");
+    let lines: String = parts.iter().map(|part| line(&names(part), part)).collect();
+    format!("xtask: tests need what is not here; about to install by apt-get and pip (not with --no-install):\n{lines}")
 }
 
 /// Advice on parts that this program cannot install.
 fn advice(parts: &[&Part], means: Means) -> String {
-    let apt = |part: &Part| format!("apt-get install {}", part.packages.join(" "));
+    let apt = |part: &Part| match part.modules {
+        [] => format!("apt-get install {}", part.packages.join(" ")),
+        modules => format!("apt-get install {}; pip install {}", part.packages.join(" "), modules.join(" ")),
+    };
     let how = |part: &Part| match means {
         Means::None => part.elsewhere.to_owned(),
         Means::Apt | Means::AptOfRoot => apt(part),
@@ -152,6 +175,20 @@ fn install(parts: &[&Part]) {
     for part in parts {
         let options = ["-qq", "--yes", "--no-install-recommends", "install"];
         apt(&[&options, part.packages].concat());
+        if !part.modules.is_empty() {
+            pip(part.modules);
+        }
+    }
+}
+
+fn pip(modules: &[&str]) {
+    println!("xtask: pip install {}", modules.join(" "));
+    let mut command = Command::new("python3");
+    command.args(["-m", "pip", "install", "--quiet"]).args(modules);
+    // Debian marks its Python as its own; root, who installs here, may add to it.
+    command.env("PIP_BREAK_SYSTEM_PACKAGES", "1").stdin(Stdio::null()).stdout(Stdio::null());
+    if !command.status().is_ok_and(|status| status.success()) {
+        println!("xtask: pip did not succeed; going on without");
     }
 }
 
@@ -182,15 +219,17 @@ mod tests {
                 "{means:?}: nothing to do, nothing to say"
             );
         }
-        assert_eq!(packages(&step([true, false, true, true, true, true], Means::Apt)), ["qemu-system-arm"]);
+        assert_eq!(packages(&step([true, false, true, true, true, true, true], Means::Apt)), ["qemu-system-arm"]);
         assert_eq!(packages(&step([true, true, false, true, true, true], Means::Apt)), ["calculix-ccx"]);
-        let compiler = step([false, true, true, true, true, true], Means::Apt);
+        let compiler = step([false, true, true, true, true, true, true], Means::Apt);
         assert_eq!(packages(&compiler), ["rustc-web", "cargo-web", "rust-web-src", "lld"]);
     }
 
     #[test]
     fn only_root_with_apt_installs() {
-        for present in [[false; 6], [true, false, false, true, true, false], [false, true, false, false, false, true]] {
+        let few = [true, false, false, true, true, false, true];
+        let others = [false, true, false, false, false, true, false];
+        for present in [[false; PARTS.len()], few, others] {
             assert!(matches!(step(present, Means::Apt), Step::Install(_)));
             for means in [Means::AptOfRoot, Means::None, Means::Forbidden] {
                 let named = step(present, means);
@@ -205,7 +244,8 @@ mod tests {
         let parts: Vec<&Part> = PARTS.iter().collect();
         let (told, elsewhere) = (announcement(&parts), advice(&parts, Means::None));
         for part in parts {
-            assert!(told.contains(&part.packages.join(" ")) && told.contains(part.why), "{told}");
+            let names = [part.packages, part.modules].concat();
+            assert!(names.iter().all(|name| told.contains(name)) && told.contains(part.why), "{told}");
             assert!(elsewhere.contains(part.elsewhere) && elsewhere.contains(part.why), "{elsewhere}");
         }
         assert!(told.contains("--no-install") && elsewhere.contains("skipped"));

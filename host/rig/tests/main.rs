@@ -15,7 +15,8 @@ mod link_stream;
 mod port;
 mod record_log;
 mod replay;
-mod report_page;
+mod report_moving;
+mod report_still;
 mod report_summary;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;

@@ -20,6 +20,9 @@ pub(super) struct Report {
     /// The page [default: beside the log]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write figures that stand still, without scripts
+    #[arg(long = "static")]
+    is_static: bool,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -33,7 +36,8 @@ impl Report {
             let log = self.log.display();
             return Err(Failure::new(format!("the report would replace the log {log}: give another file with --out")));
         }
-        run::write_report(&out, &log).map_err(Failure::new)?;
+        let write = if self.is_static { run::write_still_report } else { run::write_report };
+        write(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
         let result = RunSummary::new(&summary, Vec::new(), log.incomplete.iter().cloned().collect());
         show(self.json, &result, || summary.table())?;

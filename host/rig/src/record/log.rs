@@ -198,6 +198,13 @@ pub struct FaultRecord {
     pub text: String,
 }
 
+impl FaultRecord {
+    /// Code of a gripper that opens on the way and drops its payload.
+    pub(crate) const DROPPED: u8 = 243;
+    /// Code of a gripper that is not closed as the limb goes on.
+    pub(crate) const LEFT_BEHIND: u8 = 244;
+}
+
 /// The backbone of the limb at one instant, base to tip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shape {

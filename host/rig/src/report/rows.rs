@@ -155,7 +155,7 @@ pub(super) fn gripper(log: &RunLog) -> Vec<String> {
 }
 
 /// Name of a device state, as the wire interface numbers them.
-fn state_name(state: u8) -> &'static str {
+pub(super) fn state_name(state: u8) -> &'static str {
     match state {
         0 => "idle",
         1 => "ready",

@@ -6,9 +6,6 @@
 use crate::record::FaultRecord;
 use softlimb_scene::{Gripper, Scene};
 
-/// Fault codes of the gripper, after those of the limb.
-const DROPPED: u8 = 243;
-const LEFT_BEHIND: u8 = 244;
 /// Channel number of faults of the whole system.
 const SYSTEM: u8 = 0xFF;
 /// Largest delay of the jaws behind the plan, in knots: the device switches at a knot, and a movement by hand starts between two knots.
@@ -64,10 +61,11 @@ impl Grasp {
             Hold::Closing if closure < 1.0 && time_us < self.begun_us => (Hold::Closing, None),
             Hold::Nothing | Hold::Closing | Hold::Closed if stands => (shared(closure), None),
             Hold::Closed | Hold::Closing if closure == 1.0 => (Hold::Closed, None),
-            Hold::Closed => (Hold::Lost, Some((DROPPED, "the gripper opens on the way and drops"))),
-            Hold::Nothing | Hold::Closing => {
-                (Hold::Lost, Some((LEFT_BEHIND, "the gripper is not closed as the limb goes on, and leaves behind")))
-            }
+            Hold::Closed => (Hold::Lost, Some((FaultRecord::DROPPED, "the gripper opens on the way and drops"))),
+            Hold::Nothing | Hold::Closing => (
+                Hold::Lost,
+                Some((FaultRecord::LEFT_BEHIND, "the gripper is not closed as the limb goes on, and leaves behind")),
+            ),
             Hold::Lost => (Hold::Lost, None),
         };
         self.hold = hold;
@@ -136,10 +134,10 @@ mod tests {
     #[test]
     fn load_stays_where_jaws_close_late_or_never() {
         let never = [(0.1, 0.0, 0.0), (0.2, 0.0, 0.0), (0.2, 0.0, 0.0), (0.2, 0.0, 0.0), (0.2, 0.0, 0.0)];
-        assert_eq!(codes(opened(), &never), [LEFT_BEHIND]);
+        assert_eq!(codes(opened(), &never), [FaultRecord::LEFT_BEHIND]);
         // They close after the limb has left, which brings nothing back.
         let late = [(0.2, 0.1, 0.2), (0.2, 0.4, 0.2), (0.2, 0.7, 0.2), (0.2, 0.9, 0.0), (0.2, 1.0, 0.0)];
-        assert_eq!(codes(opened(), &late), [LEFT_BEHIND]);
+        assert_eq!(codes(opened(), &late), [FaultRecord::LEFT_BEHIND]);
         // A delay within that of the knots is none.
         let soon = [(0.2, 0.1, 0.2), (0.2, 0.4, 0.2), (0.2, 0.7, 0.2), (0.2, 1.0, 0.2), (0.2, 1.0, 0.2)];
         assert_eq!(codes(opened(), &soon), NONE);
@@ -149,7 +147,7 @@ mod tests {
     fn load_falls_where_jaws_open_on_the_way() {
         let taken = [(0.2, 1.0, 0.2), (0.2, 1.0, 0.2), (0.2, 1.0, 0.2), (0.2, 1.0, 0.2)];
         let falls = [(0.2, 0.9, 0.0), (0.2, 0.0, 0.0), (0.2, 1.0, 0.0), (0.0, 1.0, 0.0), (0.3, 1.0, 0.3)];
-        assert_eq!(codes(opened(), &[taken.as_slice(), &falls].concat()), [DROPPED]);
+        assert_eq!(codes(opened(), &[taken.as_slice(), &falls].concat()), [FaultRecord::DROPPED]);
     }
 
     #[test]
@@ -158,6 +156,6 @@ mod tests {
         let closes = [(0.2, 0.0, 0.2), (0.2, 0.5, 0.2), (0.2, 0.9, 0.2), (0.2, 1.0, 0.2), (0.2, 1.0, 0.2)];
         assert_eq!(codes(start(), &closes), NONE);
         let fails = [(0.2, 0.0, 0.2), (0.2, 0.0, 0.2), (0.2, 0.0, 0.2), (0.2, 0.0, 0.0), (0.2, 0.0, 0.0)];
-        assert_eq!(codes(start(), &fails), [LEFT_BEHIND]);
+        assert_eq!(codes(start(), &fails), [FaultRecord::LEFT_BEHIND]);
     }
 }

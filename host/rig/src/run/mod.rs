@@ -235,3 +235,11 @@ fn same_drives(planned: &Limb, simulated: &Limb) -> Result<(), RunError> {
 pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
     Ok(write_whole(path, &report::html(log))?)
 }
+
+/// Writes the report with figures that stand still and without scripts.
+///
+/// # Errors
+/// [`RunError::Report`].
+pub fn write_still_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
+    Ok(write_whole(path, &report::still_html(log))?)
+}

@@ -1,7 +1,7 @@
-//! The page: whole in itself, well-formed, and without a number that is none.
+//! The page that stands still: whole in itself, well-formed, and without a number that is none.
 
 use softlimb_rig::record::RunLog;
-use softlimb_rig::report::html;
+use softlimb_rig::report::still_html as html;
 
 /// Everything between `open` and the next `close`, for each `open`.
 fn between<'a>(text: &'a str, open: &str, close: &str) -> Vec<&'a str> {

@@ -1,0 +1,63 @@
+//! The tables that both pages have.
+
+use serde::Serialize;
+
+use super::Summary;
+use super::rows::{self, ErrorRow, Fact, ModuleRow};
+use super::table::origin;
+use crate::record::{RunInfo, RunLog};
+
+/// Words and numbers of a run, ready for a template.
+#[derive(Debug, Serialize)]
+pub(super) struct Facts {
+    scene: String,
+    origin: String,
+    time: String,
+    incomplete: Option<String>,
+    module_value: &'static str,
+    modules: Vec<ModuleRow>,
+    errors: Vec<ErrorRow>,
+    faults: Vec<String>,
+    injected: Vec<String>,
+    peak: Option<String>,
+    states: Vec<String>,
+    gripper: Vec<String>,
+    link: Vec<Fact>,
+    provenance: Vec<Fact>,
+}
+
+/// The words and numbers of a run.
+pub(super) fn facts(log: &RunLog, summary: &Summary) -> Facts {
+    Facts {
+        scene: summary.scene.clone(),
+        origin: origin(summary),
+        time: rows::time(summary),
+        incomplete: summary.incomplete.clone(),
+        module_value: rows::module_value(summary),
+        modules: rows::modules(summary),
+        errors: rows::errors(summary),
+        faults: summary.faults.iter().map(rows::fault).collect(),
+        injected: summary.injected_faults.iter().map(rows::injected).collect(),
+        peak: rows::peak(summary),
+        states: rows::states(log),
+        gripper: rows::gripper(log),
+        link: rows::link(summary),
+        provenance: provenance(&log.info, summary),
+    }
+}
+
+fn provenance(info: &RunInfo, summary: &Summary) -> Vec<Fact> {
+    let start = match info.start_unix_ns {
+        0 => "not recorded: a simulated run is the same at any time".to_owned(),
+        ns => format!("{}.{:09} s after 1970-01-01 UTC", ns / 1_000_000_000, ns % 1_000_000_000),
+    };
+    let fact = |name, value: String| Fact { name, value };
+    vec![
+        fact("softlimb", info.tool_version.clone()),
+        fact("firmware", info.firmware_version.clone()),
+        fact("interface hash", format!("{:08x}", info.schema_hash)),
+        fact("configuration hash", format!("{:08x}", info.config_hash)),
+        fact("source", origin(summary)),
+        fact("start", start),
+    ]
+}

@@ -1,0 +1,338 @@
+"use strict";
+// The limb in space on a canvas: positions in m, z upwards. Knows nothing of logs.
+const LimbView = (() => {
+  const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+  const add = (a, b, s = 1) => [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s];
+  const norm = (a) => Math.hypot(a[0], a[1], a[2]);
+  const unit = (a) => { const n = norm(a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; };
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const finite = (p) => p && p.every(Number.isFinite);
+  const mix = (a, b, s) => [0, 1, 2].map((i) => Math.round(a[i] + (b[i] - a[i]) * s));
+  const rgb = (c, alpha = 1) => `rgba(${c[0]},${c[1]},${c[2]},${alpha})`;
+
+  class View {
+    // `colors` are triples of 0 to 255: page, ink, soft, limb, rigid, obstacle, region, object, trail.
+    constructor(canvas, colors) {
+      Object.assign(this, { canvas, colors, azimuth: -1.0, elevation: 0.35, zoom: 1, middle: [0, 0, 0], extent: 1 });
+      canvas.addEventListener("pointerdown", (event) => {
+        canvas.setPointerCapture(event.pointerId);
+        this.dragged = [event.clientX, event.clientY];
+      });
+      canvas.addEventListener("pointermove", (event) => {
+        if (!this.dragged) return;
+        const [x, y] = this.dragged;
+        this.dragged = [event.clientX, event.clientY];
+        this.turn((x - event.clientX) * 0.01, (event.clientY - y) * 0.01);
+      });
+      for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { this.dragged = null; });
+      canvas.addEventListener("wheel", (event) => {
+        if (!event.ctrlKey && !event.metaKey) return;
+        event.preventDefault();
+        this.scaled(Math.exp(-event.deltaY * 0.002));
+      }, { passive: false });
+      this.onChange = () => {};
+      new ResizeObserver(() => { this.bounds = null; this.onChange(); }).observe(canvas);
+    }
+
+    // Looks at a box that holds these points.
+    fit(points) {
+      const seen = points.filter(finite);
+      if (!seen.length) return;
+      const low = [0, 1, 2].map((i) => seen.reduce((m, p) => Math.min(m, p[i]), Infinity));
+      const high = [0, 1, 2].map((i) => seen.reduce((m, p) => Math.max(m, p[i]), -Infinity));
+      this.middle = [0, 1, 2].map((i) => (low[i] + high[i]) / 2);
+      this.extent = Math.max(norm(sub(high, low)), 1e-3);
+      this.floor = low[2];
+    }
+
+    look(azimuth, elevation) {
+      Object.assign(this, { azimuth, elevation, zoom: 1 });
+      this.onChange();
+    }
+
+    turn(azimuth, elevation) {
+      this.azimuth += azimuth;
+      this.elevation = Math.max(-1.57, Math.min(1.57, this.elevation + elevation));
+      this.onChange();
+    }
+
+    scaled(factor) {
+      this.zoom = Math.max(0.3, Math.min(8, this.zoom * factor));
+      this.onChange();
+    }
+
+    project(p) {
+      const [x, y, z] = sub(p, this.middle);
+      const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
+      const right = -sa * x + ca * y;
+      const ahead = -(ca * x + sa * y);
+      const depth = ahead * ce - z * se;
+      const up = z * ce + ahead * se;
+      const scale = this.scale * this.distance / Math.max(this.distance + depth, this.extent * 0.05);
+      return [this.width / 2 + right * scale, this.height / 2 - up * scale, depth, scale];
+    }
+
+    // `state`: solids, carried, body {line, radius}, and lines: seen, ghost, start, plan, trail; targets.
+    draw(state) {
+      const ratio = window.devicePixelRatio || 1;
+      // Measured once a size: to measure lays out the page.
+      const box = this.bounds || (this.bounds = this.canvas.getBoundingClientRect());
+      const [w, h] = [Math.max(1, Math.round(box.width * ratio)), Math.max(1, Math.round(box.height * ratio))];
+      if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
+      Object.assign(this, { width: box.width, height: box.height, distance: this.extent * 3 });
+      this.scale = 0.92 * Math.min(box.width, box.height) / this.extent * this.zoom;
+      const g = this.canvas.getContext("2d");
+      this.g = g;
+      g.setTransform(ratio, 0, 0, ratio, 0, 0);
+      g.clearRect(0, 0, box.width, box.height);
+      this.patches = [];
+      this.grid();
+      for (const solid of state.solids) this.solid(solid);
+      for (const object of state.carried) this.object(object);
+      if (state.body) this.limb(state.body);
+      this.patches.sort((a, b) => b.depth - a.depth);
+      for (const patch of this.patches) patch.draw();
+      if (state.start) this.line(state.start, rgb(this.colors.soft, 0.7), 1.5, [1, 3]);
+      if (state.plan) this.line(state.plan, rgb(this.colors.soft, 0.8), 1.25, [4, 4]);
+      if (state.ghost) this.line(state.ghost, rgb(this.colors.ink, 0.7), 1.5, [6, 4]);
+      if (state.seen) this.line(state.seen, rgb(this.colors.limb), 4, []);
+      if (state.trail) this.line(state.trail, rgb(this.colors.trail), 2, []);
+      for (const target of state.targets) this.target(target);
+      this.named = [];
+      for (const solid of state.solids) this.name(solid);
+      this.axes();
+    }
+
+    // Its name above it; that of a box beside its corner on the right.
+    name({ name, shape, lines_m }) {
+      const seen = lines_m.flat().filter(finite).map((p) => this.project(p));
+      if (!seen.length) return;
+      const [top, right] = [seen.reduce((best, p) => (p[1] < best[1] ? p : best)), seen.reduce((best, p) => (p[0] > best[0] ? p : best))];
+      const is_box = !!(shape && shape.box);
+      const middle = is_box ? right[0] : seen.reduce((sum, p) => sum + p[0], 0) / seen.length;
+      const g = this.g;
+      Object.assign(g, { font: "12px system-ui, sans-serif", textAlign: "center", textBaseline: "bottom", lineWidth: 3, strokeStyle: rgb(this.colors.page, 0.8), fillStyle: rgb(this.colors.ink) });
+      const half = g.measureText(name).width / 2 + 4;
+      const [x, y] = [Math.max(half, Math.min(this.width - half, middle + (is_box ? half : 0))), Math.max(18, is_box ? right[1] + 6 : top[1] - 4)];
+      // A name that would lie over another is left out.
+      if (this.named.some(([a, b, w]) => Math.abs(a - x) < w + half && Math.abs(b - y) < 15)) return;
+      this.named.push([x, y, half]);
+      g.strokeText(name, x, y);
+      g.fillText(name, x, y);
+    }
+
+    grid() {
+      if (this.floor === undefined) return;
+      const step = 10 ** Math.floor(Math.log10(this.extent / 3));
+      const reach = Math.ceil(this.extent * 0.6 / step);
+      const at = (i, j) => [Math.round(this.middle[0] / step) * step + i * step, Math.round(this.middle[1] / step) * step + j * step, this.floor];
+      for (let i = -reach; i <= reach; i++) {
+        this.line([at(i, -reach), at(i, reach)], rgb(this.colors.soft, 0.18), 0.75, []);
+        this.line([at(-reach, i), at(reach, i)], rgb(this.colors.soft, 0.18), 0.75, []);
+      }
+    }
+
+    line(points, style, width, dash) {
+      const g = this.g;
+      g.beginPath();
+      let broken = true;
+      for (const point of points) {
+        if (!finite(point)) { broken = true; continue; }
+        const [x, y] = this.project(point);
+        if (broken) g.moveTo(x, y); else g.lineTo(x, y);
+        broken = false;
+      }
+      Object.assign(g, { strokeStyle: style, lineWidth: width, lineJoin: "round", lineCap: "butt" });
+      g.setLineDash(dash);
+      g.stroke();
+      g.setLineDash([]);
+    }
+
+    // A tube as silhouettes of its pieces, each with a gradient across.
+    // Its ends are flat or round.
+    tube(points, radii, color, round = false) {
+      const seen = points.map((point) => this.project(point));
+      const light = mix(color, [255, 255, 255], 0.45);
+      const dark = mix(color, [0, 0, 0], 0.35);
+      const normals = seen.map((_, i) => {
+        const [a, b] = [seen[Math.max(0, i - 1)], seen[Math.min(seen.length - 1, i + 1)]];
+        const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+        const n = Math.hypot(dx, dy);
+        return n > 1e-6 ? [-dy / n, dx / n] : [0, 1];
+      });
+      for (let i = 0; i < seen.length; i++) {
+        const [x, y, depth, scale] = seen[i];
+        const r = radii[i] * scale;
+        const end = i === 0 || i === seen.length - 1;
+        const turned = i > 0 && Math.hypot(x - seen[i - 1][0], y - seen[i - 1][1]) < 0.5 * r;
+        if (end || turned) {
+          if (end && !round && points.length > 1) this.cap(points, i, seen[i], normals[i], r, mix(color, [255, 255, 255], 0.25));
+          else this.patches.push({ depth: depth + (end ? 1e-4 : 2e-4), draw: () => this.disc(x, y, r, light, color, dark) });
+        }
+        if (i === 0) continue;
+        const [px, py, pd, ps] = seen[i - 1];
+        if (Math.hypot(x - px, y - py) < 1e-3) continue;
+        const [n, m] = [normals[i - 1], normals[i]];
+        const q = radii[i - 1] * ps;
+        this.patches.push({
+          depth: (depth + pd) / 2,
+          draw: () => {
+            const g = this.g;
+            const [cx, cy] = [(x + px) / 2, (y + py) / 2];
+            const [nx, ny] = [(n[0] + m[0]) / 2, (n[1] + m[1]) / 2];
+            const k = Math.max(r, q);
+            // The light comes from above.
+            const s = ny > 0 ? -1 : 1;
+            const fill = g.createLinearGradient(cx + nx * k * s, cy + ny * k * s, cx - nx * k * s, cy - ny * k * s);
+            fill.addColorStop(0, rgb(color));
+            fill.addColorStop(0.3, rgb(light));
+            fill.addColorStop(1, rgb(dark));
+            g.beginPath();
+            g.moveTo(px + n[0] * q, py + n[1] * q);
+            g.lineTo(x + m[0] * r, y + m[1] * r);
+            g.lineTo(x - m[0] * r, y - m[1] * r);
+            g.lineTo(px - n[0] * q, py - n[1] * q);
+            g.closePath();
+            Object.assign(g, { fillStyle: fill, strokeStyle: fill, lineWidth: 0.8, lineJoin: "round" });
+            g.fill();
+            g.stroke();
+          },
+        });
+      }
+    }
+
+    // A flat end: a circle seen at its angle.
+    cap(points, index, [x, y, depth], [nx, ny], r, color) {
+      const along = unit(sub(points[Math.max(1, index)], points[Math.max(1, index) - 1]));
+      const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
+      const open = Math.abs(-(ca * along[0] + sa * along[1]) * ce - along[2] * se);
+      const faces = (index ? 1 : -1) * (-(ca * along[0] + sa * along[1]) * ce - along[2] * se) < 0;
+      this.patches.push({ depth: depth + (faces ? -1e-3 : 1e-3), draw: () => {
+        const g = this.g;
+        g.beginPath();
+        g.ellipse(x, y, r, Math.max(r * open, 0.3), Math.atan2(ny, nx), 0, 2 * Math.PI);
+        g.fillStyle = rgb(color);
+        g.fill();
+      } });
+    }
+
+    disc(x, y, r, light, color, dark) {
+      const g = this.g;
+      const fill = g.createRadialGradient(x - r * 0.3, y - r * 0.4, r * 0.1, x, y, Math.max(r, 0.5));
+      fill.addColorStop(0, rgb(light));
+      fill.addColorStop(0.6, rgb(color));
+      fill.addColorStop(1, rgb(dark));
+      g.beginPath();
+      g.arc(x, y, Math.max(r, 0.5), 0, 2 * Math.PI);
+      g.fillStyle = fill;
+      g.fill();
+    }
+
+    // Parts are divided where two points coincide; those of two points are rigid.
+    limb({ line, radius }) {
+      if (line.length < 2 || !line.every(finite)) return;
+      const along = unit(sub(line[1], line[0]));
+      const plate = Math.max(radius[0] * 1.5, 0.01);
+      this.tube([add(line[0], along, -0.012), line[0]], [plate, plate], this.colors.rigid);
+      let start = 0;
+      for (let i = 1; i <= line.length; i++) {
+        if (i < line.length && norm(sub(line[i], line[i - 1])) > 1e-6) continue;
+        const [points, radii] = [line.slice(start, i), radius.slice(start, i)];
+        if (points.length > 1) {
+          const rigid = points.length === 2;
+          this.tube(points, radii, rigid ? this.colors.rigid : this.colors.limb);
+        }
+        start = i;
+      }
+    }
+
+    object({ at, radius_m, above_m, below_m }) {
+      if (!finite(at)) return;
+      const points = [0, 0.25, 0.5, 0.75, 1].map((s) => [at[0], at[1], at[2] + above_m - s * (above_m + below_m)]);
+      this.tube(points, points.map(() => radius_m), this.colors.object);
+    }
+
+    solid({ region, shape, lines_m }) {
+      const color = region ? this.colors.region : this.colors.obstacle;
+      if (shape && shape.sphere && !region) {
+        const { center_m, radius_m } = shape.sphere;
+        this.tube([center_m, add(center_m, [0, 0, 1e-6])], [radius_m, radius_m], color, true);
+      } else if (shape && shape.capsule && !region) {
+        const { from_m, to_m, radius_m } = shape.capsule;
+        const count = 8;
+        const points = Array.from({ length: count + 1 }, (_, i) => add(from_m, sub(to_m, from_m), i / count));
+        this.tube(points, points.map(() => radius_m), color, true);
+      } else if (shape && shape.box) {
+        this.box(shape.box, color, region);
+      } else {
+        for (const line of lines_m) this.line(line, rgb(color), 1, region ? [4, 3] : []);
+      }
+    }
+
+    // Faces in patches, so that each has a depth of its own.
+    box({ center_m, half_axes_m }, color, region) {
+      for (let axis = 0; axis < 3; axis++) {
+        const [u, v] = [half_axes_m[(axis + 1) % 3], half_axes_m[(axis + 2) % 3]];
+        for (const side of [-1, 1]) {
+          const middle = add(center_m, half_axes_m[axis], side);
+          const corner = (a, b) => add(add(middle, u, a), v, b);
+          if (region) {
+            this.line([corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1), corner(-1, -1)], rgb(color), 1.25, [4, 3]);
+            continue;
+          }
+          const shade = Math.abs(unit(half_axes_m[axis])[2]) > 0.7 ? mix(color, [255, 255, 255], side > 0 ? 0.3 : 0) : mix(color, [0, 0, 0], axis === 0 ? 0.12 : 0.24);
+          const [n, m] = [u, v].map((edge) => Math.max(1, Math.min(8, Math.round(norm(edge) * 2 / (this.extent * 0.06)))));
+          for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
+            const [a, b, c, d] = [-1 + 2 * i / n, -1 + 2 * (i + 1) / n, -1 + 2 * j / m, -1 + 2 * (j + 1) / m];
+            const corners = [corner(a, c), corner(b, c), corner(b, d), corner(a, d)].map((p) => this.project(p));
+            const depth = corners.reduce((sum, p) => sum + p[2], 0) / 4;
+            this.patches.push({ depth, draw: () => {
+              const g = this.g;
+              g.beginPath();
+              corners.forEach(([x, y], k) => (k ? g.lineTo(x, y) : g.moveTo(x, y)));
+              g.closePath();
+              Object.assign(g, { fillStyle: rgb(shade, 0.8), strokeStyle: rgb(shade, 0.8), lineWidth: 0.6 });
+              g.fill();
+            } });
+          }
+        }
+      }
+    }
+
+    target({ at, along, reached }) {
+      if (!finite(at)) return;
+      const [x, y] = this.project(at);
+      const g = this.g;
+      Object.assign(g, { strokeStyle: rgb(this.colors.ink), lineWidth: reached ? 2 : 1.25 });
+      g.beginPath();
+      g.arc(x, y, 5, 0, 2 * Math.PI);
+      g.moveTo(x - 8, y);
+      g.lineTo(x + 8, y);
+      g.moveTo(x, y - 8);
+      g.lineTo(x, y + 8);
+      g.stroke();
+      if (finite(along)) this.line([at, add(at, along, this.extent * 0.06)], rgb(this.colors.ink), 1.25, []);
+    }
+
+    axes() {
+      const g = this.g;
+      const origin = [28, this.height - 28];
+      const zero = this.project(this.middle);
+      ["x", "y", "z"].forEach((name, i) => {
+        const end = this.project(add(this.middle, [0, 1, 2].map((k) => (k === i ? this.extent * 0.1 : 0))));
+        const [dx, dy] = [(end[0] - zero[0]), (end[1] - zero[1])];
+        const long = this.scale * this.extent * 0.1;
+        const [ex, ey] = [origin[0] + dx / long * 18, origin[1] + dy / long * 18];
+        Object.assign(g, { strokeStyle: rgb(this.colors.soft), fillStyle: rgb(this.colors.soft), lineWidth: 1.25 });
+        g.beginPath();
+        g.moveTo(...origin);
+        g.lineTo(ex, ey);
+        g.stroke();
+        if (Math.hypot(dx, dy) < long * 0.25) return;
+        Object.assign(g, { font: "11px system-ui, sans-serif", textAlign: "center", textBaseline: "middle" });
+        g.fillText(name, origin[0] + dx / long * 25, origin[1] + dy / long * 25);
+      });
+    }
+  }
+  return View;
+})();

@@ -1,0 +1,143 @@
+//! The report that moves: one page with its data and scripts in it, which needs no network.
+
+mod columns;
+mod panels;
+mod space;
+
+use serde::Serialize;
+
+use super::facts::{Facts, facts};
+use super::verdict::{self, Card, PhaseRow, Verdict};
+use super::{Summary, rows, summary};
+use crate::record::{FaultRecord, InjectedFault, PhaseInfo, RunLog};
+use columns::{Table, base64, packed};
+use panels::{Panel, Plots, plots};
+use space::{Entry, Space, space};
+
+/// plotly.js, compressed by the build from the crate that brings it.
+const PLOTLY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/plotly.js.gz"));
+
+/// Data of the template.
+#[derive(Debug, Serialize)]
+struct Page<'a> {
+    #[serde(flatten)]
+    facts: Facts,
+    verdict: Verdict,
+    cards: Vec<Card>,
+    key: Vec<Entry>,
+    phases: Vec<PhaseRow>,
+    has_gripper: bool,
+    has_clearance: bool,
+    has_sag: bool,
+    style: &'static str,
+    limb_script: &'static str,
+    columns_script: &'static str,
+    plots_script: &'static str,
+    page_script: &'static str,
+    plotly: String,
+    /// Description of the numbers, as JSON that no HTML ends.
+    run: String,
+    numbers: String,
+    scene_text: &'a str,
+}
+
+/// Description of the numbers of a page.
+#[derive(Debug, Serialize)]
+struct Run<'a> {
+    name: &'a str,
+    /// Tables in the order of their bytes.
+    tables: [(&'static str, &'a Table); 4],
+    panels: &'a [Panel],
+    space: Space<'a>,
+    phases: Vec<Phase<'a>>,
+    marks: Vec<Mark>,
+    states: [&'static str; 7],
+}
+
+/// A phase as the page draws it.
+#[derive(Debug, Serialize)]
+struct Phase<'a> {
+    name: &'a str,
+    start: f64,
+    end: f64,
+    /// When the plan is nearest to an obstacle, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nearest: Option<f64>,
+}
+
+/// Something that happened at a time.
+#[derive(Debug, Serialize)]
+struct Mark {
+    time: f64,
+    text: String,
+    /// Whether the tip lost what it carried.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    lost: bool,
+}
+
+/// A page with the summary, the limb in space and the plots of a run.
+pub fn html(log: &RunLog) -> String {
+    let summary = summary(log);
+    let Plots { mut samples, mut bodies, planned, panels } = plots(log);
+    let mut lines = Table::new(log.shapes.len());
+    let space = space(log, &mut samples, &mut bodies, &mut lines);
+    let tables = [("samples", &samples), ("bodies", &bodies), ("planned", &planned), ("lines", &lines)];
+    let run = Run {
+        name: &log.info.scene_name,
+        tables,
+        panels: &panels,
+        space,
+        phases: phases(log),
+        marks: marks(log, &summary),
+        states: std::array::from_fn(|state| rows::state_name(state as u8)),
+    };
+    let page = Page {
+        facts: facts(log, &summary),
+        verdict: verdict::verdict(log, &summary),
+        cards: verdict::cards(log, &summary),
+        key: space::key(log),
+        phases: verdict::phases(log),
+        has_gripper: log.info.phases.iter().any(|phase| phase.gripper.is_some()),
+        has_clearance: log.info.phases.iter().any(|phase| phase.nearest.is_some()),
+        has_sag: log.bodies.iter().any(|body| body.tip_unloaded_m.is_some()),
+        style: include_str!("page.css"),
+        limb_script: include_str!("limb.js"),
+        columns_script: include_str!("columns.js"),
+        plots_script: include_str!("plots.js"),
+        page_script: include_str!("page.js"),
+        plotly: base64(PLOTLY),
+        run: json(&run),
+        numbers: packed(&tables.map(|(_, table)| table)),
+        scene_text: &log.info.scene_text,
+    };
+    super::rendered("page.html", &page)
+}
+
+/// JSON in which no tag begins, whatever its text is.
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("numbers and text become JSON").replace('<', "\\u003c")
+}
+
+fn phases(log: &RunLog) -> Vec<Phase<'_>> {
+    fn phase(phase: &PhaseInfo) -> Phase<'_> {
+        let nearest = phase.nearest.as_ref().map(|nearest| nearest.time_s).filter(|time| time.is_finite());
+        Phase { name: &phase.name, start: phase.start_s, end: phase.end_s(), nearest }
+    }
+    let phases = log.info.phases.iter().map(phase);
+    phases.filter(|phase| phase.start.is_finite() && phase.end.is_finite()).collect()
+}
+
+fn marks(log: &RunLog, summary: &Summary) -> Vec<Mark> {
+    let faults = log.faults.iter().map(|fault| Mark {
+        time: fault.time_s,
+        text: rows::fault(fault),
+        lost: [FaultRecord::DROPPED, FaultRecord::LEFT_BEHIND].contains(&fault.code),
+    });
+    let on_purpose = |fault: &InjectedFault| Mark {
+        time: fault.time_s,
+        text: format!("{} (on purpose)", rows::injected(fault)),
+        lost: false,
+    };
+    let marks = faults.chain(summary.injected_faults.iter().map(on_purpose));
+    marks.filter(|mark| mark.time.is_finite()).collect()
+}
