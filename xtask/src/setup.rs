@@ -220,7 +220,7 @@ mod tests {
             );
         }
         assert_eq!(packages(&step([true, false, true, true, true, true, true], Means::Apt)), ["qemu-system-arm"]);
-        assert_eq!(packages(&step([true, true, false, true, true, true], Means::Apt)), ["calculix-ccx"]);
+        assert_eq!(packages(&step([true, true, false, true, true, true, true], Means::Apt)), ["calculix-ccx"]);
         let compiler = step([false, true, true, true, true, true, true], Means::Apt);
         assert_eq!(packages(&compiler), ["rustc-web", "cargo-web", "rust-web-src", "lld"]);
     }

@@ -15,6 +15,7 @@ mod link_stream;
 mod port;
 mod record_log;
 mod replay;
+mod report_browser;
 mod report_moving;
 mod report_still;
 mod report_summary;

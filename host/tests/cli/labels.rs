@@ -82,9 +82,16 @@ fn log_and_report_know_whether_the_limb_had_weight() {
         let page = std::fs::read_to_string(desk.path("again.html")).unwrap();
         let head = page.split("<h2>").next().unwrap().rsplit("<h1>").next().unwrap();
         assert_eq!(head.contains(WEIGHTLESS), without, "{head}");
+        for plot in ["Tip error and its causes", "finger: bending"] {
+            let title = format!("\"title\":\"{plot}, {WEIGHTLESS}\"");
+            assert_eq!(page.contains(&title), without, "{plot}");
+        }
+        desk.softlimb("report results/run.mcap --static --out still.html").done();
+        let still = std::fs::read_to_string(desk.path("still.html")).unwrap();
+        assert!(!still.contains("<script"));
         for figure in ["Side view", "Tip error", "finger: bending", "finger: pressures"] {
             let label = format!("aria-label=\"{figure}, {WEIGHTLESS}\"");
-            assert_eq!(page.contains(&label), without, "{figure}");
+            assert_eq!(still.contains(&label), without, "{figure}");
         }
     }
 }

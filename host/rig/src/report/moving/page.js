@@ -109,7 +109,7 @@
     element.style.left = share(start);
     element.style.width = `calc(${share(end)} - ${share(start)})`;
     // A short state at the end of a run has its name all the same.
-    if (kind === "state") Object.assign(element.style, { left: "auto", right: `calc(100% - ${share(end)})`, minWidth: "3.8rem" });
+    if (kind === "state" && end >= last_s) Object.assign(element.style, { left: "auto", right: `calc(100% - ${share(end)})`, minWidth: "3.8rem" });
     const label = document.createElement("span");
     label.textContent = name;
     element.append(label);

@@ -1,0 +1,313 @@
+"""Opens reports in a browser and uses them as a reader would.
+
+    python3 report.py BROWSER PAGE [--pictures FOLDER]
+
+Prints one line for each thing that is wrong, and figures of the updates. Ends with 1 where something is wrong.
+"""
+
+import argparse
+import pathlib
+import re
+import shutil
+import sys
+
+from playwright.sync_api import sync_playwright
+
+WIDTHS = [800, 1280, 1920]
+SCHEMES = ["light", "dark"]
+
+# Texts that leave their box, their page or each other's place.
+TEXTS = r"""
+() => {
+  const wrong = [];
+  const shown = (element) => element.checkVisibility({ visibilityProperty: true }) && element.getClientRects().length;
+  const named = (element) => `${element.tagName.toLowerCase()}.${element.getAttribute("class") || ""} "${element.textContent.trim().slice(0, 40)}"`;
+  const own = (element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+  const texts = [...document.querySelectorAll("body *")].filter((element) => own(element) && shown(element) && !element.closest("script, style, noscript, option"));
+  for (const element of texts) {
+    const scrolls = element.closest(".wide, pre");
+    const box = element.getBoundingClientRect();
+    if (!scrolls && (box.left < -1 || box.right > innerWidth + 1)) wrong.push(`${named(element)} leaves the page: ${box.left} to ${box.right}`);
+    if (!(element instanceof SVGElement) && element.clientWidth && element.scrollWidth > element.clientWidth + 1) wrong.push(`${named(element)} leaves its box`);
+    const size = parseFloat(getComputedStyle(element).fontSize);
+    if (size < 11) wrong.push(`${named(element)} has ${size} px`);
+  }
+  if (document.documentElement.scrollWidth > innerWidth) wrong.push(`the page is ${document.documentElement.scrollWidth} px wide`);
+  const apart = (elements, room, place) => {
+    const boxes = elements.filter(shown).map((element) => [element, element.getBoundingClientRect()]);
+    boxes.forEach(([element, box], index) => {
+      if (box.left < room.left - 1 || box.right > room.right + 1 || box.top < room.top - 1 || box.bottom > room.bottom + 1) wrong.push(`${place}: ${named(element)} leaves its plot`);
+      for (const [other, its] of boxes.slice(0, index)) {
+        const [across, down] = [Math.min(box.right, its.right) - Math.max(box.left, its.left), Math.min(box.bottom, its.bottom) - Math.max(box.top, its.top)];
+        if (across > 1 && down > 3) wrong.push(`${place}: ${named(element)} lies over ${named(other)}`);
+      }
+    });
+  };
+  for (const panel of document.querySelectorAll(".panel")) {
+    const frame = panel.querySelector(".frame");
+    const letters = [...frame.querySelectorAll(".xtick text, .ytick text, .shape-label text"), ...frame.querySelectorAll(".label span, .label b")];
+    apart(letters, frame.getBoundingClientRect(), panel.querySelector("h3").textContent);
+  }
+  const track = document.querySelector("#track");
+  apart([...track.querySelectorAll("span")], track.getBoundingClientRect(), "track");
+  apart([...document.querySelectorAll(".controls > *, .controls .right > *")].filter((element) => !element.matches(".right") && element.textContent), document.querySelector(".controls").getBoundingClientRect(), "controls");
+  return wrong;
+}
+"""
+
+# Texts with less contrast than 4.5 to their ground.
+CONTRAST = r"""
+() => {
+  const numbers = (color) => (color.match(/[\d.]+/g) || []).map(Number);
+  const light = (color) => {
+    const [r, g, b] = numbers(color).slice(0, 3).map((part) => part / 255).map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = (element) => {
+    for (let at = element; at; at = at.parentElement) {
+      const color = getComputedStyle(at).backgroundColor;
+      if (color.startsWith("rgb(")) return color;
+    }
+    return "rgb(255, 255, 255)";
+  };
+  const own = (element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+  const wrong = [];
+  for (const element of document.querySelectorAll("body *")) {
+    if (!own(element) || !element.checkVisibility({ visibilityProperty: true }) || element.closest("script, style, noscript")) continue;
+    const style = getComputedStyle(element);
+    const color = element instanceof SVGElement ? style.fill : style.color;
+    const [a, b] = [light(color), light(ground(element))];
+    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    if (ratio < 4.5) wrong.push(`"${element.textContent.trim().slice(0, 30)}" has a contrast of ${ratio.toFixed(2)}: ${color} on ${ground(element)}`);
+  }
+  return [...new Set(wrong)];
+}
+"""
+
+# Milliseconds of script in an update, over the whole run; and from frame to frame while the slider moves.
+UPDATES = r"""
+async () => {
+  const { rows, show } = window.report;
+  const spent = [];
+  for (let update = 0; update < 300; update++) {
+    const row = Math.floor(update * (rows - 1) / 299);
+    const began = performance.now();
+    show(row);
+    spent.push(performance.now() - began);
+  }
+  const slider = document.querySelector("#slider");
+  const frames = [];
+  let last = performance.now();
+  for (let update = 0; update < 300; update++) {
+    slider.value = Math.floor(update * (rows - 1) / 299);
+    slider.dispatchEvent(new Event("input"));
+    await new Promise((done) => requestAnimationFrame(done));
+    const now = performance.now();
+    frames.push(now - last);
+    last = now;
+  }
+  const of = (list, share) => [...list].sort((a, b) => a - b)[Math.floor(share * (list.length - 1))].toFixed(1);
+  return { rows, script: [of(spent, 0.5), of(spent, 0.95)], frame: [of(frames, 0.5), of(frames, 0.95)] };
+}
+"""
+
+
+class Reader:
+    """A reader with one open page."""
+
+    def __init__(self, page, name):
+        self.page, self.name, self.wrong = page, name, []
+        page.on("console", lambda message: message.type in ("error", "warning") and self.complain(f"console: {message.text}"))
+        page.on("pageerror", lambda error: self.complain(f"error: {error}"))
+        page.on("request", lambda request: request.url.startswith(("file:", "data:", "blob:")) or self.complain(f"request: {request.url}"))
+
+    def complain(self, text):
+        self.wrong.append(f"{self.name}: {text}")
+
+    def expect(self, is_right, text):
+        if not is_right:
+            self.complain(text)
+
+    def open(self, file):
+        self.page.goto(file.resolve().as_uri())
+        self.page.wait_for_function("document.documentElement.dataset.ready === 'plots'", timeout=120_000)
+
+    def row(self):
+        return int(self.page.locator("#space").get_attribute("data-row"))
+
+    def until_row(self, condition):
+        self.page.wait_for_function(f"(() => {{ const row = Number(document.querySelector('#space').dataset.row); return {condition}; }})()", timeout=60_000)
+
+    def picture(self):
+        return self.page.evaluate("document.querySelector('#space').toDataURL()")
+
+    def move_slider(self, row):
+        self.page.locator("#slider").evaluate("(slider, row) => { slider.value = row; slider.dispatchEvent(new Event('input')); }", row)
+        self.until_row(f"row === {row}")
+
+    def slider_moves_the_limb(self):
+        rows = self.page.evaluate("window.report.rows")
+        seen = []
+        for row in (0, rows // 3, 2 * rows // 3):
+            self.move_slider(row)
+            cursor = self.page.locator(".panel .cursor").first.evaluate("(cursor) => cursor.style.transform")
+            value = self.page.locator(".panel .label b").first.text_content()
+            seen.append((self.picture(), cursor, self.page.locator("#now").text_content()))
+            self.expect(re.fullmatch(r"-?\d+\.\d+|–", value), f"value at the cursor: {value}")
+        for kind, of_kind in zip(("limb", "cursor", "time"), zip(*seen)):
+            self.expect(len(set(of_kind)) == 3, f"the {kind} does not follow the slider")
+        self.move_slider(0)
+        self.expect(self.picture() == seen[0][0], "the same time gives another picture")
+
+    def hover_shows_values(self):
+        panel = self.page.locator(".panel").first
+        panel.scroll_into_view_if_needed()
+        box = panel.locator(".plot").bounding_box()
+        self.page.mouse.move(box["x"] + 0.5 * box["width"] - 1, box["y"] + 0.5 * box["height"])
+        self.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+        legend = panel.locator(".hoverlayer .legendtext")
+        legend.first.wait_for(timeout=10_000)
+        texts = legend.all_text_contents()
+        names = panel.locator(".label span").all_text_contents()
+        self.expect(any(name in text for name in names for text in texts), f"hover names no line: {texts}")
+        self.expect(any(re.search(r"\d+\.\d+", text) for text in texts), f"hover has no value: {texts}")
+        self.page.mouse.move(5, 5)
+
+    def keyboard_works(self):
+        page = self.page
+        page.locator("h1").click()
+        page.keyboard.press("Home")
+        self.until_row("row === 0")
+        page.keyboard.press("ArrowRight")
+        self.until_row("row === 1")
+        page.keyboard.press("Shift+ArrowRight")
+        self.until_row("row > 20")
+        page.keyboard.press("End")
+        last = self.page.evaluate("window.report.rows") - 1
+        self.until_row(f"row === {last}")
+        page.keyboard.press("ArrowLeft")
+        self.until_row(f"row === {last - 1}")
+        page.keyboard.press("Home")
+        self.until_row("row === 0")
+        page.keyboard.press(" ")
+        self.until_row("row > 10")
+        page.keyboard.press(" ")
+        page.wait_for_function("document.querySelector('#play').textContent === 'Play'")
+        whole = page.evaluate("[...window.report.plots.range]")
+        page.keyboard.press("+")
+        self.expect_one_range(lambda low, high: high - low < 0.6 * (whole[1] - whole[0]), "plus does not zoom")
+        page.keyboard.press("0")
+        self.expect_one_range(lambda low, high: [low, high] == whole, "0 does not show the whole run")
+        before = self.picture()
+        page.locator("#space").focus()
+        row = self.row()
+        page.keyboard.press("ArrowLeft")
+        page.wait_for_function("(before) => document.querySelector('#space').toDataURL() !== before", arg=before)
+        self.expect(self.row() == row, "turning the view moves the time")
+        # Tab reaches what a mouse reaches.
+        page.locator("#play").focus()
+        page.keyboard.press("Enter")
+        page.wait_for_function("document.querySelector('#play').textContent === 'Pause'")
+        page.keyboard.press("Enter")
+        page.wait_for_function("document.querySelector('#play').textContent === 'Play'")
+
+    def drag_zooms_all(self):
+        plot = self.page.locator(".panel .plot").first
+        plot.scroll_into_view_if_needed()
+        box = plot.bounding_box()
+        height = box["y"] + 0.5 * box["height"]
+        self.page.mouse.move(box["x"] + 0.3 * box["width"], height)
+        self.page.mouse.down()
+        self.page.mouse.move(box["x"] + 0.5 * box["width"], height, steps=5)
+        self.page.mouse.up()
+        whole = self.page.evaluate("window.report.plots.whole")
+        self.page.wait_for_function("document.body.classList.contains('zoomed')", timeout=10_000)
+        self.expect_one_range(lambda low, high: 0 < high - low < 0.5 * (whole[1] - whole[0]), "a drag does not zoom")
+        self.page.locator("#whole").click()
+        self.expect_one_range(lambda low, high: [low, high] == whole, "the button does not show the whole run")
+
+    def expect_one_range(self, is_right, text):
+        ranges = self.page.evaluate(
+            "[window.report.plots.range, ...window.report.plots.panels.filter((panel) => panel.drawn && panel.shown).map((panel) => panel.plot._fullLayout.xaxis.range)]"
+        )
+        self.expect(len({tuple(round(end, 6) for end in one) for one in ranges}) == 1, f"plots show unequal times: {ranges}")
+        self.expect(is_right(*ranges[0]), f"{text}: {ranges[0]}")
+
+    def looks(self, pictures):
+        """Texts at every width, in both schemes; pictures of all of them."""
+        for scheme in SCHEMES:
+            self.page.emulate_media(color_scheme=scheme)
+            for width in WIDTHS:
+                self.page.set_viewport_size({"width": width, "height": 900})
+                self.all_plots()
+                at = f"{width} px, {scheme}"
+                for text in self.page.evaluate(TEXTS):
+                    self.complain(f"{at}: {text}")
+                if pictures:
+                    self.page.screenshot(path=pictures / f"{self.name}-{width}-{scheme}-top.png")
+                    self.page.screenshot(path=pictures / f"{self.name}-{width}-{scheme}.png", full_page=True)
+            for text in self.page.evaluate(CONTRAST):
+                self.complain(f"{scheme}: {text}")
+        self.page.emulate_media(color_scheme="light")
+
+    def all_plots(self):
+        """Plots are drawn where they are seen: scrolls past all of them."""
+        self.page.evaluate("""async () => {
+            const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 30)));
+            const current = () => report.plots.panels.every(({ drawn, stale, plot, frame }) => drawn && !stale && plot._fullLayout.width === report.plots.width(frame));
+            for (let round = 0; round < 5 && !(round && current()); round++) {
+                for (let y = 0; y < document.body.scrollHeight; y += innerHeight / 2) { scrollTo(0, y); await frame(); }
+            }
+            scrollTo(0, 0);
+            await frame();
+        }""")
+        drawn = self.page.evaluate("[report.plots.panels.length, document.querySelectorAll('.panel .main-svg').length > 0, report.plots.panels.every((panel) => panel.drawn)]")
+        self.expect(drawn[0] >= 4 and all(drawn[1:]), f"plots: {drawn}")
+
+    def print(self, pictures):
+        """On paper all plots are light, and none is cut off."""
+        self.page.emulate_media(color_scheme="dark")
+        self.page.evaluate("window.onbeforeprint_state = null; addEventListener('beforeprint', () => { window.at_print = report.plots.panels.map((panel) => [panel.plot._fullLayout.width, panel.plot._fullLayout.font.color]); })")
+        paper = self.page.pdf(format="A4", print_background=True, margin={side: "10mm" for side in ("top", "right", "bottom", "left")})
+        if pictures:
+            (pictures / f"{self.name}.pdf").write_bytes(paper)
+        at_print = self.page.evaluate("window.at_print")
+        self.expect(at_print and all(width <= 340 and color.upper() == "#1B1F24" for width, color in at_print), f"plots on paper: {at_print}")
+        self.page.emulate_media(color_scheme="light")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("browser")
+    parser.add_argument("pages", nargs="+", type=pathlib.Path)
+    parser.add_argument("--pictures", type=pathlib.Path)
+    options = parser.parse_args()
+    if options.pictures:
+        options.pictures.mkdir(parents=True, exist_ok=True)
+    wrong = []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which(options.browser), args=["--no-sandbox", "--disable-gpu"])
+        for file in options.pages:
+            page = browser.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
+            page.set_default_timeout(60_000)
+            reader = Reader(page, file.stem)
+            try:
+                reader.open(file)
+                reader.slider_moves_the_limb()
+                reader.hover_shows_values()
+                reader.keyboard_works()
+                reader.drag_zooms_all()
+                reader.looks(options.pictures)
+                reader.print(options.pictures)
+                figures = page.evaluate(UPDATES)
+                print(f"{file.stem}: {file.stat().st_size} bytes, {figures['rows']} rows; ms, median and 95 %: script {figures['script']}, frame {figures['frame']}")
+            except Exception as error:  # the remaining pages are opened all the same
+                reader.complain(f"{type(error).__name__}: {error}")
+            wrong += reader.wrong
+            page.close()
+        browser.close()
+    print("\n".join(wrong))
+    sys.exit(bool(wrong))
+
+
+main()

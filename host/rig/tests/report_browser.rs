@@ -1,0 +1,108 @@
+//! Reports in a browser: `browser/report.py` opens them and uses them as a reader would.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use std::sync::atomic::AtomicBool;
+
+use softlimb_rig::record::RunLog;
+use softlimb_rig::report;
+use softlimb_rig::run::{Mcu, RunOptions, run};
+use softlimb_scene::parse;
+
+/// Names under which systems install the browser.
+const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
+const CURE: &str = "chromium or its driver is missing (Debian: apt-get install chromium; pip install playwright)";
+
+/// The browser with its driver. Continuous integration must have both: else the test would be skipped unnoticed.
+fn browser() -> Option<&'static str> {
+    let runs = |program: &str, arguments: &[&str]| {
+        let status = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        status.is_ok_and(|status| status.success())
+    };
+    let found = BROWSERS.into_iter().find(|browser| runs(browser, &["--version"]));
+    let found = found.filter(|_| runs("python3", &["-c", "import playwright"]));
+    let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty());
+    assert!(found.is_some() || !ci, "CI is set: {CURE}");
+    if found.is_none() {
+        // The harness captures what `eprintln!` writes.
+        let _ = writeln!(std::io::stderr(), "skipped: reports in a browser; {CURE}");
+    }
+    found
+}
+
+/// The run of a scene of the repository.
+fn log_of(name: &str) -> RunLog {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name).with_extension("toml");
+    let scene = parse(&std::fs::read_to_string(file).unwrap(), name).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let options =
+        RunOptions { seed: 1, out: out.path().to_owned(), mcu: Mcu::Here, link_faults: None, faults: Vec::new() };
+    run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap().run
+}
+
+/// A run again and again: 5 min at 50 Hz, its channels three times.
+fn long(run: &RunLog) -> RunLog {
+    let mut long = run.clone();
+    let (period_s, duration_s) = (run.samples.last().unwrap().time_s + 0.02, 300.0);
+    let rounds = (duration_s / period_s).ceil() as usize;
+    let shifts = (0..rounds).map(|round| period_s * round as f64);
+    fn again<T: Clone>(items: &[T], shifts: impl Iterator<Item = f64>, shift: impl Fn(&mut T, f64)) -> Vec<T> {
+        let shifted = shifts.flat_map(|shift_s| items.iter().cloned().map(move |item| (item, shift_s)));
+        shifted
+            .map(|(mut item, shift_s)| {
+                shift(&mut item, shift_s);
+                item
+            })
+            .collect()
+    }
+    long.samples = again(&run.samples, shifts.clone(), |sample, shift_s| {
+        sample.time_s += shift_s;
+        sample.channels = [&sample.channels[..]; 3].concat();
+        sample.modules = [&sample.modules[..]; 3].concat();
+    });
+    long.bodies = again(&run.bodies, shifts.clone(), |body, shift_s| body.time_s += shift_s);
+    long.shapes = again(&run.shapes, shifts.clone(), |shape, shift_s| shape.time_s += shift_s);
+    long.info.phases = again(&run.info.phases, shifts, |phase, shift_s| phase.start_s += shift_s);
+    let channels = run.info.channel_count();
+    long.info.modules = (0..3)
+        .flat_map(|copy| {
+            run.info.modules.iter().cloned().map(move |mut module| {
+                module.name = format!("{}-{copy}", module.name);
+                module.channels = module.channels.start + copy * channels..module.channels.end + copy * channels;
+                module
+            })
+        })
+        .collect();
+    long
+}
+
+#[test]
+fn reports_are_read_in_a_browser() {
+    let Some(browser) = browser() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let page = |name: &str, log: &RunLog| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, report::html(log)).unwrap();
+        file
+    };
+    let post = log_of("reach-past-post");
+    let carried = log_of("pick-and-place-a");
+    let pages = [
+        page("reach-past-post.html", &post),
+        page("pick-and-place-a.html", &carried),
+        page("five-minutes.html", &long(&post)),
+    ];
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/report.py");
+    let mut command = Command::new("python3");
+    command.arg(script).arg(browser).args(&pages);
+    // Pictures of every page, width and scheme, for eyes.
+    if let Some(pictures) = std::env::var_os("SOFTLIMB_PICTURES") {
+        command.arg("--pictures").arg(PathBuf::from(pictures));
+    }
+    let output = command.output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+    print!("{text}");
+}
