@@ -3,8 +3,10 @@
 use std::io::{Read, Write};
 use std::net::TcpListener;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use std::time::Duration;
 
 use softlimb_protocol::{
     Batch, Command, CommandCode, Decoder, DeviceMessage, DeviceState, Hello, HostMessage, MAX_FRAME_LEN, Outputs,
@@ -19,7 +21,7 @@ use softlimb_rig::link::{
 
 use softlimb_rig::record::{Capture, read_capture};
 use softlimb_rig::replay::replay;
-use softlimb_rig::run::run_behind;
+use softlimb_rig::run::{record_behind, run_behind};
 
 use super::link_common::{Told, configuration, device, knots, settings};
 use super::replay::{ONE_FINGER, differs, forge, replace};
@@ -345,17 +347,9 @@ fn terminal_that_is_closed_is_told() {
     assert!(error.starts_with(&format!("{text} is gone: unplugged")), "{error}");
 }
 
-#[test]
-fn samples_of_a_run_are_in_its_log() {
-    let scene = softlimb_scene::parse(ONE_FINGER, "minimal.toml").unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
-        let limb = softlimb_limb::Limb::new(&scene).unwrap();
-        let plan = softlimb_motion::plan(&scene, &limb).unwrap();
-        let (port, cancel) = ((&address(text), Some(SampleRequest::Measurements(2_000))), AtomicBool::new(false));
-        run_behind(&scene, (limb, plan), port, None, folder.path(), &cancel, |_| ()).unwrap();
-    });
-    let bytes = std::fs::read(folder.path().join("run.mcap")).unwrap();
+/// Number of samples each 2 ms in a log without a gap, of one channel, and the time behind the last one, s.
+fn samples_in(log: &Path) -> (u32, f64) {
+    let bytes = std::fs::read(log).unwrap();
     let (mut next_s, mut count) = (None, 0);
     for message in mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap) {
         if message.channel.topic != "/softlimb/samples" {
@@ -370,6 +364,45 @@ fn samples_of_a_run_are_in_its_log() {
         next_s = Some(time_s + period_s * f64::from(rows));
         count += rows;
     }
+    (count, next_s.expect("the log has samples"))
+}
+
+#[test]
+fn samples_of_a_run_and_of_a_recording_are_in_their_logs() {
+    let scene = softlimb_scene::parse(ONE_FINGER, "minimal.toml").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = folder.path().join("recorded.mcap");
+    served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        let limb = softlimb_limb::Limb::new(&scene).unwrap();
+        let plan = softlimb_motion::plan(&scene, &limb).unwrap();
+        let (port, cancel) = ((&address(text), Some(SampleRequest::Measurements(2_000))), AtomicBool::new(false));
+        run_behind(&scene, (limb, plan), port, None, folder.path(), &cancel, |_| ()).unwrap();
+        // The session of the run is over once it is silent, and the device keeps its configuration.
+        thread::sleep(Duration::from_millis(1_000));
+        let stop = AtomicBool::new(false);
+        thread::scope(|scope| {
+            let port = Port::open(&address(text)).unwrap();
+            let recording = scope.spawn(|| record_behind(port, Some((2_000, None)), &recorded, &stop));
+            thread::sleep(Duration::from_millis(1_500));
+            stop.store(true, Ordering::Relaxed);
+            assert!(recording.join().unwrap().unwrap().samples > 0);
+        });
+    });
     // The run takes 0.4 s, and the vent after it longer.
-    assert!(count >= 200 && next_s.is_some_and(|end_s| end_s >= 0.4), "{count} to {next_s:?}");
+    let (count, end_s) = samples_in(&folder.path().join("run.mcap"));
+    assert!(count >= 200 && end_s >= 0.4, "{count} to {end_s}");
+    let (count, end_s) = samples_in(&recorded);
+    assert!(count >= 200 && end_s >= 0.4, "{count} to {end_s}");
+}
+
+#[test]
+fn samples_of_a_device_without_a_configuration_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("none.mcap");
+    served(ClientPort::tcp("127.0.0.1:0").unwrap(), |text| {
+        let port = Port::open(&address(text)).unwrap();
+        let error = record_behind(port, Some((2_000, None)), &log, &AtomicBool::new(false)).unwrap_err().to_string();
+        assert!(error.contains("it has no configuration"), "{error}");
+    });
+    assert!(!log.exists());
 }

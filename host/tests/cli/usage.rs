@@ -109,6 +109,7 @@ fn options_that_do_not_fit_are_wrong_command_lines() {
         ("run scene.toml --sample-period 2", "--port"),
         ("run scene.toml --port sim --sample-period 2", "every tick"),
         ("run scene.toml --port tcp:127.0.0.1:1 --sample-period 0", "1..=10000"),
+        ("record --port tcp:127.0.0.1:1 -o log.mcap --sample-period 1.5", "1.5"),
         ("run scene.toml --port qemu --record-codes", "--record-codes is for a device behind --port"),
         ("run scene.toml --port tcp:127.0.0.1:1 --record-codes --sample-period 2", "cannot be used with"),
         ("eval scene.toml --batch questions.jsonl", "--batch"),

@@ -3,13 +3,14 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use softlimb_protocol::{CommandCode, Decoder, DeviceMessage};
+use softlimb_protocol::{CommandCode, Decoder, DeviceMessage, SetSampling};
 
 use super::device::DeviceInfo;
 use super::driver::Driver;
 use super::error::LinkError;
 use super::event::Event;
 use super::options::StreamOptions;
+use super::sampling::Sampling;
 use super::transport::Transport;
 
 /// Longest wait for the HelloReply after a refusal, us.
@@ -41,6 +42,22 @@ pub fn clear_faults<T: Transport>(transport: &mut T, options: &StreamOptions<'_>
     let mut driver = Driver::new(transport, options, &mut on_event);
     driver.hello()?;
     driver.command(CommandCode::ClearFaults)
+}
+
+/// Requests samples from a device that has a configuration. They go on when the session is silent, until another session begins.
+///
+/// # Errors
+/// [`LinkError`]; [`LinkError::Occupied`] where another host commands.
+pub fn request_samples<T: Transport>(
+    transport: &mut T,
+    options: &StreamOptions<'_>,
+    sampling: Sampling,
+) -> Result<(), LinkError> {
+    let mut on_event = |_: &mut T, _| {};
+    let mut driver = Driver::new(transport, options, &mut on_event);
+    driver.hello()?;
+    let Sampling { period_us, samples, content } = sampling;
+    driver.demand(&SetSampling { session: options.session, period_us, samples, content: content.into() }.into())
 }
 
 /// Gives all measurements and faults that a device sends to `on_event`, until that breaks or `stop`. Says nothing to the device: a session

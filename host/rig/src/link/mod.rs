@@ -40,7 +40,7 @@ pub use disturbance::{Disturbances, DisturbedLink, LinkFaultError, LinkFaults};
 pub use error::{LinkError, VentOutcome};
 pub use event::Event;
 pub use fault::DeviceFault;
-pub use listen::{clear_faults, identify, listen};
+pub use listen::{clear_faults, identify, listen, request_samples};
 pub use live::{Pilot, Wish, live};
 pub use options::StreamOptions;
 pub use sampling::{SampleRequest, Sampling, SamplingError, Traffic};

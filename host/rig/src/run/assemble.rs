@@ -159,16 +159,7 @@ impl<'a> Assembler<'a> {
     /// Samples between the telemetry messages; `None` before the start.
     pub(super) fn samples(&self, message: &Samples) -> Option<SampleRow> {
         let time_us = message.time_us.checked_sub(self.start_us?)?;
-        let value = |channel: &PressureSample| {
-            (10.0 * f64::from(channel.pressure_10pa), f64::from(channel.duty) / f64::from(i8::MAX))
-        };
-        Some(SampleRow {
-            time_s: time_us as f64 * 1e-6,
-            period_s: f64::from(message.period_us) * 1e-6,
-            left_out: message.left_out,
-            states: message.samples.iter().map(|sample| sample.state.raw()).collect(),
-            channels: message.samples.iter().map(|sample| sample.channels.iter().map(value).collect()).collect(),
-        })
+        Some(sample_row(message, time_us as f64 * 1e-6))
     }
 
     /// Tip of the model; under load that of the setpoints' statics, and NaN where the nominal limb would fall.
@@ -188,6 +179,20 @@ impl<'a> Assembler<'a> {
             value: message.value,
             text: DeviceFault::from(message).to_string(),
         }
+    }
+}
+
+/// Samples of a message whose first one is of `time_s`.
+pub(super) fn sample_row(message: &Samples, time_s: f64) -> SampleRow {
+    let value = |channel: &PressureSample| {
+        (10.0 * f64::from(channel.pressure_10pa), f64::from(channel.duty) / f64::from(i8::MAX))
+    };
+    SampleRow {
+        time_s,
+        period_s: f64::from(message.period_us) * 1e-6,
+        left_out: message.left_out,
+        states: message.samples.iter().map(|sample| sample.state.raw()).collect(),
+        channels: message.samples.iter().map(|sample| sample.channels.iter().map(value).collect()).collect(),
     }
 }
 

@@ -28,6 +28,12 @@ pub enum RunError {
     /// The port cannot be opened.
     #[error(transparent)]
     Port(#[from] PortError),
+    /// A device without measurements takes no request for samples.
+    #[error(
+        "the device sends no measurements, and so no samples: it has no configuration; `softlimb device sensors --scene SCENE --port ADDRESS` \
+         gives it one"
+    )]
+    NoMeasurements,
     /// The samples are too many.
     #[error(transparent)]
     Sampling(#[from] SamplingError),

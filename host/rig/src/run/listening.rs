@@ -1,17 +1,25 @@
 //! Records what a device sends, without a scene. Sends one Hello and nothing else.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fra_model::StateQuantity;
-use softlimb_protocol::{Decoder, DeviceMessage, RetryPolicy, SCHEMA_HASH, Telemetry};
+use softlimb_protocol::{Decoder, DeviceMessage, RetryPolicy, SCHEMA_HASH, Samples, Telemetry};
 
+use super::assemble::sample_row;
 use super::{RunError, unix_ns};
 use crate::link::port::{Port, session_number};
-use crate::link::{DeviceFault, DeviceInfo, LinkError, StreamOptions, Transport, identify};
+use crate::link::{
+    DeviceFault, DeviceInfo, Event, LinkError, SampleRequest, Sampling, StreamOptions, Traffic, Transport, identify,
+    listen, request_samples,
+};
 use crate::record::{
     Direction, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, Recorder, RunEnd, RunInfo, Sample, WireBytes,
 };
+
+/// Longest wait for a measurement of a device that samples are requested from, us: more than the longest period of telemetry.
+const SILENCE_MAX_US: u64 = 11_000_000;
 
 /// Longest wait for bytes between two looks at `stop`, us.
 const LOOK_US: u64 = 50_000;
@@ -28,13 +36,23 @@ pub struct Heard {
 }
 
 /// Records all bytes, measurements and faults of the device behind a port until `stop`. Asks it first who it is, by a Hello that commands nothing
-/// where another host commands. The setpoint of a channel is the pressure that its loop tracks.
+/// where another host commands. The setpoint of a channel is the pressure that its loop tracks. With `samples`, a period in us and the baud of a
+/// serial line, the device also sends samples of pressures and duties that often.
 ///
 /// # Errors
 /// [`RunError`]. A port that is lost ends the log, which is whole.
-pub fn record_behind(mut port: Port, log: &Path, stop: &AtomicBool) -> Result<Heard, RunError> {
+pub fn record_behind(
+    mut port: Port,
+    samples: Option<(u32, Option<u32>)>,
+    log: &Path,
+    stop: &AtomicBool,
+) -> Result<Heard, RunError> {
     let began_us = port.now_us();
-    let device = who(&mut port)?;
+    let session = session_number();
+    let device = who(&mut port, session)?;
+    if let Some((period_us, baud)) = samples {
+        request(&mut port, session, (period_us, baud), stop)?;
+    }
     let mut listener = Listener {
         log,
         device,
@@ -58,6 +76,7 @@ pub fn record_behind(mut port: Port, log: &Path, stop: &AtomicBool) -> Result<He
         for frame in bytes.iter().filter_map(|&byte| decoder.push(byte)?.ok()) {
             match frame.message {
                 DeviceMessage::Telemetry(message) => listener.telemetry(&message)?,
+                DeviceMessage::Samples(message) => listener.samples(&message)?,
                 DeviceMessage::Fault(message) => listener.fault(&message)?,
                 _ => {}
             }
@@ -76,11 +95,41 @@ pub fn record_behind(mut port: Port, log: &Path, stop: &AtomicBool) -> Result<He
 }
 
 /// The device's answer; `None` where there is none, since it may send measurements nevertheless.
-fn who(port: &mut Port) -> Result<Option<DeviceInfo>, RunError> {
+fn who(port: &mut Port, session: u16) -> Result<Option<DeviceInfo>, RunError> {
     let retry = RetryPolicy { attempts_max: 5, ..RetryPolicy::default() };
-    match identify(port, &StreamOptions { retry, ..StreamOptions::new(session_number()) }) {
+    match identify(port, &StreamOptions { retry, ..StreamOptions::new(session) }) {
         Err(error @ LinkError::Port(_)) => Err(RunError::Link(Box::new(error))),
         answer => Ok(answer.ok()),
+    }
+}
+
+/// Requests samples. Two measurements tell how many channels the device has, and how often its telemetry takes the line.
+fn request(
+    port: &mut Port,
+    session: u16,
+    (period_us, baud): (u32, Option<u32>),
+    stop: &AtomicBool,
+) -> Result<(), RunError> {
+    let mut told: Vec<Telemetry> = Vec::new();
+    let heard = listen(port, SILENCE_MAX_US, stop, |event| {
+        if let Event::Telemetry { message, .. } = event {
+            told.push(message);
+        }
+        if told.len() < 2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    match (heard, told.as_slice()) {
+        (Ok(()), [first, second]) => {
+            let telemetry_us = u32::try_from(second.time_us.saturating_sub(first.time_us)).unwrap_or(u32::MAX).max(1);
+            let channels = second.channels.len();
+            let traffic = Traffic { channels, telemetry_us, knot_us: u64::MAX, heartbeat_us: u64::MAX };
+            let sampling = Sampling::new(SampleRequest::Measurements(period_us), &traffic, baud)?;
+            let requested = request_samples(port, &StreamOptions::new(session), sampling);
+            requested.map_err(|error| RunError::Link(Box::new(error)))
+        }
+        // Stopped before.
+        (Ok(()), _) => Ok(()),
+        (Err(LinkError::NoTelemetry { .. }), _) => Err(RunError::NoMeasurements),
+        (Err(error), _) => Err(RunError::Link(Box::new(error))),
     }
 }
 
@@ -131,6 +180,12 @@ impl Listener<'_> {
             self.heard.others += 1;
         }
         Ok(())
+    }
+
+    fn samples(&mut self, message: &Samples) -> Result<(), RunError> {
+        let Some(recorder) = &mut self.recorder else { return Ok(()) };
+        let Some(time_us) = message.time_us.checked_sub(self.zero_us) else { return Ok(()) };
+        Ok(recorder.samples(&sample_row(message, time_us as f64 * 1e-6))?)
     }
 
     fn fault(&mut self, message: &softlimb_protocol::Fault) -> Result<(), RunError> {
