@@ -276,7 +276,8 @@ impl<const N: usize> Controller<N> {
         let band_pa = PUMP_BAND * (high_pa - low_pa);
         // Stops one band below the limit, so that the limit is a fault and not the set point. The cast saturates.
         let duty = 255.0 * (high_pa - band_pa - self.supply.pressure_pa()) / band_pa;
-        (true, duty as u8)
+        // Ready needs no air yet: a fill valve that stays open would fill a chamber that no observer watches.
+        (self.state != DeviceState::Ready, duty as u8)
     }
 }
 

@@ -143,6 +143,10 @@ impl Watched {
                 return Err("was over its limit, and does not vent");
             }
         }
+        let may_take_air = matches!(state, DeviceState::Running | DeviceState::Holding | DeviceState::Faulted);
+        if outputs.supply_open && !may_take_air {
+            return Err("lets air to the fill valves before a start");
+        }
         if self.is_faulted {
             seen.faulted += 1;
             if state != DeviceState::Faulted {

@@ -52,7 +52,7 @@ fn dead_sensor_is_named_and_nothing_is_filled() {
 
 #[test]
 fn fill_valve_that_stays_open_is_found_before_anything_is_filled() {
-    let (failed, _) = finds(PartFault::FillStuckOpen, StepKind::Sensor, "over-pressure");
+    let (failed, _) = finds(PartFault::FillStuckOpen, StepKind::Closed, "over-pressure");
     assert!(!failed.iter().any(|(kind, _)| *kind == StepKind::Fill), "{failed:?}");
 }
 

@@ -192,6 +192,9 @@ fn supply<T: Transport>(probe: &mut Probe<'_, '_, T>, configuration: &DeviceConf
 
 /// Each chamber while all valves are closed and the supply is on.
 fn closed<T: Transport>(probe: &mut Probe<'_, '_, T>, channels: usize, steps: &mut Steps<'_>) -> bool {
+    if let Err(error) = probe.open_supply() {
+        return steps.add(StepKind::Closed, None, failed(probe.with_faults(error.to_string())));
+    }
     let heard = probe.observe(CLOSED_US);
     let mut all = true;
     for index in 0..channels {

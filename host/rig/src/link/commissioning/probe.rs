@@ -32,6 +32,8 @@ const SETTLE_US: u64 = 3_000_000;
 const WATCH_US: u64 = 2_000_000;
 const WINDOW_US: u64 = 250_000;
 const RATE_PA_PER_S: f64 = 150.0;
+/// Pulse that opens the supply of a ready device, but no fill valve, us: shorter than any opening delay.
+const SUPPLY_PULSE_US: u32 = 1_000;
 /// One pulse of the vent, us, their number, and the pressure of a vented chamber, Pa.
 const VENT_US: u32 = 500_000;
 const VENTS: usize = 8;
@@ -58,6 +60,11 @@ impl<'a, 'h, T: Transport> Probe<'a, 'h, T> {
 
     pub(super) fn is_ready(&self) -> bool {
         matches!(self.hand.state(), Some(DeviceState::Ready | DeviceState::Holding))
+    }
+
+    /// Lets the supply reach the fill valves.
+    pub(super) fn open_supply(&mut self) -> Result<(), LinkError> {
+        self.hand.pulse(0, PulseDirection::Fill, SUPPLY_PULSE_US)
     }
 
     /// A finding, with the faults that the device has latched.
