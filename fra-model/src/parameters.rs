@@ -190,20 +190,17 @@ impl<T> Fiber<T> {
     }
 }
 
-/// Angle of a winding from the hoop up to which a bender takes it as a hoop: 5 deg and the rounding of an angle in another unit.
-const HOOP_LIKE_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0 + 1e-7;
-
 /// [`Fiber::shrinks_bends`] in any arithmetic.
 pub(crate) fn shrinks_bends<T: Scalar>(fiber: &Fiber<T>) -> bool {
     fiber.families == Families::Two
         && fiber.placement == Placement::Sheet
         && fiber.modulus_pa > T::zero()
-        && Scalar::abs(fiber.angle_rad) > T::constant(HOOP_LIKE_RAD)
+        && fiber.angle_rad != T::zero()
 }
 
 impl<T: Real> Fiber<T> {
-    /// Whether a bending actuator follows the angle of this winding: of two equal families as a sheet with a modulus, more than 5 deg from the
-    /// hoop. It takes any other winding as a hoop that keeps its radius.
+    /// Whether a bending actuator follows the angle of this winding: of two equal families as a sheet with a modulus. It takes
+    /// any other winding as a hoop that keeps its radius.
     pub fn shrinks_bends(&self) -> bool {
         shrinks_bends(self)
     }

@@ -49,8 +49,7 @@ fn analytic_model_answers_within_the_tolerance_and_finite_elements_beyond() {
             off <= told && told <= 0.1 && number(&section["errors"], "model") == 0.0,
             "{angle_deg} deg: {off} {told}"
         );
-        // Within 5 deg of the hoop the analytic model ignores the angle.
-        assert!(angle_deg <= 5.0 || off < 0.02, "{angle_deg} deg: {off}");
+        assert!(off < 0.02, "{angle_deg} deg: {off}");
     }
     // Without the modulus of a winding there is no choice, and nothing is added.
     let mut bare = wound(3.0);

@@ -7,19 +7,15 @@ const WALL: [f64; 2] = [0.1, 1.0];
 /// Largest stretch of the axis, winding angle from the hoop and strain of the thread of the fit.
 const STRETCH_MAX: f64 = 1.6;
 const ANGLE_MAX_DEG: f64 = 30.0;
-const THREAD_STRAIN_MAX: f64 = 0.02;
-const HELICAL_THREAD_STRAIN_MAX: f64 = 0.05;
-/// Stretch of the axis below which the relative error no longer changes.
-const STRETCH_LEAST: f64 = 1.02;
-
-/// Stretch of the axis, less one, below which that of a helical winding no longer changes.
+const THREAD_STRAIN_MAX: f64 = 0.05;
+/// Stretch of the axis, less one, below which the relative error no longer changes.
 const STRAIN_LEAST: f64 = 0.002;
 
 /// An upper estimate of the relative error of the analytic bend angle, `|analytic / finite elements - 1|` at one pressure without load.
 ///
-/// The analytic model has a thread that does not stretch and a winding that stays a circle. Within 5 deg of the hoop it ignores the angle.
+/// The analytic model has a thread that does not stretch and a winding that stays a circle.
 /// The estimate is a fit to seeded actuators that leaves out fewer than 1 % of them; `docs/explanation/cross-section.md` has its equations. `None` outside the
-/// range of the fit: walls of 0.1 to 1 inner radius, two equal families as a sheet at up to 30 deg, stretches up to 1.6, threads strained by up to 2 %, or 5 % more than 5 deg from the hoop.
+/// range of the fit: walls of 0.1 to 1 inner radius, two equal families as a sheet at up to 30 deg, stretches up to 1.6, threads strained by up to 5 %.
 pub fn analytic_bend_error(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {
     let wall = parameters.outer_radius_m / parameters.inner_radius_m - 1.0;
     let stretch = state.axial_stretch;
@@ -31,30 +27,21 @@ pub fn analytic_bend_error(parameters: &ActuatorParameters<f64>, state: &State<f
     if !is_covered {
         return None;
     }
-    let base = 0.01 + 0.05 * wall;
     // A winding without a modulus keeps its radius.
-    let Some(fiber) = parameters.fiber.filter(|fiber| fiber.modulus_pa > 0.0) else { return Some(base) };
+    let Some(fiber) = parameters.fiber.filter(|fiber| fiber.modulus_pa > 0.0) else { return Some(0.01 + 0.05 * wall) };
     let thread_strain = state.pressure_pa * parameters.inner_radius_m / (4.0 * fiber.modulus_pa * fiber.thickness_m);
-    let is_helical = fiber.shrinks_bends();
     let is_covered = fiber.placement == Placement::Sheet
         && fiber.families == Families::Two
         && fiber.radius_m == parameters.outer_radius_m
         && fiber.angle_rad.abs() <= ANGLE_MAX_DEG.to_radians() + 1e-9
-        && thread_strain <= if is_helical { HELICAL_THREAD_STRAIN_MAX } else { THREAD_STRAIN_MAX };
+        && thread_strain <= THREAD_STRAIN_MAX;
     if !is_covered {
         return None;
     }
     let slope = fiber.angle_rad.tan().powi(2);
-    if is_helical {
-        let strain = (stretch - 1.0).max(STRAIN_LEAST);
-        let thick = 0.18 * wall.powf(1.9) * (-22.7 * strain).exp();
-        let circle = 0.063 * strain.powf(1.07) * (-2.86 * slope).exp();
-        let thread = 1.87 * thread_strain.powf(1.62) * strain.powf(-1.2) * (5.24 * slope).exp();
-        return Some(thick + circle + thread);
-    }
-    let strain = stretch.max(STRETCH_LEAST) - 1.0;
-    let pressure = state.pressure_pa / parameters.material.shear_modulus_pa();
-    let exponent = 1.47 + 4.89 * slope + 1.84 * strain - 0.17 * wall - 0.20 * pressure;
-    let winding = exponent.exp() * slope.powf(0.81) * strain.powf(0.47);
-    Some(base + 1.5 * thread_strain + winding)
+    let strain = (stretch - 1.0).max(STRAIN_LEAST);
+    let thick = 0.18 * wall.powf(1.9) * (-22.7 * strain).exp();
+    let circle = 0.063 * strain.powf(1.07) * (-2.86 * slope).exp();
+    let thread = 1.87 * thread_strain.powf(1.62) * strain.powf(-1.2) * (5.24 * slope).exp();
+    Some(thick + circle + thread)
 }

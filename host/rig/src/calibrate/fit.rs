@@ -224,10 +224,10 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, CalibrationError> {
         property.value(body).ok_or_else(|| CalibrationError::NoSuchProperty {
             body: body.name.clone(),
             property,
-            because: if property.is_of_winding() {
-                "it bends, or has no winding"
-            } else {
-                "its material is neo-Hookean"
+            because: match property {
+                Property::FiberModulus => "it bends, or has no winding",
+                Property::FiberAngle => "it has no winding, or bends with one whose angle the model ignores",
+                _ => "its material is neo-Hookean",
             },
         })
     };

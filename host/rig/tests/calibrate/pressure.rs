@@ -1,6 +1,6 @@
 //! Parameters from pressure and deformation: exact data give exact parameters, noisy ones honest intervals.
 
-use fra_model::{ActuatorParameters, Material, Motion, StateQuantity};
+use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, StateQuantity};
 use softlimb_rig::calibrate::{Body, Noise as Errors, Observation, Property, Settings, Unknown, fit};
 
 use crate::calibrate::noise::{Noise, is_binomial};
@@ -38,6 +38,59 @@ fn exact_data_give_the_coefficients_of_a_yeoh_wall() {
     for (estimate, truth) in found.estimates.iter().zip(tube.c) {
         assert!((estimate.value / truth - 1.0).abs() < 1e-8, "{}: {} is not {truth}", estimate.name, estimate.value);
     }
+}
+
+#[test]
+fn exact_bends_give_modulus_and_fiber_angle() {
+    let bender = |degrees: f64, shear_modulus_pa| ActuatorParameters {
+        motion: Motion::Bending,
+        inner_radius_m: 4.8e-3,
+        outer_radius_m: 6.1e-3,
+        length_m: 0.18,
+        material: Material::NeoHookean { shear_modulus_pa },
+        fiber: Some(Fiber {
+            angle_rad: degrees.to_radians(),
+            families: Families::Two,
+            modulus_pa: 361e6,
+            placement: Placement::Sheet,
+            thickness_m: 0.178e-3,
+            radius_m: 6.1e-3,
+        }),
+    };
+    for (degrees, start) in [(18.0_f64, 15.0), (5.0, 8.0)] {
+        let actuator = Actuator::new(&bender(degrees, 0.52e6)).unwrap();
+        let at = |kilopascals: f64| Observation {
+            body: 0,
+            reading_pa: 1e3 * kilopascals,
+            quantity: StateQuantity::BendAngle,
+            value: actuator.forward(1e3 * kilopascals, &Load::none()).unwrap().state.bend_angle_rad,
+            accuracy: EXACT,
+        };
+        let data = [20.0, 40.0, 70.0, 100.0, 130.0, 170.0].map(at);
+        let sought = [Property::ShearModulus, Property::FiberAngle];
+        let body = Body::new("bender", bender(start, 0.4e6));
+        let found = fit(&[body], &data, &all_of(&sought), &Settings::default()).unwrap();
+        for (estimate, truth) in found.estimates.iter().zip([0.52e6, degrees.to_radians()]) {
+            assert!(
+                (estimate.value / truth - 1.0).abs() < 1e-6,
+                "{}: {} is not {truth}",
+                estimate.name,
+                estimate.value
+            );
+        }
+    }
+    // A winding through the wall is a hoop at any angle.
+    let mut hoop = bender(18.0, 0.5e6);
+    hoop.fiber = hoop.fiber.map(|fiber| Fiber { placement: Placement::Smeared, ..fiber });
+    let seen = [1.0, 2.0].map(|value| Observation {
+        body: 0,
+        reading_pa: 5e4 * value,
+        quantity: StateQuantity::BendAngle,
+        value,
+        accuracy: 1e-2,
+    });
+    let refused = fit(&[Body::new("hoop", hoop)], &seen, &all_of(&[Property::FiberAngle]), &Settings::default());
+    assert!(refused.unwrap_err().to_string().contains("bends with one whose angle the model ignores"));
 }
 
 #[test]
