@@ -2,12 +2,14 @@
 //!
 //! A scene file becomes a [`scene::Scene`], a [`limb::Limb`], a plan ([`motion`]), a run on a device with its log and report ([`rig`]).
 //! [`design`] searches limbs, [`fea`] judges the model, [`query`] answers questions to the actuator model alone, [`batch`] for many
-//! actuators at once, [`results`] has what the command prints as data, and [`comparison`] puts the model beside finite elements. [`cli`] is the command line.
+//! actuators at once, [`sweep`] runs studies of scenes, [`results`] has what the command prints as data, and [`comparison`] puts the model beside finite elements.
+//! [`cli`] is the command line.
 
 pub mod cli;
 pub mod comparison;
 pub mod query;
 pub mod results;
+pub mod sweep;
 
 pub use softlimb_design as design;
 pub use softlimb_fea as fea;

@@ -20,6 +20,7 @@ mod readme;
 #[path = "../../tests/support/samples.rs"]
 mod samples;
 mod steering_command;
+mod sweep_command;
 mod tolerance_command;
 
 // Fixtures of other crates, of which each user takes a part.

@@ -2,7 +2,7 @@
 
 use crate::number::dual::Dual;
 use crate::number::scalar::Scalar;
-use crate::parameters::{ActuatorParameters, Material, Motion, Placement};
+use crate::parameters::{ActuatorParameters, Material, Motion, Placement, shrinks_bends};
 use crate::solution::Load;
 
 /// One of the numbers that an equilibrium depends on.
@@ -22,7 +22,7 @@ pub enum Parameter {
     YeohC2,
     /// `C3`, Pa.
     YeohC3,
-    /// Fiber angle, rad, of a straight actuator.
+    /// Fiber angle, rad, of a straight actuator, and of a bending one that follows it ([`Fiber::shrinks_bends`](crate::Fiber::shrinks_bends)).
     FiberAngle,
     /// Fiber modulus `mu2`, Pa, of a straight actuator.
     FiberModulus,
@@ -93,6 +93,18 @@ impl<T: Copy> Inputs<T> {
         Self { parameters: *parameters, pressure_pa, force_n: load.force_n, torque_nm: load.torque_nm }
     }
 
+    /// The same inputs in another scalar.
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> Inputs<U> {
+        Inputs {
+            parameters: self.parameters.map(&f),
+            pressure_pa: f(self.pressure_pa),
+            force_n: f(self.force_n),
+            torque_nm: f(self.torque_nm),
+        }
+    }
+}
+
+impl<T: Scalar> Inputs<T> {
     /// The value of one input; `None` where the equilibria do not depend on it.
     pub(super) fn get(&self, parameter: Parameter) -> Option<T> {
         let mut copy = *self;
@@ -112,7 +124,9 @@ impl<T: Copy> Inputs<T> {
             (Parameter::YeohC1, Material::Yeoh { c_pa }) => Some(&mut c_pa[0]),
             (Parameter::YeohC2, Material::Yeoh { c_pa }) => Some(&mut c_pa[1]),
             (Parameter::YeohC3, Material::Yeoh { c_pa }) => Some(&mut c_pa[2]),
-            (Parameter::FiberAngle, _) => fiber.filter(|_| !bends).map(|fiber| &mut fiber.angle_rad),
+            (Parameter::FiberAngle, _) => {
+                fiber.filter(|fiber| !bends || shrinks_bends(fiber)).map(|fiber| &mut fiber.angle_rad)
+            }
             (Parameter::FiberModulus, _) => fiber.filter(|_| !bends).map(|fiber| &mut fiber.modulus_pa),
             (Parameter::SheetThickness, _) => {
                 fiber.filter(|_| !bends && placement == Some(Placement::Sheet)).map(|fiber| &mut fiber.thickness_m)
@@ -127,18 +141,6 @@ impl<T: Copy> Inputs<T> {
         }
     }
 
-    /// The same inputs in another scalar.
-    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> Inputs<U> {
-        Inputs {
-            parameters: self.parameters.map(&f),
-            pressure_pa: f(self.pressure_pa),
-            force_n: f(self.force_n),
-            torque_nm: f(self.torque_nm),
-        }
-    }
-}
-
-impl<T: Scalar> Inputs<T> {
     /// The inputs as dual numbers whose variable is one of them; `None` where the equilibria do not depend on it.
     pub(super) fn varied(&self, parameter: Parameter) -> Option<Inputs<Dual<T>>> {
         let mut duals = self.map(Dual::fixed);

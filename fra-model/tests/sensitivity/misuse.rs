@@ -23,7 +23,8 @@ fn inputs_an_actuator_does_not_have_are_named() {
         (smeared, vec![ShearModulus, FiberAngle, FiberModulus]),
         (layer, vec![ShearModulus, FiberAngle, FiberModulus, WindingRadius]),
         (sheet, [&yeoh[..], &winding].concat()),
-        (bending, [&yeoh[..], &[WindingRadius]].concat()),
+        (bending, [&yeoh[..], &[FiberAngle, WindingRadius]].concat()),
+        (ActuatorParameters { motion: Motion::Bending, ..layer }, vec![ShearModulus, WindingRadius]),
         (ActuatorParameters { motion: Motion::Bending, ..bare }, vec![ShearModulus]),
     ] {
         let case = Case::new(p, 10e3, 0.0, 0.0);

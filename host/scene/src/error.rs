@@ -15,7 +15,7 @@ const SHOWN_MAX: usize = 20;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
     /// The file could not be read as text.
-    #[error("cannot read the scene {}: {reason}", path.display())]
+    #[error("cannot read {}: {reason}", path.display())]
     Unreadable {
         /// The path as given.
         path: PathBuf,

@@ -24,6 +24,7 @@ mod reader;
 mod reference;
 mod schema;
 mod source;
+mod study;
 mod suggest;
 mod unit;
 mod value;
@@ -39,8 +40,9 @@ pub use data::{
 pub use elastomers::{CASTABLE_ELASTOMERS, CastableElastomer, TENSILE_TESTS, castable_elastomer};
 pub use error::{Diagnostic, Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};
-pub use reference::reference;
+pub use reference::{reference, study_reference};
 pub use source::{Located, SCENE_BYTES_MAX, Span};
+pub use study::{DESIGNS_MAX, Study, load_study};
 pub use writer::{Rebase, Redesign, RedesignedTarget, RewriteError, redesigned, redesigned_at, rewritten};
 
 use source::Source;

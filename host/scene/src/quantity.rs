@@ -70,17 +70,23 @@ pub(super) enum NotAQuantity {
 
 /// Splits `"6.5 mm"` into the number and its unit.
 pub(super) fn parse_quantity(text: &str) -> Result<(f64, Scale), NotAQuantity> {
-    let text = text.trim();
-    let (number, unit) = text.split_at(number_length(text));
+    let (number, unit) = split_quantity(text);
     let value = number.replace('_', "").parse::<f64>().map_err(|_| NotAQuantity::Number)?;
     if !value.is_finite() {
         return Err(NotAQuantity::Number);
     }
-    if unit.trim().is_empty() {
+    if unit.is_empty() {
         return Err(NotAQuantity::UnitMissing);
     }
     let scale = parse_unit(unit).map_err(NotAQuantity::UnitUnknown)?;
     Ok((value, scale))
+}
+
+/// The two parts of what [`parse_quantity`] takes.
+pub(super) fn split_quantity(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    (number, unit.trim())
 }
 
 /// Length of the decimal number a text starts with; an `e` counts only when an exponent follows it.

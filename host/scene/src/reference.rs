@@ -1,6 +1,6 @@
 //! The reference page of the schema.
 
-use super::schema::{Integer, Key, Pair, Presence, SECTIONS, Section, Unit};
+use super::schema::{Integer, Key, Pair, Presence, SECTIONS, Section, Unit, parameter, study};
 
 const INTRODUCTION: &str = "\
 # Scene reference
@@ -11,6 +11,19 @@ A value with a dimension is a number in SI units or a string with a unit: `inner
 Units combine as in `\"1080 kg/m3\"` and `\"0.144 dm3/(s bar)\"`; a percentage is a plain number over 100. Pressures are gauge unless a key says absolute.
 Air flows are volumes at the reference atmosphere of ISO 8778, so `NL` and `L` are the same. An unknown key is an error.
 ";
+
+const STUDY_INTRODUCTION: &str = "\
+# Study reference
+
+A study is a TOML file, format 1, for `softlimb sweep` ([guide](../guide/sweep.md)). This page is written from the schema that the reader checks
+by; a test keeps it so. Values are written as in a [scene](scene.md).
+";
+
+/// The page `docs/reference/study.md`, in Markdown: every key with its range and default.
+pub fn study_reference() -> String {
+    let sections = [study::SECTION, parameter::SECTION].map(|found| section(&found));
+    format!("{STUDY_INTRODUCTION}\n{}", sections.join("\n"))
+}
 
 /// The page `docs/reference/scene.md`, in Markdown: every key with its range and default.
 pub fn reference() -> String {

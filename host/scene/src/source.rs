@@ -120,7 +120,8 @@ fn read_bounded(path: &Path) -> Result<Vec<u8>, Unreadable> {
     if bytes.len() as u64 > SCENE_BYTES_MAX { Err(Unreadable::TooLarge) } else { Ok(bytes) }
 }
 
-fn fnv1a(bytes: &[u8]) -> u64 {
+/// FNV-1a, 64 bits.
+pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 

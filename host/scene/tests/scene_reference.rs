@@ -1,14 +1,18 @@
-//! `docs/reference/scene.md` is what the schema says. To write it anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test -p softlimb-scene scene_reference`.
+//! `docs/reference/scene.md` and `study.md` are what the schema says. To write them anew: `SOFTLIMB_WRITE_REFERENCE=1 cargo test -p softlimb-scene scene_reference`.
 
 #[test]
-fn reference_page_is_up_to_date() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/scene.md");
-    let page = softlimb_scene::reference();
+fn reference_pages_are_up_to_date() {
+    is_up_to_date("scene.md", &softlimb_scene::reference());
+    is_up_to_date("study.md", &softlimb_scene::study_reference());
+}
+
+fn is_up_to_date(name: &str, page: &str) {
+    let path = format!("{}/../../docs/reference/{name}", env!("CARGO_MANIFEST_DIR"));
     if std::env::var_os("SOFTLIMB_WRITE_REFERENCE").is_some() {
-        std::fs::write(path, &page).unwrap();
+        std::fs::write(&path, page).unwrap();
     }
     let written = std::fs::read_to_string(path).unwrap();
-    assert!(written == page, "docs/reference/scene.md is out of date: run this test with SOFTLIMB_WRITE_REFERENCE=1");
+    assert!(written == page, "docs/reference/{name} is out of date: run this test with SOFTLIMB_WRITE_REFERENCE=1");
 }
 
 #[test]

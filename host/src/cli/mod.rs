@@ -28,6 +28,7 @@ mod retired;
 mod run;
 mod shared;
 mod statics;
+mod sweep;
 mod tolerance;
 mod workspace;
 mod workspace_loaded;
@@ -71,6 +72,7 @@ struct Arguments {
 enum Verb {
     Check(check::Check),
     Run(run::Run),
+    Sweep(sweep::Sweep),
     Jog(jog::Jog),
     Report(report::Report),
     Replay(replay::Replay),
@@ -97,6 +99,7 @@ impl Verb {
         match self {
             Self::Check(verb) => verb.run(),
             Self::Run(verb) => verb.run(),
+            Self::Sweep(verb) => verb.run(),
             Self::Jog(verb) => verb.run(),
             Self::Report(verb) => verb.run(),
             Self::Replay(verb) => verb.run(),

@@ -8,7 +8,7 @@ use clap::Command;
 use crate::cli::desk::{Desk, words};
 
 /// Begins of examples that take too long, need files or devices of their own, or need CalculiX, and the one that `readme` runs.
-const PARSED_ONLY: [&str; 33] = [
+const PARSED_ONLY: [&str; 34] = [
     "run scenes/pick-and-place-a.toml",
     "design limb",
     "design actuators",
@@ -23,6 +23,7 @@ const PARSED_ONLY: [&str; 33] = [
     "fea run",
     "fea calibrate",
     "report",
+    "sweep",
     "replay",
     "export",
     "recover",

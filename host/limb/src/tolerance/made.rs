@@ -46,7 +46,7 @@ fn scaled(material: &Material<f64>, factor: f64) -> Material<f64> {
 
 /// Change of stretch, bend and twist per length of an actuator in an equilibrium without load, from the middle to the end of a tolerance.
 ///
-/// Zero where the model does not know the parameter: a bending actuator has no fiber angle.
+/// Zero where the model does not know the parameter: a bending actuator without a helical winding has no fiber angle.
 pub(super) fn change(
     actuator: &Actuator<f64>,
     state: &State<f64>,

@@ -43,8 +43,8 @@ pub use jogged::{JogDevice, JogOptions, JogView, Operator, Press, attempts, jog,
 pub use listening::{Heard, record_behind};
 use observed::Observed;
 pub(crate) use prepared::Prepared;
-pub use prepared::samples;
 use prepared::{Origin, SESSION};
+pub use prepared::{samples, summaries};
 use recording::{Session, recorded};
 pub use timed_fault::{TimedFault, TimedFaultError};
 use unobserved::Unobserved;

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use softlimb_protocol::Outputs;
-use softlimb_sim::{Processor, SimulatedMcu, here};
+use softlimb_sim::{Processor, SimSettings, SimulatedMcu, here};
 
 use super::RunError;
 use super::assemble::{Assembler, phase_infos, run_info};
@@ -12,9 +12,10 @@ use super::recording::Bench;
 use super::reference::Planned;
 use crate::link;
 use crate::link::{
-    DeviceConfiguration, Event, Knot, LinkError, SampleRequest, Sampling, StreamOptions, Summary, Traffic, Transport,
+    DeviceConfiguration, Event, Knot, LinkError, SampleRequest, Sampling, StreamOptions, Traffic, Transport,
 };
-use crate::record::{RunInfo, Sample};
+use crate::record::{LinkSummary, RunInfo, RunLog, Sample};
+use crate::report::{self, Summary};
 use crate::simulate;
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion as motion;
@@ -136,7 +137,7 @@ impl<'a> Prepared<'a> {
         session: u16,
         cancel: &AtomicBool,
         on_event: impl FnMut(&mut D, Event),
-    ) -> Result<Summary, LinkError> {
+    ) -> Result<link::Summary, LinkError> {
         let options = stream_options(&self.configuration, &self.limb, session, cancel);
         let options = StreamOptions { sampling: self.sampling, ..options };
         link::stream(device, &self.configuration, &self.knots, &options, on_event)
@@ -147,21 +148,62 @@ impl<'a> Prepared<'a> {
     pub(crate) fn samples(&self, parts: u64, noise: u64) -> Result<Vec<Sample>, RunError> {
         let mut settings = simulate::settings(self.scene, &self.limb, parts);
         (settings.seed, settings.plant.noise_seed) = (noise, noise);
+        Ok(self.log(&settings)?.samples)
+    }
+
+    /// Runs on a simulated device and keeps what a log has in memory, without shapes, bodies and the counters of the link.
+    fn log(&self, settings: &SimSettings) -> Result<RunLog, RunError> {
         let processor: Box<dyn Processor> = Box::new(here());
-        let mut device = Observed::new(SimulatedMcu::with_processor(&settings, processor)?);
+        let mut device = Observed::new(SimulatedMcu::with_processor(settings, processor)?);
         let mut assembler = self.assembler(self.scene, &self.limb);
-        let mut samples = Vec::new();
+        let (mut samples, mut faults) = (Vec::new(), Vec::new());
         let ended = self.stream(&mut device, SESSION, &AtomicBool::new(false), |device, event| match event {
             Event::Armed { start_us, .. } => assembler.start(start_us),
             Event::Telemetry { message, .. } => {
                 let truth = device.truth_at(message.time_us);
-                samples.extend(assembler.sample(&message, truth.as_ref()).map(|seen| seen.sample));
+                if let Some(seen) = assembler.sample(&message, truth.as_ref()) {
+                    samples.push(seen.sample);
+                    faults.extend(seen.faults);
+                }
             }
+            Event::Fault { message, .. } => faults.push(assembler.fault(&message)),
             _ => {}
         });
         ended.map_err(|cause| RunError::Link(Box::new(cause)))?;
-        Ok(samples)
+        Ok(RunLog {
+            info: self.info(Origin::Simulated { seed: settings.seed }),
+            samples,
+            faults,
+            shapes: Vec::new(),
+            bodies: Vec::new(),
+            link: LinkSummary::default(),
+            peak_chamber_pa: device.peak_chamber_pa(),
+            wall_s: None,
+            incomplete: None,
+        })
     }
+}
+
+/// Runs a scene on a simulated limb for each seed, which decides everything random as that of [`run`](super::run) does. Each figure of merit is that of a
+/// run with a log; those of the link are zero.
+///
+/// # Errors
+/// [`RunError`] where the scene cannot run at all; that of a seed is in its place.
+pub fn summaries(
+    scene: &Scene,
+    seeds: impl IntoIterator<Item = u64>,
+    mut each: impl FnMut(u64, Result<Summary, RunError>) -> bool,
+) -> Result<(), RunError> {
+    let limb = Limb::new(scene)?;
+    let plan = motion::plan(scene, &limb)?;
+    let prepared = Prepared::planned(scene, limb, plan)?;
+    for seed in seeds {
+        let settings = simulate::settings(scene, prepared.limb(), seed);
+        if !each(seed, prepared.log(&settings).map(|log| report::summary(&log))) {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// Settings of a session with a device that has a configuration of a limb.

@@ -26,19 +26,29 @@ use super::source::{Source, Span};
 
 /// Reads all of a scene, then gives it or everything that is wrong with it.
 pub(super) fn scene(source: Source) -> Result<Scene, SceneError> {
+    let empty = || Problem::new("the scene is empty").help("start from one of the files in scenes/");
+    document(source, empty, read)
+}
+
+/// Reads a file, then gives what it says or everything that is wrong with it.
+pub(super) fn document<T>(
+    source: Source,
+    empty: impl FnOnce() -> Problem,
+    read: impl for<'a> FnOnce(&'a Log, &Source, &'a DeTable<'a>) -> Option<T>,
+) -> Result<T, SceneError> {
     let text = source.text.clone();
     let (table, errors) = DeTable::parse_recoverable(&text);
     let log = Log::default();
-    let scene = if !errors.is_empty() {
+    let found = if !errors.is_empty() {
         note_syntax(&log, &source, errors)
     } else if table.get_ref().is_empty() {
-        log.note(Problem::new("the scene is empty").help("start from one of the files in scenes/"))
+        log.note(empty())
     } else {
         read(&log, &source, table.get_ref())
     };
     let problems = log.into_problems();
-    match scene {
-        Some(scene) if problems.is_empty() => Ok(scene),
+    match found {
+        Some(found) if problems.is_empty() => Ok(found),
         _ => Err(SceneError::Invalid(Problems::new(source, problems))),
     }
 }

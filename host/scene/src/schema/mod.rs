@@ -4,6 +4,7 @@ mod choice;
 mod motion;
 mod parts;
 mod pneumatics;
+mod sweep;
 mod task;
 mod units;
 
@@ -11,6 +12,7 @@ pub(super) use choice::{bounds, design};
 pub(super) use motion::{controller, limits, phase, target, weight};
 pub(super) use parts::{DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, thread, winding};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, valve};
+pub(super) use sweep::{parameter, study};
 pub(super) use task::{corrections, markers, object, obstacle, region};
 pub(super) use units::Unit;
 

@@ -4,11 +4,13 @@ mod draft;
 mod rebase;
 mod redesign;
 mod refit;
+mod setting;
 mod sheets;
 
 pub use rebase::{Rebase, redesigned_at};
 pub use redesign::{Redesign, RedesignedTarget, redesigned};
 pub use refit::rewritten;
+pub(crate) use setting::set;
 
 use super::data::Module;
 use super::error::SceneError;

@@ -1,0 +1,130 @@
+//! Studies: each simulated limb of each design is run, and the figures of merit become one table.
+//!
+//! A row depends on its index and the study alone: neither on threads nor on the order of the runs.
+
+mod figures;
+mod table;
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::thread;
+
+use softlimb_rig::report::Summary;
+use softlimb_rig::run;
+use softlimb_scene::Study;
+
+pub use table::{SweepError, Table};
+
+/// Most limbs of a design that one thread runs after another: a design is planned once for them.
+const BATCH: usize = 16;
+
+/// A part of the rows: those whose index leaves a remainder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which part, from 1.
+    pub index: u64,
+    /// Number of parts.
+    pub count: u64,
+}
+
+impl Shard {
+    /// All rows.
+    pub const WHOLE: Self = Self { index: 1, count: 1 };
+
+    /// Whether a row belongs to it.
+    pub fn has(self, row: u64) -> bool {
+        row % self.count == self.index - 1
+    }
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Index in the study.
+    pub index: u64,
+    /// The row as a line of the table, without a line break.
+    pub line: String,
+    /// Whether the run has figures of merit.
+    pub is_run: bool,
+}
+
+/// Runs rows, which are in rising order, and hands each out as it is done; rows that are running when `cancel` becomes true are dropped.
+pub fn run_rows(study: &Study, rows: &[u64], threads: usize, cancel: &AtomicBool, mut on_row: impl FnMut(Row)) {
+    let batches = batches(study, rows);
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = channel();
+    thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, batches.len().max(1)) {
+            let (sender, batches, next) = (sender.clone(), &batches, &next);
+            scope.spawn(move || {
+                while let Some(batch) = batches.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    if cancel.load(Ordering::Relaxed) || !run_batch(study, &rows[batch.clone()], cancel, &sender) {
+                        return;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        receiver.iter().for_each(&mut on_row);
+    });
+}
+
+/// Ranges of rows of one design each.
+fn batches(study: &Study, rows: &[u64]) -> Vec<Range<usize>> {
+    let limbs = u64::from(study.limbs());
+    let mut batches: Vec<Range<usize>> = Vec::new();
+    for (place, row) in rows.iter().enumerate() {
+        match batches.last_mut() {
+            Some(last) if last.len() < BATCH && rows[last.start] / limbs == row / limbs => last.end = place + 1,
+            _ => batches.push(place..place + 1),
+        }
+    }
+    batches
+}
+
+/// Runs rows of one design; false where nobody takes them any more.
+fn run_batch(study: &Study, rows: &[u64], cancel: &AtomicBool, sender: &Sender<Row>) -> bool {
+    let limbs = u64::from(study.limbs());
+    let design = rows[0] / limbs;
+    let drawn = drawn(study, design);
+    let cells = study.cells(design, &drawn);
+    let row = |index: u64, found: Result<&Summary, String>| {
+        let mut cells = cells.clone();
+        cells.insert(0, index.to_string());
+        cells.push((index % limbs + 1).to_string());
+        cells.extend(figures::cells(found.as_ref().map_or(None, |found| Some(*found))));
+        cells.push(found.as_ref().map_or_else(String::clone, |_| "ok".to_owned()));
+        Row { index, line: table::line(&cells), is_run: found.is_ok() }
+    };
+    let send = |row: Row| sender.send(row).is_ok() && !cancel.load(Ordering::Relaxed);
+    let refused = |text: String| rows.iter().all(|index| send(row(*index, Err(text.clone()))));
+    let scene = match study.scene(design, &drawn) {
+        Ok(scene) => scene,
+        Err(error) => return refused(error.to_string()),
+    };
+    let mut is_wanted = true;
+    let seeds = rows.iter().map(|index| index % limbs + 1);
+    let ended = run::summaries(&scene, seeds, |seed, found| {
+        let found = found.map_err(|error| error.to_string());
+        is_wanted = send(row(design * limbs + seed - 1, found.as_ref().map_err(String::clone)));
+        is_wanted
+    });
+    ended.map_or_else(|error| refused(error.to_string()), |()| is_wanted)
+}
+
+/// Numbers from 0 to 1 for the drawn parameters of a design.
+fn drawn(study: &Study, design: u64) -> Vec<f64> {
+    let dimensions = 0..study.drawn_count() as u32;
+    dimensions.map(|dimension| sobol_burley::sample(study.point(design), dimension, study.seed()).into()).collect()
+}
+
+/// Headings of the table.
+pub fn headings(study: &Study) -> Vec<String> {
+    let mut headings = study.headings();
+    headings.insert(0, "row".to_owned());
+    headings.push("limb".to_owned());
+    headings.extend(figures::HEADINGS.map(str::to_owned));
+    headings.push("outcome".to_owned());
+    headings
+}

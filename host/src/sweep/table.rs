@@ -1,0 +1,225 @@
+//! The table of a sweep: rows that are written as they come, and the whole in order at the end.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use softlimb_files::{FileError, write_whole};
+use softlimb_scene::Study;
+
+use super::{Row, Shard, headings};
+
+/// Ending of the file that has the rows of a sweep which is not done.
+const UNFINISHED: &str = "part";
+
+/// Why there is no table.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// The operating system refused.
+    #[error("cannot {what} {}: {cause}", path.display())]
+    File {
+        /// The verb.
+        what: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        cause: std::io::Error,
+    },
+    /// The table is there already.
+    #[error("{} has all of these rows: remove it, or give another --out, to run them again", .0.display())]
+    Done(PathBuf),
+    /// A file with the name of the table is none of this study, or of another version of it.
+    #[error(
+        "{} is not a table of this study, its scenes and this version of softlimb: remove it, or give another --out",
+        .0.display()
+    )]
+    Other(PathBuf),
+    /// A row that is none, or not of this shard.
+    #[error("{}:{line}: this is not a row of {what}", path.display())]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What it should be a row of.
+        what: &'static str,
+    },
+    /// Two tables differ.
+    #[error("{} has another row {row} than the tables before it", path.display())]
+    Contradiction {
+        /// The later file.
+        path: PathBuf,
+        /// The index of the row.
+        row: u64,
+    },
+    /// Rows are missing.
+    #[error("{missing} of {all} rows are missing, the first is row {first}: run the other shards, then merge again")]
+    Gaps {
+        /// Number of missing rows.
+        missing: u64,
+        /// Number of rows of the study.
+        all: u64,
+        /// The first that is missing.
+        first: u64,
+    },
+    /// The table was not written.
+    #[error(transparent)]
+    NotWritten(#[from] FileError),
+}
+
+/// The rows of a study or of a shard of it, in a file.
+#[derive(Debug)]
+pub struct Table {
+    path: PathBuf,
+    head: String,
+    all: u64,
+    shard: Shard,
+    rows: BTreeMap<u64, String>,
+    file: Option<File>,
+}
+
+impl Table {
+    /// Opens the table of a sweep, with the rows of one that was interrupted.
+    ///
+    /// # Errors
+    /// [`SweepError`]; `Done` where nothing is left to run.
+    pub fn open(study: &Study, shard: Shard, path: &Path) -> Result<Self, SweepError> {
+        let mut table = Self::new(study, shard, path);
+        if path.exists() {
+            table.take(path, false)?;
+            return Err(if table.missing().next().is_none() {
+                SweepError::Done(path.to_owned())
+            } else {
+                SweepError::Other(path.to_owned())
+            });
+        }
+        let part = table.part();
+        if part.exists() {
+            table.take(&part, true)?;
+        }
+        // Written anew, so that a line that was cut off is not continued.
+        let file = |cause| SweepError::File { what: "write", path: part.clone(), cause };
+        write_whole(&part, &table.text())?;
+        table.file = Some(OpenOptions::new().append(true).open(&part).map_err(file)?);
+        Ok(table)
+    }
+
+    /// The whole table of several.
+    ///
+    /// # Errors
+    /// [`SweepError`], where they contradict each other or rows are missing.
+    pub fn merged(study: &Study, tables: &[PathBuf], path: &Path) -> Result<Self, SweepError> {
+        let mut table = Self::new(study, Shard::WHOLE, path);
+        tables.iter().try_for_each(|found| table.take(found, false))?;
+        let first = table.missing().next();
+        first.map_or(Ok(table.rows.len()), |first| {
+            let missing = table.all - table.rows.len() as u64;
+            Err(SweepError::Gaps { missing, all: table.all, first })
+        })?;
+        Ok(table)
+    }
+
+    fn new(study: &Study, shard: Shard, path: &Path) -> Self {
+        let (version, hash, all) = (env!("CARGO_PKG_VERSION"), study.hash(), study.rows());
+        let head = format!("# softlimb {version} sweep, study {hash:016x}, {all} rows\n{}\n", line(&headings(study)));
+        Self { path: path.to_owned(), head, all, shard, rows: BTreeMap::new(), file: None }
+    }
+
+    /// The file of a sweep that is not done.
+    pub fn part(&self) -> PathBuf {
+        let mut name = self.path.clone().into_os_string();
+        name.push(".");
+        name.push(UNFINISHED);
+        name.into()
+    }
+
+    /// Indices of the rows that are not there yet, in rising order.
+    pub fn missing(&self) -> impl Iterator<Item = u64> {
+        let (first, step) = (self.shard.index - 1, self.shard.count as usize);
+        (first..self.all).step_by(step).filter(|row| !self.rows.contains_key(row))
+    }
+
+    /// Number of rows that are there, and that belong there.
+    pub fn progress(&self) -> [u64; 2] {
+        let (first, count) = (self.shard.index - 1, self.shard.count);
+        [self.rows.len() as u64, self.all.saturating_sub(first).div_ceil(count)]
+    }
+
+    /// Keeps a row, on the disk too.
+    ///
+    /// # Errors
+    /// [`SweepError::File`].
+    pub fn add(&mut self, row: Row) -> Result<(), SweepError> {
+        if let Some(file) = &mut self.file {
+            let written = file.write_all(format!("{}\n", row.line).as_bytes());
+            written.map_err(|cause| SweepError::File { what: "write", path: self.part(), cause })?;
+        }
+        self.rows.insert(row.index, row.line);
+        Ok(())
+    }
+
+    /// Writes the table in the order of its rows.
+    ///
+    /// # Errors
+    /// [`SweepError`].
+    pub fn finish(mut self) -> Result<(), SweepError> {
+        write_whole(&self.path, &self.text())?;
+        if self.file.take().is_some() {
+            let part = self.part();
+            fs::remove_file(&part).map_err(|cause| SweepError::File { what: "remove", path: part, cause })?;
+        }
+        Ok(())
+    }
+
+    /// Number of rows without figures of merit.
+    pub fn without_result(&self) -> usize {
+        self.rows.values().filter(|line| !line.ends_with(",ok")).count()
+    }
+
+    fn text(&self) -> String {
+        let mut text = self.head.clone();
+        for line in self.rows.values() {
+            text.push_str(line);
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Takes the rows of a file. A last line without an end is dropped where the file may have been cut off.
+    fn take(&mut self, path: &Path, may_be_cut_off: bool) -> Result<(), SweepError> {
+        let text = fs::read_to_string(path).map_err(|cause| match cause.kind() {
+            ErrorKind::InvalidData => SweepError::Other(path.to_owned()),
+            _ => SweepError::File { what: "read", path: path.to_owned(), cause },
+        })?;
+        let Some(rows) = text.strip_prefix(&self.head) else { return Err(SweepError::Other(path.to_owned())) };
+        for (number, line) in rows.split_inclusive('\n').enumerate() {
+            let row = |what| SweepError::Row { path: path.to_owned(), line: number + 3, what };
+            let Some(line) = line.strip_suffix('\n') else {
+                if may_be_cut_off {
+                    break;
+                }
+                return Err(row("this study"));
+            };
+            let index = line.split(',').next().and_then(|index| index.parse::<u64>().ok());
+            let index = index.filter(|index| *index < self.all).ok_or_else(|| row("this study"))?;
+            if !self.shard.has(index) {
+                return Err(row("this shard"));
+            }
+            if self.rows.get(&index).is_some_and(|before| before != line) {
+                return Err(SweepError::Contradiction { path: path.to_owned(), row: index });
+            }
+            self.rows.insert(index, line.to_owned());
+        }
+        Ok(())
+    }
+}
+
+/// Cells as a line of CSV.
+pub(super) fn line(cells: &[String]) -> String {
+    let cell = |cell: &String| {
+        let text = cell.replace(['\n', '\r'], " ");
+        if text.contains([',', '"', '#']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+    };
+    cells.iter().map(cell).collect::<Vec<_>>().join(",")
+}
