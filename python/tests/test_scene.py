@@ -65,7 +65,9 @@ def test_run_is_recorded(scene, tmp_path):
 
 
 def test_interrupt_ends_a_run(tmp_path):
-    script = "import softlimb; s = softlimb.Scene.load('pick-and-place-a.toml'); print('begun', flush=True); s.run(OUT); print('ended')"
+    # A process that a shell began in the background ignores interrupts, and hands that on.
+    heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    script = heed + "import softlimb; s = softlimb.Scene.load('pick-and-place-a.toml'); print('begun', flush=True); s.run(OUT); print('ended')"
     words = [sys.executable, "-c", script.replace("OUT", repr(str(tmp_path)))]
     with subprocess.Popen(words, cwd=SCENES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
         assert running.stdout.readline() == "begun\n"
