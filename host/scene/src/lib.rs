@@ -42,7 +42,7 @@ pub use error::{Diagnostic, Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};
 pub use reference::{reference, study_reference};
 pub use source::{Located, SCENE_BYTES_MAX, Span};
-pub use study::{DESIGNS_MAX, Study, load_study};
+pub use study::{Study, load_study};
 pub use writer::{Rebase, Redesign, RedesignedTarget, RewriteError, redesigned, redesigned_at, rewritten};
 
 use source::Source;

@@ -82,7 +82,7 @@ pub(super) fn parse_quantity(text: &str) -> Result<(f64, Scale), NotAQuantity> {
     Ok((value, scale))
 }
 
-/// The two parts of what [`parse_quantity`] takes.
+/// Number and unit of a quantity.
 pub(super) fn split_quantity(text: &str) -> (&str, &str) {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text));

@@ -1,4 +1,4 @@
-//! `softlimb sweep`: the runs of a study.
+//! `softlimb sweep`: runs of a study.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -11,10 +11,10 @@ use super::{Failure, Outcome, note, warn};
 use crate::sweep::{Shard, SweepError, Table, run_rows};
 use softlimb_scene as scene;
 
-/// Run scenes with many values of their parameters on many simulated limbs, into one table
+/// Run scenes with varied parameters on many simulated limbs, and tabulate the results
 #[derive(Args)]
 #[command(
-    after_help = "The study: docs/reference/study.md. Rows do not depend on threads or shards. An interrupted sweep goes on where it was.\n\n\
+    after_help = "The study: docs/reference/study.md. Rows do not depend on threads or shards. The same command continues an interrupted sweep.\n\n\
                   Examples:\n  softlimb sweep scenes/studies/finger.toml\n  \
                   softlimb sweep scenes/studies/finger.toml --shard 1/4 --out part-1.csv\n  \
                   softlimb sweep scenes/studies/finger.toml --merge part-1.csv part-2.csv part-3.csv part-4.csv"
@@ -28,7 +28,7 @@ pub(super) struct Sweep {
     /// Run one of N equal parts of the rows, for several machines
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "merge")]
     shard: Option<Shard>,
-    /// Join the tables of all parts instead of running
+    /// Join the tables of all parts; nothing runs
     #[arg(long, value_name = "FILE", num_args = 1..)]
     merge: Vec<PathBuf>,
     /// Threads [default: one for each processor]
@@ -59,10 +59,9 @@ impl Sweep {
         let ([rows, _], without_result) = (table.progress(), table.without_result());
         table.finish()?;
         note(&format!("wrote {}: {rows} rows", out.display()));
-        let first = "the column `outcome` says why";
         Ok(match without_result {
             0 => Outcome::Done,
-            count => warn(&[format!("{count} of {rows} rows have no result; {first}")]),
+            count => warn(&[format!("{count} of {rows} rows have no result; the column `outcome` has the reason")]),
         })
     }
 

@@ -1,4 +1,4 @@
-//! The figures of merit of a run as cells.
+//! Figures of merit of a run as cells of the table.
 
 use softlimb_rig::report::Summary;
 
@@ -16,7 +16,7 @@ pub(super) const HEADINGS: [&str; 10] = [
     "duration [s]",
 ];
 
-/// Cells under the headings; empty where there is no run or no such figure.
+/// Cells under the headings; empty without a run or without the figure.
 pub(super) fn cells(run: Option<&Summary>) -> [String; HEADINGS.len()] {
     let Some(run) = run else { return Default::default() };
     let (holds, tip, tracking) = (&run.tip.at_holds_m, &run.tip.error_m, &run.tip.tracking_error_m);
@@ -41,7 +41,7 @@ fn peak_share(run: &Summary) -> Option<f64> {
     run.peak_chamber_pa.iter().zip(limits).map(|(peak_pa, limit_pa)| peak_pa / limit_pa).reduce(f64::max)
 }
 
-/// Nine digits, no more than any figure has.
+/// Nine significant digits, in the shorter notation.
 fn shown(value: f64) -> String {
     if !value.is_finite() {
         return String::new();

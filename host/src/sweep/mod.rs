@@ -1,6 +1,6 @@
-//! Studies: each simulated limb of each design is run, and the figures of merit become one table.
+//! Sweeps: runs each simulated limb of each design of a study, and tabulates the figures of merit.
 //!
-//! A row depends on its index and the study alone: neither on threads nor on the order of the runs.
+//! A row depends on the study and its index alone, not on the number of threads or the order of runs.
 
 mod figures;
 mod table;
@@ -16,13 +16,13 @@ use softlimb_scene::Study;
 
 pub use table::{SweepError, Table};
 
-/// Most limbs of a design that one thread runs after another: a design is planned once for them.
+/// Largest number of limbs of a design in a batch. A thread plans the design once for each batch.
 const BATCH: usize = 16;
 
-/// A part of the rows: those whose index leaves a remainder.
+/// One of several equal parts of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from 1.
+    /// Number of this part, from 1.
     pub index: u64,
     /// Number of parts.
     pub count: u64,
@@ -45,11 +45,9 @@ pub struct Row {
     pub index: u64,
     /// The row as a line of the table, without a line break.
     pub line: String,
-    /// Whether the run has figures of merit.
-    pub is_run: bool,
 }
 
-/// Runs rows, which are in rising order, and hands each out as it is done; rows that are running when `cancel` becomes true are dropped.
+/// Runs rows, whose indices must rise, and passes each to `on_row` when its run ends. After `cancel` becomes true, no more rows are passed.
 pub fn run_rows(study: &Study, rows: &[u64], threads: usize, cancel: &AtomicBool, mut on_row: impl FnMut(Row)) {
     let batches = batches(study, rows);
     let next = AtomicUsize::new(0);
@@ -83,7 +81,7 @@ fn batches(study: &Study, rows: &[u64]) -> Vec<Range<usize>> {
     batches
 }
 
-/// Runs rows of one design; false where nobody takes them any more.
+/// Runs rows of one design; `false` after cancellation.
 fn run_batch(study: &Study, rows: &[u64], cancel: &AtomicBool, sender: &Sender<Row>) -> bool {
     let limbs = u64::from(study.limbs());
     let design = rows[0] / limbs;
@@ -95,7 +93,7 @@ fn run_batch(study: &Study, rows: &[u64], cancel: &AtomicBool, sender: &Sender<R
         cells.push((index % limbs + 1).to_string());
         cells.extend(figures::cells(found.as_ref().map_or(None, |found| Some(*found))));
         cells.push(found.as_ref().map_or_else(String::clone, |_| "ok".to_owned()));
-        Row { index, line: table::line(&cells), is_run: found.is_ok() }
+        Row { index, line: table::line(&cells) }
     };
     let send = |row: Row| sender.send(row).is_ok() && !cancel.load(Ordering::Relaxed);
     let refused = |text: String| rows.iter().all(|index| send(row(*index, Err(text.clone()))));
@@ -113,14 +111,14 @@ fn run_batch(study: &Study, rows: &[u64], cancel: &AtomicBool, sender: &Sender<R
     ended.map_or_else(|error| refused(error.to_string()), |()| is_wanted)
 }
 
-/// Numbers from 0 to 1 for the drawn parameters of a design.
+/// Coordinates, 0 to 1, of the design's point in the ranges of the drawn parameters.
 fn drawn(study: &Study, design: u64) -> Vec<f64> {
     let dimensions = 0..study.drawn_count() as u32;
     dimensions.map(|dimension| sobol_burley::sample(study.point(design), dimension, study.seed()).into()).collect()
 }
 
 /// Headings of the table.
-pub fn headings(study: &Study) -> Vec<String> {
+fn headings(study: &Study) -> Vec<String> {
     let mut headings = study.headings();
     headings.insert(0, "row".to_owned());
     headings.push("limb".to_owned());

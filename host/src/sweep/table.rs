@@ -1,19 +1,21 @@
-//! The table of a sweep: rows that are written as they come, and the whole in order at the end.
+//! Table of a sweep. Each row is appended to a file when its run ends; the finished table is sorted.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Write};
+use std::iter;
 use std::path::{Path, PathBuf};
 
+use softlimb_files::table::written;
 use softlimb_files::{FileError, write_whole};
 use softlimb_scene::Study;
 
 use super::{Row, Shard, headings};
 
-/// Ending of the file that has the rows of a sweep which is not done.
+/// Extension of the file of an unfinished sweep.
 const UNFINISHED: &str = "part";
 
-/// Why there is no table.
+/// Error of a table.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// The operating system refused.
@@ -26,26 +28,26 @@ pub enum SweepError {
         /// The cause.
         cause: std::io::Error,
     },
-    /// The table is there already.
+    /// The table is complete already.
     #[error("{} has all of these rows: remove it, or give another --out, to run them again", .0.display())]
     Done(PathBuf),
-    /// A file with the name of the table is none of this study, or of another version of it.
+    /// The file belongs to another study, other scenes or another version of softlimb.
     #[error(
         "{} is not a table of this study, its scenes and this version of softlimb: remove it, or give another --out",
         .0.display()
     )]
     Other(PathBuf),
-    /// A row that is none, or not of this shard.
+    /// A line is not a row of the study or of the shard.
     #[error("{}:{line}: this is not a row of {what}", path.display())]
     Row {
         /// The file.
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// What it should be a row of.
+        /// The study or the shard.
         what: &'static str,
     },
-    /// Two tables differ.
+    /// Two tables have different rows of one index.
     #[error("{} has another row {row} than the tables before it", path.display())]
     Contradiction {
         /// The later file.
@@ -60,10 +62,10 @@ pub enum SweepError {
         missing: u64,
         /// Number of rows of the study.
         all: u64,
-        /// The first that is missing.
+        /// Index of the first missing row.
         first: u64,
     },
-    /// The table was not written.
+    /// The table cannot be written.
     #[error(transparent)]
     NotWritten(#[from] FileError),
 }
@@ -80,10 +82,10 @@ pub struct Table {
 }
 
 impl Table {
-    /// Opens the table of a sweep, with the rows of one that was interrupted.
+    /// Opens the table of a sweep, and reads the rows of an interrupted one.
     ///
     /// # Errors
-    /// [`SweepError`]; `Done` where nothing is left to run.
+    /// [`SweepError`]; [`SweepError::Done`] if no row is missing.
     pub fn open(study: &Study, shard: Shard, path: &Path) -> Result<Self, SweepError> {
         let mut table = Self::new(study, shard, path);
         if path.exists() {
@@ -98,17 +100,17 @@ impl Table {
         if part.exists() {
             table.take(&part, true)?;
         }
-        // Written anew, so that a line that was cut off is not continued.
+        // The file may end within a line, which must not be continued.
         let file = |cause| SweepError::File { what: "write", path: part.clone(), cause };
         write_whole(&part, &table.text())?;
         table.file = Some(OpenOptions::new().append(true).open(&part).map_err(file)?);
         Ok(table)
     }
 
-    /// The whole table of several.
+    /// Joins tables of shards.
     ///
     /// # Errors
-    /// [`SweepError`], where they contradict each other or rows are missing.
+    /// [`SweepError`]; above all contradicting or missing rows.
     pub fn merged(study: &Study, tables: &[PathBuf], path: &Path) -> Result<Self, SweepError> {
         let mut table = Self::new(study, Shard::WHOLE, path);
         tables.iter().try_for_each(|found| table.take(found, false))?;
@@ -126,7 +128,7 @@ impl Table {
         Self { path: path.to_owned(), head, all, shard, rows: BTreeMap::new(), file: None }
     }
 
-    /// The file of a sweep that is not done.
+    /// File of the unfinished sweep.
     pub fn part(&self) -> PathBuf {
         let mut name = self.path.clone().into_os_string();
         name.push(".");
@@ -134,19 +136,19 @@ impl Table {
         name.into()
     }
 
-    /// Indices of the rows that are not there yet, in rising order.
+    /// Indices of the missing rows, in rising order.
     pub fn missing(&self) -> impl Iterator<Item = u64> {
         let (first, step) = (self.shard.index - 1, self.shard.count as usize);
         (first..self.all).step_by(step).filter(|row| !self.rows.contains_key(row))
     }
 
-    /// Number of rows that are there, and that belong there.
+    /// Numbers of finished rows and of all rows of the shard.
     pub fn progress(&self) -> [u64; 2] {
         let (first, count) = (self.shard.index - 1, self.shard.count);
         [self.rows.len() as u64, self.all.saturating_sub(first).div_ceil(count)]
     }
 
-    /// Keeps a row, on the disk too.
+    /// Adds a row, and appends it to the file.
     ///
     /// # Errors
     /// [`SweepError::File`].
@@ -159,7 +161,7 @@ impl Table {
         Ok(())
     }
 
-    /// Writes the table in the order of its rows.
+    /// Writes the sorted table, and removes the file of the unfinished sweep.
     ///
     /// # Errors
     /// [`SweepError`].
@@ -186,7 +188,7 @@ impl Table {
         text
     }
 
-    /// Takes the rows of a file. A last line without an end is dropped where the file may have been cut off.
+    /// Reads the rows of a file. If `may_be_cut_off`, an unfinished last line is dropped.
     fn take(&mut self, path: &Path, may_be_cut_off: bool) -> Result<(), SweepError> {
         let text = fs::read_to_string(path).map_err(|cause| match cause.kind() {
             ErrorKind::InvalidData => SweepError::Other(path.to_owned()),
@@ -215,11 +217,9 @@ impl Table {
     }
 }
 
-/// Cells as a line of CSV.
+/// One line of CSV, without a line break.
 pub(super) fn line(cells: &[String]) -> String {
-    let cell = |cell: &String| {
-        let text = cell.replace(['\n', '\r'], " ");
-        if text.contains([',', '"', '#']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
-    };
-    cells.iter().map(cell).collect::<Vec<_>>().join(",")
+    let cells: Vec<String> = cells.iter().map(|cell| cell.replace(['\n', '\r'], " ")).collect();
+    let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
+    written(&cells, iter::empty::<[&str; 0]>()).trim_end_matches('\n').to_owned()
 }

@@ -151,7 +151,7 @@ impl<'a> Prepared<'a> {
         Ok(self.log(&settings)?.samples)
     }
 
-    /// Runs on a simulated device and keeps what a log has in memory, without shapes, bodies and the counters of the link.
+    /// Runs on a simulated device and keeps the log in memory, without shapes, bodies and counters of the link.
     fn log(&self, settings: &SimSettings) -> Result<RunLog, RunError> {
         let processor: Box<dyn Processor> = Box::new(here());
         let mut device = Observed::new(SimulatedMcu::with_processor(settings, processor)?);
@@ -184,11 +184,11 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Runs a scene on a simulated limb for each seed, which decides everything random as that of [`run`](super::run) does. Each figure of merit is that of a
-/// run with a log; those of the link are zero.
+/// Runs a scene on a simulated limb for each seed, without logs. The figures of merit are those of [`run`](super::run) with that seed; counters of the
+/// link are zero. `each` ends the runs by returning `false`.
 ///
 /// # Errors
-/// [`RunError`] where the scene cannot run at all; that of a seed is in its place.
+/// [`RunError`] if the scene cannot run. Errors of a single seed are passed to `each`.
 pub fn summaries(
     scene: &Scene,
     seeds: impl IntoIterator<Item = u64>,

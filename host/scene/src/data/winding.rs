@@ -4,7 +4,7 @@ use fra_model::Motion;
 
 use super::{Module, Scene};
 
-/// Angle from the hoop up to which the analytic bender takes each winding as a hoop, deg.
+/// Largest angle from the hoop without a warning, deg.
 const HOOP_LIKE_DEG: f64 = 5.0;
 /// Rounding of an angle that the scene gives in a unit of its own, deg.
 const ROUNDING_DEG: f64 = 1e-9;

@@ -30,7 +30,7 @@ pub(super) fn scene(source: Source) -> Result<Scene, SceneError> {
     document(source, empty, read)
 }
 
-/// Reads a file, then gives what it says or everything that is wrong with it.
+/// Parses a file and reads its tables; the error has all problems found.
 pub(super) fn document<T>(
     source: Source,
     empty: impl FnOnce() -> Problem,

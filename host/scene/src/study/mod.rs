@@ -1,4 +1,4 @@
-//! Studies: scenes with other values, design by design.
+//! Studies: scenes with varied parameters.
 
 mod read;
 mod value;
@@ -11,12 +11,9 @@ use super::data::Scene;
 use super::error::SceneError;
 use super::source::{Source, fnv1a};
 use super::writer::set;
-use value::{Setting, Values};
+use value::{Setting, Values, quantity};
 
-/// Most designs of a study.
-pub const DESIGNS_MAX: u64 = 1_000_000_000;
-
-/// Scenes that vary by parameters. A design is one scene with one value of each parameter; its limbs are simulated one by one.
+/// Scenes with varied parameters. A design is one scene with one value of each parameter. Each design has several simulated limbs.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// Its file.
@@ -32,7 +29,7 @@ pub struct Study {
 /// A scene of a study.
 #[derive(Clone, Debug)]
 struct VariedScene {
-    /// Its file as the study names it, which is the same wherever the study lies.
+    /// File name as written in the study, so that tables do not depend on the current folder.
     file: String,
     source: Source,
 }
@@ -40,7 +37,7 @@ struct VariedScene {
 /// A parameter of a study.
 #[derive(Clone, Debug)]
 struct Parameter {
-    /// Names from the top of the scene to the key.
+    /// Names of tables, then the key.
     place: Vec<String>,
     values: Values,
 }
@@ -87,12 +84,12 @@ impl Study {
         self.seed
     }
 
-    /// A number of the texts of study and scenes.
+    /// FNV-1a hash of the texts of the study and its scenes.
     pub fn hash(&self) -> u64 {
         self.hash
     }
 
-    /// Headings of the columns that tell designs apart: the scene, and each parameter with its unit.
+    /// Column headings of the scene and of each parameter, with its unit.
     pub fn headings(&self) -> Vec<String> {
         let heading = |parameter: &Parameter| match parameter.values.unit() {
             "" => parameter.place.join("."),
@@ -101,7 +98,7 @@ impl Study {
         std::iter::once("scene".to_owned()).chain(self.parameters.iter().map(heading)).collect()
     }
 
-    /// The number of a design's drawn point.
+    /// Index of the design's drawn point.
     pub fn point(&self, design: u64) -> u32 {
         (design % u64::from(self.points)) as u32
     }
@@ -116,14 +113,14 @@ impl Study {
     /// The scene of a design.
     ///
     /// # Errors
-    /// [`SceneError`] where it does not take the values.
+    /// [`SceneError`] if the scene refuses the values.
     pub fn scene(&self, design: u64, drawn: &[f64]) -> Result<Scene, SceneError> {
         let (scene, settings) = self.design(design, drawn);
         let source = &self.scenes[scene].source;
-        // The text was read by this parser with the study.
+        // `load_study` has parsed this text.
         let Ok(mut document) = source.text.parse::<DocumentMut>() else { return super::read::scene(source.clone()) };
         for (place, setting) in &settings {
-            // Places were found with the study.
+            // `load_study` has found this place.
             let _ = set(&mut document, place, &setting.written);
         }
         let name = format!("{} as varied by {}", source.name, self.name);
@@ -136,13 +133,17 @@ impl Study {
         let mut drawn = drawn.iter().rev();
         let mut settings: Vec<(&[String], Setting)> = Vec::with_capacity(self.parameters.len());
         for parameter in self.parameters.iter().rev() {
-            let setting = match parameter.values.listed() {
-                Some(count) => {
+            let setting = match &parameter.values {
+                Values::Listed { settings, .. } => {
+                    let count = settings.len() as u64;
                     let choice = rest % count;
                     rest /= count;
-                    parameter.values.at(choice as usize)
+                    settings[choice as usize].clone()
                 }
-                None => parameter.values.drawn(drawn.next().copied().unwrap_or(0.0)),
+                Values::Range { ends: [low, high], unit } => {
+                    let share = drawn.next().copied().unwrap_or(0.0);
+                    quantity(low + share * (high - low), unit)
+                }
             };
             settings.push((&parameter.place, setting));
         }

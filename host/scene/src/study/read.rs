@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 use toml_edit::DocumentMut;
 
 use super::value::{Setting, Values, end, setting};
-use super::{DESIGNS_MAX, Parameter, Study, VariedScene};
+use super::{Parameter, Study, VariedScene};
 use crate::error::{Problem, SceneError, quoted};
 use crate::read::document;
 use crate::reader::{Log, Reader, Value};
@@ -15,10 +15,12 @@ use crate::source::{Source, Span};
 use crate::value::wrong_type;
 use crate::writer::set;
 
-/// Most parameters, which is what a Sobol sequence has dimensions for.
+/// Largest number of rows of a study.
+const ROWS_MAX: u64 = 1_000_000_000;
+/// Largest number of parameters.
 const PARAMETERS_MAX: usize = 64;
 
-/// Reads a study whose scenes are named from a folder.
+/// Reads a study. Paths of scenes are relative to `folder`.
 pub(super) fn study(source: Source, folder: &Path) -> Result<Study, SceneError> {
     let empty = || Problem::new("the study is empty").help("it needs `format = 1` and `scenes`");
     document(source, empty, |log, source, table| read(log, source, table, folder))
@@ -49,8 +51,8 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>, folder: &Path
         let title = "`points` has no meaning without a `range`";
         return log.note(Problem::at(points.span, title, "nothing is drawn"));
     }
-    if study.rows() > DESIGNS_MAX {
-        let title = format!("a study has at most {DESIGNS_MAX} rows");
+    if study.rows() > ROWS_MAX {
+        let title = format!("a study has at most {ROWS_MAX} rows");
         return log.note(Problem::new(title).help(format!("this one has {}", study.rows())));
     }
     Some(study)
@@ -69,7 +71,7 @@ fn scenes(root: &Reader<'_>, folder: &Path) -> Option<Vec<VariedScene>> {
         let found = Source::read(&folder.join(file.as_ref())).map_err(|error| refused(&error));
         let found = found.and_then(|found| match found.text.parse::<DocumentMut>() {
             Ok(_) => Ok(found),
-            // The reader of scenes says what is wrong with it.
+            // The reader of scenes reports the error.
             Err(_) => {
                 Err(refused(&crate::read::scene(found).map_or_else(|error| error.to_string(), |_| String::new())))
             }
@@ -80,7 +82,7 @@ fn scenes(root: &Reader<'_>, folder: &Path) -> Option<Vec<VariedScene>> {
     items.iter().map(source).collect()
 }
 
-/// The items of an array that has some.
+/// Items of a non-empty array.
 fn items<'a>(log: &Log, value: &'a Value<'a>, name: &str, expected: &str) -> Option<Vec<&'a Value<'a>>> {
     match value.get_ref() {
         DeValue::Array(items) if items.is_empty() => {
@@ -106,7 +108,7 @@ fn parameter(table: &Reader<'_>, scenes: Option<&[VariedScene]>) -> Option<Param
     let place: Vec<String> = key.value.split('.').map(str::to_owned).collect();
     for scene in scenes? {
         let Ok(mut document) = scene.source.text.parse::<DocumentMut>() else { continue };
-        let Err(found) = set(&mut document, &place, &values.at(0).written) else { continue };
+        let Err(found) = set(&mut document, &place, &values.first().written) else { continue };
         let title = format!("{} has no value at {}", scene.file, quoted(key.value));
         let name = quoted(place.get(found).map_or("", String::as_str));
         let help = "tables of an array go by their `name`, as in `module.elbow.length`";

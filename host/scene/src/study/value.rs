@@ -5,14 +5,14 @@ use toml_edit::Value;
 
 use crate::quantity::{parse_quantity, split_quantity};
 
-/// A value: for the scene, and for the table.
+/// A value, as TOML of the scene and as text of the table.
 #[derive(Clone, Debug)]
 pub(super) struct Setting {
     pub(super) written: Value,
     pub(super) shown: String,
 }
 
-/// The values of a parameter. A quantity has its unit; what is none has an empty one.
+/// Values of a parameter. The unit is empty for values without one.
 #[derive(Clone, Debug)]
 pub(super) enum Values {
     Listed { settings: Vec<Setting>, unit: String },
@@ -20,7 +20,7 @@ pub(super) enum Values {
 }
 
 impl Values {
-    /// How many are listed; `None` of a range.
+    /// Number of listed values; `None` for a range.
     pub(super) fn listed(&self) -> Option<u64> {
         match self {
             Self::Listed { settings, .. } => Some(settings.len() as u64),
@@ -34,32 +34,25 @@ impl Values {
         }
     }
 
-    /// A listed value; of a range its lower end.
-    pub(super) fn at(&self, index: usize) -> Setting {
-        match self {
-            Self::Listed { settings, .. } => settings[index].clone(),
-            Self::Range { ends: [low, _], unit } => quantity(*low, unit),
-        }
-    }
-
-    /// A value of a range at a share of it; of listed ones the first.
-    pub(super) fn drawn(&self, share: f64) -> Setting {
+    /// The first listed value, or the lower end of the range.
+    pub(super) fn first(&self) -> Setting {
         match self {
             Self::Listed { settings, .. } => settings[0].clone(),
-            Self::Range { ends: [low, high], unit } => quantity(low + share * (high - low), unit),
+            Self::Range { ends: [low, _], unit } => quantity(*low, unit),
         }
     }
 }
 
-fn quantity(number: f64, unit: &str) -> Setting {
-    // Nine digits are more than any maker keeps, and a table of them stays small.
+/// A drawn value.
+pub(super) fn quantity(number: f64, unit: &str) -> Setting {
+    // Nine significant digits exceed any tolerance of fabrication.
     let number = format!("{number:.8e}").parse().unwrap_or(number);
     let shown = format!("{number}");
     let written = if unit.is_empty() { Value::from(number) } else { Value::from(format!("{number} {unit}")) };
     Setting { written, shown }
 }
 
-/// A value of a study with its unit; the error says what it must be.
+/// A value and its unit; the error names the allowed types.
 pub(super) fn setting(value: &DeValue<'_>) -> Result<(Setting, String), &'static str> {
     let plain = |written: Value, shown: String| Ok((Setting { written, shown }, String::new()));
     match value {
@@ -84,7 +77,7 @@ pub(super) fn setting(value: &DeValue<'_>) -> Result<(Setting, String), &'static
     }
 }
 
-/// A number and its unit; the error says what it must be.
+/// End of a range and its unit; the error names the allowed types.
 pub(super) fn end(value: &DeValue<'_>) -> Result<(f64, String), &'static str> {
     let must = "a number or a text with a unit";
     let (found, unit) = setting(value)?;

@@ -1,18 +1,18 @@
-//! One value of a scene by its place.
+//! Setting one value of a scene.
 
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 use super::draft::put;
 
-/// Sets the value at a place: names of tables, of which those of an array go by their `name`, and a key. The error is the number of names that lead
-/// somewhere.
+/// Sets the value at a place: names of tables, then a key. The tables of an array are named by their key `name`. The error is the index of the
+/// first name without a table.
 pub(crate) fn set(document: &mut DocumentMut, place: &[String], value: &Value) -> Result<(), usize> {
     let Some((key, tables)) = place.split_last() else { return Err(0) };
     let mut table: &mut dyn TableLike = document.as_table_mut();
     let mut names = tables.iter().enumerate();
     while let Some((depth, name)) = names.next() {
         if !table.contains_key(name) {
-            // A table of defaults; a wrong name is the reader's to refuse.
+            // The table has defaults only. The reader refuses a wrong name.
             table.insert(name, Item::Table(Table::new()));
         }
         let entry = table.get_mut(name).ok_or(depth)?;
