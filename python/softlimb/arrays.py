@@ -30,7 +30,7 @@ def floats(field: str, value: FloatLike) -> Floats:
 
 
 def frozen(value: T) -> T | npt.NDArray[Any]:
-    """The value, or a copy that nobody changes where somebody could."""
+    """A read-only copy of a list or an array; any other value itself."""
     if not isinstance(value, (list, np.ndarray)):
         return value
     copy = np.array(value)

@@ -9,7 +9,7 @@ use super::columns::Numbers;
 use super::refused::Refusal;
 use super::solve::Choice;
 
-/// The numbers, so that nobody changes them while the interpreter runs.
+/// A copy of the numbers, which other threads cannot change.
 pub(crate) fn values(numbers: &Numbers<'_>) -> PyResult<Vec<f64>> {
     Ok(numbers.as_slice()?.to_vec())
 }

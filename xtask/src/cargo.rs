@@ -23,7 +23,7 @@ impl Cargo {
         command
     }
 
-    /// The program: the one that runs this, where one does.
+    /// Path of Cargo: of the running one, if there is one.
     pub(crate) fn program() -> OsString {
         std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
     }

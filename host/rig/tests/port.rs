@@ -273,7 +273,7 @@ fn second_run_on_a_device_is_run_again_from_its_start_on() {
     differs(&replay(&second).unwrap(), time_us, "free places for knots");
 }
 
-/// Changes one tick of the first Ticks message behind a time; the device's time of the message, us.
+/// Changes one tick of the first Ticks message after a time. Returns the device time of the message, us.
 fn forge_tick(capture: &mut Capture, after_us: u64, change: impl Fn(&mut Ticks, &mut Vec<Tick>)) -> u64 {
     replace(capture, |message| match message {
         DeviceMessage::Ticks(message) if message.time_us > after_us => {

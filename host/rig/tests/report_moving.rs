@@ -1,4 +1,4 @@
-//! The page that moves: whole in itself, small, and with the numbers of its log. `tests/browser` opens it in a browser.
+//! The interactive page: self-contained, small, and with the numbers of its log. `tests/browser` opens it in a browser.
 
 use std::io::Read;
 

@@ -1,4 +1,4 @@
-//! The page that stands still: whole in itself, well-formed, and without a number that is none.
+//! The static page: self-contained, well-formed, and without NaN or infinity.
 
 use softlimb_rig::record::RunLog;
 use softlimb_rig::report::still_html as html;

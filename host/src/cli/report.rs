@@ -20,7 +20,7 @@ pub(super) struct Report {
     /// The page [default: beside the log]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write figures that stand still, without scripts
+    /// Write static figures, without scripts
     #[arg(long = "static")]
     is_static: bool,
     /// Print the summary as JSON

@@ -82,7 +82,7 @@ struct Asked<'a> {
 /// Answers a query.
 ///
 /// # Errors
-/// What the finite elements do not accept, naming field, value and range.
+/// An error with field, value and range, if a value is outside the range of the finite elements.
 pub fn solve_section(query: &SectionQuery<'_>) -> Result<SectionAnswer, SectionError> {
     let section = Section::new(query.parameters, &Options::default()).map_err(plain)?;
     let load = EndLoad::of(&query.load, query.parameters.motion);

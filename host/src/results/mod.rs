@@ -25,7 +25,7 @@ pub(crate) use workspace_loaded::unreached;
 
 /// A result as one line of JSON.
 pub fn json(result: &impl Serialize) -> String {
-    // Names of fields are words, and numbers that are none become null: nothing can fail.
+    // Cannot fail: keys are strings, and numbers that are not finite become null.
     serde_json::to_string(result).unwrap_or_default()
 }
 

@@ -232,7 +232,7 @@ mod tests {
         assert!(Sampling::new(Measurements(least_us - 1_000), &TRAFFIC, Some(115_200)).is_err());
         let text = error.to_string();
         assert!(text.contains("9 channels each 1 ms") && text.contains("115200 baud"), "{text}");
-        // No line, no bound; but ticks.
+        // A connection without a line has no bound but the control tick.
         let content = SampleContent::Measurements;
         let each_ms = Sampling { period_us: 1_000, samples: 7, content };
         assert_eq!(Sampling::new(Measurements(1_000), &TRAFFIC, None), Ok(each_ms));

@@ -257,7 +257,7 @@ pub struct RunLog {
     pub faults: Vec<FaultRecord>,
     /// Backbone shapes in order of time.
     pub shapes: Vec<Shape>,
-    /// The limb as a solid in order of time; empty in logs of earlier versions and where nobody saw it.
+    /// The limb as a solid in order of time; empty in logs of earlier versions and without an observer.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<Body>,
     /// Link counters; all zero in a log that was cut off.

@@ -63,7 +63,7 @@ pub struct CarriedInfo {
     pub to_s: Option<f64>,
 }
 
-/// The limb that somebody saw, as a solid, at one instant.
+/// The observed limb as a solid, at one instant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// Time, s after the start of the run.

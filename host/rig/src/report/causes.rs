@@ -11,7 +11,7 @@ const WINDOW_S: f64 = 0.2;
 /// Distances of the tip, m: they add as vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Causes {
-    /// Achieved from the setpoint; `None` where nobody saw the limb.
+    /// Achieved from the setpoint; `None` if the limb was not observed.
     pub(super) total_m: Option<f64>,
     /// Of the model at the achieved pressures from the setpoint.
     pub(super) pressure_m: f64,

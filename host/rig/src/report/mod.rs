@@ -1,4 +1,4 @@
-//! Assessment of a run: numbers, a table for the terminal, a page that moves, and one with figures that stand still.
+//! Assessment of a run: figures of merit, a table for the terminal, an interactive page and a static one.
 //!
 //! Everything here is a pure function of a [`RunLog`](crate::record::RunLog); no file
 //! is read or written, nothing is printed.

@@ -1,4 +1,4 @@
-//! The report as figures that stand still: one HTML file without scripts, for print and for documentation.
+//! The static report: one HTML file without scripts, for print and documentation.
 
 use serde::Serialize;
 

@@ -20,7 +20,7 @@ pub(super) struct Card {
     pub(super) title: &'static str,
     pub(super) value: String,
     pub(super) detail: String,
-    /// Whether it asks for a look.
+    /// Whether it is a warning.
     pub(super) alarming: bool,
 }
 

@@ -236,7 +236,7 @@ pub fn write_report(path: &Path, log: &RunLog) -> Result<(), RunError> {
     Ok(write_whole(path, &report::html(log))?)
 }
 
-/// Writes the report with figures that stand still and without scripts.
+/// Writes the static report, without scripts.
 ///
 /// # Errors
 /// [`RunError::Report`].

@@ -35,7 +35,7 @@ struct Page<'a> {
     plots_script: &'static str,
     page_script: &'static str,
     plotly: String,
-    /// Description of the numbers, as JSON that no HTML ends.
+    /// Description of the numbers, as JSON that is safe within a script element.
     run: String,
     numbers: String,
     scene_text: &'a str,
@@ -113,7 +113,7 @@ pub fn html(log: &RunLog) -> String {
     super::rendered("page.html", &page)
 }
 
-/// JSON in which no tag begins, whatever its text is.
+/// JSON with `<` escaped, so that no text ends the script element.
 fn json(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("numbers and text become JSON").replace('<', "\\u003c")
 }
