@@ -18,7 +18,7 @@ struct Part {
     elsewhere: &'static str,
 }
 
-const PARTS: [Part; 7] = [
+const PARTS: [Part; 8] = [
     Part {
         packages: &["rustc-web", "cargo-web", "rust-web-src", "lld"],
         modules: &[],
@@ -60,6 +60,12 @@ const PARTS: [Part; 7] = [
         modules: &["playwright"],
         why: "a browser, in which reports are used, and its driver",
         elsewhere: "Chromium: https://www.chromium.org, `dnf install chromium`; `pip install playwright`",
+    },
+    Part {
+        packages: &["python3-pip"],
+        modules: &["mcap-ros2-support", "rosbags", "rerun-sdk"],
+        why: "readers of ROS 2 logs and a viewer, which share no code with the recorder",
+        elsewhere: "`pip install mcap-ros2-support rosbags rerun-sdk`",
     },
 ];
 
@@ -107,10 +113,12 @@ fn present() -> [bool; PARTS.len()] {
     // Debian's interpreter comes without what makes virtual environments.
     let (python, terminal) = (has_module("ensurepip"), runs("tmux", "-V"));
     let browser = runs("chromium", "--version") && has_module("playwright");
-    [Toolchain::find().is_ok(), emulator::find().is_ok(), runs("ccx", "-v"), counters, python, terminal, browser]
+    let readers = has_module("mcap_ros2, rosbags, rerun");
+    let images = [Toolchain::find().is_ok(), emulator::find().is_ok()];
+    [images[0], images[1], runs("ccx", "-v"), counters, python, terminal, browser, readers]
 }
 
-/// Whether Python finds a module.
+/// Whether Python finds a module, or several that commas part.
 fn has_module(name: &str) -> bool {
     let mut command = Command::new("python3");
     command.args(["-c", &format!("import {name}")]).stdout(Stdio::null()).stderr(Stdio::null());
@@ -219,16 +227,16 @@ mod tests {
                 "{means:?}: nothing to do, nothing to say"
             );
         }
-        assert_eq!(packages(&step([true, false, true, true, true, true, true], Means::Apt)), ["qemu-system-arm"]);
-        assert_eq!(packages(&step([true, true, false, true, true, true, true], Means::Apt)), ["calculix-ccx"]);
-        let compiler = step([false, true, true, true, true, true, true], Means::Apt);
+        assert_eq!(packages(&step([true, false, true, true, true, true, true, true], Means::Apt)), ["qemu-system-arm"]);
+        assert_eq!(packages(&step([true, true, false, true, true, true, true, true], Means::Apt)), ["calculix-ccx"]);
+        let compiler = step([false, true, true, true, true, true, true, true], Means::Apt);
         assert_eq!(packages(&compiler), ["rustc-web", "cargo-web", "rust-web-src", "lld"]);
     }
 
     #[test]
     fn only_root_with_apt_installs() {
-        let few = [true, false, false, true, true, false, true];
-        let others = [false, true, false, false, false, true, false];
+        let few = [true, false, false, true, true, false, true, true];
+        let others = [false, true, false, false, false, true, false, false];
         for present in [[false; PARTS.len()], few, others] {
             assert!(matches!(step(present, Means::Apt), Step::Install(_)));
             for means in [Means::AptOfRoot, Means::None, Means::Forbidden] {

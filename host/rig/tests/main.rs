@@ -12,6 +12,7 @@ mod link_line;
 mod link_power_cut;
 mod link_session;
 mod link_stream;
+mod log_viewers;
 mod port;
 mod record_log;
 mod replay;

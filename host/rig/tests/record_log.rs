@@ -221,6 +221,10 @@ fn recovery_leaves_a_damaged_chunk_out_and_keeps_those_behind_it() {
     assert_eq!(log.samples.last(), run.samples.last());
     let kept = run.samples.iter().filter(|sample| log.samples.contains(sample)).count();
     assert_eq!(kept, log.samples.len());
+    // Shapes and solids number their own messages: those of the whole chunks stay.
+    for (found, all) in [(log.shapes.len(), run.shapes.len()), (log.bodies.len(), run.bodies.len())] {
+        assert!(found < all && all - found <= 7, "{found} of {all}");
+    }
 }
 
 #[test]

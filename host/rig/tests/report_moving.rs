@@ -355,6 +355,7 @@ fn long_run() -> RunLog {
         radius_m: 0.03,
         above_m: 0.05,
         below_m: 0.1,
+        start_m: None,
         from_s: 10.0,
         to_s: Some(200.0),
     }];

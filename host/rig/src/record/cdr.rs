@@ -77,6 +77,11 @@ impl CdrWriter {
         self.number(value.to_le_bytes());
     }
 
+    /// Appends a `float32`.
+    pub(super) fn f32(&mut self, value: f32) {
+        self.number(value.to_le_bytes());
+    }
+
     /// Appends a `float64`.
     pub(super) fn f64(&mut self, value: f64) {
         self.number(value.to_le_bytes());

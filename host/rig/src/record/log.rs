@@ -1,5 +1,6 @@
 //! A run as plain data: SI units, no container format, no behaviour.
 
+use super::drawn::DrawnLimb;
 use super::solid::{Body, CarriedInfo, SolidInfo};
 use fra_model::StateQuantity;
 use serde::{Deserialize, Serialize};
@@ -106,6 +107,9 @@ pub struct RunInfo {
     /// Objects that the tip carries, in order of time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub carried: Vec<CarriedInfo>,
+    /// The limb as viewers draw it; `None` where no scene describes it, and in logs of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limb: Option<DrawnLimb>,
     /// True when the device and the limb were simulated.
     pub simulated: bool,
     /// True when the simulated limb carried neither its own weight nor a payload.

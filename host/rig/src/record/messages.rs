@@ -2,10 +2,8 @@
 //! between them and the plain data of [`super::log`].
 
 use super::cdr::{CdrError, CdrReader, CdrWriter};
+use super::drawn::WORLD;
 use super::{Body, ChannelSample, FaultRecord, OutputSample, Sample, Shape};
-
-/// Frame in which positions are given.
-const FRAME_ID: &str = "base";
 
 /// Between two definitions of one `ros2msg` schema.
 const SEPARATOR: &str = "================================================================================";
@@ -43,7 +41,8 @@ impl MessageType {
 pub(super) const HEADER: (&str, &str) = ("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n");
 /// `builtin_interfaces/Time`, part of the header.
 pub(super) const TIME: (&str, &str) = ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
-const POINT: (&str, &str) = ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n");
+/// `geometry_msgs/Point`, a position.
+pub(super) const POINT: (&str, &str) = ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n");
 
 /// `/softlimb/telemetry`.
 pub(super) const TELEMETRY: MessageType =
@@ -78,13 +77,18 @@ pub(super) const TICKS: MessageType =
 
 /// Starts a message with its header.
 pub(super) fn begin(unix_ns: u64) -> CdrWriter {
-    const NS_PER_S: u64 = 1_000_000_000;
     let mut cdr = CdrWriter::new();
+    stamp(&mut cdr, unix_ns, WORLD);
+    cdr
+}
+
+/// Appends a header.
+pub(super) fn stamp(cdr: &mut CdrWriter, unix_ns: u64, frame: &str) {
+    const NS_PER_S: u64 = 1_000_000_000;
     // `builtin_interfaces/Time` holds i32 seconds: it ends in 2038.
     cdr.i32(i32::try_from(unix_ns / NS_PER_S).unwrap_or(i32::MAX));
     cdr.u32((unix_ns % NS_PER_S) as u32);
-    cdr.string(FRAME_ID);
-    cdr
+    cdr.string(frame);
 }
 
 /// Opens a message and passes over its header.

@@ -42,6 +42,9 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     if !info.carried.is_empty() {
         metadata.insert("carried".into(), to_json(&info.carried));
     }
+    if let Some(limb) = &info.limb {
+        metadata.insert("limb".into(), to_json(limb));
+    }
     metadata
 }
 
@@ -82,6 +85,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         phases: fields.json("phases")?,
         solids: if run.contains_key("solids") { fields.json("solids")? } else { Vec::new() },
         carried: if run.contains_key("carried") { fields.json("carried")? } else { Vec::new() },
+        limb: if run.contains_key("limb") { Some(fields.json("limb")?) } else { None },
         simulated: fields.parse("simulated")?,
         // Logs of earlier versions do not say.
         injected_faults: if run.contains_key(INJECTED) { fields.json(INJECTED)? } else { Vec::new() },

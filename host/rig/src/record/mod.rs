@@ -9,6 +9,7 @@
 mod background;
 mod cdr;
 mod container;
+mod drawn;
 mod error;
 mod log;
 mod messages;
@@ -20,9 +21,11 @@ mod solid;
 mod standard;
 mod ticks;
 mod topics;
+mod viewer;
 mod wire;
 mod writer;
 
+pub use drawn::{DrawnLimb, DrawnLink, Pose, Posture};
 pub use error::RecordError;
 pub(crate) use log::quantity_name;
 pub use log::{

@@ -2,7 +2,10 @@
 
 use super::container::options;
 use super::reader::read_bytes;
-use super::{FAULT_TOPIC, RecordError, SHAPE_TOPIC, TELEMETRY_TOPIC, TICKS_TOPIC, WIRE_TOPIC};
+use super::viewer;
+use super::{
+    BODY_TOPIC, FAULT_TOPIC, RecordError, SAMPLES_TOPIC, SHAPE_TOPIC, TELEMETRY_TOPIC, TICKS_TOPIC, WIRE_TOPIC,
+};
 use mcap::records::{Record, op};
 use softlimb_files::write_whole;
 use std::collections::{BTreeMap, HashMap};
@@ -13,7 +16,7 @@ use std::path::Path;
 const RECORD_HEADER: usize = 1 + 8;
 
 /// Topics that number their own messages, instead of taking the number of the sample.
-const ALONE: [&str; 4] = [FAULT_TOPIC, SHAPE_TOPIC, WIRE_TOPIC, TICKS_TOPIC];
+const ALONE: [&str; 6] = [FAULT_TOPIC, SHAPE_TOPIC, BODY_TOPIC, WIRE_TOPIC, SAMPLES_TOPIC, TICKS_TOPIC];
 
 /// Outcome of a recovery.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -190,7 +193,7 @@ impl Copy {
 
     /// Number of a message in the new log; `None` for one whose sample is lost.
     fn sequence(&mut self, topic: &str, old: u32) -> Option<u32> {
-        if ALONE.contains(&topic) {
+        if ALONE.contains(&topic) || viewer::TOPICS.contains(&topic) {
             return Some(old);
         }
         if topic == TELEMETRY_TOPIC {

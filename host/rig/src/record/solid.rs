@@ -56,6 +56,9 @@ pub struct CarriedInfo {
     pub above_m: f64,
     /// How far it reaches below the tip, m.
     pub below_m: f64,
+    /// Where the plan has the tip that takes it, m; `None` in logs of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_m: Option<[f64; 3]>,
     /// The gripper takes it, s after the start of the run.
     pub from_s: f64,
     /// The gripper lets it go, s; `None` where it is carried to the end.

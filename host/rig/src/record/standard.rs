@@ -57,8 +57,8 @@ mod tests {
         let mut expected = vec![0, 1, 0, 0];
         expected.extend([2, 0, 0, 0]); // sec 2 at 0
         expected.extend([0x00, 0x65, 0xcd, 0x1d]); // nanosec 500 000 000 at 4
-        expected.extend([5, 0, 0, 0, b'b', b'a', b's', b'e', 0]); // frame at 8..17
-        expected.extend([0; 7]); // padding to 24
+        expected.extend([6, 0, 0, 0, b'w', b'o', b'r', b'l', b'd', 0]); // frame at 8..18
+        expected.extend([0; 6]); // padding to 24
         expected.extend([0, 0, 0, 0, 0, 0x6a, 0xf8, 0x40]); // 100 000.0 at 24
         expected.extend([0; 8]); // variance at 32
         assert_eq!(encode_fluid_pressure(2_500_000_000, 100_000.0), expected);

@@ -10,9 +10,11 @@ use super::samples::encode_samples;
 use super::standard::{RATE_HZ, encode_fluid_pressure, encode_joint_state};
 use super::ticks::{encode_ticks, first_row};
 use super::topics::{Observed, Topics, declare_samples, declare_ticks};
+use super::viewer::Viewer;
 use super::wire::encode_wire;
 use super::{
-    Body, DeviceTick, FaultRecord, OutputSample, RecordError, RunEnd, RunInfo, Sample, SampleRow, Shape, WireBytes,
+    Body, DeviceTick, FaultRecord, OutputSample, Posture, RecordError, RunEnd, RunInfo, Sample, SampleRow, Shape,
+    WireBytes,
 };
 use std::fs::File;
 use std::io::BufWriter;
@@ -42,6 +44,8 @@ pub struct Recorder {
     standard_slot: Option<i64>,
     /// Digital outputs that were written last.
     outputs: Option<OutputSample>,
+    /// What viewers draw; `None` where the limb is not described.
+    viewer: Option<Viewer>,
 }
 
 impl Recorder {
@@ -66,12 +70,11 @@ impl Recorder {
             .create(file)
             .and_then(|mut mcap| write_opening(&mut mcap, info).map(|()| mcap))
             .map_err(RecordError::written("opening the log", &partial))?;
-        let topics =
-            Topics::declare(&mut mcap, info).map_err(RecordError::written("declaring the topics", &partial))?;
-        if !info.simulated {
-            mcap.flush().map_err(RecordError::written("opening the log", &partial))?;
-        }
-        Ok(Self {
+        let declaring = RecordError::written("declaring the topics", &partial);
+        let topics = Topics::declare(&mut mcap, info).map_err(declaring)?;
+        let viewer = info.limb.as_ref().map(|limb| Viewer::declare(&mut mcap, info, limb)).transpose();
+        let viewer = viewer.map_err(RecordError::written("declaring the topics", &partial))?;
+        let mut recorder = Self {
             mcap,
             topics,
             info: info.clone(),
@@ -83,7 +86,45 @@ impl Recorder {
             chunk_start_us: None,
             standard_slot: None,
             outputs: None,
-        })
+            viewer,
+        };
+        recorder.open_viewer()?;
+        if !info.simulated {
+            recorder.mcap.flush().map_err(RecordError::written("opening the log", &recorder.partial))?;
+        }
+        Ok(recorder)
+    }
+
+    fn open_viewer(&mut self) -> Result<(), RecordError> {
+        let (Some(viewer), Some(limb)) = (&self.viewer, &self.info.limb) else { return Ok(()) };
+        let at = self.stamp(0.0);
+        viewer
+            .opening(at, &self.info, limb)
+            .into_iter()
+            .try_for_each(|(topic, message)| self.write_other(topic, at, &message))
+    }
+
+    /// Writes the way that the plan has for the tip, for viewers: times, s after the start of the run, and positions, m.
+    ///
+    /// # Errors
+    /// [`RecordError::File`] when the disk refuses.
+    pub fn plan(&mut self, places: &[(f64, [f64; 3])]) -> Result<(), RecordError> {
+        let Some(viewer) = &self.viewer else { return Ok(()) };
+        let at = self.stamp(0.0);
+        let places: Vec<_> = places.iter().map(|(time_s, place_m)| (self.stamp(*time_s), *place_m)).collect();
+        let (topic, message) = viewer.plan(at, &places);
+        self.write_other(topic, at, &message)
+    }
+
+    /// Appends the limb for viewers.
+    ///
+    /// # Errors
+    /// [`RecordError::File`] when the disk refuses.
+    pub fn posture(&mut self, posture: &Posture) -> Result<(), RecordError> {
+        let at = self.stamp(posture.time_s);
+        let Some(viewer) = &mut self.viewer else { return Ok(()) };
+        let messages = viewer.posture(at, &self.info, posture);
+        messages.into_iter().try_for_each(|(topic, message)| self.write_other(topic, at, &message))
     }
 
     /// Appends a sample.
@@ -108,6 +149,9 @@ impl Recorder {
         ];
         for (topic, message) in messages {
             self.write(topic, sequence, at, &message)?;
+        }
+        if let Some(viewer) = &mut self.viewer {
+            viewer.sample(sample);
         }
         if let Some(truth) = Truth::of(sample) {
             let topic = self.observed()?.truth;
@@ -137,6 +181,9 @@ impl Recorder {
     /// [`RecordError::File`] when the disk refuses.
     pub fn fault(&mut self, fault: &FaultRecord) -> Result<(), RecordError> {
         let at = self.stamp(fault.time_s);
+        if let Some(viewer) = &mut self.viewer {
+            viewer.fault(fault);
+        }
         self.write_other(self.topics.fault, at, &encode_fault(at, fault))
     }
 
@@ -146,7 +193,11 @@ impl Recorder {
     /// [`RecordError::File`] when the disk refuses.
     pub fn shape(&mut self, shape: &Shape) -> Result<(), RecordError> {
         let at = self.stamp(shape.time_s);
-        self.write_other(self.topics.shape, at, &encode_shape(at, shape))
+        self.write_other(self.topics.shape, at, &encode_shape(at, shape))?;
+        match self.viewer.as_ref().map(|viewer| viewer.shape(at, shape)) {
+            Some((topic, message)) => self.write_other(topic, at, &message),
+            None => Ok(()),
+        }
     }
 
     /// Appends the limb as a solid.
@@ -155,6 +206,9 @@ impl Recorder {
     /// [`RecordError::File`] when the disk refuses.
     pub fn body(&mut self, body: &Body) -> Result<(), RecordError> {
         let at = self.stamp(body.time_s);
+        if let Some(viewer) = &mut self.viewer {
+            viewer.body(body);
+        }
         let topic = self.observed()?.body;
         self.write_other(topic, at, &encode_body(at, body))
     }

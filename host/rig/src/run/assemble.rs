@@ -12,19 +12,22 @@ use super::solid;
 use crate::link::{DeviceFault, LinkStatistics};
 use crate::record::{
     Body, ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, NearestInfo, OutputSample, PhaseInfo,
-    RunInfo, Sample, SampleRow, Shape,
+    Posture, RunInfo, Sample, SampleRow, Shape,
 };
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
-use softlimb_motion::{Nominal, Plan};
+use softlimb_motion::{Nominal, Plan, Pose};
 use softlimb_numerics::statistics::mean;
-use softlimb_scene::{Gripper, Scene};
+use softlimb_scene::{Gripper, Scene, collision};
 
 /// Log time between two recorded shapes of the whole limb, s.
 const SHAPE_PERIOD_S: f64 = 0.2;
 
 /// Log time between two recorded solids of it, s.
 const BODY_PERIOD_S: f64 = 0.1;
+
+/// Time between two points of the planned path of the tip, us.
+const PATH_PERIOD_US: usize = 200_000;
 
 /// Makes samples of what the device sends.
 pub(super) struct Assembler<'a> {
@@ -46,6 +49,8 @@ pub(super) struct Seen {
     pub(super) sample: Sample,
     pub(super) shape: Option<Shape>,
     pub(super) body: Option<Body>,
+    /// The limb for viewers: as it was observed, else by the model.
+    pub(super) posture: Option<Posture>,
     /// Faults of the limb itself.
     pub(super) faults: Vec<FaultRecord>,
 }
@@ -77,6 +82,13 @@ impl<'a> Assembler<'a> {
     /// The trajectory starts at a device time; the first start is the zero of all times.
     pub(super) fn start(&mut self, start_us: u64) {
         self.start_us.get_or_insert(start_us);
+    }
+
+    /// The way that the setpoints have for the tip: times, s, and positions, m; empty where nobody knows it before.
+    pub(super) fn planned_path(&self) -> Vec<(f64, [f64; 3])> {
+        let Some(duration_us) = self.reference.duration_us() else { return Vec::new() };
+        let times = (0..duration_us).step_by(PATH_PERIOD_US).chain([duration_us]);
+        times.map(|time_us| (time_us as f64 * 1e-6, self.reference.tip_m(time_us))).collect()
     }
 
     /// The sample of a telemetry message; `None` before the start.
@@ -112,7 +124,11 @@ impl<'a> Assembler<'a> {
             modelled: drive.measure(&modelled[index]),
             achieved: values_achieved.as_ref().map(|values| values[index]),
         });
-        let tip_modelled_m = self.tip_modelled_m(payload_kg, &channels, &modelled);
+        let nominal = self.nominal(payload_kg, &channels);
+        let tip_modelled_m = match &nominal {
+            None => self.limb.tip(&modelled),
+            Some(pose) => pose.as_ref().map_or([f64::NAN; 3], |pose| pose.tip_m().into()),
+        };
         let sample = Sample {
             time_s,
             state: message.state.raw(),
@@ -128,7 +144,7 @@ impl<'a> Assembler<'a> {
             tip_modelled_m,
             tip_achieved_m,
         };
-        let body = if time_s >= self.next_body_s {
+        let (body, posture) = if time_s >= self.next_body_s {
             self.next_body_s += BODY_PERIOD_S;
             let unloaded = || Some(self.limb.tip(achieved.as_ref()?));
             // The model of a plan that compensates weight has the sag in it.
@@ -137,10 +153,16 @@ impl<'a> Assembler<'a> {
                 Some(hung) => hung.as_ref().map(|hung| hung.body.clone()),
                 None => achieved.as_ref().map(|states| self.limb.body(states)),
             };
+            let drawn = match (truth, &nominal) {
+                (Some(_), _) => body.clone(),
+                (None, None) => Some(self.limb.body(&modelled)),
+                (None, Some(pose)) => pose.as_ref().map(|pose| self.loaded(pose, &modelled)),
+            };
             let object = self.reference.object_at(time_us);
-            body.map(|body| solid::seen((self.scene, self.limb), body, object, (time_s, tip_unloaded_m)))
+            let seen = |body| solid::seen((self.scene, self.limb), body, object, (time_s, tip_unloaded_m));
+            (body.map(seen), drawn.map(|body| solid::posture(self.limb, &body, time_s)))
         } else {
-            None
+            (None, None)
         };
         let shape = (time_s >= self.next_shape_s).then(|| {
             self.next_shape_s += SHAPE_PERIOD_S;
@@ -153,7 +175,7 @@ impl<'a> Assembler<'a> {
                 },
             }
         });
-        Some(Seen { sample, shape, body, faults })
+        Some(Seen { sample, shape, body, posture, faults })
     }
 
     /// Samples between the telemetry messages; `None` before the start.
@@ -162,11 +184,18 @@ impl<'a> Assembler<'a> {
         Some(sample_row(message, time_us as f64 * 1e-6))
     }
 
-    /// Tip of the model; under load that of the setpoints' statics, and NaN where the nominal limb would fall.
-    fn tip_modelled_m(&mut self, payload_kg: f64, channels: &[ChannelSample], states: &[State<f64>]) -> [f64; 3] {
-        let Some(nominal) = &mut self.weighed else { return self.limb.tip(states) };
+    /// Pose of the model by the setpoints' statics, and no pose where the nominal limb would fall; `None` without weight.
+    fn nominal(&mut self, payload_kg: f64, channels: &[ChannelSample]) -> Option<Option<Pose>> {
+        let nominal = self.weighed.as_mut()?;
         let pressures: Vec<f64> = channels.iter().map(|channel| chamber_pa(channel).max(0.0)).collect();
-        nominal.at_channels(&pressures, payload_kg).map_or([f64::NAN; 3], |pose| pose.tip_m().into())
+        Some(nominal.at_channels(&pressures, payload_kg).ok())
+    }
+
+    /// The model's limb under load as a solid.
+    fn loaded(&self, pose: &Pose, states: &[State<f64>]) -> collision::Body {
+        let mut body = collision::Body::new(self.limb.base());
+        self.limb.loaded_shape(&pose.rod, &pose.shape.q, states, &mut body);
+        body
     }
 
     /// A fault on the clock of the run; one before the start is told at its start.
@@ -279,6 +308,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         carried: solid::carried_infos(scene, &phases),
         phases,
         solids: solid::solids(scene),
+        limb: Some(solid::drawn_limb(limb)),
         simulated: seed.is_some(),
         // A limb on a device has its weight, whatever the plan says.
         weightless: seed.is_some() && scene.weightless(),

@@ -223,6 +223,7 @@ fn info(channels: usize, start_unix_ns: u64, device: Option<&DeviceInfo>) -> Run
         start_unix_ns,
         modules: (0..channels).map(module).collect(),
         phases: Vec::new(),
+        limb: None,
         solids: Vec::new(),
         carried: Vec::new(),
         simulated: false,

@@ -120,7 +120,11 @@ impl<'a> Prepared<'a> {
     }
 
     pub(super) fn info(&self, origin: Origin) -> RunInfo {
-        run_info(self.scene, &self.limb, phase_infos(self.scene, &self.plan), origin)
+        let mut info = run_info(self.scene, &self.limb, phase_infos(self.scene, &self.plan), origin);
+        for object in &mut info.carried {
+            object.start_m = Some(self.plan.tip_m(&self.limb, object.from_s * 1e6));
+        }
+        info
     }
 
     /// What makes samples of a run of the limb of a scene, which need not be the planned one.

@@ -189,7 +189,12 @@ impl<'a> Recording<'a> {
                 self.info.config_hash = config_hash;
                 // The period is the configuration's from here on.
                 self.gaps.last_us = None;
-                self.recorder = Some(Recorder::create(&self.path, &self.info)?);
+                let mut recorder = Recorder::create(&self.path, &self.info)?;
+                let path = self.assembler.planned_path();
+                if !path.is_empty() {
+                    recorder.plan(&path)?;
+                }
+                self.recorder = Some(recorder);
             }
             Event::Closed(statistics) => self.statistics = statistics,
             Event::Armed { start_us, .. } => {
@@ -201,12 +206,15 @@ impl<'a> Recording<'a> {
                     self.gaps.add(message.time_us);
                 }
                 let truth = device.truth_at(message.time_us);
-                if let Some(Seen { sample, shape, body, faults }) = self.assembler.sample(&message, truth.as_ref()) {
+                if let Some(Seen { sample, shape, body, posture, faults }) =
+                    self.assembler.sample(&message, truth.as_ref())
+                {
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
                         self.last_s = Some(sample.time_s);
                         shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
                         body.map_or(Ok(()), |body| recorder.body(&body))?;
+                        posture.map_or(Ok(()), |posture| recorder.posture(&posture))?;
                         faults.iter().try_for_each(|fault| recorder.fault(fault))?;
                     }
                     return Ok(Some(sample));

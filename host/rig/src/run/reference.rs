@@ -18,6 +18,11 @@ pub(super) trait Reference {
     /// Where they bring the centre line, m.
     fn line_m(&self, time_us: u64) -> Vec<[f64; 3]>;
 
+    /// How long the setpoints last, us; `None` where nobody knows before they are given.
+    fn duration_us(&self) -> Option<u64> {
+        None
+    }
+
     /// The object that hangs from the tip, as the plan keeps it clear of obstacles: its index in the scene.
     fn object_at(&self, _time_us: u64) -> Option<usize> {
         None
@@ -52,6 +57,10 @@ impl Reference for Planned<'_> {
 
     fn line_m(&self, time_us: u64) -> Vec<[f64; 3]> {
         self.plan.line_m(self.limb, time_us as f64)
+    }
+
+    fn duration_us(&self) -> Option<u64> {
+        Some(self.plan.duration_us())
     }
 
     fn object_at(&self, time_us: u64) -> Option<usize> {

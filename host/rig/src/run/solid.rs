@@ -1,15 +1,17 @@
 //! The limb as a solid among obstacles, for the log.
 
 use crate::record;
-use crate::record::{CarriedInfo, PhaseInfo, SolidInfo, SolidShape};
-use nalgebra::Vector3;
-use softlimb_limb::Limb;
+use crate::record::{CarriedInfo, DrawnLimb, DrawnLink, PhaseInfo, Pose, Posture, SolidInfo, SolidShape};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_motion::{Carried, carried};
 use softlimb_scene::Scene;
 use softlimb_scene::collision::{Body, Piece, Shape};
 
 /// Intervals of a module's center line in the log.
 const INTERVALS: usize = 12;
+/// Cylinders of a module for viewers.
+const LINKS: usize = 8;
 
 /// The solid of the limb in the log, with its distance from the obstacles of a scene. The index is that of a carried object.
 pub(super) fn seen(
@@ -32,40 +34,106 @@ pub(super) fn seen(
 
 /// Points along the center line and the radius about each: as many for every shape of a limb.
 fn drawn(limb: &Limb, body: &Body) -> (Vec<[f64; 3]>, Vec<f64>) {
-    let rigid = |module: &softlimb_limb::LimbModule| module.rigid_parts_m().iter().filter(|part| **part > 0.0).count();
-    let rigid_parts: usize = limb.modules().iter().map(rigid).sum();
-    let pieces = body.pieces();
-    let each = pieces.len().saturating_sub(rigid_parts) / limb.modules().len().max(1);
-    let (mut rest, mut points) = (pieces, Vec::new());
-    for module in limb.modules() {
-        let (moving, others) = rest.split_at(each.min(rest.len()));
-        points.extend(along(moving));
-        let (behind, others) = others.split_at(rigid(module).min(others.len()));
-        points.extend(behind.iter().flat_map(|piece| [0.0, 1.0].map(|share| at(piece, share))));
-        rest = others;
-    }
-    points.into_iter().unzip()
+    let point = |(pose, radius_m): (Isometry3<f64>, f64)| (<[f64; 3]>::from(pose.translation.vector), radius_m);
+    let of_part = |(moving, behind)| along(moving, INTERVALS).into_iter().chain(ends(behind)).map(point);
+    parts(limb, body).into_iter().flat_map(of_part).unzip()
 }
 
-/// Points at equal distances along pieces.
-fn along(pieces: &[Piece]) -> Vec<([f64; 3], f64)> {
+/// The pieces of each module: those that move, and the rigid ones behind them.
+fn parts<'a>(limb: &Limb, body: &'a Body) -> Vec<(&'a [Piece], &'a [Piece])> {
+    let rigid = |module: &LimbModule| module.rigid_parts_m().iter().filter(|part| **part > 0.0).count();
+    let rigid_parts: usize = limb.modules().iter().map(rigid).sum();
+    let mut rest = body.pieces();
+    let each = rest.len().saturating_sub(rigid_parts) / limb.modules().len().max(1);
+    let mut parts = Vec::with_capacity(limb.modules().len());
+    for module in limb.modules() {
+        let (moving, others) = rest.split_at(each.min(rest.len()));
+        let (behind, others) = others.split_at(rigid(module).min(others.len()));
+        parts.push((moving, behind));
+        rest = others;
+    }
+    parts
+}
+
+/// Cross-sections at equal distances along pieces, with their radii.
+fn along(pieces: &[Piece], intervals: usize) -> Vec<(Isometry3<f64>, f64)> {
     let length_m: f64 = pieces.iter().map(Piece::length_m).sum();
-    let point = |step: usize| {
-        let mut left_m = length_m * step as f64 / INTERVALS as f64;
+    let section = |step: usize| {
+        let mut left_m = length_m * step as f64 / intervals as f64;
         let last = pieces.len().checked_sub(1)?;
         for (index, piece) in pieces.iter().enumerate() {
             if left_m <= piece.length_m() || index == last {
-                return Some(at(piece, (left_m / piece.length_m()).min(1.0)));
+                return Some((piece.pose((left_m / piece.length_m()).min(1.0)), piece.radius_m()));
             }
             left_m -= piece.length_m();
         }
         None
     };
-    (0..=INTERVALS).filter_map(point).collect()
+    (0..=intervals).filter_map(section).collect()
 }
 
-fn at(piece: &Piece, share: f64) -> ([f64; 3], f64) {
-    (piece.point_m(share).into(), piece.radius_m())
+/// Both ends of each piece.
+fn ends(pieces: &[Piece]) -> impl Iterator<Item = (Isometry3<f64>, f64)> {
+    pieces.iter().flat_map(|piece| [0.0, 1.0].map(|share| (piece.pose(share), piece.radius_m())))
+}
+
+/// The cylinders of a body, each by the cross-sections at its ends; and whether it is rigid.
+fn links(limb: &Limb, body: &Body) -> Vec<([(Isometry3<f64>, f64); 2], bool)> {
+    let of_part = |(moving, behind): (&[Piece], &[Piece])| {
+        let bending: Vec<_> = along(moving, LINKS).windows(2).map(|ends| ([ends[0], ends[1]], false)).collect();
+        let behind: Vec<_> = ends(behind).collect();
+        bending.into_iter().chain(behind.chunks(2).map(|ends| ([ends[0], ends[1]], true)).collect::<Vec<_>>())
+    };
+    parts(limb, body).into_iter().flat_map(of_part).collect()
+}
+
+/// The limb as viewers draw it.
+pub(super) fn drawn_limb(limb: &Limb) -> DrawnLimb {
+    let at = |share: f64| {
+        let states: Vec<_> = limb.drives().map(|drive| drive.curve.at(share * drive.reference_max_pa)).collect();
+        links(limb, &limb.body(&states))
+    };
+    let link = |(rest, full): (([(Isometry3<f64>, f64); 2], bool), ([(Isometry3<f64>, f64); 2], bool))| DrawnLink {
+        length_m: outer_length_m(&rest.0).max(outer_length_m(&full.0)),
+        radius_m: rest.0[0].1,
+        rigid: rest.1,
+    };
+    DrawnLimb {
+        base: pose(limb.base()),
+        links: at(0.0).into_iter().zip(at(1.0)).map(link).collect(),
+        modules: limb.modules().iter().map(|module| module.name.clone()).collect(),
+    }
+}
+
+/// Length of a bent cylinder along the outside of its bend, m.
+fn outer_length_m([(start, radius_m), (end, _)]: &[(Isometry3<f64>, f64); 2]) -> f64 {
+    let bend_rad = (start.rotation * Vector3::z()).angle(&(end.rotation * Vector3::z()));
+    (end.translation.vector - start.translation.vector).norm() + radius_m * bend_rad
+}
+
+/// The limb for viewers at a time of the run, s.
+pub(super) fn posture(limb: &Limb, body: &Body, time_s: f64) -> Posture {
+    let of_part = |(moving, _): (&[Piece], &[Piece])| moving.last().map(|piece| pose(&piece.pose(1.0)));
+    Posture {
+        time_s,
+        links: links(limb, body).iter().map(|(ends, _)| middle(ends)).collect(),
+        connectors: parts(limb, body).into_iter().filter_map(of_part).collect(),
+        tip: pose(body.end()),
+    }
+}
+
+/// Pose of a straight cylinder between two cross-sections.
+fn middle([(start, _), (end, _)]: &[(Isometry3<f64>, f64); 2]) -> Pose {
+    let chord = end.translation.vector - start.translation.vector;
+    let halfway = start.rotation.try_slerp(&end.rotation, 0.5, 1e-9).unwrap_or(start.rotation);
+    // Along an arc the halfway cross-section is across the chord already.
+    let aligned = UnitQuaternion::rotation_between(&(halfway * Vector3::z()), &chord).unwrap_or_default() * halfway;
+    let place_m = 0.5 * (start.translation.vector + end.translation.vector);
+    pose(&Isometry3::from_parts(place_m.into(), aligned))
+}
+
+fn pose(pose: &Isometry3<f64>) -> Pose {
+    Pose { position_m: pose.translation.vector.into(), rotation: pose.rotation.coords.into() }
 }
 
 /// Obstacles and regions as they are drawn.
@@ -111,6 +179,7 @@ pub(super) fn carried_infos(scene: &Scene, phases: &[PhaseInfo]) -> Vec<CarriedI
             radius_m: object.radius_m,
             above_m: object.height_m - object.grasp_m,
             below_m: object.grasp_m,
+            start_m: None,
             from_s: time_s,
             to_s: None,
         }));
@@ -133,11 +202,12 @@ mod tests {
         let mut body = Body::new(&Isometry3::identity());
         body.rigid(0.1, 0.02);
         body.rigid(0.5, 0.02);
-        let heights: Vec<f64> = along(body.pieces()).into_iter().map(|(point, _)| point[2]).collect();
+        let heights: Vec<f64> =
+            along(body.pieces(), INTERVALS).into_iter().map(|(pose, _)| pose.translation.z).collect();
         assert_eq!(heights.len(), INTERVALS + 1);
         for (step, height) in heights.iter().enumerate() {
             assert!((height - 0.05 * step as f64).abs() < 1e-12, "{heights:?}");
         }
-        assert_eq!(along(&[]), []);
+        assert_eq!(along(&[], INTERVALS), []);
     }
 }

@@ -53,6 +53,7 @@ pub(crate) fn info() -> RunInfo {
             module("distal", "extension", StateQuantity::AxialStretch, 6),
         ],
         phases: phases.collect(),
+        limb: None,
         solids: Vec::new(),
         carried: Vec::new(),
         simulated: true,

@@ -18,6 +18,10 @@ pub struct Piece {
     curvature_per_m: f64,
     /// Tangent `e` at the start, and `w x e` and `w x (w x e)` with the screw's rotation vector `w`.
     frame: [Vector3<f64>; 3],
+    /// Rotation of the cross-section at the start.
+    rotation: UnitQuaternion<f64>,
+    /// Rotation vector of the screw from end to end, rad.
+    turn: Vector3<f64>,
 }
 
 impl Piece {
@@ -39,6 +43,12 @@ impl Piece {
     /// The point of the centre line at a share of its length, 0 to 1, in the frame of the body, m.
     pub fn point_m(&self, share: f64) -> Vector3<f64> {
         self.at(share).0
+    }
+
+    /// Pose of the cross-section at a share of its length, 0 to 1: `z` is the tangent of the centre line.
+    pub fn pose(&self, share: f64) -> Isometry3<f64> {
+        let rotation = UnitQuaternion::from_scaled_axis(self.turn * share) * self.rotation;
+        Isometry3::from_parts(self.point_m(share).into(), rotation)
     }
 
     /// Point, m, and unit tangent at a share of the length: the exponential of a share of the screw, applied to the origin.
@@ -134,6 +144,9 @@ impl Body {
             angle_rad: 0.0,
             curvature_per_m: 0.0,
             frame: [-Vector3::z(), Vector3::zeros(), Vector3::zeros()],
+            // Its `z` axis points down, as the line does.
+            rotation: UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
+            turn: Vector3::zeros(),
         });
     }
 
@@ -162,6 +175,8 @@ impl Body {
             angle_rad: turn.norm(),
             curvature_per_m: bend_rad / length_m,
             frame: [along, across, turn.cross(&across)],
+            rotation: self.end.rotation,
+            turn,
         }
     }
 

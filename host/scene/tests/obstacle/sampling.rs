@@ -53,8 +53,10 @@ fn pieces_are_the_limb_of_the_kinematics() {
             let link = Link { segment: *segment, mount_angle_rad: *mount_angle_rad, rigid_length_m: *rigid_length_m };
             let piece = pieces.next().unwrap();
             for share in [0.0, 0.01, 0.3, 0.77, 1.0] {
-                let expected = (pose * link.pose_at(share)).translation.vector;
-                assert!((piece.point_m(share) - expected).norm() < 1e-12);
+                let expected = pose * link.pose_at(share);
+                assert!((piece.point_m(share) - expected.translation.vector).norm() < 1e-12);
+                let apart = piece.pose(share).inverse() * expected;
+                assert!(apart.translation.vector.norm() < 1e-12 && apart.rotation.angle() < 1e-7, "{apart}");
             }
             pose *= link.pose();
             if *rigid_length_m > 0.0 {
