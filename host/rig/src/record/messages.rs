@@ -35,6 +35,18 @@ impl MessageType {
         }
         text
     }
+
+    /// Whether a schema text has the fields of this type: comments may differ, as they do between builds.
+    pub(super) fn has_fields_of(&self, text: &[u8]) -> bool {
+        let Ok(text) = std::str::from_utf8(text) else { return false };
+        let own = self.schema();
+        fields(text).eq(fields(&own))
+    }
+}
+
+/// The lines of a schema text without comments and spaces around them.
+fn fields(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map(|line| line.split('#').next().unwrap_or_default().trim_end()).filter(|line| !line.is_empty())
 }
 
 /// `std_msgs/Header`, the first field of every message here.
@@ -287,4 +299,19 @@ pub(super) fn decode_body(message: &[u8]) -> Result<Body, CdrError> {
     let nearest = (!distance_m.is_nan()).then_some((distance_m, obstacle));
     let tip_unloaded_m = (!tip.iter().any(|value| value.is_nan())).then_some(tip);
     Ok(Body { time_s, line_m, radius_m, nearest, tip_unloaded_m })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schemas_with_other_comments_have_the_same_fields() {
+        let text = SHAPE.schema();
+        assert!(text.contains("# Backbone") && SHAPE.has_fields_of(text.as_bytes()));
+        let other = text.replace("# Backbone", "# The backbone").replace("  # empty", "   # none");
+        assert!(other != text && SHAPE.has_fields_of(other.as_bytes()));
+        assert!(!SHAPE.has_fields_of(text.replace("setpoint", "desired").as_bytes()));
+        assert!(!SHAPE.has_fields_of(BODY.schema().as_bytes()) && !SHAPE.has_fields_of(&[0xff]));
+    }
 }

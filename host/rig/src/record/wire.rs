@@ -119,8 +119,8 @@ mod tests {
         let wire = WireBytes { host_us: 0x0102, direction: Direction::ToHost, bytes: vec![0x55, 0x00] };
         let mut expected = vec![0, 1, 0, 0];
         expected.extend([0; 8]); // stamp
-        expected.extend([5, 0, 0, 0, b'b', b'a', b's', b'e', 0]); // frame at 8..17
-        expected.extend([0; 7]); // padding to 24
+        expected.extend([6, 0, 0, 0, b'w', b'o', b'r', b'l', b'd', 0]); // frame at 8..18
+        expected.extend([0; 6]); // padding to 24
         expected.extend([2, 1, 0, 0, 0, 0, 0, 0]); // host_us at 24
         expected.push(1); // direction at 32
         expected.extend([0; 3]); // padding to 36

@@ -32,11 +32,29 @@ pub(super) fn seen(
     record::Body { time_s, line_m, radius_m, nearest, tip_unloaded_m }
 }
 
+/// A cross-section of the limb.
+#[derive(Clone, Copy, Debug)]
+struct Section {
+    /// Its pose; `z` is the tangent of the center line.
+    pose: Isometry3<f64>,
+    radius_m: f64,
+}
+
+impl Section {
+    fn of(piece: &Piece, share: f64) -> Self {
+        Self { pose: piece.pose(share), radius_m: piece.radius_m() }
+    }
+
+    fn place_m(&self) -> Vector3<f64> {
+        self.pose.translation.vector
+    }
+}
+
 /// Points along the center line and the radius about each: as many for every shape of a limb.
 fn drawn(limb: &Limb, body: &Body) -> (Vec<[f64; 3]>, Vec<f64>) {
-    let point = |(pose, radius_m): (Isometry3<f64>, f64)| (<[f64; 3]>::from(pose.translation.vector), radius_m);
-    let of_part = |(moving, behind)| along(moving, INTERVALS).into_iter().chain(ends(behind)).map(point);
-    parts(limb, body).into_iter().flat_map(of_part).unzip()
+    let of_part = |(moving, behind): (&[Piece], &[Piece])| along(moving, INTERVALS).into_iter().chain(ends(behind));
+    let sections = parts(limb, body).into_iter().flat_map(of_part);
+    sections.map(|section| (<[f64; 3]>::from(section.place_m()), section.radius_m)).unzip()
 }
 
 /// The pieces of each module: those that move, and the rigid ones behind them.
@@ -55,15 +73,15 @@ fn parts<'a>(limb: &Limb, body: &'a Body) -> Vec<(&'a [Piece], &'a [Piece])> {
     parts
 }
 
-/// Cross-sections at equal distances along pieces, with their radii.
-fn along(pieces: &[Piece], intervals: usize) -> Vec<(Isometry3<f64>, f64)> {
+/// Cross-sections at equal distances along pieces.
+fn along(pieces: &[Piece], intervals: usize) -> Vec<Section> {
     let length_m: f64 = pieces.iter().map(Piece::length_m).sum();
     let section = |step: usize| {
         let mut left_m = length_m * step as f64 / intervals as f64;
         let last = pieces.len().checked_sub(1)?;
         for (index, piece) in pieces.iter().enumerate() {
             if left_m <= piece.length_m() || index == last {
-                return Some((piece.pose((left_m / piece.length_m()).min(1.0)), piece.radius_m()));
+                return Some(Section::of(piece, (left_m / piece.length_m()).min(1.0)));
             }
             left_m -= piece.length_m();
         }
@@ -73,66 +91,77 @@ fn along(pieces: &[Piece], intervals: usize) -> Vec<(Isometry3<f64>, f64)> {
 }
 
 /// Both ends of each piece.
-fn ends(pieces: &[Piece]) -> impl Iterator<Item = (Isometry3<f64>, f64)> {
-    pieces.iter().flat_map(|piece| [0.0, 1.0].map(|share| (piece.pose(share), piece.radius_m())))
+fn ends(pieces: &[Piece]) -> Vec<Section> {
+    pieces.iter().flat_map(|piece| [0.0, 1.0].map(|share| Section::of(piece, share))).collect()
 }
 
-/// The cylinders of a body, each by the cross-sections at its ends; and whether it is rigid.
-fn links(limb: &Limb, body: &Body) -> Vec<([(Isometry3<f64>, f64); 2], bool)> {
-    let of_part = |(moving, behind): (&[Piece], &[Piece])| {
-        let bending: Vec<_> = along(moving, LINKS).windows(2).map(|ends| ([ends[0], ends[1]], false)).collect();
-        let behind: Vec<_> = ends(behind).collect();
-        bending.into_iter().chain(behind.chunks(2).map(|ends| ([ends[0], ends[1]], true)).collect::<Vec<_>>())
-    };
-    parts(limb, body).into_iter().flat_map(of_part).collect()
+/// A straight cylinder in place of a part of the limb.
+struct Cylinder {
+    start: Section,
+    end: Section,
+    rigid: bool,
+}
+
+impl Cylinder {
+    /// Length along the outside of the bend, m.
+    fn outer_length_m(&self) -> f64 {
+        let [from, to] = [&self.start, &self.end].map(|section| section.pose.rotation * Vector3::z());
+        (self.end.place_m() - self.start.place_m()).norm() + self.start.radius_m * from.angle(&to)
+    }
+
+    /// Pose of its middle, with `z` along it.
+    fn pose(&self) -> Pose {
+        let chord = self.end.place_m() - self.start.place_m();
+        let rotation = self.start.pose.rotation;
+        let halfway = rotation.try_slerp(&self.end.pose.rotation, 0.5, 1e-9).unwrap_or(rotation);
+        // Along an arc the halfway cross-section is across the chord already.
+        let aligned = UnitQuaternion::rotation_between(&(halfway * Vector3::z()), &chord).unwrap_or_default() * halfway;
+        logged(&Isometry3::from_parts((0.5 * (self.start.place_m() + self.end.place_m())).into(), aligned))
+    }
+}
+
+/// The cylinders of a body: as many for every shape of a limb.
+fn cylinders(limb: &Limb, body: &Body) -> Vec<Cylinder> {
+    let mut cylinders = Vec::new();
+    for (moving, behind) in parts(limb, body) {
+        let sections = along(moving, LINKS);
+        let bent = sections.windows(2).map(|ends| Cylinder { start: ends[0], end: ends[1], rigid: false });
+        let straight = |piece| Cylinder { start: Section::of(piece, 0.0), end: Section::of(piece, 1.0), rigid: true };
+        cylinders.extend(bent.chain(behind.iter().map(straight)));
+    }
+    cylinders
 }
 
 /// The limb as viewers draw it.
 pub(super) fn drawn_limb(limb: &Limb) -> DrawnLimb {
     let at = |share: f64| {
         let states: Vec<_> = limb.drives().map(|drive| drive.curve.at(share * drive.reference_max_pa)).collect();
-        links(limb, &limb.body(&states))
+        cylinders(limb, &limb.body(&states))
     };
-    let link = |(rest, full): (([(Isometry3<f64>, f64); 2], bool), ([(Isometry3<f64>, f64); 2], bool))| DrawnLink {
-        length_m: outer_length_m(&rest.0).max(outer_length_m(&full.0)),
-        radius_m: rest.0[0].1,
-        rigid: rest.1,
+    let link = |(rest, full): (Cylinder, Cylinder)| DrawnLink {
+        length_m: rest.outer_length_m().max(full.outer_length_m()),
+        radius_m: rest.start.radius_m,
+        rigid: rest.rigid,
     };
     DrawnLimb {
-        base: pose(limb.base()),
+        base: logged(limb.base()),
         links: at(0.0).into_iter().zip(at(1.0)).map(link).collect(),
         modules: limb.modules().iter().map(|module| module.name.clone()).collect(),
     }
 }
 
-/// Length of a bent cylinder along the outside of its bend, m.
-fn outer_length_m([(start, radius_m), (end, _)]: &[(Isometry3<f64>, f64); 2]) -> f64 {
-    let bend_rad = (start.rotation * Vector3::z()).angle(&(end.rotation * Vector3::z()));
-    (end.translation.vector - start.translation.vector).norm() + radius_m * bend_rad
-}
-
 /// The limb for viewers at a time of the run, s.
 pub(super) fn posture(limb: &Limb, body: &Body, time_s: f64) -> Posture {
-    let of_part = |(moving, _): (&[Piece], &[Piece])| moving.last().map(|piece| pose(&piece.pose(1.0)));
+    let behind = |(moving, _): (&[Piece], &[Piece])| moving.last().map(|piece| logged(&piece.pose(1.0)));
     Posture {
         time_s,
-        links: links(limb, body).iter().map(|(ends, _)| middle(ends)).collect(),
-        connectors: parts(limb, body).into_iter().filter_map(of_part).collect(),
-        tip: pose(body.end()),
+        links: cylinders(limb, body).iter().map(Cylinder::pose).collect(),
+        connectors: parts(limb, body).into_iter().filter_map(behind).collect(),
+        tip: logged(body.end()),
     }
 }
 
-/// Pose of a straight cylinder between two cross-sections.
-fn middle([(start, _), (end, _)]: &[(Isometry3<f64>, f64); 2]) -> Pose {
-    let chord = end.translation.vector - start.translation.vector;
-    let halfway = start.rotation.try_slerp(&end.rotation, 0.5, 1e-9).unwrap_or(start.rotation);
-    // Along an arc the halfway cross-section is across the chord already.
-    let aligned = UnitQuaternion::rotation_between(&(halfway * Vector3::z()), &chord).unwrap_or_default() * halfway;
-    let place_m = 0.5 * (start.translation.vector + end.translation.vector);
-    pose(&Isometry3::from_parts(place_m.into(), aligned))
-}
-
-fn pose(pose: &Isometry3<f64>) -> Pose {
+fn logged(pose: &Isometry3<f64>) -> Pose {
     Pose { position_m: pose.translation.vector.into(), rotation: pose.rotation.coords.into() }
 }
 
@@ -202,12 +231,11 @@ mod tests {
         let mut body = Body::new(&Isometry3::identity());
         body.rigid(0.1, 0.02);
         body.rigid(0.5, 0.02);
-        let heights: Vec<f64> =
-            along(body.pieces(), INTERVALS).into_iter().map(|(pose, _)| pose.translation.z).collect();
+        let heights: Vec<f64> = along(body.pieces(), INTERVALS).iter().map(|section| section.place_m().z).collect();
         assert_eq!(heights.len(), INTERVALS + 1);
         for (step, height) in heights.iter().enumerate() {
             assert!((height - 0.05 * step as f64).abs() < 1e-12, "{heights:?}");
         }
-        assert_eq!(along(&[], INTERVALS), []);
+        assert!(along(&[], INTERVALS).is_empty());
     }
 }
