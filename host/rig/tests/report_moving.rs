@@ -204,7 +204,8 @@ fn verdict(run: &RunLog) -> Vec<String> {
     let page = html(run);
     let (_, rest) = page.split_once("<div class=\"verdict").unwrap();
     let (verdict, _) = rest.split_once("</div>").unwrap();
-    verdict.split("<p>").skip(1).map(|line| line.split("</p>").next().unwrap().to_owned()).collect()
+    let sentence = |line: &str| line.split("</p>").next().unwrap().replace("&#x27;", "'");
+    verdict.split("<p>").skip(1).map(sentence).collect()
 }
 
 /// A run whose tip is off by 3 mm by pressure and by 4 mm across that by the model, and from 6 s on by half of both.
@@ -229,8 +230,8 @@ fn verdict_says_whether_why_and_how_close() {
     assert_eq!(
         verdict(&run),
         [
-            "The tip was within 5.0 mm of its setpoint at the end of each of 4 phases.",
-            "Largest tip error: 5.0 mm at the end of reach. Its causes: pressure 3.0 mm, model 4.0 mm.",
+            "Hit: the tip was within 5.0 mm of its setpoint at the end of each of 4 phases; the tolerance is 18.0 mm, 3 % of the limb's length.",
+            "Largest tip error: 5.0 mm at the end of reach. Its causes, the largest first: model 4.0 mm, pressure 3.0 mm.",
             "Clearance: 12.0 mm, least, from post at 9.00 s; planned 15.0 mm.",
         ]
     );
@@ -251,11 +252,48 @@ fn verdict_says_whether_why_and_how_close() {
         "{:?}",
         verdict(&missed)
     );
-    let mut faulty = run;
-    faulty.faults = synthetic_run::run().faults;
+    let faults = synthetic_run::run().faults;
+    let mut faulty = run.clone();
+    faulty.faults = faults;
     assert_eq!(
         verdict(&faulty)[3],
         "One fault: 12.340 s, channel 4: sensor of channel 4 implausible (code 1, value -7)."
+    );
+}
+
+#[test]
+fn tip_beyond_its_tolerance_or_its_region_is_a_miss() {
+    let run = run_with_known_errors();
+    assert!(!html(&run).contains("class=\"verdict alarming\""));
+    let mut off = run.clone();
+    let window = off.samples.iter_mut().filter(|sample| (9.5..=10.0).contains(&sample.time_s));
+    for sample in window {
+        let [x, y, z] = sample.tip_modelled_m;
+        sample.tip_achieved_m = Some([x, y + 0.061, z]);
+    }
+    // The model is 1.5 mm off along x.
+    assert_eq!(
+        verdict(&off)[..2],
+        [
+            "Missed in 1 of 4 phases: at the end of grasp the tip was 61.0 mm from its setpoint; the tolerance is 18.0 mm, 3 % of the limb's length.",
+            "Largest tip error: 61.0 mm at the end of grasp. Its causes, the largest first: model 61.0 mm, pressure 1.5 mm.",
+        ]
+    );
+    let page = html(&off);
+    assert!(page.contains("class=\"verdict alarming\""));
+    let goals = |goal: &str| page.matches(&format!("<td>{goal}</td>")).count();
+    assert_eq!((goals("hit"), goals("missed")), (3, 1));
+
+    // A region of 0.2 m whose near face is 10 mm beyond the tip, which is 2 mm from its setpoint.
+    let mut beside = run;
+    let at = beside.samples.iter().rfind(|sample| sample.time_s <= 10.0).unwrap().tip_setpoint_m;
+    let half_axes_m = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]];
+    let shape = SolidShape::Box { center_m: [at[0], at[1] + 0.112, at[2]], half_axes_m };
+    beside.info.solids = vec![SolidInfo { name: "tray".into(), region: true, lines_m: Vec::new(), shape: Some(shape) }];
+    beside.info.phases[1].region = Some("tray".into());
+    assert_eq!(
+        verdict(&beside)[0],
+        "Missed in 1 of 4 phases: at the end of grasp the tip was 10.0 mm outside of region tray."
     );
 }
 

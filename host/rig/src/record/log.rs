@@ -37,6 +37,9 @@ pub struct PhaseInfo {
     /// Command to the gripper at the end of the move, `open` or `close`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gripper: Option<String>,
+    /// Region that the tip is to be in at the end; `None` for other goals, and in logs of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<String>,
     /// Least clearance of the planned body from the obstacles; `None` without obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearest: Option<NearestInfo>,

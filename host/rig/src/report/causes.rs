@@ -3,10 +3,12 @@
 use nalgebra::Vector3;
 
 use super::stats::distance;
-use crate::record::{Body, NearestInfo, PhaseInfo, RunLog, Sample};
+use crate::record::{Body, NearestInfo, PhaseInfo, RunLog, Sample, SolidShape};
 
 /// Time at the end of a phase over which the tip's position counts, s.
 const WINDOW_S: f64 = 0.2;
+/// Error of the tip from which on it has missed its setpoint, over the length of the limb: scenes state no tolerance of a point.
+pub(super) const TOLERANCE: f64 = 0.03;
 
 /// Distances of the tip, m: they add as vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,14 +44,72 @@ pub(super) struct Outcome<'a> {
     pub(super) phase: &'a PhaseInfo,
     /// At the end of its hold, by the mean positions of the last 0.2 s; `None` where the run ended before.
     pub(super) tip: Option<Causes>,
+    /// Comparison with the goal; `None` where the limb was not observed, or nothing bounds its error.
+    pub(super) goal: Option<GoalCheck<'a>>,
     /// Where the limb came nearest to an obstacle.
     pub(super) nearest: Option<NearestInfo>,
 }
 
+/// The tip at the end of a phase beside its goal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum GoalCheck<'a> {
+    /// Distance from the setpoint, and its tolerance, m.
+    Point { error_m: f64, tolerance_m: f64 },
+    /// Name of a region, and distance outside of it, m; 0 within.
+    Region { name: &'a str, outside_m: f64 },
+}
+
+impl GoalCheck<'_> {
+    pub(super) fn is_hit(&self) -> bool {
+        match self {
+            Self::Point { error_m, tolerance_m } => error_m <= tolerance_m,
+            Self::Region { outside_m, .. } => *outside_m <= 0.0,
+        }
+    }
+}
+
 /// Each phase as it came out.
 pub(super) fn outcomes(log: &RunLog) -> Vec<Outcome<'_>> {
-    let outcome = |phase| Outcome { phase, tip: at_end(log, phase), nearest: nearest(log, phase) };
+    let length_m = length_m(log);
+    let outcome = |phase| {
+        let (tip, place_m) = at_end(log, phase).unzip();
+        let goal = goal(log, phase, (tip.and_then(|tip| tip.total_m), place_m.flatten()), length_m);
+        Outcome { phase, tip, goal, nearest: nearest(log, phase) }
+    };
     log.info.phases.iter().map(outcome).collect()
+}
+
+/// Length of the limb at the start of the run, m: that of the first center line at the setpoints.
+fn length_m(log: &RunLog) -> Option<f64> {
+    let line = &log.shapes.first()?.setpoint;
+    let length_m = line.windows(2).map(|pair| distance(pair[1], pair[0])).sum::<f64>();
+    (length_m.is_finite() && length_m > 0.0).then_some(length_m)
+}
+
+/// The goal of a phase beside the error and the place of the tip, m.
+fn goal<'a>(
+    log: &'a RunLog,
+    phase: &'a PhaseInfo,
+    (error_m, place_m): (Option<f64>, Option<[f64; 3]>),
+    length_m: Option<f64>,
+) -> Option<GoalCheck<'a>> {
+    let error_m = error_m.filter(|error_m| error_m.is_finite())?;
+    let named = phase.region.as_deref().and_then(|name| {
+        let solid = log.info.solids.iter().find(|solid| solid.region && solid.name == name)?;
+        let Some(SolidShape::Box { center_m, half_axes_m }) = solid.shape else { return None };
+        Some(GoalCheck::Region { name, outside_m: outside_m(place_m?, center_m, half_axes_m) })
+    });
+    named.or_else(|| Some(GoalCheck::Point { error_m, tolerance_m: TOLERANCE * length_m? }))
+}
+
+/// Distance of a point outside of a box, m; 0 within.
+fn outside_m(place_m: [f64; 3], center_m: [f64; 3], half_axes_m: [[f64; 3]; 3]) -> f64 {
+    let from_center = Vector3::from(place_m) - Vector3::from(center_m);
+    let beyond = half_axes_m.map(|axis| {
+        let axis = Vector3::from(axis);
+        (from_center.dot(&axis.normalize()).abs() - axis.norm()).max(0.0)
+    });
+    Vector3::from(beyond).norm()
 }
 
 /// The distances at one sample; the sag is that at the time of a solid.
@@ -68,7 +128,8 @@ fn causes(set: [f64; 3], modelled: [f64; 3], achieved: Option<[f64; 3]>, unloade
     }
 }
 
-fn at_end(log: &RunLog, phase: &PhaseInfo) -> Option<Causes> {
+/// The distances at the end of a phase, and the place of the tip, m.
+fn at_end(log: &RunLog, phase: &PhaseInfo) -> Option<(Causes, Option<[f64; 3]>)> {
     let end_s = phase.end_s();
     let from_s = phase.hold_start_s().max(end_s - WINDOW_S);
     let within = |time_s: f64| time_s >= from_s - 1e-6 && time_s <= end_s + 1e-6;
@@ -92,7 +153,8 @@ fn at_end(log: &RunLog, phase: &PhaseInfo) -> Option<Causes> {
         (!unloaded.is_empty()).then(|| (unloaded.iter().sum::<Vector3<f64>>() / unloaded.len() as f64).into());
     let set = mean(&|sample| Some(sample.tip_setpoint_m))?;
     let modelled = mean(&|sample| Some(sample.tip_modelled_m))?;
-    Some(causes(set, modelled, mean(&|sample| sample.tip_achieved_m), unloaded))
+    let achieved = mean(&|sample| sample.tip_achieved_m);
+    Some((causes(set, modelled, achieved, unloaded), achieved))
 }
 
 fn nearest(log: &RunLog, phase: &PhaseInfo) -> Option<NearestInfo> {
@@ -107,6 +169,20 @@ fn nearest(log: &RunLog, phase: &PhaseInfo) -> Option<NearestInfo> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn distance_outside_a_leaning_box_is_known() {
+        // Axes of 3-4-5 triangles, half as long as 1, 2 and 3.
+        let axes = [[0.6, 0.8, 0.0], [-1.6, 1.2, 0.0], [0.0, 0.0, 3.0]];
+        let center = [10.0, 0.0, 0.0];
+        let outside =
+            |u: f64, v: f64, w: f64| outside_m([10.0 + 0.6 * u - 0.8 * v, 0.8 * u + 0.6 * v, w], center, axes);
+        for (at, expected) in
+            [((0.9, -1.9, 2.9), 0.0), ((1.5, 0.0, 0.0), 0.5), ((-4.0, 6.0, 0.0), 5.0), ((0.0, 0.0, -4.5), 1.5)]
+        {
+            assert!((outside(at.0, at.1, at.2) - expected).abs() < 1e-12, "{at:?}");
+        }
+    }
 
     #[test]
     fn error_is_split_into_distances_of_a_known_chain() {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::causes::{Causes, Outcome, outcomes};
+use super::causes::{Causes, GoalCheck, Outcome, TOLERANCE, outcomes};
 use super::{Miss, Summary, rows};
 use crate::record::{NearestInfo, RunLog};
 
@@ -32,6 +32,8 @@ pub(super) struct PhaseRow {
     motion: String,
     hold: String,
     gripper: String,
+    /// Whether the goal was hit.
+    goal: &'static str,
     error: String,
     pressure: String,
     model: String,
@@ -44,6 +46,7 @@ pub(super) struct PhaseRow {
 pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
     let outcomes = outcomes(log);
     let unfinished = outcomes.iter().find(|outcome| outcome.tip.is_none());
+    let off_goal: Vec<_> = outcomes.iter().filter(|outcome| outcome.goal.is_some_and(|goal| !goal.is_hit())).collect();
     let worst = worst(&outcomes);
     let least = least(&outcomes);
     let arrival = match (unfinished, &summary.misses[..], worst) {
@@ -51,19 +54,18 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
             format!("The run ended at {:.2} s, before the end of its phase {}.", summary.duration_s, outcome.phase.name)
         }
         (None, [first, rest @ ..], _) => missed(first, rest.len()),
-        (None, [], Some((_, _, total_m))) => {
-            let count =
-                if outcomes.len() == 1 { "its phase".into() } else { format!("each of {} phases", outcomes.len()) };
-            format!("The tip was within {} of its setpoint at the end of {count}.", mm(total_m))
-        }
+        (None, [], Some(_)) if !off_goal.is_empty() => off(&off_goal, outcomes.len()),
+        (None, [], Some((_, _, total_m))) => hit(&outcomes, total_m),
         (None, [], None) => "The pressures brought every module to its setpoint. No observer measured the limb.".into(),
     };
     let reason = worst.map(|(outcome, causes, total_m)| {
-        let parts: Vec<_> = causes.parts().iter().map(|(name, part_m)| format!("{name} {}", mm(*part_m))).collect();
+        let mut parts = causes.parts();
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let parts: Vec<_> = parts.into_iter().map(|(name, part_m)| format!("{name} {}", mm(part_m))).collect();
+        let name = &outcome.phase.name;
         format!(
-            "Largest tip error: {} at the end of {}. Its causes: {}.",
+            "Largest tip error: {} at the end of {name}. Its causes, the largest first: {}.",
             mm(total_m),
-            outcome.phase.name,
             parts.join(", ")
         )
     });
@@ -78,8 +80,45 @@ pub(super) fn verdict(log: &RunLog, summary: &Summary) -> Verdict {
         count => format!("{count} faults, the first at {first}."),
     });
     let touches = least.is_some_and(|nearest| nearest.distance_m <= 0.0);
-    let alarming = touches || unfinished.is_some() || !summary.misses.is_empty() || !summary.faults.is_empty();
+    let is_off = !off_goal.is_empty() || !summary.misses.is_empty();
+    let alarming = touches || is_off || unfinished.is_some() || !summary.faults.is_empty();
     Verdict { sentences: [Some(arrival), reason, clearance, faults].into_iter().flatten().collect(), alarming }
+}
+
+/// Every phase ended at its goal, as far as one bounds the error.
+fn hit(outcomes: &[Outcome<'_>], total_m: f64) -> String {
+    let count = if outcomes.len() == 1 { "its phase".into() } else { format!("each of {} phases", outcomes.len()) };
+    let within = format!("the tip was within {} of its setpoint at the end of {count}", mm(total_m));
+    let tolerance = outcomes.iter().find_map(|outcome| match outcome.goal? {
+        GoalCheck::Point { tolerance_m, .. } => Some(tolerance(tolerance_m)),
+        GoalCheck::Region { .. } => None,
+    });
+    let has_goals = outcomes.iter().any(|outcome| outcome.goal.is_some());
+    let judged = if has_goals { "Hit: " } else { "Without a tolerance: " };
+    format!("{judged}{within}{}.", tolerance.map_or(String::new(), |text| format!("; {text}")))
+}
+
+/// Phases that ended off their goal.
+fn off(off_goal: &[&Outcome<'_>], phases: usize) -> String {
+    let beyond_m = |goal: GoalCheck<'_>| match goal {
+        GoalCheck::Point { error_m, tolerance_m } => error_m - tolerance_m,
+        GoalCheck::Region { outside_m, .. } => outside_m,
+    };
+    let known = off_goal.iter().filter_map(|outcome| Some((&outcome.phase.name, outcome.goal?)));
+    let farthest = known.max_by(|a, b| beyond_m(a.1).total_cmp(&beyond_m(b.1)));
+    let most = farthest.map_or(String::new(), |(phase, goal)| match goal {
+        GoalCheck::Point { error_m, tolerance_m } => {
+            format!("at the end of {phase} the tip was {} from its setpoint; {}", mm(error_m), tolerance(tolerance_m))
+        }
+        GoalCheck::Region { name, outside_m } => {
+            format!("at the end of {phase} the tip was {} outside of region {name}", mm(outside_m))
+        }
+    });
+    format!("Missed in {} of {phases} phases: {most}.", off_goal.len())
+}
+
+fn tolerance(tolerance_m: f64) -> String {
+    format!("the tolerance is {}, {:.0} % of the limb's length", mm(tolerance_m), 1e2 * TOLERANCE)
 }
 
 fn missed(first: &Miss, others: usize) -> String {
@@ -115,7 +154,8 @@ fn tip(outcomes: &[Outcome<'_>], summary: &Summary) -> Option<Card> {
     };
     let because = causes.largest().map_or(String::new(), |(name, part_m)| format!("; most by {name}: {}", mm(part_m)));
     let detail = format!("largest at the end of a phase: {}{because}", outcome.phase.name);
-    Some(Card { title, value: mm(total_m), detail, alarming: false })
+    let alarming = outcomes.iter().any(|outcome| outcome.goal.is_some_and(|goal| !goal.is_hit()));
+    Some(Card { title, value: mm(total_m), detail, alarming })
 }
 
 /// The phase with the largest error at its end.
@@ -185,6 +225,7 @@ pub(super) fn phases(log: &RunLog) -> Vec<PhaseRow> {
             motion: format!("{:.2}", phase.move_s),
             hold: format!("{:.2}", phase.hold_s),
             gripper: phase.gripper.clone().unwrap_or_default(),
+            goal: outcome.goal.map_or("", |goal| if goal.is_hit() { "hit" } else { "missed" }),
             error: part(tip.and_then(|tip| tip.total_m)),
             pressure: part(tip.map(|tip| tip.pressure_m)),
             model: part(tip.and_then(|tip| tip.model_m)),

@@ -18,7 +18,7 @@ use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Nominal, Plan, Pose};
 use softlimb_numerics::statistics::mean;
-use softlimb_scene::{Gripper, Scene, collision};
+use softlimb_scene::{Goal, Gripper, Scene, collision};
 
 /// Log time between two recorded shapes of the whole limb, s.
 const SHAPE_PERIOD_S: f64 = 0.2;
@@ -318,8 +318,14 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
 
 /// The phases of a plan.
 pub(super) fn phase_infos(scene: &Scene, plan: &Plan) -> Vec<PhaseInfo> {
+    let region = |name: &str| {
+        let phase = scene.phases().iter().find(|phase| phase.name.value == name)?;
+        let Goal::Inside(region) = &phase.goal else { return None };
+        Some(scene.regions().get(region.value)?.name.value.clone())
+    };
     let phases = plan.phases.iter().map(|phase| PhaseInfo {
         name: phase.name.clone(),
+        region: region(&phase.name),
         start_s: phase.start_us as f64 * 1e-6,
         move_s: phase.move_us as f64 * 1e-6,
         hold_s: phase.hold_us as f64 * 1e-6,

@@ -36,6 +36,7 @@ pub(crate) fn info() -> RunInfo {
         move_s: 3.0,
         hold_s: 2.0,
         gripper: None,
+        region: None,
         nearest: None,
     });
     RunInfo {

@@ -398,7 +398,7 @@ def main():
         drawn = check_rerun(name, log, robot.get("name"), links)
         seconds = (messages["/tf"][-1][0] - messages["/tf"][0][0]) * 1e-9
         viewed = sum(sizes[topic] for topic in VIEWED)
-        print(f"{name}: {cylinders} links; in rerun {dict(drawn)}; {viewed / seconds:.0f} bytes a second for viewers of {sum(sizes.values()) / seconds:.0f}")
+        print(f"{name}: {cylinders} links; in rerun {dict(drawn)}; {viewed / seconds:.0f} bytes a second for viewers of {sum(sizes.values()) / seconds:.0f}; file {log.stat().st_size} bytes")
         print("  " + ", ".join(f"{topic} {sizes[topic]}" for topic in VIEWED))
     print("\n".join(wrong))
     sys.exit(1 if wrong else 0)

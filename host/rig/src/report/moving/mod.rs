@@ -6,6 +6,7 @@ mod space;
 
 use serde::Serialize;
 
+use super::causes::TOLERANCE;
 use super::facts::{Facts, facts};
 use super::verdict::{self, Card, PhaseRow, Verdict};
 use super::{Summary, rows, summary};
@@ -26,6 +27,7 @@ struct Page<'a> {
     cards: Vec<Card>,
     key: Vec<Entry>,
     phases: Vec<PhaseRow>,
+    tolerance_percent: String,
     has_gripper: bool,
     has_clearance: bool,
     has_sag: bool,
@@ -97,6 +99,7 @@ pub fn html(log: &RunLog) -> String {
         cards: verdict::cards(log, &summary),
         key: space::key(log),
         phases: verdict::phases(log),
+        tolerance_percent: format!("{:.0}", 1e2 * TOLERANCE),
         has_gripper: log.info.phases.iter().any(|phase| phase.gripper.is_some()),
         has_clearance: log.info.phases.iter().any(|phase| phase.nearest.is_some()),
         has_sag: log.bodies.iter().any(|body| body.tip_unloaded_m.is_some()),
