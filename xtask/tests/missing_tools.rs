@@ -74,6 +74,7 @@ fn root_is_told_what_will_be_installed_before_it_is() {
         "python3 python3-venv",
         "tmux",
         "chromium python3-pip",
+        "python3-pip",
     ];
     assert_eq!(asked, [vec!["-qq update".to_owned()], packages.map(install).to_vec()].concat());
     let calls = printed.find("xtask: apt-get -qq update").expect("it says what it calls");
