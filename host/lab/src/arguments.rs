@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use softlimb::cli::{finish, with_negative_numbers};
 
-use crate::{accuracy, design, faults, measured, payload, statics, validation};
+use crate::{accuracy, control, design, faults, measured, payload, statics, validation};
 
 #[derive(Parser)]
 #[command(name = "softlimb-lab", version, about = "Compare methods and write the pages of evidence")]
@@ -19,6 +19,7 @@ enum Verb {
     Accuracy(accuracy::Command),
     Validation(validation::Validation),
     Bundles(validation::Bundles),
+    Control(control::Control),
     Design(design::Design),
     Faults(faults::Faults),
     Measured(measured::Measured),
@@ -34,6 +35,7 @@ pub fn main() -> ExitCode {
         Verb::Accuracy(verb) => verb.run(),
         Verb::Validation(verb) => verb.run(),
         Verb::Bundles(verb) => verb.run(),
+        Verb::Control(verb) => verb.run(),
         Verb::Design(verb) => verb.run(),
         Verb::Faults(verb) => verb.run(),
         Verb::Measured(verb) => verb.run(),

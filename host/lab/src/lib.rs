@@ -4,6 +4,7 @@
 
 pub mod accuracy;
 mod arguments;
+pub mod control;
 pub mod design;
 pub mod faults;
 pub mod generated_section;

@@ -3,6 +3,7 @@
 mod bench_accuracy;
 mod bundle;
 mod command;
+mod control;
 mod design_compare;
 mod faults;
 mod measured;

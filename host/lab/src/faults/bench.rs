@@ -11,10 +11,10 @@ use softlimb_sim::plant::{ChannelSettings, PlantSettings};
 use super::LIMIT_PA;
 
 /// Volumes at rest, m3.
-const VOLUMES_M3: [f64; CHANNELS] = [30e-6, 80e-6, 150e-6];
-pub(super) const CHANNELS: usize = 3;
+pub(crate) const VOLUMES_M3: [f64; CHANNELS] = [30e-6, 80e-6, 150e-6];
+pub(crate) const CHANNELS: usize = 3;
 
-const KNOT_US: u64 = 20_000;
+pub(crate) const KNOT_US: u64 = 20_000;
 const END_S: f64 = 9.0;
 
 const INNER_M: f64 = 15e-3;
@@ -34,7 +34,7 @@ fn length_m(volume_m3: f64) -> f64 {
 }
 
 /// The plant of a seed.
-pub(super) fn settings(seed: u64) -> SimSettings {
+pub(crate) fn settings(seed: u64) -> SimSettings {
     let channels = VOLUMES_M3.map(|volume_m3| {
         let actuator = ActuatorParameters {
             motion: Motion::Extension,
@@ -50,7 +50,7 @@ pub(super) fn settings(seed: u64) -> SimSettings {
 }
 
 /// What the device is told of it: the nominal values, and pressures as setpoints.
-pub(super) fn configuration() -> DeviceConfiguration {
+pub(crate) fn configuration() -> DeviceConfiguration {
     let channels = VOLUMES_M3.iter().zip(0..).map(|(volume_m3, channel)| ConfigChannel {
         session: 0,
         channel,

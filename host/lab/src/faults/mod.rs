@@ -1,7 +1,7 @@
 //! The fault matrix: every fault that the plant, the line and the host can have, in every phase of a run, on chambers of three sizes, in virtual
 //! time. Each case is a whole session: the host's stream, the controller, the plant.
 
-mod bench;
+pub(crate) mod bench;
 mod case;
 mod command;
 mod rows;

@@ -1,0 +1,120 @@
+//! Control of pressure: what chambers of three sizes do about their references, beside what a valve that is left open could do.
+
+mod bench;
+mod command;
+mod figures;
+mod picture;
+mod program;
+mod table;
+
+pub use bench::{Moment, Recording, limits_s, record};
+pub use figures::Figures;
+pub use table::{HEADING, Line, PLACE, lines, page, parse};
+
+pub(crate) use command::Control;
+
+use std::num::NonZero;
+use std::thread;
+
+use softlimb_sim::plant::{MotionSettings, PlantSettings, PumpSettings, Spread, Supply};
+
+use crate::faults::bench::settings;
+
+/// Plants that differ from what the device is told.
+pub const PLANTS: u64 = 60;
+
+/// Volume that the limb's motion takes and gives, m3, and its frequency, Hz.
+const MOTION: MotionSettings = MotionSettings { amplitude_m3: 0.7e-6, frequency_hz: 2.0 };
+
+/// Standard deviations of the widest spread: volumes to 30 %, conductances to 20 %, delays to 30 %. Sensors are exact: their error passes one to one.
+const WIDEST: Spread = Spread {
+    modulus: 0.05,
+    wall_thickness: 0.02,
+    fiber_angle_rad: 0.009,
+    volume: 0.1,
+    dead_volume: 0.2,
+    valve_conductance: 0.067,
+    valve_delay: 0.1,
+    sensor_offset: 0.0,
+    sensor_gain: 0.0,
+};
+
+/// A group of plants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// The one that the device is told.
+    Nominal,
+    /// The same while the limb moves the chambers' walls.
+    Moved,
+    /// The same behind a pump and a reservoir.
+    Pump,
+    /// Plants of the widest spread.
+    Spread,
+}
+
+impl Group {
+    /// All groups, in the order of the table.
+    pub const ALL: [Self; 4] = [Self::Nominal, Self::Moved, Self::Pump, Self::Spread];
+
+    /// Name in the table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nominal => "as told",
+            Self::Moved => "as told, moved",
+            Self::Pump => "as told, pump",
+            Self::Spread => "60 plants",
+        }
+    }
+
+    /// Seeds of its plants.
+    #[must_use]
+    pub fn seeds(self) -> std::ops::RangeInclusive<u64> {
+        if self == Self::Spread { 1..=PLANTS } else { 1..=1 }
+    }
+
+    /// The plant of a seed.
+    #[must_use]
+    pub fn plant(self, seed: u64) -> PlantSettings {
+        let mut plant = settings(seed).plant;
+        plant.spread = if self == Self::Spread { WIDEST } else { Spread::NONE };
+        plant.supply = Supply::Regulated { pressure_pa: 200e3 };
+        match self {
+            Self::Pump => plant.supply = Supply::Pump(PumpSettings::default()),
+            Self::Moved => plant.channels.iter_mut().for_each(|channel| channel.motion = MOTION),
+            Self::Nominal | Self::Spread => {}
+        }
+        plant
+    }
+}
+
+/// A plant with its recording and the figures of each channel.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The group of the plant.
+    pub group: Group,
+    /// The recording.
+    pub recording: Recording,
+    /// Figures of each channel; `None` where a fault ended the run.
+    pub figures: Option<Vec<Figures>>,
+}
+
+/// Runs the plants of the groups, side by side, in their order.
+#[must_use]
+pub fn run(groups: &[Group]) -> Vec<Trial> {
+    let plants: Vec<_> = groups.iter().flat_map(|group| group.seeds().map(|seed| (*group, seed))).collect();
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let share = plants.len().div_ceil(threads).max(1);
+    thread::scope(|scope| {
+        let trials = |part: &[(Group, u64)]| part.iter().map(|(group, seed)| trial(*group, *seed)).collect::<Vec<_>>();
+        let parts: Vec<_> = plants.chunks(share).map(|part| scope.spawn(move || trials(part))).collect();
+        parts.into_iter().flat_map(|part| part.join().expect("a trial")).collect()
+    })
+}
+
+fn trial(group: Group, seed: u64) -> Trial {
+    let plant = group.plant(seed);
+    let recording = record(&plant);
+    let figures = recording.fault.is_none().then(|| figures::of(&recording, &bench::limits_s(&plant)));
+    Trial { group, recording, figures }
+}

@@ -1,0 +1,126 @@
+//! The table: a line for each size of chamber and group of plants.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+use softlimb_numerics::statistics::percentile;
+
+use super::{Group, PLANTS, Trial};
+use crate::faults::bench::{CHANNELS, VOLUMES_M3};
+
+/// First line of the file.
+pub const HEADING: &str = "volume mL\tplants\tpercentile\tfaults\tsettle median\tsettle max\tovershoot kPa\tsteady kPa\tsine kPa\tsine ratio\ttrajectory kPa\ttrajectory max kPa\tswitchings 1/s\n";
+
+/// Place of the table in its page.
+pub const PLACE: [&str; 2] = ["<!-- written by cargo xtask lab control -->", "<!-- end of what is written -->"];
+
+/// Figures that are pressures, whose unit is 1 kPa in the table.
+const PRESSURES: [bool; 9] = [false, false, true, true, true, false, true, true, false];
+
+/// One line of the table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Volume of the chamber at rest, mL.
+    pub volume_ml: u32,
+    /// Name of the group.
+    pub plants: String,
+    /// Percentile of each figure over the plants of the group.
+    pub percentile: usize,
+    /// Runs that a fault ended, in which there was none.
+    pub faults: usize,
+    /// The figures, pressures in kPa; not a number where no run came to its end.
+    pub figures: [f64; 9],
+}
+
+/// The lines of trials.
+#[must_use]
+pub fn lines(trials: &[Trial]) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for (channel, volume_m3) in VOLUMES_M3.iter().enumerate().take(CHANNELS) {
+        for of_group in trials.chunk_by(|a, b| a.group == b.group) {
+            let group = of_group[0].group;
+            let percents: &[usize] = if group == Group::Spread { &[50, 95] } else { &[50] };
+            let all: Vec<_> =
+                of_group.iter().filter_map(|trial| Some(trial.figures.as_ref()?[channel].values())).collect();
+            let faults = of_group.len() - all.len();
+            lines.extend(percents.iter().map(|percent| {
+                let figure = |index: usize| {
+                    let scale = if PRESSURES[index] { 1e-3 } else { 1.0 };
+                    let value = percentile(all.iter().map(|values| values[index] * scale), *percent);
+                    rounded(value.unwrap_or(f64::NAN))
+                };
+                Line {
+                    volume_ml: (volume_m3 * 1e6).round() as u32,
+                    plants: group.name().to_owned(),
+                    percentile: *percent,
+                    faults,
+                    figures: std::array::from_fn(figure),
+                }
+            }));
+        }
+    }
+    lines
+}
+
+fn rounded(value: f64) -> f64 {
+    (value * 1e2).round() * 1e-2
+}
+
+impl Line {
+    /// The line of the file.
+    #[must_use]
+    pub fn tsv(&self) -> String {
+        let figures: Vec<String> = self.figures.iter().map(|figure| format!("{figure:.2}")).collect();
+        let Self { volume_ml, plants, percentile, faults, .. } = self;
+        format!("{volume_ml}\t{plants}\t{percentile}\t{faults}\t{}\n", figures.join("\t"))
+    }
+}
+
+/// The lines of a file; `None` where it is not one of this table.
+#[must_use]
+pub fn parse(text: &str) -> Option<Vec<Line>> {
+    text.strip_prefix(HEADING)?.lines().map(parse_line).collect()
+}
+
+fn parse_line(text: &str) -> Option<Line> {
+    let cells: Vec<&str> = text.split('\t').collect();
+    let [volume, plants, percentile, faults, figures @ ..] = cells.as_slice() else { return None };
+    let figures: Vec<f64> = figures.iter().map(|cell| cell.parse().ok()).collect::<Option<_>>()?;
+    Some(Line {
+        volume_ml: volume.parse().ok()?,
+        plants: (*plants).to_owned(),
+        percentile: percentile.parse().ok()?,
+        faults: faults.parse().ok()?,
+        figures: figures.try_into().ok()?,
+    })
+}
+
+/// The table of the page.
+#[must_use]
+pub fn page(lines: &[Line]) -> String {
+    let mut text = "\n| chamber, mL | plants | settle / limit: median | max | overshoot, kPa | steady, kPa | sine, kPa | / limit | trajectory, kPa | max | switchings, 1/s |\n\
+         | --: | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
+        .to_owned();
+    for line in lines {
+        let cells: Vec<String> = line
+            .figures
+            .iter()
+            .map(|figure| if figure.is_nan() { "-".into() } else { format!("{figure:.2}") })
+            .collect();
+        let plants = if line.plants == Group::Spread.name() {
+            format!("{}, {} %", line.plants, line.percentile)
+        } else {
+            line.plants.clone()
+        };
+        let _ = writeln!(text, "| {} | {plants} | {} |", line.volume_ml, cells.join(" | "));
+    }
+    let of_spread: Vec<_> = lines.iter().filter(|line| line.plants == Group::Spread.name()).collect();
+    let faults = of_spread.iter().map(|line| line.faults).max().unwrap_or(0);
+    let alone: usize = lines
+        .iter()
+        .filter(|line| line.plants != Group::Spread.name() && line.volume_ml == 30)
+        .map(|line| line.faults)
+        .sum();
+    let _ = writeln!(text, "\nFalse faults ended {} of {} runs.", faults + alone, PLANTS + 3);
+    text
+}
