@@ -21,7 +21,9 @@ fn recorded() -> Vec<Line> {
 fn plants_as_told_have_the_recorded_figures() {
     let recorded = recorded();
     for line in lines(&run(&[Group::Nominal, Group::Moved, Group::Pump])) {
-        let is_same = |other: &&Line| other.volume_ml == line.volume_ml && other.plants == line.plants;
+        let is_same = |other: &&Line| {
+            (&other.method, other.volume_ml, &other.plants) == (&line.method, line.volume_ml, &line.plants)
+        };
         let before = recorded.iter().find(is_same).expect("a line of the record");
         assert_eq!(line.faults, before.faults, "{line:?}");
         for (now, then) in line.figures.iter().zip(before.figures) {

@@ -14,8 +14,6 @@ use crate::faults::bench::{CHANNELS, KNOT_US, configuration};
 pub struct Moment {
     /// Time since the start, s.
     pub time_s: f64,
-    /// Air taken from the supply so far, kg.
-    pub air_kg: f64,
     /// Gauge pressure in each chamber, Pa.
     pub pressure_pa: [f64; CHANNELS],
     /// Whether the fill and the vent valve of each pass air.
@@ -73,8 +71,7 @@ impl Watched {
             return;
         }
         let truth = self.mcu.truth();
-        let mut moment =
-            Moment { time_s, air_kg: truth.air_used_kg, pressure_pa: [0.0; CHANNELS], open: [[false; 2]; CHANNELS] };
+        let mut moment = Moment { time_s, pressure_pa: [0.0; CHANNELS], open: [[false; 2]; CHANNELS] };
         for (index, channel) in truth.channels.iter().enumerate() {
             moment.pressure_pa[index] = channel.pressure_pa;
             moment.open[index] = [channel.fill_open, channel.vent_open];

@@ -23,7 +23,7 @@ pub struct Figures {
     pub overshoot_pa: f64,
     /// RMS error at the end of the steps, Pa.
     pub steady_pa: f64,
-    /// RMS error of the sine, Pa, and over the least that pulses as frequent could have.
+    /// RMS error of the sine, Pa, and over that of equal pulses as frequent.
     pub sine_pa: f64,
     /// See `sine_pa`.
     pub sine_ratio: f64,
@@ -128,7 +128,7 @@ impl Track<'_> {
         edges.sum::<usize>() as f64 / seconds
     }
 
-    /// Least RMS error of pulses as frequent as these: each leaves a ramp as long as the time to the next.
+    /// RMS error that equal pulses as frequent as these leave: each leaves a ramp as long as the time to the next.
     fn quantisation_pa(&self, span_s: Range<f64>) -> f64 {
         let pulses_per_s = 0.5 * self.switchings_per_s(span_s.clone());
         let changes = self.part(span_s).map(|(time_s, _)| {

@@ -5,6 +5,7 @@ mod command;
 mod figures;
 mod picture;
 mod program;
+mod rivals;
 mod table;
 
 pub use bench::{Moment, Recording, limits_s, record};
@@ -38,6 +39,32 @@ const WIDEST: Spread = Spread {
     sensor_offset: 0.0,
     sensor_gain: 0.0,
 };
+
+/// A loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// That of the firmware, behind its link.
+    Firmware,
+    /// Pulses by a PI controller with feed-forward through the inverse of the valve.
+    Pi,
+    /// A valve is open while the error is beyond a dead band.
+    OnOff,
+}
+
+impl Method {
+    /// All loops, in the order of the table.
+    pub const ALL: [Self; 3] = [Self::Firmware, Self::Pi, Self::OnOff];
+
+    /// Name in the table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Firmware => "firmware",
+            Self::Pi => "PI, feed-forward",
+            Self::OnOff => "on-off",
+        }
+    }
+}
 
 /// A group of plants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +118,8 @@ impl Group {
 /// A plant with its recording and the figures of each channel.
 #[derive(Clone, Debug)]
 pub struct Trial {
+    /// The loop.
+    pub method: Method,
     /// The group of the plant.
     pub group: Group,
     /// The recording.
@@ -99,22 +128,25 @@ pub struct Trial {
     pub figures: Option<Vec<Figures>>,
 }
 
-/// Runs the plants of the groups, side by side, in their order.
+/// Runs the plants of the groups by each loop, side by side, in their order.
 #[must_use]
 pub fn run(groups: &[Group]) -> Vec<Trial> {
-    let plants: Vec<_> = groups.iter().flat_map(|group| group.seeds().map(|seed| (*group, seed))).collect();
+    let of_method = |method| groups.iter().map(move |group| (method, *group));
+    let runs = Method::ALL.into_iter().flat_map(of_method);
+    let plants: Vec<_> =
+        runs.flat_map(|(method, group)| group.seeds().map(move |seed| (method, group, seed))).collect();
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let share = plants.len().div_ceil(threads).max(1);
     thread::scope(|scope| {
-        let trials = |part: &[(Group, u64)]| part.iter().map(|(group, seed)| trial(*group, *seed)).collect::<Vec<_>>();
+        let trials = |part: &[(Method, Group, u64)]| part.iter().map(|run| trial(*run)).collect::<Vec<_>>();
         let parts: Vec<_> = plants.chunks(share).map(|part| scope.spawn(move || trials(part))).collect();
         parts.into_iter().flat_map(|part| part.join().expect("a trial")).collect()
     })
 }
 
-fn trial(group: Group, seed: u64) -> Trial {
+fn trial((method, group, seed): (Method, Group, u64)) -> Trial {
     let plant = group.plant(seed);
-    let recording = record(&plant);
+    let recording = if method == Method::Firmware { record(&plant) } else { rivals::record(&plant, method) };
     let figures = recording.fault.is_none().then(|| figures::of(&recording, &bench::limits_s(&plant)));
-    Trial { group, recording, figures }
+    Trial { method, group, recording, figures }
 }

@@ -3,7 +3,7 @@
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 
 use super::program::{STEP_S, STEPS_S, TRAJECTORY_S, knots_pa, reference_pa};
-use super::{Group, Trial};
+use super::{Group, Method, Trial};
 use crate::faults::bench::VOLUMES_M3;
 
 /// Area of one chart, px, and the room it takes with its frame.
@@ -19,10 +19,11 @@ const STEPS: f64 = 4.0;
 
 /// The picture as a document that stands by itself.
 pub(super) fn picture(trials: &[Trial]) -> String {
-    let Some(nominal) = trials.iter().find(|trial| trial.group == Group::Nominal) else { return String::new() };
+    let ours = || trials.iter().filter(|trial| trial.method == Method::Firmware);
+    let Some(nominal) = ours().find(|trial| trial.group == Group::Nominal) else { return String::new() };
     let steps = over_time(nominal, "steps, plant as told", [STEPS_S - 0.1, STEPS_S + STEPS * STEP_S]);
     let trajectory = over_time(nominal, "trajectory, plant as told", [TRAJECTORY_S.start, TRAJECTORY_S.end]);
-    let spread: Vec<_> = trials.iter().filter(|trial| trial.group == Group::Spread).collect();
+    let spread: Vec<_> = ours().filter(|trial| trial.group == Group::Spread).collect();
     let errors = |title: &str, label: &str, value: fn(&super::Figures) -> f64| sorted(&spread, title, label, value);
     let below = vec![
         errors("trajectory", "RMS error, kPa", |figures| 1e-3 * figures.trajectory_pa[0]),

@@ -62,6 +62,11 @@ fn trajectory_pa(time_s: f64) -> f64 {
     TRAJECTORY_PA[index] + smooth * (TRAJECTORY_PA[index + 1] - TRAJECTORY_PA[index])
 }
 
+/// End of the program, s.
+pub(crate) fn end_s() -> f64 {
+    TRAJECTORY_S.end
+}
+
 /// Reference at each knot, Pa.
 pub(crate) fn knots_pa() -> Vec<f64> {
     let count = (TRAJECTORY_S.end * 1e6) as u64 / KNOT_US;

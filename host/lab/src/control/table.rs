@@ -5,11 +5,11 @@ use std::fmt::Write;
 use serde::Serialize;
 use softlimb_numerics::statistics::percentile;
 
-use super::{Group, PLANTS, Trial};
+use super::{Group, Method, PLANTS, Trial};
 use crate::faults::bench::{CHANNELS, VOLUMES_M3};
 
 /// First line of the file.
-pub const HEADING: &str = "volume mL\tplants\tpercentile\tfaults\tsettle median\tsettle max\tovershoot kPa\tsteady kPa\tsine kPa\tsine ratio\ttrajectory kPa\ttrajectory max kPa\tswitchings 1/s\n";
+pub const HEADING: &str = "loop\tvolume mL\tplants\tpercentile\tfaults\tsettle median\tsettle max\tovershoot kPa\tsteady kPa\tsine kPa\tsine ratio\ttrajectory kPa\ttrajectory max kPa\tswitchings 1/s\n";
 
 /// Place of the table in its page.
 pub const PLACE: [&str; 2] = ["<!-- written by cargo xtask lab control -->", "<!-- end of what is written -->"];
@@ -20,6 +20,8 @@ const PRESSURES: [bool; 9] = [false, false, true, true, true, false, true, true,
 /// One line of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
+    /// Name of the loop.
+    pub method: String,
     /// Volume of the chamber at rest, mL.
     pub volume_ml: u32,
     /// Name of the group.
@@ -37,8 +39,8 @@ pub struct Line {
 pub fn lines(trials: &[Trial]) -> Vec<Line> {
     let mut lines = Vec::new();
     for (channel, volume_m3) in VOLUMES_M3.iter().enumerate().take(CHANNELS) {
-        for of_group in trials.chunk_by(|a, b| a.group == b.group) {
-            let group = of_group[0].group;
+        for of_group in trials.chunk_by(|a, b| (a.method, a.group) == (b.method, b.group)) {
+            let (method, group) = (of_group[0].method, of_group[0].group);
             let percents: &[usize] = if group == Group::Spread { &[50, 95] } else { &[50] };
             let all: Vec<_> =
                 of_group.iter().filter_map(|trial| Some(trial.figures.as_ref()?[channel].values())).collect();
@@ -50,6 +52,7 @@ pub fn lines(trials: &[Trial]) -> Vec<Line> {
                     rounded(value.unwrap_or(f64::NAN))
                 };
                 Line {
+                    method: method.name().to_owned(),
                     volume_ml: (volume_m3 * 1e6).round() as u32,
                     plants: group.name().to_owned(),
                     percentile: *percent,
@@ -71,8 +74,8 @@ impl Line {
     #[must_use]
     pub fn tsv(&self) -> String {
         let figures: Vec<String> = self.figures.iter().map(|figure| format!("{figure:.2}")).collect();
-        let Self { volume_ml, plants, percentile, faults, .. } = self;
-        format!("{volume_ml}\t{plants}\t{percentile}\t{faults}\t{}\n", figures.join("\t"))
+        let Self { method, volume_ml, plants, percentile, faults, .. } = self;
+        format!("{method}\t{volume_ml}\t{plants}\t{percentile}\t{faults}\t{}\n", figures.join("\t"))
     }
 }
 
@@ -84,9 +87,10 @@ pub fn parse(text: &str) -> Option<Vec<Line>> {
 
 fn parse_line(text: &str) -> Option<Line> {
     let cells: Vec<&str> = text.split('\t').collect();
-    let [volume, plants, percentile, faults, figures @ ..] = cells.as_slice() else { return None };
+    let [method, volume, plants, percentile, faults, figures @ ..] = cells.as_slice() else { return None };
     let figures: Vec<f64> = figures.iter().map(|cell| cell.parse().ok()).collect::<Option<_>>()?;
     Some(Line {
+        method: (*method).to_owned(),
         volume_ml: volume.parse().ok()?,
         plants: (*plants).to_owned(),
         percentile: percentile.parse().ok()?,
@@ -98,8 +102,8 @@ fn parse_line(text: &str) -> Option<Line> {
 /// The table of the page.
 #[must_use]
 pub fn page(lines: &[Line]) -> String {
-    let mut text = "\n| chamber, mL | plants | settle / limit: median | max | overshoot, kPa | steady, kPa | sine, kPa | / limit | trajectory, kPa | max | switchings, 1/s |\n\
-         | --: | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
+    let mut text = "\n| chamber, mL | loop | plants | settle / limit: median | max | overshoot, kPa | steady, kPa | sine, kPa | / limit | trajectory, kPa | max | switchings, 1/s |\n\
+         | --: | --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n"
         .to_owned();
     for line in lines {
         let cells: Vec<String> = line
@@ -112,15 +116,12 @@ pub fn page(lines: &[Line]) -> String {
         } else {
             line.plants.clone()
         };
-        let _ = writeln!(text, "| {} | {plants} | {} |", line.volume_ml, cells.join(" | "));
+        let _ = writeln!(text, "| {} | {} | {plants} | {} |", line.volume_ml, line.method, cells.join(" | "));
     }
-    let of_spread: Vec<_> = lines.iter().filter(|line| line.plants == Group::Spread.name()).collect();
-    let faults = of_spread.iter().map(|line| line.faults).max().unwrap_or(0);
-    let alone: usize = lines
-        .iter()
-        .filter(|line| line.plants != Group::Spread.name() && line.volume_ml == 30)
-        .map(|line| line.faults)
-        .sum();
-    let _ = writeln!(text, "\nFalse faults ended {} of {} runs.", faults + alone, PLANTS + 3);
+    // Each run has all chambers.
+    let of_runs = |line: &&Line| line.method == Method::Firmware.name() && line.volume_ml == lines[0].volume_ml;
+    let is_first = |line: &&Line| line.percentile == 50;
+    let faults: usize = lines.iter().filter(of_runs).filter(is_first).map(|line| line.faults).sum();
+    let _ = writeln!(text, "\nFalse faults ended {faults} of {} runs of the firmware.", PLANTS + 3);
     text
 }
