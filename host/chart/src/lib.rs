@@ -52,7 +52,7 @@ impl Color {
 }
 
 /// Stroke of a line: a second sign beside the color.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stroke {
     /// Measurements.
     Solid,
@@ -62,8 +62,15 @@ pub enum Stroke {
     Dotted,
     /// Marks without a line: filled ...
     Dots,
-    /// ... and open.
+    /// ... and open, wide enough to show around a filled one.
     Rings,
+    /// Squares about the points: their side in the units of the axes, and a shade from 1, the palest, to 5.
+    Cells {
+        /// Length of a side.
+        side: f64,
+        /// The shade.
+        shade: u8,
+    },
 }
 
 impl Stroke {
@@ -75,6 +82,9 @@ impl Stroke {
             Self::Dotted => "dotted",
             Self::Dots => "dots",
             Self::Rings => "rings",
+            Self::Cells { shade, .. } => {
+                ["shade1", "shade2", "shade3", "shade4", "shade5"][usize::from(shade.clamp(1, 5)) - 1]
+            }
         }
     }
 }

@@ -24,17 +24,17 @@ pub fn sheet(rows: &[Vec<Chart>], room: [f64; 2], caption: &str) -> String {
 }
 
 const STYLE: &str = "
-:root { --page: #ffffff; --ink: #1b1f24; --soft: #59626d; --grid: #e6e9ed; --c1: #0072b2; --c2: #d55e00; --c3: #009e73; --c4: #aa4499;
+:root { --page: #ffffff; --ink: #1b1f24; --soft: #57606a; --grid: #d9dee5; --c1: #0072b2; --c2: #cd4318; --c3: #164f43; --c4: #78176d;
   --c5: #997700; }
-@media (prefers-color-scheme: dark) { :root { --page: #14171b; --ink: #e4e7eb; --soft: #a0a8b2; --grid: #2a2f36; --c1: #56b4e9;
-  --c2: #f0883e; --c3: #2ec79a; --c4: #d98cc6; --c5: #e0c04c; } }
+@media (prefers-color-scheme: dark) { :root { --page: #14171b; --ink: #e6e9ee; --soft: #9aa4af; --grid: #333a44; --c1: #56b4e9;
+  --c2: #f7c359; --c3: #c2fef3; --c4: #e73893; --c5: #e0c04c; } }
 .page { fill: var(--page); }
 text { fill: var(--ink); font: 11.5px system-ui, sans-serif; }
 .title { font-size: 13px; font-weight: 600; }
 .label, .tick-x { text-anchor: middle; }
 .tick-y { text-anchor: end; }
 .tick-x, .tick-y { fill: var(--soft); }
-.note { font-size: 9.5px; paint-order: stroke; stroke: var(--page); stroke-width: 2.5px; }
+.note { font-size: 11px; paint-order: stroke; stroke: var(--page); stroke-width: 2.5px; }
 path { fill: none; }
 .axis { stroke: var(--soft); }
 .grid { stroke: var(--grid); }
@@ -49,4 +49,10 @@ path { fill: none; }
 .c4 { stroke: var(--c4); fill: var(--c4); }
 .c5 { stroke: var(--c5); fill: var(--c5); }
 path.line, .rings { fill: none; }
+.cells { stroke: none; }
+.shade1 { fill-opacity: 0.2; }
+.shade2 { fill-opacity: 0.36; }
+.shade3 { fill-opacity: 0.54; }
+.shade4 { fill-opacity: 0.74; }
+.shade5 { fill-opacity: 1; }
 ";

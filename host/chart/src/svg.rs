@@ -3,6 +3,7 @@
 use super::scale::Scale;
 use super::thin::thin;
 use super::{Axis, Band, Chart, Series, Stroke};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Room left of the area for tick labels and the axis label, px.
@@ -143,7 +144,31 @@ impl Frame {
         }
     }
 
+    /// Squares as one path; those side by side are one rectangle.
+    fn draw_cells(&self, svg: &mut String, series: &Series, side: f64) {
+        let mut rows: BTreeMap<i64, Vec<i64>> = BTreeMap::new();
+        for [x, y] in series.points.iter().filter(|point| point.iter().all(|value| value.is_finite())) {
+            rows.entry((y / side).floor() as i64).or_default().push((x / side).floor() as i64);
+        }
+        let mut path = String::new();
+        for (row, mut columns) in rows {
+            columns.sort_unstable();
+            columns.dedup();
+            for run in columns.chunk_by(|left, right| left + 1 == *right) {
+                let corner = |column: i64, row: i64| self.pixel([column as f64 * side, row as f64 * side]);
+                let ([left, bottom], [right, top]) = (corner(run[0], row), corner(run[0] + run.len() as i64, row + 1));
+                let _ = write!(path, "M{left:.1} {top:.1}H{right:.1}V{bottom:.1}H{left:.1}z");
+            }
+        }
+        if !path.is_empty() {
+            let _ = writeln!(svg, "<path class=\"{}\" d=\"{path}\"/>", classes(series));
+        }
+    }
+
     fn draw_series(&self, svg: &mut String, series: &Series) {
+        if let Stroke::Cells { side, .. } = series.stroke {
+            return self.draw_cells(svg, series, side);
+        }
         if matches!(series.stroke, Stroke::Dots | Stroke::Rings) {
             for &point in series.points.iter().filter(|point| point.iter().all(|value| value.is_finite())) {
                 draw_dot(svg, series, self.pixel(point));
@@ -172,10 +197,14 @@ impl Frame {
 }
 
 fn draw_dot(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
-    let _ = writeln!(svg, "<circle class=\"{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.2\"/>", classes(series));
+    let radius = if series.stroke == Stroke::Rings { 5.4 } else { 2.8 };
+    let _ = writeln!(svg, "<circle class=\"{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>", classes(series));
 }
 
 fn classes(series: &Series) -> String {
+    if let Stroke::Cells { .. } = series.stroke {
+        return format!("cells {} {}", series.color.class(), series.stroke.class());
+    }
     format!("line {} {}", series.color.class(), series.stroke.class())
 }
 
@@ -204,6 +233,8 @@ fn draw_legend(svg: &mut String, rows: &[Vec<&Series>]) {
         for entry in row {
             if matches!(entry.stroke, Stroke::Dots | Stroke::Rings) {
                 draw_dot(svg, entry, [x + 11.0, y - 3.5]);
+            } else if let Stroke::Cells { .. } = entry.stroke {
+                let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22v-11h-22z\"/>", classes(entry), y + 1.0);
             } else {
                 let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22\"/>", classes(entry), y - 3.5);
             }

@@ -11,7 +11,7 @@ use crate::results::{LoadedWorkspaceResult, NAMES, WorkspaceOptions, WorkspaceRe
 use softlimb_chart::labelled;
 use softlimb_limb::Limb;
 use softlimb_limb::workspace;
-use softlimb_limb::workspace::{Command, Points};
+use softlimb_limb::workspace::{Command, NamedLine, Points};
 use softlimb_scene::Quantity;
 
 /// Find the exact extents of the tip, and sample its workspace for pictures and volume
@@ -112,17 +112,26 @@ impl Workspace {
             let payload_kg = self.payload.si();
             let result = LoadedWorkspaceResult::new(&scene, &limb, &options, payload_kg, self.spacers)?;
             write_if(self.csv.as_ref(), || csv(&result.tips_m))?;
-            write_if(self.svg.as_ref(), || workspace::picture(scene.name(), &result.grids[0], &rest_m(&limb)))?;
+            write_if(self.svg.as_ref(), || workspace::picture(scene.name(), &result.grids[0], &rest_m(&limb), &[]))?;
             show(self.json, &result.printed(), || workspace_loaded::table(&result))?;
             return Ok(Outcome::Done);
         }
         let result = WorkspaceResult::new(&scene, &limb, &options)?;
         write_if(self.csv.as_ref(), || csv(&result.tips_m))?;
         let title = labelled(scene.name(), true);
-        write_if(self.svg.as_ref(), || workspace::picture(&title, &result.grids[0], &rest_m(&limb)))?;
+        write_if(self.svg.as_ref(), || {
+            workspace::picture(&title, &result.grids[0], &rest_m(&limb), &extreme_m(&result))
+        })?;
         show(self.json, &result.printed(), || table(&title, &limb, &result))?;
         Ok(Outcome::Done)
     }
+}
+
+/// The centre lines at the extremes of the coordinates, m.
+fn extreme_m(result: &WorkspaceResult<'_>) -> Vec<NamedLine<'static>> {
+    const EXTREMES: [[&str; 2]; 3] = [["least x", "largest x"], ["least y", "largest y"], ["lowest", "highest"]];
+    let of = EXTREMES.iter().flatten().zip(result.extents.of.iter().flatten());
+    of.filter_map(|(name, reach)| Some((*name, result.space.line_by_the_model(&reach.pressures_pa)?))).collect()
 }
 
 /// The centre line at rest, m.

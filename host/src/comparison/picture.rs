@@ -7,19 +7,61 @@ use super::compare::{Comparison, Row};
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 
 /// Area of one chart, px, and the room it takes with its frame.
-const AREA: [f64; 2] = [470.0, 300.0];
-const ROOM: [f64; 2] = [556.0, 446.0];
+const AREA: [f64; 2] = [334.0, 210.0];
+const ROOM: [f64; 2] = [410.0, 330.0];
 
-const CAPTION: &str = "Lines: analytic model. Dots: finite elements of the section. Rings: CalculiX.";
+const CAPTION: &str = "Lines: analytic model. Dots: finite elements of the section. Rings: CalculiX. Below: their difference from the model.";
 
 /// The picture as a document that stands by itself.
 pub fn picture(comparison: &Comparison) -> String {
-    let of = |motion, title: &str| chart(comparison, motion, title);
-    let charts = [
-        vec![of(Motion::Extension, "Extension"), of(Motion::Expansion, "Expansion")],
-        vec![of(Motion::Bending, "Bending"), of(Motion::Twisting, "Twisting")],
+    let pairs = [
+        [(Motion::Extension, "Extension"), (Motion::Expansion, "Expansion")],
+        [(Motion::Bending, "Bending"), (Motion::Twisting, "Twisting")],
     ];
-    sheet(&charts, ROOM, CAPTION)
+    let rows = pairs.iter().flat_map(|pair| {
+        let curves = pair.iter().map(|(motion, title)| chart(comparison, *motion, title)).collect();
+        [curves, pair.iter().map(|(motion, title)| differences(comparison, *motion, title)).collect()]
+    });
+    sheet(&rows.collect::<Vec<_>>(), ROOM, CAPTION)
+}
+
+/// Differences of the finite elements from the analytic model.
+fn differences(comparison: &Comparison, motion: Motion, title: &str) -> Chart {
+    let mut series = Vec::new();
+    let cases = comparison.by_case().into_iter().filter(|rows| rows[0].motion == motion);
+    for (index, rows) in cases.enumerate() {
+        let percent = |row: &Row, value: Option<f64>| {
+            let analytic = row.analytic?;
+            Some([row.pressure_kpa, 1e2 * (value? - analytic) / (analytic - row.rest).abs()])
+        };
+        let methods: [(Stroke, fn(&Row) -> Option<f64>); 2] =
+            [(Stroke::Dots, |row| row.section), (Stroke::Rings, |row| row.solid)];
+        series.extend(methods.map(|(stroke, value)| Series {
+            label: String::new(),
+            color: Color::nth(index),
+            stroke,
+            points: rows.iter().filter_map(|row| percent(row, value(row))).collect(),
+        }));
+    }
+    let points = || series.iter().flat_map(|one| &one.points);
+    Chart {
+        title: format!("{title}: difference from the model"),
+        area: AREA,
+        x: Axis {
+            label: "gauge pressure, kPa".to_owned(),
+            range: span(points().map(|point| point[0]).chain([0.0])),
+            decades: false,
+        },
+        y: Axis {
+            label: "of the deformation, %".to_owned(),
+            range: span(points().map(|point| point[1]).chain([0.0])),
+            decades: false,
+        },
+        series,
+        bands: Vec::new(),
+        marks: Vec::new(),
+        notes: Vec::new(),
+    }
 }
 
 fn chart(comparison: &Comparison, motion: Motion, title: &str) -> Chart {

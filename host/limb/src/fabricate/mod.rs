@@ -9,6 +9,7 @@
 //! This room takes scenes and gives texts and meshes; it reads and writes no file.
 
 mod advice;
+mod drawing;
 mod error;
 pub mod mold;
 pub mod path;

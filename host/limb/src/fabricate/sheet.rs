@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use super::drawing::drawing;
 use super::rows;
 use super::{Piece, Settings};
 
@@ -94,10 +95,20 @@ pub fn markdown(sheet: &Sheet) -> String {
     text
 }
 
-/// The sheet as one HTML file that needs nothing beside it; each page begins on a sheet of paper of its own.
-pub fn html(sheet: &Sheet) -> String {
-    // The name ends in .html: everything is escaped.
+/// The sheet with its drawings.
+#[derive(Serialize)]
+struct Drawn<'a> {
+    #[serde(flatten)]
+    sheet: &'a Sheet,
+    /// One for each page.
+    drawings: Vec<String>,
+}
+
+/// The sheet of pieces as one HTML file with drawings that needs nothing beside it; each page begins on a sheet of paper of its own.
+pub fn html(sheet: &Sheet, pieces: &[Piece]) -> String {
+    let drawn = Drawn { sheet, drawings: pieces.iter().map(drawing).collect() };
+    // The name ends in .html: everything but the drawings is escaped.
     minijinja::Environment::new()
-        .render_named_str("sheet.html", include_str!("sheet.html"), minijinja::value::Serde(sheet))
+        .render_named_str("sheet.html", include_str!("sheet.html"), minijinja::value::Serde(drawn))
         .expect("the template is part of the program and every test renders it")
 }

@@ -1,24 +1,99 @@
-//! How many limbs stay within a distance, for each pose.
+//! Where the tips are beside the nominal limb, and how many limbs stay within a distance, for each pose.
 
 use super::sample::Sample;
 use super::study::Study;
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, sheet, span};
 
 /// Area of one chart, px, and the room it takes with its frame.
-const AREA: [f64; 2] = [300.0, 200.0];
-const ROOM: [f64; 2] = [390.0, 330.0];
+const AREA: [f64; 2] = [320.0, 230.0];
+const ROOM: [f64; 2] = [400.0, 330.0];
 /// Charts side by side.
-const COLUMNS: usize = 3;
+const COLUMNS: usize = 2;
+/// Most tips that are shown for a pose, and points of an ellipse.
+const DOTS: usize = 150;
+const ELLIPSE_POINTS: usize = 64;
 /// Points of a curve.
 const POINTS: usize = 200;
 
-/// A chart for each pose, as a document that stands by itself.
+/// The limb with the scatter of its tip from two sides, and a chart for each pose, as a document that stands by itself.
 pub fn picture(title: &str, study: &Study<'_>, samples: &[Sample]) -> String {
+    let views = [("from the side", [0, 2], ["x, m", "z, m"]), ("from above", [0, 1], ["x, m", "y, m"])];
+    let views = views.map(|(name, axes, labels)| view(name, study, samples, (axes, labels)));
     let charts: Vec<Chart> = (0..study.poses().len()).map(|pose| chart(study, samples, pose)).collect();
-    let rows: Vec<Vec<Chart>> = charts.chunks(COLUMNS).map(<[Chart]>::to_vec).collect();
-    let caption =
-        format!("{title}: limbs whose tip is within a distance of the nominal one; solid: the model, dotted: linear");
+    let mut rows = vec![views.to_vec()];
+    rows.extend(charts.chunks(COLUMNS).map(<[Chart]>::to_vec));
+    let caption = format!(
+        "{title}. Views: tips of limbs within tolerance, ellipse of two standard deviations. Below: share of limbs within a distance."
+    );
     sheet(&rows, ROOM, &caption)
+}
+
+/// The nominal limb in each pose, seen along a coordinate, with the tips of the samples.
+fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usize; 2], [&str; 2])) -> Chart {
+    let (mut series, mut notes) = (Vec::new(), Vec::new());
+    for (index, pose) in study.poses().iter().enumerate() {
+        let color = Color::nth(index);
+        let states: Vec<_> = study
+            .limb
+            .drives()
+            .zip(&pose.pressures_pa)
+            .map(|(drive, pressure_pa)| drive.curve.at(*pressure_pa))
+            .collect();
+        let line: Vec<[f64; 2]> =
+            study.limb.backbone(&states).iter().map(|point| axes.map(|axis| point[axis])).collect();
+        let end_m = study.nominal_tip_m(index);
+        let end = axes.map(|axis| end_m[axis]);
+        let tips: Vec<[f64; 2]> = samples
+            .iter()
+            .filter_map(|sample| sample[index].displacement_m.as_ref().ok())
+            .map(|moved_m| [end[0] + moved_m[axes[0]], end[1] + moved_m[axes[1]]])
+            .collect();
+        let ellipse = ellipse(&tips);
+        let shown = tips.iter().step_by(tips.len().div_ceil(DOTS).max(1)).copied().collect();
+        let mut add = |stroke, points| series.push(Series { label: String::new(), color, stroke, points });
+        add(Stroke::Dots, shown);
+        add(Stroke::Solid, line);
+        add(Stroke::Solid, ellipse);
+        notes.push(Note { at: end, text: pose.name.clone() });
+    }
+    let points = || series.iter().flat_map(|one| &one.points);
+    let [x, y] = [0, 1].map(|axis: usize| {
+        let [low, high] = span(points().map(|point| point[axis]));
+        [low, high.max(low + 0.05)]
+    });
+    // One scale for both axes.
+    let scale = (AREA[0] / (x[1] - x[0])).min(AREA[1] / (y[1] - y[0]));
+    Chart {
+        title: name.to_owned(),
+        area: [(x[1] - x[0]) * scale, (y[1] - y[0]) * scale],
+        x: Axis { label: labels[0].into(), range: x, decades: false },
+        y: Axis { label: labels[1].into(), range: y, decades: false },
+        series,
+        bands: Vec::new(),
+        marks: Vec::new(),
+        notes,
+    }
+}
+
+/// The ellipse of two standard deviations about the mean of points; empty for fewer than three.
+fn ellipse(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    if points.len() < 3 {
+        return Vec::new();
+    }
+    let count = points.len() as f64;
+    let mean = [0, 1].map(|axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count);
+    let product = |a: usize, b: usize| {
+        points.iter().map(|point| (point[a] - mean[a]) * (point[b] - mean[b])).sum::<f64>() / (count - 1.0)
+    };
+    // Cholesky factor of the covariance.
+    let first = product(0, 0).sqrt();
+    let across = if first > 0.0 { product(0, 1) / first } else { 0.0 };
+    let second = (product(1, 1) - across * across).max(0.0).sqrt();
+    let point = |step: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * step as f64 / ELLIPSE_POINTS as f64).sin_cos();
+        [mean[0] + 2.0 * first * cos, mean[1] + 2.0 * (across * cos + second * sin)]
+    };
+    (0..=ELLIPSE_POINTS).map(point).collect()
 }
 
 fn chart(study: &Study<'_>, samples: &[Sample], pose: usize) -> Chart {
@@ -53,4 +128,24 @@ fn curve(mut distances_m: Vec<f64>, count: usize) -> Vec<[f64; 2]> {
     let Some(last) = distances_m.len().checked_sub(1) else { return Vec::new() };
     let ranks = (0..=POINTS.min(last.max(1))).map(|point| last * point / POINTS.min(last.max(1)));
     ranks.map(|rank| [1e3 * distances_m[rank], 100.0 * (rank + 1) as f64 / count as f64]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ellipse_has_the_axes_of_the_scatter() {
+        // Variances 4 and 1 along axes that lean by 3-4-5.
+        let spread = [[2.0, 0.0], [-2.0, 0.0], [0.0, 1.0], [0.0, -1.0]].map(|[u, v]: [f64; 2]| {
+            let scale = (3.0_f64 / 2.0).sqrt();
+            [5.0 + scale * (0.8 * u - 0.6 * v), scale * (0.6 * u + 0.8 * v)]
+        });
+        let found = ellipse(&spread);
+        for [x, y] in &found {
+            let (u, v) = (0.8 * (x - 5.0) + 0.6 * y, -0.6 * (x - 5.0) + 0.8 * y);
+            assert!(((u / 4.0).powi(2) + (v / 2.0).powi(2) - 1.0).abs() < 1e-12, "{u} {v}");
+        }
+        assert_eq!((found.len(), ellipse(&spread[..2]).len()), (ELLIPSE_POINTS + 1, 0));
+    }
 }

@@ -1,6 +1,6 @@
 //! The volume: cubes of a grid that hold a tip.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// A cube's place in the grid.
 type Cube = [i32; 3];
@@ -30,12 +30,22 @@ impl Grid {
         self.cubes.len() as f64 * self.side_m.powi(3)
     }
 
-    /// Centers of the squares that the cubes have seen along a coordinate (0 to 2), m, in order.
-    pub fn shadow(&self, along: usize) -> Vec<[f64; 2]> {
+    /// Side of a cube, m.
+    pub fn side_m(&self) -> f64 {
+        self.side_m
+    }
+
+    /// Centers of the squares that the cubes have seen along a coordinate (0 to 2), m, in order, each with its depth: the number of cubes behind
+    /// each other.
+    pub fn depths(&self, along: usize) -> Vec<([f64; 2], usize)> {
         let others: Vec<usize> = (0..3).filter(|axis| *axis != along).collect();
-        let squares: HashSet<[i32; 2]> = self.cubes.iter().map(|cube| [cube[others[0]], cube[others[1]]]).collect();
-        let mut squares: Vec<[i32; 2]> = squares.into_iter().collect();
-        squares.sort_unstable();
-        squares.into_iter().map(|square| square.map(|place| (f64::from(place) + 0.5) * self.side_m)).collect()
+        let mut depths: BTreeMap<[i32; 2], usize> = BTreeMap::new();
+        for cube in &self.cubes {
+            *depths.entry([cube[others[0]], cube[others[1]]]).or_default() += 1;
+        }
+        depths
+            .into_iter()
+            .map(|(square, depth)| (square.map(|place| (f64::from(place) + 0.5) * self.side_m), depth))
+            .collect()
     }
 }

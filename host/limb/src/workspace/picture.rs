@@ -1,32 +1,51 @@
-//! Side and front view, as of Fig. 8 of the paper.
+//! Side, front and top view: how deep the workspace is behind each place, and the limb at its extremes.
 
 use super::grid::Grid;
 use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, sheet};
 
-/// Longest side of a view, px, and the room around it.
-const SIDE: f64 = 560.0;
-const MARGIN: [f64; 2] = [90.0, 120.0];
+/// Longest side of a view, px, and the room of a view with its axes.
+const SIDE: f64 = 310.0;
+const ROOM: [f64; 2] = [400.0, 440.0];
 /// Free space around what is drawn, as a share of its size.
 const RIM: f64 = 0.06;
+/// Shades of the depth.
+const SHADES: usize = 5;
 
-/// The workspace seen from the side (along the scene's second axis) and from the front (along the first), as a document that stands by itself.
-/// `limb_m` is the limb's centre line at rest.
-pub fn picture(title: &str, grid: &Grid, limb_m: &[[f64; 3]]) -> String {
-    let views = [("side view", 1, [0, 2], ["x, m", "z, m"]), ("front view", 0, [1, 2], ["y, m", "z, m"])];
-    let charts = views.map(|(name, along, axes, labels)| {
-        let shadow = grid.shadow(along);
-        let limb: Vec<[f64; 2]> = limb_m.iter().map(|point| axes.map(|axis: usize| point[axis])).collect();
-        view(&format!("{title}: {name}"), shadow, limb, labels)
+/// A centre line, m, with its name in the key.
+pub type NamedLine<'a> = (&'a str, Vec<[f64; 3]>);
+
+/// The workspace seen along each axis of the scene, as a document that stands by itself. `rest_m` is the limb's centre line at rest, `extreme`
+/// are those that reach farthest.
+pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[NamedLine<'_>]) -> String {
+    let views = [
+        ("from the side", 1, [0, 2], ["x, m", "z, m"]),
+        ("from the front", 0, [1, 2], ["y, m", "z, m"]),
+        ("from above", 2, [0, 1], ["x, m", "y, m"]),
+    ];
+    let deepest =
+        views.iter().flat_map(|(_, along, ..)| grid.depths(*along)).map(|(_, depth)| depth).max().unwrap_or(1);
+    let [side, front, top] = views.map(|(name, along, axes, labels)| {
+        let seen = |line: &[[f64; 3]]| line.iter().map(|point| axes.map(|axis: usize| point[axis])).collect();
+        let extreme: Vec<(&str, Vec<[f64; 2]>)> = extreme.iter().map(|(name, line)| (*name, seen(line))).collect();
+        view(&format!("{title}, {name}"), (grid, along, deepest), (seen(rest_m), &extreme), labels)
     });
-    let room = charts.iter().fold([0.0_f64; 2], |room, chart| {
-        [room[0].max(chart.area[0] + MARGIN[0]), room[1].max(chart.area[1] + MARGIN[1])]
-    });
-    sheet(&[charts.to_vec()], room, "dots: cells that a sample of the tip falls into; line: the limb at rest")
+    let caption = format!(
+        "Shades: depth of the workspace behind a place, in five steps up to {:.2} m. Lines: the limb at rest and at extremes.",
+        deepest as f64 * grid.side_m()
+    );
+    sheet(&[vec![side, front], vec![top]], ROOM, &caption)
 }
 
-fn view(title: &str, shadow: Vec<[f64; 2]>, limb: Vec<[f64; 2]>, labels: [&str; 2]) -> Chart {
+fn view(
+    title: &str,
+    (grid, along, deepest): (&Grid, usize, usize),
+    (rest, extreme): (Vec<[f64; 2]>, &[(&str, Vec<[f64; 2]>)]),
+    labels: [&str; 2],
+) -> Chart {
+    let depths = grid.depths(along);
+    let lines = || rest.iter().chain(extreme.iter().flat_map(|(_, line)| line));
     let ranges = [0, 1].map(|axis: usize| {
-        let values = shadow.iter().chain(&limb).map(|point| point[axis]);
+        let values = depths.iter().map(|(place, _)| place[axis]).chain(lines().map(|point| point[axis]));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         let rim = RIM * (high - low).max(0.1);
         [low - rim, high + rim]
@@ -34,19 +53,28 @@ fn view(title: &str, shadow: Vec<[f64; 2]>, limb: Vec<[f64; 2]>, labels: [&str; 
     let sizes = ranges.map(|[low, high]| high - low);
     let scale = SIDE / sizes[0].max(sizes[1]);
     let [x, y] = [0, 1].map(|axis: usize| Axis { label: labels[axis].into(), range: ranges[axis], decades: false });
-    let base = limb.first().copied();
     let series = |label: &str, color, stroke, points| Series { label: label.into(), color, stroke, points };
+    let mut all: Vec<Series> = (1..=SHADES)
+        .map(|shade| {
+            let is_its = |depth: &usize| (*depth * SHADES).div_ceil(deepest).clamp(1, SHADES) == shade;
+            let places = depths.iter().filter(|(_, depth)| is_its(depth)).map(|(place, _)| *place).collect();
+            let stroke = Stroke::Cells { side: grid.side_m(), shade: shade as u8 };
+            series("", Color::First, stroke, places)
+        })
+        .collect();
+    all.extend(extreme.iter().map(|(_, line)| series("", Color::Ink, Stroke::Solid, line.clone())));
+    let notes = extreme.iter().filter_map(|(name, line)| Some(Note { at: *line.last()?, text: (*name).into() }));
+    let mut notes: Vec<Note> = notes.collect();
+    notes.extend(rest.first().map(|at| Note { at: *at, text: "base".into() }));
+    all.push(series("", Color::Second, Stroke::Solid, rest));
     Chart {
         title: title.into(),
         area: sizes.map(|size| (size * scale).max(120.0)),
         x,
         y,
-        series: vec![
-            series("tip", Color::First, Stroke::Dots, shadow),
-            series("limb at rest", Color::Second, Stroke::Solid, limb),
-        ],
+        series: all,
         bands: Vec::new(),
         marks: Vec::new(),
-        notes: base.map(|at| Note { at, text: "base".into() }).into_iter().collect(),
+        notes,
     }
 }

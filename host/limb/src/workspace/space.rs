@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use fra_model::{Motion, Segment};
-use nalgebra::{Isometry3, Point3};
+use fra_model::{Link, Motion, Segment};
+use nalgebra::Point3;
 use pulp::{Arch, Simd, WithSimd};
 use thiserror::Error;
 
@@ -12,6 +12,9 @@ use super::module::{Module, ModuleTable};
 use super::single;
 use crate::statics::Bundle;
 use crate::{Limb, LimbModule};
+
+/// Points of a module's centre line in a picture.
+const LINE_POINTS: usize = 12;
 
 /// Most pressures of a box: the channels of a device.
 pub(super) const AXES_MAX: usize = 27;
@@ -116,15 +119,36 @@ impl<'a> Workspace<'a> {
 
     /// The tip by the model itself, m; `None` where it has no equilibrium.
     pub fn tip_by_the_model(&self, shares: &[f64]) -> Option<[f64; 3]> {
-        let mut pose: Isometry3<f64> = *self.limb.base();
-        for (index, module) in self.limb.modules().iter().enumerate() {
+        let links = self.links_by_the_model(shares)?;
+        let pose = links.iter().fold(*self.limb.base(), |pose, link| pose * link.pose());
+        Some((pose * Point3::origin()).coords.into())
+    }
+
+    /// The centre line by the model itself, m, at a gauge pressure of each axis, Pa; `None` where it has no equilibrium.
+    pub fn line_by_the_model(&self, pressures_pa: &[f64]) -> Option<Vec<[f64; 3]>> {
+        let axes = self.axes.iter().zip(pressures_pa);
+        let shares: Vec<f64> = axes.map(|(axis, pressure_pa)| pressure_pa / axis.pressure_max_pa).collect();
+        let mut pose = *self.limb.base();
+        let mut line_m = vec![pose.translation.vector.into()];
+        for link in self.links_by_the_model(&shares)? {
+            let along = (1..=LINE_POINTS).map(|step| pose * link.pose_at(step as f64 / LINE_POINTS as f64));
+            line_m.extend(along.map(|at| <[f64; 3]>::from(at.translation.vector)));
+            pose *= link.pose();
+            line_m.push(pose.translation.vector.into());
+        }
+        Some(line_m)
+    }
+
+    /// The modules by the model itself.
+    fn links_by_the_model(&self, shares: &[f64]) -> Option<Vec<Link<f64>>> {
+        let link = |(index, module): (usize, &LimbModule)| {
             let own = self.axes.iter().zip(shares).filter(|(axis, _)| axis.module == index);
             let pressures: Vec<f64> = own
                 .flat_map(|(axis, share)| std::iter::repeat_n(share * axis.pressure_max_pa, axis.channels.len()))
                 .collect();
-            pose *= free_pose(module, &pressures)?;
-        }
-        Some((pose * Point3::origin()).coords.into())
+            free_link(module, &pressures)
+        };
+        self.limb.modules().iter().enumerate().map(link).collect()
     }
 
     /// The modules in single precision.
@@ -172,8 +196,8 @@ fn each(module: &LimbModule, command: Command) -> bool {
     module.is_steering() || command == Command::Actuators && straight && module.channels.len() > 1
 }
 
-/// Motion across a module, rigid parts included, by its bundle.
-fn free_pose(module: &LimbModule, pressures_pa: &[f64]) -> Option<Isometry3<f64>> {
+/// A module, rigid parts included, by its bundle.
+fn free_link(module: &LimbModule, pressures_pa: &[f64]) -> Option<Link<f64>> {
     let free = Bundle::new(module, pressures_pa, module.bays())?.free;
     let [x, y] = free.bend_rad_per_m;
     let azimuth_rad = y.atan2(x);
@@ -182,12 +206,11 @@ fn free_pose(module: &LimbModule, pressures_pa: &[f64]) -> Option<Isometry3<f64>
         bend_angle_rad: module.length_m() * x.hypot(y),
         twist_rad: module.length_m() * free.twist_rad_per_m,
     };
-    let link = fra_model::Link {
+    Some(Link {
         segment,
         mount_angle_rad: module.mount_angle_rad() + azimuth_rad,
         rigid_length_m: module.rigid_length_m(),
-    };
-    Some(link.pose())
+    })
 }
 
 struct Batch<'a, 'b, F> {

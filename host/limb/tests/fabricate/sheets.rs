@@ -38,12 +38,30 @@ fn numbers_are_those_of_the_geometry() {
     assert_eq!(value(page, "chamber at rest"), format!("{:.3} mL", PI * 6.0));
     let cover = PI * (14.0_f64.powi(2) - 13.15_f64.powi(2)) * 60.0 * 1e-3;
     assert_eq!(value(page, "second cast"), format!("{cover:.3} mL"));
-    for text in [markdown(&sheet), html(&sheet)] {
+    for text in [markdown(&sheet), html(&sheet, &pieces)] {
         for row in page.tables.iter().flat_map(|table| &table.rows) {
             assert!(text.contains(&row.what) && text.contains(&row.value), "{row:?} is missing");
         }
         assert!(text.contains("tube-core.stl"));
     }
+    let page = html(&sheet, &pieces);
+    let dimensions = [
+        "length at rest 60 mm",
+        "outer diameter 28 mm",
+        "thread on diameter 26 mm",
+        "chamber diameter 20 mm; wall 4 mm",
+    ];
+    assert!(dimensions.iter().all(|text| page.contains(text)), "{page}");
+    // 560 px for 60 mm would be 261 px high: the diameter sets the scale, 150 px for 28 mm. A thread is 1 mm below the surface.
+    let (path, _) = page.split_once("<path class=\"thread\" d=\"").unwrap().1.split_once('"').unwrap();
+    let points: Vec<f64> =
+        path.split(['M', 'L', ' ']).filter(|number| !number.is_empty()).map(|number| number.parse().unwrap()).collect();
+    let scale = 150.0 / 28.0;
+    let [mut xs, mut ys] = [0, 1].map(|axis: usize| points.iter().skip(axis).step_by(2).copied().collect::<Vec<f64>>());
+    xs.sort_by(f64::total_cmp);
+    ys.sort_by(f64::total_cmp);
+    let extents = [xs[xs.len() - 1] - xs[0], ys[ys.len() - 1] - ys[0]];
+    assert!((extents[0] - 60.0 * scale).abs() < 0.2 && (extents[1] - 26.0 * scale).abs() < 1.0, "{extents:?}");
 }
 
 #[test]

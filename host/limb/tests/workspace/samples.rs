@@ -85,16 +85,33 @@ fn cubes_measure_a_ball() {
         volumes.windows(2).all(|pair| pair[1] < 0.6 * pair[0]) && volumes[2] > 0.0 && volumes[2] < 0.12,
         "{volumes:?}"
     );
-    let disc: f64 = Grid::new(&points, 0.025).shadow(1).len() as f64 * 0.025 * 0.025;
+    let disc: f64 = Grid::new(&points, 0.025).depths(1).len() as f64 * 0.025 * 0.025;
     assert!((disc / (std::f64::consts::PI * 0.25) - 1.0).abs() < 0.1);
 }
 
 #[test]
-fn picture_shows_both_views() {
+fn picture_shows_three_views_and_the_limb_at_its_extremes() {
     let (_, limb) = limb_of("weightless-a");
     let space = Workspace::new(&limb, Command::Actuators).expect("a workspace");
     let grid = Grid::new(&sample(&space, Points::Faces, 2000, 1, 1), 0.05);
     let rest: Vec<_> = limb.modules().iter().map(|module| module.curve.states()[0]).collect();
-    let svg = picture("arm", &grid, &limb.backbone(&rest));
-    assert!(svg.contains("arm: side view") && svg.contains("arm: front view") && !svg.contains("NaN"));
+    let found = extents(&space).expect("extents");
+    for reach in found.of.iter().flatten() {
+        let line = space.line_by_the_model(&reach.pressures_pa).expect("an equilibrium");
+        let end = line.last().expect("a point");
+        assert!(end.iter().zip(&reach.tip_m).all(|(a, b)| (a - b).abs() < 1e-9), "{end:?} and {:?}", reach.tip_m);
+    }
+    let highest = space.line_by_the_model(&found.of[2][1].pressures_pa).expect("an equilibrium");
+    let svg = picture("arm", &grid, &limb.backbone(&rest), &[("highest", highest)]);
+    let views = ["arm, from the side", "arm, from the front", "arm, from above"];
+    assert!(views.iter().all(|view| svg.contains(view)) && !svg.contains("NaN"));
+    assert!(svg.matches(">highest<").count() == 3 && (1..=5).all(|shade| svg.contains(&format!("shade{shade}\""))));
+}
+
+#[test]
+fn depths_count_the_cubes_behind_each_other() {
+    let tips = [[0.5, 0.5, 0.5], [0.5, 1.5, 0.5], [0.5, 3.5, 0.5], [2.5, 0.5, 1.5], [0.6, 0.6, 0.6]];
+    let grid = Grid::new(&tips, 1.0);
+    assert_eq!(grid.depths(1), [([0.5, 0.5], 3), ([2.5, 1.5], 1)]);
+    assert_eq!(grid.depths(2), [([0.5, 0.5], 1), ([0.5, 1.5], 1), ([0.5, 3.5], 1), ([2.5, 0.5], 1)]);
 }

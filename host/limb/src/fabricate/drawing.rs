@@ -1,0 +1,127 @@
+//! Drawing of an actuator: along its axis with the winding, and across, with dimensions.
+
+use std::fmt::Write;
+
+use super::piece::Piece;
+use super::{Hand, path};
+
+/// Width of the drawing and longest picture of the actuator, px.
+const WIDTH: f64 = 660.0;
+const LONGEST: f64 = 560.0;
+/// Largest height of the actuator seen from the side, and diameter of the cross-section, px.
+const HIGHEST: f64 = 150.0;
+const ACROSS: f64 = 150.0;
+/// Left edge and room above, px.
+const LEFT: f64 = 60.0;
+const TOP: f64 = 34.0;
+/// Chords of the drawn thread, as a share of its radius.
+const CHORD: f64 = 0.02;
+
+/// The drawing of a piece as an SVG element.
+pub(super) fn drawing(piece: &Piece) -> String {
+    let parameters = &piece.parameters;
+    let (length_m, outer_m, inner_m) = (parameters.length_m, parameters.outer_radius_m, parameters.inner_radius_m);
+    let scale = (LONGEST / length_m).min(HIGHEST / (2.0 * outer_m));
+    let (long, half) = (length_m * scale, outer_m * scale);
+    let axis = TOP + half;
+    let across_scale = ACROSS / (2.0 * outer_m);
+    let (middle_x, middle_y) = (LEFT + ACROSS / 2.0, axis + half + 70.0 + ACROSS / 2.0);
+    let height = middle_y + ACROSS / 2.0 + 24.0;
+    // Writing to a string cannot fail.
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"Drawing of {}: along its axis, and across\">\n",
+        piece.name
+    );
+    let _ = writeln!(
+        svg,
+        "<rect class=\"wall\" x=\"{LEFT}\" y=\"{:.2}\" width=\"{long:.2}\" height=\"{:.2}\"/>",
+        axis - half,
+        2.0 * half
+    );
+    for hand in &piece.winding.hands {
+        let _ = writeln!(svg, "<path class=\"thread\" d=\"{}\"/>", front(piece, *hand, axis, scale));
+    }
+    let chamber = inner_m * scale;
+    let _ = writeln!(
+        svg,
+        "<path class=\"hidden\" d=\"M{LEFT} {:.2}h{long:.2}M{LEFT} {:.2}h{long:.2}\"/><path class=\"center\" d=\"M{:.1} {axis:.2}h{:.1}\"/>",
+        axis - chamber,
+        axis + chamber,
+        LEFT - 14.0,
+        long + 28.0
+    );
+    let below = axis + half + 22.0;
+    let _ = writeln!(
+        svg,
+        "<path class=\"dimension\" d=\"M{LEFT} {:.2}v30M{:.2} {:.2}v30M{LEFT} {below:.2}h{long:.2}\"/>\
+         <text x=\"{:.1}\" y=\"{:.1}\">length at rest {} mm</text>",
+        axis + half + 2.0,
+        LEFT + long,
+        axis + half + 2.0,
+        LEFT + long / 2.0,
+        below - 5.0,
+        mm(length_m)
+    );
+    let winding = &piece.winding;
+    let angle = format!(
+        "winding {:.1} deg from the hoop, {} thread{} in {} hand{}, at radius {} mm",
+        winding.angle_rad.to_degrees(),
+        winding.threads(),
+        if winding.threads() == 1 { "" } else { "s" },
+        winding.hands.len(),
+        if winding.hands.len() == 1 { "" } else { "s" },
+        mm(winding.radius_m)
+    );
+    let _ = writeln!(svg, "<text class=\"start\" x=\"{LEFT}\" y=\"16\">{angle}</text>");
+
+    for (class, radius_m) in [("wall", outer_m), ("chamber", inner_m)] {
+        let radius = radius_m * across_scale;
+        let _ =
+            writeln!(svg, "<circle class=\"{class}\" cx=\"{middle_x:.2}\" cy=\"{middle_y:.2}\" r=\"{radius:.2}\"/>");
+    }
+    let _ = writeln!(
+        svg,
+        "<circle class=\"hidden\" cx=\"{middle_x:.2}\" cy=\"{middle_y:.2}\" r=\"{:.2}\"/>",
+        winding.radius_m * across_scale
+    );
+    let notes = [
+        (outer_m, -0.7, format!("outer diameter {} mm", mm(2.0 * outer_m))),
+        (winding.radius_m, -0.1, format!("thread on diameter {} mm", mm(2.0 * winding.radius_m))),
+        (inner_m, 0.5, format!("chamber diameter {} mm; wall {} mm", mm(2.0 * inner_m), mm(outer_m - inner_m))),
+    ];
+    for (radius_m, lean, text) in notes {
+        let (sin, cos) = f64::sin_cos(lean);
+        let (x, y) = (middle_x + radius_m * across_scale * cos, middle_y + radius_m * across_scale * sin);
+        let (end, label) = (middle_x + ACROSS / 2.0 + 30.0, middle_y + ACROSS / 2.0 * sin);
+        let _ = writeln!(
+            svg,
+            "<path class=\"dimension\" d=\"M{x:.2} {y:.2}L{end:.2} {label:.2}\"/><text class=\"start\" x=\"{:.1}\" y=\"{:.1}\">{text}</text>",
+            end + 5.0,
+            label + 4.0
+        );
+    }
+    svg + "</svg>"
+}
+
+/// The visible half of the threads of a hand, seen with the bending direction up.
+fn front(piece: &Piece, hand: Hand, axis: f64, scale: f64) -> String {
+    let mut line = String::new();
+    let mut last = None;
+    for point in path::points(&piece.winding, hand, CHORD * piece.winding.radius_m) {
+        let [up_m, towards_m, along_m] = point.place_m;
+        let is_seen = towards_m >= 0.0;
+        let continues = last == Some((point.start, true));
+        if is_seen {
+            let step = if continues { 'L' } else { 'M' };
+            let _ = write!(line, "{step}{:.1} {:.1}", LEFT + along_m * scale, axis - up_m * scale);
+        }
+        last = Some((point.start, is_seen));
+    }
+    line
+}
+
+fn mm(length_m: f64) -> String {
+    // To a hundredth, without zeros at the end.
+    let text = format!("{:.2}", 1e3 * length_m);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
