@@ -48,10 +48,12 @@ impl Chart {
         for note in &self.notes {
             let [x, y] = frame.pixel(note.at);
             if x.is_finite() && y.is_finite() {
+                // Beside the point where there is room, else before it.
+                let fits = x + 5.0 + text_width(&note.text) <= width;
+                let (x, anchor) = if fits { (x + 5.0, "") } else { (x - 5.0, " text-anchor=\"end\"") };
                 let _ = writeln!(
                     svg,
-                    "<text class=\"note\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                    x + 5.0,
+                    "<text class=\"note\" x=\"{x:.1}\" y=\"{:.1}\"{anchor}>{}</text>",
                     y - 5.0,
                     escape(&note.text)
                 );

@@ -11,7 +11,7 @@ use crate::results::{LoadedWorkspaceResult, NAMES, WorkspaceOptions, WorkspaceRe
 use softlimb_chart::labelled;
 use softlimb_limb::Limb;
 use softlimb_limb::workspace;
-use softlimb_limb::workspace::{Command, NamedLine, Points};
+use softlimb_limb::workspace::{Command, ExtremeLine, Points};
 use softlimb_scene::Quantity;
 
 /// Find the exact extents of the tip, and sample its workspace for pictures and volume
@@ -48,7 +48,7 @@ pub(super) struct Workspace {
     /// Side of the counted cubes, 1 to 1000 mm [default: 20 mm, or 100 mm with --loaded]
     #[arg(long, value_name = "MM", value_parser = quantity("mm", 1.0, 1e3))]
     cell: Option<Quantity>,
-    /// Write side and front view
+    /// Write three views, shaded by depth
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     /// Write the samples: x, y, z in m
@@ -127,11 +127,17 @@ impl Workspace {
     }
 }
 
-/// The centre lines at the extremes of the coordinates, m.
-fn extreme_m(result: &WorkspaceResult<'_>) -> Vec<NamedLine<'static>> {
+/// The limb at the extremes of the coordinates.
+fn extreme_m(result: &WorkspaceResult<'_>) -> Vec<ExtremeLine<'static>> {
     const EXTREMES: [[&str; 2]; 3] = [["least x", "largest x"], ["least y", "largest y"], ["lowest", "highest"]];
-    let of = EXTREMES.iter().flatten().zip(result.extents.of.iter().flatten());
-    of.filter_map(|(name, reach)| Some((*name, result.space.line_by_the_model(&reach.pressures_pa)?))).collect()
+    let of_axis = |(axis, names): (usize, &[&'static str; 2])| {
+        let ends = names.iter().zip(&result.extents.of[axis]);
+        let line = |(name, reach): (&&'static str, &workspace::Reach)| {
+            Some(ExtremeLine { name, axis, line_m: result.space.line_by_the_model(&reach.pressures_pa)? })
+        };
+        ends.filter_map(line).collect::<Vec<_>>()
+    };
+    EXTREMES.iter().enumerate().flat_map(of_axis).collect()
 }
 
 /// The centre line at rest, m.

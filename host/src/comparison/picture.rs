@@ -34,14 +34,13 @@ fn differences(comparison: &Comparison, motion: Motion, title: &str) -> Chart {
             let analytic = row.analytic?;
             Some([row.pressure_kpa, 1e2 * (value? - analytic) / (analytic - row.rest).abs()])
         };
-        let methods: [(Stroke, fn(&Row) -> Option<f64>); 2] =
-            [(Stroke::Dots, |row| row.section), (Stroke::Rings, |row| row.solid)];
-        series.extend(methods.map(|(stroke, value)| Series {
-            label: String::new(),
-            color: Color::nth(index),
-            stroke,
-            points: rows.iter().filter_map(|row| percent(row, value(row))).collect(),
-        }));
+        let points = |value: &dyn Fn(&Row) -> Option<f64>| -> Vec<[f64; 2]> {
+            rows.iter().filter_map(|row| percent(row, value(row))).collect()
+        };
+        for (stroke, points) in [(Stroke::Dots, points(&|row| row.section)), (Stroke::Rings, points(&|row| row.solid))]
+        {
+            series.push(Series { label: String::new(), color: Color::nth(index), stroke, points });
+        }
     }
     let points = || series.iter().flat_map(|one| &one.points);
     Chart {

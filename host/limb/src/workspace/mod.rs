@@ -29,7 +29,7 @@ pub use grid::Grid;
 pub use loaded::{Loaded, LoadedPoseError, Pose, Tally};
 pub use loaded_extents::{LoadedExtents, LoadedReach, loaded_extents};
 pub use module::ModuleTable;
-pub use picture::{NamedLine, picture};
+pub use picture::{ExtremeLine, picture};
 pub use sample::{Points, sample};
 pub use single_sample::sample_single;
 pub use space::{Axis, Command, Workspace, WorkspaceError};

@@ -11,12 +11,23 @@ const RIM: f64 = 0.06;
 /// Shades of the depth.
 const SHADES: usize = 5;
 
-/// A centre line, m, with its name in the key.
-pub type NamedLine<'a> = (&'a str, Vec<[f64; 3]>);
+/// The limb at an extreme.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExtremeLine<'a> {
+    /// Name of the extreme.
+    pub name: &'a str,
+    /// The coordinate that is extreme, 0 to 2.
+    pub axis: usize,
+    /// Its centre line, m.
+    pub line_m: Vec<[f64; 3]>,
+}
+
+/// A line in a view, with its name.
+type SeenLine<'a> = (&'a str, Vec<[f64; 2]>);
 
 /// The workspace seen along each axis of the scene, as a document that stands by itself. `rest_m` is the limb's centre line at rest, `extreme`
 /// are those that reach farthest.
-pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[NamedLine<'_>]) -> String {
+pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[ExtremeLine<'_>]) -> String {
     let views = [
         ("from the side", 1, [0, 2], ["x, m", "z, m"]),
         ("from the front", 0, [1, 2], ["y, m", "z, m"]),
@@ -26,11 +37,13 @@ pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[NamedLi
         views.iter().flat_map(|(_, along, ..)| grid.depths(*along)).map(|(_, depth)| depth).max().unwrap_or(1);
     let [side, front, top] = views.map(|(name, along, axes, labels)| {
         let seen = |line: &[[f64; 3]]| line.iter().map(|point| axes.map(|axis: usize| point[axis])).collect();
-        let extreme: Vec<(&str, Vec<[f64; 2]>)> = extreme.iter().map(|(name, line)| (*name, seen(line))).collect();
-        view(&format!("{title}, {name}"), (grid, along, deepest), (seen(rest_m), &extreme), labels)
+        // Extremes along the view would cover each other.
+        let across = extreme.iter().filter(|one| one.axis != along);
+        let extreme: Vec<SeenLine<'_>> = across.map(|one| (one.name, seen(&one.line_m))).collect();
+        view(name, (grid, along, deepest), (seen(rest_m), &extreme), labels)
     });
     let caption = format!(
-        "Shades: depth of the workspace behind a place, in five steps up to {:.2} m. Lines: the limb at rest and at extremes.",
+        "{title}. Shades: depth behind a place, in five steps up to {:.2} m. Lines: limb at rest and at extremes.",
         deepest as f64 * grid.side_m()
     );
     sheet(&[vec![side, front], vec![top]], ROOM, &caption)
@@ -39,7 +52,7 @@ pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[NamedLi
 fn view(
     title: &str,
     (grid, along, deepest): (&Grid, usize, usize),
-    (rest, extreme): (Vec<[f64; 2]>, &[(&str, Vec<[f64; 2]>)]),
+    (rest, extreme): (Vec<[f64; 2]>, &[SeenLine<'_>]),
     labels: [&str; 2],
 ) -> Chart {
     let depths = grid.depths(along);
@@ -63,9 +76,8 @@ fn view(
         })
         .collect();
     all.extend(extreme.iter().map(|(_, line)| series("", Color::Ink, Stroke::Solid, line.clone())));
-    let notes = extreme.iter().filter_map(|(name, line)| Some(Note { at: *line.last()?, text: (*name).into() }));
-    let mut notes: Vec<Note> = notes.collect();
-    notes.extend(rest.first().map(|at| Note { at: *at, text: "base".into() }));
+    let notes =
+        extreme.iter().filter_map(|(name, line)| Some(Note { at: *line.last()?, text: (*name).into() })).collect();
     all.push(series("", Color::Second, Stroke::Solid, rest));
     Chart {
         title: title.into(),
