@@ -22,9 +22,8 @@ pub fn picture(title: &str, study: &Study<'_>, samples: &[Sample]) -> String {
     let charts: Vec<Chart> = (0..study.poses().len()).map(|pose| chart(study, samples, pose)).collect();
     let mut rows = vec![views.to_vec()];
     rows.extend(charts.chunks(COLUMNS).map(<[Chart]>::to_vec));
-    let caption = format!(
-        "{title}. Views: tips of limbs within tolerance, ellipse of two standard deviations. Below: share of limbs within a distance."
-    );
+    let caption =
+        format!("{title}. Above: tips within tolerance, ellipses of two standard deviations. Below: share of limbs.");
     sheet(&rows, ROOM, &caption)
 }
 
