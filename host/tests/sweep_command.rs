@@ -2,9 +2,15 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::Value;
+
+use crate::samples::samples;
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes");
 
@@ -83,7 +89,7 @@ fn table_is_the_same_for_threads_shards_and_an_interrupted_sweep() {
         run(desk.path(), &words)
     };
     let gaps = merge(&["part-3.csv", "part-1.csv"]);
-    assert!(gaps.status.code() == Some(1) && errors(&gaps).contains("3 of 8 rows are missing, the first is row 1"));
+    assert!(gaps.status.code() == Some(1) && errors(&gaps).contains("2 of 8 rows are missing, the first is row 2"));
     assert!(merge(&["part-3.csv", "part-1.csv", "part-2.csv"]).status.success() && read("all.csv") == whole);
     fs::write(path("false.csv"), whole.replacen("\n7,finger.toml,55,", "\n7,finger.toml,56,", 1)).unwrap();
     let false_row = merge(&["study.csv", "false.csv"]);
@@ -95,6 +101,71 @@ fn table_is_the_same_for_threads_shards_and_an_interrupted_sweep() {
     fs::write(path("finger.toml"), format!("{scene}# another version\n")).unwrap();
     let other = run(desk.path(), &["sweep", "study.toml"]);
     assert!(errors(&other).contains("study.csv is not a table of this study"), "{}", errors(&other));
+}
+
+/// Kills a sweep at random times until it ends by itself; how often it was killed.
+fn killed(folder: &Path, words: &[&str], longest: Duration, random: &mut ChaCha8Rng) -> u32 {
+    for kills in 0.. {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_softlimb"));
+        let command = command.args(words).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut sweep = command.spawn().expect("the binary was built with the tests");
+        // A sweep that is killed ever later makes progress in the end.
+        sleep(longest.mul_f64(f64::from(random.next_u32()) / 4_294_967_296.0 * (0.5 + 0.2 * f64::from(kills))));
+        if sweep.try_wait().expect("a child").is_some_and(|status| status.success()) {
+            return kills;
+        }
+        sweep.kill().expect("a child");
+        if sweep.wait().expect("a child").success() {
+            return kills;
+        }
+    }
+    unreachable!("the loop has no end")
+}
+
+#[test]
+fn sweep_killed_at_random_times_and_resumed_makes_the_same_table() {
+    let desk = desk(STUDY);
+    let read = |name: &str| fs::read_to_string(desk.path().join(name)).expect("a table");
+    let started = Instant::now();
+    assert!(run(desk.path(), &["sweep", "study.toml", "--threads", "2"]).status.success());
+    let (longest, mut random) = (started.elapsed(), ChaCha8Rng::seed_from_u64(21));
+    let (mut kills, mut round) = (0, 0);
+    while kills < samples(10) {
+        for shards in [1, 2, 7] {
+            let parts: Vec<String> = (1..=shards).map(|part| format!("{round}-{part}-of-{shards}.csv")).collect();
+            for (part, name) in (1..).zip(&parts) {
+                let shard = format!("{part}/{shards}");
+                let words = ["sweep", "study.toml", "--threads", "2", "--shard", &shard, "--out", name];
+                kills += killed(desk.path(), &words, longest.div_f64(f64::from(shards)), &mut random);
+            }
+            let words = ["sweep", "study.toml", "--out", &format!("{round}-all-{shards}.csv"), "--merge"];
+            let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
+            assert!(run(desk.path(), &[&words[..], &parts].concat()).status.success());
+            assert_eq!(read(&format!("{round}-all-{shards}.csv")), read("study.csv"));
+        }
+        round += 1;
+    }
+    println!("{kills} kills");
+}
+
+/// The job script, with the environment of an array of three jobs.
+#[cfg(unix)]
+#[test]
+fn jobs_of_a_slurm_array_make_the_parts() {
+    let desk = desk(STUDY);
+    assert!(run(desk.path(), &["sweep", "study.toml"]).status.success());
+    let folder = Path::new(env!("CARGO_BIN_EXE_softlimb")).parent().expect("a folder of programs");
+    let path = format!("{}:{}", folder.display(), std::env::var("PATH").expect("a path"));
+    for job in ["1", "2", "3"] {
+        let mut shell = Command::new("sh");
+        shell.args([&format!("{SCENES}/studies/slurm.sh"), "study.toml"]).current_dir(desk.path());
+        shell.envs([("SLURM_ARRAY_TASK_ID", job), ("SLURM_ARRAY_TASK_COUNT", "3"), ("SLURM_CPUS_PER_TASK", "2")]);
+        assert!(shell.env("PATH", &path).status().expect("a shell").success());
+    }
+    let words = ["sweep", "study.toml", "--out", "all.csv", "--merge", "part-1.csv", "part-2.csv", "part-3.csv"];
+    assert!(run(desk.path(), &words).status.success());
+    let read = |name: &str| fs::read_to_string(desk.path().join(name)).expect("a table");
+    assert_eq!(read("all.csv"), read("study.csv"));
 }
 
 /// The figures are those that `run` prints for the scene with the value and the seed.

@@ -21,6 +21,7 @@ from softlimb.log import Log, read_log
 from softlimb.material import CastableElastomer, NeoHookean, Yeoh, castable_elastomers
 from softlimb.scene import Plan, Scene
 from softlimb.solution import Blocked, Model, Sensitivity, Solution, Status
+from softlimb.study import sweep
 from softlimb.winding import Fiber
 
 __all__ = [
@@ -52,4 +53,5 @@ __all__ = [
     "design_actuators",
     "design_bundle",
     "read_log",
+    "sweep",
 ]

@@ -16,6 +16,7 @@ mod refused;
 mod runs;
 mod scenes;
 mod solve;
+mod studies;
 
 use std::ffi::OsString;
 
@@ -42,6 +43,8 @@ mod _native {
     use super::refused::Refused;
     #[pymodule_export]
     use super::scenes::Scene;
+    #[pymodule_export]
+    use super::studies::read_study;
 
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
 

@@ -32,9 +32,9 @@ impl Shard {
     /// All rows.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// Whether a row belongs to it.
-    pub fn has(self, row: u64) -> bool {
-        row % self.count == self.index - 1
+    /// Whether a design belongs to it; a row, where a study has fewer designs than parts.
+    fn has(self, index: u64) -> bool {
+        index % self.count == self.index - 1
     }
 }
 

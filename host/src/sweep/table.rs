@@ -77,6 +77,8 @@ pub struct Table {
     head: String,
     all: u64,
     shard: Shard,
+    /// Number of consecutive rows that belong to one shard: the limbs of a design, which is planned once, if there are enough designs.
+    together: u64,
     rows: BTreeMap<u64, String>,
     file: Option<File>,
 }
@@ -125,7 +127,8 @@ impl Table {
     fn new(study: &Study, shard: Shard, path: &Path) -> Self {
         let (version, hash, all) = (env!("CARGO_PKG_VERSION"), study.hash(), study.rows());
         let head = format!("# softlimb {version} sweep, study {hash:016x}, {all} rows\n{}\n", line(&headings(study)));
-        Self { path: path.to_owned(), head, all, shard, rows: BTreeMap::new(), file: None }
+        let together = if study.designs() >= shard.count { u64::from(study.limbs()) } else { 1 };
+        Self { path: path.to_owned(), head, all, shard, together, rows: BTreeMap::new(), file: None }
     }
 
     /// File of the unfinished sweep.
@@ -138,14 +141,15 @@ impl Table {
 
     /// Indices of the missing rows, in rising order.
     pub fn missing(&self) -> impl Iterator<Item = u64> {
-        let (first, step) = (self.shard.index - 1, self.shard.count as usize);
-        (first..self.all).step_by(step).filter(|row| !self.rows.contains_key(row))
+        let groups = (self.shard.index - 1..self.all / self.together).step_by(self.shard.count as usize);
+        let rows = groups.flat_map(|group| group * self.together..(group + 1) * self.together);
+        rows.filter(|row| !self.rows.contains_key(row))
     }
 
     /// Numbers of finished rows and of all rows of the shard.
     pub fn progress(&self) -> [u64; 2] {
-        let (first, count) = (self.shard.index - 1, self.shard.count);
-        [self.rows.len() as u64, self.all.saturating_sub(first).div_ceil(count)]
+        let groups = (self.all / self.together).saturating_sub(self.shard.index - 1).div_ceil(self.shard.count);
+        [self.rows.len() as u64, groups * self.together]
     }
 
     /// Adds a row, and appends it to the file.
@@ -205,7 +209,7 @@ impl Table {
             };
             let index = line.split(',').next().and_then(|index| index.parse::<u64>().ok());
             let index = index.filter(|index| *index < self.all).ok_or_else(|| row("this study"))?;
-            if !self.shard.has(index) {
+            if !self.shard.has(index / self.together) {
                 return Err(row("this shard"));
             }
             if self.rows.get(&index).is_some_and(|before| before != line) {

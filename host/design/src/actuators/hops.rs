@@ -12,7 +12,7 @@ use softlimb_numerics::least_squares::{StoppingCriteria, minimise};
 
 /// Starting points about a minimum at a point with its objective; the most promising one last.
 pub(super) type Hops = fn(&Grid, &mut Shared, &[f64], f64) -> Vec<Vec<f64>>;
-/// In the order in which they are tried.
+/// In turn, each until it finds nothing better; the search ends when none does.
 pub(super) const HOPS: &[Hops] = &[scaled, exchanges];
 
 /// Most evaluations of a segment whose geometry is exchanged.

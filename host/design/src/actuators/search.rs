@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::actuator::Counts;
 use super::along::along;
 use super::grid::Grid;
-use super::hops::{HOPS, Hops};
+use super::hops::HOPS;
 use super::problem::{Problem, Segment};
 use super::reach::{Separate, Span};
 use super::ridge;
@@ -262,25 +262,28 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
     let (mut minimum, mut solves) = multi_start(&mut limb, settings, before(STARTING), start, refine)?;
     minimum.objective.is_finite().then_some(())?;
     let spent = before(1.0);
-    let (mut next, mut hops): (Vec<Vec<f64>>, &[Hops]) = (Vec::new(), HOPS);
-    while minimum.objective > criteria.zero && !spent(&limb) {
-        let Some(point) = next.pop() else {
-            let Some((hop, others)) = hops.split_first() else { break };
-            next = hop(&grid, &mut limb.problem, &minimum.point, minimum.objective);
-            hops = others;
-            continue;
-        };
-        let Some(point) = limb.problem.start_at(point) else { continue };
-        let Some(rough) = minimise(&mut limb, &point, settings.criteria) else { continue };
-        let found = refine(&mut limb, rough);
-        if found.objective < minimum.objective * (1.0 - SAME) {
-            // No start has ended there.
-            (minimum, solves.agreeing) = (found, 1);
-            (next, hops) = (Vec::new(), HOPS);
-        } else if found.objective <= minimum.objective * (1.0 + SAME) {
-            solves.agreeing += 1;
+    let is_over = |limb: &Watched<Shared>, objective: f64| objective <= criteria.zero || spent(limb);
+    let (mut kind, mut fruitless) = (0, 0);
+    while fruitless < HOPS.len() && !is_over(&limb, minimum.objective) {
+        let mut points = HOPS[kind](&grid, &mut limb.problem, &minimum.point, minimum.objective);
+        let mut is_better = false;
+        while !is_better
+            && !is_over(&limb, minimum.objective)
+            && let Some(point) = points.pop()
+        {
+            let Some(point) = limb.problem.start_at(point) else { continue };
+            let Some(rough) = minimise(&mut limb, &point, settings.criteria) else { continue };
+            let found = refine(&mut limb, rough);
+            is_better = found.objective < minimum.objective * (1.0 - SAME);
+            if is_better {
+                // No start has ended there.
+                (minimum, solves.agreeing) = (found, 1);
+            } else if found.objective <= minimum.objective * (1.0 + SAME) {
+                solves.agreeing += 1;
+            }
+            solves.minima += 1;
         }
-        solves.minima += 1;
+        (kind, fruitless) = if is_better { (kind, 0) } else { ((kind + 1) % HOPS.len(), fruitless + 1) };
     }
     let (pressures_pa, objective) = (minimum.evaluation.pressures_pa, minimum.objective);
     Some(Found { point: minimum.point, pressures_pa, objective, starts: solves.into(), counts: limb.problem.counts })

@@ -84,6 +84,11 @@ impl Study {
         self.seed
     }
 
+    /// Scene files, as the study names them: relative to its folder, or absolute.
+    pub fn scene_files(&self) -> impl Iterator<Item = &str> {
+        self.scenes.iter().map(|scene| scene.file.as_str())
+    }
+
     /// FNV-1a hash of the texts of the study and its scenes.
     pub fn hash(&self) -> u64 {
         self.hash

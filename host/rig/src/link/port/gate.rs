@@ -150,10 +150,14 @@ impl Gate {
 }
 
 impl Commander {
-    /// Whether a message opens the commander's session while he is there.
+    /// Whether a message of another client opens the commander's session while he is there, or would keep his link alive without him.
     fn is_impersonated(&self, now: Instant, message: &HostMessage) -> bool {
-        matches!(message, HostMessage::Hello(hello) if hello.session == self.session)
-            && now.saturating_duration_since(self.heard) < RECONNECT
+        let is_silent = now.saturating_duration_since(self.heard) >= RECONNECT;
+        match message {
+            HostMessage::Hello(hello) => hello.session == self.session && !is_silent,
+            HostMessage::Heartbeat(heartbeat) => heartbeat.session == self.session,
+            _ => false,
+        }
     }
 }
 
@@ -230,8 +234,8 @@ mod tests {
     fn answers_go_to_the_client_that_asked_first() {
         let mut scene = commanded();
         let beat = |session| HostMessage::from(Heartbeat { session, host_time_us: 7 });
-        for client in [2, 1] {
-            assert_eq!(scene.admit(client, 0, beat(5)), Ok(()));
+        for (client, session) in [(2, 9), (1, 5)] {
+            assert_eq!(scene.admit(client, 0, beat(session)), Ok(()));
             assert_eq!(scene.admit(client, 9, command(5, CommandCode::EmergencyStop)), Ok(()));
         }
         let reply = HeartbeatReply { host_time_us: 7, mcu_time_us: 0, state: DeviceState::Idle.into(), free_knots: 0 };
@@ -274,6 +278,8 @@ mod tests {
         assert_eq!(scene.admit(2, 1, command(9, VENT)), Ok(()), "the device itself decides");
         let mut scene = commanded();
         scene.now += RECONNECT;
+        let beat = HostMessage::from(Heartbeat { session: 5, host_time_us: 7 });
+        assert_eq!(scene.admit(2, 1, beat), Err(ResultCode::WrongSession), "it would hide that the link is lost");
         assert_eq!(scene.admit(2, 0, hello(5)), Ok(()), "the same host, connected again");
         scene.answer(0, &hello(5), ResultCode::Ok);
         assert_eq!(scene.gate.commander(), Some(2));
