@@ -3,6 +3,8 @@
 //! The chord is the frame. Slopes of the ends against the chord, the chord's length and the turn of one end against the other are all that
 //! the energy knows, so that rigid motions cost nothing. Forces on the nodes are the exact derivatives of that energy.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::{ComplexField, Matrix3, RealField, Rotation3, SMatrix, SVector, Vector2, Vector3};
 
 use crate::law::{Law, Main};
@@ -18,7 +20,10 @@ impl Node {
     /// Moved by a shift and a turn vector, both in space.
     pub(crate) fn moved(&self, step: &SVector<f64, 6>) -> Self {
         let turn = Rotation3::new(Vector3::new(step[3], step[4], step[5]));
-        Self { place: self.place + step.fixed_rows::<3>(0), turn: turn.matrix() * self.turn }
+        let turn = turn.matrix() * self.turn;
+        // Products of thousands of turns would drift away from turns.
+        let turn = turn * (Matrix3::identity() * 1.5 - turn.tr_mul(&turn) * 0.5);
+        Self { place: self.place + step.fixed_rows::<3>(0), turn }
     }
 }
 
@@ -53,51 +58,48 @@ impl Strain {
     }
 }
 
-/// Chord and slopes of a piece of tube.
+/// Six numbers that a rigid motion leaves as they are: the chord's length, its slopes towards `x` and `y` against the first end, then
+/// against the second, and the twist; or the derivatives of the energy by them.
+type Local = SVector<f64, 6>;
+
+/// Chord and slopes of a piece of tube in space.
 struct Shape {
-    chord_m: f64,
+    local: Local,
     along: Vector3<f64>,
-    /// Slope of the chord against both ends, towards `x` and `y` of a frame turned halfway between theirs.
-    slopes: [Vector2<f64>; 2],
-    /// The same in the frames of the ends, and what they change with: `[end][axis]`, in space.
-    own: [Vector2<f64>; 2],
+    /// Change of the slopes by a shift of the chord over its length, by end and axis.
     normals: [[Vector3<f64>; 2]; 2],
-    twist_rad: f64,
-    /// Change of the twist by a turn of the second end, in space.
+    /// Change of the twist by a turn of the second end.
     twists: Vector3<f64>,
 }
 
-/// Steps of the differences that give stiffnesses, m and rad.
+/// Steps of the differences that give stiffnesses: m, rad, and strains.
 const STEP: f64 = 1e-7;
 /// Bow of a cubic deflection: `(2 a^2 - a b + 2 b^2)/30`, with the slopes of the ends.
 const BOW: f64 = 1.0 / 30.0;
 
 impl Beam<'_> {
     pub(crate) fn strain(&self, ends: [&Node; 2]) -> Strain {
-        let shape = Shape::of(ends);
-        self.strain_of(&shape)
+        self.strain_of(&Shape::of(ends).local)
     }
 
-    fn strain_of(&self, shape: &Shape) -> Strain {
-        let [a, b] = &shape.slopes;
+    fn strain_of(&self, local: &Local) -> Strain {
+        let [a, b] = slopes(local);
         let bend = (a - b) / self.length_m;
         Strain {
-            stretch: shape.chord_m * (1.0 + bow(a, b)) / self.length_m,
+            stretch: local[0] * (1.0 + bow(&a, &b)) / self.length_m,
             bend_rad_per_m: [bend.x, bend.y],
-            twist_rad_per_m: shape.twist_rad / self.length_m,
+            twist_rad_per_m: local[5] / self.length_m,
         }
     }
 
-    /// Forces and moments that hold the ends in place, N and N m: of the first end, then of the second. `excess_pa` is the pressure that the
-    /// memory takes at a deformation.
-    pub(crate) fn forces(&self, ends: [&Node; 2], excess_pa: &impl Fn(f64) -> f64) -> SVector<f64, 12> {
-        let shape = Shape::of(ends);
-        let strain = self.strain_of(&shape);
+    /// Derivatives of the energy. `excess_pa` is the pressure that the memory takes at a deformation.
+    fn gradient(&self, local: &Local, excess_pa: &impl Fn(f64) -> f64) -> Local {
+        let strain = self.strain_of(local);
+        let (chord_m, twist_rad) = (local[0], local[5]);
         let Law { main, ref potential, ref stiffness, .. } = *self.law;
-        let deformation = self.law.deformation(strain.main(main));
-        let left_pa = self.pressure_pa - excess_pa(deformation);
+        let left_pa = self.pressure_pa - excess_pa(self.law.deformation(strain.main(main)));
         let [towards, across, torsion] = self.springs;
-        let [a, b] = &shape.slopes;
+        let [a, b] = slopes(local);
         // Loads of the mean strains: axial force, bending moments, torque.
         let straight = |axis: usize| [towards, across][axis] * strain.bend_rad_per_m[axis];
         let (axial_n, moments, torque_nm) = match main {
@@ -114,39 +116,67 @@ impl Beam<'_> {
                 (force, [straight(0), straight(1)], torque)
             }
         };
-        // Change of the energy by chord, slopes and twist.
-        let by_bow = axial_n * shape.chord_m * BOW;
+        let by_bow = axial_n * chord_m * BOW;
         let mut by_slopes = [by_bow * (4.0 * a - b), by_bow * (4.0 * b - a)];
-        let mut by_chord = axial_n * (1.0 + bow(a, b));
+        let mut by_chord = axial_n * (1.0 + bow(&a, &b));
         for (axis, moment) in moments.into_iter().enumerate() {
             let bending = [towards, across][axis];
             // A stretched piece has the longer lever.
-            let shear = 12.0 * bending / (stiffness.shear_n * shape.chord_m * shape.chord_m);
+            let shear = 12.0 * bending / (stiffness.shear_n * chord_m * chord_m);
             let uneven = 3.0 * bending / ((1.0 + shear) * self.length_m) * (a[axis] + b[axis]);
             by_slopes[0][axis] += uneven + moment;
             by_slopes[1][axis] += uneven - moment;
-            by_chord += uneven * (a[axis] + b[axis]) * shear / ((1.0 + shear) * shape.chord_m);
+            by_chord += uneven * (a[axis] + b[axis]) * shear / ((1.0 + shear) * chord_m);
         }
-        shape.forces(by_chord, by_slopes, torque_nm)
+        // From the frame between the ends to those of the ends, which turn with half of the twist.
+        let mut by_twist = torque_nm;
+        let own = [(0, -0.5), (1, 0.5)].map(|(end, share)| {
+            let slope = Vector2::new(local[1 + 2 * end], local[2 + 2 * end]);
+            by_twist += share * by_slopes[end].dot(&turned(&slope, share * twist_rad + FRAC_PI_2));
+            turned(&by_slopes[end], -share * twist_rad)
+        });
+        Local::new(by_chord, own[0].x, own[0].y, own[1].x, own[1].y, by_twist)
     }
 
-    /// Forces and their change by steps of the ends.
+    /// Forces and moments that hold the ends in place, N and N m, of the first end, then of the second, and their change by steps of the ends.
+    ///
+    /// Differences are taken of what rigid motions leave as it is, so that no stiff strip resists one by their error.
     pub(crate) fn stiffness(
         &self,
         ends: [&Node; 2],
         excess_pa: &impl Fn(f64) -> f64,
     ) -> (SVector<f64, 12>, SMatrix<f64, 12, 12>) {
-        let forces = self.forces(ends, excess_pa);
-        let mut matrix = SMatrix::<f64, 12, 12>::zeros();
+        let shape = Shape::of(ends);
+        let gradient = self.gradient(&shape.local, excess_pa);
+        let forces = shape.forces(&gradient);
+        let mut own = SMatrix::<f64, 6, 6>::zeros();
+        let mut by_ends = SMatrix::<f64, 12, 6>::zeros();
+        for axis in 0..6 {
+            let step = if axis == 0 { STEP * self.length_m } else { STEP };
+            let mut moved = shape.local;
+            moved[axis] += step;
+            own.set_column(axis, &((self.gradient(&moved, excess_pa) - gradient) / step));
+            let mut unit = Local::zeros();
+            unit[axis] = 1.0;
+            by_ends.set_column(axis, &shape.forces(&unit));
+        }
+        let mut matrix = by_ends * own * by_ends.transpose();
         for column in 0..12 {
             let mut step = SVector::<f64, 6>::zeros();
             step[column % 6] = STEP;
             let moved = ends[column / 6].moved(&step);
             let ends = if column < 6 { [&moved, ends[1]] } else { [ends[0], &moved] };
-            matrix.set_column(column, &((self.forces(ends, excess_pa) - forces) / STEP));
+            let mut turning = matrix.column_mut(column);
+            turning += (Shape::of(ends).forces(&gradient) - forces) / STEP;
         }
         (forces, matrix)
     }
+}
+
+/// Slopes of the chord against both ends, in a frame turned halfway between theirs.
+fn slopes(local: &Local) -> [Vector2<f64>; 2] {
+    let half = 0.5 * local[5];
+    [turned(&Vector2::new(local[1], local[2]), -half), turned(&Vector2::new(local[3], local[4]), half)]
 }
 
 fn bow(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
@@ -158,44 +188,33 @@ impl Shape {
         let between = ends[1].place - ends[0].place;
         let chord_m = between.norm();
         let along = between / chord_m;
-        let mut own = [Vector2::zeros(); 2];
+        let mut local = Local::zeros();
         let mut normals = [[Vector3::zeros(); 2]; 2];
         for (end, node) in ends.iter().enumerate() {
             let c = node.turn.tr_mul(&along);
             for axis in 0..2 {
                 let square = c[axis] * c[axis] + c.z * c.z;
-                own[end][axis] = RealField::atan2(c[axis], c.z);
+                local[1 + 2 * end + axis] = RealField::atan2(c[axis], c.z);
                 let mut gradient = Vector3::zeros();
                 (gradient[axis], gradient.z) = (c.z / square, -c[axis] / square);
                 normals[end][axis] = node.turn * gradient;
             }
         }
         let turn = turn_vector(&ends[0].turn.tr_mul(&ends[1].turn));
-        let twists = ends[0].turn * twist_by_spin(&turn);
-        let slopes = [turned(&own[0], -0.5 * turn.z), turned(&own[1], 0.5 * turn.z)];
-        Self { chord_m, along, slopes, own, normals, twist_rad: turn.z, twists }
+        (local[0], local[5]) = (chord_m, turn.z);
+        Self { local, along, normals, twists: ends[0].turn * twist_by_spin(&turn) }
     }
 
-    /// Forces on the nodes by the derivatives of an energy.
-    fn forces(&self, by_chord: f64, by_slopes: [Vector2<f64>; 2], by_twist: f64) -> SVector<f64, 12> {
-        let half = 0.5 * self.twist_rad;
-        let mut by_twist = by_twist;
-        let mut push = self.along * by_chord;
-        let mut moments = [Vector3::zeros(); 2];
-        for (end, sign) in [(0, -1.0), (1, 1.0)] {
-            let angle = sign * half;
-            // Slopes turn with half of the twist.
-            let quarter = turned(&self.own[end], angle + std::f64::consts::FRAC_PI_2);
-            by_twist += 0.5 * sign * by_slopes[end].dot(&quarter);
-            let own = turned(&by_slopes[end], -angle);
-            for axis in 0..2 {
-                let normal = self.normals[end][axis] * own[axis];
-                push += (normal - self.along * self.along.dot(&normal)) / self.chord_m;
-                moments[end] -= self.along.cross(&normal);
-            }
+    /// Forces and moments on the ends by the derivatives of an energy.
+    fn forces(&self, gradient: &Local) -> SVector<f64, 12> {
+        let mut push = self.along * gradient[0];
+        let mut moments = [-self.twists * gradient[5], self.twists * gradient[5]];
+        for (end, moment) in moments.iter_mut().enumerate() {
+            let [x, y] = &self.normals[end];
+            let normal = x * gradient[1 + 2 * end] + y * gradient[2 + 2 * end];
+            push += (normal - self.along * self.along.dot(&normal)) / self.local[0];
+            *moment -= self.along.cross(&normal);
         }
-        moments[0] -= self.twists * by_twist;
-        moments[1] += self.twists * by_twist;
         let mut forces = SVector::<f64, 12>::zeros();
         forces.fixed_rows_mut::<3>(0).copy_from(&-push);
         forces.fixed_rows_mut::<3>(3).copy_from(&moments[0]);
@@ -213,7 +232,12 @@ fn turned(slope: &Vector2<f64>, angle_rad: f64) -> Vector2<f64> {
 
 /// The vector of a turn of less than half a turn.
 fn turn_vector(turn: &Matrix3<f64>) -> Vector3<f64> {
-    Rotation3::from_matrix_unchecked(*turn).scaled_axis()
+    let sine = Vector3::new(turn.m32 - turn.m23, turn.m13 - turn.m31, turn.m21 - turn.m12) * 0.5;
+    let size = sine.norm();
+    // The arc sine's series, whose next term is below 1e-17.
+    let ratio =
+        if size < 1e-4 { 1.0 + size * size / 6.0 } else { RealField::atan2(size, 0.5 * (turn.trace() - 1.0)) / size };
+    sine * ratio
 }
 
 /// Change of the `z` of a turn's vector by a spin of the turned frame, in the frame that it turns from.

@@ -6,7 +6,7 @@ use crate::beam::Node;
 use crate::tridiagonal::{Block, Part, Tridiagonal};
 use crate::tube::{Condensed, Tube, cross};
 
-/// Steps at which an iteration ends, m and rad.
+/// Last step of an iteration, m and rad: stiffness and stability are those before it.
 const SETTLED: f64 = 1e-9;
 /// Longest step of an iteration, m and rad.
 const LONGEST: f64 = 0.1;
@@ -204,7 +204,12 @@ impl Body {
     }
 
     /// Stiffness of the limb and the forces that are not balanced, with all tubes in order.
-    fn system(&self, pressures_pa: &[f64], load: &Load, span_s: f64) -> Option<(Tridiagonal, Vec<Part>, Vec<Condensed>)> {
+    fn system(
+        &self,
+        pressures_pa: &[f64],
+        load: &Load,
+        span_s: f64,
+    ) -> Option<(Tridiagonal, Vec<Part>, Vec<Condensed>)> {
         let mut matrix = Tridiagonal::zeros(self.nodes.len());
         let mut residual = vec![Part::zeros(); self.nodes.len()];
         let mut tubes = Vec::new();
@@ -213,7 +218,8 @@ impl Body {
             for tube in &bay.tubes {
                 let condensed = tube.condensed(ends, pressures_pa, span_s)?;
                 let (forces, slopes) = (&condensed.forces, &condensed.stiffness);
-                let block = |row: usize, column: usize| -> Block { slopes.fixed_view::<6, 6>(row, column).into_owned() };
+                let block =
+                    |row: usize, column: usize| -> Block { slopes.fixed_view::<6, 6>(row, column).into_owned() };
                 residual[index] -= forces.fixed_rows::<6>(6);
                 matrix.diagonal[index] += block(6, 6);
                 if let Some(below) = index.checked_sub(1) {

@@ -82,7 +82,9 @@ mod tests {
 
     #[test]
     fn points_that_do_not_rise_are_refused() {
-        for points in [&[[0.0, 0.0]][..], &[[0.0, 0.0], [0.0, 1.0]], &[[0.0, 1.0], [1.0, 1.0]], &[[0.0, f64::NAN], [1.0, 1.0]]] {
+        for points in
+            [&[[0.0, 0.0]][..], &[[0.0, 0.0], [0.0, 1.0]], &[[0.0, 1.0], [1.0, 1.0]], &[[0.0, f64::NAN], [1.0, 1.0]]]
+        {
             assert_eq!(Curve::rising(points), None);
         }
     }

@@ -88,9 +88,11 @@ fn derivatives(powers: &[f64; POWERS], power: usize) -> [f64; 2] {
     [n * below(1), n * (n - 1.0) * below(2)]
 }
 
-/// Springs of the strains that are not the main one. Polynomials count the pressure in [`Potential::units`], the constant first.
+/// Springs of the strains that are not the main one, as polynomials in the pressure, the constant first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stiffness {
+    /// Unit that the polynomials count the pressure in, Pa.
+    pub unit_pa: f64,
     /// Bending stiffness towards `x` and `y` of the tube, N m2; that of a bender towards `x` counts where its bend changes along it.
     pub bending_nm2: [Vec<f64>; 2],
     /// Torsional stiffness, N m2; not used by a tube that twists.
@@ -119,7 +121,7 @@ pub struct Law {
 impl Law {
     /// The springs at a pressure: bending towards `x` and `y`, torsion.
     pub(crate) fn springs(&self, pressure_pa: f64) -> [f64; 3] {
-        let p = pressure_pa / self.potential.units[2];
+        let p = pressure_pa / self.stiffness.unit_pa;
         let at = |polynomial: &[f64]| polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * p + coefficient);
         let [towards, across] = &self.stiffness.bending_nm2;
         [at(towards), at(across), at(&self.stiffness.torsion_nm2)]

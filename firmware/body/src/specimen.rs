@@ -133,7 +133,8 @@ mod tests {
 
     #[test]
     fn draws_scatter_as_stated() {
-        let draws: Vec<f64> = (0..4000).map(|channel| MemoryParameters::drawn(1, channel).loop_stiffness / 0.3 - 1.0).collect();
+        let draws: Vec<f64> =
+            (0..4000).map(|channel| MemoryParameters::drawn(1, channel).loop_stiffness / 0.3 - 1.0).collect();
         let deviation = (draws.iter().map(|x| x * x).sum::<f64>() / draws.len() as f64).sqrt();
         // A normal distribution cut at 3 has 0.987 of its deviation; 4000 draws have a standard error of 1.1 %.
         assert!((deviation / (0.2 * 0.987) - 1.0).abs() < 0.05, "{deviation}");
@@ -143,6 +144,9 @@ mod tests {
     #[test]
     fn assembly_without_tolerance_is_as_designed() {
         let mut assembly = Assembly::new(1, Tolerance::NONE);
-        assert_eq!((assembly.seat(), assembly.base(), assembly.length_m()), (Isometry3::identity(), Isometry3::identity(), 0.0));
+        assert_eq!(
+            (assembly.seat(), assembly.base(), assembly.length_m()),
+            (Isometry3::identity(), Isometry3::identity(), 0.0)
+        );
     }
 }

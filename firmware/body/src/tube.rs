@@ -8,6 +8,9 @@ use crate::beam::{Beam, Node, Strain};
 use crate::law::Law;
 use crate::memory::{Memory, MemoryParameters};
 
+/// Step of the difference that gives the memory's slope, of the range of the deformation.
+const MEMORY_STEP: f64 = 1e-6;
+
 /// A tube between two plates, or a stretch of one between two spacers.
 #[derive(Clone, Debug)]
 pub struct Tube {
@@ -88,15 +91,23 @@ impl Tube {
         let size = 6 * nodes.len();
         let (mut forces, mut stiffness) = (DVector::<f64>::zeros(size), DMatrix::<f64>::zeros(size, size));
         for (index, memory) in self.memory.iter().enumerate() {
+            let ends = [&nodes[index], &nodes[index + 1]];
+            // Value and slope of the memory serve all differences.
+            let at = self.law.deformation(beam.strain(ends).main(self.law.main));
             let excess_pa = |deformation: f64| memory.excess_pa(&self.law.elastic, deformation, span_s);
-            let (own, slopes) = beam.stiffness([&nodes[index], &nodes[index + 1]], &excess_pa);
+            let step = MEMORY_STEP * self.law.elastic.end()[0];
+            let value_pa = excess_pa(at);
+            let slope = (excess_pa(at + step) - value_pa) / step;
+            let (own, slopes) = beam.stiffness(ends, &|deformation| value_pa + slope * (deformation - at));
             let mut rows = forces.fixed_rows_mut::<12>(6 * index);
             rows += own;
             let mut block = stiffness.fixed_view_mut::<12, 12>(6 * index, 6 * index);
             block += slopes;
         }
         let inner = size - 12;
-        let pick = |rows: [usize; 2], columns: [usize; 2]| stiffness.fixed_view::<6, 6>(rows[0] + rows[1], columns[0] + columns[1]).into_owned();
+        let pick = |rows: [usize; 2], columns: [usize; 2]| {
+            stiffness.fixed_view::<6, 6>(rows[0] + rows[1], columns[0] + columns[1]).into_owned()
+        };
         let outer = [0, size - 6];
         let mut held = SMatrix::<f64, 12, 12>::zeros();
         let mut loads = SVector::<f64, 12>::zeros();

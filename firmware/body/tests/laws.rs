@@ -19,7 +19,8 @@ impl Springs {
             Main::Stretch | Main::Twist => self.axial_n,
         };
         let term = |powers, coefficient| Term { powers, coefficient };
-        let points: Vec<[f64; 2]> = (0..3).map(|k| [f64::from(k) * self.by_pressure * 1e5, f64::from(k) * 1e5]).collect();
+        let points: Vec<[f64; 2]> =
+            (0..3).map(|k| [f64::from(k) * self.by_pressure * 1e5, f64::from(k) * 1e5]).collect();
         Law {
             main,
             sign: 1.0,
@@ -29,6 +30,7 @@ impl Springs {
                 terms: vec![term([2, 0, 0], 0.5 * own), term([1, 0, 1], -own * self.by_pressure)],
             },
             stiffness: Stiffness {
+                unit_pa: 1.0,
                 bending_nm2: self.bending_nm2.map(|value| vec![value]),
                 torsion_nm2: vec![self.torsion_nm2],
                 strip_n: self.axial_n,

@@ -214,7 +214,9 @@ fn memory_without_effects_is_the_elastic_curve() {
 fn same_path_gives_the_same_bits() {
     let path = || {
         let mut actuator = Actuator::of(MemoryParameters::drawn(3, 1));
-        (0..200).map(|k| actuator.inflate(RANGE_PA * f64::from(k * 37 % 100) / 100.0, 0.02).to_bits()).collect::<Vec<_>>()
+        (0..200)
+            .map(|k| actuator.inflate(RANGE_PA * f64::from(k * 37 % 100) / 100.0, 0.02).to_bits())
+            .collect::<Vec<_>>()
     };
     assert_eq!(path(), path());
 }

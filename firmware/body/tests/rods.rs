@@ -68,7 +68,12 @@ impl Rod {
 }
 
 /// Pose of the plate that rods on a base carry, with a force, N, in space at a place in the plate's frame.
-pub(crate) fn plate(base: &Isometry3<f64>, rods: &[Rod], force_n: &Vector3<f64>, at_m: &Vector3<f64>) -> Isometry3<f64> {
+pub(crate) fn plate(
+    base: &Isometry3<f64>,
+    rods: &[Rod],
+    force_n: &Vector3<f64>,
+    at_m: &Vector3<f64>,
+) -> Isometry3<f64> {
     let count = 6 * rods.len();
     let tops = |guess: &DVector<f64>| -> Vec<State> {
         let part = |rod: usize, from: usize| Vector3::from(guess.fixed_rows::<3>(6 * rod + from));

@@ -65,7 +65,10 @@ fn column_falls_at_the_load_of_euler() {
     let falls = |share: f64| {
         let rod = Rod { springs: stiff, ..on_axis(length_m) };
         let mut body = bay(&[rod], &Isometry3::identity(), 4, [0.0; 3]);
-        body.settle_under(&[0.0], 0.0, [0.0, 0.0, -share * euler_n], 0.0).is_err()
+        let stands = body.settle_under(&[0.0], 0.0, [0.0, 0.0, -share * euler_n], 0.0).is_ok();
+        // Beyond the load it may stand bent.
+        let [x, y, _] = body.tip_m();
+        !stands || x.hypot(y) > 1e-3
     };
     assert!(!falls(0.99) && falls(1.01));
 }
@@ -74,10 +77,7 @@ fn column_falls_at_the_load_of_euler() {
 fn hanging_masses_stretch_tubes_by_their_weight() {
     let place = |x: f64| Rod { place: Isometry3::translation(x, 0.0, 0.0), ..on_axis(0.2) };
     let rods = [place(0.03), place(-0.03)];
-    let base = Isometry3::from_parts(
-        Translation3::identity(),
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI),
-    );
+    let base = Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     let law = Arc::new(SPRINGS.law(Main::Stretch));
     let bays = (0..2).map(|_| {
         let tube = |(channel, rod): (usize, &Rod)| Tube::new(law.clone(), channel, [rod.place; 2], (0.2, 2), elastic());
@@ -188,7 +188,13 @@ fn memory_makes_the_limb_stop_short_and_return_on_another_way() {
         let memory = MemoryParameters::default().with(effects);
         let tubes = vec![Tube::new(law.clone(), 0, [Isometry3::identity(); 2], (0.3, 2), memory)];
         let rest = Isometry3::translation(0.0, 0.0, 0.3);
-        Body::new(&Isometry3::identity(), vec![Bay { rest, tubes }], vec![Plate { masses: Vec::new() }], [0.0; 3], [0.0; 3])
+        Body::new(
+            &Isometry3::identity(),
+            vec![Bay { rest, tubes }],
+            vec![Plate { masses: Vec::new() }],
+            [0.0; 3],
+            [0.0; 3],
+        )
     };
     let way = |effects| -> Vec<f64> {
         let mut body = tube(effects);

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use softlimb::cli::{finish, with_negative_numbers};
 
-use crate::{accuracy, control, design, faults, measured, payload, statics, validation};
+use crate::{accuracy, control, design, faults, measured, payload, statics, truth, validation};
 
 #[derive(Parser)]
 #[command(name = "softlimb-lab", version, about = "Compare methods and write the pages of evidence")]
@@ -25,6 +25,7 @@ enum Verb {
     Measured(measured::Measured),
     Payload(payload::Payload),
     Statics(statics::Statics),
+    Truth(truth::Truth),
 }
 
 /// Parses the command line, runs a verb, and returns its exit code.
@@ -41,5 +42,6 @@ pub fn main() -> ExitCode {
         Verb::Measured(verb) => verb.run(),
         Verb::Payload(verb) => verb.run(),
         Verb::Statics(verb) => verb.run(),
+        Verb::Truth(verb) => verb.run(),
     }))
 }

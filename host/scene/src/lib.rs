@@ -33,9 +33,9 @@ mod writer;
 use std::path::Path;
 
 pub use data::{
-    Aim, Ambient, BendingModel, Bounds, Chamber, Choice, Controller, Corrections, Design, EndEffector, Goal, Gripper,
-    InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker, Module, ModuleBounds, Object, Obstacle, Phase,
-    Plant, Region, Scene, Sensor, Spread, Supply, Target, Thread, Valve, Weight, WoundWall,
+    Aim, Ambient, BendingModel, BodyEffects, Bounds, Chamber, Choice, Controller, Corrections, Design, EndEffector,
+    Goal, Gripper, InverseChoice, Limb, Limits, Line, LinkLoss, MarginLimits, Marker, Module, ModuleBounds, Object,
+    Obstacle, Phase, Plant, Region, Scene, Sensor, Spread, Supply, Target, Thread, TrueLimb, Valve, Weight, WoundWall,
 };
 pub use elastomers::{CASTABLE_ELASTOMERS, CastableElastomer, TENSILE_TESTS, castable_elastomer};
 pub use error::{Diagnostic, Problems, SceneError, Unreadable};

@@ -117,6 +117,9 @@ pub struct RunInfo {
     pub simulated: bool,
     /// True when the simulated limb carried neither its own weight nor a payload.
     pub weightless: bool,
+    /// The simulated limb in words; `None` where it is the planner's with perturbed parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<String>,
     /// Faults that a simulated run meets on purpose.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub injected_faults: Vec<InjectedFault>,

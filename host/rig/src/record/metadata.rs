@@ -9,6 +9,8 @@ use std::str::FromStr;
 
 /// Key of the faults that a run meets on purpose.
 const INJECTED: &str = "injected_faults";
+/// Key of the simulated limb.
+const TRUTH: &str = "true_limb";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
 
@@ -32,6 +34,9 @@ pub(super) fn run_metadata(info: &RunInfo) -> Metadata {
     ]);
     if let Some(seed) = info.seed {
         metadata.insert("seed".into(), seed.to_string());
+    }
+    if let Some(truth) = &info.truth {
+        metadata.insert(TRUTH.into(), truth.clone());
     }
     if !info.injected_faults.is_empty() {
         metadata.insert(INJECTED.into(), to_json(&info.injected_faults));
@@ -90,6 +95,7 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
         // Logs of earlier versions do not say.
         injected_faults: if run.contains_key(INJECTED) { fields.json(INJECTED)? } else { Vec::new() },
         weightless: run.contains_key(WEIGHTLESS) && fields.parse(WEIGHTLESS)?,
+        truth: run.get(TRUTH).cloned(),
     };
     check_modules(&info)?;
     Ok(info)

@@ -18,6 +18,9 @@ pub struct Summary {
     pub simulated: bool,
     /// True when the simulated limb carried neither its own weight nor a payload.
     pub weightless: bool,
+    /// The simulated limb in words; absent where it is the planner's with perturbed parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth: Option<String>,
     /// Seed of everything random in a simulated run; absent on a device.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
@@ -158,6 +161,7 @@ pub fn summary(log: &RunLog) -> Summary {
         scene: log.info.scene_name.clone(),
         simulated: log.info.simulated,
         weightless: log.info.weightless,
+        truth: log.info.truth.clone(),
         seed: log.info.seed,
         duration_s,
         samples: log.samples.len(),

@@ -42,6 +42,7 @@ pub(super) fn origin(summary: &Summary) -> String {
         (true, None) => "simulated".to_owned(),
         (false, _) => "on a device".to_owned(),
     };
+    let origin = summary.truth.iter().fold(origin, |origin, truth| format!("{origin}, {truth}"));
     labelled(&origin, summary.weightless)
 }
 

@@ -4,8 +4,9 @@ use fra_model::{Actuator, State};
 use softlimb_protocol::{Fault, PressureSample, SCHEMA_HASH, Samples, Telemetry};
 use softlimb_sim::plant::Truth;
 
+use super::bodied::{Bodied, Laws};
 use super::grasp::Grasp;
-use super::hanging::Hanging;
+use super::hanging::{Hanging, Hung};
 use super::prepared::Origin;
 use super::reference::Reference;
 use super::solid;
@@ -18,6 +19,7 @@ use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
 use softlimb_motion::{Nominal, Plan, Pose};
 use softlimb_numerics::statistics::mean;
+use softlimb_scene as scene;
 use softlimb_scene::{Goal, Gripper, Scene, collision};
 
 /// Log time between two recorded shapes of the whole limb, s.
@@ -34,7 +36,7 @@ pub(super) struct Assembler<'a> {
     scene: &'a Scene,
     limb: &'a Limb,
     reference: Box<dyn Reference + 'a>,
-    hanging: Option<Hanging<'a>>,
+    true_limb: TrueLimb<'a>,
     /// The simulated gripper; `None` where the scene has none.
     grasp: Option<Grasp>,
     /// The model's limb under load, where setpoints are corrected for weight.
@@ -42,6 +44,16 @@ pub(super) struct Assembler<'a> {
     start_us: Option<u64>,
     next_shape_s: f64,
     next_body_s: f64,
+}
+
+/// The simulated limb.
+enum TrueLimb<'a> {
+    /// The shape that its actuators have without load.
+    Free,
+    /// The planner's statics of the true actuators.
+    Hanging(Hanging<'a>),
+    /// Tubes between plates.
+    Body(Bodied<'a>),
 }
 
 /// Observations of the limb when a message comes.
@@ -62,15 +74,21 @@ impl<'a> Assembler<'a> {
         reference: impl Reference + 'a,
         tier: Option<Fidelity>,
         (plant, simulated): (&'a Scene, &'a Limb),
+        (seed, laws): (u64, Laws),
     ) -> Self {
         let weighed = tier.map(|tier| Nominal::new(scene, limb, tier));
-        let hanging = Hanging::new(scene, (plant, simulated));
+        let true_limb = match plant.plant().truth {
+            scene::TrueLimb::Body(effects) => TrueLimb::Body(Bodied::new((plant, simulated), effects, seed, laws)),
+            scene::TrueLimb::Simple => {
+                Hanging::new(scene, (plant, simulated)).map_or(TrueLimb::Free, TrueLimb::Hanging)
+            }
+        };
         let grasp = Grasp::new(scene);
         Self {
             scene,
             limb,
             reference: Box::new(reference),
-            hanging,
+            true_limb,
             grasp,
             weighed,
             start_us: None,
@@ -101,14 +119,14 @@ impl<'a> Assembler<'a> {
             truth.map(|truth| self.limb.drives().map(|drive| achieved(&drive, truth)).collect());
         let values = self.reference.values_at(time_us);
         let payload_kg = self.reference.payload_kg(time_us);
-        let (hung, faults) = match (&mut self.hanging, truth, &achieved) {
-            (Some(hanging), Some(truth), Some(states)) => {
+        let (hung, faults) = match (&mut self.true_limb, truth, &achieved) {
+            (TrueLimb::Free, ..) | (_, None, _) | (.., None) => (None, Vec::new()),
+            (true_limb, Some(truth), Some(states)) => {
                 let held = |grasp: &mut Grasp| grasp.carried_kg(time_us, payload_kg, truth.gripper_closure);
                 let (carried_kg, lost) = self.grasp.as_mut().map_or((payload_kg, None), held);
-                let (hung, faults) = hanging.at((time_us, carried_kg), truth, states);
+                let (hung, faults) = true_limb.at((time_us, carried_kg), truth, states);
                 (Some(hung), lost.into_iter().chain(faults).collect())
             }
-            _ => (None, Vec::new()),
         };
         // Without weight as the actuators are; with it as the limb hangs, and not at all where it has fallen.
         let values_achieved = match &hung {
@@ -148,7 +166,8 @@ impl<'a> Assembler<'a> {
             self.next_body_s += BODY_PERIOD_S;
             let unloaded = || Some(self.limb.tip(achieved.as_ref()?));
             // The model of a plan that compensates weight has the sag in it.
-            let tip_unloaded_m = if hung.is_some() && self.weighed.is_none() { unloaded() } else { None };
+            let hangs = hung.is_some() && !self.scene.weightless();
+            let tip_unloaded_m = if hangs && self.weighed.is_none() { unloaded() } else { None };
             let body = match &hung {
                 Some(hung) => hung.as_ref().map(|hung| hung.body.clone()),
                 None => achieved.as_ref().map(|states| self.limb.body(states)),
@@ -207,6 +226,20 @@ impl<'a> Assembler<'a> {
             code: message.code.raw(),
             value: message.value,
             text: DeviceFault::from(message).to_string(),
+        }
+    }
+}
+
+impl TrueLimb<'_> {
+    /// The shape with a mass at the tip, and what happens to the limb; `None` where it has fallen.
+    fn at(&mut self, at: (u64, f64), truth: &Truth, free: &[State<f64>]) -> (Option<Hung>, Vec<FaultRecord>) {
+        match self {
+            Self::Free => (None, Vec::new()),
+            Self::Hanging(hanging) => hanging.at(at, truth, free),
+            Self::Body(body) => {
+                let (hung, fault) = body.at(at, truth, free);
+                (hung, fault.into_iter().collect())
+            }
         }
     }
 }
@@ -312,6 +345,7 @@ pub(super) fn run_info(scene: &Scene, limb: &Limb, phases: Vec<PhaseInfo>, origi
         simulated: seed.is_some(),
         // A limb on a device has its weight, whatever the plan says.
         weightless: seed.is_some() && scene.weightless(),
+        truth: seed.and_then(|_| scene.plant().truth.label()),
         injected_faults: Vec::new(),
     }
 }

@@ -21,11 +21,11 @@ const BUCKLED: f64 = 1.0;
 /// Bends backwards below this are those of a straight module whose tubes are not quite equal, rad/m.
 const BACKWARDS_RAD_PER_M: f64 = 0.05;
 /// Codes of what is seen on the limb; those of devices are below 240.
-const FALLS: u8 = 240;
+pub(super) const FALLS: u8 = 240;
 const BUCKLES: u8 = 241;
 const BENT_BACK: u8 = 242;
 /// The channel of what concerns the whole system.
-const SYSTEM: u8 = 0xFF;
+pub(super) const SYSTEM: u8 = 0xFF;
 
 /// The simulated limb under load.
 pub(super) struct Hanging<'a> {

@@ -8,6 +8,7 @@ use std::sync::atomic::AtomicBool;
 use softlimb_protocol::{DeviceState, Outputs};
 
 use super::assemble::{Assembler, run_info};
+use super::bodied::Laws;
 use super::disturbed::disturbed;
 use super::observed::Observed;
 use super::paced::Paced;
@@ -151,7 +152,8 @@ fn by_hand<D: Bench>(
     let configuration: DeviceConfiguration = crate::configuration(scene, &motion::inverses(scene, limb)?, limb);
     let (track, tier) = (Rc::new(RefCell::new(Track::default())), jog.tier());
     let reference = Tracked::new(scene, limb, tier, Rc::clone(&track));
-    let assembler = Assembler::new((scene, limb), reference, tier, (scene, limb));
+    let assembler =
+        Assembler::new((scene, limb), reference, tier, (scene, limb), (origin.seed().unwrap_or(0), Laws::default()));
     let desk = RefCell::new(Desk::default());
     let mut hand = Hand { jog, operator, track, desk: &desk, is_vented: false, looked_us: 0, pressed_us: None };
     let info = run_info(scene, limb, Vec::new(), origin);

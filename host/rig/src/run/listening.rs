@@ -228,6 +228,7 @@ fn info(channels: usize, start_unix_ns: u64, device: Option<&DeviceInfo>) -> Run
         carried: Vec::new(),
         simulated: false,
         weightless: false,
+        truth: None,
         injected_faults: Vec::new(),
     }
 }

@@ -1,6 +1,7 @@
 //! A whole run of a scene: plan, device, recording, report.
 
 mod assemble;
+mod bodied;
 mod disturbed;
 mod error;
 mod grasp;
@@ -16,6 +17,7 @@ mod solid;
 mod tape;
 mod timed_fault;
 mod track;
+mod tube_law;
 mod unobserved;
 
 use std::path::{Path, PathBuf};
@@ -180,8 +182,8 @@ fn simulated(
     let mut link = disturbed(device, options.link_faults, options.seed);
     let origin = Origin::Simulated { seed: options.seed };
     let injected = options.faults.iter().map(TimedFault::injected).collect();
-    let session = Session { number: SESSION, origin, injected, out: &options.out };
-    let assembler = prepared.assembler(plant, limb);
+    let session = Session { number: SESSION, origin, injected, truth: plant.plant().truth.label(), out: &options.out };
+    let assembler = prepared.assembler(plant, limb, options.seed);
     let ended = recorded(prepared, assembler, &mut link, &session, cancel, on_progress);
     link.port_mut().take_failure().map_or(ended, |failure| Err(failure.into()))
 }
@@ -208,8 +210,8 @@ pub fn run_behind(
     }
     let mut link = disturbed(Unobserved::new(Port::open(port)?), link_faults, 0);
     let origin = Origin::Device { unix_ns: unix_ns() };
-    let session = Session { number: port::session_number(), origin, injected: Vec::new(), out };
-    let assembler = prepared.assembler(scene, prepared.limb());
+    let session = Session { number: port::session_number(), origin, injected: Vec::new(), truth: None, out };
+    let assembler = prepared.assembler(scene, prepared.limb(), 0);
     recorded(&prepared, assembler, &mut link, &session, cancel, on_progress)
 }
 

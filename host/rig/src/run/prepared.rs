@@ -7,6 +7,7 @@ use softlimb_sim::{Processor, SimSettings, SimulatedMcu, here};
 
 use super::RunError;
 use super::assemble::{Assembler, phase_infos, run_info};
+use super::bodied::Laws;
 use super::observed::Observed;
 use super::recording::Bench;
 use super::reference::Planned;
@@ -43,6 +44,16 @@ pub(super) enum Origin {
     },
 }
 
+impl Origin {
+    /// Seed of a simulated run.
+    pub(super) fn seed(self) -> Option<u64> {
+        match self {
+            Self::Simulated { seed } => Some(seed),
+            Self::Device { .. } => None,
+        }
+    }
+}
+
 /// A scene made ready for a device.
 pub(crate) struct Prepared<'a> {
     scene: &'a Scene,
@@ -53,6 +64,7 @@ pub(crate) struct Prepared<'a> {
     configuration: DeviceConfiguration,
     knots: Vec<Knot>,
     sampling: Option<Sampling>,
+    laws: Laws,
 }
 
 impl<'a> Prepared<'a> {
@@ -73,7 +85,8 @@ impl<'a> Prepared<'a> {
     /// The same limb and the same goals, but the setpoints that are sent are corrected.
     pub(crate) fn corrected(&self, corrections: &Corrections) -> Result<Self, RunError> {
         let sent = motion::corrected(self.scene, &self.limb, &self.plan, corrections)?;
-        Self::sending(self.scene, self.limb.clone(), self.plan.clone(), &sent)
+        let laws = self.laws.clone();
+        Ok(Self { laws, ..Self::sending(self.scene, self.limb.clone(), self.plan.clone(), &sent)? })
     }
 
     fn sending(scene: &'a Scene, limb: Limb, plan: Plan, sent: &Sent) -> Result<Self, RunError> {
@@ -81,7 +94,7 @@ impl<'a> Prepared<'a> {
         motion::check_goals(scene, &limb, &plan, sent, &inverses)?;
         let configuration = crate::configuration(scene, &inverses, &limb);
         let knots = wire_knots(&plan, sent);
-        Ok(Self { scene, limb, plan, inverses, configuration, knots, sampling: None })
+        Ok(Self { scene, limb, plan, inverses, configuration, knots, sampling: None, laws: Laws::default() })
     }
 
     /// The same with samples beside the telemetry, for a line of some baud, if it is one.
@@ -127,11 +140,11 @@ impl<'a> Prepared<'a> {
         info
     }
 
-    /// What makes samples of a run of the limb of a scene, which need not be the planned one.
-    pub(super) fn assembler<'p>(&'p self, plant: &'p Scene, simulated: &'p Limb) -> Assembler<'p> {
+    /// What makes samples of a run of the limb of a scene, which need not be the planned one; a body is the specimen `seed`.
+    pub(super) fn assembler<'p>(&'p self, plant: &'p Scene, simulated: &'p Limb, seed: u64) -> Assembler<'p> {
         let reference = Planned::new(self.scene, &self.limb, &self.plan);
         let tier = self.plan.weighed().map(|weighed| weighed.tier);
-        Assembler::new((self.scene, &self.limb), reference, tier, (plant, simulated))
+        Assembler::new((self.scene, &self.limb), reference, tier, (plant, simulated), (seed, self.laws.clone()))
     }
 
     /// Streams the setpoints to a device.
@@ -159,7 +172,7 @@ impl<'a> Prepared<'a> {
     fn log(&self, settings: &SimSettings) -> Result<RunLog, RunError> {
         let processor: Box<dyn Processor> = Box::new(here());
         let mut device = Observed::new(SimulatedMcu::with_processor(settings, processor)?);
-        let mut assembler = self.assembler(self.scene, &self.limb);
+        let mut assembler = self.assembler(self.scene, &self.limb, settings.plant.seed);
         let (mut samples, mut faults) = (Vec::new(), Vec::new());
         let ended = self.stream(&mut device, SESSION, &AtomicBool::new(false), |device, event| match event {
             Event::Armed { start_us, .. } => assembler.start(start_us),

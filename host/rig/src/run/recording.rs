@@ -47,6 +47,8 @@ pub(super) struct Session<'a> {
     pub(super) origin: Origin,
     /// Faults that it meets on purpose.
     pub(super) injected: Vec<InjectedFault>,
+    /// The simulated limb in words.
+    pub(super) truth: Option<String>,
     /// The folder that takes `run.mcap` and `run.html`.
     pub(super) out: &'a Path,
 }
@@ -62,7 +64,11 @@ pub(super) fn recorded<D: Bench>(
 ) -> Result<RunFiles, RunError> {
     let period_us = u64::from(prepared.scene().controller().telemetry_period_us);
     let duration_s = prepared.plan().duration_us() as f64 * 1e-6;
-    let info = RunInfo { injected_faults: session.injected.clone(), ..prepared.info(session.origin) };
+    let info = RunInfo {
+        injected_faults: session.injected.clone(),
+        truth: session.truth.clone(),
+        ..prepared.info(session.origin)
+    };
     recorded_by(device, (info, assembler, period_us), session.out, |device, recording| {
         prepared.stream(device, session.number, cancel, |device, event| {
             if let Some(sample) = recording.take(device, event) {

@@ -15,7 +15,7 @@ pub use limb::{EndEffector, Limb, Module};
 pub use motion::{
     BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, Target, Weight,
 };
-pub use plant::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
+pub use plant::{Ambient, BodyEffects, Chamber, Line, Plant, Sensor, Spread, Supply, TrueLimb, Valve};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
 pub use thread::{Thread, WoundWall};
 

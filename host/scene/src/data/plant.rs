@@ -18,6 +18,41 @@ pub struct Plant {
     pub sensor: Sensor,
     /// Deviation of the simulated truth from the nominal values.
     pub spread: Spread,
+    /// The simulated limb.
+    pub truth: TrueLimb,
+}
+
+/// The simulated limb.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TrueLimb {
+    /// The planner's kinematics and statics, with perturbed parameters.
+    #[default]
+    Simple,
+    /// Tubes with memory between plates.
+    Body(BodyEffects),
+}
+
+/// Effects of a limb of tubes beside that of being one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyEffects {
+    /// Loops that do not depend on the rate.
+    pub hysteresis: bool,
+    /// Creep and damping.
+    pub creep: bool,
+    /// Softening in the first cycles.
+    pub softening: bool,
+    /// Tolerances of tubes, connectors and base.
+    pub assembly: bool,
+}
+
+impl TrueLimb {
+    /// The limb in the words of a table; `None` for the simple one.
+    pub fn label(&self) -> Option<String> {
+        let Self::Body(BodyEffects { hysteresis, creep, softening, assembly }) = *self else { return None };
+        let effects = [(hysteresis, "hysteresis"), (creep, "creep"), (softening, "softening"), (assembly, "assembly")];
+        let words = effects.into_iter().filter_map(|(on, word)| on.then_some(word));
+        Some(std::iter::once("body").chain(words).collect::<Vec<_>>().join(" + "))
+    }
 }
 
 /// The air around.

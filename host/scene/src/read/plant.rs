@@ -1,7 +1,7 @@
 //! The pneumatics.
 
 use super::settings::optional_table;
-use crate::data::{Ambient, Chamber, Line, Plant, Sensor, Spread, Supply, Valve};
+use crate::data::{Ambient, BodyEffects, Chamber, Line, Plant, Sensor, Spread, Supply, TrueLimb, Valve};
 use crate::error::Problem;
 use crate::reader::Reader;
 use crate::schema;
@@ -16,6 +16,7 @@ pub(super) fn plant(root: &Reader<'_>) -> Option<Plant> {
         let chamber = optional_table(reader, &CHAMBER, &schema::chamber::SECTION, chamber);
         let sensor = optional_table(reader, &SENSOR, &schema::sensor::SECTION, sensor);
         let spread = optional_table(reader, &SPREAD, &schema::spread::SECTION, spread);
+        let truth = optional_table(reader, &TRUTH, &schema::truth::SECTION, truth);
         Some(Plant {
             ambient: ambient?,
             supply: supply?,
@@ -24,6 +25,7 @@ pub(super) fn plant(root: &Reader<'_>) -> Option<Plant> {
             chamber: chamber?,
             sensor: sensor?,
             spread: spread?,
+            truth: truth?,
         })
     })
 }
@@ -115,4 +117,22 @@ fn spread(reader: &Reader<'_>) -> Option<Spread> {
         sensor_offset: *offset?,
         sensor_gain: *gain?,
     })
+}
+
+fn truth(reader: &Reader<'_>) -> Option<TrueLimb> {
+    use schema::truth::*;
+    let [hysteresis, creep, softening, assembly] =
+        [HYSTERESIS, CREEP, SOFTENING, ASSEMBLY].map(|key| reader.flag(&key));
+    let is_body = *reader.choice(&LIMB, &[false, true])?;
+    if !is_body {
+        let of_a_body = [HYSTERESIS.name, CREEP.name, SOFTENING.name, ASSEMBLY.name];
+        reader.forbid(&of_a_body, "for the simple limb: `limb = \"body\"` has them")?;
+        return Some(TrueLimb::Simple);
+    }
+    Some(TrueLimb::Body(BodyEffects {
+        hysteresis: hysteresis?,
+        creep: creep?,
+        softening: softening?,
+        assembly: assembly?,
+    }))
 }

@@ -11,7 +11,7 @@ mod units;
 pub(super) use choice::{bounds, design};
 pub(super) use motion::{controller, limits, phase, target, weight};
 pub(super) use parts::{DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, thread, winding};
-pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, valve};
+pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, truth, valve};
 pub(super) use sweep::{parameter, study};
 pub(super) use task::{corrections, markers, object, obstacle, region};
 pub(super) use units::Unit;
@@ -163,7 +163,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 28] = [
+pub(super) const SECTIONS: [Section; 29] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -192,4 +192,5 @@ pub(super) const SECTIONS: [Section; 28] = [
     chamber::SECTION,
     sensor::SECTION,
     spread::SECTION,
+    truth::SECTION,
 ];

@@ -12,6 +12,7 @@ section! {
     CHAMBER: Nested { name: "chamber", shape: "table", presence: Optional("the defaults below") } = "Properties of a chamber beyond its geometry.";
     SENSOR: Nested { name: "sensor", shape: "table", presence: Optional("the defaults below") } = "Pressure sensors, ratiometric: 10 % of the output at 0, 90 % at full scale.";
     SPREAD: Nested { name: "spread", shape: "table", presence: Optional("the defaults below") } = "How the simulated truth differs from the nominal values.";
+    TRUTH: Nested { name: "truth", shape: "table", presence: Optional("the defaults below") } = "Which limb is simulated.";
 }
 
 section! {
@@ -79,4 +80,14 @@ section! {
     VALVE_DELAY: Quantity { name: "valve_delay", unit: Unit::PERCENT, min: 0.0, max: 30.0, presence: Default(10.0) } = "Delays of each valve.";
     SENSOR_OFFSET: Quantity { name: "sensor_offset", unit: Unit::PERCENT, min: 0.0, max: 5.0, presence: Default(0.25) } = "Offset of a sensor, of full scale.";
     SENSOR_GAIN: Quantity { name: "sensor_gain", unit: Unit::PERCENT, min: 0.0, max: 5.0, presence: Default(0.25) } = "Gain of a sensor.";
+}
+
+section! {
+    /// The simulated limb. The other keys are for `limb = "body"`; `docs/explanation/body.md` has its parameters.
+    truth, "plant.truth";
+    LIMB: Choice { name: "limb", words: &["simple", "body"], presence: Default("simple") } = "`simple` is the planner's kinematics and statics with perturbed parameters. `body` is tubes with memory between plates, with finite elements of their sections.";
+    HYSTERESIS: Flag { name: "hysteresis", presence: Default(true) } = "Loops of pressure and deformation that do not depend on the rate.";
+    CREEP: Flag { name: "creep", presence: Default(true) } = "Creep over minutes, and damping.";
+    SOFTENING: Flag { name: "softening", presence: Default(true) } = "Walls that soften in their first cycles.";
+    ASSEMBLY: Flag { name: "assembly", presence: Default(true) } = "Tolerances of tubes on their plates, of connectors and of the base.";
 }

@@ -1,0 +1,362 @@
+//! The simulated limb as a true body: tubes with memory between plates, in equilibrium at every sample.
+//!
+//! Quasi-static, as the simple limb under weight: nothing swings. The body follows the chambers' pressures; that its shape changes the
+//! chambers' volumes in its turn is left out, and the plant's volumes are those of free actuators.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use fra_model::{ActuatorParameters, Motion, State, StateQuantity};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use softlimb_body::{
+    Assembly, Bay, Body, Effects, Fallen, Law, Mass, MemoryParameters, Plate, Stiffness, Tolerance, Tube, TubeStrain,
+};
+use softlimb_sim::plant::Truth;
+
+use super::hanging::{FALLS, Hung, SYSTEM};
+use super::tube_law;
+use crate::record::FaultRecord;
+use softlimb_limb::{Drive, Limb, LimbModule};
+use softlimb_scene::{BodyEffects, Scene, collision};
+
+const GRAVITY_M_PER_S2: f64 = 9.806_65;
+/// Time that the limb has rested before the first sample of the first run, and of others, s.
+const NEW_S: f64 = 600.0;
+const RESTED_S: f64 = 60.0;
+/// Pressures of the laws, of the module's highest: a loop overshoots a little.
+const COVERED: f64 = 1.05;
+/// Pressure that ends a run, of the highest of a law: the fit holds a little beyond its points.
+const BEYOND: f64 = 1.03;
+/// Bend and twist of a beam at the highest pressure, rad, above which a tube between two plates has more beams.
+const BEND_RAD: f64 = 0.3;
+const TWIST_RAD: f64 = 0.4;
+/// Beams of a tube between plates without spacers, at least.
+const LONE_BEAMS: usize = 4;
+
+/// Laws of tubes that runs share, since finite elements take longer than a run, and the limb that one leaves to the next.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Laws(Arc<Mutex<Known>>);
+
+#[derive(Debug, Default)]
+struct Known {
+    /// By module, the springs of its nominal actuator.
+    springs: HashMap<usize, Stiffness>,
+    /// By channel, the law of its true actuator with the parameters that it is for.
+    laws: HashMap<usize, (ActuatorParameters<f64>, Arc<Law>)>,
+    /// The limb after the last run, with the seed of its specimen and the highest pressures of its laws: what it has been through stays.
+    rested: Option<(u64, Body, Vec<f64>)>,
+}
+
+impl Laws {
+    fn known(&self) -> MutexGuard<'_, Known> {
+        // Nothing panics while it is locked.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The specimen `seed` as the last run has left it.
+    fn rested(&self, seed: u64) -> Option<(Body, Vec<f64>)> {
+        let (of, body, highest_pa) = self.known().rested.take()?;
+        (of == seed).then_some((body, highest_pa))
+    }
+
+    /// The law of a channel's true actuator, or the reason why there is none.
+    fn of(
+        &self,
+        module: (usize, &LimbModule),
+        channel: usize,
+        actuator: &ActuatorParameters<f64>,
+    ) -> Result<Arc<Law>, String> {
+        let mut known = self.known();
+        if let Some((_, law)) = known.laws.get(&channel).filter(|(parameters, _)| parameters == actuator) {
+            return Ok(law.clone());
+        }
+        let (index, module) = module;
+        let highest_pa = COVERED * module.pressure_max_pa;
+        let lacking =
+            || format!("the section of an actuator of `{}` has too few equilibria up to {highest_pa} Pa", module.name);
+        let nominal = module.actuator.parameters();
+        let springs = match known.springs.get(&index) {
+            Some(springs) => springs.clone(),
+            None => {
+                let found = tube_law::stiffness(nominal, highest_pa).map_err(|error| error.to_string())?;
+                let found = found.ok_or_else(lacking)?;
+                known.springs.insert(index, found.clone());
+                found
+            }
+        };
+        let springs = scaled(springs, stiffer(actuator) / stiffer(nominal));
+        let law = tube_law::law(actuator, &springs, highest_pa).map_err(|error| error.to_string())?;
+        let law = Arc::new(law.ok_or_else(lacking)?);
+        known.laws.insert(channel, (*actuator, law.clone()));
+        Ok(law)
+    }
+}
+
+impl Drop for Bodied<'_> {
+    /// Leaves the limb to the next run.
+    fn drop(&mut self) {
+        if let Some(body) = self.body.take() {
+            self.laws.known().rested = Some((self.seed, body, std::mem::take(&mut self.highest_pa)));
+        }
+    }
+}
+
+/// Scale of a wall's stiffness: modulus and thickness.
+fn stiffer(parameters: &ActuatorParameters<f64>) -> f64 {
+    let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;
+    parameters.material.shear_modulus_pa() * wall_m * (parameters.outer_radius_m + parameters.inner_radius_m)
+}
+
+fn scaled(mut springs: Stiffness, by: f64) -> Stiffness {
+    let [towards, across] = &mut springs.bending_nm2;
+    for value in towards.iter_mut().chain(across).chain(&mut springs.torsion_nm2) {
+        *value *= by;
+    }
+    springs.strip_n *= by;
+    springs.shear_n *= by;
+    springs
+}
+
+/// A true body in a run.
+pub(super) struct Bodied<'a> {
+    plant: &'a Scene,
+    limb: &'a Limb,
+    effects: BodyEffects,
+    seed: u64,
+    laws: Laws,
+    /// Known from the first sample on.
+    body: Option<Body>,
+    /// The highest pressure of each channel's law, Pa.
+    highest_pa: Vec<f64>,
+    last_us: u64,
+    lost: bool,
+}
+
+impl<'a> Bodied<'a> {
+    pub(super) fn new((plant, limb): (&'a Scene, &'a Limb), effects: BodyEffects, seed: u64, laws: Laws) -> Self {
+        Self { plant, limb, effects, seed, laws, body: None, highest_pa: Vec::new(), last_us: 0, lost: false }
+    }
+
+    /// The shape at a time of the run, us, with a mass at the tip, kg, and the fault that ends it; `free` are the drives' states without load.
+    ///
+    /// `None` from the moment on at which the limb falls.
+    pub(super) fn at(
+        &mut self,
+        at: (u64, f64),
+        truth: &Truth,
+        free: &[State<f64>],
+    ) -> (Option<Hung>, Option<FaultRecord>) {
+        if self.lost {
+            return (None, None);
+        }
+        match self.settled(at, truth) {
+            Ok(()) => (self.body.as_ref().map(|body| self.seen(body, free)), None),
+            Err(why) => {
+                self.lost = true;
+                let text = format!("{why}: the limb's shape is not known from here on");
+                let time_s = at.0 as f64 * 1e-6;
+                (None, Some(FaultRecord { time_s, channel: SYSTEM, code: FALLS, value: 0, text }))
+            }
+        }
+    }
+
+    fn settled(&mut self, (time_us, payload_kg): (u64, f64), truth: &Truth) -> Result<(), String> {
+        let (mut body, span_s) = match self.body.take() {
+            Some(body) => (body, time_us.saturating_sub(self.last_us) as f64 * 1e-6),
+            None => match self.laws.rested(self.seed) {
+                Some((body, highest_pa)) => {
+                    self.highest_pa = highest_pa;
+                    (body, RESTED_S)
+                }
+                None => (self.assembled(truth)?, NEW_S),
+            },
+        };
+        self.last_us = time_us;
+        for ((channel, module), highest_pa) in truth.channels.iter().zip(self.modules()).zip(&self.highest_pa) {
+            if channel.pressure_pa > BEYOND * highest_pa {
+                return Err(format!(
+                    "an actuator of `{}` is beyond the pressures that its section was solved for",
+                    module.name
+                ));
+            }
+        }
+        let pressures_pa: Vec<f64> = truth.channels.iter().map(|channel| channel.pressure_pa.max(0.0)).collect();
+        let payload_kg = if self.has_weight() { payload_kg } else { 0.0 };
+        let falls = |_: Fallen| "the limb falls: it has no stable equilibrium near the last one".to_owned();
+        body.settle(&pressures_pa, payload_kg, span_s).map_err(falls)?;
+        self.body = Some(body);
+        Ok(())
+    }
+
+    /// The module of each channel.
+    fn modules(&self) -> impl Iterator<Item = &LimbModule> {
+        self.limb.modules().iter().flat_map(|module| module.channels.clone().map(move |_| module))
+    }
+
+    fn has_weight(&self) -> bool {
+        !self.plant.weightless()
+    }
+
+    fn assembled(&mut self, truth: &Truth) -> Result<Body, String> {
+        let BodyEffects { hysteresis, creep, softening, assembly } = self.effects;
+        let effects = Effects { hysteresis, creep, softening };
+        let mut seats = Assembly::new(self.seed, if assembly { Tolerance::default() } else { Tolerance::NONE });
+        let base = self.limb.base() * seats.base();
+        let (mut bays, mut plates) = (Vec::new(), Vec::new());
+        let mut highest_pa = Vec::new();
+        // Length of the rigid part below the next bay, and its masses in the frame of the plate that it is fixed to.
+        let mut rigid_m = 0.0;
+        for (index, module) in self.limb.modules().iter().enumerate() {
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), module.mount_angle_rad());
+            let tubes = module.channels.clone().zip(module.positions_m());
+            let tubes = tubes.map(|(channel, [x, y])| {
+                let actuator = &truth.channels[channel].parameters.actuator;
+                // The axis of a bender is its strip, on the side that it bends to.
+                let strip_m = if module.motion == Motion::Bending { actuator.outer_radius_m } else { 0.0 };
+                let place = turn * Translation3::new(x + strip_m, y, 0.0);
+                let law = self.laws.of((index, module), channel, actuator)?;
+                highest_pa.push(law.potential.units[2]);
+                Ok((channel, law, [place * seats.seat(), place * seats.seat()], place))
+            });
+            let tubes: Vec<_> = tubes.collect::<Result<_, String>>()?;
+            let (count, bay_m) = (module.bays(), module.bay_m());
+            let wall_kg = self.wall_kg(index, truth) / count as f64;
+            for bay in 0..count {
+                let below_m = if bay == 0 { rigid_m } else { 0.0 };
+                let lift = Translation3::new(0.0, 0.0, below_m);
+                let tube = |(channel, law, seats, place): &(usize, Arc<Law>, [Isometry3<f64>; 2], Isometry3<f64>)| {
+                    let lower = lift * if bay == 0 { seats[0] } else { *place };
+                    let upper = if bay + 1 == count { seats[1] } else { *place };
+                    let memory = MemoryParameters::drawn(self.seed, *channel).with(effects);
+                    Tube::new(law.clone(), *channel, [lower, upper], (bay_m, beams(module, law, count)), memory)
+                };
+                let rest = Isometry3::translation(0.0, 0.0, below_m + bay_m);
+                bays.push(Bay { rest, tubes: tubes.iter().map(tube).collect() });
+                // Half of a bay's walls hang on each of its plates.
+                if let Some(Plate { masses }) = plates.last_mut() {
+                    masses.push(Mass { place_m: [0.0, 0.0, below_m], kg: 0.5 * wall_kg });
+                }
+                let spacer_kg = if bay + 1 == count { 0.0 } else { self.plant.modules()[index].spacer_mass_kg };
+                plates.push(Plate { masses: vec![Mass { place_m: [0.0; 3], kg: 0.5 * wall_kg + spacer_kg }] });
+            }
+            rigid_m = module.rigid_length_m() + seats.length_m();
+            if let Some(plate) = plates.last_mut() {
+                plate.masses.extend(self.rigid_masses(module, index));
+            }
+        }
+        self.highest_pa = highest_pa;
+        let gravity = if self.has_weight() { -GRAVITY_M_PER_S2 } else { 0.0 };
+        Ok(Body::new(&base, bays, plates, [0.0, 0.0, rigid_m], [0.0, 0.0, gravity]))
+    }
+
+    /// Mass of a module's true walls, kg.
+    fn wall_kg(&self, module: usize, truth: &Truth) -> f64 {
+        let channels = self.limb.modules()[module].channels.clone();
+        let wall_m3 = |channel: usize| {
+            let actuator = &truth.channels[channel].parameters.actuator;
+            let (inner, outer) = (actuator.inner_radius_m, actuator.outer_radius_m);
+            std::f64::consts::PI * (outer - inner) * (outer + inner) * actuator.length_m
+        };
+        channels.map(wall_m3).sum::<f64>() * self.plant.modules()[module].density_kg_per_m3
+    }
+
+    /// Connector and tool behind a module.
+    fn rigid_masses(&self, module: &LimbModule, index: usize) -> Vec<Mass> {
+        let [connector_m, tool_m] = module.rigid_parts_m();
+        let limb = self.plant.limb();
+        let mut masses = vec![Mass { place_m: [0.0, 0.0, 0.5 * connector_m], kg: limb.connector_mass_kg }];
+        if let Some(tool) = limb.end_effector.as_ref().filter(|_| index + 1 == self.limb.modules().len()) {
+            masses.push(Mass { place_m: [0.0, 0.0, connector_m + 0.5 * tool_m], kg: tool.mass_kg });
+        }
+        masses
+    }
+
+    /// Shape and deformations of the body as it is.
+    fn seen(&self, body: &Body, free: &[State<f64>]) -> Hung {
+        let base = body.base();
+        let poses: Vec<Isometry3<f64>> = std::iter::once(base).chain(body.poses()).collect();
+        let mut solid = collision::Body::new(&base);
+        let (mut values, mut rigid_m, mut bay) = (Vec::new(), 0.0, 0);
+        for (index, module) in self.limb.modules().iter().enumerate() {
+            let radius_m = module.radius_m(&module.curve.states()[0]);
+            let mut strains: Vec<Vec<TubeStrain>> = Vec::new();
+            let mut twist_rad = 0.0;
+            for _ in 0..module.bays() {
+                let lift = if strains.is_empty() { rigid_m } else { 0.0 };
+                let across = Translation3::new(0.0, 0.0, -lift) * (poses[bay].inverse() * poses[bay + 1]);
+                let (turn, shift) = screw(&across);
+                solid.screw(&turn, &shift, radius_m);
+                twist_rad += turn.z;
+                strains.push(body.strains(bay));
+                bay += 1;
+            }
+            values.extend(self.limb.drives_of(index).map(|index| {
+                let drive = self.limb.drive(index);
+                value(&drive, &strains, twist_rad).unwrap_or_else(|| drive.measure(&free[index]))
+            }));
+            let [connector_m, tool_m] = module.rigid_parts_m();
+            solid.rigid(connector_m, radius_m);
+            solid.rigid(tool_m, self.plant.limb().end_effector.as_ref().map_or(0.0, |tool| tool.radius_m));
+            rigid_m = module.rigid_length_m();
+        }
+        let ends = solid.pieces().iter().map(|piece| piece.point_m(1.0).into());
+        let line_m = std::iter::once(base.translation.vector.into()).chain(ends).collect();
+        Hung { tip_m: body.tip_m(), values, line_m, body: solid }
+    }
+}
+
+/// Beams of a tube between two of a module's plates.
+fn beams(module: &LimbModule, law: &Law, bays: usize) -> usize {
+    let [deformation, _] = law.elastic.end();
+    let angle = deformation * module.bay_m();
+    let needed = match module.motion {
+        Motion::Extension | Motion::Expansion => 1.0,
+        Motion::Bending => (angle / BEND_RAD).ceil(),
+        Motion::Twisting => (angle / TWIST_RAD).ceil(),
+    };
+    (needed.max(1.0) as usize).max(if bays == 1 { LONE_BEAMS } else { 1 })
+}
+
+/// Setpoint value of a drive by the strains of its tubes in each bay of its module; `None` of a quantity that no strain tells.
+fn value(drive: &Drive<'_>, strains: &[Vec<TubeStrain>], twist_rad: f64) -> Option<f64> {
+    let own = || strains.iter().flatten().filter(|strain| drive.channels.contains(&strain.channel));
+    let mean = |value: fn(&TubeStrain) -> f64| own().map(value).sum::<f64>() / own().count().max(1) as f64;
+    match drive.kind {
+        StateQuantity::AxialStretch => Some(mean(|strain| strain.stretch)),
+        StateQuantity::BendAngle => Some(mean(|strain| strain.bend_rad_per_m[0]) * drive.length_m()),
+        StateQuantity::Twist => Some(twist_rad),
+        StateQuantity::Pressure | StateQuantity::OuterRadius | StateQuantity::InnerRadius => None,
+    }
+}
+
+/// Turn and shift whose exponential is a pose.
+fn screw(pose: &Isometry3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let turn = pose.rotation.scaled_axis();
+    let angle = turn.norm();
+    let square = if angle < 1e-4 {
+        1.0 / 12.0
+    } else {
+        let half = 0.5 * angle;
+        (1.0 - half / half.tan()) / (angle * angle)
+    };
+    let cross = turn.cross_matrix();
+    let inverse = Matrix3::identity() - cross * 0.5 + cross * cross * square;
+    (turn, inverse * pose.translation.vector)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn screw_of_a_pose_leads_to_it() {
+        for turn in [Vector3::new(0.3, -0.8, 1.1), Vector3::new(1e-6, 0.0, 2e-6), Vector3::zeros()] {
+            let pose = Isometry3::new(Vector3::new(0.1, 0.02, 0.3), turn);
+            let (turn, shift) = screw(&pose);
+            let mut solid = collision::Body::new(&Isometry3::identity());
+            solid.screw(&turn, &shift, 0.01);
+            let apart = pose.inverse() * solid.end();
+            assert!(apart.translation.vector.norm() < 1e-9 && apart.rotation.angle() < 1e-9, "{apart}");
+        }
+    }
+}
