@@ -26,8 +26,8 @@ impl Tridiagonal {
         let count = self.diagonal.len();
         // Rows after elimination: `x_k + next_k x_(k+1) = value_k`.
         let mut rows: Vec<(Block, Part)> = Vec::with_capacity(count);
-        for index in 0..count {
-            let (mut pivot, mut value) = (self.diagonal[index], right[index]);
+        for (index, (diagonal, own)) in self.diagonal.iter().zip(right).enumerate() {
+            let (mut pivot, mut value) = (*diagonal, *own);
             if let Some((next, last)) = rows.last() {
                 pivot -= self.below[index - 1] * next;
                 value -= self.below[index - 1] * last;

@@ -27,8 +27,11 @@ struct State {
     moment: Vector3<f64>,
 }
 
+/// Change of place, turn and moment along a rod.
+type Slopes = (Vector3<f64>, Vector3<f64>, Vector3<f64>);
+
 impl Rod {
-    fn slopes(&self, state: &State, force: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+    fn slopes(&self, state: &State, force: &Vector3<f64>) -> Slopes {
         let Springs { axial_n, bending_nm2: [towards, across], torsion_nm2, shear_n, by_pressure } = self.springs;
         let free = by_pressure * self.pressure_pa;
         let (stretch, bend) = if self.main == Main::Bend { (1.0, free) } else { (1.0 + free, 0.0) };
@@ -48,7 +51,7 @@ impl Rod {
             moment: *moment,
         };
         let h = self.length_m / STEPS as f64;
-        let turned = |state: &State, by: &(Vector3<f64>, Vector3<f64>, Vector3<f64>), h: f64| State {
+        let turned = |state: &State, by: &Slopes, h: f64| State {
             place: state.place + by.0 * h,
             turn: state.turn * Rotation3::new(by.1 * h).matrix(),
             moment: state.moment + by.2 * h,
@@ -58,7 +61,7 @@ impl Rod {
             let second = self.slopes(&turned(&state, &first, 0.5 * h), force);
             let third = self.slopes(&turned(&state, &second, 0.5 * h), force);
             let fourth = self.slopes(&turned(&state, &third, h), force);
-            let mean = |part: fn(&(Vector3<f64>, Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
+            let mean = |part: fn(&Slopes) -> Vector3<f64>| {
                 (part(&first) + 2.0 * (part(&second) + part(&third)) + part(&fourth)) / 6.0
             };
             state = turned(&state, &(mean(|s| s.0), mean(|s| s.1), mean(|s| s.2)), h);

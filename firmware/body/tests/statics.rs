@@ -96,7 +96,7 @@ fn drawn(seed: u64) -> (Vec<Rod>, Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
     let mut random = Random::new(seed, 3);
     let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
     let count = 1 + (seed % 3) as usize;
-    let main = if seed % 2 == 0 { Main::Stretch } else { Main::Bend };
+    let main = if seed.is_multiple_of(2) { Main::Stretch } else { Main::Bend };
     let length_m = within(0.15, 0.3);
     let bending = within(0.2, 0.6);
     let springs = Springs {

@@ -12,7 +12,7 @@ pub mod measured;
 pub mod payload;
 mod published;
 mod statics;
-pub mod truth;
+mod truth;
 pub mod validation;
 
 pub use arguments::main;

@@ -1,5 +1,6 @@
 //! Tests of the rig, one module a subject.
 
+mod body;
 mod calibrate;
 mod jog;
 mod learning;

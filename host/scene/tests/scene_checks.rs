@@ -179,6 +179,8 @@ fn supply() {
 #[test]
 fn plant_and_controller() {
     let add = |text: &str| format!("{SCENE}{text}");
+    let rule = "`creep` has no meaning for the simple limb: `limb = \"body\"` has them";
+    expect(&add("[plant.truth]\ncreep = true\n"), rule, "creep");
     let rule = "`flow` has no meaning for a regulated supply";
     expect(&add("[plant.supply]\nkind = \"regulated\"\nflow = \"6 NL/min\""), rule, "flow");
     let rule = "the pump cannot reach `pressure`: it stalls at `stall_pressure`";

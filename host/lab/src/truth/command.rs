@@ -5,24 +5,20 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use softlimb::cli::{Failure, Outcome, read, say, write};
 
-use super::{LIMBS, PLACE, page, row, tsv};
+use super::table::{PLACE, heading, line};
+use super::{LIMBS, row};
 use crate::generated_section::replaced;
 
 /// Compare tip errors on the planner's own limb and on a true body, each effect of it alone and all together
 #[derive(Args)]
-#[command(
-    after_help = "All of it:\n  cargo xtask lab truth --tsv tests/golden/truth.tsv --page docs/evidence/truth.md"
-)]
+#[command(after_help = "All of it:\n  cargo xtask lab truth --page docs/evidence/truth.md")]
 pub(crate) struct Truth {
     /// Scenes of the folder `scenes`, by name
-    #[arg(long, value_name = "NAME", num_args = 1.., default_values = ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"])]
+    #[arg(long, value_name = "NAME", num_args = 1.., default_value = "pick-and-place-a")]
     scene: Vec<String>,
     /// Iterations of learning
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=200))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=200))]
     iterations: u32,
-    /// Write the table as tab-separated values
-    #[arg(long, value_name = "FILE")]
-    tsv: Option<PathBuf>,
     /// Replace the table in the page of the documentation that has a place for it
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
@@ -31,17 +27,16 @@ pub(crate) struct Truth {
 impl Truth {
     pub(crate) fn run(&self) -> Result<Outcome, Failure> {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-        let mut rows = Vec::new();
+        let mut text = heading(self.iterations);
+        say(&text)?;
         for name in &self.scene {
             for limb in LIMBS {
-                let found = row(&folder, name, limb, self.iterations)?;
-                say(tsv(std::slice::from_ref(&found)).lines().nth(1).unwrap_or_default())?;
-                rows.push(found);
+                let found = line(&row(&folder, name, limb, self.iterations)?);
+                say(&found)?;
+                text = format!("{text}\n{found}");
             }
         }
-        let text = page(&rows, self.iterations);
-        say(&text)?;
-        self.tsv.as_deref().map_or(Ok(()), |file| write(file, &tsv(&rows)))?;
+        text.push_str("\n\n");
         if let Some(file) = &self.page {
             let document = replaced(&read(file)?, PLACE, &text);
             let document =

@@ -12,10 +12,9 @@ use softlimb_scene as scene;
 use softlimb_scene::{BodyEffects, Scene, TrueLimb};
 
 pub(crate) use command::Truth;
-pub use table::{PLACE, page, tsv};
 
 /// The simulated limbs of the table.
-pub const LIMBS: [TrueLimb; 7] = [
+const LIMBS: [TrueLimb; 7] = [
     TrueLimb::Simple,
     TrueLimb::Body(NONE),
     TrueLimb::Body(BodyEffects { hysteresis: true, ..NONE }),
@@ -29,22 +28,22 @@ const NONE: BodyEffects = BodyEffects { hysteresis: false, creep: false, softeni
 
 /// A line of the table: tip errors before and after learning, m.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+struct Row {
     /// Name of the scene.
-    pub scene: String,
+    scene: String,
     /// The simulated limb in words.
-    pub limb: String,
+    limb: String,
     /// RMSE and maximum at the dwells, then RMSE over the whole way: by the model; `None` where the limb fell.
-    pub by_model: Option<[f64; 3]>,
+    by_model: Option<[f64; 3]>,
     /// The same after learning.
-    pub learned: Option<[f64; 3]>,
+    learned: Option<[f64; 3]>,
 }
 
 /// A scene of the repository with another simulated limb.
 ///
 /// # Errors
 /// [`Failure`] if the scene cannot be read.
-pub fn scene_on(folder: &Path, name: &str, limb: TrueLimb) -> Result<Scene, Failure> {
+fn scene_on(folder: &Path, name: &str, limb: TrueLimb) -> Result<Scene, Failure> {
     let file = folder.join(format!("{name}.toml"));
     let text = softlimb::cli::read(&file)?;
     let truth = match limb {
@@ -60,7 +59,7 @@ pub fn scene_on(folder: &Path, name: &str, limb: TrueLimb) -> Result<Scene, Fail
 ///
 /// # Errors
 /// [`Failure`] if the scene cannot run.
-pub fn row(folder: &Path, name: &str, limb: TrueLimb, iterations: u32) -> Result<Row, Failure> {
+fn row(folder: &Path, name: &str, limb: TrueLimb, iterations: u32) -> Result<Row, Failure> {
     let scene = scene_on(folder, name, limb)?;
     let settings =
         Settings { limb: scene.seed(), noise: 1, iterations, runs: NonZero::<u32>::MIN, camera_noise_m: 0.2e-3 };

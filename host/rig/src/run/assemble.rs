@@ -53,7 +53,7 @@ enum TrueLimb<'a> {
     /// The planner's statics of the true actuators.
     Hanging(Hanging<'a>),
     /// Tubes between plates.
-    Body(Bodied<'a>),
+    Body(Box<Bodied<'a>>),
 }
 
 /// Observations of the limb when a message comes.
@@ -78,7 +78,9 @@ impl<'a> Assembler<'a> {
     ) -> Self {
         let weighed = tier.map(|tier| Nominal::new(scene, limb, tier));
         let true_limb = match plant.plant().truth {
-            scene::TrueLimb::Body(effects) => TrueLimb::Body(Bodied::new((plant, simulated), effects, seed, laws)),
+            scene::TrueLimb::Body(effects) => {
+                TrueLimb::Body(Box::new(Bodied::new((plant, simulated), effects, seed, laws)))
+            }
             scene::TrueLimb::Simple => {
                 Hanging::new(scene, (plant, simulated)).map_or(TrueLimb::Free, TrueLimb::Hanging)
             }

@@ -177,7 +177,7 @@ fn fitted(main: Main, points: &[Point], pressure_max_pa: f64) -> Option<(Potenti
     let units = [largest(0), if two { largest(1) } else { 1.0 }, pressure_max_pa];
     let powers: Vec<[u8; 3]> = (0..=7_u8)
         .flat_map(|i| (0..=4_u8).flat_map(move |j| (0..=2_u8).map(move |m| [i, j, m])))
-        .filter(|[i, j, m]| {
+        .filter(|[i, j, _]| {
             let (degree, is_used) = (i + j, two || *j == 0);
             is_used && (1..=if two { 4 } else { 7 }).contains(&degree)
         })
@@ -277,7 +277,7 @@ mod tests {
     fn law_has_the_loads_of_the_section_between_its_points() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
         for name in ["weightless-b", "pick-and-place-a", "weightless-c"] {
-            let scene = softlimb_scene::load(&root.join(format!("{name}.toml"))).unwrap();
+            let scene = softlimb_scene::load(root.join(format!("{name}.toml"))).unwrap();
             let limb = Limb::new(&scene).unwrap();
             for module in limb.modules() {
                 let (far, free) = worst(module.actuator.parameters(), module.pressure_max_pa);

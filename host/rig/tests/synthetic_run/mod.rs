@@ -59,6 +59,7 @@ pub(crate) fn info() -> RunInfo {
         carried: Vec::new(),
         simulated: true,
         weightless: false,
+        truth: None,
         injected_faults: Vec::new(),
     }
 }
