@@ -277,15 +277,19 @@ impl<'a> Bodied<'a> {
         let poses: Vec<Isometry3<f64>> = std::iter::once(base).chain(body.poses()).collect();
         let mut solid = collision::Body::new(&base);
         let (mut values, mut rigid_m, mut bay) = (Vec::new(), 0.0, 0);
+        let pieces = self.limb.modules().iter().map(LimbModule::bays).max().unwrap_or(1);
         for (index, module) in self.limb.modules().iter().enumerate() {
             let radius_m = module.radius_m(&module.curve.states()[0]);
             let mut strains: Vec<Vec<TubeStrain>> = Vec::new();
             let mut twist_rad = 0.0;
-            for _ in 0..module.bays() {
+            for between in 0..module.bays() {
                 let lift = if strains.is_empty() { rigid_m } else { 0.0 };
                 let across = Translation3::new(0.0, 0.0, -lift) * (poses[bay].inverse() * poses[bay + 1]);
                 let (turn, shift) = screw(&across);
-                solid.screw(&turn, &shift, radius_m);
+                // A body for viewers has as many pieces in each module.
+                let [before, after] = [between, between + 1].map(|bays| bays * pieces / module.bays());
+                let share = 1.0 / (after - before) as f64;
+                (before..after).for_each(|_| solid.screw(&(turn * share), &(shift * share), radius_m));
                 twist_rad += turn.z;
                 strains.push(body.strains(bay));
                 bay += 1;
