@@ -38,12 +38,9 @@ pub const fn reaction(code: FaultCode) -> Reaction {
         FaultCode::EmergencyStop => (true, true, VentScope::All),
         FaultCode::OverPressure => (true, true, VentScope::Channel),
         // A chamber whose valves or reading deceive must not be filled by any of them.
-        FaultCode::SupplyHigh
-        | FaultCode::SensorFrozen
-        | FaultCode::ReadingJumped
-        | FaultCode::FillWithoutEffect
-        | FaultCode::ExcessAir
-        | FaultCode::MissingAir => (true, true, VentScope::Nothing),
+        FaultCode::SupplyHigh | FaultCode::SensorFrozen | FaultCode::ReadingJumped | FaultCode::FillWithoutEffect => {
+            (true, true, VentScope::Nothing)
+        }
         FaultCode::SensorImplausible | FaultCode::SupplyLow | FaultCode::InverseFailed | FaultCode::TickOverrun => {
             (true, false, VentScope::Nothing)
         }
@@ -150,7 +147,7 @@ impl Default for Faults {
     }
 }
 
-const BLOCKING: [FaultCode; 13] = [
+const BLOCKING: [FaultCode; 11] = [
     FaultCode::EmergencyStop,
     FaultCode::OverPressure,
     FaultCode::SensorImplausible,
@@ -162,8 +159,6 @@ const BLOCKING: [FaultCode; 13] = [
     FaultCode::SensorFrozen,
     FaultCode::ReadingJumped,
     FaultCode::FillWithoutEffect,
-    FaultCode::ExcessAir,
-    FaultCode::MissingAir,
 ];
 
 impl Occurrence {

@@ -13,19 +13,6 @@ use crate::valve::{Direction, TICK_US, ValvePulse, ValveTiming};
 /// Effect without any change of the code that tells a frozen sensor, Pa: noise alone moves the code of a sound one.
 const FROZEN_PA: f32 = 4_000.0;
 
-/// Looks at the same code that tell a frozen sensor if noise had moved its code over more than two values before. The noise is the mean of that by
-/// which second differences of the codes exceed 2: of a bit that flips, or of a ramp, none does; a jump counts as 4. This much is a deviation of 0.7 codes.
-const FROZEN_LOOKS: u8 = 80;
-const NOISY: f32 = 0.25;
-const NOISE_MAX: u32 = 4;
-const NOISE_RATE: f32 = 1.0 / 32.0;
-
-/// Looks at a line at rest until second differences hold nothing of the flow before.
-const REST_LOOKS: u8 = 3;
-
-/// Looks at the same code after which the noise is not that of a sound sensor, and nothing is learned of it.
-const STILL_LOOKS: u8 = 3;
-
 /// Fall of a reading that no venting explains, Pa, and part of the modelled venting by which it may be more.
 const FALL_PA: f32 = 6_000.0;
 const VENTED: f32 = 3.0;
@@ -33,9 +20,8 @@ const VENTED: f32 = 3.0;
 /// Change of a reading from one look to the next below which it stands, Pa. Behind a long hose a line settles for longer than the loop waits.
 const STANDS_PA: f32 = 1_000.0;
 
-/// Filling after which the reading has to have risen, Pa; filling of one look that walls which creep and air that cools may take, Pa; share of it that is an effect; and share below which there is none.
+/// Filling after which the reading has to have risen, Pa; share of it that is an effect; and share below which there is none.
 const FILLED_PA: f32 = 25_000.0;
-const LOST_PA: f32 = 4e3 * (LOOK_TICKS * TICK_US) as f32 * 1e-6;
 const EFFECT: f32 = 0.25;
 const NO_EFFECT: f32 = 0.1;
 
@@ -127,12 +113,7 @@ pub(crate) struct Observer {
     fill: Poppet,
     vent: Poppet,
     last_code: AdcCode,
-    last_step: i32,
     last_pa: f32,
-    /// Looks at the same code in a row, looks since the line came to rest, and the noise then.
-    same_looks: u8,
-    rest_looks: u8,
-    noise: f32,
     /// Effects since the code changed, Pa.
     unchanged_pa: f32,
     /// The latest settled reading, Pa, and what venting has done since, >= 0, Pa.
@@ -158,11 +139,7 @@ impl Observer {
             fill: Poppet::CLOSED,
             vent: Poppet::CLOSED,
             last_code: AdcCode(0),
-            last_step: 0,
             last_pa: 0.0,
-            same_looks: 0,
-            rest_looks: 0,
-            noise: 0.0,
             unchanged_pa: 0.0,
             settled_pa: None,
             vented_pa: 0.0,
@@ -178,11 +155,6 @@ impl Observer {
         *self = Self { fill, vent, ..Self::new() };
     }
 
-    /// Whether the code stays the same: of a frozen sensor, no reading tells anything.
-    pub(crate) fn is_unchanged(&self) -> bool {
-        self.unchanged_pa > 0.0 || self.same_looks >= STILL_LOOKS
-    }
-
     /// Takes the coil times of one tick.
     pub(crate) fn drive(&mut self, pulse: ValvePulse, timing: ValveTiming) {
         self.fill.drive(pulse.fill_us, timing);
@@ -195,9 +167,9 @@ impl Observer {
         let vent_pa = -effect_pa(&mut self.vent, input, Direction::Vent).min(0.0);
         let size_pa = fill_pa + vent_pa;
         self.unchanged_pa = if input.code == self.last_code { self.unchanged_pa + size_pa } else { 0.0 };
-        self.compare(input);
+        self.last_code = input.code;
         self.vented_pa += vent_pa;
-        self.effort.filled_pa = (self.effort.filled_pa - LOST_PA).max(0.0) + fill_pa;
+        self.effort.filled_pa += fill_pa;
         self.effort.vented_pa += vent_pa;
         let step_pa = input.reading_pa - self.last_pa;
         self.last_pa = input.reading_pa;
@@ -208,18 +180,6 @@ impl Observer {
         self.looks = if finding.is_some() && finding == self.suspicion { self.looks.saturating_add(1) } else { 1 };
         self.suspicion = finding;
         finding.filter(|_| self.looks >= LOOKS)
-    }
-
-    /// Compares the code with the last ones.
-    fn compare(&mut self, input: &Observation<'_>) {
-        let step = i32::from(input.code.0) - i32::from(self.last_code.0);
-        self.same_looks = if step == 0 { self.same_looks.saturating_add(1) } else { 0 };
-        self.rest_looks = if input.is_line_moving { 0 } else { self.rest_looks.saturating_add(1) };
-        if self.rest_looks > REST_LOOKS && self.same_looks <= STILL_LOOKS {
-            let size = (step - self.last_step).unsigned_abs().saturating_sub(2).min(NOISE_MAX);
-            self.noise += NOISE_RATE * (size as f32 - self.noise);
-        }
-        (self.last_code, self.last_step) = (input.code, step);
     }
 
     /// Takes a settled reading that is plausible. An effort whose effect has come, or with venting in it, is judged no longer.
@@ -234,22 +194,20 @@ impl Observer {
     }
 
     fn finding(&self, input: &Observation<'_>, step_pa: f32) -> Option<FaultCode> {
-        if self.unchanged_pa > FROZEN_PA || self.same_looks >= FROZEN_LOOKS && self.noise > NOISY {
+        if self.unchanged_pa > FROZEN_PA {
             return Some(FaultCode::SensorFrozen);
         }
         let settled_pa = self.settled_pa?;
         // While air flows steadily, the manifold reads more than a filling chamber.
-        let is_filling = self.fill.is_steady() && input.supply_pa > input.reading_pa + FALL_PA;
-        if input.is_line_moving && !is_filling {
+        if input.is_line_moving && !self.fill.is_steady() {
             return None;
         }
-        let Effort { from_pa, filled_pa, vented_pa } = self.effort;
-        let risen_pa = input.reading_pa - from_pa;
+        let risen_pa = input.reading_pa - self.effort.from_pa;
         // A reading that rises by itself comes back from venting.
         let falls = step_pa < STANDS_PA;
         if falls && input.reading_pa < settled_pa - FALL_PA - VENTED * self.vented_pa {
             Some(FaultCode::ReadingJumped)
-        } else if filled_pa > FILLED_PA && vented_pa <= EFFECT * filled_pa && risen_pa < NO_EFFECT * filled_pa {
+        } else if self.effort.filled_pa > FILLED_PA && risen_pa < NO_EFFECT * self.effort.filled_pa {
             Some(FaultCode::FillWithoutEffect)
         } else {
             None
@@ -264,52 +222,5 @@ fn effect_pa(poppet: &mut Poppet, input: &Observation<'_>, direction: Direction)
         input.pneumatics.rate_pa_per_s(direction, input.chamber, input.reading_pa, input.supply_pa) * open_s
     } else {
         0.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::flow::Orifice;
-    use crate::gas::Absolute;
-
-    const CHAMBER: Chamber = Chamber {
-        pressure_pa: 50e3,
-        volume_m3: 80e-6,
-        compliance_m3_per_pa: 0.0,
-        rest_volume_m3: 80e-6,
-        dead_volume_m3: 6e-6,
-    };
-
-    /// Looks with closed valves until the finding; `None` after all codes.
-    fn looks_until_frozen(codes: impl IntoIterator<Item = u16>) -> Option<usize> {
-        let timing = ValveTiming { on_delay_us: 3_500, off_delay_us: 2_000 };
-        let (valve, line) = (Orifice::new(1.44e-9, 0.3), Orifice::line(3.78e-9));
-        let pneumatics = Pneumatics::new(valve, line, Absolute::new(101_325.0), 293.15, timing);
-        let mut observer = Observer::new();
-        codes.into_iter().position(|code| {
-            let found = observer.observe(&Observation {
-                code: AdcCode(code),
-                reading_pa: 63.0 * f32::from(code),
-                supply_pa: 200e3,
-                is_line_moving: false,
-                chamber: &CHAMBER,
-                pneumatics: &pneumatics,
-            });
-            found == Some(FaultCode::SensorFrozen)
-        })
-    }
-
-    #[test]
-    fn noisy_sensor_that_stands_still_is_frozen_and_a_quiet_one_is_not() {
-        let noise = [0, 2, 1, 3, 0, 1, 3, 2, 0, 3, 1, 0, 2];
-        let noisy = |count: usize| (0..count).map(move |index| 800 + noise[index % noise.len()]);
-        let still = std::iter::repeat_n(801, 300);
-        let after = looks_until_frozen(noisy(200).chain(still.clone())).expect("frozen");
-        assert!((270..290).contains(&after), "{after}");
-        assert_eq!(looks_until_frozen(noisy(2_000)), None);
-        // Codes of a quiet sensor: a bit that flips, and a pressure that rises slowly; then a rest.
-        assert_eq!(looks_until_frozen((0..200).map(|index| 800 + index % 2).chain(still.clone())), None);
-        assert_eq!(looks_until_frozen((0..200).map(|index| 800 + index / 2).chain(still)), None);
     }
 }

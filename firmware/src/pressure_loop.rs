@@ -5,7 +5,6 @@
 //! and a drift are learned from what the last pulse did. A move that needs more than one period keeps the valve open.
 
 use crate::adapt::{Adaptation, Effect};
-use crate::air_balance::{AirBalance, Measurement};
 use crate::fine_regulation::{FineRegulation, Pair};
 use crate::gas::Chamber;
 use crate::pneumatics::Pneumatics;
@@ -34,8 +33,6 @@ pub struct LoopInput<'a> {
     pub now_us: u64,
     /// Gauge pressure at the manifold, Pa; the last good one where the sensor is not trusted.
     pub sensor_pa: f32,
-    /// Change of the reading from the last sample, Pa.
-    pub sensor_step_pa: f32,
     /// Whether the sensor can be believed. Otherwise the pressure is reckoned from the pulses.
     pub sensor_trusted: bool,
     /// Gauge pressure of the supply, Pa.
@@ -86,20 +83,13 @@ pub struct PressureLoop {
     valves: ValvePair,
     adaptation: Adaptation,
     fine: FineRegulation,
-    balance: AirBalance,
     last: Option<Decision>,
 }
 
 impl PressureLoop {
     /// Valves closed, nothing learned.
     pub const fn new() -> Self {
-        Self {
-            valves: ValvePair::new(),
-            adaptation: Adaptation::new(),
-            fine: FineRegulation::new(),
-            balance: AirBalance::new(),
-            last: None,
-        }
+        Self { valves: ValvePair::new(), adaptation: Adaptation::new(), fine: FineRegulation::new(), last: None }
     }
 
     /// The coils.
@@ -112,20 +102,9 @@ impl PressureLoop {
         &self.adaptation
     }
 
-    /// Balance of the channel's air.
-    pub fn balance(&self) -> &AirBalance {
-        &self.balance
-    }
-
-    /// Begins a new balance of the air.
-    pub(crate) fn restart_balance(&mut self) {
-        self.balance = AirBalance::new();
-    }
-
     /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps the estimates.
     pub fn close(&mut self, now_us: u64) {
         self.valves.close(now_us);
-        self.balance.interrupt();
         self.last = None;
     }
 
@@ -167,11 +146,6 @@ impl PressureLoop {
         let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
         let pressure_pa = self.chamber_pressure_pa(input, sample, resting);
         self.learn(input, pressure_pa, sample);
-        if !matches!(sample, Sample::Opening(_)) && input.sensor_trusted {
-            let drop_pa = if sample == Sample::Settled { 0.0 } else { input.sensor_pa - pressure_pa };
-            let (now_us, step_pa) = (input.now_us, input.sensor_step_pa);
-            self.balance.measure(&Measurement { now_us, pressure_pa, step_pa, drop_pa });
-        }
         let plan = if resting {
             self.plan_at_rest(input, reference, pressure_pa)
         } else {
@@ -183,7 +157,6 @@ impl PressureLoop {
             _ if self.fine.is_pairing() => {}
             _ => self.valves.close(input.now_us),
         }
-        self.balance.pulse(plan.modelled_pa);
         self.last = Some(Decision {
             at_us: input.now_us,
             pressure_pa,
@@ -291,8 +264,6 @@ impl PressureLoop {
         let (before_pa, up_pa, down_pa) = (pressure_pa, fill.change_pa, -vent.change_pa);
         // The bias is the effect of the pair beyond the requested change.
         self.fine.begin(Pair { before_pa, desired_pa: requested_pa, up_pa, down_pa });
-        self.balance.pulse(up_pa);
-        self.balance.pulse(-down_pa);
         let up = fill.plan(false);
         let down = vent.plan(false);
         self.valves.pair(input.now_us, (Direction::Fill, up.coil_us), (Direction::Vent, down.coil_us));
@@ -376,7 +347,6 @@ mod tests {
             let input = LoopInput {
                 now_us: 100_000,
                 sensor_pa: 120e3 + off_pa,
-                sensor_step_pa: 0.0,
                 sensor_trusted: true,
                 supply_pa: 250e3,
                 pressure_max_pa: 200e3,
