@@ -18,6 +18,7 @@ __all__ = [
     "castable_elastomers",
     "main",
     "read_log",
+    "read_study",
 ]
 
 __version__: str
