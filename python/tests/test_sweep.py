@@ -30,7 +30,7 @@ def study(tmp_path):
     (tmp_path / "finger.toml").write_bytes((SCENES / "finger.toml").read_bytes())
     study = tmp_path / "studies" / "walls.toml"
     study.parent.mkdir()
-    # The other line ends are text too.
+    # With the line ends of Windows.
     study.write_bytes(STUDY.replace("\n", "\r\n").encode())
     return study
 

@@ -1,7 +1,7 @@
 //! A piece of tube between two nodes: a corotational beam with cubic deflections, shear, and the bow's part in the stretch.
 //!
-//! The chord is the frame. Slopes of the ends against the chord, the chord's length and the turn of one end against the other are all that
-//! the energy knows, so that rigid motions cost nothing. Forces on the nodes are the exact derivatives of that energy.
+//! The chord is the frame. The energy depends on the chord's length, on the slopes of both ends against the chord and on the twist only, so that
+//! rigid motions do not change it. Forces on the nodes are its exact derivatives.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -21,7 +21,7 @@ impl Node {
     pub(crate) fn moved(&self, step: &SVector<f64, 6>) -> Self {
         let turn = Rotation3::new(Vector3::new(step[3], step[4], step[5]));
         let turn = turn.matrix() * self.turn;
-        // Products of thousands of turns would drift away from turns.
+        // Rounding makes a product of thousands of rotations drift away from a rotation.
         let turn = turn * (Matrix3::identity() * 1.5 - turn.tr_mul(&turn) * 0.5);
         Self { place: self.place + step.fixed_rows::<3>(0), turn }
     }
@@ -58,7 +58,7 @@ impl Strain {
     }
 }
 
-/// Six numbers that a rigid motion leaves as they are: the chord's length, its slopes towards `x` and `y` against the first end, then
+/// Six numbers that do not change in a rigid motion: the chord's length, its slopes towards `x` and `y` against the first end, then
 /// against the second, and the twist; or the derivatives of the energy by them.
 type Local = SVector<f64, 6>;
 
@@ -140,7 +140,7 @@ impl Beam<'_> {
 
     /// Forces and moments that hold the ends in place, N and N m, of the first end, then of the second, and their change by steps of the ends.
     ///
-    /// Differences are taken of what rigid motions leave as it is, so that no stiff strip resists one by their error.
+    /// The differences are of numbers that do not change in a rigid motion, so that their errors do not resist one.
     pub(crate) fn stiffness(
         &self,
         ends: [&Node; 2],

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, SVector, Translation3, Uni
 
 use crate::beam::Node;
 use crate::tridiagonal::{Block, Part, Tridiagonal};
-use crate::tube::{Condensed, Tube, cross};
+use crate::tube::{Condensed, Tube};
 
 /// Last step of an iteration, m and rad: stiffness and stability are those before it.
 const SETTLED: f64 = 1e-9;
@@ -134,7 +134,7 @@ impl Body {
     /// Takes the limb to its equilibrium at pressures, one a channel, with a mass at its tip, `span_s` after the last instant.
     ///
     /// # Errors
-    /// [`Fallen`] where there is no stable one near the last; the limb is not to be used any more.
+    /// [`Fallen`] where there is no stable one near the last; the limb must not be used afterwards.
     pub fn settle(&mut self, pressures_pa: &[f64], payload_kg: f64, span_s: f64) -> Result<(), Fallen> {
         self.settle_under(pressures_pa, payload_kg, [0.0; 3], span_s)
     }
@@ -237,7 +237,7 @@ impl Body {
                 let moment = arm.cross(&force_n);
                 residual[index] += Part::new(force_n.x, force_n.y, force_n.z, moment.x, moment.y, moment.z);
                 let mut turning = matrix.diagonal[index].fixed_view_mut::<3, 3>(3, 3);
-                turning -= cross(&force_n) * cross(&arm);
+                turning -= force_n.cross_matrix() * arm.cross_matrix();
             };
             for mass in &plate.masses {
                 push(Vector3::from(mass.place_m), self.gravity_m_per_s2 * (load.weight * mass.kg));

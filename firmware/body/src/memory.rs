@@ -93,9 +93,9 @@ pub struct Memory {
     elastic: f64,
     /// Force of each slider.
     stops: [f64; STOPS],
-    /// What each term has relaxed to.
+    /// Elastic pressure to which each term has relaxed, of the range.
     relaxed: [f64; TERMS],
-    /// Excess stiffness that each layer has left.
+    /// Remaining share of the excess stiffness of each layer.
     fresh: [f64; LAYERS],
 }
 
@@ -135,7 +135,7 @@ impl Memory {
         slides + flows.sum::<f64>() + softens.sum::<f64>()
     }
 
-    /// Share of the elastic pressure that a layer bears; the first bears what is below it too, the last what is above.
+    /// Share of the elastic pressure in a layer. The first layer includes all below it, the last one all above it.
     fn in_layer(&self, layer: usize) -> f64 {
         let low = if layer == 0 { f64::NEG_INFINITY } else { self.layers[layer] };
         let high = if layer + 1 == LAYERS { f64::INFINITY } else { self.layers[layer + 1] };

@@ -2,14 +2,14 @@
 //!
 //! | parameter | nominal | standard deviation | source |
 //! | --- | --- | --- | --- |
-//! | loop stiffness | 0.3 of range | 20 % | believed: a loop of 7 % of range, of the 5-15 % that elastomers are said to have |
-//! | creep | 5 % | 20 % | believed: 4.5 % from 1 s to 10 min |
-//! | damping | 18 % | 20 % | believed: loss factor of 0.04-0.05 at 0.3-5 Hz |
-//! | softening | 12 % | 20 % | phenomenon: Case et al. 2015, doi:10.1089/soro.2015.0002 (the first cycle of silicones differs); size believed |
-//! | place of a tube on its plate | as designed | 0.3 mm | believed: a printed connector |
-//! | angle of a tube on its plate | as designed | 0.5 deg | believed: a cast end in a printed seat |
-//! | length of a connector | as designed | 0.3 mm | believed |
-//! | direction of the base | as designed | 0.3 deg | believed: a bracket set with a spirit level |
+//! | loop stiffness | 0.3 of range | 20 % | assumed: a loop of 7 % of range, of the 5-15 % that elastomers are said to have |
+//! | creep | 5 % | 20 % | assumed: 4.5 % from 1 s to 10 min |
+//! | damping | 18 % | 20 % | assumed: loss factor of 0.04-0.05 at 0.3-5 Hz |
+//! | softening | 12 % | 20 % | phenomenon: Case et al. 2015, doi:10.1089/soro.2015.0002 (the first cycle of silicones differs); size assumed |
+//! | place of a tube on its plate | as designed | 0.3 mm | assumed: a printed connector |
+//! | angle of a tube on its plate | as designed | 0.5 deg | assumed: a cast end in a printed seat |
+//! | length of a connector | as designed | 0.3 mm | assumed |
+//! | direction of the base | as designed | 0.3 deg | assumed: a bracket set with a spirit level |
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use softlimb_numerics::Random;

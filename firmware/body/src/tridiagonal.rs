@@ -1,4 +1,4 @@
-//! Linear systems of blocks in which each has to do with its two neighbours.
+//! Block-tridiagonal systems of linear equations.
 
 use nalgebra::{SMatrix, SVector};
 

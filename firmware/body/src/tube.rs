@@ -135,13 +135,13 @@ impl Tube {
         let arms = [0, 1].map(|end: usize| plates[end].turn * self.seats[end].translation.vector);
         let mut carried = SMatrix::<f64, 12, 12>::identity();
         for (end, arm) in arms.iter().enumerate() {
-            carried.fixed_view_mut::<3, 3>(6 * end, 6 * end + 3).copy_from(&-cross(arm));
+            carried.fixed_view_mut::<3, 3>(6 * end, 6 * end + 3).copy_from(&-arm.cross_matrix());
         }
         let mut stiffness = carried.transpose() * held * carried;
         for (end, arm) in arms.iter().enumerate() {
             let force = Vector3::from(loads.fixed_rows::<3>(6 * end));
             let mut turning = stiffness.fixed_view_mut::<3, 3>(6 * end + 3, 6 * end + 3);
-            turning += cross(&force) * cross(arm);
+            turning += force.cross_matrix() * arm.cross_matrix();
         }
         Some(Condensed { forces: carried.tr_mul(&loads), stiffness, still, following: following * carried })
     }
@@ -169,9 +169,4 @@ impl Tube {
         let beam = Beam { law: &self.law, length_m: self.beam_m, pressure_pa: 0.0, springs: [0.0; 3] };
         nodes.windows(2).map(|pair| beam.strain([&pair[0], &pair[1]])).collect()
     }
-}
-
-/// The matrix of the cross product with a vector from the left.
-pub(crate) fn cross(vector: &Vector3<f64>) -> Matrix3<f64> {
-    vector.cross_matrix()
 }

@@ -148,7 +148,7 @@ fn loop_width(actuator: &mut Actuator, low: f64, high: f64) -> f64 {
 fn loop_has_the_stated_width() {
     let whole = loop_width(&mut Actuator::new(HYSTERESIS), 0.0, RANGE);
     assert!((0.05..0.10).contains(&whole), "{whole} of range");
-    // A cycle of a fifth of the range: a few per cent of its own range, as rubber's, not a loop that shrinks in proportion.
+    // The loop of a cycle over a fifth of the range is a few per cent of that fifth, as in rubber.
     let small = loop_width(&mut Actuator::new(HYSTERESIS), 0.4 * RANGE, 0.6 * RANGE);
     assert!((0.02..0.05).contains(&(small / 0.2)), "{} of its range", small / 0.2);
 }

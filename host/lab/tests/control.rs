@@ -1,4 +1,4 @@
-//! The control table, `tests/golden/control.tsv`: recorded, and the plants as told run again.
+//! The control table, `tests/golden/control.tsv`: recorded, and the nominal plants run again.
 //!
 //! Made by `cargo xtask lab control --tsv tests/golden/control.tsv --svg docs/evidence/control.svg --page docs/evidence/control.md`.
 
@@ -18,7 +18,7 @@ fn recorded() -> Vec<Line> {
 }
 
 #[test]
-fn plants_as_told_have_the_recorded_figures() {
+fn nominal_plants_have_the_recorded_figures() {
     let recorded = recorded();
     for line in lines(&run(&[Group::Nominal, Group::Moved, Group::Pump])) {
         let is_same = |other: &&Line| {

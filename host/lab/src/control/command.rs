@@ -6,7 +6,7 @@ use softlimb::cli::{Failure, Outcome};
 use super::{Group, HEADING, Line, PLACE, lines, page, picture, run};
 use crate::published::Published;
 
-/// Follow steps, a sine and a trajectory with chambers of three sizes, on the plant that the device is told and on 60 others
+/// Follow steps, a sine and a trajectory with chambers of three sizes, on the nominal plant and on 60 others
 #[derive(Args)]
 #[command(after_help = "All of it:\n  \
                         cargo xtask lab control --tsv tests/golden/control.tsv --svg docs/evidence/control.svg --page docs/evidence/control.md")]

@@ -1,4 +1,4 @@
-//! Control of pressure: what chambers of three sizes do about their references, beside what a valve that is left open could do.
+//! Control of pressure: errors of chambers of three sizes, and settling times beside that of a valve that stays open.
 
 mod bench;
 mod command;
@@ -21,13 +21,13 @@ use softlimb_sim::plant::{MotionSettings, PlantSettings, PumpSettings, Spread, S
 
 use crate::faults::bench::settings;
 
-/// Plants that differ from what the device is told.
+/// Number of plants that differ from the device's configuration.
 pub const PLANTS: u64 = 60;
 
-/// Volume that the limb's motion takes and gives, m3, and its frequency, Hz.
+/// Amplitude, m3, and frequency, Hz, of the volume change by the limb's motion.
 const MOTION: MotionSettings = MotionSettings { amplitude_m3: 0.7e-6, frequency_hz: 2.0 };
 
-/// Standard deviations of the widest spread: volumes to 30 %, conductances to 20 %, delays to 30 %. Sensors are exact: their error passes one to one.
+/// Standard deviations of the widest spread: volumes to 30 %, conductances to 20 %, delays to 30 %. Sensors are exact: a sensor's error is the pressure's error.
 const WIDEST: Spread = Spread {
     modulus: 0.05,
     wall_thickness: 0.02,
@@ -43,7 +43,7 @@ const WIDEST: Spread = Spread {
 /// A loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// That of the firmware, behind its link.
+    /// The firmware's, behind its link.
     Firmware,
     /// Pulses by a PI controller with feed-forward through the inverse of the valve.
     Pi,
@@ -69,11 +69,11 @@ impl Method {
 /// A group of plants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
-    /// The one that the device is told.
+    /// As in the device's configuration.
     Nominal,
-    /// The same while the limb moves the chambers' walls.
+    /// Nominal, while the limb's motion changes the volumes.
     Moved,
-    /// The same behind a pump and a reservoir.
+    /// Nominal, with a pump and a reservoir as supply.
     Pump,
     /// Plants of the widest spread.
     Spread,
@@ -87,9 +87,9 @@ impl Group {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Nominal => "as told",
-            Self::Moved => "as told, moved",
-            Self::Pump => "as told, pump",
+            Self::Nominal => "nominal",
+            Self::Moved => "nominal, moved",
+            Self::Pump => "nominal, pump",
             Self::Spread => "60 plants",
         }
     }

@@ -1,4 +1,4 @@
-//! The picture: steps and a trajectory of the plant as told, and the errors of the others.
+//! The picture: steps and a trajectory on the nominal plant, and the errors on the others.
 
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 
@@ -9,20 +9,19 @@ use crate::faults::bench::VOLUMES_M3;
 /// Area of one chart, px, and the room it takes with its frame.
 const AREA: [f64; 2] = [420.0, 220.0];
 const ROOM: [f64; 2] = [506.0, 330.0];
-const CAPTION: &str =
-    "Pressures of three chambers by one program, and the errors of 60 plants that differ from what the device is told";
+const CAPTION: &str = "Pressures of three chambers by one program, and the errors on 60 plants that differ from the device's configuration";
 
-/// Every so many ticks are drawn.
+/// Ticks between two drawn points.
 const EVERY: usize = 5;
-/// Steps that are drawn.
+/// Number of drawn steps.
 const STEPS: f64 = 4.0;
 
 /// The picture as a document that stands by itself.
 pub(super) fn picture(trials: &[Trial]) -> String {
     let ours = || trials.iter().filter(|trial| trial.method == Method::Firmware);
     let Some(nominal) = ours().find(|trial| trial.group == Group::Nominal) else { return String::new() };
-    let steps = over_time(nominal, "steps, plant as told", [STEPS_S - 0.1, STEPS_S + STEPS * STEP_S]);
-    let trajectory = over_time(nominal, "trajectory, plant as told", [TRAJECTORY_S.start, TRAJECTORY_S.end]);
+    let steps = over_time(nominal, "steps, nominal plant", [STEPS_S - 0.1, STEPS_S + STEPS * STEP_S]);
+    let trajectory = over_time(nominal, "trajectory, nominal plant", [TRAJECTORY_S.start, TRAJECTORY_S.end]);
     let spread: Vec<_> = ours().filter(|trial| trial.group == Group::Spread).collect();
     let errors = |title: &str, label: &str, value: fn(&super::Figures) -> f64| sorted(&spread, title, label, value);
     let below = vec![

@@ -104,7 +104,7 @@ impl<'a> Assembler<'a> {
         self.start_us.get_or_insert(start_us);
     }
 
-    /// The way that the setpoints have for the tip: times, s, and positions, m; empty where nobody knows it before.
+    /// The way that the setpoints have for the tip: times, s, and positions, m; empty where it is not known in advance.
     pub(super) fn planned_path(&self) -> Vec<(f64, [f64; 3])> {
         let Some(duration_us) = self.reference.duration_us() else { return Vec::new() };
         let times = (0..duration_us).step_by(PATH_PERIOD_US).chain([duration_us]);

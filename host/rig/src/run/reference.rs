@@ -18,7 +18,7 @@ pub(super) trait Reference {
     /// Where they bring the centre line, m.
     fn line_m(&self, time_us: u64) -> Vec<[f64; 3]>;
 
-    /// How long the setpoints last, us; `None` where nobody knows before they are given.
+    /// How long the setpoints last, us; `None` where that is not known in advance.
     fn duration_us(&self) -> Option<u64> {
         None
     }

@@ -20,7 +20,7 @@ const BENDS: [f64; 6] = [-0.12, -0.06, -0.025, 0.0, 0.025, 0.06];
 const TWISTS_RAD: [f64; 5] = [-0.6, -0.3, 0.0, 0.3, 0.6];
 /// Weight of the states without load in the fit.
 const FREE_WEIGHT: f64 = 4.0;
-/// Stiffness of a bender's line over that of its wall: believed, of a cloth strip beside an elastomer.
+/// Stiffness of a bender's line over that of its wall: assumed, for a cloth strip beside an elastomer.
 const LINE: f64 = 100.0;
 
 /// A state of the section: its pressure, Pa, the two strains of the potential, and the loads that belong to them.

@@ -362,7 +362,7 @@ def check_rosbags(name, log):
 def check_rerun(name, log, robot, links):
     """The limb and the obstacles are shapes that move with their frames, not opaque messages."""
     with tempfile.TemporaryDirectory() as folder:
-        # In a home of its own each start is the first: nothing is reported to anybody, and nothing stays.
+        # In an empty home rerun sends no usage report, and leaves no settings.
         environment = {**os.environ, "HOME": folder}
         recording = pathlib.Path(folder) / "log.rrd"
         rerun = [sys.executable, "-m", "rerun_cli"]

@@ -150,7 +150,7 @@ impl Gate {
 }
 
 impl Commander {
-    /// Whether a message of another client opens the commander's session while he is there, or would keep his link alive without him.
+    /// Whether a message of another client opens the commander's session while the commander is there, or would keep its link alive.
     fn is_impersonated(&self, now: Instant, message: &HostMessage) -> bool {
         let is_silent = now.saturating_duration_since(self.heard) >= RECONNECT;
         match message {
