@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Dyn, Isometry3, Matrix3, OMatrix, SMatrix, SVector, U12, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, Isometry3, OMatrix, SMatrix, SVector, U12, Vector3};
 
 use crate::beam::{Beam, Node, Strain};
 use crate::law::Law;

@@ -267,13 +267,12 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
     while fruitless < HOPS.len() && !is_over(&limb, minimum.objective) {
         let mut points = HOPS[kind](&grid, &mut limb.problem, &minimum.point, minimum.objective);
         let mut is_better = false;
-        while !is_better
-            && !is_over(&limb, minimum.objective)
-            && let Some(point) = points.pop()
-        {
+        // The best of them is tried even if finding them has spent the budget.
+        while let Some(point) = points.pop() {
             let Some(point) = limb.problem.start_at(point) else { continue };
             let Some(rough) = minimise(&mut limb, &point, settings.criteria) else { continue };
             let found = refine(&mut limb, rough);
+            solves.minima += 1;
             is_better = found.objective < minimum.objective * (1.0 - SAME);
             if is_better {
                 // No start has ended there.
@@ -281,7 +280,9 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
             } else if found.objective <= minimum.objective * (1.0 + SAME) {
                 solves.agreeing += 1;
             }
-            solves.minima += 1;
+            if is_better || is_over(&limb, minimum.objective) {
+                break;
+            }
         }
         (kind, fruitless) = if is_better { (kind, 0) } else { ((kind + 1) % HOPS.len(), fruitless + 1) };
     }

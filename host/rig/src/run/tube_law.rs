@@ -241,3 +241,48 @@ fn cubic(found: &[(f64, [f64; 3])], spring: usize) -> Option<Vec<f64>> {
     let solution = matrix.svd(true, true).solve(&right, 1e-12).ok()?;
     Some(solution.iter().copied().collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use softlimb_limb::Limb;
+
+    /// Largest error of the fit between its points, as a share of the highest pressure: of all states, and of those without load.
+    fn worst(parameters: &ActuatorParameters<f64>, pressure_max_pa: f64) -> (f64, f64) {
+        let stiffness = stiffness(parameters, pressure_max_pa).unwrap().expect("springs");
+        let law = law(parameters, &stiffness, pressure_max_pa).unwrap().expect("a law");
+        let section = Section::new(parameters, &options(Symmetry::Exploit)).unwrap();
+        let between: Vec<f64> = (1..11).map(|k| pressure_max_pa * (f64::from(k) - 0.5) / 12.0).collect();
+        let axis = usize::from(law.main == Main::Twist);
+        let (mut far, mut free_far) = (0.0_f64, 0.0_f64);
+        for loads in loads(parameters) {
+            let loads = loads.map(|load| 0.7 * load);
+            let curve = section.curve(&between, &end_load(parameters.motion, loads)).unwrap();
+            for point in curve.answers.iter().filter_map(|answer| point(parameters.motion, answer, loads)) {
+                let found = law.potential.loads(point.strains, point.pressure_pa);
+                // Change of the load by the pressure.
+                let less = law.potential.loads(point.strains, point.pressure_pa - 1e3);
+                let lever = (found[axis] - less[axis]) / 1e3;
+                let error = ((found[axis] - point.loads[axis]) / lever / pressure_max_pa).abs();
+                far = far.max(error);
+                if point.is_free() {
+                    free_far = free_far.max(error);
+                }
+            }
+        }
+        (far, free_far)
+    }
+
+    #[test]
+    fn law_has_the_loads_of_the_section_between_its_points() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+        for name in ["weightless-b", "pick-and-place-a", "weightless-c"] {
+            let scene = softlimb_scene::load(root.join(format!("{name}.toml"))).unwrap();
+            let limb = Limb::new(&scene).unwrap();
+            for module in limb.modules() {
+                let (far, free) = worst(module.actuator.parameters(), module.pressure_max_pa);
+                assert!(far < 0.015 && free < 0.0005, "{name} {}: {far} {free} of the highest pressure", module.name);
+            }
+        }
+    }
+}
