@@ -96,8 +96,16 @@ fn errors_name_the_winding() {
         (json!([]), vec![], "fiber has 0 windings: 1 or 2 are allowed"),
         (json!([good, good, good]), vec![], "fiber has 3 windings"),
         (json!([good, with("pitch", json!(1))]), vec![], "unknown field `pitch`"),
-        (json!([good, good]), vec![("motion", json!("bending"))], "`motion` \"bending\" takes one winding"),
-        (json!([good, good]), vec![("model", json!("section-fe"))], "`model` \"section-fe\" takes one winding"),
+        (
+            json!([good, good]),
+            vec![("motion", json!("bending")), ("model", json!("analytic"))],
+            "`motion` \"bending\" with `model` \"analytic\" takes one winding",
+        ),
+        (
+            json!([good, with("thickness_m", Value::Null)]),
+            vec![("motion", json!("bending"))],
+            "fiber, second winding: `thickness_m` is missing",
+        ),
         (json!([good, good]), vec![("errors", json!(true))], "`errors` takes one winding"),
     ];
     for (fiber, changes, expected) in cases {
@@ -107,4 +115,41 @@ fn errors_name_the_winding() {
             assert!(answer["message"].as_str().is_some_and(|message| message.contains(expected)), "{answer}");
         }
     }
+}
+
+#[test]
+fn finite_elements_answer_like_the_analytic_model() {
+    let fiber = json!([thread(-30.0), thread(90.0)]);
+    let exact = answer(&fiber, &[], Scalar::F64);
+    let section_fe = ("model", json!("section-fe"));
+    let found = answer(&fiber, std::slice::from_ref(&section_fe), Scalar::F64);
+    for field in ["twist_rad", "outer_radius_m"] {
+        assert!((number(&found, field) / number(&exact, field) - 1.0).abs() < 1e-5, "{found} {exact}");
+    }
+    let twist = json!({"twist_rad": number(&found, "twist_rad")});
+    let inverse = [("problem", json!("inverse")), ("pressure_pa", Value::Null), ("target", twist), section_fe];
+    let back = answer(&fiber, &inverse, Scalar::F64);
+    assert!((number(&back, "pressure_pa") / 50e3 - 1.0).abs() < 1e-6, "{back}");
+    let single = answer(&fiber, &[("model", json!("section-fe"))], Scalar::F32);
+    assert!(single["message"].as_str().is_some_and(|message| message.contains("single precision")), "{single}");
+}
+
+/// Different windings make a bending actuator twist: finite elements say by how much.
+#[test]
+fn bending_actuator_also_twists() {
+    let bends = [("motion", json!("bending")), ("pressure_pa", json!(30e3))];
+    let fiber = json!([thread(5.0), thread(-10.0)]);
+    let found = answer(&fiber, &bends, Scalar::F64);
+    assert_eq!((&found["status"], &found["model"]), (&json!("ok"), &json!("section-fe")), "{found}");
+    let [bend, twist] = ["bend_angle_rad", "twist_rad"].map(|field| number(&found, field));
+    assert!(bend > 0.5 && twist > 0.05, "{found}");
+    let mirrored = answer(&json!([thread(5.0), thread(-5.0)]), &bends, Scalar::F64);
+    assert_eq!(number(&mirrored, "twist_rad"), 0.0, "{mirrored}");
+    let target = json!({"bend_angle_rad": bend});
+    let inverse =
+        [("motion", json!("bending")), ("problem", json!("inverse")), ("pressure_pa", Value::Null), ("target", target)];
+    let back = answer(&fiber, &inverse, Scalar::F64);
+    assert!((number(&back, "pressure_pa") / 30e3 - 1.0).abs() < 1e-6, "{back}");
+    let single = answer(&fiber, &bends, Scalar::F32);
+    assert!(single["message"].as_str().is_some_and(|message| message.contains("single precision")), "{single}");
 }

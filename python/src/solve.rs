@@ -143,7 +143,7 @@ impl Query {
         let parameters = actuator.parameters();
         let by_section = || {
             let Self { question, range, load } = *self;
-            let answer = solve_section(&SectionQuery { parameters, question, range, load })?;
+            let answer = solve_section(&SectionQuery { parameters, second_fiber: None, question, range, load })?;
             Ok(Answer::of_section(&answer, parameters.motion, &actuator.rest()))
         };
         if choice == Choice::SectionFe {

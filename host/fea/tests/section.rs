@@ -9,3 +9,4 @@ mod misuse;
 mod stiffness;
 mod straight;
 mod sweep;
+mod two_windings;

@@ -22,7 +22,7 @@ use super::request::{Case, Model, Question, Request};
 use super::section_fe::{Discretisation, SectionAnswer, SectionQuery, solve_section};
 use super::series::{SeriesAnswer, SeriesRequest};
 use super::two_windings;
-use softlimb_fea::cross_section::analytic_bend_error;
+use softlimb_fea::cross_section::{SectionError, analytic_bend_error};
 use softlimb_files::object::Object;
 use softlimb_limb::largest_stretch;
 
@@ -154,7 +154,14 @@ fn actuator(request: &Request, solver: &mut Solver) -> Result<Answer, String> {
 
 fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
     if let Some(second) = &case.second_fiber {
-        return two_windings::answer(case, second, solver.scalar).map(|solution| Answer::of(&solution));
+        if !two_windings::is_by_section(case, solver.scalar)? {
+            return two_windings::answer(case, second, solver.scalar).map(|solution| Answer::of(&solution));
+        }
+        let found = by_section(case)?;
+        let answer = Answer::found(&found);
+        let is_chosen = case.model == Model::Auto;
+        let chosen = |answer: Answer| Answer { model: Some("section-fe"), ..answer }.with_errors_of(case, &found);
+        return Ok(if is_chosen { chosen(answer) } else { answer });
     }
     if let (true, Question::Inverse { target }) = (case.all, &case.question) {
         return match solver.scalar {
@@ -225,10 +232,18 @@ fn all<T: Precision>(
 
 fn by_section(case: &Case) -> Result<SectionAnswer, String> {
     // Checked first in the unit it is written in, as for the other model.
-    case.parameters.check().map_err(|error| as_written(error).to_string())?;
+    let invalid = |error| match case.second_fiber {
+        None => as_written(error).to_string(),
+        Some(_) => two_windings::in_winding(error),
+    };
+    case.parameters.check().map_err(invalid)?;
     let Case { parameters, question, range, load, .. } = case;
-    let query = SectionQuery { parameters, question: *question, range: *range, load: *load };
-    solve_section(&query).map_err(|error| error.to_string())
+    let second_fiber = case.second_fiber.as_ref();
+    let query = SectionQuery { parameters, second_fiber, question: *question, range: *range, load: *load };
+    solve_section(&query).map_err(|error| match (error, second_fiber) {
+        (SectionError::SecondWinding(error), _) => two_windings::of_winding("second", error),
+        (error, _) => error.to_string(),
+    })
 }
 
 fn series(line: &[u8], scalar: Scalar) -> Answered<SeriesAnswer> {

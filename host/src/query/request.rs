@@ -321,7 +321,7 @@ impl MaterialSpec {
 impl Fibers {
     /// The first and the second winding. In a list, a winding is one family unless it states two.
     fn windings(&self, motion: Motion, outer_radius_m: f64) -> Result<[Option<Fiber<f64>>; 2], String> {
-        let listed = |spec: &FiberSpec, place: &str| {
+        let listed = |spec: &FiberSpec, place: &str, motion: Motion| {
             let spec = FiberSpec { families: spec.families.or(Some(1)), ..*spec };
             let winding = spec.fiber(motion, outer_radius_m);
             winding.map_err(|message| format!("fiber, {place} winding: {}", message.replace("fiber.", "")))
@@ -329,8 +329,12 @@ impl Fibers {
         match self {
             Self::One(spec) => Ok([Some(spec.fiber(motion, outer_radius_m)?), None]),
             Self::List(list) => match list.as_slice() {
-                [Object(one)] => Ok([Some(listed(one, "first")?), None]),
-                [Object(first), Object(second)] => Ok([Some(listed(first, "first")?), Some(listed(second, "second")?)]),
+                [Object(one)] => Ok([Some(listed(one, "first", motion)?), None]),
+                // Of two windings every field counts, on a bending actuator, too.
+                [Object(first), Object(second)] => {
+                    let straight = Motion::Extension;
+                    Ok([Some(listed(first, "first", straight)?), Some(listed(second, "second", straight)?)])
+                }
                 _ => Err(format!("fiber has {} windings: 1 or 2 are allowed", list.len())),
             },
         }

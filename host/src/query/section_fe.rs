@@ -1,6 +1,9 @@
 //! Questions to the finite element model of the section.
 
-use fra_model::{Actuator, ActuatorParameters, Load, Motion, PressureRange, State, StateQuantity, Status, Target};
+use fra_model::{
+    Actuator, ActuatorParameters, Fiber, InvalidParameter, Load, Motion, PressureRange, Solution, State, StateQuantity,
+    Status, Target, TwoWindings,
+};
 use serde::Serialize;
 
 use super::request::Question;
@@ -40,6 +43,8 @@ impl Discretisation {
 pub struct SectionQuery<'a> {
     /// The actuator.
     pub parameters: &'a ActuatorParameters<f64>,
+    /// A winding beside that of the parameters. A bending actuator then twists, too, unless the two mirror each other.
+    pub second_fiber: Option<&'a Fiber<f64>>,
     /// The given pressure or deformation.
     pub question: Question<Target<f64>>,
     /// Pressures that may answer an inverse question.
@@ -84,7 +89,12 @@ struct Asked<'a> {
 /// # Errors
 /// An error with field, value and range, if a value is outside the range of the finite elements.
 pub fn solve_section(query: &SectionQuery<'_>) -> Result<SectionAnswer, SectionError> {
-    let section = Section::new(query.parameters, &Options::default()).map_err(plain)?;
+    let options = Options::default();
+    let section = match query.second_fiber {
+        None => Section::new(query.parameters, &options),
+        Some(second) => Section::with_two_windings(query.parameters, second, &options),
+    };
+    let section = section.map_err(plain)?;
     let load = EndLoad::of(&query.load, query.parameters.motion);
     let mut asked = Asked { section, query, load, iterations: 0 };
     match query.question {
@@ -113,6 +123,20 @@ fn plain(error: SectionError) -> SectionError {
     }
 }
 
+impl SectionQuery<'_> {
+    /// The analytic answer to an inverse question. Of a bending actuator with two windings it is that without the second, near which
+    /// the answer lies.
+    fn analytic(&self, target: Target<f64>) -> Result<Solution<f64>, InvalidParameter<f64>> {
+        match self.second_fiber.filter(|_| self.parameters.motion != Motion::Bending) {
+            None => Actuator::new(self.parameters)?.inverse(target, &self.load),
+            Some(second) => {
+                let range = PressureRange::physical();
+                TwoWindings::new(self.parameters, second)?.inverse_within(&range, target, &self.load)
+            }
+        }
+    }
+}
+
 impl Asked<'_> {
     fn at(&mut self, pressure_pa: f64) -> Result<Answer, SectionError> {
         let curve = self.section.curve(&[pressure_pa], &self.load).map_err(plain)?;
@@ -123,10 +147,9 @@ impl Asked<'_> {
 
     /// The pressure that reaches a target: from that of the analytic model by the secant method, below what is known to have no answer.
     fn reach(&mut self, target: Target<f64>) -> Result<SectionAnswer, SectionError> {
-        let actuator = Actuator::new(self.query.parameters)?;
         let range = &self.query.range;
         range.check()?;
-        let first = actuator.inverse(target, &self.query.load)?;
+        let first = self.query.analytic(target)?;
         if first.status != Status::Solved || first.state.pressure_pa < 0.0 {
             return Ok(self.nothing(Status::NoSolution, first.limit_pressure_pa));
         }

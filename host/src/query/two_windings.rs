@@ -1,4 +1,4 @@
-//! Questions about a straight tube with two windings.
+//! Questions about an actuator with two windings.
 
 use fra_model::{ActuatorParameters, Fiber, InvalidParameter, Motion, Precision, Solution, TwoWindings};
 
@@ -6,20 +6,30 @@ use super::batch::{Scalar, as_written};
 use super::convert;
 use super::request::{Case, Model, Question};
 
+/// Whether finite elements answer. Of a bending actuator with two windings they alone have a model: it twists, too.
+///
+/// # Errors
+/// A message with what two windings do not have.
+pub(super) fn is_by_section(case: &Case, scalar: Scalar) -> Result<bool, String> {
+    let bends = case.parameters.motion == Motion::Bending;
+    let by_section = case.model == Model::SectionFe || bends;
+    let refused = [
+        (bends && case.model == Model::Analytic, "`motion` \"bending\" with `model` \"analytic\""),
+        (by_section && scalar == Scalar::F32, "single precision with finite elements"),
+        (case.all, "`solutions` \"all\""),
+        (case.errors, "`errors`"),
+    ];
+    match refused.iter().find(|(is_refused, _)| *is_refused) {
+        Some((_, field)) => Err(format!("fiber, second winding: {field} takes one winding")),
+        None => Ok(by_section),
+    }
+}
+
 /// The answer of the analytic model.
 ///
 /// # Errors
 /// A message with the winding, the field and the allowed values.
 pub(super) fn answer(case: &Case, second: &Fiber<f64>, scalar: Scalar) -> Result<Solution<f64>, String> {
-    let refused = [
-        (case.parameters.motion == Motion::Bending, "`motion` \"bending\""),
-        (case.model == Model::SectionFe, "`model` \"section-fe\""),
-        (case.all, "`solutions` \"all\""),
-        (case.errors, "`errors`"),
-    ];
-    if let Some((_, field)) = refused.iter().find(|(is_refused, _)| *is_refused) {
-        return Err(format!("fiber, second winding: {field} takes one winding"));
-    }
     // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
     let double = TwoWindings::new(&case.parameters, second).map_err(in_winding)?;
     match scalar {
@@ -45,12 +55,17 @@ fn solve<T: Precision>(tube: &TwoWindings<T>, case: &Case) -> Result<Solution<T>
 }
 
 /// The error as a message that names the winding.
-fn in_winding(error: InvalidParameter<f64>) -> String {
+pub(super) fn in_winding(error: InvalidParameter<f64>) -> String {
     let (winding, field) = match (error.field.strip_prefix("second_fiber."), error.field) {
         (Some(field), _) => ("second", field),
         (None, "angle_rad" | "modulus_pa" | "thickness_m" | "radius_m") => ("first", error.field),
         (None, _) => return error.to_string(),
     };
-    let message = as_written(InvalidParameter { field, ..error }).to_string();
+    of_winding(winding, InvalidParameter { field, ..error })
+}
+
+/// The error of a field of one of the windings.
+pub(super) fn of_winding(winding: &str, error: InvalidParameter<f64>) -> String {
+    let message = as_written(error).to_string();
     format!("fiber, {winding} winding: {}", message.trim_start_matches("fiber."))
 }

@@ -1,6 +1,6 @@
 //! One actuator in units of its inner radius and its shear modulus, ready to be meshed.
 
-use fra_model::{ActuatorParameters, Families, Fiber, Motion, Placement};
+use fra_model::{ActuatorParameters, Families, Fiber, InvalidParameter, Motion, Placement};
 
 use super::error::SectionError;
 use super::options::{EndLoad, Limiter, Options, Winding};
@@ -26,10 +26,15 @@ impl Fibers {
     fn one(stiffness: f64, direction: Direction) -> Self {
         Self { stiffness, directions: [direction; 2], families: 1 }
     }
+
+    /// Directions of its families.
+    fn families(&self) -> impl Iterator<Item = Direction> + '_ {
+        self.directions[..self.families].iter().copied()
+    }
 }
 
-/// Place of the winding.
-#[derive(Clone, Copy, Debug)]
+/// Place of a winding.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Wound {
     /// On the surface of this radius, energy per area.
     Sheet(f64),
@@ -60,7 +65,7 @@ pub(super) enum Part {
 pub(super) struct Build {
     pub(super) outer: f64,
     pub(super) elastomer: Elastomer,
-    pub(super) winding: Option<(Wound, Fibers)>,
+    pub(super) windings: Vec<(Wound, Fibers)>,
     pub(super) limit: Option<Limit>,
     /// `R_i`, m, and `mu1`, Pa.
     pub(super) radius_m: f64,
@@ -69,13 +74,21 @@ pub(super) struct Build {
 }
 
 impl Build {
-    pub(super) fn new(parameters: &ActuatorParameters<f64>, options: &Options) -> Result<Self, SectionError> {
+    /// `second` is a winding beside that of the parameters.
+    pub(super) fn new(
+        parameters: &ActuatorParameters<f64>,
+        second: Option<&Fiber<f64>>,
+        options: &Options,
+    ) -> Result<Self, SectionError> {
         parameters.check()?;
         options.check()?;
         let (radius_m, modulus_pa) = (parameters.inner_radius_m, parameters.material.shear_modulus_pa());
         let outer = parameters.outer_radius_m / radius_m;
-        let winding = winding(parameters, options, outer)?;
-        let twists = winding.is_some_and(|(_, fibers)| fibers.families == 1 && is_oblique(fibers.directions[0]));
+        let mut windings = Vec::from_iter(winding(parameters, second.is_some(), options, outer)?);
+        if let Some(second) = second {
+            windings.extend(self::second(parameters, second, options, outer)?);
+        }
+        let twists = !is_mirror_image(&windings);
         let per_surface = modulus_pa * radius_m;
         let limit = match options.limiter_for(parameters.motion) {
             Limiter::None => None,
@@ -85,7 +98,8 @@ impl Build {
                 Some(Limit::Strip { half_angle: half_angle_rad, fibers })
             }
         };
-        Ok(Self { outer, elastomer: Elastomer::of(&parameters.material), winding, limit, radius_m, modulus_pa, twists })
+        let elastomer = Elastomer::of(&parameters.material);
+        Ok(Self { outer, elastomer, windings, limit, radius_m, modulus_pa, twists })
     }
 
     /// The least part of the section that shows everything a load can do.
@@ -114,7 +128,7 @@ impl Build {
     /// elastomer is a concentrated load, which sinks in by as much again with every halving: there is no limit, and what is given is what ten
     /// more halvings would change.
     pub(super) fn error_factor(&self) -> f64 {
-        let on_surface = matches!(self.winding, Some((Wound::Sheet(radius), _)) if radius >= self.outer);
+        let on_surface = self.sheets().any(|radius| radius >= self.outer);
         match self.limit {
             None => 1.0 / 15.0,
             Some(Limit::Line(_)) if !on_surface => 10.0,
@@ -123,42 +137,90 @@ impl Build {
         }
     }
 
-    /// The surface whose middle is the axis: that of the winding, else the outer one.
+    /// The surface whose middle is the axis: that of the first sheet, else the outer one.
     pub(super) fn axis_surface(&self) -> f64 {
-        match self.winding {
-            Some((Wound::Sheet(radius), _)) => radius,
-            _ => self.outer,
-        }
+        self.sheets().next().unwrap_or(self.outer)
+    }
+
+    /// Radii of the windings that are sheets.
+    fn sheets(&self) -> impl Iterator<Item = f64> {
+        self.windings.iter().filter_map(|(wound, _)| match *wound {
+            Wound::Sheet(radius) => Some(radius),
+            Wound::From(_) => None,
+        })
+    }
+
+    /// Radii inside the wall at which a winding lies or begins, in rising order.
+    pub(super) fn radii_inside(&self) -> Vec<f64> {
+        let radii = self.windings.iter().map(|(Wound::Sheet(radius) | Wound::From(radius), _)| *radius);
+        let mut inside: Vec<f64> = radii.filter(|radius| *radius > 1.0 && *radius < self.outer).collect();
+        inside.sort_by(f64::total_cmp);
+        inside.dedup();
+        inside
     }
 }
 
-/// Neither along the hoop nor along the axis.
-fn is_oblique(direction: Direction) -> bool {
-    direction[0].abs() > f64::EPSILON && direction[1].abs() > f64::EPSILON
+/// Whether the windings are their own mirror image: every family has its counterpart, of equal stiffness and in the same place.
+fn is_mirror_image(windings: &[(Wound, Fibers)]) -> bool {
+    let along = |[hoop, axial]: Direction, other: Direction| (hoop * other[1] - axial * other[0]).abs() <= f64::EPSILON;
+    let stiffness = |at: &Wound, direction: Direction| -> f64 {
+        let here = windings.iter().filter(|(wound, _)| wound == at);
+        let families = here.flat_map(|(_, fibers)| fibers.families().map(|family| (fibers.stiffness, family)));
+        families.filter(|(_, family)| along(*family, direction)).map(|(stiffness, _)| stiffness).sum()
+    };
+    windings.iter().all(|(wound, fibers)| {
+        let mut families = fibers.families();
+        families.all(|[hoop, axial]| stiffness(wound, [hoop, axial]) == stiffness(wound, [-hoop, axial]))
+    })
 }
 
 fn winding(
     parameters: &ActuatorParameters<f64>,
+    has_second: bool,
     options: &Options,
     outer: f64,
 ) -> Result<Option<(Wound, Fibers)>, SectionError> {
-    let stiff = |fiber: &Fiber<f64>| fiber.modulus_pa > 0.0;
-    let radius = |fiber: &Fiber<f64>| (fiber.radius_m / parameters.inner_radius_m).clamp(1.0, outer);
-    let bends_unstated = parameters.motion == Motion::Bending && !parameters.fiber.as_ref().is_some_and(stiff);
+    let fiber = parameters.fiber.filter(|fiber| fiber.modulus_pa > 0.0);
+    let bends_unstated = parameters.motion == Motion::Bending && fiber.is_none();
+    // A winding without a modulus is an ideal one, which takes no other.
+    let allowed = "> 0 on a bending actuator with a second winding";
+    require(!(bends_unstated && has_second), "modulus_pa", 0.0, allowed)?;
     if options.winding == Winding::Ideal || bends_unstated {
-        let radius = parameters.fiber.as_ref().map_or(outer, radius);
+        let radius = parameters.fiber.map_or(outer, |fiber| radius(parameters, &fiber, outer));
         return Ok(Some((Wound::Sheet(radius), Fibers::one(INEXTENSIBLE, [1.0, 0.0]))));
     }
-    let fiber = parameters.fiber.filter(stiff);
-    fiber.map(|fiber| stated(parameters, &fiber, radius(&fiber))).transpose()
+    fiber.map(|fiber| stated(parameters, &fiber, outer)).transpose()
+}
+
+/// The second winding, whose every field counts.
+fn second(
+    parameters: &ActuatorParameters<f64>,
+    fiber: &Fiber<f64>,
+    options: &Options,
+    outer: f64,
+) -> Result<Option<(Wound, Fibers)>, SectionError> {
+    let refused = |field, value, allowed| SectionError::SecondWinding(InvalidParameter { field, value, allowed });
+    if options.winding == Winding::Ideal {
+        return Err(refused("angle_rad", fiber.angle_rad, "none beside an ideal winding"));
+    }
+    // A bending actuator is not checked for what its analytic model leaves out.
+    let alone = ActuatorParameters { motion: Motion::Extension, fiber: Some(*fiber), ..*parameters };
+    alone.check().map_err(SectionError::SecondWinding)?;
+    (fiber.modulus_pa > 0.0).then(|| stated(parameters, fiber, outer)).transpose()
+}
+
+/// Radius of a winding within the wall.
+fn radius(parameters: &ActuatorParameters<f64>, fiber: &Fiber<f64>, outer: f64) -> f64 {
+    (fiber.radius_m / parameters.inner_radius_m).clamp(1.0, outer)
 }
 
 /// The winding with the modulus it has. [`ActuatorParameters::check`] leaves out what bending does not use.
 fn stated(
     parameters: &ActuatorParameters<f64>,
     fiber: &Fiber<f64>,
-    radius: f64,
+    outer: f64,
 ) -> Result<(Wound, Fibers), SectionError> {
+    let radius = radius(parameters, fiber, outer);
     let ratio = fiber.modulus_pa / parameters.material.shear_modulus_pa();
     let (sin, cos) = fiber.angle_rad.sin_cos();
     let (wound, stiffness) = match fiber.placement {

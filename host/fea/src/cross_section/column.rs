@@ -1,6 +1,6 @@
 //! One column of elements from the lumen to the outer surface: its points, and its matrix.
 
-use super::build::Build;
+use super::build::{Build, Fibers, Wound};
 use super::front::Front;
 use super::grid::Grid;
 use super::lumen::Lumen;
@@ -31,18 +31,23 @@ impl Column {
         });
         let mut spots = Vec::new();
         for element in 0..grid.rings() {
-            let fibers = build.winding.map(|(_, fibers)| fibers);
-            let filled = grid.filled_from.is_some_and(|from| element >= from);
+            let filling = build.windings.iter().filter(|(wound, _)| match *wound {
+                Wound::From(radius) => 2 * element >= grid.node_at(radius),
+                Wound::Sheet(_) => false,
+            });
             let places = places(grid, &angles, element);
             for ((xi, u), (eta, v)) in GAUSS_3.iter().flat_map(|a| GAUSS_3.iter().map(move |b| (*a, *b))) {
                 let mut spot = wall_spot(&places, element, xi, eta);
                 spot.weight *= u * v * grid.multiplicity();
-                spot.fibers = fibers.filter(|_| filled);
+                let of_fibers = |fibers: Fibers| Spot { pressure: None, fibers: Some(fibers), ..spot.clone() };
+                spots.extend(filling.clone().map(|(_, fibers)| of_fibers(*fibers)));
                 spots.push(spot);
             }
         }
-        if let (Some(node), Some((_, fibers))) = (grid.sheet, build.winding) {
-            spots.extend(surface_spots(grid, &angles, node, Some(fibers)));
+        for (wound, fibers) in &build.windings {
+            if let Wound::Sheet(radius) = *wound {
+                spots.extend(surface_spots(grid, &angles, grid.node_at(radius), Some(*fibers)));
+            }
         }
         spots.extend(limiting_spots(build, grid, &angles, column));
         let length = (angles[2] - angles[0]) * grid.multiplicity();

@@ -10,6 +10,9 @@ pub enum SectionError {
     /// A parameter of the actuator that the model cannot accept.
     #[error(transparent)]
     Parameter(#[from] InvalidParameter<f64>),
+    /// A parameter of the second winding that the model cannot accept.
+    #[error("second winding: {0}")]
+    SecondWinding(InvalidParameter<f64>),
     /// An option, a pressure or a load out of range; fields are those of [`Options`](super::Options), [`Mesh`](super::Mesh),
     /// [`Limiter`](super::Limiter) or [`EndLoad`](super::EndLoad), and `pressures_pa` for a pressure.
     #[error(transparent)]

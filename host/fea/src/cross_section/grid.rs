@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::build::{Build, Limit, Part, Wound};
+use super::build::{Build, Limit, Part};
 use crate::spacing::evenly;
 
 /// Columns around a turn that the wedge is one of: the section of its edges departs from circles by less than 1e-9.
@@ -19,11 +19,8 @@ pub(super) struct Grid {
     pub(super) radii: Vec<f64>,
     /// Angles of the lines of nodes: two for each column and one more.
     pub(super) angles: Vec<f64>,
-    /// Index of the nodes on the winding, if it is a sheet, and on the surface in whose middle the axis is.
-    pub(super) sheet: Option<usize>,
+    /// Index of the nodes on the surface in whose middle the axis is.
     pub(super) axis_surface: usize,
-    /// First element of a winding that fills the wall from a radius.
-    pub(super) filled_from: Option<usize>,
     /// Columns from either end that carry the strip.
     pub(super) strip_columns: usize,
 }
@@ -32,31 +29,15 @@ impl Grid {
     /// The mesh of a number of elements through the wall and around half a turn, each cut into `refine` in both directions.
     pub(super) fn new(build: &Build, part: Part, radial: usize, around: usize, refine: usize) -> Self {
         let radial = if part == Part::Wedge { WEDGE_RINGS * radial } else { radial };
-        let inside = match build.winding {
-            Some((Wound::Sheet(radius) | Wound::From(radius), _)) if radius > 1.0 && radius < build.outer => {
-                Some(radius)
-            }
-            _ => None,
-        };
-        let (radii, split) = radii(build.outer, inside, radial, refine);
-        let last = radii.len() - 1;
-        let node_at = |radius: f64| {
-            if radius <= 1.0 {
-                0
-            } else if radius < build.outer {
-                2 * split
-            } else {
-                last
-            }
-        };
-        let (sheet, filled_from) = match build.winding {
-            Some((Wound::Sheet(radius), _)) => (Some(node_at(radius)), None),
-            Some((Wound::From(radius), _)) => (None, Some(node_at(radius) / 2)),
-            None => (None, None),
-        };
-        let axis_surface = node_at(build.axis_surface());
+        let radii = radii(build.outer, &build.radii_inside(), radial, refine);
+        let axis_surface = node_at(&radii, build.axis_surface());
         let (angles, strip_columns) = angles(build, part, around, refine);
-        Self { part, radii, angles, sheet, axis_surface, filled_from, strip_columns }
+        Self { part, radii, angles, axis_surface, strip_columns }
+    }
+
+    /// Index of the nodes on a winding's radius, which is a line of the mesh.
+    pub(super) fn node_at(&self, radius: f64) -> usize {
+        node_at(&self.radii, radius)
     }
 
     /// Elements through the wall.
@@ -103,13 +84,24 @@ impl Grid {
     }
 }
 
-/// Geometric steps, with a mesh line at `inside`; also how many elements lie within it.
-fn radii(outer: f64, inside: Option<f64>, elements: usize, refine: usize) -> (Vec<f64>, usize) {
-    let Some(middle) = inside else { return (steps(&[1.0, outer], &[refine * elements]), refine * elements) };
-    let share = middle.ln() / outer.ln();
-    let within = ((elements as f64 * share).round() as usize).clamp(1, elements.max(2) - 1);
-    let beyond = elements.saturating_sub(within).max(1);
-    (steps(&[1.0, middle, outer], &[refine * within, refine * beyond]), refine * within)
+/// Index of the first node that is not within a radius.
+fn node_at(radii: &[f64], radius: f64) -> usize {
+    radii.iter().position(|node| *node >= radius).unwrap_or(radii.len() - 1)
+}
+
+/// Geometric steps, with mesh lines at `inside`; each zone between them has at least one element.
+fn radii(outer: f64, inside: &[f64], elements: usize, refine: usize) -> Vec<f64> {
+    let ends: Vec<f64> = [1.0].into_iter().chain(inside.iter().copied()).chain([outer]).collect();
+    let elements = elements.max(ends.len() - 1);
+    let (mut within, mut counts) = (0, Vec::new());
+    for (zone, end) in ends.iter().enumerate().skip(1) {
+        let share = end.ln() / outer.ln();
+        let most = elements - (ends.len() - 1 - zone);
+        let next = ((elements as f64 * share).round() as usize).clamp(within + 1, most);
+        counts.push(refine * (next - within));
+        within = next;
+    }
+    steps(&ends, &counts)
 }
 
 fn steps(ends: &[f64], elements: &[usize]) -> Vec<f64> {

@@ -43,7 +43,7 @@ mod spots;
 #[cfg(test)]
 mod tests;
 
-use fra_model::ActuatorParameters;
+use fra_model::{ActuatorParameters, Fiber};
 
 pub use analytic_error::analytic_bend_error;
 pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
@@ -85,7 +85,20 @@ impl Section {
     /// # Errors
     /// [`SectionError`] with field, value and allowed range for parameters or options that the model cannot accept.
     pub fn new(parameters: &ActuatorParameters<f64>, options: &Options) -> Result<Self, SectionError> {
-        Ok(Self { build: Build::new(parameters, options)?, options: *options })
+        Ok(Self { build: Build::new(parameters, None, options)?, options: *options })
+    }
+
+    /// Builds the section of an actuator with a second winding: another angle, stiffness or place. Without a mirror image in the
+    /// windings, a bending actuator twists, too.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`SectionError::SecondWinding`] for the second winding.
+    pub fn with_two_windings(
+        parameters: &ActuatorParameters<f64>,
+        second_fiber: &Fiber<f64>,
+        options: &Options,
+    ) -> Result<Self, SectionError> {
+        Ok(Self { build: Build::new(parameters, Some(second_fiber), options)?, options: *options })
     }
 
     /// The equilibria at gauge pressures, Pa, each 0 to 100 times the shear modulus, under a constant load on the end.

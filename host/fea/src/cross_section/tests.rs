@@ -46,7 +46,7 @@ const YEOH: Material<f64> = Material::Yeoh { c_pa: [86_560.0, 13_805.0, -1_466.1
 const SOFT: Material<f64> = Material::NeoHookean { shear_modulus_pa: 0.2e6 };
 
 fn chain(parameters: &ActuatorParameters<f64>, limiter: Limiter, part: Part) -> Chain {
-    let build = Build::new(parameters, &Options { limiter: Some(limiter), ..Options::default() }).expect("valid");
+    let build = Build::new(parameters, None, &Options { limiter: Some(limiter), ..Options::default() }).expect("valid");
     Chain::new(&build, Grid::new(&build, part, 1, 3, 1))
 }
 

@@ -25,19 +25,20 @@ fn actuators() -> Vec<ActuatorParameters<f64>> {
     all
 }
 
-/// The largest deviation of stretch, twist, growth and volume, each relative to the largest of the motion's strains.
-fn deviation(found: &State<f64>, exact: &State<f64>, outer_radius_m: f64) -> f64 {
-    let growth = |state: &State<f64>| state.outer_radius_m / outer_radius_m - 1.0;
-    let turn = outer_radius_m / 0.1;
-    let motion = [exact.axial_strain, growth(exact), turn * exact.twist_rad, 0.5 * exact.volume_strain];
-    let of = [
-        found.axial_strain - exact.axial_strain,
-        growth(found) - growth(exact),
-        turn * (found.twist_rad - exact.twist_rad),
-        0.5 * (found.volume_strain - exact.volume_strain),
-    ];
-    let largest = |values: [f64; 4]| values.into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    largest(of) / largest(motion)
+/// Stretch, growth, turn of the outer surface and half of the change of the volume, as strains.
+pub(crate) fn motion(state: &State<f64>, outer_radius_m: f64) -> [f64; 4] {
+    let growth = state.outer_radius_m / outer_radius_m - 1.0;
+    [state.axial_strain, growth, outer_radius_m / 0.1 * state.twist_rad, 0.5 * state.volume_strain]
+}
+
+pub(crate) fn largest(values: [f64; 4]) -> f64 {
+    values.into_iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+}
+
+/// The largest deviation of these strains, relative to the largest of them.
+pub(crate) fn deviation(found: &State<f64>, exact: &State<f64>, outer_radius_m: f64) -> f64 {
+    let [found, exact] = [found, exact].map(|state| motion(state, outer_radius_m));
+    largest(std::array::from_fn(|i| found[i] - exact[i])) / largest(exact)
 }
 
 /// Compares at every pressure; returns the worst deviation and how many equilibria there were.

@@ -9,18 +9,22 @@ use softlimb_numerics::Random;
 use crate::samples::samples;
 
 /// Uniform and log-uniform numbers.
-struct Numbers(Random);
+pub(crate) struct Numbers(Random);
 
 impl Numbers {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(Random::new(seed, 0))
+    }
+
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.0.uniform()
     }
 
-    fn over(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn over(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub(crate) fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.0.index(choices.len())]
     }
 
@@ -31,43 +35,47 @@ impl Numbers {
         Material::Yeoh { c_pa: [0.5 * mu, mu * self.between(0.0, 0.1), mu * self.between(-0.001, 0.01)] }
     }
 
-    fn tube(&mut self, motion: Motion) -> ActuatorParameters<f64> {
+    pub(crate) fn tube(&mut self, motion: Motion) -> ActuatorParameters<f64> {
         let inner_radius_m = self.over(2e-3, 2e-2);
         let outer_radius_m = inner_radius_m * (1.0 + self.over(0.05, 1.0));
         let mu = self.over(2e4, 1e6);
         let material = self.material(mu);
         ActuatorParameters { motion, inner_radius_m, outer_radius_m, length_m: 0.1, material, fiber: None }
     }
+
+    /// A winding of a straight tube: signed angle, every place and stiffness.
+    pub(crate) fn fiber(&mut self, tube: &ActuatorParameters<f64>) -> Fiber<f64> {
+        let wall = tube.outer_radius_m - tube.inner_radius_m;
+        let placement = self.one_of(&[Placement::Sheet, Placement::Layer, Placement::Smeared]);
+        let ratio = match placement {
+            Placement::Sheet => self.over(1.0, 1e6) * wall / 1e-4,
+            Placement::Layer => self.over(0.5, 100.0),
+            Placement::Smeared => self.over(0.1, 20.0),
+        };
+        Fiber {
+            angle_rad: self.between(-FRAC_PI_2, FRAC_PI_2),
+            families: self.one_of(&[Families::One, Families::Two]),
+            modulus_pa: ratio * tube.material.shear_modulus_pa(),
+            placement,
+            thickness_m: 1e-4,
+            radius_m: tube.inner_radius_m + self.between(0.0, 0.98) * wall,
+        }
+    }
 }
 
-fn scale(parameters: &ActuatorParameters<f64>) -> f64 {
+pub(crate) fn scale(parameters: &ActuatorParameters<f64>) -> f64 {
     parameters.material.shear_modulus_pa() * (parameters.outer_radius_m / parameters.inner_radius_m).ln()
 }
 
 fn straight(numbers: &mut Numbers) -> ActuatorParameters<f64> {
     let motion = numbers.one_of(&[Motion::Extension, Motion::Expansion, Motion::Twisting]);
     let tube = numbers.tube(motion);
-    let wall = tube.outer_radius_m - tube.inner_radius_m;
-    let placement = numbers.one_of(&[Placement::Sheet, Placement::Layer, Placement::Smeared]);
-    let ratio = match placement {
-        Placement::Sheet => numbers.over(1.0, 1e6) * wall / 1e-4,
-        Placement::Layer => numbers.over(0.5, 100.0),
-        Placement::Smeared => numbers.over(0.1, 20.0),
-    };
-    let fiber = Fiber {
-        angle_rad: numbers.between(-FRAC_PI_2, FRAC_PI_2),
-        families: numbers.one_of(&[Families::One, Families::Two]),
-        modulus_pa: ratio * tube.material.shear_modulus_pa(),
-        placement,
-        thickness_m: 1e-4,
-        radius_m: tube.inner_radius_m + numbers.between(0.0, 0.98) * wall,
-    };
-    ActuatorParameters { fiber: Some(fiber), ..tube }
+    ActuatorParameters { fiber: Some(numbers.fiber(&tube)), ..tube }
 }
 
 #[test]
 fn random_straight_actuators_have_the_answers_of_the_thick_wall_equations() {
-    let mut numbers = Numbers(Random::new(71, 0));
+    let mut numbers = Numbers::new(71);
     let (mut solved, mut limits, mut worst) = (0, 0, 0.0);
     let actuators = samples(600);
     for _ in 0..actuators {
@@ -125,7 +133,7 @@ fn bending(numbers: &mut Numbers) -> (ActuatorParameters<f64>, Options) {
 
 #[test]
 fn random_bending_actuators_all_have_answers() {
-    let mut numbers = Numbers(Random::new(73, 0));
+    let mut numbers = Numbers::new(73);
     let (mut worst, mut steps) = (0.0, 0);
     for _ in 0..samples(150) {
         let (parameters, options) = bending(&mut numbers);

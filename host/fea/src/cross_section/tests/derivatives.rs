@@ -15,6 +15,7 @@ use crate::hyper_dual::HyperDual;
 /// A section that has something the others have not.
 struct Case {
     parameters: ActuatorParameters<f64>,
+    second: Option<Fiber<f64>>,
     options: Options,
     part: Part,
     /// Elements across the wall, and around half a turn.
@@ -33,14 +34,27 @@ fn cases() -> Vec<Case> {
     let (line, none) = (Limiter::Line, Limiter::None);
     let case = |parameters, limiter, part| {
         let options = Options { limiter: Some(limiter), ..Options::default() };
-        Case { parameters, options, part, mesh: [1, 3] }
+        Case { parameters, second: None, options, part, mesh: [1, 3] }
     };
     let ideal = |part| {
         let mut case = case(parameters(SOFT, None), line, part);
         case.options.winding = Winding::Ideal;
         case
     };
+    // Beside a helix of one family: an axial thread in another place, or an opposite helix.
+    let twice = |case: Case, placement, radius_m, angle_rad| {
+        let fiber = case.parameters.fiber.expect("wound");
+        let modulus_pa = 3.0 * fiber.modulus_pa;
+        Case { second: Some(Fiber { angle_rad, placement, radius_m, modulus_pa, ..fiber }), ..case }
+    };
+    let helix = |limiter, part| case(fibers(Placement::Sheet, 7.5e-3, Families::One), limiter, part);
+    let axial = std::f64::consts::FRAC_PI_2;
+    let layer = case(fibers(Placement::Layer, 7e-3, Families::One), strip, Part::Ring);
     vec![
+        twice(helix(none, Part::Wedge), Placement::Sheet, 6.5e-3, axial),
+        twice(helix(line, Part::Ring), Placement::Layer, 7e-3, -0.2),
+        twice(layer, Placement::Smeared, 7e-3, axial),
+        twice(helix(strip, Part::Half), Placement::Sheet, 7.5e-3, -0.5),
         case(parameters(SOFT, None), none, Part::Wedge),
         case(fibers(Placement::Sheet, 7.5e-3, Families::One), none, Part::Wedge),
         Case { mesh: [2, 3], ..case(fibers(Placement::Layer, 7e-3, Families::Two), line, Part::Half) },
@@ -69,7 +83,7 @@ struct Probe {
 
 impl Probe {
     fn new(case: Case, seed: u64) -> Self {
-        let build = Build::new(&case.parameters, &case.options).expect("valid");
+        let build = Build::new(&case.parameters, case.second.as_ref(), &case.options).expect("valid");
         let chain = Chain::new(&build, Grid::new(&build, case.part, case.mesh[0], case.mesh[1], 1));
         let mut state = somewhere(&chain, seed);
         state.form.strain = [1.2, 0.3, -0.2, 0.5];
@@ -90,8 +104,10 @@ impl Probe {
         let values = flat(&self.state.form);
         let unknowns: Vec<HyperDual> =
             (0..values.len()).map(|i| HyperDual::moving(values[i], [along[0][i], along[1][i]])).collect();
-        let Case { parameters, options, .. } = &self.case;
-        let [energy, volume] = Second { parameters, options, grid: &self.chain.grid, unknowns: &unknowns }.sums();
+        let Case { parameters, second, options, .. } = &self.case;
+        let second_fiber = *second;
+        let [energy, volume] =
+            Second { parameters, second_fiber, options, grid: &self.chain.grid, unknowns: &unknowns }.sums();
         [energy - volume * self.state.pressure, volume]
     }
 

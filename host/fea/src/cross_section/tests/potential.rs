@@ -22,6 +22,7 @@ fn cross(a: V3, b: V3) -> V3 {
 /// What an actuator is made of, and the unknowns of its section.
 pub(super) struct Second<'a> {
     pub(super) parameters: &'a ActuatorParameters<f64>,
+    pub(super) second_fiber: Option<Fiber<f64>>,
     pub(super) options: &'a Options,
     pub(super) grid: &'a Grid,
     /// Places, pressure modes and strains in the solver's order.
@@ -90,6 +91,11 @@ impl Second<'_> {
         signs.iter().map(energy).sum()
     }
 
+    /// The windings.
+    fn fibers(&self) -> impl Iterator<Item = Fiber<f64>> {
+        self.parameters.fiber.into_iter().chain(self.second_fiber)
+    }
+
     /// `W(I1)` in units of the shear modulus.
     fn elastomer(&self, f: [V3; 3]) -> HyperDual {
         let x = f.map(|column| dot(column, column)).into_iter().sum::<HyperDual>() - 3.0;
@@ -129,7 +135,7 @@ impl Second<'_> {
                 let modes = [1.0, xi, eta];
                 let pressure: HyperDual = (0..3).map(|mode| self.unknowns[first + mode] * modes[mode]).sum();
                 let mut energy = self.elastomer(f) - pressure * (dot(cross(f[0], f[1]), f[2]) - 1.0);
-                if let Some(fiber) = self.parameters.fiber.filter(|fiber| self.fills(fiber, ring)) {
+                for fiber in self.fibers().filter(|fiber| self.fills(fiber, ring)) {
                     let radius = x.hypot(y);
                     let hoop = [0, 1, 2].map(|i| by_y[i] * (x / radius) - by_x[i] * (y / radius));
                     energy = energy + self.winding(&fiber, hoop, f[2]);
@@ -165,18 +171,19 @@ impl Second<'_> {
         gauss_2().map(point).into_iter().sum()
     }
 
-    /// The sheet in one column.
-    fn sheet(&self, column: usize) -> HyperDual {
+    /// The sheets in one column.
+    fn sheets(&self, column: usize) -> HyperDual {
         let inner_m = self.parameters.inner_radius_m;
         if self.options.winding == Winding::Ideal {
             let hoop = |hoop, _| (dot(hoop, hoop) - 1.0).squared() * 0.5e7;
             return self.on_line(column, self.grid.radii.len() - 1, hoop);
         }
-        let sheet = self.parameters.fiber.filter(|fiber| fiber.placement == Placement::Sheet);
-        let Some(fiber) = sheet else { return HyperDual::default() };
-        let at = self.grid.radii.iter().position(|radius| (radius * inner_m - fiber.radius_m).abs() < 1e-12);
-        let at = at.expect("nodes on the sheet");
-        self.on_line(column, at, |hoop, axis| self.winding(&fiber, hoop, axis)) * (fiber.thickness_m / inner_m)
+        let sheet = |fiber: Fiber<f64>| {
+            let at = self.grid.radii.iter().position(|radius| (radius * inner_m - fiber.radius_m).abs() < 1e-12);
+            let at = at.expect("nodes on the sheet");
+            self.on_line(column, at, |hoop, axis| self.winding(&fiber, hoop, axis)) * (fiber.thickness_m / inner_m)
+        };
+        self.fibers().filter(|fiber| fiber.placement == Placement::Sheet).map(sheet).sum()
     }
 
     /// The strip in one column.
@@ -224,7 +231,7 @@ impl Second<'_> {
         let columns = 0..grid.columns();
         let walls = columns.clone().flat_map(|column| (0..grid.rings()).map(move |ring| (column, ring)));
         let wall: HyperDual = walls.map(|(column, ring)| self.wall(column, ring)).sum();
-        let surfaces: HyperDual = columns.clone().map(|column| self.sheet(column) + self.strip(column)).sum();
+        let surfaces: HyperDual = columns.clone().map(|column| self.sheets(column) + self.strip(column)).sum();
         let lumen: HyperDual = columns.map(|column| self.lumen(column)).sum();
         [(wall + surfaces) * times + self.line(), lumen * times]
     }
