@@ -1,6 +1,8 @@
 //! The door of a host: one actuator, parameters in, equilibria out.
 
 use crate::number::real::Real;
+#[cfg(not(target_os = "none"))]
+use crate::parameters::Fiber;
 use crate::parameters::{ActuatorParameters, InvalidParameter, Motion, require};
 use crate::precision::Precision;
 use crate::solution::{Load, PressureRange, Solution, State, Status, Target};
@@ -15,6 +17,8 @@ use crate::solve::tube::Tube;
 #[derive(Clone, Copy, Debug)]
 pub struct Actuator<T: Real> {
     parameters: ActuatorParameters<T>,
+    #[cfg(not(target_os = "none"))]
+    second_fiber: Option<Fiber<T>>,
     body: Body<T>,
 }
 
@@ -181,9 +185,75 @@ impl<T: Real> Actuator<T> {
         Self { body, ..self }
     }
 
-    /// The parameters it was built from.
+    /// The parameters it was built from, without a second winding.
     pub fn parameters(&self) -> &ActuatorParameters<T> {
         &self.parameters
+    }
+
+    /// The same actuator with a second winding, on a host: a straight one wound twice, at two angles or in two places, such as a helix and
+    /// an axial thread.
+    ///
+    /// The energies of both windings add up; each has its own signed angle, families, modulus, thickness and place. Such an actuator has
+    /// no derivatives by its parameters.
+    ///
+    /// ```
+    /// use fra_model::*;
+    /// let helix = Fiber {
+    ///     angle_rad: 30.0_f64.to_radians(),
+    ///     families: Families::One,
+    ///     modulus_pa: 200e6,
+    ///     placement: Placement::Sheet,
+    ///     thickness_m: 1e-4,
+    ///     radius_m: 8e-3,
+    /// };
+    /// let parameters = ActuatorParameters {
+    ///     motion: Motion::Twisting,
+    ///     inner_radius_m: 6e-3,
+    ///     outer_radius_m: 8e-3,
+    ///     length_m: 0.1,
+    ///     material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+    ///     fiber: Some(helix),
+    /// };
+    /// let axial = Fiber { angle_rad: 90.0_f64.to_radians(), ..helix };
+    /// let solution = Actuator::new(&parameters)?.with_second_fiber(&axial)?.forward(30e3, &Load::none())?;
+    /// assert_eq!(solution.status, Status::Solved);
+    /// assert!(solution.state.axial_strain < 1e-3);
+    /// # Ok::<(), InvalidParameter<f64>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names the first field that is not accepted as `second_fiber.*`. A bending actuator is not accepted: finite
+    /// elements of the section answer for it.
+    #[cfg(not(target_os = "none"))]
+    pub fn with_second_fiber(self, fiber: &Fiber<T>) -> Result<Self, InvalidParameter<T>> {
+        let Body::Straight(tube) = self.body else {
+            let allowed = "straight actuators only: a bending one has one winding";
+            return Err(InvalidParameter { field: "second_fiber.angle_rad", value: fiber.angle_rad, allowed });
+        };
+        let alone = ActuatorParameters { fiber: Some(*fiber), ..self.parameters };
+        alone.check().map_err(|error| InvalidParameter { field: field_of_second(error.field), ..error })?;
+        Ok(Self { second_fiber: Some(*fiber), body: Body::Straight(tube.with_second(fiber)), ..self })
+    }
+
+    /// The second winding.
+    #[cfg(not(target_os = "none"))]
+    pub fn second_fiber(&self) -> Option<&Fiber<T>> {
+        self.second_fiber.as_ref()
+    }
+
+    /// `Err` for an actuator with a second winding.
+    #[cfg(not(target_os = "none"))]
+    pub(crate) fn require_one_fiber(&self) -> Result<(), InvalidParameter<T>> {
+        let Some(fiber) = &self.second_fiber else { return Ok(()) };
+        let allowed = "one winding: two have no derivatives";
+        Err(InvalidParameter { field: "second_fiber.angle_rad", value: fiber.angle_rad, allowed })
+    }
+
+    /// A device has one winding.
+    #[cfg(target_os = "none")]
+    #[inline(always)]
+    pub(crate) fn require_one_fiber(&self) -> Result<(), InvalidParameter<T>> {
+        Ok(())
     }
 
     /// First and second derivative of a bending actuator's lumen volume by its bend angle, m3/rad and m3/rad2.
@@ -214,7 +284,12 @@ impl<T: Real> Actuator<T> {
             Motion::Bending => Body::Bending(Bender::new(parameters)),
             Motion::Extension | Motion::Expansion | Motion::Twisting => Body::Straight(Tube::new(parameters)),
         };
-        Ok(Self { parameters: *parameters, body })
+        Ok(Self {
+            parameters: *parameters,
+            #[cfg(not(target_os = "none"))]
+            second_fiber: None,
+            body,
+        })
     }
 
     pub(crate) fn solve_forward_once(
@@ -339,6 +414,18 @@ impl<T: Real> Actuator<T> {
                 allowed: "straight actuators only: a bending one is held by its load",
             }),
         }
+    }
+}
+
+/// Name of a field of the second winding.
+#[cfg(not(target_os = "none"))]
+fn field_of_second(field: &'static str) -> &'static str {
+    match field {
+        "angle_rad" => "second_fiber.angle_rad",
+        "modulus_pa" => "second_fiber.modulus_pa",
+        "thickness_m" => "second_fiber.thickness_m",
+        "radius_m" => "second_fiber.radius_m",
+        other => other,
     }
 }
 

@@ -5,8 +5,8 @@
 //! no clock.
 //!
 //! Entry points:
-//! - [`Actuator`] for a host: every motion, material and load, forward and inverse, blocked forces, derivatives.
-//! - `TwoWindings` for a host: a straight tube wound twice, at two angles or in two places.
+//! - [`Actuator`] for a host: every motion, material and load, forward and inverse, blocked forces, derivatives; straight tubes with two
+//!   windings.
 //! - [`Tracker`] for a device: straight, unloaded tubes with closed forms, from state to state, in bounded time.
 //!
 //! Several actuators along one tube are a [`Series`], several pressures for one wrench an [`Allocation`], polynomials in place of the
@@ -45,8 +45,6 @@ mod solution;
 mod solve;
 mod table;
 mod tracker;
-#[cfg(not(target_os = "none"))]
-mod two_windings;
 
 pub use actuator::Actuator;
 pub use allocation::{Allocated, Allocation, AllocationStatus};
@@ -64,5 +62,3 @@ pub use solve::blocked::Blocked;
 pub use solve::closed_form::{Arithmetic, LANES, Lanes, atanh_series};
 pub use table::{Argument, InverseTable, Lookup, NotFinite, TABLE_COEFFICIENTS, TableParameters, Volume, VolumeTable};
 pub use tracker::Tracker;
-#[cfg(not(target_os = "none"))]
-pub use two_windings::TwoWindings;

@@ -1,13 +1,13 @@
 //! The hard cases of the model, by name, in both scalars, against values of 25 digits from an independent method.
 //!
-//! `oracle/hard_cases.py` solves the equilibrium of stresses in decimal arithmetic and follows the branch from rest in its arclength.
+//! `oracle/hard_cases.py`, and `oracle/two_windings.py` for tubes with two windings, solves the equilibrium of stresses in decimal arithmetic and follows the branch from rest in its arclength.
 //! The pass rule: the error is at most ten roundings times the condition number of the case, where the error is that of the displacement
 //! vector `(e, w, g)` relative to its largest component, of the pressure, or of the bend angle, and the condition number sums the
 //! effects of all inputs. The inputs are exact in the scalar under test.
 
 use crate::oracle::polish::largest;
 use crate::oracle::scalar::Scalar;
-use crate::oracle::table::{Row, groups, rows};
+use crate::oracle::table::{Row, rows};
 use fra_model::*;
 
 /// Roundings per unit of the condition number.
@@ -16,21 +16,34 @@ const ROUNDINGS: f64 = 10.0;
 /// Relative error allowed to a limit pressure where the rule above asks for less.
 const LIMIT_PRESSURE: f64 = 1e-6;
 
-/// Error in units of `eps condition`; `Err` where the answer is of the wrong kind.
-fn error<T: Scalar>(row: &Row) -> Result<f64, String> {
-    let actuator = Actuator::new(&row.parameters(T::rounded)).map_err(|e| format!("{e:?}"))?;
+/// An actuator with one winding or none.
+fn wound_once<T: Scalar>(row: &Row) -> Result<Actuator<T>, InvalidParameter<T>> {
+    Actuator::new(&row.parameters(T::rounded))
+}
+
+/// A tube with two windings.
+fn wound_twice<T: Scalar>(row: &Row) -> Result<Actuator<T>, InvalidParameter<T>> {
+    wound_once(row)?.with_second_fiber(&row.fiber("_2", T::rounded).expect("stated"))
+}
+
+fn answer<T: Scalar>(actuator: &Actuator<T>, row: &Row) -> Result<Solution<T>, InvalidParameter<T>> {
     let load = row.load(T::rounded);
-    let kind = row.text("kind");
-    let solution = match kind {
-        // A pressure that reaches the same target goes before a vacuum.
-        "inverse" if row.number("first") < 0.0 => {
-            let vacuums = PressureRange { most_pa: T::rounded(0.0), ..PressureRange::physical() };
-            actuator.inverse_within(&vacuums, row.target(T::rounded), &load)
-        }
-        "inverse" | "bend_inverse" => actuator.inverse(row.target(T::rounded), &load),
+    match row.text("kind") {
+        "inverse" | "bend_inverse" => actuator.inverse_within(&range(row), row.target(T::rounded), &load),
         _ => actuator.forward(T::rounded(row.number("pressure")), &load),
     }
-    .map_err(|e| format!("{e:?}"))?;
+}
+
+/// A pressure that reaches the same target goes before a vacuum.
+fn range<T: Scalar>(row: &Row) -> PressureRange<T> {
+    let physical = PressureRange::physical();
+    if row.number("first") < 0.0 { PressureRange { most_pa: T::rounded(0.0), ..physical } } else { physical }
+}
+
+/// Error in units of `eps condition`; `Err` where the answer is of the wrong kind.
+fn error<T: Scalar>(row: &Row, built: Build<T>) -> Result<f64, String> {
+    let kind = row.text("kind");
+    let solution = built(row).and_then(|actuator| answer(&actuator, row)).map_err(|e| format!("{e:?}"))?;
     let expected = if kind == "limit" { Status::NoSolution } else { Status::Solved };
     if solution.status != expected {
         return Err(format!("{:?}, limit {:?}", solution.status, solution.limit_pressure_pa));
@@ -59,15 +72,18 @@ fn error<T: Scalar>(row: &Row) -> Result<f64, String> {
     Ok(difference / size / unit)
 }
 
+/// Builds the actuator of a row.
+type Build<T> = fn(&Row) -> Result<Actuator<T>, InvalidParameter<T>>;
+
 /// Checks one group in one scalar; lists all cases that fail.
-fn check<T: Scalar>(group: &str) {
-    let rows = rows(group, T::NAME);
+fn check<T: Scalar>(table: &'static str, group: &str, built: Build<T>) {
+    let rows = rows(table, group, T::NAME);
     assert!(!rows.is_empty(), "no case in {group}");
     let mut failures = Vec::new();
     let mut worst: f64 = 0.0;
     for row in &rows {
         let name = format!("{group}/{}/{}/{}", row.text("case"), row.text("kind"), T::NAME);
-        match error::<T>(row) {
+        match error(row, built) {
             Ok(ratio) if ratio <= ROUNDINGS => worst = worst.max(ratio),
             Ok(ratio) => failures.push(format!("{name}: {ratio:.3e} roundings, condition {}", row.text("condition"))),
             Err(kind) => failures.push(format!("{name}: {kind}")),
@@ -78,21 +94,24 @@ fn check<T: Scalar>(group: &str) {
 }
 
 macro_rules! hard_cases {
-    ($($group:ident),* $(,)?) => {
+    ($table:ident, $built:ident: $($group:ident),* $(,)?) => {
         $(mod $group {
+            use crate::hard_cases::{$built, check};
+            use crate::oracle::table::$table;
+
             #[test]
             fn in_double_precision() {
-                super::check::<f64>(stringify!($group));
+                check($table, stringify!($group), $built::<f64>);
             }
             #[test]
             fn in_single_precision() {
-                super::check::<f32>(stringify!($group));
+                check($table, stringify!($group), $built::<f32>);
             }
         })*
 
         #[test]
         fn every_group_of_the_table_is_a_test() {
-            let mut found = groups();
+            let mut found = crate::oracle::table::groups(crate::oracle::table::$table);
             let mut tested = vec![$(stringify!($group)),*];
             found.sort_unstable();
             found.dedup();
@@ -103,6 +122,7 @@ macro_rules! hard_cases {
 }
 
 hard_cases![
+    HARD_CASES, wound_once:
     hardly_any_pressure,
     hardly_any_pressure_yeoh,
     vacuum,
@@ -123,3 +143,24 @@ hard_cases![
     inverse,
     bending,
 ];
+
+mod two_windings {
+    hard_cases![
+        TWO_WINDINGS, wound_twice:
+        hardly_any_pressure,
+        vacuum,
+        usual_pressures,
+        saturation,
+        just_below_the_limit,
+        just_above_the_limit,
+        far_above_the_limit,
+        special_angles,
+        stiff_fibers,
+        thin_and_thick_walls,
+        large_rotations,
+        loads_of_both_signs,
+        tiny_torques,
+        yeoh,
+        inverse,
+    ];
+}

@@ -62,8 +62,12 @@ fn single_fiber(fiber: Fiber<f64>) -> Fiber<f32> {
     Fiber { angle_rad, families, modulus_pa, placement, thickness_m, radius_m }
 }
 
-fn new(p: &ActuatorParameters<f64>, second: &Fiber<f64>) -> TwoWindings<f64> {
-    TwoWindings::new(p, second).expect("valid")
+fn wound<T: Precision>(p: &ActuatorParameters<T>, second: &Fiber<T>) -> Result<Actuator<T>, InvalidParameter<T>> {
+    Actuator::new(p)?.with_second_fiber(second)
+}
+
+fn new(p: &ActuatorParameters<f64>, second: &Fiber<f64>) -> Actuator<f64> {
+    wound(p, second).expect("valid")
 }
 
 /// Stretch, growth and turn of the outer surface.
@@ -118,7 +122,7 @@ fn single_precision_agrees_with_double() {
         if exact.status != Status::Solved {
             continue;
         }
-        let of_single = TwoWindings::new(&single(&p), &single_fiber(second)).expect("valid");
+        let of_single = wound(&single(&p), &single_fiber(second)).expect("valid");
         let load = Load { force_n: load.force_n as f32, torque_nm: load.torque_nm as f32 };
         let found = of_single.forward(pressure_pa as f32, &load).expect("finite");
         assert_eq!(found.status, Status::Solved, "{sample}: {p:?} {second:?}");
@@ -231,11 +235,25 @@ fn errors_name_the_second_winding() {
         (Fiber { radius_m: 9e-3, ..axial }, "second_fiber.radius_m", 9e-3),
     ];
     for (fiber, field, value) in wrong {
-        let error = TwoWindings::new(&p, &fiber).expect_err("not accepted");
+        let error = wound(&p, &fiber).expect_err("not accepted");
         assert_eq!((error.field, error.value), (field, value));
     }
     let first = ActuatorParameters { fiber: Some(Fiber { angle_rad: 2.0, ..axial }), ..p };
-    assert_eq!(TwoWindings::new(&first, &axial).expect_err("not accepted").field, "angle_rad");
+    assert_eq!(wound(&first, &axial).expect_err("not accepted").field, "angle_rad");
     let bending = ActuatorParameters { motion: Motion::Bending, ..p };
-    assert!(TwoWindings::new(&bending, &axial).expect_err("bends").allowed.starts_with("straight actuators only"));
+    assert!(wound(&bending, &axial).expect_err("bends").allowed.starts_with("straight actuators only"));
+}
+
+#[test]
+fn derivatives_take_one_winding() {
+    let axial = sheet(90.0, Families::One, 1e6);
+    let p = ActuatorParameters { fiber: Some(axial), ..tube(Motion::Extension, 6.0, 8.0, neo_hookean(0.2e6)) };
+    let two = new(&p, &Fiber { angle_rad: 0.1, ..axial });
+    let state = two.forward(5e3, &Load::none()).expect("finite").state;
+    let refused = two.sensitivity(&state, &Load::none(), Parameter::OuterRadius).expect_err("two windings");
+    assert!(refused.to_string().starts_with("second_fiber.angle_rad = 0.1 is not allowed: one winding"), "{refused}");
+    let blocked = two.blocked(5e3, 1.0, 0.0).expect("straight");
+    assert!(two.blocked_sensitivity(&blocked, Parameter::OuterRadius).is_err());
+    assert!(two.condition(&state, &Load::none()).is_err());
+    assert!(Series::new(&[two, two]).is_err());
 }

@@ -1,6 +1,6 @@
 //! Two windings in the batch interface.
 
-use fra_model::{ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, TwoWindings};
+use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement};
 use serde_json::{Value, json};
 use softlimb::query::{Scalar, batch};
 
@@ -44,7 +44,12 @@ fn list_of_two_is_the_tube_with_both() {
     };
     let axial = Fiber { angle_rad: 90.0_f64.to_radians(), ..helix };
     let load = Load { force_n: 1.0, torque_nm: 2e-3 };
-    let exact = TwoWindings::new(&parameters, &axial).expect("valid").forward(50e3, &load).expect("finite").state;
+    let exact = Actuator::new(&parameters)
+        .and_then(|tube| tube.with_second_fiber(&axial))
+        .expect("valid")
+        .forward(50e3, &load)
+        .expect("finite")
+        .state;
     let loads = [("external_force_n", json!(1.0)), ("external_torque_nm", json!(2e-3))];
     let found = answer(&json!([thread(-30.0), thread(90.0)]), &loads, Scalar::F64);
     assert_eq!(number(&found, "twist_rad"), exact.twist_rad);

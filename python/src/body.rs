@@ -2,9 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use fra_model::{
-    Actuator, InvalidParameter, LANES, Motion, PressureRange, Solution, State, Status, Target, TwoWindings,
-};
+use fra_model::{Actuator, InvalidParameter, LANES, Motion, PressureRange, Solution, State, Status, Target};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use softlimb::query::Question;
@@ -39,7 +37,7 @@ pub(crate) enum Body {
     /// One winding or none.
     One { actuators: Shared, in_vectors: bool, laid_out: OnceLock<ActuatorBatch<Shared>> },
     /// Straight tubes with two windings.
-    Two(Vec<TwoWindings<f64>>),
+    Two(Vec<Actuator<f64>>),
 }
 
 /// Actuators with what is known of their elastomers.
@@ -58,7 +56,8 @@ impl Body {
             let tubes = in_order(columns.rows(), |row| {
                 // A caller states two windings or one for all rows.
                 let second = columns.second(row).expect("two windings");
-                TwoWindings::new(&columns.parameters(row), &second).map_err(refused(row))
+                let tube = Actuator::new(&columns.parameters(row)).and_then(|tube| tube.with_second_fiber(&second));
+                tube.map_err(refused(row))
             });
             return Ok(Self::Two(tubes?));
         }

@@ -34,7 +34,7 @@ impl Refusal {
     /// The error of the finite elements about one element.
     pub(crate) fn of_section(index: usize, error: SectionError) -> Self {
         match error {
-            SectionError::Parameter(error) => Self::new(index, error),
+            SectionError::Parameter(error) | SectionError::SecondWinding(error) => Self::new(index, error),
             SectionError::Option(error) => {
                 Self { index, field: error.field, value: error.value, allowed: error.allowed }
             }

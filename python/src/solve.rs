@@ -2,7 +2,6 @@
 
 use fra_model::{
     Actuator, ActuatorParameters, InvalidParameter, Load, Motion, PressureRange, Solution, State, Status, Target,
-    TwoWindings,
 };
 use softlimb::query::{Question, SectionAnswer, SectionQuery, is_wound_bender, solve_section};
 use softlimb_fea::cross_section::{SectionError, analytic_bend_error};
@@ -130,7 +129,7 @@ impl Query {
     }
 
     /// The answer of a tube with two windings.
-    pub(crate) fn of_two_windings(&self, tube: &TwoWindings<f64>) -> Result<Answer, SectionError> {
+    pub(crate) fn of_two_windings(&self, tube: &Actuator<f64>) -> Result<Answer, SectionError> {
         let solution = match self.question {
             Question::Forward { pressure_pa } => tube.forward(pressure_pa, &self.load),
             Question::Inverse { target } => tube.inverse_within(&self.range, target, &self.load),

@@ -35,6 +35,7 @@ impl<T: Real> Actuator<T> {
         blocked: &Blocked<T>,
         parameter: Parameter,
     ) -> Result<Load<T>, NoDerivative<T>> {
+        self.require_one_fiber()?;
         if blocked.status != Status::Solved {
             return Err(NoDerivative::NotAnEquilibrium);
         }

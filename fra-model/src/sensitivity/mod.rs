@@ -216,6 +216,7 @@ impl<T: Real> Actuator<T> {
 
     fn point(&self, state: &State<T>, load: &Load<T>) -> Result<Point<T>, NoDerivative<T>> {
         load.check()?;
+        self.require_one_fiber()?;
         let inputs = Inputs::new(self.parameters(), state.pressure_pa, load);
         Ok(match self.parameters().motion {
             Motion::Bending => Point::Bent(BentPoint::new(inputs, state)?),

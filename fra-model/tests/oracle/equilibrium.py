@@ -60,6 +60,8 @@ INPUTS = ["inner", "outer", "c1", "c2", "c3", "angle", "mu2", "thickness", "wind
 class Tube:
     """A tube and its inputs; `fiber` is None or (placement, families)."""
 
+    names = INPUTS
+
     def __init__(self, inputs, fiber):
         self.inputs, self.fiber = dict(inputs), fiber
         self.twists = inputs["torque"] != 0 or (fiber is not None and fiber[1] == 1)
@@ -154,7 +156,7 @@ class Tube:
         base = self.rest(state)
         out = {}
         for name, value in self.inputs.items():
-            if value != 0 and name in INPUTS:
+            if value != 0 and name in self.names:
                 moved = dict(self.inputs)
                 moved[name] = value * (1 + h)
                 out[name] = [(a - b) / h for a, b in zip(self.rest(state, moved), base)]

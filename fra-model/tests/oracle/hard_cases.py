@@ -75,7 +75,7 @@ def inputs_of(c, scalar):
 def rest_under_load(tube):
     if tube.inputs["force"] == 0 and tube.inputs["torque"] == 0:
         return ZERO
-    free = Tube({**tube.inputs, "force": D(0), "torque": D(0)}, tube.fiber)
+    free = type(tube)({**tube.inputs, "force": D(0), "torque": D(0)}, tube.fiber)
     free.twists = tube.twists
     path = Path(free, ZERO, D(0), tube.applied(), D(1), True, lambda x: x[3] < 1)
     assert path.end == "reached", path.end
@@ -85,7 +85,7 @@ def rest_under_load(tube):
 def pressure_path(tube, go_on, up=True):
     unit = 10 * tube.inputs["c1"]
     start = rest_under_load(tube)
-    base = Tube(tube.inputs, tube.fiber)
+    base = type(tube)(tube.inputs, tube.fiber)
     return Path(base, start, D(0), [D(0), D(1), D(0)], unit, up, go_on)
 
 

@@ -1,31 +1,35 @@
-//! The reference values that `hard_cases.py` writes.
+//! The reference values that `hard_cases.py` and `two_windings.py` write.
 
 use fra_model::*;
 
-/// One row of `hard_cases.tsv`.
+/// One row of a table.
 pub(crate) struct Row {
-    fields: Vec<String>,
+    names: Vec<&'static str>,
+    fields: Vec<&'static str>,
 }
 
-const TABLE: &str = include_str!("hard_cases.tsv");
+pub(crate) const HARD_CASES: &str = include_str!("hard_cases.tsv");
+pub(crate) const TWO_WINDINGS: &str = include_str!("two_windings.tsv");
 
 /// The rows of a group in one scalar.
-pub(crate) fn rows(group: &str, scalar: &str) -> Vec<Row> {
-    let all = TABLE.lines().skip(1).map(|line| Row { fields: line.split('\t').map(str::to_owned).collect() });
+pub(crate) fn rows(table: &'static str, group: &str, scalar: &str) -> Vec<Row> {
+    let mut lines = table.lines().map(|line| line.split('\t').collect::<Vec<_>>());
+    let names = lines.next().unwrap_or_default();
+    let all = lines.map(|fields| Row { names: names.clone(), fields });
     all.filter(|row| row.text("group") == group && row.text("scalar") == scalar).collect()
 }
 
 /// The names of all groups, in the order of the table.
-pub(crate) fn groups() -> Vec<&'static str> {
-    let mut groups: Vec<&str> = TABLE.lines().skip(1).filter_map(|line| line.split('\t').next()).collect();
+pub(crate) fn groups(table: &'static str) -> Vec<&'static str> {
+    let mut groups: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split('\t').next()).collect();
     groups.dedup();
     groups
 }
 
 impl Row {
-    pub(crate) fn text(&self, column: &str) -> &str {
-        let at = TABLE.lines().next().and_then(|head| head.split('\t').position(|name| name == column));
-        &self.fields[at.unwrap_or_else(|| panic!("no column {column}"))]
+    pub(crate) fn text(&self, column: &str) -> &'static str {
+        let at = self.names.iter().position(|name| *name == column);
+        self.fields[at.unwrap_or_else(|| panic!("no column {column}"))]
     }
 
     pub(crate) fn number(&self, column: &str) -> f64 {
@@ -33,26 +37,12 @@ impl Row {
     }
 
     /// The actuator; every number is exact in the scalar of the row.
-    pub(crate) fn parameters<T>(&self, exact: impl Fn(f64) -> T) -> ActuatorParameters<T> {
+    pub(crate) fn parameters<T>(&self, exact: impl Fn(f64) -> T + Copy) -> ActuatorParameters<T> {
         let value = |column: &str| exact(self.number(column));
         let material = match self.text("material") {
             "nh" => Material::NeoHookean { shear_modulus_pa: exact(2.0 * self.number("c1")) },
             _ => Material::Yeoh { c_pa: ["c1", "c2", "c3"].map(value) },
         };
-        let placement = match self.text("placement") {
-            "sheet" => Some(Placement::Sheet),
-            "layer" => Some(Placement::Layer),
-            "smeared" => Some(Placement::Smeared),
-            _ => None,
-        };
-        let fiber = placement.map(|placement| Fiber {
-            angle_rad: value("angle"),
-            families: if self.text("families") == "2" { Families::Two } else { Families::One },
-            modulus_pa: value("mu2"),
-            placement,
-            thickness_m: value("thickness"),
-            radius_m: value("winding"),
-        });
         ActuatorParameters {
             motion: match self.text("motion") {
                 "bending" => Motion::Bending,
@@ -63,8 +53,28 @@ impl Row {
             outer_radius_m: value("outer"),
             length_m: value("length"),
             material,
-            fiber,
+            fiber: self.fiber("", exact),
         }
+    }
+
+    /// The winding whose columns have this ending.
+    pub(crate) fn fiber<T>(&self, ending: &str, exact: impl Fn(f64) -> T) -> Option<Fiber<T>> {
+        let column = |name: &str| format!("{name}{ending}");
+        let value = |name: &str| exact(self.number(&column(name)));
+        let placement = match self.text(&column("placement")) {
+            "sheet" => Placement::Sheet,
+            "layer" => Placement::Layer,
+            "smeared" => Placement::Smeared,
+            _ => return None,
+        };
+        Some(Fiber {
+            angle_rad: value("angle"),
+            families: if self.text(&column("families")) == "2" { Families::Two } else { Families::One },
+            modulus_pa: value("mu2"),
+            placement,
+            thickness_m: value("thickness"),
+            radius_m: value("winding"),
+        })
     }
 
     pub(crate) fn load<T>(&self, exact: impl Fn(f64) -> T) -> Load<T> {

@@ -2,7 +2,7 @@
 
 use fra_model::{
     Actuator, ActuatorParameters, Fiber, InvalidParameter, Load, Motion, PressureRange, Solution, State, StateQuantity,
-    Status, Target, TwoWindings,
+    Status, Target,
 };
 use serde::Serialize;
 
@@ -127,13 +127,12 @@ impl SectionQuery<'_> {
     /// The analytic answer to an inverse question. Of a bending actuator with two windings it is that without the second, near which
     /// the answer lies.
     fn analytic(&self, target: Target<f64>) -> Result<Solution<f64>, InvalidParameter<f64>> {
-        match self.second_fiber.filter(|_| self.parameters.motion != Motion::Bending) {
-            None => Actuator::new(self.parameters)?.inverse(target, &self.load),
-            Some(second) => {
-                let range = PressureRange::physical();
-                TwoWindings::new(self.parameters, second)?.inverse_within(&range, target, &self.load)
-            }
-        }
+        let actuator = Actuator::new(self.parameters)?;
+        let actuator = match self.second_fiber.filter(|_| self.parameters.motion != Motion::Bending) {
+            None => actuator,
+            Some(second) => actuator.with_second_fiber(second)?,
+        };
+        actuator.inverse(target, &self.load)
     }
 }
 

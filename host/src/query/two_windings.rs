@@ -1,6 +1,6 @@
 //! Questions about an actuator with two windings.
 
-use fra_model::{ActuatorParameters, Fiber, InvalidParameter, Motion, Precision, Solution, TwoWindings};
+use fra_model::{Actuator, ActuatorParameters, Fiber, InvalidParameter, Motion, Precision, Solution};
 
 use super::batch::{Scalar, as_written};
 use super::convert;
@@ -31,20 +31,27 @@ pub(super) fn is_by_section(case: &Case, scalar: Scalar) -> Result<bool, String>
 /// A message with the winding, the field and the allowed values.
 pub(super) fn answer(case: &Case, second: &Fiber<f64>, scalar: Scalar) -> Result<Solution<f64>, String> {
     // Checked first in the precision and unit it is written in, so that a message quotes the value as written.
-    let double = TwoWindings::new(&case.parameters, second).map_err(in_winding)?;
+    let double = wound(&case.parameters, second).map_err(in_winding)?;
     match scalar {
         Scalar::F64 => solve(&double, case).map_err(in_winding),
         Scalar::F32 => {
             let parameters: ActuatorParameters<f32> = convert::parameters(&case.parameters);
             let second = convert::fiber(second);
             let invalid = |error| in_winding(convert::invalid(error));
-            let single = TwoWindings::new(&parameters, &second).map_err(invalid)?;
+            let single = wound(&parameters, &second).map_err(invalid)?;
             solve(&single, case).map(|solution| convert::solution(&solution)).map_err(invalid)
         }
     }
 }
 
-fn solve<T: Precision>(tube: &TwoWindings<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
+fn wound<T: Precision>(
+    parameters: &ActuatorParameters<T>,
+    second: &Fiber<T>,
+) -> Result<Actuator<T>, InvalidParameter<T>> {
+    Actuator::new(parameters)?.with_second_fiber(second)
+}
+
+fn solve<T: Precision>(tube: &Actuator<T>, case: &Case) -> Result<Solution<T>, InvalidParameter<T>> {
     let load = convert::load(&case.load);
     match case.question {
         Question::Forward { pressure_pa } => tube.forward(nalgebra::convert(pressure_pa), &load),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use fra_model::{ActuatorParameters, Families, Fiber, Load, Motion, Placement, Status, TwoWindings};
+use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Motion, Placement, Status};
 use softlimb_fea::cross_section::{Answer, EndLoad, Limiter, Mesh, Options, Outcome, Section, SectionState, Winding};
 
 use crate::section::cases::{SOFT, tube};
@@ -43,7 +43,7 @@ fn random_pairs_have_the_answers_of_the_thick_wall_equations() {
     for sample in 0..PAIRS {
         let (parameters, second, load) = pair(&mut numbers);
         let pressures: Vec<f64> = (0..3).map(|_| numbers.over(0.03, 3.0) * scale(&parameters)).collect();
-        let two = TwoWindings::new(&parameters, &second).expect("valid");
+        let two = Actuator::new(&parameters).and_then(|tube| tube.with_second_fiber(&second)).expect("valid");
         let section = Section::with_two_windings(&parameters, &second, &fine).expect("valid");
         let curve = section.curve(&pressures, &EndLoad::of(&load, parameters.motion)).expect("valid");
         for answer in curve.answers {
@@ -163,8 +163,12 @@ fn bender_with_a_soft_strip_is_the_straight_tube() {
     let soft = Limiter::Strip { half_angle_rad: 0.26, stiffness_n_per_m: 1e-6 };
     let found = state(&bender(first, &second, soft), 20e3);
     let parameters = ActuatorParameters { fiber: Some(first), ..tube(Motion::Twisting, 6.0, 8.0, SOFT) };
-    let exact =
-        TwoWindings::new(&parameters, &second).expect("valid").forward(20e3, &Load::none()).expect("finite").state;
+    let exact = Actuator::new(&parameters)
+        .and_then(|tube| tube.with_second_fiber(&second))
+        .expect("valid")
+        .forward(20e3, &Load::none())
+        .expect("finite")
+        .state;
     let twist_rad = found.over(parameters.length_m).twist_rad;
     assert!((twist_rad / exact.twist_rad - 1.0).abs() < 1e-4, "{found:?} {exact:?}");
     assert!((found.axial_strain / exact.axial_strain - 1.0).abs() < 1e-4, "{found:?} {exact:?}");
