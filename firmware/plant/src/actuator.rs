@@ -31,7 +31,7 @@ impl TrueActuator {
         true_parameters: &TrueParameters,
     ) -> Result<Self, PlantError> {
         let refuse = |source| PlantError::Actuator { channel, source };
-        let model = Actuator::new(&true_parameters.actuator).map_err(refuse)?;
+        let model = true_parameters.model().map_err(refuse)?;
         let load = nominal.load;
         let width_pa = nominal.pressure_max_pa / INTERVALS as f64;
         let mut states = Vec::with_capacity(INTERVALS + 1);

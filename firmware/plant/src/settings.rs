@@ -1,7 +1,7 @@
 //! Plant settings: plain data with nominal values, checked once by
 //! [`Plant::new`](crate::Plant::new). Pressures are gauge unless the name says `abs`.
 
-use fra_model::{ActuatorParameters, Load};
+use fra_model::{ActuatorParameters, Fiber, Load};
 
 /// The whole plant.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +95,8 @@ impl Default for PumpSettings {
 pub struct ChannelSettings {
     /// The nominal actuator; the true one differs by [`Spread`].
     pub actuator: ActuatorParameters<f64>,
+    /// A winding beside that of the actuator.
+    pub second_fiber: Option<Fiber<f64>>,
     /// Constant load on the actuator's end.
     pub load: Load<f64>,
     /// Gauge pressure up to which volume and shape are tabulated, Pa; 1e3..=1e6.
@@ -124,6 +126,7 @@ impl ChannelSettings {
     pub fn new(actuator: ActuatorParameters<f64>) -> Self {
         Self {
             actuator,
+            second_fiber: None,
             load: Load::none(),
             pressure_max_pa: 200e3,
             dead_volume_m3: 1.0e-6,

@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use fra_model::{ActuatorParameters, Material};
+use fra_model::{Actuator, ActuatorParameters, Fiber, InvalidParameter, Material};
 
 use crate::random::Random;
 use crate::settings::{ChannelSettings, SensorSettings, Spread, ValveSettings};
@@ -12,6 +12,8 @@ use crate::settings::{ChannelSettings, SensorSettings, Spread, ValveSettings};
 pub struct TrueParameters {
     /// The actuator.
     pub actuator: ActuatorParameters<f64>,
+    /// Its second winding.
+    pub second_fiber: Option<Fiber<f64>>,
     /// True gas volume of the actuator over that of the model.
     pub volume_scale: f64,
     /// Volume of the fittings, m3.
@@ -27,17 +29,26 @@ pub struct TrueParameters {
 }
 
 impl TrueParameters {
+    /// The model of the actuator.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names a field that the model does not accept.
+    pub fn model(&self) -> Result<Actuator<f64>, InvalidParameter<f64>> {
+        let actuator = Actuator::new(&self.actuator)?;
+        self.second_fiber.as_ref().map_or(Ok(actuator), |second| actuator.with_second_fiber(second))
+    }
+
     /// Draws the parameters of one channel.
     pub(crate) fn draw(nominal: &ChannelSettings, spread: &Spread, random: &mut Random) -> Self {
         // Every parameter is drawn whatever its spread, so that switching one off leaves the
         // others as they were.
-        let actuator = actuator(&nominal.actuator, spread, random);
+        let (actuator, second_fiber) = actuator(&nominal.actuator, nominal.second_fiber, spread, random);
         let volume_scale = factor(spread.volume, random);
         let dead_volume_m3 = nominal.dead_volume_m3 * factor(spread.dead_volume, random);
         let fill = valve(&nominal.valve, spread, random);
         let vent = valve(&nominal.valve, spread, random);
         let (sensor_offset_pa, sensor_gain) = calibration(&nominal.sensor, spread, random);
-        Self { actuator, volume_scale, dead_volume_m3, fill, vent, sensor_offset_pa, sensor_gain }
+        Self { actuator, second_fiber, volume_scale, dead_volume_m3, fill, vent, sensor_offset_pa, sensor_gain }
     }
 }
 
@@ -61,7 +72,13 @@ fn valve(nominal: &ValveSettings, spread: &Spread, random: &mut Random) -> Valve
     }
 }
 
-fn actuator(nominal: &ActuatorParameters<f64>, spread: &Spread, random: &mut Random) -> ActuatorParameters<f64> {
+/// The actuator and its second winding. Both windings have the same error of angle: one machine winds them.
+fn actuator(
+    nominal: &ActuatorParameters<f64>,
+    mut second_fiber: Option<Fiber<f64>>,
+    spread: &Spread,
+    random: &mut Random,
+) -> (ActuatorParameters<f64>, Option<Fiber<f64>>) {
     let modulus = factor(spread.modulus, random);
     let thickness = factor(spread.wall_thickness, random);
     let angle_rad = spread.fiber_angle_rad * random.truncated_normal();
@@ -77,10 +94,10 @@ fn actuator(nominal: &ActuatorParameters<f64>, spread: &Spread, random: &mut Ran
         material,
         ..*nominal
     };
-    if let Some(fiber) = &mut true_one.fiber {
+    for fiber in true_one.fiber.iter_mut().chain(&mut second_fiber) {
         fiber.angle_rad = (fiber.angle_rad + angle_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
         // The winding keeps its relative place in the wall.
         fiber.radius_m = inner + (fiber.radius_m - inner) * thickness;
     }
-    true_one
+    (true_one, second_fiber)
 }

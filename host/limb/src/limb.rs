@@ -385,9 +385,13 @@ fn build_module(
     ends_m: f64,
     tool_m: Option<(f64, f64)>,
 ) -> Result<LimbModule, SceneError> {
-    let actuator = Actuator::new(&module.actuator()).map_err(|error: InvalidParameter<f64>| {
+    let refused = |error: InvalidParameter<f64>| {
         scene.diagnostic(module.span, "the model cannot take this actuator", &error.to_string(), None)
-    })?;
+    };
+    let mut actuator = Actuator::new(&module.actuator()).map_err(refused)?;
+    if let Some(second) = &module.second_fiber {
+        actuator = actuator.with_second_fiber(second).map_err(refused)?;
+    }
     let curve = StateCurve::new(&actuator, reference_max_pa(*module.pressure_max_pa));
     let mut built = LimbModule {
         name: module.name.to_string(),
@@ -406,6 +410,14 @@ fn build_module(
         rigid_length_m: ends_m + scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
         tool_m,
     };
+    if let Some(second) = &module.second_fiber
+        && (scene.weight().is_some() || built.is_restrained() || built.steering)
+    {
+        let label = "the second winding: no stiffness to bending is known of a tube with two";
+        let help = "leave the limb weightless: `simulated = false` and `compensated = false` in [weight]; one twisting actuator stands \
+                    on the axis, without plates that hold it back";
+        return Err(scene.diagnostic(second.span, "two windings are for weightless limbs", label, Some(help)));
+    }
     if built.is_restrained() {
         built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), built.bay_m());
     }

@@ -32,6 +32,7 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
             },
             sensor: sensor(&plant.sensor, plant.sensor.full_scale_pa),
             leak_m3_per_s_pa: plant.valve.leak_m3_per_s_pa,
+            second_fiber: module.actuator.second_fiber().copied(),
             ..ChannelSettings::new(*module.actuator.parameters())
         };
         module.channels.clone().map(move |_| nominal)

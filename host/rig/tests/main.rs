@@ -27,3 +27,4 @@ mod scene_runs;
 mod synthetic_run;
 mod table_scenes;
 mod weight;
+mod wound_twice;

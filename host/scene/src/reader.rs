@@ -265,6 +265,25 @@ impl<'a> Reader<'a> {
         self.maybe_text(key)?.or_else(|| self.missing(key.name, ""))
     }
 
+    /// A name, or an array of two; `None` inside if it is left out.
+    pub(super) fn one_or_two_names(&self, key: &Text) -> Option<Option<Vec<Located<&'a str>>>> {
+        let Some(DeValue::Array(items)) = self.value(key.name).map(Spanned::get_ref) else {
+            return self.maybe_text(key).map(|name| name.map(|name| vec![name]));
+        };
+        if items.len() != 2 {
+            let span = self.value(key.name).map_or(self.span, |value| value.span().into());
+            let title = format!("{} needs a name or an array of two", quoted(key.name));
+            return self.log.note(Problem::at(span, title, format!("this array has {}", items.len())));
+        }
+        let name = |item| {
+            let span = Spanned::span(item).into();
+            let text = self.string(item, key.name)?;
+            if is_name(text) { Some(Located { value: text, span }) } else { self.log.note(bad_name(span, text)) }
+        };
+        let names: Vec<_> = items.iter().filter_map(name).collect();
+        (names.len() == 2).then_some(Some(names))
+    }
+
     /// The tables of an array of tables.
     pub(super) fn tables(&self, key: &Nested, section: &'static Section) -> Option<Vec<Reader<'a>>> {
         let Some(value) = self.value(key.name) else {

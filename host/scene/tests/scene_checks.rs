@@ -57,6 +57,36 @@ fn windings() {
 }
 
 #[test]
+fn two_windings() {
+    let axial = "[windings.axial]\nangle = \"90 deg\"\nfamilies = 1\nmodulus = \"10 MPa\"\nthickness = \"0.1 mm\"\nradius = \"12 mm\"\n";
+    let helix = axial.replace("axial", "helix").replace("90", "30");
+    let with = |windings: &str| {
+        let text = changed("[limb]", &format!("{axial}{helix}[limb]"));
+        text.replace("winding = \"hoop\"", &format!("winding = {windings}"))
+    };
+    let scene = parse(&with("[\"hoop\", \"axial\"]"), "arm.toml").unwrap();
+    let module = &scene.modules()[0];
+    let (first, second) = (module.fiber.unwrap(), module.second_fiber.unwrap());
+    assert_eq!((first.modulus_pa, first.radius_m), (361e6, 14e-3));
+    assert_eq!((second.modulus_pa, second.radius_m, second.angle_rad), (10e6, 12e-3, std::f64::consts::FRAC_PI_2));
+    assert_eq!(scene.modules()[1].second_fiber, None);
+    expect(&with("[\"hoop\"]"), "`winding` needs a name or an array of two", "[\"hoop\"]");
+    expect(&with("[\"hoop\", 2]"), "`winding` must be a string", "2");
+    expect(&with("[\"hoop\", \"axail\"]"), "unknown winding `axail`", "\"axail\"");
+    let rule = "winding `helix` twists, and a module that does not twist takes two that do not";
+    expect(&with("[\"hoop\", \"helix\"]"), rule, "\"helix\"");
+    let bending =
+        with("\"hoop\"").replace("motion = \"bending\"", "motion = \"bending\"\nwinding = [\"hoop\", \"axial\"]");
+    expect(&bending, "a `bending` module takes one winding", "\"axial\"");
+    let twisting = |windings: &str| {
+        let text = with(windings).replace("motion = \"extension\"", "motion = \"twisting\"");
+        text.replace("axial_stretch = 1.1", "twist = -0.5").replace("axial_stretch = 1.2", "twist = -0.6")
+    };
+    expect(&twisting("[\"hoop\", \"axial\"]"), "a `twisting` module needs a helix of one family", "\"hoop\"");
+    assert!(parse(&twisting("[\"helix\", \"axial\"]"), "arm.toml").is_ok());
+}
+
+#[test]
 fn threads() {
     let sheet = "modulus = \"361 MPa\"\nthickness = \"0.178 mm\"";
     let thread = "thread = { stiffness = \"772 N\", diameter = \"0.178 mm\", starts = 2 }";

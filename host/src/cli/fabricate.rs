@@ -104,6 +104,7 @@ impl From<FabricateError> for Failure {
 impl Fabricate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
+        scene.require_one_winding("`fabricate`")?;
         let settings = self.workshop.settings()?;
         let pieces = plan(&scene, &settings)?;
         let default = || Path::new("out").join(scene.name()).join("workshop");

@@ -48,8 +48,11 @@ impl Tangent {
         Self::at(actuator, &solution.state)
     }
 
-    /// The tube in a state without load; `None` where that is not stable.
+    /// The tube in a state without load; `None` where that is not stable, and with a second winding, whose wall is not known.
     pub(super) fn at(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Self> {
+        if actuator.second_fiber().is_some() {
+            return None;
+        }
         match actuator.parameters().motion {
             Motion::Bending => bending(actuator, state),
             Motion::Extension | Motion::Expansion | Motion::Twisting => straight(actuator, state),

@@ -1,6 +1,6 @@
 //! From telemetry, plan and truth to the samples of the log.
 
-use fra_model::{Actuator, State};
+use fra_model::State;
 use softlimb_protocol::{Fault, PressureSample, SCHEMA_HASH, Samples, Telemetry};
 use softlimb_sim::plant::Truth;
 
@@ -289,7 +289,7 @@ fn modelled(drive: &Drive<'_>, channels: &[ChannelSample]) -> State<f64> {
 fn achieved(drive: &Drive<'_>, truth: &Truth) -> State<f64> {
     let members = drive.channels.clone().filter_map(|channel| truth.channels.get(channel));
     let alone = members.map(|member| {
-        let actuator = Actuator::new(&member.parameters.actuator).ok()?;
+        let actuator = member.parameters.model().ok()?;
         Some((actuator, State { pressure_pa: member.pressure_pa, ..member.shape }))
     });
     let held = || drive.held_back(&alone.collect::<Option<Vec<_>>>()?);

@@ -71,6 +71,9 @@ impl Laws {
             return Ok(law.clone());
         }
         let (index, module) = module;
+        if module.actuator.second_fiber().is_some() {
+            return Err(format!("`{}` has two windings, and the simulated limb of tubes takes one", module.name));
+        }
         let highest_pa = COVERED * module.pressure_max_pa;
         let lacking =
             || format!("the section of an actuator of `{}` has too few equilibria up to {highest_pa} Pa", module.name);

@@ -171,7 +171,7 @@ fn tube(actuator: &Actuator<f64>, truth: &Truth, channel: usize) -> Option<Sprin
 }
 
 fn actuators(truth: &Truth) -> Option<Vec<Actuator<f64>>> {
-    truth.channels.iter().map(|channel| Actuator::new(&channel.parameters.actuator).ok()).collect()
+    truth.channels.iter().map(|channel| channel.parameters.model().ok()).collect()
 }
 
 /// Whether something is new, and notes it.

@@ -77,6 +77,10 @@ pub struct Module {
     pub fiber: Option<Located<Fiber<f64>>>,
     /// The thread that the winding is made of, where the scene states it.
     pub thread: Option<Thread>,
+    /// The second winding, located at its name in the module. A bending module has none.
+    pub second_fiber: Option<Located<Fiber<f64>>>,
+    /// The thread that the second winding is made of, where the scene states it.
+    pub second_thread: Option<Thread>,
     /// Largest gauge pressure in its chambers, Pa; located in the module or in `[limits]`.
     pub pressure_max_pa: Located<f64>,
     /// The quantity its targets are given in, the same in all phases; the natural one of its motion if no phase has a target for it.
@@ -86,7 +90,8 @@ pub struct Module {
 }
 
 impl Module {
-    /// One of its actuators, for the model: as long as the part that moves. The parameters pass the model's own check.
+    /// One of its actuators, for the model: as long as the part that moves, without a second winding. The parameters pass the model's own
+    /// check.
     pub fn actuator(&self) -> ActuatorParameters<f64> {
         ActuatorParameters { length_m: self.moving_length_m(), ..self.made_actuator() }
     }
@@ -96,7 +101,7 @@ impl Module {
         *self.length_m - 2.0 * self.end_length_m
     }
 
-    /// One of its actuators from cap to cap, as it is made.
+    /// One of its actuators from cap to cap, as it is made, without a second winding.
     pub fn made_actuator(&self) -> ActuatorParameters<f64> {
         ActuatorParameters {
             motion: *self.motion,

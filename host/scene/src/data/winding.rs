@@ -3,6 +3,7 @@
 use fra_model::Motion;
 
 use super::{Module, Scene};
+use crate::SceneError;
 
 /// Largest angle from the hoop without a warning, deg.
 const HOOP_LIKE_DEG: f64 = 5.0;
@@ -10,6 +11,17 @@ const HOOP_LIKE_DEG: f64 = 5.0;
 const ROUNDING_DEG: f64 = 1e-9;
 
 impl Scene {
+    /// Refuses a module with two windings, for a room that computes with one.
+    ///
+    /// # Errors
+    /// [`SceneError`] at the name of the second winding.
+    pub fn require_one_winding(&self, room: &str) -> Result<(), SceneError> {
+        let wound_twice = self.modules().iter().find_map(|module| Some((module, module.second_fiber?)));
+        let Some((module, second)) = wound_twice else { return Ok(()) };
+        let title = format!("`{}` has two windings, and {room} takes one", &*module.name);
+        Err(self.diagnostic(second.span, &title, "the second winding", None))
+    }
+
     /// The warning about a bending module whose winding is more than 5 deg from the hoop although the model takes it as a hoop; `None` for
     /// all others.
     pub fn winding_warning(&self, module: &Module) -> Option<String> {

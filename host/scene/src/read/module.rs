@@ -1,6 +1,6 @@
 //! Modules: geometry, and the parts they name.
 
-use fra_model::{Families, Fiber, Material, Motion, Placement, StateQuantity};
+use fra_model::{ActuatorParameters, Families, Fiber, Material, Motion, Placement, StateQuantity};
 
 use super::arrangement::{arrangement, steering};
 use super::design::module_bounds;
@@ -79,7 +79,7 @@ fn draft<'a>(
     let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, elastomer(reader, materials, name)?)));
     let bounds = module_bounds(reader).unwrap_or_default();
     let law = material.as_ref().map(|(_, elastomer)| elastomer.law);
-    let fiber = motion.and_then(|motion| fiber(reader, motion, windings, wall, law));
+    let wound = motion.and_then(|motion| wound(reader, motion, windings, wall, law));
     let pressure_max = match reader.maybe(&keys::PRESSURE_MAX) {
         Some(None) => limits.map(|limits| limits.pressure_max_pa),
         found => found.flatten(),
@@ -87,6 +87,7 @@ fn draft<'a>(
     let module = || {
         let (inner, outer) = wall?;
         let (material_name, material) = material?;
+        let [first, second] = wound?;
         Some(Module {
             name: name?.map(str::to_owned),
             motion: motion?,
@@ -103,8 +104,10 @@ fn draft<'a>(
             material: material_name.map(|_| material.law),
             stretch_max: material.stretch_max,
             density_kg_per_m3: material.density_kg_per_m3,
-            fiber: fiber.map(|wound| wound.map(|(fiber, _)| fiber))?,
-            thread: fiber?.and_then(|(_, thread)| thread),
+            fiber: first.map(|(fiber, _)| fiber),
+            thread: first.and_then(|(_, thread)| thread),
+            second_fiber: second.map(|(fiber, _)| fiber),
+            second_thread: second.and_then(|(_, thread)| thread),
             pressure_max_pa: pressure_max?,
             setpoint_kind: StateQuantity::natural(*motion?),
             span: reader.span(),
@@ -158,26 +161,72 @@ type Wound = (Located<Fiber<f64>>, Option<Thread>);
 
 type Wall = Option<(Located<f64>, Located<f64>)>;
 
-/// The winding a module names, at its radius in this wall; `None` inside for a bending module that names none.
-fn fiber(
+/// The windings a module names, at their radii in this wall; none for a bending module that names none.
+fn wound(
     reader: &Reader<'_>,
     motion: Located<Motion>,
     windings: &Parts<'_, Winding>,
     wall: Wall,
     law: Option<Material<f64>>,
-) -> Option<Option<Wound>> {
-    let Some(name) = reader.maybe_text(&keys::WINDING)? else {
+) -> Option<[Option<Wound>; 2]> {
+    let Some(names) = reader.one_or_two_names(&keys::WINDING)? else {
         return match *motion {
-            Motion::Bending => Some(None),
+            Motion::Bending => Some([None; 2]),
             _ => reader.missing(keys::WINDING.name, " for this motion"),
         };
     };
-    let winding = windings.find(reader.log(), name)?;
-    if *motion == Motion::Twisting && *winding.families == Families::Two {
-        let title = "a `twisting` module needs a winding of one family";
-        let problem = Problem::at(name.span, title, "two mirrored families do not twist");
-        return reader.log().note(problem.label(winding.families.span, "two families"));
+    if let ([_, second], Motion::Bending) = (names.as_slice(), *motion) {
+        let title = "a `bending` module takes one winding";
+        let problem = Problem::at(second.span, title, "the second one");
+        return reader.log().note(problem.help("two different windings twist it, too; `eval --batch` computes it"));
     }
+    let found: Vec<_> = names.iter().map(|name| Some((*name, windings.find(reader.log(), *name)?))).collect();
+    let found: Vec<(Located<&str>, &Winding)> = found.into_iter().collect::<Option<_>>()?;
+    match (*motion, found.as_slice()) {
+        (Motion::Twisting, [(name, winding)]) if *winding.families == Families::Two => {
+            let title = "a `twisting` module needs a winding of one family";
+            let problem = Problem::at(name.span, title, "two mirrored families do not twist");
+            return reader.log().note(problem.label(winding.families.span, "two families"));
+        }
+        (Motion::Twisting, [(name, _), second]) if !found.iter().any(|(_, winding)| twists(winding)) => {
+            let title = "a `twisting` module needs a helix of one family";
+            let problem = Problem::at(name.span, title, "neither this winding twists");
+            return reader.log().note(problem.label(second.0.span, "nor this one"));
+        }
+        (Motion::Extension | Motion::Expansion, [_, _]) => {
+            if let Some((name, winding)) = found.iter().find(|(_, winding)| twists(winding)) {
+                let title = format!(
+                    "winding {} twists, and a module that does not twist takes two that do not",
+                    quoted(name.value)
+                );
+                let problem = Problem::at(name.span, title, "a helix of one family");
+                let help = "two mirrored families, hoops and axial threads do not twist";
+                return reader.log().note(problem.label(winding.families.span, "one family").help(help));
+            }
+        }
+        _ => {}
+    }
+    let mut wound = found.into_iter().map(|(name, winding)| fiber(reader, name, winding, wall, law));
+    match (wound.next()?, wound.next()) {
+        (first, None) => Some([Some(first?), None]),
+        (first, Some(second)) => Some([Some(first?), Some(second?)]),
+    }
+}
+
+/// Whether a winding is a helix without its mirror image.
+fn twists(winding: &Winding) -> bool {
+    let (sin, cos) = winding.angle_rad.sin_cos();
+    *winding.families == Families::One && sin.abs().min(cos.abs()) > 1e-9
+}
+
+/// A winding at its radius in this wall.
+fn fiber(
+    reader: &Reader<'_>,
+    name: Located<&str>,
+    winding: &Winding,
+    wall: Wall,
+    law: Option<Material<f64>>,
+) -> Option<Wound> {
     let (inner, outer) = wall?;
     let radius_m = winding.radius_m.map_or(*outer, |radius| *radius);
     let outermost = if *winding.placement == Placement::Layer { outer.next_down() } else { *outer };
@@ -211,7 +260,7 @@ fn fiber(
             fiber.modulus_pa = thread.sheet_n_per_m(&wall) / thread.diameter_m;
         }
     }
-    Some(Some((name.map(|_| fiber), winding.thread)))
+    Some((name.map(|_| fiber), winding.thread))
 }
 
 /// Notes threads that would lie on each other.
@@ -240,7 +289,9 @@ fn has_room(
 
 /// The last word is the model's own. It accepts what the checks above let through; if ever not, the module is named.
 fn model_accepts(reader: &Reader<'_>, module: &Module) -> bool {
-    let verdict = module.actuator().check();
+    let first = module.actuator();
+    let second = module.second_fiber.map(|fiber| ActuatorParameters { fiber: Some(*fiber), ..first });
+    let verdict = [Some(first), second].into_iter().flatten().try_for_each(|one| one.check());
     if let Err(error) = verdict {
         reader.log().note::<()>(Problem::at(reader.span(), error.to_string(), "in this module"));
     }
