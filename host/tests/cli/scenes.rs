@@ -94,3 +94,41 @@ fn tilt_of_a_carried_object_is_checked_and_printed() {
     let words = &["tilts too much", "`cup` would tilt by 30.0 deg", "its `tilt_max` is 29.0 deg"];
     desk("29 deg").softlimb("check scene.toml").failed(1, words);
 }
+
+/// A twist rod with a helix and an axial thread is checked; commands that compute with one winding point at the second.
+#[test]
+fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
+    let thread = |name: &str, angle_deg: u32| {
+        format!(
+            "[windings.{name}]\nangle = \"{angle_deg} deg\"\nfamilies = 1\nmodulus = \"200 MPa\"\nthickness = \"0.1 mm\"\n"
+        )
+    };
+    let scene = SCENE
+        .replace("[limb]", &format!("{}{}[limb]", thread("helix", 30), thread("axial", 90)))
+        .replace("motion = \"bending\"", "motion = \"twisting\"\nwinding = [\"helix\", \"axial\"]")
+        .replace("bend_angle = \"30 deg\"", "twist = -1.5");
+    let desk = Desk::new();
+    desk.put("scene.toml", &scene);
+    desk.put("data.csv", "");
+    let json = desk.softlimb("check scene.toml --json").done().json();
+    assert!(json["modules"][0]["tables"] == true, "{json}");
+    let line = 1 + scene[..scene.find("winding = [").expect("wound twice")].matches('\n').count();
+    let place = format!("scene.toml:{line}:");
+    for (verb, room) in [
+        ("fabricate scene.toml", "fabricate"),
+        ("fea export scene.toml", "fea"),
+        ("fea compare scene.toml", "fea"),
+        ("fea calibrate scene.toml", "fea"),
+        ("statics scene.toml", "statics"),
+        ("workspace scene.toml", "workspace"),
+        ("tolerance scene.toml", "tolerance"),
+        ("design limb scene.toml --out designed.toml", "design limb"),
+        ("payload capacity scene.toml", "payload"),
+        ("calibrate pressure data.csv --scene scene.toml --fit shear_modulus", "calibrate"),
+        ("calibrate creep data.csv --scene scene.toml", "calibrate"),
+    ] {
+        let refused = format!("`finger` has two windings, and `{room}` takes one");
+        desk.softlimb(verb).failed(1, &[&refused, &place, "[\"helix\", \"axial\"]"]);
+    }
+    assert_eq!(desk.content(), ["data.csv", "scene.toml"]);
+}

@@ -27,7 +27,8 @@ pub fn advice(scene: &Scene, settings: &Settings) -> Vec<String> {
         let texts = Wound::new(module, settings).map_or_else(|text| vec![text], |wound| wound.warnings());
         texts.into_iter().map(move |text| format!("{file}:{line}: winding of `{name}`: {text}"))
     };
-    scene.modules().iter().flat_map(of_module).collect()
+    // `fabricate` winds one.
+    scene.modules().iter().filter(|module| module.second_fiber.is_none()).flat_map(of_module).collect()
 }
 
 /// A winding of whole threads at the scene's angle.
