@@ -3,12 +3,17 @@
 #[path = "jog/script.rs"]
 mod script;
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use script::{Script, Timed};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_motion::Plan;
 use softlimb_motion::jog::{Order, Way};
 use softlimb_rig::link::LinkFaults;
-use softlimb_rig::run::{JogDevice, JogOptions, Mcu, Operator, Press, RunFiles, attempts, jog};
+use softlimb_rig::record::Sample;
+use softlimb_rig::run::{JogDevice, JogOptions, Mcu, Operator, Press, RunError, RunFiles, attempts, jog};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -21,8 +26,18 @@ fn repository(name: &str) -> Scene {
 }
 
 fn session(scene: &Scene, link_faults: Option<LinkFaults>, script: &mut dyn Operator) -> RunFiles {
+    session_with(scene, None, link_faults, script)
+}
+
+fn session_with(
+    scene: &Scene,
+    task: Option<Plan>,
+    link_faults: Option<LinkFaults>,
+    script: &mut dyn Operator,
+) -> RunFiles {
     let folder = tempfile::tempdir().unwrap();
-    let options = JogOptions { out: folder.path().to_owned(), within_m: WITHIN_M, link_faults };
+    let out = folder.path().to_owned();
+    let options = JogOptions { out, within_m: WITHIN_M, link_faults, task: task.map(Arc::new) };
     let device = JogDevice { seed: scene.seed(), mcu: Mcu::Here, in_real_time: false };
     jog(scene, &device, &options, script, &AtomicBool::new(false)).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -92,12 +107,12 @@ fn vented_limb_waits_and_goes_on_from_rest() {
     let longer = Press::Order(Order::Longer);
     let keys = [
         (0.1, longer),
-        (0.2, step),
-        (1.0, step),
+        (0.2, step.clone()),
+        (1.0, step.clone()),
         (2.0, Press::Vent),
-        (2.1, step),
+        (2.1, step.clone()),
         (6.0, Press::Resume),
-        (8.0, step),
+        (8.0, step.clone()),
         (9.5, Press::End),
     ];
     let files = session(&scene, None, &mut Timed::new(&keys));
@@ -137,4 +152,73 @@ fn device_that_ran_out_of_setpoints_is_led_on_from_where_it_holds() {
     let bent = files.run.samples.iter().map(|sample| sample.modules[1].setpoint.to_degrees()).fold(0.0, f64::max);
     assert!(bent > 2.0, "{bent}");
     check_vented(&files);
+}
+
+#[test]
+fn task_is_the_plan_with_a_pause_where_it_is_held() {
+    let scene = repository("steering");
+    let limb = Limb::new(&scene).unwrap();
+    let plan = motion::plan(&scene, &limb).unwrap();
+    let duration_s = plan.duration_us() as f64 * 1e-6;
+    let (start_s, held_s, pause_s) = (0.5, 2.0, 1.5);
+    let end_s = start_s + duration_s + pause_s;
+    let step = Press::Order(Order::Go(Way { axis: 2, with: true }));
+    let keys = [
+        (start_s, Press::Task),
+        (held_s, Press::Order(Order::Stop)),
+        // Refused while the task is under way.
+        (held_s + 0.5, step.clone()),
+        (held_s + pause_s, Press::Task),
+        (end_s + 1.0, step),
+        (end_s + 3.0, Press::End),
+    ];
+    let files = session_with(&scene, Some(plan.clone()), None, &mut Timed::new(&keys));
+    assert!(files.run.faults.is_empty(), "{:?}", files.run.faults);
+    let setpoints = |sample: &Sample| sample.modules.iter().map(|module| module.setpoint).collect::<Vec<_>>();
+    let at = |time_s: f64| files.run.samples.iter().find(|sample| sample.time_s >= time_s).unwrap();
+    // The keys are seen with the next sample and knots are ahead of the clock: the plan is found by its largest setpoints.
+    let shift_s = |from_s: f64, to_s: f64| {
+        let distance = |shift_s: f64| {
+            let samples = files.run.samples.iter().filter(|sample| (from_s..to_s).contains(&sample.time_s));
+            let error = |sample: &Sample| {
+                let planned = plan.values_at(1e6 * (sample.time_s - shift_s).clamp(0.0, duration_s));
+                let errors = setpoints(sample).into_iter().zip(planned).map(|(a, b)| (a - b).abs());
+                errors.fold(0.0, f64::max)
+            };
+            samples.map(error).fold(0.0, f64::max)
+        };
+        let shifts = (0..400).map(|step| start_s + f64::from(step) * 0.01);
+        shifts.map(|shift_s| (distance(shift_s), shift_s)).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    };
+    let (before, after) = (shift_s(start_s + 0.5, held_s), shift_s(held_s + pause_s + 0.5, end_s));
+    println!("{before:?} {after:?}");
+    // Within a knot's time of the plan, before and after the pause.
+    assert!(before.0 < 0.02 && after.0 < 0.02, "{before:?} {after:?}");
+    assert!((before.1 - start_s - 0.1).abs() < 0.15, "{before:?}");
+    assert!((after.1 - before.1 - pause_s).abs() < 0.05, "{before:?} {after:?}");
+    assert_eq!(setpoints(at(held_s + 0.4)), setpoints(at(held_s + pause_s - 0.1)), "held, and no step");
+    let (ended, stepped) = (setpoints(at(end_s + 0.9)), setpoints(at(end_s + 2.9)));
+    assert!(ended.iter().zip(&stepped).any(|(a, b)| (a - b).abs() > 1e-3), "moved by hand behind the task");
+    check_vented(&files);
+}
+
+#[test]
+fn part_that_the_operator_breaks_is_in_the_log() {
+    let scene = repository("steering");
+    let raise = Press::Order(Order::Hold(Way { axis: 0, with: true }));
+    let keys = [
+        (0.1, Press::Order(Order::SelectDrive(0))),
+        (0.2, raise),
+        (1.0, Press::Break("no-such-part".into(), None)),
+        (1.2, Press::Break("sensor-zero".into(), Some(0))),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let options = JogOptions { out: folder.path().to_owned(), within_m: WITHIN_M, link_faults: None, task: None };
+    let device = JogDevice { seed: scene.seed(), mcu: Mcu::Here, in_real_time: false };
+    let ended = jog(&scene, &device, &options, &mut Timed::new(&keys), &AtomicBool::new(false));
+    let Err(RunError::Stopped { files, .. }) = ended else { panic!("a hose off the sensor stops the limb") };
+    let purpose = files.run.faults.iter().find(|fault| fault.text.contains("on purpose")).expect("the fault on purpose");
+    assert!(purpose.text.starts_with("sensor-zero") && purpose.channel == 0, "{purpose:?}");
+    assert!((1.0..1.6).contains(&purpose.time_s), "{purpose:?}");
+    assert!(files.run.faults.iter().any(|fault| fault.code < 240), "{:?}", files.run.faults);
 }

@@ -12,24 +12,30 @@ mod mover;
 mod order;
 mod refusal;
 mod targets;
+mod task;
 
 pub use order::{Order, SPEEDS, STEPS, Settings, Way, unit_of};
 pub use refusal::Refusal;
 pub use targets::{Attempt, JogTarget, Targets};
+pub use task::TaskProgress;
 
 use nalgebra::Vector3;
 
 use crate::diagnostics::{jog_start, tier_at_rest};
 use crate::payload::{Carried, Carrying};
+use crate::plan::Plan;
 use crate::wire::to_wire;
 use leg::{Leg, Place};
 use mover::Mover;
-use softlimb_limb::Limb;
+use task::Task;
+use softlimb_limb::{Drive, Limb};
 use softlimb_limb::statics::Fidelity;
 use softlimb_scene::{Gripper, Scene, SceneError};
 
 /// Duration of each part of a held move, s: the move is solved at most this far ahead.
 const STRETCH_S: f64 = 0.1;
+/// Setpoints within this share of their range are at rest.
+const AT_REST: f64 = 1e-6;
 
 /// Setpoints at one time.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +54,10 @@ pub struct JogKnot {
 
 /// A limb moved by hand.
 pub struct Jog<'a> {
+    scene: &'a Scene,
     mover: Mover<'a>,
     targets: Targets<'a>,
+    task: Option<Task<'a>>,
     settings: Settings,
     gripper_us: u64,
     here: Place,
@@ -77,8 +85,10 @@ impl<'a> Jog<'a> {
         let tip_m = limb.tip(&limb.drives().map(|drive| drive.actuator.rest()).collect::<Vec<_>>());
         let here = mover.place(values.clone()).unwrap_or(Place { values, tip_m });
         Ok(Self {
+            scene,
             mover,
             targets: Targets::new(scene, limb, within_m),
+            task: None,
             settings: Settings::default(),
             gripper_us: (scene.gripper_time_s() * 1e6).round() as u64,
             here,
@@ -98,6 +108,7 @@ impl<'a> Jog<'a> {
             self.refusal = None;
         }
         let outcome = match order {
+            Order::Go(_) | Order::Hold(_) | Order::Gripper if self.task.is_some() => Err(Refusal::TaskRuns),
             Order::Go(way) => self.step(way),
             Order::Hold(way) => self.hold(way),
             Order::Stop => {
@@ -113,6 +124,23 @@ impl<'a> Jog<'a> {
         self.refusal = outcome.err().or(self.refusal.take());
     }
 
+    /// Starts the plan of the scene at rest, or goes on with it where it is held. [`Order::Stop`] holds it. Behind its end the limb is moved by hand.
+    pub fn play(&mut self, plan: &'a Plan) {
+        self.refusal = None;
+        if let Some(task) = &mut self.task {
+            task.is_held = false;
+        } else if self.is_at_rest() {
+            self.task = Some(Task::new(self.scene, self.mover.limb(), plan));
+        } else {
+            self.refusal = Some(Refusal::NotAtRest);
+        }
+    }
+
+    /// How far the task has come; `None` where the limb is moved by hand.
+    pub fn task(&self) -> Option<TaskProgress> {
+        self.task.as_ref().map(Task::progress)
+    }
+
     /// Takes an observation of the tip, m, and of the command to the gripper, at a time, s.
     pub fn see(&mut self, time_s: f64, tip_m: [f64; 3], gripping: bool) {
         self.targets.see(time_s, tip_m, gripping);
@@ -120,6 +148,15 @@ impl<'a> Jog<'a> {
 
     /// Setpoints at a time, us. Times must not decrease.
     pub fn knot(&mut self, time_us: u64) -> JogKnot {
+        if let Some(task) = &mut self.task {
+            task.advance(time_us.saturating_sub(self.time_us));
+            self.time_us = time_us;
+            let knot = task.knot();
+            if task.is_over() {
+                self.end_task();
+            }
+            return knot;
+        }
         while let Some(end_us) = self.leg.as_ref().map(Leg::end_us).filter(|end_us| *end_us <= time_us) {
             self.time_us = end_us;
             self.leg = None;
@@ -150,6 +187,7 @@ impl<'a> Jog<'a> {
 
     /// Sets the limb to rest, vented. The gripper keeps what it holds.
     pub fn rest(&mut self) {
+        self.end_task();
         (self.leg, self.held, self.next, self.opens) = (None, None, None, false);
         let values = self.mover.at_rest();
         if let Some(place) = self.mover.place(values.clone()) {
@@ -163,7 +201,27 @@ impl<'a> Jog<'a> {
 
     /// Whether setpoints change.
     pub fn is_moving(&self) -> bool {
-        self.leg.is_some()
+        self.leg.is_some() || self.task.as_ref().is_some_and(|task| !task.is_held)
+    }
+
+    /// Whether the limb is at rest and carries nothing.
+    fn is_at_rest(&self) -> bool {
+        let is_there = |((drive, value), rest): ((Drive<'_>, &f64), f64)| {
+            let (from, to) = drive.range();
+            (value - rest).abs() <= AT_REST * (to - from).abs()
+        };
+        let limb = self.mover.limb();
+        let mut drives = limb.drives().zip(&self.here.values).zip(self.mover.at_rest());
+        self.leg.is_none() && !self.gripping && self.carrying() == Carrying::default() && drives.all(is_there)
+    }
+
+    /// The limb is moved by hand from where the task has brought it.
+    fn end_task(&mut self) {
+        let Some(task) = self.task.take() else { return };
+        let JogKnot { setpoints, gripping, tip_m, .. } = task.knot();
+        self.gripping = gripping;
+        self.mover.hold(&setpoints, task.carrying());
+        self.here = Place { values: setpoints, tip_m };
     }
 
     /// Why the last order was refused.
@@ -223,9 +281,12 @@ impl<'a> Jog<'a> {
         Ok(())
     }
 
-    /// Stops at the last knot.
+    /// Stops at the last knot, a task too.
     fn stop(&mut self) {
         (self.held, self.next) = (None, None);
+        if let Some(task) = &mut self.task {
+            task.is_held = true;
+        }
         if let Some(leg) = self.leg.take_if(|leg| !leg.whole) {
             let values = leg.at(self.time_us);
             let tip_m = leg.tip_m(self.time_us);

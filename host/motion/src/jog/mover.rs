@@ -125,10 +125,7 @@ impl<'a> Mover<'a> {
     /// # Errors
     /// [`Refusal`]; it then carries what it carried.
     pub(super) fn carry(&mut self, from: &Place, carrying: Carrying) -> Result<(Vec<Vec<f64>>, Place), Refusal> {
-        let held = self.space.body(&from.values).map(|body| body.end().rotation);
-        let most_rad = carrying.object.map(|index| self.scene.objects()[index].tilt_max_rad);
-        let upright = held.zip(most_rad).map(|(tip, most)| Upright::taken(&tip, most).within(TILT_SHARE));
-        let other = space(self.scene, self.limb, self.tier, carrying, upright);
+        let other = space(self.scene, self.limb, self.tier, carrying, self.upright(&from.values, carrying));
         let mut rows = vec![from.values.clone()];
         let (before_kg, after_kg) = (self.carrying.payload_kg, carrying.payload_kg);
         let mut here = from.clone();
@@ -160,8 +157,25 @@ impl<'a> Mover<'a> {
 
     /// Carries nothing, wherever the limb is.
     pub(super) fn drop(&mut self) {
-        self.carrying = Carrying::default();
-        self.space = space(self.scene, self.limb, self.tier, self.carrying, None);
+        self.take(Carrying::default(), None);
+    }
+
+    /// Carries a load at setpoints that a plan has brought it to.
+    pub(super) fn hold(&mut self, values: &[f64], carrying: Carrying) {
+        self.take(carrying, self.upright(values, carrying));
+        self.judge(values);
+    }
+
+    fn take(&mut self, carrying: Carrying, upright: Option<Upright>) {
+        self.carrying = carrying;
+        self.space = space(self.scene, self.limb, self.tier, carrying, upright);
+    }
+
+    /// How far an object that is taken at given setpoints may tilt; `None` without one.
+    fn upright(&self, values: &[f64], carrying: Carrying) -> Option<Upright> {
+        let tip = self.space.body(values)?.end().rotation;
+        let most_rad = self.scene.objects()[carrying.object?].tilt_max_rad;
+        Some(Upright::taken(&tip, most_rad).within(TILT_SHARE))
     }
 
     /// Shortest time of a move through rows of setpoints, s.

@@ -29,6 +29,10 @@ pub enum Refusal {
     Waits,
     /// The gripper closes or opens.
     GripperMoves,
+    /// The task runs, or is held on its way.
+    TaskRuns,
+    /// The task begins at rest.
+    NotAtRest,
 }
 
 impl Refusal {
@@ -64,6 +68,8 @@ impl fmt::Display for Refusal {
             Self::NoSupply => f.write_str("the supply does not suffice"),
             Self::Waits => f.write_str("one step waits already"),
             Self::GripperMoves => f.write_str("the gripper moves"),
+            Self::TaskRuns => f.write_str("the task is under way: it runs to its end, or is vented"),
+            Self::NotAtRest => f.write_str("the task begins at rest with an open gripper: vent first"),
         }
     }
 }

@@ -213,6 +213,8 @@ impl FaultRecord {
     pub(crate) const DROPPED: u8 = 243;
     /// Code of a gripper that is not closed as the limb goes on.
     pub(crate) const LEFT_BEHIND: u8 = 244;
+    /// Code of a part that the operator breaks on purpose.
+    pub(crate) const ON_PURPOSE: u8 = 245;
 }
 
 /// The backbone of the limb at one instant, base to tip.

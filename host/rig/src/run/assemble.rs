@@ -61,6 +61,8 @@ pub(super) struct Seen {
     pub(super) sample: Sample,
     pub(super) shape: Option<Shape>,
     pub(super) body: Option<Body>,
+    /// The same, by the model where nobody sees the limb.
+    pub(super) shown: Option<Body>,
     /// The limb for viewers: as it was observed, else by the model.
     pub(super) posture: Option<Posture>,
     /// Faults of the limb itself.
@@ -164,24 +166,25 @@ impl<'a> Assembler<'a> {
             tip_modelled_m,
             tip_achieved_m,
         };
-        let (body, posture) = if time_s >= self.next_body_s {
+        let (shown, posture) = if time_s >= self.next_body_s {
             self.next_body_s += BODY_PERIOD_S;
             let unloaded = || Some(self.limb.tip(achieved.as_ref()?));
             // The model of a plan that compensates weight has the sag in it.
             let hangs = hung.is_some() && !self.scene.weightless();
             let tip_unloaded_m = if hangs && self.weighed.is_none() { unloaded() } else { None };
-            let body = match &hung {
+            let observed = || match &hung {
                 Some(hung) => hung.as_ref().map(|hung| hung.body.clone()),
                 None => achieved.as_ref().map(|states| self.limb.body(states)),
             };
             let drawn = match (truth, &nominal) {
-                (Some(_), _) => body.clone(),
+                (Some(_), _) => observed(),
                 (None, None) => Some(self.limb.body(&modelled)),
                 (None, Some(pose)) => pose.as_ref().map(|pose| self.loaded(pose, &modelled)),
             };
             let object = self.reference.object_at(time_us);
             let seen = |body| solid::seen((self.scene, self.limb), body, object, (time_s, tip_unloaded_m));
-            (body.map(seen), drawn.map(|body| solid::posture(self.limb, &body, time_s)))
+            let posture = drawn.as_ref().map(|body| solid::posture(self.limb, body, time_s));
+            (drawn.map(seen), posture)
         } else {
             (None, None)
         };
@@ -196,7 +199,8 @@ impl<'a> Assembler<'a> {
                 },
             }
         });
-        Some(Seen { sample, shape, body, posture, faults })
+        let body = shown.clone().filter(|_| truth.is_some());
+        Some(Seen { sample, shape, body, shown, posture, faults })
     }
 
     /// Samples between the telemetry messages; `None` before the start.

@@ -4,6 +4,7 @@ use softlimb_sim::plant::Truth;
 
 use super::recording::Bench;
 use super::tape::Tape;
+use super::timed_fault::TimedFault;
 use crate::link::{DisturbedLink, LinkFaults};
 
 /// A device behind a link with faults; without them the link is the port itself.
@@ -30,5 +31,9 @@ impl<B: Bench> Bench for DisturbedLink<B> {
 
     fn is_at_pins(&self) -> bool {
         self.port().is_at_pins()
+    }
+
+    fn break_now(&mut self, fault: TimedFault) -> Result<(), String> {
+        self.port_mut().break_now(fault)
     }
 }

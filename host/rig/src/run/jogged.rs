@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use softlimb_protocol::{DeviceState, Outputs};
@@ -14,20 +15,22 @@ use super::observed::Observed;
 use super::paced::Paced;
 use super::prepared::{Origin, SESSION, stream_options};
 use super::recording::{Bench, recorded_by};
+use super::timed_fault::TimedFault;
 use super::track::{Track, Tracked};
 use super::unobserved::Unobserved;
 use super::{Mcu, RunError, RunFiles, simulated_device, unix_ns};
 use crate::link;
 use crate::link::port::{self, Port, PortAddress};
 use crate::link::{DeviceConfiguration, DeviceFault, Event, Knot, LinkFaults, Pilot, Wish};
-use crate::record::{RunLog, Sample};
+use crate::record::{Body, RunLog, Sample};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
+use softlimb_motion::Plan;
 use softlimb_motion::jog::{Attempt, Jog, Order, Targets};
 use softlimb_scene::Scene;
 
 /// A key.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Press {
     /// An order to the limb.
     Order(Order),
@@ -37,6 +40,10 @@ pub enum Press {
     Resume,
     /// Let the pressures down and end.
     End,
+    /// Start the plan of [`JogOptions::task`] at rest, or go on with it. [`Order::Stop`] holds it.
+    Task,
+    /// Break a part of the simulated device now: the name of a fault and its channel, from 0, where it has one.
+    Break(String, Option<usize>),
 }
 
 /// Moves the limb by keys.
@@ -55,6 +62,8 @@ pub struct JogView<'v, 'a> {
     pub jog: &'v Jog<'a>,
     /// The latest measurements; `None` before the first.
     pub sample: Option<&'v Sample>,
+    /// The limb as it was last seen, by the model on a device; `None` before the first look.
+    pub body: Option<&'v Body>,
     /// State of the device.
     pub state: Option<DeviceState>,
     /// Faults so far, in words.
@@ -72,6 +81,8 @@ pub struct JogOptions {
     pub within_m: f64,
     /// Faults of the link.
     pub link_faults: Option<LinkFaults>,
+    /// The plan that [`Press::Task`] runs.
+    pub task: Option<Arc<Plan>>,
 }
 
 /// The simulated device of a session by hand.
@@ -155,13 +166,22 @@ fn by_hand<D: Bench>(
     let assembler =
         Assembler::new((scene, limb), reference, tier, (scene, limb), (origin.seed().unwrap_or(0), Laws::default()));
     let desk = RefCell::new(Desk::default());
-    let mut hand = Hand { jog, operator, track, desk: &desk, is_vented: false, looked_us: 0, pressed_us: None };
+    let task = options.task.as_deref();
+    let mut hand = Hand { jog, operator, task, track, desk: &desk, is_vented: false, looked_us: 0, pressed_us: None };
     let info = run_info(scene, limb, Vec::new(), origin);
     let period_us = u64::from(scene.controller().telemetry_period_us);
     recorded_by(device, (info, assembler, period_us), &options.out, |device, recording| {
         let settings = stream_options(&configuration, limb, number, cancel);
         link::live(device, &configuration, &settings, &mut hand, |device, event| {
             let mut desk = desk.borrow_mut();
+            for (name, channel) in std::mem::take(&mut desk.breaks) {
+                let fault = TimedFault::now(&name, channel).map_err(|error| error.to_string());
+                let broken = fault.and_then(|fault| device.break_now(fault.clone()).map(|()| fault.injected()));
+                desk.faults.push(match broken {
+                    Ok(fault) => recording.on_purpose(&fault),
+                    Err(reason) => format!("{name} is refused: {reason}"),
+                });
+            }
             match &event {
                 Event::State(state) => desk.state = Some(*state),
                 Event::Fault { message, .. } => desk.faults.push(DeviceFault::from(message).to_string()),
@@ -169,6 +189,7 @@ fn by_hand<D: Bench>(
             }
             if let Some(sample) = recording.take(device, event) {
                 desk.sample = Some(sample);
+                desk.body = recording.take_body().or(desk.body.take());
             }
         })
     })
@@ -178,14 +199,18 @@ fn by_hand<D: Bench>(
 #[derive(Default)]
 struct Desk {
     sample: Option<Sample>,
+    body: Option<Body>,
     state: Option<DeviceState>,
     faults: Vec<String>,
+    /// Faults to inject at the next event.
+    breaks: Vec<(String, Option<usize>)>,
 }
 
 /// The operator's orders as setpoints.
 struct Hand<'a, 'h> {
     jog: Jog<'a>,
     operator: &'h mut dyn Operator,
+    task: Option<&'a Plan>,
     track: Rc<RefCell<Track>>,
     desk: &'h RefCell<Desk>,
     is_vented: bool,
@@ -204,12 +229,15 @@ impl Pilot for Hand<'_, '_> {
         let view = JogView {
             jog: &self.jog,
             sample: desk.sample.as_ref(),
+            body: desk.body.as_ref(),
             state: desk.state,
             faults: &desk.faults,
             is_vented: self.is_vented,
         };
         let mut wish = Wish::Nothing;
-        for press in self.operator.presses(&view) {
+        let presses = self.operator.presses(&view);
+        drop(desk);
+        for press in presses {
             match press {
                 Press::End => return Wish::End,
                 Press::Vent => return Wish::Vent,
@@ -222,7 +250,14 @@ impl Pilot for Hand<'_, '_> {
                     self.pressed_us = Some(before_us);
                     wish = Wish::Move;
                 }
-                Press::Order(_) | Press::Resume => {}
+                Press::Task if !self.is_vented => {
+                    if let Some(plan) = self.task {
+                        self.jog.play(plan);
+                    }
+                    wish = Wish::Move;
+                }
+                Press::Break(name, channel) => self.desk.borrow_mut().breaks.push((name, channel)),
+                Press::Order(_) | Press::Resume | Press::Task => {}
             }
         }
         wish

@@ -66,15 +66,18 @@ impl Observed {
                 let (time_s, end_s) = (fault.time_us as f64 * 1e-6, duration_us as f64 * 1e-6);
                 return refused(format!("its time is {time_s} s, and the run ends at {end_s} s"));
             }
-            if let FaultKind::Part(part) = fault.kind
-                && let Err(error) = self.device.can_break(fault.channel.unwrap_or(0), &part)
-            {
-                return refused(error.to_string());
+            if let Err(reason) = self.can_break(fault) {
+                return refused(reason);
             }
         }
         self.faults = faults.to_vec();
         self.faults.sort_by_key(|fault| std::cmp::Reverse(fault.time_us));
         Ok(self)
+    }
+
+    fn can_break(&self, fault: &TimedFault) -> Result<(), String> {
+        let FaultKind::Part(part) = fault.kind else { return Ok(()) };
+        self.device.can_break(fault.channel.unwrap_or(0), &part).map_err(|error| error.to_string())
     }
 
     /// Injects the faults that are due.
@@ -143,6 +146,13 @@ impl Bench for Observed {
 
     fn is_at_pins(&self) -> bool {
         self.device.processor().is_at_pins()
+    }
+
+    fn break_now(&mut self, fault: TimedFault) -> Result<(), String> {
+        self.can_break(&fault)?;
+        // The next one in turn is the last.
+        self.faults.push(fault);
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ use softlimb_sim::plant::Truth;
 
 use super::recording::Bench;
 use super::tape::Tape;
+use super::timed_fault::TimedFault;
 use crate::link::Transport;
 
 /// Lag behind the clock above which the device stops catching up, us.
@@ -55,6 +56,10 @@ impl<B: Bench> Bench for Paced<B> {
 
     fn is_at_pins(&self) -> bool {
         self.device.is_at_pins()
+    }
+
+    fn break_now(&mut self, fault: TimedFault) -> Result<(), String> {
+        self.device.break_now(fault)
     }
 }
 

@@ -10,10 +10,11 @@ use softlimb_sim::plant::Truth;
 use super::assemble::{Assembler, Seen, link_summary};
 use super::prepared::{Origin, Prepared};
 use super::tape::Tape;
+use super::timed_fault::TimedFault;
 use super::{Progress, RunError, RunFiles, write_report};
 use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
-use crate::record::{InjectedFault, RecordError, Recorder, RunEnd, RunInfo, Sample};
+use crate::record::{Body, FaultRecord, InjectedFault, RecordError, Recorder, RunEnd, RunInfo, Sample};
 
 /// Least number of ticks in a message of the log: fewer would be smaller than their header.
 const TICKS: usize = 20;
@@ -37,6 +38,14 @@ pub(super) trait Bench: Transport {
     /// Whether the outputs of the ticks are those of pins.
     fn is_at_pins(&self) -> bool {
         false
+    }
+
+    /// Injects a fault at once.
+    ///
+    /// # Errors
+    /// The reason in words: no such part, or a device that is not simulated.
+    fn break_now(&mut self, _fault: TimedFault) -> Result<(), String> {
+        Err("only a simulated device breaks on purpose".to_owned())
     }
 }
 
@@ -125,6 +134,8 @@ pub(super) struct Recording<'a> {
     failure: Option<RecordError>,
     /// Time of the last sample in the log, s after the start of the run.
     last_s: Option<f64>,
+    /// The latest look at the limb.
+    body: Option<Body>,
     statistics: LinkStatistics,
     gaps: Gaps,
 }
@@ -153,6 +164,7 @@ impl<'a> Recording<'a> {
             recorder: None,
             failure: None,
             last_s: None,
+            body: None,
             statistics: LinkStatistics::default(),
             gaps,
         }
@@ -164,6 +176,26 @@ impl<'a> Recording<'a> {
         let sample = self.unless_lost(noted).flatten();
         self.take_tape(device, TICKS);
         sample
+    }
+
+    /// The look at the limb since the last call.
+    pub(super) fn take_body(&mut self) -> Option<Body> {
+        self.body.take()
+    }
+
+    /// Notes a fault that was injected now; the note in words.
+    pub(super) fn on_purpose(&mut self, fault: &InjectedFault) -> String {
+        let text = format!("{}, on purpose", fault.name);
+        let note = FaultRecord {
+            time_s: self.last_s.unwrap_or(0.0),
+            channel: fault.channel.and_then(|channel| u8::try_from(channel).ok()).unwrap_or(u8::MAX),
+            code: FaultRecord::ON_PURPOSE,
+            value: 0,
+            text: text.clone(),
+        };
+        let written = self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.fault(&note));
+        self.unless_lost(written);
+        fault.channel.map_or(text.clone(), |channel| format!("{text}, on channel {channel}"))
     }
 
     /// Writes the bytes since the last call, and the ticks where there are at least `ticks_min`. Before there is a log, they stay on the tape.
@@ -212,9 +244,10 @@ impl<'a> Recording<'a> {
                     self.gaps.add(message.time_us);
                 }
                 let truth = device.truth_at(message.time_us);
-                if let Some(Seen { sample, shape, body, posture, faults }) =
+                if let Some(Seen { sample, shape, body, shown, posture, faults }) =
                     self.assembler.sample(&message, truth.as_ref())
                 {
+                    self.body = shown.or(self.body.take());
                     if let Some(recorder) = &mut self.recorder {
                         recorder.sample(&sample)?;
                         self.last_s = Some(sample.time_s);

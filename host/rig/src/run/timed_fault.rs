@@ -91,6 +91,14 @@ impl TimedFault {
         PartFault::names().chain(OTHERS.into_iter().map(|(name, _)| name))
     }
 
+    /// A fault without delay.
+    ///
+    /// # Errors
+    /// As [`TimedFault::from_str`].
+    pub(super) fn now(name: &str, channel: Option<usize>) -> Result<Self, TimedFaultError> {
+        channel.map_or_else(|| format!("{name}@0"), |channel| format!("{name}@0,{channel}")).parse()
+    }
+
     /// The same for the log.
     pub(super) fn injected(&self) -> InjectedFault {
         InjectedFault { name: self.name.clone(), time_s: self.time_us as f64 * 1e-6, channel: self.channel }

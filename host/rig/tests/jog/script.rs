@@ -98,6 +98,6 @@ impl Operator for Timed<'_> {
         let due = self.keys.iter().take_while(|(at_s, _)| *at_s <= time_s).count();
         let (now, later) = self.keys.split_at(due);
         self.keys = later;
-        now.iter().map(|(_, press)| *press).collect()
+        now.iter().map(|(_, press)| press.clone()).collect()
     }
 }

@@ -113,6 +113,7 @@ impl Jog {
             out: self.out.clone().unwrap_or_else(|| run::jog_folder(&scene)),
             within_m: self.within.si(),
             link_faults: self.link_fault,
+            task: None,
         };
         let gamepad = self.gamepad.as_deref().map(Gamepad::open).transpose()?;
         let cancel = interrupt()?;
