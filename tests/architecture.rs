@@ -59,6 +59,7 @@ const ARROWS: &[(&str, &str)] = &[
     ("softlimb-rig", "softlimb-sim"),
     ("softlimb", "fra-model"),
     ("softlimb", "softlimb-chart"),
+    ("softlimb", "softlimb-console"),
     ("softlimb", "softlimb-design"),
     ("softlimb", "softlimb-fea"),
     ("softlimb", "softlimb-files"),

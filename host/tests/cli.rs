@@ -1,5 +1,7 @@
 //! The command as a new user meets it: the binary itself, good and bad input, exit codes, and what it leaves behind.
 
+#[cfg(unix)]
+mod console;
 mod desk;
 #[cfg(unix)]
 mod device;

@@ -77,8 +77,8 @@ pub(crate) const RULES: &[Rule] = &[
     Rule {
         words: &["Instant", "SystemTime"],
         within: &[],
-        owners: &["host/src/cli", "host/lab/src", "host/rig/src/run", "host/rig/src/link"],
-        law: "time is an argument: only the command, the laboratory, rig::run and rig::link read a clock",
+        owners: &["host/src/cli", "host/lab/src", "host/rig/src/run", "host/rig/src/link", "host/console/src/server"],
+        law: "time is an argument: only the command, the laboratory, the console's server, rig::run and rig::link read a clock",
     },
     Rule { words: &["std::fs"], within: PURE, owners: &[], law: "files are the caller's" },
     Rule {

@@ -217,7 +217,8 @@ fn part_that_the_operator_breaks_is_in_the_log() {
     let device = JogDevice { seed: scene.seed(), mcu: Mcu::Here, in_real_time: false };
     let ended = jog(&scene, &device, &options, &mut Timed::new(&keys), &AtomicBool::new(false));
     let Err(RunError::Stopped { files, .. }) = ended else { panic!("a hose off the sensor stops the limb") };
-    let purpose = files.run.faults.iter().find(|fault| fault.text.contains("on purpose")).expect("the fault on purpose");
+    let purpose =
+        files.run.faults.iter().find(|fault| fault.text.contains("on purpose")).expect("the fault on purpose");
     assert!(purpose.text.starts_with("sensor-zero") && purpose.channel == 0, "{purpose:?}");
     assert!((1.0..1.6).contains(&purpose.time_s), "{purpose:?}");
     assert!(files.run.faults.iter().any(|fault| fault.code < 240), "{:?}", files.run.faults);

@@ -1,36 +1,17 @@
 //! Reports in a browser: `browser/report.py` opens them and uses them as a reader would.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+#[path = "browser/driver.rs"]
+mod driver;
 
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::atomic::AtomicBool;
 
+use driver::browser;
 use softlimb_rig::record::RunLog;
 use softlimb_rig::report;
 use softlimb_rig::run::{Mcu, RunOptions, run};
 use softlimb_scene::parse;
-
-/// Names under which systems install the browser.
-const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
-const CURE: &str = "chromium or its driver is missing (Debian: apt-get install chromium; pip install playwright)";
-
-/// The browser with its driver. Continuous integration must have both: else the test would be skipped unnoticed.
-fn browser() -> Option<&'static str> {
-    let runs = |program: &str, arguments: &[&str]| {
-        let status = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
-        status.is_ok_and(|status| status.success())
-    };
-    let found = BROWSERS.into_iter().find(|browser| runs(browser, &["--version"]));
-    let found = found.filter(|_| runs("python3", &["-c", "import playwright"]));
-    let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty());
-    assert!(found.is_some() || !ci, "CI is set: {CURE}");
-    if found.is_none() {
-        // The harness captures what `eprintln!` writes.
-        let _ = writeln!(std::io::stderr(), "skipped: reports in a browser; {CURE}");
-    }
-    found
-}
 
 /// The run of a scene of the repository.
 fn log_of(name: &str) -> RunLog {
@@ -80,7 +61,7 @@ fn long(run: &RunLog) -> RunLog {
 
 #[test]
 fn reports_are_read_in_a_browser() {
-    let Some(browser) = browser() else { return };
+    let Some(browser) = browser("reports in a browser") else { return };
     let folder = tempfile::tempdir().unwrap();
     let page = |name: &str, log: &RunLog| {
         let file = folder.path().join(name);

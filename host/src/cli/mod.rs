@@ -7,6 +7,8 @@ mod calibrate;
 mod check;
 mod check_margins;
 mod completions;
+#[cfg(feature = "console")]
+mod console;
 mod design;
 mod device;
 mod eval;
@@ -16,6 +18,7 @@ mod failure;
 pub mod fea;
 mod interrupt;
 mod jog;
+mod latency;
 mod learn;
 mod materials;
 mod payload;
@@ -74,6 +77,8 @@ enum Verb {
     Run(run::Run),
     Sweep(sweep::Sweep),
     Jog(jog::Jog),
+    #[cfg(feature = "console")]
+    Console(console::Console),
     Report(report::Report),
     Replay(replay::Replay),
     Export(export::Export),
@@ -101,6 +106,8 @@ impl Verb {
             Self::Run(verb) => verb.run(),
             Self::Sweep(verb) => verb.run(),
             Self::Jog(verb) => verb.run(),
+            #[cfg(feature = "console")]
+            Self::Console(verb) => verb.run(),
             Self::Report(verb) => verb.run(),
             Self::Replay(verb) => verb.run(),
             Self::Export(verb) => verb.run(),

@@ -27,10 +27,10 @@ use crate::plan::Plan;
 use crate::wire::to_wire;
 use leg::{Leg, Place};
 use mover::Mover;
-use task::Task;
-use softlimb_limb::{Drive, Limb};
 use softlimb_limb::statics::Fidelity;
+use softlimb_limb::{Drive, Limb};
 use softlimb_scene::{Gripper, Scene, SceneError};
+use task::Task;
 
 /// Duration of each part of a held move, s: the move is solved at most this far ahead.
 const STRETCH_S: f64 = 0.1;

@@ -221,21 +221,30 @@ impl<T: Transport> Live<'_, '_, T> {
             return self.run.vent();
         }
         self.run.driver.settle(self.run.options.abort_max_us);
-        self.run.vent()?;
-        // It may be canceled again.
-        self.run.driver.ending = false;
+        self.run.begin_vent()?;
         self.pilot.vented();
         Ok(())
     }
 
-    /// Waits, vented, until the pilot wishes to go on or to end.
+    /// Waits until the pressures are down and the pilot wishes to go on or to end. It looks on all the while.
     fn rest(&mut self) -> Result<Wish, LinkError> {
+        let (mut is_at_rest, waited_us) = (false, self.run.options.vent_max_us);
+        let until_us = self.run.driver.now_us().saturating_add(waited_us);
         loop {
+            if !is_at_rest && self.run.driver.session.state() == Some(DeviceState::Ready) {
+                is_at_rest = true;
+                // It may be canceled again.
+                self.run.driver.ending = false;
+            }
             match self.pilot.look(self.run.driver.now_us()) {
-                wish @ (Wish::Move | Wish::End) => return Ok(wish),
-                Wish::Nothing | Wish::Vent => {}
+                Wish::Move if is_at_rest => return Ok(Wish::Move),
+                Wish::End => return self.run.wait_for_rest().map(|()| Wish::End),
+                Wish::Nothing | Wish::Move | Wish::Vent => {}
             }
             let now_us = self.run.driver.now_us();
+            if !is_at_rest && now_us > until_us {
+                return Err(LinkError::StillPressurized { waited_us });
+            }
             self.run.driver.turn(now_us + LOOK_US)?;
         }
     }

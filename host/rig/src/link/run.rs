@@ -199,13 +199,17 @@ impl<T: Transport> Run<'_, T> {
 
     /// Lets the pressures down and waits until the device is ready again.
     pub(super) fn vent(&mut self) -> Result<(), LinkError> {
-        // The run is over: there is nothing left to cancel.
-        self.driver.ending = true;
-        self.driver.command(CommandCode::Vent)?;
+        self.begin_vent()?;
         self.wait_for_rest()
     }
 
-    fn wait_for_rest(&mut self) -> Result<(), LinkError> {
+    pub(super) fn begin_vent(&mut self) -> Result<(), LinkError> {
+        // The run is over: there is nothing left to cancel.
+        self.driver.ending = true;
+        self.driver.command(CommandCode::Vent).map(drop)
+    }
+
+    pub(super) fn wait_for_rest(&mut self) -> Result<(), LinkError> {
         let waited_us = self.options.vent_max_us;
         self.driver.until_state(&[DeviceState::Ready], waited_us, |_| LinkError::StillPressurized { waited_us })
     }

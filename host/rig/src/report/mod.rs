@@ -15,7 +15,7 @@ mod table;
 mod tip;
 mod verdict;
 
-pub use moving::html;
+pub use moving::{LIMB_SCRIPT, STYLE, html};
 pub use stats::ErrorStats;
 pub use still::still_html;
 pub use summary::{Miss, ModuleSummary, PressureSummary, Summary, TipSummary, summary};

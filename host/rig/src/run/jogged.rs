@@ -236,12 +236,14 @@ impl Pilot for Hand<'_, '_> {
         };
         let mut wish = Wish::Nothing;
         let presses = self.operator.presses(&view);
+        // While the pressures fall there is no way back.
+        let is_ready = desk.state == Some(DeviceState::Ready);
         drop(desk);
         for press in presses {
             match press {
                 Press::End => return Wish::End,
                 Press::Vent => return Wish::Vent,
-                Press::Resume if self.is_vented => {
+                Press::Resume if self.is_vented && is_ready => {
                     self.is_vented = false;
                     wish = Wish::Move;
                 }

@@ -48,6 +48,7 @@ pub(crate) use prepared::Prepared;
 use prepared::{Origin, SESSION};
 pub use prepared::{samples, summaries};
 use recording::{Session, recorded};
+pub use solid::at_rest;
 pub use timed_fault::{TimedFault, TimedFaultError};
 use unobserved::Unobserved;
 

@@ -32,6 +32,12 @@ pub(super) fn seen(
     record::Body { time_s, line_m, radius_m, nearest, tip_unloaded_m }
 }
 
+/// What the limb of a scene keeps clear of, and the limb without pressure or weight.
+pub fn at_rest(scene: &Scene, limb: &Limb) -> (Vec<SolidInfo>, record::Body) {
+    let states: Vec<_> = limb.drives().map(|drive| drive.actuator.rest()).collect();
+    (solids(scene), seen((scene, limb), limb.body(&states), None, (0.0, None)))
+}
+
 /// A cross-section of the limb.
 #[derive(Clone, Copy, Debug)]
 struct Section {

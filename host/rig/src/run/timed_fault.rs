@@ -86,6 +86,12 @@ pub enum TimedFaultError {
 }
 
 impl TimedFault {
+    /// All names, and whether a fault of each belongs to a channel.
+    pub fn kinds() -> impl Iterator<Item = (&'static str, bool)> {
+        let of_channel = |name| PartFault::named(name).is_some_and(|part| part.is_of_channel());
+        Self::names().map(move |name| (name, of_channel(name)))
+    }
+
     /// All names.
     pub fn names() -> impl Iterator<Item = &'static str> {
         PartFault::names().chain(OTHERS.into_iter().map(|(name, _)| name))

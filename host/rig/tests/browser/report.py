@@ -11,78 +11,8 @@ import re
 import shutil
 import sys
 
+from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS
 from playwright.sync_api import sync_playwright
-
-WIDTHS = [800, 1280, 1920]
-SCHEMES = ["light", "dark"]
-
-# Texts that leave their box, their page or each other's place.
-TEXTS = r"""
-() => {
-  const wrong = [];
-  const shown = (element) => element.checkVisibility({ visibilityProperty: true }) && element.getClientRects().length;
-  const named = (element) => `${element.tagName.toLowerCase()}.${element.getAttribute("class") || ""} "${element.textContent.trim().slice(0, 40)}"`;
-  const own = (element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
-  const texts = [...document.querySelectorAll("body *")].filter((element) => own(element) && shown(element) && !element.closest("script, style, noscript, option"));
-  for (const element of texts) {
-    const scrolls = element.closest(".wide, pre");
-    const box = element.getBoundingClientRect();
-    if (!scrolls && (box.left < -1 || box.right > innerWidth + 1)) wrong.push(`${named(element)} leaves the page: ${box.left} to ${box.right}`);
-    if (!(element instanceof SVGElement) && element.clientWidth && element.scrollWidth > element.clientWidth + 1) wrong.push(`${named(element)} leaves its box`);
-    const size = parseFloat(getComputedStyle(element).fontSize);
-    if (size < 11) wrong.push(`${named(element)} has ${size} px`);
-  }
-  if (document.documentElement.scrollWidth > innerWidth) wrong.push(`the page is ${document.documentElement.scrollWidth} px wide`);
-  const apart = (elements, room, place) => {
-    const boxes = elements.filter(shown).map((element) => [element, element.getBoundingClientRect()]);
-    boxes.forEach(([element, box], index) => {
-      if (box.left < room.left - 1 || box.right > room.right + 1 || box.top < room.top - 1 || box.bottom > room.bottom + 1) wrong.push(`${place}: ${named(element)} leaves its plot`);
-      for (const [other, its] of boxes.slice(0, index)) {
-        const [across, down] = [Math.min(box.right, its.right) - Math.max(box.left, its.left), Math.min(box.bottom, its.bottom) - Math.max(box.top, its.top)];
-        if (across > 1 && down > 3) wrong.push(`${place}: ${named(element)} lies over ${named(other)}`);
-      }
-    });
-  };
-  for (const panel of document.querySelectorAll(".panel")) {
-    const frame = panel.querySelector(".frame");
-    const letters = [...frame.querySelectorAll(".xtick text, .ytick text, .shape-label text"), ...frame.querySelectorAll(".label span, .label b")];
-    apart(letters, frame.getBoundingClientRect(), panel.querySelector("h3").textContent);
-  }
-  const track = document.querySelector("#track");
-  apart([...track.querySelectorAll("span")], track.getBoundingClientRect(), "track");
-  apart([...document.querySelectorAll(".controls > *, .controls .right > *")].filter((element) => !element.matches(".right") && element.textContent), document.querySelector(".controls").getBoundingClientRect(), "controls");
-  return wrong;
-}
-"""
-
-# Texts with less contrast than 4.5 to their ground.
-CONTRAST = r"""
-() => {
-  const numbers = (color) => (color.match(/[\d.]+/g) || []).map(Number);
-  const light = (color) => {
-    const [r, g, b] = numbers(color).slice(0, 3).map((part) => part / 255).map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-  };
-  const ground = (element) => {
-    for (let at = element; at; at = at.parentElement) {
-      const color = getComputedStyle(at).backgroundColor;
-      if (color.startsWith("rgb(")) return color;
-    }
-    return "rgb(255, 255, 255)";
-  };
-  const own = (element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
-  const wrong = [];
-  for (const element of document.querySelectorAll("body *")) {
-    if (!own(element) || !element.checkVisibility({ visibilityProperty: true }) || element.closest("script, style, noscript")) continue;
-    const style = getComputedStyle(element);
-    const color = element instanceof SVGElement ? style.fill : style.color;
-    const [a, b] = [light(color), light(ground(element))];
-    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-    if (ratio < 4.5) wrong.push(`"${element.textContent.trim().slice(0, 30)}" has a contrast of ${ratio.toFixed(2)}: ${color} on ${ground(element)}`);
-  }
-  return [...new Set(wrong)];
-}
-"""
 
 # Milliseconds of script in an update, over the whole run; and from frame to frame while the slider moves.
 UPDATES = r"""

@@ -14,6 +14,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::interrupt::interrupt;
+use super::latency::Latency;
 use super::port::PortOption;
 use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, note, warn};
@@ -89,14 +90,6 @@ struct Target {
     least_m: Option<f64>,
     /// Time of the tip at the target, s.
     held_s: f64,
-}
-
-/// Time from a key to its setpoint on the wire, ms, at most: from the look at the keys before it.
-#[derive(Serialize)]
-struct Latency {
-    p50_ms: f64,
-    p99_ms: f64,
-    max_ms: f64,
 }
 
 impl Jog {
@@ -212,18 +205,9 @@ fn printed(scene: &Scene, files: &RunFiles, options: &JogOptions, waits: Vec<Dur
         within_m: options.within_m,
         targets: attempts.into_iter().map(target).collect(),
         keys: waits.len(),
-        key_to_wire: latency(waits),
+        key_to_wire: Latency::of(waits),
         warnings: run_warnings(&report::summary(&files.run)),
     })
-}
-
-fn latency(mut waits: Vec<Duration>) -> Option<Latency> {
-    waits.sort_unstable();
-    let at = |share: f64| {
-        let rank = (share * waits.len() as f64).ceil() as usize;
-        waits.get(rank.saturating_sub(1)).map(|wait| 1e3 * wait.as_secs_f64())
-    };
-    Some(Latency { p50_ms: at(0.5)?, p99_ms: at(0.99)?, max_ms: at(1.0)? })
 }
 
 fn text(printed: &Printed) -> String {
@@ -240,24 +224,8 @@ fn text(printed: &Printed) -> String {
         printed.targets.len(),
         1e3 * printed.within_m
     ));
-    if let Some(Latency { p50_ms, p99_ms, max_ms }) = &printed.key_to_wire {
-        let keys = printed.keys;
-        text.push_str(&format!(
-            "\nkey to setpoint on the wire, at most: p50 {p50_ms:.1}, p99 {p99_ms:.1}, max {max_ms:.1} ms, {keys} keys"
-        ));
+    if let Some(latency) = &printed.key_to_wire {
+        text.push_str(&format!("\nkey to setpoint on the wire, at most: {latency}, {} keys", printed.keys));
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn percentiles_are_those_of_the_rank() {
-        let waits: Vec<Duration> = (1..=200).rev().map(Duration::from_millis).collect();
-        let Latency { p50_ms, p99_ms, max_ms } = latency(waits).unwrap();
-        assert_eq!([p50_ms, p99_ms, max_ms], [100.0, 198.0, 200.0]);
-        assert!(latency(Vec::new()).is_none());
-    }
 }

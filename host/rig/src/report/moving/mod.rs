@@ -15,6 +15,12 @@ use columns::{Table, base64, packed};
 use panels::{Panel, Plots, plots};
 use space::{Entry, Space, space};
 
+/// Style of the page.
+pub const STYLE: &str = include_str!("page.css");
+
+/// The script that draws a limb in space: positions in m on a canvas.
+pub const LIMB_SCRIPT: &str = include_str!("limb.js");
+
 /// plotly.js, compressed by the build from the crate that brings it.
 const PLOTLY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/plotly.js.gz"));
 
@@ -103,8 +109,8 @@ pub fn html(log: &RunLog) -> String {
         has_gripper: log.info.phases.iter().any(|phase| phase.gripper.is_some()),
         has_clearance: log.info.phases.iter().any(|phase| phase.nearest.is_some()),
         has_sag: log.bodies.iter().any(|body| body.tip_unloaded_m.is_some()),
-        style: include_str!("page.css"),
-        limb_script: include_str!("limb.js"),
+        style: STYLE,
+        limb_script: LIMB_SCRIPT,
         columns_script: include_str!("columns.js"),
         plots_script: include_str!("plots.js"),
         page_script: include_str!("page.js"),

@@ -1,0 +1,169 @@
+//! `softlimb console`: move and watch a limb in a browser.
+
+mod hand;
+mod view;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::sleep;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::interrupt::interrupt;
+use super::latency::Latency;
+use super::port::PortOption;
+use super::shared::{limb, quantity};
+use super::{Failure, Outcome, note, say, warn};
+use hand::Hand;
+use softlimb_console::{Console as Page, Order, Site};
+use softlimb_limb::Limb;
+use softlimb_motion as motion;
+use softlimb_rig::link::port::Address;
+use softlimb_rig::report::{LIMB_SCRIPT, STYLE};
+use softlimb_rig::run;
+use softlimb_rig::run::{JogDevice, JogOptions, Mcu, RunError, RunFiles};
+use softlimb_scene::{Quantity, Scene};
+use view::View;
+
+/// The limb of a console without a scene.
+const EXAMPLE: &str = include_str!("../../../../scenes/steering.toml");
+
+/// Time between two looks at the orders while no device is connected.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Watch and move a limb in a browser: live limb, pressures and faults, jog by sliders, keys and gamepad
+#[derive(Args)]
+#[command(
+    after_help = "Prints the address of the page, for a browser on this computer; it has a random token. The first page commands, others look;\n\
+                  every page can vent. A page that is closed or falls silent lets the limb hold; after 5 s without one that commands it vents.\n\
+                  Each session writes run.mcap and run.html; those of an earlier session in the same folder are replaced.\n\n\
+                  Examples:\n  softlimb console\n  softlimb console scenes/pick-and-place-a.toml\n  softlimb console scenes/steering.toml --port /dev/ttyACM0"
+)]
+pub(super) struct Console {
+    /// The scene file [default: a limb of two steering modules]
+    scene: Option<PathBuf>,
+    /// Folder for run.mcap and run.html [default: out/<scene>-console]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Seed of the plant [default: the scene's]
+    #[arg(long)]
+    seed: Option<u64>,
+    #[command(flatten)]
+    port: PortOption,
+    /// TCP port of the page on the loopback address [default: any free one]
+    #[arg(long, value_name = "NUMBER")]
+    page_port: Option<u16>,
+    /// Largest distance at which the tip is at a target
+    #[arg(long, value_name = "LENGTH", value_parser = quantity("mm", 0.1, 1000.0), default_value = "10mm")]
+    within: Quantity,
+}
+
+impl Console {
+    pub(super) fn run(&self) -> Result<Outcome, Failure> {
+        let address = self.port.address()?;
+        if let (Some(address @ Address::Port(_)), Some(_)) = (&address, self.seed) {
+            return Err(Failure::wrong_line(format!("--seed cannot be used with --port {address}")));
+        }
+        let (scene, limb) = match &self.scene {
+            Some(file) => limb(file)?,
+            None => {
+                let scene = softlimb_scene::parse(EXAMPLE, "steering")?;
+                let limb = Limb::new(&scene)?;
+                (scene, limb)
+            }
+        };
+        let (task, refused) = match motion::plan(&scene, &limb) {
+            Ok(plan) => (Some(Arc::new(plan)), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        // A limb without a plan is moved by hand all the same.
+        let warnings = refused.iter().map(|reason| format!("the task cannot be run: {reason}"));
+        let outcome = warn(&warnings.collect::<Vec<_>>());
+        let port = address.as_ref().map_or_else(|| "sim".to_owned(), ToString::to_string);
+        let simulated = !matches!(address, Some(Address::Port(_)));
+        let told =
+            view::told((&scene, &limb), &port, simulated, refused.as_deref().and_then(|text| text.lines().next()));
+        let site = Site { style: STYLE, limb_script: LIMB_SCRIPT, scene: told };
+        let page = Page::open(self.page_port.unwrap_or(0), site)
+            .map_err(|error| Failure::new(format!("the page cannot be served on the loopback address: {error}")))?;
+        let cancel = interrupt()?;
+        say(page.url())?;
+        note("Open this address in a browser on this computer. Ctrl-C vents the limb and ends the console.");
+        let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-console", scene.name())));
+        let options = JogOptions { out, within_m: self.within.si(), link_faults: None, task };
+        let mut message = String::new();
+        while self.armed(&page, &message, &cancel) {
+            page.set_report(None);
+            page.show(&View::between("connecting", "", false));
+            let ended = self.session((&scene, &limb), address.as_ref(), &options, &page, &cancel);
+            message = told_end(&page, ended);
+        }
+        Ok(outcome)
+    }
+
+    /// Waits until a page arms the device; `false` where Ctrl-C comes first.
+    fn armed(&self, page: &Page, message: &str, cancel: &AtomicBool) -> bool {
+        while !cancel.load(Ordering::Relaxed) {
+            if page.orders().iter().any(|(order, _)| *order == Order::Arm) {
+                return true;
+            }
+            page.show(&View::between("idle", message, true));
+            sleep(LOOK);
+        }
+        false
+    }
+
+    fn session(
+        &self,
+        (scene, limb): (&Scene, &Limb),
+        address: Option<&Address>,
+        options: &JogOptions,
+        page: &Page,
+        cancel: &AtomicBool,
+    ) -> Result<RunFiles, RunError> {
+        let mut hand = Hand::new(page, (scene, limb));
+        let ended = self.by_hand(scene, address, options, &mut hand, cancel);
+        let orders = hand.waits.len();
+        if let Some(latency) = Latency::of(hand.waits) {
+            note(&format!("order to setpoint on the wire: {latency}, {orders} orders"));
+        }
+        ended
+    }
+
+    fn by_hand(
+        &self,
+        scene: &Scene,
+        address: Option<&Address>,
+        options: &JogOptions,
+        hand: &mut Hand<'_>,
+        cancel: &AtomicBool,
+    ) -> Result<RunFiles, RunError> {
+        let mcu = match address {
+            Some(Address::Port(port)) => return run::jog_behind(scene, port, options, hand, cancel),
+            Some(Address::Emulated) => Mcu::Flashed("target/firmware/softlimb-stm32f405.elf".into()),
+            Some(Address::Simulated) | None => Mcu::Here,
+        };
+        let device = JogDevice { seed: self.seed.unwrap_or(scene.seed()), mcu, in_real_time: true };
+        run::jog(scene, &device, options, hand, cancel)
+    }
+}
+
+/// Shows the report of a session, and returns why it ended early.
+fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> String {
+    let (files, message) = match ended {
+        Ok(files) => (Some(files), String::new()),
+        Err(RunError::Stopped { cause, files }) => (Some(*files), cause.to_string()),
+        // The console stays open: the next attempt may find the device.
+        Err(error) => (None, error.to_string()),
+    };
+    if !message.is_empty() {
+        note(&format!("error: {message}"));
+    }
+    if let Some(RunFiles { log, report, .. }) = files {
+        note(&format!("log:    {}\nreport: {}", log.display(), report.display()));
+        page.set_report(Some(report));
+    }
+    message
+}

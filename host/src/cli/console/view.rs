@@ -1,0 +1,180 @@
+//! What the page shows, as JSON.
+
+use serde::Serialize;
+
+use softlimb_limb::Limb;
+use softlimb_motion::jog::{SPEEDS, STEPS, TaskProgress};
+use softlimb_rig::link::code_name;
+use softlimb_rig::record::{ChannelSample, SolidInfo};
+use softlimb_rig::run;
+use softlimb_rig::run::{JogView, TimedFault};
+use softlimb_scene::Scene;
+
+/// What does not change.
+#[derive(Serialize)]
+struct Told<'a> {
+    name: &'a str,
+    port: &'a str,
+    simulated: bool,
+    drives: Vec<Drive>,
+    channels: usize,
+    steps: [f64; 3],
+    speeds: [f64; 3],
+    faults: Vec<Fault>,
+    solids: Vec<SolidInfo>,
+    line_m: Vec<[f64; 3]>,
+    radius_m: Vec<f64>,
+    reach_m: f64,
+    task: bool,
+    task_refused: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Drive {
+    name: String,
+    channels: Vec<usize>,
+    pressure_max_pa: f64,
+}
+
+#[derive(Serialize)]
+struct Fault {
+    name: &'static str,
+    of_channel: bool,
+}
+
+/// What a page is told first.
+pub(super) fn told((scene, limb): (&Scene, &Limb), port: &str, simulated: bool, task_refused: Option<&str>) -> String {
+    let drive = |drive: softlimb_limb::Drive<'_>| Drive {
+        name: drive.name(),
+        channels: drive.channels.clone().collect(),
+        pressure_max_pa: drive.pressure_max_pa,
+    };
+    let drives: Vec<Drive> = limb.drives().map(drive).collect();
+    let faults = TimedFault::kinds().map(|(name, of_channel)| Fault { name, of_channel }).collect();
+    let (solids, body) = run::at_rest(scene, limb);
+    let ways = body.line_m.windows(2).map(|pair| {
+        let squares = pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f64>().sqrt()
+    });
+    let told = Told {
+        name: scene.name(),
+        port,
+        simulated,
+        channels: drives.iter().map(|drive| drive.channels.len()).sum(),
+        drives,
+        steps: STEPS,
+        speeds: SPEEDS,
+        faults: if simulated { faults } else { Vec::new() },
+        solids,
+        reach_m: ways.sum(),
+        line_m: body.line_m,
+        radius_m: body.radius_m,
+        task: task_refused.is_none(),
+        task_refused,
+    };
+    serde_json::to_string(&told).expect("numbers and text become JSON")
+}
+
+/// What changes.
+#[derive(Default, Serialize)]
+pub(super) struct View {
+    session: &'static str,
+    message: String,
+    report: bool,
+    device: Option<String>,
+    time_s: Option<f64>,
+    supply_pa: Option<f64>,
+    tip_m: Option<[f64; 3]>,
+    setpoint_m: Option<[f64; 3]>,
+    /// Pressure and setpoint, Pa, and duty of the valves, -1 to 1.
+    channels: Option<Vec<[f64; 3]>>,
+    line_m: Option<Vec<[f64; 3]>>,
+    radius_m: Option<Vec<f64>>,
+    /// Distance from the nearest obstacle, m, and its name.
+    nearest: Option<(f64, String)>,
+    carried: Option<Carried>,
+    faults: Vec<String>,
+    refusal: Option<String>,
+    gripping: bool,
+    moving: bool,
+    task: Option<Task>,
+    target: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Carried {
+    radius_m: f64,
+    above_m: f64,
+    below_m: f64,
+}
+
+#[derive(Serialize)]
+struct Task {
+    time_s: f64,
+    duration_s: f64,
+    phase: String,
+    is_held: bool,
+}
+
+impl View {
+    /// No device is connected.
+    pub(super) fn between(session: &'static str, message: &str, report: bool) -> Self {
+        Self { session, message: message.to_owned(), report, ..Self::default() }
+    }
+
+    /// A device under orders.
+    pub(super) fn live(scene: &Scene, view: &JogView<'_, '_>) -> Self {
+        let sample = view.sample;
+        let object = view.jog.carrying().object.and_then(|index| scene.objects().get(index));
+        let task = view.jog.task().map(|TaskProgress { time_s, duration_s, phase, is_held }| Task {
+            time_s,
+            duration_s,
+            phase,
+            is_held,
+        });
+        Self {
+            session: if view.is_vented { "vented" } else { "live" },
+            device: view.state.map(|state| code_name(state.into()).to_lowercase()),
+            time_s: sample.map(|sample| sample.time_s),
+            supply_pa: sample.map(|sample| sample.supply_pa),
+            tip_m: sample.map(|sample| rounded(sample.tip_achieved_m.unwrap_or(sample.tip_modelled_m))),
+            setpoint_m: sample.map(|sample| rounded(sample.tip_setpoint_m)),
+            channels: sample.map(|sample| sample.channels.iter().map(channel).collect()),
+            line_m: view.body.map(|body| body.line_m.iter().copied().map(rounded).collect()),
+            radius_m: view.body.map(|body| body.radius_m.iter().map(|radius| places(*radius, 1e4)).collect()),
+            nearest: view.body.and_then(|body| body.nearest.clone()),
+            carried: object.map(|object| Carried {
+                radius_m: object.radius_m,
+                above_m: object.height_m - object.grasp_m,
+                below_m: object.grasp_m,
+            }),
+            faults: view.faults.to_vec(),
+            refusal: view.jog.refusal().map(ToString::to_string),
+            gripping: view.jog.is_gripping(),
+            moving: view.jog.is_moving(),
+            task,
+            target: target(view),
+            ..Self::default()
+        }
+    }
+}
+
+fn target(view: &JogView<'_, '_>) -> Option<String> {
+    let targets = view.jog.targets();
+    let next = targets.next()?;
+    let (place, of) = (targets.met() + 1, targets.attempts().len());
+    let away = targets.missing_m().map_or_else(String::new, |way| format!(", {:.0} mm away", 1e3 * way.norm()));
+    Some(format!("Next target: {} ({place} of {of}){away}", next.name))
+}
+
+fn channel(sample: &ChannelSample) -> [f64; 3] {
+    [places(sample.pressure_pa, 1.0), places(sample.reference_pa, 1.0), places(sample.duty, 1e2)]
+}
+
+fn rounded(place_m: [f64; 3]) -> [f64; 3] {
+    place_m.map(|part| places(part, 1e4))
+}
+
+fn places(value: f64, unit: f64) -> f64 {
+    (value * unit).round() / unit
+}
