@@ -1,7 +1,7 @@
 //! The edge of the geometries that have no limit point.
 //!
 //! A limit point may vanish at a finite pressure: a little less fiber angle, and the pressure rises with the deformation throughout. The
-//! solver tells only on which side of that edge a geometry is. So halving finds it, and its slopes `dx_k/dx_j` are differences.
+//! solver tells only on which side of that edge a geometry is. So halving finds it, and its slopes `dx_k/dx_j` are one-sided differences.
 
 use super::actuator::{Candidate, Cap, Counts};
 use super::problem::Segment;
@@ -11,10 +11,12 @@ const NEAR: f64 = 1e-3;
 /// First distance at which the other side is looked for, and its growth.
 const ASIDE: f64 = 1e-8;
 const FARTHER: f64 = 8.0;
-/// Distance of both sides at the end.
+/// Distance of both sides at the end ...
 const SAME: f64 = 1e-9;
-/// Half the width of a difference.
-const HALF: f64 = 1e-5;
+/// ... and for slopes.
+const SAME_FOR_SLOPES: f64 = 4e-9;
+/// Width of a difference.
+const WIDTH: f64 = 1e-4;
 /// A limit point is looked for up to so many times the pressure that matters: farther along the branch the solver takes long.
 const AHEAD: f64 = 1.5;
 /// The following variable by preference: the limit point depends most on the angle, then on the wall.
@@ -83,6 +85,11 @@ impl<'a> Edge<'a> {
 
     /// Moves the variable that follows to the edge, on the side without a limit point.
     pub(super) fn meet(&self, place: &mut [f64], counts: &mut Counts) -> Option<()> {
+        self.meet_within(SAME, place, counts)
+    }
+
+    /// The same, until both sides are as near to each other as stated.
+    fn meet_within(&self, same: f64, place: &mut [f64], counts: &mut Counts) -> Option<()> {
         let moved = (0..place.len()).map(|axis| self.slopes[axis] * (place[axis] - self.last[axis]));
         let start = (self.last[self.follows] + moved.sum::<f64>()).clamp(0.0, 1.0);
         let begins = self.is_free(place, start, counts)?;
@@ -93,7 +100,7 @@ impl<'a> Edge<'a> {
             aside *= FARTHER;
             (here, there) = (there, start + towards * aside);
         }
-        while (there - here).abs() > SAME {
+        while (there - here).abs() > same {
             let middle = 0.5 * (here + there);
             if self.is_free(place, middle, counts)? == begins { here = middle } else { there = middle }
         }
@@ -110,13 +117,11 @@ impl<'a> Edge<'a> {
             if axis == self.follows || axis == 2 || self.segment.axis(axis)[1] == 0.0 {
                 continue;
             }
-            let mut side = |by: f64| {
-                let mut there = place.to_vec();
-                there[axis] += by;
-                self.meet(&mut there, counts)?;
-                Some(there[self.follows])
-            };
-            *slope = (side(HALF)? - side(-HALF)?) / (2.0 * HALF);
+            let by = if place[axis] > 0.5 { -WIDTH } else { WIDTH };
+            let mut there = place.to_vec();
+            there[axis] += by;
+            self.meet_within(SAME_FOR_SLOPES, &mut there, counts)?;
+            *slope = (there[self.follows] - place[self.follows]) / by;
         }
         self.slopes = slopes;
         Some(())
