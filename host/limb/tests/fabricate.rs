@@ -5,6 +5,7 @@ mod common;
 mod molds;
 mod paths;
 mod refusals;
+mod second;
 mod sheets;
 mod surface;
 mod threads;

@@ -7,7 +7,9 @@ use super::shared::{parts, quantity, show};
 use super::{Failure, Outcome, warn};
 use clap::Args;
 use softlimb_files::{make_folder, write_whole};
-use softlimb_limb::fabricate::{FabricateError, Hand, Piece, Settings, Thread, Tolerances, mold, path, plan, sheet};
+use softlimb_limb::fabricate::{
+    FabricateError, Hand, Piece, Settings, Thread, Tolerances, Winding, mold, path, plan, sheet,
+};
 use softlimb_scene as scene;
 use softlimb_scene::Quantity;
 
@@ -104,7 +106,6 @@ impl From<FabricateError> for Failure {
 impl Fabricate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
-        scene.require_one_winding("`fabricate`")?;
         let settings = self.workshop.settings()?;
         let pieces = plan(&scene, &settings)?;
         let default = || Path::new("out").join(scene.name()).join("workshop");
@@ -125,9 +126,11 @@ impl Fabricate {
     }
 
     fn write_piece(&self, folder: &Path, piece: &Piece, settings: &Settings) -> Result<(), Failure> {
-        for hand in &piece.winding.hands {
-            let points = path::points(&piece.winding, *hand, settings.chord_m);
-            write(&folder.join(path_name(piece, *hand)), &path::csv(&points))?;
+        for (part, winding) in piece.windings() {
+            for hand in &winding.hands {
+                let points = path::points(winding, *hand, settings.chord_m);
+                write(&folder.join(path_name(piece, part, *hand)), &path::csv(&points))?;
+            }
         }
         if self.no_mold {
             return Ok(());
@@ -140,7 +143,10 @@ impl Fabricate {
 
     /// Names of the files of a piece, as they are written.
     fn files(&self, piece: &Piece) -> Vec<String> {
-        let paths = piece.winding.hands.iter().map(|hand| path_name(piece, *hand));
+        let of_winding = |(part, winding): (&'static str, &'_ Winding)| {
+            winding.hands.clone().into_iter().map(move |hand| (part, hand))
+        };
+        let paths = piece.windings().flat_map(of_winding).map(|(part, hand)| path_name(piece, part, hand));
         let parts = mold::names(piece).into_iter().filter(|_| !self.no_mold).map(|(name, count)| {
             let file = part_name(piece, name);
             if count == 1 { file } else { format!("{file} (print {count})") }
@@ -153,13 +159,13 @@ fn write(file: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), Failu
     write_whole(file, content).map_err(Failure::new)
 }
 
-fn path_name(piece: &Piece, hand: Hand) -> String {
+fn path_name(piece: &Piece, part: &str, hand: Hand) -> String {
     let hand = match hand {
         Hand::Right => "right",
         Hand::Left => "left",
         Hand::Straight => "straight",
     };
-    format!("{}-thread-{hand}.csv", piece.name)
+    format!("{}-{part}-{hand}.csv", piece.name)
 }
 
 fn part_name(piece: &Piece, part: &str) -> String {
@@ -170,8 +176,7 @@ fn table(pieces: &[Piece]) -> String {
     let mut text =
         "module            make  angle deg  hands  starts  pitch mm    turns  turn to turn mm  thread m  elastomer g"
             .to_owned();
-    for piece in pieces {
-        let winding = &piece.winding;
+    for (piece, (_, winding)) in pieces.iter().flat_map(|piece| piece.windings().map(move |winding| (piece, winding))) {
         text += &format!(
             "\n{:<16}  {:>4}  {:>9.3}  {:>5}  {:>6}  {:>8.3}  {:>7.2}  {:>15.3}  {:>8.2}  {:>11.2}",
             piece.name,

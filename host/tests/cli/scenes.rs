@@ -115,7 +115,6 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
     let line = 1 + scene[..scene.find("winding = [").expect("wound twice")].matches('\n').count();
     let place = format!("scene.toml:{line}:");
     for (verb, room) in [
-        ("fabricate scene.toml", "fabricate"),
         ("fea export scene.toml", "fea"),
         ("fea compare scene.toml", "fea"),
         ("fea calibrate scene.toml", "fea"),
@@ -131,4 +130,9 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
         desk.softlimb(verb).failed(1, &[&refused, &place, "[\"helix\", \"axial\"]"]);
     }
     assert_eq!(desk.content(), ["data.csv", "scene.toml"]);
+    let made = desk.softlimb("fabricate scene.toml --no-mold --out made");
+    assert!(matches!(made.code, Some(0 | 3)), "{made:?}");
+    let files =
+        ["made/finger-second-thread-straight.csv", "made/finger-thread-right.csv", "made/sheet.html", "made/sheet.md"];
+    assert!(files.iter().all(|file| desk.content().contains(&file.to_string())), "{:?}", desk.content());
 }

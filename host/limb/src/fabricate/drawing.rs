@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::piece::Piece;
-use super::{Hand, path};
+use super::{Hand, Winding, path};
 
 /// Width of the drawing and longest picture of the actuator, px.
 const WIDTH: f64 = 660.0;
@@ -38,8 +38,10 @@ pub(super) fn drawing(piece: &Piece) -> String {
         axis - half,
         2.0 * half
     );
-    for hand in &piece.winding.hands {
-        let _ = writeln!(svg, "<path class=\"thread\" d=\"{}\"/>", front(piece, *hand, axis, scale));
+    for (winding, hand) in
+        piece.windings().flat_map(|(_, winding)| winding.hands.iter().map(move |hand| (winding, hand)))
+    {
+        let _ = writeln!(svg, "<path class=\"thread\" d=\"{}\"/>", front(winding, *hand, axis, scale));
     }
     let chamber = inner_m * scale;
     let _ = writeln!(
@@ -104,10 +106,10 @@ pub(super) fn drawing(piece: &Piece) -> String {
 }
 
 /// The visible half of the threads of a hand, seen with the bending direction up.
-fn front(piece: &Piece, hand: Hand, axis: f64, scale: f64) -> String {
+fn front(winding: &Winding, hand: Hand, axis: f64, scale: f64) -> String {
     let mut line = String::new();
     let mut last = None;
-    for point in path::points(&piece.winding, hand, CHORD * piece.winding.radius_m) {
+    for point in path::points(winding, hand, CHORD * winding.radius_m) {
         let [up_m, towards_m, along_m] = point.place_m;
         let is_seen = towards_m >= 0.0;
         let continues = last == Some((point.start, true));

@@ -36,6 +36,15 @@ pub struct Groove {
     pub top_m: f64,
 }
 
+/// A second winding, laid on the first cast without a groove.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SecondWinding {
+    /// Its thread.
+    pub thread: Thread,
+    /// How it is wound.
+    pub winding: Winding,
+}
+
 /// The actuators of one module, all made alike.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
@@ -55,6 +64,8 @@ pub struct Piece {
     pub mount_angle_rad: f64,
     /// How it is wound.
     pub winding: Winding,
+    /// The winding over it, of an actuator that is wound twice.
+    pub second: Option<SecondWinding>,
     /// The groove of the first cast.
     pub groove: Groove,
     /// Outer radius of the first cast, which carries the groove, m.
@@ -67,6 +78,12 @@ impl Piece {
     /// Wall, m.
     pub fn wall_m(&self) -> f64 {
         self.parameters.outer_radius_m - self.parameters.inner_radius_m
+    }
+
+    /// Its windings, each with a word for the names of its files.
+    pub fn windings(&self) -> impl Iterator<Item = (&'static str, &Winding)> {
+        let second = self.second.iter().map(|second| ("second-thread", &second.winding));
+        std::iter::once(("thread", &self.winding)).chain(second)
     }
 
     /// Elastomer below the groove, m.
@@ -140,9 +157,9 @@ fn copies(module: &Module, first_channel: usize) -> Vec<Copy> {
     module.positions_m().into_iter().enumerate().map(copy).collect()
 }
 
-fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings) -> Result<Piece, SceneError> {
+fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, workshop: &Settings) -> Result<Piece, SceneError> {
     let parameters = module.made_actuator();
-    let settings = &with_thread_of(module, settings);
+    let settings = &with_thread_of(module, workshop);
     let refuse = Refusal { scene, module };
     let wall_m = parameters.outer_radius_m - parameters.inner_radius_m;
     // A wall of exactly the least thickness passes however its radii were rounded.
@@ -151,16 +168,20 @@ fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings)
     }
     let sheet = parameters.fiber.is_none_or(|fiber| fiber.placement == Placement::Sheet);
     if !sheet && parameters.motion != Motion::Bending {
-        return Err(refuse.placement());
+        return Err(refuse.placement(refuse.winding_span()));
     }
     let (cast_radius_m, groove) = groove(&parameters, settings.thread.diameter_m);
     if cast_radius_m - groove.depth_m <= parameters.inner_radius_m {
         return Err(refuse.groove(&parameters, settings));
     }
     let starts = module.thread.map(|thread| thread.starts);
-    let winding = Winding::new(&parameters, settings, starts, *module.pressure_max_pa);
+    let mut winding = Winding::new(&parameters, settings, starts, *module.pressure_max_pa);
     if winding.spacing_m() <= groove.top_m {
         return Err(refuse.spacing(&winding, groove));
+    }
+    let second = second(&refuse, &winding, cast_radius_m, workshop)?;
+    if second.is_some() {
+        winding.worth = winding.worth.map(|_| Err(WOUND_TWICE.to_owned()));
     }
     let mut piece = Piece {
         name: module.name.to_string(),
@@ -171,12 +192,51 @@ fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, settings: &Settings)
         pressure_max_pa: *module.pressure_max_pa,
         mount_angle_rad: module.mount_angle_rad,
         winding,
+        second,
         groove,
         cast_radius_m,
         warnings: Vec::new(),
     };
     piece.warnings = warnings(&piece, settings);
     Ok(piece)
+}
+
+/// Why the threads of an actuator are not compared with sheets.
+const WOUND_TWICE: &str = "the actuator has two windings";
+
+/// The second winding of a module, on the first cast or over its winding.
+fn second(
+    refuse: &Refusal<'_>,
+    first: &Winding,
+    cast_radius_m: f64,
+    workshop: &Settings,
+) -> Result<Option<SecondWinding>, SceneError> {
+    let module = refuse.module;
+    let Some(fiber) = module.second_fiber else { return Ok(None) };
+    if fiber.placement != Placement::Sheet {
+        return Err(refuse.placement(fiber.span));
+    }
+    let stated = module.second_thread;
+    let thread = stated.map(|thread| Thread { stiffness_n: thread.stiffness_n, diameter_m: thread.diameter_m });
+    let settings = Settings { thread: thread.unwrap_or(workshop.thread), ..*workshop };
+    let diameter_m = settings.thread.diameter_m;
+    let parameters = ActuatorParameters { fiber: Some(*fiber), ..module.made_actuator() };
+    let mut winding = Winding::new(&parameters, &settings, stated.map(|thread| thread.starts), *module.pressure_max_pa);
+    winding.worth = winding.worth.map(|_| Err(WOUND_TWICE.to_owned()));
+    let [low_m, high_m] = [first.radius_m, cast_radius_m + 0.5 * diameter_m];
+    if !(low_m - 1e-9..=high_m + 1e-9).contains(&winding.radius_m) {
+        let [at, low, high] = [winding.radius_m, low_m, high_m].map(|radius_m| 1e3 * radius_m);
+        let label = format!("its thread at {at:.3} mm does not lie on the first cast");
+        let help = format!("name the inner winding first, and wind the second at {low:.3} to {high:.3} mm");
+        return Err(refuse.at(fiber.span, "this winding cannot be wound", &label, &help));
+    }
+    if winding.spacing_m() <= diameter_m {
+        let [apart, thick] = [winding.spacing_m(), diameter_m].map(|length_m| 1e3 * length_m);
+        let label = format!("threads of one hand would be {apart:.3} mm apart, and are {thick:.3} mm thick");
+        let help = "a steeper angle, a larger `--spacing`, or a thinner or stiffer `--thread`";
+        return Err(refuse.at(fiber.span, "this winding cannot be wound", &label, help));
+    }
+    Ok(Some(SecondWinding { thread: settings.thread, winding }))
 }
 
 /// The first cast's radius and the groove that puts the thread's centre line on the winding radius: flush with the surface, or halfway out of
@@ -189,8 +249,16 @@ pub(super) fn groove(parameters: &ActuatorParameters<f64>, diameter_m: f64) -> (
 }
 
 fn warnings(piece: &Piece, settings: &Settings) -> Vec<String> {
-    let mut warnings = piece.winding.remarks.clone();
-    let winding = &piece.winding;
+    let mut warnings = of_winding(piece, &piece.winding);
+    if let Some(second) = &piece.second {
+        warnings.extend(of_winding(piece, &second.winding).into_iter().map(|text| format!("second winding: {text}")));
+    }
+    warnings.extend(of_casts(piece, settings));
+    warnings
+}
+
+fn of_winding(piece: &Piece, winding: &Winding) -> Vec<String> {
+    let mut warnings = winding.remarks.clone();
     let between_m = if winding.is_hoop { winding.turn_spacing_m() } else { winding.spacing_m() };
     if between_m > CLOSE * piece.wall_m() {
         warnings.push(format!(
@@ -205,6 +273,11 @@ fn warnings(piece: &Piece, settings: &Settings) -> Vec<String> {
             "the stiffness of the thread was not compared with the scene's sheet: {reason}. The winding is drawn as stated"
         ));
     }
+    warnings
+}
+
+fn of_casts(piece: &Piece, settings: &Settings) -> Vec<String> {
+    let mut warnings = Vec::new();
     let floor_m = piece.below_groove_m();
     if floor_m < settings.wall_min_m * (1.0 - 1e-9) {
         warnings.push(format!(
@@ -244,10 +317,10 @@ impl Refusal<'_> {
         self.at(self.module.outer_radius_m.span, "the wall is too thin to be cast", &label, &help)
     }
 
-    fn placement(&self) -> SceneError {
+    fn placement(&self, span: Span) -> SceneError {
         let help =
             "threads lie on one radius: `placement = \"sheet\"`, with a `modulus` and `thickness` that stand for them";
-        self.at(self.winding_span(), "this winding cannot be wound", "it fills a layer or the whole wall", help)
+        self.at(span, "this winding cannot be wound", "it fills a layer or the whole wall", help)
     }
 
     fn groove(&self, parameters: &ActuatorParameters<f64>, settings: &Settings) -> SceneError {

@@ -5,7 +5,7 @@ use fra_model::{Material, Motion};
 use super::mold::HOLD_M;
 use super::sheet::{CopyRow, Page, Row, Table};
 use super::winding::Worth;
-use super::{Hand, Piece, Settings, Winding};
+use super::{Hand, Piece, SecondWinding, Settings, Thread, Winding};
 
 pub(super) fn page(piece: &Piece, settings: &Settings) -> Page {
     let copies = piece.copies.iter().map(|copy| {
@@ -14,6 +14,7 @@ pub(super) fn page(piece: &Piece, settings: &Settings) -> Page {
         CopyRow { channel: copy.channel, place: format!("{up:.2} mm towards up, {side:.2} mm to the side") }
     });
     let mut tables = vec![dimensions(piece, settings), winding(piece, settings)];
+    tables.extend(piece.second.as_ref().map(|second| second_winding(second, settings)));
     tables.extend(worth(&piece.winding));
     tables.extend((piece.parameters.motion == Motion::Bending).then(|| layer(piece)));
     tables.push(elastomer(piece, settings));
@@ -60,8 +61,23 @@ fn dimensions(piece: &Piece, settings: &Settings) -> Table {
 }
 
 fn winding(piece: &Piece, settings: &Settings) -> Table {
-    let winding = &piece.winding;
-    let thread = piece.thread;
+    let groove = &piece.groove;
+    let mut rows = winding_rows(&piece.winding, piece.thread, settings);
+    rows.push(row(
+        "groove: depth, floor, top",
+        format!("{:.3}, {:.3}, {:.3} mm", groove.depth_m * 1e3, groove.floor_m * 1e3, groove.top_m * 1e3),
+        format!("leaves {} of wall", mm(piece.below_groove_m())),
+    ));
+    table("Winding", rows)
+}
+
+fn second_winding(second: &SecondWinding, settings: &Settings) -> Table {
+    let mut rows = winding_rows(&second.winding, second.thread, settings);
+    rows.push(row("groove", "none".to_owned(), "laid on the first cast, over the first winding"));
+    table("Second winding", rows)
+}
+
+fn winding_rows(winding: &Winding, thread: Thread, settings: &Settings) -> Vec<Row> {
     let tolerance = settings.tolerances.angle_rad;
     let hands: Vec<_> = winding.hands.iter().map(|hand| hand_word(*hand)).collect();
     let mut rows = vec![
@@ -89,13 +105,7 @@ fn winding(piece: &Piece, settings: &Settings) -> Table {
     rows.push(row("length of one thread", format!("{:.4} m", winding.thread_m()), "without its ends"));
     let all = winding.all_threads_m();
     rows.push(row("thread in all, per actuator", format!("{all:.3} m"), format!("{} threads", winding.threads())));
-    let groove = &piece.groove;
-    rows.push(row(
-        "groove: depth, floor, top",
-        format!("{:.3}, {:.3}, {:.3} mm", groove.depth_m * 1e3, groove.floor_m * 1e3, groove.top_m * 1e3),
-        format!("leaves {} of wall", mm(piece.below_groove_m())),
-    ));
-    table("Winding", rows)
+    rows
 }
 
 fn hand_word(hand: Hand) -> &'static str {
