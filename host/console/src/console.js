@@ -254,10 +254,10 @@
     const task = view && view.task;
     const able = { arm: view && view.session === "idle", task: live && scene.task && (!task || task.is_held), hold: live, gripper: live && !task, resume: vented && view.device === "ready", end: live || vented };
     for (const [id, is_able] of Object.entries(able)) by_id(id).disabled = !(commands && is_able);
-    by_id("task").textContent = task ? "Go on with the task" : "Run the task";
+    by_id("task").textContent = task && task.is_held ? "Go on with the task" : "Run the task";
     by_id("gripper").textContent = view && view.gripping ? "Open the gripper" : "Close the gripper";
     by_id("report").hidden = !(view && view.report);
-    by_id("progress").textContent = task ? `Task: ${task.phase}, ${task.time_s.toFixed(1)} of ${task.duration_s.toFixed(1)} s${task.is_held ? ", held" : ""}` : scene && scene.task_refused ? `No task: ${scene.task_refused}` : "";
+    by_id("progress").textContent = task ? `Task: phase ${task.phase}, ${task.time_s.toFixed(1)} of ${task.duration_s.toFixed(1)} s${task.is_held ? ", held" : ""}` : scene && scene.task_refused ? `No task: ${scene.task_refused}` : "";
     by_id("target").textContent = live && view.target ? view.target : "";
     const tip = view && view.tip_m;
     by_id("tip").textContent = tip ? `tip x ${(1e3 * tip[0]).toFixed(0)}  y ${(1e3 * tip[1]).toFixed(0)}  z ${(1e3 * tip[2]).toFixed(0)} mm` : "";
