@@ -17,7 +17,9 @@ mod fabricate;
 mod failure;
 pub mod fea;
 mod interrupt;
+#[cfg(feature = "terminal")]
 mod jog;
+#[cfg(any(feature = "console", feature = "terminal"))]
 mod latency;
 mod learn;
 mod materials;
@@ -76,6 +78,7 @@ enum Verb {
     Check(check::Check),
     Run(run::Run),
     Sweep(sweep::Sweep),
+    #[cfg(feature = "terminal")]
     Jog(jog::Jog),
     #[cfg(feature = "console")]
     Console(console::Console),
@@ -105,6 +108,7 @@ impl Verb {
             Self::Check(verb) => verb.run(),
             Self::Run(verb) => verb.run(),
             Self::Sweep(verb) => verb.run(),
+            #[cfg(feature = "terminal")]
             Self::Jog(verb) => verb.run(),
             #[cfg(feature = "console")]
             Self::Console(verb) => verb.run(),

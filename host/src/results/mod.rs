@@ -14,6 +14,7 @@ use softlimb_scene::SceneError;
 
 pub use check::CheckResult;
 pub(crate) use margins::warnings as margin_warnings;
+#[cfg(any(feature = "console", feature = "terminal"))]
 pub(crate) use run::warnings as run_warnings;
 pub use run::{RunSummary, margin_warning};
 pub(crate) use statics::Row as StaticsRow;

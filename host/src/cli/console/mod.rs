@@ -16,12 +16,13 @@ use super::latency::Latency;
 use super::port::PortOption;
 use super::shared::{limb, quantity};
 use super::{Failure, Outcome, note, say, warn};
+use crate::results::run_warnings;
 use hand::Hand;
 use softlimb_console::{Console as Page, Order, Site};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_rig::link::port::Address;
-use softlimb_rig::report::{LIMB_SCRIPT, STYLE};
+use softlimb_rig::report::{LIMB_SCRIPT, STYLE, summary};
 use softlimb_rig::run;
 use softlimb_rig::run::{JogDevice, JogOptions, Mcu, RunError, RunFiles};
 use softlimb_scene::{Quantity, Scene};
@@ -161,7 +162,8 @@ fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> String {
     if !message.is_empty() {
         note(&format!("error: {message}"));
     }
-    if let Some(RunFiles { log, report, .. }) = files {
+    if let Some(RunFiles { log, report, run }) = files {
+        warn(&run_warnings(&summary(&run)));
         note(&format!("log:    {}\nreport: {}", log.display(), report.display()));
         page.set_report(Some(report));
     }
