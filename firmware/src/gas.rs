@@ -12,6 +12,10 @@ pub(crate) const GAS_CONSTANT_J_PER_KG_K: f32 = 287.05;
 /// Effective polytropic exponent of a chamber that trades heat with its wall during a pulse.
 const POLYTROPIC_EXPONENT: f32 = 1.2;
 
+/// Least heat conductance from the air in a chamber to its wall, W/K, and heat capacity of air over its gas constant.
+const WALL_W_PER_K: f32 = 0.2;
+const HEAT_CAPACITY: f32 = 2.5;
+
 /// Absolute pressure, Pa. Flow needs absolute pressure, the actuator model gauge pressure; only the atmosphere converts.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Absolute(f32);
@@ -68,6 +72,12 @@ impl Chamber {
     /// Share of the air that fittings and line take of any pressure change, 0 to 1.
     pub fn line_share(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
         self.dead_volume_m3 / self.capacity_m3(pressure_pa, atmosphere)
+    }
+
+    /// Longest time constant with which the air takes the temperature of the wall, s.
+    pub(crate) fn cooling_s(&self, pressure_pa: f32, atmosphere: Absolute, temperature_k: f32) -> f32 {
+        let absolute_pa = Absolute::from_gauge(pressure_pa, atmosphere).pa().max(0.0);
+        HEAT_CAPACITY * absolute_pa * self.volume_at(pressure_pa) / (temperature_k * WALL_W_PER_K)
     }
 
     /// `V + n P dV/dP`, m3: the rigid volume that would take the same air.

@@ -20,10 +20,26 @@ const VENTED: f32 = 3.0;
 /// Change of a reading from one look to the next below which it stands, Pa. Behind a long hose a line settles for longer than the loop waits.
 const STANDS_PA: f32 = 1_000.0;
 
-/// Filling after which the reading has to have risen, Pa; share of it that is an effect; and share below which there is none.
-const FILLED_PA: f32 = 25_000.0;
+/// Filling after which the reading has to have risen, beyond that which creep and cooling air take, Pa; share of it that is an effect; and share
+/// below which there is none.
+const FILLED_PA: f32 = 15_000.0;
 const EFFECT: f32 = 0.25;
 const NO_EFFECT: f32 = 0.1;
+
+/// Venting beside such a filling may take so many times its modelled effect: of a chamber that is 30 % smaller, by a valve that is 20 % larger, and
+/// without loss of heat.
+const VENTED_MOST: f32 = 2.0;
+
+/// Filling that makes up for the heat of a fill, as a share of it. Air that is compressed without loss of heat loses `1 - 1/1.4` of the rise as it cools
+/// down: a third of the effect that the model expects with an exponent of 1.2. What makes up for it is compressed, too.
+const COOLING: f32 = 0.5;
+
+/// Filling that makes up for walls that creep, as a share of the absolute pressure, 1/s; and share of the effort that it takes at most.
+const CREEP_PER_S: f32 = 0.005;
+const CREEP_MAX: f32 = 0.3;
+
+/// Time between two looks, s.
+const LOOK_S: f32 = (LOOK_TICKS * TICK_US) as f32 * 1e-6;
 
 /// Looks in a row that a finding has to last.
 const LOOKS: u8 = 2;
@@ -121,6 +137,8 @@ pub(crate) struct Observer {
     vented_pa: f32,
     /// Effort to fill that is being judged.
     effort: Effort,
+    /// Filling that will make up for the cooling of the air, Pa.
+    warm_pa: f32,
     suspicion: Option<FaultCode>,
     looks: u8,
 }
@@ -131,6 +149,20 @@ struct Effort {
     from_pa: f32,
     filled_pa: f32,
     vented_pa: f32,
+    /// Filling that neither creep nor cooling air takes.
+    due_pa: f32,
+}
+
+impl Effort {
+    const fn new(from_pa: f32) -> Self {
+        Self { from_pa, filled_pa: 0.0, vented_pa: 0.0, due_pa: 0.0 }
+    }
+
+    /// Whether the filling should have raised the reading, and did not.
+    fn is_without_effect(&self, reading_pa: f32) -> bool {
+        let risen_pa = reading_pa - self.from_pa + VENTED_MOST * self.vented_pa;
+        self.due_pa > FILLED_PA && risen_pa < NO_EFFECT * self.due_pa
+    }
 }
 
 impl Observer {
@@ -143,7 +175,8 @@ impl Observer {
             unchanged_pa: 0.0,
             settled_pa: None,
             vented_pa: 0.0,
-            effort: Effort { from_pa: 0.0, filled_pa: 0.0, vented_pa: 0.0 },
+            effort: Effort::new(0.0),
+            warm_pa: 0.0,
             suspicion: None,
             looks: 0,
         }
@@ -173,6 +206,8 @@ impl Observer {
         self.effort.vented_pa += vent_pa;
         let step_pa = input.reading_pa - self.last_pa;
         self.last_pa = input.reading_pa;
+        let losses_pa = self.take_losses_pa(input, fill_pa);
+        self.effort.due_pa = (self.effort.due_pa + fill_pa - losses_pa).max(0.0);
         let finding = self.finding(input, step_pa);
         if finding.is_none() && !input.is_line_moving && step_pa.abs() < STANDS_PA {
             self.settle(input.reading_pa);
@@ -182,12 +217,24 @@ impl Observer {
         finding.filter(|_| self.looks >= LOOKS)
     }
 
+    /// Filling since the last look that creep and the cooling of the air may have taken, Pa.
+    fn take_losses_pa(&mut self, input: &Observation<'_>, fill_pa: f32) -> f32 {
+        let (atmosphere, temperature_k) = (input.pneumatics.atmosphere, input.pneumatics.temperature_k);
+        let creep_pa = CREEP_PER_S * LOOK_S * (input.reading_pa + atmosphere.pa());
+        let cooling_s = input.chamber.cooling_s(input.reading_pa, atmosphere, temperature_k);
+        let cooled_pa = self.warm_pa * LOOK_S / (cooling_s + LOOK_S);
+        self.warm_pa -= cooled_pa;
+        cooled_pa + if fill_pa > 0.0 { creep_pa.min(CREEP_MAX * fill_pa) } else { creep_pa }
+    }
+
     /// Takes a settled reading that is plausible. An effort whose effect has come, or with venting in it, is judged no longer.
     fn settle(&mut self, reading_pa: f32) {
         let risen_pa = reading_pa - self.effort.from_pa;
         let Effort { filled_pa, vented_pa, .. } = self.effort;
-        if self.settled_pa.is_none() || vented_pa > EFFECT * filled_pa || risen_pa > EFFECT * filled_pa {
-            self.effort = Effort { from_pa: reading_pa, filled_pa: 0.0, vented_pa: 0.0 };
+        let is_over = vented_pa > EFFECT * filled_pa || risen_pa > EFFECT * filled_pa;
+        if self.settled_pa.is_none() || filled_pa == 0.0 || is_over {
+            self.warm_pa += COOLING * risen_pa.clamp(0.0, filled_pa);
+            self.effort = Effort::new(reading_pa);
         }
         self.settled_pa = Some(reading_pa);
         self.vented_pa = 0.0;
@@ -202,12 +249,11 @@ impl Observer {
         if input.is_line_moving && !self.fill.is_steady() {
             return None;
         }
-        let risen_pa = input.reading_pa - self.effort.from_pa;
         // A reading that rises by itself comes back from venting.
         let falls = step_pa < STANDS_PA;
         if falls && input.reading_pa < settled_pa - FALL_PA - VENTED * self.vented_pa {
             Some(FaultCode::ReadingJumped)
-        } else if self.effort.filled_pa > FILLED_PA && risen_pa < NO_EFFECT * self.effort.filled_pa {
+        } else if self.effort.is_without_effect(input.reading_pa) {
             Some(FaultCode::FillWithoutEffect)
         } else {
             None

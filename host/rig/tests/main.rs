@@ -24,6 +24,7 @@ mod report_summary;
 #[path = "../../../tests/support/samples.rs"]
 mod samples;
 mod scene_runs;
+mod sound_plants;
 mod synthetic_run;
 mod table_scenes;
 mod weight;
