@@ -90,6 +90,8 @@
     sliders.push({ slider, value, move });
   }
 
+  const can_move = () => commands && view && view.session === "live" && !view.task;
+
   // Keys of the page, where no field takes them.
   const KEYS = { w: [0, true], s: [0, false], a: [1, true], d: [1, false], r: [2, true], f: [2, false] };
   const is_field = (element) => ["SELECT", "TEXTAREA"].includes(element.tagName) || (element.tagName === "INPUT" && element.type !== "range");
@@ -100,7 +102,7 @@
       if (!event.repeat) order("vent");
       return;
     }
-    if (is_field(event.target) || !scene) return;
+    if (is_field(event.target) || !can_move()) return;
     const key = event.key.toLowerCase();
     if (key === "g" && !event.repeat) order("gripper");
     const move = KEYS[key];
@@ -122,7 +124,7 @@
     const ways = [-(pad.axes[1] || 0), -(pad.axes[0] || 0), -(pad.axes[3] || 0)];
     const axis = [0, 1, 2].reduce((best, one) => (Math.abs(ways[one]) > Math.abs(ways[best]) ? one : best), 0);
     const far = Math.abs(ways[axis]);
-    if (far < DEAD) hold.stop("gamepad");
+    if (far < DEAD || !can_move()) hold.stop("gamepad");
     else hold.start("gamepad", jog_of({ drive: null, axis }, ways[axis] > 0, far > 0.9 ? 2 : far > 0.6 ? 1 : 0));
   }
 
@@ -262,7 +264,7 @@
     const tip = view && view.tip_m;
     by_id("tip").textContent = tip ? `tip x ${(1e3 * tip[0]).toFixed(0)}  y ${(1e3 * tip[1]).toFixed(0)}  z ${(1e3 * tip[2]).toFixed(0)} mm` : "";
     for (const { slider, value, move } of sliders) {
-      slider.disabled = !(commands && live && !task);
+      slider.disabled = !can_move();
       const [drive, place] = [move.drive, move.axis];
       if (drive === null) value.textContent = tip ? `${(1e3 * tip[place]).toFixed(0)} mm` : "";
       else {
@@ -271,7 +273,7 @@
         value.textContent = now ? `${(now[1] * 1e-3).toFixed(1)} kPa` : "";
       }
     }
-    for (const button of by_id("moves").querySelectorAll("button")) button.disabled = !(commands && live && !task);
+    for (const button of by_id("moves").querySelectorAll("button")) button.disabled = !can_move();
     const faults = (view && view.faults) || [];
     const list = by_id("faults");
     const texts = faults.length ? faults : ["none"];
@@ -287,7 +289,7 @@
   let refused_timer = 0;
   function begin(told) {
     scene = told;
-    by_id("name").textContent = `${scene.name} on ${scene.port}`;
+    by_id("name").textContent = `${scene.name} on ${scene.port}${scene.weightless ? ", weightless" : ""}`;
     document.title = `${scene.name}, softlimb console`;
     by_id("moves").replaceChildren();
     by_id("strips").replaceChildren();

@@ -3,6 +3,8 @@
 //! Results go to standard output, messages to standard error. Exit codes: 0 done, 1 failed, 2 the command line is wrong,
 //! 3 done with warnings.
 
+#[cfg(any(feature = "console", feature = "terminal"))]
+mod by_hand;
 mod calibrate;
 mod check;
 mod check_margins;
@@ -19,8 +21,6 @@ pub mod fea;
 mod interrupt;
 #[cfg(feature = "terminal")]
 mod jog;
-#[cfg(any(feature = "console", feature = "terminal"))]
-mod latency;
 mod learn;
 mod materials;
 mod payload;

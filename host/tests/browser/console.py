@@ -261,6 +261,7 @@ def main():
             first = Page(browser, options.url, "first page", wrong)
             second = Page(browser, options.url, "second page", wrong)
             first.until("commands", "true")
+            first.expect(not first.page.is_visible("#report"), "a report before there is one")
             second.until("commands", "false")
             by_hand(first, second)
             first.looks(options.pictures, "live")

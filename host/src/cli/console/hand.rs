@@ -33,7 +33,10 @@ impl<'a> Hand<'a> {
 impl Operator for Hand<'_> {
     fn presses(&mut self, view: &JogView<'_, '_>) -> Vec<Press> {
         let mut presses = Vec::new();
-        for (order, waited) in self.page.orders() {
+        // What was pressed before there was a limb moves none.
+        let is_first = self.shown.is_none();
+        let counts = |order: &Order| !is_first || matches!(order, Order::Vent | Order::End);
+        for (order, waited) in self.page.orders().into_iter().filter(|(order, _)| counts(order)) {
             let keys = keys(order, view.jog.settings(), self.drives);
             if keys.iter().any(|key| matches!(key, Press::Order(_))) {
                 self.came = self.came.or_else(|| Instant::now().checked_sub(waited));

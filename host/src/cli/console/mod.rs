@@ -11,21 +11,18 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::by_hand::{Device, HandOptions, Latency};
 use super::interrupt::interrupt;
-use super::latency::Latency;
-use super::port::PortOption;
-use super::shared::{limb, quantity};
+use super::shared::limb;
 use super::{Failure, Outcome, note, say, warn};
 use crate::results::run_warnings;
 use hand::Hand;
 use softlimb_console::{Console as Page, Order, Site};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
-use softlimb_rig::link::port::Address;
 use softlimb_rig::report::{LIMB_SCRIPT, STYLE, summary};
-use softlimb_rig::run;
-use softlimb_rig::run::{JogDevice, JogOptions, Mcu, RunError, RunFiles};
-use softlimb_scene::{Quantity, Scene};
+use softlimb_rig::run::{JogOptions, RunError, RunFiles};
+use softlimb_scene::Scene;
 use view::View;
 
 /// The limb of a console without a scene.
@@ -48,25 +45,16 @@ pub(super) struct Console {
     /// Folder for run.mcap and run.html [default: out/<scene>-console]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Seed of the plant [default: the scene's]
-    #[arg(long)]
-    seed: Option<u64>,
     #[command(flatten)]
-    port: PortOption,
+    hand: HandOptions,
     /// TCP port of the page on the loopback address [default: any free one]
     #[arg(long, value_name = "NUMBER")]
     page_port: Option<u16>,
-    /// Largest distance at which the tip is at a target
-    #[arg(long, value_name = "LENGTH", value_parser = quantity("mm", 0.1, 1000.0), default_value = "10mm")]
-    within: Quantity,
 }
 
 impl Console {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let address = self.port.address()?;
-        if let (Some(address @ Address::Port(_)), Some(_)) = (&address, self.seed) {
-            return Err(Failure::wrong_line(format!("--seed cannot be used with --port {address}")));
-        }
+        let device = self.hand.device()?;
         let (scene, limb) = match &self.scene {
             Some(file) => limb(file)?,
             None => {
@@ -75,6 +63,7 @@ impl Console {
                 (scene, limb)
             }
         };
+        note("planning the task of the scene");
         let (task, refused) = match motion::plan(&scene, &limb) {
             Ok(plan) => (Some(Arc::new(plan)), None),
             Err(error) => (None, Some(error.to_string())),
@@ -82,10 +71,12 @@ impl Console {
         // A limb without a plan is moved by hand all the same.
         let warnings = refused.iter().map(|reason| format!("the task cannot be run: {reason}"));
         let outcome = warn(&warnings.collect::<Vec<_>>());
-        let port = address.as_ref().map_or_else(|| "sim".to_owned(), ToString::to_string);
-        let simulated = !matches!(address, Some(Address::Port(_)));
-        let told =
-            view::told((&scene, &limb), &port, simulated, refused.as_deref().and_then(|text| text.lines().next()));
+        let told = view::told(
+            (&scene, &limb),
+            &device.name(),
+            device.is_simulated(),
+            refused.as_deref().and_then(|text| text.lines().next()),
+        );
         let site = Site { style: STYLE, limb_script: LIMB_SCRIPT, scene: told };
         let page = Page::open(self.page_port.unwrap_or(0), site)
             .map_err(|error| Failure::new(format!("the page cannot be served on the loopback address: {error}")))?;
@@ -93,66 +84,48 @@ impl Console {
         say(page.url())?;
         note("Open this address in a browser on this computer. Ctrl-C vents the limb and ends the console.");
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-console", scene.name())));
-        let options = JogOptions { out, within_m: self.within.si(), link_faults: None, task };
-        let mut message = String::new();
-        while self.armed(&page, &message, &cancel) {
+        let options = JogOptions { out, within_m: self.hand.within.si(), link_faults: None, task };
+        let mut before = View::between("idle", String::new(), false);
+        while armed(&page, &before, &cancel) {
             page.set_report(None);
-            page.show(&View::between("connecting", "", false));
-            let ended = self.session((&scene, &limb), address.as_ref(), &options, &page, &cancel);
-            message = told_end(&page, ended);
+            page.show(&View::between("connecting", String::new(), false));
+            let ended = session(&device, (&scene, &limb), &options, &page, &cancel);
+            before = told_end(&page, ended);
         }
         Ok(outcome)
     }
-
-    /// Waits until a page arms the device; `false` where Ctrl-C comes first.
-    fn armed(&self, page: &Page, message: &str, cancel: &AtomicBool) -> bool {
-        while !cancel.load(Ordering::Relaxed) {
-            if page.orders().iter().any(|(order, _)| *order == Order::Arm) {
-                return true;
-            }
-            page.show(&View::between("idle", message, true));
-            sleep(LOOK);
-        }
-        false
-    }
-
-    fn session(
-        &self,
-        (scene, limb): (&Scene, &Limb),
-        address: Option<&Address>,
-        options: &JogOptions,
-        page: &Page,
-        cancel: &AtomicBool,
-    ) -> Result<RunFiles, RunError> {
-        let mut hand = Hand::new(page, (scene, limb));
-        let ended = self.by_hand(scene, address, options, &mut hand, cancel);
-        let orders = hand.waits.len();
-        if let Some(latency) = Latency::of(hand.waits) {
-            note(&format!("order to setpoint on the wire: {latency}, {orders} orders"));
-        }
-        ended
-    }
-
-    fn by_hand(
-        &self,
-        scene: &Scene,
-        address: Option<&Address>,
-        options: &JogOptions,
-        hand: &mut Hand<'_>,
-        cancel: &AtomicBool,
-    ) -> Result<RunFiles, RunError> {
-        let mcu = match address {
-            Some(Address::Port(port)) => return run::jog_behind(scene, port, options, hand, cancel),
-            Some(Address::Emulated) => Mcu::Flashed("target/firmware/softlimb-stm32f405.elf".into()),
-            Some(Address::Simulated) | None => Mcu::Here,
-        };
-        let device = JogDevice { seed: self.seed.unwrap_or(scene.seed()), mcu, in_real_time: true };
-        run::jog(scene, &device, options, hand, cancel)
-    }
 }
 
-/// Shows the report of a session, and returns why it ended early.
-fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> String {
+/// Waits until a page arms the device; `false` where Ctrl-C comes first.
+fn armed(page: &Page, view: &View, cancel: &AtomicBool) -> bool {
+    while !cancel.load(Ordering::Relaxed) {
+        if page.orders().iter().any(|(order, _)| *order == Order::Arm) {
+            return true;
+        }
+        page.show(view);
+        sleep(LOOK);
+    }
+    false
+}
+
+fn session(
+    device: &Device,
+    (scene, limb): (&Scene, &Limb),
+    options: &JogOptions,
+    page: &Page,
+    cancel: &AtomicBool,
+) -> Result<RunFiles, RunError> {
+    let mut hand = Hand::new(page, (scene, limb));
+    let ended = device.session(scene, options, &mut hand, cancel);
+    let orders = hand.waits.len();
+    if let Some(latency) = Latency::of(hand.waits) {
+        note(&format!("order to setpoint on the wire: {latency}, {orders} orders"));
+    }
+    ended
+}
+
+/// Shows the report of a session, and returns what the pages see next: why it ended early.
+fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> View {
     let (files, message) = match ended {
         Ok(files) => (Some(files), String::new()),
         Err(RunError::Stopped { cause, files }) => (Some(*files), cause.to_string()),
@@ -162,10 +135,11 @@ fn told_end(page: &Page, ended: Result<RunFiles, RunError>) -> String {
     if !message.is_empty() {
         note(&format!("error: {message}"));
     }
+    let has_report = files.is_some();
     if let Some(RunFiles { log, report, run }) = files {
         warn(&run_warnings(&summary(&run)));
         note(&format!("log:    {}\nreport: {}", log.display(), report.display()));
         page.set_report(Some(report));
     }
-    message
+    View::between("idle", message, has_report)
 }

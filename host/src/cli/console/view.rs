@@ -16,6 +16,7 @@ struct Told<'a> {
     name: &'a str,
     port: &'a str,
     simulated: bool,
+    weightless: bool,
     drives: Vec<Drive>,
     channels: usize,
     steps: [f64; 3],
@@ -60,6 +61,7 @@ pub(super) fn told((scene, limb): (&Scene, &Limb), port: &str, simulated: bool, 
         name: scene.name(),
         port,
         simulated,
+        weightless: scene.weightless(),
         channels: drives.iter().map(|drive| drive.channels.len()).sum(),
         drives,
         steps: STEPS,
@@ -118,8 +120,8 @@ struct Task {
 
 impl View {
     /// No device is connected.
-    pub(super) fn between(session: &'static str, message: &str, report: bool) -> Self {
-        Self { session, message: message.to_owned(), report, ..Self::default() }
+    pub(super) fn between(session: &'static str, message: String, report: bool) -> Self {
+        Self { session, message, report, ..Self::default() }
     }
 
     /// A device under orders.

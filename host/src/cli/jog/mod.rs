@@ -7,16 +7,14 @@ mod terminal;
 
 use std::io::{IsTerminal, stdin, stdout};
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use serde::Serialize;
 
+use super::by_hand::{HandOptions, Latency};
 use super::interrupt::interrupt;
-use super::latency::Latency;
-use super::port::PortOption;
-use super::shared::{limb, quantity, show};
+use super::shared::{limb, show};
 use super::{Failure, Outcome, note, warn};
 use crate::results::run_warnings;
 use gamepad::Gamepad;
@@ -24,11 +22,10 @@ use screen::Head;
 use softlimb_limb::Limb;
 use softlimb_motion::jog::Attempt;
 use softlimb_rig::link::LinkFaults;
-use softlimb_rig::link::port::Address;
 use softlimb_rig::report;
 use softlimb_rig::run;
-use softlimb_rig::run::{JogDevice, JogOptions, JogView, Mcu, Operator, Press, RunError, RunFiles};
-use softlimb_scene::{Quantity, Scene};
+use softlimb_rig::run::{JogOptions, JogView, Operator, Press, RunError, RunFiles};
+use softlimb_scene::Scene;
 use terminal::Terminal;
 
 /// Move a limb by hand: tip or single modules by the keys of the terminal, recorded like a run
@@ -46,17 +43,11 @@ pub(super) struct Jog {
     /// Folder for run.mcap and run.html [default: out/<scene>-jog]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Seed of the plant [default: the scene's]
-    #[arg(long)]
-    seed: Option<u64>,
     #[command(flatten)]
-    port: PortOption,
+    hand: HandOptions,
     /// Faults of the link, as shares of the frames each way; `softlimb run --help` names them
     #[arg(long, value_name = "NAME=SHARE,..")]
     link_fault: Option<LinkFaults>,
-    /// Largest distance at which the tip is at a target
-    #[arg(long, value_name = "LENGTH", value_parser = quantity("mm", 0.1, 1000.0), default_value = "10mm")]
-    within: Quantity,
     /// Gamepad of Linux: its file of 8-byte records
     #[arg(long, value_name = "FILE")]
     gamepad: Option<PathBuf>,
@@ -94,24 +85,21 @@ struct Target {
 
 impl Jog {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let address = self.port.address()?;
-        if let (Some(address @ Address::Port(_)), Some(_)) = (&address, self.seed) {
-            return Err(Failure::wrong_line(format!("--seed cannot be used with --port {address}")));
-        }
+        let device = self.hand.device()?;
         let (scene, limb) = limb(&self.scene)?;
         if !stdin().is_terminal() || !stdout().is_terminal() {
             return Err(Failure::new("jog needs a terminal: its keys move the limb, its screen shows it"));
         }
         let options = JogOptions {
             out: self.out.clone().unwrap_or_else(|| run::jog_folder(&scene)),
-            within_m: self.within.si(),
+            within_m: self.hand.within.si(),
             link_faults: self.link_fault,
             task: None,
         };
         let gamepad = self.gamepad.as_deref().map(Gamepad::open).transpose()?;
         let cancel = interrupt()?;
-        let mut hand = Hand::new(&scene, &limb, address.as_ref(), gamepad)?;
-        let outcome = self.session(&scene, address.as_ref(), &options, &mut hand, &cancel);
+        let mut hand = Hand::new(&scene, &limb, device.name(), gamepad)?;
+        let outcome = device.session(&scene, &options, &mut hand, &cancel);
         let waits = std::mem::take(&mut hand.waits);
         // The terminal is as it was before anything is printed.
         drop(hand);
@@ -125,23 +113,6 @@ impl Jog {
         note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
         let outcome = warn(&printed.warnings);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))
-    }
-
-    fn session(
-        &self,
-        scene: &Scene,
-        address: Option<&Address>,
-        options: &JogOptions,
-        hand: &mut Hand<'_>,
-        cancel: &AtomicBool,
-    ) -> Result<RunFiles, RunError> {
-        let mcu = match address {
-            Some(Address::Port(port)) => return run::jog_behind(scene, port, options, hand, cancel),
-            Some(Address::Emulated) => Mcu::Flashed("target/firmware/softlimb-stm32f405.elf".into()),
-            Some(Address::Simulated) | None => Mcu::Here,
-        };
-        let device = JogDevice { seed: self.seed.unwrap_or(scene.seed()), mcu, in_real_time: true };
-        run::jog(scene, &device, options, hand, cancel)
     }
 }
 
@@ -157,13 +128,7 @@ struct Hand<'a> {
 }
 
 impl<'a> Hand<'a> {
-    fn new(
-        scene: &Scene,
-        limb: &'a Limb,
-        address: Option<&Address>,
-        gamepad: Option<Gamepad>,
-    ) -> Result<Self, Failure> {
-        let port = address.map_or_else(|| "sim".to_owned(), ToString::to_string);
+    fn new(scene: &Scene, limb: &'a Limb, port: String, gamepad: Option<Gamepad>) -> Result<Self, Failure> {
         let head = (scene.name().to_owned(), port);
         let terminal = Terminal::open()?;
         Ok(Self { terminal, gamepad, head, limb, looked: Instant::now(), pressed: None, waits: Vec::new() })
