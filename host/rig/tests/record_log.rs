@@ -14,7 +14,12 @@ fn write(run: &RunLog, path: &Path) {
 }
 
 fn end(run: &RunLog) -> RunEnd {
-    RunEnd { link: run.link, peak_chamber_pa: run.peak_chamber_pa.clone(), wall_s: run.wall_s }
+    RunEnd {
+        link: run.link,
+        peak_chamber_pa: run.peak_chamber_pa.clone(),
+        wall_s: run.wall_s,
+        targets: run.targets.clone(),
+    }
 }
 
 fn stream(run: &RunLog, recorder: &mut Recorder) {

@@ -119,6 +119,22 @@ fn log_of_nothing_still_makes_a_page() {
 }
 
 #[test]
+fn targets_met_by_hand_are_told() {
+    let run = crate::synthetic_run::run();
+    for page in [html(&run), softlimb_rig::report::html(&run)] {
+        let table = between(&page, "Targets met by hand", "</table>")[0];
+        let numbers = |name: &str| {
+            let row = between(table, &format!("<tr><td>{name}</td>"), "</tr>")[0];
+            between(row, "<td class=\"number\">", "</td>").join(" ")
+        };
+        assert_eq!(numbers("lift"), "12.5 4.6 0.8");
+        assert_eq!(numbers("place"), "not met never seen 0.0");
+    }
+    let run = RunLog { targets: Vec::new(), ..run };
+    assert!(!html(&run).contains("Targets met by hand"));
+}
+
+#[test]
 fn states_of_the_device_are_told() {
     let mut run = crate::synthetic_run::run();
     run.samples[0].state = 1;

@@ -256,6 +256,21 @@ pub struct RunEnd {
     pub peak_chamber_pa: Vec<f64>,
     /// Wall-clock time that the run took, s.
     pub wall_s: Option<f64>,
+    /// How the targets were met by hand; empty where nobody moved the limb by hand.
+    pub targets: Vec<TargetRecord>,
+}
+
+/// How one target was met by hand.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TargetRecord {
+    /// Name of its phase.
+    pub name: String,
+    /// Time until it was met, s; `None` where it was not.
+    pub time_s: Option<f64>,
+    /// Least distance of the tip, m; `None` where the tip was never seen on its way there.
+    pub least_m: Option<f64>,
+    /// Time of the tip at the target, s.
+    pub held_s: f64,
 }
 
 /// A whole run.
@@ -278,6 +293,9 @@ pub struct RunLog {
     pub peak_chamber_pa: Vec<f64>,
     /// Wall-clock time that the run took, s.
     pub wall_s: Option<f64>,
+    /// How the targets were met by hand; empty where nobody moved the limb by hand.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub targets: Vec<TargetRecord>,
     /// Why the log ends before the run did; `None` for a finished log.
     pub incomplete: Option<String>,
 }

@@ -13,6 +13,7 @@ const INJECTED: &str = "injected_faults";
 const TRUTH: &str = "true_limb";
 /// Key of the highest true pressures.
 const PEAKS: &str = "peak_chamber_pa";
+const TARGETS: &str = "targets";
 
 /// A metadata record's content.
 pub(super) type Metadata = BTreeMap<String, String>;
@@ -58,6 +59,9 @@ pub(super) fn end_metadata(end: &RunEnd) -> Metadata {
     let mut metadata = Metadata::from([("link".into(), to_json(&end.link)), ("wall_s".into(), to_json(&end.wall_s))]);
     if !end.peak_chamber_pa.is_empty() {
         metadata.insert(PEAKS.into(), to_json(&end.peak_chamber_pa));
+    }
+    if !end.targets.is_empty() {
+        metadata.insert(TARGETS.into(), to_json(&end.targets));
     }
     metadata
 }
@@ -108,7 +112,8 @@ pub(super) fn read_run(path: &Path, run: &Metadata, scene_text: String) -> Resul
 pub(super) fn read_end(end: &Metadata) -> Result<RunEnd, RecordError> {
     let fields = Fields { name: super::END_METADATA, fields: end };
     let peak_chamber_pa = if end.contains_key(PEAKS) { fields.json(PEAKS)? } else { Vec::new() };
-    Ok(RunEnd { link: fields.json("link")?, peak_chamber_pa, wall_s: fields.json("wall_s")? })
+    let targets = if end.contains_key(TARGETS) { fields.json(TARGETS)? } else { Vec::new() };
+    Ok(RunEnd { link: fields.json("link")?, peak_chamber_pa, wall_s: fields.json("wall_s")?, targets })
 }
 
 /// Refuses modules whose channels no device can have: they are numbered by a byte.

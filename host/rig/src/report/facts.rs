@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Summary;
-use super::rows::{self, ErrorRow, Fact, ModuleRow};
+use super::rows::{self, ErrorRow, Fact, ModuleRow, TargetRow};
 use super::table::origin;
 use crate::record::{RunInfo, RunLog};
 
@@ -19,6 +19,7 @@ pub(super) struct Facts {
     errors: Vec<ErrorRow>,
     faults: Vec<String>,
     injected: Vec<String>,
+    targets: Vec<TargetRow>,
     peak: Option<String>,
     states: Vec<String>,
     gripper: Vec<String>,
@@ -38,6 +39,7 @@ pub(super) fn facts(log: &RunLog, summary: &Summary) -> Facts {
         errors: rows::errors(summary),
         faults: summary.faults.iter().map(rows::fault).collect(),
         injected: summary.injected_faults.iter().map(rows::injected).collect(),
+        targets: rows::targets(log),
         peak: rows::peak(summary),
         states: rows::states(log),
         gripper: rows::gripper(log),

@@ -3,7 +3,7 @@
 
 use super::stats::ErrorStats;
 use super::{ModuleSummary, Summary};
-use crate::record::{FaultRecord, InjectedFault, RunLog, Sample};
+use crate::record::{FaultRecord, InjectedFault, RunLog, Sample, TargetRecord};
 use serde::Serialize;
 
 /// Shown where nothing was observed.
@@ -124,6 +124,26 @@ pub(super) fn fault(fault: &FaultRecord) -> String {
 pub(super) fn injected(fault: &InjectedFault) -> String {
     let place = fault.channel.map_or(String::new(), |channel| format!(", channel {channel}"));
     format!("{:.3} s{place}: {}", fault.time_s, fault.name)
+}
+
+/// One target of a limb moved by hand.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct TargetRow {
+    name: String,
+    time: String,
+    least: String,
+    held: String,
+}
+
+/// How the targets were met by hand.
+pub(super) fn targets(log: &RunLog) -> Vec<TargetRow> {
+    let row = |target: &TargetRecord| TargetRow {
+        name: target.name.clone(),
+        time: target.time_s.map_or_else(|| "not met".to_owned(), |time_s| format!("{time_s:.1}")),
+        least: target.least_m.map_or_else(|| "never seen".to_owned(), |least_m| format!("{:.1}", 1e3 * least_m)),
+        held: format!("{:.1}", target.held_s),
+    };
+    log.targets.iter().map(row).collect()
 }
 
 /// The chamber that came nearest to its limit, or went furthest beyond it; `None` on a device.

@@ -22,7 +22,7 @@ use super::{Mcu, RunError, RunFiles, simulated_device, unix_ns};
 use crate::link;
 use crate::link::port::{self, Port, PortAddress};
 use crate::link::{DeviceConfiguration, DeviceFault, Event, Knot, LinkFaults, Pilot, Wish};
-use crate::record::{Body, RunLog, Sample};
+use crate::record::{Body, RunLog, Sample, TargetRecord};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
@@ -172,7 +172,7 @@ fn by_hand<D: Bench>(
     let period_us = u64::from(scene.controller().telemetry_period_us);
     recorded_by(device, (info, assembler, period_us), &options.out, |device, recording| {
         let settings = stream_options(&configuration, limb, number, cancel);
-        link::live(device, &configuration, &settings, &mut hand, |device, event| {
+        let ended = link::live(device, &configuration, &settings, &mut hand, |device, event| {
             let mut desk = desk.borrow_mut();
             for (name, channel) in std::mem::take(&mut desk.breaks) {
                 let fault = TimedFault::now(&name, channel).map_err(|error| error.to_string());
@@ -191,8 +191,19 @@ fn by_hand<D: Bench>(
                 desk.sample = Some(sample);
                 desk.body = recording.take_body().or(desk.body.take());
             }
-        })
+        });
+        recording.targets = hand.jog.targets().attempts().iter().map(target).collect();
+        ended
     })
+}
+
+fn target(attempt: &Attempt) -> TargetRecord {
+    TargetRecord {
+        name: attempt.name.clone(),
+        time_s: attempt.time_s,
+        least_m: Some(attempt.least_m).filter(|least_m| least_m.is_finite()),
+        held_s: attempt.held_s,
+    }
 }
 
 /// What the device told.

@@ -198,7 +198,7 @@ impl Listener<'_> {
 
     fn finish(mut self, link: LinkSummary, wall_s: f64) -> Result<Heard, RunError> {
         self.begin(0)?;
-        let end = RunEnd { link, peak_chamber_pa: Vec::new(), wall_s: Some(wall_s) };
+        let end = RunEnd { link, peak_chamber_pa: Vec::new(), wall_s: Some(wall_s), targets: Vec::new() };
         self.recorder.map_or(Ok(()), |recorder| recorder.finish(&end))?;
         Ok(self.heard)
     }

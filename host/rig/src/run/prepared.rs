@@ -196,6 +196,7 @@ impl<'a> Prepared<'a> {
             link: LinkSummary::default(),
             peak_chamber_pa: device.peak_chamber_pa(),
             wall_s: None,
+            targets: Vec::new(),
             incomplete: None,
         })
     }

@@ -14,7 +14,7 @@ use super::timed_fault::TimedFault;
 use super::{Progress, RunError, RunFiles, write_report};
 use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
-use crate::record::{Body, FaultRecord, InjectedFault, RecordError, Recorder, RunEnd, RunInfo, Sample};
+use crate::record::{Body, FaultRecord, InjectedFault, RecordError, Recorder, RunEnd, RunInfo, Sample, TargetRecord};
 
 /// Least number of ticks in a message of the log: fewer would be smaller than their header.
 const TICKS: usize = 20;
@@ -104,7 +104,8 @@ pub(super) fn recorded_by<'a, D: Bench, R>(
     let link = link_summary(&recording.statistics, device.tape().traffic(), recording.gaps.lost);
     let last_s = recording.last_s;
     let wall_s = Some(began.elapsed().as_secs_f64());
-    let logged = recording.finish(&RunEnd { link, peak_chamber_pa: device.peak_chamber_pa(), wall_s });
+    let targets = std::mem::take(&mut recording.targets);
+    let logged = recording.finish(&RunEnd { link, peak_chamber_pa: device.peak_chamber_pa(), wall_s, targets });
     match (ended, logged) {
         (Ok(_), Ok(true)) => finish_report(&path),
         (Ok(_), Ok(false)) => Err(RunError::NotRecorded),
@@ -136,6 +137,8 @@ pub(super) struct Recording<'a> {
     last_s: Option<f64>,
     /// The latest look at the limb.
     body: Option<Body>,
+    /// How the targets were met by hand.
+    pub(super) targets: Vec<TargetRecord>,
     statistics: LinkStatistics,
     gaps: Gaps,
 }
@@ -165,6 +168,7 @@ impl<'a> Recording<'a> {
             failure: None,
             last_s: None,
             body: None,
+            targets: Vec::new(),
             statistics: LinkStatistics::default(),
             gaps,
         }

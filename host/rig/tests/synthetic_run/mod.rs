@@ -6,7 +6,7 @@
 use fra_model::StateQuantity;
 use softlimb_rig::record::{
     Body, ChannelSample, FaultRecord, LinkSummary, ModuleInfo, ModuleSample, OutputSample, PhaseInfo, RunInfo, RunLog,
-    Sample, Shape,
+    Sample, Shape, TargetRecord,
 };
 
 /// Sample period, s.
@@ -108,7 +108,10 @@ pub(crate) fn run() -> RunLog {
         telemetry_lost: 1,
     };
     let peak_chamber_pa = (0..9).map(|channel| 90e3 + 1e3 * f64::from(channel)).collect();
-    RunLog { info, samples, faults, shapes, bodies, link, peak_chamber_pa, wall_s: Some(0.25), incomplete: None }
+    let met = TargetRecord { name: "lift".into(), time_s: Some(12.54), least_m: Some(4.56e-3), held_s: 0.8 };
+    let missed = TargetRecord { name: "place".into(), time_s: None, least_m: None, held_s: 0.0 };
+    let (wall_s, targets) = (Some(0.25), vec![met, missed]);
+    RunLog { info, samples, faults, shapes, bodies, link, peak_chamber_pa, wall_s, targets, incomplete: None }
 }
 
 fn stiffer(stretch: f64, rest: f64) -> f64 {
