@@ -128,6 +128,32 @@ fn vented_limb_waits_and_goes_on_from_rest() {
 }
 
 #[test]
+fn wish_to_go_on_waits_until_the_pressures_are_down() {
+    let scene = repository("weightless-a");
+    let step = Press::Order(Order::Go(Way { axis: 2, with: false }));
+    let keys = [
+        (0.1, Press::Order(Order::Longer)),
+        (0.2, step.clone()),
+        (2.0, Press::Vent),
+        // Of these the last one counts.
+        (2.05, Press::Resume),
+        (2.1, Press::Vent),
+        (2.15, Press::Resume),
+        (7.0, step),
+        (8.5, Press::End),
+    ];
+    let files = session(&scene, None, &mut Timed::new(&keys));
+    let highest_pa = |from_s: f64, to_s: f64| {
+        let samples = files.run.samples.iter().filter(|sample| (from_s..to_s).contains(&sample.time_s));
+        samples.flat_map(|sample| &sample.channels).map(|channel| channel.pressure_pa).fold(0.0, f64::max)
+    };
+    assert!(highest_pa(1.5, 2.0) > 250.0, "{}", highest_pa(1.5, 2.0));
+    assert!(highest_pa(5.0, 7.0) < 300.0, "at rest: {}", highest_pa(5.0, 7.0));
+    assert!(highest_pa(8.0, 8.5) > 250.0, "moved again: {}", highest_pa(8.0, 8.5));
+    check_vented(&files);
+}
+
+#[test]
 fn device_that_ran_out_of_setpoints_is_led_on_from_where_it_holds() {
     let scene = repository("weightless-a");
     let raise = Press::Order(Order::Hold(Way { axis: 0, with: true }));

@@ -167,7 +167,17 @@ fn by_hand<D: Bench>(
         Assembler::new((scene, limb), reference, tier, (scene, limb), (origin.seed().unwrap_or(0), Laws::default()));
     let desk = RefCell::new(Desk::default());
     let task = options.task.as_deref();
-    let mut hand = Hand { jog, operator, task, track, desk: &desk, is_vented: false, looked_us: 0, pressed_us: None };
+    let mut hand = Hand {
+        jog,
+        operator,
+        task,
+        track,
+        desk: &desk,
+        is_vented: false,
+        goes_on: false,
+        looked_us: 0,
+        pressed_us: None,
+    };
     let info = run_info(scene, limb, Vec::new(), origin);
     let period_us = u64::from(scene.controller().telemetry_period_us);
     recorded_by(device, (info, assembler, period_us), &options.out, |device, recording| {
@@ -225,6 +235,8 @@ struct Hand<'a, 'h> {
     track: Rc<RefCell<Track>>,
     desk: &'h RefCell<Desk>,
     is_vented: bool,
+    /// Whether the operator wishes to go on once the pressures are down.
+    goes_on: bool,
     looked_us: u64,
     /// Time of the look before the last keys, us.
     pressed_us: Option<u64>,
@@ -247,17 +259,16 @@ impl Pilot for Hand<'_, '_> {
         };
         let mut wish = Wish::Nothing;
         let presses = self.operator.presses(&view);
-        // While the pressures fall there is no way back.
         let is_ready = desk.state == Some(DeviceState::Ready);
         drop(desk);
         for press in presses {
             match press {
                 Press::End => return Wish::End,
-                Press::Vent => return Wish::Vent,
-                Press::Resume if self.is_vented && is_ready => {
-                    self.is_vented = false;
-                    wish = Wish::Move;
+                Press::Vent => {
+                    self.goes_on = false;
+                    return Wish::Vent;
                 }
+                Press::Resume => self.goes_on = self.is_vented,
                 Press::Order(order) if !self.is_vented => {
                     self.jog.order(order);
                     self.pressed_us = Some(before_us);
@@ -270,8 +281,13 @@ impl Pilot for Hand<'_, '_> {
                     wish = Wish::Move;
                 }
                 Press::Break(name, channel) => self.desk.borrow_mut().breaks.push((name, channel)),
-                Press::Order(_) | Press::Resume | Press::Task => {}
+                Press::Order(_) | Press::Task => {}
             }
+        }
+        // The pressures have to be down first.
+        if self.goes_on && is_ready {
+            (self.goes_on, self.is_vented) = (false, false);
+            wish = Wish::Move;
         }
         wish
     }
@@ -295,7 +311,7 @@ impl Pilot for Hand<'_, '_> {
     }
 
     fn vented(&mut self) {
-        self.is_vented = true;
+        (self.is_vented, self.goes_on) = (true, false);
         self.jog.rest();
     }
 }
