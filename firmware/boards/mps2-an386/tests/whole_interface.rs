@@ -5,12 +5,13 @@ use std::path::Path;
 
 /// What only a host has a use for: vector registers, queries about actuators that come but once, a second winding, properties of
 /// bends for statics and warnings, names and units of quantities.
-const HOST_ONLY: [&str; 17] = [
+const HOST_ONLY: [&str; 18] = [
     "forward_many",
     "forward_prepared",
     "atanh_series",
     "forward_once",
     "second_fiber",
+    "with_second_fiber",
     "volume_by_bend",
     "shrinks_bends",
     "natural",
