@@ -16,6 +16,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use axum::serve::ListenerExt;
 use serde::Serialize;
 use tokio::net::TcpListener;
 use tokio::runtime::Builder;
@@ -90,7 +91,10 @@ impl Console {
         let router = router(Arc::clone(&shared));
         thread::Builder::new().name("console".into()).spawn(move || {
             runtime.block_on(async {
-                let listener = TcpListener::from_std(listener)?;
+                // Short messages wait for no others.
+                let listener = TcpListener::from_std(listener)?.tap_io(|stream| {
+                    let _ = stream.set_nodelay(true);
+                });
                 axum::serve(listener, router).await
             })
         })?;
