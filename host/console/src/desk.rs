@@ -1,10 +1,10 @@
-//! Who commands, and what happens when nobody does. Times are arguments, since any zero.
+//! Which page commands, and what the limb does without one. Times are arguments and may start anywhere.
 
 use std::time::Duration;
 
 use crate::order::{Act, Message, Order};
 
-/// A held move that the page does not repeat for this long is let go.
+/// A held move ends when the page has not repeated it for this long.
 const HELD: Duration = Duration::from_millis(150);
 /// Without a page that commands, the limb is vented after this long.
 const ALONE: Duration = Duration::from_secs(5);
@@ -16,7 +16,7 @@ pub(crate) type Client = u64;
 #[derive(Debug, Default)]
 pub(crate) struct Desk {
     commander: Option<Client>,
-    /// With the times at which they came.
+    /// Each with its time of arrival.
     orders: Vec<(Order, Duration)>,
     /// The held move, and the time of its last repetition.
     held: Option<(Order, Duration)>,
@@ -29,14 +29,14 @@ impl Desk {
         self.commander
     }
 
-    /// A page begins to look. It commands where no other does.
+    /// Adds a page. It commands if no other page does.
     pub(crate) fn join(&mut self, client: Client) {
         if self.commander.is_none() {
             (self.commander, self.alone) = (Some(client), None);
         }
     }
 
-    /// A page is gone. Without its commander the limb holds.
+    /// Removes a page. If it commanded, the limb holds.
     pub(crate) fn leave(&mut self, client: Client, now: Duration) {
         if self.commander == Some(client) {
             (self.commander, self.held, self.alone) = (None, None, Some(now));
@@ -63,7 +63,7 @@ impl Desk {
         if matches!(order, Order::Jog(_)) {
             self.held = Some((order.clone(), now));
         }
-        // A repetition keeps the move alive, and is no new order: the limb may have refused it.
+        // A repetition only extends the move: the limb may have refused it already.
         if before.is_none_or(|(before, _)| before != order) {
             self.orders.push((order, now));
         }
@@ -161,7 +161,7 @@ mod tests {
         assert_eq!(orders(&mut desk, MS(60_000)), [], "once");
         desk.leave(7, MS(61_000));
         assert_eq!(orders(&mut desk, MS(70_000)), [], "a page that only looked");
-        // Who comes in time keeps the pressures.
+        // A page that joins in time prevents the vent.
         desk.join(2);
         desk.leave(2, MS(80_000));
         desk.join(3);

@@ -1,7 +1,7 @@
 //! The console in a browser: a page on the loopback address that shows a limb and moves it.
 //!
-//! The page moves a limb that may be worn. So the address has a random token, foreign hosts and origins are refused, one page
-//! commands and all may vent, and a page that falls silent lets the limb hold.
+//! The page moves a limb that may be worn. So the address has a random token, and the server refuses foreign hosts and origins. One
+//! page commands, every page can vent, and the limb holds when the page falls silent.
 
 mod desk;
 mod order;

@@ -18,7 +18,7 @@ pub enum Order {
     Stop,
     /// Close or open the gripper.
     Gripper,
-    /// Let the pressures down. Every page may.
+    /// Let the pressures down. Every page may send it.
     Vent,
     /// Go on after that.
     Resume,
@@ -52,17 +52,17 @@ pub struct Jog {
 /// One message of a page.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub(crate) struct Message {
-    /// Number, which the answer returns.
+    /// Sequence number; the answer repeats it.
     pub(crate) number: u64,
     #[serde(flatten)]
     pub(crate) act: Act,
 }
 
-/// What a message wants.
+/// Content of a message.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub(crate) enum Act {
-    /// The command, where no page has it.
+    /// Takes over if no page commands.
     Take {
         /// Always true.
         take: bool,

@@ -1,4 +1,4 @@
-//! The server: pages, a socket a page, and a view that all pages get.
+//! The web server: it serves the page, opens one socket for each page, and sends every page the current view.
 
 use std::fmt::Write;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -26,24 +26,24 @@ use tokio::time::{MissedTickBehavior, interval};
 use crate::desk::{Client, Desk};
 use crate::order::{self, Order};
 
-/// Time between two looks at whether a page still answers.
+/// Time between two pings of a page.
 const PING: Duration = Duration::from_secs(1);
-/// A page that does not answer for this long is gone.
+/// The server closes the socket of a page that does not answer for this long.
 const SILENT: Duration = Duration::from_secs(3);
 /// Longest message of a page, bytes.
 const MESSAGE_MAX: usize = 4096;
 
-/// Nothing but the files of the console, and its socket.
+/// Allows nothing but the files and the socket of the console.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; base-uri 'none'; \
                       form-action 'none'; frame-ancestors 'none'";
 
-/// What the pages are made of, beside the console's own files.
+/// Parts of the page that come from the caller.
 pub struct Site {
-    /// Style of the report, which the console shares.
+    /// Style sheet that console and report share.
     pub style: &'static str,
     /// The script that draws a limb in space.
     pub limb_script: &'static str,
-    /// What a page is told first: what does not change.
+    /// Description of the scene as JSON: each page receives it first.
     pub scene: String,
 }
 
@@ -91,7 +91,7 @@ impl Console {
         let router = router(Arc::clone(&shared));
         thread::Builder::new().name("console".into()).spawn(move || {
             runtime.block_on(async {
-                // Short messages wait for no others.
+                // Without Nagle's algorithm: short messages are sent at once.
                 let listener = TcpListener::from_std(listener)?.tap_io(|stream| {
                     let _ = stream.set_nodelay(true);
                 });
@@ -101,7 +101,7 @@ impl Console {
         Ok(Self { shared, view, url })
     }
 
-    /// Address of the page. Who has it may look, and command where nobody does.
+    /// Address of the page, with its token.
     pub fn url(&self) -> &str {
         &self.url
     }
@@ -181,12 +181,12 @@ async fn file(kind: &'static str, text: &'static str) -> Response {
 }
 
 fn not_found() -> Response {
-    // A browser shows a page of its own for an answer without a body.
+    // If the body is empty, the browser shows an error page of its own.
     (StatusCode::NOT_FOUND, "There is no such page. The address that `softlimb console` printed has a token.\n")
         .into_response()
 }
 
-/// Lets nobody in who does not know the token, or comes by another name or page.
+/// Refuses requests without the token, and those under another host name.
 async fn guard(State(shared): Shares, request: Request, next: Next) -> Response {
     if !shared.is_own(request.headers().get(HOST), "") {
         return (StatusCode::FORBIDDEN, "The console answers on its own address alone.\n").into_response();
@@ -196,7 +196,7 @@ async fn guard(State(shared): Shares, request: Request, next: Next) -> Response 
     let headers = response.headers_mut();
     headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
-    // The report is a file that brings its own scripts.
+    // The report contains its scripts, and has a policy of its own.
     headers.entry(CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(POLICY));
     response
 }
@@ -215,18 +215,18 @@ async fn socket(
     headers: HeaderMap,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    // A page of another site may know the address, but cannot hide where it comes from.
+    // A page of another site may know the address, but browsers state its origin.
     if !shared.is_own(headers.get(ORIGIN), "http://") {
         return (StatusCode::FORBIDDEN, "The socket is for the console's own page.\n").into_response();
     }
     upgrade.max_message_size(MESSAGE_MAX).on_upgrade(move |socket| page(socket, shared))
 }
 
-/// Serves one page until it is gone.
+/// Serves one page until its socket closes.
 async fn page(mut socket: WebSocket, shared: Arc<Shared>) {
     let client = shared.clients.fetch_add(1, Ordering::Relaxed);
     shared.desk().join(client);
-    // However it ends, the page is gone then.
+    // An error closes the socket, too.
     let _ = talk(&mut socket, client, &shared).await;
     let now = shared.now();
     shared.desk().leave(client, now);

@@ -7,6 +7,7 @@ use crate::samples::samples;
 use judge::Judge;
 use softlimb_limb::Limb;
 use softlimb_motion::jog::{Jog, Order, Way};
+use softlimb_motion::plan;
 use softlimb_numerics::Random;
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
@@ -35,6 +36,29 @@ fn any_order(random: &mut Random, drives: usize) -> Order {
         10..=13 => Order::Hold(way),
         _ => Order::Go(way),
     }
+}
+
+#[test]
+fn task_takes_its_load_up_and_puts_it_down() {
+    let scene = repository("steering");
+    let limb = Limb::new(&scene).unwrap();
+    let plan = plan(&scene, &limb).unwrap();
+    let mut jog = Jog::new(&scene, &limb, WITHIN_M).unwrap();
+    jog.play(&plan);
+    let mut loads_kg = vec![jog.carrying().payload_kg];
+    for time_us in (0..plan.duration_us()).step_by(PERIOD_US as usize) {
+        let knot = jog.knot(time_us);
+        assert_eq!((jog.is_gripping(), knot.gripping), [plan.is_gripping_at(time_us); 2].into());
+        if loads_kg.last() != Some(&jog.carrying().payload_kg) {
+            loads_kg.push(jog.carrying().payload_kg);
+        }
+    }
+    jog.knot(plan.duration_us());
+    assert!(jog.task().is_none() && !jog.is_gripping());
+    assert_eq!(loads_kg, [0.0, 0.3, 0.0]);
+    // It has not ended at rest.
+    jog.play(&plan);
+    assert!(jog.refusal().is_some() && jog.task().is_none());
 }
 
 /// Presses keys at random, between knots at any times, and judges every knot.

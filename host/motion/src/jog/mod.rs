@@ -241,12 +241,12 @@ impl<'a> Jog<'a> {
 
     /// What the model assumes the tip carries.
     pub fn carrying(&self) -> Carrying {
-        self.mover.carrying()
+        self.task.as_ref().map_or_else(|| self.mover.carrying(), Task::carrying)
     }
 
     /// Whether the gripper is commanded to close.
     pub fn is_gripping(&self) -> bool {
-        self.gripping
+        self.task.as_ref().map_or(self.gripping, Task::is_gripping)
     }
 
     /// The statics of the limb under load; `None` without load.
@@ -281,7 +281,7 @@ impl<'a> Jog<'a> {
         Ok(())
     }
 
-    /// Stops at the last knot, a task too.
+    /// Stops at the last knot. A task is held.
     fn stop(&mut self) {
         (self.held, self.next) = (None, None);
         if let Some(task) = &mut self.task {

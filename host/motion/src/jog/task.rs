@@ -1,4 +1,4 @@
-//! The task of the scene among moves by hand: its plan, which is held and goes on as the operator wishes.
+//! The plan of the scene within a session by hand: the operator starts, holds and continues it.
 
 use super::JogKnot;
 use crate::payload::{Carried, Carrying, carried, payload_kg};
@@ -35,7 +35,7 @@ impl<'a> Task<'a> {
         Self { limb, plan, carried: carried(scene.phases()), time_us: 0, is_held: false }
     }
 
-    /// Goes on by a time, us, unless it is held.
+    /// Advances by a time, us, unless it is held.
     pub(super) fn advance(&mut self, by_us: u64) {
         if !self.is_held {
             self.time_us = (self.time_us + by_us).min(self.plan.duration_us());
@@ -53,13 +53,18 @@ impl<'a> Task<'a> {
         JogKnot {
             values: self.limb.channel_values(&wire),
             setpoints,
-            gripping: self.plan.is_gripping_at(self.time_us),
+            gripping: self.is_gripping(),
             payload_kg: payload_kg(&self.carried, &self.plan.phases, self.time_us),
             tip_m: self.plan.tip_m(self.limb, self.time_us as f64),
         }
     }
 
-    /// What the tip carries: what it has taken up.
+    /// Whether the gripper is commanded to close.
+    pub(super) fn is_gripping(&self) -> bool {
+        self.plan.is_gripping_at(self.time_us)
+    }
+
+    /// Load at the tip, from the start of the hold in which the gripper takes it.
     pub(super) fn carrying(&self) -> Carrying {
         let index = phase_at(&self.plan.phases, self.time_us);
         let hands_over = |phase: &PlannedPhase| phase.held_share(self.time_us) > 0.0;

@@ -226,7 +226,7 @@ impl<T: Transport> Live<'_, '_, T> {
         Ok(())
     }
 
-    /// Waits until the pressures are down and the pilot wishes to go on or to end. It looks on all the while.
+    /// Waits until the pressures are down and the pilot wishes to go on or to end. Meanwhile it keeps asking the pilot.
     fn rest(&mut self) -> Result<Wish, LinkError> {
         let (mut is_at_rest, waited_us) = (false, self.run.options.vent_max_us);
         let until_us = self.run.driver.now_us().saturating_add(waited_us);

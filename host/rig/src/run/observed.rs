@@ -150,7 +150,7 @@ impl Bench for Observed {
 
     fn break_now(&mut self, fault: TimedFault) -> Result<(), String> {
         self.can_break(&fault)?;
-        // The next one in turn is the last.
+        // Faults are taken from the end.
         self.faults.push(fault);
         Ok(())
     }

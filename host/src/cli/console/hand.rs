@@ -18,7 +18,7 @@ pub(super) struct Hand<'a> {
     scene: &'a Scene,
     drives: usize,
     shown: Option<Instant>,
-    /// When the first order that is not on the wire yet came to the page's server.
+    /// Arrival of the first order whose setpoint has not been sent.
     came: Option<Instant>,
     /// Times from orders to their setpoints on the wire.
     pub(super) waits: Vec<Duration>,
@@ -33,7 +33,7 @@ impl<'a> Hand<'a> {
 impl Operator for Hand<'_> {
     fn presses(&mut self, view: &JogView<'_, '_>) -> Vec<Press> {
         let mut presses = Vec::new();
-        // What was pressed before there was a limb moves none.
+        // Orders from before the device was ready are dropped, but for these two.
         let is_first = self.shown.is_none();
         let counts = |order: &Order| !is_first || matches!(order, Order::Vent | Order::End);
         for (order, waited) in self.page.orders().into_iter().filter(|(order, _)| counts(order)) {

@@ -68,7 +68,7 @@ impl Console {
             Ok(plan) => (Some(Arc::new(plan)), None),
             Err(error) => (None, Some(error.to_string())),
         };
-        // A limb without a plan is moved by hand all the same.
+        // Without a plan the limb can still be moved by hand.
         let warnings = refused.iter().map(|reason| format!("the task cannot be run: {reason}"));
         let outcome = warn(&warnings.collect::<Vec<_>>());
         let told = view::told(

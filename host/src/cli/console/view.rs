@@ -10,7 +10,7 @@ use softlimb_rig::run;
 use softlimb_rig::run::{JogView, TimedFault};
 use softlimb_scene::Scene;
 
-/// What does not change.
+/// The scene: it does not change during a session.
 #[derive(Serialize)]
 struct Told<'a> {
     name: &'a str,
@@ -43,7 +43,7 @@ struct Fault {
     of_channel: bool,
 }
 
-/// What a page is told first.
+/// The description of a scene that a page receives first.
 pub(super) fn told((scene, limb): (&Scene, &Limb), port: &str, simulated: bool, task_refused: Option<&str>) -> String {
     let drive = |drive: softlimb_limb::Drive<'_>| Drive {
         name: drive.name(),
@@ -77,7 +77,7 @@ pub(super) fn told((scene, limb): (&Scene, &Limb), port: &str, simulated: bool, 
     serde_json::to_string(&told).expect("numbers and text become JSON")
 }
 
-/// What changes.
+/// The state of device and limb.
 #[derive(Default, Serialize)]
 pub(super) struct View {
     session: &'static str,
