@@ -410,14 +410,6 @@ fn build_module(
         rigid_length_m: ends_m + scene.limb().connector_length_m + tool_m.map_or(0.0, |(length, _)| length),
         tool_m,
     };
-    if let Some(second) = &module.second_fiber
-        && (scene.weight().is_some() || built.is_restrained() || built.steering)
-    {
-        let label = "the second winding: no stiffness to bending is known of a tube with two";
-        let help = "leave the limb weightless: `simulated = false` and `compensated = false` in [weight]; one twisting actuator stands \
-                    on the axis, without plates that hold it back";
-        return Err(scene.diagnostic(second.span, "two windings are for weightless limbs", label, Some(help)));
-    }
     if built.is_restrained() {
         built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), built.bay_m());
     }

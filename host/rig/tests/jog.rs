@@ -101,6 +101,19 @@ fn setpoints_are_those_of_the_keys_and_stay_where_a_key_is_let_go() {
 }
 
 #[test]
+fn rod_with_two_windings_twists_by_hand() {
+    let scene = scene::parse(crate::wound_twice::ROD, "rod.toml").unwrap_or_else(|error| panic!("{error}"));
+    let raise = Press::Order(Order::Hold(Way { axis: 0, with: true }));
+    let keys =
+        [(0.1, Press::Order(Order::SelectDrive(0))), (0.5, raise), (3.5, Press::Order(Order::Stop)), (5.0, Press::End)];
+    let files = session(&scene, None, &mut Timed::new(&keys));
+    let held = files.run.samples.iter().find(|sample| sample.time_s >= 4.9).unwrap().modules[0];
+    println!("{held:?}");
+    assert!(held.setpoint.abs() > 0.5, "{held:?}");
+    assert!((held.achieved.unwrap() / held.setpoint - 1.0).abs() < 0.05, "{held:?}");
+}
+
+#[test]
 fn vented_limb_waits_and_goes_on_from_rest() {
     let scene = repository("weightless-a");
     let step = Press::Order(Order::Go(Way { axis: 2, with: false }));

@@ -1,10 +1,12 @@
 //! A twist rod with a helix and an axial thread: planned, tabulated and run, and what takes one winding.
 
+use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use fra_model::{Load, Status, Target};
-use softlimb_fea::cross_section::{EndLoad, Options, Section};
+use softlimb_fea::cross_section::{EndLoad, Options, Section, Symmetry};
 use softlimb_limb::Limb;
+use softlimb_limb::statics::{self, Fidelity, LoadedLimb};
 use softlimb_motion as motion;
 use softlimb_motion::ModuleInverse;
 use softlimb_motion::inverse_table::InverseFit;
@@ -12,7 +14,7 @@ use softlimb_rig::report;
 use softlimb_rig::run::{Mcu, RunOptions, run};
 use softlimb_scene::{Scene, parse};
 
-const ROD: &str = r#"
+pub(crate) const ROD: &str = r#"
 format = 1
 name = "rod"
 seed = 3
@@ -94,22 +96,61 @@ fn run_reaches_the_twist_of_both_windings() {
     assert!((alone + 3.0).abs() > 0.5, "{alone}");
 }
 
+/// A level rod without pressure droops as a beam with the bending stiffness of finite elements: `w (L^4/8EI + L^2/2GA)`.
 #[test]
-fn weight_takes_one_winding() {
-    for (from, to) in
-        [("simulated = false", "simulated = true"), ("actuators = 1", "actuators = 2\ncircle_radius = \"30 mm\"")]
-    {
-        let error = Limb::new(&rod(from, to)).unwrap_err().render(false);
-        for word in ["two windings are for weightless limbs", "winding = [\"helix\", \"axial\"]", "rod.toml:"] {
-            assert!(error.contains(word), "{word}: {error}");
-        }
+fn level_rod_droops_as_a_beam_of_the_stiffness_of_finite_elements() {
+    let text = ROD
+        .replace("simulated = false, compensated = false", "simulated = true")
+        .replace("modulus = \"200 MPa\"", "modulus = \"20 MPa\"")
+        .replace("shear_modulus = \"0.2 MPa\"", "shear_modulus = \"0.2 MPa\", density = \"100 kg/m3\"")
+        .replace("length = \"100 mm\"", "length = \"200 mm\"");
+    let scene = parse(&text, "rod.toml").unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let limb = Limb::new(&scene).unwrap();
+    let module = &limb.modules()[0];
+    let parameters = module.actuator.parameters();
+    let options = Options { symmetry: Symmetry::Ignore, ..Options::default() };
+    let section = Section::with_two_windings(parameters, module.actuator.second_fiber().unwrap(), &options).unwrap();
+    let curve = section.curve(&[0.0], &EndLoad::default()).unwrap();
+    let bending_nm2 = curve.answers[0].equilibrium().unwrap().stiffness.unwrap().by_strain[1][1];
+    let area_m2 = PI * (parameters.outer_radius_m.powi(2) - parameters.inner_radius_m.powi(2));
+    let (weight_n_per_m, length_m) = (100.0 * area_m2 * 9.80665, parameters.length_m);
+    let expected = weight_n_per_m * (length_m.powi(4) / (8.0 * bending_nm2) + length_m.powi(2) / (0.2e6 * area_m2));
+    let loaded = LoadedLimb::new(&scene, &limb, &[0.0], &[1], &statics::Load::default()).unwrap();
+    let shape = loaded.settle(Fidelity::Fourfold, None).unwrap().shape;
+    let droop = -shape.tip().translation.vector.z;
+    println!("{droop} m beside {expected} m");
+    assert!((droop / expected - 1.0).abs() < 2e-3, "{droop} {expected}");
+}
+
+/// One rod, and three between plates that hold their twist back, each under its weight.
+#[test]
+fn run_under_weight_reaches_the_twist() {
+    for (actuators, twist_rad) in [("actuators = 1", -3.0), ("actuators = 3\ncircle_radius = \"20 mm\"", -0.5)] {
+        let text = ROD
+            .replace("simulated = false, compensated = false", "simulated = true")
+            .replace("actuators = 1", actuators)
+            .replace("twist = -3", &format!("twist = {twist_rad:?}"));
+        let scene = parse(&text, "rod.toml").unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let folder = tempfile::tempdir().unwrap();
+        let options = RunOptions {
+            seed: 1,
+            out: folder.path().to_owned(),
+            mcu: Mcu::Here,
+            link_faults: None,
+            faults: Vec::new(),
+        };
+        let files = run(&scene, &options, &AtomicBool::new(false), |_| ()).unwrap();
+        let summary = report::summary(&files.run);
+        let rmse = summary.modules[0].error.unwrap().rmse;
+        println!("{actuators}: twist {rmse:.4} rad rms");
+        assert!(rmse < 0.03 * f64::abs(twist_rad), "{rmse}");
     }
 }
 
 #[test]
 fn room_for_one_winding_names_the_second() {
-    let error = rod("seed = 3", "seed = 4").require_one_winding("`fabricate`").unwrap_err().render(false);
-    assert!(error.contains("`rod` has two windings, and `fabricate` takes one"), "{error}");
+    let error = rod("seed = 3", "seed = 4").require_one_winding("`design limb`").unwrap_err().render(false);
+    assert!(error.contains("`rod` has two windings, and `design limb` takes one"), "{error}");
     assert!(error.contains("winding = [\"helix\", \"axial\"]"), "{error}");
-    rod("[\"helix\", \"axial\"]", "\"helix\"").require_one_winding("`fabricate`").unwrap();
+    rod("[\"helix\", \"axial\"]", "\"helix\"").require_one_winding("`design limb`").unwrap();
 }

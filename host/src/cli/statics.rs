@@ -35,7 +35,6 @@ pub(super) struct Statics {
 impl Statics {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
-        scene.require_one_winding("`statics`")?;
         let options = StaticsOptions {
             payload_kg: self.payload.as_ref().map(Quantity::si),
             spacers: self.spacers,

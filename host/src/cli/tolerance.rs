@@ -61,7 +61,6 @@ impl From<ToleranceError> for Failure {
 impl Tolerance {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
-        scene.require_one_winding("`tolerance`")?;
         let wall = &self.allowed.wall;
         for module in limb.modules() {
             let parameters = module.actuator.parameters();

@@ -99,7 +99,6 @@ impl From<Pressures> for Command {
 impl Workspace {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
-        scene.require_one_winding("`workspace`")?;
         let (samples, cell_m) = if self.loaded { (4096, 0.1) } else { (1_000_000, 0.02) };
         let options = WorkspaceOptions {
             command: self.pressures.into(),

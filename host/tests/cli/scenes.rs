@@ -1,5 +1,7 @@
 //! Scenes with a mistake in them: the message points at the line and says the value, and nothing is written.
 
+use serde_json::Value;
+
 use crate::cli::desk::{Desk, SCENE};
 
 /// One mistake: what is replaced, by what, and what the message must say.
@@ -118,11 +120,7 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
         ("fea export scene.toml", "fea"),
         ("fea compare scene.toml", "fea"),
         ("fea calibrate scene.toml", "fea"),
-        ("statics scene.toml", "statics"),
-        ("workspace scene.toml", "workspace"),
-        ("tolerance scene.toml", "tolerance"),
         ("design limb scene.toml --out designed.toml", "design limb"),
-        ("payload capacity scene.toml", "payload"),
         ("calibrate pressure data.csv --scene scene.toml --fit shear_modulus", "calibrate"),
         ("calibrate creep data.csv --scene scene.toml", "calibrate"),
     ] {
@@ -135,4 +133,81 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
     let files =
         ["made/finger-second-thread-straight.csv", "made/finger-thread-right.csv", "made/sheet.html", "made/sheet.md"];
     assert!(files.iter().all(|file| desk.content().contains(&file.to_string())), "{:?}", desk.content());
+}
+
+/// Two equal windings are one of twice the stiffness, under weight, in studies, runs, learning and sweeps.
+#[test]
+fn two_equal_windings_are_one_of_twice_the_stiffness() {
+    let thread = |name: &str, modulus: u32| {
+        format!(
+            "[windings.{name}]\nangle = \"30 deg\"\nfamilies = 1\nmodulus = \"{modulus} MPa\"\nthickness = \"0.1 mm\"\n"
+        )
+    };
+    let desk = Desk::new();
+    let study = "format = 1\nscenes = [\"NAME.toml\"]\nlimbs = 2\n[[parameter]]\nkey = \"module.finger.outer_radius\"\nvalues = [\"14 mm\", \"15 mm\"]\n";
+    for (name, winding) in [("two", "[\"half\", \"half\"]"), ("one", "\"whole\"")] {
+        desk.put(&format!("{name}-study.toml"), study.replace("NAME", name));
+        let scene = SCENE
+            .replace("[limb]", &format!("{}{}[limb]", thread("half", 100), thread("whole", 200)))
+            .replace("motion = \"bending\"", &format!("motion = \"twisting\"\nwinding = {winding}"))
+            .replace("[weight]\nsimulated = false\n", "")
+            .replace("hold = \"0.2 s\"", "hold = \"0.6 s\"")
+            .replace("bend_angle = \"30 deg\"", "twist = -1.5");
+        desk.put(&format!("{name}.toml"), scene);
+    }
+    for verb in [
+        "check SCENE --json",
+        "statics SCENE --json",
+        "workspace SCENE --json --samples 2000",
+        "workspace SCENE --json --loaded --samples 64",
+        "tolerance SCENE --json --samples 20",
+        "payload capacity SCENE --json",
+        "run SCENE --json --out SCENE.run",
+        "learn SCENE --iterations 1 --trials 1 --json",
+    ] {
+        let [two, one] = ["two.toml", "one.toml"].map(|scene| {
+            let answer = desk.softlimb(&verb.replace("SCENE", scene));
+            assert!(matches!(answer.code, Some(0 | 3)), "{answer:?}");
+            answer.json()
+        });
+        let mut numbers = 0;
+        same(&two, &one, verb, &mut numbers);
+        println!("{verb}: {numbers} numbers");
+        assert!(numbers > 5, "{two}");
+    }
+    let [two, one] = ["two", "one"].map(|name| {
+        let swept = desk.softlimb(&format!("sweep {name}-study.toml --out {name}.csv"));
+        assert!(matches!(swept.code, Some(0 | 3)), "{swept:?}");
+        let table = std::fs::read_to_string(desk.path(&format!("{name}.csv"))).expect("a table");
+        let rows = table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+        rows.map(|row| row.split(',').filter_map(|cell| cell.parse::<f64>().ok()).collect::<Value>()).collect::<Value>()
+    });
+    let mut numbers = 0;
+    same(&two, &one, "sweep", &mut numbers);
+    assert!(numbers > 40, "{two}");
+}
+
+/// The same numbers, to 1e-4 of them, in the same places.
+fn same(two: &Value, one: &Value, place: &str, numbers: &mut u32) {
+    match (two, one) {
+        (Value::Object(two), Value::Object(one)) => {
+            assert!(two.keys().eq(one.keys()), "{place}: {two:?} {one:?}");
+            // How fast a run was is no result of its scene.
+            let each = two
+                .iter()
+                .zip(one.values())
+                .filter(|((key, _), _)| !matches!(key.as_str(), "wall_s" | "real_time_factor"));
+            each.for_each(|((key, two), one)| same(two, one, &format!("{place} {key}"), numbers));
+        }
+        (Value::Array(two), Value::Array(one)) => {
+            assert_eq!(two.len(), one.len(), "{place}");
+            two.iter().zip(one).for_each(|(two, one)| same(two, one, place, numbers));
+        }
+        (Value::Number(two), Value::Number(one)) => {
+            let [two, one] = [two, one].map(|number| number.as_f64().expect("finite"));
+            assert!((two - one).abs() <= 1e-4 * one.abs() + 1e-7, "{place}: {two} {one}");
+            *numbers += 1;
+        }
+        _ => {}
+    }
 }

@@ -53,6 +53,7 @@ impl Spring {
         self.pressure_pa == other.pressure_pa
             && self.free == other.free
             && self.actuator.parameters() == other.actuator.parameters()
+            && self.actuator.second_fiber() == other.actuator.second_fiber()
     }
 
     /// The parameters of its actuator.
@@ -87,7 +88,7 @@ impl Spring {
     /// stable.
     pub(super) fn held_at(&self, strain: &TubeStrain) -> Option<Self> {
         let state = self.blocked(strain)?.state;
-        let (bending_nm2, shear_n) = wall::bending_and_shear(self.parameters(), &state)?;
+        let (bending_nm2, shear_n) = wall::bending_and_shear(&self.actuator, &state)?;
         Some(Self { free: Tangent { bending_nm2, across_nm2: bending_nm2, shear_n, ..self.free }, ..self.clone() })
     }
 
@@ -121,7 +122,7 @@ impl Spring {
         let length_m = self.actuator.parameters().length_m;
         let blocked = self.actuator.blocked(self.pressure_pa, stretch, 0.0).ok()?;
         let [[axial, coupling], [_, torsion]] = blocked.stiffness.map(|row| row.map(|entry| entry * length_m));
-        let bending_nm2 = wall::bending_nm2(self.actuator.parameters(), &blocked.state)?;
+        let bending_nm2 = wall::bending_nm2(&self.actuator, &blocked.state)?;
         let stable = blocked.status == Status::Solved && axial > 0.0 && torsion > 0.0;
         // The rest of springs with this force at the strain.
         stable.then_some(Tangent {

@@ -48,11 +48,8 @@ impl Tangent {
         Self::at(actuator, &solution.state)
     }
 
-    /// The tube in a state without load; `None` where that is not stable, and with a second winding, whose wall is not known.
+    /// The tube in a state without load; `None` where that is not stable.
     pub(super) fn at(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Self> {
-        if actuator.second_fiber().is_some() {
-            return None;
-        }
         match actuator.parameters().motion {
             Motion::Bending => bending(actuator, state),
             Motion::Extension | Motion::Expansion | Motion::Twisting => straight(actuator, state),
@@ -78,7 +75,7 @@ fn straight(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Tangent> {
     let held = actuator.blocked(state.pressure_pa, state.axial_stretch, state.twist_rad).ok()?;
     let length_m = parameters.length_m;
     let [[axial, coupling], [_, torsion]] = held.stiffness.map(|row| row.map(|entry| entry * length_m));
-    let bending_nm2 = wall::bending_nm2(parameters, state)?;
+    let bending_nm2 = wall::bending_nm2(actuator, state)?;
     Some(Tangent {
         stretch: state.axial_stretch,
         bend_rad_per_m: 0.0,

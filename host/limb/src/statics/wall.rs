@@ -11,7 +11,7 @@
 //!
 //! where `l` and `T` are the wall's stretch and twist rate. The wall keeps its volume: `U + V` follows from `U` and `w'`. The energy to
 //! second order is that of the elastomer and of the threads, less the constraint by the wall's own pressure, less the work of the lumen's. `U` and `W` are
-//! four functions each.
+//! four functions each, five where threads begin at two radii within the wall.
 //!
 //! *Bending.* Without slopes the least energy at `kappa = 1` is half of the stiffness `EI`. In a frame that turns by `t` per length the slopes are `t` times
 //! the shapes.
@@ -24,30 +24,43 @@
 
 use std::f64::consts::PI;
 
-use fra_model::{ActuatorParameters, Families, Fiber, Material, Placement, State};
+use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Material, Placement, State};
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use softlimb_numerics::gauss::GAUSS_6;
 
-/// Functions of the radius for each of `U` and `W`.
+/// Functions of the radius for each of `U` and `W`, without the one of a second kink.
 const FUNCTIONS: usize = 4;
-/// The bend and these.
-const SIZE: usize = 1 + 2 * FUNCTIONS;
-/// The same and their slopes along the wall.
-const SLOPES: usize = 2 * SIZE;
 
 type Row<const N: usize> = SVector<f64, N>;
 
 /// Bending stiffness of a straight tube in a state, per length at rest, N m2; the bend stays in a plane. `None` where its section is not stable.
-pub(super) fn bending_nm2(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<f64> {
-    let whole = Wall::<SIZE>::new(parameters, state, 0.0).form();
-    let across = whole.fixed_view::<{ SIZE - 1 }, 1>(1, 0);
-    Some(whole[(0, 0)] - across.dot(&inside(&whole)?.0.solve(&across)))
+pub(super) fn bending_nm2(actuator: &Actuator<f64>, state: &State<f64>) -> Option<f64> {
+    if kinks_m(actuator).count() < 2 { bending::<9, 8>(actuator, state) } else { bending::<11, 10>(actuator, state) }
 }
 
 /// The same and the shear stiffness between plates, which keep its sections from turning, N; of a state without axial force.
-pub(super) fn bending_and_shear(parameters: &ActuatorParameters<f64>, state: &State<f64>) -> Option<(f64, f64)> {
-    let [own, mixed, slopes] = parts(&Wall::<SLOPES>::new(parameters, state, 0.0).form());
-    let inside = inside(&own)?;
+pub(super) fn bending_and_shear(actuator: &Actuator<f64>, state: &State<f64>) -> Option<(f64, f64)> {
+    if kinks_m(actuator).count() < 2 {
+        sheared::<9, 8, 18>(actuator, state)
+    } else {
+        sheared::<11, 10, 22>(actuator, state)
+    }
+}
+
+/// With `S` unknowns, `I` of them beside the bend.
+fn bending<const S: usize, const I: usize>(actuator: &Actuator<f64>, state: &State<f64>) -> Option<f64> {
+    let whole = Wall::<S, S>::new(actuator, state, 0.0).form();
+    let across = whole.fixed_view::<I, 1>(1, 0);
+    Some(whole[(0, 0)] - across.dot(&inside::<S, I>(&whole)?.0.solve(&across)))
+}
+
+/// The same with `N` unknowns and slopes.
+fn sheared<const S: usize, const I: usize, const N: usize>(
+    actuator: &Actuator<f64>,
+    state: &State<f64>,
+) -> Option<(f64, f64)> {
+    let [own, mixed, slopes] = parts::<S, N>(&Wall::<S, N>::new(actuator, state, 0.0).form());
+    let inside = inside::<S, I>(&own)?;
     let bend = inside.bend(&own);
     let added = inside.answer(&((mixed + mixed.transpose()) * bend));
     let bending_nm2 = bend.dot(&(own * bend));
@@ -60,35 +73,53 @@ pub(super) fn bending_and_shear(parameters: &ActuatorParameters<f64>, state: &St
 }
 
 /// The form of the unknowns, of them with their slopes, and of the slopes.
-fn parts(whole: &SMatrix<f64, SLOPES, SLOPES>) -> [SMatrix<f64, SIZE, SIZE>; 3] {
-    [(0, 0), (0, SIZE), (SIZE, SIZE)].map(|(row, column)| whole.fixed_view::<SIZE, SIZE>(row, column).into_owned())
+fn parts<const S: usize, const N: usize>(whole: &SMatrix<f64, N, N>) -> [SMatrix<f64, S, S>; 3] {
+    [(0, 0), (0, S), (S, S)].map(|(row, column)| whole.fixed_view::<S, S>(row, column).into_owned())
 }
 
 /// The form of all unknowns but the bend.
-struct Inside(Cholesky<f64, Const<{ SIZE - 1 }>>);
+struct Inside<const I: usize>(Cholesky<f64, Const<I>>);
 
-fn inside(whole: &SMatrix<f64, SIZE, SIZE>) -> Option<Inside> {
-    whole.fixed_view::<{ SIZE - 1 }, { SIZE - 1 }>(1, 1).into_owned().cholesky().map(Inside)
+fn inside<const S: usize, const I: usize>(whole: &SMatrix<f64, S, S>) -> Option<Inside<I>> {
+    whole.fixed_view::<I, I>(1, 1).into_owned().cholesky().map(Inside)
 }
 
-impl Inside {
+impl<const I: usize> Inside<I> {
     /// Equilibrium without a bend under a force less.
-    fn answer(&self, force: &Row<SIZE>) -> Row<SIZE> {
-        let own = -self.0.solve(&force.fixed_rows::<{ SIZE - 1 }>(1).into_owned());
+    fn answer<const S: usize>(&self, force: &Row<S>) -> Row<S> {
+        let own = -self.0.solve(&force.fixed_rows::<I>(1).into_owned());
         Row::from_fn(|index, _| if index == 0 { 0.0 } else { own[index - 1] })
     }
 
     /// The shape of least energy of a unit of bend.
-    fn bend(&self, whole: &SMatrix<f64, SIZE, SIZE>) -> Row<SIZE> {
+    fn bend<const S: usize>(&self, whole: &SMatrix<f64, S, S>) -> Row<S> {
         let mut bend = self.answer(&whole.column(0).into_owned());
         bend[0] = 1.0;
         bend
     }
 }
 
-/// A wall in a state that is the same all around, with `N` unknowns: those of the section, with or without their slopes.
-struct Wall<'a, const N: usize> {
+/// The windings that resist.
+fn windings(actuator: &Actuator<f64>) -> impl Iterator<Item = &Fiber<f64>> {
+    let both = actuator.parameters().fiber.iter().chain(actuator.second_fiber());
+    both.filter(|fiber| fiber.modulus_pa > 0.0)
+}
+
+/// Radii at rest within the wall where threads begin or lie, m, each once.
+fn kinks_m(actuator: &Actuator<f64>) -> impl Iterator<Item = f64> {
+    let ActuatorParameters { inner_radius_m, outer_radius_m, .. } = *actuator.parameters();
+    let mut last_m = inner_radius_m;
+    windings(actuator)
+        .filter(|fiber| fiber.placement != Placement::Smeared)
+        .map(|fiber| fiber.radius_m)
+        .filter(move |radius_m| *radius_m > inner_radius_m && *radius_m < outer_radius_m)
+        .filter(move |radius_m| *radius_m != std::mem::replace(&mut last_m, *radius_m))
+}
+
+/// A wall in a state that is the same all around, with `S` unknowns of the section; `N` are these, with or without their slopes.
+struct Wall<'a, const S: usize, const N: usize> {
     parameters: &'a ActuatorParameters<f64>,
+    windings: [Option<&'a Fiber<f64>>; 2],
     pressure_pa: f64,
     stretch: f64,
     lumen_m: f64,
@@ -98,7 +129,7 @@ struct Wall<'a, const N: usize> {
     /// Outer radius, m.
     outer_m: f64,
     /// Where threads within the wall begin, or the lumen, over the outer radius: the curvature of `U` and the slope of `W` change there.
-    kink: f64,
+    kinks: [f64; 2],
     /// What a unit of each unknown moves the middle of the outer surface by, and its slope.
     shift: [Row<N>; 2],
 }
@@ -142,65 +173,90 @@ impl<const N: usize> Form<N> {
     }
 }
 
-impl<'a, const N: usize> Wall<'a, N> {
-    fn new(parameters: &'a ActuatorParameters<f64>, state: &State<f64>, turn: f64) -> Self {
+impl<'a, const S: usize, const N: usize> Wall<'a, S, N> {
+    fn new(actuator: &'a Actuator<f64>, state: &State<f64>, turn: f64) -> Self {
+        let parameters = actuator.parameters();
+        let mut own = windings(actuator);
         let mut wall = Self {
             parameters,
+            windings: [own.next(), own.next()],
             pressure_pa: state.pressure_pa,
             stretch: state.axial_stretch,
             lumen_m: state.inner_radius_m,
             twist: state.twist_rad / parameters.length_m,
             turn,
             outer_m: 1.0,
-            kink: 0.0,
+            kinks: [0.0; 2],
             shift: [Row::zeros(); 2],
         };
         let surface = wall.place(parameters.outer_radius_m);
         wall.outer_m = surface.r_m;
-        let threads = parameters.fiber.as_ref().filter(|fiber| fiber.placement != Placement::Smeared);
-        let within = threads.map(|fiber| fiber.radius_m).filter(|radius_m| *radius_m < parameters.outer_radius_m);
-        wall.kink = wall.place(within.unwrap_or(parameters.inner_radius_m)).r_m / surface.r_m;
+        let mut kinks_m = kinks_m(actuator);
+        wall.kinks =
+            [(); 2].map(|()| wall.place(kinks_m.next().unwrap_or(parameters.inner_radius_m)).r_m / surface.r_m);
         let Moves { u, v, slopes: [u_z, v_z, _], .. } = wall.about(&surface);
         wall.shift = [u - v, u_z - v_z].map(|twice| twice * 0.5);
         wall
     }
 
+    fn windings(&self) -> impl Iterator<Item = &'a Fiber<f64>> + use<'a, S, N> {
+        self.windings.into_iter().flatten()
+    }
+
     /// Twice the energy of a length.
     fn form(&self) -> SMatrix<f64, N, N> {
         let (inner, outer) = (self.parameters.inner_radius_m, self.parameters.outer_radius_m);
-        let fiber = self.parameters.fiber.as_ref().filter(|fiber| fiber.modulus_pa > 0.0);
-        let winding = fiber.map_or(outer, |fiber| fiber.radius_m.clamp(inner, outer));
         let mut form = Form(SMatrix::zeros());
-        for [from, to] in [[inner, winding], [winding, outer]] {
-            for (rest_m, weight) in rule(from, to) {
-                let place = self.place(rest_m);
-                self.add_elastomer(&mut form, &place, self.radial_pa(rest_m), weight);
-                if let Some(fiber) = fiber.filter(|fiber| fills(fiber, rest_m)) {
-                    for angle in angles(fiber) {
-                        let strain = self.thread(angle, &place).strain;
-                        let [tension, stiffness] = [2.0 * strain, 1.0].map(|by| by * fiber.modulus_pa * weight);
-                        self.add_thread(&mut form, angle, &place, tension, stiffness);
-                    }
+        for (rest_m, weight) in self.zones(inner, outer, &|fiber| fiber.radius_m) {
+            let place = self.place(rest_m);
+            self.add_elastomer(&mut form, &place, self.radial_pa(rest_m), weight);
+            for fiber in self.windings().filter(|fiber| fills(fiber, rest_m)) {
+                for angle in angles(fiber) {
+                    let strain = self.thread(angle, &place).strain;
+                    let [tension, stiffness] = [2.0 * strain, 1.0].map(|by| by * fiber.modulus_pa * weight);
+                    self.add_thread(&mut form, angle, &place, tension, stiffness);
                 }
             }
         }
-        if let Some(fiber) = fiber.filter(|fiber| fiber.placement == Placement::Sheet) {
-            let place = self.place(winding);
-            // The jump of the radial stress is what the sheet carries; as a product of a small strain and a large modulus it would be rounding.
-            let jump = (self.inwards_pa(winding) - self.outwards_pa(winding)) / place.slope;
-            let all: f64 = angles(fiber).map(|angle| self.thread(angle, &place).pull_per_m).sum();
+        for fiber in self.windings().filter(|fiber| fiber.placement == Placement::Sheet) {
+            let at_m = self.sheet_m(fiber);
+            let place = self.place(at_m);
+            let stiffness = fiber.modulus_pa * fiber.thickness_m * at_m;
             for angle in angles(fiber) {
-                self.add_thread(
-                    &mut form,
-                    angle,
-                    &place,
-                    jump / all * winding,
-                    fiber.modulus_pa * fiber.thickness_m * winding,
-                );
+                self.add_thread(&mut form, angle, &place, self.sheet_n_per_m(fiber, angle) * at_m, stiffness);
             }
         }
         self.add_lumen(&mut form);
         (form.0 + form.0.transpose()) * (0.5 * PI)
+    }
+
+    /// Radii at rest between two, m, with `R dR`, by zones that end where one of the windings does.
+    fn zones(
+        &self,
+        from_m: f64,
+        to_m: f64,
+        ends_m: &dyn Fn(&Fiber<f64>) -> f64,
+    ) -> impl Iterator<Item = (f64, f64)> + use<S, N> {
+        let end = |winding: Option<&Fiber<f64>>| winding.map_or(to_m, |fiber| ends_m(fiber).clamp(from_m, to_m));
+        let [a, b] = self.windings.map(end);
+        let (first, second) = (a.min(b), a.max(b));
+        rule(from_m, first).chain(rule(first, second)).chain(rule(second, to_m))
+    }
+
+    fn sheet_m(&self, sheet: &Fiber<f64>) -> f64 {
+        sheet.radius_m.clamp(self.parameters.inner_radius_m, self.parameters.outer_radius_m)
+    }
+
+    /// Twice the slope of the energy of a family of a sheet by `I4`, N/m.
+    fn sheet_n_per_m(&self, sheet: &Fiber<f64>, angle: [f64; 2]) -> f64 {
+        let at_m = self.sheet_m(sheet);
+        let place = self.place(at_m);
+        if self.windings[1].is_some() {
+            return 2.0 * self.thread(angle, &place).strain * sheet.modulus_pa * sheet.thickness_m;
+        }
+        // The jump of the radial stress is what a single sheet carries; as a product of a small strain and a large modulus it would be rounding.
+        let jump = (self.inwards_pa(at_m) - self.outwards_pa(at_m)) / place.slope;
+        jump / angles(sheet).map(|angle| self.thread(angle, &place).pull_per_m).sum::<f64>()
     }
 
     fn place(&self, rest_m: f64) -> Place {
@@ -220,15 +276,24 @@ impl<'a, const N: usize> Wall<'a, N> {
 
     /// Radial stress at a radius at rest, Pa.
     fn radial_pa(&self, rest_m: f64) -> f64 {
-        let sheet = self.parameters.fiber.as_ref().filter(|fiber| fiber.placement == Placement::Sheet);
-        if sheet.is_some_and(|fiber| rest_m > fiber.radius_m) {
-            self.inwards_pa(rest_m)
-        } else {
-            self.outwards_pa(rest_m)
+        let is_within = |fiber: &&Fiber<f64>| fiber.placement == Placement::Sheet && rest_m > fiber.radius_m;
+        match self.windings {
+            [Some(sheet), None] if is_within(&sheet) => self.inwards_pa(rest_m),
+            _ => {
+                self.outwards_pa(rest_m)
+                    + self.windings().filter(is_within).map(|sheet| self.jump_pa(sheet)).sum::<f64>()
+            }
         }
     }
 
-    /// The same from the lumen outwards, and from the outer face inwards: they differ by what a sheet between them carries.
+    /// By how much the radial stress rises at a sheet, Pa.
+    fn jump_pa(&self, sheet: &Fiber<f64>) -> f64 {
+        let place = self.place(self.sheet_m(sheet));
+        let of = |angle| self.sheet_n_per_m(sheet, angle) * self.thread(angle, &place).pull_per_m;
+        place.slope * angles(sheet).map(of).sum::<f64>()
+    }
+
+    /// The radial stress from the lumen outwards, and from the outer face inwards: they differ by what sheets between them carry.
     fn outwards_pa(&self, rest_m: f64) -> f64 {
         -self.pressure_pa + self.rise_pa(self.parameters.inner_radius_m, rest_m)
     }
@@ -237,24 +302,22 @@ impl<'a, const N: usize> Wall<'a, N> {
         -self.rise_pa(rest_m, self.parameters.outer_radius_m)
     }
 
-    /// By how much the radial stress rises between two radii at rest, Pa.
+    /// By how much the radial stress rises between two radii at rest, Pa, without sheets.
     fn rise_pa(&self, from_m: f64, to_m: f64) -> f64 {
-        let fiber = self.parameters.fiber.as_ref();
-        let start = fiber.filter(|fiber| fiber.placement == Placement::Layer).map_or(from_m, |fiber| fiber.radius_m);
-        let split = start.clamp(from_m, to_m);
+        let begins_m = |fiber: &Fiber<f64>| if fiber.placement == Placement::Layer { fiber.radius_m } else { from_m };
         let of = |(rest_m, weight): (f64, f64)| {
             let place = self.place(rest_m);
             let around = (place.r_m / rest_m).powi(2) + (place.r_m * self.twist).powi(2);
             let wall_pa = 2.0 * place.energy[0] * (around - place.slope * place.slope);
-            let filling = fiber.filter(|fiber| fills(fiber, rest_m));
-            let threads = filling.into_iter().flat_map(|fiber| angles(fiber).map(move |angle| (fiber, angle)));
+            let filling = self.windings().filter(|fiber| fills(fiber, rest_m));
+            let threads = filling.flat_map(|fiber| angles(fiber).map(move |angle| (fiber, angle)));
             let threads_pa = threads.map(|(fiber, angle)| {
                 let thread = self.thread(angle, &place);
                 2.0 * fiber.modulus_pa * thread.strain * thread.along[1] * thread.along[1]
             });
             (wall_pa + threads_pa.sum::<f64>()) * place.slope / place.r_m * weight / rest_m
         };
-        rule(from_m, split).chain(rule(split, to_m)).map(of).sum()
+        self.zones(from_m, to_m, &begins_m).map(of).sum()
     }
 
     /// What a unit of each unknown moves at a radius, without the way of the axis: the middle of the outer surface stays.
@@ -275,18 +338,20 @@ impl<'a, const N: usize> Wall<'a, N> {
     fn about(&self, place: &Place) -> Moves<N> {
         let (r, outer_m) = (place.r_m, self.outer_m);
         let x = r / outer_m;
-        let row = |own: [f64; FUNCTIONS], at: usize| {
-            Row::from_fn(|index, _| if (at..at + FUNCTIONS).contains(&index) { own[index - at] } else { 0.0 })
+        // Of five functions the last counts in a wall with a second kink.
+        let functions = (S - 1) / 2;
+        let row = |own: [f64; FUNCTIONS + 1], at: usize| {
+            Row::from_fn(|index, _| if (at..at + functions).contains(&index) { own[index - at] } else { 0.0 })
         };
-        let slope = |row: &Row<N>| Row::from_fn(|index, _| if index < SIZE { 0.0 } else { row[index - SIZE] });
-        let beyond = f64::from(x > self.kink);
-        let y = beyond * (x - self.kink);
+        let slope = |row: &Row<N>| Row::from_fn(|index, _| if index < S { 0.0 } else { row[index - S] });
+        let [beyond, further] = self.kinks.map(|kink| f64::from(x > kink));
+        let (y, z) = (beyond * (x - self.kinks[0]), further * (x - self.kinks[1]));
         let bend = Row::from_fn(|index, _| f64::from(index == 0));
-        let u: Row<N> = row([x * x, 1.0 / (x * x), x.ln(), y * y], 1);
-        let u_r = row([2.0 * x, -2.0 / x.powi(3), 1.0 / x, 2.0 * y], 1) / outer_m;
-        let u_rr = row([2.0, 6.0 / x.powi(4), -1.0 / (x * x), 2.0 * beyond], 1) / (outer_m * outer_m);
-        let w = row([x, x.powi(3), 1.0 / x, y], 1 + FUNCTIONS);
-        let w_r = row([1.0, 3.0 * x * x, -1.0 / (x * x), beyond], 1 + FUNCTIONS) / outer_m;
+        let u: Row<N> = row([x * x, 1.0 / (x * x), x.ln(), y * y, z * z], 1);
+        let u_r = row([2.0 * x, -2.0 / x.powi(3), 1.0 / x, 2.0 * y, 2.0 * z], 1) / outer_m;
+        let u_rr = row([2.0, 6.0 / x.powi(4), -1.0 / (x * x), 2.0 * beyond, 2.0 * further], 1) / (outer_m * outer_m);
+        let w = row([x, x.powi(3), 1.0 / x, y, z], 1 + functions);
+        let w_r = row([1.0, 3.0 * x * x, -1.0 / (x * x), beyond, further], 1 + functions) / outer_m;
         // The volume stays.
         let [bend_z, u_z, w_z, u_rz, w_rz] = [&bend, &u, &w, &u_r, &w_r].map(slope);
         let around = (bend * (r * r) + w_z * r) / self.stretch - u_r * r;

@@ -1,11 +1,10 @@
 //! The linear route: exact derivatives of the tip by every wall, angle and modulus.
 //!
 //! The stiffnesses of a bundle change with walls and moduli. That moves the shape of twisting actuators, which plates hold back, and of actuators
-//! at unequal pressures: the shapes of such bundles are differenced.
+//! at unequal pressures: the shapes of such bundles are differenced. So are those of actuators with two windings, which have no derivatives.
 
 use std::collections::BTreeMap;
 
-use fra_model::Actuator;
 use nalgebra::{Vector3, Vector4};
 
 use super::input::{Kind, Place, Varied};
@@ -104,7 +103,7 @@ fn shapes(
     module: &LimbModule,
     nominal: &Nominal,
 ) -> Result<Vec<[Vector4<f64>; 3]>, String> {
-    if module.is_restrained() || module.is_steering() {
+    if module.is_restrained() || module.is_steering() || module.actuator.second_fiber().is_some() {
         return differences(study, module, &study.places_m[index], nominal)
             .ok_or_else(|| "a bundle next to it has no equilibrium".to_owned());
     }
@@ -126,14 +125,13 @@ fn differences(
     places_m: &[[f64; 2]],
     nominal: &Nominal,
 ) -> Option<Vec<[Vector4<f64>; 3]>> {
-    let parameters = module.actuator.parameters();
     // The same steps whatever the tolerances, so that the derivatives are.
     let steps = Tolerances { angle_rad: STEPS[0].1, wall_m: STEPS[1].1, modulus: STEPS[2].1 };
     let of = |actuator: usize, kind: Kind, side: f64| {
         let mut off = [0.0; 3];
         off[kind.index()] = side;
         let pressure_pa = nominal.tubes[actuator].0.pressure_pa;
-        let off = Spring::new(&Actuator::new(&made(parameters, &steps, &off)).ok()?, pressure_pa)?;
+        let off = Spring::new(&made(&module.actuator, &steps, &off).ok()?, pressure_pa)?;
         let mut tubes: Vec<_> =
             places_m.iter().zip(&nominal.tubes).map(|(place, (_, tube))| (*place, tube.clone())).collect();
         tubes[actuator].1 = off;

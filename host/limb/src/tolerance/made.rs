@@ -2,17 +2,18 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use fra_model::{Actuator, ActuatorParameters, Load, Material, NoDerivative, Parameter, State};
+use fra_model::{Actuator, ActuatorParameters, InvalidParameter, Load, Material, NoDerivative, Parameter, State};
 
 use super::input::{Kind, Place};
 use crate::fabricate::Tolerances;
 
-/// The parameters at a place within the tolerances.
+/// The actuator at a place within the tolerances. Two windings have one error of angle: one machine winds them.
 pub(super) fn made(
-    nominal: &ActuatorParameters<f64>,
+    actuator: &Actuator<f64>,
     tolerances: &Tolerances,
     place: &Place,
-) -> ActuatorParameters<f64> {
+) -> Result<Actuator<f64>, InvalidParameter<f64>> {
+    let (nominal, mut second) = (actuator.parameters(), actuator.second_fiber().copied());
     let off = |kind: Kind| kind.of(tolerances) * place[kind.index()];
     let inner_m = nominal.inner_radius_m;
     // In this form a wall that is not off leaves every bit as it is.
@@ -23,11 +24,12 @@ pub(super) fn made(
         material: scaled(&nominal.material, 1.0 + off(Kind::Modulus)),
         ..*nominal
     };
-    if let Some(fiber) = &mut one.fiber {
+    for fiber in one.fiber.iter_mut().chain(&mut second) {
         fiber.radius_m = outwards(fiber.radius_m);
         fiber.angle_rad = as_line(fiber.angle_rad + off(Kind::Angle));
     }
-    one
+    let one = Actuator::new(&one)?;
+    second.map_or(Ok(one), |second| one.with_second_fiber(&second))
 }
 
 /// A thread has no forward end: an angle beyond a quarter turn is the one on the other side.
@@ -44,7 +46,7 @@ fn scaled(material: &Material<f64>, factor: f64) -> Material<f64> {
     }
 }
 
-/// Change of stretch, bend and twist per length of an actuator in an equilibrium without load, from the middle to the end of a tolerance.
+/// Change of stretch, bend and twist per length of an actuator with one winding in an equilibrium without load, from the middle to the end of a tolerance.
 ///
 /// Zero where the model does not know the parameter: a bending actuator without a helical winding has no fiber angle.
 pub(super) fn change(

@@ -141,7 +141,7 @@ impl<'a> Study<'a> {
 
     /// The actuator of a channel as it was made.
     pub(super) fn made(&self, module: &LimbModule, place: &Place) -> Option<Actuator<f64>> {
-        Actuator::new(&made(module.actuator.parameters(), &self.settings.tolerances, place)).ok()
+        made(&module.actuator, &self.settings.tolerances, place).ok()
     }
 }
 

@@ -36,6 +36,50 @@ fn small_tolerances_move_the_tip_as_its_derivatives_say() {
     }
 }
 
+/// Two equal windings are one of twice the stiffness: the derivatives of that one are exact, those of two are differences.
+#[test]
+fn two_equal_windings_move_the_tip_as_one_of_twice_the_stiffness() {
+    for modules in [
+        [("extension", "slant slant", 3, ""), ("extension", "double", 3, "")],
+        [("extension", "slant slant", 1, ""), ("extension", "double", 1, "")],
+    ] {
+        let [two, one] = modules.map(|module| {
+            let limb = limb_of(&[module]);
+            let poses = pose(&[45.0]);
+            let study = Study::new(&limb, &poses, settings(0.1, 1.0, 10.0)).expect("a study");
+            let found = linear(&study).expect("derivatives");
+            let sampled = sample(&study, &found, 10, 1, 1);
+            let tips = sampled.iter().map(|limb| limb[0].displacement_m.expect("an equilibrium"));
+            (
+                Varied::all(1).into_iter().map(|varied| found[0].mean_square_of_m2(varied)).collect::<Vec<_>>(),
+                Vec::from_iter(tips),
+            )
+        });
+        for (two, one) in two.0.iter().zip(&one.0) {
+            assert!((two / one - 1.0).abs() < 1e-5, "{two} {one}");
+        }
+        for (two, one) in two.1.iter().zip(&one.1) {
+            assert!((two - one).norm() < 1e-8, "{two} {one}");
+        }
+    }
+}
+
+/// A helix and an axial thread: the model of each limb against its derivatives, as above.
+#[test]
+fn small_tolerances_of_two_windings_move_the_tip_as_its_derivatives_say() {
+    for actuators in [1, 3] {
+        let modules = [("twisting", "helix lines", actuators, ""), ("extension", "slant", 3, "")];
+        let off = |scale: f64| {
+            let found = statistics(&modules, &[30.0, 30.0], settings(0.1 * scale, scale, 10.0 * scale), 40);
+            let found = &found.poses[0];
+            assert_eq!((found.answered, found.lost_in_all()), (40, 0));
+            found.departure()
+        };
+        let [coarse, fine] = [0.02, 0.01].map(off);
+        assert!(coarse < 5e-3 && (coarse / fine - 2.0).abs() < 0.1, "{actuators}: {coarse} {fine}");
+    }
+}
+
 /// RMS and shares of many limbs within four standard errors of the linear route.
 #[test]
 fn figures_of_samples_are_those_of_the_linear_route_within_their_errors() {

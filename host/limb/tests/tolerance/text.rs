@@ -20,6 +20,11 @@ angle = "10 deg"
 families = 2
 modulus = "361 MPa"
 thickness = "0.178 mm"
+[windings.double]
+angle = "10 deg"
+families = 2
+modulus = "722 MPa"
+thickness = "0.178 mm"
 [windings.helix]
 angle = "28 deg"
 families = 1
@@ -42,11 +47,15 @@ targets = { m0 = { pressure = "1 kPa" } }
 pressure_max = "150 kPa"
 "#;
 
-/// A limb of modules as `motion, winding, actuators, more keys`; one actuator lies on the axis, several reach 30 mm off it: bending ones in a row.
+/// A limb of modules as `motion, one or two windings, actuators, more keys`; one actuator lies on the axis, several reach 30 mm off it: bending ones in a row.
 pub(crate) fn text_of(modules: &[(&str, &str, u8, &str)]) -> String {
     let mut text = HEAD.to_owned();
     for (index, (motion, winding, actuators, more)) in modules.iter().enumerate() {
-        let winding = if winding.is_empty() { String::new() } else { format!("winding = \"{winding}\"\n") };
+        let winding = match winding.split_once(' ') {
+            None if winding.is_empty() => String::new(),
+            None => format!("winding = \"{winding}\"\n"),
+            Some((first, second)) => format!("winding = [\"{first}\", \"{second}\"]\n"),
+        };
         let material = if more.contains("material") { "" } else { "material = \"silicone\"\n" };
         // Bending actuators in a row, others on a circle; both reach 30 mm.
         let places = match (*motion, *actuators) {

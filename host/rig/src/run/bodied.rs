@@ -6,12 +6,12 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use fra_model::{ActuatorParameters, Motion, State, StateQuantity};
+use fra_model::{ActuatorParameters, Fiber, Motion, State, StateQuantity};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use softlimb_body::{
     Assembly, Bay, Body, Effects, Fallen, Law, Mass, MemoryParameters, Plate, Stiffness, Tolerance, Tube, TubeStrain,
 };
-use softlimb_sim::plant::Truth;
+use softlimb_sim::plant::{TrueParameters, Truth};
 
 use super::hanging::{FALLS, Hung, SYSTEM};
 use super::tube_law;
@@ -37,12 +37,14 @@ const LONE_BEAMS: usize = 4;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Laws(Arc<Mutex<Known>>);
 
+type Wound = (ActuatorParameters<f64>, Option<Fiber<f64>>);
+
 #[derive(Debug, Default)]
 struct Known {
     /// By module, the springs of its nominal actuator.
     springs: HashMap<usize, Stiffness>,
-    /// By channel, the law of its true actuator with the parameters that it is for.
-    laws: HashMap<usize, (ActuatorParameters<f64>, Arc<Law>)>,
+    /// By channel, the law of its true actuator with the actuator and the second winding that it is for.
+    laws: HashMap<usize, (Wound, Arc<Law>)>,
     /// The limb after the last run, with the seed of its specimen and the highest pressures of its laws: what it has been through stays.
     rested: Option<(u64, Body, Vec<f64>)>,
 }
@@ -60,37 +62,30 @@ impl Laws {
     }
 
     /// The law of a channel's true actuator, or the reason why there is none.
-    fn of(
-        &self,
-        module: (usize, &LimbModule),
-        channel: usize,
-        actuator: &ActuatorParameters<f64>,
-    ) -> Result<Arc<Law>, String> {
+    fn of(&self, module: (usize, &LimbModule), channel: usize, made: &TrueParameters) -> Result<Arc<Law>, String> {
+        let wound = (made.actuator, made.second_fiber);
         let mut known = self.known();
-        if let Some((_, law)) = known.laws.get(&channel).filter(|(parameters, _)| parameters == actuator) {
+        if let Some((_, law)) = known.laws.get(&channel).filter(|(other, _)| *other == wound) {
             return Ok(law.clone());
         }
         let (index, module) = module;
-        if module.actuator.second_fiber().is_some() {
-            return Err(format!("`{}` has two windings, and the simulated limb of tubes takes one", module.name));
-        }
         let highest_pa = COVERED * module.pressure_max_pa;
         let lacking =
             || format!("the section of an actuator of `{}` has too few equilibria up to {highest_pa} Pa", module.name);
-        let nominal = module.actuator.parameters();
+        let actuator = made.model().map_err(|error| error.to_string())?;
         let springs = match known.springs.get(&index) {
             Some(springs) => springs.clone(),
             None => {
-                let found = tube_law::stiffness(nominal, highest_pa).map_err(|error| error.to_string())?;
+                let found = tube_law::stiffness(&module.actuator, highest_pa).map_err(|error| error.to_string())?;
                 let found = found.ok_or_else(lacking)?;
                 known.springs.insert(index, found.clone());
                 found
             }
         };
-        let springs = scaled(springs, stiffer(actuator) / stiffer(nominal));
-        let law = tube_law::law(actuator, &springs, highest_pa).map_err(|error| error.to_string())?;
+        let springs = scaled(springs, stiffer(&made.actuator) / stiffer(module.actuator.parameters()));
+        let law = tube_law::law(&actuator, &springs, highest_pa).map_err(|error| error.to_string())?;
         let law = Arc::new(law.ok_or_else(lacking)?);
-        known.laws.insert(channel, (*actuator, law.clone()));
+        known.laws.insert(channel, (wound, law.clone()));
         Ok(law)
     }
 }
@@ -213,11 +208,12 @@ impl<'a> Bodied<'a> {
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), module.mount_angle_rad());
             let tubes = module.channels.clone().zip(module.positions_m());
             let tubes = tubes.map(|(channel, [x, y])| {
-                let actuator = &truth.channels[channel].parameters.actuator;
+                let made = &truth.channels[channel].parameters;
+                let actuator = &made.actuator;
                 // The axis of a bender is its strip, on the side that it bends to.
                 let strip_m = if module.motion == Motion::Bending { actuator.outer_radius_m } else { 0.0 };
                 let place = turn * Translation3::new(x + strip_m, y, 0.0);
-                let law = self.laws.of((index, module), channel, actuator)?;
+                let law = self.laws.of((index, module), channel, made)?;
                 highest_pa.push(law.potential.units[2]);
                 Ok((channel, law, [place * seats.seat(), place * seats.seat()], place))
             });

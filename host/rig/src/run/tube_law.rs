@@ -3,7 +3,7 @@
 //! The section is solved over pressures and end loads, and a polynomial potential is fitted to the strains that it has: a surface, not a
 //! model of a wall. No equation of the analytic model is in it.
 
-use fra_model::{ActuatorParameters, Motion};
+use fra_model::{Actuator, ActuatorParameters, Motion};
 use nalgebra::{DMatrix, DVector};
 use softlimb_body::{Curve, Law, Main, Potential, Stiffness, Term};
 use softlimb_fea::cross_section::{Answer, EndLoad, Mesh, Options, Section, SectionError, Symmetry};
@@ -43,11 +43,12 @@ impl Point {
 /// # Errors
 /// [`SectionError`] for an actuator that has no section model.
 pub(super) fn law(
-    parameters: &ActuatorParameters<f64>,
+    actuator: &Actuator<f64>,
     stiffness: &Stiffness,
     pressure_max_pa: f64,
 ) -> Result<Option<Law>, SectionError> {
-    let section = Section::new(parameters, &options(Symmetry::Exploit))?;
+    let parameters = actuator.parameters();
+    let section = section(actuator, Symmetry::Exploit)?;
     let Some(highest_pa) = end_pa(&section, pressure_max_pa)? else { return Ok(None) };
     let pressures = pressures(highest_pa);
     let mut points = Vec::new();
@@ -64,15 +65,13 @@ pub(super) fn law(
 ///
 /// # Errors
 /// As [`law`].
-pub(super) fn stiffness(
-    parameters: &ActuatorParameters<f64>,
-    pressure_max_pa: f64,
-) -> Result<Option<Stiffness>, SectionError> {
-    let section = Section::new(parameters, &options(Symmetry::Ignore))?;
-    let Some(highest_pa) = end_pa(&Section::new(parameters, &options(Symmetry::Exploit))?, pressure_max_pa)? else {
+pub(super) fn stiffness(actuator: &Actuator<f64>, pressure_max_pa: f64) -> Result<Option<Stiffness>, SectionError> {
+    let parameters = actuator.parameters();
+    let whole = section(actuator, Symmetry::Ignore)?;
+    let Some(highest_pa) = end_pa(&section(actuator, Symmetry::Exploit)?, pressure_max_pa)? else {
         return Ok(None);
     };
-    let curve = section.curve(&pressures(highest_pa), &EndLoad::default())?;
+    let curve = whole.curve(&pressures(highest_pa), &EndLoad::default())?;
     let found = curve.answers.iter().filter_map(|answer| {
         let stiffness = answer.equilibrium()?.stiffness?.by_strain;
         // Bending with the axial force that it has without load, and the twist that comes with it.
@@ -98,8 +97,12 @@ pub(super) fn stiffness(
     }))
 }
 
-fn options(symmetry: Symmetry) -> Options {
-    Options { mesh: MESH, symmetry, ..Options::default() }
+fn section(actuator: &Actuator<f64>, symmetry: Symmetry) -> Result<Section, SectionError> {
+    let (parameters, options) = (actuator.parameters(), Options { mesh: MESH, symmetry, ..Options::default() });
+    match actuator.second_fiber() {
+        None => Section::new(parameters, &options),
+        Some(second) => Section::with_two_windings(parameters, second, &options),
+    }
 }
 
 fn pressures(pressure_max_pa: f64) -> Vec<f64> {
@@ -245,13 +248,15 @@ fn cubic(found: &[(f64, [f64; 3])], spring: usize) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fra_model::{Families, Fiber, Material, Placement};
     use softlimb_limb::Limb;
 
     /// Largest error of the fit between its points, as a share of the highest pressure: of all states, and of those without load.
-    fn worst(parameters: &ActuatorParameters<f64>, pressure_max_pa: f64) -> (f64, f64) {
-        let stiffness = stiffness(parameters, pressure_max_pa).unwrap().expect("springs");
-        let law = law(parameters, &stiffness, pressure_max_pa).unwrap().expect("a law");
-        let section = Section::new(parameters, &options(Symmetry::Exploit)).unwrap();
+    fn worst(actuator: &Actuator<f64>, pressure_max_pa: f64) -> (f64, f64) {
+        let parameters = actuator.parameters();
+        let stiffness = stiffness(actuator, pressure_max_pa).unwrap().expect("springs");
+        let law = law(actuator, &stiffness, pressure_max_pa).unwrap().expect("a law");
+        let section = section(actuator, Symmetry::Exploit).unwrap();
         let between: Vec<f64> = (1..11).map(|k| pressure_max_pa * (f64::from(k) - 0.5) / 12.0).collect();
         let axis = usize::from(law.main == Main::Twist);
         let (mut far, mut free_far) = (0.0_f64, 0.0_f64);
@@ -273,6 +278,37 @@ mod tests {
         (far, free_far)
     }
 
+    /// A helix and a soft axial thread, and a mirrored pair and hoops.
+    #[test]
+    fn law_of_two_windings_has_the_loads_of_the_section_between_its_points() {
+        let fiber = |degrees: f64, families, modulus_pa| Fiber {
+            angle_rad: degrees.to_radians(),
+            families,
+            modulus_pa,
+            placement: Placement::Sheet,
+            thickness_m: 1e-4,
+            radius_m: 14e-3,
+        };
+        let parameters = |motion, first| ActuatorParameters {
+            motion,
+            inner_radius_m: 10e-3,
+            outer_radius_m: 14e-3,
+            length_m: 0.24,
+            material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+            fiber: Some(first),
+        };
+        for (motion, first, second) in [
+            (Motion::Twisting, fiber(30.0, Families::One, 2e8), fiber(90.0, Families::One, 2e6)),
+            (Motion::Twisting, fiber(30.0, Families::One, 2e8), fiber(90.0, Families::One, 2e8)),
+            (Motion::Extension, fiber(10.0, Families::Two, 2e8), fiber(0.0, Families::One, 2e8)),
+        ] {
+            let actuator = Actuator::new(&parameters(motion, first)).unwrap().with_second_fiber(&second).unwrap();
+            let (far, free) = worst(&actuator, 60e3);
+            println!("{motion:?}: {far} {free} of the highest pressure");
+            assert!(far < 0.015 && free < 0.0005, "{motion:?}: {far} {free} of the highest pressure");
+        }
+    }
+
     #[test]
     fn law_has_the_loads_of_the_section_between_its_points() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
@@ -280,7 +316,7 @@ mod tests {
             let scene = softlimb_scene::load(root.join(format!("{name}.toml"))).unwrap();
             let limb = Limb::new(&scene).unwrap();
             for module in limb.modules() {
-                let (far, free) = worst(module.actuator.parameters(), module.pressure_max_pa);
+                let (far, free) = worst(&module.actuator, module.pressure_max_pa);
                 assert!(far < 0.015 && free < 0.0005, "{name} {}: {far} {free} of the highest pressure", module.name);
             }
         }

@@ -49,7 +49,6 @@ impl CapacityMode {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let case = self.case()?;
         let (scene, limb) = limb(&self.scene)?;
-        scene.require_one_winding("`payload`")?;
         let plan = motion::plan(&scene, &limb)?;
         let rest: Vec<State<f64>> = limb.drives().map(|drive| drive.curve.states()[0]).collect();
         let mut poses = vec![pose(&scene, &limb, "at rest".into(), &rest, &case)?];

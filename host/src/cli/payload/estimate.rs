@@ -36,7 +36,6 @@ pub(super) struct Estimate {
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(&self.scene)?;
-        scene.require_one_winding("`payload`")?;
         let plan = motion::plan(&scene, &limb)?;
         let plan = motion::sent(&scene, &limb, &plan)?.averaged(&limb, &plan);
         let about = about(&self.data);

@@ -95,7 +95,6 @@ impl Track {
             return Err(Failure::wrong_line(format!("--tips takes one load: --loads has {count}")));
         }
         let scene = scene::load(&self.scene)?;
-        scene.require_one_winding("`payload`")?;
         let settings = Settings {
             limb: self.seed.unwrap_or(scene.seed()),
             noise: NOISE,
