@@ -32,6 +32,7 @@ mod column;
 mod error;
 mod front;
 mod grid;
+mod limit;
 mod load;
 mod lumen;
 mod model;

@@ -9,7 +9,7 @@ use super::chain::{Chain, Linear};
 use super::model::{Form, State};
 
 /// Change of a displacement or strain, in units of the inner radius, after which one more step of Newton's method changes nothing.
-const SETTLED: f64 = 1e-9;
+pub(super) const SETTLED: f64 = 1e-9;
 const NEWTON_STEPS: u32 = 12;
 /// Largest change that is still taken for an iteration on its way.
 const FAR: f64 = 1e2;
@@ -127,16 +127,19 @@ impl<'a> Path<'a> {
 
     /// Why there is nothing within `gap` above an equilibrium. The slope of the pressure falls linearly in the volume near a limit point,
     /// which tells where the pressure is highest; a branch can also lose its stability without that.
-    fn end_at(&self, here: &Point, gap: f64, refusal: Refusal) -> Reached {
+    fn end_at(&mut self, here: &Point, gap: f64, refusal: Refusal) -> Reached {
         let from = here.state.pressure;
         let slope = |point: &Point| point.linear.compliance.recip();
         let fall = self
             .before
             .as_ref()
             .map(|before| (slope(before) - slope(here)) / (here.linear.volume - before.linear.volume));
-        let more = fall.filter(|fall| *fall > 0.0).map(|fall| 0.5 * slope(here) * slope(here) / fall);
-        match more.filter(|more| *more <= 2.0 * gap) {
-            Some(more) => Reached::End { pressure: from + more.min(gap) },
+        let more = |fall: f64| 0.5 * slope(here) * slope(here) / fall;
+        match fall.filter(|fall| *fall > 0.0 && more(*fall) <= 2.0 * gap) {
+            Some(fall) => {
+                let limit = self.limit(here, fall).filter(|limit| *limit >= from && *limit <= from + 4.0 * gap);
+                Reached::End { pressure: limit.unwrap_or(from + more(fall).min(gap)) }
+            }
             None if refusal == Refusal::Unstable => Reached::End { pressure: from + 0.5 * gap },
             None => Reached::Stuck { pressure: from },
         }

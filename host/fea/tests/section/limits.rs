@@ -23,7 +23,7 @@ fn no_pressure_beyond_the_limit_has_an_answer() {
         assert!(answers[..2].iter().all(|answer| answer.equilibrium().is_some()), "{answers:?}");
         for answer in &answers[2..] {
             let Outcome::NoEquilibrium { limit_pressure_pa } = answer.outcome else { panic!("{answer:?}") };
-            assert!((limit_pressure_pa / limit - 1.0).abs() < 2e-4, "{limit_pressure_pa} {limit}");
+            assert!((limit_pressure_pa / limit - 1.0).abs() < 1e-6, "{limit_pressure_pa} {limit}");
         }
     }
 }

@@ -39,7 +39,7 @@ fn random_pairs_have_the_answers_of_the_thick_wall_equations() {
     let mut numbers = Numbers::new(79);
     // Two windings cut the wall into up to three zones.
     let fine = Options { mesh: Mesh { radial: 8, around: 4 }, ..Options::default() };
-    let (mut solved, mut locked, mut ends, mut worst) = (0, 0, 0, 0.0);
+    let (mut solved, mut locked, mut ends, mut worst, mut farthest) = (0, 0, 0, 0.0, 0.0);
     for sample in 0..PAIRS {
         let (parameters, second, load) = pair(&mut numbers);
         let pressures: Vec<f64> = (0..3).map(|_| numbers.over(0.03, 3.0) * scale(&parameters)).collect();
@@ -62,7 +62,9 @@ fn random_pairs_have_the_answers_of_the_thick_wall_equations() {
                 }
                 (Outcome::NoEquilibrium { limit_pressure_pa }, Status::NoSolution) => {
                     let limit = exact.limit_pressure_pa.expect("the branch ends");
-                    assert!((limit_pressure_pa / limit - 1.0).abs() < 1e-3, "{case}");
+                    let off = (limit_pressure_pa / limit - 1.0).abs();
+                    farthest = f64::max(farthest, off);
+                    assert!(off < 1e-6, "{off:e} {case}");
                     ends += 1;
                 }
                 (Outcome::LoadNotCarried, Status::NoSolution) => ends += 1,
@@ -71,7 +73,7 @@ fn random_pairs_have_the_answers_of_the_thick_wall_equations() {
         }
     }
     println!(
-        "{PAIRS} pairs: {solved} equilibria, {locked} of them locked, {worst:.1e} of the motion at most; {ends} beyond the end of the branch"
+        "{PAIRS} pairs: {solved} equilibria, {locked} of them locked, {worst:.1e} of the motion at most; {ends} beyond the end of the branch, limit pressures within {farthest:.1e}"
     );
     assert!(solved > 2 * PAIRS && ends > 0 && 10 * locked < solved, "{solved}");
 }
