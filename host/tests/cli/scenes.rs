@@ -121,8 +121,8 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
         ("fea compare scene.toml", "fea"),
         ("fea calibrate scene.toml", "fea"),
         ("design limb scene.toml --out designed.toml", "design limb"),
-        ("calibrate pressure data.csv --scene scene.toml --fit shear_modulus", "calibrate"),
-        ("calibrate creep data.csv --scene scene.toml", "calibrate"),
+        ("calibrate pressure data.csv --scene scene.toml --fit fiber_angle", "--fit fiber_angle"),
+        ("calibrate pressure data.csv --scene scene.toml --fit shear_modulus,wall", "--fit wall"),
     ] {
         let refused = format!("`finger` has two windings, and `{room}` takes one");
         desk.softlimb(verb).failed(1, &[&refused, &place, "[\"helix\", \"axial\"]"]);
@@ -135,7 +135,7 @@ fn two_windings_are_checked_and_otherwise_refused_at_the_line() {
     assert!(files.iter().all(|file| desk.content().contains(&file.to_string())), "{:?}", desk.content());
 }
 
-/// Two equal windings are one of twice the stiffness, under weight, in studies, runs, learning and sweeps.
+/// Two equal windings are one of twice the stiffness, under weight, in studies, runs, learning, sweeps and calibration.
 #[test]
 fn two_equal_windings_are_one_of_twice_the_stiffness() {
     let thread = |name: &str, modulus: u32| {
@@ -155,6 +155,7 @@ fn two_equal_windings_are_one_of_twice_the_stiffness() {
             .replace("bend_angle = \"30 deg\"", "twist = -1.5");
         desk.put(&format!("{name}.toml"), scene);
     }
+    desk.put("twists.csv", "pressure_kpa,twist_rad\n5,-0.235\n10,-0.47\n15,-0.725\n20,-0.98\n25,-1.25\n");
     for verb in [
         "check SCENE --json",
         "statics SCENE --json",
@@ -164,6 +165,8 @@ fn two_equal_windings_are_one_of_twice_the_stiffness() {
         "payload capacity SCENE --json",
         "run SCENE --json --out SCENE.run",
         "learn SCENE --iterations 1 --trials 1 --json",
+        "calibrate pressure twists.csv --scene SCENE --fit shear_modulus --json --write fitted-SCENE",
+        "check fitted-SCENE --json",
     ] {
         let [two, one] = ["two.toml", "one.toml"].map(|scene| {
             let answer = desk.softlimb(&verb.replace("SCENE", scene));

@@ -1,10 +1,16 @@
 //! An actuator and the sensor that reads its pressure.
 
 use fra_model::{
-    Actuator, ActuatorParameters, InvalidParameter, Load, Motion, NoDerivative, Parameter, State, StateQuantity, Status,
+    Actuator, ActuatorParameters, Fiber, InvalidParameter, Load, Motion, NoDerivative, Parameter, State, StateQuantity,
+    Status,
 };
 
 use super::Property;
+
+/// Step of a property for a difference, over the largest half width that is useful.
+const STEP: f64 = 1e-4;
+/// Pressure of the steps at rest, Pa.
+const LEAST_PA: f64 = 1e3;
 
 /// One actuator, or the actuators of a module taken as equal, with the sensor of its pressure.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +19,8 @@ pub struct Body {
     pub name: String,
     /// The actuator.
     pub parameters: ActuatorParameters<f64>,
+    /// Its second winding.
+    pub second_fiber: Option<Fiber<f64>>,
     /// Pressure that seats wall and thread before they deform, Pa.
     pub seating_pressure_pa: f64,
     /// Reading of the sensor at no pressure, Pa.
@@ -55,6 +63,7 @@ pub(super) struct Answer {
     pub(super) value: f64,
     quantity: StateQuantity,
     state: State<f64>,
+    reading_pa: f64,
     /// Gauge pressure that the reading means, Pa; of a mirrored bend the opposite.
     pressure_pa: f64,
     /// -1 where the bend at the opposite pressure was asked in place of a bend backwards, else 1.
@@ -64,7 +73,29 @@ pub(super) struct Answer {
 impl Body {
     /// An actuator whose sensor reads the truth.
     pub fn new(name: impl Into<String>, parameters: ActuatorParameters<f64>) -> Self {
-        Self { name: name.into(), parameters, seating_pressure_pa: 0.0, pressure_offset_pa: 0.0, pressure_gain: 1.0 }
+        Self {
+            name: name.into(),
+            parameters,
+            second_fiber: None,
+            seating_pressure_pa: 0.0,
+            pressure_offset_pa: 0.0,
+            pressure_gain: 1.0,
+        }
+    }
+
+    /// The same with a second winding.
+    #[must_use]
+    pub fn with_second_fiber(self, second_fiber: Option<Fiber<f64>>) -> Self {
+        Self { second_fiber, ..self }
+    }
+
+    /// The model of the actuator.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names a field that the model does not accept.
+    pub fn actuator(&self) -> Result<Actuator<f64>, InvalidParameter<f64>> {
+        let actuator = Actuator::new(&self.parameters)?;
+        self.second_fiber.as_ref().map_or(Ok(actuator), |second| actuator.with_second_fiber(second))
     }
 
     /// The gauge pressure, Pa, that a reading of the sensor means.
@@ -83,7 +114,7 @@ impl Body {
     }
 
     pub(super) fn solver(&self) -> Result<Solver<'_>, NoAnswer> {
-        Ok(Solver { body: self, actuator: Actuator::new(&self.parameters)? })
+        Ok(Solver { body: self, actuator: self.actuator()? })
     }
 }
 
@@ -100,11 +131,15 @@ impl Solver<'_> {
         if solution.status != Status::Solved {
             return Err(NoAnswer::BeyondLimit(solution.limit_pressure_pa));
         }
-        Ok(Answer { value: sign * quantity.of(&solution.state), quantity, state: solution.state, pressure_pa, sign })
+        let value = sign * quantity.of(&solution.state);
+        Ok(Answer { value, quantity, state: solution.state, reading_pa, pressure_pa, sign })
     }
 
-    /// The derivative of an answer by a property.
+    /// The derivative of an answer by a property; of an actuator with two windings, whose model has no derivatives, a difference.
     pub(super) fn slope(&self, answer: &Answer, property: Property) -> Result<f64, NoAnswer> {
+        if self.body.second_fiber.is_some() {
+            return self.difference(answer, property);
+        }
         let by = |parameter| -> Result<f64, NoAnswer> {
             let change = self.actuator.sensitivity(&answer.state, &Load::none(), parameter)?;
             Ok(answer.quantity.of(&change))
@@ -122,5 +157,16 @@ impl Solver<'_> {
                 .into_iter()
                 .try_fold(0.0, |sum, (parameter, factor)| Ok(sum + answer.sign * factor * by(parameter)?)),
         }
+    }
+
+    fn difference(&self, answer: &Answer, property: Property) -> Result<f64, NoAnswer> {
+        let value = property.value(self.body).ok_or(NoAnswer::NoDerivative)?;
+        let step = STEP * property.tolerance(self.body, answer.pressure_pa.abs().max(LEAST_PA));
+        let at = |value: f64| {
+            let mut body = self.body.clone();
+            property.place(&mut body, value);
+            Ok::<_, NoAnswer>(body.solver()?.at(answer.reading_pa, answer.quantity)?.value)
+        };
+        Ok((at(value + step)? - at(value - step)?) / (2.0 * step))
     }
 }

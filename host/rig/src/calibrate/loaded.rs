@@ -4,7 +4,6 @@
 
 use std::cell::RefCell;
 
-use fra_model::Actuator;
 use nalgebra::{DMatrix, DVector, Vector4};
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
@@ -91,7 +90,7 @@ impl Loaded<'_> {
         for (body, reading_pa) in self.bodies.iter().zip(&hold.readings_pa) {
             let body = &bodies[*body];
             let beyond = |why: NoAnswer, too_soft| Refused { error: refused(body, *reading_pa, why), too_soft };
-            let actuator = Actuator::new(&body.parameters).map_err(|error| beyond(error.into(), false))?;
+            let actuator = body.actuator().map_err(|error| beyond(error.into(), false))?;
             // Below ambient pressure as at rest, as the plant has it.
             let tube = Spring::new(&actuator, body.pressure_pa(*reading_pa).max(0.0));
             tubes.push(tube.ok_or_else(|| beyond(NoAnswer::BeyondLimit(None), true))?);

@@ -96,10 +96,18 @@ impl Property {
         matches!(self, Self::FiberModulus | Self::FiberAngle)
     }
 
+    /// Whether it is found of actuators with one winding only: two have two angles and two moduli, and two places in the wall.
+    pub fn takes_one_winding(self) -> bool {
+        self.is_of_winding() || self == Self::Wall
+    }
+
     /// Its value in a body; `None` where the body has no such property.
     pub fn value(self, body: &Body) -> Option<f64> {
         let p = &body.parameters;
         let is_straight = p.motion != Motion::Bending;
+        if body.second_fiber.is_some() && self.takes_one_winding() {
+            return None;
+        }
         match (self, p.material) {
             (Self::ShearModulus, material) => Some(material.shear_modulus_pa()),
             (Self::YeohC1, Material::Yeoh { c_pa }) => Some(c_pa[0]),

@@ -93,6 +93,77 @@ fn exact_bends_give_modulus_and_fiber_angle() {
     assert!(refused.unwrap_err().to_string().contains("bends with one whose angle the model ignores"));
 }
 
+/// Data of two windings are those of the model; the limit is one winding, whose derivatives are exact.
+#[test]
+fn exact_twists_of_two_windings_give_modulus_seating_pressure_and_radius() {
+    let fiber = |degrees: f64, modulus_pa| Fiber {
+        angle_rad: degrees.to_radians(),
+        families: Families::One,
+        modulus_pa,
+        placement: Placement::Sheet,
+        thickness_m: 1e-4,
+        radius_m: 8e-3,
+    };
+    let rod = |inner_radius_m, shear_modulus_pa| ActuatorParameters {
+        motion: Motion::Twisting,
+        inner_radius_m,
+        outer_radius_m: 8e-3,
+        length_m: 0.1,
+        material: Material::NeoHookean { shear_modulus_pa },
+        fiber: Some(fiber(30.0, 2e8)),
+    };
+    let second = fiber(90.0, 2e6);
+    let actuator = Actuator::new(&rod(6e-3, 0.2e6)).unwrap().with_second_fiber(&second).unwrap();
+    let seen = |(kilopascals, quantity): (f64, StateQuantity)| Observation {
+        body: 0,
+        reading_pa: 1e3 * kilopascals + 2e3,
+        quantity,
+        value: quantity.of(&actuator.forward(1e3 * kilopascals, &Load::none()).unwrap().state),
+        accuracy: EXACT,
+    };
+    let pressures = [5.0, 10.0, 20.0, 30.0, 40.0, 55.0];
+    let data: Vec<_> = [StateQuantity::Twist, StateQuantity::AxialStretch]
+        .into_iter()
+        .flat_map(|quantity| pressures.map(|kilopascals| seen((kilopascals, quantity))))
+        .collect();
+    let sought = [Property::ShearModulus, Property::SeatingPressure, Property::InnerRadius];
+    let body = Body::new("rod", rod(5.8e-3, 0.25e6)).with_second_fiber(Some(second));
+    let found = fit(std::slice::from_ref(&body), &data, &all_of(&sought), &Settings::default()).unwrap();
+    for (estimate, truth) in found.estimates.iter().zip([0.2e6, 2e3, 6e-3]) {
+        println!("{}: {} beside {truth}", estimate.name, estimate.value);
+        assert!((estimate.value / truth - 1.0).abs() < 1e-6, "{}: {} is not {truth}", estimate.name, estimate.value);
+    }
+    for property in [Property::FiberAngle, Property::FiberModulus, Property::Wall] {
+        assert_eq!(property.value(&body), None, "{property}");
+    }
+    // A second winding of no stiffness leaves values and intervals of one, by exact derivatives.
+    let one = Body::new("rod", rod(6e-3, 0.25e6));
+    let none = one.clone().with_second_fiber(Some(fiber(90.0, 0.0)));
+    let alone = one.actuator().unwrap();
+    let scattered: Vec<_> = pressures
+        .iter()
+        .zip([1e-3, -1e-3, 2e-3, -1e-3, 1e-3, -2e-3])
+        .map(|(kilopascals, off)| Observation {
+            body: 0,
+            reading_pa: 1e3 * kilopascals,
+            quantity: StateQuantity::Twist,
+            value: (1.0 + off) * alone.forward(800.0 * kilopascals, &Load::none()).unwrap().state.twist_rad,
+            accuracy: 1e-3,
+        })
+        .collect();
+    let [one, none] = [one, none].map(|body| {
+        let sought = all_of(&[Property::ShearModulus, Property::PressureOffset]);
+        let fit = fit(&[body], &scattered, &sought, &Settings::default()).unwrap();
+        fit.estimates
+            .into_iter()
+            .flat_map(|found| [found.value, found.interval[0], found.interval[1]])
+            .collect::<Vec<_>>()
+    });
+    for (one, none) in one.iter().zip(&none) {
+        assert!((none - one).abs() < 1e-5 * one.abs().max(1e2), "{none} {one}");
+    }
+}
+
 #[test]
 fn the_sensor_is_found_from_a_known_actuator() {
     let tube = Tube::soft();

@@ -46,9 +46,16 @@ pub fn rewritten(scene: &Scene, wanted: &[ActuatorParameters<f64>]) -> Result<(S
     pen.parts(Part::Material)?;
     pen.parts(Part::Winding)?;
     let (text, read) = pen.draft.read(scene.source_name())?;
-    for (module, new) in read.modules().iter().zip(wanted) {
+    for ((module, new), old) in read.modules().iter().zip(wanted).zip(modules) {
         if !same_actuator(&module.actuator(), new) {
             return Err(not_written(module, "parameters"));
+        }
+        // The sheet of a second thread is not written, and follows the elastomer.
+        let second = [module, old].map(|module| module.second_fiber);
+        if let [Some(new), Some(old)] = second
+            && !same_fiber(&new, &old, false)
+        {
+            return Err(not_written(module, "second winding"));
         }
     }
     Ok((text, pen.log))

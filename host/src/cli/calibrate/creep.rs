@@ -56,7 +56,6 @@ struct Estimate {
 impl Creep {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let scene = scene::load(&self.scene)?;
-        scene.require_one_winding("`calibrate`")?;
         let about = about(&self.step);
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         let points = Points::read(&read(&self.step)?, &names).map_err(|error| about(&error))?;

@@ -50,7 +50,10 @@ pub(super) struct Source<'a> {
 impl<'a> Source<'a> {
     /// Modules, each of them a body.
     pub(super) fn of_modules(scene: &'a Scene, seen: Vec<Seen>, loaded: Option<&'a Loaded<'a>>) -> Self {
-        let bodies = scene.modules().iter().map(|module| Body::new(module.name.as_str(), module.actuator()));
+        let bodies = scene.modules().iter().map(|module| {
+            let second_fiber = module.second_fiber.map(|fiber| *fiber);
+            Body::new(module.name.as_str(), module.actuator()).with_second_fiber(second_fiber)
+        });
         Self {
             scene,
             bodies: bodies.collect(),
@@ -90,7 +93,7 @@ pub(super) struct Seen {
 impl Pressure {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, about) = (scene::load(&self.scene)?, about(&self.data));
-        scene.require_one_winding("`calibrate`")?;
+        self.unknowns.require_one_winding(&scene)?;
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         let points = Points::read(&read(&self.data)?, &names).map_err(|error| about(&error))?;
         if points.timed {
@@ -156,6 +159,12 @@ fn distinct(seen: Vec<Seen>) -> (Vec<Seen>, Vec<String>) {
 }
 
 impl Unknowns {
+    /// Refuses unknowns that two windings do not have.
+    pub(super) fn require_one_winding(&self, scene: &Scene) -> Result<(), Failure> {
+        let Some(property) = self.fit.iter().find(|property| property.takes_one_winding()) else { return Ok(()) };
+        Ok(scene.require_one_winding(&format!("`--fit {property}`"))?)
+    }
+
     /// Whether a scene has a place for one of the unknowns.
     pub(super) fn written(&self) -> bool {
         let has_none =

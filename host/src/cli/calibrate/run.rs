@@ -53,7 +53,7 @@ impl Run {
             Some(scene) => scene::load(scene)?,
             None => recorded.clone()?,
         };
-        scene.require_one_winding("`calibrate`")?;
+        self.unknowns.require_one_winding(&scene)?;
         let limb = Limb::new(&scene)?;
         let names: Vec<String> = limb.drives().map(|drive| drive.name()).collect();
         if !names.iter().eq(log.info.modules.iter().map(|module| &module.name)) {
@@ -113,7 +113,7 @@ impl Run {
         if let Some(file) = &self.corrections {
             let (text, _) = scene::rewritten(scene, &source.means(&fit, &self.unknowns.fit)).map_err(Failure::new)?;
             let calibrated = scene::parse(&text, "the calibrated scene")?;
-            let own = of_channels.iter().map(|body| Actuator::new(&fit.bodies[*body].parameters));
+            let own = of_channels.iter().map(|body| fit.bodies[*body].actuator());
             let own: Vec<Actuator<f64>> = own.collect::<Result<_, _>>().map_err(Failure::new)?;
             write(file, &corrections_csv(scene, &equalizing(&calibrated, &own)?))?;
         }
@@ -137,7 +137,8 @@ fn bodies(scene: &Scene, limb: &Limb, per_actuator: bool) -> Bodies {
         for actuator in 0..count {
             if single || actuator == 0 {
                 let name = if single { format!("{name}.{}", actuator + 1) } else { name.to_owned() };
-                all.bodies.push(Body::new(name, described.actuator()));
+                let second_fiber = described.second_fiber.map(|fiber| *fiber);
+                all.bodies.push(Body::new(name, described.actuator()).with_second_fiber(second_fiber));
                 all.modules.push(index);
             }
             all.of_channels.push(all.bodies.len() - 1);

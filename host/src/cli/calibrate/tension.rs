@@ -76,7 +76,6 @@ impl TensionMode {
         let fit = fit_tension(&test, self.law.into(), self.fitting.accuracy.si(), &self.fitting.settings());
         let fit = fit.map_err(|error| about(&error))?;
         let scene = self.scene.as_ref().map(scene::load).transpose()?;
-        scene.as_ref().map_or(Ok(()), |scene| scene.require_one_winding("`calibrate`"))?;
         let mut warnings = warnings(&fit);
         let wanted = match &scene {
             Some(scene) => Some(self.with_material(scene, &fit, &mut warnings)?),
