@@ -102,6 +102,7 @@ fn fault_decisions_of_a_log_are_made_again() {
         ("sensor-frozen@0.7,0", "frozen pressure sensor"),
         ("sensor-zero@1,0", "fall of a reading without venting"),
         ("supply-stuck-closed@0.5", "filling without effect"),
+        ("fill-stuck-open@1,0", "more air than the valves explain"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let faults = vec![fault.parse().unwrap()];

@@ -152,7 +152,7 @@ impl Channel {
         code: AdcCode,
     ) -> Option<FaultCode> {
         if self.sensor.is_implausible() {
-            self.observer.restart();
+            self.believe();
             return None;
         }
         let pneumatics = &context.system.pneumatics;
@@ -164,6 +164,7 @@ impl Channel {
             chamber: &self.inverse.chamber(config),
             pneumatics,
         });
+        let found = found.or(self.control.balance().finding().filter(|_| !self.observer.is_unchanged()));
         self.is_deceived |= found.is_some();
         found
     }
@@ -171,6 +172,7 @@ impl Channel {
     /// Believes the next reading.
     pub(crate) fn believe(&mut self) {
         self.observer.restart();
+        self.control.restart_balance();
     }
 
     /// Whether the loop and the ramp down may go by the reading.
@@ -188,7 +190,7 @@ impl Channel {
         self.vent_latched = false;
         self.over_samples = 0;
         self.is_deceived = false;
-        self.observer.restart();
+        self.believe();
         self.inverse.forgive();
     }
 
@@ -308,6 +310,7 @@ impl Channel {
             let input = LoopInput {
                 now_us: context.now_us,
                 sensor_pa: self.pressure_pa(),
+                sensor_step_pa: self.sensor.step_pa(),
                 sensor_trusted: self.is_sensor_trusted(),
                 supply_pa: context.supply_pa,
                 pressure_max_pa: config.pressure_max_pa,

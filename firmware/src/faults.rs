@@ -38,9 +38,12 @@ pub const fn reaction(code: FaultCode) -> Reaction {
         FaultCode::EmergencyStop => (true, true, VentScope::All),
         FaultCode::OverPressure => (true, true, VentScope::Channel),
         // A chamber whose valves or reading deceive must not be filled by any of them.
-        FaultCode::SupplyHigh | FaultCode::SensorFrozen | FaultCode::ReadingJumped | FaultCode::FillWithoutEffect => {
-            (true, true, VentScope::Nothing)
-        }
+        FaultCode::SupplyHigh
+        | FaultCode::SensorFrozen
+        | FaultCode::ReadingJumped
+        | FaultCode::FillWithoutEffect
+        | FaultCode::ExcessAir
+        | FaultCode::MissingAir => (true, true, VentScope::Nothing),
         FaultCode::SensorImplausible | FaultCode::SupplyLow | FaultCode::InverseFailed | FaultCode::TickOverrun => {
             (true, false, VentScope::Nothing)
         }
@@ -147,7 +150,7 @@ impl Default for Faults {
     }
 }
 
-const BLOCKING: [FaultCode; 11] = [
+const BLOCKING: [FaultCode; 13] = [
     FaultCode::EmergencyStop,
     FaultCode::OverPressure,
     FaultCode::SensorImplausible,
@@ -159,6 +162,8 @@ const BLOCKING: [FaultCode; 11] = [
     FaultCode::SensorFrozen,
     FaultCode::ReadingJumped,
     FaultCode::FillWithoutEffect,
+    FaultCode::ExcessAir,
+    FaultCode::MissingAir,
 ];
 
 impl Occurrence {

@@ -16,6 +16,10 @@ const POLYTROPIC_EXPONENT: f32 = 1.2;
 const WALL_W_PER_K: f32 = 0.2;
 const HEAT_CAPACITY: f32 = 2.5;
 
+/// Doubt about a chamber that takes all of its air by growing; distance from the state of the model at which it may not grow at all, Pa.
+const GROWING: f32 = 0.8;
+const FAR_PA: f32 = 50e3;
+
 /// Absolute pressure, Pa. Flow needs absolute pressure, the actuator model gauge pressure; only the atmosphere converts.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Absolute(f32);
@@ -72,6 +76,13 @@ impl Chamber {
     /// Share of the air that fittings and line take of any pressure change, 0 to 1.
     pub fn line_share(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
         self.dead_volume_m3 / self.capacity_m3(pressure_pa, atmosphere)
+    }
+
+    /// Doubt about the rise by some air, beyond one: the chamber takes a part of it by growing, and does so differently far from the state of the model.
+    pub(crate) fn doubt(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
+        let rigid_share = self.volume_at(pressure_pa) / self.capacity_m3(pressure_pa, atmosphere);
+        let far = ((pressure_pa - self.pressure_pa).abs() / FAR_PA).min(1.0);
+        GROWING * (1.0 - rigid_share) + far * (self.capacity_m3(pressure_pa, atmosphere) / self.rest_volume_m3 - 1.0)
     }
 
     /// Longest time constant with which the air takes the temperature of the wall, s.

@@ -17,6 +17,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
 mod adapt;
+mod air_balance;
 mod board;
 mod channel;
 mod config;
@@ -48,6 +49,7 @@ mod telemetry;
 mod valve;
 
 pub use adapt::{Adaptation, Effect};
+pub use air_balance::AirBalance;
 pub use board::{Board, LOOK_US, exchange, turn};
 pub use channel::Channel;
 pub use config::{ActiveConfig, ChannelConfig, ConfigError, Source, StagedConfig, StagingError, SystemConfig};

@@ -13,6 +13,19 @@ use crate::valve::{Direction, TICK_US, ValvePulse, ValveTiming};
 /// Effect without any change of the code that tells a frozen sensor, Pa: noise alone moves the code of a sound one.
 const FROZEN_PA: f32 = 4_000.0;
 
+/// Looks at the same code that tell a frozen sensor if noise had moved its code over more than two values before. The noise is the mean of that by
+/// which second differences of the codes exceed 2: of a bit that flips, or of a ramp, none does; a jump counts as 4. This much is a deviation of 0.7 codes.
+const FROZEN_LOOKS: u8 = 80;
+const NOISY: f32 = 0.25;
+const NOISE_MAX: u32 = 4;
+const NOISE_RATE: f32 = 1.0 / 32.0;
+
+/// Looks at a line at rest until second differences hold nothing of the flow before.
+const REST_LOOKS: u8 = 3;
+
+/// Looks at the same code after which the noise is not that of a sound sensor, and nothing is learned of it.
+const STILL_LOOKS: u8 = 3;
+
 /// Fall of a reading that no venting explains, Pa, and part of the modelled venting by which it may be more.
 const FALL_PA: f32 = 6_000.0;
 const VENTED: f32 = 3.0;
@@ -129,7 +142,12 @@ pub(crate) struct Observer {
     fill: Poppet,
     vent: Poppet,
     last_code: AdcCode,
+    last_step: i32,
     last_pa: f32,
+    /// Looks at the same code in a row, looks since the line came to rest, and the noise then.
+    same_looks: u8,
+    rest_looks: u8,
+    noise: f32,
     /// Effects since the code changed, Pa.
     unchanged_pa: f32,
     /// The latest settled reading, Pa, and what venting has done since, >= 0, Pa.
@@ -171,7 +189,11 @@ impl Observer {
             fill: Poppet::CLOSED,
             vent: Poppet::CLOSED,
             last_code: AdcCode(0),
+            last_step: 0,
             last_pa: 0.0,
+            same_looks: 0,
+            rest_looks: 0,
+            noise: 0.0,
             unchanged_pa: 0.0,
             settled_pa: None,
             vented_pa: 0.0,
@@ -188,6 +210,11 @@ impl Observer {
         *self = Self { fill, vent, ..Self::new() };
     }
 
+    /// Whether the code stays the same: of a frozen sensor, no reading tells anything.
+    pub(crate) fn is_unchanged(&self) -> bool {
+        self.unchanged_pa > 0.0 || self.same_looks >= STILL_LOOKS
+    }
+
     /// Takes the coil times of one tick.
     pub(crate) fn drive(&mut self, pulse: ValvePulse, timing: ValveTiming) {
         self.fill.drive(pulse.fill_us, timing);
@@ -200,7 +227,7 @@ impl Observer {
         let vent_pa = -effect_pa(&mut self.vent, input, Direction::Vent).min(0.0);
         let size_pa = fill_pa + vent_pa;
         self.unchanged_pa = if input.code == self.last_code { self.unchanged_pa + size_pa } else { 0.0 };
-        self.last_code = input.code;
+        self.compare(input);
         self.vented_pa += vent_pa;
         self.effort.filled_pa += fill_pa;
         self.effort.vented_pa += vent_pa;
@@ -227,6 +254,18 @@ impl Observer {
         cooled_pa + if fill_pa > 0.0 { creep_pa.min(CREEP_MAX * fill_pa) } else { creep_pa }
     }
 
+    /// Compares the code with the last ones.
+    fn compare(&mut self, input: &Observation<'_>) {
+        let step = i32::from(input.code.0) - i32::from(self.last_code.0);
+        self.same_looks = if step == 0 { self.same_looks.saturating_add(1) } else { 0 };
+        self.rest_looks = if input.is_line_moving { 0 } else { self.rest_looks.saturating_add(1) };
+        if self.rest_looks > REST_LOOKS && self.same_looks <= STILL_LOOKS {
+            let size = (step - self.last_step).unsigned_abs().saturating_sub(2).min(NOISE_MAX);
+            self.noise += NOISE_RATE * (size as f32 - self.noise);
+        }
+        (self.last_code, self.last_step) = (input.code, step);
+    }
+
     /// Takes a settled reading that is plausible. An effort whose effect has come, or with venting in it, is judged no longer.
     fn settle(&mut self, reading_pa: f32) {
         let risen_pa = reading_pa - self.effort.from_pa;
@@ -241,12 +280,13 @@ impl Observer {
     }
 
     fn finding(&self, input: &Observation<'_>, step_pa: f32) -> Option<FaultCode> {
-        if self.unchanged_pa > FROZEN_PA {
+        if self.unchanged_pa > FROZEN_PA || self.same_looks >= FROZEN_LOOKS && self.noise > NOISY {
             return Some(FaultCode::SensorFrozen);
         }
         let settled_pa = self.settled_pa?;
         // While air flows steadily, the manifold reads more than a filling chamber.
-        if input.is_line_moving && !self.fill.is_steady() {
+        let is_filling = self.fill.is_steady() && input.supply_pa > input.reading_pa + FALL_PA;
+        if input.is_line_moving && !is_filling {
             return None;
         }
         // A reading that rises by itself comes back from venting.
@@ -268,5 +308,52 @@ fn effect_pa(poppet: &mut Poppet, input: &Observation<'_>, direction: Direction)
         input.pneumatics.rate_pa_per_s(direction, input.chamber, input.reading_pa, input.supply_pa) * open_s
     } else {
         0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::Orifice;
+    use crate::gas::Absolute;
+
+    const CHAMBER: Chamber = Chamber {
+        pressure_pa: 50e3,
+        volume_m3: 80e-6,
+        compliance_m3_per_pa: 0.0,
+        rest_volume_m3: 80e-6,
+        dead_volume_m3: 6e-6,
+    };
+
+    /// Looks with closed valves until the finding; `None` after all codes.
+    fn looks_until_frozen(codes: impl IntoIterator<Item = u16>) -> Option<usize> {
+        let timing = ValveTiming { on_delay_us: 3_500, off_delay_us: 2_000 };
+        let (valve, line) = (Orifice::new(1.44e-9, 0.3), Orifice::line(3.78e-9));
+        let pneumatics = Pneumatics::new(valve, line, Absolute::new(101_325.0), 293.15, timing);
+        let mut observer = Observer::new();
+        codes.into_iter().position(|code| {
+            let found = observer.observe(&Observation {
+                code: AdcCode(code),
+                reading_pa: 63.0 * f32::from(code),
+                supply_pa: 200e3,
+                is_line_moving: false,
+                chamber: &CHAMBER,
+                pneumatics: &pneumatics,
+            });
+            found == Some(FaultCode::SensorFrozen)
+        })
+    }
+
+    #[test]
+    fn noisy_sensor_that_stands_still_is_frozen_and_a_quiet_one_is_not() {
+        let noise = [0, 2, 1, 3, 0, 1, 3, 2, 0, 3, 1, 0, 2];
+        let noisy = |count: usize| (0..count).map(move |index| 800 + noise[index % noise.len()]);
+        let still = std::iter::repeat_n(801, 300);
+        let after = looks_until_frozen(noisy(200).chain(still.clone())).expect("frozen");
+        assert!((270..290).contains(&after), "{after}");
+        assert_eq!(looks_until_frozen(noisy(2_000)), None);
+        // Codes of a quiet sensor: a bit that flips, and a pressure that rises slowly; then a rest.
+        assert_eq!(looks_until_frozen((0..200).map(|index| 800 + index % 2).chain(still.clone())), None);
+        assert_eq!(looks_until_frozen((0..200).map(|index| 800 + index / 2).chain(still)), None);
     }
 }

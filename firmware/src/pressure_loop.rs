@@ -5,6 +5,7 @@
 //! and a drift are learned from what the last pulse did. A move that needs more than one period keeps the valve open.
 
 use crate::adapt::{Adaptation, Effect};
+use crate::air_balance::{AirBalance, Measurement};
 use crate::fine_regulation::{FineRegulation, Pair};
 use crate::gas::Chamber;
 use crate::pneumatics::Pneumatics;
@@ -26,6 +27,9 @@ const BACK: f32 = 1.05;
 /// Largest excess of a pair over the reference, Pa: a pressure that is settled stays within 1 kPa.
 const ABOVE_PA: f32 = 900.0;
 
+/// Pressure of the supply above a chamber's below which a fill valve may let air back, Pa: the balance tells nothing of it.
+const SUPPLY_MIN_PA: f32 = 5e3;
+
 /// Inputs of one decision.
 #[derive(Clone, Copy, Debug)]
 pub struct LoopInput<'a> {
@@ -33,6 +37,8 @@ pub struct LoopInput<'a> {
     pub now_us: u64,
     /// Gauge pressure at the manifold, Pa; the last good one where the sensor is not trusted.
     pub sensor_pa: f32,
+    /// Change of the reading from the last sample, Pa.
+    pub sensor_step_pa: f32,
     /// Whether the sensor can be believed. Otherwise the pressure is reckoned from the pulses.
     pub sensor_trusted: bool,
     /// Gauge pressure of the supply, Pa.
@@ -83,13 +89,20 @@ pub struct PressureLoop {
     valves: ValvePair,
     adaptation: Adaptation,
     fine: FineRegulation,
+    balance: AirBalance,
     last: Option<Decision>,
 }
 
 impl PressureLoop {
     /// Valves closed, nothing learned.
     pub const fn new() -> Self {
-        Self { valves: ValvePair::new(), adaptation: Adaptation::new(), fine: FineRegulation::new(), last: None }
+        Self {
+            valves: ValvePair::new(),
+            adaptation: Adaptation::new(),
+            fine: FineRegulation::new(),
+            balance: AirBalance::new(),
+            last: None,
+        }
     }
 
     /// The coils.
@@ -102,9 +115,20 @@ impl PressureLoop {
         &self.adaptation
     }
 
+    /// Balance of the channel's air.
+    pub fn balance(&self) -> &AirBalance {
+        &self.balance
+    }
+
+    /// Begins a new balance of the air.
+    pub(crate) fn restart_balance(&mut self) {
+        self.balance = AirBalance::new();
+    }
+
     /// Switches the coils off and forgets the last pulse, whose effect is cut short; keeps the estimates.
     pub fn close(&mut self, now_us: u64) {
         self.valves.close(now_us);
+        self.balance.interrupt();
         self.last = None;
     }
 
@@ -145,7 +169,16 @@ impl PressureLoop {
         let near = self.fine.is_near(reference, input.now_us);
         let resting = near && sample == Sample::Settled && input.sensor_trusted && input.may_fill;
         let pressure_pa = self.chamber_pressure_pa(input, sample, resting);
+        let last_pulse = self.last.and_then(|last| last.pulse);
         self.learn(input, pressure_pa, sample);
+        let settles = sample == Sample::Settled && self.settles(input.sensor_step_pa, last_pulse);
+        if !matches!(sample, Sample::Opening(_)) && input.sensor_trusted && !settles {
+            let drop_pa = if sample == Sample::Settled { 0.0 } else { input.sensor_pa - pressure_pa };
+            let (now_us, step_pa) = (input.now_us, input.sensor_step_pa);
+            let pneumatics = input.pneumatics;
+            let cooling_s = input.chamber.cooling_s(pressure_pa, pneumatics.atmosphere, pneumatics.temperature_k);
+            self.balance.measure(&Measurement { now_us, pressure_pa, step_pa, drop_pa, cooling_s });
+        }
         let plan = if resting {
             self.plan_at_rest(input, reference, pressure_pa)
         } else {
@@ -157,6 +190,10 @@ impl PressureLoop {
             _ if self.fine.is_pairing() => {}
             _ => self.valves.close(input.now_us),
         }
+        if plan.direction == Some(Direction::Fill) && input.supply_pa < pressure_pa + SUPPLY_MIN_PA {
+            self.balance.interrupt();
+        }
+        self.balance.pulse(plan.modelled_pa, input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere));
         self.last = Some(Decision {
             at_us: input.now_us,
             pressure_pa,
@@ -172,6 +209,15 @@ impl PressureLoop {
             (None, _) => Sample::Settled,
             (Some(direction), Some(Sample::Opening(_) | Sample::Steady(_))) => Sample::Steady(direction),
             (Some(direction), _) => Sample::Opening(direction),
+        }
+    }
+
+    /// Whether the reading still comes back from a pulse: behind a valve that is wide for its line, it does so for longer than the loop waits.
+    fn settles(&self, step_pa: f32, pulse: Option<Direction>) -> bool {
+        match pulse {
+            Some(Direction::Fill) => step_pa < -STILL_PA,
+            Some(Direction::Vent) => step_pa > STILL_PA,
+            None => false,
         }
     }
 
@@ -264,6 +310,10 @@ impl PressureLoop {
         let (before_pa, up_pa, down_pa) = (pressure_pa, fill.change_pa, -vent.change_pa);
         // The bias is the effect of the pair beyond the requested change.
         self.fine.begin(Pair { before_pa, desired_pa: requested_pa, up_pa, down_pa });
+        let chamber_doubt = input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere);
+        // The balance takes effects at gain 1.
+        self.balance.pulse(up_pa / fill.gain, chamber_doubt);
+        self.balance.pulse(-down_pa / vent.gain, chamber_doubt);
         let up = fill.plan(false);
         let down = vent.plan(false);
         self.valves.pair(input.now_us, (Direction::Fill, up.coil_us), (Direction::Vent, down.coil_us));
@@ -347,6 +397,7 @@ mod tests {
             let input = LoopInput {
                 now_us: 100_000,
                 sensor_pa: 120e3 + off_pa,
+                sensor_step_pa: 0.0,
                 sensor_trusted: true,
                 supply_pa: 250e3,
                 pressure_max_pa: 200e3,

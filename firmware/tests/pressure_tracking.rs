@@ -65,6 +65,7 @@ fn run(truth: Truth, start_pa: f64, seconds: f64, reference: impl Fn(f64) -> f64
             let input = LoopInput {
                 now_us,
                 sensor_pa,
+                sensor_step_pa: sensor_pa - before_pa,
                 sensor_trusted: true,
                 pressure_max_pa: 180e3,
                 may_fill: true,
@@ -200,6 +201,7 @@ fn direction_of_a_pulse_is_that_of_the_error() {
         let input = LoopInput {
             now_us: 1_000_000,
             sensor_pa: 50e3,
+            sensor_step_pa: 0.0,
             pressure_max_pa: 180e3,
             sensor_trusted: true,
             may_fill: true,

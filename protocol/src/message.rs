@@ -207,6 +207,12 @@ interface! {
             ReadingJumped = 11,
             /// Filling does not raise a reading: a valve or the supply stays closed, a hose is kinked, coils are exchanged, or the sensor is wrong.
             FillWithoutEffect = 12,
+            /// A chamber holds more air than its valves explain: the fill valve stays open, the vent stays closed, coils are exchanged, a hose is kinked, or
+            /// the sensor is wrong.
+            ExcessAir = 13,
+            /// A chamber holds less air than its valves explain: the vent stays open, a leak or burst, the fill valve or the supply stays closed, a hose is
+            /// kinked, or the sensor is wrong.
+            MissingAir = 14,
         }
 
         /// Content of a sample.

@@ -92,17 +92,18 @@ const ALWAYS: &[&str] = &["fill", "hold", "fall", "tracking"];
 /// No fault brings a chamber far above its limit. Faults that would fill one unnoticed have to be named.
 fn matrix() -> Vec<Row> {
     use FaultCode::*;
-    let any: &[FaultCode] = &[SensorFrozen, ReadingJumped, FillWithoutEffect, OverPressure, SupplyLow];
+    let any: &[FaultCode] =
+        &[SensorFrozen, ReadingJumped, FillWithoutEffect, ExcessAir, MissingAir, OverPressure, SupplyLow];
     vec![
         ("sensor-open", &[SensorImplausible], ALWAYS),
         ("sensor-frozen", &[SensorFrozen], ALWAYS),
         ("sensor-zero", &[ReadingJumped], ALWAYS),
         ("sensors-swapped", any, &["fill"]),
-        ("coils-swapped", any, &[]),
-        ("fill-stuck-open", any, &[]),
-        ("fill-stuck-closed", any, &["fill"]),
-        ("vent-stuck-open", any, &[]),
-        ("vent-stuck-closed", any, &[]),
+        ("coils-swapped", any, ALWAYS),
+        ("fill-stuck-open", any, ALWAYS),
+        ("fill-stuck-closed", any, ALWAYS),
+        ("vent-stuck-open", any, ALWAYS),
+        ("vent-stuck-closed", any, ALWAYS),
         ("burst", any, ALWAYS),
         ("leak", any, &[]),
         ("hose-kinked", any, &[]),
@@ -148,6 +149,13 @@ fn sound_plants_raise_no_fault() {
         }
         let turn = seed as f64;
         let reference = |time_s: f64| {
+            if seed % 4 == 3 {
+                // Steps of 0.3 s, and rests of 2.2 s.
+                let level_pa = |step: f64| 5e3 + 65e3 * (1.0 + (2.4 * step + turn).sin());
+                let step = (time_s / 2.5).floor();
+                let share = ((time_s - 2.5 * step) / 0.3).min(1.0);
+                return level_pa(step - 1.0) + share * (level_pa(step) - level_pa(step - 1.0));
+            }
             // Two sines, and a rest of 4 s in 16 s.
             let moved_s = 12.0 * (time_s / 16.0).floor() + (time_s % 16.0).min(12.0);
             70e3 + 40e3 * (0.7 * moved_s + turn).sin() + 25e3 * ((1.5 + turn % 3.0) * moved_s + 2.0 * turn).sin()

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::link_common::*;
 use softlimb_protocol::*;
-use softlimb_rig::link::{Ending, Event, LinkError, StreamOptions, Summary, VentOutcome, stream};
+use softlimb_rig::link::{DeviceConfiguration, Ending, Event, LinkError, StreamOptions, Summary, VentOutcome, stream};
 use softlimb_sim::plant::PartFault;
 use softlimb_sim::{LineFaults, SimSettings, SimulatedMcu};
 
@@ -16,17 +16,27 @@ fn disturbed(
     after_us: u64,
     act: impl FnOnce(&mut SimulatedMcu),
 ) -> (Result<Summary, LinkError>, Told) {
+    disturbed_with(mcu, &configuration(channels), options, after_us, act)
+}
+
+fn disturbed_with(
+    mcu: &mut SimulatedMcu,
+    configuration: &DeviceConfiguration,
+    options: &StreamOptions<'_>,
+    after_us: u64,
+    act: impl FnOnce(&mut SimulatedMcu),
+) -> (Result<Summary, LinkError>, Told) {
     let (mut told, mut act) = (Told::default(), Some(act));
-    let result =
-        stream(mcu, &configuration(channels), &knots(channels, 4.0), options, |mcu: &mut SimulatedMcu, event| {
-            told.take(event);
-            if told.start_us > 0
-                && mcu.device_time_us() >= told.start_us + after_us
-                && let Some(act) = act.take()
-            {
-                act(mcu);
-            }
-        });
+    let knots = knots(configuration.channels.len(), 4.0);
+    let result = stream(mcu, configuration, &knots, options, |mcu: &mut SimulatedMcu, event| {
+        told.take(event);
+        if told.start_us > 0
+            && mcu.device_time_us() >= told.start_us + after_us
+            && let Some(act) = act.take()
+        {
+            act(mcu);
+        }
+    });
     (result, told)
 }
 
@@ -38,23 +48,48 @@ fn cause(result: Result<Summary, LinkError>) -> (LinkError, u64, VentOutcome) {
     }
 }
 
+/// Limit of the channel whose reading gets too high, Pa.
+const LIMIT_PA: f32 = 60e3;
+
 #[test]
 fn over_pressure_is_named_with_channel_and_pressure() {
     let mut mcu = device(&settings(3));
     let options = StreamOptions::new(SESSION);
-    let (result, told) =
-        disturbed(&mut mcu, 3, &options, 1_500_000, |mcu| mcu.inject(1, PartFault::FillStuckOpen).unwrap());
+    // The codes double: 30 kPa read more than 80.
+    let mut configuration = configuration(3);
+    configuration.channels[1].pressure_max_pa = LIMIT_PA;
+    configuration.channels[1].setpoint_max = 50_000;
+    configuration.volumes[1].pressure_max_pa = LIMIT_PA;
+    let sag = |mcu: &mut SimulatedMcu| mcu.inject(1, PartFault::ReferenceSag { share: 0.5 }).unwrap();
+    let (result, told) = disturbed_with(&mut mcu, &configuration, &options, 1_500_000, sag);
     let text = result.as_ref().unwrap_err().to_string();
     let (error, at_us, vent) = cause(result);
     let LinkError::Fault { fault: Some(fault) } = error else { panic!("{error}") };
     assert_eq!((fault.code, fault.channel), (FaultCode::OverPressure.into(), Some(1)));
-    assert!(f64::from(fault.value.unwrap()) > f64::from(PRESSURE_MAX_PA));
+    assert!(f64::from(fault.value.unwrap()) > f64::from(LIMIT_PA));
     assert_eq!(fault.time_us, Some(told.start_us + at_us));
     assert!((1_500_000..3_000_000).contains(&at_us), "{at_us}");
     assert_eq!(vent, VentOutcome::ByDevice);
     let pressure_kpa = f64::from(fault.value.unwrap()) * 1e-3;
     assert!(text.contains(&format!("over-pressure on channel 1 at {pressure_kpa:.1} kPa")), "{text}");
     assert_eq!(mcu.controller().state(), DeviceState::Faulted);
+}
+
+#[test]
+fn fill_valve_that_stays_open_is_named_before_the_limit() {
+    let mut mcu = device(&settings(3));
+    let options = StreamOptions::new(SESSION);
+    let open = |mcu: &mut SimulatedMcu| mcu.inject(1, PartFault::FillStuckOpen).unwrap();
+    let (result, _) = disturbed(&mut mcu, 3, &options, 1_500_000, open);
+    let text = result.as_ref().unwrap_err().to_string();
+    let (error, at_us, _) = cause(result);
+    let LinkError::Fault { fault: Some(fault) } = error else { panic!("{error}") };
+    assert_eq!((fault.code, fault.channel), (FaultCode::ExcessAir.into(), Some(1)));
+    assert!((1_500_000..1_800_000).contains(&at_us), "{at_us}");
+    let pressure_kpa = f64::from(fault.value.unwrap()) * 1e-3;
+    assert!(text.contains("more air than the valves explain"), "{text}");
+    assert!(text.contains(&format!("on channel 1 at {pressure_kpa:.1} kPa")), "{text}");
+    assert!(mcu.peak_chamber_pa()[1] < f64::from(PRESSURE_MAX_PA), "{:?}", mcu.peak_chamber_pa());
 }
 
 #[test]

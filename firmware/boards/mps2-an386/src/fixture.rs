@@ -12,10 +12,18 @@ pub(crate) type TickOutputs = softlimb_firmware::TickOutputs<CHANNELS>;
 const EMPTY: i32 = 410;
 const SUPPLY: i32 = 1_360;
 
-/// A code has as many parts as a tick has microseconds; filling and venting change so many of them in a microsecond.
+/// A code has as many parts as a tick has microseconds. Filling changes so many of them in a microsecond; venting changes half a part, and three
+/// thousandths for each code above an empty chamber's: about what the device expects, or it would find its valves faulty.
 const PARTS: i32 = 1_000;
 const FILL: i32 = 5;
-const VENT: i32 = 2;
+const VENT: [i32; 2] = [500, 3];
+
+/// Time of each pulse in which its valve is not open yet, less the time that it stays open, us.
+const DELAY_US: i32 = 1_500;
+
+/// While a chamber fills, its sensor at the manifold reads so many codes more; while it vents, this share less of the codes above an empty one's.
+const FILLING: i32 = 300;
+const VENTING: i32 = 8;
 
 /// Bytes that a line of 921 600 baud carries in a tick.
 pub(crate) const LINE: usize = 92;
@@ -36,6 +44,10 @@ struct Surroundings {
     now_us: u64,
     /// Codes in parts.
     levels: [i32; CHANNELS],
+    /// Rest of the delay of each fill and vent valve, us.
+    delays_us: [[i32; 2]; CHANNELS],
+    /// Drops of the lines, codes.
+    drops: [i32; CHANNELS],
     received: [u8; MAX_FRAME_LEN],
     arrived: usize,
     taken: usize,
@@ -51,6 +63,8 @@ impl Fixture {
             surroundings: Surroundings {
                 now_us: u64::from(TICK_US),
                 levels: [EMPTY * PARTS; CHANNELS],
+                delays_us: [[DELAY_US; 2]; CHANNELS],
+                drops: [0; CHANNELS],
                 received: [0; MAX_FRAME_LEN],
                 arrived: 0,
                 taken: 0,
@@ -100,9 +114,19 @@ impl Fixture {
 
     /// Advances the surroundings to the next turn.
     pub(crate) fn pass(&mut self, outputs: &TickOutputs) {
-        for (channel, (level, pulse)) in self.surroundings.levels.iter_mut().zip(&outputs.valves).enumerate() {
+        let Surroundings { levels, delays_us, drops, .. } = &mut self.surroundings;
+        for (channel, ((level, delays_us), pulse)) in levels.iter_mut().zip(delays_us).zip(&outputs.valves).enumerate()
+        {
             let (fill, vent) = (i32::from(pulse.fill_us), i32::from(pulse.vent_us));
-            *level = (*level + FILL * fill - VENT * vent).max(EMPTY * PARTS);
+            let [filling, venting] = [0, 1].map(|valve| open_us(&mut delays_us[valve], [fill, vent][valve]));
+            let above = *level / PARTS - EMPTY;
+            *level += FILL * filling - (VENT[0] + VENT[1] * above) * venting / PARTS;
+            *level = (*level).max(EMPTY * PARTS);
+            drops[channel] = match (filling > 0, venting > 0) {
+                (true, _) => FILLING,
+                (false, true) => -above / VENTING,
+                (false, false) => 0,
+            };
             self.moved[0] |= u32::from(fill > 0) << channel;
             self.moved[1] |= u32::from(vent > 0) << channel;
         }
@@ -122,9 +146,17 @@ impl Fixture {
     }
 }
 
+/// Time for which a valve is open in a tick of its coil, us.
+fn open_us(delay_us: &mut i32, coil_us: i32) -> i32 {
+    let open_us = (coil_us - *delay_us).max(0);
+    *delay_us = if coil_us == 0 { DELAY_US } else { (*delay_us - coil_us).max(0) };
+    open_us
+}
+
 impl Board<CHANNELS> for Surroundings {
     fn inputs(&mut self) -> TickInputs<CHANNELS> {
-        let pressure = self.levels.map(|level| AdcCode((level / PARTS) as u16));
+        let code = |channel: usize| AdcCode((self.levels[channel] / PARTS + self.drops[channel]) as u16);
+        let pressure = core::array::from_fn(code);
         TickInputs { now_us: self.now_us, pressure, supply: AdcCode(SUPPLY as u16), emergency_stop: false }
     }
 

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use softlimb_protocol::FaultCode::{
-    self, EmergencyStop, FillWithoutEffect, LinkLost, OverPressure, ReadingJumped, SensorFrozen, SensorImplausible,
-    SupplyLow,
+    self, EmergencyStop, ExcessAir, FillWithoutEffect, LinkLost, MissingAir, OverPressure, ReadingJumped, SensorFrozen,
+    SensorImplausible, SupplyLow,
 };
 use softlimb_sim::plant::PartFault::{
     self, CoilsSwapped, FillStuckClosed, FillStuckOpen, HoseKinked, Leak, PumpWeak, ReferenceSag, SensorDrift,
@@ -62,12 +62,13 @@ const fn row(
     Row { name, faults, codes, deadline_ms, reason }
 }
 
-const ANY: &[FaultCode] = &[SensorFrozen, ReadingJumped, FillWithoutEffect, OverPressure, SupplyLow];
-const DRIFT: &[FaultCode] = &[SensorImplausible, FillWithoutEffect, ReadingJumped];
-const BLIND: &str = "a chamber without a sensor fills before the start: nothing else measures it";
+const ANY: &[FaultCode] =
+    &[SensorFrozen, ReadingJumped, FillWithoutEffect, ExcessAir, MissingAir, OverPressure, SupplyLow];
+const DRIFT: &[FaultCode] = &[SensorImplausible, FillWithoutEffect, ReadingJumped, MissingAir];
 const AT_REST: &str = "named once the loop fills or vents again: a chamber at rest shows no effect";
-const NO_NAME: &str = "the loop compensates it: no observer has a code for it";
-const LATE: &str = "named by its effect on readings, which takes longer, and by that on another channel";
+const NO_NAME: &str = "the loop compensates it, and takes too little air for it to tell";
+const FILLING: &str = "while the loop fills, a fill valve that stays open changes nothing";
+const EMPTY: &str = "named once the pressure rises: from an almost empty chamber little air flows";
 
 /// All rows.
 #[must_use]
@@ -76,21 +77,27 @@ pub fn rows() -> [Row; 34] {
     [
         row("sensor-open", &[Part(SensorOpen)], &[SensorImplausible], 10, ""),
         row("sensor-frozen", &[Part(PartFault::SensorFrozen)], &[SensorFrozen], 300, AT_REST),
-        row("sensor-zero", &[Part(SensorZero)], &[SensorFrozen, ReadingJumped, FillWithoutEffect], 300, AT_REST),
+        row(
+            "sensor-zero",
+            &[Part(SensorZero)],
+            &[SensorFrozen, ReadingJumped, FillWithoutEffect, MissingAir],
+            300,
+            AT_REST,
+        ),
         row("sensor-drift -5 kPa/s", &[Part(SensorDrift { pa_per_s: -5e3 })], DRIFT, 5_000, NO_NAME),
         row("sensor-drift -1 kPa/s", &[Part(SensorDrift { pa_per_s: -1e3 })], DRIFT, 5_000, NO_NAME),
         row("sensors-swapped", &[Part(SensorsSwapped)], ANY, 300, AT_REST),
-        row("fill-stuck-open", &[Part(FillStuckOpen)], ANY, 300, LATE),
+        row("fill-stuck-open", &[Part(FillStuckOpen)], ANY, 300, FILLING),
         row("fill-stuck-closed", &[Part(FillStuckClosed)], ANY, 500, AT_REST),
-        row("vent-stuck-open", &[Part(VentStuckOpen)], ANY, 300, LATE),
-        row("vent-stuck-closed", &[Part(VentStuckClosed)], ANY, 500, NO_NAME),
+        row("vent-stuck-open", &[Part(VentStuckOpen)], ANY, 300, EMPTY),
+        row("vent-stuck-closed", &[Part(VentStuckClosed)], ANY, 500, AT_REST),
         row("coils-swapped", &[Part(CoilsSwapped)], ANY, 500, AT_REST),
-        row("burst 10 mm2", &[Part(Leak { conductance_m3_per_s_pa: 2e-8 })], ANY, 100, LATE),
-        row("burst 2.5 mm2", &[Part(Leak { conductance_m3_per_s_pa: 5e-9 })], ANY, 100, LATE),
+        row("burst 10 mm2", &[Part(Leak { conductance_m3_per_s_pa: 2e-8 })], ANY, 100, EMPTY),
+        row("burst 2.5 mm2", &[Part(Leak { conductance_m3_per_s_pa: 5e-9 })], ANY, 100, EMPTY),
         row("leak 20 mL/s", &[Part(Leak { conductance_m3_per_s_pa: 1e-10 })], ANY, 5_000, NO_NAME),
         row("leak 4 mL/s", &[Part(Leak { conductance_m3_per_s_pa: 2e-11 })], ANY, 5_000, NO_NAME),
-        row("hose-kinked 2 %", &[Part(HoseKinked { share: 0.02 })], ANY, 500, LATE),
-        row("hose-kinked 10 %", &[Part(HoseKinked { share: 0.1 })], ANY, 500, LATE),
+        row("hose-kinked 2 %", &[Part(HoseKinked { share: 0.02 })], ANY, 500, AT_REST),
+        row("hose-kinked 10 %", &[Part(HoseKinked { share: 0.1 })], ANY, 500, AT_REST),
         row("supply-stuck-open", &[Part(SupplyStuckOpen)], &[], 0, ""),
         row("supply-stuck-closed", &[Part(SupplyStuckClosed)], ANY, 500, AT_REST),
         row("pump-weak 10 %", &[Part(PumpWeak { share: 0.1 })], &[], 0, ""),
@@ -102,11 +109,11 @@ pub fn rows() -> [Row; 34] {
         row("link-silent", &[Silence], &[LinkLost], 300, ""),
         row("host-stall", &[Stall], &[], 0, ""),
         row("frozen + fill open", &[Part(PartFault::SensorFrozen), Part(FillStuckOpen)], ANY, 300, AT_REST),
-        row("hose off + fill open", &[Part(SensorZero), Part(FillStuckOpen)], ANY, 300, BLIND),
+        row("hose off + fill open", &[Part(SensorZero), Part(FillStuckOpen)], ANY, 300, ""),
         row("frozen + supply open", &[Part(PartFault::SensorFrozen), Part(SupplyStuckOpen)], ANY, 300, AT_REST),
         row("hose off + supply open", &[Part(SensorZero), Part(SupplyStuckOpen)], ANY, 300, AT_REST),
         row("frozen + link silent", &[Part(PartFault::SensorFrozen), Silence], &[SensorFrozen, LinkLost], 300, ""),
-        row("fill open + vent closed", &[Part(FillStuckOpen), Part(VentStuckClosed)], ANY, 300, LATE),
+        row("fill open + vent closed", &[Part(FillStuckOpen), Part(VentStuckClosed)], ANY, 300, FILLING),
         row("fill open + reset", &[Part(FillStuckOpen), Reset], &[], 0, ""),
     ]
 }

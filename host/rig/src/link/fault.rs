@@ -64,7 +64,9 @@ impl fmt::Display for DeviceFault {
                 | FaultCode::InverseFailed
                 | FaultCode::SensorFrozen
                 | FaultCode::ReadingJumped
-                | FaultCode::FillWithoutEffect,
+                | FaultCode::FillWithoutEffect
+                | FaultCode::ExcessAir
+                | FaultCode::MissingAir,
             ) => write!(f, " at {:.1} kPa", f64::from(value) * 1e-3),
             Some(FaultCode::LinkLost | FaultCode::TickOverrun) => write!(f, " for {:.1} ms", f64::from(value) * 1e-3),
             Some(FaultCode::SetpointsExhausted) => write!(f, " at knot {value}"),
@@ -91,6 +93,12 @@ pub(super) fn name(code: Code<FaultCode>) -> String {
         }
         Some(FaultCode::FillWithoutEffect) => {
             "filling without effect (fill valve or supply closed, vent open, hose kinked, coils exchanged, or sensor wrong)"
+        }
+        Some(FaultCode::ExcessAir) => {
+            "more air than the valves explain (fill valve open, vent closed, coils exchanged, hose kinked, or sensor wrong)"
+        }
+        Some(FaultCode::MissingAir) => {
+            "less air than the valves explain (vent open, leak or burst, fill valve or supply closed, hose kinked, or sensor wrong)"
         }
         None => return format!("unknown fault {}", code.raw()),
     };

@@ -1,0 +1,331 @@
+//! Balance of a channel's air: pressures measured at the loop's decisions beside the modelled effects of all pulses between them.
+//!
+//! A valve that stays open or closed, a burst or a leak is compensated by the loop of the other valve. The air that it takes for that tells. All
+//! amounts are in pascals of the chamber, in which walls that creep and air that cools do the same to chambers of all sizes.
+
+use softlimb_protocol::FaultCode;
+
+/// Real over modelled effect of a pulse, at least and at most: the bounds of the gains that the loop learns.
+const GAIN_MIN: f32 = 0.3;
+const GAIN_MAX: f32 = 3.0;
+
+/// Doubt about a gain, as a factor either way: before any effect was seen, and once it was seen often.
+const DOUBT_FIRST: f32 = 3.0;
+const DOUBT_LEAST: f32 = 1.4;
+
+/// Effects until the doubt is least; smallest effect that counts, Pa; and share of an innovation that is taken then.
+const OFTEN: u8 = 12;
+const EFFECT_PA: f32 = 1.5e3;
+const RATE_FIRST: f32 = 0.15;
+const RATE: f32 = 0.05;
+
+/// Gain of one valve: real over modelled effect of its pulses, as seen so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gain {
+    /// Deviation from 1, so that a new balance is all zeros.
+    beyond_one: f32,
+    count: u8,
+}
+
+impl Gain {
+    const UNKNOWN: Self = Self { beyond_one: 0.0, count: 0 };
+
+    fn learn(&mut self, gain: f32) {
+        let rate = if self.count < OFTEN { RATE_FIRST } else { RATE };
+        self.count = (self.count + 1).min(OFTEN);
+        self.beyond_one += rate * (gain.clamp(GAIN_MIN, GAIN_MAX) - 1.0 - self.beyond_one);
+    }
+
+    /// The gain, or that of the other valve where more is known of it: volume and compliance are common to both.
+    fn or(self, other: Self) -> Self {
+        if other.count > self.count { other } else { self }
+    }
+
+    fn doubt(&self, chamber_doubt: f32) -> f32 {
+        DOUBT_FIRST - (DOUBT_FIRST - DOUBT_LEAST) * f32::from(self.count) / f32::from(OFTEN) + chamber_doubt
+    }
+
+    fn least(&self, chamber_doubt: f32) -> f32 {
+        ((1.0 + self.beyond_one) / self.doubt(chamber_doubt)).max(GAIN_MIN / (1.0 + chamber_doubt))
+    }
+
+    fn most(&self, chamber_doubt: f32) -> f32 {
+        ((1.0 + self.beyond_one) * self.doubt(chamber_doubt)).min(GAIN_MAX * (1.0 + chamber_doubt))
+    }
+}
+
+/// Change that no valve explains and that is no fault, Pa/s: walls that recover from creep; and the leak of a sound chamber.
+const EXCESS_PA_PER_S: f32 = 2e3;
+const MISSING_PA_PER_S: f32 = 0.8e3;
+
+/// Share of a rise that the pressure loses while the walls creep, at most; shortest and longest time constant of that, s.
+const CREEP: f32 = 0.15;
+const CREEP_S: [f32; 2] = [1.5, 10.0];
+
+/// Share of the effect of a pulse by which the pressure comes back while the air takes the temperature of the wall, at most: without loss of heat a
+/// pulse has `1 - 1/1.4` more effect than in the end, a third of the effect by an exponent of 1.2. Shortest time for it, s.
+const HEAT: f32 = 0.33;
+const HEAT_S: f32 = 0.1;
+
+/// Unexplained pressure that is a fault, Pa. Walls that creep and air that cools take some; nothing brings any.
+const EXCESS_PA: f32 = 2.2e3;
+const MISSING_PA: f32 = 3.5e3;
+
+/// Unexplained pressure that noise makes: it uses up nothing of what is due.
+const MARGIN_PA: f32 = 0.6e3;
+
+/// Pressure below which a chamber may be empty, Pa: venting takes nothing from it.
+const EMPTY_PA: f32 = 2e3;
+
+/// Change of a reading from one sample to the next beyond which a single sample may be wrong, Pa.
+const STEP_PA: f32 = 5e3;
+
+/// Unexplained pressure of a channel, >= 0, Pa.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Unexplained {
+    excess_pa: f32,
+    missing_pa: f32,
+    /// Whether the pressure fell so far at once, since the last measurement, that it is the reading which is wrong, or a chamber that has burst.
+    has_jumped: bool,
+    /// Rise that is due while vented air warms up, and fall while compressed air cools down.
+    warming_pa: f32,
+    cooling_pa: f32,
+    /// Fall that is due while the walls creep.
+    creep_pa: f32,
+}
+
+impl Unexplained {
+    const NONE: Self =
+        Self { excess_pa: 0.0, missing_pa: 0.0, has_jumped: false, warming_pa: 0.0, cooling_pa: 0.0, creep_pa: 0.0 };
+}
+
+/// Measurement of a chamber's pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measurement {
+    pub(crate) now_us: u64,
+    pub(crate) pressure_pa: f32,
+    /// Change of the reading from the last sample, Pa.
+    pub(crate) step_pa: f32,
+    /// Modelled drop from the manifold to the chamber, Pa, signed: 0 once the line has settled.
+    pub(crate) drop_pa: f32,
+    /// Longest time constant with which the air takes the temperature of the wall, s.
+    pub(crate) cooling_s: f32,
+}
+
+/// Balance of one channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirBalance {
+    /// Time, us, pressure, Pa, and modelled drop, Pa, of the last measurement.
+    since: Option<(u64, f32, f32)>,
+    /// Modelled effects of the pulses since then, >= 0, Pa.
+    filled_pa: f32,
+    vented_pa: f32,
+    /// The same times the doubt about the chamber at each.
+    doubt_pa: f32,
+    unexplained: Unexplained,
+    fill: Gain,
+    vent: Gain,
+}
+
+impl AirBalance {
+    pub(crate) const fn new() -> Self {
+        Self {
+            since: None,
+            filled_pa: 0.0,
+            vented_pa: 0.0,
+            doubt_pa: 0.0,
+            unexplained: Unexplained::NONE,
+            fill: Gain::UNKNOWN,
+            vent: Gain::UNKNOWN,
+        }
+    }
+
+    /// Pressure beyond the highest that the valves explain, Pa.
+    pub fn excess_pa(&self) -> f32 {
+        self.unexplained.excess_pa
+    }
+
+    /// Pressure short of the least that the valves explain, Pa.
+    pub fn missing_pa(&self) -> f32 {
+        self.unexplained.missing_pa
+    }
+
+    /// A finding once there is more or less air than any working valves explain.
+    pub(crate) fn finding(&self) -> Option<FaultCode> {
+        if self.unexplained.missing_pa > MISSING_PA {
+            Some(if self.unexplained.has_jumped { FaultCode::ReadingJumped } else { FaultCode::MissingAir })
+        } else if self.unexplained.excess_pa > EXCESS_PA {
+            Some(FaultCode::ExcessAir)
+        } else {
+            None
+        }
+    }
+
+    /// The next measurement is the first: pulses since the last one were cut short.
+    pub(crate) fn interrupt(&mut self) {
+        self.since = None;
+    }
+
+    /// Takes the modelled effect of a pulse, Pa, signed.
+    pub(crate) fn pulse(&mut self, effect_pa: f32, chamber_doubt: f32) {
+        self.filled_pa += effect_pa.max(0.0);
+        self.vented_pa += (-effect_pa).max(0.0);
+        self.doubt_pa += effect_pa.abs() * chamber_doubt;
+    }
+
+    /// Takes a pressure of the chamber. Behind an open valve there is doubt about its drop, or about the change of that.
+    pub(crate) fn measure(&mut self, measurement: &Measurement) {
+        let Measurement { now_us, pressure_pa, step_pa, drop_pa, cooling_s } = *measurement;
+        if step_pa.abs() > STEP_PA {
+            return;
+        }
+        if let Some((at_us, from_pa, from_drop_pa)) = self.since {
+            if pressure_pa < EMPTY_PA {
+                self.vented_pa = 0.0;
+            }
+            let chamber_doubt = self.doubt_pa / (self.filled_pa + self.vented_pa).max(1.0);
+            // Where a valve is wide for its line, the real drop may be nothing, or double.
+            let doubt_pa = (drop_pa - from_drop_pa).abs();
+            let risen_pa = pressure_pa - from_pa;
+            let time_s = now_us.saturating_sub(at_us) as u32 as f32 * 1e-6;
+            let (fill, vent) = (self.fill.or(self.vent), self.vent.or(self.fill));
+            let most_pa = fill.most(chamber_doubt) * self.filled_pa - vent.least(chamber_doubt) * self.vented_pa;
+            let least_pa = fill.least(chamber_doubt) * self.filled_pa - vent.most(chamber_doubt) * self.vented_pa;
+            let before = self.unexplained;
+            // The part of an effect that comes back is one of the real effect: the measured one, within the bounds of the gain.
+            let fallen_pa = (-risen_pa).max(vent.least(chamber_doubt) * self.vented_pa);
+            let fallen_pa = fallen_pa.min(vent.most(chamber_doubt) * self.vented_pa);
+            let filled_pa = risen_pa.max(fill.least(chamber_doubt) * self.filled_pa);
+            let filled_pa = filled_pa.min(fill.most(chamber_doubt) * self.filled_pa);
+            let (mut warming_pa, mut cooling_pa) =
+                (before.warming_pa + HEAT * fallen_pa, before.cooling_pa + HEAT * filled_pa);
+            let mut creep_pa = (before.creep_pa + CREEP * risen_pa).max(0.0);
+            let excess_pa = risen_pa - most_pa - EXCESS_PA_PER_S * time_s - doubt_pa;
+            let missing_pa = least_pa - risen_pa - MISSING_PA_PER_S * time_s - doubt_pa;
+            // While the loop fills, a fill valve that stays open changes nothing, nor does an open vent while it vents.
+            let mut excess_pa = before.excess_pa + if drop_pa > 0.0 { 0.0 } else { excess_pa };
+            let mut missing_pa = before.missing_pa + if drop_pa < 0.0 { 0.0 } else { missing_pa };
+            let heat_s = [HEAT_S, cooling_s.max(HEAT_S)];
+            excess_pa -= come_back(&mut warming_pa, excess_pa, time_s, heat_s);
+            missing_pa -= come_back(&mut cooling_pa, missing_pa, time_s, heat_s);
+            missing_pa -= come_back(&mut creep_pa, missing_pa, time_s, CREEP_S);
+            self.unexplained = Unexplained {
+                excess_pa: excess_pa.max(0.0),
+                missing_pa: missing_pa.max(0.0),
+                has_jumped: risen_pa + vent.most(chamber_doubt) * self.vented_pa + doubt_pa < -MISSING_PA,
+                warming_pa,
+                cooling_pa,
+                creep_pa,
+            };
+            if drop_pa == 0.0 && from_drop_pa == 0.0 {
+                self.learn(risen_pa);
+            }
+        }
+        self.since = Some((now_us, pressure_pa, drop_pa));
+        (self.filled_pa, self.vented_pa, self.doubt_pa) = (0.0, 0.0, 0.0);
+    }
+
+    /// Learns from the effect of one valve alone.
+    fn learn(&mut self, risen_pa: f32) {
+        if self.filled_pa > EFFECT_PA && self.vented_pa == 0.0 {
+            self.fill.learn(risen_pa / self.filled_pa);
+        } else if self.vented_pa > EFFECT_PA && self.filled_pa == 0.0 {
+            self.vent.learn(-risen_pa / self.vented_pa);
+        }
+    }
+}
+
+/// Part of an unexplained pressure, Pa, that former changes make with time, and is taken from what is due. Its time constant is between two, s.
+fn come_back(due_pa: &mut f32, unexplained_pa: f32, time_s: f32, [shortest_s, longest_s]: [f32; 2]) -> f32 {
+    let most_pa = *due_pa * time_s / (time_s + shortest_s);
+    let least_pa = *due_pa * time_s / (time_s + longest_s);
+    let used_pa = (unexplained_pa - MARGIN_PA).max(0.0).min(most_pa);
+    *due_pa -= used_pa.max(least_pa);
+    used_pa
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A balance after periods of 20 ms from 50 kPa on: modelled effect of the pulse and the rise measured after it, Pa.
+    fn after(periods: impl IntoIterator<Item = (f32, f32)>) -> AirBalance {
+        let mut balance = AirBalance::new();
+        let (mut now_us, mut pressure_pa) = (0, 50e3);
+        let mut measure = |balance: &mut AirBalance, risen_pa: f32| {
+            (now_us, pressure_pa) = (now_us + 20_000, pressure_pa + risen_pa);
+            balance.measure(&Measurement { now_us, pressure_pa, step_pa: 0.0, drop_pa: 0.0, cooling_s: 0.8 });
+        };
+        measure(&mut balance, 0.0);
+        for (effect_pa, risen_pa) in periods {
+            balance.pulse(effect_pa, 0.3);
+            measure(&mut balance, risen_pa);
+        }
+        balance
+    }
+
+    #[test]
+    fn rise_that_vents_cannot_stop_is_excess_air() {
+        // The vent takes away what an open fill valve brings, 2 kPa each period.
+        let balance = after((0..40).map(|_| (-2e3, 0.0)));
+        assert_eq!(balance.finding(), Some(FaultCode::ExcessAir), "{balance:?}");
+        assert_eq!(after((0..4).map(|_| (0.0, 2e3))).finding(), Some(FaultCode::ExcessAir));
+    }
+
+    #[test]
+    fn pulses_without_effect_are_missing_air() {
+        let balance = after((0..20).map(|_| (3e3, 0.0)));
+        assert_eq!(balance.finding(), Some(FaultCode::MissingAir), "{balance:?}");
+        assert_eq!(after([(0.0, -12e3)]).finding(), Some(FaultCode::ReadingJumped));
+    }
+
+    #[test]
+    fn wrong_volume_and_cooling_air_are_no_finding() {
+        for gain in [0.4, 1.0, 2.7] {
+            let up_and_down = (0..400).map(|index| if index / 20 % 2 == 0 { 3e3 } else { -3e3 });
+            let balance = after(up_and_down.map(|effect_pa| (effect_pa, gain * effect_pa)));
+            assert_eq!(balance.finding(), None, "{gain}: {balance:?}");
+        }
+        // 80 kPa in 0.4 s, of which 12 kPa are lost to the wall afterwards, and 1 kPa/s to a wall that creeps.
+        let fill = (0..20).map(|_| (4e3, 4e3));
+        let rest = (0..100).map(|index: i32| (0.0, -800.0 * 0.935_f32.powi(index) - 20.0));
+        assert_eq!(after(fill.chain(rest)).finding(), None);
+    }
+
+    #[test]
+    fn single_sample_far_off_is_left_out() {
+        let mut balance = after([(0.0, 0.0)]);
+        balance.measure(&Measurement {
+            now_us: 60_000,
+            pressure_pa: 150e3,
+            step_pa: 100e3,
+            drop_pa: 0.0,
+            cooling_s: 0.8,
+        });
+        assert_eq!((balance.finding(), balance.excess_pa()), (None, 0.0));
+    }
+
+    #[test]
+    fn pressure_behind_an_open_valve_is_judged_with_doubt_about_its_drop() {
+        let mut balance = after([]);
+        balance.pulse(-1e3, 0.3);
+        balance.measure(&Measurement {
+            now_us: 40_000,
+            pressure_pa: 58e3,
+            step_pa: 0.0,
+            drop_pa: -10e3,
+            cooling_s: 0.8,
+        });
+        assert_eq!(balance.finding(), None, "8 kPa with a doubt of 10");
+        balance.measure(&Measurement {
+            now_us: 60_000,
+            pressure_pa: 62e3,
+            step_pa: 0.0,
+            drop_pa: -10e3,
+            cooling_s: 0.8,
+        });
+        assert_eq!(balance.finding(), Some(FaultCode::ExcessAir));
+        balance.measure(&Measurement { now_us: 80_000, pressure_pa: 54e3, step_pa: 0.0, drop_pa: 0.0, cooling_s: 0.8 });
+        assert_eq!(balance.finding(), None);
+    }
+}
