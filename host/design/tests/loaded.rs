@@ -1,12 +1,13 @@
 //! Limbs designed under load: small tasks, judged by the statics of the product on the scene that is written.
 
+use nalgebra::Vector3;
 use softlimb_design::from_scene::{BriefError, loaded_design, loaded_text};
 use softlimb_design::loaded::{
-    Effort, Found, Judgement, LimbSizes, Margin, REACHED_M, Refusal, active_bounds, evaluate, search, search_to_run,
+    Effort, Evaluation, Found, Judgement, Margin, REACHED_M, Refusal, active_bounds, evaluate, search, search_to_run,
     seeded,
 };
 use softlimb_limb::Limb;
-use softlimb_limb::statics::{Load, LoadedLimb};
+use softlimb_limb::statics::{Fidelity, Load, LoadedLimb};
 use softlimb_motion as motion;
 use softlimb_scene::{self as scene, Scene};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -154,11 +155,11 @@ fn stands_where_wanted(wanted: &Scene, goals: [[f64; 3]; 2]) -> Scene {
     let found = found(wanted);
     assert!(found.reached, "{:?}", found.evaluation.lacks);
     let poses = &found.confirmed;
-    let designed = read(&loaded_text(wanted, &design, &found.evaluation.sizes).unwrap());
+    let designed = read(&loaded_text(wanted, &design, &found.evaluation).unwrap());
     let limb = Limb::new(&designed).unwrap();
     let bays: Vec<usize> = designed.modules().iter().map(|module| usize::from(module.spacers) + 1).collect();
     let payloads_kg = [0.0, 0.2];
-    for ((pose, goal), payload_kg) in poses.iter().zip(goals).zip(payloads_kg) {
+    for (index, ((pose, goal), payload_kg)) in poses.iter().zip(goals).zip(payloads_kg).enumerate() {
         assert!(pose.lacks.is_empty() && pose.tip_error_m <= REACHED_M, "{pose:?}");
         // The statics of the written scene, built from its text, at the pressures that the design states.
         let channels = limb.channel_values(&pose.pressures_pa);
@@ -168,6 +169,14 @@ fn stands_where_wanted(wanted: &Scene, goals: [[f64; 3]; 2]) -> Scene {
         let standing = loaded.stand(1e-5, designed.rest_length_m()).unwrap();
         let off = standing.tip_m.iter().zip(goal).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
         assert!(off <= 1.5e-4, "{off} {:?} {goal:?}", standing.tip_m);
+        // The phase that takes an object states how the end effector points, and no other one does.
+        let aims = designed.phases().iter().filter(|phase| phase.aim.is_some()).count();
+        assert_eq!(aims, usize::from(!designed.objects().is_empty()));
+        if let Some(aim) = &designed.phases()[index].aim {
+            let rods = loaded.settle(Fidelity::Fourfold, None).unwrap();
+            let axis = rods.shape.tip().rotation * Vector3::z();
+            assert!(axis.angle(&Vector3::from(*aim.direction)) < 0.5_f64.to_radians(), "{axis} {aim:?}");
+        }
         assert!(standing.load_factor >= 1.5 && standing.buckling_margin >= 3.0);
         assert!(standing.sag_m <= 0.4 * designed.rest_length_m());
         assert!(standing.stiffness_n_per_m.unwrap()[2] >= 40.0);
@@ -185,14 +194,14 @@ fn limb_found_keeps_its_margins_as_the_planner_has_it() {
     let text = TASK.replace("tip = [0.16, 0, 0.58]", "inside = \"shelf\"").replace("[limits]", region);
     let wanted = read(&text);
     let design = loaded_design(&wanted).unwrap();
-    let planned = |sizes: &LimbSizes| {
-        let designed = read(&loaded_text(&wanted, &design, sizes).unwrap());
+    let planned = |limb: &Evaluation| {
+        let designed = read(&loaded_text(&wanted, &design, limb).unwrap());
         let limb = Limb::new(&designed).unwrap();
         let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
         (designed.rest_length_m(), motion::margins(&designed, &limb, &plan, &motion::Sent::uncorrected(&limb, &plan)))
     };
-    let refused = |sizes: &LimbSizes| {
-        let (length_m, margins) = planned(sizes);
+    let refused = |limb: &Evaluation| {
+        let (length_m, margins) = planned(limb);
         let kept = margins.unwrap().iter().all(|margins| {
             margins.load_factor >= 1.5
                 && margins.stiffness_n_per_m >= 40.0
@@ -204,7 +213,7 @@ fn limb_found_keeps_its_margins_as_the_planner_has_it() {
     };
     let (task, space) = (&design.task, &design.space);
     let found = search_to_run(task, space, &space.first_guess(), &effort(), &refused, &|| false).unwrap();
-    assert!(found.reached && found.refused.is_none(), "{:?}", planned(&found.evaluation.sizes).1);
+    assert!(found.reached && found.refused.is_none(), "{:?}", planned(&found.evaluation).1);
 }
 
 /// The limb for a stiffer tip is as stiff as the scene demands by the statics of the scene that is written; that of the free scene is not.
@@ -217,7 +226,7 @@ fn stiffness_of_the_tip_is_a_goal_of_the_scene() {
         let effort = Effort { raises: 0, ..effort() };
         let found = search(task, space, &space.first_guess(), &effort, &|| false).unwrap();
         assert!(found.reached, "{:?}", found.evaluation.lacks);
-        let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
+        let designed = read(&loaded_text(&wanted, &design, &found.evaluation).unwrap());
         let limb = Limb::new(&designed).unwrap();
         let plan = motion::plan(&designed, &limb).unwrap_or_else(|error| panic!("{}", error.render(false)));
         let margins = motion::margins(&designed, &limb, &plan, &motion::Sent::uncorrected(&limb, &plan)).unwrap();
@@ -237,7 +246,7 @@ fn limb_is_no_heavier_than_the_scene_allows() {
         let design = loaded_design(&wanted).unwrap();
         let effort = Effort { raises: 0, ..effort() };
         let found = search(&design.task, &design.space, &design.space.first_guess(), &effort, &|| false).unwrap();
-        let designed = read(&loaded_text(&wanted, &design, &found.evaluation.sizes).unwrap());
+        let designed = read(&loaded_text(&wanted, &design, &found.evaluation).unwrap());
         let walls_m3 = designed.modules().iter().map(|module| {
             let [inner, outer] = [*module.inner_radius_m, *module.outer_radius_m];
             3.0 * std::f64::consts::PI * (outer * outer - inner * inner) * *module.length_m
@@ -281,12 +290,12 @@ fn refused_limbs_lead_to_further_starts_up_to_the_sixth() {
     let free = of(2, &|_| None);
     assert_eq!((free.reached, free.refused_before, &free.refused), (true, 0, &None));
     let first = free.evaluation.sizes;
-    let but_first = |sizes: &LimbSizes| (*sizes == first).then(|| "not this one".to_owned());
+    let but_first = |limb: &Evaluation| (limb.sizes == first).then(|| "not this one".to_owned());
     let (one, three) = (of(1, &but_first), of(3, &but_first));
     assert!(one.reached && one.refused.is_none() && one.evaluation.sizes != first);
     assert_eq!((one.refused_before, one.evaluation.sizes), (1, three.evaluation.sizes));
     let count = AtomicUsize::new(0);
-    let none = |_: &LimbSizes| {
+    let none = |_: &Evaluation| {
         count.fetch_add(1, Ordering::Relaxed);
         Some("none".to_owned())
     };

@@ -9,7 +9,7 @@ use super::space::length_m;
 use super::task::{SPARE_M, inside};
 use crate::actuators::Winding;
 use crate::loaded::{
-    BaseSpace, CarriedBody, LimbSizes, LimbSpace, LoadedPose, LoadedTask, ModuleSpace, StandingLimits,
+    BaseSpace, CarriedBody, Evaluation, LimbSpace, LoadedPose, LoadedTask, ModuleSpace, StandingLimits,
 };
 use crate::synthesis::{Aim, Direction, Obstacle};
 use softlimb_scene::collision::Shape;
@@ -69,11 +69,12 @@ pub fn loaded_design(scene: &Scene) -> Result<LoadedDesign, BriefError> {
     Ok(LoadedDesign { task, space: LimbSpace { base: base(scene), modules } })
 }
 
-/// The scene with a limb of these sizes.
+/// The scene with a limb. Where it grasps a body, the phase gets the `direction` of the end effector: the tilt of the body depends on it.
 ///
 /// # Errors
 /// [`RewriteError`].
-pub fn loaded_text(scene: &Scene, design: &LoadedDesign, sizes: &LimbSizes) -> Result<String, RewriteError> {
+pub fn loaded_text(scene: &Scene, design: &LoadedDesign, limb: &Evaluation) -> Result<String, RewriteError> {
+    let sizes = &limb.sizes;
     let modules = scene.modules().iter().zip(&design.space.modules).zip(&sizes.modules);
     let redesigns: Vec<Redesign> = modules
         .map(|((module, space), sizes)| Redesign {
@@ -99,7 +100,8 @@ pub fn loaded_text(scene: &Scene, design: &LoadedDesign, sizes: &LimbSizes) -> R
         .collect();
     let spacers: Vec<u8> = sizes.modules.iter().map(|module| module.spacers).collect();
     let [direction, up] = design.space.directions(sizes.pitch_rad);
-    redesigned_at(scene, &redesigns, &spacers, &Rebase { position_m: sizes.position_m, direction, up })
+    let base = Rebase { position_m: sizes.position_m, direction, up };
+    redesigned_at(scene, &redesigns, &spacers, &base, &limb.grasp_directions(&design.task))
 }
 
 fn base(scene: &Scene) -> BaseSpace {

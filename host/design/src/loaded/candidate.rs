@@ -85,7 +85,7 @@ pub(super) fn attempt(
     if given_up() {
         return Some(here.unproven());
     }
-    here.refused = refusal(&here.limb().sizes);
+    here.refused = refusal(here.limb());
     Some(here)
 }
 

@@ -37,6 +37,18 @@ impl Evaluation {
     pub fn objective(&self) -> f64 {
         self.lacks.iter().map(|lack| lack.value * lack.value).sum()
     }
+
+    /// Unit vector along the end effector in each pose at whose end it grasps a body, fixed frame; `None` in the others.
+    pub fn grasp_directions(&self, task: &LoadedTask) -> Vec<Option<[f64; 3]>> {
+        let mut directions = vec![None; self.poses.len()];
+        for pose in 0..self.poses.len() {
+            let before = refs(&self.poses);
+            if let Some((grasp, turn)) = grasped_at(task, pose).zip(grasp(task, &before, pose)) {
+                directions[grasp] = Some((turn * Vector3::z()).into());
+            }
+        }
+        directions
+    }
 }
 
 /// What limbs are judged by beyond their task.

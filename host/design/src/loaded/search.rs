@@ -7,7 +7,7 @@ use super::confirm::{ConfirmedPose, confirm};
 use super::evaluate::{Evaluation, Judgement, evaluate};
 use super::local_solve::abreast;
 use super::race::Race;
-use super::space::{LimbSizes, LimbSpace};
+use super::space::LimbSpace;
 use super::task::LoadedTask;
 use softlimb_numerics::Random;
 
@@ -21,8 +21,8 @@ const SPREADS: [f64; 3] = [0.1, 0.15, 0.25];
 /// Limbs that the planner may refuse before the search ends.
 const REFUSALS: usize = 6;
 
-/// Why a planner refuses the limb of these sizes, or which margin it does not keep as the planner has it; `None` where it keeps all.
-pub type Refusal<'a> = dyn Fn(&LimbSizes) -> Option<String> + Sync + 'a;
+/// Why a planner refuses a limb, or which margin it does not keep as the planner has it; `None` where it keeps all.
+pub type Refusal<'a> = dyn Fn(&Evaluation) -> Option<String> + Sync + 'a;
 
 /// Bounds of a search.
 #[derive(Clone, Copy, Debug)]

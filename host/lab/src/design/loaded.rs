@@ -11,8 +11,7 @@ use softlimb::cli::{Failure, refused};
 use softlimb::scene::Scene;
 use softlimb_design::from_scene::{LoadedDesign, loaded_design};
 use softlimb_design::loaded::{
-    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, Lack, LimbSizes, active_bounds, search, search_to_run,
-    seeded,
+    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, Lack, active_bounds, search, search_to_run, seeded,
 };
 
 /// Time that a design may take, s.
@@ -73,7 +72,7 @@ fn searched(scene: &Loaded, seed: u64, effort: Effort, planned: bool) -> Option<
     let (begin, used_s) = (Instant::now(), processor_s());
     let effort = Effort { seed, ..effort };
     let (task, space) = (&design.task, &design.space);
-    let refusal = |sizes: &LimbSizes| if planned { refused(&scene.scene, design, sizes) } else { None };
+    let refusal = |limb: &Evaluation| if planned { refused(&scene.scene, design, limb) } else { None };
     let found = search_to_run(task, space, &space.first_guess(), &effort, &refusal, &|| false)?;
     let (wall_s, processor_s) = (begin.elapsed().as_secs_f64(), processor_s() - used_s);
     let poses = &found.confirmed;

@@ -6,7 +6,7 @@ use super::RewriteError;
 use super::draft::{Draft, put};
 use super::redesign::{Redesign, redesigned};
 use crate::data::Scene;
-use crate::schema::{limb, module, scene};
+use crate::schema::{limb, module, phase, scene};
 
 /// Base of a redesigned limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +21,11 @@ pub struct Rebase {
 
 /// Digits of positions and directions: a nanometre.
 const SCALE: f64 = 1e9;
+/// Digits of a phase's `direction`, which its tolerance covers.
+const POINTING: f64 = 1e4;
 
-/// The text of a scene with these modules, `spacers` of each, and this base; goals stay. Comments and everything else stay.
+/// The text of a scene with these modules, `spacers` of each, and this base; goals stay, and get a `direction` of the end effector where they have
+/// none and one is given for their phase. Comments and everything else stay.
 ///
 /// # Errors
 /// [`RewriteError`]. The text that is returned has been read again.
@@ -31,6 +34,7 @@ pub fn redesigned_at(
     modules: &[Redesign],
     spacers: &[u8],
     base: &Rebase,
+    directions: &[Option<[f64; 3]>],
 ) -> Result<String, RewriteError> {
     let text = redesigned(scene, modules, None)?;
     let read = crate::parse(&text, scene.source_name()).map_err(RewriteError::Refused)?;
@@ -41,9 +45,16 @@ pub fn redesigned_at(
     }
     let table = draft.document.get_mut(scene::LIMB.name).and_then(|item| item.as_table_like_mut());
     let table = table.ok_or_else(|| unwritten("base"))?;
-    put(table, limb::BASE_POSITION.name, vector(base.position_m));
-    put(table, limb::BASE_DIRECTION.name, vector(base.direction));
-    put(table, limb::BASE_UP.name, vector(base.up));
+    put(table, limb::BASE_POSITION.name, vector(base.position_m, SCALE));
+    put(table, limb::BASE_DIRECTION.name, vector(base.direction, SCALE));
+    put(table, limb::BASE_UP.name, vector(base.up, SCALE));
+    let open = scene.phases().iter().zip(directions).enumerate().filter(|(_, (phase, _))| phase.aim.is_none());
+    for (index, (_, direction)) in open {
+        let Some(direction) = direction else { continue };
+        let table =
+            draft.document.get_mut(scene::PHASE.name).and_then(|phases| phases.get_mut(index)?.as_table_like_mut());
+        put(table.ok_or_else(|| unwritten("direction"))?, phase::DIRECTION.name, vector(*direction, POINTING));
+    }
     let (text, read) = draft.read(scene.source_name())?;
     let kept = read.modules().iter().zip(spacers).all(|(module, count)| module.spacers == *count);
     if !kept {
@@ -57,7 +68,7 @@ pub fn redesigned_at(
     Ok(text)
 }
 
-fn vector(values: [f64; 3]) -> Value {
-    let round = |value: f64| if value.abs() < 0.5 / SCALE { 0.0 } else { (value * SCALE).round() / SCALE };
+fn vector(values: [f64; 3], scale: f64) -> Value {
+    let round = |value: f64| if value.abs() < 0.5 / scale { 0.0 } else { (value * scale).round() / scale };
     Value::Array(values.into_iter().map(round).collect::<Array>())
 }

@@ -10,7 +10,7 @@ use crate::cli::{Failure, Outcome, note};
 use crate::results::margin_warnings;
 use softlimb_design::from_scene::{LoadedDesign, loaded_design, loaded_text};
 use softlimb_design::loaded::{
-    ActiveBound, ConfirmedPose, Effort, Found, LimbSizes, StandingLimits, active_bounds, search_to_run,
+    ActiveBound, ConfirmedPose, Effort, Evaluation, Found, LimbSizes, StandingLimits, active_bounds, search_to_run,
 };
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
@@ -54,14 +54,14 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     let design = loaded_design(scene)?;
     let effort = Effort { seed, ..Effort::default() };
     let (task, space) = (&design.task, &design.space);
-    let refusal = |sizes: &LimbSizes| refused(scene, &design, sizes);
+    let refusal = |limb: &Evaluation| refused(scene, &design, limb);
     let found = search_to_run(task, space, &space.first_guess(), &effort, &refusal, &|| false);
     let found = found.ok_or_else(|| {
         Failure::new("no limb within the bounds stands under its own weight in the first phase: raise `pressure_max` or the bounds of `[design]`")
     })?;
     let (phases, reached) = (&found.confirmed, found.reached);
     let bounds = active_bounds(task, space, &found, &|| false);
-    let text = loaded_text(scene, &design, &found.evaluation.sizes).map_err(Failure::new)?;
+    let text = loaded_text(scene, &design, &found.evaluation).map_err(Failure::new)?;
     write_whole(file, &text).map_err(Failure::new)?;
     let printed = Printed {
         file,
@@ -93,11 +93,11 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     Ok(Outcome::DoneWithWarnings)
 }
 
-/// Why the planner refuses the scene with a limb of these sizes, or the margins that the limb does not keep as the planner has it: what `softlimb check`
+/// Why the planner refuses the scene with a limb, or the margins that the limb does not keep as the planner has it: what `softlimb check`
 /// says of it.
-pub fn refused(scene: &Scene, design: &LoadedDesign, sizes: &LimbSizes) -> Option<String> {
+pub fn refused(scene: &Scene, design: &LoadedDesign, limb: &Evaluation) -> Option<String> {
     let complaint = || -> Result<Vec<String>, Box<dyn std::error::Error>> {
-        let designed = scene::parse(&loaded_text(scene, design, sizes)?, scene.name())?;
+        let designed = scene::parse(&loaded_text(scene, design, limb)?, scene.name())?;
         let limb = Limb::new(&designed)?;
         let plan = motion::plan(&designed, &limb)?;
         let margins = motion::margins(&designed, &limb, &plan, &motion::sent(&designed, &limb, &plan)?)?;
