@@ -18,6 +18,7 @@ mod port;
 mod record_log;
 mod replay;
 mod report_browser;
+mod report_motion;
 mod report_moving;
 mod report_still;
 mod report_summary;

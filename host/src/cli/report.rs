@@ -7,6 +7,7 @@ use clap::Args;
 use super::shared::show;
 use super::{Failure, Outcome};
 use crate::results::RunSummary;
+use softlimb_files::write_whole;
 use softlimb_rig::record;
 use softlimb_rig::report;
 use softlimb_rig::run;
@@ -23,6 +24,9 @@ pub(super) struct Report {
     /// Write static figures, without scripts
     #[arg(long = "static")]
     is_static: bool,
+    /// Write the run as an animated picture (SVG), too
+    #[arg(long, value_name = "FILE")]
+    motion: Option<PathBuf>,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -37,11 +41,24 @@ impl Report {
             return Err(Failure::new(format!("the report would replace the log {log}: give another file with --out")));
         }
         let write = if self.is_static { run::write_still_report } else { run::write_report };
+        if let Some(file) = self.motion.as_ref().filter(|file| same_file(file, &self.log) || **file == out) {
+            let file = file.display();
+            return Err(Failure::new(format!("the picture would replace {file}: give another file with --motion")));
+        }
         write(&out, &log).map_err(Failure::new)?;
         let summary = report::summary(&log);
         let result = RunSummary::new(&summary, Vec::new(), log.incomplete.iter().cloned().collect());
         show(self.json, &result, || summary.table())?;
         super::note(&format!("wrote {}", out.display()));
+        if let Some(file) = &self.motion {
+            let picture = report::motion_svg(&log).ok_or_else(|| {
+                Failure::new(
+                    "the log has no shape of the limb to draw: it is of an earlier version, or nothing saw the limb",
+                )
+            })?;
+            write_whole(file, &picture).map_err(Failure::new)?;
+            super::note(&format!("wrote {}", file.display()));
+        }
         Ok(super::warn(&result.warnings))
     }
 }

@@ -86,7 +86,11 @@ fn log_and_report_know_whether_the_limb_had_weight() {
             let title = format!("\"title\":\"{plot}, {WEIGHTLESS}\"");
             assert_eq!(page.contains(&title), without, "{plot}");
         }
-        desk.softlimb("report results/run.mcap --static --out still.html").done();
+        desk.softlimb("report results/run.mcap --motion results/run.mcap")
+            .failed(1, &["give another file with --motion"]);
+        desk.softlimb("report results/run.mcap --static --out still.html --motion limb.svg").done();
+        let picture = std::fs::read_to_string(desk.path("limb.svg")).unwrap();
+        assert_eq!((picture.contains(WEIGHTLESS), picture.contains("<animate ")), (without, true));
         let still = std::fs::read_to_string(desk.path("still.html")).unwrap();
         assert!(!still.contains("<script"));
         for figure in ["Side view", "Tip error", "finger: bending", "finger: pressures"] {

@@ -1,4 +1,4 @@
-//! Assessment of a run: figures of merit, a table for the terminal, an interactive page and a static one.
+//! Assessment of a run: figures of merit, a table for the terminal, an interactive page, a static one, and a picture that moves.
 //!
 //! Everything here is a pure function of a [`RunLog`](crate::record::RunLog); no file
 //! is read or written, nothing is printed.
@@ -6,7 +6,9 @@
 mod causes;
 mod charts;
 mod facts;
+mod motion;
 mod moving;
+mod projection;
 mod rows;
 mod stats;
 mod still;
@@ -15,6 +17,7 @@ mod table;
 mod tip;
 mod verdict;
 
+pub use motion::motion_svg;
 pub use moving::{LIMB_SCRIPT, STYLE, html};
 pub use stats::ErrorStats;
 pub use still::still_html;
