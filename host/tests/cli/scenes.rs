@@ -214,3 +214,13 @@ fn same(two: &Value, one: &Value, place: &str, numbers: &mut u32) {
         _ => {}
     }
 }
+
+/// The limb reaches its goals in many postures, and the tilt of its bottle counts from that of the grasp, which the design states.
+#[test]
+fn planner_keeps_the_limb_that_is_designed_for_group_c() {
+    let desk = Desk::new();
+    desk.put("scene.toml", include_str!("../../../scenes/open/loaded-group-c.toml"));
+    let designed = desk.softlimb("design limb scene.toml --seed 3 --out designed.toml --json").done().json();
+    assert_eq!((&designed["reached"], &designed["refused"]), (&true.into(), &serde_json::Value::Null), "{designed}");
+    assert!(std::fs::read_to_string(desk.path("designed.toml")).unwrap().contains("\ndirection = ["));
+}
