@@ -1,11 +1,11 @@
 //! Balance of a channel's air: pressures measured at the loop's decisions beside the modelled effects of all pulses between them.
 //!
-//! A valve that stays open or closed, a burst or a leak is compensated by the loop of the other valve. The air that it takes for that tells. All
-//! amounts are in pascals of the chamber, in which walls that creep and air that cools do the same to chambers of all sizes.
+//! The loop makes up for a leak, a burst, or a valve that stays open or closed. The air that it needs for that reveals the fault. Amounts are
+//! changes of the chamber's pressure, Pa: creeping walls and cooling air change it alike in chambers of all sizes.
 
 use softlimb_protocol::FaultCode;
 
-/// Real over modelled effect of a pulse, at least and at most: the bounds of the gains that the loop learns.
+/// Ratio of real to modelled effect of a pulse, at least and at most: the bounds of the gains that the loop learns.
 const GAIN_MIN: f32 = 0.3;
 const GAIN_MAX: f32 = 3.0;
 
@@ -13,13 +13,13 @@ const GAIN_MAX: f32 = 3.0;
 const DOUBT_FIRST: f32 = 3.0;
 const DOUBT_LEAST: f32 = 1.4;
 
-/// Effects until the doubt is least; smallest effect that counts, Pa; and share of an innovation that is taken then.
+/// Number of effects after which the doubt is least; smallest effect that counts, Pa; share of an innovation that a gain takes, before and after.
 const OFTEN: u8 = 12;
 const EFFECT_PA: f32 = 1.5e3;
 const RATE_FIRST: f32 = 0.15;
 const RATE: f32 = 0.05;
 
-/// Gain of one valve: real over modelled effect of its pulses, as seen so far.
+/// Gain of one valve: ratio of real to modelled effect of its pulses, as seen so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gain {
     /// Deviation from 1, so that a new balance is all zeros.
@@ -67,14 +67,14 @@ const CREEP_S: [f32; 2] = [1.5, 10.0];
 const HEAT: f32 = 0.33;
 const HEAT_S: f32 = 0.1;
 
-/// Unexplained pressure that is a fault, Pa. Walls that creep and air that cools take some; nothing brings any.
+/// Unexplained pressure that is a fault, Pa. Creeping walls and cooling air lower the pressure of a sound chamber; nothing raises it.
 const EXCESS_PA: f32 = 2.2e3;
 const MISSING_PA: f32 = 3.5e3;
 
-/// Unexplained pressure that noise makes: it uses up nothing of what is due.
+/// Unexplained pressure that may be noise, Pa: no due change is spent on it.
 const MARGIN_PA: f32 = 0.6e3;
 
-/// Pressure below which a chamber may be empty, Pa: venting takes nothing from it.
+/// Pressure below which a chamber may be empty, Pa: venting then changes nothing.
 const EMPTY_PA: f32 = 2e3;
 
 /// Change of a reading from one sample to the next beyond which a single sample may be wrong, Pa.
@@ -85,7 +85,7 @@ const STEP_PA: f32 = 5e3;
 struct Unexplained {
     excess_pa: f32,
     missing_pa: f32,
-    /// Whether the pressure fell so far at once, since the last measurement, that it is the reading which is wrong, or a chamber that has burst.
+    /// Whether the pressure fell so far since the last measurement that the reading is wrong or the chamber has burst.
     has_jumped: bool,
     /// Rise that is due while vented air warms up, and fall while compressed air cools down.
     warming_pa: f32,
@@ -120,7 +120,7 @@ pub struct AirBalance {
     /// Modelled effects of the pulses since then, >= 0, Pa.
     filled_pa: f32,
     vented_pa: f32,
-    /// The same times the doubt about the chamber at each.
+    /// The same, each times the doubt about the chamber at its pulse.
     doubt_pa: f32,
     unexplained: Unexplained,
     fill: Gain,
@@ -173,7 +173,7 @@ impl AirBalance {
         self.doubt_pa += effect_pa.abs() * chamber_doubt;
     }
 
-    /// Takes a pressure of the chamber. Behind an open valve there is doubt about its drop, or about the change of that.
+    /// Takes a pressure of the chamber. Behind an open valve the drop, or its change, is in doubt.
     pub(crate) fn measure(&mut self, measurement: &Measurement) {
         let Measurement { now_us, pressure_pa, step_pa, drop_pa, cooling_s } = *measurement;
         if step_pa.abs() > STEP_PA {
@@ -184,7 +184,7 @@ impl AirBalance {
                 self.vented_pa = 0.0;
             }
             let chamber_doubt = self.doubt_pa / (self.filled_pa + self.vented_pa).max(1.0);
-            // Where a valve is wide for its line, the real drop may be nothing, or double.
+            // Behind a valve that is wide for its line, the real drop may be zero or double.
             let doubt_pa = (drop_pa - from_drop_pa).abs();
             let risen_pa = pressure_pa - from_pa;
             let time_s = now_us.saturating_sub(at_us) as u32 as f32 * 1e-6;
@@ -192,7 +192,7 @@ impl AirBalance {
             let most_pa = fill.most(chamber_doubt) * self.filled_pa - vent.least(chamber_doubt) * self.vented_pa;
             let least_pa = fill.least(chamber_doubt) * self.filled_pa - vent.most(chamber_doubt) * self.vented_pa;
             let before = self.unexplained;
-            // The part of an effect that comes back is one of the real effect: the measured one, within the bounds of the gain.
+            // A share of the real effect comes back: of the measured change, within the bounds of the gain.
             let fallen_pa = (-risen_pa).max(vent.least(chamber_doubt) * self.vented_pa);
             let fallen_pa = fallen_pa.min(vent.most(chamber_doubt) * self.vented_pa);
             let filled_pa = risen_pa.max(fill.least(chamber_doubt) * self.filled_pa);
@@ -235,7 +235,7 @@ impl AirBalance {
     }
 }
 
-/// Part of an unexplained pressure, Pa, that former changes make with time, and is taken from what is due. Its time constant is between two, s.
+/// Part of an unexplained pressure that a due change explains, Pa. The due change shrinks with a time constant between two bounds, s.
 fn come_back(due_pa: &mut f32, unexplained_pa: f32, time_s: f32, [shortest_s, longest_s]: [f32; 2]) -> f32 {
     let most_pa = *due_pa * time_s / (time_s + shortest_s);
     let least_pa = *due_pa * time_s / (time_s + longest_s);

@@ -78,7 +78,7 @@ impl Chamber {
         self.dead_volume_m3 / self.capacity_m3(pressure_pa, atmosphere)
     }
 
-    /// Doubt about the rise by some air, beyond one: the chamber takes a part of it by growing, and does so differently far from the state of the model.
+    /// Doubt about the rise that some air causes, as a factor beyond one. The chamber grows with a part of the air, and otherwise than modelled far from its state.
     pub(crate) fn doubt(&self, pressure_pa: f32, atmosphere: Absolute) -> f32 {
         let rigid_share = self.volume_at(pressure_pa) / self.capacity_m3(pressure_pa, atmosphere);
         let far = ((pressure_pa - self.pressure_pa).abs() / FAR_PA).min(1.0);

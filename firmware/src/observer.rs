@@ -13,17 +13,17 @@ use crate::valve::{Direction, TICK_US, ValvePulse, ValveTiming};
 /// Effect without any change of the code that tells a frozen sensor, Pa: noise alone moves the code of a sound one.
 const FROZEN_PA: f32 = 4_000.0;
 
-/// Looks at the same code that tell a frozen sensor if noise had moved its code over more than two values before. The noise is the mean of that by
-/// which second differences of the codes exceed 2: of a bit that flips, or of a ramp, none does; a jump counts as 4. This much is a deviation of 0.7 codes.
+/// Looks at one code in a row after which a sensor that was noisy before is frozen. The noise is the mean excess of the codes' second differences over 2:
+/// a bit that flips and a ramp have none, a jump counts as 4. `NOISY` is that of a standard deviation of 0.7 codes.
 const FROZEN_LOOKS: u8 = 80;
 const NOISY: f32 = 0.25;
 const NOISE_MAX: u32 = 4;
 const NOISE_RATE: f32 = 1.0 / 32.0;
 
-/// Looks at a line at rest until second differences hold nothing of the flow before.
+/// Looks after which a line at rest has second differences without the flow before.
 const REST_LOOKS: u8 = 3;
 
-/// Looks at the same code after which the noise is not that of a sound sensor, and nothing is learned of it.
+/// Looks at one code in a row after which a sensor may be frozen: its noise is then no longer learned.
 const STILL_LOOKS: u8 = 3;
 
 /// Fall of a reading that no venting explains, Pa, and part of the modelled venting by which it may be more.
@@ -144,7 +144,7 @@ pub(crate) struct Observer {
     last_code: AdcCode,
     last_step: i32,
     last_pa: f32,
-    /// Looks at the same code in a row, looks since the line came to rest, and the noise then.
+    /// Looks at one code in a row, looks since the line came to rest, and the noise at rest.
     same_looks: u8,
     rest_looks: u8,
     noise: f32,
@@ -210,7 +210,7 @@ impl Observer {
         *self = Self { fill, vent, ..Self::new() };
     }
 
-    /// Whether the code stays the same: of a frozen sensor, no reading tells anything.
+    /// Whether the code stays the same. The reading of a frozen sensor tells nothing.
     pub(crate) fn is_unchanged(&self) -> bool {
         self.unchanged_pa > 0.0 || self.same_looks >= STILL_LOOKS
     }

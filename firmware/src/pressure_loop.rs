@@ -27,7 +27,7 @@ const BACK: f32 = 1.05;
 /// Largest excess of a pair over the reference, Pa: a pressure that is settled stays within 1 kPa.
 const ABOVE_PA: f32 = 900.0;
 
-/// Pressure of the supply above a chamber's below which a fill valve may let air back, Pa: the balance tells nothing of it.
+/// Supply pressure above that of the chamber, Pa: below it a fill valve may let air flow back, and the balance is interrupted.
 const SUPPLY_MIN_PA: f32 = 5e3;
 
 /// Inputs of one decision.
@@ -212,7 +212,7 @@ impl PressureLoop {
         }
     }
 
-    /// Whether the reading still comes back from a pulse: behind a valve that is wide for its line, it does so for longer than the loop waits.
+    /// Whether the reading still settles after a pulse. Behind a valve that is wide for its line, that takes longer than the loop waits.
     fn settles(&self, step_pa: f32, pulse: Option<Direction>) -> bool {
         match pulse {
             Some(Direction::Fill) => step_pa < -STILL_PA,
@@ -311,7 +311,7 @@ impl PressureLoop {
         // The bias is the effect of the pair beyond the requested change.
         self.fine.begin(Pair { before_pa, desired_pa: requested_pa, up_pa, down_pa });
         let chamber_doubt = input.chamber.doubt(pressure_pa, input.pneumatics.atmosphere);
-        // The balance takes effects at gain 1.
+        // The balance takes modelled effects: without the gain.
         self.balance.pulse(up_pa / fill.gain, chamber_doubt);
         self.balance.pulse(-down_pa / vent.gain, chamber_doubt);
         let up = fill.plan(false);

@@ -181,7 +181,7 @@ async fn file(kind: &'static str, text: &'static str) -> Response {
 }
 
 fn not_found() -> Response {
-    // If the body is empty, the browser shows an error page of its own.
+    // A browser replaces an empty answer by its own error page.
     (StatusCode::NOT_FOUND, "There is no such page. The address that `softlimb console` printed has a token.\n")
         .into_response()
 }
@@ -196,7 +196,7 @@ async fn guard(State(shared): Shares, request: Request, next: Next) -> Response 
     let headers = response.headers_mut();
     headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
-    // The report contains its scripts, and has a policy of its own.
+    // The report contains its scripts, so its route sets another policy.
     headers.entry(CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(POLICY));
     response
 }

@@ -53,7 +53,7 @@ impl Report {
         if let Some(file) = &self.motion {
             let picture = report::motion_svg(&log).ok_or_else(|| {
                 Failure::new(
-                    "the log has no shape of the limb to draw: it is of an earlier version, or nothing saw the limb",
+                    "no picture: the log has no shape of the limb. It was written by an earlier version, or no observer saw the limb",
                 )
             })?;
             write_whole(file, &picture).map_err(Failure::new)?;

@@ -12,8 +12,8 @@ pub(crate) type TickOutputs = softlimb_firmware::TickOutputs<CHANNELS>;
 const EMPTY: i32 = 410;
 const SUPPLY: i32 = 1_360;
 
-/// A code has as many parts as a tick has microseconds. Filling changes so many of them in a microsecond; venting changes half a part, and three
-/// thousandths for each code above an empty chamber's: about what the device expects, or it would find its valves faulty.
+/// A code has as many parts as a tick has microseconds. Filling adds `FILL` parts a microsecond; venting takes half a part, and three thousandths for
+/// each code above that of an empty chamber. This is about what the device expects: else it would find its valves faulty.
 const PARTS: i32 = 1_000;
 const FILL: i32 = 5;
 const VENT: [i32; 2] = [500, 3];
@@ -21,7 +21,7 @@ const VENT: [i32; 2] = [500, 3];
 /// Time of each pulse in which its valve is not open yet, less the time that it stays open, us.
 const DELAY_US: i32 = 1_500;
 
-/// While a chamber fills, its sensor at the manifold reads so many codes more; while it vents, this share less of the codes above an empty one's.
+/// While a chamber fills, its sensor at the manifold reads this many codes more; while it vents, this share less of the codes above an empty one's.
 const FILLING: i32 = 300;
 const VENTING: i32 = 8;
 

@@ -1,4 +1,4 @@
-//! Assessment of a run: figures of merit, a table for the terminal, an interactive page, a static one, and a picture that moves.
+//! Assessment of a run: figures of merit, a table for the terminal, an interactive page, a static one, and an animated picture.
 //!
 //! Everything here is a pure function of a [`RunLog`](crate::record::RunLog); no file
 //! is read or written, nothing is printed.

@@ -1,4 +1,4 @@
-//! A run as a picture that moves by itself: an SVG without scripts, for pages that show pictures alone.
+//! The animated picture of a run: an SVG without scripts, for pages that allow none.
 
 use std::fmt::Write as _;
 
