@@ -1,14 +1,17 @@
 //! Commands side by side, each one's output kept whole.
 
-use std::io;
-use std::process::{Command, Output, Stdio};
-use std::sync::{Mutex, mpsc};
+use std::io::{self, Read};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
+use std::time::{Duration, Instant};
 
 /// A command under the name that its output is printed with.
 pub(crate) struct Job {
     pub(crate) name: String,
     pub(crate) command: Command,
+    /// The time after which the command counts as hung, and is ended.
+    pub(crate) limit: Option<Duration>,
 }
 
 /// A job that has ended, or that could not start.
@@ -17,10 +20,68 @@ pub(crate) struct Done {
     pub(crate) output: io::Result<Output>,
 }
 
-/// Runs a job to its end.
+/// Runs a job to its end, or to its limit of time: the output is what it had printed by then.
 pub(crate) fn run(mut job: Job) -> Done {
-    let output = job.command.stdin(Stdio::null()).output();
+    let output = output(&mut job.command, job.limit);
     Done { name: job.name, output }
+}
+
+fn output(command: &mut Command, limit: Option<Duration>) -> io::Result<Output> {
+    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let stdout = child.stdout.take().map(Pipe::read);
+    let stderr = child.stderr.take().map(Pipe::read);
+    let (status, hung) = match limit {
+        Some(limit) => wait(&mut child, limit)?,
+        None => (child.wait()?, false),
+    };
+    let [stdout, mut stderr] = [stdout, stderr].map(|pipe| pipe.map(|pipe| pipe.end(hung)).unwrap_or_default());
+    if let (true, Some(limit)) = (hung, limit) {
+        stderr.extend_from_slice(format!("xtask: ended at its limit of {} s\n", limit.as_secs_f64()).as_bytes());
+    }
+    Ok(Output { status, stdout, stderr })
+}
+
+/// Waits for the end of a child, and ends it at the limit; whether the limit was reached.
+fn wait(child: &mut Child, limit: Duration) -> io::Result<(ExitStatus, bool)> {
+    let start = Instant::now();
+    while start.elapsed() < limit {
+        if let Some(status) = child.try_wait()? {
+            return Ok((status, false));
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+    child.kill()?;
+    Ok((child.wait()?, true))
+}
+
+/// A pipe that is read beside the wait for the program that writes it.
+struct Pipe {
+    bytes: Arc<Mutex<Vec<u8>>>,
+    reader: thread::JoinHandle<()>,
+}
+
+impl Pipe {
+    fn read(mut pipe: impl Read + Send + 'static) -> Self {
+        let bytes = Arc::new(Mutex::new(Vec::new()));
+        let kept = Arc::clone(&bytes);
+        let reader = thread::spawn(move || {
+            let mut chunk = [0; 4096];
+            // An error ends the output as its end does.
+            while let Ok(length @ 1..) = pipe.read(&mut chunk) {
+                kept.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).extend_from_slice(&chunk[..length]);
+            }
+        });
+        Self { bytes, reader }
+    }
+
+    /// What came. A program that hung may have started others, which keep the pipe open: it is left to them.
+    fn end(self, hung: bool) -> Vec<u8> {
+        if !hung {
+            // A reader does not panic.
+            let _ = self.reader.join();
+        }
+        std::mem::take(&mut self.bytes.lock().unwrap_or_else(|poisoned| poisoned.into_inner()))
+    }
 }
 
 /// Runs jobs in their order, as many at once as there are cores, and hands over each as it ends.
@@ -56,12 +117,12 @@ mod tests {
     fn shell(name: &str, script: &str) -> Job {
         let mut command = Command::new("/bin/sh");
         command.args(["-c", script]);
-        Job { name: name.to_owned(), command }
+        Job { name: name.to_owned(), command, limit: None }
     }
 
     #[test]
     fn every_job_ends_once_whatever_becomes_of_the_others() {
-        let absent = Job { name: "absent".to_owned(), command: Command::new("/nowhere/program") };
+        let absent = Job { name: "absent".to_owned(), command: Command::new("/nowhere/program"), limit: None };
         let jobs = vec![shell("fails", "echo one; echo two >&2; exit 3"), absent, shell("lasts", "echo three")];
         let mut found = Vec::new();
         side_by_side(jobs, 2, |done| {
@@ -76,6 +137,19 @@ mod tests {
             ("lasts", Some(0), Some("three\n".to_owned())),
         ];
         assert_eq!(found, expected.map(|(name, code, text)| (name.to_owned(), code, text)));
+    }
+
+    #[test]
+    fn job_that_hangs_is_ended_and_what_it_printed_is_kept() {
+        let limit = Some(Duration::from_millis(300));
+        // The child of the shell outlives it, and holds the pipes.
+        let hangs = run(Job { limit, ..shell("hangs", "echo before; sleep 20; echo after") });
+        let output = hangs.output.unwrap();
+        assert_eq!((output.status.code(), output.stdout.as_slice()), (None, &b"before\n"[..]));
+        assert_eq!(output.stderr, b"xtask: ended at its limit of 0.3 s\n");
+        let ends = run(Job { limit: Some(Duration::from_secs(60)), ..shell("ends", "echo all; exit 3") });
+        let output = ends.output.unwrap();
+        assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(3), &b"all\n"[..]));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 use std::{env, io, thread};
 
 use crate::cargo::{Cargo, root};
@@ -18,6 +19,9 @@ const IMAGES: &str = "SOFTLIMB_IMAGES";
 
 /// The variable that sizes the samples of the tests, and its value for whole samples.
 const SAMPLES: (&str, &str) = ("SOFTLIMB_SAMPLES", "full");
+
+/// The longest that a job may take without whole samples: six times what the longest takes on two idle cores.
+const LIMIT: Duration = Duration::from_secs(30 * 60);
 
 /// Steps that need more than Rust.
 const BOARDS: &str = "images for the board";
@@ -117,7 +121,7 @@ fn in_real_time(built: &Built, full: bool, images: bool) -> Vec<Job> {
 fn program_job(test: &Program) -> Job {
     let mut command = Command::new(&test.file);
     command.current_dir(&test.folder).env("CARGO_MANIFEST_DIR", &test.folder);
-    Job { name: test.source.clone(), command }
+    Job { name: test.source.clone(), command, limit: None }
 }
 
 fn with_settings(mut job: Job, full: bool, images: bool) -> Job {
@@ -126,6 +130,8 @@ fn with_settings(mut job: Job, full: bool, images: bool) -> Job {
     }
     if full {
         job.command.env(SAMPLES.0, SAMPLES.1);
+    } else {
+        job.limit = Some(LIMIT);
     }
     job
 }
@@ -166,7 +172,7 @@ fn jobs(program: &Path, mut built: Built, full: bool, images: bool) -> Vec<Job> 
         counts.command.arg("--here").arg(folder);
     }
     let examples = Cargo::quiet(&["test", "--workspace", "--doc"]);
-    let examples = Job { name: "examples in the documentation".to_owned(), command: examples };
+    let examples = Job { name: "examples in the documentation".to_owned(), command: examples, limit: None };
     built.tests.sort_by_key(Program::place);
     let tests = built.tests.iter().map(|test| {
         let mut job = program_job(test);
@@ -184,7 +190,7 @@ fn jobs(program: &Path, mut built: Built, full: bool, images: bool) -> Vec<Job> 
 fn own(program: &Path, name: &str, arguments: &[&str]) -> Job {
     let mut command = Command::new(program);
     command.args(arguments).current_dir(root());
-    Job { name: name.to_owned(), command }
+    Job { name: name.to_owned(), command, limit: None }
 }
 
 /// Prints what a job has printed, and reads it; whether the job succeeded.
