@@ -14,6 +14,7 @@ import numpy.typing as npt
 from softlimb import _native
 from softlimb.arrays import Floats, within
 from softlimb.errors import InvalidParameter
+from softlimb.session import Pose, Session, posed
 
 Result: TypeAlias = dict[str, Any]
 """A result as ``--json`` of the command prints it: names of fields end with the unit."""
@@ -204,6 +205,28 @@ class Scene:
         native = None if plant is None else plant._native
         text, log, report = self._native.run(folder, seed, native, link_fault, list(faults))
         return {**_read(text), "log": Path(log), "report": Path(report)}
+
+    def session(self, out: str | os.PathLike[str] | None = None, *, seed: int | None = None) -> Session:
+        """The limb on the simulated device, led step by step.
+
+        Args:
+            out: Folder for ``run.mcap`` and ``run.html``; None logs nothing.
+            seed: Seed of the plant; default that of the scene.
+
+        Raises:
+            SceneError: The limb at rest is too near an obstacle, or does not stand there.
+            RunError: The device does not start.
+        """
+        return Session(self._native, out, seed)
+
+    def description(self) -> tuple[str, dict[str, Pose]]:
+        """The limb as viewers load it.
+
+        Returns:
+            URDF (``/robot_description`` of a log), and the frames that do not move: position, m, and quaternion x, y, z, w, by name (``/tf_static``).
+        """
+        urdf, frames = self._native.description()
+        return urdf, posed(frames)
 
 
 def _read(text: str) -> Result:

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use pyo3::prelude::*;
+use softlimb::rig::run::RunError;
 use softlimb_scene::{Diagnostic, SceneError};
 
 /// The module of the exceptions.
@@ -21,6 +22,14 @@ pub(crate) fn scene_error(py: Python<'_>, error: &SceneError) -> PyErr {
 /// `softlimb.RunError`.
 pub(crate) fn not_computed(py: Python<'_>, error: impl Display) -> PyErr {
     raised(py, "RunError", (error.to_string(),))
+}
+
+/// `softlimb.SceneError` or `softlimb.RunError`.
+pub(crate) fn run_error(py: Python<'_>, error: RunError) -> PyErr {
+    match error {
+        RunError::Scene(error) => scene_error(py, &error),
+        other => not_computed(py, other),
+    }
 }
 
 /// `softlimb.LogError`.

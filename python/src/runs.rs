@@ -10,9 +10,9 @@ use pyo3::prelude::*;
 use softlimb::motion;
 use softlimb::results::{RunSummary, json, margin_warning};
 use softlimb::rig::report;
-use softlimb::rig::run::{Mcu, Progress, RunError, RunOptions, run_on};
+use softlimb::rig::run::{Mcu, Progress, RunOptions, run_on};
 
-use super::failed::{not_computed, scene_error};
+use super::failed::run_error;
 use super::scenes::Scene;
 
 /// Samples between two looks for a signal, such as that of Ctrl-C.
@@ -62,10 +62,7 @@ pub(crate) fn run(
         Ok((json(&RunSummary::new(&summary, Vec::new(), after)), files.log, files.report))
     });
     signal?;
-    outcome.map_err(|error| match error {
-        RunError::Scene(error) => scene_error(py, &error),
-        other => not_computed(py, other),
-    })
+    outcome.map_err(|error| run_error(py, error))
 }
 
 /// A fault from its text.

@@ -12,11 +12,13 @@ use softlimb::results::{
     CheckResult, LoadedWorkspaceResult, ResultError, StaticsOptions, StaticsResult, WorkspaceOptions, WorkspaceResult,
     json,
 };
+use softlimb::rig::run::description;
 use softlimb_scene as scene;
 
 use super::answers::processors;
 use super::failed::{not_computed, scene_error};
 use super::runs;
+use super::session::{Frames, flat};
 
 /// Numbers in the flat order of an array.
 type Flat<'py> = Bound<'py, PyArray1<f64>>;
@@ -52,6 +54,17 @@ impl Scene {
     /// Names of the setpoints, and the quantity of each.
     fn drives(&self) -> Vec<(String, &'static str)> {
         self.limb.drives().map(|drive| (drive.name(), quantity(drive.kind))).collect()
+    }
+
+    /// Setpoints at rest and at the highest pressure, of each drive.
+    fn ranges(&self) -> Vec<(f64, f64)> {
+        self.limb.drives().map(|drive| drive.range()).collect()
+    }
+
+    /// The limb as viewers load it: URDF, and the frames that do not move.
+    fn description(&self) -> (String, Frames) {
+        let (urdf, frames) = description(&self.scene, &self.limb);
+        (urdf, frames.into_iter().map(|(name, pose)| (name, flat(pose))).collect())
     }
 
     /// The result of `softlimb check --json`.

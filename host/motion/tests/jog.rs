@@ -6,7 +6,7 @@ mod judge;
 use crate::samples::samples;
 use judge::Judge;
 use softlimb_limb::Limb;
-use softlimb_motion::jog::{Jog, Order, Way};
+use softlimb_motion::jog::{Jog, Order, Refusal, Way};
 use softlimb_motion::plan;
 use softlimb_numerics::Random;
 use softlimb_scene as scene;
@@ -105,6 +105,59 @@ fn random_keys(name: &str, full: u32) {
         press_at_random(&scene, &mut jog, &mut judge, (seed, samples(full)), 0);
         assert!(judge.moved(), "{name}: random keys moved the limb");
     }
+}
+
+#[test]
+fn no_setpoints_leave_the_limits() {
+    for (name, full) in [("weightless-a", 400), ("reach-past-post", 400), ("pick-and-place-a", 60), ("steering", 60)] {
+        let scene = repository(name);
+        let limb = Limb::new(&scene).unwrap();
+        let (mut jog, mut judge) = (Jog::new(&scene, &limb, WITHIN_M).unwrap(), Judge::new(name, &scene, &limb));
+        let mut random = Random::new(3, 0);
+        let (mut time_us, mut refused) = (0, 0);
+        for _ in 0..samples(full) {
+            // Now and then beyond an end of the range.
+            let any = |drive: softlimb_limb::Drive<'_>, random: &mut Random| {
+                let (rest, last) = drive.range();
+                rest + (last - rest) * (0.7 * random.uniform() - 0.02)
+            };
+            let setpoints: Vec<f64> = limb.drives().map(|drive| any(drive, &mut random)).collect();
+            jog.lead(&setpoints);
+            refused += usize::from(jog.refusal().is_some());
+            assert_eq!(jog.refusal().is_some(), !jog.is_moving(), "{name}: {:?}", jog.refusal());
+            for _ in 0..random.index(60) {
+                time_us += PERIOD_US;
+                let knot = jog.knot(time_us);
+                judge.knot(time_us, &knot, &jog);
+                if !jog.is_moving() && jog.refusal().is_none() {
+                    let arrived = knot.setpoints.iter().zip(&setpoints).all(|(a, b)| (a - b).abs() < 1e-8);
+                    assert!(arrived, "{name}: {:?} for {setpoints:?}", knot.setpoints);
+                }
+            }
+        }
+        println!("{name}: {refused} refused");
+        assert!(judge.moved(), "{name}: setpoints moved the limb");
+    }
+}
+
+#[test]
+fn limb_is_not_led_to_what_is_no_setpoint() {
+    let scene = repository("weightless-a");
+    let limb = Limb::new(&scene).unwrap();
+    let mut jog = Jog::new(&scene, &limb, WITHIN_M).unwrap();
+    for bad in [vec![], vec![1.0; 2], vec![1.0, f64::NAN, 1.0], vec![1.0, 0.1, f64::INFINITY]] {
+        jog.lead(&bad);
+        assert!(matches!(jog.refusal(), Some(Refusal::OutOfReach)), "{bad:?}");
+    }
+    let ends = limb.drives().map(|drive| drive.range()).collect::<Vec<_>>();
+    jog.lead(&[ends[0].0, ends[1].1 + 1.0, ends[2].0]);
+    assert_eq!(jog.refusal(), Some(&Refusal::Highest("elbow".to_owned())));
+    jog.lead(&[ends[0].0, ends[1].0 - 0.1, ends[2].0]);
+    assert_eq!(jog.refusal(), Some(&Refusal::AtRest("elbow".to_owned())));
+    let plan = plan(&scene, &limb).unwrap();
+    jog.play(&plan);
+    jog.lead(&[ends[0].0, ends[1].0, ends[2].0]);
+    assert_eq!(jog.refusal(), Some(&Refusal::TaskRuns));
 }
 
 /// Presses the key of the axis that misses most, or of the next where that one is refused; the gripper's where the tip is there.

@@ -101,6 +101,34 @@ fn setpoints_are_those_of_the_keys_and_stay_where_a_key_is_let_go() {
 }
 
 #[test]
+fn limb_is_led_to_setpoints_and_back() {
+    let scene = repository("weightless-a");
+    let limb = Limb::new(&scene).unwrap();
+    let rest: Vec<f64> = limb.drives().map(|drive| drive.range().0).collect();
+    let bent = vec![rest[0], 0.4, 1.1];
+    let keys = [
+        (0.1, Press::Lead(bent.clone())),
+        (4.0, Press::Lead(rest.clone())),
+        // Turned round on its way.
+        (4.4, Press::Lead(bent.clone())),
+        (8.0, Press::Lead(vec![0.0; 3])),
+        (9.0, Press::End),
+    ];
+    let files = session(&scene, None, &mut Timed::new(&keys));
+    let at = |time_s: f64| {
+        let sample = files.run.samples.iter().find(|sample| sample.time_s >= time_s).unwrap();
+        sample.modules.iter().map(|module| module.setpoint).collect::<Vec<_>>()
+    };
+    let is = |found: &[f64], wanted: &[f64]| found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6);
+    assert!(is(&at(3.9), &bent), "{:?}", at(3.9));
+    assert!(!is(&at(4.5), &bent), "on its way: {:?}", at(4.5));
+    // No limb has a stretch of 0: it stays.
+    assert!(is(&at(7.9), &bent) && is(&at(8.9), &bent), "{:?}", at(8.9));
+    check_pressures(&scene, &files);
+    check_vented(&files);
+}
+
+#[test]
 fn rod_with_two_windings_twists_by_hand() {
     let scene = scene::parse(crate::wound_twice::ROD, "rod.toml").unwrap_or_else(|error| panic!("{error}"));
     let raise = Press::Order(Order::Hold(Way { axis: 0, with: true }));

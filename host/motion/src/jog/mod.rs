@@ -124,6 +124,12 @@ impl<'a> Jog<'a> {
         self.refusal = outcome.err().or(self.refusal.take());
     }
 
+    /// Leads the drives to setpoints, one a drive, along the straight line from where they are now. The move under way ends, also where the
+    /// setpoints are refused; [`Jog::refusal`] says why they are.
+    pub fn lead(&mut self, setpoints: &[f64]) {
+        self.refusal = self.lead_to(setpoints).err();
+    }
+
     /// Starts the plan of the scene at rest, or goes on with it where it is held. [`Order::Stop`] holds it. Behind its end the limb is moved by hand.
     pub fn play(&mut self, plan: &'a Plan) {
         self.refusal = None;
@@ -265,6 +271,26 @@ impl<'a> Jog<'a> {
             }
             None => self.begin(way, false),
         }
+    }
+
+    /// Starts a move to setpoints, in place of the present one.
+    fn lead_to(&mut self, setpoints: &[f64]) -> Result<(), Refusal> {
+        if self.task.is_some() {
+            return Err(Refusal::TaskRuns);
+        }
+        if self.leg.as_ref().is_some_and(|leg| leg.whole) {
+            return Err(Refusal::GripperMoves);
+        }
+        self.stop();
+        let to = self.mover.to(&self.here, setpoints)?;
+        if to.values == self.here.values {
+            return Ok(());
+        }
+        let rows = vec![self.here.values.clone(), to.values.clone()];
+        let seconds = self.mover.shortest_s(&rows)?;
+        let payload_kg = self.mover.carrying().payload_kg;
+        self.start(rows, seconds, to, [payload_kg; 2], false);
+        Ok(())
     }
 
     /// A move that goes on.

@@ -20,6 +20,8 @@ use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Drive, Limb};
 use softlimb_scene::Scene;
 
+/// Parts of a drive's range after each of which a limb that is led is to stand.
+const PARTS: f64 = 16.0;
 /// Parts of a mass that changes hands.
 const HANDED: usize = 4;
 /// Share of a step beyond the drives' directions above which the direction counts as impossible.
@@ -103,19 +105,54 @@ impl<'a> Mover<'a> {
     /// [`Refusal`].
     pub(super) fn drive(&self, from: &Place, index: usize, amount: f64) -> Result<Place, Refusal> {
         let drive = self.limb.drive(index);
-        let end = || if amount > 0.0 { Refusal::Highest(drive.name()) } else { Refusal::AtRest(drive.name()) };
         let mut to = from.values.clone();
-        to[index] += change_of(&drive, amount);
+        to[index] = self.within(&drive, to[index] + change_of(&drive, amount))?;
+        self.reached(from, to)
+    }
+
+    /// The pose at setpoints, one a drive.
+    ///
+    /// # Errors
+    /// [`Refusal`]; [`Refusal::OutOfReach`] of a number that is not finite, and where there is not one for each drive.
+    pub(super) fn to(&self, from: &Place, setpoints: &[f64]) -> Result<Place, Refusal> {
+        if setpoints.len() != self.limb.drives().len() || !setpoints.iter().all(|value| value.is_finite()) {
+            return Err(Refusal::OutOfReach);
+        }
+        let to = self.limb.drives().zip(setpoints).map(|(drive, value)| self.within(&drive, *value));
+        let to: Vec<f64> = to.collect::<Result<_, _>>()?;
+        let share = |((drive, a), b): ((Drive<'_>, &f64), &f64)| {
+            let (rest, last) = drive.range();
+            ((b - a) / (last - rest)).abs()
+        };
+        let longest = self.limb.drives().zip(&from.values).zip(&to).map(share).fold(0.0, f64::max);
+        let parts = (longest * PARTS).ceil();
+        // A limb that stands at both ends may fall on a long way between them.
+        for part in 1..parts as usize {
+            let at = part as f64 / parts;
+            let on_the_way: Vec<f64> = from.values.iter().zip(&to).map(|(a, b)| a + (b - a) * at).collect();
+            let stands = self.space.carrier().stands(&self.pressures_pa(&on_the_way));
+            stands.map_err(|cause| Refusal::falls(self.scene, cause))?;
+        }
+        self.reached(from, to)
+    }
+
+    /// A drive's setpoint, or the end of its pressures that is in the way.
+    fn within(&self, drive: &Drive<'_>, setpoint: f64) -> Result<f64, Refusal> {
         let (rest, last) = drive.range();
-        let within = to[index].clamp(rest.min(last), rest.max(last));
-        if (within - to[index]).abs() > ROUNDED {
-            return Err(end());
+        let end = |is_last: bool| if is_last { Refusal::Highest(drive.name()) } else { Refusal::AtRest(drive.name()) };
+        let within = setpoint.clamp(rest.min(last), rest.max(last));
+        if (within - setpoint).abs() > ROUNDED {
+            return Err(end(within == last));
         }
-        to[index] = within;
-        let state = drive.state_at(to[index]).ok_or_else(end)?;
-        if state.pressure_pa < 0.0 || state.pressure_pa > self.highest_pa(&drive) {
-            return Err(end());
+        let state = drive.state_at(within).ok_or_else(|| end(true))?;
+        if state.pressure_pa < 0.0 || state.pressure_pa > self.highest_pa(drive) {
+            return Err(end(state.pressure_pa > 0.0));
         }
+        Ok(within)
+    }
+
+    /// The pose at setpoints within their ranges, if the way there is free and the limb stands there.
+    fn reached(&self, from: &Place, to: Vec<f64>) -> Result<Place, Refusal> {
         self.check(&from.values, &to)?;
         self.place(to).ok_or_else(|| Refusal::of(self.scene, crate::space::Hindrance::NoShape))
     }

@@ -59,3 +59,22 @@ pub struct Posture {
     /// End of the limb.
     pub tip: Pose,
 }
+
+impl Posture {
+    /// Frames in the world by their names in the log, of a limb with modules of these names.
+    pub fn frames<'a>(&'a self, modules: &'a [String]) -> impl Iterator<Item = (String, Pose)> + 'a {
+        let links = self.links.iter().enumerate().map(|(index, pose)| (link_frame(index), *pose));
+        let connectors = modules.iter().zip(&self.connectors).map(|(name, pose)| (connector_frame(name), *pose));
+        links.chain(connectors).chain([(TIP.to_owned(), self.tip)])
+    }
+}
+
+/// Frame in the middle of a link of the limb.
+pub(super) fn link_frame(index: usize) -> String {
+    format!("limb_{index}")
+}
+
+/// Frame at the end of a module.
+pub(super) fn connector_frame(module: &str) -> String {
+    format!("connector_{module}")
+}

@@ -37,6 +37,7 @@ pub use recover::{Recovered, recover};
 pub use samples::SampleRow;
 pub use solid::{Body, CarriedInfo, SolidInfo, SolidShape};
 pub use ticks::{CoilPulse, DeviceTick};
+pub use viewer::description;
 pub use wire::{Capture, Direction, WireBytes, read_capture};
 pub use writer::Recorder;
 

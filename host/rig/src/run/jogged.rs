@@ -22,7 +22,7 @@ use super::{Mcu, RunError, RunFiles, simulated_device, unix_ns};
 use crate::link;
 use crate::link::port::{self, Port, PortAddress};
 use crate::link::{DeviceConfiguration, DeviceFault, Event, Knot, LinkFaults, Pilot, Wish};
-use crate::record::{Body, RunLog, Sample, TargetRecord};
+use crate::record::{Body, Posture, RunLog, Sample, TargetRecord};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
@@ -34,6 +34,8 @@ use softlimb_scene::Scene;
 pub enum Press {
     /// An order to the limb.
     Order(Order),
+    /// Lead the drives to setpoints, one a drive.
+    Lead(Vec<f64>),
     /// Let the pressures down.
     Vent,
     /// Go on after that.
@@ -64,6 +66,8 @@ pub struct JogView<'v, 'a> {
     pub sample: Option<&'v Sample>,
     /// The limb as it was last seen, by the model on a device; `None` before the first look.
     pub body: Option<&'v Body>,
+    /// Its frames then, as the log has them.
+    pub posture: Option<&'v Posture>,
     /// State of the device.
     pub state: Option<DeviceState>,
     /// Faults so far, in words.
@@ -200,6 +204,7 @@ fn by_hand<D: Bench>(
             if let Some(sample) = recording.take(device, event) {
                 desk.sample = Some(sample);
                 desk.body = recording.take_body().or(desk.body.take());
+                desk.posture = recording.take_posture().or(desk.posture.take());
             }
         });
         recording.targets = hand.jog.targets().attempts().iter().map(target).collect();
@@ -221,6 +226,7 @@ fn target(attempt: &Attempt) -> TargetRecord {
 struct Desk {
     sample: Option<Sample>,
     body: Option<Body>,
+    posture: Option<Posture>,
     state: Option<DeviceState>,
     faults: Vec<String>,
     /// Faults to inject at the next event.
@@ -253,6 +259,7 @@ impl Pilot for Hand<'_, '_> {
             jog: &self.jog,
             sample: desk.sample.as_ref(),
             body: desk.body.as_ref(),
+            posture: desk.posture.as_ref(),
             state: desk.state,
             faults: &desk.faults,
             is_vented: self.is_vented,
@@ -274,6 +281,11 @@ impl Pilot for Hand<'_, '_> {
                     self.pressed_us = Some(before_us);
                     wish = Wish::Move;
                 }
+                Press::Lead(setpoints) if !self.is_vented => {
+                    self.jog.lead(&setpoints);
+                    self.pressed_us = Some(before_us);
+                    wish = Wish::Move;
+                }
                 Press::Task if !self.is_vented => {
                     if let Some(plan) = self.task {
                         self.jog.play(plan);
@@ -281,7 +293,7 @@ impl Pilot for Hand<'_, '_> {
                     wish = Wish::Move;
                 }
                 Press::Break(name, channel) => self.desk.borrow_mut().breaks.push((name, channel)),
-                Press::Order(_) | Press::Task => {}
+                Press::Order(_) | Press::Lead(_) | Press::Task => {}
             }
         }
         // The pressures have to be down first.

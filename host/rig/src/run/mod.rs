@@ -30,7 +30,8 @@ use softlimb_sim::{Processor, SimulatedMcu, here};
 use crate::link::port;
 use crate::link::port::{Port, PortAddress};
 use crate::link::{LinkFaults, SampleRequest};
-use crate::record::RunLog;
+use crate::record;
+use crate::record::{Pose, RunLog};
 use crate::report;
 use crate::simulate;
 use softlimb_files::write_whole;
@@ -39,6 +40,7 @@ use softlimb_motion as motion;
 use softlimb_motion::Plan;
 use softlimb_scene::Scene;
 
+use assemble::run_info;
 use disturbed::disturbed;
 pub use error::RunError;
 pub use jogged::{JogDevice, JogOptions, JogView, Operator, Press, attempts, jog, jog_behind, jog_folder};
@@ -168,6 +170,12 @@ pub fn simulated_device(
     mcu: &Mcu,
 ) -> Result<SimulatedMcu<Box<dyn Processor>>, RunError> {
     Ok(SimulatedMcu::with_processor(&simulate::settings(plant, limb, seed), mcu.start()?)?)
+}
+
+/// The limb of a scene as viewers load it: its description as URDF, and the frames that do not move, by their names in the log.
+pub fn description(scene: &Scene, limb: &Limb) -> (String, Vec<(String, Pose)>) {
+    let origin = Origin::Simulated { seed: scene.seed() };
+    record::description(&run_info(scene, limb, Vec::new(), origin)).unwrap_or_default()
 }
 
 /// Streams what is prepared to the simulated limb and pneumatics of `plant`.

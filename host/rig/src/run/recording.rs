@@ -14,7 +14,9 @@ use super::timed_fault::TimedFault;
 use super::{Progress, RunError, RunFiles, write_report};
 use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
-use crate::record::{Body, FaultRecord, InjectedFault, RecordError, Recorder, RunEnd, RunInfo, Sample, TargetRecord};
+use crate::record::{
+    Body, FaultRecord, InjectedFault, Posture, RecordError, Recorder, RunEnd, RunInfo, Sample, TargetRecord,
+};
 
 /// Least number of ticks in a message of the log: fewer would be smaller than their header.
 const TICKS: usize = 20;
@@ -137,6 +139,8 @@ pub(super) struct Recording<'a> {
     last_s: Option<f64>,
     /// The latest look at the limb.
     body: Option<Body>,
+    /// Its frames then.
+    posture: Option<Posture>,
     /// How the targets were met by hand.
     pub(super) targets: Vec<TargetRecord>,
     statistics: LinkStatistics,
@@ -168,6 +172,7 @@ impl<'a> Recording<'a> {
             failure: None,
             last_s: None,
             body: None,
+            posture: None,
             targets: Vec::new(),
             statistics: LinkStatistics::default(),
             gaps,
@@ -185,6 +190,11 @@ impl<'a> Recording<'a> {
     /// The look at the limb since the last call.
     pub(super) fn take_body(&mut self) -> Option<Body> {
         self.body.take()
+    }
+
+    /// The frames of that look.
+    pub(super) fn take_posture(&mut self) -> Option<Posture> {
+        self.posture.take()
     }
 
     /// Notes a fault that was injected now; the note in words.
@@ -257,9 +267,10 @@ impl<'a> Recording<'a> {
                         self.last_s = Some(sample.time_s);
                         shape.map_or(Ok(()), |shape| recorder.shape(&shape))?;
                         body.map_or(Ok(()), |body| recorder.body(&body))?;
-                        posture.map_or(Ok(()), |posture| recorder.posture(&posture))?;
+                        posture.as_ref().map_or(Ok(()), |posture| recorder.posture(posture))?;
                         faults.iter().try_for_each(|fault| recorder.fault(fault))?;
                     }
+                    self.posture = posture.or(self.posture.take());
                     return Ok(Some(sample));
                 }
             }

@@ -1,7 +1,7 @@
 //! The URDF of a run: links of the limb, obstacles, regions, carried objects.
 
-use super::frames::{carried_frame, connector_frame, difference, link_frame, solid_frame, solid_pose};
-use crate::record::drawn::{BASE, TIP, WORLD};
+use super::frames::{carried_frame, difference, solid_frame, solid_pose};
+use crate::record::drawn::{BASE, TIP, WORLD, connector_frame, link_frame};
 use crate::record::{CarriedInfo, DrawnLimb, Pose, RunInfo, SolidInfo, SolidShape};
 use std::fmt::Write;
 

@@ -4,16 +4,6 @@ use crate::record::drawn::Pose;
 use crate::record::{SolidInfo, SolidShape};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-/// Frame in the middle of a link of the limb.
-pub(super) fn link_frame(index: usize) -> String {
-    format!("limb_{index}")
-}
-
-/// Frame at the end of a module.
-pub(super) fn connector_frame(module: &str) -> String {
-    format!("connector_{module}")
-}
-
 /// Frame in the middle of a solid.
 pub(super) fn solid_frame(solid: &SolidInfo) -> String {
     let kind = if solid.region { "region" } else { "obstacle" };

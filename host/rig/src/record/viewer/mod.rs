@@ -4,11 +4,11 @@ mod description;
 mod frames;
 mod messages;
 
-use super::drawn::{BASE, TIP};
+use super::drawn::BASE;
 use super::messages::MessageType;
 use super::{Body, DrawnLimb, FaultRecord, Pose, Posture, RunInfo, Sample, Shape};
 use description::urdf;
-use frames::{carried_frame, connector_frame, link_frame, solid_frame, solid_pose};
+use frames::{carried_frame, solid_frame, solid_pose};
 use messages::{
     Kind, MARKER_ARRAY, Marker, PATH, POSE_STAMPED, STRING, TF_MESSAGE, encode_markers, encode_path, encode_pose,
     encode_string, encode_transforms,
@@ -57,6 +57,18 @@ const LATCHED: &str = "- history: 1
 
 /// A message: number of its topic, content.
 type Message = (u16, Vec<u8>);
+
+/// The frames that do not move.
+fn standing(info: &RunInfo, limb: &DrawnLimb) -> Vec<(String, Pose)> {
+    let solids = info.solids.iter().filter_map(|solid| Some((solid_frame(solid), solid_pose(solid)?)));
+    [(BASE.to_owned(), limb.base)].into_iter().chain(solids).collect()
+}
+
+/// The limb of a run as viewers load it: its description as URDF, and the frames that do not move. `None` for a log of earlier builds.
+pub fn description(info: &RunInfo) -> Option<(String, Vec<(String, Pose)>)> {
+    let limb = info.limb.as_ref()?;
+    Some((urdf(info, limb), standing(info, limb)))
+}
 
 /// Writer of what viewers draw.
 #[derive(Debug)]
@@ -118,12 +130,10 @@ impl Viewer {
 
     /// What is there all the time: the description, and the frames that do not move.
     pub(super) fn opening(&self, at: u64, info: &RunInfo, limb: &DrawnLimb) -> [Message; 2] {
-        let solids = info.solids.iter().filter_map(|solid| Some((solid_frame(solid), solid_pose(solid)?)));
-        let frames: Vec<(String, Pose)> = [(BASE.to_owned(), limb.base)].into_iter().chain(solids).collect();
         [
             (self.description, encode_string(&urdf(info, limb))),
             // Viewers ignore the fixed joints of a description that comes as a message.
-            (self.stays, encode_transforms(at, &frames)),
+            (self.stays, encode_transforms(at, &standing(info, limb))),
         ]
     }
 
@@ -161,12 +171,8 @@ impl Viewer {
                 self.objects.insert(object.name.clone(), tip_m);
             }
         }
-        let links = posture.links.iter().enumerate().map(|(index, pose)| (link_frame(index), *pose));
-        let connectors =
-            self.modules.iter().zip(&posture.connectors).map(|(name, pose)| (connector_frame(name), *pose));
-        let tip = [(TIP.to_owned(), posture.tip)];
         let objects = self.objects.iter().map(|(name, place)| (carried_frame(name), Pose::upright(*place)));
-        let frames: Vec<_> = links.chain(connectors).chain(tip).chain(objects).collect();
+        let frames: Vec<_> = posture.frames(&self.modules).chain(objects).collect();
         let mut messages =
             vec![(self.moves, encode_transforms(at, &frames)), (self.tip, encode_pose(at, &posture.tip))];
         self.places.push_back((at, tip_m));
