@@ -15,6 +15,7 @@ from softlimb import _native
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 Table = npt.NDArray[np.void]
 """A structured array: one row a message, one field a quantity, whose name ends with the unit."""
@@ -23,8 +24,8 @@ Table = npt.NDArray[np.void]
 class Log(Mapping[str, Table]):
     """A log by its tables, as ``softlimb export --csv`` writes them.
 
-    ``telemetry``, ``setpoint``, ``model``, ``truth``, ``fault``, ``shape``, ``wire`` and ``ticks`` (``docs/reference/log.md``). A topic
-    without a message has no table. Numbers that are not known are NaN.
+    ``telemetry``, ``setpoint``, ``model``, ``truth``, ``fault``, ``shape``, ``body``, ``body_line``, ``samples``, ``wire`` and ``ticks``
+    (``docs/reference/log.md``). A topic without a message has no table. Numbers that are not known are NaN.
 
     Attributes:
         info: What is known before the run: scene, modules, channels, limits.
@@ -61,6 +62,19 @@ class Log(Mapping[str, Table]):
         frame = pandas.DataFrame(self[name])
         return frame.set_index("time_s") if "time_s" in frame.columns else frame
 
+    def dataset(self, name: str) -> xarray.Dataset:
+        """A table as a data set of xarray, which must be installed: variables over ``time_s``, or over ``row`` where there is no such column.
+
+        Variables whose names end with a unit have it as attribute ``units``.
+        """
+        import xarray
+
+        table = self[name]
+        names = list(table.dtype.names or ())
+        axis = "time_s" if "time_s" in names else "row"
+        variables = {each: (axis, table[each], _units(each)) for each in names if each != axis}
+        return xarray.Dataset(variables, {axis: (axis, table[axis], _units(axis))} if axis in names else None)
+
 
 def read_log(path: str | os.PathLike[str]) -> Log:
     """Reads the log of a run (``run.mcap``).
@@ -73,6 +87,14 @@ def read_log(path: str | os.PathLike[str]) -> Log:
     tables, info, summary, incomplete = _native.read_log(Path(path))
     arrays = {name: _structured(columns) for name, columns in tables}
     return Log(arrays, json.loads(info), json.loads(summary), incomplete)
+
+
+_UNITS = {"pa": "Pa", "m": "m", "s": "s", "rad": "rad", "us": "us"}
+
+
+def _units(name: str) -> dict[str, str]:
+    unit = _UNITS.get(name.rpartition("_")[2])
+    return {} if unit is None else {"units": unit}
 
 
 def _structured(columns: list[tuple[str, npt.NDArray[np.generic] | list[str]]]) -> Table:

@@ -57,6 +57,30 @@ def test_tables_become_data_frames(log):
     assert log.frame("wire").columns.tolist() == ["host_us", "direction", "bytes_hex"]
 
 
+def test_tables_become_data_sets(log):
+    pytest.importorskip("xarray")
+    truth = log.dataset("truth")
+    assert truth.sizes == {"time_s": len(log["truth"])}
+    assert truth["finger_bend_angle_rad"].attrs == {"units": "rad"} and truth["gripper_closure"].attrs == {}
+    np.testing.assert_array_equal(truth["tip_achieved_x_m"], log["truth"]["tip_achieved_x_m"])
+    np.testing.assert_array_equal(truth["time_s"], log["truth"]["time_s"])
+    assert log.dataset("wire").sizes == {"row": len(log["wire"])}
+
+
+def test_limb_as_a_solid_ends_at_its_tip(log):
+    body, line = log["body"], log["body_line"]
+    assert np.isnan(body["clearance_m"]).all() and set(body["nearest"]) == {""}, "a scene without obstacles"
+    # Seen every tenth of a second, with the samples.
+    assert np.diff(body["time_s"]) == pytest.approx(0.1, abs=0.021)
+    last = line["point"].max()
+    for at in body["time_s"][::20]:
+        [tip] = line[(line["time_s"] == at) & (line["point"] == last)]
+        [seen] = log["truth"][log["truth"]["time_s"] == at]
+        for axis in "xyz":
+            assert tip[f"{axis}_m"] == pytest.approx(seen[f"tip_achieved_{axis}_m"], abs=1e-9)
+    assert (line["radius_m"] > 0.005).all()
+
+
 def test_cut_log_is_read_up_to_there(run, tmp_path):
     whole = run["log"].read_bytes()
     cut = tmp_path / "cut.mcap"

@@ -1,16 +1,16 @@
-//! Exports a log as tables, one for each topic, and as JSON.
+//! Exports a log as tables, one or two for each topic, and as JSON.
 
 use std::fmt::Write;
 
 use serde::Serialize;
 use softlimb_files::table::written;
 
-use crate::record::{Capture, DeviceTick, Direction, ModuleInfo, ModuleSample, RunLog, Sample};
+use crate::record::{Body, Capture, DeviceTick, Direction, ModuleInfo, ModuleSample, RunLog, Sample, SampleRow};
 
 /// A table of a topic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// Name of the topic without `/softlimb/`.
+    /// Name of the topic without `/softlimb/`. A topic with lists has a second table for them.
     pub name: &'static str,
     /// Columns of one length.
     pub columns: Vec<Column>,
@@ -85,6 +85,9 @@ pub fn tables(log: &RunLog, capture: &Capture) -> Vec<Table> {
         ("truth", truth(log)),
         ("fault", fault(log)),
         ("shape", shape(log)),
+        ("body", body(log)),
+        ("body_line", body_line(log)),
+        ("samples", samples(capture)),
         ("wire", wire(capture)),
         ("ticks", ticks(capture)),
     ];
@@ -219,6 +222,57 @@ fn shape(log: &RunLog) -> Vec<Column> {
         whole("point", rows.iter().map(|row| row.2)),
     ];
     columns.extend(point("", &rows.iter().collect::<Vec<_>>(), |row| Some(row.3)));
+    columns
+}
+
+/// One row a look at the limb.
+fn body(log: &RunLog) -> Vec<Column> {
+    let bodies = &log.bodies;
+    let name = |nearest: &Option<(f64, String)>| nearest.as_ref().map_or_else(String::new, |(_, name)| name.clone());
+    let mut columns = vec![
+        numbers("time_s", bodies.iter().map(|body| body.time_s)),
+        numbers("clearance_m", bodies.iter().map(|body| known(body.nearest.as_ref().map(|nearest| nearest.0)))),
+        words("nearest", bodies.iter().map(|body| name(&body.nearest))),
+    ];
+    columns.extend(point("tip_unloaded_", &bodies.iter().collect::<Vec<_>>(), |body| body.tip_unloaded_m));
+    columns
+}
+
+/// One row a point of the center line.
+fn body_line(log: &RunLog) -> Vec<Column> {
+    let of = |body: &'_ Body| {
+        let points = body.line_m.iter().copied().zip(body.radius_m.iter().copied());
+        let time_s = body.time_s;
+        (0_u32..).zip(points).map(move |(index, (at, radius_m))| (time_s, index, at, radius_m)).collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = log.bodies.iter().flat_map(of).collect();
+    let mut columns =
+        vec![numbers("time_s", rows.iter().map(|row| row.0)), whole("point", rows.iter().map(|row| row.1))];
+    columns.extend(point("", &rows.iter().collect::<Vec<_>>(), |row| Some(row.2)));
+    columns.push(numbers("radius_m", rows.iter().map(|row| row.3)));
+    columns
+}
+
+/// One row a measurement.
+fn samples(capture: &Capture) -> Vec<Column> {
+    let of = |row: &'_ SampleRow| {
+        let each = row.states.iter().zip(row.channels.clone()).enumerate();
+        let (time_s, period_s, left_out) = (row.time_s, row.period_s, row.left_out);
+        let each =
+            each.map(move |(index, (state, channels))| (time_s + index as f64 * period_s, *state, left_out, channels));
+        each.collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = capture.samples.iter().flat_map(of).collect();
+    let mut columns = vec![
+        numbers("time_s", rows.iter().map(|row| row.0)),
+        whole("state", rows.iter().map(|row| row.1)),
+        whole("left_out", rows.iter().map(|row| row.2)),
+    ];
+    for index in 0..rows.first().map_or(0, |row| row.3.len()) {
+        let value = |of: fn(&(f64, f64)) -> f64| rows.iter().map(move |row| known(row.3.get(index).map(of)));
+        columns.push(numbers(format!("channel_{index}_pressure_pa"), value(|value| value.0)));
+        columns.push(numbers(format!("channel_{index}_duty"), value(|value| value.1)));
+    }
     columns
 }
 

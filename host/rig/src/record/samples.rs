@@ -1,9 +1,11 @@
 //! Measurements between those of the telemetry.
 
-use super::messages::begin;
+use super::cdr::{CdrError, CdrReader};
+use super::messages::{begin, open};
+use serde::Serialize;
 
 /// Consecutive measurements of one message of the device.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SampleRow {
     /// Time of the first one in the run, s.
     pub time_s: f64,
@@ -31,9 +33,19 @@ pub(super) fn encode_samples(unix_ns: u64, row: &SampleRow) -> Vec<u8> {
     cdr.into_bytes()
 }
 
+/// Decodes a row; a measurement has as many pressures and duties as there are channels.
+pub(super) fn decode_samples(message: &[u8]) -> Result<SampleRow, CdrError> {
+    let mut cdr = open(message)?;
+    let (time_s, period_s, left_out, count) = (cdr.f64()?, cdr.f64()?, cdr.u32()?, cdr.u32()?);
+    let states = cdr.u8_sequence()?;
+    let (pressures, duties) = (cdr.sequence(CdrReader::f64)?, cdr.sequence(CdrReader::f64)?);
+    let values: Vec<(f64, f64)> = pressures.into_iter().zip(duties).collect();
+    let channels = values.chunks(count.max(1) as usize).map(<[_]>::to_vec).collect();
+    Ok(SampleRow { time_s, period_s, left_out, states, channels })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::messages::open;
     use super::*;
 
     #[test]
@@ -44,7 +56,8 @@ mod tests {
         let mut cdr = open(&bytes).unwrap();
         assert_eq!((cdr.f64(), cdr.f64(), cdr.u32(), cdr.u32()), (Ok(1.5), Ok(0.002), Ok(7), Ok(2)));
         assert_eq!(cdr.u8_sequence(), Ok(vec![2, 3]));
-        let mut values = || cdr.sequence(super::super::cdr::CdrReader::f64).unwrap();
+        let mut values = || cdr.sequence(CdrReader::f64).unwrap();
         assert_eq!((values(), values()), (vec![10.0, 20.0, 30.0, 40.0], vec![0.5, -1.0, 0.0, 1.0]));
+        assert_eq!(decode_samples(&bytes), Ok(row));
     }
 }

@@ -2,8 +2,9 @@
 
 use super::RecordError;
 use super::cdr::CdrError;
-use super::messages::{MessageType, TICKS, WIRE, begin, open};
+use super::messages::{MessageType, SAMPLES, TICKS, WIRE, begin, open};
 use super::reader::{for_each_record, read_bytes};
+use super::samples::{SampleRow, decode_samples};
 use super::ticks::{DeviceTick, decode_ticks};
 use mcap::records::Record;
 use serde::Serialize;
@@ -50,8 +51,8 @@ fn decode_wire(message: &[u8]) -> Result<WireBytes, CdrError> {
     Ok(WireBytes { host_us, direction, bytes: cdr.u8_sequence()? })
 }
 
-/// Link and ticks of a whole log.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+/// Link, ticks and samples of a whole log.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Capture {
     /// Bytes of the link in order of time.
     pub wire: Vec<WireBytes>,
@@ -59,6 +60,9 @@ pub struct Capture {
     pub ticks: Vec<DeviceTick>,
     /// The outputs of the ticks are those of the pins of an emulated chip, one tick later.
     pub at_pins: bool,
+    /// Measurements between those of the telemetry, in order of time; none where none were requested.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub samples: Vec<SampleRow>,
 }
 
 impl Capture {
@@ -69,7 +73,7 @@ impl Capture {
     }
 }
 
-/// Reads the link and the ticks of a log; of a log that was cut off, as much as it has.
+/// Reads the link, the ticks and the samples of a log; of a log that was cut off, as much as it has.
 ///
 /// # Errors
 /// As [`super::read`].
@@ -79,7 +83,7 @@ pub fn read_capture(path: impl AsRef<Path>) -> Result<Capture, RecordError> {
     for_each_record(&bytes, |record| {
         match record {
             Record::Channel(channel) => {
-                let ours = [(super::WIRE_TOPIC, WIRE), (super::TICKS_TOPIC, TICKS)];
+                let ours = [(super::WIRE_TOPIC, WIRE), (super::TICKS_TOPIC, TICKS), (super::SAMPLES_TOPIC, SAMPLES)];
                 if let Some(of) = ours.into_iter().find(|(name, _)| *name == channel.topic) {
                     topics.insert(channel.id, of);
                 }
@@ -101,6 +105,8 @@ impl Capture {
     fn take(&mut self, of: &MessageType, data: &[u8]) -> Result<(), CdrError> {
         if of.name == WIRE.name {
             self.wire.push(decode_wire(data)?);
+        } else if of.name == SAMPLES.name {
+            self.samples.push(decode_samples(data)?);
         } else {
             let (ticks, at_pins) = decode_ticks(data)?;
             self.ticks.extend(ticks);
