@@ -20,7 +20,9 @@ from softlimb.errors import CommandError, Diagnostic, InvalidParameter, LogError
 from softlimb.log import Log, read_log
 from softlimb.material import CastableElastomer, NeoHookean, Yeoh, castable_elastomers
 from softlimb.scene import Plan, Scene
-from softlimb.solution import Blocked, Model, Sensitivity, Solution, Status
+from softlimb.series import SegmentState, Series, SeriesSolution
+from softlimb.session import Observation, Session
+from softlimb.solution import Blocked, Model, Sensitivity, Solution, Solutions, Status
 from softlimb.study import sweep
 from softlimb.winding import Fiber
 
@@ -37,12 +39,18 @@ __all__ = [
     "LogError",
     "Model",
     "NeoHookean",
+    "Observation",
     "Plan",
     "RunError",
     "Scene",
     "SceneError",
+    "SegmentState",
     "Sensitivity",
+    "Series",
+    "SeriesSolution",
+    "Session",
     "Solution",
+    "Solutions",
     "Status",
     "Yeoh",
     "__version__",

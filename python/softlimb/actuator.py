@@ -16,7 +16,7 @@ from softlimb.building import built
 from softlimb.errors import InvalidParameter
 from softlimb.material import MaterialLike
 from softlimb.order import Order
-from softlimb.solution import Blocked, Sensitivity, Solution
+from softlimb.solution import Blocked, Sensitivity, Solution, Solutions
 from softlimb.winding import Fiber
 
 ModelName: TypeAlias = Literal["auto", "analytic", "section-fe"]
@@ -123,7 +123,7 @@ class Actuator:
             InvalidParameter: A value is not accepted.
             ValueError: Arrays do not broadcast.
         """
-        arguments = {"pressure_pa": floats("pressure_pa", pressure_pa), **_loads(external_force_n, external_torque_nm)}
+        arguments = {"pressure_pa": floats("pressure_pa", pressure_pa), **loads(external_force_n, external_torque_nm)}
         order, tolerance = Order(self._shape, arguments), _tolerance(tolerance)
         try:
             answer = self._built.forward(order["pressure_pa"], order.loads(), model, tolerance)
@@ -166,20 +166,71 @@ class Actuator:
             TypeError: Not exactly one target.
             ValueError: Arrays do not broadcast.
         """
-        name, value = _only(
+        name, value = only(
             axial_stretch=axial_stretch,
             outer_radius_m=outer_radius_m,
             inner_radius_m=inner_radius_m,
             twist_rad=twist_rad,
             bend_angle_rad=bend_angle_rad,
         )
-        order = Order(self._shape, {name: floats(name, value), **_loads(external_force_n, external_torque_nm)})
+        order = Order(self._shape, {name: floats(name, value), **loads(external_force_n, external_torque_nm)})
         tolerance = _tolerance(tolerance)
         try:
             answer = self._built.inverse(name, order[name], order.loads(), pressure_range_pa, model, tolerance)
         except _native.Refused as refused:
             raise order.error(refused) from None
         return _solution(order, answer)
+
+    def inverse_all(
+        self,
+        *,
+        axial_stretch: FloatLike | None = None,
+        outer_radius_m: FloatLike | None = None,
+        inner_radius_m: FloatLike | None = None,
+        twist_rad: FloatLike | None = None,
+        bend_angle_rad: FloatLike | None = None,
+        pressure_range_pa: tuple[float, float] | None = None,
+        external_force_n: FloatLike = 0.0,
+        external_torque_nm: FloatLike = 0.0,
+    ) -> Solutions:
+        """All gauge pressures in a range that reach deformations, by the analytic model, and the equilibria there.
+
+        Pressures come before vacuums, each in the order in which they are met from zero. Two solutions that rounding cannot tell apart, next to a
+        turning point, count as one.
+
+        Args:
+            axial_stretch: As in :meth:`inverse`, like the others.
+
+        Returns:
+            The equilibria along a last axis, in the shape to which targets, loads and actuators broadcast before it.
+
+        Raises:
+            InvalidParameter: A value is not accepted, or the motion does not have this deformation.
+            TypeError: Not exactly one target.
+            ValueError: Arrays do not broadcast, or the actuators have two windings.
+        """
+        name, value = only(
+            axial_stretch=axial_stretch,
+            outer_radius_m=outer_radius_m,
+            inner_radius_m=inner_radius_m,
+            twist_rad=twist_rad,
+            bend_angle_rad=bend_angle_rad,
+        )
+        order = Order(self._shape, {name: floats(name, value), **loads(external_force_n, external_torque_nm)})
+        try:
+            answer = self._built.inverse_all(name, order[name], order.loads(), pressure_range_pa)
+        except _native.Refused as refused:
+            raise order.error(refused) from None
+        [complete], count, columns = answer
+        filled = np.arange(count.max(initial=0)) < count.reshape(-1, 1)
+
+        def padded(column: Floats) -> Floats:
+            table = np.full(filled.shape, np.nan)
+            table[filled] = column
+            parts = [order.back(np.ascontiguousarray(part)) for part in table.T]
+            return np.stack(parts, axis=-1) if parts else np.empty((*order.shape, 0))
+
+        return Solutions(order.back(count), order.back(complete).astype(bool), *(padded(column) for column in columns))
 
     def sensitivity(
         self,
@@ -212,7 +263,7 @@ class Actuator:
             TypeError: Not exactly one of pressure and targets.
             ValueError: Arrays do not broadcast, or the actuators have two windings.
         """
-        name, value = _only(
+        name, value = only(
             pressure_pa=pressure_pa,
             axial_stretch=axial_stretch,
             outer_radius_m=outer_radius_m,
@@ -222,7 +273,7 @@ class Actuator:
         )
         if of not in _INPUTS:
             raise InvalidParameter("of", of, ", ".join(_INPUTS))
-        order = Order(self._shape, {name: floats(name, value), **_loads(external_force_n, external_torque_nm)})
+        order = Order(self._shape, {name: floats(name, value), **loads(external_force_n, external_torque_nm)})
         try:
             [status], _, numbers = self._built.sensitivity(_INPUTS[of], name, order[name], order.loads())
         except _native.Refused as refused:
@@ -266,7 +317,7 @@ def _rebuilt(values: dict[str, object]) -> Actuator:
     return Actuator(**values)  # type: ignore[arg-type]
 
 
-def _only(**targets: FloatLike | None) -> tuple[str, FloatLike]:
+def only(**targets: FloatLike | None) -> tuple[str, FloatLike]:
     """The one argument that is given."""
     given = [(name, value) for name, value in targets.items() if value is not None]
     if len(given) != 1:
@@ -280,7 +331,7 @@ def _tolerance(tolerance: float) -> float:
     return float(tolerance)
 
 
-def _loads(force_n: FloatLike, torque_nm: FloatLike) -> dict[str, Floats]:
+def loads(force_n: FloatLike, torque_nm: FloatLike) -> dict[str, Floats]:
     """The loads by name; none where there is none, which is faster."""
     loads = {"external_force_n": force_n, "external_torque_nm": torque_nm}
     if all(isinstance(load, (int, float)) and load == 0 for load in loads.values()):

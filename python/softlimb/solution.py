@@ -85,6 +85,29 @@ class Solution:
 
 
 @dataclass(frozen=True, eq=False)
+class Solutions:
+    """Several equilibria of each target. Numbers are arrays of shape ``(..., k)``, ``k`` the largest count; behind the last solution they are NaN.
+
+    Attributes:
+        count: Number of solutions; shape ``(...)``.
+        complete: False where the solver gave up before the ends of the branch or of the range; shape ``(...)``.
+        pressure_pa: Gauge pressure, Pa.
+        axial_stretch: As of :class:`Solution`, like the others.
+    """
+
+    count: Ints
+    complete: npt.NDArray[np.bool_]
+    pressure_pa: Floats
+    axial_stretch: Floats
+    inner_radius_m: Floats
+    outer_radius_m: Floats
+    twist_rad: Floats
+    bend_angle_rad: Floats
+    volume_m3: Floats
+    compliance_m3_per_pa: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Sensitivity:
     """Derivatives of the fields of a :class:`Solution` by one input, per unit of the input. All fields are arrays of one shape.
 

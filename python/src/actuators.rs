@@ -1,17 +1,18 @@
 //! Actuators, built once and solved for any number of pressures or deformations.
 
-use fra_model::PressureRange;
-use numpy::PyUntypedArrayMethods;
+use fra_model::{Actuator, PressureRange, Solution};
+use numpy::{IntoPyArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use softlimb::query::Question;
 
-use super::answers::Arrays;
+use super::answers::{Arrays, in_order};
 use super::arguments::{Loads, choice, parameter, target, values};
 use super::body::{Body, Built};
 use super::columns::{Columns, Numbers, Tube, Winding};
 use super::derivatives::{Fixed, SensitivityQuery};
 use super::refused::Refusal;
+use super::solve::numbers;
 
 /// Built actuators, in the flat order of their array.
 #[pyclass(frozen, module = "softlimb._native")]
@@ -74,8 +75,7 @@ impl Actuators {
     ) -> PyResult<Arrays<'py>> {
         let (choice, target) = (choice(model, tolerance)?, target(quantity)?);
         let (targets, loads) = (values(&targets)?, Loads::new(loads, targets.len())?);
-        let range = range_pa.map(|[least_pa, most_pa]| PressureRange { least_pa, most_pa });
-        let range = range.unwrap_or_else(PressureRange::physical);
+        let range = range(range_pa);
         let table = py.detach(|| {
             range.check().map_err(|error| Refusal::new(0, error))?;
             loads.check()?;
@@ -83,6 +83,43 @@ impl Actuators {
             self.built.solve(targets.len(), choice, &loads, range, query)
         })?;
         Ok(table.into_arrays(py))
+    }
+
+    /// All equilibria in a range of gauge pressures that have deformations: the number of each row and whether the search was complete, then their
+    /// numbers one after the other.
+    fn inverse_all<'py>(
+        &self,
+        py: Python<'py>,
+        quantity: &str,
+        targets: Numbers<'py>,
+        loads: Option<(Numbers<'py>, Numbers<'py>)>,
+        range_pa: Option<[f64; 2]>,
+    ) -> PyResult<Arrays<'py>> {
+        let (target, loads) = (target(quantity)?, Loads::new(loads, targets.len())?);
+        let targets = values(&targets)?;
+        let range = range(range_pa);
+        let actuators = self.one_winding("inverse_all")?;
+        let all = py.detach(|| {
+            range.check().map_err(|error| Refusal::new(0, error))?;
+            loads.check()?;
+            in_order(targets.len(), |i| {
+                let mut states = Vec::new();
+                let mut each = |found: &Solution<f64>| states.push(numbers(&found.state));
+                let found =
+                    actuators[i % actuators.len()].inverse_all(&range, target(targets[i]), &loads.at(i), &mut each);
+                let is_complete = found.map_err(|error| Refusal::new(i, error))?;
+                Ok((states, is_complete))
+            })
+        })?;
+        let counts = all.iter().map(|(states, _)| i32::try_from(states.len()).unwrap_or(i32::MAX));
+        let complete = all.iter().map(|(_, is_complete)| i8::from(*is_complete));
+        let column =
+            |index: usize| all.iter().flat_map(move |(states, _)| states.iter().map(move |state| state[index]));
+        Ok((
+            vec![complete.collect::<Vec<_>>().into_pyarray(py)],
+            counts.collect::<Vec<_>>().into_pyarray(py),
+            (0..8).map(|index| column(index).collect::<Vec<_>>().into_pyarray(py)).collect(),
+        ))
     }
 
     /// Derivatives of equilibria by one input: at gauge pressures, or with a deformation kept.
@@ -97,7 +134,7 @@ impl Actuators {
         let (values, loads) = (values(&given)?, Loads::new(loads, given.len())?);
         let fixed = if quantity == "pressure_pa" { Fixed::Pressure } else { Fixed::Target(target(quantity)?) };
         let query = SensitivityQuery { of: parameter(of)?, fixed, values: &values, loads: &loads };
-        let actuators = self.built.body.one_winding("sensitivity")?;
+        let actuators = self.one_winding("sensitivity")?;
         let table = py.detach(|| {
             loads.check()?;
             query.solve(actuators)
@@ -114,11 +151,27 @@ impl Actuators {
         twists_rad: Numbers<'py>,
     ) -> PyResult<Arrays<'py>> {
         let (pressures, stretches, twists) = (values(&pressures_pa)?, values(&stretches)?, values(&twists_rad)?);
-        let actuators = self.built.body.one_winding("blocked_force")?;
+        let actuators = self.one_winding("blocked_force")?;
         if stretches.len() != pressures.len() || twists.len() != pressures.len() {
             return Err(PyValueError::new_err("pressures, stretches and twists differ in number"));
         }
         let table = py.detach(|| super::blocked::solve(actuators, &pressures, &stretches, &twists))?;
         Ok(table.into_arrays(py))
     }
+}
+
+impl Actuators {
+    /// The actuators, for a method that takes one winding or none.
+    ///
+    /// # Errors
+    /// They have two windings.
+    pub(crate) fn one_winding(&self, method: &str) -> PyResult<&[Actuator<f64>]> {
+        self.built.body.one_winding(method)
+    }
+}
+
+/// The pressures of a range, or all that there are.
+fn range(range_pa: Option<[f64; 2]>) -> PressureRange<f64> {
+    let range = range_pa.map(|[least_pa, most_pa]| PressureRange { least_pa, most_pa });
+    range.unwrap_or_else(PressureRange::physical)
 }

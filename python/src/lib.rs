@@ -15,6 +15,8 @@ mod materials;
 mod refused;
 mod runs;
 mod scenes;
+mod series;
+mod session;
 mod solve;
 mod studies;
 
@@ -43,6 +45,10 @@ mod _native {
     use super::refused::Refused;
     #[pymodule_export]
     use super::scenes::Scene;
+    #[pymodule_export]
+    use super::series::solve_series;
+    #[pymodule_export]
+    use super::session::Session;
     #[pymodule_export]
     use super::studies::read_study;
 
