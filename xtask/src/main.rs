@@ -23,6 +23,7 @@ use std::process::ExitCode;
 
 use firmware::{Board, Sizes};
 use image::Counts;
+use python::Sources;
 use steps::{Options, installed};
 
 const HELP: &str = "\
@@ -34,8 +35,9 @@ Usage: cargo xtask <command>
                Rust it names, and installs by apt-get where it may; with --no-install it installs nothing. With --full the
                tests take whole samples in place of a tenth (SOFTLIMB_SAMPLES=full)
   lint         formatting and lints alone
-  wheel        builds the wheel of the Python package into target/python/wheels; with --test it installs the wheel into a fresh
-               environment and runs its tests
+  wheel        builds the wheel of the Python package into target/python/wheels; with --sdist the source distribution into
+               target/python/sdist, and the wheel from that; with --test behind it installs the wheel into a fresh environment and
+               runs its tests
   msrv         compiles the workspace with the oldest Rust that it supports, where rustup has that
   lab          runs the laboratory (package softlimb-lab), which compares methods and makes pages; arguments are its own
   model-image  builds the model and the controller for a microcontroller, looks for double precision in them, runs them in an
@@ -61,8 +63,10 @@ fn main() -> ExitCode {
             None => return usage(),
         },
         ["lint"] => steps::lint(),
-        ["wheel"] => installed(python::wheel().map(drop)),
-        ["wheel", "--test"] => installed(python::test()),
+        ["wheel"] => installed(python::wheel(Sources::Here).map(drop)),
+        ["wheel", "--sdist"] => installed(python::wheel(Sources::Distribution).map(drop)),
+        ["wheel", "--test"] => installed(python::test(Sources::Here)),
+        ["wheel", "--sdist", "--test"] => installed(python::test(Sources::Distribution)),
         ["msrv"] => installed(msrv::check()),
         ["lab", ref arguments @ ..] => lab::run(arguments),
         ["model-image"] => installed(image::check(Counts::Compare, None)),

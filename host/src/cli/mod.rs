@@ -22,6 +22,7 @@ mod interrupt;
 #[cfg(feature = "terminal")]
 mod jog;
 mod learn;
+mod man;
 mod materials;
 mod payload;
 mod port;
@@ -100,6 +101,7 @@ enum Verb {
     Tolerance(tolerance::Tolerance),
     Fabricate(fabricate::Fabricate),
     Completions(completions::Completions),
+    Man(man::Man),
 }
 
 impl Verb {
@@ -130,6 +132,7 @@ impl Verb {
             Self::Tolerance(verb) => verb.run(),
             Self::Fabricate(verb) => verb.run(),
             Self::Completions(verb) => verb.run(),
+            Self::Man(verb) => verb.run(),
         }
     }
 }

@@ -1,8 +1,11 @@
 //! Help, version, and command lines that mean nothing.
 
+use std::fs;
+use std::path::Path;
+
 use crate::cli::desk::Desk;
 
-const VERBS: [&str; 16] = [
+const VERBS: [&str; 17] = [
     "check",
     "run",
     "report",
@@ -19,6 +22,7 @@ const VERBS: [&str; 16] = [
     "tolerance",
     "fabricate",
     "completions",
+    "man",
 ];
 
 #[test]
@@ -74,6 +78,29 @@ fn completions_name_every_verb() {
         let script = Desk::new().softlimb(&format!("completions {shell}")).done().out;
         assert!(VERBS.iter().all(|verb| script.contains(verb)), "{shell}");
     }
+}
+
+/// Each verb's page, and those of its own verbs.
+fn check_pages(command: &clap::Command, name: &str, folder: &Path) -> usize {
+    let page = fs::read_to_string(folder.join(format!("{name}.1"))).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert!(page.contains(".TH") && page.contains(".SH SYNOPSIS"), "{name}: {page}");
+    let options = command.get_arguments().filter(|argument| !argument.is_hide_set());
+    for option in options.filter_map(clap::Arg::get_long) {
+        assert!(page.replace("\\-", "-").contains(&format!("--{option}")), "{name}: no --{option}");
+    }
+    let verbs = command.get_subcommands().filter(|verb| verb.get_name() != "help" && !verb.is_hide_set());
+    1 + verbs.map(|verb| check_pages(verb, &format!("{name}-{}", verb.get_name()), folder)).sum::<usize>()
+}
+
+#[test]
+fn every_verb_has_a_manual_page() {
+    let desk = Desk::new();
+    desk.softlimb("man pages").done();
+    let count = check_pages(&softlimb::cli::command(), "softlimb", &desk.path("pages"));
+    assert!(count > VERBS.len());
+    assert_eq!(fs::read_dir(desk.path("pages")).unwrap().count(), count, "pages of no verb");
+    fs::write(desk.path("file"), "").unwrap();
+    desk.softlimb("man file").failed(1, &["file"]);
 }
 
 #[test]
