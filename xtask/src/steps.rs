@@ -20,8 +20,11 @@ const IMAGES: &str = "SOFTLIMB_IMAGES";
 /// The variable that sizes the samples of the tests, and its value for whole samples.
 const SAMPLES: (&str, &str) = ("SOFTLIMB_SAMPLES", "full");
 
-/// The longest that a job may take without whole samples: six times what the longest takes on two idle cores.
+/// The longest that a job may take without whole samples: several times what the longest takes on two idle cores.
 const LIMIT: Duration = Duration::from_secs(30 * 60);
+
+/// The same of tests that keep time by this computer's clock.
+const LIMIT_IN_REAL_TIME: Duration = Duration::from_secs(10 * 60);
 
 /// Steps that need more than Rust.
 const BOARDS: &str = "images for the board";
@@ -112,7 +115,9 @@ fn in_real_time(built: &Built, full: bool, images: bool) -> Vec<Job> {
         let mut job = program_job(test);
         job.name = format!("{source}, {filter}");
         job.command.args([filter, "--test-threads", "1"]);
-        Some(with_settings(job, full, images))
+        let mut job = with_settings(job, full, images);
+        job.limit = job.limit.map(|_| LIMIT_IN_REAL_TIME);
+        Some(job)
     };
     IN_REAL_TIME.into_iter().filter_map(of).collect()
 }
