@@ -44,8 +44,8 @@ pub(crate) fn wheel(sources: Sources) -> Result<PathBuf, Trouble> {
             println!("xtask: pip wheel {}", sources.display());
             let mut build = Command::new(tools.join("bin/pip"));
             build.args(["wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--wheel-dir"]).arg(&folder);
-            // Foreign crates are compiled once.
-            build.arg(sources).env("CARGO_TARGET_DIR", target_folder());
+            // The files of a distribution are dated 2006: beside built files of this folder, Cargo would take them for unchanged.
+            build.arg(sources).env_remove("CARGO_TARGET_DIR");
             build
         }
     };
@@ -60,7 +60,7 @@ fn distribution(tools: &Path) -> Result<PathBuf, Trouble> {
     let _ = fs::remove_dir_all(&folder);
     println!("xtask: maturin sdist");
     let mut build = Command::new(tools.join("bin/maturin"));
-    build.args(["sdist", "--quiet", "--out"]).arg(&folder).current_dir(root());
+    build.args(["sdist", "--out"]).arg(&folder).current_dir(root());
     succeed(build, "the source distribution does not build: it takes the files that git knows")?;
     only_file(&folder)
 }

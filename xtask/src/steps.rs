@@ -186,7 +186,7 @@ fn jobs(program: &Path, mut built: Built, full: bool, images: bool) -> Vec<Job> 
         }
         job
     });
-    let python = own(program, PYTHON, &["wheel", "--test"]);
+    let python = own(program, PYTHON, &["wheel", "--sdist", "--test"]);
     let jobs = [counts, python, examples].into_iter().chain(tests);
     jobs.map(|job| with_settings(job, full, images)).collect()
 }
