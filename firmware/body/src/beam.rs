@@ -20,11 +20,19 @@ impl Node {
     /// Moved by a shift and a turn vector, both in space.
     pub(crate) fn moved(&self, step: &SVector<f64, 6>) -> Self {
         let turn = Rotation3::new(Vector3::new(step[3], step[4], step[5]));
-        let turn = turn.matrix() * self.turn;
-        // Rounding makes a product of thousands of rotations drift away from a rotation.
-        let turn = turn * (Matrix3::identity() * 1.5 - turn.tr_mul(&turn) * 0.5);
-        Self { place: self.place + step.fixed_rows::<3>(0), turn }
+        Self { place: self.place + step.fixed_rows::<3>(0), turn: rotation(turn.matrix() * self.turn) }
     }
+
+    /// As far beyond `middle` as that is from here.
+    pub(crate) fn beyond(&self, middle: &Self) -> Self {
+        let turn = middle.turn * self.turn.transpose() * middle.turn;
+        Self { place: middle.place * 2.0 - self.place, turn: rotation(turn) }
+    }
+}
+
+/// A product of rotations without the rounding that makes thousands of them drift away from one.
+fn rotation(turn: Matrix3<f64>) -> Matrix3<f64> {
+    turn * (Matrix3::identity() * 1.5 - turn.tr_mul(&turn) * 0.5)
 }
 
 /// Tube between two nodes.
@@ -231,7 +239,7 @@ fn turned(slope: &Vector2<f64>, angle_rad: f64) -> Vector2<f64> {
 }
 
 /// The vector of a turn of less than half a turn.
-fn turn_vector(turn: &Matrix3<f64>) -> Vector3<f64> {
+pub(crate) fn turn_vector(turn: &Matrix3<f64>) -> Vector3<f64> {
     let sine = Vector3::new(turn.m32 - turn.m23, turn.m13 - turn.m31, turn.m21 - turn.m12) * 0.5;
     let size = sine.norm();
     // The arc sine's series, whose next term is below 1e-17.

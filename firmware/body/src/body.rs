@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::beam::Node;
+use crate::motion::Inertia;
 use crate::tridiagonal::{Block, Part, Tridiagonal};
 use crate::tube::{Condensed, Tube};
 
@@ -60,28 +61,28 @@ pub struct Fallen;
 #[derive(Clone, Debug)]
 pub struct Body {
     base: Node,
-    plates: Vec<Plate>,
+    pub(crate) plates: Vec<Plate>,
     bays: Vec<Bay>,
     gravity_m_per_s2: Vector3<f64>,
     /// The end of the limb in the frame of the last plate, where it carries its load.
-    tip_m: Vector3<f64>,
-    nodes: Vec<Node>,
-    /// Pressures and load of the last equilibrium.
-    pressures_pa: Vec<f64>,
-    load: Load,
+    pub(crate) tip_m: Vector3<f64>,
+    pub(crate) nodes: Vec<Node>,
+    /// Pressures and load of the last equilibrium, or instant.
+    pub(crate) pressures_pa: Vec<f64>,
+    pub(crate) load: Load,
 }
 
 /// What acts on the limb from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Load {
+pub(crate) struct Load {
     /// Share of the weight of the limb.
-    weight: f64,
-    payload_kg: f64,
-    tip_force_n: Vector3<f64>,
+    pub(crate) weight: f64,
+    pub(crate) payload_kg: f64,
+    pub(crate) tip_force_n: Vector3<f64>,
 }
 
 impl Load {
-    fn between(&self, other: &Self, share: f64) -> Self {
+    pub(crate) fn between(&self, other: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * share;
         Self {
             weight: mix(self.weight, other.weight),
@@ -156,26 +157,52 @@ impl Body {
 
     fn approach(&mut self, pressures_pa: &[f64], load: &Load, span_s: f64, halvings: u32) -> Result<(), Fallen> {
         let before = self.clone();
-        if self.iterate(pressures_pa, load, span_s) {
-            for index in 0..self.bays.len() {
-                let ends = [*self.below(index), self.nodes[index]];
-                self.bays[index].tubes.iter_mut().for_each(|tube| tube.remember([&ends[0], &ends[1]], span_s));
-            }
+        if self.iterate(pressures_pa, load, span_s, None) {
+            self.remember(span_s);
             (self.pressures_pa, self.load) = (pressures_pa.to_vec(), *load);
             return Ok(());
         }
         *self = before;
         let halvings = halvings.checked_sub(1).ok_or(Fallen)?;
-        let half: Vec<f64> = self.pressures_pa.iter().zip(pressures_pa).map(|(a, b)| 0.5 * (a + b)).collect();
+        let half = self.halfway(pressures_pa);
         let halfway = self.load.between(load, 0.5);
         self.approach(&half, &halfway, 0.5 * span_s, halvings)?;
         self.approach(pressures_pa, load, 0.5 * span_s, halvings)
     }
 
-    /// Newton's method; whether it has found a stable equilibrium.
-    fn iterate(&mut self, pressures_pa: &[f64], load: &Load, span_s: f64) -> bool {
+    /// Pressures halfway from the last ones to others.
+    pub(crate) fn halfway(&self, pressures_pa: &[f64]) -> Vec<f64> {
+        self.pressures_pa.iter().zip(pressures_pa).map(|(a, b)| 0.5 * (a + b)).collect()
+    }
+
+    /// Its tubes remember their shapes, `span_s` after the last instant.
+    pub(crate) fn remember(&mut self, span_s: f64) {
+        for index in 0..self.bays.len() {
+            let ends = [*self.below(index), self.nodes[index]];
+            self.bays[index].tubes.iter_mut().for_each(|tube| tube.remember([&ends[0], &ends[1]], span_s));
+        }
+    }
+
+    /// Moves all nodes as far beyond their places as they have come since `start`.
+    pub(crate) fn go_on(&mut self, start: &Self) {
+        self.nodes.iter_mut().zip(&start.nodes).for_each(|(node, was)| *node = was.beyond(node));
+        for (bay, was) in self.bays.iter_mut().zip(&start.bays) {
+            bay.tubes.iter_mut().zip(&was.tubes).for_each(|(tube, was)| tube.go_on(was));
+        }
+    }
+
+    /// Newton's method; whether it has found a stable equilibrium, or the next shape of a limb with inertia.
+    pub(crate) fn iterate(
+        &mut self,
+        pressures_pa: &[f64],
+        load: &Load,
+        span_s: f64,
+        inertia: Option<&Inertia>,
+    ) -> bool {
         for _ in 0..ITERATIONS {
-            let Some((matrix, residual, tubes)) = self.system(pressures_pa, load, span_s) else { return false };
+            let Some((matrix, residual, tubes)) = self.system(pressures_pa, load, span_s, inertia) else {
+                return false;
+            };
             let Some(steps) = matrix.solve(&residual) else { return false };
             let longest = steps.iter().map(|step| step.amax()).fold(0.0, f64::max);
             if !longest.is_finite() {
@@ -209,6 +236,7 @@ impl Body {
         pressures_pa: &[f64],
         load: &Load,
         span_s: f64,
+        inertia: Option<&Inertia>,
     ) -> Option<(Tridiagonal, Vec<Part>, Vec<Condensed>)> {
         let mut matrix = Tridiagonal::zeros(self.nodes.len());
         let mut residual = vec![Part::zeros(); self.nodes.len()];
@@ -232,18 +260,31 @@ impl Body {
             }
         }
         for (index, (node, plate)) in self.nodes.iter().zip(&self.plates).enumerate() {
-            let mut push = |place_m: Vector3<f64>, force_n: Vector3<f64>| {
+            let mut push = |place_m: Vector3<f64>, kg: f64, mut force_n: Vector3<f64>| {
                 let arm = node.turn * place_m;
+                if let Some(inertia) = inertia {
+                    let (inertial_n, slope, by_turn) = inertia.force(index, &place_m, node, kg);
+                    force_n += inertial_n;
+                    let (cross, diagonal) = (arm.cross_matrix(), &mut matrix.diagonal[index]);
+                    let mut add = |row: usize, column: usize, block: Matrix3<f64>| {
+                        let mut view = diagonal.fixed_view_mut::<3, 3>(row, column);
+                        view += block * slope;
+                    };
+                    add(0, 0, Matrix3::identity());
+                    add(0, 3, by_turn);
+                    add(3, 0, cross);
+                    add(3, 3, cross * by_turn);
+                }
                 let moment = arm.cross(&force_n);
                 residual[index] += Part::new(force_n.x, force_n.y, force_n.z, moment.x, moment.y, moment.z);
                 let mut turning = matrix.diagonal[index].fixed_view_mut::<3, 3>(3, 3);
                 turning -= force_n.cross_matrix() * arm.cross_matrix();
             };
             for mass in &plate.masses {
-                push(Vector3::from(mass.place_m), self.gravity_m_per_s2 * (load.weight * mass.kg));
+                push(Vector3::from(mass.place_m), mass.kg, self.gravity_m_per_s2 * (load.weight * mass.kg));
             }
             if index + 1 == self.nodes.len() {
-                push(self.tip_m, self.gravity_m_per_s2 * load.payload_kg + load.tip_force_n);
+                push(self.tip_m, load.payload_kg, self.gravity_m_per_s2 * load.payload_kg + load.tip_force_n);
             }
         }
         Some((matrix, residual, tubes))

@@ -33,15 +33,17 @@ pub struct Effects {
     pub hysteresis: bool,
     /// Creep and damping.
     pub creep: bool,
+    /// Damping, also without creep.
+    pub damping: bool,
     /// Softening in the first cycles.
     pub softening: bool,
 }
 
 impl Effects {
     /// No memory: elastic.
-    pub const NONE: Self = Self { hysteresis: false, creep: false, softening: false };
+    pub const NONE: Self = Self { hysteresis: false, creep: false, damping: false, softening: false };
     /// Full memory.
-    pub const ALL: Self = Self { hysteresis: true, creep: true, softening: true };
+    pub const ALL: Self = Self { hysteresis: true, creep: true, damping: true, softening: true };
 }
 
 /// Strengths of the effects, in units of the range of pressure and deformation.
@@ -65,7 +67,7 @@ impl MemoryParameters {
         Self {
             loop_stiffness: keep(effects.hysteresis, self.loop_stiffness),
             creep: keep(effects.creep, self.creep),
-            damping: keep(effects.creep, self.damping),
+            damping: keep(effects.creep || effects.damping, self.damping),
             softening: keep(effects.softening, self.softening),
         }
     }

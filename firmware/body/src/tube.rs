@@ -154,6 +154,11 @@ impl Tube {
         }
     }
 
+    /// Moves the inner nodes as far beyond their places as they have come since `start`.
+    pub(crate) fn go_on(&mut self, start: &Self) {
+        self.inner.iter_mut().zip(&start.inner).for_each(|(node, was)| *node = was.beyond(node));
+    }
+
     /// Remembers the present shape, `span_s` after the last instant.
     pub(crate) fn remember(&mut self, plates: [&Node; 2], span_s: f64) {
         let strains = self.strains(plates);

@@ -2,5 +2,6 @@
 
 mod laws;
 mod memory;
+mod motion;
 mod rods;
 mod statics;

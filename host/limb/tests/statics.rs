@@ -6,6 +6,7 @@ mod bundles;
 mod closed_forms;
 mod derivatives;
 mod leaning;
+mod modes;
 mod shares;
 mod shooting;
 mod springs;

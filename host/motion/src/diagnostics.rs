@@ -18,10 +18,10 @@ use super::space::{Hindrance, Space};
 use super::timing::rate_max;
 use super::unreachable::{Shortcoming, Unreachable};
 use super::upright::Upright;
-use super::weight::{self, Margins, PoseError};
+use super::weight::{self, Margins, PoseError, Swing};
 use softlimb_limb::statics::Fidelity;
 use softlimb_limb::{Limb, LimbModule};
-use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, Span};
+use softlimb_scene::{Corrections, Goal, Phase, Scene, SceneError, Shaping, Span};
 
 /// Most points near a goal to which a way is searched.
 const POINTS: usize = 3;
@@ -69,6 +69,15 @@ pub(super) fn jog_start(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> R
 /// A diagnostic at the phase in which the limb falls or a tube buckles, empty or loaded.
 pub fn margins(scene: &Scene, limb: &Limb, plan: &Plan, sent: &Sent) -> Result<Vec<Margins>, SceneError> {
     weight::margins(scene, limb, plan, sent).map_err(|why| Words { scene, limb }.diagnostic(&why))
+}
+
+/// Natural vibrations at the end of each phase of a plan, and the swing that its move leaves; none of a limb whose setpoints are not corrected for
+/// weight.
+///
+/// # Errors
+/// A diagnostic at the phase in which the limb falls.
+pub fn swings(scene: &Scene, limb: &Limb, plan: &Plan) -> Result<Vec<Swing>, SceneError> {
+    weight::swings(scene, limb, plan).map_err(|why| Words { scene, limb }.diagnostic(&why))
 }
 
 /// The setpoints of a plan as they are sent: with the corrections of its scene.
@@ -146,6 +155,9 @@ impl Words<'_> {
             Unreachable::Tilts { phase, time_us, tilt_rad } => self.tilts(*phase, *time_us, *tilt_rad),
             Unreachable::NotCarried { phase, time_us, cause } => self.not_carried(*phase, Some(*time_us), *cause),
             Unreachable::UnderLoad { phase, nearest } => self.under_load(*phase, nearest),
+            Unreachable::Swings { phase, worst_m, way_m, enough_s } => {
+                self.swings(*phase, (*worst_m, *way_m), *enough_s)
+            }
             Unreachable::Correction { time_s, module, value } => self.correction(*time_s, *module, *value),
         }
     }
@@ -216,7 +228,10 @@ impl Words<'_> {
 
     /// The place of a phase's goal.
     fn goal_span(&self, index: usize) -> Span {
-        let phase = self.phase(index);
+        Self::goal_span_of(self.phase(index))
+    }
+
+    fn goal_span_of(phase: &Phase) -> Span {
         match &phase.goal {
             Goal::Targets(targets) => targets.first().map_or(phase.span, |target| target.value.span),
             Goal::Tip(tip) => tip.span,
@@ -293,6 +308,27 @@ impl Words<'_> {
         let most_rad = object.map_or(f64::INFINITY, |object| object.tilt_max_rad);
         let [tilt_deg, most_deg] = [tilt_rad, most_rad].map(f64::to_degrees);
         format!("`{name}` would tilt by {tilt_deg:.1} deg since it was grasped; its `tilt_max` is {most_deg:.1} deg")
+    }
+
+    /// A move that leaves too much swing; a duration, s, would be enough.
+    fn swings(&self, phase: usize, (worst_m, way_m): (f64, f64), enough_s: Option<f64>) -> SceneError {
+        let phase = self.phase(phase);
+        let span = phase.move_us.as_ref().map_or_else(|| Self::goal_span_of(phase), |given| given.span);
+        let limit_mm = self.scene.swing().residual_max_m.map_or(0.0, |limit| 1e3 * *limit);
+        let percent =
+            if way_m > 0.0 { format!(", {:.1} % of its way", 100.0 * worst_m / way_m) } else { String::new() };
+        let label = format!(
+            "afterwards the tip swings by {:.2} mm{percent}; `residual_max` is {limit_mm:.2} mm",
+            1e3 * worst_m
+        );
+        let enough = enough_s.map(|time_s| format!("a duration of {time_s:.2} s is enough"));
+        let is_series = matches!(phase.goal, Goal::Series(_));
+        let shapes =
+            (self.scene.swing().shaping == Shaping::None && !is_series).then(|| "`shaping = \"zvd\"` helps".to_owned());
+        let stretches = enough_s.filter(|_| !is_series).map(|_| "`excess = \"stretch\"` takes it".to_owned());
+        let help: Vec<String> = enough.into_iter().chain(stretches).chain(shapes).collect();
+        let help = (!help.is_empty()).then(|| help.join("; "));
+        self.at(span, "this move leaves too much swing", &label, help.as_deref())
     }
 
     /// A held object that tilts too much at a time of the run, or at the goal of a phase.

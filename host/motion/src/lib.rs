@@ -32,7 +32,7 @@ mod wire;
 
 pub use air::{AirDemand, air_demand, dead_volume_m3, line_conductance_m3_per_s_pa};
 pub use clear::Nearness;
-pub use diagnostics::{corrected, margins, plan, sent};
+pub use diagnostics::{corrected, margins, plan, sent, swings};
 pub use inverse_kinematics::{Obstruction, Reach, TipGoal, TipTask, solutions, solve, solve_tip};
 pub use inverses::{ModuleInverse, check_goals, inverses};
 pub use jacobian::tip_slopes;
@@ -41,5 +41,5 @@ pub use plan::{Plan, PlannedPhase, held_share};
 pub use sent::Sent;
 pub use upright::Upright;
 pub use valve_step::{valve_step_pa, valve_warnings};
-pub use weight::{Margins, Nominal, Pose, PoseError, Weighed, planned_slopes};
+pub use weight::{Margins, Nominal, Pose, PoseError, Swing, Vibrations, Weighed, planned_slopes};
 pub use wire::{to_wire, wire_kind};

@@ -1,6 +1,6 @@
 //! The way of a move through setpoints, on the clock of its phase.
 
-use super::profile::minimum_jerk;
+use super::profile::Shaper;
 
 /// How the setpoints of a phase change with time.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +11,8 @@ pub(super) enum Path {
         rows: Vec<Vec<f64>>,
         /// When each row is reached, us after the start of the move; the first is 0.
         times_us: Vec<f64>,
+        /// Shaper of every leg.
+        shaper: Shaper,
     },
     /// Through rows of setpoints at given times, smooth and between neighbouring rows within them; at rest at both ends.
     Series {
@@ -35,20 +37,38 @@ impl Path {
         if let Some(last) = times_us.last_mut() {
             *last = move_us as f64;
         }
-        Self::Legs { rows, times_us }
+        Self::Legs { rows, times_us, shaper: Shaper::none() }
+    }
+
+    /// The same way with legs that take a multiple of their time, shaped besides; a series stays as it is.
+    pub(super) fn retimed(&self, by: f64, new: &Shaper) -> Self {
+        let Self::Legs { rows, times_us, shaper } = self else { return self.clone() };
+        let own_s = |pair: &[f64]| (by * (pair[1] - pair[0] - shaper.length_us()) + new.length_us()) * 1e-6;
+        let times_s: Vec<f64> = times_us.windows(2).map(own_s).collect();
+        let move_us = (1e6 * times_s.iter().sum::<f64>()).round() as u64;
+        let Self::Legs { rows, times_us, .. } = Self::legs(rows.clone(), &times_s, move_us) else {
+            return self.clone();
+        };
+        Self::Legs { rows, times_us, shaper: new.clone() }
+    }
+
+    /// Time of the last row, us.
+    pub(super) fn move_us(&self) -> u64 {
+        let (Self::Legs { times_us, .. } | Self::Series { times_us, .. }) = self;
+        times_us.last().map_or(1, |time| *time as u64)
     }
 
     /// The setpoints at a time after the start, us; before the first and after the last row they rest.
     pub(super) fn at(&self, time_us: f64) -> Vec<f64> {
-        let (Self::Legs { rows, times_us } | Self::Series { rows, times_us }) = self;
+        let (Self::Legs { rows, times_us, .. } | Self::Series { rows, times_us }) = self;
         let cell =
             times_us.partition_point(|time| *time <= time_us).saturating_sub(1).min(rows.len().saturating_sub(2));
         let (start, length) = (times_us[cell], times_us[cell + 1] - times_us[cell]);
         let share = (time_us - start) / length;
         let (before, after) = (&rows[cell], &rows[cell + 1]);
         match self {
-            Self::Legs { .. } => {
-                let share = minimum_jerk(share);
+            Self::Legs { shaper, .. } => {
+                let share = shaper.share(time_us - start, length);
                 before.iter().zip(after).map(|(a, b)| a + (b - a) * share).collect()
             }
             Self::Series { .. } => {
@@ -94,6 +114,19 @@ mod tests {
         assert_eq!((value(-5.0), value(0.0), value(1e6), value(4e6), value(9e6)), (0.0, 0.0, 1.0, -1.0, -1.0));
         assert!((value(0.5e6) - 0.5).abs() < 1e-12 && value(2.5e6).abs() < 1e-12);
         assert!((value(1e6 + 100.0) - value(1e6 - 100.0)).abs() < 1e-8);
+    }
+
+    #[test]
+    fn retimed_legs_keep_their_rows_and_get_longer_by_the_shaper() {
+        let path = Path::legs(vec![vec![0.0], vec![1.0], vec![-1.0]], &[1.0, 3.0], 4_000_000);
+        let shaper = Shaper::zero_derivative(0.8, 0.02);
+        let shaped = path.retimed(1.5, &shaper);
+        assert_eq!(shaped.move_us(), 6_000_000 + (2.0 * shaper.length_us()).round() as u64);
+        let value = |time_us: f64| shaped.at(time_us)[0];
+        let via_us = 1.5e6 + shaper.length_us();
+        assert!((value(via_us) - 1.0).abs() < 1e-9 && (value(shaped.move_us() as f64) + 1.0).abs() < 1e-12);
+        let back = shaped.retimed(1.0 / 1.5, &Shaper::none());
+        assert_eq!(back.move_us(), 4_000_000);
     }
 
     #[test]

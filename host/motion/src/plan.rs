@@ -195,7 +195,10 @@ pub(super) fn plan(scene: &Scene, limb: &Limb) -> Result<(Plan, Vec<Shortcoming>
 /// Phases and setpoints of the limb under its weight by a tier of the statics, or without weight.
 fn drafted(scene: &Scene, limb: &Limb, tier: Option<Fidelity>) -> Result<(Plan, Vec<Shortcoming>), Unreachable> {
     let start: Vec<f64> = limb.drives().map(|drive| drive.measure(&drive.actuator.rest())).collect();
-    let (phases, shortcomings) = schedule(scene, limb, tier, &start)?;
+    let (mut phases, shortcomings) = schedule(scene, limb, tier, &start)?;
+    if tier.is_some() {
+        weight::calmed(scene, limb, &mut phases)?;
+    }
     let knot_period_us = u64::from(scene.controller().knot_period_us);
     let knots = knots(limb, &phases, &start, knot_period_us);
     let states = states(limb, &phases, &owners(limb), &knots, knot_period_us)?;

@@ -62,8 +62,8 @@ pub(super) fn schedule(
             Goal::Series(_) => planner.series(&space, index, &values)?,
             _ => planner.legs(&space, index, (&values, &asked), supply, &mut warnings)?,
         };
-        let (Path::Legs { rows, times_us } | Path::Series { rows, times_us }) = &path;
-        let move_us = times_us.last().map_or(1, |time| *time as u64);
+        let (Path::Legs { rows, .. } | Path::Series { rows, .. }) = &path;
+        let move_us = path.move_us();
         values = rows.last().unwrap_or(&values).clone();
         asked = match &phase.goal {
             Goal::Targets(targets) => with_targets(limb, targets, &asked),
@@ -280,7 +280,7 @@ impl Planner<'_> {
 
     /// The supply after the move of a phase.
     fn moved(&self, path: &Path, supply: Reservoir) -> Reservoir {
-        let (Path::Legs { rows, times_us } | Path::Series { rows, times_us }) = path;
+        let (Path::Legs { rows, times_us, .. } | Path::Series { rows, times_us }) = path;
         let legs = rows.windows(2).zip(times_us.windows(2));
         legs.fold(supply, |left, (leg, time)| self.drawn(&leg[0], &leg[1], (time[1] - time[0]) * 1e-6, left))
     }

@@ -37,6 +37,9 @@ pub(super) enum Unreachable {
     NotCarried { phase: usize, time_us: u64, cause: PoseError },
     /// Under its load the tip does not get to where it shall be.
     UnderLoad { phase: usize, nearest: Reach },
+    /// A move leaves more swing of the tip than it may, m, where frequencies are off at worst; its tip goes this far, m. A duration before
+    /// shaping, s, is enough.
+    Swings { phase: usize, worst_m: f64, way_m: f64, enough_s: Option<f64> },
     /// A correction of the scene is larger than the range of its module.
     Correction { time_s: f64, module: usize, value: f64 },
 }

@@ -7,5 +7,6 @@ mod kinematics;
 mod loaded;
 mod obstacles;
 mod steering;
+mod swing;
 mod tilt;
 mod times;

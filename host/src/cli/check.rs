@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::check_margins;
 use super::shared::{limb, show};
 use super::{Failure, Outcome};
+use super::{check_margins, check_swing};
 use crate::results::CheckResult;
 use softlimb_chart::labelled;
 use softlimb_motion::Plan;
@@ -33,7 +33,7 @@ impl Check {
 }
 
 fn table(result: &CheckResult<'_>) -> String {
-    let CheckResult { scene, limb, plan, highest, inverses, margins, air, .. } = result;
+    let CheckResult { scene, limb, plan, highest, inverses, margins, swings, air, .. } = result;
     let heading = format!(
         "{}: {}, {}, {:.3} m at rest, {:.2} kg, {} in {:.1} s",
         labelled(scene.name(), scene.weightless()),
@@ -63,6 +63,7 @@ fn table(result: &CheckResult<'_>) -> String {
         .chain(weight)
         .chain(phase_rows(scene, plan))
         .chain(check_margins::rows(plan, margins))
+        .chain(check_swing::rows(scene, plan, swings))
         .collect::<Vec<_>>()
         .join("\n")
 }

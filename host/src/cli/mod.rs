@@ -8,6 +8,7 @@ mod by_hand;
 mod calibrate;
 mod check;
 mod check_margins;
+mod check_swing;
 mod completions;
 #[cfg(feature = "console")]
 mod console;

@@ -3,10 +3,11 @@
 use serde::Serialize;
 
 use super::margins::{self, PrintedMargins};
+use super::swing::PrintedSwing;
 use softlimb_limb::Limb;
 use softlimb_limb::fabricate::{Settings, advice};
 use softlimb_motion as motion;
-use softlimb_motion::{AirDemand, Margins, ModuleInverse, Plan};
+use softlimb_motion::{AirDemand, Margins, ModuleInverse, Plan, Swing};
 use softlimb_scene::{Scene, SceneError};
 
 /// The result of `--json`.
@@ -51,6 +52,9 @@ struct PrintedPhase<'a> {
     /// Absent of a weightless limb.
     #[serde(flatten)]
     margins: Option<PrintedMargins<'a>>,
+    /// Absent of a limb whose setpoints are not corrected for weight.
+    #[serde(flatten)]
+    swing: Option<PrintedSwing>,
 }
 
 /// The model that corrects for weight, and its error over the length.
@@ -70,6 +74,8 @@ pub struct CheckResult<'a> {
     pub(crate) inverses: Vec<ModuleInverse>,
     /// One a phase, or none of a weightless limb.
     pub(crate) margins: Vec<Margins>,
+    /// One a phase, or none of a limb whose setpoints are not corrected for weight.
+    pub(crate) swings: Vec<Swing>,
     pub(crate) air: AirDemand,
     /// Margins that are too small, and what will not go as planned.
     pub warnings: Vec<String>,
@@ -87,6 +93,7 @@ impl<'a> CheckResult<'a> {
         motion::check_goals(scene, limb, &plan, &sent, &inverses)?;
         let highest = sent.highest_pa(limb);
         let margins = motion::margins(scene, limb, &plan, &sent)?;
+        let swings = motion::swings(scene, limb, &plan)?;
         let warnings = [
             plan.warnings.clone(),
             scene.winding_warnings(),
@@ -99,12 +106,12 @@ impl<'a> CheckResult<'a> {
         ]
         .concat();
         let air = motion::air_demand(scene, limb, &sent);
-        Ok(Self { scene, limb, plan, highest, inverses, margins, air, warnings })
+        Ok(Self { scene, limb, plan, highest, inverses, margins, swings, air, warnings })
     }
 
     /// The result as `--json` prints it.
     pub fn printed(&self) -> impl Serialize {
-        let Self { scene, limb, plan, highest, inverses, margins, air, warnings } = self;
+        let Self { scene, limb, plan, highest, inverses, margins, swings, air, warnings } = self;
         let modules =
             limb.modules().iter().zip(highest).zip(inverses).map(|((module, pressure), inverse)| PrintedModule {
                 name: &module.name,
@@ -124,6 +131,7 @@ impl<'a> CheckResult<'a> {
             nearest_obstacle: phase.nearest.map(|nearest| scene.obstacles()[nearest.obstacle].name.value.as_str()),
             tilt_rad: phase.tilt_rad,
             margins: margins.get(index).map(|margins| PrintedMargins::new(limb, margins)),
+            swing: swings.get(index).map(PrintedSwing::new),
         });
         Printed {
             scene: scene.name(),

@@ -6,6 +6,7 @@ mod check;
 mod margins;
 mod run;
 mod statics;
+mod swing;
 mod workspace;
 mod workspace_loaded;
 

@@ -155,7 +155,7 @@ impl Piece {
     }
 
     /// Mass at a node of the rod by Simpson's rule, kg.
-    fn node_kg(&self, node: usize) -> f64 {
+    pub(super) fn node_kg(&self, node: usize) -> f64 {
         let factor = match node {
             0 | STEPS => 1.0,
             odd if odd % 2 == 1 => 4.0,
@@ -276,7 +276,7 @@ impl Rod {
     }
 
     /// The steps of a shape, and the poses behind the pieces.
-    fn chain(&self, q: &[f64]) -> (Vec<Step>, Vec<Isometry3<f64>>) {
+    pub(super) fn chain(&self, q: &[f64]) -> (Vec<Step>, Vec<Isometry3<f64>>) {
         let mut steps = Vec::with_capacity(STEPS * self.pieces.len());
         let mut poses = Vec::with_capacity(self.pieces.len());
         let mut rotation = self.base.rotation.to_rotation_matrix().into_inner();

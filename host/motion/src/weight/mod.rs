@@ -5,12 +5,15 @@
 mod margins;
 mod nominal;
 mod slopes;
+mod swing;
 
 pub use margins::Margins;
 pub(crate) use margins::margins;
 pub use nominal::{Nominal, Pose, PoseError};
 pub(crate) use nominal::{pressures_pa, step_pa};
 pub use slopes::planned_slopes;
+pub use swing::{Swing, Vibrations};
+pub(crate) use swing::{calmed, swings};
 
 use fra_model::State;
 use nalgebra::Vector3;

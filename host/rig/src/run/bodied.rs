@@ -197,7 +197,7 @@ impl<'a> Bodied<'a> {
 
     fn assembled(&mut self, truth: &Truth) -> Result<Body, String> {
         let BodyEffects { hysteresis, creep, softening, assembly } = self.effects;
-        let effects = Effects { hysteresis, creep, softening };
+        let effects = Effects { hysteresis, creep, damping: false, softening };
         let mut seats = Assembly::new(self.seed, if assembly { Tolerance::default() } else { Tolerance::NONE });
         let base = self.limb.base() * seats.base();
         let (mut bays, mut plates) = (Vec::new(), Vec::new());

@@ -13,7 +13,8 @@ pub use corrections::Corrections;
 pub use design::{Bounds, Choice, Design, ModuleBounds};
 pub use limb::{EndEffector, Limb, Module};
 pub use motion::{
-    BendingModel, Controller, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, Target, Weight,
+    BendingModel, Controller, Excess, Goal, InverseChoice, Limits, LinkLoss, MarginLimits, Phase, Shaping, Swing,
+    Target, Weight,
 };
 pub use plant::{Ambient, BodyEffects, Chamber, Line, Plant, Sensor, Spread, Supply, TrueLimb, Valve};
 pub use task::{Aim, Gripper, Marker, Object, Obstacle, Region};
@@ -44,6 +45,7 @@ pub struct Scene {
     pub(super) limits: Limits,
     pub(super) controller: Controller,
     pub(super) weight: Weight,
+    pub(super) swing: Swing,
     pub(super) plant: Plant,
 }
 
@@ -126,6 +128,11 @@ impl Scene {
     /// Whether the simulated limb carries neither its own weight nor a payload; all figures of it are labelled so.
     pub fn weightless(&self) -> bool {
         !self.weight.simulated
+    }
+
+    /// Swing after moves.
+    pub fn swing(&self) -> &Swing {
+        &self.swing
     }
 
     /// The pneumatics.

@@ -103,6 +103,40 @@ pub struct Weight {
     pub error: f64,
 }
 
+/// How moves are shaped against swing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Shaping {
+    /// Not at all.
+    None,
+    /// Zero vibration.
+    ZeroVibration,
+    /// Zero vibration, and zero derivative of it by the frequency.
+    ZeroDerivative,
+}
+
+/// What becomes of a move with too much swing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Excess {
+    /// It is refused.
+    Refuse,
+    /// It takes longer.
+    Stretch,
+}
+
+/// Swing of the limb under weight after its moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Swing {
+    /// Loss factor of the elastomer; 0 to 0.5.
+    pub loss_factor: f64,
+    /// How moves are shaped; without effect on a limb whose setpoints are not corrected for weight.
+    pub shaping: Shaping,
+    /// Largest swing of the tip after a move, m; > 0.
+    pub residual_max_m: Option<Located<f64>>,
+    /// What becomes of a move with more.
+    pub excess: Excess,
+}
+
 /// Reaction of the controller to a silent host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LinkLoss {

@@ -107,6 +107,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
     let limits = settings::limits(&root);
     let controller = settings::controller(&root);
     let weight = settings::weight(&root);
+    let swing = settings::swing(&root, weight.as_ref());
     let plant = plant::plant(&root);
     let mut drafts = module::modules(&root, &materials, &windings, limits.as_ref());
     let obstacles = task::obstacles(&root);
@@ -141,6 +142,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>) -> Option<Sce
         limits: limits?,
         controller: controller?,
         weight: weight?,
+        swing: swing?,
         plant: plant?,
     })
 }

@@ -1,6 +1,8 @@
 //! Limits and settings of the controller.
 
-use crate::data::{BendingModel, Controller, InverseChoice, Limits, LinkLoss, MarginLimits, Weight};
+use crate::data::{
+    BendingModel, Controller, Excess, InverseChoice, Limits, LinkLoss, MarginLimits, Shaping, Swing, Weight,
+};
 use crate::error::{Problem, quoted};
 use crate::reader::Reader;
 use crate::schema;
@@ -113,6 +115,24 @@ pub(super) fn weight(root: &Reader<'_>) -> Option<Weight> {
         let compensated = reader.maybe_flag(&COMPENSATED);
         let error = reader.quantity(&ERROR);
         Some(Weight { simulated: simulated?, compensated: compensated?.or(simulated)?, error: *error? })
+    })
+}
+
+pub(super) fn swing(root: &Reader<'_>, weight: Option<&Weight>) -> Option<Swing> {
+    optional_table(root, &schema::scene::SWING, &schema::swing::SECTION, |reader| {
+        use schema::swing::*;
+        let loss_factor = reader.quantity(&LOSS_FACTOR);
+        let shaping = reader.choice(&SHAPING, &[Shaping::None, Shaping::ZeroVibration, Shaping::ZeroDerivative]);
+        let residual_max = reader.maybe(&RESIDUAL_MAX);
+        let excess = reader.choice(&EXCESS, &[Excess::Refuse, Excess::Stretch]);
+        let shaped = shaping.filter(|shaping| **shaping != Shaping::None).map(|shaping| shaping.span);
+        let bounded = residual_max.flatten().map(|bound| bound.span);
+        if let Some(span) = shaped.or(bounded).filter(|_| weight.is_some_and(|weight| !weight.compensated)) {
+            let title = "swing is known of a limb whose setpoints are corrected for its weight";
+            let problem = Problem::at(span, title, "`[weight]` turns that correction off");
+            return reader.log().note(problem.help("leave out `simulated = false` and `compensated = false`"));
+        }
+        Some(Swing { loss_factor: *loss_factor?, shaping: *shaping?, residual_max_m: residual_max?, excess: *excess? })
     })
 }
 

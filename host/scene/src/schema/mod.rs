@@ -9,7 +9,7 @@ mod task;
 mod units;
 
 pub(super) use choice::{bounds, design};
-pub(super) use motion::{controller, limits, phase, target, weight};
+pub(super) use motion::{controller, limits, phase, swing, target, weight};
 pub(super) use parts::{DENSITY_KG_PER_M3, connector, end_effector, limb, material, module, scene, thread, winding};
 pub(super) use pneumatics::{ambient, chamber, line, plant, sensor, spread, supply, truth, valve};
 pub(super) use sweep::{parameter, study};
@@ -163,7 +163,7 @@ macro_rules! section {
 use section;
 
 /// All sections in the order of the reference page.
-pub(super) const SECTIONS: [Section; 29] = [
+pub(super) const SECTIONS: [Section; 30] = [
     scene::SECTION,
     material::SECTION,
     winding::SECTION,
@@ -184,6 +184,7 @@ pub(super) const SECTIONS: [Section; 29] = [
     limits::SECTION,
     controller::SECTION,
     weight::SECTION,
+    swing::SECTION,
     plant::SECTION,
     ambient::SECTION,
     supply::SECTION,

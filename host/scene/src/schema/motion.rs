@@ -56,6 +56,16 @@ section! {
 }
 
 section! {
+    /// Swing of the limb under weight after its moves. The planner knows it by the limb's natural vibrations at the end of each move; `check` prints
+    /// them. Moves along a marker series are not shaped.
+    swing, "[swing]";
+    LOSS_FACTOR: Quantity { name: "loss_factor", unit: Unit::NUMBER, min: 0.0, max: 0.5, presence: Default(0.05) } = "Loss factor of the elastomer: twice the damping ratio of a vibration whose stiffness is the elastomer's alone. The default is assumed, not measured.";
+    SHAPING: Choice { name: "shaping", words: &["none", "zv", "zvd"], presence: Default("none") } = "Input shaping of the moves against one of the first three natural vibrations, that which leaves the least swing: `zv` (zero vibration) makes a move longer than its `duration` by half a period, `zvd` (zero vibration and derivative) by a whole one and bears a wrong frequency. A move by via points gets as much longer for each of its legs.";
+    RESIDUAL_MAX: Quantity { name: "residual_max", unit: Unit::MM, min: 0.01, max: 1000.0, presence: Optional("no bound") } = "Largest swing of the tip after a move, predicted for natural frequencies up to 10 % off.";
+    EXCESS: Choice { name: "excess", words: &["refuse", "stretch"], presence: Default("refuse") } = "A move with more swing than `residual_max` is refused, with the duration that would be enough, or gets that duration.";
+}
+
+section! {
     /// Settings of the pressure controller. Times are rounded to whole microseconds.
     controller, "[controller]";
     KNOT_PERIOD: Quantity { name: "knot_period", unit: Unit::MS, min: 10.0, max: 1000.0, presence: Default(20.0) } = "Time between two streamed setpoints; the controller interpolates linearly.";

@@ -26,6 +26,7 @@ section! {
     LIMITS: Nested { name: "limits", shape: "table `[limits]`", presence: Optional("the defaults below") } = "Bounds that hold for all modules.";
     CONTROLLER: Nested { name: "controller", shape: "table `[controller]`", presence: Optional("the defaults below") } = "Settings of the pressure controller.";
     WEIGHT: Nested { name: "weight", shape: "table `[weight]`", presence: Optional("the defaults below") } = "Effect of the limb's weight and its payloads on a run.";
+    SWING: Nested { name: "swing", shape: "table `[swing]`", presence: Optional("the defaults below") } = "Swing of the limb after a move.";
     PLANT: Nested { name: "plant", shape: "table `[plant]`", presence: Optional("the defaults below") } = "Nominal pneumatics, which the controller gets, and the deviation of the simulated truth from them.";
 }
 
