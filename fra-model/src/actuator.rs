@@ -193,8 +193,7 @@ impl<T: Real> Actuator<T> {
     /// The same actuator with a second winding, on a host: a straight one wound twice, at two angles or in two places, such as a helix and
     /// an axial thread.
     ///
-    /// The energies of both windings add up; each has its own signed angle, families, modulus, thickness and place. Such an actuator has
-    /// no derivatives by its parameters.
+    /// The energies of both windings add up; each has its own signed angle, families, modulus, thickness and place.
     ///
     /// ```
     /// use fra_model::*;
@@ -239,21 +238,6 @@ impl<T: Real> Actuator<T> {
     #[cfg(not(target_os = "none"))]
     pub fn second_fiber(&self) -> Option<&Fiber<T>> {
         self.second_fiber.as_ref()
-    }
-
-    /// `Err` for an actuator with a second winding.
-    #[cfg(not(target_os = "none"))]
-    pub(crate) fn require_one_fiber(&self) -> Result<(), InvalidParameter<T>> {
-        let Some(fiber) = &self.second_fiber else { return Ok(()) };
-        let allowed = "one winding: two have no derivatives";
-        Err(InvalidParameter { field: "second_fiber.angle_rad", value: fiber.angle_rad, allowed })
-    }
-
-    /// A device has one winding.
-    #[cfg(target_os = "none")]
-    #[inline(always)]
-    pub(crate) fn require_one_fiber(&self) -> Result<(), InvalidParameter<T>> {
-        Ok(())
     }
 
     /// First and second derivative of a bending actuator's lumen volume by its bend angle, m3/rad and m3/rad2.

@@ -244,16 +244,185 @@ fn errors_name_the_second_winding() {
     assert!(wound(&bending, &axial).expect_err("bends").allowed.starts_with("straight actuators only"));
 }
 
+/// The inputs of both windings and of the wall.
+const INPUTS: [Parameter; 10] = [
+    Parameter::OuterRadius,
+    Parameter::InnerRadius,
+    Parameter::FiberAngle,
+    Parameter::FiberModulus,
+    Parameter::SheetThickness,
+    Parameter::WindingRadius,
+    Parameter::SecondFiberAngle,
+    Parameter::SecondFiberModulus,
+    Parameter::SecondSheetThickness,
+    Parameter::SecondWindingRadius,
+];
+
+fn place<'a>(p: &'a mut ActuatorParameters<f64>, second: &'a mut Fiber<f64>, parameter: Parameter) -> &'a mut f64 {
+    let first = p.fiber.as_mut().expect("wound");
+    match parameter {
+        Parameter::OuterRadius => &mut p.outer_radius_m,
+        Parameter::InnerRadius => &mut p.inner_radius_m,
+        Parameter::FiberAngle => &mut first.angle_rad,
+        Parameter::FiberModulus => &mut first.modulus_pa,
+        Parameter::SheetThickness => &mut first.thickness_m,
+        Parameter::WindingRadius => &mut first.radius_m,
+        Parameter::SecondFiberAngle => &mut second.angle_rad,
+        Parameter::SecondFiberModulus => &mut second.modulus_pa,
+        Parameter::SecondSheetThickness => &mut second.thickness_m,
+        Parameter::SecondWindingRadius => &mut second.radius_m,
+        other => panic!("{other:?} is not of a winding or the wall"),
+    }
+}
+
+/// The value of an input.
+fn stated(mut p: ActuatorParameters<f64>, mut second: Fiber<f64>, parameter: Parameter) -> f64 {
+    *place(&mut p, &mut second, parameter)
+}
+
+/// Largest difference of two derivatives of the motion by an input of a size, and the larger of their sizes.
+fn change(found: &State<f64>, other: [f64; 3], size: f64) -> (f64, f64) {
+    let found = [found.axial_strain, found.outer_radius_m / (8.0 * MM), found.twist_rad * 8.0 * MM / 0.1];
+    let largest = |values: [f64; 3]| size * values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    (largest(std::array::from_fn(|i| found[i] - other[i])), largest(found).max(largest(other)))
+}
+
+/// Derivatives by every input are the differences of equilibria at four values of it.
 #[test]
-fn derivatives_take_one_winding() {
-    let axial = sheet(90.0, Families::One, 1e6);
-    let p = ActuatorParameters { fiber: Some(axial), ..tube(Motion::Extension, 6.0, 8.0, neo_hookean(0.2e6)) };
-    let two = new(&p, &Fiber { angle_rad: 0.1, ..axial });
-    let state = two.forward(5e3, &Load::none()).expect("finite").state;
-    let refused = two.sensitivity(&state, &Load::none(), Parameter::OuterRadius).expect_err("two windings");
-    assert!(refused.to_string().starts_with("second_fiber.angle_rad = 0.1 is not allowed: one winding"), "{refused}");
-    let blocked = two.blocked(5e3, 1.0, 0.0).expect("straight");
-    assert!(two.blocked_sensitivity(&blocked, Parameter::OuterRadius).is_err());
-    assert!(two.condition(&state, &Load::none()).is_err());
-    assert!(Series::new(&[two, two]).is_err());
+fn derivatives_are_differences_of_equilibria() {
+    let (mut worst, mut count) = (0.0_f64, 0);
+    for sample in 0..PAIRS {
+        let (p, second, pressure_pa, load) = pair(sample);
+        let two = new(&p, &second);
+        let solution = two.forward(pressure_pa, &load).expect("finite");
+        // Towards a limit point the motion runs away between the steps.
+        let is_far = |share: f64| two.forward(share * pressure_pa, &load).expect("finite").status == Status::Solved;
+        if !(solution.status == Status::Solved && is_far(1.2)) {
+            continue;
+        }
+        for parameter in INPUTS {
+            if two.inputs().all(|input| input != parameter) {
+                assert!(two.sensitivity(&solution.state, &load, parameter).is_err(), "{sample} {parameter:?}");
+                continue;
+            }
+            let exact = two.sensitivity(&solution.state, &load, parameter).expect("an input");
+            let value = stated(p, second, parameter);
+            let size = if value == 0.0 { 1.0 } else { value.abs() };
+            let at = |steps: f64| {
+                let (mut p, mut second) = (p, second);
+                *place(&mut p, &mut second, parameter) = value + 1e-4 * steps * size;
+                let solution = wound(&p, &second).ok()?.forward_from(&solution.state, pressure_pa, &load).ok()?;
+                (solution.status == Status::Solved).then(|| motion(&solution.state))
+            };
+            // A winding on the surface has no place further out, and a right angle is the largest.
+            let Some(around) = [-2.0, -1.0, 1.0, 2.0].map(at).into_iter().collect::<Option<Vec<_>>>() else { continue };
+            let slope = |i: usize| {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| around[k][i]);
+                (8.0 * (c - b) - (d - a)) / (12.0 * 1e-4 * size)
+            };
+            let (off, most) = change(&exact, [0, 1, 2].map(slope), size);
+            // Differences of motions that are rounded have an error of their own.
+            let off = off / (most + 1e-3);
+            assert!(off < 1e-6, "{sample} {parameter:?}: {off:e} {p:?} {second:?} {load:?}");
+            worst = worst.max(off);
+            count += 1;
+        }
+    }
+    println!("{count} derivatives, largest difference {worst:.1e}");
+    assert!(count > 800, "{count}");
+}
+
+/// Derivatives by the parts of a winding sum up to that by the whole; a helix and its mirror image turn against each other.
+#[test]
+fn derivatives_by_parts_sum_up() {
+    use Parameter::*;
+    let pressure_pa = 15e3;
+    let load = Load { force_n: 0.5, torque_nm: 1e-3 };
+    for (angle_deg, modulus_pa) in [(5.0, 1e6), (30.0, 1e6), (30.0, 200e6), (70.0, 200e6)] {
+        let bare = tube(Motion::Twisting, 6.0, 8.0, DRAGONSKIN_30);
+        let one = sheet(angle_deg, Families::One, modulus_pa);
+        let with = |fiber| ActuatorParameters { fiber: Some(fiber), ..bare };
+        let by = |actuator: &Actuator<f64>, parameter| {
+            let state = actuator.forward(pressure_pa, &load).expect("finite").state;
+            let found = actuator.sensitivity(&state, &load, parameter).expect("an input");
+            [found.axial_strain, found.outer_radius_m / (8.0 * MM), found.twist_rad * 8.0 * MM / 0.1]
+        };
+        let part = |share: f64| Fiber { modulus_pa: share * modulus_pa, ..one };
+        let (whole, parts) = (Actuator::new(&with(one)).expect("valid"), new(&with(part(0.3)), &part(0.7)));
+        let both = Actuator::new(&with(Fiber { families: Families::Two, ..one })).expect("valid");
+        let mirrored = new(&with(one), &Fiber { angle_rad: -one.angle_rad, ..one });
+        for (of_one, first, second) in [
+            (FiberAngle, FiberAngle, SecondFiberAngle),
+            (SheetThickness, SheetThickness, SecondSheetThickness),
+            (WindingRadius, WindingRadius, SecondWindingRadius),
+        ] {
+            let turned = if of_one == FiberAngle { -1.0 } else { 1.0 };
+            for (whole, parts, sign) in [(&whole, &parts, 1.0), (&both, &mirrored, turned)] {
+                let (whole, first, second) = (by(whole, of_one), by(parts, first), by(parts, second));
+                let size = whole.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+                for ((whole, first), second) in whole.iter().zip(first).zip(second) {
+                    let off = (first + sign * second - whole).abs() / size;
+                    assert!(off < 1e-8, "{angle_deg} {modulus_pa} {of_one:?}: {first} {second} {whole}");
+                }
+            }
+        }
+        // The share of the stiffness is that of the modulus.
+        let (whole, first, second) =
+            (by(&whole, FiberModulus), by(&parts, FiberModulus), by(&parts, SecondFiberModulus));
+        for ((whole, first), second) in whole.iter().zip(first).zip(second) {
+            let size = whole.abs().max(1e-15);
+            assert!(
+                (first - whole).abs() < 1e-6 * size && (second - whole).abs() < 1e-6 * size,
+                "{first} {second} {whole}"
+            );
+        }
+    }
+}
+
+/// The blocked loads of two windings follow each input, and their condition number bounds how a change of all inputs shows.
+#[test]
+fn blocked_loads_and_condition_know_both_windings() {
+    let p = ActuatorParameters {
+        fiber: Some(sheet(30.0, Families::One, 20e6)),
+        ..tube(Motion::Twisting, 6.0, 8.0, neo_hookean(0.2e6))
+    };
+    let second = sheet(80.0, Families::One, 2e6);
+    let two = new(&p, &second);
+    let blocked = |two: &Actuator<f64>| two.blocked(20e3, 1.02, -0.1).expect("straight");
+    for parameter in INPUTS {
+        let exact = two.blocked_sensitivity(&blocked(&two), parameter).expect("an input");
+        let value = stated(p, second, parameter);
+        let at = |step: f64| {
+            let (mut p, mut second) = (p, second);
+            *place(&mut p, &mut second, parameter) = value * (1.0 + step);
+            wound(&p, &second).ok().map(|two| blocked(&two)).map(|found| [found.force_n, found.torque_nm])
+        };
+        let (Some(low), Some(high)) = (at(-1e-5), at(1e-5)) else { continue };
+        for ((low, high), exact) in low.iter().zip(high).zip([exact.force_n, exact.torque_nm]) {
+            let slope = (high - low) / 2e-5;
+            assert!(
+                (slope - value * exact).abs() < 1e-6 * slope.abs() + 1e-9,
+                "{parameter:?} {slope} {}",
+                value * exact
+            );
+        }
+    }
+    let state = two.forward(20e3, &Load::none()).expect("finite").state;
+    let condition = two.condition(&state, &Load::none()).expect("an equilibrium");
+    assert!(condition > 1.0 && condition < 1e3, "{condition}");
+}
+
+/// Two equal segments with two windings are one of twice the length.
+#[test]
+fn segments_with_two_windings_add_up() {
+    let helix = sheet(30.0, Families::One, 200e6);
+    let p = ActuatorParameters { fiber: Some(helix), ..tube(Motion::Twisting, 6.0, 8.0, neo_hookean(0.2e6)) };
+    let axial = Fiber { angle_rad: std::f64::consts::FRAC_PI_2, ..helix };
+    let (half, whole) = (new(&p, &axial), new(&ActuatorParameters { length_m: 2.0 * p.length_m, ..p }, &axial));
+    let twist_rad = whole.forward(50e3, &Load::none()).expect("finite").state.twist_rad;
+    let segments = [half, half];
+    let series = Series::new(&segments).expect("one tube");
+    let found = series.inverse(SeriesTarget::Twist(twist_rad), &Load::none()).expect("in range");
+    assert_eq!(found.status, Status::Solved);
+    assert!((found.state.pressure_pa / 50e3 - 1.0).abs() < 1e-9, "{found:?}");
 }

@@ -11,7 +11,6 @@ use crate::parameters::{InvalidParameter, Motion};
 use crate::precision::Precision;
 use crate::solution::{Load, Status};
 use crate::solve::blocked::Blocked;
-use crate::solve::energy::Wall;
 
 use super::NoDerivative;
 use super::inputs::{Inputs, Parameter};
@@ -35,7 +34,6 @@ impl<T: Real> Actuator<T> {
         blocked: &Blocked<T>,
         parameter: Parameter,
     ) -> Result<Load<T>, NoDerivative<T>> {
-        self.require_one_fiber()?;
         if blocked.status != Status::Solved {
             return Err(NoDerivative::NotAnEquilibrium);
         }
@@ -47,13 +45,13 @@ impl<T: Real> Actuator<T> {
         if matches!(parameter, Parameter::Force | Parameter::Torque) {
             return Err(NoDerivative::NotAnInput(parameter));
         }
-        let inputs = Inputs::new(self.parameters(), blocked.state.pressure_pa, &Load::none());
+        let inputs = Inputs::new(self, blocked.state.pressure_pa, &Load::none());
         let inputs = inputs.varied(parameter).ok_or(NoDerivative::NotAnInput(parameter))?;
         let (radius, mu1) = (inputs.parameters.inner_radius_m, inputs.parameters.material.shear_modulus_pa());
         let state = &blocked.state;
         let twist = Dual::fixed(state.twist_rad) * radius / inputs.parameters.length_m;
         let (e, w) = (Dual::fixed(state.axial_strain), Dual::fixed(state.volume_strain));
-        let d = Wall::new(&inputs.parameters).derivatives(e, w, twist);
+        let d = inputs.wall().derivatives(e, w, twist);
         let pressure = inputs.pressure_pa / mu1;
         let stiffness = d.hessian[(1, 1)].value;
         let balanced = stiffness > T::zero();

@@ -1,9 +1,14 @@
 //! Inputs of an equilibrium, one number at a time.
 
+use crate::actuator::Actuator;
 use crate::number::dual::Dual;
+use crate::number::real::Real;
 use crate::number::scalar::Scalar;
-use crate::parameters::{ActuatorParameters, Material, Motion, Placement, shrinks_bends};
+#[cfg(not(target_os = "none"))]
+use crate::parameters::Fiber;
+use crate::parameters::{ActuatorParameters, Families, Material, Motion, Placement, shrinks_bends};
 use crate::solution::Load;
+use crate::solve::energy::Wall;
 
 /// One of the numbers that an equilibrium depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,6 +35,14 @@ pub enum Parameter {
     SheetThickness,
     /// `R_f`, m, of a sheet or a layer, or of a bending actuator with a stated winding.
     WindingRadius,
+    /// Fiber angle of the second winding, rad ([`Actuator::second_fiber`](crate::Actuator::second_fiber)).
+    SecondFiberAngle,
+    /// Its fiber modulus `mu2`, Pa.
+    SecondFiberModulus,
+    /// Its thickness, m, where it is a sheet.
+    SecondSheetThickness,
+    /// Its `R_f`, m, where it is a sheet or a layer.
+    SecondWindingRadius,
     /// Gauge pressure, Pa.
     Pressure,
     /// Axial force `N_ext`, N.
@@ -40,7 +53,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// All of them; [`Actuator::inputs`](crate::Actuator::inputs) are those of one actuator.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 18] = [
         Self::InnerRadius,
         Self::OuterRadius,
         Self::Length,
@@ -52,10 +65,21 @@ impl Parameter {
         Self::FiberModulus,
         Self::SheetThickness,
         Self::WindingRadius,
+        Self::SecondFiberAngle,
+        Self::SecondFiberModulus,
+        Self::SecondSheetThickness,
+        Self::SecondWindingRadius,
         Self::Pressure,
         Self::Force,
         Self::Torque,
     ];
+
+    fn is_of_second_winding(self) -> bool {
+        matches!(
+            self,
+            Self::SecondFiberAngle | Self::SecondFiberModulus | Self::SecondSheetThickness | Self::SecondWindingRadius
+        )
+    }
 
     /// Name of its field in [`ActuatorParameters`], [`Material`], [`Fiber`](crate::Fiber), [`State`](crate::State) or in the messages about a
     /// [`Load`].
@@ -72,6 +96,10 @@ impl Parameter {
             Self::FiberModulus => "modulus_pa",
             Self::SheetThickness => "thickness_m",
             Self::WindingRadius => "radius_m",
+            Self::SecondFiberAngle => "second_fiber.angle_rad",
+            Self::SecondFiberModulus => "second_fiber.modulus_pa",
+            Self::SecondSheetThickness => "second_fiber.thickness_m",
+            Self::SecondWindingRadius => "second_fiber.radius_m",
             Self::Pressure => "pressure_pa",
             Self::Force => "external_force_n",
             Self::Torque => "external_torque_nm",
@@ -83,20 +111,34 @@ impl Parameter {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inputs<T> {
     pub(super) parameters: ActuatorParameters<T>,
+    /// A device has one winding.
+    #[cfg(not(target_os = "none"))]
+    second_fiber: Option<Fiber<T>>,
     pub(super) pressure_pa: T,
     pub(super) force_n: T,
     pub(super) torque_nm: T,
 }
 
-impl<T: Copy> Inputs<T> {
-    pub(super) fn new(parameters: &ActuatorParameters<T>, pressure_pa: T, load: &Load<T>) -> Self {
-        Self { parameters: *parameters, pressure_pa, force_n: load.force_n, torque_nm: load.torque_nm }
+impl<T: Real> Inputs<T> {
+    pub(super) fn new(actuator: &Actuator<T>, pressure_pa: T, load: &Load<T>) -> Self {
+        Self {
+            parameters: *actuator.parameters(),
+            #[cfg(not(target_os = "none"))]
+            second_fiber: actuator.second_fiber().copied(),
+            pressure_pa,
+            force_n: load.force_n,
+            torque_nm: load.torque_nm,
+        }
     }
+}
 
+impl<T: Copy> Inputs<T> {
     /// The same inputs in another scalar.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> Inputs<U> {
         Inputs {
             parameters: self.parameters.map(&f),
+            #[cfg(not(target_os = "none"))]
+            second_fiber: self.second_fiber.map(|fiber| fiber.map(&f)),
             pressure_pa: f(self.pressure_pa),
             force_n: f(self.force_n),
             torque_nm: f(self.torque_nm),
@@ -105,6 +147,44 @@ impl<T: Copy> Inputs<T> {
 }
 
 impl<T: Scalar> Inputs<T> {
+    /// The straight wall that they describe.
+    pub(super) fn wall(&self) -> Wall<T> {
+        let wall = Wall::new(&self.parameters);
+        #[cfg(not(target_os = "none"))]
+        if let Some(second) = &self.second_fiber {
+            return wall.with_second(second);
+        }
+        wall
+    }
+
+    /// Whether the tube twists without a torque.
+    pub(super) fn twists_by_itself(&self) -> bool {
+        #[cfg(not(target_os = "none"))]
+        if self.second_fiber.as_ref().is_some_and(|fiber| fiber.families == Families::One) {
+            return true;
+        }
+        self.parameters.fiber.as_ref().is_some_and(|fiber| fiber.families == Families::One)
+    }
+
+    /// A field of the second winding.
+    #[cfg(not(target_os = "none"))]
+    fn second(&mut self, parameter: Parameter) -> Option<&mut T> {
+        let fiber = self.second_fiber.as_mut()?;
+        match (parameter, fiber.placement) {
+            (Parameter::SecondFiberAngle, _) => Some(&mut fiber.angle_rad),
+            (Parameter::SecondFiberModulus, _) => Some(&mut fiber.modulus_pa),
+            (Parameter::SecondSheetThickness, Placement::Sheet) => Some(&mut fiber.thickness_m),
+            (Parameter::SecondWindingRadius, Placement::Sheet | Placement::Layer) => Some(&mut fiber.radius_m),
+            _ => None,
+        }
+    }
+
+    #[cfg(target_os = "none")]
+    #[inline(always)]
+    fn second(&mut self, _: Parameter) -> Option<&mut T> {
+        None
+    }
+
     /// The value of one input; `None` where the equilibria do not depend on it.
     pub(super) fn get(&self, parameter: Parameter) -> Option<T> {
         let mut copy = *self;
@@ -112,6 +192,9 @@ impl<T: Scalar> Inputs<T> {
     }
 
     fn place(&mut self, parameter: Parameter) -> Option<&mut T> {
+        if parameter.is_of_second_winding() {
+            return self.second(parameter);
+        }
         let p = &mut self.parameters;
         let bends = p.motion == Motion::Bending;
         let placement = p.fiber.as_ref().map(|fiber| fiber.placement);

@@ -128,7 +128,7 @@ impl<T: Precision> Actuator<T> {
     /// assert_eq!(refused.to_string(), "angle_rad is not an input of this actuator");
     /// ```
     pub fn inputs(&self) -> impl Iterator<Item = Parameter> + use<T> {
-        let inputs = Inputs::new(self.parameters(), T::zero(), &Load::none());
+        let inputs = Inputs::new(self, T::zero(), &Load::none());
         Parameter::ALL.into_iter().filter(move |parameter| inputs.get(*parameter).is_some())
     }
 
@@ -203,7 +203,7 @@ impl<T: Real> Actuator<T> {
         if deformation == T::zero() {
             return Ok(T::zero());
         }
-        let inputs = Inputs::new(self.parameters(), state.pressure_pa, load);
+        let inputs = Inputs::new(self, state.pressure_pa, load);
         let mut sum = T::zero();
         for parameter in Parameter::ALL {
             let value = Scalar::abs(inputs.get(parameter).unwrap_or(T::zero()));
@@ -216,8 +216,7 @@ impl<T: Real> Actuator<T> {
 
     fn point(&self, state: &State<T>, load: &Load<T>) -> Result<Point<T>, NoDerivative<T>> {
         load.check()?;
-        self.require_one_fiber()?;
-        let inputs = Inputs::new(self.parameters(), state.pressure_pa, load);
+        let inputs = Inputs::new(self, state.pressure_pa, load);
         Ok(match self.parameters().motion {
             Motion::Bending => Point::Bent(BentPoint::new(inputs, state)?),
             Motion::Extension | Motion::Expansion | Motion::Twisting => {

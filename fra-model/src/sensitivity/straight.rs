@@ -6,7 +6,7 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::dual::Dual;
 use crate::number::real::{Real, epsilon, real};
 use crate::number::scalar::{Scalar, largest};
-use crate::parameters::{ActuatorParameters, Families, InvalidParameter};
+use crate::parameters::{ActuatorParameters, InvalidParameter};
 use crate::solution::{State, Target};
 use crate::solve::energy::{Derivatives, Wall};
 
@@ -26,7 +26,7 @@ struct Units<S> {
 
 impl<S: Scalar> Units<S> {
     fn new(inputs: &Inputs<S>) -> Self {
-        Self { wall: Wall::new(&inputs.parameters), inputs: *inputs }
+        Self { wall: inputs.wall(), inputs: *inputs }
     }
 
     fn shear_modulus_pa(&self) -> S {
@@ -139,9 +139,8 @@ impl<T: Real> StraightPoint<T> {
             DoubleDouble::from(state.volume_strain),
             DoubleDouble::from(state.twist_rad) * radius_per_length,
         );
-        let one_family = inputs.parameters.fiber.as_ref().is_some_and(|fiber| fiber.families == Families::One);
-        let mut point =
-            Self { inputs, at: given, twists: one_family || inputs.torque_nm != DoubleDouble::zero(), at_limit: false };
+        let twists = inputs.twists_by_itself() || inputs.torque_nm != DoubleDouble::zero();
+        let mut point = Self { inputs, at: given, twists, at_limit: false };
         if !(given.x > -DoubleDouble::one() && given.y > -DoubleDouble::one()) {
             return Err(NoDerivative::NotAnEquilibrium);
         }

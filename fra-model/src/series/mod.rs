@@ -135,7 +135,7 @@ pub struct SeriesSolution<T> {
 }
 
 impl<'a, T: Precision> Series<'a, T> {
-    /// Checks that the segments make one tube: at least one, all with the same inner and the same outer radius and with one winding.
+    /// Checks that the segments make one tube: at least one, all with the same inner and the same outer radius.
     ///
     /// # Errors
     /// [`InvalidSeries`] names the first segment and field that does not fit.
@@ -143,7 +143,6 @@ impl<'a, T: Precision> Series<'a, T> {
         let Some(first) = segments.first().map(Actuator::parameters) else { return Err(InvalidSeries::Empty) };
         for (segment, actuator) in segments.iter().enumerate() {
             let p = actuator.parameters();
-            actuator.require_one_fiber().map_err(|error| InvalidSeries::Segment { segment, error })?;
             for (field, value, expected) in [
                 ("inner_radius_m", p.inner_radius_m, first.inner_radius_m),
                 ("outer_radius_m", p.outer_radius_m, first.outer_radius_m),

@@ -1,7 +1,7 @@
 //! The linear route: exact derivatives of the tip by every wall, angle and modulus.
 //!
 //! The stiffnesses of a bundle change with walls and moduli. That moves the shape of twisting actuators, which plates hold back, and of actuators
-//! at unequal pressures: the shapes of such bundles are differenced. So are those of actuators with two windings, which have no derivatives.
+//! at unequal pressures: the shapes of such bundles are differenced.
 
 use std::collections::BTreeMap;
 
@@ -103,7 +103,7 @@ fn shapes(
     module: &LimbModule,
     nominal: &Nominal,
 ) -> Result<Vec<[Vector4<f64>; 3]>, String> {
-    if module.is_restrained() || module.is_steering() || module.actuator.second_fiber().is_some() {
+    if module.is_restrained() || module.is_steering() {
         return differences(study, module, &study.places_m[index], nominal)
             .ok_or_else(|| "a bundle next to it has no equilibrium".to_owned());
     }

@@ -46,7 +46,7 @@ fn scaled(material: &Material<f64>, factor: f64) -> Material<f64> {
     }
 }
 
-/// Change of stretch, bend and twist per length of an actuator with one winding in an equilibrium without load, from the middle to the end of a tolerance.
+/// Change of stretch, bend and twist per length of an actuator in an equilibrium without load, from the middle to the end of a tolerance.
 ///
 /// Zero where the model does not know the parameter: a bending actuator without a helical winding has no fiber angle.
 pub(super) fn change(
@@ -58,7 +58,7 @@ pub(super) fn change(
     let parameters = actuator.parameters();
     let known: Vec<Parameter> = actuator.inputs().collect();
     let mut sum = [0.0; 3];
-    for (parameter, weight) in parts(parameters, kind) {
+    for (parameter, weight) in parts(actuator, kind) {
         if known.contains(&parameter) {
             let by = actuator.sensitivity(state, &Load::none(), parameter)?;
             let weight = weight * kind.of(tolerances);
@@ -70,14 +70,16 @@ pub(super) fn change(
 }
 
 /// The parameters that change with a kind, and by how much per unit of it.
-fn parts(parameters: &ActuatorParameters<f64>, kind: Kind) -> Vec<(Parameter, f64)> {
+fn parts(actuator: &Actuator<f64>, kind: Kind) -> Vec<(Parameter, f64)> {
+    let parameters = actuator.parameters();
     match (kind, &parameters.material) {
-        (Kind::Angle, _) => vec![(Parameter::FiberAngle, 1.0)],
+        (Kind::Angle, _) => vec![(Parameter::FiberAngle, 1.0), (Parameter::SecondFiberAngle, 1.0)],
         (Kind::Wall, _) => {
             let inner_m = parameters.inner_radius_m;
             let depth = |radius_m: f64| (radius_m - inner_m) / (parameters.outer_radius_m - inner_m);
             let winding = parameters.fiber.map(|fiber| (Parameter::WindingRadius, depth(fiber.radius_m)));
-            [(Parameter::OuterRadius, 1.0)].into_iter().chain(winding).collect()
+            let second = actuator.second_fiber().map(|fiber| (Parameter::SecondWindingRadius, depth(fiber.radius_m)));
+            [(Parameter::OuterRadius, 1.0)].into_iter().chain(winding).chain(second).collect()
         }
         (Kind::Modulus, Material::NeoHookean { shear_modulus_pa }) => {
             vec![(Parameter::ShearModulus, *shear_modulus_pa)]
