@@ -51,14 +51,14 @@ fn unknown_trade_name_is_refused_at_its_line() {
 #[test]
 fn fitted_law_of_a_castable_elastomer_is_written_under_a_name_of_the_scene() {
     let scene = parse(&cast(), "arm.toml").unwrap();
-    let mut wanted: Vec<_> = scene.modules().iter().map(|module| module.actuator()).collect();
-    wanted[0].material = Material::Yeoh { c_pa: [7e4, 6e3, -1e2] };
+    let mut wanted: Vec<_> = scene.modules().iter().map(|module| module.wound_actuator()).collect();
+    wanted[0].0.material = Material::Yeoh { c_pa: [7e4, 6e3, -1e2] };
     let (text, log) = rewritten(&scene, &wanted).unwrap();
     assert!(text.contains("[materials.dragon-skin-30]") && text.contains("material = \"dragon-skin-30\""), "{text}");
     assert!(log.iter().any(|line| line == "module `upper`: material = \"dragon-skin-30\""), "{log:?}");
     let again = parse(&text, "arm.toml").unwrap();
     // The stretch of the test belongs to the law before.
-    assert_eq!((*again.modules()[0].material, again.modules()[0].stretch_max), (wanted[0].material, None));
+    assert_eq!((*again.modules()[0].material, again.modules()[0].stretch_max), (wanted[0].0.material, None));
     assert_eq!(*again.modules()[1].material, *scene.modules()[1].material);
 }
 

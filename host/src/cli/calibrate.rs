@@ -106,7 +106,7 @@ struct Fitted<T> {
     json: T,
     svg: String,
     /// Scene and actuators to be written.
-    scene: Option<(Scene, Vec<fra_model::ActuatorParameters<f64>>)>,
+    scene: Option<(Scene, Vec<softlimb_scene::WoundActuator>)>,
     warnings: Vec<String>,
 }
 

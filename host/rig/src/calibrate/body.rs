@@ -7,11 +7,6 @@ use fra_model::{
 
 use super::Property;
 
-/// Step of a property for a difference, over the largest half width that is useful.
-const STEP: f64 = 1e-4;
-/// Pressure of the steps at rest, Pa.
-const LEAST_PA: f64 = 1e3;
-
 /// One actuator, or the actuators of a module taken as equal, with the sensor of its pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
@@ -63,7 +58,6 @@ pub(super) struct Answer {
     pub(super) value: f64,
     quantity: StateQuantity,
     state: State<f64>,
-    reading_pa: f64,
     /// Gauge pressure that the reading means, Pa; of a mirrored bend the opposite.
     pressure_pa: f64,
     /// -1 where the bend at the opposite pressure was asked in place of a bend backwards, else 1.
@@ -132,14 +126,11 @@ impl Solver<'_> {
             return Err(NoAnswer::BeyondLimit(solution.limit_pressure_pa));
         }
         let value = sign * quantity.of(&solution.state);
-        Ok(Answer { value, quantity, state: solution.state, reading_pa, pressure_pa, sign })
+        Ok(Answer { value, quantity, state: solution.state, pressure_pa, sign })
     }
 
-    /// The derivative of an answer by a property; of an actuator with two windings, whose model has no derivatives, a difference.
+    /// The derivative of an answer by a property.
     pub(super) fn slope(&self, answer: &Answer, property: Property) -> Result<f64, NoAnswer> {
-        if self.body.second_fiber.is_some() {
-            return self.difference(answer, property);
-        }
         let by = |parameter| -> Result<f64, NoAnswer> {
             let change = self.actuator.sensitivity(&answer.state, &Load::none(), parameter)?;
             Ok(answer.quantity.of(&change))
@@ -157,16 +148,5 @@ impl Solver<'_> {
                 .into_iter()
                 .try_fold(0.0, |sum, (parameter, factor)| Ok(sum + answer.sign * factor * by(parameter)?)),
         }
-    }
-
-    fn difference(&self, answer: &Answer, property: Property) -> Result<f64, NoAnswer> {
-        let value = property.value(self.body).ok_or(NoAnswer::NoDerivative)?;
-        let step = STEP * property.tolerance(self.body, answer.pressure_pa.abs().max(LEAST_PA));
-        let at = |value: f64| {
-            let mut body = self.body.clone();
-            property.place(&mut body, value);
-            Ok::<_, NoAnswer>(body.solver()?.at(answer.reading_pa, answer.quantity)?.value)
-        };
-        Ok((at(value + step)? - at(value - step)?) / (2.0 * step))
     }
 }

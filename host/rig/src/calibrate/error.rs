@@ -142,6 +142,8 @@ fn share(moved: f64) -> String {
 pub(super) fn advice(confused: &[Property]) -> String {
     let has = |property| confused.contains(&property);
     let modulus = has(Property::ShearModulus) || has(Property::YeohC1);
+    let of_winding = |property: &&Property| property.is_of_winding() || property.is_of_second_winding();
+    let unknowns_of_windings = confused.iter().filter(of_winding).count();
     let text = match () {
         () if modulus && has(Property::PressureGain) => {
             "Only their ratio counts: measure the modulus in a tensile test, or the gain against a gauge, and fit the other."
@@ -158,13 +160,13 @@ pub(super) fn advice(confused: &[Property]) -> String {
         () if modulus && has(Property::PressureOffset) => {
             "Points over a wider range of pressures help, and one without pressure fixes the offset."
         }
-        () if has(Property::FiberModulus) && has(Property::FiberAngle) => {
+        () if unknowns_of_windings > 1 => {
             "A second deformation of the same runs helps: the outer radius or the twist beside the stretch."
         }
         () if has(Property::YeohC2) || has(Property::YeohC3) => {
             "Larger stretches help: the second coefficient needs a stretch of about 1.5, the third of about 2."
         }
-        () if has(Property::FiberModulus) => {
+        () if has(Property::FiberModulus) || has(Property::SecondFiberModulus) => {
             "The fibers of these actuators hardly strain: an actuator that pulls at its fibers helps (angle near the neutral \
              35 deg, higher pressure), or a tensile test of the thread."
         }

@@ -226,6 +226,7 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, CalibrationError> {
             property,
             because: match property {
                 Property::FiberModulus => "it bends, or has no winding",
+                Property::SecondFiberModulus | Property::SecondFiberAngle => "it has no second winding",
                 Property::FiberAngle => "it has no winding, or bends with one whose angle the model ignores",
                 _ => "its material is neo-Hookean",
             },

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use fra_model::{Material, Motion, Parameter, Placement};
+use fra_model::{Fiber, Material, Motion, Parameter, Placement};
 
 use super::Body;
 use super::estimate::Shown;
@@ -22,7 +22,11 @@ pub enum Property {
     FiberModulus,
     /// Fiber angle from the hoop, rad.
     FiberAngle,
-    /// Thickness of the wall, m. The inner radius stays, and the winding keeps its relative place in the wall.
+    /// Fiber modulus of the second winding, Pa.
+    SecondFiberModulus,
+    /// Fiber angle of the second winding, rad.
+    SecondFiberAngle,
+    /// Thickness of the wall, m. The inner radius stays, and the windings keep their relative places in the wall.
     Wall,
     /// Inner radius, m. The outer radius and that of the winding stay.
     InnerRadius,
@@ -38,13 +42,15 @@ pub enum Property {
 
 impl Property {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::ShearModulus,
         Self::YeohC1,
         Self::YeohC2,
         Self::YeohC3,
         Self::FiberModulus,
         Self::FiberAngle,
+        Self::SecondFiberModulus,
+        Self::SecondFiberAngle,
         Self::Wall,
         Self::InnerRadius,
         Self::Length,
@@ -62,6 +68,8 @@ impl Property {
             Self::YeohC3 => "yeoh_c3",
             Self::FiberModulus => "fiber_modulus",
             Self::FiberAngle => "fiber_angle",
+            Self::SecondFiberModulus => "second_fiber_modulus",
+            Self::SecondFiberAngle => "second_fiber_angle",
             Self::Wall => "wall",
             Self::InnerRadius => "inner_radius",
             Self::Length => "length",
@@ -79,7 +87,7 @@ impl Property {
     /// SI unit; "1" for a ratio.
     pub fn si_unit(self) -> &'static str {
         match self {
-            Self::FiberAngle => "rad",
+            Self::FiberAngle | Self::SecondFiberAngle => "rad",
             Self::Wall | Self::InnerRadius | Self::Length => "m",
             Self::PressureGain => "1",
             _ => "Pa",
@@ -91,23 +99,20 @@ impl Property {
         matches!(self, Self::ShearModulus | Self::YeohC1 | Self::YeohC2 | Self::YeohC3)
     }
 
-    /// Whether it describes the winding.
+    /// Whether it describes the winding, the first of two.
     pub fn is_of_winding(self) -> bool {
         matches!(self, Self::FiberModulus | Self::FiberAngle)
     }
 
-    /// Whether it is found of actuators with one winding only: two have two angles and two moduli, and two places in the wall.
-    pub fn takes_one_winding(self) -> bool {
-        self.is_of_winding() || self == Self::Wall
+    /// Whether it describes the second winding.
+    pub fn is_of_second_winding(self) -> bool {
+        matches!(self, Self::SecondFiberModulus | Self::SecondFiberAngle)
     }
 
     /// Its value in a body; `None` where the body has no such property.
     pub fn value(self, body: &Body) -> Option<f64> {
         let p = &body.parameters;
         let is_straight = p.motion != Motion::Bending;
-        if body.second_fiber.is_some() && self.takes_one_winding() {
-            return None;
-        }
         match (self, p.material) {
             (Self::ShearModulus, material) => Some(material.shear_modulus_pa()),
             (Self::YeohC1, Material::Yeoh { c_pa }) => Some(c_pa[0]),
@@ -118,6 +123,8 @@ impl Property {
             (Self::FiberAngle, _) => {
                 p.fiber.filter(|fiber| is_straight || fiber.shrinks_bends()).map(|fiber| fiber.angle_rad)
             }
+            (Self::SecondFiberModulus, _) => body.second_fiber.map(|fiber| fiber.modulus_pa),
+            (Self::SecondFiberAngle, _) => body.second_fiber.map(|fiber| fiber.angle_rad),
             (Self::Wall, _) => Some(p.outer_radius_m - p.inner_radius_m),
             (Self::InnerRadius, _) => Some(p.inner_radius_m),
             (Self::Length, _) => Some(p.length_m),
@@ -145,11 +152,15 @@ impl Property {
             }
             Self::FiberModulus => p.fiber.iter_mut().for_each(|fiber| fiber.modulus_pa = value),
             Self::FiberAngle => p.fiber.iter_mut().for_each(|fiber| fiber.angle_rad = value),
+            Self::SecondFiberModulus => body.second_fiber.iter_mut().for_each(|fiber| fiber.modulus_pa = value),
+            Self::SecondFiberAngle => body.second_fiber.iter_mut().for_each(|fiber| fiber.angle_rad = value),
             Self::Wall => {
                 let ratio = value / (p.outer_radius_m - p.inner_radius_m);
                 let inner = p.inner_radius_m;
                 p.outer_radius_m = inner + value;
-                p.fiber.iter_mut().for_each(|fiber| fiber.radius_m = inner + (fiber.radius_m - inner) * ratio);
+                for fiber in p.fiber.iter_mut().chain(&mut body.second_fiber) {
+                    fiber.radius_m = inner + (fiber.radius_m - inner) * ratio;
+                }
             }
             Self::InnerRadius => p.inner_radius_m = value,
             Self::Length => p.length_m = value,
@@ -173,12 +184,19 @@ impl Property {
             (Self::YeohC3, _) => vec![(Parameter::YeohC3, 1.0)],
             (Self::FiberModulus, _) => vec![(Parameter::FiberModulus, 1.0)],
             (Self::FiberAngle, _) => vec![(Parameter::FiberAngle, 1.0)],
+            (Self::SecondFiberModulus, _) => vec![(Parameter::SecondFiberModulus, 1.0)],
+            (Self::SecondFiberAngle, _) => vec![(Parameter::SecondFiberAngle, 1.0)],
             (Self::Wall, _) => {
                 let wall = p.outer_radius_m - p.inner_radius_m;
-                let wound =
-                    p.fiber.filter(|fiber| p.motion == Motion::Bending || fiber.placement != Placement::Smeared);
-                let winding = wound.map(|fiber| (Parameter::WindingRadius, (fiber.radius_m - p.inner_radius_m) / wall));
-                std::iter::once((Parameter::OuterRadius, 1.0)).chain(winding).collect()
+                let moves = |fiber: &Fiber<f64>| p.motion == Motion::Bending || fiber.placement != Placement::Smeared;
+                let moved = |fiber: Option<Fiber<f64>>, radius: Parameter| {
+                    fiber.filter(moves).map(|fiber| (radius, (fiber.radius_m - p.inner_radius_m) / wall))
+                };
+                let windings = [
+                    moved(p.fiber, Parameter::WindingRadius),
+                    moved(body.second_fiber, Parameter::SecondWindingRadius),
+                ];
+                std::iter::once((Parameter::OuterRadius, 1.0)).chain(windings.into_iter().flatten()).collect()
             }
             (Self::InnerRadius, _) => vec![(Parameter::InnerRadius, 1.0)],
             (Self::Length, _) => vec![(Parameter::Length, 1.0)],
@@ -189,7 +207,7 @@ impl Property {
     /// Form of its changes in a text.
     pub(super) fn shown(self) -> Shown {
         match self {
-            Self::FiberAngle => Shown::Degrees,
+            Self::FiberAngle | Self::SecondFiberAngle => Shown::Degrees,
             Self::SeatingPressure | Self::PressureOffset | Self::YeohC2 | Self::YeohC3 => Shown::Kilopascals,
             _ => Shown::Percent,
         }
@@ -203,11 +221,11 @@ impl Property {
             // Elastomers have C2 of a tenth of C1 and C3 of a hundredth.
             Self::YeohC2 => value.max(0.1 * c1),
             Self::YeohC3 => value.max(0.01 * c1),
-            Self::FiberAngle => 0.1,
+            Self::FiberAngle | Self::SecondFiberAngle => 0.1,
             Self::SeatingPressure | Self::PressureOffset => 0.1 * largest_pressure_pa,
             Self::PressureGain => 0.25,
             Self::Wall | Self::InnerRadius | Self::Length => 0.25 * value,
-            Self::ShearModulus | Self::YeohC1 | Self::FiberModulus => 0.5 * value,
+            Self::ShearModulus | Self::YeohC1 | Self::FiberModulus | Self::SecondFiberModulus => 0.5 * value,
         }
     }
 }

@@ -129,7 +129,7 @@ fn run_under_weight_gives_the_moduli_of_the_plant_and_the_next_run_hits() {
     let [upper, strips @ .., lower] = &true_moduli_pa(&scene)[..] else { panic!("five actuators") };
     // The strips of a row are held to one bend: their moments add up.
     assert_close(&fit, &[*upper, strips.iter().sum::<f64>() / 3.0, *lower]);
-    let wanted: Vec<_> = fit.bodies.iter().map(|body| body.parameters).collect();
+    let wanted: Vec<_> = fit.bodies.iter().map(|body| (body.parameters, body.second_fiber)).collect();
     let (text, _) = scene::rewritten(&scene, &wanted).unwrap();
     let after = run_on(&parsed(&text), &scene);
     let (before_m, after_m) = (at_dwells_m(&before), at_dwells_m(&after));

@@ -133,9 +133,6 @@ fn exact_twists_of_two_windings_give_modulus_seating_pressure_and_radius() {
         println!("{}: {} beside {truth}", estimate.name, estimate.value);
         assert!((estimate.value / truth - 1.0).abs() < 1e-6, "{}: {} is not {truth}", estimate.name, estimate.value);
     }
-    for property in [Property::FiberAngle, Property::FiberModulus, Property::Wall] {
-        assert_eq!(property.value(&body), None, "{property}");
-    }
     // A second winding of no stiffness leaves values and intervals of one, by exact derivatives.
     let one = Body::new("rod", rod(6e-3, 0.25e6));
     let none = one.clone().with_second_fiber(Some(fiber(90.0, 0.0)));
@@ -365,4 +362,64 @@ fn intervals_from_stated_accuracies_hold_the_truth_as_often_as_they_say() {
     // And a wrong accuracy is seen: half of what it is gives intervals of half the width.
     let narrow = covered(Errors::AsStated, 1e-3);
     assert!(narrow.iter().all(|count| 5 * count < 4 * sets()), "{narrow:?}");
+}
+
+/// Data without noise give every property of both windings and the wall.
+#[test]
+fn exact_data_give_the_properties_of_two_windings() {
+    let fiber = |degrees: f64, modulus_pa, radius_m| Fiber {
+        angle_rad: f64::to_radians(degrees),
+        families: Families::One,
+        modulus_pa,
+        placement: Placement::Sheet,
+        thickness_m: 1e-4,
+        radius_m,
+    };
+    let rod = |outer_radius_m: f64, first| ActuatorParameters {
+        motion: Motion::Twisting,
+        inner_radius_m: 6e-3,
+        outer_radius_m,
+        length_m: 0.1,
+        material: Material::NeoHookean { shear_modulus_pa: 0.2e6 },
+        fiber: Some(first),
+    };
+    let (first, second) = (fiber(30.0, 5e6, 8e-3), fiber(70.0, 2e6, 7.5e-3));
+    let actuator = Actuator::new(&rod(8e-3, first)).unwrap().with_second_fiber(&second).unwrap();
+    let seen = |(kilopascals, quantity): (f64, StateQuantity)| Observation {
+        body: 0,
+        reading_pa: 1e3 * kilopascals,
+        quantity,
+        value: quantity.of(&actuator.forward(1e3 * kilopascals, &Load::none()).unwrap().state),
+        accuracy: EXACT,
+    };
+    let pressures = [5.0, 10.0, 20.0, 30.0, 40.0, 50.0];
+    let data: Vec<_> = [StateQuantity::Twist, StateQuantity::AxialStretch, StateQuantity::OuterRadius]
+        .into_iter()
+        .flat_map(|quantity| pressures.map(|kilopascals| seen((kilopascals, quantity))))
+        .collect();
+    let sought = [
+        Property::FiberAngle,
+        Property::FiberModulus,
+        Property::SecondFiberAngle,
+        Property::SecondFiberModulus,
+        Property::Wall,
+    ];
+    // The winding that lies in the wall keeps its share of it.
+    let start = |fiber: Fiber<f64>, turn: f64, stiffer: f64| Fiber {
+        angle_rad: fiber.angle_rad + turn,
+        modulus_pa: stiffer * fiber.modulus_pa,
+        radius_m: 6e-3 + 1.05 * (fiber.radius_m - 6e-3),
+        ..fiber
+    };
+    let body = Body::new("rod", rod(8.1e-3, start(first, 0.03, 1.3)));
+    let body = body.with_second_fiber(Some(start(second, -0.04, 0.8)));
+    let found = fit(&[body], &data, &all_of(&sought), &Settings::default()).unwrap();
+    let truth = [first.angle_rad, first.modulus_pa, second.angle_rad, second.modulus_pa, 2e-3];
+    for (estimate, truth) in found.estimates.iter().zip(truth) {
+        println!("{}: {} beside {truth}", estimate.name, estimate.value);
+        assert!((estimate.value / truth - 1.0).abs() < 1e-6, "{}: {} is not {truth}", estimate.name, estimate.value);
+    }
+    let alone = Body::new("rod", rod(8e-3, first));
+    let refused = fit(&[alone], &data, &all_of(&[Property::SecondFiberAngle]), &Settings::default()).unwrap_err();
+    assert!(refused.to_string().contains("it has no second winding"), "{refused}");
 }

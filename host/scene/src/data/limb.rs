@@ -39,6 +39,9 @@ pub struct EndEffector {
     pub gripper_time_s: f64,
 }
 
+/// An actuator and its second winding.
+pub type WoundActuator = (ActuatorParameters<f64>, Option<Fiber<f64>>);
+
 /// A bundle of equal actuators in parallel.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -77,7 +80,7 @@ pub struct Module {
     pub fiber: Option<Located<Fiber<f64>>>,
     /// The thread that the winding is made of, where the scene states it.
     pub thread: Option<Thread>,
-    /// The second winding, located at its name in the module. A bending module has none.
+    /// The second winding, located at its name in the module.
     pub second_fiber: Option<Located<Fiber<f64>>>,
     /// The thread that the second winding is made of, where the scene states it.
     pub second_thread: Option<Thread>,
@@ -94,6 +97,11 @@ impl Module {
     /// check.
     pub fn actuator(&self) -> ActuatorParameters<f64> {
         ActuatorParameters { length_m: self.moving_length_m(), ..self.made_actuator() }
+    }
+
+    /// One of its actuators as [`actuator`](Self::actuator), with its second winding.
+    pub fn wound_actuator(&self) -> WoundActuator {
+        (self.actuator(), self.second_fiber.map(|fiber| *fiber))
     }
 
     /// Length at rest that moves: between what the end caps take, m; > 0.

@@ -11,6 +11,8 @@ use crate::schema::{module, scene};
 pub(super) enum Part {
     Material,
     Winding,
+    /// The second name in the array of windings.
+    SecondWinding,
 }
 
 impl Part {
@@ -18,7 +20,7 @@ impl Part {
     pub(super) fn key(self) -> &'static str {
         match self {
             Self::Material => module::MATERIAL.name,
-            Self::Winding => module::WINDING.name,
+            Self::Winding | Self::SecondWinding => module::WINDING.name,
         }
     }
 
@@ -26,8 +28,13 @@ impl Part {
     pub(super) fn tables(self) -> &'static str {
         match self {
             Self::Material => scene::MATERIALS.name,
-            Self::Winding => scene::WINDINGS.name,
+            Self::Winding | Self::SecondWinding => scene::WINDINGS.name,
         }
+    }
+
+    /// Its index in an array of names.
+    fn position(self) -> usize {
+        usize::from(self == Self::SecondWinding)
     }
 }
 
@@ -55,7 +62,23 @@ impl Draft {
 
     /// The name that a module has for its part.
     pub(super) fn part_name(&self, index: usize, part: Part) -> Option<&str> {
-        self.document.get(scene::MODULE.name)?.get(index)?.get(part.key())?.as_str()
+        let names = self.document.get(scene::MODULE.name)?.get(index)?.get(part.key())?;
+        match names.as_array() {
+            Some(names) => names.get(part.position())?.as_str(),
+            None => names.as_str().filter(|_| part.position() == 0),
+        }
+    }
+
+    /// Gives a module's part another name.
+    pub(super) fn put_part_name(&mut self, index: usize, part: Part, name: &str) -> Option<()> {
+        let table = self.module(index)?;
+        match table.get_mut(part.key())?.as_array_mut() {
+            Some(names) => {
+                names.replace(part.position(), name);
+            }
+            None => put(table, part.key(), name.into()),
+        }
+        Some(())
     }
 
     pub(super) fn part(&mut self, part: Part, name: &str) -> Option<&mut dyn TableLike> {

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use fra_model::{ActuatorParameters, Fiber, Material};
+use fra_model::{Fiber, Material};
 use toml_edit::{Array, TableLike, Value};
 
 use super::draft::{Draft, Part, put, rename};
 use super::sheets::{Threads, freeze};
 use super::{RewriteError, not_written};
-use crate::data::{Module, Scene};
+use crate::data::{Module, Scene, WoundActuator};
 use crate::schema::{material, module, winding};
 
 /// Digits of a number that is written.
@@ -21,14 +21,14 @@ const NAME_MAX: usize = 24;
 /// A value that changes: its key before and after, and what is written.
 type Change = (&'static str, &'static str, Value);
 
-/// The scene's text with other actuators in its modules, one for each, and what was changed, a line for each value.
+/// The scene's text with other actuators in its modules, one for each with its second winding, and what was changed, a line for each value.
 ///
 /// Parts that several modules share stay shared where all of them get the same; a module that differs from the others gets a material or
 /// winding of its own, a copy of the one it had.
 ///
 /// # Errors
 /// [`RewriteError`]. The text that is returned has been read again and says what was asked, to eight digits.
-pub fn rewritten(scene: &Scene, wanted: &[ActuatorParameters<f64>]) -> Result<(String, Vec<String>), RewriteError> {
+pub fn rewritten(scene: &Scene, wanted: &[WoundActuator]) -> Result<(String, Vec<String>), RewriteError> {
     let modules = scene.modules();
     if wanted.len() != modules.len() {
         return Err(RewriteError::Modules { found: wanted.len(), modules: modules.len() });
@@ -36,7 +36,7 @@ pub fn rewritten(scene: &Scene, wanted: &[ActuatorParameters<f64>]) -> Result<(S
     let mut draft = Draft::new(scene).ok_or_else(|| not_written(&modules[0], "text"))?;
     let mut log = Vec::new();
     // The sheet of a thread would follow the wall and the material that change.
-    if modules.iter().zip(wanted).any(|(module, new)| !same_actuator(&module.actuator(), new)) {
+    if modules.iter().zip(wanted).any(|(module, new)| !same_actuator(&module.wound_actuator(), new)) {
         log = freeze(&mut draft, scene, Threads::Stay).ok_or_else(|| not_written(&modules[0], "thread"))?;
     }
     let mut pen = Pen { modules, wanted, draft, log };
@@ -45,34 +45,33 @@ pub fn rewritten(scene: &Scene, wanted: &[ActuatorParameters<f64>]) -> Result<(S
     }
     pen.parts(Part::Material)?;
     pen.parts(Part::Winding)?;
+    pen.parts(Part::SecondWinding)?;
     let (text, read) = pen.draft.read(scene.source_name())?;
-    for ((module, new), old) in read.modules().iter().zip(wanted).zip(modules) {
-        if !same_actuator(&module.actuator(), new) {
+    for (module, new) in read.modules().iter().zip(wanted) {
+        if !same_actuator(&module.wound_actuator(), new) {
             return Err(not_written(module, "parameters"));
-        }
-        // The sheet of a second thread is not written, and follows the elastomer.
-        let second = [module, old].map(|module| module.second_fiber);
-        if let [Some(new), Some(old)] = second
-            && !same_fiber(&new, &old, false)
-        {
-            return Err(not_written(module, "second winding"));
         }
     }
     Ok((text, pen.log))
 }
 
 impl Scene {
-    /// The name of the material of a module, or of its winding, as the scene has it; `None` where it names none.
+    /// The name of the material of a module, or of its winding, the first of two, as the scene has it; `None` where it names none.
     pub fn part_name(&self, module: usize, kind: &str) -> Option<String> {
         let part = [Part::Material, Part::Winding].into_iter().find(|part| part.key() == kind)?;
         Draft::new(self)?.part_name(module, part).map(str::to_owned)
+    }
+
+    /// The name of the second winding of a module; `None` where it has one or none.
+    pub fn second_winding_name(&self, module: usize) -> Option<String> {
+        Draft::new(self)?.part_name(module, Part::SecondWinding).map(str::to_owned)
     }
 }
 
 /// Writes what changes, and says so.
 struct Pen<'a> {
     modules: &'a [Module],
-    wanted: &'a [ActuatorParameters<f64>],
+    wanted: &'a [WoundActuator],
     draft: Draft,
     log: Vec<String>,
 }
@@ -80,7 +79,7 @@ struct Pen<'a> {
 impl Pen<'_> {
     /// Radii and length of a module.
     fn sizes(&mut self, index: usize) -> Result<(), RewriteError> {
-        let (module, new) = (&self.modules[index], &self.wanted[index]);
+        let (module, (new, _)) = (&self.modules[index], &self.wanted[index]);
         let old = module.actuator();
         let sizes = [
             (module::INNER_RADIUS.name, old.inner_radius_m, new.inner_radius_m),
@@ -159,10 +158,8 @@ impl Pen<'_> {
         let numbered = (2..100).map(|count| format!("{base}-fit{count}"));
         let names = std::iter::once(format!("{base}-fit")).chain(numbered);
         let own = self.draft.copy(part, name, names).ok_or_else(|| not_written(module, part.key()))?;
-        let table = self.draft.module(user).ok_or_else(|| not_written(module, part.key()))?;
-        let changes = vec![(part.key(), part.key(), own.as_str().into())];
-        write(table, &format!("module `{}`", *module.name), changes, &mut self.log)
-            .ok_or_else(|| not_written(module, part.key()))?;
+        self.draft.put_part_name(user, part, &own).ok_or_else(|| not_written(module, part.key()))?;
+        self.log.push(format!("module `{}`: {} = \"{own}\"", *module.name, part.key()));
         Ok(own)
     }
 }
@@ -181,12 +178,13 @@ fn write(table: &mut dyn TableLike, place: &str, changes: Vec<Change>, log: &mut
 }
 
 /// Changes in the part of a module.
-fn changes(part: Part, module: &Module, new: &ActuatorParameters<f64>, stated: bool) -> Vec<Change> {
-    match (part, module.fiber, new.fiber) {
-        (Part::Material, ..) => material_changes(&module.material, &new.material),
-        (Part::Winding, Some(old), Some(new)) => winding_changes(&old, &new, stated),
-        (Part::Winding, ..) => Vec::new(),
-    }
+fn changes(part: Part, module: &Module, (new, new_second): &WoundActuator, stated: bool) -> Vec<Change> {
+    let windings = match part {
+        Part::Material => return material_changes(&module.material, &new.material),
+        Part::Winding => module.fiber.zip(new.fiber),
+        Part::SecondWinding => module.second_fiber.zip(*new_second),
+    };
+    windings.map_or_else(Vec::new, |(old, new)| winding_changes(&old, &new, stated))
 }
 
 fn material_changes(old: &Material<f64>, new: &Material<f64>) -> Vec<Change> {
@@ -226,11 +224,13 @@ fn winding_changes(old: &Fiber<f64>, new: &Fiber<f64>, stated: bool) -> Vec<Chan
 }
 
 /// Whether two modules get the same part.
-fn same_part(part: Part, a: &ActuatorParameters<f64>, b: &ActuatorParameters<f64>, stated: bool) -> bool {
-    match part {
-        Part::Material => same_material(&a.material, &b.material),
-        Part::Winding => a.fiber.zip(b.fiber).is_some_and(|(a, b)| same_fiber(&a, &b, stated)),
-    }
+fn same_part(part: Part, (a, a_second): &WoundActuator, (b, b_second): &WoundActuator, stated: bool) -> bool {
+    let windings = match part {
+        Part::Material => return same_material(&a.material, &b.material),
+        Part::Winding => a.fiber.zip(b.fiber),
+        Part::SecondWinding => a_second.zip(*b_second),
+    };
+    windings.is_some_and(|(a, b)| same_fiber(&a, &b, stated))
 }
 
 fn same(a: f64, b: f64) -> bool {
@@ -250,16 +250,21 @@ fn same_fiber(a: &Fiber<f64>, b: &Fiber<f64>, radius: bool) -> bool {
     radii && same(a.angle_rad, b.angle_rad) && same(a.modulus_pa, b.modulus_pa) && same(a.thickness_m, b.thickness_m)
 }
 
-fn same_actuator(a: &ActuatorParameters<f64>, b: &ActuatorParameters<f64>) -> bool {
-    let fibers = match (&a.fiber, &b.fiber) {
-        (Some(a), Some(b)) => same_fiber(a, b, true) && a.families == b.families && a.placement == b.placement,
-        (None, None) => true,
-        _ => false,
-    };
+fn same_actuator((a, a_second): &WoundActuator, (b, b_second): &WoundActuator) -> bool {
     let sizes = same(a.inner_radius_m, b.inner_radius_m)
         && same(a.outer_radius_m, b.outer_radius_m)
         && same(a.length_m, b.length_m);
-    fibers && sizes && a.motion == b.motion && same_material(&a.material, &b.material)
+    let windings =
+        same_winding(a.fiber.as_ref(), b.fiber.as_ref()) && same_winding(a_second.as_ref(), b_second.as_ref());
+    windings && sizes && a.motion == b.motion && same_material(&a.material, &b.material)
+}
+
+fn same_winding(a: Option<&Fiber<f64>>, b: Option<&Fiber<f64>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => same_fiber(a, b, true) && a.families == b.families && a.placement == b.placement,
+        (None, None) => true,
+        _ => false,
+    }
 }
 
 pub(super) fn megapascals(pa: f64) -> Value {

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use fra_model::Fiber;
+
 use super::draft::{Draft, Part, put};
 use super::refit::{megapascals, millimetres};
-use crate::data::{Module, Scene};
-use crate::schema::{module, winding};
+use crate::data::Scene;
+use crate::schema::winding;
 
 /// Longest beginning of a module's name in that of a winding made for it.
 const NAME_MAX: usize = 24;
@@ -23,31 +25,35 @@ pub(super) enum Threads {
 /// materials change. A line for each. Modules that share a thread get a winding each. `None` where a winding cannot be written.
 pub(super) fn freeze(draft: &mut Draft, scene: &Scene, threads: Threads) -> Option<Vec<String>> {
     let mut log = Vec::new();
-    let mut users: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    for (index, _) in scene.modules().iter().enumerate().filter(|(_, module)| module.thread.is_some()) {
-        users.entry(draft.part_name(index, Part::Winding)?.to_owned()).or_default().push(index);
+    let mut users: BTreeMap<String, Vec<(usize, Part)>> = BTreeMap::new();
+    for (index, module) in scene.modules().iter().enumerate() {
+        let threads = [(module.thread, Part::Winding), (module.second_thread, Part::SecondWinding)];
+        for (_, part) in threads.into_iter().filter(|(thread, _)| thread.is_some()) {
+            users.entry(draft.part_name(index, part)?.to_owned()).or_default().push((index, part));
+        }
     }
     for (name, users) in users {
-        for (number, user) in users.iter().enumerate().rev() {
+        for (number, (user, part)) in users.iter().enumerate().rev() {
             let module = &scene.modules()[*user];
             let own = if number == 0 {
                 name.clone()
             } else {
                 let base: String = module.name.chars().take(NAME_MAX).collect();
                 let names = (1..100).map(|count| format!("{base}-sheet{count}"));
-                let own = draft.copy(Part::Winding, &name, names)?;
-                put(draft.module(*user)?, module::WINDING.name, own.as_str().into());
+                let own = draft.copy(*part, &name, names)?;
+                draft.put_part_name(*user, *part, &own)?;
                 own
             };
-            write(draft, &own, module, threads)?;
+            let fiber = if *part == Part::SecondWinding { module.second_fiber } else { module.fiber };
+            let fiber = fiber?;
+            write(draft, &own, &fiber, threads)?;
             log.push(format!("[windings.{own}]: the sheet of its thread"));
         }
     }
     Some(log)
 }
 
-fn write(draft: &mut Draft, name: &str, module: &Module, threads: Threads) -> Option<()> {
-    let fiber = module.fiber.as_ref()?;
+fn write(draft: &mut Draft, name: &str, fiber: &Fiber<f64>, threads: Threads) -> Option<()> {
     let table = draft.part(Part::Winding, name)?;
     if threads == Threads::Go {
         table.remove(winding::THREAD.name);

@@ -1,6 +1,6 @@
 //! `softlimb calibrate pressure`: actuators from a table of pressures and deformations; and the fit that `calibrate run` has, too.
 
-use fra_model::{ActuatorParameters, StateQuantity};
+use fra_model::StateQuantity;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use super::specimens::{self, Specimen};
 use super::{Files, Fitted, Fitting, Per, Unknowns};
 use softlimb_rig::calibrate::{Body, Fit, Loaded, Observation, Points, Property, Unknown, fit, fit_loaded, picture};
 use softlimb_scene as scene;
-use softlimb_scene::Scene;
+use softlimb_scene::{Scene, WoundActuator};
 
 /// Fit actuators to a table of pressures and deformations
 #[derive(Args)]
@@ -64,8 +64,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The parameters of each module: the means of its bodies in what was fitted.
-    pub(super) fn means(&self, fit: &Fit, properties: &[Property]) -> Vec<ActuatorParameters<f64>> {
+    /// The actuator of each module: the means of its bodies in what was fitted.
+    pub(super) fn means(&self, fit: &Fit, properties: &[Property]) -> Vec<WoundActuator> {
         let of_module = |module: usize| {
             let own = || self.modules.iter().zip(&fit.bodies).filter(move |(of, _)| **of == module);
             let mut mean = own().next()?.1.clone();
@@ -75,7 +75,7 @@ impl<'a> Source<'a> {
                     property.place(&mut mean, values.iter().sum::<f64>() / values.len() as f64);
                 }
             }
-            Some(mean.parameters)
+            Some((mean.parameters, mean.second_fiber))
         };
         (0..self.scene.modules().len()).filter_map(of_module).collect()
     }
@@ -93,7 +93,7 @@ pub(super) struct Seen {
 impl Pressure {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, about) = (scene::load(&self.scene)?, about(&self.data));
-        self.unknowns.require_one_winding(&scene)?;
+        scene.require_benders_of_one_winding("`calibrate`")?;
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         let points = Points::read(&read(&self.data)?, &names).map_err(|error| about(&error))?;
         if points.timed {
@@ -159,12 +159,6 @@ fn distinct(seen: Vec<Seen>) -> (Vec<Seen>, Vec<String>) {
 }
 
 impl Unknowns {
-    /// Refuses unknowns that two windings do not have.
-    pub(super) fn require_one_winding(&self, scene: &Scene) -> Result<(), Failure> {
-        let Some(property) = self.fit.iter().find(|property| property.takes_one_winding()) else { return Ok(()) };
-        Ok(scene.require_one_winding(&format!("`--fit {property}`"))?)
-    }
-
     /// Whether a scene has a place for one of the unknowns.
     pub(super) fn written(&self) -> bool {
         let has_none =
@@ -225,9 +219,10 @@ impl Unknowns {
 
     /// A property as unknowns: one for each part, module or actuator that there are data about.
     fn unknowns(&self, source: &Source<'_>, property: Property) -> Result<Vec<Unknown>, String> {
-        let kind = match (self.per, property.is_of_material(), property.is_of_winding()) {
-            (Per::Part, true, _) => Some("material"),
-            (Per::Part, _, true) => Some("winding"),
+        let part = |module: usize| match self.per {
+            Per::Part if property.is_of_material() => source.scene.part_name(module, "material"),
+            Per::Part if property.is_of_winding() => source.scene.part_name(module, "winding"),
+            Per::Part if property.is_of_second_winding() => source.scene.second_winding_name(module),
             _ => None,
         };
         let mut groups: Vec<(String, Unknown)> = Vec::new();
@@ -235,10 +230,7 @@ impl Unknowns {
             if property.value(body).is_none() {
                 continue;
             }
-            let name = match kind {
-                Some(kind) => source.scene.part_name(*module, kind).unwrap_or_else(|| body.name.clone()),
-                None => body.name.clone(),
-            };
+            let name = part(*module).unwrap_or_else(|| body.name.clone());
             match groups.iter_mut().find(|(other, _)| *other == name) {
                 Some((_, unknown)) => unknown.bodies.push(index),
                 None => groups.push((name, Unknown::of(property, index))),

@@ -11,7 +11,7 @@ use softlimb_rig::calibrate::{Fit, LimbHold, Loaded, Observation, Property};
 /// A value in the unit that people read it in.
 pub(super) fn shown(property: Property, value: f64) -> (f64, &'static str) {
     match property {
-        Property::FiberAngle => (value.to_degrees(), "deg"),
+        Property::FiberAngle | Property::SecondFiberAngle => (value.to_degrees(), "deg"),
         Property::Wall | Property::InnerRadius | Property::Length => (value * 1e3, "mm"),
         Property::PressureGain => (value, ""),
         Property::SeatingPressure | Property::PressureOffset => (value, "Pa"),

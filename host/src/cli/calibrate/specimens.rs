@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use softlimb_rig::calibrate::{Estimate, Fit, Property, RandomEffects, SPECIMENS_MIN, random_effects};
-use softlimb_scene::Scene;
+use softlimb_scene::{Scene, WoundActuator};
 
 use super::super::shared::about;
 use super::super::{Failure, Outcome};
@@ -75,14 +75,14 @@ fn of(fit: &Fit, index: usize) -> (f64, f64) {
 }
 
 /// The parameters of each module with the means.
-fn means(scene: &Scene, fit: &Fit, effects: &[RandomEffects]) -> Vec<fra_model::ActuatorParameters<f64>> {
+fn means(scene: &Scene, fit: &Fit, effects: &[RandomEffects]) -> Vec<WoundActuator> {
     let mut bodies = fit.bodies.clone();
     for (estimate, effect) in fit.estimates.iter().zip(effects) {
         for body in &estimate.bodies {
             estimate.property.place(&mut bodies[*body], effect.mean);
         }
     }
-    bodies.into_iter().take(scene.modules().len()).map(|body| body.parameters).collect()
+    bodies.into_iter().take(scene.modules().len()).map(|body| (body.parameters, body.second_fiber)).collect()
 }
 
 fn table(fits: &[(String, Fit)], effects: &[RandomEffects], confidence: f64) -> String {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use fra_model::{ActuatorParameters, Material};
+use fra_model::Material;
 use serde::Serialize;
 
 use super::super::shared::{about, above_zero, read};
@@ -13,7 +13,7 @@ use super::{Files, Fitted, Fitting};
 use softlimb_limb::{Limb, largest_stretch};
 use softlimb_rig::calibrate::{Law, Tension, TensionFit, fit_tension, tension_picture};
 use softlimb_scene as scene;
-use softlimb_scene::{Quantity, Scene};
+use softlimb_scene::{Quantity, Scene, WoundActuator};
 
 /// Fit the law of a material to a tensile test
 #[derive(Args)]
@@ -97,7 +97,7 @@ impl TensionMode {
         scene: &Scene,
         fit: &TensionFit,
         warnings: &mut Vec<String>,
-    ) -> Result<Vec<ActuatorParameters<f64>>, Failure> {
+    ) -> Result<Vec<WoundActuator>, Failure> {
         let names: Vec<_> = (0..scene.modules().len()).filter_map(|k| scene.part_name(k, "material")).collect();
         let name = match (&self.material, &names[..]) {
             (Some(name), _) => name.clone(),
@@ -128,7 +128,7 @@ impl TensionMode {
                     ));
                 }
             }
-            wanted.push(actuator);
+            wanted.push((actuator, module.second_fiber.map(|fiber| *fiber)));
         }
         Ok(wanted)
     }
