@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use crate::fem::sample::{plain, wound};
-use fra_model::{Actuator, ActuatorParameters, Arrangement, Families, Load, Material, Motion};
+use fra_model::{Actuator, ActuatorParameters, Arrangement, Families, Fiber, Load, Material, Motion};
 use softlimb_fea::axisymmetric::{Thread, thread_sheet};
 use softlimb_fea::cross_section::{EndLoad, Section};
 use softlimb_fea::solid as fem;
@@ -243,7 +243,7 @@ fn bundle_extends_like_one_of_its_actuators() {
         ..Options::default()
     };
     let bundle = run(
-        Subject { parameters, actuators: 3, arrangement: Arrangement::Circle { radius_m: 10e-3 } },
+        Subject { actuators: 3, arrangement: Arrangement::Circle { radius_m: 10e-3 }, ..Subject::single(parameters) },
         options,
         &[10e3],
     );
@@ -251,4 +251,47 @@ fn bundle_extends_like_one_of_its_actuators() {
     let ends = [&bundle, &single].map(|run| run.points[0].ends.expect("converged"));
     hold("strain between the ends", ends[0].axial_stretch - 1.0, ends[1].axial_stretch - 1.0, 1e-2);
     assert!(ends[0].bend_angle_rad.abs() < 1e-3, "{ends:?}");
+}
+
+/// Hoops with a soft helix, and a bender with hoops and a soft pair of helices.
+#[test]
+fn two_windings_move_as_the_section_says() {
+    if !is_installed() {
+        return;
+    }
+    let soft = |angle_deg: f64, families, modulus_pa| Fiber {
+        angle_rad: angle_deg.to_radians(),
+        families,
+        modulus_pa,
+        ..wound(Motion::Bending, 3.0, Families::Two).fiber.unwrap()
+    };
+    let of_section = |parameters: &ActuatorParameters<f64>, second: &Fiber<f64>, pressure_pa: f64| {
+        let section = Section::with_two_windings(parameters, second, &Default::default()).unwrap();
+        let curve = section.curve(&[pressure_pa], &EndLoad::default()).unwrap();
+        curve.answers[0].equilibrium().expect("an equilibrium").state
+    };
+    let middle = |parameters, second, options, pressure_pa| {
+        let run = run(Subject::single(parameters).with_second_fiber(Some(second)), options, &[pressure_pa]);
+        assert_eq!(run.end, End::Finished);
+        run.points[0].middle.expect("converged")
+    };
+    // Hoops are not shortened by the twist: CalculiX has fibers that carry no compression.
+    let twisting = wound(Motion::Twisting, 0.0, Families::One);
+    let helix = soft(45.0, Families::One, 5e6);
+    let options = Options { along: Some(14), bulk_ratio: 1000.0, ..Options::default() };
+    let (found, state) = (middle(twisting, helix, options, 20e3), of_section(&twisting, &helix, 20e3));
+    hold("twist rate, rad/m", found.twist_rate_rad_per_m, state.twist_rate_rad_per_m, 1e-2);
+    hold("axial strain", found.axial_stretch - 1.0, state.axial_stretch - 1.0, 1e-2);
+    let alone = thick_wall(twisting, 20e3);
+    assert!(alone.axial_stretch - 1.0 > 1.05 * (found.axial_stretch - 1.0), "{alone:?} {found:?}");
+
+    let bending = wound(Motion::Bending, 3.0, Families::Two);
+    let pair = soft(40.0, Families::Two, 5e6);
+    let options =
+        Options { around: Some(16), along: Some(16), bulk_ratio: 1000.0, increment: Some(0.25), ..Options::default() };
+    let (found, state) = (middle(bending, pair, options, 20e3), of_section(&bending, &pair, 20e3));
+    hold("bend rate, rad/m", found.bend_rate_rad_per_m, state.bend_rates_rad_per_m[0], 1e-2);
+    let alone = Section::new(&bending, &Default::default()).unwrap().curve(&[20e3], &EndLoad::default()).unwrap();
+    let alone = alone.answers[0].equilibrium().expect("an equilibrium").state.bend_rates_rad_per_m[0];
+    assert!(alone > 1.1 * found.bend_rate_rad_per_m, "{alone} {found:?}");
 }

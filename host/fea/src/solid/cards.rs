@@ -5,6 +5,7 @@ use std::fmt::{Display, Write};
 use super::Model;
 use super::mesh::Part;
 use super::parts::Elastomer;
+use super::plan::Fibers;
 
 /// Exponent of the fiber law, small enough that `k1/(2 k2) (exp(k2 (I4-1)^2) - 1)` is `k1/2 (I4-1)^2` to all digits.
 const K2: f64 = 1e-6;
@@ -87,43 +88,70 @@ fn hyperelastic(name: &str, elastomer: &Elastomer, text: &mut Text) {
     }
 }
 
+/// Share of the elastomer's stiffness in elements that carry the fibers of a second winding alone.
+const BARE: f64 = 1e-3;
+/// Abaqus numbers the elements of a second winding from here, below the trusses.
+const SECOND_FROM: usize = 500_000;
+
+impl Fibers {
+    /// Hoop and axial part of each family's direction. A fiber and its opposite are one; the axial part is taken as positive.
+    fn directions(&self) -> Vec<[f64; 2]> {
+        let (sin, cos) = self.angle.sin_cos();
+        let hoop = if sin < 0.0 { -cos } else { cos };
+        let sides: &[f64] = if self.two_families { &[1.0, -1.0] } else { &[1.0] };
+        sides.iter().map(|side| [side * hoop, sin.abs()]).collect()
+    }
+}
+
 /// The layer: energy `mu2/2 (I4-1)^2` of each family where it is stretched, none where it is shortened.
 pub(crate) fn fibers(model: &Model, program: Program, text: &mut Text) {
-    let Some(smeared) = model.plan.smeared else { return };
-    let (sin, cos) = model.plan.angle.sin_cos();
-    // A fiber and its opposite are one; the axial part is taken as positive.
-    let hoop = if sin < 0.0 { -cos } else { cos };
-    let families: &[f64] = if model.plan.two_families { &[1.0, -1.0] } else { &[1.0] };
     let matrix = [model.elastomers.layer.c[0], 2.0 / model.elastomers.layer.bulk];
     match program {
         Program::Calculix => {
             text.line("*MATERIAL, NAME=ELASTIC_FIBER_LAYER");
             let mut constants = matrix.to_vec();
-            families.iter().for_each(|side| constants.extend([0.0, side * hoop, smeared.modulus, K2]));
+            for fibers in &model.plan.fibers {
+                let families = fibers.directions();
+                families.iter().for_each(|[hoop, _]| constants.extend([0.0, *hoop, fibers.modulus, K2]));
+            }
             text.line(format_args!("*USER MATERIAL, CONSTANTS={}", constants.len()));
             constants.chunks(8).for_each(|line| text.line(reals(line)));
+            for (tube, (_, [x, y])) in model.tubes.iter().enumerate() {
+                text.line(format_args!("*ORIENTATION, NAME=AXIS_{}, SYSTEM=CYLINDRICAL", tube + 1));
+                text.line(reals(&[*x, *y, 0.0, *x, *y, 1.0]));
+                section(&layer_name(tube), "LAYER", &format!("AXIS_{}", tube + 1), text);
+            }
         }
+        // One card has one stiffness: a second winding takes elements of its own in the place of the first.
         Program::Abaqus => {
-            text.line("*MATERIAL, NAME=ELASTIC_FIBER_LAYER");
-            text.line(format_args!("*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS={}", families.len()));
-            text.line(format_args!("{}, 0.", reals(&[matrix[0], matrix[1], smeared.modulus, K2])));
+            let bare = [BARE * matrix[0], matrix[1] / BARE];
+            let parts = [("LAYER", "AXIS", matrix), ("SECOND", "SECOND_AXIS", bare)];
+            for (fibers, (part, axis, matrix)) in model.plan.fibers.iter().zip(parts) {
+                let families = fibers.directions();
+                text.line(format_args!("*MATERIAL, NAME=ELASTIC_FIBER_{part}"));
+                text.line(format_args!("*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS={}", families.len()));
+                text.line(format_args!("{}, 0.", reals(&[matrix[0], matrix[1], fibers.modulus, K2])));
+                for (tube, (_, [x, y])) in model.tubes.iter().enumerate() {
+                    let set = if part == "LAYER" { layer_name(tube) } else { format!("{part}_{}", tube + 1) };
+                    if part != "LAYER" {
+                        let old = layer_name(tube);
+                        text.line(format_args!(
+                            "*ELCOPY, ELEMENT SHIFT={SECOND_FROM}, OLD SET={old}, SHIFT NODES=0, NEW SET={set}"
+                        ));
+                    }
+                    let name = format!("{axis}_{}", tube + 1);
+                    let count = families.len();
+                    text.line(format_args!("*ORIENTATION, NAME={name}, SYSTEM=CYLINDRICAL, LOCAL DIRECTIONS={count}"));
+                    text.line(reals(&[*x, *y, 0.0, *x, *y, 1.0]));
+                    text.line("3, 0.");
+                    families.iter().for_each(|[hoop, axial]| text.line(reals(&[0.0, *hoop, *axial])));
+                    section(&set, part, &name, text);
+                }
+            }
         }
     }
-    for (tube, (_, [x, y])) in model.tubes.iter().enumerate() {
-        let local = match program {
-            Program::Calculix => String::new(),
-            Program::Abaqus => format!(", LOCAL DIRECTIONS={}", families.len()),
-        };
-        text.line(format_args!("*ORIENTATION, NAME=AXIS_{}, SYSTEM=CYLINDRICAL{local}", tube + 1));
-        text.line(reals(&[*x, *y, 0.0, *x, *y, 1.0]));
-        if program == Program::Abaqus {
-            text.line("3, 0.");
-            families.iter().for_each(|side| text.line(reals(&[0.0, side * hoop, sin.abs()])));
-        }
-        let set = layer_name(tube);
-        text.line(format_args!(
-            "*SOLID SECTION, ELSET={set}, MATERIAL=ELASTIC_FIBER_LAYER, ORIENTATION=AXIS_{}",
-            tube + 1
-        ));
-    }
+}
+
+fn section(set: &str, part: &str, axis: &str, text: &mut Text) {
+    text.line(format_args!("*SOLID SECTION, ELSET={set}, MATERIAL=ELASTIC_FIBER_{part}, ORIENTATION={axis}"));
 }

@@ -32,6 +32,9 @@ pub enum FemError {
     /// The actuator's parameters are refused by the model.
     #[error(transparent)]
     Parameters(#[from] InvalidParameter<f64>),
+    /// The second winding is refused.
+    #[error("second winding: {0}")]
+    SecondWinding(InvalidParameter<f64>),
     /// A file or folder could not be used.
     #[error(transparent)]
     File(#[from] FileError),

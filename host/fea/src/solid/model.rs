@@ -103,9 +103,9 @@ impl Model {
         self.plan.symmetry
     }
 
-    /// Distance between neighbouring threads of one family, m; `None` where fibers are smeared.
+    /// Distance between neighbouring threads of one family of the first winding, m; `None` where fibers are smeared.
     pub fn thread_spacing_m(&self) -> Option<f64> {
-        self.plan.threads.map(|threads| threads.winding.spacing_mm * 1e-3)
+        self.plan.threads.first().map(|threads| threads.winding.spacing_mm * 1e-3)
     }
 
     /// Limits of the figures.

@@ -1,6 +1,6 @@
 //! Settings of a deck: actuators, fibers, mesh.
 
-use fra_model::{ActuatorParameters, Arrangement, Fiber, Placement};
+use fra_model::{ActuatorParameters, Arrangement, Fiber, InvalidParameter, Motion, Placement};
 
 use super::FemError;
 use softlimb_files::range::{OutOfRange, positive, require};
@@ -10,6 +10,8 @@ use softlimb_files::range::{OutOfRange, positive, require};
 pub struct Subject {
     /// The actuator.
     pub parameters: ActuatorParameters<f64>,
+    /// A winding beside that of the parameters, in the same place of the wall.
+    pub second_fiber: Option<Fiber<f64>>,
     /// Number of actuators side by side, 1 to 9.
     pub actuators: u8,
     /// Their places, far enough apart for them to lie side by side; they bend towards `x`.
@@ -19,10 +21,16 @@ pub struct Subject {
 impl Subject {
     /// One actuator.
     pub fn single(parameters: ActuatorParameters<f64>) -> Self {
-        Self { parameters, actuators: 1, arrangement: Arrangement::Circle { radius_m: 0.0 } }
+        Self { parameters, second_fiber: None, actuators: 1, arrangement: Arrangement::Circle { radius_m: 0.0 } }
     }
 
-    /// Checks the parameters and the place of the actuators.
+    /// The same with a second winding.
+    #[must_use]
+    pub fn with_second_fiber(self, second_fiber: Option<Fiber<f64>>) -> Self {
+        Self { second_fiber, ..self }
+    }
+
+    /// Checks the parameters, the second winding and the place of the actuators.
     ///
     /// # Errors
     /// [`FemError::Parameters`] or [`FemError::Invalid`] with field, value and range.
@@ -33,6 +41,7 @@ impl Subject {
             let thickness = fiber.thickness_m;
             require(thickness.is_finite() && thickness > 0.0, "thickness_m", thickness, "finite and > 0")?;
         }
+        self.check_second()?;
         let slenderness = self.parameters.length_m / self.parameters.outer_radius_m;
         require((2.0..=200.0).contains(&slenderness), "length_m / outer_radius_m", slenderness, "2 to 200")?;
         let wall = self.parameters.outer_radius_m / self.parameters.inner_radius_m - 1.0;
@@ -50,6 +59,30 @@ impl Subject {
         let least = 2.0 * self.parameters.outer_radius_m / per_length;
         let apart = self.actuators == 1 || given >= least * (1.0 - 1e-9);
         require(apart, field, given, format!("at least {least:.6} m for {count} actuators side by side"))?;
+        Ok(())
+    }
+
+    /// Both windings share the elements that carry fibers.
+    fn check_second(&self) -> Result<(), FemError> {
+        let Some(second) = &self.second_fiber else { return Ok(()) };
+        let p = &self.parameters;
+        // A bending actuator is not checked for what its analytic model leaves out.
+        let alone = ActuatorParameters { motion: Motion::Extension, fiber: Some(*second), ..*p };
+        alone.check().map_err(FemError::SecondWinding)?;
+        let refused = |field, value, allowed| FemError::SecondWinding(InvalidParameter { field, value, allowed });
+        let Some(first) = p.fiber.filter(|fiber| fiber.modulus_pa > 0.0 && second.modulus_pa > 0.0) else {
+            return Err(refused("modulus_pa", second.modulus_pa, "> 0, of both windings"));
+        };
+        if first.placement != second.placement {
+            return Err(refused(
+                "radius_m",
+                second.radius_m,
+                "placed as the first winding: a sheet, a layer or smeared",
+            ));
+        }
+        if first.placement != Placement::Smeared && first.radius_m != second.radius_m {
+            return Err(refused("radius_m", second.radius_m, "the radius of the first winding"));
+        }
         Ok(())
     }
 }

@@ -115,10 +115,10 @@ pub(crate) fn trusses(plan: &Plan, tube: &Tube, mesh: &mut Mesh, ties: &mut Ties
         }
         pairs
     };
-    if let Some(threads) = plan.threads {
+    for (threads, name) in plan.threads.iter().zip(["THREADS", "SECOND_THREADS"]) {
         let pairs = wind(threads.radius, &threads.winding.lines(grid));
         let modulus = threads.stiffness / threads.area;
-        found.push(Trusses { name: "THREADS", pairs, area: threads.area, modulus });
+        found.push(Trusses { name, pairs, area: threads.area, modulus });
     }
     if let Some(stiffness) = plan.line {
         let line = [grid.heights[grid.wall.start], grid.heights[grid.wall.end]].map(|height| [0.0, height]);
@@ -184,7 +184,7 @@ pub(crate) fn warnings(plan: &Plan, subject: &Subject) -> Vec<String> {
             "the middle is measured {room:.1} mm from the caps, less than 2.5 outer radii: expect end effects in it"
         ));
     }
-    if let Some(threads) = plan.threads {
+    for threads in &plan.threads {
         let wall = plan.grid.radius(threads.radius) - subject.parameters.inner_radius_m * 1e3;
         let spacing = threads.winding.spacing_mm;
         if spacing > 0.75 * wall * (1.0 + 1e-9) {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use fra_model::{ActuatorParameters, Families, Motion, Placement};
+use fra_model::{ActuatorParameters, Families, Fiber, Motion, Placement};
 
 use super::layers::{Smeared, nearest, radial};
 use super::mesh::grid::Grid;
@@ -50,15 +50,25 @@ pub(crate) struct Threads {
     pub(crate) radius: usize,
 }
 
+/// Fibers of one winding as a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fibers {
+    pub(crate) angle: f64,
+    pub(crate) two_families: bool,
+    /// `mu2` in the layer, MPa.
+    pub(crate) modulus: f64,
+}
+
 /// Everything a model is built from.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) grid: Grid,
     pub(crate) symmetry: Symmetry,
-    pub(crate) angle: f64,
-    pub(crate) two_families: bool,
     pub(crate) smeared: Option<Smeared>,
-    pub(crate) threads: Option<Threads>,
+    /// The fibers of the layer, of each winding.
+    pub(crate) fibers: Vec<Fibers>,
+    /// The threads of each winding; none where fibers are smeared.
+    pub(crate) threads: Vec<Threads>,
     /// Stiffness of the line that limits the strain of a bending actuator, N.
     pub(crate) line: Option<f64>,
     /// Lattice heights between which the middle is measured.
@@ -86,21 +96,31 @@ impl Plan {
         options.check()?;
         let p = &subject.parameters;
         let wound = wound(p);
+        let windings: Vec<Wound> =
+            wound.into_iter().chain(subject.second_fiber.map(|fiber| stated(p, &fiber))).collect();
+        let wound = windings.first();
         let (inner, outer, length) = (p.inner_radius_m * 1e3, p.outer_radius_m * 1e3, p.length_m * 1e3);
-        let winding = wound.as_ref().map(|wound| winding(wound, options, outer - inner, length)).transpose()?.flatten();
-        let symmetry = symmetry(subject, options, wound.as_ref(), winding.as_ref());
-        let (radii, lumen, layer, smeared) = radial(p, options, wound.as_ref(), winding.is_some())?;
-        let around = around(options, symmetry, winding.as_ref())?;
-        let along = along(options, [inner, outer, length], winding.as_ref());
+        let threads = windings.iter().map(|wound| winding(wound, options, outer - inner, length));
+        let threads: Vec<Winding> = threads.collect::<Result<Option<Vec<_>>, _>>()?.unwrap_or_default();
+        let symmetry = symmetry(subject, options, &windings, &threads);
+        let (radii, lumen, layer, smeared) = radial(p, options, wound, !threads.is_empty())?;
+        let around = around(options, symmetry, &threads)?;
+        let along = along(options, [inner, outer, length], &threads);
         let (heights, wall) = heights([inner, outer, length], along, symmetry.half_length);
         let index = |radius: f64| nearest(&radii, radius);
-        let threads = wound.as_ref().zip(winding).map(|(wound, winding)| Threads {
+        let threads = windings.iter().zip(threads).map(|(wound, winding)| Threads {
             winding,
             stiffness: 4.0 * wound.modulus * wound.thickness * winding.spacing_mm,
             area: 0.25 * PI * wound.thickness * wound.thickness,
             radius: index(wound.radius),
         });
-        let (angle, two_families) = wound.as_ref().map_or((0.0, true), |wound| (wound.angle, wound.two));
+        let threads: Vec<Threads> = threads.collect();
+        let of_layer = |(smeared, wound): (Smeared, &Wound)| {
+            let share = if wound.placement == Placement::Sheet { wound.thickness / smeared.thickness } else { 1.0 };
+            Fibers { angle: wound.angle, two_families: wound.two, modulus: wound.modulus * share }
+        };
+        let fibers =
+            smeared.map_or_else(Vec::new, |smeared| windings.iter().map(|wound| of_layer((smeared, wound))).collect());
         let sweep = match symmetry.around {
             Around::Whole => TAU,
             Around::Half => PI,
@@ -114,9 +134,8 @@ impl Plan {
         Ok(Self {
             grid,
             symmetry,
-            angle,
-            two_families,
             smeared,
+            fibers,
             threads,
             line: (p.motion == Motion::Bending).then_some(1e4 * mu * outer * outer),
             gauges,
@@ -133,14 +152,7 @@ fn wound(p: &ActuatorParameters<f64>) -> Option<Wound> {
     let [inner, outer] = [p.inner_radius_m * 1e3, p.outer_radius_m * 1e3];
     let radius = p.fiber.map_or(outer, |fiber| (fiber.radius_m * 1e3).clamp(inner, outer));
     match p.fiber.filter(|fiber| fiber.modulus_pa > 0.0) {
-        Some(fiber) => Some(Wound {
-            angle: fiber.angle_rad,
-            two: fiber.families == Families::Two,
-            modulus: fiber.modulus_pa * 1e-6,
-            thickness: fiber.thickness_m * 1e3,
-            placement: fiber.placement,
-            radius,
-        }),
+        Some(fiber) => Some(stated(p, &fiber)),
         None if p.motion == Motion::Bending => {
             let wall = outer - inner;
             let thickness = 0.1 * wall;
@@ -148,6 +160,18 @@ fn wound(p: &ActuatorParameters<f64>) -> Option<Wound> {
             Some(Wound { angle: 0.0, two: false, modulus, thickness, placement: Placement::Sheet, radius })
         }
         None => None,
+    }
+}
+
+/// A winding with the stiffness that it states.
+fn stated(p: &ActuatorParameters<f64>, fiber: &Fiber<f64>) -> Wound {
+    Wound {
+        angle: fiber.angle_rad,
+        two: fiber.families == Families::Two,
+        modulus: fiber.modulus_pa * 1e-6,
+        thickness: fiber.thickness_m * 1e3,
+        placement: fiber.placement,
+        radius: (fiber.radius_m * 1e3).clamp(p.inner_radius_m * 1e3, p.outer_radius_m * 1e3),
     }
 }
 
@@ -166,17 +190,18 @@ fn winding(wound: &Wound, options: &Options, wall: f64, length: f64) -> Result<O
 }
 
 /// The symmetry that subject, winding and options leave.
-fn symmetry(subject: &Subject, options: &Options, wound: Option<&Wound>, winding: Option<&Winding>) -> Symmetry {
+fn symmetry(subject: &Subject, options: &Options, windings: &[Wound], threads: &[Winding]) -> Symmetry {
     let whole = Symmetry { around: Around::Whole, half_length: false };
     if options.symmetry == SymmetryUse::Whole || subject.actuators > 1 {
         return whole;
     }
-    let mirror = wound.is_none_or(|wound| is_mirror_image(wound.angle, wound.two));
-    let sectors = match winding {
+    let mirror = windings.iter().all(|wound| is_mirror_image(wound.angle, wound.two));
+    let sectors = match threads {
         // Two elements a sector.
-        None => Some(options.around.unwrap_or(AROUND) / 2),
-        Some(winding) if winding.has_rings() => Some(options.around.unwrap_or(AROUND) / 2),
-        Some(winding) => repeats(winding),
+        _ if threads.iter().all(Winding::has_rings) => Some(options.around.unwrap_or(AROUND) / 2),
+        [winding] => repeats(winding),
+        // The threads of two windings rarely repeat alike.
+        _ => None,
     };
     let around = match (subject.parameters.motion, sectors) {
         (Motion::Bending, _) if mirror => Around::Half,
@@ -192,11 +217,12 @@ fn symmetry(subject: &Subject, options: &Options, wound: Option<&Wound>, winding
 const AROUND: u32 = 24;
 
 /// Elements around in the domain.
-fn around(options: &Options, symmetry: Symmetry, winding: Option<&Winding>) -> Result<usize, FemError> {
+fn around(options: &Options, symmetry: Symmetry, threads: &[Winding]) -> Result<usize, FemError> {
     let whole = options.around.unwrap_or_else(|| {
         // Two elements between neighbouring threads that run mostly along the axis.
-        let threads = winding.filter(|winding| !winding.has_rings()).map_or(0, |winding| 2 * winding.count);
-        AROUND.max(threads.min(96))
+        let helices = threads.iter().filter(|winding| !winding.has_rings());
+        let needed = helices.map(|winding| 2 * winding.count).max().unwrap_or(0);
+        AROUND.max(needed.min(96))
     });
     match symmetry.around {
         Around::Whole => Ok(whole as usize),
@@ -206,10 +232,10 @@ fn around(options: &Options, symmetry: Symmetry, winding: Option<&Winding>) -> R
 }
 
 /// Elements along the whole length, an even number.
-fn along(options: &Options, [inner, outer, length]: [f64; 3], winding: Option<&Winding>) -> u32 {
+fn along(options: &Options, [inner, outer, length]: [f64; 3], threads: &[Winding]) -> u32 {
     options.along.unwrap_or_else(|| {
         let plain = f64::max(outer - inner, 0.4 * outer);
-        let size = winding.map_or(plain, |winding| plain.min(0.5 * winding.axial_spacing_mm()));
+        let size = threads.iter().fold(plain, |size, winding| size.min(0.5 * winding.axial_spacing_mm()));
         2 * (0.5 * length / size).ceil().clamp(4.0, 400.0) as u32
     })
 }

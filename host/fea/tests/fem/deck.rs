@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use fra_model::{ActuatorParameters, Arrangement, Families, Material, Motion, Placement};
+use fra_model::{ActuatorParameters, Arrangement, Families, Fiber, Material, Motion, Placement};
 use softlimb_fea::solid::{Around, Deck, FiberModel, Model, Options, Subject, SymmetryUse};
 
 use crate::fem::motions;
@@ -85,9 +85,9 @@ fn threads(mm: f64) -> Options {
 
 fn subjects() -> Vec<(Subject, Options)> {
     let bundle = Subject {
-        parameters: plain(Motion::Bending),
         actuators: 3,
         arrangement: Arrangement::Circle { radius_m: 11e-3 },
+        ..Subject::single(plain(Motion::Bending))
     };
     let coarse = Options { around: Some(8), along: Some(6), ..Options::default() };
     let singles = motions().map(Subject::single);
@@ -337,5 +337,60 @@ fn pressures_must_rise_from_zero() {
     for pressures in [&[][..], &[0.0], &[-1.0], &[2e4, 2e4], &[f64::NAN], &[1e4, f64::INFINITY]] {
         let text = Deck::new(&model, "part", pressures).unwrap_err().to_string();
         assert!(text.contains("pressure"), "{text}");
+    }
+}
+
+/// Both windings are families of one card in CalculiX; in Abaqus, whose card has one stiffness, the second has elements of its own.
+#[test]
+fn second_winding_is_beside_the_first_in_the_layer() {
+    let first = wound(Motion::Twisting, 30.0, Families::One);
+    let fiber = first.fiber.unwrap();
+    let second = Fiber { angle_rad: 70f64.to_radians(), families: Families::Two, modulus_pa: 36.1e6, ..fiber };
+    let subject = Subject::single(first).with_second_fiber(Some(second));
+    let text = deck(&subject, &Options::default());
+    let constants: Vec<f64> =
+        block(&text.calculix, "*USER MATERIAL, CONSTANTS=14").iter().flat_map(|line| numbers(line)).collect();
+    let [cos, sin] = [30f64, 70f64].map(|angle_deg| angle_deg.to_radians().cos());
+    for (family, hoop, ratio) in [(0, cos, 1.0), (1, sin, 0.1), (2, -sin, 0.1)] {
+        let [x, y, modulus, _] = constants[2 + 4 * family..][..4] else { panic!("{constants:?}") };
+        assert!(x == 0.0 && (y - hoop).abs() < 1e-9, "{constants:?}");
+        // 361 MPa of 0.178 mm in a layer of 0.04 mm.
+        assert!((modulus / (ratio * 361.0 * 0.178 / 0.04) - 1.0).abs() < 1e-9, "{constants:?}");
+    }
+    assert!(text.abaqus.contains("OLD SET=LAYER_1, SHIFT NODES=0, NEW SET=SECOND_1"));
+    assert_eq!(text.abaqus.matches("*ANISOTROPIC HYPERELASTIC").count(), 2);
+    assert_eq!(text.abaqus.matches("LOCAL DIRECTIONS=2").count(), 2);
+    // The elastomer of the second elements is a thousandth of the first's.
+    let stiffness: Vec<f64> = text
+        .abaqus
+        .lines()
+        .zip(text.abaqus.lines().skip(1))
+        .filter(|(card, _)| card.starts_with("*ANISOTROPIC"))
+        .map(|(_, line)| numbers(line)[0])
+        .collect();
+    assert!((stiffness[1] / stiffness[0] - 1e-3).abs() < 1e-9, "{stiffness:?}");
+    let threaded = deck(&subject, &threads(2.0));
+    assert!(["THREADS", "SECOND_THREADS"].iter().all(|set| threaded.model.contains(&format!("ELSET={set}\n"))));
+    assert_eq!(Model::new(&subject, &threads(2.0)).unwrap().symmetry().around, Around::Whole);
+}
+
+#[test]
+fn second_winding_in_another_place_is_refused() {
+    let first = wound(Motion::Extension, 3.0, Families::Two);
+    let fiber = first.fiber.unwrap();
+    for (second, message) in [
+        (
+            Fiber { radius_m: 7e-3, ..fiber },
+            "second winding: radius_m = 0.007 is not allowed: the radius of the first winding",
+        ),
+        (
+            Fiber { placement: Placement::Smeared, ..fiber },
+            "second winding: radius_m = 0.008 is not allowed: placed as the first winding: a sheet, a layer or smeared",
+        ),
+        (Fiber { modulus_pa: 0.0, ..fiber }, "second winding: modulus_pa = 0 is not allowed: > 0, of both windings"),
+        (Fiber { angle_rad: 2.0, ..fiber }, "second winding: angle_rad = 2 is not allowed: "),
+    ] {
+        let error = Subject::single(first).with_second_fiber(Some(second)).check().unwrap_err().to_string();
+        assert!(error.starts_with(message), "{error}");
     }
 }

@@ -94,7 +94,7 @@ fn bundle_has_its_actuators_side_by_side_and_a_connector() {
     let subject = Subject {
         actuators: 3,
         arrangement: Arrangement::Circle { radius_m: 10e-3 },
-        parameters: plain(Motion::Bending),
+        ..Subject::single(plain(Motion::Bending))
     };
     let model = Model::new(&subject, &WHOLE).unwrap();
     let all = model.mesh().quality(|_| true);

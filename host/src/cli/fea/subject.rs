@@ -95,9 +95,8 @@ impl Arguments {
     /// Name, subject and highest pressure, of a scene's module.
     fn of_scene(&self) -> Result<(String, Subject, f64), Failure> {
         let scene = scene::load(&self.file)?;
-        scene.require_one_winding("`fea`")?;
         let module = self.module(&scene)?;
-        let single = Subject::single(module.made_actuator());
+        let single = Subject::single(module.made_actuator()).with_second_fiber(module.second_fiber.map(|fiber| *fiber));
         let bundle = Subject { actuators: module.actuators, arrangement: module.arrangement, ..single };
         let (subject, part) = if self.bundle { (bundle, "-bundle") } else { (single, "") };
         Ok((format!("{}-{}{part}", scene.name(), file_name(&module.name)), subject, *module.pressure_max_pa))
@@ -112,9 +111,9 @@ impl Arguments {
         }
         let about = about(&self.file);
         let json = std::fs::read(&self.file).map_err(|error| about(&error))?;
-        let (parameters, pressure_max_pa) = eval::actuator(&json).map_err(|error| about(&error))?;
+        let ((parameters, second_fiber), pressure_max_pa) = eval::actuator(&json).map_err(|error| about(&error))?;
         let name = file_name(&self.file.file_stem().unwrap_or_default().to_string_lossy());
-        Ok((name, Subject::single(parameters), pressure_max_pa))
+        Ok((name, Subject::single(parameters).with_second_fiber(second_fiber), pressure_max_pa))
     }
 
     fn module<'a>(&self, scene: &'a Scene) -> Result<&'a Module, Failure> {
