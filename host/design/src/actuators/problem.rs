@@ -48,7 +48,7 @@ pub struct GeometryBounds {
     pub sizes_m: [Bounds; 2],
     /// Bounds of the length `L`, m; > 0.
     pub length_m: Bounds,
-    /// Bounds of the fiber angle, rad from the hoop, within `-pi/2..=pi/2`; unused for bending.
+    /// Bounds of the fiber angle, rad from the hoop, within `-pi/2..=pi/2`; unused for a bender without a winding.
     pub angle_rad: Bounds,
 }
 
@@ -63,7 +63,7 @@ impl GeometryBounds {
     }
 }
 
-/// The winding of a straight segment, but for its angle.
+/// The winding of a segment, but for its angle; of a bender two families in a sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Winding {
     /// One or two families.
@@ -147,7 +147,7 @@ pub struct Geometry {
     pub outer_radius_m: f64,
     /// `L`, m.
     pub length_m: f64,
-    /// Fiber angle, rad from the hoop; 0 for bending.
+    /// Fiber angle, rad from the hoop; 0 for a bender without a winding.
     pub angle_rad: f64,
 }
 
@@ -183,9 +183,11 @@ impl Segment {
         self.motion == Motion::Bending && stiffens
     }
 
-    /// Number of design variables of the geometry: a bending actuator keeps the angle of its winding.
+    /// Number of design variables of the geometry: the angle of a bending actuator's winding is one if it is free.
     pub(super) fn dimensions(&self) -> usize {
-        if self.motion == Motion::Bending { 3 } else { 4 }
+        let [low, high] = self.bounds.angle_rad;
+        let is_kept = self.motion == Motion::Bending && (self.winding.is_none() || low == high);
+        if is_kept { 3 } else { 4 }
     }
 
     /// Least value and width of each variable.

@@ -83,12 +83,36 @@ fn missing_surplus_and_unfit_entries_are_named() {
         ),
         ("\"extension\"", "\"bending\"", "line 3: weights.bend_angle_per_rad2 is missing: a segment has such targets"),
     ] {
-        // A bending segment is refused for its weight or its fiber, whichever is looked at first.
-        let found = complaint(&[(from, to)]);
-        let fiber =
-            "line 9: segments[0].fiber is not allowed: a bending actuator is wound along the hoop at its outer radius";
-        assert!(found == message || (to == "\"bending\"" && found == fiber), "{found}\n{message}");
+        assert_eq!(complaint(&[(from, to)]), message);
     }
+}
+
+/// A bender may state a winding, of which the model follows two families in a sheet.
+#[test]
+fn windings_of_benders_are_sheets_of_two_families() {
+    let bending = [
+        ("\"extension\"", "\"bending\""),
+        ("length_per_m2", "bend_angle_per_rad2"),
+        ("{\"length_m\": [0.2, 0.21]}", "{\"bend_angle_rad\": [0.2, 0.4]}"),
+    ];
+    let problem = Problem::read(&extension(&bending)).expect("a wound bender");
+    assert_eq!(problem.segments()[0].winding.expect("stated").families, fra_model::Families::Two);
+    for (from, to, message) in [
+        (
+            "\"families\": 2",
+            "\"families\": 1",
+            "line 9: segments[0].fiber.families = 1 is not allowed: 2: the model of a bend follows two equal families alone",
+        ),
+        (
+            "0.000178",
+            "0.000178, \"placement\": \"layer\"",
+            "line 9: segments[0].fiber.placement is not allowed: \"sheet\", the only one whose angle the model of a bend follows",
+        ),
+    ] {
+        assert_eq!(complaint(&[&bending[..], &[(from, to)]].concat()), message);
+    }
+    let hoop = [&bending[..], &[("\"fiber\"", "\"note\"")]].concat();
+    assert!(Problem::read(&extension(&hoop)).is_err());
 }
 
 #[test]

@@ -193,3 +193,56 @@ fn twist_bend_and_length([twist_rad, bend_angle_rad, length_m]: &[[f64; 4]; 3]) 
         r#"{{"format": 1, "shared_pressure": true, "weights": {weights}, "segments": [{twisting}, {bending}, {extending}]}}"#
     )
 }
+
+/// Bends that a hidden geometry has, by the forward model: a design of the winding's angle reaches them, and with the angle given it keeps it.
+#[test]
+fn wound_benders_reach_the_bends_of_a_hidden_geometry() {
+    let bending = |angles: &str, targets: &str| {
+        let changes = [
+            ("\"extension\"", "\"bending\""),
+            ("length_per_m2", "bend_angle_per_rad2"),
+            ("[0, 15]", angles),
+            ("{\"length_m\": [0.2, 0.21]}", targets),
+        ];
+        Problem::read(&extension(&changes)).expect("a wound bender")
+    };
+    for (angle_deg, angles) in [(3.0, "[0, 25]"), (14.0, "[0, 25]"), (22.0, "[10, 25]"), (18.0, "[18, 18]")] {
+        let open = bending(angles, "{\"bend_angle_rad\": [0, 0]}");
+        let geometry = Geometry {
+            inner_radius_m: 8e-3,
+            outer_radius_m: 12e-3,
+            length_m: 0.2,
+            angle_rad: f64::to_radians(angle_deg),
+        };
+        let actuator = Actuator::new(&open.segments()[0].parameters(&geometry)).expect("a geometry of the model");
+        let bend =
+            |pressure_pa: f64| actuator.forward(pressure_pa, &Load::none()).expect("finite").state.bend_angle_rad;
+        let targets = format!("{{\"bend_angle_rad\": [{}, {}]}}", bend(20e3), bend(50e3));
+        let problem = bending(angles, &targets);
+        let answer = solve(&problem, &effort(1)).expect("an answer");
+        let objective = objective(&problem, &answer);
+        println!("{angle_deg} deg: {} deg, objective {objective:.1e}", answer.segments[0].angle_deg);
+        assert!(objective <= 1e-12 && answer.status == "reached", "{angle_deg}: {objective:e}");
+        if angles == "[18, 18]" {
+            assert!((answer.segments[0].angle_deg - 18.0).abs() < 1e-9, "{}", answer.segments[0].angle_deg);
+        }
+    }
+}
+
+/// No geometry bends further than the best that a compass search finds, and the design does.
+#[test]
+fn wound_bender_bends_as_far_as_its_bounds_allow() {
+    let changes = [
+        ("\"extension\"", "\"bending\""),
+        ("length_per_m2", "bend_angle_per_rad2"),
+        ("[0, 15]", "[8, 20]"),
+        ("{\"length_m\": [0.2, 0.21]}", "{\"bend_angle_rad\": [100]}"),
+    ];
+    let problem = Problem::read(&extension(&changes)).expect("a wound bender");
+    let segment = &problem.segments()[0];
+    let answer = solve(&problem, &effort(1)).expect("an answer");
+    let most = farthest(segment) * segment.bounds.length_m[1];
+    let found = answer.segments[0].phases[0].found;
+    assert!(found > most * (1.0 - 1e-6), "{found} {most}");
+    assert!((answer.segments[0].angle_deg - 8.0).abs() < 1e-6, "{}", answer.segments[0].angle_deg);
+}

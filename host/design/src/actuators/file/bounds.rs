@@ -1,6 +1,5 @@
 //! Bounds of a segment in a problem file.
 
-use fra_model::Motion;
 use serde::Deserialize;
 
 use crate::actuators::problem::{Bounds, GeometryBounds, Sizes};
@@ -19,7 +18,7 @@ pub(super) struct BoundsSpec {
 }
 
 impl BoundsSpec {
-    pub(super) fn geometry(&self, motion: Motion, at: &str) -> Result<GeometryBounds, Refused> {
+    pub(super) fn geometry(&self, is_wound: bool, at: &str) -> Result<GeometryBounds, Refused> {
         let (sizes, sizes_m) = match (self.inner_radius_m, self.outer_radius_m, self.wall_m) {
             (Some(inner), None, Some(wall)) => (Sizes::InnerAndWall, [inner, wall]),
             (Some(inner), Some(outer), None) => (Sizes::InnerAndOuter, [inner, outer]),
@@ -44,8 +43,8 @@ impl BoundsSpec {
         }
         positive_bounds(&format!("{at}.length_m"), self.length_m)?;
         let angle = format!("{at}.angle_deg");
-        let angle_deg = if motion == Motion::Bending {
-            superfluous(self.angle_deg.as_ref(), angle, "a bending actuator is wound along the hoop")?;
+        let angle_deg = if !is_wound {
+            superfluous(self.angle_deg.as_ref(), angle, "a bending actuator without `fiber` is wound along the hoop")?;
             [0.0; 2]
         } else {
             let bounds = missing(self.angle_deg, angle.clone(), "two numbers, from the hoop")?;

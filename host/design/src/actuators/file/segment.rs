@@ -66,12 +66,12 @@ impl SegmentSpec {
         let material = stated_or_named(&self.material, &format!("{at}.material"), MaterialSpec::material)?;
         let wound = format!("{at}.fiber");
         let fiber = self.fiber(motion, &wound)?;
-        let geometry = bounds.geometry(motion, &format!("{at}.bounds"))?;
+        let geometry = bounds.geometry(fiber.is_some(), &format!("{at}.bounds"))?;
         let segment = Segment {
             name: self.name.clone(),
             motion,
             material,
-            winding: fiber.map(|fiber| fiber.winding(&wound, geometry.thinnest_m())).transpose()?,
+            winding: fiber.map(|fiber| fiber.winding(motion, &wound, geometry.thinnest_m())).transpose()?,
             bounds: geometry,
             pressure_max_pa: highest,
             limit_margin: margin,
@@ -86,14 +86,13 @@ impl SegmentSpec {
         Ok(segment)
     }
 
-    /// What the file says of the winding, where the motion has one.
+    /// The file's winding; a bending actuator without one is wound along the hoop at its outer radius.
     fn fiber(&self, motion: Motion, at: &str) -> Result<Option<&FiberSpec>, Refused> {
-        if motion == Motion::Bending {
-            let why = "a bending actuator is wound along the hoop at its outer radius";
-            return superfluous(self.fiber.as_ref(), at.into(), why).map(|()| None);
+        match &self.fiber {
+            Some(Object(fiber)) => Ok(Some(fiber)),
+            None if motion == Motion::Bending => Ok(None),
+            None => missing(None, at.into(), "a straight actuator is wound"),
         }
-        let Object(fiber) = missing(self.fiber.as_ref(), at.into(), "a straight actuator is wound")?;
-        Ok(Some(fiber))
     }
 
     fn goals(&self, motion: Motion, at: &str, weight: f64) -> Result<Vec<Option<Goal>>, Refused> {

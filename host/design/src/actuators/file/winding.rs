@@ -1,6 +1,6 @@
 //! Material and winding of a segment in a problem file.
 
-use fra_model::{Families, Material, Placement};
+use fra_model::{Families, Material, Motion, Placement};
 use serde::Deserialize;
 
 use super::segment::Name;
@@ -116,8 +116,18 @@ pub(crate) fn thickness_m(
 
 impl FiberSpec {
     /// The winding; `thinnest_m` is the least wall within the bounds.
-    pub(super) fn winding(&self, at: &str, thinnest_m: f64) -> Result<Winding, Refused> {
+    pub(super) fn winding(&self, motion: Motion, at: &str, thinnest_m: f64) -> Result<Winding, Refused> {
         let families = families(self.families, at)?;
+        // The model of a bend follows no other angle.
+        if motion == Motion::Bending {
+            let allowed = "2: the model of a bend follows two equal families alone";
+            require(families == Families::Two, &format!("{at}.families"), self.families, allowed)?;
+            let is_sheet = matches!(self.placement, None | Some(Name::Sheet));
+            if !is_sheet {
+                let allowed = "is not allowed: \"sheet\", the only one whose angle the model of a bend follows";
+                return Err((format!("{at}.placement"), allowed.into()));
+            }
+        }
         let placement = match self.placement {
             None | Some(Name::Sheet) => Placement::Sheet,
             Some(Name::Layer) => Placement::Layer,
