@@ -4,7 +4,7 @@ use fra_model::{Actuator, Load, State, Status};
 
 use crate::curve::{Node, VolumeCurve};
 use crate::error::PlantError;
-use crate::settings::ChannelSettings;
+use crate::settings::{ActuatorLaw, ChannelSettings};
 use crate::spread::TrueParameters;
 
 /// Intervals of the table between zero and the highest pressure.
@@ -14,7 +14,8 @@ const INTERVALS: usize = 128;
 /// to the end of its branch.
 #[derive(Clone, Debug)]
 pub(crate) struct TrueActuator {
-    model: Actuator<f64>,
+    /// `None` where a law has given the states.
+    model: Option<Actuator<f64>>,
     load: Load<f64>,
     states: Vec<State<f64>>,
     width_pa: f64,
@@ -31,9 +32,16 @@ impl TrueActuator {
         true_parameters: &TrueParameters,
     ) -> Result<Self, PlantError> {
         let refuse = |source| PlantError::Actuator { channel, source };
-        let model = true_parameters.model().map_err(refuse)?;
         let load = nominal.load;
         let width_pa = nominal.pressure_max_pa / INTERVALS as f64;
+        if let Some(ActuatorLaw(law)) = nominal.law {
+            let pressures_pa: Vec<f64> = (0..=INTERVALS).map(|node| node as f64 * width_pa).collect();
+            let states = law(&true_parameters.actuator, true_parameters.second_fiber.as_ref(), &pressures_pa)
+                .filter(|states| !states.is_empty());
+            let states = states.ok_or(PlantError::NoEquilibrium { channel, pressure_pa: 0.0 })?;
+            return Ok(Self { model: None, load, states, width_pa });
+        }
+        let model = true_parameters.model().map_err(refuse)?;
         let mut states = Vec::with_capacity(INTERVALS + 1);
         let mut solution = model.forward(0.0, &load).map_err(refuse)?;
         while solution.status == Status::Solved {
@@ -47,7 +55,7 @@ impl TrueActuator {
         if states.is_empty() {
             return Err(PlantError::NoEquilibrium { channel, pressure_pa: 0.0 });
         }
-        Ok(Self { model, load, states, width_pa })
+        Ok(Self { model: Some(model), load, states, width_pa })
     }
 
     /// Gas volume over gauge pressure: the model's volume times `scale` plus `dead_volume_m3`.
@@ -62,7 +70,7 @@ impl TrueActuator {
     }
 
     /// The equilibrium at a gauge pressure, Pa, from zero on, and whether the branch reaches that
-    /// far; its last tabulated state where not. Above the table the model is solved.
+    /// far; its last tabulated state where not. Above the table the model is solved, where there is one.
     pub(crate) fn shape(&self, pressure_pa: f64) -> (State<f64>, bool) {
         let s = pressure_pa.max(0.0) / self.width_pa;
         let last = self.states.len() - 1;
@@ -70,8 +78,8 @@ impl TrueActuator {
             return (self.interpolate(s), true);
         }
         let end = self.states[last];
-        match self.model.forward_from(&end, pressure_pa, &self.load) {
-            Ok(found) if found.status == Status::Solved => (found.state, true),
+        match self.model.map(|model| model.forward_from(&end, pressure_pa, &self.load)) {
+            Some(Ok(found)) if found.status == Status::Solved => (found.state, true),
             _ => (end, false),
         }
     }
@@ -146,7 +154,7 @@ mod tests {
             let built = build(actuator(motion, angle_rad, families), 80e3);
             let curve = built.volume_curve(1.0, 0.0).unwrap();
             for pressure_pa in [0.0, 137.0, 5_001.0, 33_333.0, 79_900.0] {
-                let solved = built.model.forward(pressure_pa, &Load::none()).unwrap().state;
+                let solved = built.model.unwrap().forward(pressure_pa, &Load::none()).unwrap().state;
                 let (read, within_branch) = built.shape(pressure_pa);
                 assert!(within_branch);
                 for (one, other) in [

@@ -1,7 +1,7 @@
 //! Plant settings: plain data with nominal values, checked once by
 //! [`Plant::new`](crate::Plant::new). Pressures are gauge unless the name says `abs`.
 
-use fra_model::{ActuatorParameters, Fiber, Load};
+use fra_model::{ActuatorParameters, Fiber, Load, State};
 
 /// The whole plant.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,6 +90,20 @@ impl Default for PumpSettings {
     }
 }
 
+/// Equilibria of an actuator and its second winding without load at gauge pressures that rise from zero, Pa: a state for each, up to the
+/// end of the branch. `None` where there is none.
+#[derive(Clone, Copy, Debug)]
+pub struct ActuatorLaw(pub Equilibria);
+
+/// The function of an [`ActuatorLaw`].
+pub type Equilibria = fn(&ActuatorParameters<f64>, Option<&Fiber<f64>>, &[f64]) -> Option<Vec<State<f64>>>;
+
+impl PartialEq for ActuatorLaw {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::fn_addr_eq(self.0, other.0)
+    }
+}
+
 /// One channel: a fill and a vent valve, a tube, an actuator, a pressure sensor at the manifold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelSettings {
@@ -97,6 +111,8 @@ pub struct ChannelSettings {
     pub actuator: ActuatorParameters<f64>,
     /// A winding beside that of the actuator.
     pub second_fiber: Option<Fiber<f64>>,
+    /// Equilibria of the true actuator where [`fra_model`] does not solve it; without load.
+    pub law: Option<ActuatorLaw>,
     /// Constant load on the actuator's end.
     pub load: Load<f64>,
     /// Gauge pressure up to which volume and shape are tabulated, Pa; 1e3..=1e6.
@@ -127,6 +143,7 @@ impl ChannelSettings {
         Self {
             actuator,
             second_fiber: None,
+            law: None,
             load: Load::none(),
             pressure_max_pa: 200e3,
             dead_volume_m3: 1.0e-6,

@@ -1,6 +1,7 @@
 //! The states of one actuator over its pressure range, solved once and interpolated.
 
-use fra_model::{Actuator, Load, State, Status};
+use fra_model::{Actuator, ActuatorParameters, Fiber, Load, State, Status};
+use softlimb_fea::cross_section::{Options, Section};
 
 /// Nodes of the curve; cubic interpolation between them.
 const NODES: usize = 257;
@@ -28,6 +29,27 @@ impl StateCurve {
             }
         }
         Self { states, step_pa, limit_point_pa }
+    }
+
+    /// The curve of an unloaded actuator with two windings by finite elements of its section, up to `pressure_max_pa` or to just below the
+    /// end of its branch.
+    ///
+    /// # Errors
+    /// The reason why they have none.
+    pub fn by_section(
+        parameters: &ActuatorParameters<f64>,
+        second_fiber: &Fiber<f64>,
+        pressure_max_pa: f64,
+    ) -> Result<Self, String> {
+        let section = Section::with_two_windings(parameters, second_fiber, &Options::default());
+        let states = section.and_then(|section| section.interpolated(parameters.length_m, pressure_max_pa));
+        let states = states.map_err(|error| error.to_string())?;
+        let states = states.ok_or_else(|| format!("the search for its equilibria up to {pressure_max_pa} Pa fails"))?;
+        let step_pa = states.pressure_max_pa() / (NODES - 1) as f64;
+        // The sum takes the sign off a zero.
+        let unsigned = |state: State<f64>| State::combine([&state], |[value]| value + 0.0);
+        let nodes = (0..NODES).map(|node| unsigned(states.at(step_pa * node as f64))).collect();
+        Ok(Self { states: nodes, step_pa, limit_point_pa: states.limit_pressure_pa() })
     }
 
     /// A curve of other states for the nodes of this one, as many as there are, from the one at rest on.

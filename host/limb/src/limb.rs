@@ -2,13 +2,13 @@
 
 use std::ops::{Deref, Range};
 
-use fra_model::{Actuator, Arrangement, InvalidParameter, Link, Motion, Segment, State, StateQuantity, Target};
+use fra_model::{Actuator, Arrangement, Fiber, InvalidParameter, Link, Motion, Segment, State, StateQuantity, Target};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::StateCurve;
 use crate::statics::check_bundles;
 use softlimb_scene::collision::Body;
-use softlimb_scene::{Module, Scene, SceneError};
+use softlimb_scene::{Located, Module, Scene, SceneError, TrueLimb};
 
 /// By how much a setpoint may be beyond its range: two steps of the wire's coarsest unit, of stretch or rad.
 const ROUNDING: f64 = 2e-6;
@@ -30,11 +30,12 @@ pub struct LimbModule {
     pub pressure_max_pa: f64,
     /// Highest gauge pressure the device follows a setpoint to, Pa: it keeps a margin below its limit for the loop.
     pub reference_max_pa: f64,
-    /// The solver of one actuator.
+    /// The solver of one actuator; of a bending one with two windings it knows the first alone ([`LimbModule::is_by_section`]).
     pub actuator: Actuator<f64>,
     /// Its states over the pressure range. Those of several twisting actuators are of the bundle as its plates hold it back
-    /// ([`StateCurve::restrained`]).
+    /// ([`StateCurve::restrained`]), those of a bending actuator with two windings are by finite elements of the section.
     pub curve: StateCurve,
+    second_fiber: Option<Fiber<f64>>,
     length_m: f64,
     /// Stretches between plates.
     bays: usize,
@@ -100,6 +101,21 @@ impl LimbModule {
     /// The setpoint value of a state.
     pub fn measure(&self, state: &State<f64>) -> f64 {
         self.kind.of(state)
+    }
+
+    /// The second winding of its actuators.
+    pub fn second_fiber(&self) -> Option<&Fiber<f64>> {
+        self.second_fiber.as_ref()
+    }
+
+    /// Whether its actuators have no analytic model: bending ones with two windings, whose curve is by finite elements of the section.
+    pub fn is_by_section(&self) -> bool {
+        self.motion == Motion::Bending && self.second_fiber.is_some()
+    }
+
+    /// Whether its curve is the model, beside which no solver has the states.
+    pub fn is_by_curve(&self) -> bool {
+        self.is_restrained() || self.is_by_section()
     }
 
     /// Setpoint values at rest and at the highest reachable pressure.
@@ -231,7 +247,8 @@ impl LimbModule {
     pub fn link(&self, state: &State<f64>) -> Link<f64> {
         let [bend_angle_rad, twist_rad] = match self.motion {
             Motion::Extension | Motion::Expansion => [0.0; 2],
-            Motion::Bending => [state.bend_angle_rad, 0.0],
+            // Only two different windings twist a bending actuator.
+            Motion::Bending => [state.bend_angle_rad, state.twist_rad],
             Motion::Twisting => [0.0, state.twist_rad],
         };
         let segment = Segment { length_m: self.length_m * state.axial_stretch, bend_angle_rad, twist_rad };
@@ -389,19 +406,25 @@ fn build_module(
         scene.diagnostic(module.span, "the model cannot take this actuator", &error.to_string(), None)
     };
     let mut actuator = Actuator::new(&module.actuator()).map_err(refused)?;
-    if let Some(second) = &module.second_fiber {
-        actuator = actuator.with_second_fiber(second).map_err(refused)?;
-    }
-    let curve = StateCurve::new(&actuator, reference_max_pa(*module.pressure_max_pa));
+    let reference_max_pa = reference_max_pa(*module.pressure_max_pa);
+    let curve = match &module.second_fiber {
+        Some(second) if *module.motion == Motion::Bending => bender_curve(scene, module, second, reference_max_pa)?,
+        Some(second) => {
+            actuator = actuator.with_second_fiber(second).map_err(refused)?;
+            StateCurve::new(&actuator, reference_max_pa)
+        }
+        None => StateCurve::new(&actuator, reference_max_pa),
+    };
     let mut built = LimbModule {
         name: module.name.to_string(),
         motion: *module.motion,
         kind: module.setpoint_kind,
         channels,
         pressure_max_pa: *module.pressure_max_pa,
-        reference_max_pa: reference_max_pa(*module.pressure_max_pa),
+        reference_max_pa,
         curve,
         actuator,
+        second_fiber: module.second_fiber.map(|fiber| *fiber),
         length_m: module.moving_length_m(),
         bays: usize::from(module.spacers) + 1,
         arrangement: module.arrangement,
@@ -414,6 +437,27 @@ fn build_module(
         built.curve = built.curve.restrained(&built.actuator, &built.positions_m(), built.bay_m());
     }
     Ok(built)
+}
+
+/// The curve of a bending actuator with two windings.
+fn bender_curve(
+    scene: &Scene,
+    module: &Module,
+    second: &Located<Fiber<f64>>,
+    pressure_max_pa: f64,
+) -> Result<StateCurve, SceneError> {
+    if scene.weight().is_some() {
+        scene.require_benders_of_one_winding("a limb with `[weight]`")?;
+    }
+    let refused = |title: &str, label: &str| scene.diagnostic(second.span, title, label, None);
+    let curve = StateCurve::by_section(&module.actuator(), second, pressure_max_pa);
+    let curve = curve.map_err(|why| refused("finite elements give this actuator no bend", &why))?;
+    let twists = curve.states().iter().any(|state| state.twist_rad != 0.0);
+    if twists && scene.plant().truth != TrueLimb::Simple {
+        let title = format!("`{}` twists as it bends, and a true body does not", *module.name);
+        return Err(refused(&title, "this winding has no mirror image"));
+    }
+    Ok(curve)
 }
 
 /// Where a device stops its reference: 3 kPa, at most a tenth, below the limit (`protocol/SPEC.md`, ConfigChannel).

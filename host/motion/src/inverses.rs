@@ -89,7 +89,8 @@ pub fn inverses(scene: &Scene, limb: &Limb) -> Result<Vec<ModuleInverse>, SceneE
         if controller.inverse == InverseChoice::Model {
             return by_model(scene, module, index, None);
         }
-        let wanted = controller.bending == BendingModel::SectionFe && module.kind == StateQuantity::BendAngle;
+        let bends = module.kind == StateQuantity::BendAngle && !module.is_by_section();
+        let wanted = bends && controller.bending == BendingModel::SectionFe;
         let calibration = wanted.then(|| cubic(scene, index, module)).transpose()?;
         let bend = calibration.map(|calibration| calibration.polynomial);
         let subject = Subject { bend, ..Subject::of(module) };

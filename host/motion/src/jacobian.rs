@@ -121,7 +121,7 @@ fn place(
 fn segment_slope(module: &LimbModule, slope: &State<f64>) -> Segment<f64> {
     let [bend_angle_rad, twist_rad] = match module.motion {
         Motion::Extension | Motion::Expansion => [0.0; 2],
-        Motion::Bending => [slope.bend_angle_rad, 0.0],
+        Motion::Bending => [slope.bend_angle_rad, slope.twist_rad],
         Motion::Twisting => [0.0, slope.twist_rad],
     };
     Segment { length_m: module.length_m() * slope.axial_stretch, bend_angle_rad, twist_rad }

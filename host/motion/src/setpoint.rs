@@ -22,6 +22,9 @@ pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> R
     if module.is_restrained() {
         return held_back(module, value);
     }
+    if module.is_by_section() {
+        return on_curve(module, value);
+    }
     let none = Load::none();
     let solution = match module.target(value) {
         Some(target) => module.actuator.inverse_from(start, target, &none),
@@ -42,6 +45,29 @@ pub(super) fn state_at(module: &LimbModule, start: &State<f64>, value: f64) -> R
         return Err(NoState::OverPressure(pressure_pa));
     }
     Ok(solution.state)
+}
+
+/// The state of a module whose actuators have no other model than their curve.
+fn on_curve(module: &LimbModule, value: f64) -> Result<State<f64>, NoState> {
+    let (rest, end) = module.range();
+    if module.kind == StateQuantity::Pressure {
+        let allowed_pa = end * (1.0 + 1e-9);
+        return match value {
+            _ if value < -1.0 => Err(NoState::Vacuum(value)),
+            _ if value <= allowed_pa => Ok(module.curve.at(value)),
+            _ if module.curve.limit_point_pa().is_some() => Err(NoState::BeyondLimit(module.curve.limit_point_pa())),
+            _ => Err(NoState::OverPressure(value)),
+        };
+    }
+    module.state_at(value).ok_or_else(|| match module.curve.limit_point_pa() {
+        _ if (value - rest) * (end - rest) < 0.0 => NoState::BeyondLimit(None),
+        None => NoState::Invalid(format!(
+            "`{}` does not reach this below {:.2} kPa, which the device follows up to",
+            module.name,
+            module.curve.pressure_max_pa() * 1e-3
+        )),
+        limit_pa => NoState::BeyondLimit(limit_pa),
+    })
 }
 
 /// The state of a module whose plates hold its actuators back: by its curve, which is the model of the bundle.

@@ -2,10 +2,12 @@
 
 use softlimb_sim::SimSettings;
 use softlimb_sim::plant::{
-    ChannelSettings, PlantSettings, PumpSettings, SensorSettings, Spread, Supply, TubeSettings, ValveSettings,
+    ActuatorLaw, ChannelSettings, PlantSettings, PumpSettings, SensorSettings, Spread, Supply, TubeSettings,
+    ValveSettings,
 };
 
-use softlimb_limb::Limb;
+use fra_model::{ActuatorParameters, Fiber, State};
+use softlimb_limb::{Limb, StateCurve};
 use softlimb_scene as scene;
 use softlimb_scene::Scene;
 
@@ -32,7 +34,8 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
             },
             sensor: sensor(&plant.sensor, plant.sensor.full_scale_pa),
             leak_m3_per_s_pa: plant.valve.leak_m3_per_s_pa,
-            second_fiber: module.actuator.second_fiber().copied(),
+            second_fiber: module.second_fiber().copied(),
+            law: module.is_by_section().then_some(ActuatorLaw(by_section)),
             ..ChannelSettings::new(*module.actuator.parameters())
         };
         module.channels.clone().map(move |_| nominal)
@@ -45,6 +48,18 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
     settings.spread = spread(&plant.spread);
     settings.gripper_time_s = scene.gripper_time_s();
     SimSettings { seed, ..SimSettings::new(settings) }
+}
+
+/// Equilibria of a true bending actuator with two windings, which the analytic model does not solve.
+fn by_section(
+    actuator: &ActuatorParameters<f64>,
+    second_fiber: Option<&Fiber<f64>>,
+    pressures_pa: &[f64],
+) -> Option<Vec<State<f64>>> {
+    let highest_pa = pressures_pa.last()?;
+    let curve = StateCurve::by_section(actuator, second_fiber?, *highest_pa).ok()?;
+    let reached = pressures_pa.iter().take_while(|pressure_pa| **pressure_pa <= curve.pressure_max_pa());
+    Some(reached.map(|pressure_pa| curve.at(*pressure_pa)).collect())
 }
 
 fn valve(valve: &scene::Valve) -> ValveSettings {

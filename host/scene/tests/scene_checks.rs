@@ -75,9 +75,13 @@ fn two_windings() {
     expect(&with("[\"hoop\", \"axail\"]"), "unknown winding `axail`", "\"axail\"");
     let rule = "winding `helix` twists, and a module that does not twist takes two that do not";
     expect(&with("[\"hoop\", \"helix\"]"), rule, "\"helix\"");
-    let bending =
-        with("\"hoop\"").replace("motion = \"bending\"", "motion = \"bending\"\nwinding = [\"hoop\", \"axial\"]");
-    expect(&bending, "a `bending` module takes one winding", "\"axial\"");
+    let bending = |second: &str| {
+        let wound = format!("motion = \"bending\"\nwinding = [\"hoop\", \"{second}\"]");
+        with("\"hoop\"").replace("motion = \"bending\"", &wound)
+    };
+    assert!(parse(&bending("axial"), "arm.toml").unwrap().modules()[1].second_fiber.is_some());
+    let rule = "winding `helix` twists, and plates hold the twist of several benders back";
+    expect(&bending("helix"), rule, "\"helix\"");
     let twisting = |windings: &str| {
         let text = with(windings).replace("motion = \"extension\"", "motion = \"twisting\"");
         text.replace("axial_stretch = 1.1", "twist = -0.5").replace("axial_stretch = 1.2", "twist = -0.6")

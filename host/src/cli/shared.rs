@@ -41,6 +41,14 @@ pub(super) fn limb(file: &Path) -> Result<(Scene, Limb), Failure> {
     Ok((scene, limb))
 }
 
+/// The same for a room that has no model of bending actuators with two windings.
+pub(super) fn limb_for(room: &str, file: &Path) -> Result<(Scene, Limb), Failure> {
+    let scene = softlimb_scene::load(file)?;
+    scene.require_benders_of_one_winding(room)?;
+    let limb = Limb::new(&scene)?;
+    Ok((scene, limb))
+}
+
 /// A failure about a file.
 pub(super) fn about(file: &Path) -> impl Fn(&dyn Display) -> Failure {
     move |error| Failure::new(format!("{}: {error}", file.display()))

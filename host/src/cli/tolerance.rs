@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::fabricate::Allowed;
-use super::shared::{limb, show, threads, write_if};
+use super::shared::{limb_for, show, threads, write_if};
 use super::{Failure, Outcome, warn};
 use softlimb_chart::labelled;
 use softlimb_limb::fabricate::Tolerances;
@@ -60,7 +60,7 @@ impl From<ToleranceError> for Failure {
 
 impl Tolerance {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb) = limb(&self.scene)?;
+        let (scene, limb) = limb_for("`tolerance`", &self.scene)?;
         let wall = &self.allowed.wall;
         for module in limb.modules() {
             let parameters = module.actuator.parameters();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::shared::{limb, quantity, show, threads, write_if};
+use super::shared::{limb, limb_for, quantity, show, threads, write_if};
 use super::{Failure, Outcome, workspace_loaded};
 use crate::results::{LoadedWorkspaceResult, NAMES, WorkspaceOptions, WorkspaceResult};
 use softlimb_chart::labelled;
@@ -98,7 +98,8 @@ impl From<Pressures> for Command {
 
 impl Workspace {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb) = limb(&self.scene)?;
+        let (scene, limb) =
+            if self.loaded { limb_for("`workspace --loaded`", &self.scene)? } else { limb(&self.scene)? };
         let (samples, cell_m) = if self.loaded { (4096, 0.1) } else { (1_000_000, 0.02) };
         let options = WorkspaceOptions {
             command: self.pressures.into(),

@@ -43,8 +43,8 @@ pub fn curves(limb: &Limb, steps: usize) -> Vec<Curve> {
 }
 
 fn curve(module: &LimbModule, steps: usize) -> Curve {
-    if module.is_restrained() {
-        return held_back(module, steps);
+    if module.is_by_curve() {
+        return by_curve(module, steps);
     }
     let mut points = vec![point(&module.actuator.rest())];
     let mut limit_pressure_pa = None;
@@ -63,14 +63,18 @@ fn curve(module: &LimbModule, steps: usize) -> Curve {
     Curve { module: module.name.clone(), motion, equations, points, limit_pressure_pa }
 }
 
-/// The same of a bundle whose plates hold its actuators back, up to the end of its curve.
-fn held_back(module: &LimbModule, steps: usize) -> Curve {
+/// The same of a module whose curve is its model, up to the end of the curve.
+fn by_curve(module: &LimbModule, steps: usize) -> Curve {
     let pressures_pa = (0..=steps).map(|step| module.pressure_max_pa * step as f64 / steps as f64);
     let followed = pressures_pa.take_while(|pressure_pa| *pressure_pa <= module.curve.pressure_max_pa());
     Curve {
         module: module.name.clone(),
         motion: module.motion.name(),
-        equations: "tubes between plates, each from one strain energy",
+        equations: if module.is_by_section() {
+            "finite elements of the section"
+        } else {
+            "tubes between plates, each from one strain energy"
+        },
         points: followed.map(|pressure_pa| point(&module.curve.at(pressure_pa))).collect(),
         limit_pressure_pa: module.curve.limit_point_pa(),
     }

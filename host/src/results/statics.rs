@@ -96,6 +96,7 @@ impl<'a> StaticsResult<'a> {
     /// # Errors
     /// [`ResultError`] when the scene has no plan, or an actuator no equilibrium.
     pub fn new(scene: &'a Scene, limb: &'a Limb, options: &StaticsOptions) -> Result<Self, ResultError> {
+        scene.require_benders_of_one_winding("`statics`")?;
         let plan = motion::plan(scene, limb)?;
         let phases = plan.phases.iter().zip(scene.phases());
         let rows: Vec<Row> = phases

@@ -32,6 +32,7 @@ mod column;
 mod error;
 mod front;
 mod grid;
+mod interpolated;
 mod limit;
 mod load;
 mod lumen;
@@ -50,6 +51,7 @@ pub use analytic_error::analytic_bend_error;
 pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
 pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};
 pub use error::SectionError;
+pub use interpolated::Interpolated;
 pub use options::{EndLoad, Limiter, Mesh, Options, Symmetry, Winding};
 
 use build::{Build, Part};

@@ -190,6 +190,9 @@ fn one_pressure(module: &LimbModule, pressure_max_pa: f64) -> Option<Made> {
 
 /// The centre line of the module with all actuators at one pressure.
 fn segment(module: &LimbModule, pressure_pa: f64) -> Option<Segment<f64>> {
+    if module.is_by_section() {
+        return Some(module.link(&module.curve.at(pressure_pa)).segment);
+    }
     let [stretch, bend_rad_per_m, twist_rad_per_m] = if module.is_restrained() {
         let free = Bundle::new(module, &vec![pressure_pa; module.channels.len()], module.bays())?.free;
         [free.stretch, 0.0, free.twist_rad_per_m]

@@ -18,7 +18,7 @@ pub struct Subject<'a> {
     pub kind: StateQuantity,
     /// Its states from zero to the highest pressure of the table.
     pub curve: &'a StateCurve,
-    /// Whether the curve is the model: that of a bundle whose plates hold its actuators back.
+    /// Whether the curve is the model ([`LimbModule::is_by_curve`]).
     pub by_curve: bool,
     /// The bend in place of the actuator's own, if its setpoints are bend angles.
     pub bend: Option<BendPolynomial>,
@@ -28,7 +28,7 @@ impl<'a> Subject<'a> {
     /// The actuators of a module.
     pub fn of(module: &'a LimbModule) -> Self {
         let alone = Self::new(&module.actuator, module.kind, &module.curve);
-        Self { by_curve: module.is_restrained(), ..alone }
+        Self { by_curve: module.is_by_curve(), ..alone }
     }
 
     /// An actuator by its own model.
@@ -92,7 +92,7 @@ impl<'a> Subject<'a> {
         if let Some((bend, length_m)) = self.polynomial() {
             return Ok(bend.pressure_pa(value / length_m).clamp(0.0, highest_pa));
         }
-        if self.kind == StateQuantity::BendAngle {
+        if self.kind == StateQuantity::BendAngle && !self.by_curve {
             return match self.actuator.inverse(Target::BendAngle(value), &Load::none()) {
                 Ok(found) if found.status == Status::Solved => Ok(found.state.pressure_pa.clamp(0.0, highest_pa)),
                 _ => Err(NoTable::NotSolved { pressure_pa: self.interpolated(value) }),

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use fra_model::{ActuatorParameters, Fiber, Motion, State, StateQuantity};
+use fra_model::{ActuatorParameters, Motion, State, StateQuantity};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use softlimb_body::{
     Assembly, Bay, Body, Effects, Fallen, Law, Mass, MemoryParameters, Plate, Stiffness, Tolerance, Tube, TubeStrain,
@@ -15,6 +15,7 @@ use softlimb_sim::plant::{TrueParameters, Truth};
 
 use super::hanging::{FALLS, Hung, SYSTEM};
 use super::tube_law;
+use super::tube_law::Wound;
 use crate::record::FaultRecord;
 use softlimb_limb::{Drive, Limb, LimbModule};
 use softlimb_scene::{BodyEffects, Scene, collision};
@@ -36,8 +37,6 @@ const LONE_BEAMS: usize = 4;
 /// Laws of tubes that runs share, since finite elements take longer than a run, and the limb that one leaves to the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Laws(Arc<Mutex<Known>>);
-
-type Wound = (ActuatorParameters<f64>, Option<Fiber<f64>>);
 
 #[derive(Debug, Default)]
 struct Known {
@@ -72,18 +71,18 @@ impl Laws {
         let highest_pa = COVERED * module.pressure_max_pa;
         let lacking =
             || format!("the section of an actuator of `{}` has too few equilibria up to {highest_pa} Pa", module.name);
-        let actuator = made.model().map_err(|error| error.to_string())?;
+        let nominal = (*module.actuator.parameters(), module.second_fiber().copied());
         let springs = match known.springs.get(&index) {
             Some(springs) => springs.clone(),
             None => {
-                let found = tube_law::stiffness(&module.actuator, highest_pa).map_err(|error| error.to_string())?;
+                let found = tube_law::stiffness(&nominal, highest_pa).map_err(|error| error.to_string())?;
                 let found = found.ok_or_else(lacking)?;
                 known.springs.insert(index, found.clone());
                 found
             }
         };
-        let springs = scaled(springs, stiffer(&made.actuator) / stiffer(module.actuator.parameters()));
-        let law = tube_law::law(&actuator, &springs, highest_pa).map_err(|error| error.to_string())?;
+        let springs = scaled(springs, stiffer(&made.actuator) / stiffer(&nominal.0));
+        let law = tube_law::law(&wound, &springs, highest_pa).map_err(|error| error.to_string())?;
         let law = Arc::new(law.ok_or_else(lacking)?);
         known.laws.insert(channel, (wound, law.clone()));
         Ok(law)

@@ -3,7 +3,7 @@
 //! The section is solved over pressures and end loads, and a polynomial potential is fitted to the strains that it has: a surface, not a
 //! model of a wall. No equation of the analytic model is in it.
 
-use fra_model::{Actuator, ActuatorParameters, Motion};
+use fra_model::{ActuatorParameters, Fiber, Motion};
 use nalgebra::{DMatrix, DVector};
 use softlimb_body::{Curve, Law, Main, Potential, Stiffness, Term};
 use softlimb_fea::cross_section::{Answer, EndLoad, Mesh, Options, Section, SectionError, Symmetry};
@@ -22,6 +22,9 @@ const TWISTS_RAD: [f64; 5] = [-0.6, -0.3, 0.0, 0.3, 0.6];
 const FREE_WEIGHT: f64 = 4.0;
 /// Stiffness of a bender's line over that of its wall: assumed, for a cloth strip beside an elastomer.
 const LINE: f64 = 100.0;
+
+/// An actuator with its second winding.
+pub(super) type Wound = (ActuatorParameters<f64>, Option<Fiber<f64>>);
 
 /// A state of the section: its pressure, Pa, the two strains of the potential, and the loads that belong to them.
 #[derive(Clone, Copy, Debug)]
@@ -42,13 +45,9 @@ impl Point {
 ///
 /// # Errors
 /// [`SectionError`] for an actuator that has no section model.
-pub(super) fn law(
-    actuator: &Actuator<f64>,
-    stiffness: &Stiffness,
-    pressure_max_pa: f64,
-) -> Result<Option<Law>, SectionError> {
-    let parameters = actuator.parameters();
-    let section = section(actuator, Symmetry::Exploit)?;
+pub(super) fn law(wound: &Wound, stiffness: &Stiffness, pressure_max_pa: f64) -> Result<Option<Law>, SectionError> {
+    let parameters = &wound.0;
+    let section = section(wound, Symmetry::Exploit)?;
     let Some(highest_pa) = end_pa(&section, pressure_max_pa)? else { return Ok(None) };
     let pressures = pressures(highest_pa);
     let mut points = Vec::new();
@@ -65,10 +64,10 @@ pub(super) fn law(
 ///
 /// # Errors
 /// As [`law`].
-pub(super) fn stiffness(actuator: &Actuator<f64>, pressure_max_pa: f64) -> Result<Option<Stiffness>, SectionError> {
-    let parameters = actuator.parameters();
-    let whole = section(actuator, Symmetry::Ignore)?;
-    let Some(highest_pa) = end_pa(&section(actuator, Symmetry::Exploit)?, pressure_max_pa)? else {
+pub(super) fn stiffness(wound: &Wound, pressure_max_pa: f64) -> Result<Option<Stiffness>, SectionError> {
+    let parameters = &wound.0;
+    let whole = section(wound, Symmetry::Ignore)?;
+    let Some(highest_pa) = end_pa(&section(wound, Symmetry::Exploit)?, pressure_max_pa)? else {
         return Ok(None);
     };
     let curve = whole.curve(&pressures(highest_pa), &EndLoad::default())?;
@@ -97,9 +96,9 @@ pub(super) fn stiffness(actuator: &Actuator<f64>, pressure_max_pa: f64) -> Resul
     }))
 }
 
-fn section(actuator: &Actuator<f64>, symmetry: Symmetry) -> Result<Section, SectionError> {
-    let (parameters, options) = (actuator.parameters(), Options { mesh: MESH, symmetry, ..Options::default() });
-    match actuator.second_fiber() {
+fn section((parameters, second): &Wound, symmetry: Symmetry) -> Result<Section, SectionError> {
+    let options = Options { mesh: MESH, symmetry, ..Options::default() };
+    match second {
         None => Section::new(parameters, &options),
         Some(second) => Section::with_two_windings(parameters, second, &options),
     }
@@ -248,15 +247,15 @@ fn cubic(found: &[(f64, [f64; 3])], spring: usize) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fra_model::{Families, Fiber, Material, Placement};
+    use fra_model::{Families, Material, Placement};
     use softlimb_limb::Limb;
 
     /// Largest error of the fit between its points, as a share of the highest pressure: of all states, and of those without load.
-    fn worst(actuator: &Actuator<f64>, pressure_max_pa: f64) -> (f64, f64) {
-        let parameters = actuator.parameters();
-        let stiffness = stiffness(actuator, pressure_max_pa).unwrap().expect("springs");
-        let law = law(actuator, &stiffness, pressure_max_pa).unwrap().expect("a law");
-        let section = section(actuator, Symmetry::Exploit).unwrap();
+    fn worst(wound: &Wound, pressure_max_pa: f64) -> (f64, f64) {
+        let parameters = &wound.0;
+        let stiffness = stiffness(wound, pressure_max_pa).unwrap().expect("springs");
+        let law = law(wound, &stiffness, pressure_max_pa).unwrap().expect("a law");
+        let section = section(wound, Symmetry::Exploit).unwrap();
         let between: Vec<f64> = (1..11).map(|k| pressure_max_pa * (f64::from(k) - 0.5) / 12.0).collect();
         let axis = usize::from(law.main == Main::Twist);
         let (mut far, mut free_far) = (0.0_f64, 0.0_f64);
@@ -301,9 +300,9 @@ mod tests {
             (Motion::Twisting, fiber(30.0, Families::One, 2e8), fiber(90.0, Families::One, 2e6)),
             (Motion::Twisting, fiber(30.0, Families::One, 2e8), fiber(90.0, Families::One, 2e8)),
             (Motion::Extension, fiber(10.0, Families::Two, 2e8), fiber(0.0, Families::One, 2e8)),
+            (Motion::Bending, fiber(3.0, Families::Two, 2e8), fiber(30.0, Families::Two, 2e6)),
         ] {
-            let actuator = Actuator::new(&parameters(motion, first)).unwrap().with_second_fiber(&second).unwrap();
-            let (far, free) = worst(&actuator, 60e3);
+            let (far, free) = worst(&(parameters(motion, first), Some(second)), 60e3);
             println!("{motion:?}: {far} {free} of the highest pressure");
             assert!(far < 0.015 && free < 0.0005, "{motion:?}: {far} {free} of the highest pressure");
         }
@@ -316,7 +315,7 @@ mod tests {
             let scene = softlimb_scene::load(root.join(format!("{name}.toml"))).unwrap();
             let limb = Limb::new(&scene).unwrap();
             for module in limb.modules() {
-                let (far, free) = worst(&module.actuator, module.pressure_max_pa);
+                let (far, free) = worst(&(*module.actuator.parameters(), None), module.pressure_max_pa);
                 assert!(far < 0.015 && free < 0.0005, "{name} {}: {far} {free} of the highest pressure", module.name);
             }
         }

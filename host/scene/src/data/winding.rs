@@ -22,10 +22,24 @@ impl Scene {
         Err(self.diagnostic(second.span, &title, "the second winding", None))
     }
 
+    /// Refuses a bending module with two windings, for a room that has no model of one.
+    ///
+    /// # Errors
+    /// [`SceneError`] at the name of the second winding.
+    pub fn require_benders_of_one_winding(&self, room: &str) -> Result<(), SceneError> {
+        let mut benders = self.modules().iter().filter(|module| *module.motion == Motion::Bending);
+        let wound_twice = benders.find_map(|module| Some((module, module.second_fiber?)));
+        let Some((module, second)) = wound_twice else { return Ok(()) };
+        let title = format!("`{}` bends and has two windings, and {room} takes one", &*module.name);
+        let help = "finite elements give its motion without load alone: `check`, `run`, `eval`";
+        Err(self.diagnostic(second.span, &title, "the second winding", Some(help)))
+    }
+
     /// The warning about a bending module whose winding is more than 5 deg from the hoop although the model takes it as a hoop; `None` for
     /// all others.
     pub fn winding_warning(&self, module: &Module) -> Option<String> {
-        let fiber = module.fiber.filter(|_| *module.motion == Motion::Bending)?;
+        let one_winding = module.second_fiber.is_none();
+        let fiber = module.fiber.filter(|_| one_winding && *module.motion == Motion::Bending)?;
         let angle_deg = fiber.angle_rad.to_degrees().abs();
         if fiber.shrinks_bends() || angle_deg <= HOOP_LIKE_DEG + ROUNDING_DEG {
             return None;

@@ -79,7 +79,7 @@ fn draft<'a>(
     let material = reader.text(&keys::MATERIAL).and_then(|name| Some((name, elastomer(reader, materials, name)?)));
     let bounds = module_bounds(reader).unwrap_or_default();
     let law = material.as_ref().map(|(_, elastomer)| elastomer.law);
-    let wound = motion.and_then(|motion| wound(reader, motion, windings, wall, law));
+    let wound = motion.and_then(|motion| wound(reader, (motion, actuators), windings, wall, law));
     let pressure_max = match reader.maybe(&keys::PRESSURE_MAX) {
         Some(None) => limits.map(|limits| limits.pressure_max_pa),
         found => found.flatten(),
@@ -164,7 +164,7 @@ type Wall = Option<(Located<f64>, Located<f64>)>;
 /// The windings a module names, at their radii in this wall; none for a bending module that names none.
 fn wound(
     reader: &Reader<'_>,
-    motion: Located<Motion>,
+    (motion, actuators): (Located<Motion>, Option<Located<i64>>),
     windings: &Parts<'_, Winding>,
     wall: Wall,
     law: Option<Material<f64>>,
@@ -175,11 +175,6 @@ fn wound(
             _ => reader.missing(keys::WINDING.name, " for this motion"),
         };
     };
-    if let ([_, second], Motion::Bending) = (names.as_slice(), *motion) {
-        let title = "a `bending` module takes one winding";
-        let problem = Problem::at(second.span, title, "the second one");
-        return reader.log().note(problem.help("two different windings twist it, too; `eval --batch` computes it"));
-    }
     let found: Vec<_> = names.iter().map(|name| Some((*name, windings.find(reader.log(), *name)?))).collect();
     let found: Vec<(Located<&str>, &Winding)> = found.into_iter().collect::<Option<_>>()?;
     match (*motion, found.as_slice()) {
@@ -202,6 +197,17 @@ fn wound(
                 let problem = Problem::at(name.span, title, "a helix of one family");
                 let help = "two mirrored families, hoops and axial threads do not twist";
                 return reader.log().note(problem.label(winding.families.span, "one family").help(help));
+            }
+        }
+        (Motion::Bending, [_, _]) => {
+            let twisting = found.iter().find(|(_, winding)| twists(winding));
+            let several = actuators.filter(|actuators| **actuators > 1);
+            if let Some(((name, winding), actuators)) = twisting.zip(several) {
+                let title =
+                    format!("winding {} twists, and plates hold the twist of several benders back", quoted(name.value));
+                let problem = Problem::at(name.span, title, "a helix of one family");
+                let problem = problem.label(winding.families.span, "one family").label(actuators.span, "several");
+                return reader.log().note(problem.help("`actuators = 1`, or two families of each helix"));
             }
         }
         _ => {}

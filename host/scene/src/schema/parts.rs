@@ -105,7 +105,7 @@ section! {
     LENGTH: Quantity { name: "length", unit: Unit::MM, min: 5.0, max: 5000.0, presence: Required } = "Length at rest.";
     END_LENGTH: Quantity { name: "end_length", unit: Unit::MM, min: 0.0, max: 500.0, presence: Default(0.0) } = "Length at each end that the cap takes out of the motion, less than half of `length`; `softlimb fea calibrate` prints it. The rest moves.";
     MATERIAL: Text { name: "material", is_name: false, presence: Required } = "A name from `[materials]`, or the trade name of an elastomer that `softlimb materials` lists.";
-    WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`, or an array of two names: the actuators are then wound twice, as with a helix and an axial thread. `twisting` needs a winding of one family; `bending` takes one winding.";
+    WINDING: Text { name: "winding", is_name: true, presence: Optional("hoop winding at the outer radius for `bending`, else required") } = "A name from `[windings]`, or an array of two names: the actuators are then wound twice, as with a helix and an axial thread. `twisting` needs a winding of one family. A bending actuator with two windings is solved by finite elements and twists, too, where a helix of one family is among them.";
     PRESSURE_MAX: Quantity { name: "pressure_max", unit: Unit::KPA, min: 1.0, max: 600.0, presence: Optional("`pressure_max` of `[limits]`") } = "Largest gauge pressure in its chambers.";
     BOUNDS: Nested { name: "bounds", shape: "table `[module.bounds]`", presence: Optional("those of `[design]`") } = "Bounds of this module, where they differ from `[design]`.";
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use fra_model::{Motion, State};
 
 use super::report::{Pose, Report};
-use crate::cli::shared::{above_zero, limb, quantity, show, write};
+use crate::cli::shared::{above_zero, limb_for, quantity, show, write};
 use crate::cli::{Failure, Outcome, note};
 use softlimb_design::blocked::{blocked_designs, picture};
 use softlimb_limb::Limb;
@@ -48,7 +48,7 @@ pub(super) struct CapacityMode {
 impl CapacityMode {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let case = self.case()?;
-        let (scene, limb) = limb(&self.scene)?;
+        let (scene, limb) = limb_for("`payload capacity`", &self.scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let rest: Vec<State<f64>> = limb.drives().map(|drive| drive.curve.states()[0]).collect();
         let mut poses = vec![pose(&scene, &limb, "at rest".into(), &rest, &case)?];

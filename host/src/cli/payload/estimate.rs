@@ -7,7 +7,7 @@ use clap::Args;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use crate::cli::shared::{about, limb, quantity, read, show};
+use crate::cli::shared::{about, limb_for, quantity, read, show};
 use crate::cli::{Failure, Outcome, note};
 use softlimb_limb::statics::GRAVITY_M_PER_S2;
 use softlimb_motion as motion;
@@ -35,7 +35,7 @@ pub(super) struct Estimate {
 
 impl Estimate {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb) = limb(&self.scene)?;
+        let (scene, limb) = limb_for("`payload estimate`", &self.scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let plan = motion::sent(&scene, &limb, &plan)?.averaged(&limb, &plan);
         let about = about(&self.data);
