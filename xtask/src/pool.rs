@@ -4,7 +4,10 @@ use std::io::{self, Read};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+/// Time between two looks whether a command has ended.
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// A command under the name that its output is printed with.
 pub(crate) struct Job {
@@ -43,12 +46,13 @@ fn output(command: &mut Command, limit: Option<Duration>) -> io::Result<Output> 
 
 /// Waits for the end of a child, and ends it at the limit; whether the limit was reached.
 fn wait(child: &mut Child, limit: Duration) -> io::Result<(ExitStatus, bool)> {
-    let start = Instant::now();
-    while start.elapsed() < limit {
+    let mut waited = Duration::ZERO;
+    while waited < limit {
         if let Some(status) = child.try_wait()? {
             return Ok((status, false));
         }
-        thread::sleep(Duration::from_millis(20));
+        thread::sleep(PAUSE);
+        waited += PAUSE;
     }
     child.kill()?;
     Ok((child.wait()?, true))
