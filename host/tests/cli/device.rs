@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use softlimb::rig::record;
@@ -64,7 +64,20 @@ impl Program {
     fn interrupt(mut self) -> Option<i32> {
         let status = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap();
         assert!(status.success());
-        self.child.wait().unwrap().code()
+        self.ended()
+    }
+
+    /// Waits for the end, and not for ever; the exit code.
+    #[track_caller]
+    fn ended(&mut self) -> Option<i32> {
+        let began = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return status.code();
+            }
+            assert!(began.elapsed() < 3 * PATIENCE, "it does not end: {:?}", self.told.try_iter().collect::<Vec<_>>());
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 
     fn kill(&mut self) {
@@ -274,7 +287,7 @@ fn second_program_looks_beside_a_run() {
     assert_eq!(info["commanded_by_another"], Value::Bool(true));
     desk.softlimb(&format!("device vent --port {port}")).failed(1, &["another program controls the device"]);
     desk.softlimb(&format!("device monitor --port {port} --lines 1")).done();
-    assert_eq!(host.child.wait().unwrap().code(), Some(0));
+    assert_eq!(host.ended(), Some(0));
 }
 
 #[test]
@@ -295,7 +308,7 @@ fn vanishes(desk: &Desk, place: &str, begin: &str) {
     std::thread::sleep(Duration::from_millis(500));
     device.kill();
     host.until(&format!("the port failed: {address} is gone: unplugged"));
-    assert_eq!(host.child.wait().unwrap().code(), Some(1));
+    assert_eq!(host.ended(), Some(1));
     let log = record::read(desk.path("results/run.mcap")).unwrap();
     assert_eq!(log.incomplete, None);
     let last_s = log.samples.last().unwrap().time_s;

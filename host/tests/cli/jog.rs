@@ -160,13 +160,14 @@ fn settle(terminal: &Terminal<'_>) {
         let line = screen.lines().find(|line| line.contains("setpoint")).unwrap_or_default();
         line.split("setpoint").nth(1).unwrap_or_default().to_owned()
     };
-    let mut last = line();
+    let (began, mut last) = (Instant::now(), line());
     loop {
         sleep(Duration::from_millis(500));
         let now = line();
         if now == last {
             return;
         }
+        assert!(began.elapsed() < PATIENCE, "the setpoint never rests: {last}, {now}");
         last = now;
     }
 }
