@@ -9,6 +9,7 @@ import argparse
 import http.client
 import pathlib
 import shutil
+import signal
 import sys
 import urllib.parse
 
@@ -17,6 +18,8 @@ from playwright.sync_api import sync_playwright
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "rig" / "tests" / "browser"))
 from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS  # noqa: E402
 
+# Time after which a browser that hangs ends the test, s.
+LIMIT_S = 900
 # A gamepad whose stick the test moves.
 GAMEPAD = """
 window.pad = { connected: true, axes: [0, 0, 0, 0], buttons: [{ pressed: false }, { pressed: false }] };
@@ -251,6 +254,7 @@ def main():
     parser.add_argument("url")
     parser.add_argument("--pictures", type=pathlib.Path)
     options = parser.parse_args()
+    signal.alarm(LIMIT_S)
     if options.pictures:
         options.pictures.mkdir(parents=True, exist_ok=True)
     wrong = []

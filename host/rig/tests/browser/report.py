@@ -9,12 +9,16 @@ import argparse
 import pathlib
 import re
 import shutil
+import signal
 import sys
 
 from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS
 from playwright.sync_api import sync_playwright
 
-# Milliseconds of script in an update, over the whole run; and from frame to frame while the slider moves.
+# Time after which a browser that hangs ends the test, s.
+LIMIT_S = 900
+# Milliseconds of script in an update, over the whole run; and from frame to frame while the slider moves, for ten seconds at most: a browser on
+# busy cores may draw one frame a second.
 UPDATES = r"""
 async () => {
   const { rows, show } = window.report;
@@ -27,8 +31,9 @@ async () => {
   }
   const slider = document.querySelector("#slider");
   const frames = [];
-  let last = performance.now();
-  for (let update = 0; update < 300; update++) {
+  const began = performance.now();
+  let last = began;
+  for (let update = 0; update < 300 && last < began + 10_000; update++) {
     slider.value = Math.floor(update * (rows - 1) / 299);
     slider.dispatchEvent(new Event("input"));
     await new Promise((done) => requestAnimationFrame(done));
@@ -183,7 +188,8 @@ class Reader:
     def all_plots(self):
         """Plots are drawn where they are seen: scrolls past all of them."""
         self.page.evaluate("""async () => {
-            const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 30)));
+            const next = () => Promise.race([new Promise(requestAnimationFrame), new Promise((done) => setTimeout(done, 200))]);
+            const frame = () => next().then(() => new Promise((done) => setTimeout(done, 30)));
             const current = () => report.plots.panels.every(({ drawn, stale, plot, frame }) => drawn && !stale && plot._fullLayout.width === report.plots.width(frame));
             for (let round = 0; round < 5 && !(round && current()); round++) {
                 for (let y = 0; y < document.body.scrollHeight; y += innerHeight / 2) { scrollTo(0, y); await frame(); }
@@ -212,6 +218,7 @@ def main():
     parser.add_argument("pages", nargs="+", type=pathlib.Path)
     parser.add_argument("--pictures", type=pathlib.Path)
     options = parser.parse_args()
+    signal.alarm(LIMIT_S)
     if options.pictures:
         options.pictures.mkdir(parents=True, exist_ok=True)
     wrong = []
