@@ -67,7 +67,7 @@ impl Program {
         self.ended()
     }
 
-    /// Waits for the end, and not for ever; the exit code.
+    /// Waits for the end, a minute at most; the exit code.
     #[track_caller]
     fn ended(&mut self) -> Option<i32> {
         let began = Instant::now();

@@ -80,7 +80,7 @@ fn completions_name_every_verb() {
     }
 }
 
-/// Each verb's page, and those of its own verbs.
+/// Checks the page of a command and of each of its subcommands; the number of pages.
 fn check_pages(command: &clap::Command, name: &str, folder: &Path) -> usize {
     let page = fs::read_to_string(folder.join(format!("{name}.1"))).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(page.contains(".TH") && page.contains(".SH SYNOPSIS"), "{name}: {page}");

@@ -122,7 +122,7 @@ pub(crate) fn fibers(model: &Model, program: Program, text: &mut Text) {
                 section(&layer_name(tube), "LAYER", &format!("AXIS_{}", tube + 1), text);
             }
         }
-        // One card has one stiffness: a second winding takes elements of its own in the place of the first.
+        // One card has one stiffness: a second set of elements overlays the first.
         Program::Abaqus => {
             let bare = [BARE * matrix[0], matrix[1] / BARE];
             let parts = [("LAYER", "AXIS", matrix), ("SECOND", "SECOND_AXIS", bare)];

@@ -340,7 +340,7 @@ fn pressures_must_rise_from_zero() {
     }
 }
 
-/// Both windings are families of one card in CalculiX; in Abaqus, whose card has one stiffness, the second has elements of its own.
+/// CalculiX has both windings as families of one card. An Abaqus card has one stiffness, so a second set of elements overlays the first.
 #[test]
 fn second_winding_is_beside_the_first_in_the_layer() {
     let first = wound(Motion::Twisting, 30.0, Families::One);

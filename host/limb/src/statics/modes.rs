@@ -74,7 +74,7 @@ impl Part {
 }
 
 impl Gyration {
-    /// Those of a limb's modules; what the tip carries is a point, or an object about its middle.
+    /// Gyrations of a limb's modules. The load at the tip is a point mass, or an object that turns about its middle.
     pub fn of_limb(scene: &Scene, limb: &Limb, object: Option<&Object>) -> Vec<Self> {
         let last = limb.modules().len().saturating_sub(1);
         let of_module = |(index, module): (usize, &LimbModule)| {

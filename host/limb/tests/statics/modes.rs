@@ -24,7 +24,7 @@ fn root(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
 fn heavy(kg: f64) -> Rod {
     let mut rod = level(vec![slender(LENGTH_M, EI, 1e6)]);
     rod.pieces[0].kg_per_m = KG_PER_M;
-    // Stiffer across the plane that is looked at: equal vibrations in two planes have no plane of their own.
+    // Equal stiffness in both planes would mix their vibrations, so one plane is stiffer.
     rod.pieces[0].stiffness[(2, 2)] *= 1.7;
     rod.pieces[0].masses = vec![(0.0, kg)];
     rod
@@ -129,7 +129,7 @@ impl Links {
         let (h, link_kg) = (self.h(), KG_PER_M * self.h());
         DMatrix::from_fn(self.count, self.count, |a, b| {
             let last = a.max(b);
-            // Links behind both are moved by a whole length of each, the last of both by half of its own.
+            // Each of the two links moves all later links by its whole length. The later of the two moves its own middle by half of its length.
             let whole = link_kg * (self.count - last - 1) as f64 + self.tip_kg;
             let own = if a == b { link_kg / 3.0 } else { 0.5 * link_kg };
             let turning = if a == b && a + 1 == self.count { self.tip_kg * self.tip_m2 } else { 0.0 };
