@@ -133,6 +133,11 @@ impl<'a> Candidate<'a> {
         self.by(state, Parameter::Pressure, counts)
     }
 
+    /// `dq/dP` of a bender, rad/Pa: what its lumen grows by the pressure over what it grows by the bend.
+    pub(super) fn bend_by_pressure(&self, state: &State<f64>) -> Option<f64> {
+        Some(state.compliance_m3_per_pa / self.actuator.volume_by_bend(state.bend_angle_rad)?[0])
+    }
+
     /// `dq` at a given pressure by each variable of the unit box.
     pub(super) fn by_place(&self, state: &State<f64>, counts: &mut Counts) -> Option<[f64; 4]> {
         let q = self.measure(state);

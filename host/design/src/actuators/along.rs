@@ -9,7 +9,7 @@
 //! dr/dx_j = (dr/dx_j)_g + (dr/dx_k)_g dx_k/dx_j + (dr/dP) (dP/dx_j)_q,     dr/dq = (dr/dP) (dP/dq)_x
 //! ```
 
-use super::actuator::{Candidate, Cap};
+use super::actuator::Candidate;
 use super::edge::Edge;
 use super::problem::{Goal, Segment};
 use super::settle::{OnLine, settle};
@@ -79,25 +79,23 @@ impl<'a> LeastSquares for Along<'_, 'a> {
     fn evaluate(&mut self, variables: &[f64]) -> Option<Line<'a>> {
         let (geometry, highest_pa, [rest, span]) = (self.limb.dimensions(), self.limb.highest_pa, self.scale);
         let mut point = variables.to_vec();
-        point.insert(self.first + self.edge.follows, self.edge.last[self.edge.follows]);
+        point.insert(self.first + self.edge.follows, self.edge.value());
         let range = self.range();
         self.edge.meet(&mut point[range.clone()], &mut self.limb.counts)?;
         let candidate = Candidate::new(self.segment(), &point[range])?;
         let mut states = Vec::new();
         for (phase, variable) in point[geometry..].iter_mut().enumerate() {
-            let Some(_) = self.goal(phase) else { continue };
-            let state = candidate.inverse(rest + span * *variable, &mut self.limb.counts)?;
-            (state.pressure_pa >= 0.0).then_some(())?;
-            *variable = state.pressure_pa / highest_pa;
-            states.push((phase, state));
+            states.push(match self.goal(phase) {
+                Some(_) => {
+                    let state = candidate.inverse(rest + span * *variable, &mut self.limb.counts)?;
+                    (state.pressure_pa >= 0.0).then_some(())?;
+                    *variable = state.pressure_pa / highest_pa;
+                    Some(state)
+                }
+                None => None,
+            });
         }
-        let mut line = self.limb.evaluate(&point)?;
-        line.explicit = Some(self.index);
-        let own = self.index * line.pressures_pa.len();
-        states.into_iter().for_each(|(phase, state)| line.states[own + phase] = state);
-        // The bound of the pressures, which the box of deformations does not have.
-        line.caps[self.index].get_or_insert(Cap { pressure_pa: highest_pa, limit: None });
-        Some(line)
+        self.limb.line(&point, Some((self.index, states)))
     }
 
     fn residuals(&self, line: &Line<'a>) -> Vec<f64> {
@@ -106,12 +104,14 @@ impl<'a> LeastSquares for Along<'_, 'a> {
 
     fn jacobian(&mut self, line: &Line<'a>) -> Option<Vec<Vec<f64>>> {
         let (range, following) = (self.range(), self.first + self.edge.follows);
-        self.edge.look_ahead(line.highest_pa(), self.limb.highest_pa);
         self.edge.find_slopes(&line.place[range.clone()], &mut self.limb.counts)?;
         let mut rows = self.limb.jacobian(line)?;
         for row in &mut rows {
             let by_following = row[following];
-            row[range.clone()].iter_mut().zip(&self.edge.slopes).for_each(|(row, slope)| *row += by_following * slope);
+            row[range.clone()]
+                .iter_mut()
+                .enumerate()
+                .for_each(|(axis, row)| *row += by_following * self.edge.slope(axis));
             row.remove(following);
         }
         let (phases, geometry) = (line.pressures_pa.len(), self.limb.dimensions());

@@ -200,6 +200,38 @@ impl<'a> Shared<'a> {
         Some((sum_of_squares(&self.differences(&evaluation)), evaluation))
     }
 
+    /// The states at a point. Of an explicit segment, which has no limit point there, they are known but for phases without a goal.
+    pub(super) fn line(
+        &mut self,
+        point: &[f64],
+        explicit: Option<(usize, Vec<Option<State<f64>>>)>,
+    ) -> Option<Line<'a>> {
+        self.counts.evaluations += 1;
+        let (place, shares) = point.split_at(self.dimensions());
+        let shares = self.fixed.as_deref().unwrap_or(shares);
+        let candidates = self.candidates(place)?;
+        let pressures_pa: Vec<f64> = shares.iter().map(|share| share * self.highest_pa).collect();
+        let (mut states, mut caps) = (Vec::new(), Vec::new());
+        let multipliers = self.multipliers.chunks(pressures_pa.len());
+        for (index, (candidate, multipliers)) in candidates.iter().zip(multipliers).enumerate() {
+            let known = explicit.as_ref().filter(|explicit| explicit.0 == index).map(|explicit| &explicit.1);
+            caps.push(match known {
+                // The bound of the pressures, which the box of deformations does not have.
+                Some(_) => Some(Cap { pressure_pa: self.highest_pa, limit: None }),
+                None => {
+                    let near = pressures_pa.iter().zip(multipliers).map(|(pressure, m)| pressure + m * self.highest_pa);
+                    candidate.cap_below(near.fold(0.0, f64::max), &mut self.counts)?
+                }
+            });
+            for (phase, pressure_pa) in pressures_pa.iter().enumerate() {
+                let known = known.and_then(|states| states[phase]);
+                states.push(known.or_else(|| candidate.at(*pressure_pa, &mut self.counts))?);
+            }
+        }
+        let explicit = explicit.map(|explicit| explicit.0);
+        Some(Line { candidates, caps, pressures_pa, states, explicit, place: place.to_vec() })
+    }
+
     /// The point of an evaluation.
     pub(super) fn point(&self, line: &Line<'a>) -> Vec<f64> {
         let shares = line.pressures_pa.iter().map(|pressure_pa| pressure_pa / self.highest_pa);
@@ -226,20 +258,7 @@ impl<'a> LeastSquares for Shared<'a> {
     type Evaluation = Line<'a>;
 
     fn evaluate(&mut self, point: &[f64]) -> Option<Line<'a>> {
-        self.counts.evaluations += 1;
-        let (place, shares) = point.split_at(self.dimensions());
-        let shares = self.fixed.as_deref().unwrap_or(shares);
-        let candidates = self.candidates(place)?;
-        let pressures_pa: Vec<f64> = shares.iter().map(|share| share * self.highest_pa).collect();
-        let (mut states, mut caps) = (Vec::new(), Vec::new());
-        for (candidate, multipliers) in candidates.iter().zip(self.multipliers.chunks(pressures_pa.len())) {
-            let near = pressures_pa.iter().zip(multipliers).map(|(pressure, m)| pressure + m * self.highest_pa);
-            caps.push(candidate.cap_below(near.fold(0.0, f64::max), &mut self.counts)?);
-            for pressure_pa in &pressures_pa {
-                states.push(candidate.at(*pressure_pa, &mut self.counts)?);
-            }
-        }
-        Some(Line { candidates, caps, pressures_pa, states, explicit: None, place: place.to_vec() })
+        self.line(point, None)
     }
 
     fn residuals(&self, line: &Line<'a>) -> Vec<f64> {

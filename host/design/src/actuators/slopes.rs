@@ -6,6 +6,7 @@
 use fra_model::{Motion, State};
 
 use super::actuator::{Candidate, Counts};
+use super::problem::Segment;
 
 /// Half the width of a difference, as a share of the size or the pressure, or in rad.
 const HALF: f64 = 1e-5;
@@ -39,9 +40,11 @@ pub(super) fn slopes(
 ) -> Option<Vec<Slopes>> {
     let segment = candidate.segment;
     let mut all = vec![Slopes::default(); states.len()];
+    // The pressure of a bender depends on ratios of lengths alone, so that one of its sizes needs no differences.
+    let has_scale = is_explicit && segment.motion == Motion::Bending && segment.axis(1)[1] > 0.0;
     for axis in 0..segment.dimensions() {
         let [low, width] = segment.axis(axis);
-        if width == 0.0 {
+        if width == 0.0 || (axis == 0 && has_scale) {
             continue;
         }
         if axis == 2 {
@@ -78,7 +81,13 @@ pub(super) fn slopes(
             let value = candidate.measure(state);
             let step = HALF * value.max(LEAST);
             let mut at = |by: f64| Some((by, candidate.inverse(value + by, counts)?.pressure_pa));
-            slopes.by_pressure = 1.0 / slope(at(-step), state.pressure_pa, at(step))?;
+            slopes.by_pressure = match candidate.bend_by_pressure(state) {
+                Some(by_pressure) => by_pressure,
+                None => 1.0 / slope(at(-step), state.pressure_pa, at(step))?,
+            };
+            if has_scale {
+                slopes.by_place[0] = by_scale(segment, place, value / slopes.by_pressure, slopes.by_place[1]);
+            }
             // At a given pressure: dq/dx = -(dP/dx)/(dP/dq).
             [0, 1, 3].into_iter().for_each(|axis| slopes.by_place[axis] *= -slopes.by_pressure);
             continue;
@@ -93,6 +102,16 @@ pub(super) fn slopes(
     Some(all)
 }
 
+/// `dP/dx_0` of a bender from `q dP/dq` and `dP/dx_1`. With its sizes `a` and `b` times a factor it has the same pressure at its bend `q`
+/// divided by the factor. So Euler's theorem gives `a dP/da + b dP/db = q dP/dq`.
+fn by_scale(segment: &Segment, place: &[f64], along_bend: f64, by_second: f64) -> f64 {
+    let [[first, width], [second, other]] = [0, 1].map(|axis| {
+        let [low, width] = segment.axis(axis);
+        [low + place[axis] * width, width]
+    });
+    (along_bend - second * by_second / other) / first * width
+}
+
 /// From both sides, or from the one that there is.
 fn slope(below: Option<(f64, f64)>, here: f64, above: Option<(f64, f64)>) -> Option<f64> {
     let (from, to) = (below.unwrap_or((0.0, here)), above.unwrap_or((0.0, here)));
@@ -104,6 +123,8 @@ fn slope(below: Option<(f64, f64)>, here: f64, above: Option<(f64, f64)>) -> Opt
 mod tests {
     use super::*;
     use crate::actuators::kinds::wide_line;
+    use crate::actuators::problem::Winding;
+    use fra_model::{Families, Placement};
 
     #[test]
     fn differences_are_the_exact_derivatives() {
@@ -130,5 +151,36 @@ mod tests {
             }
         }
         assert!(compared > 100, "{compared}");
+    }
+
+    #[test]
+    fn slopes_of_a_wound_bender_are_the_exact_derivatives() {
+        let mut counts = Counts::default();
+        let hoops = (0..20).flat_map(|seed| wide_line(seed).segments().to_vec());
+        let winding = Winding {
+            families: Families::Two,
+            modulus_pa: 361e6,
+            placement: Placement::Sheet,
+            thickness_m: 0.178e-3,
+            wall_share: 0.7,
+        };
+        let wound = hoops.filter(|segment| segment.motion == Motion::Bending).map(|mut segment| {
+            segment.winding = Some(winding);
+            segment
+        });
+        for segment in wound.take(3) {
+            for place in [[0.4, 0.7, 0.3, 0.1], [0.0, 1.0, 1.0, 0.6]] {
+                let candidate = Candidate::new(&segment, &place).unwrap();
+                let states = [0.1, 0.3].map(|bend_rad| candidate.inverse(bend_rad, &mut counts).unwrap());
+                let found = slopes(&candidate, &place, &states, true, &mut counts).unwrap();
+                for (slopes, state) in found.iter().zip(&states) {
+                    let exact = candidate.by_place(state, &mut counts).unwrap();
+                    let most = exact.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+                    for (found, exact) in slopes.by_place.iter().zip(exact) {
+                        assert!((found - exact).abs() <= 1e-7 * most, "{place:?}: {found} {exact}");
+                    }
+                }
+            }
+        }
     }
 }
