@@ -35,9 +35,10 @@ fn number(answer: &Value, field: &str) -> f64 {
 #[test]
 fn analytic_model_answers_within_the_tolerance_and_finite_elements_beyond() {
     for angle_deg in [3.0, 5.0, 15.0, 25.0] {
-        let answer = ask(&wound(angle_deg));
+        let answer = ask(&with(wound(angle_deg), "tolerance", json!(0.1)));
         assert_eq!((&answer["status"], &answer["model"]), (&json!("ok"), &json!("analytic")), "{angle_deg} deg");
-        let section = ask(&with(wound(angle_deg), "tolerance", json!(1e-3)));
+        // The error told is above the default tolerance.
+        let section = ask(&wound(angle_deg));
         assert_eq!((&section["status"], &section["model"]), (&json!("ok"), &json!("section-fe")), "{angle_deg} deg");
         for answer in [&answer, &section] {
             let stated = ask(&with(wound(angle_deg), "model", answer["model"].clone()));

@@ -103,7 +103,7 @@ class Actuator:
         external_force_n: FloatLike = 0.0,
         external_torque_nm: FloatLike = 0.0,
         model: ModelName = "auto",
-        tolerance: float = 0.1,
+        tolerance: float = 0.005,
     ) -> Solution:
         """Equilibria at gauge pressures.
 
@@ -143,7 +143,7 @@ class Actuator:
         external_force_n: FloatLike = 0.0,
         external_torque_nm: FloatLike = 0.0,
         model: ModelName = "auto",
-        tolerance: float = 0.1,
+        tolerance: float = 0.005,
     ) -> Solution:
         """Gauge pressures that reach deformations, and the equilibria there.
 

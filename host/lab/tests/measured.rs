@@ -18,6 +18,7 @@ fn benders_near_the_hoop_are_predicted_with_nothing_fitted() {
     assert!(near.rms(|row| row.default) <= 0.047 && near.rms(|row| row.section) <= 0.047);
     assert!(wound.rms(|row| row.default) <= 0.1 && wound.rms(|row| row.analytic) <= 0.1);
     for set in [near, wound] {
+        assert!(set.rows.iter().all(|row| row.default == row.section), "{}", set.angle_deg);
         assert!(set.rms(|row| row.fitted) <= set.rms(|row| row.section) + 1e-6);
         assert!((0.9..1.15).contains(&(set.fitted_pa / STATED_PA)), "{}", set.fitted_pa);
     }

@@ -38,8 +38,8 @@ pub(super) struct Request {
     pub(super) external_torque_nm: Option<f64>,
 }
 
-/// Relative error of the analytic bend that is accepted where the query states none.
-const TOLERANCE: f64 = 0.1;
+/// Relative error of the analytic bend that is accepted where a query states none.
+pub const BEND_TOLERANCE: f64 = 0.005;
 
 /// Model that answers.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
@@ -222,7 +222,7 @@ impl Request {
             return Err("`solutions` \"all\" is not for `model` \"section-fe\": it finds one".into());
         }
         let tolerance = match (self.tolerance, self.model) {
-            (None, _) => TOLERANCE,
+            (None, _) => BEND_TOLERANCE,
             (Some(value), Model::Auto) if value > 0.0 && value.is_finite() => value,
             (Some(value), Model::Auto) => return Err(format!("tolerance = {value} is not allowed: finite and > 0")),
             (Some(_), _) => return Err("`tolerance` is for `model` \"auto\"".into()),

@@ -5,9 +5,10 @@
 
 Needs the package cma (pip install cma). The laboratory judges limbs by the statics of the search: this script asks it for sums of squares of lacks, a
 population at a time, in two threads. Times are processor times of the judge alone. CMA-ES starts at the search's first guess with a step of 0.2,
-restarts with twice the population (IPOP) when it stops early, and stays within the box by cma's own transformation. A limb that lacks nothing by rods is
-confirmed by tubes between plates; from then on the reserve of all margins rises by RAISE as often as nothing is lacking.
-Printed: seconds to every margin by rods, seconds to a confirmed limb, and the reserve by rods after EQUAL_S; `none` for what was not found.
+restarts with twice the population (IPOP) when it stops early, and stays within the box by cma's own transformation. Tubes between plates confirm a limb
+that lacks nothing by rods, as those of the search; the reserve of all margins rises by RAISE as often as nothing is lacking.
+Printed: seconds to every margin by rods, seconds to a confirmed limb, and the largest reserve of a confirmed limb after EQUAL_S; `none` for what was not
+found.
 """
 
 import os
@@ -76,9 +77,8 @@ def main():
             search.tell(points, values)
             if values[best] <= NOTHING:
                 by_rods = by_rods or judge.seconds
-                kept = reserve
-                if by_tubes is None and judge.confirms(points[best]):
-                    by_tubes = judge.seconds
+                if judge.confirms(points[best]):
+                    kept, by_tubes = reserve, by_tubes or judge.seconds
                 reserve += rise
                 judge.reserve(reserve)
             done = judge.seconds > most_s or (judge.seconds > equal_s and by_rods is not None and by_tubes is not None)

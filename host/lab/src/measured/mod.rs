@@ -5,6 +5,7 @@ mod page;
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Status};
 use softlimb::cli::Failure;
+use softlimb::query::BEND_TOLERANCE;
 use softlimb_fea::cross_section::{EndLoad, Options, Section, analytic_bend_error};
 use softlimb_files::table::{Known, Table, TableError};
 
@@ -19,8 +20,6 @@ pub const STATED_PA: f64 = 0.52e6;
 const RADII_M: [f64; 2] = [0.5 * 9.525e-3, 0.5 * 12.13e-3];
 /// Sheet of a family: its stiffness was not stated, and any stiff thread gives the same bends to 2 %.
 const SHEET: [f64; 2] = [361e6, 0.178e-3];
-/// Largest estimated error of the analytic bend that the default model accepts.
-const TOLERANCE: f64 = 0.1;
 
 /// A column of the readings.
 #[derive(Clone, Copy, PartialEq)]
@@ -142,7 +141,7 @@ fn with_models(mut set: Set) -> Result<Set, String> {
         if found.status != Status::Solved {
             return Err(format!("no analytic bend at {} Pa", row.pressure_pa));
         }
-        let is_within = analytic_bend_error(&actuator, &found.state).is_some_and(|error| error <= TOLERANCE);
+        let is_within = analytic_bend_error(&actuator, &found.state).is_some_and(|error| error <= BEND_TOLERANCE);
         row.analytic = found.state.bend_angle_rad;
         row.default = if is_within { row.analytic } else { section };
         (row.section, row.fitted) = (section, fitted);
