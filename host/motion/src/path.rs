@@ -43,13 +43,23 @@ impl Path {
     /// The same way with legs that take a multiple of their time, shaped besides; a series stays as it is.
     pub(super) fn retimed(&self, by: f64, new: &Shaper) -> Self {
         let Self::Legs { rows, times_us, shaper } = self else { return self.clone() };
-        let own_s = |pair: &[f64]| (by * (pair[1] - pair[0] - shaper.length_us()) + new.length_us()) * 1e-6;
+        let own_s = |pair: &[f64]| (by * (pair[1] - pair[0] - shaper.longer_us()) + new.longer_us()) * 1e-6;
         let times_s: Vec<f64> = times_us.windows(2).map(own_s).collect();
         let move_us = (1e6 * times_s.iter().sum::<f64>()).round() as u64;
         let Self::Legs { rows, times_us, .. } = Self::legs(rows.clone(), &times_s, move_us) else {
             return self.clone();
         };
         Self::Legs { rows, times_us, shaper: new.clone() }
+    }
+
+    /// Whether a shaper makes no leg faster.
+    pub(super) fn is_gentle(&self, new: &Shaper) -> bool {
+        match self {
+            Self::Legs { times_us, shaper, .. } => {
+                times_us.windows(2).all(|pair| new.is_gentle(pair[1] - pair[0] - shaper.longer_us()))
+            }
+            Self::Series { .. } => true,
+        }
     }
 
     /// Time of the last row, us.
@@ -121,9 +131,9 @@ mod tests {
         let path = Path::legs(vec![vec![0.0], vec![1.0], vec![-1.0]], &[1.0, 3.0], 4_000_000);
         let shaper = Shaper::zero_derivative(0.8, 0.02);
         let shaped = path.retimed(1.5, &shaper);
-        assert_eq!(shaped.move_us(), 6_000_000 + (2.0 * shaper.length_us()).round() as u64);
+        assert_eq!(shaped.move_us(), 6_000_000 + (2.0 * shaper.longer_us()).round() as u64);
         let value = |time_us: f64| shaped.at(time_us)[0];
-        let via_us = 1.5e6 + shaper.length_us();
+        let via_us = 1.5e6 + shaper.longer_us();
         assert!((value(via_us) - 1.0).abs() < 1e-9 && (value(shaped.move_us() as f64) + 1.0).abs() < 1e-12);
         let back = shaped.retimed(1.0 / 1.5, &Shaper::none());
         assert_eq!(back.move_us(), 4_000_000);

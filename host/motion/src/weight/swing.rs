@@ -16,6 +16,7 @@ use crate::profile::Shaper;
 use crate::unreachable::Unreachable;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{EquilibriumError, Fidelity, Gyration, Mode, Part};
+use softlimb_numerics::least_squares::{LeastSquares, StoppingCriteria, minimise};
 use softlimb_scene::{Excess, Scene, Shaping};
 
 /// Rods of the vibrations: with four pieces the second frequency of a single module is right to 0.1 %, with two to 0.8 %.
@@ -37,6 +38,12 @@ const LONGER: f64 = 1.01;
 const LONGEST_S: f64 = 600.0;
 /// Durations are rounded up to this, s.
 const ROUND_S: f64 = 0.01;
+/// Steps of an adapted course.
+const STEPS: usize = 13;
+/// Least relative gain of a step that adapts it, most evaluations, and the width of differences.
+const GAIN: f64 = 1e-3;
+const ADAPTATIONS: usize = 60;
+const WIDTH: f64 = 1e-5;
 /// Largest damping ratio: beyond it there is nothing to shape.
 const DAMPING_MAX: f64 = 0.95;
 
@@ -319,12 +326,36 @@ impl Excited {
         let of_mode = |(mode, damping): (&Mode, &f64)| match shaping {
             Shaping::None => Shaper::none(),
             Shaping::ZeroVibration => Shaper::zero_vibration(mode.frequency_hz, *damping),
-            Shaping::ZeroDerivative => Shaper::zero_derivative(mode.frequency_hz, *damping),
+            Shaping::ZeroDerivative | Shaping::Adapted => Shaper::zero_derivative(mode.frequency_hz, *damping),
         };
-        let left_m = |shaper: &Shaper| self.worst_m(&self.way(&path.retimed(1.0, shaper), 1.0));
+        let left_m = |shaper: Shaper| (self.worst_m(&self.way(&path.retimed(1.0, &shaper), 1.0)), shaper);
         let all = self.modes.iter().zip(&self.damping).take(SHAPED).map(of_mode);
-        let best = all.map(|shaper| (left_m(&shaper), shaper)).min_by(|a, b| a.0.total_cmp(&b.0));
-        best.map_or_else(Shaper::none, |(_, shaper)| shaper)
+        let best = all.map(left_m).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((least_m, shaper)) = best else { return Shaper::none() };
+        if shaping != Shaping::Adapted {
+            return shaper;
+        }
+        let longer_us = shaper.longer_us();
+        let starts = [[1.0; STEPS], Adapting::steps_of(&shaper)];
+        let adapted = starts.iter().filter_map(|start| {
+            let mut adapting = Adapting { excited: self, path, longer_us };
+            let criteria =
+                StoppingCriteria { least_gain: GAIN, evaluations: ADAPTATIONS, ..StoppingCriteria::default() };
+            minimise(&mut adapting, start, criteria).map(|found| adapting.shaper(&found.point))
+        });
+        let gentle = adapted.filter(|adapted| path.is_gentle(adapted)).map(left_m);
+        gentle.chain([(least_m, shaper)]).min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Shaper::none, |best| best.1)
+    }
+
+    /// Places of all vibrations after a move, and their velocities over the frequencies, as ways of the tip, m; for all of [`OFF`].
+    fn left_m(&self, way: &Way) -> Vec<f64> {
+        let of_mode = |(off, index): (f64, usize)| {
+            let mode = &self.modes[index];
+            let oscillator = Oscillator::new(off * mode.frequency_hz, self.damping[index]);
+            let [place, velocity] = oscillator.after(way, index);
+            [place, velocity / oscillator.natural].map(|part| mode.tip.norm() * part)
+        };
+        OFF.iter().flat_map(|off| (0..self.modes.len()).map(move |index| (*off, index))).flat_map(of_mode).collect()
     }
 
     /// By how much longer a move swings no more than a limit, m, at a whole number of [`ROUND_S`] before it is shaped.
@@ -343,6 +374,52 @@ impl Excited {
             }
         }
         None
+    }
+}
+
+/// A smooth course of a move, adapted to what its vibrations feel of the way: impulses leave the more of them the more the way is curved.
+struct Adapting<'a> {
+    excited: &'a Excited,
+    path: &'a Path,
+    longer_us: f64,
+}
+
+impl Adapting<'_> {
+    fn shaper(&self, steps: &[f64]) -> Shaper {
+        Shaper::smooth(steps, self.longer_us)
+    }
+
+    /// Steps of a course as steep as another shaper.
+    fn steps_of(shaper: &Shaper) -> [f64; STEPS] {
+        // Its own move as long as half of the whole.
+        let length_us = 2.0 * shaper.longer_us();
+        let share = |index: usize| shaper.share(length_us * index as f64 / STEPS as f64, length_us);
+        std::array::from_fn(|index| share(index + 1) - share(index))
+    }
+}
+
+impl LeastSquares for Adapting<'_> {
+    type Evaluation = (Vec<f64>, Vec<f64>);
+
+    fn evaluate(&mut self, steps: &[f64]) -> Option<Self::Evaluation> {
+        let way = self.excited.way(&self.path.retimed(1.0, &self.shaper(steps)), 1.0);
+        Some((steps.to_vec(), self.excited.left_m(&way)))
+    }
+
+    fn residuals(&self, (_, left): &Self::Evaluation) -> Vec<f64> {
+        left.clone()
+    }
+
+    fn jacobian(&mut self, (steps, left): &Self::Evaluation) -> Option<Vec<Vec<f64>>> {
+        let mut columns = Vec::with_capacity(steps.len());
+        for axis in 0..steps.len() {
+            let by = if steps[axis] > 0.5 { -WIDTH } else { WIDTH };
+            let mut there = steps.clone();
+            there[axis] += by;
+            let (_, moved) = self.evaluate(&there)?;
+            columns.push(moved.iter().zip(left).map(|(to, from)| (to - from) / by).collect::<Vec<f64>>());
+        }
+        Some((0..left.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
     }
 }
 

@@ -43,24 +43,27 @@ fn payload_lowers_the_frequencies_and_weightless_limbs_have_none() {
     assert!(softlimb_motion::swings(&weightless, &limb, &plan).unwrap().is_empty());
 }
 
-/// After a second and a period, with frequencies up to 10 % off: 6.4 to 7.3 % of the swing of an unshaped second. Two vibrations of nearly one
-/// frequency, across each other, and higher ones are beside the one that is shaped.
+/// After a second and a period, with frequencies up to 10 % off: `zvd` leaves up to 7.9 % of the swing of an unshaped second, since the way is
+/// curved; an adapted course leaves up to 2.6 %.
 #[test]
-fn shaped_moves_leave_a_twelfth_of_the_swing() {
+fn shaped_moves_leave_little_of_the_swing() {
     let (plain, unshaped) = swinging(&fast(""));
-    let (plan, shaped) = swinging(&fast("[swing]\nshaping = \"zvd\"\n"));
-    for ((before, after), (a, b)) in plain.phases.iter().zip(&plan.phases).zip(unshaped.iter().zip(&shaped)) {
-        let longer_s = (after.move_us - before.move_us) as f64 * 1e-6;
-        println!(
-            "{}: {:.2} Hz, {longer_s:.2} s longer, {:.2} mm of {:.2} mm",
-            after.name,
-            b.moved.frequency_hz[0],
-            1e3 * b.residual_worst_m,
-            1e3 * a.residual_worst_m
-        );
-        assert!(b.residual_worst_m <= a.residual_worst_m / 12.0, "{}: {a:?} {b:?}", after.name);
-        assert!(longer_s <= 1.01 / b.moved.frequency_hz[0], "{longer_s}");
-        assert_eq!(after.values, before.values);
+    for (shaping, part) in [("zvd", 12.0), ("adapted", 35.0)] {
+        let (plan, shaped) = swinging(&fast(&format!("[swing]\nshaping = \"{shaping}\"\n")));
+        for ((before, after), (a, b)) in plain.phases.iter().zip(&plan.phases).zip(unshaped.iter().zip(&shaped)) {
+            let longer_s = (after.move_us - before.move_us) as f64 * 1e-6;
+            println!(
+                "{shaping} {}: {:.2} Hz, {longer_s:.2} s longer, {:.3} mm of {:.3} mm, {:.2} %",
+                after.name,
+                b.moved.frequency_hz[0],
+                1e3 * b.residual_worst_m,
+                1e3 * a.residual_worst_m,
+                100.0 * b.residual_worst_m / a.residual_worst_m
+            );
+            assert!(b.residual_worst_m <= a.residual_worst_m / part, "{shaping} {}: {a:?} {b:?}", after.name);
+            assert!(longer_s <= 1.01 / b.moved.frequency_hz[0], "{longer_s}");
+            assert_eq!(after.values, before.values);
+        }
     }
 }
 

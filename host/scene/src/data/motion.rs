@@ -112,6 +112,8 @@ pub enum Shaping {
     ZeroVibration,
     /// Zero vibration, and zero derivative of it by the frequency.
     ZeroDerivative,
+    /// A smooth course as long as with `ZeroDerivative`, adapted to all vibrations.
+    Adapted,
 }
 
 /// What becomes of a move with too much swing.

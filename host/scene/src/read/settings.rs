@@ -122,7 +122,8 @@ pub(super) fn swing(root: &Reader<'_>, weight: Option<&Weight>) -> Option<Swing>
     optional_table(root, &schema::scene::SWING, &schema::swing::SECTION, |reader| {
         use schema::swing::*;
         let loss_factor = reader.quantity(&LOSS_FACTOR);
-        let shaping = reader.choice(&SHAPING, &[Shaping::None, Shaping::ZeroVibration, Shaping::ZeroDerivative]);
+        let shaping = reader
+            .choice(&SHAPING, &[Shaping::None, Shaping::ZeroVibration, Shaping::ZeroDerivative, Shaping::Adapted]);
         let residual_max = reader.maybe(&RESIDUAL_MAX);
         let excess = reader.choice(&EXCESS, &[Excess::Refuse, Excess::Stretch]);
         let shaped = shaping.filter(|shaping| **shaping != Shaping::None).map(|shaping| shaping.span);
