@@ -24,7 +24,8 @@ impl Inertia {
     /// Force of inertia on a mass at a place of a plate, which is at `middle` now, N; its slope against a shift, N/m; and how a turn of the plate
     /// shifts the mass.
     ///
-    /// The middle of a mass's way is that of its chord: a plate that turns by as much again takes the mass to its end.
+    /// `-m (dv/dt + dw/dt x r + w x (w x r))` with the mean velocity `v` and spin `w` of the step, and the arm `r` of its middle. The same step leads back, so
+    /// that no energy is lost or gained for good.
     pub(crate) fn force(
         &self,
         plate: usize,
@@ -33,13 +34,13 @@ impl Inertia {
         kg: f64,
     ) -> (Vector3<f64>, f64, Matrix3<f64>) {
         let (start, velocity) = (&self.start[plate], &self.velocities[plate]);
-        let turn = middle.turn * start.turn.transpose();
-        let (before, after) = (start.turn * place_m, turn * (middle.turn * place_m));
-        let went = middle.place - start.place + (after - before) * 0.5;
-        let drifts = velocity_at(velocity, &before) * self.half_s;
+        let arm = middle.turn * place_m;
+        let turn = turn_vector(&(middle.turn * start.turn.transpose()));
+        let went = middle.place - start.place + turn.cross(&arm);
+        let drifts = velocity_at(velocity, &arm) * self.half_s;
         let per_n_per_m = kg / (self.half_s * self.half_s);
-        let by_turn = -after.cross_matrix() * (Matrix3::identity() + turn) * 0.5;
-        ((drifts - went) * per_n_per_m, per_n_per_m, by_turn)
+        let outwards = -turn.cross(&turn.cross(&arm));
+        ((drifts - went + outwards) * per_n_per_m, per_n_per_m, -arm.cross_matrix())
     }
 }
 
