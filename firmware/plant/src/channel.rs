@@ -11,7 +11,7 @@ use crate::random::Random;
 use crate::sensor::Sensor;
 use crate::settings::{ChannelSettings, MotionSettings, PlantSettings, ValveSettings};
 use crate::spread::TrueParameters;
-use crate::truth::ChannelTruth;
+use crate::truth::{ChannelSnapshot, ChannelTruth};
 use crate::valve::Valve;
 
 const S_PER_US: f64 = 1e-6;
@@ -172,20 +172,25 @@ impl Channel {
         self.peak_pa
     }
 
-    /// True state of the channel.
-    pub(crate) fn truth(&self) -> ChannelTruth {
+    /// The changing part of the true state.
+    pub(crate) fn snapshot(&self) -> ChannelSnapshot {
+        ChannelSnapshot { gas: self.gas, creep_m3: self.creep_m3, open: self.openings() }
+    }
+
+    /// True state of the channel at the time of a snapshot.
+    pub(crate) fn truth_of(&self, then: &ChannelSnapshot) -> ChannelTruth {
+        // Of all that is read here, nothing changes during a run.
         let ambient = self.piping.ambient_abs_pa;
-        let pressure_pa = self.gas.chamber_abs_pa - ambient;
-        let crept = self.piping.volume.at(pressure_pa).0 + self.creep_m3;
+        let pressure_pa = then.gas.chamber_abs_pa - ambient;
+        let crept = self.piping.volume.at(pressure_pa).0 + then.creep_m3;
         let (mut shape, within_branch) = self.actuator.shape(self.piping.volume.pressure_of(crept));
         shape.pressure_pa = pressure_pa;
-        let open = self.openings();
         ChannelTruth {
             pressure_pa,
-            line_pressure_pa: self.gas.line_abs_pa - ambient,
-            air_temperature_k: self.gas.temperature_k(&self.piping),
-            fill_open: open.fill,
-            vent_open: open.vent,
+            line_pressure_pa: then.gas.line_abs_pa - ambient,
+            air_temperature_k: then.gas.temperature_k(&self.piping),
+            fill_open: then.open.fill,
+            vent_open: then.open.vent,
             shape,
             within_branch,
             parameters: self.parameters,

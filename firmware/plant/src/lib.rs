@@ -58,4 +58,4 @@ pub use settings::{
     Supply, TubeSettings, ValveSettings,
 };
 pub use spread::TrueParameters;
-pub use truth::{ChannelTruth, Truth};
+pub use truth::{ChannelTruth, Snapshot, Truth};

@@ -10,7 +10,7 @@ use crate::sensor::Sensor;
 use crate::settings::PlantSettings;
 use crate::spread::calibration;
 use crate::supply::Source;
-use crate::truth::Truth;
+use crate::truth::{Snapshot, Truth};
 
 /// Duration of one step of the plant, us.
 pub const TICK_US: u64 = 1_000;
@@ -151,15 +151,33 @@ impl Plant {
         self.supply_code
     }
 
-    /// The true state; solves the shape of every actuator, so call it as often as shapes are
+    /// The true state; finds the shape of every actuator, so call it as often as shapes are
     /// needed and not more.
     pub fn truth(&self) -> Truth {
+        let mut snapshot = Snapshot::default();
+        self.snapshot(&mut snapshot);
+        self.truth_of(&snapshot)
+    }
+
+    /// Writes the state of now over another, for [`truth_of`](Self::truth_of) later.
+    pub fn snapshot(&self, into: &mut Snapshot) {
+        into.time_us = self.time_us;
+        into.supply_pressure_pa = self.source.abs_pa() - self.ambient_abs_pa;
+        into.air_used_kg = self.air_used_kg;
+        into.gripper_closure = self.gripper.closure();
+        into.channels.clear();
+        into.channels.extend(self.channels.iter().map(Channel::snapshot));
+    }
+
+    /// The true state at the time of a snapshot of this plant.
+    pub fn truth_of(&self, snapshot: &Snapshot) -> Truth {
+        let channels = self.channels.iter().zip(&snapshot.channels);
         Truth {
-            time_us: self.time_us,
-            supply_pressure_pa: self.source.abs_pa() - self.ambient_abs_pa,
-            air_used_kg: self.air_used_kg,
-            gripper_closure: self.gripper.closure(),
-            channels: self.channels.iter().map(Channel::truth).collect(),
+            time_us: snapshot.time_us,
+            supply_pressure_pa: snapshot.supply_pressure_pa,
+            air_used_kg: snapshot.air_used_kg,
+            gripper_closure: snapshot.gripper_closure,
+            channels: channels.map(|(channel, then)| channel.truth_of(then)).collect(),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use fra_model::State;
 
+use crate::pneumatics::{Gas, Openings};
 use crate::spread::TrueParameters;
 
 /// The true state of the plant at the end of a tick.
@@ -39,4 +40,22 @@ pub struct ChannelTruth {
     pub within_branch: bool,
     /// True parameters of the channel.
     pub parameters: TrueParameters,
+}
+
+/// The changing part of a [`Truth`], without the shapes: cheap enough to keep at every tick.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    pub(crate) time_us: u64,
+    pub(crate) supply_pressure_pa: f64,
+    pub(crate) air_used_kg: f64,
+    pub(crate) gripper_closure: f64,
+    pub(crate) channels: Vec<ChannelSnapshot>,
+}
+
+/// The changing part of a [`ChannelTruth`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChannelSnapshot {
+    pub(crate) gas: Gas,
+    pub(crate) creep_m3: f64,
+    pub(crate) open: Openings,
 }

@@ -1,7 +1,7 @@
 //! The simulated MCU as its host sees it.
 
 use softlimb_firmware::{Board, BootInfo, Controller, TickInputs, TickOutputs, exchange, turn};
-use softlimb_plant::{PartFault, Plant, PlantError, Truth};
+use softlimb_plant::{PartFault, Plant, PlantError, Snapshot, Truth};
 use softlimb_protocol::{BootCause, MAX_CHANNELS};
 
 use crate::board::SimulatedBoard;
@@ -219,6 +219,16 @@ impl<P: Processor> SimulatedMcu<P> {
     /// True state of the plant, air used included, at [`device_time_us`](Self::device_time_us).
     pub fn truth(&self) -> Truth {
         self.board.plant.truth()
+    }
+
+    /// Writes the changing part of the truth of now over another, for [`truth_of`](Self::truth_of) later.
+    pub fn snapshot(&self, into: &mut Snapshot) {
+        self.board.plant.snapshot(into);
+    }
+
+    /// The truth at the time of a snapshot of this device.
+    pub fn truth_of(&self, snapshot: &Snapshot) -> Truth {
+        self.board.plant.truth_of(snapshot)
     }
 
     /// Outputs to the valves, the supply and the pump in the latest tick.

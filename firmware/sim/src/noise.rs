@@ -1,5 +1,8 @@
 //! Reproducible randomness for the line: SplitMix64 (Steele, Lea, Flood 2014).
 
+/// Change of the state with each number.
+const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
+
 /// A stream of random numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Noise(u64);
@@ -14,11 +17,16 @@ impl Noise {
 
     /// The next 64 bits.
     pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        self.0 = self.0.wrapping_add(STEP);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         z ^ (z >> 31)
+    }
+
+    /// Leaves out numbers.
+    pub(crate) fn skip(&mut self, count: u64) {
+        self.0 = self.0.wrapping_add(count.wrapping_mul(STEP));
     }
 
     /// True with the given probability.

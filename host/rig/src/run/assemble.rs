@@ -101,6 +101,11 @@ impl<'a> Assembler<'a> {
         }
     }
 
+    /// The same without shapes and bodies beside the samples.
+    pub(super) fn samples_only(self) -> Self {
+        Self { next_shape_s: f64::INFINITY, next_body_s: f64::INFINITY, ..self }
+    }
+
     /// The trajectory starts at a device time; the first start is the zero of all times.
     pub(super) fn start(&mut self, start_us: u64) {
         self.start_us.get_or_insert(start_us);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::io;
 
-use softlimb_sim::plant::Truth;
+use softlimb_sim::plant::{Snapshot, Truth};
 use softlimb_sim::{EmulatorError, Processor, SimulatedMcu};
 
 use super::RunError;
@@ -16,10 +16,10 @@ use crate::record::{CoilPulse, DeviceTick};
 /// Ticks the observer remembers: longer than any telemetry message takes to arrive.
 const MEMORY: usize = 256;
 
-/// A simulated device whose truth is kept at every tick, so that a message that arrives later meets the truth of its own time.
+/// A simulated device whose state is kept at every tick, so that a message that arrives later meets the truth of its own time.
 pub(super) struct Observed {
     device: SimulatedMcu<Box<dyn Processor>>,
-    seen: VecDeque<(u64, Truth)>,
+    seen: VecDeque<(u64, Snapshot)>,
     tape: Tape,
     /// Faults to come, by falling time: the next one is the last.
     faults: Vec<TimedFault>,
@@ -117,11 +117,11 @@ impl Observed {
         if self.seen.back().is_some_and(|(last, _)| *last == time_us) {
             return;
         }
-        if self.seen.len() == MEMORY {
-            self.seen.pop_front();
-        }
-        self.seen.push_back((time_us, self.device.truth()));
-        self.tape.tick(latest_tick(&self.device));
+        let oldest = if self.seen.len() == MEMORY { self.seen.pop_front() } else { None };
+        let (_, mut snapshot) = oldest.unwrap_or_default();
+        self.device.snapshot(&mut snapshot);
+        self.seen.push_back((time_us, snapshot));
+        self.tape.tick(|| latest_tick(&self.device));
     }
 }
 
@@ -129,7 +129,7 @@ impl Bench for Observed {
     /// The truth at a device time, if it is remembered.
     fn truth_at(&self, device_us: u64) -> Option<Truth> {
         let index = self.seen.binary_search_by_key(&device_us, |(time_us, _)| *time_us).ok()?;
-        Some(self.seen[index].1.clone())
+        Some(self.device.truth_of(&self.seen[index].1))
     }
 
     fn tape(&mut self) -> &mut Tape {

@@ -172,7 +172,7 @@ impl<'a> Prepared<'a> {
     fn log(&self, settings: &SimSettings) -> Result<RunLog, RunError> {
         let processor: Box<dyn Processor> = Box::new(here());
         let mut device = Observed::new(SimulatedMcu::with_processor(settings, processor)?);
-        let mut assembler = self.assembler(self.scene, &self.limb, settings.plant.seed);
+        let mut assembler = self.assembler(self.scene, &self.limb, settings.plant.seed).samples_only();
         let (mut samples, mut faults) = (Vec::new(), Vec::new());
         let ended = self.stream(&mut device, SESSION, &AtomicBool::new(false), |device, event| match event {
             Event::Armed { start_us, .. } => assembler.start(start_us),

@@ -37,9 +37,9 @@ impl Tape {
     }
 
     /// Takes a tick.
-    pub(crate) fn tick(&mut self, tick: DeviceTick) {
+    pub(crate) fn tick(&mut self, tick: impl FnOnce() -> DeviceTick) {
         if self.is_recording {
-            self.ticks.push(tick);
+            self.ticks.push(tick());
         }
     }
 
