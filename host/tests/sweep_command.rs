@@ -201,6 +201,48 @@ fn row_is_a_run_with_a_seed() {
     assert!((cell("peak_pressure_share [1]") / share - 1.0).abs() < 1e-8);
 }
 
+/// The figures are those of `learn` for the scene with the value and the limb.
+#[test]
+fn row_of_a_study_of_learning_is_what_learn_prints() {
+    let study = STUDY
+        .replace("points = 2", "experiment = \"learn\"\niterations = 3\ntrials = 2\ncamera = \"0.1 mm\"")
+        .replace("range = [\"50 kPa\", \"70 kPa\"]", "values = [\"60 kPa\"]");
+    let desk = desk(&study);
+    let output = run(desk.path(), &["sweep", "study.toml", "--threads", "2"]);
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    let table = fs::read_to_string(desk.path().join("study.csv")).unwrap();
+    let words =
+        ["learn", "finger.toml", "--iterations", "3", "--trials", "2", "--camera", "0.1 mm", "--limb", "2", "--json"];
+    let learned: Value = serde_json::from_slice(&run(desk.path(), &words).stdout).expect("JSON");
+    let headings: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    let rows = rows(&table);
+    assert_eq!((rows.len(), rows[1][2], rows[1][4], *rows[1].last().unwrap()), (4, "60", "2", "ok"));
+    for (when, score) in [("before", &learned["by_model"]), ("after", &learned["learned"])] {
+        for (heading, value) in [
+            (format!("tip_at_targets_{when}_rms [m]"), &score["at_targets"]["rmse_m"]),
+            (format!("tip_at_targets_{when}_max [m]"), &score["at_targets"]["max_m"]),
+            (format!("tip_systematic_{when} [m]"), &score["systematic_m"]),
+            (format!("tip_{when}_rms [m]"), &score["whole_way"]["rmse_m"]),
+        ] {
+            let column = headings.iter().position(|found| *found == heading).expect("a column");
+            let (cell, value): (f64, f64) = (rows[1][column].parse().unwrap(), value.as_f64().unwrap());
+            assert!((cell - value).abs() <= 1e-8 * value, "{heading}: {cell} {value}");
+        }
+    }
+    let parts = ["1/2", "2/2"].map(|part| {
+        let name = format!("part-{}.csv", &part[..1]);
+        assert!(run(desk.path(), &["sweep", "study.toml", "--shard", part, "--out", &name]).status.success());
+        name
+    });
+    let words = ["sweep", "study.toml", "--out", "all.csv", "--merge", &parts[0], &parts[1]];
+    assert!(run(desk.path(), &words).status.success());
+    assert_eq!(fs::read_to_string(desk.path().join("all.csv")).unwrap(), table);
+
+    fs::write(desk.path().join("study.toml"), study.replace("experiment = \"learn\"\n", "")).unwrap();
+    let refused = errors(&run(desk.path(), &["sweep", "study.toml"]));
+    assert!(refused.contains("`iterations` has no meaning without learning"), "{refused}");
+}
+
 #[test]
 fn designs_that_are_refused_are_rows_without_figures() {
     let bends = STUDY

@@ -43,7 +43,7 @@ pub use error::{Diagnostic, Problems, SceneError, Unreadable};
 pub use quantity::{Quantity, quantity};
 pub use reference::{reference, study_reference};
 pub use source::{Located, SCENE_BYTES_MAX, Span};
-pub use study::{Study, load_study};
+pub use study::{Experiment, Study, load_study};
 pub use writer::{Rebase, Redesign, RedesignedTarget, RewriteError, redesigned, redesigned_at, rewritten};
 
 use source::Source;

@@ -11,7 +11,7 @@ use super::{Failure, Outcome, note, warn};
 use crate::sweep::{Shard, SweepError, Table, run_rows};
 use softlimb_scene as scene;
 
-/// Run scenes with varied parameters on many simulated limbs, and tabulate the results
+/// Run scenes with varied parameters on many simulated limbs, or have the limbs learn, and tabulate the results
 #[derive(Args)]
 #[command(
     after_help = "The study: docs/reference/study.md. Rows do not depend on threads or shards. The same command continues an interrupted sweep.\n\n\

@@ -1,9 +1,11 @@
-//! Figures of merit of a run as cells of the table.
+//! Figures of merit of a run, or of a limb that learns, as cells of the table.
 
+use softlimb_rig::learning::{Outcome, Score};
 use softlimb_rig::report::Summary;
+use softlimb_scene::Experiment;
 
-/// Headings with units.
-pub(super) const HEADINGS: [&str; 10] = [
+/// Headings of a run, with units.
+const OF_A_RUN: [&str; 10] = [
     "tip_at_holds_rms [m]",
     "tip_at_holds_max [m]",
     "tip_rms [m]",
@@ -16,9 +18,37 @@ pub(super) const HEADINGS: [&str; 10] = [
     "duration [s]",
 ];
 
-/// Cells under the headings; empty without a run or without the figure.
-pub(super) fn cells(run: Option<&Summary>) -> [String; HEADINGS.len()] {
-    let Some(run) = run else { return Default::default() };
+/// Headings of a limb that learns, with units.
+const OF_LEARNING: [&str; 8] = [
+    "tip_at_targets_before_rms [m]",
+    "tip_at_targets_before_max [m]",
+    "tip_systematic_before [m]",
+    "tip_before_rms [m]",
+    "tip_at_targets_after_rms [m]",
+    "tip_at_targets_after_max [m]",
+    "tip_systematic_after [m]",
+    "tip_after_rms [m]",
+];
+
+/// Headings of an experiment, with units.
+pub(super) fn headings(experiment: Experiment) -> &'static [&'static str] {
+    match experiment {
+        Experiment::Run => &OF_A_RUN,
+        Experiment::Learn { .. } => &OF_LEARNING,
+    }
+}
+
+/// Cells under the headings of a limb that learns.
+pub(super) fn of_learning(found: &Outcome) -> Vec<String> {
+    let of = |score: &Score| {
+        let at_targets = score.at_targets();
+        [at_targets.rmse_m(), at_targets.max_m, score.systematic_m().0, score.whole_way.rmse_m()].map(shown)
+    };
+    [of(&found.by_model), of(&found.corrected)].concat()
+}
+
+/// Cells under the headings of a run; empty without the figure.
+pub(super) fn of_a_run(run: &Summary) -> Vec<String> {
     let (holds, tip, tracking) = (&run.tip.at_holds_m, &run.tip.error_m, &run.tip.tracking_error_m);
     [
         holds.as_ref().map(|error| error.rmse),
@@ -33,6 +63,7 @@ pub(super) fn cells(run: Option<&Summary>) -> [String; HEADINGS.len()] {
         Some(run.duration_s),
     ]
     .map(|figure| figure.map_or(String::new(), shown))
+    .into()
 }
 
 /// Highest true pressure of a chamber over its limit.

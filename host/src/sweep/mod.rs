@@ -10,14 +10,17 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 
-use softlimb_rig::report::Summary;
+use softlimb_rig::learning::{Settings, learn};
 use softlimb_rig::run;
-use softlimb_scene::Study;
+use softlimb_scene::{Experiment, Study};
 
 pub use table::{SweepError, Table};
 
 /// Largest number of limbs of a design in a batch. A thread plans the design once for each batch.
 const BATCH: usize = 16;
+
+/// Seed of the noise of limbs that learn.
+const NOISE: u64 = 1;
 
 /// One of several equal parts of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,12 +90,16 @@ fn run_batch(study: &Study, rows: &[u64], cancel: &AtomicBool, sender: &Sender<R
     let design = rows[0] / limbs;
     let drawn = drawn(study, design);
     let cells = study.cells(design, &drawn);
-    let row = |index: u64, found: Result<&Summary, String>| {
+    let row = |index: u64, found: Result<Vec<String>, String>| {
         let mut cells = cells.clone();
         cells.insert(0, index.to_string());
         cells.push((index % limbs + 1).to_string());
-        cells.extend(figures::cells(found.as_ref().map_or(None, |found| Some(*found))));
-        cells.push(found.as_ref().map_or_else(String::clone, |_| "ok".to_owned()));
+        let (figures, outcome) = match found {
+            Ok(figures) => (figures, "ok".to_owned()),
+            Err(text) => (vec![String::new(); figures::headings(study.experiment()).len()], text),
+        };
+        cells.extend(figures);
+        cells.push(outcome);
         Row { index, line: table::line(&cells) }
     };
     let send = |row: Row| sender.send(row).is_ok() && !cancel.load(Ordering::Relaxed);
@@ -101,11 +108,19 @@ fn run_batch(study: &Study, rows: &[u64], cancel: &AtomicBool, sender: &Sender<R
         Ok(scene) => scene,
         Err(error) => return refused(error.to_string()),
     };
+    if let Experiment::Learn { iterations, runs, camera_noise_m } = study.experiment() {
+        return rows.iter().all(|index| {
+            let limb = index % limbs + 1;
+            let settings = Settings { limb, noise: NOISE, iterations, runs, camera_noise_m };
+            let found = learn(&scene, &settings).map(|found| figures::of_learning(&found));
+            send(row(*index, found.map_err(|error| error.to_string())))
+        });
+    }
     let mut is_wanted = true;
     let seeds = rows.iter().map(|index| index % limbs + 1);
     let ended = run::summaries(&scene, seeds, |seed, found| {
-        let found = found.map_err(|error| error.to_string());
-        is_wanted = send(row(design * limbs + seed - 1, found.as_ref().map_err(String::clone)));
+        let found = found.map(|found| figures::of_a_run(&found)).map_err(|error| error.to_string());
+        is_wanted = send(row(design * limbs + seed - 1, found));
         is_wanted
     });
     ended.map_or_else(|error| refused(error.to_string()), |()| is_wanted)
@@ -122,7 +137,7 @@ fn headings(study: &Study) -> Vec<String> {
     let mut headings = study.headings();
     headings.insert(0, "row".to_owned());
     headings.push("limb".to_owned());
-    headings.extend(figures::HEADINGS.map(str::to_owned));
+    headings.extend(figures::headings(study.experiment()).iter().map(|heading| (*heading).to_owned()));
     headings.push("outcome".to_owned());
     headings
 }

@@ -10,6 +10,10 @@ section! {
     LIMBS: Integer { name: "limbs", min: 1, max: 1_000_000, presence: Default(1) } = "Number of simulated limbs of each design. The seeds of the plant are 1 to this number.";
     POINTS: Integer { name: "points", min: 1, max: 65_536, presence: Default(1) } = "Number of points drawn in the `range`s of the parameters.";
     SEED: Integer { name: "seed", min: 0, max: 4_294_967_295, presence: Default(1) } = "Seed of the drawn points.";
+    EXPERIMENT: Choice { name: "experiment", words: &["run", "learn"], presence: Default("run") } = "What each limb does: one run, or iterative learning control as `softlimb learn` does it, whose noise has seed 1.";
+    ITERATIONS: Integer { name: "iterations", min: 0, max: 200, presence: Default(10) } = "Iterations of learning.";
+    TRIALS: Integer { name: "trials", min: 1, max: 200, presence: Default(5) } = "Runs that measure the tip error, before and after learning.";
+    CAMERA: Quantity { name: "camera", unit: Unit::MM, min: 0.0, max: 100.0, presence: Default(0.2) } = "Standard deviation of a coordinate in one observation of the camera.";
     PARAMETER: Nested { name: "parameter", shape: "array of tables", presence: Optional("the scenes as they are") } = "See `[[parameter]]`.";
 }
 

@@ -3,6 +3,7 @@
 mod read;
 mod value;
 
+use std::num::NonZero;
 use std::path::Path;
 
 use toml_edit::DocumentMut;
@@ -23,7 +24,24 @@ pub struct Study {
     points: u32,
     limbs: u32,
     seed: u32,
+    experiment: Experiment,
     hash: u64,
+}
+
+/// What each simulated limb of a study does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Experiment {
+    /// One run.
+    Run,
+    /// Iterative learning control.
+    Learn {
+        /// Runs to learn from.
+        iterations: u32,
+        /// Runs of each evaluation.
+        runs: NonZero<u32>,
+        /// Standard deviation of each coordinate in one observation of the camera, m.
+        camera_noise_m: f64,
+    },
 }
 
 /// A scene of a study.
@@ -82,6 +100,11 @@ impl Study {
     /// Seed of the drawn points.
     pub fn seed(&self) -> u32 {
         self.seed
+    }
+
+    /// What each limb does.
+    pub fn experiment(&self) -> Experiment {
+        self.experiment
     }
 
     /// Scene files, as the study names them: relative to its folder, or absolute.

@@ -1,12 +1,13 @@
 //! From the text of a study to the study.
 
+use std::num::NonZero;
 use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 use toml_edit::DocumentMut;
 
 use super::value::{Setting, Values, end, setting};
-use super::{Parameter, Study, VariedScene};
+use super::{Experiment, Parameter, Study, VariedScene};
 use crate::error::{Problem, SceneError, quoted};
 use crate::read::document;
 use crate::reader::{Log, Reader, Value};
@@ -33,6 +34,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>, folder: &Path
     let limbs = root.integer(&top::LIMBS);
     let points = root.integer(&top::POINTS);
     let seed = root.integer(&top::SEED);
+    let experiment = experiment(&root);
     let tables = root.maybe_tables(&top::PARAMETER, &keys::SECTION, PARAMETERS_MAX);
     let parameters = tables.map(|tables| tables.iter().map(|table| parameter(table, scenes.as_deref())).collect());
     let (scenes, parameters): (Vec<VariedScene>, Option<Vec<Parameter>>) = (scenes?, parameters?);
@@ -45,6 +47,7 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>, folder: &Path
         points: u32::try_from(*points).ok()?,
         limbs: u32::try_from(*limbs?).ok()?,
         seed: u32::try_from(*seed?).ok()?,
+        experiment: experiment?,
     };
     format?;
     if study.drawn_count() == 0 && study.points > 1 {
@@ -56,6 +59,26 @@ fn read<'a>(log: &'a Log, source: &Source, table: &'a DeTable<'a>, folder: &Path
         return log.note(Problem::new(title).help(format!("this one has {}", study.rows())));
     }
     Some(study)
+}
+
+fn experiment(root: &Reader<'_>) -> Option<Experiment> {
+    let learns = root.choice(&top::EXPERIMENT, &[false, true]);
+    let (iterations, trials) = (root.integer(&top::ITERATIONS), root.integer(&top::TRIALS));
+    let camera = root.quantity(&top::CAMERA);
+    if !learns?.value {
+        let given = [top::ITERATIONS.name, top::TRIALS.name, top::CAMERA.name].map(|name| (name, root.value(name)));
+        let Some((name, value)) = given.into_iter().find_map(|(name, value)| Some((name, value?))) else {
+            return Some(Experiment::Run);
+        };
+        let title = format!("`{name}` has no meaning without learning");
+        let problem = Problem::at(value.span().into(), title, "of no use").help("add `experiment = \"learn\"`");
+        return root.log().note(problem);
+    }
+    Some(Experiment::Learn {
+        iterations: u32::try_from(*iterations?).ok()?,
+        runs: u32::try_from(*trials?).ok().and_then(NonZero::new)?,
+        camera_noise_m: camera?.value,
+    })
 }
 
 fn scenes(root: &Reader<'_>, folder: &Path) -> Option<Vec<VariedScene>> {
