@@ -2,6 +2,7 @@
 
 mod advice;
 mod common;
+mod ends;
 mod molds;
 mod paths;
 mod refusals;

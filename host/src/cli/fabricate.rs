@@ -16,7 +16,7 @@ use softlimb_scene::Quantity;
 /// Write sheets, thread paths and molds for the actuators of a scene
 #[derive(Args)]
 #[command(
-    after_help = "Writes sheet.html and sheet.md, and for each module MODULE-thread-HAND.csv and the parts of its mold as STL files in mm.\n\n\
+    after_help = "Writes sheet.html and sheet.md, and for each module MODULE-thread-HAND.csv and the parts of its mold,\n                  caps, ports and connector plates as STL files in mm.\n\n\
                   Example: softlimb fabricate scenes/finger.toml --out workshop"
 )]
 pub(super) struct Fabricate {
@@ -50,6 +50,9 @@ struct Workshop {
     /// Largest distance of chords from curves, 0.001 to 1 mm
     #[arg(long, value_name = "MM", default_value = "0.05 mm", value_parser = quantity("mm", 1e-3, 1.0))]
     chord: Quantity,
+    /// Inner diameter of the hose to each actuator [default: 3 mm, less for narrow chambers]
+    #[arg(long, value_name = "MM", value_parser = quantity("mm", 0.5, 20.0))]
+    hose: Option<Quantity>,
     #[command(flatten)]
     tolerances: Allowed,
 }
@@ -90,6 +93,7 @@ impl Workshop {
             tolerances: self.tolerances.tolerances(),
             wall_min_m: self.wall_min.si(),
             chord_m: self.chord.si(),
+            hose_m: self.hose.as_ref().map(Quantity::si),
         })
     }
 }

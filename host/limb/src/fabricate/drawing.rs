@@ -1,7 +1,8 @@
-//! Drawing of an actuator: along its axis with the winding, and across, with dimensions.
+//! Drawings with dimensions: an actuator along its axis with the winding, and across; the mold of its first cast along the axis.
 
 use std::fmt::Write;
 
+use super::mold::{CAP_M, FIT_M, HOLD_M, RECESS_M, SPIGOT_M, base_radius_m, shell_radius_m};
 use super::piece::Piece;
 use super::{Hand, Winding, path};
 
@@ -103,6 +104,93 @@ pub(super) fn drawing(piece: &Piece) -> String {
         );
     }
     svg + "</svg>"
+}
+
+/// The drawing of the mold of a piece as an SVG element: a section along the axis, with the cap that closes the actuator beside it.
+pub(super) fn mold_drawing(piece: &Piece) -> String {
+    let (length_m, inner_m) = (piece.parameters.length_m, piece.parameters.inner_radius_m);
+    let (bore_m, outer_m) = (piece.cast_radius_m, piece.parameters.outer_radius_m);
+    let (shell_m, base_m) = (shell_radius_m(bore_m), base_radius_m(bore_m));
+    let whole_m = length_m + 2.0 * HOLD_M;
+    let scale = (LONGEST / whole_m).min(HIGHEST / (2.0 * base_m));
+    let half = base_m * scale;
+    let (axis, begin) = (TOP + half, LEFT + HOLD_M * scale);
+    let (long, end) = (length_m * scale, LEFT + whole_m * scale);
+    let cap_top = axis + half + 96.0;
+    let cap_scale = (0.5 * ACROSS / outer_m).min(0.5 * ACROSS / (CAP_M + SPIGOT_M));
+    let cap_axis = cap_top + outer_m * cap_scale;
+    let height = cap_axis + outer_m * cap_scale + 16.0;
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"Drawing of the mold of {}: a section along its axis\">\n\
+         <text class=\"start\" x=\"{LEFT}\" y=\"16\">mold of the first cast, cut along its axis; the base holds core and shells in line</text>\n",
+        piece.name
+    );
+    // Writing to a string cannot fail.
+    let mut band = |class: &str, [left, width]: [f64; 2], [low_m, high_m]: [f64; 2]| {
+        let tall = (high_m - low_m) * scale;
+        for top in [axis - high_m * scale, axis + low_m * scale] {
+            let _ = writeln!(
+                svg,
+                "<rect class=\"{class}\" x=\"{left:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{tall:.2}\"/>"
+            );
+        }
+    };
+    band("part", [LEFT, HOLD_M * scale], [inner_m + FIT_M, base_m]);
+    band("part", [begin, RECESS_M * scale], [shell_m + FIT_M, base_m]);
+    band("part", [begin, long], [bore_m, shell_m]);
+    band("wall", [begin, long], [inner_m, bore_m]);
+    band("core", [LEFT, whole_m * scale], [0.0, inner_m]);
+    let _ = writeln!(svg, "<path class=\"center\" d=\"M{:.1} {axis:.2}H{:.1}\"/>", LEFT - 14.0, end + 14.0);
+    let below = axis + half;
+    for (row, (from, to, text)) in
+        [(begin, begin + long, format!("shells {} mm", mm(length_m))), (LEFT, end, format!("core {} mm", mm(whole_m)))]
+            .into_iter()
+            .enumerate()
+    {
+        let line = below + 22.0 + 26.0 * row as f64;
+        let _ = writeln!(
+            svg,
+            "<path class=\"dimension\" d=\"M{from:.2} {:.2}V{:.2}M{to:.2} {:.2}V{:.2}M{from:.2} {line:.2}H{to:.2}\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\">{text}</text>",
+            below + 2.0,
+            line + 6.0,
+            below + 2.0,
+            line + 6.0,
+            0.5 * (from + to),
+            line - 5.0
+        );
+    }
+    cap_section(&mut svg, piece, cap_axis, cap_scale);
+    let lines = [
+        format!("core: diameter {} mm", mm(2.0 * inner_m)),
+        format!("shells: bore {} mm, outer diameter {} mm", mm(2.0 * bore_m), mm(2.0 * shell_m)),
+        format!("base: outer diameter {} mm, recess {} mm deep", mm(2.0 * base_m), mm(RECESS_M)),
+        format!("cap: disk {} mm by {} mm, spigot {} mm long", mm(2.0 * outer_m), mm(CAP_M), mm(SPIGOT_M)),
+    ];
+    for (index, text) in lines.iter().enumerate() {
+        let (x, y) = (LEFT + ACROSS + 30.0, cap_top + 12.0 + 18.0 * index as f64);
+        let _ = writeln!(svg, "<text class=\"start\" x=\"{x:.1}\" y=\"{y:.1}\">{text}</text>");
+    }
+    svg + "</svg>"
+}
+
+/// The cap along its axis.
+fn cap_section(svg: &mut String, piece: &Piece, axis: f64, scale: f64) {
+    let (outer, inner) = (piece.parameters.outer_radius_m * scale, piece.parameters.inner_radius_m * scale);
+    let (cap, spigot) = (CAP_M * scale, SPIGOT_M * scale);
+    let _ = writeln!(
+        svg,
+        "<path class=\"part\" d=\"M{LEFT} {:.2}h{cap:.2}v{:.2}h{spigot:.2}v{:.2}h{:.2}v{:.2}h{:.2}z\"/>\
+         <path class=\"center\" d=\"M{:.1} {axis:.2}h{:.1}\"/>",
+        axis - outer,
+        outer - inner,
+        2.0 * inner,
+        -spigot,
+        outer - inner,
+        -cap,
+        LEFT - 14.0,
+        cap + spigot + 28.0
+    );
 }
 
 /// The visible half of the threads of a hand, seen with the bending direction up.

@@ -60,6 +60,8 @@ pub struct Piece {
     pub density_kg_per_m3: f64,
     /// Largest gauge pressure in the chamber, Pa.
     pub pressure_max_pa: f64,
+    /// Length of the connector behind the module, m.
+    pub connector_m: f64,
     /// Direction of bending about the limb's axis, from the limb's up, rad.
     pub mount_angle_rad: f64,
     /// How it is wound.
@@ -190,6 +192,7 @@ fn piece(scene: &Scene, module: &Module, copies: Vec<Copy>, workshop: &Settings)
         thread: settings.thread,
         density_kg_per_m3: module.density_kg_per_m3,
         pressure_max_pa: *module.pressure_max_pa,
+        connector_m: scene.limb().connector_length_m,
         mount_angle_rad: module.mount_angle_rad,
         winding,
         second,

@@ -2,7 +2,7 @@
 
 use fra_model::{Material, Motion};
 
-use super::mold::HOLD_M;
+use super::mold::{CAP_M, HOLD_M, SPIGOT_M, connector_m, connector_radius_m, hose_m, nipple_m};
 use super::sheet::{CopyRow, Page, Row, Table};
 use super::winding::Worth;
 use super::{Hand, Piece, SecondWinding, Settings, Thread, Winding};
@@ -18,6 +18,7 @@ pub(super) fn page(piece: &Piece, settings: &Settings) -> Page {
     tables.extend(worth(&piece.winding));
     tables.extend((piece.parameters.motion == Motion::Bending).then(|| layer(piece)));
     tables.push(elastomer(piece, settings));
+    tables.push(ends(piece, settings));
     Page {
         module: piece.name.clone(),
         motion: piece.parameters.motion.name().to_owned(),
@@ -58,6 +59,31 @@ fn dimensions(piece: &Piece, settings: &Settings) -> Table {
         rows.push(row("cover, cast over the winding", mm(piece.cover_m()), "second cast"));
     }
     table("Dimensions at rest", rows)
+}
+
+/// Caps, hose and plates.
+fn ends(piece: &Piece, settings: &Settings) -> Table {
+    let [_, barb_m, bore_m] = nipple_m(piece, settings);
+    let two_m = 2.0 * connector_m(piece);
+    let rows = vec![
+        row(
+            "caps: disk, spigot",
+            format!("{}, {}", mm(CAP_M), mm(SPIGOT_M)),
+            "glued into the chamber, port at the near end",
+        ),
+        row(
+            "hose: inner diameter",
+            mm(hose_m(piece, settings)),
+            format!("bore {}, barb {}", mm(2.0 * bore_m), mm(2.0 * barb_m)),
+        ),
+        row("connector plate: radius", mm(connector_radius_m(piece)), "one at each end of the module"),
+        row(
+            "connector plate: thickness",
+            mm(connector_m(piece)),
+            format!("two back to back: {}; the scene's connector: {}", mm(two_m), mm(piece.connector_m)),
+        ),
+    ];
+    table("Ends", rows)
 }
 
 fn winding(piece: &Piece, settings: &Settings) -> Table {

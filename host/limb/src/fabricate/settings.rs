@@ -26,6 +26,8 @@ pub struct Settings {
     pub wall_min_m: f64,
     /// Largest distance of a chord from the curve that it stands for, m, in meshes and paths; 0.001 mm to 1 mm.
     pub chord_m: f64,
+    /// Inner diameter of the hose to each actuator, m; 0.5 mm to 20 mm. `None`: 3 mm, or less where the chamber is narrow.
+    pub hose_m: Option<f64>,
 }
 
 impl Default for Settings {
@@ -37,6 +39,7 @@ impl Default for Settings {
             tolerances: Tolerances::default(),
             wall_min_m: 1e-3,
             chord_m: 5e-5,
+            hose_m: None,
         }
     }
 }
@@ -57,6 +60,9 @@ impl Settings {
         }
         between("wall_min_m", self.wall_min_m, [1e-4, 0.05])?;
         between("chord_m", self.chord_m, [1e-6, 1e-3])?;
+        if let Some(hose_m) = self.hose_m {
+            between("hose_m", hose_m, [5e-4, 0.02])?;
+        }
         self.tolerances.check()
     }
 }

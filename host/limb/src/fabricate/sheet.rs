@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::drawing::drawing;
+use super::drawing::{drawing, mold_drawing};
 use super::rows;
 use super::{Piece, Settings};
 
@@ -100,13 +100,13 @@ pub fn markdown(sheet: &Sheet) -> String {
 struct Drawn<'a> {
     #[serde(flatten)]
     sheet: &'a Sheet,
-    /// One for each page.
-    drawings: Vec<String>,
+    /// For each page the actuator, and its mold.
+    drawings: Vec<[String; 2]>,
 }
 
 /// The sheet of pieces as one HTML file with drawings that needs nothing beside it; each page begins on a sheet of paper of its own.
 pub fn html(sheet: &Sheet, pieces: &[Piece]) -> String {
-    let drawn = Drawn { sheet, drawings: pieces.iter().map(drawing).collect() };
+    let drawn = Drawn { sheet, drawings: pieces.iter().map(|piece| [drawing(piece), mold_drawing(piece)]).collect() };
     // The name ends in .html: everything but the drawings is escaped.
     minijinja::Environment::new()
         .render_named_str("sheet.html", include_str!("sheet.html"), minijinja::value::Serde(drawn))

@@ -33,9 +33,9 @@ impl Surface {
         surface
     }
 
-    /// Every edge belongs to two triangles that run along it in opposite directions, the surface is one piece without holes through it, no
+    /// Every edge belongs to two triangles that run along it in opposite directions, the surface is one piece with so many holes through it, no
     /// triangle is without area, and normals are those of the corners' order.
-    pub(crate) fn assert_closed(&self, what: &str) {
+    pub(crate) fn assert_closed(&self, what: &str, holes: usize) {
         let mut edges: HashMap<[usize; 2], u32> = HashMap::new();
         for [a, b, c] in &self.triangles {
             assert!(a != b && b != c && c != a, "{what}: a triangle of two corners");
@@ -49,7 +49,8 @@ impl Surface {
         }
         let used: std::collections::HashSet<_> = self.triangles.iter().flatten().collect();
         let euler = used.len() as i64 - edges.len() as i64 / 2 + self.triangles.len() as i64;
-        assert_eq!(euler, 2, "{what}: Euler's characteristic of a ball is 2");
+        let expected = 2 - 2 * holes as i64;
+        assert_eq!(euler, expected, "{what}: Euler's characteristic of a ball is 2, and 2 less for each hole");
         for (index, [a, b, c]) in self.triangles.iter().enumerate() {
             let [a, b, c] = [a, b, c].map(|corner| self.points[*corner]);
             let cross = cross(minus(b, a), minus(c, a));
