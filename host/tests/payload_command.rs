@@ -55,12 +55,15 @@ fn poses_of_a_scene_have_their_largest_load_with_a_certificate() {
 fn table_and_the_picture_are_for_people() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("push.svg");
-    let output = payload(&[SCENE, "--svg", picture.to_str().unwrap()]);
+    let polar = folder.path().join("loads.svg");
+    let output = payload(&[SCENE, "--svg", picture.to_str().unwrap(), "--polar", polar.to_str().unwrap()]);
     let table = text(&output.stdout);
     for word in ["at rest", "reach", "place", "buckle", "limits", "eq. (18)"] {
         assert!(table.contains(word), "{word}:\n{table}");
     }
     assert!(fs::read_to_string(&picture).unwrap().starts_with("<svg "));
+    let diagrams = fs::read_to_string(&polar).unwrap();
+    assert!(["at rest", "reach", "load along z"].iter().all(|word| diagrams.contains(word)), "{diagrams}");
     let fallen = table.lines().any(|line| line.contains("no pressures balance")) || table.contains(" -");
     assert!(matches!(output.status.code(), Some(0 | 3)), "{table}");
     assert!(output.status.code() == Some(0) || fallen, "{table}");

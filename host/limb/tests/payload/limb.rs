@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fra_model::State;
 use softlimb_limb::Limb;
-use softlimb_limb::payload::{LoadCase, Outcome, capacity, limb_capacity};
+use softlimb_limb::payload::{LoadCase, Outcome, capacity, limb_capacity, polar, polar_picture};
 use softlimb_scene as scene;
 
 const GRAVITY: f64 = 9.80665;
@@ -146,4 +146,29 @@ fn load_cases_that_make_no_sense_are_refused() {
     assert!(refused(LoadCase { buckling_share: 0.0, ..CASE }).contains("buckling_share = 0"));
     assert!(refused(LoadCase { gravity_m_per_s2: [f64::NAN, 0.0, 0.0], ..CASE }).contains("gravity_m_per_s2"));
     assert!(limb_capacity(&scene, &limb, &states[..1], &CASE).unwrap_err().to_string().contains("states = 1"));
+}
+
+/// Without gravity: along the limb the sum of pushes, and what lies on either side of the limb's plane is alike.
+#[test]
+fn loads_all_around_have_the_push_along_the_limb_and_its_symmetry() {
+    let scene = scene_a();
+    let limb = Limb::new(&scene).unwrap();
+    let case = LoadCase { gravity_m_per_s2: [0.0; 3], ..CASE };
+    let found = polar("straight", (&scene, &limb), &rest(&limb), &case).unwrap();
+    let [across, side] = &found.loads_n;
+    assert_eq!((across.len(), across.first(), side.first()), (73, across.last(), side.last()));
+    let module = &limb.modules()[0];
+    let most = module.reference_max_pa.min(module.curve.pressure_max_pa());
+    let push = -3.0 * module.actuator.blocked(most, 1.0, 0.0).unwrap().force_n;
+    assert!((across[36][0] + push).abs() < 1e-6 * push && across[36][1].abs() < 1e-6 * push, "{:?}", across[36]);
+    for index in 0..=72 {
+        let (one, other) = (side[index], side[(108 - index) % 72]);
+        let size = one[0].hypot(one[1]).max(1e-3);
+        assert!(
+            (one[0] + other[0]).abs() < 1e-5 * size && (one[1] - other[1]).abs() < 1e-5 * size,
+            "{one:?} {other:?}"
+        );
+    }
+    let svg = polar_picture("limb", &[found]);
+    assert!(svg.contains(">straight<") && svg.contains(" N<") && !svg.contains("NaN") && !svg.contains("inf"));
 }

@@ -10,7 +10,9 @@ use crate::cli::shared::{above_zero, limb_for, quantity, show, write};
 use crate::cli::{Failure, Outcome, note};
 use softlimb_design::blocked::{blocked_designs, picture};
 use softlimb_limb::Limb;
-use softlimb_limb::payload::{CarriedLoad, CarryLimit, CarryLimits, LoadCase, capacity, carried_load, limb_capacity};
+use softlimb_limb::payload::{
+    CarriedLoad, CarryLimit, CarryLimits, LoadCase, capacity, carried_load, limb_capacity, polar, polar_picture,
+};
 use softlimb_motion as motion;
 use softlimb_scene::{Quantity, Scene};
 
@@ -22,7 +24,7 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 #[command(
     name = "capacity",
     after_help = "Terms and limits: docs/explanation/payload.md\n\n\
-                        Example: softlimb payload capacity scenes/pick-and-place-a.toml --svg push.svg"
+                        Example: softlimb payload capacity scenes/pick-and-place-a.toml --svg push.svg --polar loads.svg"
 )]
 pub(super) struct CapacityMode {
     /// The scene file
@@ -40,6 +42,9 @@ pub(super) struct CapacityMode {
     /// Draw the push of four designs against pressure
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    /// Draw the largest held load against its direction, a diagram for each pose
+    #[arg(long, value_name = "FILE")]
+    polar: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -52,12 +57,16 @@ impl CapacityMode {
         let plan = motion::plan(&scene, &limb)?;
         let rest: Vec<State<f64>> = limb.drives().map(|drive| drive.curve.states()[0]).collect();
         let mut poses = vec![pose(&scene, &limb, "at rest".into(), &rest, &case)?];
+        let mut drawn = vec![("at rest".to_owned(), rest)];
         let mut carried = carried(&scene, &limb, &plan, &case).into_iter();
         for phase in &plan.phases {
             let carried = carried.next();
             let states = limb.drives().zip(&phase.values).map(|(drive, value)| drive.state_at(*value));
             if let Some(states) = states.collect::<Option<Vec<_>>>() {
                 poses.push(Pose { carried, ..pose(&scene, &limb, phase.name.clone(), &states, &case)? });
+                if drawn.iter().all(|(_, known)| *known != states) {
+                    drawn.push((phase.name.clone(), states));
+                }
             }
         }
         let straight =
@@ -72,6 +81,11 @@ impl CapacityMode {
             (Some(file), Some((name, designs))) => write(file, &picture(name, designs))?,
             (Some(_), None) => return Err(Failure::new("--svg: the scene has no module that extends or expands")),
             (None, _) => {}
+        }
+        if let Some(file) = &self.polar {
+            let of = |(name, states): &(String, Vec<State<f64>>)| polar(name, (&scene, &limb), states, &case);
+            let found = drawn.iter().map(of).collect::<Result<Vec<_>, _>>().map_err(Failure::new)?;
+            write(file, &polar_picture(scene.name(), &found))?;
         }
         // Where the plan has weight, the statics decide.
         let short: Vec<&str> =
