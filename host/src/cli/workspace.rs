@@ -113,7 +113,10 @@ impl Workspace {
             let payload_kg = self.payload.si();
             let result = LoadedWorkspaceResult::new(&scene, &limb, &options, payload_kg, self.spacers)?;
             write_if(self.csv.as_ref(), || csv(&result.tips_m))?;
-            write_if(self.svg.as_ref(), || workspace::picture(scene.name(), &result.grids[0], &rest_m(&limb), &[]))?;
+            write_if(self.svg.as_ref(), || {
+                let grids = (&result.grids[0], Some(&result.free_grid));
+                workspace::picture(scene.name(), grids, &rest_m(&limb), &[])
+            })?;
             show(self.json, &result.printed(), || workspace_loaded::table(&result))?;
             return Ok(Outcome::Done);
         }
@@ -121,7 +124,7 @@ impl Workspace {
         write_if(self.csv.as_ref(), || csv(&result.tips_m))?;
         let title = labelled(scene.name(), true);
         write_if(self.svg.as_ref(), || {
-            workspace::picture(&title, &result.grids[0], &rest_m(&limb), &extreme_m(&result))
+            workspace::picture(&title, (&result.grids[0], None), &rest_m(&limb), &extreme_m(&result))
         })?;
         show(self.json, &result.printed(), || table(&title, &limb, &result))?;
         Ok(Outcome::Done)

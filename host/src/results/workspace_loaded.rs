@@ -4,10 +4,13 @@ use serde::Serialize;
 
 use super::ResultError;
 use super::workspace::{Extent, NAMES, Volume, WorkspaceOptions, extents};
-use softlimb_limb::Limb;
 use softlimb_limb::statics::{Load, LoadedLimb};
 use softlimb_limb::workspace::{Extents, Grid, Loaded, LoadedExtents, LoadedReach, Tally, loaded_extents};
+use softlimb_limb::{Limb, workspace};
 use softlimb_scene::Scene;
+
+/// Samples without load for each one under load: they cost next to nothing.
+const FREE: usize = 16;
 
 /// Reachable tip positions under the limb's own weight: poses that fall, buckle or bend backwards are not reached.
 pub struct LoadedWorkspaceResult<'a> {
@@ -18,6 +21,8 @@ pub struct LoadedWorkspaceResult<'a> {
     pub(crate) extents: LoadedExtents,
     pub(crate) tally: Tally,
     pub(crate) grids: [Grid; 2],
+    /// Cubes of tips without load.
+    pub(crate) free_grid: Grid,
     pub(crate) cell_m: f64,
     /// The samples that are reached: x, y, z, m.
     pub tips_m: Vec<[f64; 3]>,
@@ -51,7 +56,9 @@ impl<'a> LoadedWorkspaceResult<'a> {
         })?;
         let tips_m: Vec<[f64; 3]> = poses.iter().flatten().copied().collect();
         let grids = [cell_m, 2.0 * cell_m].map(|side| Grid::new(&tips_m, side));
-        Ok(Self { scene, limb, payload_kg, free, extents, tally, grids, cell_m, tips_m })
+        let free_m = workspace::sample_single(&space, points, FREE * count, seed, threads);
+        let free_grid = Grid::new(&free_m, cell_m);
+        Ok(Self { scene, limb, payload_kg, free, extents, tally, grids, free_grid, cell_m, tips_m })
     }
 
     /// The result as `--json` prints it.

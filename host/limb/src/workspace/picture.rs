@@ -25,9 +25,14 @@ pub struct ExtremeLine<'a> {
 /// A line in a view, with its name.
 type SeenLine<'a> = (&'a str, Vec<[f64; 2]>);
 
-/// The workspace seen along each axis of the scene, as a document that stands by itself. `rest_m` is the limb's centre line at rest, `extreme`
-/// are those that reach farthest.
-pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[ExtremeLine<'_>]) -> String {
+/// The workspace seen along each axis of the scene, as a document that stands by itself. `free` is that without load, behind it, `rest_m` the
+/// limb's centre line at rest, `extreme` are those that reach farthest.
+pub fn picture(
+    title: &str,
+    (grid, free): (&Grid, Option<&Grid>),
+    rest_m: &[[f64; 3]],
+    extreme: &[ExtremeLine<'_>],
+) -> String {
     let views = [
         ("from the side", 1, [0, 2], ["x, m", "z, m"]),
         ("from the front", 0, [1, 2], ["y, m", "z, m"]),
@@ -40,10 +45,12 @@ pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[Extreme
         // Extremes along the view would cover each other.
         let across = extreme.iter().filter(|one| one.axis != along);
         let extreme: Vec<SeenLine<'_>> = across.map(|one| (one.name, seen(&one.line_m))).collect();
-        view(name, (grid, along, deepest), (seen(rest_m), &extreme), labels)
+        view(name, ((grid, free), along, deepest), (seen(rest_m), &extreme), labels)
     });
+    let lines =
+        if free.is_some() { "Grey: without load. Line: limb at rest." } else { "Lines: limb at rest and at extremes." };
     let caption = format!(
-        "{title}. Shades: depth behind a place, in five steps up to {:.2} m. Lines: limb at rest and at extremes.",
+        "{title}. Shades: depth behind a place, in five steps up to {:.2} m. {lines}",
         deepest as f64 * grid.side_m()
     );
     sheet(&[vec![side, front], vec![top]], ROOM, &caption)
@@ -51,14 +58,21 @@ pub fn picture(title: &str, grid: &Grid, rest_m: &[[f64; 3]], extreme: &[Extreme
 
 fn view(
     title: &str,
-    (grid, along, deepest): (&Grid, usize, usize),
+    ((grid, free), along, deepest): ((&Grid, Option<&Grid>), usize, usize),
     (rest, extreme): (Vec<[f64; 2]>, &[SeenLine<'_>]),
     labels: [&str; 2],
 ) -> Chart {
     let depths = grid.depths(along);
+    let behind: Vec<[f64; 2]> =
+        free.map_or_else(Vec::new, |free| free.depths(along).into_iter().map(|(place, _)| place).collect());
     let lines = || rest.iter().chain(extreme.iter().flat_map(|(_, line)| line));
     let ranges = [0, 1].map(|axis: usize| {
-        let values = depths.iter().map(|(place, _)| place[axis]).chain(lines().map(|point| point[axis]));
+        let values = depths
+            .iter()
+            .map(|(place, _)| place)
+            .chain(&behind)
+            .map(|place| place[axis])
+            .chain(lines().map(|point| point[axis]));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         let rim = RIM * (high - low).max(0.1);
         [low - rim, high + rim]
@@ -75,6 +89,8 @@ fn view(
             series("", Color::First, stroke, places)
         })
         .collect();
+    let side = free.map_or(grid.side_m(), Grid::side_m);
+    all.insert(0, series("", Color::Faint, Stroke::Cells { side, shade: 2 }, behind));
     all.extend(extreme.iter().map(|(_, line)| series("", Color::Ink, Stroke::Solid, line.clone())));
     let notes =
         extreme.iter().filter_map(|(name, line)| Some(Note { at: *line.last()?, text: (*name).into() })).collect();

@@ -102,10 +102,17 @@ fn picture_shows_three_views_and_the_limb_at_its_extremes() {
         assert!(end.iter().zip(&reach.tip_m).all(|(a, b)| (a - b).abs() < 1e-9), "{end:?} and {:?}", reach.tip_m);
     }
     let highest = space.line_by_the_model(&found.of[2][1].pressures_pa).expect("an equilibrium");
-    let svg =
-        picture("arm", &grid, &limb.backbone(&rest), &[ExtremeLine { name: "highest", axis: 2, line_m: highest }]);
+    let svg = picture(
+        "arm",
+        (&grid, None),
+        &limb.backbone(&rest),
+        &[ExtremeLine { name: "highest", axis: 2, line_m: highest }],
+    );
     let views = ["arm. ", "from the side", "from the front", "from above"];
     assert!(views.iter().all(|view| svg.contains(view)) && !svg.contains("NaN"));
+    let wide = Grid::new(&sample(&space, Points::Faces, 4000, 1, 1), 0.05);
+    let over = picture("arm", (&grid, Some(&wide)), &limb.backbone(&rest), &[]);
+    assert_eq!((over.matches("faint shade2").count(), svg.matches("faint shade2").count()), (3, 0), "without load");
     assert!(svg.matches(">highest<").count() == 2 && (1..=5).all(|shade| svg.contains(&format!("shade{shade}\""))));
 }
 
