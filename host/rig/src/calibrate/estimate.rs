@@ -89,6 +89,8 @@ pub(super) struct Column {
 pub(super) struct Judgement {
     pub(super) deviations: Vec<f64>,
     pub(super) half_widths: Vec<f64>,
+    /// Half widths of the intervals of the fitted values, one a point, in units of the stated accuracy.
+    pub(super) curve: Vec<f64>,
     /// Root mean square of the residuals in units of the stated accuracy, with the degrees of freedom in the mean.
     pub(super) scatter: f64,
     pub(super) freedom: usize,
@@ -114,8 +116,8 @@ pub(super) fn judge(
     let freedom = points - unknowns;
     let scatter = if freedom == 0 { 0.0 } else { (residuals.norm_squared() / freedom as f64).sqrt() };
     let condition = condition(jacobian);
-    let svd = jacobian.clone().svd(false, true);
-    let (Some(directions), singular) = (svd.v_t, svd.singular_values) else {
+    let svd = jacobian.clone().svd(true, true);
+    let (Some(shares), Some(directions), singular) = (svd.u, svd.v_t, svd.singular_values) else {
         return Err(CalibrationError::NotSettled { steps: 0 });
     };
     let least = singular.imin();
@@ -138,7 +140,8 @@ pub(super) fn judge(
     let correlation =
         DMatrix::from_fn(unknowns, unknowns, |a, b| covariance(a, b) / (variance(a) * variance(b)).sqrt());
     let half_widths = deviations.iter().map(|deviation| factor * deviation).collect();
-    Ok(Judgement { deviations, half_widths, scatter, freedom, correlation, condition })
+    let curve = shares.row_iter().map(|row| factor * spread * row.norm()).collect();
+    Ok(Judgement { deviations, half_widths, curve, scatter, freedom, correlation, condition })
 }
 
 /// Refuses fewer points than it takes.

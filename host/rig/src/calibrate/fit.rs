@@ -92,6 +92,8 @@ pub struct Fit {
     pub before: Vec<Option<f64>>,
     /// The same with what was found.
     pub after: Vec<f64>,
+    /// Half width of the confidence interval of that.
+    pub half_widths: Vec<f64>,
     /// Root mean square of the residuals in units of the stated accuracies; 1 where these are right.
     pub scatter: f64,
     /// Observations less unknowns.
@@ -197,11 +199,13 @@ pub(super) fn fit_model(
         })
         .collect();
     let after = measured.iter().zip(&end.local.residuals).map(|(seen, r)| seen.value + r * seen.accuracy).collect();
+    let half_widths = measured.iter().zip(&judged.curve).map(|(seen, width)| width * seen.accuracy).collect();
     Ok(Fit {
         estimates,
         before: model.values(bodies),
         bodies: fitted,
         after,
+        half_widths,
         scatter: judged.scatter,
         freedom: judged.freedom,
         correlation: judged.correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),

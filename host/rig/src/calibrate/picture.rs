@@ -5,8 +5,8 @@ use fra_model::StateQuantity;
 use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
 
 /// Area of one chart, px, and the room it takes with its frame.
-const AREA: [f64; 2] = [440.0, 260.0];
-const ROOM: [f64; 2] = [526.0, 400.0];
+const AREA: [f64; 2] = [322.0, 240.0];
+const ROOM: [f64; 2] = [400.0, 380.0];
 
 /// A fit as a document that stands by itself: a row for each quantity, with the deformations beside their residuals.
 pub fn picture(fit: &Fit, observations: &[Observation]) -> String {
@@ -17,7 +17,11 @@ pub fn picture(fit: &Fit, observations: &[Observation]) -> String {
         }
     }
     let rows: Vec<Vec<Chart>> = quantities.iter().map(|quantity| row(fit, observations, *quantity)).collect();
-    sheet(&rows, ROOM, "Measured deformations, the model before and after the fit, and the residuals")
+    sheet(
+        &rows,
+        ROOM,
+        "Dots: measured. Lines: the fit, dashed its confidence interval, dotted the model before the fit.",
+    )
 }
 
 fn row(fit: &Fit, observations: &[Observation], quantity: StateQuantity) -> Vec<Chart> {
@@ -38,6 +42,11 @@ fn row(fit: &Fit, observations: &[Observation], quantity: StateQuantity) -> Vec<
         let mut add = |label: String, color, stroke, points| curves.push(Series { label, color, stroke, points });
         add(String::new(), Color::Faint, Stroke::Dotted, points(&|k| fit.before[k].unwrap_or(f64::NAN)));
         add(String::new(), color, Stroke::Solid, points(&|k| fit.after[k]));
+        for sign in [-1.0, 1.0] {
+            add(String::new(), color, Stroke::Dashed, points(&|k| fit.after[k] + sign * fit.half_widths[k]));
+            let width = points(&|k| sign * fit.half_widths[k]);
+            left.push(Series { label: String::new(), color, stroke: Stroke::Dashed, points: width });
+        }
         add(body.name.clone(), color, Stroke::Dots, points(&|k| observations[k].value));
         left.push(Series {
             label: body.name.clone(),
@@ -50,8 +59,8 @@ fn row(fit: &Fit, observations: &[Observation], quantity: StateQuantity) -> Vec<
     let label = |what: &str| if unit.is_empty() { what.to_owned() } else { format!("{what}, {unit}") };
     let name = quantity.label();
     vec![
-        chart(format!("{name}: measured, after and (dotted) before"), "reading, kPa", &label(name), curves),
-        chart(format!("{name}: measured less model"), "reading, kPa", &label("residual"), left),
+        chart(name.to_owned(), "reading, kPa", &label(name), curves),
+        chart(format!("{name}: measured less fit"), "reading, kPa", &label("residual"), left),
     ]
 }
 
@@ -64,17 +73,23 @@ pub fn tension_picture(test: &Tension, fit: &TensionFit) -> String {
     };
     let measured = |k: usize| test.points()[k][1];
     let series = |label: &str, color, stroke, points| Series { label: label.into(), color, stroke, points };
-    let curves = vec![
+    let interval = |of: &dyn Fn(usize) -> f64| {
+        [-1.0, 1.0]
+            .map(|sign| series("", Color::First, Stroke::Dashed, points(&|k| of(k) + sign * fit.half_widths_pa[k])))
+    };
+    let mut curves = vec![
         series(fit.law.word(), Color::First, Stroke::Solid, points(&|k| fit.modelled_pa[k])),
         series("measured", Color::Ink, Stroke::Dots, points(&measured)),
     ];
-    let left =
-        vec![series("measured less law", Color::First, Stroke::Dots, points(&|k| measured(k) - fit.modelled_pa[k]))];
+    curves.extend(interval(&|k| fit.modelled_pa[k]));
+    let mut left =
+        vec![series("measured less law", Color::Ink, Stroke::Dots, points(&|k| measured(k) - fit.modelled_pa[k]))];
+    left.extend(interval(&|_| 0.0));
     let charts = vec![
         chart("nominal stress".into(), "stretch", "nominal stress, kPa", curves),
         chart("residual".into(), "stretch", "residual, kPa", left),
     ];
-    sheet(&[charts], ROOM, "A tensile test, the law that fits it, and the residuals")
+    sheet(&[charts], ROOM, "Dots: measured. Line: the law that fits, dashed its confidence interval.")
 }
 
 /// A tensile test and the law of its range as a document that stands by itself.

@@ -64,6 +64,8 @@ pub struct TensionFit {
     pub material: Material<f64>,
     /// The law's nominal stress at each point of the test, Pa.
     pub modelled_pa: Vec<f64>,
+    /// Half width of the confidence interval of that, Pa.
+    pub half_widths_pa: Vec<f64>,
     /// Root mean square of the residuals, Pa.
     pub rms_pa: f64,
     /// Least and largest stretch of the test, the undeformed state included.
@@ -220,6 +222,7 @@ pub fn fit_tension(
         values: judged.values(names, &columns),
         material,
         modelled_pa: rows.iter().map(|row| row.iter().zip(&values).map(|(share, c)| share * c).sum()).collect(),
+        half_widths_pa: judged.curve.iter().map(|width| accuracy_pa * width).collect(),
         rms_pa: accuracy_pa * (residuals.norm_squared() / points.len() as f64).sqrt(),
         tested: [stretches().fold(1.0, f64::min), stretches().fold(1.0, f64::max)],
         softens_at: softens_at(law, values.as_slice()),

@@ -147,3 +147,19 @@ fn bad_tables_are_told_line_column_value_and_what_is_allowed() {
         assert_eq!(Tension::read(text, section).unwrap_err().to_string(), expected, "{text:?}");
     }
 }
+
+/// A law of one coefficient: the interval of its stress is the lever times that of the modulus.
+#[test]
+fn interval_of_the_stress_is_that_of_the_modulus_times_its_lever() {
+    let stretches = grid(1.1, 2.0, 10);
+    let off = |index: usize| if index.is_multiple_of(2) { 1.02 } else { 0.98 };
+    let rows =
+        stretches.iter().enumerate().map(|(index, l)| format!("{l},{}\n", off(index) * nominal([1e5, 0.0, 0.0], *l)));
+    let text = format!("stretch,nominal_stress_pa\n{}", rows.collect::<String>());
+    let fit = fit_tension(&read(&text), Law::NeoHookean, 0.02, &Settings::default()).unwrap();
+    let [low, high] = fit.values[0].interval;
+    for (stretch, half_pa) in stretches.iter().zip(&fit.half_widths_pa) {
+        let exact = 0.5 * (high - low) * (stretch - stretch.powi(-2));
+        assert!((half_pa - exact).abs() < 1e-9 * exact && exact > 0.0, "{stretch}: {half_pa} and {exact} Pa");
+    }
+}
