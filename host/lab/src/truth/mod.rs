@@ -21,10 +21,11 @@ const LIMBS: [TrueLimb; 7] = [
     TrueLimb::Body(BodyEffects { creep: true, ..NONE }),
     TrueLimb::Body(BodyEffects { softening: true, ..NONE }),
     TrueLimb::Body(BodyEffects { assembly: true, ..NONE }),
-    TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true }),
+    TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, ..NONE }),
 ];
 
-const NONE: BodyEffects = BodyEffects { hysteresis: false, creep: false, softening: false, assembly: false };
+const NONE: BodyEffects =
+    BodyEffects { hysteresis: false, creep: false, softening: false, assembly: false, swing: false };
 
 /// A line of the table: tip errors before and after learning, m.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +49,7 @@ fn scene_on(folder: &Path, name: &str, limb: TrueLimb) -> Result<Scene, Failure>
     let text = softlimb::cli::read(&file)?;
     let truth = match limb {
         TrueLimb::Simple => "limb = \"simple\"\n".to_owned(),
-        TrueLimb::Body(BodyEffects { hysteresis, creep, softening, assembly }) => format!(
+        TrueLimb::Body(BodyEffects { hysteresis, creep, softening, assembly, .. }) => format!(
             "limb = \"body\"\nhysteresis = {hysteresis}\ncreep = {creep}\nsoftening = {softening}\nassembly = {assembly}\n"
         ),
     };

@@ -1,7 +1,7 @@
 //! The simulated limb as a true body: tubes with memory between plates, in equilibrium at every sample.
 //!
-//! Quasi-static, as the simple limb under weight: nothing swings. The body follows the chambers' pressures; that its shape changes the
-//! chambers' volumes in its turn is left out, and the plant's volumes are those of free actuators.
+//! Quasi-static, as the simple limb under weight, unless the scene lets it swing. The body follows the chambers' pressures; that its shape changes
+//! the chambers' volumes in its turn is left out, and the plant's volumes are those of free actuators.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,7 +9,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use fra_model::{ActuatorParameters, Motion, State, StateQuantity};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use softlimb_body::{
-    Assembly, Bay, Body, Effects, Fallen, Law, Mass, MemoryParameters, Plate, Stiffness, Tolerance, Tube, TubeStrain,
+    Assembly, Bay, Body, Effects, Fallen, Law, Mass, MemoryParameters, Moving, Plate, Stiffness, Tolerance, Tube,
+    TubeStrain,
 };
 use softlimb_sim::plant::{TrueParameters, Truth};
 
@@ -31,6 +32,8 @@ const BEYOND: f64 = 1.03;
 /// Bend and twist of a beam at the highest pressure, rad, above which a tube between two plates has more beams.
 const BEND_RAD: f64 = 0.3;
 const TWIST_RAD: f64 = 0.4;
+/// Longest time step of a limb that swings, s.
+const STEP_S: f64 = 5e-3;
 /// Beams of a tube between plates without spacers, at least.
 const LONE_BEAMS: usize = 4;
 
@@ -45,7 +48,7 @@ struct Known {
     /// By channel, the law of its true actuator with the actuator and the second winding that it is for.
     laws: HashMap<usize, (Wound, Arc<Law>)>,
     /// The limb after the last run, with the seed of its specimen and the highest pressures of its laws: what it has been through stays.
-    rested: Option<(u64, Body, Vec<f64>)>,
+    rested: Option<(u64, Moving, Vec<f64>)>,
 }
 
 impl Laws {
@@ -55,7 +58,7 @@ impl Laws {
     }
 
     /// The specimen `seed` as the last run has left it.
-    fn rested(&self, seed: u64) -> Option<(Body, Vec<f64>)> {
+    fn rested(&self, seed: u64) -> Option<(Moving, Vec<f64>)> {
         let (of, body, highest_pa) = self.known().rested.take()?;
         (of == seed).then_some((body, highest_pa))
     }
@@ -122,7 +125,7 @@ pub(super) struct Bodied<'a> {
     seed: u64,
     laws: Laws,
     /// Known from the first sample on.
-    body: Option<Body>,
+    body: Option<Moving>,
     /// The highest pressure of each channel's law, Pa.
     highest_pa: Vec<f64>,
     last_us: u64,
@@ -147,7 +150,7 @@ impl<'a> Bodied<'a> {
             return (None, None);
         }
         match self.settled(at, truth) {
-            Ok(()) => (self.body.as_ref().map(|body| self.seen(body, free)), None),
+            Ok(()) => (self.body.as_ref().map(|body| self.seen(body.body(), free)), None),
             Err(why) => {
                 self.lost = true;
                 let text = format!("{why}: the limb's shape is not known from here on");
@@ -158,14 +161,14 @@ impl<'a> Bodied<'a> {
     }
 
     fn settled(&mut self, (time_us, payload_kg): (u64, f64), truth: &Truth) -> Result<(), String> {
-        let (mut body, span_s) = match self.body.take() {
-            Some(body) => (body, time_us.saturating_sub(self.last_us) as f64 * 1e-6),
+        let (mut body, span_s, rests) = match self.body.take() {
+            Some(body) => (body, time_us.saturating_sub(self.last_us) as f64 * 1e-6, !self.effects.swing),
             None => match self.laws.rested(self.seed) {
                 Some((body, highest_pa)) => {
                     self.highest_pa = highest_pa;
-                    (body, RESTED_S)
+                    (body, RESTED_S, true)
                 }
-                None => (self.assembled(truth)?, NEW_S),
+                None => (Moving::new(self.assembled(truth)?), NEW_S, true),
             },
         };
         self.last_us = time_us;
@@ -180,7 +183,11 @@ impl<'a> Bodied<'a> {
         let pressures_pa: Vec<f64> = truth.channels.iter().map(|channel| channel.pressure_pa.max(0.0)).collect();
         let payload_kg = if self.has_weight() { payload_kg } else { 0.0 };
         let falls = |_: Fallen| "the limb falls: it has no stable equilibrium near the last one".to_owned();
-        body.settle(&pressures_pa, payload_kg, span_s).map_err(falls)?;
+        if rests {
+            body.settle(&pressures_pa, payload_kg, span_s).map_err(falls)?;
+        } else if span_s > 0.0 {
+            body.advance_by(&pressures_pa, payload_kg, span_s, STEP_S).map_err(falls)?;
+        }
         self.body = Some(body);
         Ok(())
     }
@@ -195,8 +202,8 @@ impl<'a> Bodied<'a> {
     }
 
     fn assembled(&mut self, truth: &Truth) -> Result<Body, String> {
-        let BodyEffects { hysteresis, creep, softening, assembly } = self.effects;
-        let effects = Effects { hysteresis, creep, damping: false, softening };
+        let BodyEffects { hysteresis, creep, softening, assembly, swing } = self.effects;
+        let effects = Effects { hysteresis, creep, damping: swing, softening };
         let mut seats = Assembly::new(self.seed, if assembly { Tolerance::default() } else { Tolerance::NONE });
         let base = self.limb.base() * seats.base();
         let (mut bays, mut plates) = (Vec::new(), Vec::new());
@@ -232,10 +239,10 @@ impl<'a> Bodied<'a> {
                 bays.push(Bay { rest, tubes: tubes.iter().map(tube).collect() });
                 // Half of a bay's walls hang on each of its plates.
                 if let Some(Plate { masses }) = plates.last_mut() {
-                    masses.push(Mass { place_m: [0.0, 0.0, below_m], kg: 0.5 * wall_kg });
+                    masses.extend(self.section_masses(module, below_m, 0.5 * wall_kg));
                 }
                 let spacer_kg = if bay + 1 == count { 0.0 } else { self.plant.modules()[index].spacer_mass_kg };
-                plates.push(Plate { masses: vec![Mass { place_m: [0.0; 3], kg: 0.5 * wall_kg + spacer_kg }] });
+                plates.push(Plate { masses: self.section_masses(module, 0.0, 0.5 * wall_kg + spacer_kg) });
             }
             rigid_m = module.rigid_length_m() + seats.length_m();
             if let Some(plate) = plates.last_mut() {
@@ -262,11 +269,33 @@ impl<'a> Bodied<'a> {
     fn rigid_masses(&self, module: &LimbModule, index: usize) -> Vec<Mass> {
         let [connector_m, tool_m] = module.rigid_parts_m();
         let limb = self.plant.limb();
-        let mut masses = vec![Mass { place_m: [0.0, 0.0, 0.5 * connector_m], kg: limb.connector_mass_kg }];
+        let solid = |middle_m: f64, kg: f64, length_m: f64, radius_m: f64| {
+            if self.effects.swing { cylinder(middle_m, kg, length_m, radius_m) } else { vec![on_axis(middle_m, kg)] }
+        };
+        let radius_m = module.radius_m(&module.curve.states()[0]);
+        let mut masses = solid(0.5 * connector_m, limb.connector_mass_kg, connector_m, radius_m);
         if let Some(tool) = limb.end_effector.as_ref().filter(|_| index + 1 == self.limb.modules().len()) {
-            masses.push(Mass { place_m: [0.0, 0.0, connector_m + 0.5 * tool_m], kg: tool.mass_kg });
+            masses.extend(solid(connector_m + 0.5 * tool_m, tool.mass_kg, tool_m, tool.radius_m));
         }
         masses
+    }
+
+    /// Mass of tubes and spacers at a height of a plate: on the axis, or with its inertia against turns where the limb swings.
+    fn section_masses(&self, module: &LimbModule, height_m: f64, kg: f64) -> Vec<Mass> {
+        if !self.effects.swing {
+            return vec![on_axis(height_m, kg)];
+        }
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), module.mount_angle_rad());
+        let parameters = module.actuator.parameters();
+        // Four points have the moments of inertia of a ring, and that the one of a tube.
+        let ring_m = (0.5 * (parameters.inner_radius_m.powi(2) + parameters.outer_radius_m.powi(2))).sqrt();
+        let places = module.positions_m();
+        let own_kg = 0.25 * kg / places.len() as f64;
+        let around = [[ring_m, 0.0], [-ring_m, 0.0], [0.0, ring_m], [0.0, -ring_m]];
+        let of_tube = |[x, y]: [f64; 2]| {
+            around.map(|[dx, dy]| Mass { place_m: (turn * Vector3::new(x + dx, y + dy, height_m)).into(), kg: own_kg })
+        };
+        places.into_iter().flat_map(of_tube).collect()
     }
 
     /// Shape and deformations of the body as it is.
@@ -305,6 +334,24 @@ impl<'a> Bodied<'a> {
         let line_m = std::iter::once(base.translation.vector.into()).chain(ends).collect();
         Hung { tip_m: body.tip_m(), values, line_m, body: solid }
     }
+}
+
+fn on_axis(height_m: f64, kg: f64) -> Mass {
+    Mass { place_m: [0.0, 0.0, height_m], kg }
+}
+
+/// Six points with mass, middle and moments of inertia of a full cylinder about the axis.
+fn cylinder(middle_m: f64, kg: f64, length_m: f64, radius_m: f64) -> Vec<Mass> {
+    let (side_m, end_m) = (0.75_f64.sqrt() * radius_m, 0.5 * length_m);
+    let places = [
+        [side_m, 0.0, 0.0],
+        [-side_m, 0.0, 0.0],
+        [0.0, side_m, 0.0],
+        [0.0, -side_m, 0.0],
+        [0.0, 0.0, end_m],
+        [0.0, 0.0, -end_m],
+    ];
+    places.map(|[x, y, z]| Mass { place_m: [x, y, middle_m + z], kg: kg / 6.0 }).to_vec()
 }
 
 /// Beams of a tube between two of a module's plates.
@@ -349,6 +396,19 @@ fn screw(pose: &Isometry3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_of_a_cylinder_have_its_inertia() {
+        let (kg, length_m, radius_m) = (0.3, 0.12, 0.05);
+        let masses = cylinder(0.4, kg, length_m, radius_m);
+        let sum =
+            |value: &dyn Fn([f64; 3]) -> f64| masses.iter().map(|mass| mass.kg * value(mass.place_m)).sum::<f64>();
+        assert!((sum(&|_| 1.0) - kg).abs() < 1e-15 && (sum(&|[_, _, z]| z) / kg - 0.4).abs() < 1e-15);
+        let about = 0.5 * kg * radius_m * radius_m;
+        let across = kg * (length_m * length_m / 12.0 + 0.25 * radius_m * radius_m);
+        assert!((sum(&|[x, y, _]| x * x + y * y) - about).abs() < 1e-15);
+        assert!((sum(&|[x, _, z]| x * x + (z - 0.4).powi(2)) - across).abs() < 1e-15);
+    }
 
     #[test]
     fn screw_of_a_pose_leads_to_it() {

@@ -43,13 +43,21 @@ pub struct BodyEffects {
     pub softening: bool,
     /// Tolerances of tubes, connectors and base.
     pub assembly: bool,
+    /// Inertia, with the damping of the tubes.
+    pub swing: bool,
 }
 
 impl TrueLimb {
     /// The limb in the words of a table; `None` for the simple one.
     pub fn label(&self) -> Option<String> {
-        let Self::Body(BodyEffects { hysteresis, creep, softening, assembly }) = *self else { return None };
-        let effects = [(hysteresis, "hysteresis"), (creep, "creep"), (softening, "softening"), (assembly, "assembly")];
+        let Self::Body(BodyEffects { hysteresis, creep, softening, assembly, swing }) = *self else { return None };
+        let effects = [
+            (hysteresis, "hysteresis"),
+            (creep, "creep"),
+            (softening, "softening"),
+            (assembly, "assembly"),
+            (swing, "swing"),
+        ];
         let words = effects.into_iter().filter_map(|(on, word)| on.then_some(word));
         Some(std::iter::once("body").chain(words).collect::<Vec<_>>().join(" + "))
     }

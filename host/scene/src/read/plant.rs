@@ -121,11 +121,11 @@ fn spread(reader: &Reader<'_>) -> Option<Spread> {
 
 fn truth(reader: &Reader<'_>) -> Option<TrueLimb> {
     use schema::truth::*;
-    let [hysteresis, creep, softening, assembly] =
-        [HYSTERESIS, CREEP, SOFTENING, ASSEMBLY].map(|key| reader.flag(&key));
+    let [hysteresis, creep, softening, assembly, swing] =
+        [HYSTERESIS, CREEP, SOFTENING, ASSEMBLY, SWING].map(|key| reader.flag(&key));
     let is_body = *reader.choice(&LIMB, &[false, true])?;
     if !is_body {
-        let of_a_body = [HYSTERESIS.name, CREEP.name, SOFTENING.name, ASSEMBLY.name];
+        let of_a_body = [HYSTERESIS.name, CREEP.name, SOFTENING.name, ASSEMBLY.name, SWING.name];
         reader.forbid(&of_a_body, "for the simple limb: `limb = \"body\"` has them")?;
         return Some(TrueLimb::Simple);
     }
@@ -134,5 +134,6 @@ fn truth(reader: &Reader<'_>) -> Option<TrueLimb> {
         creep: creep?,
         softening: softening?,
         assembly: assembly?,
+        swing: swing?,
     }))
 }
