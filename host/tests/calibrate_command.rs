@@ -120,7 +120,7 @@ fn table_gives_the_material_and_a_scene_that_keeps_its_comments() {
     assert_eq!(checked.code, 3, "{}", checked.err);
     assert!(checked.err.lines().all(|line| line.contains("the valves are coarse")), "{}", checked.err);
     let svg = std::fs::read_to_string(folder.path().join("fit.svg")).unwrap();
-    assert!(svg.contains("axial stretch: measured less model") && svg.ends_with("</svg>\n"), "{}", svg.len());
+    assert!(svg.contains("axial stretch: measured less fit") && svg.ends_with("</svg>\n"), "{}", svg.len());
 }
 
 #[test]

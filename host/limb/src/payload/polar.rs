@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn circles_are_round_and_hold_the_largest_load() {
-        for (largest_n, expected) in [(3.9, 1.0), (4.1, 2.0), (95.0, 25.0), (0.081, 0.05), (100.0, 25.0)] {
+        for (largest_n, expected) in [(3.9, 1.0), (4.1, 2.0), (95.0, 25.0), (0.081, 0.025), (100.0, 25.0)] {
             assert!((step(largest_n) - expected).abs() < 1e-12 * expected, "{largest_n}: {}", step(largest_n));
         }
     }
