@@ -16,7 +16,7 @@ from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS
 from playwright.sync_api import sync_playwright
 
 # Time after which a browser that hangs ends the test, s.
-LIMIT_S = 900
+LIMIT_S = 300
 # Milliseconds of script in an update, over the whole run; and from frame to frame while the slider moves, for ten seconds at most: a browser on
 # busy cores may draw one frame a second.
 UPDATES = r"""
@@ -65,6 +65,8 @@ class Reader:
 
     def open(self, file):
         self.page.goto(file.resolve().as_uri())
+        # What is behind another window is drawn once a second.
+        self.page.bring_to_front()
         self.page.wait_for_function("document.documentElement.dataset.ready === 'plots'", timeout=120_000)
 
     def row(self):
