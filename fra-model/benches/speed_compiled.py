@@ -44,20 +44,33 @@ def sheet(x_f, weight, c2, s2, stretch, a, wall):
     )
 
 
+def closed_wall(log):
+    """Pressure and force of a neo-Hookean wall by closed forms, with their derivatives by stretch and lumen area ratio."""
+
+    def wall(x_outer, stretch, a):
+        d = x_outer - 1.0
+        inverse = 1.0 / stretch
+        v = stretch * a
+        b = v + d
+        thick = log(x_outer * v / b)
+        q = d / (v * b)
+        p = 0.5 * inverse * (thick + (v - 1.0) * q)
+        p_v = 0.5 * inverse * q * (1.0 / v + x_outer / b)
+        n = d * (stretch - inverse * inverse) - 0.5 * inverse * inverse * (v - 1.0) * thick
+        n_v = -0.5 * inverse * inverse * (thick + (v - 1.0) * q)
+        n_l = d * (1.0 + 2.0 * inverse**3) + inverse**3 * (v - 1.0) * thick
+        return p, -p * inverse + p_v * a, p_v * stretch, n, n_l + n_v * a, n_v * stretch
+
+    return wall
+
+
+numba_wall = compiled(inline="always")(closed_wall(np.log))
+jax_wall = closed_wall(jnp.log)
+
+
 @compiled(inline="always")
 def wall_closed(x_outer, _c2, _c3, stretch, a):
-    d = x_outer - 1.0
-    inverse = 1.0 / stretch
-    v = stretch * a
-    b = v + d
-    log = np.log(x_outer * v / b)
-    q = d / (v * b)
-    p = 0.5 * inverse * (log + (v - 1.0) * q)
-    p_v = 0.5 * inverse * q * (1.0 / v + x_outer / b)
-    n = d * (stretch - inverse * inverse) - 0.5 * inverse * inverse * (v - 1.0) * log
-    n_v = -0.5 * inverse * inverse * (log + (v - 1.0) * q)
-    n_l = d * (1.0 + 2.0 * inverse**3) + inverse**3 * (v - 1.0) * log
-    return p, -p * inverse + p_v * a, p_v * stretch, n, n_l + n_v * a, n_v * stretch
+    return numba_wall(x_outer, stretch, a)
 
 
 @compiled(inline="always")
@@ -257,18 +270,3 @@ def jax_forward(inner, outer, angle, thickness, mu1, mu2, pressure):
     goes_on = lambda state: (state[2] > TOLERANCE) & (state[3] < ROUNDS)
     stretch, a, _, _ = jax.lax.while_loop(goes_on, advance, (one, one, jnp.inf, 0))
     return stretch, jnp.sqrt(a) * inner
-
-
-def jax_wall(x_outer, stretch, a):
-    d = x_outer - 1.0
-    inverse = 1.0 / stretch
-    v = stretch * a
-    b = v + d
-    log = jnp.log(x_outer * v / b)
-    q = d / (v * b)
-    p = 0.5 * inverse * (log + (v - 1.0) * q)
-    p_v = 0.5 * inverse * q * (1.0 / v + x_outer / b)
-    n = d * (stretch - inverse * inverse) - 0.5 * inverse * inverse * (v - 1.0) * log
-    n_v = -0.5 * inverse * inverse * (log + (v - 1.0) * q)
-    n_l = d * (1.0 + 2.0 * inverse**3) + inverse**3 * (v - 1.0) * log
-    return p, -p * inverse + p_v * a, p_v * stretch, n, n_l + n_v * a, n_v * stretch

@@ -24,8 +24,8 @@ impl Inertia {
     /// Force of inertia on a mass at a place of a plate, which is at `middle` now, N; its slope against a shift, N/m; and how a turn of the plate
     /// shifts the mass.
     ///
-    /// `-m (dv/dt + dw/dt x r + w x (w x r))` with the mean velocity `v` and spin `w` of the step, and the arm `r` of its middle. The same step leads back, so
-    /// that no energy is lost or gained for good.
+    /// `-m (dv/dt + dw/dt x r + w x (w x r))` with the mean velocity `v` and spin `w` of the step, and the arm `r` of its middle. The scheme is
+    /// reversible, so that energy does not drift.
     pub(crate) fn force(
         &self,
         plate: usize,

@@ -83,7 +83,7 @@ fn reports_are_read_in_a_browser() {
         command.arg("--pictures").arg(PathBuf::from(pictures));
     }
     let mut output = command.output().unwrap();
-    // Chromium 156 sometimes draws one frame a second from its start on, until its time is over: another one is begun once.
+    // Chromium 156 sometimes draws one frame a second until the alarm ends the script. A second browser is tried then.
     if output.status.code().is_none() {
         output = command.output().unwrap();
     }

@@ -25,13 +25,13 @@ const NEARER: usize = 5;
 const ASIDE: f64 = 1e-9;
 /// A step of Newton's method that is shorter ends it ...
 const LAST_STEP: f64 = 1e-11;
-/// ... of at most so many. Longer ones than a short one in the stretch are not made with old derivatives, and none is longer than the longest.
+/// ... after at most so many. A step of the stretch above `SHORT` takes new derivatives, and `LONGEST` bounds it.
 const STEPS: usize = 16;
 const SHORT: f64 = 1e-4;
 const LONGEST: f64 = 3e-3;
 /// Most change of the pressure, as a share, and of the variable that follows on the way.
 const FAR: f64 = 0.3;
-/// A geometry is approached by way of others where Newton's method fails: the way is halved so many times.
+/// Where Newton's method fails, it solves geometries on the way first: the way is halved at most so many times.
 const APPROACHES: usize = 3;
 /// Width of the difference for the softening, as a share of the stretch ...
 const WIDTH_OF_SOFTENING: f64 = 1e-4;
@@ -161,7 +161,7 @@ impl<'a> Edge<'a> {
         Some(())
     }
 
-    /// Solves the conditions at a geometry: at once, or by way of the geometry in the middle between it and the last one.
+    /// Solves the conditions at a geometry, if need be after the geometry halfway from the last one.
     fn approach(&mut self, place: &[f64], times: usize, counts: &mut Counts) -> Option<()> {
         if self.solve(place, counts).is_some() {
             return Some(());
@@ -296,7 +296,7 @@ mod tests {
         edge.meet(&mut met, &mut counts).unwrap();
         // The grid's halving ends at a quarter over 2^20.
         assert!((met[3] - place[3]).abs() < 5e-7, "{met:?} {place:?}");
-        // The search along the branch has the two sides of it within twice its distance.
+        // The solver finds the limit point on one side only.
         assert!(is_free(segment, &met, 120e3, &mut counts));
         edge.find_slopes(&met, &mut counts).unwrap();
         met[3] += 2.0 * ASIDE;

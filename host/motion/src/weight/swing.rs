@@ -377,7 +377,7 @@ impl Excited {
     }
 }
 
-/// A smooth course of a move, adapted to what its vibrations feel of the way: impulses leave the more of them the more the way is curved.
+/// A smooth course of a move that leaves the least swing on its way. Impulses leave more swing the more the way is curved.
 struct Adapting<'a> {
     excited: &'a Excited,
     path: &'a Path,

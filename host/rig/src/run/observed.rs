@@ -16,7 +16,7 @@ use crate::record::{CoilPulse, DeviceTick};
 /// Ticks the observer remembers: longer than any telemetry message takes to arrive.
 const MEMORY: usize = 256;
 
-/// A simulated device whose state is kept at every tick, so that a message that arrives later meets the truth of its own time.
+/// A simulated device with a record of its latest ticks. A message finds there the true state at the time it was sent.
 pub(super) struct Observed {
     device: SimulatedMcu<Box<dyn Processor>>,
     seen: VecDeque<(u64, Snapshot)>,

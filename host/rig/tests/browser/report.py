@@ -65,7 +65,7 @@ class Reader:
 
     def open(self, file):
         self.page.goto(file.resolve().as_uri())
-        # What is behind another window is drawn once a second.
+        # A browser may draw a window behind another one less often.
         self.page.bring_to_front()
         self.page.wait_for_function("document.documentElement.dataset.ready === 'plots'", timeout=120_000)
 
