@@ -16,6 +16,8 @@ mod learn;
 mod logs;
 mod materials;
 mod output;
+#[cfg(unix)]
+mod pictures;
 mod run;
 mod scenes;
 mod usage;

@@ -63,7 +63,7 @@ fn table_and_the_picture_are_for_people() {
     }
     assert!(fs::read_to_string(&picture).unwrap().starts_with("<svg "));
     let diagrams = fs::read_to_string(&polar).unwrap();
-    assert!(["at rest", "reach", "load along z"].iter().all(|word| diagrams.contains(word)), "{diagrams}");
+    assert!(["at rest", "reach", "direction along z"].iter().all(|word| diagrams.contains(word)), "{diagrams}");
     let fallen = table.lines().any(|line| line.contains("no pressures balance")) || table.contains(" -");
     assert!(matches!(output.status.code(), Some(0 | 3)), "{table}");
     assert!(output.status.code() == Some(0) || fallen, "{table}");

@@ -62,8 +62,12 @@ pub enum Stroke {
     Dotted,
     /// Marks without a line: filled ...
     Dots,
-    /// ... and open, wide enough to show around a filled one.
+    /// ... open, wide enough to show around a filled one ...
     Rings,
+    /// ... two strokes across each other ...
+    Crosses,
+    /// ... and open squares.
+    Squares,
     /// Squares about the points: their side in the units of the axes, and a shade from 1, the palest, to 5.
     Cells {
         /// Length of a side.
@@ -82,6 +86,8 @@ impl Stroke {
             Self::Dotted => "dotted",
             Self::Dots => "dots",
             Self::Rings => "rings",
+            Self::Crosses => "crosses",
+            Self::Squares => "squares",
             Self::Cells { shade, .. } => {
                 ["shade1", "shade2", "shade3", "shade4", "shade5"][usize::from(shade.clamp(1, 5)) - 1]
             }
@@ -109,8 +115,19 @@ pub struct Axis {
     pub label: String,
     /// Ends, ascending.
     pub range: [f64; 2],
-    /// Whether the values are exponents of ten, and the ticks powers.
-    pub decades: bool,
+    /// The marks along it.
+    pub ticks: Ticks,
+}
+
+/// Marks along an axis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Ticks {
+    /// Round values.
+    Round,
+    /// Powers of ten: the values are their exponents.
+    Powers,
+    /// A name for each of the values 0, 1, 2 ...
+    Names(Vec<String>),
 }
 
 /// A stretch of the horizontal axis that is set off and named.

@@ -1,5 +1,7 @@
 //! From the units of an axis to pixels, and the ticks on the way.
 
+use super::Ticks;
+
 /// Smallest interval that holds all finite values, widened by a twentieth on both
 /// sides; an interval of some width also for one value or none.
 pub fn span(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
@@ -55,6 +57,15 @@ impl Scale {
             .collect()
     }
 
+    /// The marks along an axis: round values about one per `spacings_px[0]`, or powers at least `spacings_px[1]` apart.
+    pub(super) fn marks(&self, ticks: &Ticks, spacings_px: [f64; 2]) -> Vec<(f64, String)> {
+        match ticks {
+            Ticks::Round => self.ticks(spacings_px[0]),
+            Ticks::Powers => self.decades(spacings_px[1]),
+            Ticks::Names(names) => (0..).map(f64::from).zip(names.iter().cloned()).collect(),
+        }
+    }
+
     /// Ticks at whole exponents of ten, at least `spacing_px` apart, labelled as powers.
     pub(super) fn decades(&self, spacing_px: f64) -> Vec<(f64, String)> {
         let [low, high] = self.values;
@@ -66,9 +77,19 @@ impl Scale {
         }
         (0..=(last - first) as u32)
             .map(|index| (first + f64::from(index)) * step + 0.0)
-            .map(|exponent| (exponent, format!("1e{exponent:.0}")))
+            .map(|exponent| (exponent, power(exponent)))
             .collect()
     }
+}
+
+/// A power of ten with its exponent above the line.
+fn power(exponent: f64) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raised = |letter: char| match letter.to_digit(10) {
+        Some(digit) => DIGITS[digit as usize],
+        None => '⁻',
+    };
+    format!("10{}", format!("{exponent:.0}").chars().map(raised).collect::<String>())
 }
 
 /// Smallest of 1, 2, 5 times a power of ten that is not below `rough`.
@@ -108,8 +129,9 @@ mod tests {
             let ticks = Scale::new(range, [0.0, 100.0]).decades(spacing);
             ticks.into_iter().map(|(_, label)| label).collect::<Vec<_>>()
         };
-        assert_eq!(labels([-3.0, 1.0], 20.0), ["1e-3", "1e-2", "1e-1", "1e0", "1e1"]);
-        assert_eq!(labels([-3.5, 1.0], 40.0), ["1e-2", "1e0"]);
+        assert_eq!(labels([-3.0, 1.0], 20.0), ["10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹"]);
+        assert_eq!(labels([-3.5, 1.0], 40.0), ["10⁻²", "10⁰"]);
+        assert_eq!(labels([-24.0, -12.0], 100.0), ["10⁻²⁴", "10⁻¹²"]);
         assert!(labels([-1e9, 1e9], 1e-9).is_empty());
     }
 

@@ -1,26 +1,47 @@
 //! Several charts as one document that stands by itself, light and dark.
 
+use std::fmt::Write;
+
 use super::Chart;
+use super::svg::{escape, text_width};
 
-/// Height of the caption above the charts, px.
-const CAPTION: f64 = 24.0;
+/// Height of a line of the caption, and of the gap between rows, px.
+const LINE: f64 = 18.0;
+const GAP: f64 = 12.0;
+/// Left edge of the caption, px.
+const LEFT: f64 = 62.0;
 
-/// The charts in rows and columns, each in a room of the given width and height, px, below a caption.
-pub fn sheet(rows: &[Vec<Chart>], room: [f64; 2], caption: &str) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let [width, height] = [columns as f64 * room[0], rows.len() as f64 * room[1] + CAPTION];
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-         height=\"{height:.0}\">\n<style>{STYLE}</style>\n<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n\
-         <text class=\"legend\" x=\"62\" y=\"16\">{caption}</text>\n"
-    );
-    for (row, charts) in rows.iter().enumerate() {
+/// The charts in rows and columns, each in a room of that width, px, below a caption.
+pub fn sheet(rows: &[Vec<Chart>], room: f64, caption: &str) -> String {
+    let width = room * rows.iter().map(Vec::len).max().unwrap_or(0) as f64;
+    let (mut body, mut top) = (String::new(), 6.0);
+    for line in wrapped(caption, width - LEFT) {
+        top += LINE;
+        let _ = writeln!(body, "<text class=\"legend\" x=\"{LEFT}\" y=\"{:.0}\">{}</text>", top - 8.0, escape(&line));
+    }
+    for charts in rows {
         for (column, chart) in charts.iter().enumerate() {
-            let place = format!("<svg x=\"{}\" y=\"{}\" ", column as f64 * room[0], row as f64 * room[1] + CAPTION);
-            svg.push_str(&chart.svg().replacen("<svg ", &place, 1));
+            let place = format!("<svg x=\"{}\" y=\"{top:.1}\" ", column as f64 * room);
+            body.push_str(&chart.svg().replacen("<svg ", &place, 1));
+        }
+        top += charts.iter().map(Chart::height).fold(0.0, f64::max) + GAP;
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {top:.0}\" width=\"{width:.0}\" \
+         height=\"{top:.0}\">\n<style>{STYLE}</style>\n<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n{body}</svg>\n"
+    )
+}
+
+/// A text in lines that fit the width.
+fn wrapped(text: &str, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if text_width(line) + text_width(word) < width => *line += &format!(" {word}"),
+            _ => lines.push(word.to_owned()),
         }
     }
-    svg + "</svg>\n"
+    lines
 }
 
 const STYLE: &str = "
@@ -56,3 +77,15 @@ path.line, .rings { fill: none; }
 .shade4 { fill-opacity: 0.74; }
 .shade5 { fill-opacity: 1; }
 ";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn captions_are_wrapped_between_words_and_escaped() {
+        assert_eq!(wrapped("one two  three", 60.0), ["one two", "three"]);
+        assert_eq!(wrapped("", 60.0), [""; 0]);
+        assert!(sheet(&[], 400.0, "a&b").contains(">a&amp;b<"));
+    }
+}

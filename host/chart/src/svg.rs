@@ -2,7 +2,7 @@
 
 use super::scale::Scale;
 use super::thin::thin;
-use super::{Axis, Band, Chart, Series, Stroke};
+use super::{Axis, Band, Chart, Series, Stroke, Ticks};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -16,51 +16,94 @@ const BOTTOM: f64 = 40.0;
 const ROW: f64 = 18.0;
 /// Width of a letter at the size of the legend, px: a generous guess, as no font is
 /// measured.
-const LETTER: f64 = 6.6;
+const LETTER: f64 = 6.8;
 /// Length of the stroke in the legend with its margins, px.
-const SAMPLE: f64 = 34.0;
+const SAMPLE: f64 = 40.0;
+/// Distance of a note from its point, and half the size of a mark, px.
+const ASIDE: f64 = 5.0;
 
 impl Chart {
     /// The chart as an `svg` element of its own width that a page can stretch.
     pub fn svg(&self) -> String {
         let legend = legend_rows(&self.series, self.area[0]);
-        let named = self.bands.iter().any(|band| !band.label.is_empty());
-        let top = ROW * (1.0 + legend.len() as f64 + f64::from(u8::from(named))) + 6.0;
-        let [width, height] = [LEFT + self.area[0] + RIGHT, top + self.area[1] + BOTTOM];
+        let (left, top) = (self.left(), self.top(legend.len()));
+        let [width, height] = [left + self.area[0] + RIGHT, self.height()];
         let title = escape(&self.title);
         let mut svg = format!(
             "<svg viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" role=\"img\" \
-             aria-label=\"{title}\">\n<text class=\"title\" x=\"{LEFT}\" y=\"13\">{title}</text>\n",
+             aria-label=\"{title}\">\n<text class=\"title\" x=\"{left:.1}\" y=\"13\">{title}</text>\n",
         );
-        draw_legend(&mut svg, &legend);
+        draw_legend(&mut svg, &legend, left);
         let frame = Frame {
-            x: Scale::new(self.x.range, [LEFT, LEFT + self.area[0]]),
+            x: Scale::new(self.x.range, [left, left + self.area[0]]),
             y: Scale::new(self.y.range, [top + self.area[1], top]),
-            left: LEFT,
-            right: LEFT + self.area[0],
+            left,
+            right: left + self.area[0],
             top,
             bottom: top + self.area[1],
         };
         self.bands.iter().for_each(|band| frame.draw_band(&mut svg, band));
         frame.draw_axes(&mut svg, &self.x, &self.y);
-        self.marks.iter().for_each(|&mark| frame.draw_mark(&mut svg, mark));
+        self.marks.iter().for_each(|&mark| frame.draw_line_across(&mut svg, mark));
         self.series.iter().for_each(|series| frame.draw_series(&mut svg, series));
-        for note in &self.notes {
-            let [x, y] = frame.pixel(note.at);
-            if x.is_finite() && y.is_finite() {
-                // Beside the point where there is room, else before it.
-                let fits = x + 5.0 + text_width(&note.text) <= width;
-                let (x, anchor) = if fits { (x + 5.0, "") } else { (x - 5.0, " text-anchor=\"end\"") };
-                let _ = writeln!(
-                    svg,
-                    "<text class=\"note\" x=\"{x:.1}\" y=\"{:.1}\"{anchor}>{}</text>",
-                    y - 5.0,
-                    escape(&note.text)
-                );
-            }
-        }
+        self.draw_notes(&mut svg, &frame);
         svg.push_str("</svg>\n");
         svg
+    }
+
+    /// Height of the chart with its frame, px.
+    pub(super) fn height(&self) -> f64 {
+        self.top(legend_rows(&self.series, self.area[0]).len()) + self.area[1] + BOTTOM
+    }
+
+    /// Room above the area, px.
+    fn top(&self, legend_rows: usize) -> f64 {
+        let named = self.bands.iter().any(|band| !band.label.is_empty());
+        ROW * (1.0 + legend_rows as f64 + f64::from(u8::from(named))) + 6.0
+    }
+
+    /// The notes, each beside its point: of the four places at its corners the one that covers the fewest other notes and marks.
+    fn draw_notes(&self, svg: &mut String, frame: &Frame) {
+        let is_finite = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
+        let marks = self.series.iter().filter(|series| is_mark(series.stroke)).flat_map(|series| &series.points);
+        let marks: Vec<[f64; 2]> = marks.map(|&point| frame.pixel(point)).filter(is_finite).collect();
+        let mut taken: Vec<[f64; 4]> = Vec::new();
+        for (note, [x, y]) in self.notes.iter().map(|note| (note, frame.pixel(note.at))) {
+            if !is_finite(&[x, y]) {
+                continue;
+            }
+            let width = text_width(&note.text);
+            let places = [(1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(across, down)| {
+                let left = if across > 0.0 { x + ASIDE } else { x - ASIDE - width };
+                let top = if down > 0.0 { y + 4.0 } else { y - 14.0 };
+                (across, [left, left + width, top, top + 11.0])
+            });
+            let cost = |[left, right, top, bottom]: [f64; 4]| {
+                let is_over =
+                    |other: &[f64; 4]| left < other[1] && other[0] < right && top < other[3] && other[2] < bottom;
+                let notes = taken.iter().filter(|other| is_over(other)).count();
+                let marks = marks.iter().filter(|[x, y]| is_over(&[x - 3.0, x + 3.0, y - 3.0, y + 3.0])).count();
+                let is_outside =
+                    left < frame.left || right > frame.right + RIGHT || top < frame.top - 14.0 || bottom > frame.bottom;
+                10_000 * usize::from(is_outside) + 100 * notes + marks
+            };
+            let Some((across, place)) = places.into_iter().min_by_key(|(_, place)| cost(*place)) else { continue };
+            taken.push(place);
+            let (x, anchor) = if across > 0.0 { (place[0], "") } else { (place[1], " text-anchor=\"end\"") };
+            let _ = writeln!(
+                svg,
+                "<text class=\"note\" x=\"{x:.1}\" y=\"{:.1}\"{anchor}>{}</text>",
+                place[3] - 2.0,
+                escape(&note.text)
+            );
+        }
+    }
+
+    /// Room left of the area, px: more where the vertical axis has names.
+    fn left(&self) -> f64 {
+        let Ticks::Names(names) = &self.y.ticks else { return LEFT };
+        let label = if self.y.label.is_empty() { 0.0 } else { ROW };
+        names.iter().map(|name| text_width(name) + 12.0 + label).fold(LEFT, f64::max)
     }
 }
 
@@ -108,8 +151,8 @@ impl Frame {
     fn draw_axes(&self, svg: &mut String, x: &Axis, y: &Axis) {
         let Self { left, right, top, bottom, .. } = *self;
         let spacing = ((right - left) / 8.0).clamp(48.0, 90.0);
-        for (value, label) in if x.decades { self.x.decades(spacing) } else { self.x.ticks(spacing) } {
-            let at = self.x.pixel(value);
+        for (value, label) in self.x.marks(&x.ticks, [spacing; 2]) {
+            let (at, label) = (self.x.pixel(value), escape(&label));
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\
@@ -117,8 +160,8 @@ impl Frame {
                 bottom + 14.0
             );
         }
-        for (value, label) in if y.decades { self.y.decades(30.0) } else { self.y.ticks(38.0) } {
-            let at = self.y.pixel(value);
+        for (value, label) in self.y.marks(&y.ticks, [38.0, 30.0]) {
+            let (at, label) = (self.y.pixel(value), escape(&label));
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>\
@@ -139,7 +182,7 @@ impl Frame {
         );
     }
 
-    fn draw_mark(&self, svg: &mut String, value: f64) {
+    fn draw_line_across(&self, svg: &mut String, value: f64) {
         let at = self.x.pixel(value);
         if at >= self.left && at <= self.right {
             let _ = writeln!(svg, "<path class=\"mark\" d=\"M{at:.1} {:.1}V{:.1}\"/>", self.top, self.bottom);
@@ -171,9 +214,9 @@ impl Frame {
         if let Stroke::Cells { side, .. } = series.stroke {
             return self.draw_cells(svg, series, side);
         }
-        if matches!(series.stroke, Stroke::Dots | Stroke::Rings) {
+        if is_mark(series.stroke) {
             for &point in series.points.iter().filter(|point| point.iter().all(|value| value.is_finite())) {
-                draw_dot(svg, series, self.pixel(point));
+                draw_mark(svg, series, self.pixel(point));
             }
             return;
         }
@@ -198,9 +241,26 @@ impl Frame {
     }
 }
 
-fn draw_dot(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
-    let radius = if series.stroke == Stroke::Rings { 5.4 } else { 2.8 };
-    let _ = writeln!(svg, "<circle class=\"{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>", classes(series));
+fn is_mark(stroke: Stroke) -> bool {
+    matches!(stroke, Stroke::Dots | Stroke::Rings | Stroke::Crosses | Stroke::Squares)
+}
+
+fn draw_mark(svg: &mut String, series: &Series, [x, y]: [f64; 2]) {
+    let classes = classes(series);
+    let _ = match series.stroke {
+        Stroke::Crosses => {
+            let (left, top) = (x - 3.6, y - 3.6);
+            writeln!(svg, "<path class=\"{classes}\" d=\"M{left:.1} {top:.1}l7.2 7.2m0-7.2l-7.2 7.2\"/>")
+        }
+        Stroke::Squares => {
+            let (left, top) = (x - 3.6, y - 3.6);
+            writeln!(svg, "<path class=\"{classes}\" d=\"M{left:.1} {top:.1}h7.2v7.2h-7.2z\"/>")
+        }
+        _ => {
+            let radius = if series.stroke == Stroke::Rings { 5.4 } else { 2.8 };
+            writeln!(svg, "<circle class=\"{classes}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>")
+        }
+    };
 }
 
 fn classes(series: &Series) -> String {
@@ -228,13 +288,13 @@ fn legend_rows(series: &[Series], width: f64) -> Vec<Vec<&Series>> {
     rows
 }
 
-fn draw_legend(svg: &mut String, rows: &[Vec<&Series>]) {
+fn draw_legend(svg: &mut String, rows: &[Vec<&Series>], left: f64) {
     let mut y = ROW + 13.0;
     for row in rows {
-        let mut x = LEFT;
+        let mut x = left;
         for entry in row {
-            if matches!(entry.stroke, Stroke::Dots | Stroke::Rings) {
-                draw_dot(svg, entry, [x + 11.0, y - 3.5]);
+            if is_mark(entry.stroke) {
+                draw_mark(svg, entry, [x + 11.0, y - 3.5]);
             } else if let Stroke::Cells { .. } = entry.stroke {
                 let _ = writeln!(svg, "<path class=\"{}\" d=\"M{x:.1} {:.1}h22v-11h-22z\"/>", classes(entry), y + 1.0);
             } else {
@@ -252,12 +312,12 @@ fn draw_legend(svg: &mut String, rows: &[Vec<&Series>]) {
     }
 }
 
-fn text_width(text: &str) -> f64 {
+pub(super) fn text_width(text: &str) -> f64 {
     LETTER * text.chars().count() as f64
 }
 
 /// Text as XML content or attribute. Control characters have no place in XML.
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::actuators::Winding;
 use crate::bundle::{Answer, Attachment, Budget, ForceProblem, Place, Sample, Tube, search};
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, sheet, span};
 use softlimb_limb::LimbModule;
 use softlimb_limb::payload::{Bundle, Hold, Mounted, PayloadError};
 
@@ -115,13 +115,13 @@ fn bundle(parameters: &ActuatorParameters<f64>, count: usize) -> Result<Bundle, 
 
 /// The curves as a document that stands by itself.
 pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
-    let mut series = Vec::new();
+    let (mut series, mut notes) = (Vec::new(), Vec::new());
     for (index, design) in designs.iter().enumerate() {
         let color = Color::nth(index);
         let points: Vec<[f64; 2]> = design.curve.iter().map(|[pa, n]| [pa * 1e-3, *n]).collect();
         let ends = [points[0][0], points[points.len() - 1][0]].map(|kpa| [kpa, design.wanted_n]);
-        let label = format!("{:.0} N wanted", design.wanted_n);
-        series.push(Series { label, color, stroke: Stroke::Solid, points });
+        notes.push(Note { at: ends[0], text: format!("{:.0} N wanted", design.wanted_n) });
+        series.push(Series { label: String::new(), color, stroke: Stroke::Solid, points });
         series.push(Series { label: String::new(), color, stroke: Stroke::Dashed, points: ends.to_vec() });
     }
     let along = |axis: usize| span(series.iter().flat_map(|one| &one.points).map(|point| point[axis]));
@@ -129,12 +129,12 @@ pub fn picture(name: &str, designs: &[BlockedDesign]) -> String {
     let chart = Chart {
         title: format!("{name}: push at rest length"),
         area: [520.0, 280.0],
-        x: Axis { label: "gauge pressure, kPa".into(), range: x, decades: false },
-        y: Axis { label: "push of the bundle, N".into(), range: y, decades: false },
+        x: Axis { label: "gauge pressure, kPa".into(), range: x, ticks: Ticks::Round },
+        y: Axis { label: "push of the bundle, N".into(), range: y, ticks: Ticks::Round },
         series,
         bands: Vec::new(),
         marks: Vec::new(),
-        notes: Vec::new(),
+        notes,
     };
-    sheet(&[vec![chart]], [606.0, 380.0], "Designs by eq. (18); dashed: the wanted push.")
+    sheet(&[vec![chart]], 606.0, "Designs by eq. (18); dashed: the wanted push.")
 }

@@ -1,6 +1,7 @@
 //! The published comparison of the analytic model with finite elements, `tests/golden/validation.tsv`: what it says today, and what it must say.
 //!
 //! Made by `cargo xtask lab validation --calculix --tsv tests/golden/validation.tsv --svg docs/evidence/validation.svg --page docs/evidence/validation.md`.
+//! `SOFTLIMB_WRITE_VALIDATION=1 cargo test -p softlimb-lab --test main page_and_picture_show_the_record` draws the picture again from the record.
 //! Here everything but CalculiX is computed again; `tests/calculix.rs` runs CalculiX itself.
 
 use fra_model::Motion;
@@ -47,6 +48,10 @@ fn the_record_is_what_the_models_say() {
 #[test]
 fn page_and_picture_show_the_record() {
     let recorded = recorded();
+    if std::env::var_os("SOFTLIMB_WRITE_VALIDATION").is_some() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/evidence/validation.svg");
+        std::fs::write(file, picture(&recorded)).expect(file);
+    }
     let page = read("docs/evidence/validation.md");
     assert_eq!(replaced(&page, PLACE, &table(&recorded)).as_deref(), Some(page.as_str()), "see the head of this test");
     assert!(

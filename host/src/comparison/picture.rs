@@ -4,13 +4,14 @@ use fra_model::Motion;
 
 use super::case::label;
 use super::compare::{Comparison, Row};
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
 
-/// Area of one chart, px, and the room it takes with its frame.
-const AREA: [f64; 2] = [334.0, 210.0];
-const ROOM: [f64; 2] = [410.0, 330.0];
+/// Area of one chart, px, and its width with its frame.
+const AREA: [f64; 2] = [322.0, 210.0];
+const ROOM: f64 = 400.0;
 
-const CAPTION: &str = "Lines: analytic model. Dots: finite elements of the section. Rings: CalculiX. Below: their difference from the model.";
+const CAPTION: &str =
+    "Lines: analytic model. Crosses: finite elements of the section. Squares: calibrated cubic. Rings: CalculiX.";
 
 /// The picture as a document that stands by itself.
 pub fn picture(comparison: &Comparison) -> String {
@@ -37,8 +38,11 @@ fn differences(comparison: &Comparison, motion: Motion, title: &str) -> Chart {
         let points = |value: &dyn Fn(&Row) -> Option<f64>| -> Vec<[f64; 2]> {
             rows.iter().filter_map(|row| percent(row, value(row))).collect()
         };
-        for (stroke, points) in [(Stroke::Dots, points(&|row| row.section)), (Stroke::Rings, points(&|row| row.solid))]
-        {
+        for (stroke, points) in [
+            (Stroke::Rings, points(&|row| row.solid)),
+            (Stroke::Squares, points(&|row| row.calibrated)),
+            (Stroke::Crosses, points(&|row| row.section)),
+        ] {
             series.push(Series { label: String::new(), color: Color::nth(index), stroke, points });
         }
     }
@@ -49,12 +53,12 @@ fn differences(comparison: &Comparison, motion: Motion, title: &str) -> Chart {
         x: Axis {
             label: "gauge pressure, kPa".to_owned(),
             range: span(points().map(|point| point[0]).chain([0.0])),
-            decades: false,
+            ticks: Ticks::Round,
         },
         y: Axis {
-            label: "of the deformation, %".to_owned(),
+            label: "difference, % of the deformation".to_owned(),
             range: span(points().map(|point| point[1]).chain([0.0])),
-            decades: false,
+            ticks: Ticks::Round,
         },
         series,
         bands: Vec::new(),
@@ -75,17 +79,18 @@ fn chart(comparison: &Comparison, motion: Motion, title: &str) -> Chart {
         line.insert(0, [0.0, rows[0].rest]);
         let label = rows[0].case.split_once(", ").map_or_else(|| rows[0].case.clone(), |(_, rest)| rest.to_owned());
         series.push(Series { label, color, stroke: Stroke::Solid, points: line });
-        let section = points(&|row| row.section);
-        series.push(Series { label: String::new(), color, stroke: Stroke::Dots, points: section });
-        series.push(Series { label: String::new(), color, stroke: Stroke::Rings, points: points(&|row| row.solid) });
+        let mut add = |stroke, points| series.push(Series { label: String::new(), color, stroke, points });
+        add(Stroke::Rings, points(&|row| row.solid));
+        add(Stroke::Squares, points(&|row| row.calibrated));
+        add(Stroke::Crosses, points(&|row| row.section));
     }
     let along = |axis: usize| span(series.iter().flat_map(|one| &one.points).map(|point| point[axis]));
     let (x, y) = (along(0), along(1));
     Chart {
         title: title.to_owned(),
         area: AREA,
-        x: Axis { label: "gauge pressure, kPa".to_owned(), range: x, decades: false },
-        y: Axis { label: label(motion), range: y, decades: false },
+        x: Axis { label: "gauge pressure, kPa".to_owned(), range: x, ticks: Ticks::Round },
+        y: Axis { label: label(motion), range: y, ticks: Ticks::Round },
         series,
         bands: Vec::new(),
         marks: Vec::new(),

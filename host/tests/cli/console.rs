@@ -1,7 +1,7 @@
 //! `console` in a browser: `browser/console.py` uses it as its user would.
 
 #[path = "../../rig/tests/browser/driver.rs"]
-mod driver;
+pub(crate) mod driver;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

@@ -40,6 +40,17 @@ pub enum Kind {
     G,
 }
 
+impl std::fmt::Display for Kind {
+    /// The motions of its segments, and whether they share a pressure.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::A | Self::B | Self::C | Self::D => f.write_str(&self.motions().map(Motion::name).join(", ")),
+            Self::F => f.write_str("motions of A, one pressure"),
+            Self::G => f.write_str("motions of B, one pressure"),
+        }
+    }
+}
+
 impl Kind {
     /// All kinds.
     pub const ALL: [Self; 6] = [Self::A, Self::B, Self::C, Self::D, Self::F, Self::G];

@@ -1,91 +1,113 @@
-//! Error against cost as a picture: one chart for each motion and problem, both axes in powers of ten.
+//! Error against cost as a picture: a chart for each problem, both axes in powers of ten, with the methods that no other one beats.
 
 use super::report::{Report, Row};
-use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, sheet};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, sheet};
 
-/// Area of one chart, px, and the room it takes with its frame.
-const AREA: [f64; 2] = [470.0, 300.0];
-const ROOM: [f64; 2] = [556.0, 446.0];
+/// Area of one chart, px, and its width with its frame.
+const AREA: [f64; 2] = [322.0, 340.0];
+const ROOM: f64 = 400.0;
 /// Errors below this are drawn on it: nothing in double precision is better.
 const LEAST_ERROR: f64 = 1e-17;
 /// And errors above this on that: they are no approximation.
 const MOST_ERROR: f64 = 1e2;
-/// A name closer to another one than this, in decades, is left out: the tables have it.
-const APART: [f64; 2] = [0.5, 0.8];
+/// A method is drawn if it applies to so many of the four motions.
+const MOTIONS: usize = 3;
+/// Width of a letter and height of a line of the names, px, and the most names of a chart.
+const LETTER: [f64; 2] = [6.6, 13.0];
+const NAMES: usize = 8;
 
-/// Methods that belong together, with their color; the series of a family are joined by a line.
-const FAMILIES: [(&str, Color); 7] = [
-    ("solver", Color::Ink),
-    ("Newton", Color::First),
-    ("nodes", Color::Third),
-    ("Chebyshev", Color::Second),
-    ("table", Color::Fifth),
-    ("printed, B0, B1", Color::Fourth),
-    ("limits", Color::Faint),
-];
+const CAPTION: &str =
+    "Largest error over all motions. Coloured: none is cheaper and more accurate. Rings: single precision.";
+
+/// A method over all motions.
+struct Mark<'a> {
+    method: &'a str,
+    /// Exponents of cost and error.
+    at: [f64; 2],
+}
 
 /// The picture as a document that stands by itself. Cost is the number of instructions where they were counted for every line, else
 /// the time over that of the baseline.
 pub fn picture(report: &Report) -> String {
     let counted = report.rows.iter().all(|row| row.cost.count.is_some());
     let cost = |row: &Row| if counted { row.cost.counted().0 } else { row.cost.time };
-    let label = if counted { "instructions of one answer" } else { "time of one answer over that of the baseline" };
-    let ranges = [range(report.rows.iter().filter_map(cost)), range(report.rows.iter().map(error))];
-    let rows = ["extension", "expansion", "twisting", "bending"].map(|motion| {
-        let of_motion = |problem| {
-            let here = |line: &&Row| line.names[0] == problem && line.names[2] == motion;
-            let lines: Vec<&Row> = report.rows.iter().filter(here).collect();
-            chart(format!("{motion}, {problem}"), &lines, &cost, label, ranges)
-        };
-        ["forward", "inverse"].map(of_motion).to_vec()
+    let label = if counted { "instructions of one answer" } else { "time over that of the baseline" };
+    let charts = ["forward", "inverse"].map(|problem| {
+        let marks = ["f64", "f32"].map(|scalar| marks(report, (problem, scalar), &cost));
+        chart(problem, &marks, label)
     });
-    sheet(&rows, ROOM, CAPTION)
+    sheet(&[charts.to_vec()], ROOM, CAPTION)
 }
 
-fn error(row: &Row) -> f64 {
-    row.accuracy.max_error.clamp(LEAST_ERROR, MOST_ERROR)
+/// The methods of a problem in a scalar: the largest error and the mean cost over the motions.
+fn marks<'a>(report: &'a Report, (problem, scalar): (&str, &str), cost: &dyn Fn(&Row) -> Option<f64>) -> Vec<Mark<'a>> {
+    let rows = || report.rows.iter().filter(|row| row.names[0] == problem && row.names[3] == scalar);
+    let mut methods: Vec<&str> = Vec::new();
+    for row in rows() {
+        if !methods.contains(&row.names[1].as_str()) {
+            methods.push(&row.names[1]);
+        }
+    }
+    let mark = |method: &'a str| {
+        let found: Vec<(f64, f64)> = rows()
+            .filter(|row| row.names[1] == method)
+            .filter_map(|row| Some((cost(row)?, row.accuracy.max_error.clamp(LEAST_ERROR, MOST_ERROR))))
+            .collect();
+        let mean = found.iter().map(|(cost, _)| cost).sum::<f64>() / found.len() as f64;
+        let worst = found.iter().map(|(_, error)| *error).fold(0.0, f64::max);
+        let at = [mean.log10(), worst.log10()];
+        (found.len() >= MOTIONS && at.iter().all(|value| value.is_finite())).then_some(Mark { method, at })
+    };
+    methods.into_iter().filter_map(mark).collect()
 }
 
-fn chart(
-    title: String,
-    lines: &[&Row],
-    cost: &dyn Fn(&Row) -> Option<f64>,
-    label: &str,
-    [x, y]: [[f64; 2]; 2],
-) -> Chart {
-    let mut series = Vec::new();
-    let mut notes: Vec<Note> = Vec::new();
-    for (name, color) in FAMILIES {
-        for (scalar, stroke) in [("f64", Stroke::Dots), ("f32", Stroke::Rings)] {
-            let of = |row: &&&Row| family(&row.names[1]) == name && row.names[3] == scalar;
-            let marks: Vec<(&Row, [f64; 2])> = lines
-                .iter()
-                .filter(of)
-                .filter_map(|row| Some((*row, [cost(row)?.log10(), error(row).log10()])))
-                .filter(|(_, [x, y])| x.is_finite() && y.is_finite())
-                .collect();
-            if marks.is_empty() {
-                continue;
-            }
-            let points: Vec<_> = marks.iter().map(|(_, at)| *at).collect();
-            if name != "solver" && name != "printed, B0, B1" && name != "limits" {
-                let joined = Series { label: String::new(), color, stroke: Stroke::Dotted, points: joined(&marks) };
-                series.push(joined);
-            }
-            series.push(Series { label: format!("{name}, {scalar}"), color, stroke, points });
-            if scalar == "f64" {
-                for (row, at) in &marks {
-                    let near = |note: &Note| (0..2).all(|axis| (note.at[axis] - at[axis]).abs() < APART[axis]);
-                    if !notes.iter().any(near) {
-                        notes.push(Note { at: *at, text: short(&row.names[1]) });
-                    }
-                }
+/// The marks that no other one beats in both, by rising cost.
+fn front<'m, 'a>(marks: &'m [Mark<'a>]) -> Vec<&'m Mark<'a>> {
+    let beats = |a: &Mark<'_>, b: &Mark<'_>| a.at[0] <= b.at[0] && a.at[1] <= b.at[1] && a.at != b.at;
+    let mut front: Vec<&Mark<'_>> = marks.iter().filter(|mark| !marks.iter().any(|other| beats(other, mark))).collect();
+    front.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
+    front
+}
+
+fn chart(problem: &str, marks: &[Vec<Mark<'_>>; 2], label: &str) -> Chart {
+    let range = |axis: usize| {
+        let values = marks.iter().flatten().map(|mark| mark.at[axis]);
+        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], e| [low.min(e), high.max(e)]);
+        if low > high { [0.0, 1.0] } else { [(low - 0.2).floor(), (high + 0.2).ceil()] }
+    };
+    let (x, y) = (range(0), range(1));
+    let (mut series, mut notes): (Vec<Series>, Vec<Note>) = (Vec::new(), Vec::new());
+    let mut boxes: Vec<[f64; 4]> = Vec::new();
+    for (marks, stroke) in marks.iter().zip([Stroke::Dots, Stroke::Rings]) {
+        let points = marks.iter().map(|mark| mark.at).collect();
+        series.push(Series { label: String::new(), color: Color::Faint, stroke, points });
+    }
+    let looks = [("double precision", Color::First, Stroke::Dots), ("single", Color::Second, Stroke::Rings)];
+    for (marks, (name, color, stroke)) in marks.iter().zip(looks) {
+        let front = front(marks);
+        let points: Vec<[f64; 2]> = front.iter().map(|mark| mark.at).collect();
+        series.push(Series { label: String::new(), color, stroke: Stroke::Dotted, points: points.clone() });
+        series.push(Series { label: name.into(), color, stroke, points });
+        for mark in front {
+            let text = short(mark.method);
+            let size = [LETTER[0] * text.chars().count() as f64 + 8.0, LETTER[1]];
+            let px = [0, 1].map(|axis: usize| {
+                let [low, high] = [x, y][axis];
+                AREA[axis] * (mark.at[axis] - low) / (high - low)
+            });
+            let left = if px[0] + size[0] > AREA[0] { px[0] - size[0] } else { px[0] };
+            let own = [left, left + size[0], px[1], px[1] + size[1]];
+            let apart =
+                |other: &[f64; 4]| own[0] >= other[1] || other[0] >= own[1] || own[2] >= other[3] || other[2] >= own[3];
+            if notes.len() < NAMES && boxes.iter().all(apart) {
+                boxes.push(own);
+                notes.push(Note { at: mark.at, text });
             }
         }
     }
-    let axis = |label: &str, range| Axis { label: label.to_owned(), range, decades: true };
+    let axis = |label: &str, range| Axis { label: label.to_owned(), range, ticks: Ticks::Powers };
     Chart {
-        title,
+        title: problem.to_owned(),
         area: AREA,
         x: axis(label, x),
         y: axis("largest relative error", y),
@@ -96,61 +118,32 @@ fn chart(
     }
 }
 
-/// The marks of a family in order, with a gap wherever another group of it begins.
-fn joined(marks: &[(&Row, [f64; 2])]) -> Vec<[f64; 2]> {
-    let group = |row: &Row| row.names[1].contains("cold");
-    let mut points = Vec::new();
-    for (index, (row, at)) in marks.iter().enumerate() {
-        if index > 0 && group(row) != group(marks[index - 1].0) {
-            points.push([f64::NAN; 2]);
-        }
-        points.push(*at);
-    }
-    points
-}
-
-/// Which family a method belongs to.
-fn family(method: &str) -> &'static str {
-    match method {
-        _ if method.starts_with("Newton") => "Newton",
-        _ if method.ends_with("nodes") => "nodes",
-        _ if method.starts_with("Chebyshev") => "Chebyshev",
-        _ if method.starts_with("table") => "table",
-        _ if method.starts_with("printed") || method == "B0" || method == "B1" => "printed, B0, B1",
-        "closed form" | "inextensible fibers" => "limits",
-        _ => "solver",
-    }
-}
-
 /// A method beside its mark.
 fn short(method: &str) -> String {
     let words = [
-        ("Newton, warm, ", ""),
-        ("Newton, cold, to ", "cold "),
-        (" steps", ""),
-        (" step", ""),
-        (" nodes", ""),
-        ("B2, ", ""),
-        ("Chebyshev, degree ", ""),
-        ("table, degree ", ""),
-        ("printed ", ""),
-        ("inextensible fibers", "inextensible"),
-        ("forward, sheet", "cold, sheet"),
-        ("inverse, sheet", "cold, sheet"),
-        ("forward_from", "warm"),
-        ("inverse_from", "warm"),
-        ("inverse_near", "near"),
+        ("Newton, warm, ", "Newton, "),
+        ("Newton, cold, to ", "Newton to "),
+        ("Chebyshev, degree ", "Chebyshev "),
+        ("table, degree ", "table "),
+        ("forward, sheet", "model, sheet"),
+        ("inverse, sheet", "model, sheet"),
+        ("forward_from", "model, warm"),
+        ("inverse_from", "model, warm"),
+        ("inverse_near", "model, near"),
     ];
     let plain = words.iter().fold(method.to_owned(), |text, (from, to)| text.replace(from, to));
-    if plain == "forward" || plain == "inverse" { "cold".to_owned() } else { plain }
+    if plain == "forward" || plain == "inverse" { "model".to_owned() } else { plain }
 }
 
-/// Exponents of ten around all values.
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let exponents = values.map(f64::log10).filter(|exponent| exponent.is_finite());
-    let [low, high] = exponents.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], e| [low.min(e), high.max(e)]);
-    if low > high { [0.0, 1.0] } else { [(low - 0.2).floor(), (high + 0.2).ceil()] }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-const CAPTION: &str = "Largest relative error over the set against the cost of one answer. Dots: double precision; rings: single. \
-                       A mark is named by its nodes, degree, Newton steps or start.";
+    #[test]
+    fn front_has_what_nothing_beats() {
+        let mark = |method, at| Mark { method, at };
+        let marks = [mark("dear", [3.0, -3.0]), mark("cheap", [1.0, -1.0]), mark("beaten", [3.0, -1.0])];
+        let names: Vec<&str> = front(&marks).iter().map(|mark| mark.method).collect();
+        assert_eq!(names, ["cheap", "dear"]);
+    }
+}

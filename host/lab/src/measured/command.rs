@@ -3,14 +3,14 @@
 use clap::Args;
 use serde::Serialize;
 use softlimb::cli::{Failure, Outcome};
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
 
 use super::{PLACE, Set, page, sets};
 use crate::published::Published;
 
-/// Area of one chart, px, and the room it takes with its frame.
-const AREA: [f64; 2] = [360.0, 260.0];
-const ROOM: [f64; 2] = [446.0, 400.0];
+/// Area of one chart, px, and its width with its frame.
+const AREA: [f64; 2] = [322.0, 250.0];
+const ROOM: f64 = 400.0;
 
 /// Compare the models with measured actuators and elastomers, with nothing fitted and with a fitted modulus
 #[derive(Args)]
@@ -103,7 +103,7 @@ fn chart(set: &Set) -> Chart {
         Series { label: "measured".into(), color: Color::Ink, stroke: Stroke::Dots, points: readings.collect() },
     ];
     let range = |axis: usize| span(series.iter().flat_map(|series| &series.points).map(|point| point[axis]));
-    let axis = |label: &str, range| Axis { label: label.into(), range, decades: false };
+    let axis = |label: &str, range| Axis { label: label.into(), range, ticks: Ticks::Round };
     let (x, y) = (axis("pressure, kPa", range(0)), axis("bend, deg", range(1)));
     Chart {
         title: format!("threads at {:.0} deg from the hoop", set.angle_deg),

@@ -1,6 +1,7 @@
 //! Tip errors of runs on limbs that are not the planner's: each effect of a true body alone, and all together.
 
 mod command;
+mod picture;
 mod table;
 
 use std::num::NonZero;

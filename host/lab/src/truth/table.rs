@@ -22,3 +22,56 @@ pub(crate) fn line(row: &Row) -> String {
     };
     format!("| {} | {} | {} | {} |", row.scene, row.limb, cells(row.by_model), cells(row.learned))
 }
+
+/// The rows of a table, as it has them: rounded.
+pub(crate) fn rows(text: &str) -> Vec<Row> {
+    let figures = |cells: &[&str]| -> Option<[f64; 3]> {
+        let mm: Option<Vec<f64>> = cells.iter().map(|cell| cell.parse().ok()).collect();
+        mm?.try_into().ok().map(|mm: [f64; 3]| mm.map(|mm| 1e-3 * mm))
+    };
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let [scene, limb, by_model @ .., _, _, _] = &cells[..] else { return None };
+        let is_row = cells.len() == 8 && *scene != "scene" && !scene.starts_with("---");
+        is_row.then(|| Row {
+            scene: (*scene).to_owned(),
+            limb: (*limb).to_owned(),
+            by_model: figures(by_model),
+            learned: figures(&cells[5..]),
+        })
+    };
+    text.lines().filter(|line| line.starts_with('|')).filter_map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::truth::picture::picture;
+
+    #[test]
+    fn table_is_read_as_it_was_written() {
+        let row = Row {
+            scene: "arm".into(),
+            limb: "body + creep".into(),
+            by_model: Some([1.5e-3, 2e-3, 0.25e-3]),
+            learned: None,
+        };
+        let read = rows(&format!("{}\n{}", heading(3), line(&row)));
+        assert_eq!((read.len(), line(&read[0]), read[0].learned), (1, line(&row), None));
+    }
+
+    /// `SOFTLIMB_WRITE_TRUTH=1 cargo test -p softlimb-lab --lib truth` writes the picture anew from the table of the page.
+    #[test]
+    fn picture_shows_the_table_of_the_page() {
+        let file = |name: &str| format!("{}/../../docs/evidence/{name}", env!("CARGO_MANIFEST_DIR"));
+        let page = std::fs::read_to_string(file("truth.md")).unwrap();
+        let drawn = picture(&rows(&page));
+        if std::env::var_os("SOFTLIMB_WRITE_TRUTH").is_some() {
+            std::fs::write(file("truth.svg"), &drawn).unwrap();
+        }
+        assert!(
+            drawn == std::fs::read_to_string(file("truth.svg")).unwrap(),
+            "docs/evidence/truth.svg is not of the table"
+        );
+    }
+}

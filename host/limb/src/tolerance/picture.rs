@@ -2,11 +2,11 @@
 
 use super::sample::Sample;
 use super::study::Study;
-use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, sheet, span};
 
-/// Area of one chart, px, and the room it takes with its frame.
+/// Area of one chart, px, and its width with its frame.
 const AREA: [f64; 2] = [320.0, 230.0];
-const ROOM: [f64; 2] = [400.0, 330.0];
+const ROOM: f64 = 400.0;
 /// Charts side by side.
 const COLUMNS: usize = 2;
 /// Most tips that are shown for a pose, and points of an ellipse.
@@ -49,10 +49,11 @@ fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usi
             .collect();
         let ellipse = ellipse(&tips);
         let shown = tips.iter().step_by(tips.len().div_ceil(DOTS).max(1)).copied().collect();
-        let mut add = |stroke, points| series.push(Series { label: String::new(), color, stroke, points });
-        add(Stroke::Dots, shown);
-        add(Stroke::Solid, line);
-        add(Stroke::Solid, ellipse);
+        let mut add = |color, stroke, points| series.push(Series { label: String::new(), color, stroke, points });
+        // In the color of the ellipse, the tips would hide it.
+        add(Color::Faint, Stroke::Dots, shown);
+        add(color, Stroke::Solid, line);
+        add(color, Stroke::Solid, ellipse);
         notes.push(Note { at: end, text: pose.name.clone() });
     }
     let points = || series.iter().flat_map(|one| &one.points);
@@ -65,8 +66,8 @@ fn view(name: &str, study: &Study<'_>, samples: &[Sample], (axes, labels): ([usi
     Chart {
         title: name.to_owned(),
         area: [(x[1] - x[0]) * scale, (y[1] - y[0]) * scale],
-        x: Axis { label: labels[0].into(), range: x, decades: false },
-        y: Axis { label: labels[1].into(), range: y, decades: false },
+        x: Axis { label: labels[0].into(), range: x, ticks: Ticks::Round },
+        y: Axis { label: labels[1].into(), range: y, ticks: Ticks::Round },
         series,
         bands: Vec::new(),
         marks: Vec::new(),
@@ -112,8 +113,8 @@ fn chart(study: &Study<'_>, samples: &[Sample], pose: usize) -> Chart {
     Chart {
         title: study.poses()[pose].name.clone(),
         area: AREA,
-        x: Axis { label: "displacement of the tip, mm".into(), range: [0.0, largest.max(1e-6)], decades: false },
-        y: Axis { label: "limbs, %".into(), range: [0.0, 100.0], decades: false },
+        x: Axis { label: "displacement of the tip, mm".into(), range: [0.0, largest.max(1e-6)], ticks: Ticks::Round },
+        y: Axis { label: "limbs, %".into(), range: [0.0, 100.0], ticks: Ticks::Round },
         series: series.into(),
         bands: Vec::new(),
         marks: Vec::new(),

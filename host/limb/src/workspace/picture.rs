@@ -1,11 +1,11 @@
 //! Side, front and top view: how deep the workspace is behind each place, and the limb at its extremes.
 
 use super::grid::Grid;
-use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, sheet};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, sheet};
 
-/// Longest side of a view, px, and the room of a view with its axes.
+/// Longest side of a view, px, and the width of a view with its axes.
 const SIDE: f64 = 310.0;
-const ROOM: [f64; 2] = [400.0, 440.0];
+const ROOM: f64 = 400.0;
 /// Free space around what is drawn, as a share of its size.
 const RIM: f64 = 0.06;
 /// Shades of the depth.
@@ -79,7 +79,8 @@ fn view(
     });
     let sizes = ranges.map(|[low, high]| high - low);
     let scale = SIDE / sizes[0].max(sizes[1]);
-    let [x, y] = [0, 1].map(|axis: usize| Axis { label: labels[axis].into(), range: ranges[axis], decades: false });
+    let [x, y] =
+        [0, 1].map(|axis: usize| Axis { label: labels[axis].into(), range: ranges[axis], ticks: Ticks::Round });
     let series = |label: &str, color, stroke, points| Series { label: label.into(), color, stroke, points };
     let mut all: Vec<Series> = (1..=SHADES)
         .map(|shade| {

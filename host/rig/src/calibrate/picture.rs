@@ -2,11 +2,11 @@
 
 use super::{Fit, Observation, RangeFit, Tension, TensionFit};
 use fra_model::StateQuantity;
-use softlimb_chart::{Axis, Chart, Color, Series, Stroke, sheet, span};
+use softlimb_chart::{Axis, Chart, Color, Series, Stroke, Ticks, sheet, span};
 
-/// Area of one chart, px, and the room it takes with its frame.
+/// Area of one chart, px, and its width with its frame.
 const AREA: [f64; 2] = [322.0, 240.0];
-const ROOM: [f64; 2] = [400.0, 380.0];
+const ROOM: f64 = 400.0;
 
 /// A fit as a document that stands by itself: a row for each quantity, with the deformations beside their residuals.
 pub fn picture(fit: &Fit, observations: &[Observation]) -> String {
@@ -109,7 +109,7 @@ pub fn range_picture(name: &str, test: &Tension, fit: Option<&RangeFit>) -> Stri
 
 fn chart(title: String, x: &str, y: &str, series: Vec<Series>) -> Chart {
     let range = |axis: usize| span(series.iter().flat_map(|series| &series.points).map(|point| point[axis]));
-    let axis = |label: &str, range| Axis { label: label.into(), range, decades: false };
+    let axis = |label: &str, range| Axis { label: label.into(), range, ticks: Ticks::Round };
     let (across, up) = (range(0), range(1));
     Chart {
         title,

@@ -7,7 +7,7 @@ use super::stats::distance;
 use super::summary::is_scheduled;
 use crate::record::{ChannelSample, ModuleInfo, ModuleSample, RunLog, Sample};
 use fra_model::StateQuantity;
-use softlimb_chart::{Axis, Band, Chart, Color, Series, Stroke, labelled, span};
+use softlimb_chart::{Axis, Band, Chart, Color, Series, Stroke, Ticks, labelled, span};
 use softlimb_numerics::statistics::root_mean_square;
 
 pub(super) use tip::{phase_views, tip_views};
@@ -128,8 +128,8 @@ fn over_time(log: &RunLog, title: String, label: &str, area: [f64; 2], series: V
     Chart {
         title: labelled(&title, log.info.weightless),
         area,
-        x: Axis { label: "time, s".into(), range, decades: false },
-        y: Axis { label: label.to_owned(), range: span(values), decades: false },
+        x: Axis { label: "time, s".into(), range, ticks: Ticks::Round },
+        y: Axis { label: label.to_owned(), range: span(values), ticks: Ticks::Round },
         series,
         bands: bands(log),
         marks: Vec::new(),

@@ -2,10 +2,10 @@
 
 use super::super::summary::scheduled;
 use crate::record::{PhaseInfo, RunLog, Sample, Shape};
-use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, labelled, span};
+use softlimb_chart::{Axis, Chart, Color, Note, Series, Stroke, Ticks, labelled, span};
 
 /// Largest width and height of a view, px.
-const MAX_AREA: [f64; 2] = [310.0, 420.0];
+const MAX_AREA: [f64; 2] = [284.0, 420.0];
 /// Smallest width and height of a view, px.
 const MIN_AREA: [f64; 2] = [280.0, 160.0];
 /// Notes closer than this are one, px.
@@ -101,7 +101,7 @@ impl Layout {
         let axis = |side: usize| Axis {
             label: format!("{}, mm", ["x", "y", "z"][axes[side]]),
             range: self.filled(side, extents[side]),
-            decades: false,
+            ticks: Ticks::Round,
         };
         series.retain(|series| series.points.iter().flatten().any(|value| value.is_finite()));
         let [x, y] = [axis(0), axis(1)];
