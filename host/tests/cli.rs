@@ -21,3 +21,5 @@ mod pictures;
 mod run;
 mod scenes;
 mod usage;
+#[cfg(unix)]
+mod wire;

@@ -20,7 +20,7 @@ const LEAD_US: u64 = 120_000;
 /// Time between two knots, us.
 const PERIOD_US: u64 = 20_000;
 /// Longest time between two looks at the pilot, us.
-const LOOK_US: u64 = 4_000;
+const LOOK_US: u64 = 1_000;
 /// Longest time until the host learns that a device without knots holds, us: more than the lead and the delay of the message.
 const HELD_US: u64 = 1_000_000;
 /// Largest delay of the message that the device has started, us.

@@ -35,7 +35,7 @@ const PATH_PERIOD_US: usize = 200_000;
 pub(super) struct Assembler<'a> {
     scene: &'a Scene,
     limb: &'a Limb,
-    reference: Box<dyn Reference + 'a>,
+    reference: Box<dyn Reference + Send + 'a>,
     true_limb: TrueLimb<'a>,
     /// The simulated gripper; `None` where the scene has none.
     grasp: Option<Grasp>,
@@ -73,7 +73,7 @@ impl<'a> Assembler<'a> {
     /// An assembler for the setpoints of a scene's limb and for the simulated limb. `tier` is the statics of the setpoints under load.
     pub(super) fn new(
         (scene, limb): (&'a Scene, &'a Limb),
-        reference: impl Reference + 'a,
+        reference: impl Reference + Send + 'a,
         tier: Option<Fidelity>,
         (plant, simulated): (&'a Scene, &'a Limb),
         (seed, laws): (u64, Laws),

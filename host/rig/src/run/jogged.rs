@@ -2,7 +2,6 @@
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -12,17 +11,18 @@ use super::assemble::{Assembler, run_info};
 use super::bodied::Laws;
 use super::disturbed::disturbed;
 use super::observed::Observed;
+use super::observer::observing;
 use super::paced::Paced;
 use super::prepared::{Origin, SESSION, stream_options};
 use super::recording::{Bench, recorded_by};
 use super::timed_fault::TimedFault;
-use super::track::{Track, Tracked};
+use super::track::{SharedTrack, Tracked};
 use super::unobserved::Unobserved;
 use super::{Mcu, RunError, RunFiles, simulated_device, unix_ns};
 use crate::link;
 use crate::link::port::{self, Port, PortAddress};
 use crate::link::{DeviceConfiguration, DeviceFault, Event, Knot, LinkFaults, Pilot, Wish};
-use crate::record::{Body, Posture, RunLog, Sample, TargetRecord};
+use crate::record::{Body, InjectedFault, Posture, RunLog, Sample, TargetRecord};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
 use softlimb_motion::Plan;
@@ -117,10 +117,10 @@ pub fn jog(
     let mut link = disturbed(simulated, options.link_faults, device.seed);
     let (ended, failure) = if device.in_real_time {
         let mut paced = Paced::new(link);
-        let ended = by_hand((scene, &limb), &mut paced, (SESSION, origin), options, operator, cancel);
+        let ended = by_hand((scene, &limb), &mut paced, (SESSION, origin), options, operator, (cancel, true));
         (ended, paced.device_mut().port_mut().take_failure())
     } else {
-        let ended = by_hand((scene, &limb), &mut link, (SESSION, origin), options, operator, cancel);
+        let ended = by_hand((scene, &limb), &mut link, (SESSION, origin), options, operator, (cancel, false));
         (ended, link.port_mut().take_failure())
     };
     failure.map_or(ended, |failure| Err(failure.into()))
@@ -140,7 +140,7 @@ pub fn jog_behind(
     let limb = Limb::new(scene)?;
     let mut link = disturbed(Unobserved::new(Port::open(address)?), options.link_faults, 0);
     let origin = Origin::Device { unix_ns: unix_ns() };
-    by_hand((scene, &limb), &mut link, (port::session_number(), origin), options, operator, cancel)
+    by_hand((scene, &limb), &mut link, (port::session_number(), origin), options, operator, (cancel, true))
 }
 
 /// How the targets of a scene were met in a log, by the true tip, or by the model's tip on a device.
@@ -161,12 +161,12 @@ fn by_hand<D: Bench>(
     (number, origin): (u16, Origin),
     options: &JogOptions,
     operator: &mut dyn Operator,
-    cancel: &AtomicBool,
+    (cancel, is_in_real_time): (&AtomicBool, bool),
 ) -> Result<RunFiles, RunError> {
     let jog = Jog::new(scene, limb, options.within_m)?;
     let configuration: DeviceConfiguration = crate::configuration(scene, &motion::inverses(scene, limb)?, limb);
-    let (track, tier) = (Rc::new(RefCell::new(Track::default())), jog.tier());
-    let reference = Tracked::new(scene, limb, tier, Rc::clone(&track));
+    let (track, tier) = (SharedTrack::default(), jog.tier());
+    let reference = Tracked::new(scene, limb, tier, track.clone());
     let assembler =
         Assembler::new((scene, limb), reference, tier, (scene, limb), (origin.seed().unwrap_or(0), Laws::default()));
     let desk = RefCell::new(Desk::default());
@@ -186,30 +186,39 @@ fn by_hand<D: Bench>(
     let period_us = u64::from(scene.controller().telemetry_period_us);
     recorded_by(device, (info, assembler, period_us), &options.out, |device, recording| {
         let settings = stream_options(&configuration, limb, number, cancel);
-        let ended = link::live(device, &configuration, &settings, &mut hand, |device, event| {
-            let mut desk = desk.borrow_mut();
-            for (name, channel) in std::mem::take(&mut desk.breaks) {
-                let fault = TimedFault::now(&name, channel).map_err(|error| error.to_string());
-                let broken = fault.and_then(|fault| device.break_now(fault.clone()).map(|()| fault.injected()));
-                desk.faults.push(match broken {
-                    Ok(fault) => recording.on_purpose(&fault),
-                    Err(reason) => format!("{name} is refused: {reason}"),
-                });
-            }
-            match &event {
-                Event::State(state) => desk.state = Some(*state),
-                Event::Fault { message, .. } => desk.faults.push(DeviceFault::from(message).to_string()),
-                _ => {}
-            }
-            if let Some(sample) = recording.take(device, event) {
-                desk.sample = Some(sample);
-                desk.body = recording.take_body().or(desk.body.take());
-                desk.posture = recording.take_posture().or(desk.posture.take());
-            }
+        let ended = observing(recording, is_in_real_time, |observer| {
+            link::live(device, &configuration, &settings, &mut hand, |device, event| {
+                let mut desk = desk.borrow_mut();
+                for (name, channel) in std::mem::take(&mut desk.breaks) {
+                    let fault = TimedFault::now(&name, channel).map_err(|error| error.to_string());
+                    let broken = fault.and_then(|fault| device.break_now(fault.clone()).map(|()| fault.injected()));
+                    desk.faults.push(match &broken {
+                        Ok(fault) => on_purpose(fault),
+                        Err(reason) => format!("{name} is refused: {reason}"),
+                    });
+                    broken.into_iter().for_each(|fault| observer.on_purpose(fault));
+                }
+                match &event {
+                    Event::State(state) => desk.state = Some(*state),
+                    Event::Fault { message, .. } => desk.faults.push(DeviceFault::from(message).to_string()),
+                    _ => {}
+                }
+                observer.take(device, event);
+                let look = observer.look();
+                desk.sample = look.sample.or(desk.sample.take());
+                desk.body = look.body.or(desk.body.take());
+                desk.posture = look.posture.or(desk.posture.take());
+            })
         });
         recording.targets = hand.jog.targets().attempts().iter().map(target).collect();
         ended
     })
+}
+
+/// A fault on purpose in words.
+fn on_purpose(fault: &InjectedFault) -> String {
+    let text = format!("{}, on purpose", fault.name);
+    fault.channel.map_or(text.clone(), |channel| format!("{text}, on channel {channel}"))
 }
 
 fn target(attempt: &Attempt) -> TargetRecord {
@@ -238,7 +247,7 @@ struct Hand<'a, 'h> {
     jog: Jog<'a>,
     operator: &'h mut dyn Operator,
     task: Option<&'a Plan>,
-    track: Rc<RefCell<Track>>,
+    track: SharedTrack,
     desk: &'h RefCell<Desk>,
     is_vented: bool,
     /// Whether the operator wishes to go on once the pressures are down.
@@ -308,7 +317,7 @@ impl Pilot for Hand<'_, '_> {
         let knot = self.jog.knot(time_us);
         let outputs = Outputs::default().with(Outputs::GRIPPER, knot.gripping);
         let values = knot.values.clone();
-        self.track.borrow_mut().push(time_us, knot);
+        self.track.lock().push(time_us, knot);
         Knot { time_us, outputs, values }
     }
 

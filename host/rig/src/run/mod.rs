@@ -9,6 +9,7 @@ mod hanging;
 mod jogged;
 mod listening;
 mod observed;
+mod observer;
 mod paced;
 mod prepared;
 mod recording;

@@ -15,7 +15,8 @@ use super::{Progress, RunError, RunFiles, write_report};
 use crate::link::{Event, LinkError, LinkStatistics, Transport};
 use crate::record;
 use crate::record::{
-    Body, FaultRecord, InjectedFault, Posture, RecordError, Recorder, RunEnd, RunInfo, Sample, TargetRecord,
+    Body, DeviceTick, FaultRecord, InjectedFault, Posture, RecordError, Recorder, RunEnd, RunInfo, Sample,
+    TargetRecord, WireBytes,
 };
 
 /// Least number of ticks in a message of the log: fewer would be smaller than their header.
@@ -48,6 +49,30 @@ pub(super) trait Bench: Transport {
     /// The reason in words: no such part, or a device that is not simulated.
     fn break_now(&mut self, _fault: TimedFault) -> Result<(), String> {
         Err("only a simulated device breaks on purpose".to_owned())
+    }
+}
+
+/// An event of the link, with what the device shows at it.
+pub(super) struct Moment {
+    event: Event,
+    truth: Option<Truth>,
+    wire: Vec<WireBytes>,
+    ticks: Vec<DeviceTick>,
+    is_at_pins: bool,
+}
+
+impl Moment {
+    pub(super) fn of(device: &mut impl Bench, event: Event) -> Self {
+        if let Event::Armed { start_us, .. } = event {
+            device.armed(start_us);
+        }
+        let truth = match &event {
+            Event::Telemetry { message, .. } => device.truth_at(message.time_us),
+            _ => None,
+        };
+        let is_at_pins = device.is_at_pins();
+        let tape = device.tape();
+        Self { event, truth, wire: tape.take_wire(), ticks: tape.take_ticks(0), is_at_pins }
     }
 }
 
@@ -102,7 +127,9 @@ pub(super) fn recorded_by<'a, D: Bench, R>(
     let began = Instant::now();
     let mut recording = Recording::new(info, assembler, period_us, path.clone());
     let ended = session(device, &mut recording);
-    recording.take_tape(device, 0);
+    let is_at_pins = device.is_at_pins();
+    let (wire, ticks) = (device.tape().take_wire(), device.tape().take_ticks(0));
+    recording.keep((wire, ticks, is_at_pins), 0);
     let link = link_summary(&recording.statistics, device.tape().traffic(), recording.gaps.lost);
     let last_s = recording.last_s;
     let wall_s = Some(began.elapsed().as_secs_f64());
@@ -143,6 +170,9 @@ pub(super) struct Recording<'a> {
     posture: Option<Posture>,
     /// How the targets were met by hand.
     pub(super) targets: Vec<TargetRecord>,
+    /// Bytes and ticks that are not in the log yet.
+    wire: Vec<WireBytes>,
+    ticks: Vec<DeviceTick>,
     statistics: LinkStatistics,
     gaps: Gaps,
 }
@@ -174,6 +204,8 @@ impl<'a> Recording<'a> {
             body: None,
             posture: None,
             targets: Vec::new(),
+            wire: Vec::new(),
+            ticks: Vec::new(),
             statistics: LinkStatistics::default(),
             gaps,
         }
@@ -181,9 +213,15 @@ impl<'a> Recording<'a> {
 
     /// Takes an event of the link. A log that cannot be written does not stop the limb; it is told at the end.
     pub(super) fn take(&mut self, device: &mut impl Bench, event: Event) -> Option<Sample> {
-        let noted = self.note(device, event);
+        self.observe(Moment::of(device, event))
+    }
+
+    /// [`Self::take`] of an event whose device is elsewhere.
+    pub(super) fn observe(&mut self, moment: Moment) -> Option<Sample> {
+        let Moment { event, truth, wire, ticks, is_at_pins } = moment;
+        let noted = self.note(event, truth.as_ref());
         let sample = self.unless_lost(noted).flatten();
-        self.take_tape(device, TICKS);
+        self.keep((wire, ticks, is_at_pins), TICKS);
         sample
     }
 
@@ -197,30 +235,31 @@ impl<'a> Recording<'a> {
         self.posture.take()
     }
 
-    /// Notes a fault that was injected now; the note in words.
-    pub(super) fn on_purpose(&mut self, fault: &InjectedFault) -> String {
-        let text = format!("{}, on purpose", fault.name);
+    /// Notes a fault that was injected now.
+    pub(super) fn on_purpose(&mut self, fault: &InjectedFault) {
         let note = FaultRecord {
             time_s: self.last_s.unwrap_or(0.0),
             channel: fault.channel.and_then(|channel| u8::try_from(channel).ok()).unwrap_or(u8::MAX),
             code: FaultRecord::ON_PURPOSE,
             value: 0,
-            text: text.clone(),
+            text: format!("{}, on purpose", fault.name),
         };
         let written = self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.fault(&note));
         self.unless_lost(written);
-        fault.channel.map_or(text.clone(), |channel| format!("{text}, on channel {channel}"))
     }
 
-    /// Writes the bytes since the last call, and the ticks where there are at least `ticks_min`. Before there is a log, they stay on the tape.
-    fn take_tape(&mut self, device: &mut impl Bench, ticks_min: usize) {
+    /// Writes bytes, and ticks where there are at least `ticks_min`. Before there is a log, they are kept.
+    fn keep(&mut self, (wire, ticks, is_at_pins): (Vec<WireBytes>, Vec<DeviceTick>, bool), ticks_min: usize) {
+        self.wire.extend(wire);
+        self.ticks.extend(ticks);
         if self.recorder.is_none() && self.failure.is_none() {
             return;
         }
-        let at_pins = device.is_at_pins();
-        let (wire, ticks) = (device.tape().take_wire(), device.tape().take_ticks(ticks_min));
+        let wire = std::mem::take(&mut self.wire);
+        let ticks = if self.ticks.len() < ticks_min { Vec::new() } else { std::mem::take(&mut self.ticks) };
         let Some(recorder) = &mut self.recorder else { return };
-        let taken = wire.iter().try_for_each(|wire| recorder.wire(wire)).and_then(|()| recorder.ticks(&ticks, at_pins));
+        let taken =
+            wire.iter().try_for_each(|wire| recorder.wire(wire)).and_then(|()| recorder.ticks(&ticks, is_at_pins));
         self.unless_lost(taken);
     }
 
@@ -234,7 +273,7 @@ impl<'a> Recording<'a> {
             .ok()
     }
 
-    fn note(&mut self, device: &mut impl Bench, event: Event) -> Result<Option<Sample>, RecordError> {
+    fn note(&mut self, event: Event, truth: Option<&Truth>) -> Result<Option<Sample>, RecordError> {
         match event {
             Event::Connected(connected) => self.info.firmware_version = connected.firmware.to_string(),
             Event::Configured { config_hash } if self.failure.is_none() => {
@@ -249,17 +288,13 @@ impl<'a> Recording<'a> {
                 self.recorder = Some(recorder);
             }
             Event::Closed(statistics) => self.statistics = statistics,
-            Event::Armed { start_us, .. } => {
-                self.assembler.start(start_us);
-                device.armed(start_us);
-            }
+            Event::Armed { start_us, .. } => self.assembler.start(start_us),
             Event::Telemetry { message, .. } => {
                 if self.recorder.is_some() {
                     self.gaps.add(message.time_us);
                 }
-                let truth = device.truth_at(message.time_us);
                 if let Some(Seen { sample, shape, body, shown, posture, faults }) =
-                    self.assembler.sample(&message, truth.as_ref())
+                    self.assembler.sample(&message, truth)
                 {
                     self.body = shown.or(self.body.take());
                     if let Some(recorder) = &mut self.recorder {

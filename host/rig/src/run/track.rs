@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use fra_model::State;
 
@@ -45,16 +45,27 @@ impl Track {
     }
 }
 
+/// A track of the hand and of the log, which may be on two threads.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SharedTrack(Arc<Mutex<Track>>);
+
+impl SharedTrack {
+    pub(super) fn lock(&self) -> MutexGuard<'_, Track> {
+        // Nothing panics while it is locked.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 /// A track as the log's reference.
 pub(super) struct Tracked<'a> {
     pub(super) limb: &'a Limb,
-    pub(super) track: Rc<RefCell<Track>>,
+    pub(super) track: SharedTrack,
     /// The limb under its load; `None` without load.
     nominal: Option<RefCell<Nominal<'a>>>,
 }
 
 impl<'a> Tracked<'a> {
-    pub(super) fn new(scene: &'a Scene, limb: &'a Limb, tier: Option<Fidelity>, track: Rc<RefCell<Track>>) -> Self {
+    pub(super) fn new(scene: &'a Scene, limb: &'a Limb, tier: Option<Fidelity>, track: SharedTrack) -> Self {
         Self { limb, track, nominal: tier.map(|tier| RefCell::new(Nominal::new(scene, limb, tier))) }
     }
 
@@ -70,20 +81,20 @@ impl Reference for Tracked<'_> {
             from.setpoints.iter().zip(&to.setpoints).map(|(a, b)| a + (b - a) * share).collect()
         };
         let rest = || self.limb.drives().map(|drive| drive.measure(&drive.actuator.rest())).collect();
-        self.track.borrow().at(time_us, between).unwrap_or_else(rest)
+        self.track.lock().at(time_us, between).unwrap_or_else(rest)
     }
 
     fn payload_kg(&self, time_us: u64) -> f64 {
         let between =
             |from: &JogKnot, to: &JogKnot, share: f64| from.payload_kg + (to.payload_kg - from.payload_kg) * share;
-        self.track.borrow().at(time_us, between).unwrap_or(0.0)
+        self.track.lock().at(time_us, between).unwrap_or(0.0)
     }
 
     fn tip_m(&self, time_us: u64) -> [f64; 3] {
         let between = |from: &JogKnot, to: &JogKnot, share: f64| {
             std::array::from_fn(|axis| from.tip_m[axis] + (to.tip_m[axis] - from.tip_m[axis]) * share)
         };
-        let loaded = self.nominal.as_ref().and_then(|_| self.track.borrow().at(time_us, between));
+        let loaded = self.nominal.as_ref().and_then(|_| self.track.lock().at(time_us, between));
         loaded.unwrap_or_else(|| self.limb.tip(&self.states(time_us)))
     }
 
