@@ -24,6 +24,8 @@ const LOOKED_AT: [[f64; 4]; 5] =
 const ON_A_LINE: usize = 16;
 /// Share of the evaluations that starting points may take on a supply line; the others are for hops from the best minimum.
 const STARTING: f64 = 0.5;
+/// Model solves of an evaluation on a supply line: the search goes on where they are fewer, and cheaper.
+const SOLVES: f64 = 64.0;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
 /// The same while they are settled: differences are not exact to more.
@@ -40,7 +42,7 @@ pub struct Budget {
     pub starts: usize,
     /// As many local solves must end at the best objective before the search stops early; on one supply line at least sixteen.
     pub agreeing: usize,
-    /// No local solve begins after as many evaluations.
+    /// No local solve begins after as many evaluations; on one supply line it must have taken 64 model solves for each of them too.
     pub evaluations: u64,
 }
 
@@ -256,13 +258,14 @@ pub(super) fn shared(problem: &Problem, effort: &Budget, watch: &mut dyn FnMut(&
         limb.tell(minimum.objective);
         minimum
     };
-    let before = |share: f64| {
-        move |limb: &Watched<Shared>| limb.problem.counts.evaluations as f64 >= share * effort.evaluations as f64
-    };
-    let (mut minimum, mut solves) = multi_start(&mut limb, settings, before(STARTING), start, refine)?;
+    let evaluations = effort.evaluations as f64;
+    let is_started = |limb: &Watched<Shared>| limb.problem.counts.evaluations as f64 >= STARTING * evaluations;
+    let (mut minimum, mut solves) = multi_start(&mut limb, settings, is_started, start, refine)?;
     minimum.objective.is_finite().then_some(())?;
-    let spent = before(1.0);
-    let is_over = |limb: &Watched<Shared>, objective: f64| objective <= criteria.zero || spent(limb);
+    let is_over = |limb: &Watched<Shared>, objective: f64| {
+        let Counts { evaluations: made, solves, .. } = limb.problem.counts;
+        objective <= criteria.zero || (made as f64).min(solves as f64 / SOLVES) >= evaluations
+    };
     let (mut kind, mut fruitless) = (0, 0);
     while fruitless < HOPS.len() && !is_over(&limb, minimum.objective) {
         let mut points = HOPS[kind](&grid, &mut limb.problem, &minimum.point, minimum.objective);

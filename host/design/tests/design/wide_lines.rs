@@ -46,6 +46,19 @@ fn least_objective_is_found_at_other_pressures_of_about_the_same_ratios() {
 }
 
 #[test]
+fn search_goes_on_where_evaluations_take_few_model_solves() {
+    // By 3 x 400 starts. A search that ended after 2500 evaluations was 5e-4, 2e-4 and 8e-4 above with these seeds.
+    for (problem, least, seeds) in [(57, 19214.0746, &[1, 18][..]), (28, 3921.7706, &[13])] {
+        let line = wide_line(problem);
+        for &seed in seeds {
+            let answer = solve(&line, &Budget { seed, ..Budget::default() }).expect("an answer");
+            let gap = objective(&line, &answer) / least - 1.0;
+            assert!(gap.abs() <= 1e-6, "{problem}, {seed}: {gap:e} above {least}");
+        }
+    }
+}
+
+#[test]
 fn least_objective_is_found_on_the_edge_where_a_limit_point_vanishes() {
     // By nested one-dimensional searches: fiber angle by halving to where the limit point vanishes, wall by halving to the highest
     // pressure, the second segment's radius by golden sections, compass search over the other radius and the radii of the phases.
