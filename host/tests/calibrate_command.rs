@@ -4,7 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
+use fra_model::{ActuatorParameters, Material};
 use serde_json::Value;
+use softlimb_fea::cross_section::{EndLoad, Options, Section};
 use softlimb_scene as scene;
 
 use crate::tube::{Tube, grid};
@@ -289,6 +291,45 @@ fn specimens_have_a_mean_and_a_spread() {
         "{}",
         refused.err
     );
+}
+
+/// Bends of wound fingers, by finite elements, which the command chooses and names; a second winding is taken, too.
+#[test]
+fn wound_fingers_are_calibrated_by_finite_elements() {
+    let windings = "[windings.hoops]\nangle = \"5 deg\"\nfamilies = 2\nmodulus = \"300 MPa\"\nthickness = \"0.1 mm\"\n\n\
+                    [windings.axial]\nangle = \"90 deg\"\nfamilies = 1\nmodulus = \"0.5 MPa\"\nthickness = \"0.1 mm\"\n\n";
+    for (named, why) in [
+        ("\"hoops\"", "because the analytic bend errs by up to "),
+        ("[\"hoops\", \"axial\"]", "because the analytic bend takes one winding"),
+    ] {
+        let scene = SCENE
+            .replace("[limb]", &format!("{windings}[limb]"))
+            .replace("length = \"100 mm\"\nmaterial", &format!("length = \"100 mm\"\nwinding = {named}\nmaterial"));
+        let finger = scene::parse(&scene, "scene.toml").unwrap();
+        let (parameters, second) = finger.modules()[1].wound_actuator();
+        let softer = ActuatorParameters { material: Material::NeoHookean { shear_modulus_pa: 0.2e6 }, ..parameters };
+        let section = match second {
+            None => Section::new(&softer, &Options::default()),
+            Some(second) => Section::with_two_windings(&softer, &second, &Options::default()),
+        };
+        let curve = section.unwrap().curve(&[10e3, 25e3, 40e3], &EndLoad::default()).unwrap();
+        let mut rows = "module,pressure_pa,bend_angle_rad\n".to_owned();
+        for answer in curve.answers {
+            let bend = answer.equilibrium().unwrap().state.over(parameters.length_m).bend_angle_rad;
+            let _ = writeln!(rows, "finger,{},{bend}", answer.pressure_pa);
+        }
+        let folder = desk(&[("scene.toml", &scene), ("finger.csv", &rows)]);
+        let line = "calibrate pressure finger.csv --scene scene.toml --fit shear_modulus --per module";
+        let answer = softlimb(folder.path(), &format!("{line} --json"));
+        assert_eq!(answer.code, 0, "{}", answer.err);
+        let json: Value = serde_json::from_str(&answer.out).unwrap();
+        let modulus = json["estimates"][0]["value"].as_f64().unwrap();
+        assert!((modulus / 0.2e6 - 1.0).abs() < 1e-6, "{modulus}");
+        let model = &json["models"][0];
+        assert!(model["module"] == "finger" && model["model"] == "section-fe", "{json}");
+        let table = softlimb(folder.path(), line).out;
+        assert!(table.contains(&format!("finger: finite elements of the cross-section, {why}")), "{table}");
+    }
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use fra_model::{
     Actuator, ActuatorParameters, InvalidParameter, Load, Motion, PressureRange, Solution, State, Status, Target,
 };
-use softlimb::query::{Question, SectionAnswer, SectionQuery, is_wound_bender, solve_section};
-use softlimb_fea::cross_section::{SectionError, analytic_bend_error};
+use softlimb::query::{Question, SectionAnswer, SectionQuery, solve_section};
+use softlimb_fea::cross_section::{SectionError, analytic_bend_error, is_wound_bender};
 use softlimb_limb::largest_stretch;
 
 use super::answers::Piece;

@@ -9,3 +9,4 @@ mod refusals;
 mod specimens;
 mod tension;
 mod tube;
+mod wound;

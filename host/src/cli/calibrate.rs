@@ -82,7 +82,7 @@ struct Files {
 /// Unknowns of a fit of pressures and deformations.
 #[derive(Args)]
 struct Unknowns {
-    /// Parameters to find: shear_modulus, yeoh_c1, yeoh_c2, yeoh_c3, fiber_modulus, fiber_angle, wall, inner_radius, length, seating_pressure, pressure_offset, pressure_gain
+    /// Parameters to find: shear_modulus, yeoh_c1, yeoh_c2, yeoh_c3, fiber_modulus, fiber_angle, second_fiber_modulus, second_fiber_angle, wall, inner_radius, length, seating_pressure, pressure_offset, pressure_gain
     #[arg(long, value_name = "WHAT", required = true, value_delimiter = ',', num_args = 1, value_parser = property)]
     fit: Vec<Property>,
     /// One value for all modules of a material or winding, or one for each module

@@ -22,7 +22,7 @@ use super::request::{Case, Model, Question, Request};
 use super::section_fe::{Discretisation, SectionAnswer, SectionQuery, solve_section};
 use super::series::{SeriesAnswer, SeriesRequest};
 use super::two_windings;
-use softlimb_fea::cross_section::{SectionError, analytic_bend_error};
+use softlimb_fea::cross_section::{SectionError, analytic_bend_error, is_wound_bender};
 use softlimb_files::object::Object;
 use softlimb_limb::largest_stretch;
 
@@ -176,7 +176,7 @@ fn answered(case: &Case, solver: &mut Solver) -> Result<Answer, String> {
                 Scalar::F32 => solver.solve_single(case)?,
             };
             // Most answers are neither about a wound bender nor have their errors.
-            let has_choice = case.model == Model::Auto && errors::is_wound_bender(&case.parameters);
+            let has_choice = case.model == Model::Auto && is_wound_bender(&case.parameters);
             if case.errors || has_choice { chosen(case, &solution, scalar) } else { Ok(Answer::of(&solution)) }
         }
         (Model::SectionFe, Scalar::F64) => {
@@ -201,7 +201,7 @@ fn chosen(case: &Case, analytic: &Solution<f64>, scalar: Scalar) -> Result<Answe
     if case.model == Model::Analytic
         || scalar == Scalar::F32
         || (is_solved && is_within)
-        || !errors::is_wound_bender(&case.parameters)
+        || !is_wound_bender(&case.parameters)
     {
         return Ok(answer);
     }

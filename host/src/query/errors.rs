@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::request::{Case, Question};
 use super::section_fe;
-use softlimb_fea::cross_section::analytic_bend_error;
+use softlimb_fea::cross_section::{analytic_bend_error, is_wound_bender};
 
 /// Errors of the closed forms and of the search, in units of the precision times the condition number.
 const ROUNDING: f64 = 10.0;
@@ -29,11 +29,6 @@ pub(super) struct Errors {
     /// The largest change of the bend if the winding is 2 deg off.
     #[serde(skip_serializing_if = "Option::is_none")]
     winding_2deg: Option<f64>,
-}
-
-/// Whether the winding of a bending actuator is stated, and not an ideal one that keeps its radius.
-pub fn is_wound_bender(parameters: &ActuatorParameters<f64>) -> bool {
-    parameters.motion == Motion::Bending && parameters.fiber.is_some_and(|fiber| fiber.modulus_pa > 0.0)
 }
 
 /// Errors of an analytic answer. Without a request for all of them, the error of the model alone.

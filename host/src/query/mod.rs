@@ -16,7 +16,6 @@ mod two_windings;
 
 pub use batch::{Scalar, batch, batch_on};
 pub use curve::{Curve, CurvePoint, curves};
-pub use errors::is_wound_bender;
-pub use request::{BEND_TOLERANCE, Question};
+pub use request::Question;
 pub use section_fe::{SectionAnswer, SectionQuery, solve_section};
 pub use single::actuator;

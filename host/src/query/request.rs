@@ -8,6 +8,7 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
+use softlimb_fea::cross_section::BEND_TOLERANCE;
 use softlimb_files::object::{NamedOr, Object};
 use softlimb_scene::castable_elastomer;
 
@@ -37,9 +38,6 @@ pub(super) struct Request {
     pub(super) external_force_n: Option<f64>,
     pub(super) external_torque_nm: Option<f64>,
 }
-
-/// Relative error of the analytic bend that is accepted where a query states none.
-pub const BEND_TOLERANCE: f64 = 0.005;
 
 /// Model that answers.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]

@@ -158,7 +158,6 @@ fn bender_with_two_windings_is_checked_and_otherwise_refused_at_the_line() {
         ("workspace scene.toml --loaded", "workspace --loaded"),
         ("payload capacity scene.toml", "payload capacity"),
         ("payload estimate scene.toml --data data.csv", "payload estimate"),
-        ("calibrate pressure data.csv --scene scene.toml --fit shear_modulus", "calibrate"),
     ] {
         let refused = format!("`finger` bends and has two windings, and `{room}` takes one");
         desk.softlimb(verb).failed(1, &[&refused, &place, "[\"hoops\", \"helix\"]"]);

@@ -11,6 +11,14 @@ const THREAD_STRAIN_MAX: f64 = 0.05;
 /// Stretch of the axis, less one, below which the relative error no longer changes.
 const STRAIN_LEAST: f64 = 0.002;
 
+/// Relative error of the analytic bend that is accepted where nobody states another.
+pub const BEND_TOLERANCE: f64 = 0.005;
+
+/// Whether the winding of a bending actuator is stated, and not an ideal one that keeps its radius.
+pub fn is_wound_bender(parameters: &ActuatorParameters<f64>) -> bool {
+    parameters.motion == Motion::Bending && parameters.fiber.is_some_and(|fiber| fiber.modulus_pa > 0.0)
+}
+
 /// An upper estimate of the relative error of the analytic bend angle, `|analytic / finite elements - 1|` at one pressure without load.
 ///
 /// The analytic model has a thread that does not stretch and a winding that stays a circle.

@@ -47,7 +47,7 @@ mod tests;
 
 use fra_model::{ActuatorParameters, Fiber};
 
-pub use analytic_error::analytic_bend_error;
+pub use analytic_error::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
 pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
 pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};
 pub use error::SectionError;

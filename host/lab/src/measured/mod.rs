@@ -5,8 +5,7 @@ mod page;
 
 use fra_model::{Actuator, ActuatorParameters, Families, Fiber, Load, Material, Motion, Placement, Status};
 use softlimb::cli::Failure;
-use softlimb::query::BEND_TOLERANCE;
-use softlimb_fea::cross_section::{EndLoad, Options, Section, analytic_bend_error};
+use softlimb_fea::cross_section::{BEND_TOLERANCE, EndLoad, Options, Section, analytic_bend_error};
 use softlimb_files::table::{Known, Table, TableError};
 
 pub(crate) use command::Measured;

@@ -102,6 +102,14 @@ impl Body {
         if pressure_pa < 0.0 { pressure_pa } else { (pressure_pa - self.seating_pressure_pa).max(0.0) }
     }
 
+    /// The gauge pressure, Pa, that a reading means, and the sign of the deformation. A bending actuator does not bend backwards; readings a little below zero, as
+    /// noise gives them, mean the mirrored bend at the opposite pressure, so that the mean of readings around zero means none.
+    pub(super) fn mirrored(&self, reading_pa: f64) -> (f64, f64) {
+        let pressure_pa = self.pressure_pa(reading_pa);
+        let sign = if self.parameters.motion == Motion::Bending && pressure_pa < 0.0 { -1.0 } else { 1.0 };
+        (sign * pressure_pa, sign)
+    }
+
     /// The deformation without pressure, in the SI unit of the quantity.
     pub fn at_rest(&self, quantity: StateQuantity) -> f64 {
         quantity.at_rest(&self.parameters)
@@ -114,13 +122,8 @@ impl Body {
 
 impl Solver<'_> {
     /// The deformation at a reading of the sensor.
-    ///
-    /// A bending actuator does not bend backwards; readings a little below zero, as noise gives them, mean the mirrored bend, so that
-    /// the mean of readings around zero means none.
     pub(super) fn at(&self, reading_pa: f64, quantity: StateQuantity) -> Result<Answer, NoAnswer> {
-        let pressure_pa = self.body.pressure_pa(reading_pa);
-        let sign = if self.body.parameters.motion == Motion::Bending && pressure_pa < 0.0 { -1.0 } else { 1.0 };
-        let pressure_pa = sign * pressure_pa;
+        let (pressure_pa, sign) = self.body.mirrored(reading_pa);
         let solution = self.actuator.forward(self.body.deforming_pa(pressure_pa), &Load::none())?;
         if solution.status != Status::Solved {
             return Err(NoAnswer::BeyondLimit(solution.limit_pressure_pa));

@@ -8,7 +8,7 @@ use super::error::advice;
 use super::estimate::{Column, Estimate, Noise, enough, judge};
 use super::free::{Free, check};
 use super::problem::{Model, Problem};
-use super::{Body, CalibrationError, Property};
+use super::{Body, BodyModel, CalibrationError, Property};
 
 /// A pressure and the deformation it went with, at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,9 +104,13 @@ pub struct Fit {
     pub condition: f64,
     /// Evaluations of the residuals and their Jacobian.
     pub steps: usize,
+    /// The model of each body.
+    pub models: Vec<BodyModel>,
 }
 
 /// Finds the unknowns by least squares of the deformations, each divided by its accuracy.
+///
+/// Finite elements of the cross-section answer for a bending actuator where the analytic bend does not serve ([`BodyModel`]). Its derivatives are then differences.
 ///
 /// `bodies` are where it starts. Intervals are those of the linearised model: `t sqrt((J'J)^-1)`, times the scatter of the residuals unless
 /// the accuracies are to be taken as stated.
@@ -146,10 +150,25 @@ pub fn fit(
 ) -> Result<Fit, CalibrationError> {
     check(bodies, observations)?;
     let most_pa = observations.iter().map(|seen| seen.reading_pa.abs()).fold(0.0, f64::max);
-    fit_model(&Free { observations }, bodies, unknowns, (settings, most_pa))
+    let mut models = BodyModel::of_all(bodies, observations, unknowns);
+    loop {
+        let found = fit_model(&Free { observations, models: &models, most_pa }, bodies, unknowns, (settings, most_pa))?;
+        let at_answer = BodyModel::of_all(&found.bodies, observations, unknowns);
+        let pairs = || models.iter().zip(&at_answer);
+        // The analytic bend may serve at the start and not at the answer; what finite elements have answered stays.
+        let is_settled = pairs().all(|(model, there)| model.is_by_section() || !there.is_by_section());
+        let kept = |(model, there): (&BodyModel, &BodyModel)| {
+            if model.is_by_section() && !there.is_by_section() { *model } else { *there }
+        };
+        let kept: Vec<BodyModel> = pairs().map(kept).collect();
+        if is_settled {
+            return Ok(Fit { models: kept, ..found });
+        }
+        models = kept;
+    }
 }
 
-/// Fits a model whose largest pressure is `most_pa`.
+/// Fits a model whose largest pressure is `most_pa`; which model a body has is the caller's to add.
 pub(super) fn fit_model(
     model: &impl Model,
     bodies: &[Body],
@@ -211,6 +230,7 @@ pub(super) fn fit_model(
         correlation: judged.correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
         condition: judged.condition,
         steps: end.steps,
+        models: Vec::new(),
     })
 }
 
@@ -229,9 +249,9 @@ fn start(bodies: &[Body], unknown: &Unknown) -> Result<f64, CalibrationError> {
             body: body.name.clone(),
             property,
             because: match property {
-                Property::FiberModulus => "it bends, or has no winding",
+                Property::FiberModulus => "it has no winding, or bends with an ideal one",
                 Property::SecondFiberModulus | Property::SecondFiberAngle => "it has no second winding",
-                Property::FiberAngle => "it has no winding, or bends with one whose angle the model ignores",
+                Property::FiberAngle => "it has no winding, or bends with an ideal one",
                 _ => "its material is neo-Hookean",
             },
         })

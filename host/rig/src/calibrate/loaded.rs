@@ -13,7 +13,7 @@ use super::body::NoAnswer;
 use super::fit::fit_model;
 use super::free::{check, refused};
 use super::problem::{Measured, Model, Refused};
-use super::{Body, CalibrationError, Fit, LimbHold, Observation, Property, Settings, Unknown};
+use super::{Body, BodyModel, CalibrationError, Fit, LimbHold, Observation, Property, Settings, Unknown};
 
 /// The finest tier of rods, which simulated runs have too.
 const TIER: Fidelity = Fidelity::Fourfold;
@@ -70,7 +70,14 @@ pub fn fit_loaded(
     let readings = loaded.holds.iter().flat_map(|hold| &hold.readings_pa);
     let most_pa = readings.map(|reading| reading.abs()).fold(0.0, f64::max);
     let last = RefCell::default();
-    fit_model(&Hanging { loaded, observations, most_pa, last }, bodies, unknowns, (settings, most_pa))
+    let model = Hanging { loaded, observations, most_pa, last };
+    let found = fit_model(&model, bodies, unknowns, (settings, most_pa))?;
+    let model = |(index, body): (usize, &Body)| {
+        let channels = loaded.bodies.iter().enumerate().filter(move |(_, of)| **of == index);
+        let readings = channels.flat_map(|(channel, _)| loaded.holds.iter().map(move |hold| hold.readings_pa[channel]));
+        BodyModel::under_weight(body, readings)
+    };
+    Ok(Fit { models: found.bodies.iter().enumerate().map(model).collect(), ..found })
 }
 
 impl Loaded<'_> {

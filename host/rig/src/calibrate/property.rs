@@ -112,17 +112,16 @@ impl Property {
     /// Its value in a body; `None` where the body has no such property.
     pub fn value(self, body: &Body) -> Option<f64> {
         let p = &body.parameters;
-        let is_straight = p.motion != Motion::Bending;
+        // The ideal winding of a bending actuator is a hoop that keeps its length.
+        let fiber = p.fiber.filter(|fiber| p.motion != Motion::Bending || fiber.modulus_pa > 0.0);
         match (self, p.material) {
             (Self::ShearModulus, material) => Some(material.shear_modulus_pa()),
             (Self::YeohC1, Material::Yeoh { c_pa }) => Some(c_pa[0]),
             (Self::YeohC2, Material::Yeoh { c_pa }) => Some(c_pa[1]),
             (Self::YeohC3, Material::Yeoh { c_pa }) => Some(c_pa[2]),
             (Self::YeohC1 | Self::YeohC2 | Self::YeohC3, _) => None,
-            (Self::FiberModulus, _) => p.fiber.filter(|_| is_straight).map(|fiber| fiber.modulus_pa),
-            (Self::FiberAngle, _) => {
-                p.fiber.filter(|fiber| is_straight || fiber.shrinks_bends()).map(|fiber| fiber.angle_rad)
-            }
+            (Self::FiberModulus, _) => fiber.map(|fiber| fiber.modulus_pa),
+            (Self::FiberAngle, _) => fiber.map(|fiber| fiber.angle_rad),
             (Self::SecondFiberModulus, _) => body.second_fiber.map(|fiber| fiber.modulus_pa),
             (Self::SecondFiberAngle, _) => body.second_fiber.map(|fiber| fiber.angle_rad),
             (Self::Wall, _) => Some(p.outer_radius_m - p.inner_radius_m),

@@ -93,7 +93,6 @@ pub(super) struct Seen {
 impl Pressure {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let (scene, about) = (scene::load(&self.scene)?, about(&self.data));
-        scene.require_benders_of_one_winding("`calibrate`")?;
         let names: Vec<&str> = scene.modules().iter().map(|module| module.name.as_str()).collect();
         let points = Points::read(&read(&self.data)?, &names).map_err(|error| about(&error))?;
         if points.timed {
@@ -192,9 +191,16 @@ impl Unknowns {
         warnings.extend(fit.outliers(&observations).into_iter().map(|k| {
             format!("{} stands out: {} is beyond four times the scatter of all", seen[k].from, observations[k].value)
         }));
-        let measured =
-            scene.modules().iter().enumerate().filter(|(index, _)| seen.iter().any(|of| of.module == *index));
-        warnings.extend(measured.filter_map(|(_, module)| scene.winding_warning(module)));
+        let measured = source.modules.iter().zip(fit.bodies.iter().zip(&fit.models));
+        let measured = measured.filter(|(module, _)| seen.iter().any(|of| of.module == **module));
+        for (module, (body, model)) in measured {
+            if !model.is_by_section() {
+                warnings.extend(scene.winding_warning(&scene.modules()[*module]));
+            }
+            if model.errs(body) {
+                warnings.push(format!("{}: {model}; under weight finite elements do not answer", body.name));
+            }
+        }
         Ok((fit, observations, warnings))
     }
 

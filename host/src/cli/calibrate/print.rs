@@ -6,7 +6,7 @@ use fra_model::StateQuantity;
 use serde::Serialize;
 
 use super::pressure::Source;
-use softlimb_rig::calibrate::{Fit, LimbHold, Loaded, Observation, Property};
+use softlimb_rig::calibrate::{Body, BodyModel, Fit, LimbHold, Loaded, Observation, Property, Reason};
 
 /// A value in the unit that people read it in.
 pub(super) fn shown(property: Property, value: f64) -> (f64, &'static str) {
@@ -67,11 +67,47 @@ pub(super) fn table(fit: &Fit, observations: &[Observation], source: &Source<'_>
         }
     }
     let tips = tips(fit, observations.len(), source.loaded);
+    let bends = printed_models(fit, source);
     if !tips.is_empty() {
         let (before, after) = (rms_mm(&tips, |tip| tip.before), rms_mm(&tips, |tip| Some(tip.after)));
         let _ = writeln!(text, "{:<16} {:<15} {:>7} {before:>14} {after:>14} mm", "limb", "tip position", tips.len());
     }
+    for PrintedModel { module, text: model, .. } in bends {
+        let _ = writeln!(text, "{module}: {model}");
+    }
     text
+}
+
+/// The models of the bending bodies that there are data about.
+pub(super) fn printed_models(fit: &Fit, source: &Source<'_>) -> Vec<PrintedModel> {
+    let bodies = source.modules.iter().zip(fit.bodies.iter().zip(&fit.models));
+    let of = |(module, (body, model)): (&usize, (&Body, &BodyModel))| {
+        let has_data = source.seen.iter().any(|seen| seen.module == *module);
+        let (name, analytic_error) = match model {
+            BodyModel::Tube => return None,
+            BodyModel::AnalyticBend(error) => ("analytic", *error),
+            BodyModel::SectionFe(Reason::Error(error)) => ("section-fe", Some(*error)),
+            BodyModel::SectionFe(_) => ("section-fe", None),
+        };
+        has_data.then(|| PrintedModel {
+            module: body.name.clone(),
+            model: name,
+            analytic_error,
+            text: model.to_string(),
+        })
+    };
+    bodies.filter_map(of).collect()
+}
+
+/// The model of a bending body.
+#[derive(Serialize)]
+pub(super) struct PrintedModel {
+    pub(super) module: String,
+    model: &'static str,
+    /// Largest relative error that the analytic bend states at the readings.
+    analytic_error: Option<f64>,
+    /// In words, with the reason.
+    pub(super) text: String,
 }
 
 /// Positions of the tip behind so many deformations of a fit.
@@ -111,6 +147,8 @@ pub(super) struct Printed {
     condition: f64,
     correlation: Vec<Vec<f64>>,
     points: Vec<PrintedPoint>,
+    /// Of bending bodies.
+    models: Vec<PrintedModel>,
     /// Only of a limb under weight.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     tips: Vec<PrintedTip>,
@@ -174,6 +212,7 @@ pub(super) fn printed(fit: &Fit, observations: &[Observation], source: &Source<'
         condition: fit.condition,
         correlation: fit.correlation.clone(),
         points: points.collect(),
+        models: printed_models(fit, source),
         tips: tips(fit, observations.len(), source.loaded),
     }
 }

@@ -53,7 +53,6 @@ impl Run {
             Some(scene) => scene::load(scene)?,
             None => recorded.clone()?,
         };
-        scene.require_benders_of_one_winding("`calibrate`")?;
         let limb = Limb::new(&scene)?;
         let names: Vec<String> = limb.drives().map(|drive| drive.name()).collect();
         if !names.iter().eq(log.info.modules.iter().map(|module| &module.name)) {

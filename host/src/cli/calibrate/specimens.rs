@@ -10,7 +10,7 @@ use softlimb_scene::{Scene, WoundActuator};
 use super::super::shared::about;
 use super::super::{Failure, Outcome};
 use super::pressure::{Seen, Source};
-use super::print::shown;
+use super::print::{PrintedModel, printed_models, shown};
 use super::{Files, Fitted, Fitting, Unknowns};
 
 /// Measurements of one specimen.
@@ -18,6 +18,13 @@ pub(super) struct Specimen {
     pub(super) name: String,
     pub(super) seen: Vec<Seen>,
     pub(super) warnings: Vec<String>,
+}
+
+/// The fit of a specimen.
+struct OfSpecimen {
+    name: String,
+    fit: Fit,
+    models: Vec<PrintedModel>,
 }
 
 /// Fits each specimen by itself, and finishes the command with the mean and spread of each value.
@@ -42,19 +49,20 @@ pub(super) fn fit(
         let of_specimen = |error: &dyn Display| about(&format!("specimen `{}`: {error}", specimen.name));
         let (fit, _, told) = unknowns.fitted(&source, &of_specimen, fitting)?;
         warnings.extend(told.into_iter().map(|told| format!("specimen `{}`: {told}", specimen.name)));
-        fits.push((specimen.name, fit));
+        let models = printed_models(&fit, &source);
+        fits.push(OfSpecimen { name: specimen.name, fit, models });
     }
     warnings.sort();
     warnings.dedup();
-    let (_, first) = &fits[0];
-    if let Some((name, _)) = fits.iter().find(|(_, fit)| fit.estimates.len() != first.estimates.len()) {
-        let text = format!("specimen `{name}` has data about other modules than `{}`", fits[0].0);
+    let first = &fits[0].fit;
+    if let Some(other) = fits.iter().find(|of| of.fit.estimates.len() != first.estimates.len()) {
+        let text = format!("specimen `{}` has data about other modules than `{}`", other.name, fits[0].name);
         return Err(about(&text));
     }
     let confidence = fitting.confidence.si();
     let mut effects = Vec::new();
     for (index, estimate) in first.estimates.iter().enumerate() {
-        let of_all: Vec<(f64, f64)> = fits.iter().map(|(_, fit)| of(fit, index)).collect();
+        let of_all: Vec<(f64, f64)> = fits.iter().map(|specimen| of(&specimen.fit, index)).collect();
         let found = random_effects(&of_all, confidence);
         effects.push(found.ok_or_else(|| about(&format!("{} has no finite deviation", estimate.name)))?);
     }
@@ -85,10 +93,10 @@ fn means(scene: &Scene, fit: &Fit, effects: &[RandomEffects]) -> Vec<WoundActuat
     bodies.into_iter().take(scene.modules().len()).map(|body| (body.parameters, body.second_fiber)).collect()
 }
 
-fn table(fits: &[(String, Fit)], effects: &[RandomEffects], confidence: f64) -> String {
+fn table(fits: &[OfSpecimen], effects: &[RandomEffects], confidence: f64) -> String {
     let interval = format!("{} % interval", 100.0 * confidence);
     let mut text = String::new();
-    for (index, (estimate, effect)) in fits[0].1.estimates.iter().zip(effects).enumerate() {
+    for (index, (estimate, effect)) in fits[0].fit.estimates.iter().zip(effects).enumerate() {
         let (_, unit) = shown(estimate.property, 0.0);
         let label = if unit.is_empty() { estimate.name.clone() } else { format!("{}, {unit}", estimate.name) };
         let _ = writeln!(text, "{label}\n  {:<20} {:>12} {interval:>27}", "", "value");
@@ -96,27 +104,34 @@ fn table(fits: &[(String, Fit)], effects: &[RandomEffects], confidence: f64) -> 
             let [value, low, high] = [value, low, high].map(|value| shown(estimate.property, value).0);
             let _ = writeln!(text, "  {name:<20} {value:>12.6} {low:>12.6} to {high:>11.6}");
         };
-        for (name, fit) in fits {
+        for OfSpecimen { name, fit, .. } in fits {
             let Estimate { value, interval, .. } = fit.estimates[index];
             row(name, value, interval);
         }
         row("mean", effect.mean, effect.interval);
         row("between specimens", effect.spread, effect.spread_interval);
     }
+    for OfSpecimen { name, models, .. } in fits {
+        for model in models {
+            let _ = writeln!(text, "{name}, {}: {}", model.module, model.text);
+        }
+    }
     text
 }
 
 /// The result of `--json`.
 #[derive(Serialize)]
-struct Printed {
-    specimens: Vec<PrintedSpecimen>,
+struct Printed<'a> {
+    specimens: Vec<PrintedSpecimen<'a>>,
     random_effects: Vec<PrintedEffect>,
 }
 
 #[derive(Serialize)]
-struct PrintedSpecimen {
+struct PrintedSpecimen<'a> {
     name: String,
     estimates: Vec<PrintedEstimate>,
+    /// Of bending modules.
+    models: &'a [PrintedModel],
 }
 
 #[derive(Serialize)]
@@ -140,12 +155,13 @@ struct PrintedEffect {
     spread_interval: [f64; 2],
 }
 
-fn printed(fits: &[(String, Fit)], effects: &[RandomEffects]) -> Printed {
+fn printed<'a>(fits: &'a [OfSpecimen], effects: &[RandomEffects]) -> Printed<'a> {
     let modules = |fit: &Fit, estimate: &Estimate| -> Vec<String> {
         estimate.bodies.iter().map(|body| fit.bodies[*body].name.clone()).collect()
     };
     let word = |property: Property| property.word();
-    let specimens = fits.iter().map(|(name, fit)| PrintedSpecimen {
+    let specimens = fits.iter().map(|OfSpecimen { name, fit, models }| PrintedSpecimen {
+        models,
         name: name.clone(),
         estimates: fit
             .estimates
@@ -159,7 +175,7 @@ fn printed(fits: &[(String, Fit)], effects: &[RandomEffects]) -> Printed {
             })
             .collect(),
     });
-    let first = &fits[0].1;
+    let first = &fits[0].fit;
     let random_effects = first.estimates.iter().zip(effects).map(|(estimate, effect)| PrintedEffect {
         property: word(estimate.property),
         unit: estimate.property.si_unit(),
