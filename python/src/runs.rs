@@ -58,7 +58,7 @@ pub(crate) fn run(
         let margins = margin_warning(scene, limb, &plan)?;
         let files = run_on(scene, (limb.clone(), plan), &plant.scene, &options, &cancel, on_progress)?;
         let summary = report::summary(&files.run);
-        let after = [scene.winding_warnings(), margins.into_iter().collect()].concat();
+        let after = [limb.winding_warnings(scene), margins.into_iter().collect()].concat();
         Ok((json(&RunSummary::new(&summary, Vec::new(), after)), files.log, files.report))
     });
     signal?;

@@ -31,17 +31,21 @@ impl StateCurve {
         Self { states, step_pa, limit_point_pa }
     }
 
-    /// The curve of an unloaded actuator with two windings by finite elements of its section, up to `pressure_max_pa` or to just below the
+    /// The curve of an unloaded actuator with one or two windings by finite elements of its section, up to `pressure_max_pa` or to just below the
     /// end of its branch.
     ///
     /// # Errors
     /// The reason why they have none.
     pub fn by_section(
         parameters: &ActuatorParameters<f64>,
-        second_fiber: &Fiber<f64>,
+        second_fiber: Option<&Fiber<f64>>,
         pressure_max_pa: f64,
     ) -> Result<Self, String> {
-        let section = Section::with_two_windings(parameters, second_fiber, &Options::default());
+        let options = Options::default();
+        let section = match second_fiber {
+            None => Section::new(parameters, &options),
+            Some(second) => Section::with_two_windings(parameters, second, &options),
+        };
         let states = section.and_then(|section| section.interpolated(parameters.length_m, pressure_max_pa));
         let states = states.map_err(|error| error.to_string())?;
         let states = states.ok_or_else(|| format!("the search for its equilibria up to {pressure_max_pa} Pa fails"))?;

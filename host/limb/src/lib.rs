@@ -8,6 +8,7 @@
 
 pub mod arc;
 pub mod batch;
+mod bend;
 mod curve;
 pub mod fabricate;
 mod limb;
@@ -18,6 +19,7 @@ mod stretch;
 pub mod tolerance;
 pub mod workspace;
 
+pub use bend::Bend;
 pub use curve::StateCurve;
 pub use limb::{Drive, Limb, LimbModule, base_pose, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;

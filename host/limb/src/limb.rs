@@ -5,10 +5,11 @@ use std::ops::{Deref, Range};
 use fra_model::{Actuator, Arrangement, Fiber, InvalidParameter, Link, Motion, Segment, State, StateQuantity, Target};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use super::StateCurve;
+use super::{Bend, StateCurve};
 use crate::statics::check_bundles;
+use softlimb_fea::cross_section::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
 use softlimb_scene::collision::Body;
-use softlimb_scene::{Located, Module, Scene, SceneError, TrueLimb};
+use softlimb_scene::{BendingModel, Located, Module, Scene, SceneError, TrueLimb};
 
 /// By how much a setpoint may be beyond its range: two steps of the wire's coarsest unit, of stretch or rad.
 const ROUNDING: f64 = 2e-6;
@@ -30,11 +31,13 @@ pub struct LimbModule {
     pub pressure_max_pa: f64,
     /// Highest gauge pressure the device follows a setpoint to, Pa: it keeps a margin below its limit for the loop.
     pub reference_max_pa: f64,
-    /// The solver of one actuator; of a bending one with two windings it knows the first alone ([`LimbModule::is_by_section`]).
+    /// The solver of one actuator. Of a bending one that is by finite elements it has the analytic model, of the first winding alone
+    /// ([`LimbModule::is_by_section`]).
     pub actuator: Actuator<f64>,
     /// Its states over the pressure range. Those of several twisting actuators are of the bundle as its plates hold it back
-    /// ([`StateCurve::restrained`]), those of a bending actuator with two windings are by finite elements of the section.
+    /// ([`StateCurve::restrained`]), those of a bending actuator may be by finite elements of the section.
     pub curve: StateCurve,
+    bend: Option<Bend>,
     second_fiber: Option<Fiber<f64>>,
     length_m: f64,
     /// Stretches between plates.
@@ -108,9 +111,14 @@ impl LimbModule {
         self.second_fiber.as_ref()
     }
 
-    /// Whether its actuators have no analytic model: bending ones with two windings, whose curve is by finite elements of the section.
+    /// The model of its bend; `None` of straight actuators, and of benders with an ideal winding, which have the analytic one alone.
+    pub fn bend(&self) -> Option<Bend> {
+        self.bend
+    }
+
+    /// Whether the curve of its bending actuators is by finite elements of the section.
     pub fn is_by_section(&self) -> bool {
-        self.motion == Motion::Bending && self.second_fiber.is_some()
+        self.bend.is_some_and(Bend::is_by_section)
     }
 
     /// Whether its curve is the model, beside which no solver has the states.
@@ -407,13 +415,16 @@ fn build_module(
     };
     let mut actuator = Actuator::new(&module.actuator()).map_err(refused)?;
     let reference_max_pa = reference_max_pa(*module.pressure_max_pa);
-    let curve = match &module.second_fiber {
-        Some(second) if *module.motion == Motion::Bending => bender_curve(scene, module, second, reference_max_pa)?,
+    let (curve, bend) = match &module.second_fiber {
+        Some(second) if *module.motion == Motion::Bending => {
+            (bender_curve(scene, module, second, reference_max_pa)?, Some(Bend::TwoWindings))
+        }
         Some(second) => {
             actuator = actuator.with_second_fiber(second).map_err(refused)?;
-            StateCurve::new(&actuator, reference_max_pa)
+            (StateCurve::new(&actuator, reference_max_pa), None)
         }
-        None => StateCurve::new(&actuator, reference_max_pa),
+        None if *module.motion == Motion::Bending => bend(scene, &actuator, reference_max_pa),
+        None => (StateCurve::new(&actuator, reference_max_pa), None),
     };
     let mut built = LimbModule {
         name: module.name.to_string(),
@@ -423,6 +434,7 @@ fn build_module(
         pressure_max_pa: *module.pressure_max_pa,
         reference_max_pa,
         curve,
+        bend,
         actuator,
         second_fiber: module.second_fiber.map(|fiber| *fiber),
         length_m: module.moving_length_m(),
@@ -439,6 +451,25 @@ fn build_module(
     Ok(built)
 }
 
+/// The curve of a bending actuator with one winding, and its model.
+fn bend(scene: &Scene, actuator: &Actuator<f64>, pressure_max_pa: f64) -> (StateCurve, Option<Bend>) {
+    let analytic = StateCurve::new(actuator, pressure_max_pa);
+    let parameters = actuator.parameters();
+    if !is_wound_bender(parameters) {
+        return (analytic, None);
+    }
+    let largest = |most: f64, state: &State<f64>| Some(most.max(analytic_bend_error(parameters, state)?));
+    let (_, pressed) = analytic.states().split_at(1);
+    let error = if pressed.is_empty() { None } else { pressed.iter().try_fold(0.0, largest) };
+    let is_asked = scene.controller().bending == BendingModel::Auto && scene.weight().is_none();
+    let errs = error.is_none_or(|error| error > BEND_TOLERANCE);
+    let by_section = (is_asked && errs).then(|| StateCurve::by_section(parameters, None, pressure_max_pa).ok());
+    match by_section.flatten() {
+        Some(curve) => (curve, Some(Bend::SectionFe(error))),
+        None => (analytic, Some(Bend::Analytic(error))),
+    }
+}
+
 /// The curve of a bending actuator with two windings.
 fn bender_curve(
     scene: &Scene,
@@ -450,7 +481,7 @@ fn bender_curve(
         scene.require_benders_of_one_winding("a limb with `[weight]`")?;
     }
     let refused = |title: &str, label: &str| scene.diagnostic(second.span, title, label, None);
-    let curve = StateCurve::by_section(&module.actuator(), second, pressure_max_pa);
+    let curve = StateCurve::by_section(&module.actuator(), Some(second), pressure_max_pa);
     let curve = curve.map_err(|why| refused("finite elements give this actuator no bend", &why))?;
     let twists = curve.states().iter().any(|state| state.twist_rad != 0.0);
     if twists && scene.plant().truth != TrueLimb::Simple {

@@ -50,14 +50,15 @@ pub fn settings(scene: &Scene, limb: &Limb, seed: u64) -> SimSettings {
     SimSettings { seed, ..SimSettings::new(settings) }
 }
 
-/// Equilibria of a true bending actuator with two windings, which the analytic model does not solve.
+/// Equilibria of a true bending actuator whose model is the finite elements of its section. Where these do not reach the room for overshoot, they end at the limit.
 fn by_section(
     actuator: &ActuatorParameters<f64>,
     second_fiber: Option<&Fiber<f64>>,
     pressures_pa: &[f64],
 ) -> Option<Vec<State<f64>>> {
     let highest_pa = pressures_pa.last()?;
-    let curve = StateCurve::by_section(actuator, second_fiber?, *highest_pa).ok()?;
+    let up_to = |most_pa: f64| StateCurve::by_section(actuator, second_fiber, most_pa).ok();
+    let curve = up_to(*highest_pa).or_else(|| up_to(highest_pa / TABULATED_RATIO))?;
     let reached = pressures_pa.iter().take_while(|pressure_pa| **pressure_pa <= curve.pressure_max_pa());
     Some(reached.map(|pressure_pa| curve.at(*pressure_pa)).collect())
 }

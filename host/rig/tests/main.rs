@@ -29,4 +29,5 @@ mod sound_plants;
 mod synthetic_run;
 mod table_scenes;
 mod weight;
+mod wound_once;
 mod wound_twice;

@@ -8,6 +8,7 @@ use super::shared::{limb, show};
 use super::{Failure, Outcome};
 use super::{check_margins, check_swing};
 use crate::results::CheckResult;
+use crate::results::bend::rows;
 use softlimb_chart::labelled;
 use softlimb_motion::Plan;
 use softlimb_scene::Scene;
@@ -59,6 +60,7 @@ fn table(result: &CheckResult<'_>) -> String {
     });
     std::iter::once(heading)
         .chain(modules)
+        .chain(rows(limb))
         .chain([air])
         .chain(weight)
         .chain(phase_rows(scene, plan))

@@ -12,6 +12,7 @@ use super::shared::{limb, show};
 use super::{Failure, Outcome};
 use crate::query as eval;
 use crate::query::{Curve, Scalar};
+use crate::results::bend::{PrintedBend, rows};
 
 /// Evaluate the actuator model: pressure curves of a scene's actuators, or a batch of queries
 #[derive(Args)]
@@ -50,6 +51,8 @@ enum ScalarName {
 struct Printed<'a> {
     scene: &'a str,
     curves: &'a [Curve],
+    /// The model of each module's bend; `null` of straight modules and of benders with an ideal winding.
+    bends: Vec<Option<PrintedBend>>,
     warnings: &'a [String],
 }
 
@@ -84,9 +87,13 @@ impl Eval {
     fn print_curves(&self, path: &Path) -> Result<Outcome, Failure> {
         let (scene, limb) = limb(path)?;
         let curves = eval::curves(&limb, usize::from(self.steps));
-        let warnings = scene.winding_warnings();
-        let printed = Printed { scene: scene.name(), curves: &curves, warnings: &warnings };
-        show(self.json, &printed, || curves.iter().map(table).collect::<Vec<_>>().join("\n"))?;
+        let warnings = limb.winding_warnings(&scene);
+        let bends = limb.modules().iter().map(|module| module.bend().map(PrintedBend::new)).collect();
+        let printed = Printed { scene: scene.name(), curves: &curves, bends, warnings: &warnings };
+        show(self.json, &printed, || {
+            let tables = curves.iter().map(table).collect::<Vec<_>>().join("\n");
+            rows(&limb).into_iter().fold(tables, |text, row| format!("{text}{row}\n"))
+        })?;
         let complete = curves.iter().all(|curve| curve.limit_pressure_pa.is_none());
         let outcome = super::warn(&warnings);
         Ok(if complete { outcome } else { Outcome::DoneWithWarnings })

@@ -9,6 +9,7 @@ use super::interrupt::interrupt;
 use super::port::PortOption;
 use super::shared::{bar, limb, show};
 use super::{Failure, Outcome, warn};
+use crate::results::bend::rows;
 use crate::results::{RunSummary, margin_warning};
 use softlimb_limb::Limb;
 use softlimb_motion as motion;
@@ -110,6 +111,7 @@ impl Run {
         let (scene, limb) = limb(&self.scene)?;
         let plan = motion::plan(&scene, &limb)?;
         let margins = margin_warning(&scene, &limb, &plan)?;
+        let (bends, windings) = (rows(&limb), limb.winding_warnings(&scene));
         let planned = (limb, plan);
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
         let bar = bar(1000, "running");
@@ -144,9 +146,10 @@ impl Run {
         };
         let summary = report::summary(&files.run);
         let before: Vec<String> = canceled.then(|| "the run was canceled".to_owned()).into_iter().collect();
-        let after = [scene.winding_warnings(), margins.into_iter().collect()].concat();
+        let after = [windings, margins.into_iter().collect()].concat();
         let result = RunSummary::new(&summary, before, after);
         show(self.json, &result, || summary.table())?;
+        bends.iter().for_each(|row| super::note(row.trim_start()));
         super::note(&format!("log:    {}\nreport: {}", files.log.display(), files.report.display()));
         let outcome = warn(&result.warnings);
         stopped.map_or(Ok(outcome), |cause| Err(Failure::new(cause)))

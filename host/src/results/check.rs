@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::bend::PrintedBend;
 use super::margins::{self, PrintedMargins};
 use super::swing::PrintedSwing;
 use softlimb_limb::Limb;
@@ -36,6 +37,9 @@ struct PrintedModule<'a> {
     tables: bool,
     inverse_error: Option<f64>,
     no_tables_because: Option<String>,
+    /// Only of bending modules with a stated winding.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bend: Option<PrintedBend>,
 }
 
 #[derive(Serialize)]
@@ -96,7 +100,7 @@ impl<'a> CheckResult<'a> {
         let swings = motion::swings(scene, limb, &plan)?;
         let warnings = [
             plan.warnings.clone(),
-            scene.winding_warnings(),
+            limb.winding_warnings(scene),
             limb.restraint_warnings(),
             limb.stretch_warnings(scene, &highest),
             margins::warnings(scene, limb, &plan, &margins),
@@ -120,6 +124,7 @@ impl<'a> CheckResult<'a> {
                 tables: inverse.tables().is_some(),
                 inverse_error: inverse.error(),
                 no_tables_because: inverse.reason().map(|reason| reason.to_string()),
+                bend: module.bend().map(PrintedBend::new),
             });
         let phases = plan.phases.iter().enumerate().map(|(index, phase)| PrintedPhase {
             name: &phase.name,

@@ -2,6 +2,7 @@
 //!
 //! Each result is made from a scene and its limb, and has its warnings beside it.
 
+pub(crate) mod bend;
 mod check;
 mod margins;
 mod run;

@@ -34,10 +34,11 @@ pub(super) fn deformations(body: &Body, seen: &[(f64, StateQuantity)]) -> Result
     let mirrored: Vec<(f64, f64)> = seen.iter().map(|(reading_pa, _)| body.mirrored(*reading_pa)).collect();
     let pressures_pa: Vec<f64> = mirrored.iter().map(|(pressure_pa, _)| body.deforming_pa(*pressure_pa)).collect();
     let states = states(&section, body.parameters.length_m, &pressures_pa)?;
-    let of = |((state, (_, sign)), (_, quantity)): ((Result<State<f64>, NoAnswer>, &(f64, f64)), &_)| {
-        state.map(|state| sign * StateQuantity::of(*quantity, &state))
+    let signed = mirrored.iter().zip(seen).map(|((_, sign), (_, quantity))| (*sign, *quantity));
+    let of = |state: Result<State<f64>, NoAnswer>, (sign, quantity): (f64, StateQuantity)| {
+        state.map(|state| sign * quantity.of(&state))
     };
-    Ok(states.into_iter().zip(&mirrored).zip(seen).map(of).collect())
+    Ok(states.into_iter().zip(signed).map(|(state, signed)| of(state, signed)).collect())
 }
 
 /// The states at gauge pressures, Pa.

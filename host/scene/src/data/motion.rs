@@ -161,12 +161,14 @@ pub enum InverseChoice {
     Model,
 }
 
-/// Which model the inverse tables of bending modules are built from.
+/// Model of bending modules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BendingModel {
+    /// Finite elements of the section for a weightless module whose analytic bend errs by more than is accepted, else the analytic model.
+    Auto,
     /// The analytic one.
     Analytic,
-    /// A cubic fitted to the finite elements of the section.
+    /// The analytic one, with inverse tables by a cubic fitted to the finite elements of the section.
     SectionFe,
 }
 
@@ -190,7 +192,7 @@ pub struct Controller {
     pub vent_ramp_pa_per_s: f64,
     /// Inverse of the controller, from a deformation to a pressure.
     pub inverse: InverseChoice,
-    /// Which model the inverse tables of bending modules are built from.
+    /// Model of bending modules.
     pub bending: BendingModel,
     /// Largest error of an inverse table, as a share of the highest pressure; > 0.
     pub inverse_error: f64,

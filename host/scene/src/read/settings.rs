@@ -82,7 +82,8 @@ pub(super) fn controller(root: &Reader<'_>) -> Option<Controller> {
         let inverses = [InverseChoice::Auto, InverseChoice::Table, InverseChoice::Model];
         let inverse = reader.choice(&keys::INVERSE, &inverses);
         let inverse_error = reader.quantity(&keys::INVERSE_ERROR);
-        let bending = reader.choice(&keys::BENDING, &[BendingModel::Analytic, BendingModel::SectionFe]);
+        let models = [BendingModel::Auto, BendingModel::Analytic, BendingModel::SectionFe];
+        let bending = reader.choice(&keys::BENDING, &models);
         if let (Some(bending), Some(inverse)) = (&bending, &inverse)
             && (**bending, **inverse) == (BendingModel::SectionFe, InverseChoice::Model)
         {
