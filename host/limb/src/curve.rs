@@ -50,8 +50,11 @@ impl StateCurve {
         let states = states.map_err(|error| error.to_string())?;
         let states = states.ok_or_else(|| format!("the search for its equilibria up to {pressure_max_pa} Pa fails"))?;
         let step_pa = states.pressure_max_pa() / (NODES - 1) as f64;
-        // The sum takes the sign off a zero.
-        let unsigned = |state: State<f64>| State::combine([&state], |[value]| value + 0.0);
+        // The sum takes the sign off a zero. Rounding bends an actuator at rest backwards, which no device accepts.
+        let unsigned = |state: State<f64>| {
+            let state = State::combine([&state], |[value]| value + 0.0);
+            State { bend_angle_rad: state.bend_angle_rad.max(0.0), ..state }
+        };
         let nodes = (0..NODES).map(|node| unsigned(states.at(step_pa * node as f64))).collect();
         Ok(Self { states: nodes, step_pa, limit_point_pa: states.limit_pressure_pa() })
     }
