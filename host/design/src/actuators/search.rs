@@ -25,7 +25,7 @@ const ON_A_LINE: usize = 16;
 /// Share of the evaluations that starting points may take on a supply line; the others are for hops from the best minimum.
 const STARTING: f64 = 0.5;
 /// Model solves of an evaluation on a supply line: the search goes on where they are fewer, and cheaper.
-const SOLVES: f64 = 64.0;
+const SOLVES: f64 = 52.0;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
 /// The same while they are settled: differences are not exact to more.
@@ -42,7 +42,7 @@ pub struct Budget {
     pub starts: usize,
     /// As many local solves must end at the best objective before the search stops early; on one supply line at least sixteen.
     pub agreeing: usize,
-    /// No local solve begins after as many evaluations; on one supply line it must have taken 64 model solves for each of them too.
+    /// No local solve begins after as many evaluations; on one supply line it must have taken 52 model solves for each of them too.
     pub evaluations: u64,
 }
 
