@@ -5,18 +5,15 @@
 Prints one line for each thing that is wrong, and times. Ends with 1 where something is wrong.
 """
 
-import argparse
 import http.client
 import pathlib
-import shutil
-import signal
 import sys
 import urllib.parse
 
 from playwright.sync_api import sync_playwright
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "rig" / "tests" / "browser"))
-from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS  # noqa: E402
+from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS, asked, launched  # noqa: E402
 
 # Time after which a browser that hangs ends the test, s.
 LIMIT_S = 900
@@ -249,17 +246,10 @@ def alone(browser, url, first, second, wrong):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("browser")
-    parser.add_argument("url")
-    parser.add_argument("--pictures", type=pathlib.Path)
-    options = parser.parse_args()
-    signal.alarm(LIMIT_S)
-    if options.pictures:
-        options.pictures.mkdir(parents=True, exist_ok=True)
+    options = asked(LIMIT_S, url={})
     wrong = []
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which(options.browser), args=["--no-sandbox", "--disable-gpu"])
+        browser = launched(playwright, options.browser)
         try:
             strangers(browser, options.url, wrong)
             first = Page(browser, options.url, "first page", wrong)

@@ -5,16 +5,13 @@
 Prints one line for each text that lies over another, leaves its picture, is too small at 800 px or too pale. Ends with 1 where there is one.
 """
 
-import argparse
 import pathlib
-import shutil
-import signal
 import sys
 
 from playwright.sync_api import sync_playwright
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "rig" / "tests" / "browser"))
-from checks import CONTRAST, SCHEMES, WIDTHS  # noqa: E402
+from checks import CONTRAST, SCHEMES, WIDTHS, asked, launched  # noqa: E402
 
 # Time after which a browser that hangs ends the test, s.
 LIMIT_S = 900
@@ -55,17 +52,10 @@ INK = CONTRAST.replace('document.querySelectorAll("body *")', 'document.querySel
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("browser")
-    parser.add_argument("files", nargs="+", type=pathlib.Path)
-    parser.add_argument("--pictures", type=pathlib.Path)
-    options = parser.parse_args()
-    signal.alarm(LIMIT_S)
-    if options.pictures:
-        options.pictures.mkdir(parents=True, exist_ok=True)
+    options = asked(LIMIT_S, files={"nargs": "+", "type": pathlib.Path})
     wrong = []
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which(options.browser), args=["--no-sandbox", "--disable-gpu"])
+        browser = launched(playwright, options.browser)
         page = browser.new_page(viewport={"width": WIDTHS[0], "height": 900})
         page.set_default_timeout(60_000)
         for file in options.files:

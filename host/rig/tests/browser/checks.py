@@ -1,4 +1,9 @@
-"""What every page must keep: texts in their boxes, and contrast."""
+"""What every page must keep: texts in their boxes, and contrast; and a browser to look at it."""
+
+import argparse
+import pathlib
+import shutil
+import signal
 
 WIDTHS = [800, 1280, 1920]
 SCHEMES = ["light", "dark"]
@@ -71,3 +76,22 @@ CONTRAST = r"""
   return [...new Set(wrong)];
 }
 """
+
+
+def asked(limit_s, **what):
+    """The arguments of a script: a browser, what it opens, and a folder for pictures. A browser that hangs ends the script after `limit_s`."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("browser")
+    for name, form in what.items():
+        parser.add_argument(name, **form)
+    parser.add_argument("--pictures", type=pathlib.Path)
+    options = parser.parse_args()
+    signal.alarm(limit_s)
+    if options.pictures:
+        options.pictures.mkdir(parents=True, exist_ok=True)
+    return options
+
+
+def launched(playwright, browser):
+    """That browser, without a sandbox and a graphics card."""
+    return playwright.chromium.launch(executable_path=shutil.which(browser), args=["--no-sandbox", "--disable-gpu"])

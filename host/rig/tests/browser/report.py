@@ -5,14 +5,11 @@
 Prints one line for each thing that is wrong, and figures of the updates. Ends with 1 where something is wrong.
 """
 
-import argparse
 import pathlib
 import re
-import shutil
-import signal
 import sys
 
-from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS
+from checks import CONTRAST, SCHEMES, TEXTS, WIDTHS, asked, launched
 from playwright.sync_api import sync_playwright
 
 # Time after which a browser that hangs ends the test, s.
@@ -215,17 +212,10 @@ class Reader:
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("browser")
-    parser.add_argument("pages", nargs="+", type=pathlib.Path)
-    parser.add_argument("--pictures", type=pathlib.Path)
-    options = parser.parse_args()
-    signal.alarm(LIMIT_S)
-    if options.pictures:
-        options.pictures.mkdir(parents=True, exist_ok=True)
+    options = asked(LIMIT_S, pages={"nargs": "+", "type": pathlib.Path})
     wrong = []
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which(options.browser), args=["--no-sandbox", "--disable-gpu"])
+        browser = launched(playwright, options.browser)
         for file in options.pages:
             page = browser.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
             page.set_default_timeout(60_000)
