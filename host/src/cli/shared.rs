@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::{Failure, note, say};
 use softlimb_files::write_whole;
-use softlimb_limb::Limb;
+use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Corrections, Quantity, Scene};
 
 /// Destinations of a table.
@@ -41,12 +41,27 @@ pub(super) fn limb(file: &Path) -> Result<(Scene, Limb), Failure> {
     Ok((scene, limb))
 }
 
-/// The same for a room that has no model of bending actuators with two windings.
-pub(super) fn limb_for(room: &str, file: &Path) -> Result<(Scene, Limb), Failure> {
+/// The same for a room that has the analytic model alone, with a warning for each module that finite elements bend elsewhere.
+///
+/// # Errors
+/// The scene has a bending module with two windings, among others.
+pub(super) fn limb_for(room: &str, file: &Path) -> Result<(Scene, Limb, Vec<String>), Failure> {
     let scene = softlimb_scene::load(file)?;
     scene.require_benders_of_one_winding(room)?;
     let limb = Limb::new(&scene)?;
-    Ok((scene, limb))
+    let warning = |module: &LimbModule| {
+        let bend = module.bend().filter(|bend| bend.is_by_section())?;
+        let errs = bend.analytic_error().map_or_else(
+            || "whose error is not known".to_owned(),
+            |error| format!("which errs by up to {:.1} %", 100.0 * error),
+        );
+        Some(format!(
+            "{room} bends `{}` by the analytic model, {errs}; `check` and `run` take finite elements",
+            module.name
+        ))
+    };
+    let warnings = limb.modules().iter().filter_map(warning).collect();
+    Ok((scene, limb, warnings))
 }
 
 /// A failure about a file.

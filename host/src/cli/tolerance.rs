@@ -60,7 +60,7 @@ impl From<ToleranceError> for Failure {
 
 impl Tolerance {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb) = limb_for("`tolerance`", &self.scene)?;
+        let (scene, limb, bends) = limb_for("`tolerance`", &self.scene)?;
         let wall = &self.allowed.wall;
         for module in limb.modules() {
             let parameters = module.actuator.parameters();
@@ -89,7 +89,7 @@ impl Tolerance {
         show(self.json, &self.printed(scene.name(), &study, &statistics, &names), || {
             self.table(scene.name(), &study, &statistics, &names)
         })?;
-        Ok(warn(&lost(&study, &statistics, &names, samples.len())))
+        Ok(warn(&[bends, lost(&study, &statistics, &names, samples.len())].concat()))
     }
 
     fn printed<'a>(

@@ -164,6 +164,33 @@ fn bender_with_two_windings_is_checked_and_otherwise_refused_at_the_line() {
     }
 }
 
+/// A bender that finite elements move in `check` has the analytic model elsewhere, which is said.
+#[test]
+fn command_that_bends_by_another_model_than_check_warns() {
+    let winding = |angle_deg: u32| {
+        let thread = format!(
+            "[windings.helix]\nangle = \"{angle_deg} deg\"\nfamilies = 2\nmodulus = \"20 MPa\"\nthickness = \"0.1 mm\"\n[limb]"
+        );
+        SCENE.replace("[limb]", &thread).replace("motion = \"bending\"", "motion = \"bending\"\nwinding = \"helix\"")
+    };
+    let desk = Desk::new();
+    desk.put("scene.toml", winding(15));
+    let bend = &desk.softlimb("check scene.toml --json").done().json()["modules"][0]["bend"];
+    assert_eq!(bend["model"], "section-fe");
+    let percent = 100.0 * bend["analytic_error"].as_f64().expect("an error of the analytic model");
+    for (verb, room) in [
+        ("statics scene.toml", "statics"),
+        ("tolerance scene.toml --samples 100", "tolerance"),
+        ("workspace scene.toml --loaded --samples 20", "workspace --loaded"),
+        ("payload capacity scene.toml", "payload capacity"),
+    ] {
+        let words = format!("`{room}` bends `finger` by the analytic model, which errs by up to {percent:.1} %");
+        let answer = desk.softlimb(verb);
+        assert_eq!(answer.code, Some(3), "{answer:?}");
+        assert!(answer.err.contains(&words), "{answer:?}");
+    }
+}
+
 /// Two equal windings are one of twice the stiffness, under weight, in studies, runs, learning, sweeps and calibration.
 #[test]
 fn two_equal_windings_are_one_of_twice_the_stiffness() {
