@@ -49,6 +49,12 @@ pub(super) fn limb_for(room: &str, file: &Path) -> Result<(Scene, Limb, Vec<Stri
     let scene = softlimb_scene::load(file)?;
     scene.require_benders_of_one_winding(room)?;
     let limb = Limb::new(&scene)?;
+    let warnings = analytic_bends(room, &limb);
+    Ok((scene, limb, warnings))
+}
+
+/// A warning for each module that a room bends by the analytic model, and `check` and `run` by finite elements.
+pub(super) fn analytic_bends(room: &str, limb: &Limb) -> Vec<String> {
     let warning = |module: &LimbModule| {
         let bend = module.bend().filter(|bend| bend.is_by_section())?;
         let errs = bend.analytic_error().map_or_else(
@@ -60,8 +66,7 @@ pub(super) fn limb_for(room: &str, file: &Path) -> Result<(Scene, Limb, Vec<Stri
             module.name
         ))
     };
-    let warnings = limb.modules().iter().filter_map(warning).collect();
-    Ok((scene, limb, warnings))
+    limb.modules().iter().filter_map(warning).collect()
 }
 
 /// A failure about a file.

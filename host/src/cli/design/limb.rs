@@ -191,7 +191,8 @@ impl LimbDesign {
     ) -> Result<(), Failure> {
         if self.json {
             // A design that is no scene is refused where it is judged.
-            let warnings = scene::load(file).map_or_else(|_| Vec::new(), |designed| designed.winding_warnings());
+            let designed = scene::load(file).and_then(|designed| Ok((Limb::new(&designed)?, designed)));
+            let warnings = designed.map_or_else(|_| Vec::new(), |(limb, designed)| super::warnings(&designed, &limb));
             let printed = Printed { weightless: scene.weightless(), file, answer, list, warnings };
             return show(true, &printed, String::new);
         }
@@ -206,7 +207,7 @@ impl LimbDesign {
         }
         let designed = scene::load(file)?;
         let limb = Limb::new(&designed)?;
-        let outcome = super::windings(&designed);
+        let outcome = super::windings(&designed, &limb);
         match motion::plan(&designed, &limb) {
             Ok(_) if reached => Ok(outcome),
             Err(error) if reached => Err(error.into()),

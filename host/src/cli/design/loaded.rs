@@ -80,7 +80,8 @@ pub(super) fn design(scene: &Scene, file: &Path, seed: u64, json: bool) -> Resul
     };
     show(json, &printed, || table(scene, &design, &found, &printed))?;
     note(&format!("design: {}", file.display()));
-    let outcome = super::windings(&scene::load(file)?);
+    let designed = scene::load(file)?;
+    let outcome = super::windings(&designed, &Limb::new(&designed)?);
     if let Some(why) = &printed.refused {
         note(&format!("warning: the planner refuses the design: {why}"));
     }

@@ -7,11 +7,13 @@ mod limb;
 mod loaded;
 
 use clap::{Args, Subcommand};
+use softlimb_limb::Limb;
 use softlimb_limb::fabricate::{Settings, advice};
 use softlimb_scene::Scene;
 
 pub use loaded::refused;
 
+use super::shared::analytic_bends;
 use super::{Failure, Outcome, note, warn};
 
 /// Design a limb for a scene, actuators by eq. (14) of the paper, or a bundle by eq. (18)
@@ -40,9 +42,14 @@ impl Design {
     }
 }
 
-/// States the warnings about the windings of a designed scene, and what `fabricate` says of them, which the search does not choose.
-fn windings(designed: &Scene) -> Outcome {
-    let outcome = warn(&designed.winding_warnings());
+/// The warnings about the windings of a designed scene and the models of its bends.
+fn warnings(designed: &Scene, limb: &Limb) -> Vec<String> {
+    [designed.winding_warnings(), analytic_bends("`design limb`", limb)].concat()
+}
+
+/// States these warnings, and what `fabricate` says of the windings, which the search does not choose.
+fn windings(designed: &Scene, limb: &Limb) -> Outcome {
+    let outcome = warn(&warnings(designed, limb));
     for text in advice(designed, &Settings::default()) {
         note(&format!("warning: {text}"));
     }
