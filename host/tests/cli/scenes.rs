@@ -175,16 +175,16 @@ fn command_that_bends_by_another_model_than_check_warns() {
     };
     let desk = Desk::new();
     desk.put("scene.toml", winding(15));
-    let bend = &desk.softlimb("check scene.toml --json").done().json()["modules"][0]["bend"];
+    let checked = desk.softlimb("check scene.toml --json").done().json();
+    let bend = &checked["modules"][0]["bend"];
     assert_eq!(bend["model"], "section-fe");
-    let percent = 100.0 * bend["analytic_error"].as_f64().expect("an error of the analytic model");
+    assert!(bend["analytic_error"].is_null(), "{bend}");
     for (verb, room) in [
         ("statics scene.toml", "statics"),
         ("tolerance scene.toml --samples 100", "tolerance"),
-        ("workspace scene.toml --loaded --samples 20", "workspace --loaded"),
         ("payload capacity scene.toml", "payload capacity"),
     ] {
-        let words = format!("`{room}` bends `finger` by the analytic model, which errs by up to {percent:.1} %");
+        let words = format!("`{room}` bends `finger` by the analytic model, whose error is not known");
         let answer = desk.softlimb(verb);
         assert_eq!(answer.code, Some(3), "{answer:?}");
         assert!(answer.err.contains(&words), "{answer:?}");
