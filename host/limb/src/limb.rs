@@ -31,7 +31,7 @@ pub struct LimbModule {
     pub pressure_max_pa: f64,
     /// Highest gauge pressure the device follows a setpoint to, Pa: it keeps a margin below its limit for the loop.
     pub reference_max_pa: f64,
-    /// The solver of one actuator. Of a bending one that is by finite elements it has the analytic model, of the first winding alone
+    /// The solver of one actuator by the analytic model, with the first winding alone where finite elements of the section have the bend
     /// ([`LimbModule::is_by_section`]).
     pub actuator: Actuator<f64>,
     /// Its states over the pressure range. Those of several twisting actuators are of the bundle as its plates hold it back

@@ -11,8 +11,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{Failure, note, say};
+use crate::results::bend::analytic_bends;
 use softlimb_files::write_whole;
-use softlimb_limb::{Limb, LimbModule};
+use softlimb_limb::Limb;
 use softlimb_scene::{Corrections, Quantity, Scene};
 
 /// Destinations of a table.
@@ -41,7 +42,7 @@ pub(super) fn limb(file: &Path) -> Result<(Scene, Limb), Failure> {
     Ok((scene, limb))
 }
 
-/// The same for a room that has the analytic model alone, with a warning for each module that finite elements bend elsewhere.
+/// The same for a command that has the analytic model alone, with a warning for each module that `check` bends by finite elements.
 ///
 /// # Errors
 /// The scene has a bending module with two windings, among others.
@@ -51,22 +52,6 @@ pub(super) fn limb_for(room: &str, file: &Path) -> Result<(Scene, Limb, Vec<Stri
     let limb = Limb::new(&scene)?;
     let warnings = analytic_bends(room, &limb);
     Ok((scene, limb, warnings))
-}
-
-/// A warning for each module that a room bends by the analytic model, and `check` and `run` by finite elements.
-pub(super) fn analytic_bends(room: &str, limb: &Limb) -> Vec<String> {
-    let warning = |module: &LimbModule| {
-        let bend = module.bend().filter(|bend| bend.is_by_section())?;
-        let errs = bend.analytic_error().map_or_else(
-            || "whose error is not known".to_owned(),
-            |error| format!("which errs by up to {:.1} %", 100.0 * error),
-        );
-        Some(format!(
-            "{room} bends `{}` by the analytic model, {errs}; `check` and `run` take finite elements",
-            module.name
-        ))
-    };
-    limb.modules().iter().filter_map(warning).collect()
 }
 
 /// A failure about a file.

@@ -34,7 +34,7 @@ pub(super) struct Statics {
 
 impl Statics {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb, bends) = limb_for("`statics`", &self.scene)?;
+        let (scene, limb, _) = limb_for("`statics`", &self.scene)?;
         let options = StaticsOptions {
             payload_kg: self.payload.as_ref().map(Quantity::si),
             spacers: self.spacers,
@@ -42,7 +42,7 @@ impl Statics {
         };
         let result = StaticsResult::new(&scene, &limb, &options)?;
         show(self.json, &result.printed(), || table(&scene, &result.rows))?;
-        Ok(warn(&[bends, result.warnings].concat()))
+        Ok(warn(&result.warnings))
     }
 }
 

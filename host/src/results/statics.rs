@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::ResultError;
+use super::bend::analytic_bends;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{EquilibriumError, Load, LoadedLimb, Standing};
 use softlimb_motion as motion;
@@ -28,7 +29,7 @@ pub struct StaticsResult<'a> {
     scene: &'a Scene,
     limb: &'a Limb,
     pub(crate) rows: Vec<Row>,
-    /// Buckling, second shapes, and others.
+    /// Other models of bends than in `check`, buckling, second shapes, and others.
     pub warnings: Vec<String>,
 }
 
@@ -107,7 +108,8 @@ impl<'a> StaticsResult<'a> {
                 options.row((scene, limb), &planned.name, &pressures, payload_kg, plan.tip_m(limb, end_us))
             })
             .collect::<Result<_, _>>()?;
-        let warnings = rows.iter().flat_map(|row| row.warnings(limb, options.tolerance)).collect();
+        let mut warnings = analytic_bends("`statics`", limb);
+        warnings.extend(rows.iter().flat_map(|row| row.warnings(limb, options.tolerance)));
         Ok(Self { scene, limb, rows, warnings })
     }
 

@@ -25,13 +25,13 @@ const NEARER: usize = 5;
 const ASIDE: f64 = 1e-9;
 /// A step of Newton's method that is shorter ends it ...
 const LAST_STEP: f64 = 1e-11;
-/// ... after at most so many. A step of the stretch above `SHORT` takes new derivatives, and `LONGEST` bounds it.
+/// ... and so does this number of steps. A step of the stretch above `SHORT` takes new derivatives, and `LONGEST` bounds it.
 const STEPS: usize = 16;
 const SHORT: f64 = 1e-4;
 const LONGEST: f64 = 3e-3;
 /// Most change of the pressure, as a share, and of the variable that follows on the way.
 const FAR: f64 = 0.3;
-/// Where Newton's method fails, it solves geometries on the way first: the way is halved at most so many times.
+/// Where Newton's method fails, it solves geometries on the way first: it halves the way at most this many times.
 const APPROACHES: usize = 3;
 /// Width of the difference for the softening, as a share of the stretch ...
 const WIDTH_OF_SOFTENING: f64 = 1e-4;

@@ -24,7 +24,7 @@ const LOOKED_AT: [[f64; 4]; 5] =
 const ON_A_LINE: usize = 16;
 /// Share of the evaluations that starting points may take on a supply line; the others are for hops from the best minimum.
 const STARTING: f64 = 0.5;
-/// Model solves of an evaluation on a supply line: the search goes on where they are fewer, and cheaper.
+/// Least model solves for each evaluation of the budget on a supply line. Where evaluations take fewer, the search makes more of them.
 const SOLVES: f64 = 52.0;
 /// Least relative gain of a step before the margins to limit points are settled.
 const ROUGH: f64 = 1e-2;
@@ -42,7 +42,7 @@ pub struct Budget {
     pub starts: usize,
     /// As many local solves must end at the best objective before the search stops early; on one supply line at least sixteen.
     pub agreeing: usize,
-    /// No local solve begins after as many evaluations; on one supply line it must have taken 52 model solves for each of them too.
+    /// Evaluations after which no local solve begins. On one supply line the search also makes 52 model solves for each of them.
     pub evaluations: u64,
 }
 

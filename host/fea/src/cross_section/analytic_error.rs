@@ -11,10 +11,10 @@ const THREAD_STRAIN_MAX: f64 = 0.05;
 /// Stretch of the axis, less one, below which the relative error no longer changes.
 const STRAIN_LEAST: f64 = 0.002;
 
-/// Relative error of the analytic bend that is accepted where nobody states another.
+/// Relative error of the analytic bend that is accepted by default.
 pub const BEND_TOLERANCE: f64 = 0.005;
 
-/// Whether the winding of a bending actuator is stated, and not an ideal one that keeps its radius.
+/// Whether it is a bending actuator with a stated winding, in place of an ideal one that keeps its radius.
 pub fn is_wound_bender(parameters: &ActuatorParameters<f64>) -> bool {
     parameters.motion == Motion::Bending && parameters.fiber.is_some_and(|fiber| fiber.modulus_pa > 0.0)
 }

@@ -17,7 +17,7 @@ const LETTER: [f64; 2] = [6.6, 13.0];
 const NAMES: usize = 8;
 
 const CAPTION: &str =
-    "Largest error over all motions. Coloured: none is cheaper and more accurate. Rings: single precision.";
+    "Largest error over all motions. In color: nothing cheaper is as accurate. Rings: single precision.";
 
 /// A method over all motions.
 struct Mark<'a> {

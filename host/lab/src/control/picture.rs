@@ -36,7 +36,7 @@ fn name(channel: usize) -> String {
     format!("{:.0} mL", VOLUMES_M3[channel] * 1e6)
 }
 
-/// Every so many moments of a trial in a stretch of time, s.
+/// Every `EVERY`th moment of a trial in a range of time, s.
 fn moments(trial: &Trial, range: [f64; 2]) -> impl Iterator<Item = &Moment> {
     trial.recording.moments.iter().filter(move |it| (range[0]..range[1]).contains(&it.time_s)).step_by(EVERY)
 }

@@ -168,7 +168,7 @@ pub fn fit(
     }
 }
 
-/// Fits a model whose largest pressure is `most_pa`; which model a body has is the caller's to add.
+/// Fits a model whose largest pressure is `most_pa`; the caller adds the models of the bodies.
 pub(super) fn fit_model(
     model: &impl Model,
     bodies: &[Body],

@@ -6,7 +6,7 @@ use softlimb_fea::cross_section::{EndLoad, Options, Outcome, Section, SectionErr
 use super::Body;
 use super::body::NoAnswer;
 
-/// Most readings that are solved one by one; a curve through solutions of its own gives more of them.
+/// Most readings that are solved one by one. More are interpolated between solutions along a curve.
 const ONE_BY_ONE: usize = 24;
 
 impl From<SectionError> for NoAnswer {

@@ -13,8 +13,8 @@ use softlimb_scene::Scene;
 
 pub use loaded::refused;
 
-use super::shared::analytic_bends;
 use super::{Failure, Outcome, note, warn};
+use crate::results::bend::analytic_bends;
 
 /// Design a limb for a scene, actuators by eq. (14) of the paper, or a bundle by eq. (18)
 #[derive(Args)]
