@@ -25,6 +25,7 @@
 
 mod analytic_error;
 mod answer;
+mod bending;
 mod build;
 mod calibrate;
 mod chain;
@@ -48,7 +49,9 @@ mod tests;
 use fra_model::{ActuatorParameters, Fiber};
 
 pub use analytic_error::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
+
 pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
+pub use bending::BendingLaw;
 pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};
 pub use error::SectionError;
 pub use interpolated::Interpolated;
