@@ -2,9 +2,11 @@
 
 use std::fmt;
 
-use softlimb_scene::Scene;
+use fra_model::Motion;
+use softlimb_scene::{Module, Scene, SceneError};
 
 use crate::Limb;
+use crate::limb::twists;
 
 /// Model of a bending module with a stated winding, with the largest relative error that the analytic bend states over its pressures; `None` where it states none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +61,26 @@ impl fmt::Display for Bend {
     }
 }
 
+/// Refuses a bender that twists as it bends, at its second winding, in a room that has bends in one plane.
+pub(crate) fn out_of_plane(scene: &Scene, module: &Module, room: &str) -> SceneError {
+    let span = module.second_fiber.as_ref().map_or(module.span, |second| second.span);
+    let title = format!("`{}` twists as it bends, and {room} takes benders that do not", *module.name);
+    scene.diagnostic(span, &title, "this winding has no mirror image", None)
+}
+
 impl Limb {
+    /// Refuses a limb with a bender that twists as it bends, for a room that has bends in one plane.
+    ///
+    /// # Errors
+    /// A diagnostic at its second winding.
+    pub fn require_plane_benders(&self, scene: &Scene, room: &str) -> Result<(), SceneError> {
+        let benders = scene.modules().iter().zip(self.modules()).filter(|(_, built)| built.motion == Motion::Bending);
+        match benders.into_iter().find(|(_, built)| twists(&built.curve)) {
+            Some((module, _)) => Err(out_of_plane(scene, module, room)),
+            None => Ok(()),
+        }
+    }
+
     /// The warnings about windings that the model of a module ignores, from the base to the tip.
     pub fn winding_warnings(&self, scene: &Scene) -> Vec<String> {
         let ignoring = scene.modules().iter().zip(self.modules()).filter(|(_, module)| !module.is_by_section());

@@ -21,6 +21,6 @@ pub mod workspace;
 
 pub use bend::Bend;
 pub use curve::StateCurve;
-pub use limb::{Drive, Limb, LimbModule, base_pose, reference_max_pa};
+pub use limb::{Drive, Limb, LimbModule, base_pose, bending_law, reference_max_pa};
 pub use restraint::TWIST_SHARE_MIN;
 pub use stretch::largest_stretch;

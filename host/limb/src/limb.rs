@@ -1,18 +1,25 @@
 //! The limb of a scene: its modules with their solvers, its base and its kinematics.
 
 use std::ops::{Deref, Range};
+use std::sync::{Arc, OnceLock};
 
-use fra_model::{Actuator, Arrangement, Fiber, InvalidParameter, Link, Motion, Segment, State, StateQuantity, Target};
+use fra_model::{
+    Actuator, ActuatorParameters, Arrangement, Fiber, InvalidParameter, Link, Motion, Segment, State, StateQuantity,
+    Target,
+};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use super::bend::out_of_plane;
 use super::{Bend, StateCurve};
-use crate::statics::check_bundles;
-use softlimb_fea::cross_section::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
+use crate::statics::{Spring, check_bundles};
+use softlimb_fea::cross_section::{BEND_TOLERANCE, BendingLaw, analytic_bend_error, is_wound_bender};
 use softlimb_scene::collision::Body;
 use softlimb_scene::{BendingModel, Located, Module, Scene, SceneError, TrueLimb};
 
 /// By how much a setpoint may be beyond its range: two steps of the wire's coarsest unit, of stretch or rad.
 const ROUNDING: f64 = 2e-6;
+/// The pressure that laws of benders are found up to, as a multiple of the module's limit: room for overshoot, and for bends beyond the free ones.
+const LAW_RATIO: f64 = 1.3;
 /// Points per module on the drawn centre line.
 const BACKBONE_POINTS: usize = 12;
 
@@ -38,6 +45,8 @@ pub struct LimbModule {
     /// ([`StateCurve::restrained`]), those of a bending actuator may be by finite elements of the section.
     pub curve: StateCurve,
     bend: Option<Bend>,
+    /// Of actuators whose curve is by finite elements of the section, from their first load on; `None` where the section has none.
+    law: OnceLock<Option<Arc<BendingLaw>>>,
     second_fiber: Option<Fiber<f64>>,
     length_m: f64,
     /// Stretches between plates.
@@ -124,6 +133,23 @@ impl LimbModule {
     /// Whether its curve is the model, beside which no solver has the states.
     pub fn is_by_curve(&self) -> bool {
         self.is_restrained() || self.is_by_section()
+    }
+
+    /// One of its actuators as a spring at a gauge pressure, Pa, by the model of its curve; `None` where that has no equilibrium.
+    pub fn spring(&self, pressure_pa: f64) -> Option<Spring> {
+        if !self.is_by_section() {
+            return Spring::new(&self.actuator, pressure_pa);
+        }
+        let spring = Spring::by_section(&self.actuator, self.law()?, pressure_pa)?;
+        // The mesh of the curve is finer.
+        let is_on_curve = pressure_pa <= self.curve.pressure_max_pa();
+        Some(if is_on_curve { spring.about(&self.curve.at(pressure_pa)) } else { spring })
+    }
+
+    /// The law of a bender whose curve is by finite elements of the section; `None` for another actuator, or where the section has none.
+    pub(crate) fn law(&self) -> Option<&Arc<BendingLaw>> {
+        let found = || bending_law(self.actuator.parameters(), self.second_fiber.as_ref(), self.pressure_max_pa);
+        self.is_by_section().then(|| self.law.get_or_init(found).as_ref())?
     }
 
     /// Setpoint values at rest and at the highest reachable pressure.
@@ -426,6 +452,16 @@ fn build_module(
         None if *module.motion == Motion::Bending => bend(scene, &actuator, reference_max_pa),
         None => (StateCurve::new(&actuator, reference_max_pa), None),
     };
+    let law = OnceLock::new();
+    if scene.weight().is_some() && bend.is_some_and(Bend::is_by_section) {
+        let found = bending_law(&module.actuator(), module.second_fiber.as_deref(), *module.pressure_max_pa);
+        if found.is_none() {
+            let title = format!("finite elements do not tell how a load bends `{}`", *module.name);
+            let help = "`bending = \"analytic\"` in [controller] takes the analytic model, of one winding";
+            return Err(scene.diagnostic(module.span, &title, "its section has too few equilibria", Some(help)));
+        }
+        law.get_or_init(|| found);
+    }
     let mut built = LimbModule {
         name: module.name.to_string(),
         motion: *module.motion,
@@ -435,6 +471,7 @@ fn build_module(
         reference_max_pa,
         curve,
         bend,
+        law,
         actuator,
         second_fiber: module.second_fiber.map(|fiber| *fiber),
         length_m: module.moving_length_m(),
@@ -461,7 +498,7 @@ fn bend(scene: &Scene, actuator: &Actuator<f64>, pressure_max_pa: f64) -> (State
     let largest = |most: f64, state: &State<f64>| Some(most.max(analytic_bend_error(parameters, state)?));
     let (_, pressed) = analytic.states().split_at(1);
     let error = if pressed.is_empty() { None } else { pressed.iter().try_fold(0.0, largest) };
-    let is_asked = scene.controller().bending == BendingModel::Auto && scene.weight().is_none();
+    let is_asked = scene.controller().bending == BendingModel::Auto;
     let errs = error.is_none_or(|error| error > BEND_TOLERANCE);
     let by_section = (is_asked && errs).then(|| StateCurve::by_section(parameters, None, pressure_max_pa).ok());
     match by_section.flatten() {
@@ -477,18 +514,32 @@ fn bender_curve(
     second: &Located<Fiber<f64>>,
     pressure_max_pa: f64,
 ) -> Result<StateCurve, SceneError> {
-    if scene.weight().is_some() {
-        scene.require_benders_of_one_winding("a limb with `[weight]`")?;
-    }
     let refused = |title: &str, label: &str| scene.diagnostic(second.span, title, label, None);
     let curve = StateCurve::by_section(&module.actuator(), Some(second), pressure_max_pa);
     let curve = curve.map_err(|why| refused("finite elements give this actuator no bend", &why))?;
-    let twists = curve.states().iter().any(|state| state.twist_rad != 0.0);
-    if twists && scene.plant().truth != TrueLimb::Simple {
-        let title = format!("`{}` twists as it bends, and a true body does not", *module.name);
-        return Err(refused(&title, "this winding has no mirror image"));
+    let room = match scene.plant().truth {
+        TrueLimb::Simple => scene.weight().map(|_| "a limb with `[weight]`"),
+        _ => Some("a true body"),
+    };
+    match room.filter(|_| twists(&curve)) {
+        Some(room) => Err(out_of_plane(scene, module, room)),
+        None => Ok(curve),
     }
-    Ok(curve)
+}
+
+/// Whether a bender twists as it bends.
+pub(crate) fn twists(curve: &StateCurve) -> bool {
+    curve.states().iter().any(|state| state.twist_rad != 0.0)
+}
+
+/// The law of a bending actuator by finite elements, with room above its highest pressure where its branch goes on; `None` where its section has none.
+pub fn bending_law(
+    actuator: &ActuatorParameters<f64>,
+    second_fiber: Option<&Fiber<f64>>,
+    pressure_max_pa: f64,
+) -> Option<Arc<BendingLaw>> {
+    let up_to = |most_pa: f64| BendingLaw::new(actuator, second_fiber, most_pa).ok().flatten();
+    up_to(LAW_RATIO * pressure_max_pa).or_else(|| up_to(pressure_max_pa)).map(Arc::new)
 }
 
 /// Where a device stops its reference: 3 kPa, at most a tenth, below the limit (`protocol/SPEC.md`, ConfigChannel).

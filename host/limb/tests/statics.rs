@@ -13,6 +13,7 @@ mod springs;
 mod tiers;
 mod tubes;
 mod twists;
+mod wound;
 
 use nalgebra::{Isometry3, Matrix4, Vector3, Vector4};
 use softlimb_limb::statics::{Piece, Rod};

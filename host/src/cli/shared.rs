@@ -11,7 +11,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{Failure, note, say};
-use crate::results::bend::analytic_bends;
 use softlimb_files::write_whole;
 use softlimb_limb::Limb;
 use softlimb_scene::{Corrections, Quantity, Scene};
@@ -40,18 +39,6 @@ pub(super) fn limb(file: &Path) -> Result<(Scene, Limb), Failure> {
     let scene = softlimb_scene::load(file)?;
     let limb = Limb::new(&scene)?;
     Ok((scene, limb))
-}
-
-/// The same for a command that has the analytic model alone, with a warning for each module that `check` bends by finite elements.
-///
-/// # Errors
-/// The scene has a bending module with two windings, among others.
-pub(super) fn limb_for(room: &str, file: &Path) -> Result<(Scene, Limb, Vec<String>), Failure> {
-    let scene = softlimb_scene::load(file)?;
-    scene.require_benders_of_one_winding(room)?;
-    let limb = Limb::new(&scene)?;
-    let warnings = analytic_bends(room, &limb);
-    Ok((scene, limb, warnings))
 }
 
 /// A failure about a file.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::check_margins::load_factor;
-use super::shared::{limb_for, quantity, show};
+use super::shared::{limb, quantity, show};
 use super::{Failure, Outcome, warn};
 use crate::results::{StaticsOptions, StaticsResult, StaticsRow as Row};
 use softlimb_limb::statics::{Answer, BUCKLING_MARGIN_MAX};
@@ -34,7 +34,7 @@ pub(super) struct Statics {
 
 impl Statics {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb, _) = limb_for("`statics`", &self.scene)?;
+        let (scene, limb) = limb(&self.scene)?;
         let options = StaticsOptions {
             payload_kg: self.payload.as_ref().map(Quantity::si),
             spacers: self.spacers,

@@ -8,8 +8,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::fabricate::Allowed;
-use super::shared::{limb_for, show, threads, write_if};
+use super::shared::{limb, show, threads, write_if};
 use super::{Failure, Outcome, warn};
+use crate::results::bend::analytic_bends;
 use softlimb_chart::labelled;
 use softlimb_limb::fabricate::Tolerances;
 use softlimb_limb::tolerance;
@@ -60,7 +61,9 @@ impl From<ToleranceError> for Failure {
 
 impl Tolerance {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb, bends) = limb_for("`tolerance`", &self.scene)?;
+        let (scene, limb) = limb(&self.scene)?;
+        scene.require_benders_of_one_winding("`tolerance`")?;
+        let bends = analytic_bends("`tolerance`", &limb);
         let wall = &self.allowed.wall;
         for module in limb.modules() {
             let parameters = module.actuator.parameters();

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::shared::{limb, limb_for, quantity, show, threads, write_if};
-use super::{Failure, Outcome, warn, workspace_loaded};
+use super::shared::{limb, quantity, show, threads, write_if};
+use super::{Failure, Outcome, workspace_loaded};
 use crate::results::{LoadedWorkspaceResult, NAMES, WorkspaceOptions, WorkspaceResult};
 use softlimb_chart::labelled;
 use softlimb_limb::Limb;
@@ -98,12 +98,7 @@ impl From<Pressures> for Command {
 
 impl Workspace {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
-        let (scene, limb, bends) = if self.loaded {
-            limb_for("`workspace --loaded`", &self.scene)?
-        } else {
-            let (scene, limb) = limb(&self.scene)?;
-            (scene, limb, Vec::new())
-        };
+        let (scene, limb) = limb(&self.scene)?;
         let (samples, cell_m) = if self.loaded { (4096, 0.1) } else { (1_000_000, 0.02) };
         let options = WorkspaceOptions {
             command: self.pressures.into(),
@@ -122,7 +117,7 @@ impl Workspace {
                 workspace::picture(scene.name(), grids, &rest_m(&limb), &[])
             })?;
             show(self.json, &result.printed(), || workspace_loaded::table(&result))?;
-            return Ok(warn(&bends));
+            return Ok(Outcome::Done);
         }
         let result = WorkspaceResult::new(&scene, &limb, &options)?;
         write_if(self.csv.as_ref(), || csv(&result.tips_m))?;

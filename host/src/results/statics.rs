@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::ResultError;
-use super::bend::analytic_bends;
 use softlimb_limb::Limb;
 use softlimb_limb::statics::{EquilibriumError, Load, LoadedLimb, Standing};
 use softlimb_motion as motion;
@@ -97,7 +96,7 @@ impl<'a> StaticsResult<'a> {
     /// # Errors
     /// [`ResultError`] when the scene has no plan, or an actuator no equilibrium.
     pub fn new(scene: &'a Scene, limb: &'a Limb, options: &StaticsOptions) -> Result<Self, ResultError> {
-        scene.require_benders_of_one_winding("`statics`")?;
+        limb.require_plane_benders(scene, "`statics`")?;
         let plan = motion::plan(scene, limb)?;
         let phases = plan.phases.iter().zip(scene.phases());
         let rows: Vec<Row> = phases
@@ -108,8 +107,7 @@ impl<'a> StaticsResult<'a> {
                 options.row((scene, limb), &planned.name, &pressures, payload_kg, plan.tip_m(limb, end_us))
             })
             .collect::<Result<_, _>>()?;
-        let mut warnings = analytic_bends("`statics`", limb);
-        warnings.extend(rows.iter().flat_map(|row| row.warnings(limb, options.tolerance)));
+        let warnings = rows.iter().flat_map(|row| row.warnings(limb, options.tolerance)).collect();
         Ok(Self { scene, limb, rows, warnings })
     }
 

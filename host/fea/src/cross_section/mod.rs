@@ -51,7 +51,7 @@ use fra_model::{ActuatorParameters, Fiber};
 pub use analytic_error::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
 
 pub use answer::{Answer, Budget, Equilibrium, ErrorEstimate, Outcome, SectionState, Stiffness};
-pub use bending::BendingLaw;
+pub use bending::{BendingLaw, BendingMoment};
 pub use calibrate::{BendPolynomial, CALIBRATED_FROM, Calibration};
 pub use error::SectionError;
 pub use interpolated::Interpolated;

@@ -6,8 +6,11 @@
 //! (F_i, M_i) = -(N_ext, M_ext)(P_i, stretch_i, twist_i)     of the model, in place of J_q^T P_i in (17)
 //! ```
 
+use std::sync::Arc;
+
 use fra_model::{Actuator, InvalidParameter, Load, Motion, Status, Target};
 use nalgebra::{DMatrix, Matrix6x2, Vector2, Vector3, Vector6};
+use softlimb_fea::cross_section::BendingLaw;
 
 /// Singular values below this share of the largest count as none.
 const RANK: f64 = 1e-10;
@@ -73,6 +76,8 @@ pub struct Mounted {
     pub name: String,
     /// The actuator.
     pub actuator: Actuator<f64>,
+    /// The law of a bending one whose moments are those of finite elements of its section.
+    pub law: Option<Arc<BendingLaw>>,
     /// The shape it is held in.
     pub hold: Hold,
     /// Where it is attached, `d_i`, m from the point that moments are about.
@@ -141,7 +146,8 @@ impl Mounted {
         }
         let norm = axis.norm();
         require(norm.is_finite() && norm > 0.0, "axis", norm, "a finite direction of length > 0")?;
-        Ok(Self { name: name.into(), actuator, hold, point_m, axis: axis / norm, restraint: Vector2::zeros() })
+        let (axis, restraint) = (axis / norm, Vector2::zeros());
+        Ok(Self { name: name.into(), actuator, law: None, hold, point_m, axis, restraint })
     }
 
     /// What it does at a gauge pressure, Pa.
@@ -165,6 +171,12 @@ impl Mounted {
 
     /// The energy of a bent section is that of the wall less `P V`: the moment is `(P - P_free) dV/dphi`, without remainder.
     fn bend(&self, pressure_pa: f64, bend_angle_rad: f64) -> Result<Push, PayloadError> {
+        if let Some(law) = &self.law {
+            let bend_rad_per_m = bend_angle_rad / self.actuator.parameters().length_m;
+            let held = law.moment(bend_rad_per_m, pressure_pa).ok_or_else(|| self.no_balance(pressure_pa))?;
+            let [load, by_pressure] = [held.moment_nm, held.by_pressure_m3].map(|moment| Vector2::new(0.0, -moment));
+            return Ok(Push { pressure_pa, load, by_pressure });
+        }
         let free = self.actuator.inverse(Target::BendAngle(bend_angle_rad), &Load::none())?;
         let growth = self.actuator.volume_by_bend(bend_angle_rad);
         let (Status::Solved, Some([per_pascal, _])) = (free.status, growth) else {

@@ -97,7 +97,12 @@ impl Held<'_> {
         let [x, y] = self.module.positions_m()[actuator];
         let axis = if bends { Vector3::y() } else { Vector3::z() };
         let name = format!("{} {}", self.module.name, actuator + 1);
-        Mounted::new(&name, self.module.actuator, hold, Vector3::new(x, y, 0.0), axis)
+        let mounted = Mounted::new(&name, self.module.actuator, hold, Vector3::new(x, y, 0.0), axis)?;
+        let law = self.module.law().cloned();
+        if self.module.is_by_section() && law.is_none() {
+            return Err(self.no_balance(self.state(actuator)));
+        }
+        Ok(Mounted { law, ..mounted })
     }
 
     /// Moment that the bent walls of a steering module's actuators turn its far connector back with, N m.

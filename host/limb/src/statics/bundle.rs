@@ -96,7 +96,7 @@ impl Bundle {
         let mut springs = Vec::with_capacity(pressures_pa.len());
         for (position, pressure_pa) in module.positions_m().into_iter().zip(pressures_pa) {
             let found = known.iter().find(|(pressure, _)| pressure == pressure_pa).map(|(_, spring)| spring.clone());
-            let spring = found.or_else(|| Spring::new(&module.actuator, *pressure_pa))?;
+            let spring = found.or_else(|| module.spring(*pressure_pa))?;
             known.push((*pressure_pa, spring.clone()));
             springs.push((position, spring));
         }

@@ -4,7 +4,10 @@
 //! gives the tube's force and slope, and these are the force and slope of a linear spring with a rest of its own. Springs about the strains of
 //! a shape, and the shape of these springs, are found by turns; that is Newton's method on the walls, and a few turns do.
 
+use std::sync::Arc;
+
 use fra_model::{Actuator, ActuatorParameters, Blocked, Load, Motion, State, Status, Target};
+use softlimb_fea::cross_section::BendingLaw;
 
 use super::tube::{Tangent, bender_nm2};
 use super::wall;
@@ -16,6 +19,8 @@ pub type TubeStrain = [f64; 3];
 #[derive(Clone, Debug)]
 pub struct Spring {
     actuator: Actuator<f64>,
+    /// The law of a bender whose moments are those of finite elements of its section.
+    law: Option<Arc<BendingLaw>>,
     pressure_pa: f64,
     /// Strains without load less those of the model: creep.
     crept: TubeStrain,
@@ -26,13 +31,23 @@ impl Spring {
     /// The tube of an actuator at a gauge pressure, Pa; `None` where the branch of its equilibria does not get there.
     pub fn new(actuator: &Actuator<f64>, pressure_pa: f64) -> Option<Self> {
         let free = Tangent::of(actuator, pressure_pa)?;
-        Some(Self { actuator: *actuator, pressure_pa, crept: [0.0; 3], free })
+        Some(Self { actuator: *actuator, law: None, pressure_pa, crept: [0.0; 3], free })
+    }
+
+    /// The tube of a bending actuator at a gauge pressure, Pa, by the finite elements of its section; `None` beyond the pressures of its law.
+    pub fn by_section(actuator: &Actuator<f64>, law: &Arc<BendingLaw>, pressure_pa: f64) -> Option<Self> {
+        let bend_rad_per_m = law.bend_rad_per_m(pressure_pa)?;
+        let [across_nm2, torsion_nm2] = law.beside_nm2(pressure_pa);
+        let free = Tangent { across_nm2, torsion_nm2, ..Tangent::at(actuator, &actuator.rest())? };
+        let mut spring = Self { actuator: *actuator, law: Some(law.clone()), pressure_pa, crept: [0.0; 3], free };
+        spring.free = spring.bent(bend_rad_per_m)?;
+        Some(spring)
     }
 
     /// The tube of an actuator in a state without load; `None` where that is not stable.
     pub(crate) fn at(actuator: &Actuator<f64>, state: &State<f64>) -> Option<Self> {
         let free = Tangent::at(actuator, state)?;
-        Some(Self { actuator: *actuator, pressure_pa: state.pressure_pa, crept: [0.0; 3], free })
+        Some(Self { actuator: *actuator, law: None, pressure_pa: state.pressure_pa, crept: [0.0; 3], free })
     }
 
     /// The same tube with another shape without load, that of `state`: one that has crept.
@@ -50,8 +65,13 @@ impl Spring {
 
     /// Whether another tube has the same pressure and shape without load, so the same springs where actuators are equal.
     pub(super) fn is_like(&self, other: &Self) -> bool {
+        let has_law = |law: &Arc<BendingLaw>, other: &Arc<BendingLaw>| Arc::ptr_eq(law, other) || law == other;
         self.pressure_pa == other.pressure_pa
             && self.free == other.free
+            && match (&self.law, &other.law) {
+                (Some(law), Some(other)) => has_law(law, other),
+                (law, other) => law.is_none() && other.is_none(),
+            }
             && self.actuator.parameters() == other.actuator.parameters()
             && self.actuator.second_fiber() == other.actuator.second_fiber()
     }
@@ -140,18 +160,14 @@ impl Spring {
     }
 
     /// The springs of a bender about a bend.
-    ///
-    /// The moment on the wall is linear in the pressure: `M = (p_0 - p) dV/dtheta`, where `p_0` holds the bend without load.
     fn bent(&self, bend_rad_per_m: f64) -> Option<Tangent> {
-        let length_m = self.actuator.parameters().length_m;
-        let solution = self.actuator.inverse(Target::BendAngle(bend_rad_per_m * length_m), &Load::none()).ok()?;
-        if solution.status != Status::Solved {
-            return None;
-        }
-        let short_pa = solution.state.pressure_pa - self.pressure_pa;
-        let [by_bend, slope] = self.actuator.volume_by_bend(solution.state.bend_angle_rad)?;
-        let torque_nm = short_pa * by_bend;
-        let bending_nm2 = bender_nm2(&self.actuator, &solution.state)? + short_pa * slope * length_m;
+        let [torque_nm, bending_nm2] = match &self.law {
+            Some(law) => {
+                let found = law.moment(bend_rad_per_m, self.pressure_pa)?;
+                [found.moment_nm, found.by_bend_nm2]
+            }
+            None => self.moment(bend_rad_per_m)?,
+        };
         let rest = bend_rad_per_m - torque_nm / bending_nm2;
         (bending_nm2 > 0.0 && bending_nm2.is_finite()).then_some(Tangent {
             // Of a line that keeps its length.
@@ -160,5 +176,19 @@ impl Spring {
             bending_nm2,
             ..self.free
         })
+    }
+
+    /// Moment of a bender at a bend and its slope, by the analytic model.
+    ///
+    /// The moment on the wall is linear in the pressure: `M = (p_0 - p) dV/dtheta`, where `p_0` holds the bend without load.
+    fn moment(&self, bend_rad_per_m: f64) -> Option<[f64; 2]> {
+        let length_m = self.actuator.parameters().length_m;
+        let solution = self.actuator.inverse(Target::BendAngle(bend_rad_per_m * length_m), &Load::none()).ok()?;
+        if solution.status != Status::Solved {
+            return None;
+        }
+        let short_pa = solution.state.pressure_pa - self.pressure_pa;
+        let [by_bend, slope] = self.actuator.volume_by_bend(solution.state.bend_angle_rad)?;
+        Some([short_pa * by_bend, bender_nm2(&self.actuator, &solution.state)? + short_pa * slope * length_m])
     }
 }

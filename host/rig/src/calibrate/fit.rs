@@ -150,12 +150,29 @@ pub fn fit(
 ) -> Result<Fit, CalibrationError> {
     check(bodies, observations)?;
     let most_pa = observations.iter().map(|seen| seen.reading_pa.abs()).fold(0.0, f64::max);
-    let mut models = BodyModel::of_all(bodies, observations, unknowns);
+    let readings_pa = |index: usize| {
+        let own = observations.iter().filter(|seen| seen.body == index);
+        own.map(|seen| seen.reading_pa).collect()
+    };
+    fit_settled(
+        bodies,
+        |bodies| BodyModel::of_all(bodies, unknowns, readings_pa),
+        |models| fit_model(&Free { observations, models, most_pa }, bodies, unknowns, (settings, most_pa)),
+    )
+}
+
+/// Fits until the models of the bodies at the answer are those of the fit. The analytic bend may serve at the start and not at the answer; what finite elements
+/// have answered stays.
+pub(super) fn fit_settled(
+    bodies: &[Body],
+    models_of: impl Fn(&[Body]) -> Vec<BodyModel>,
+    fit: impl Fn(&[BodyModel]) -> Result<Fit, CalibrationError>,
+) -> Result<Fit, CalibrationError> {
+    let mut models = models_of(bodies);
     loop {
-        let found = fit_model(&Free { observations, models: &models, most_pa }, bodies, unknowns, (settings, most_pa))?;
-        let at_answer = BodyModel::of_all(&found.bodies, observations, unknowns);
+        let found = fit(&models)?;
+        let at_answer = models_of(&found.bodies);
         let pairs = || models.iter().zip(&at_answer);
-        // The analytic bend may serve at the start and not at the answer; what finite elements have answered stays.
         let is_settled = pairs().all(|(model, there)| model.is_by_section() || !there.is_by_section());
         let kept = |(model, there): (&BodyModel, &BodyModel)| {
             if model.is_by_section() && !there.is_by_section() { *model } else { *there }

@@ -3,14 +3,17 @@
 //! A value is that of the limb's equilibrium at the pressures and with the mass of a hold, by the statics that a simulated run has.
 
 use std::cell::RefCell;
+use std::sync::Arc;
 
+use fra_model::{Actuator, InvalidParameter};
 use nalgebra::{DMatrix, DVector, Vector4};
-use softlimb_limb::Limb;
+use softlimb_fea::cross_section::BendingLaw;
 use softlimb_limb::statics::{EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
+use softlimb_limb::{Limb, bending_law};
 use softlimb_scene::Scene;
 
 use super::body::NoAnswer;
-use super::fit::fit_model;
+use super::fit::{fit_model, fit_settled};
 use super::free::{check, refused};
 use super::problem::{Measured, Model, Refused};
 use super::{Body, BodyModel, CalibrationError, Fit, LimbHold, Observation, Property, Settings, Unknown};
@@ -69,15 +72,17 @@ pub fn fit_loaded(
     }
     let readings = loaded.holds.iter().flat_map(|hold| &hold.readings_pa);
     let most_pa = readings.map(|reading| reading.abs()).fold(0.0, f64::max);
-    let last = RefCell::default();
-    let model = Hanging { loaded, observations, most_pa, last };
-    let found = fit_model(&model, bodies, unknowns, (settings, most_pa))?;
-    let model = |(index, body): (usize, &Body)| {
+    let readings_pa = |index: usize| {
         let channels = loaded.bodies.iter().enumerate().filter(move |(_, of)| **of == index);
-        let readings = channels.flat_map(|(channel, _)| loaded.holds.iter().map(move |hold| hold.readings_pa[channel]));
-        BodyModel::under_weight(body, readings)
+        channels.flat_map(|(channel, _)| loaded.holds.iter().map(move |hold| hold.readings_pa[channel])).collect()
     };
-    Ok(Fit { models: found.bodies.iter().enumerate().map(model).collect(), ..found })
+    let models = |bodies: &[Body]| BodyModel::of_all(bodies, unknowns, readings_pa);
+    let laws = Laws { most_pa, known: RefCell::default() };
+    fit_settled(bodies, models, |models| {
+        let tubes = Tubes { models, laws: &laws };
+        let model = Hanging { loaded, observations, most_pa, tubes, last: RefCell::default() };
+        fit_model(&model, bodies, unknowns, (settings, most_pa))
+    })
 }
 
 impl Loaded<'_> {
@@ -92,15 +97,13 @@ impl Loaded<'_> {
     }
 
     /// The limb of the bodies in a hold, from an equilibrium nearby where there is one.
-    fn shape(&self, bodies: &[Body], hold: &LimbHold, near: Option<&Shape>) -> Result<Shape, Refused> {
+    fn shape(&self, bodies: &[Body], of: &Tubes<'_>, hold: &LimbHold, near: Option<&Shape>) -> Result<Shape, Refused> {
         let mut tubes = Vec::with_capacity(self.bodies.len());
-        for (body, reading_pa) in self.bodies.iter().zip(&hold.readings_pa) {
-            let body = &bodies[*body];
-            let beyond = |why: NoAnswer, too_soft| Refused { error: refused(body, *reading_pa, why), too_soft };
-            let actuator = body.actuator().map_err(|error| beyond(error.into(), false))?;
+        for (index, reading_pa) in self.bodies.iter().zip(&hold.readings_pa) {
+            let body = &bodies[*index];
             // Below ambient pressure as at rest, as the plant has it.
-            let tube = Spring::new(&actuator, body.pressure_pa(*reading_pa).max(0.0));
-            tubes.push(tube.ok_or_else(|| beyond(NoAnswer::BeyondLimit(None), true))?);
+            let tube = of.tube(*index, body, body.pressure_pa(*reading_pa).max(0.0));
+            tubes.push(tube.map_err(|(why, too_soft)| Refused { error: refused(body, *reading_pa, why), too_soft })?);
         }
         let load = Load { payload_kg: hold.payload_kg, ..Load::default() };
         let falls = |cause: String| Refused {
@@ -121,9 +124,9 @@ impl Loaded<'_> {
         })
     }
 
-    fn shapes(&self, bodies: &[Body], near: Option<&[Shape]>) -> Result<Vec<Shape>, Refused> {
+    fn shapes(&self, bodies: &[Body], of: &Tubes<'_>, near: Option<&[Shape]>) -> Result<Vec<Shape>, Refused> {
         let holds = self.holds.iter().enumerate();
-        holds.map(|(index, hold)| self.shape(bodies, hold, near.map(|near| &near[index]))).collect()
+        holds.map(|(index, hold)| self.shape(bodies, of, hold, near.map(|near| &near[index]))).collect()
     }
 
     /// The values of the observations, and behind them those of the tips.
@@ -150,10 +153,52 @@ fn settled(limb: &LoadedLimb, near: Option<&DVector<f64>>) -> Result<(Settled, V
     Err(EquilibriumError::Unsettled)
 }
 
+/// The tubes of the bodies, each by its model.
+#[derive(Clone, Copy)]
+struct Tubes<'a> {
+    models: &'a [BodyModel],
+    laws: &'a Laws,
+}
+
+/// Laws of bending bodies that were found so far: each takes finite elements.
+struct Laws {
+    /// The highest pressure of the data, Pa.
+    most_pa: f64,
+    known: RefCell<Vec<(Body, Option<Arc<BendingLaw>>)>>,
+}
+
+impl Tubes<'_> {
+    /// The tube of a body at a pressure, Pa, or why there is none, and whether a stiffer one would have an equilibrium.
+    fn tube(&self, index: usize, body: &Body, pressure_pa: f64) -> Result<Spring, (NoAnswer, bool)> {
+        let invalid = |error: InvalidParameter<f64>| (NoAnswer::from(error), false);
+        let tube = if self.models[index].is_by_section() {
+            let actuator = Actuator::new(&body.parameters).map_err(invalid)?;
+            self.laws.of(body).and_then(|law| Spring::by_section(&actuator, &law, pressure_pa))
+        } else {
+            Spring::new(&body.actuator().map_err(invalid)?, pressure_pa)
+        };
+        tube.ok_or((NoAnswer::BeyondLimit(None), true))
+    }
+}
+
+impl Laws {
+    fn of(&self, body: &Body) -> Option<Arc<BendingLaw>> {
+        let is_like =
+            |known: &&(Body, _)| (&known.0.parameters, known.0.second_fiber) == (&body.parameters, body.second_fiber);
+        if let Some((_, law)) = self.known.borrow().iter().find(is_like) {
+            return law.clone();
+        }
+        let law = bending_law(&body.parameters, body.second_fiber.as_ref(), self.most_pa);
+        self.known.borrow_mut().push((body.clone(), law.clone()));
+        law
+    }
+}
+
 struct Hanging<'a> {
     loaded: &'a Loaded<'a>,
     observations: &'a [Observation],
     most_pa: f64,
+    tubes: Tubes<'a>,
     /// Equilibria of the last place, where those of the next begin.
     last: RefCell<Option<Vec<Shape>>>,
 }
@@ -167,14 +212,14 @@ impl Model for Hanging<'_> {
     }
 
     fn values(&self, bodies: &[Body]) -> Vec<Option<f64>> {
-        match self.loaded.shapes(bodies, None) {
+        match self.loaded.shapes(bodies, &self.tubes, None) {
             Ok(shapes) => self.loaded.row(&shapes).into_iter().map(Some).collect(),
             Err(_) => vec![None; self.measured().len()],
         }
     }
 
     fn linearized(&self, bodies: &[Body], unknowns: &[Unknown]) -> Result<(Vec<f64>, DMatrix<f64>), Refused> {
-        let shapes = self.loaded.shapes(bodies, self.last.borrow().as_deref())?;
+        let shapes = self.loaded.shapes(bodies, &self.tubes, self.last.borrow().as_deref())?;
         let values = self.loaded.row(&shapes);
         let mut slopes = DMatrix::zeros(values.len(), unknowns.len());
         for (column, unknown) in unknowns.iter().enumerate() {
@@ -182,7 +227,7 @@ impl Model for Hanging<'_> {
             let step = STEP * unknown.scale(bodies, self.most_pa);
             let mut moved = bodies.to_vec();
             unknown.place(&mut moved, value + step);
-            let there = self.loaded.row(&self.loaded.shapes(&moved, Some(&shapes))?);
+            let there = self.loaded.row(&self.loaded.shapes(&moved, &self.tubes, Some(&shapes))?);
             for (row, (there, here)) in there.iter().zip(&values).enumerate() {
                 slopes[(row, column)] = (there - here) / step;
             }

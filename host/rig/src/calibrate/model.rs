@@ -5,9 +5,9 @@ use std::fmt;
 use fra_model::{Actuator, Load, Motion, Status};
 use softlimb_fea::cross_section::{BEND_TOLERANCE, analytic_bend_error, is_wound_bender};
 
-use super::{Body, Observation, Property, Unknown};
+use super::{Body, Property, Unknown};
 
-/// Model of a body without load.
+/// Model of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BodyModel {
     /// The equations of a straight tube.
@@ -43,20 +43,11 @@ impl BodyModel {
         matches!(self, Self::AnalyticBend(error) if is_wound && error.is_none_or(|error| error > BEND_TOLERANCE))
     }
 
-    /// The model of a body at readings, Pa, of a limb under weight, where finite elements do not answer.
-    pub(super) fn under_weight(body: &Body, readings_pa: impl Iterator<Item = f64>) -> Self {
-        match body.parameters.motion {
-            Motion::Bending => Self::AnalyticBend(body.largest_error(readings_pa)),
-            Motion::Extension | Motion::Expansion | Motion::Twisting => Self::Tube,
-        }
-    }
-
-    /// The model of each body at the readings of its observations.
-    pub(super) fn of_all(bodies: &[Body], observations: &[Observation], unknowns: &[Unknown]) -> Vec<Self> {
+    /// The model of each body at its readings, Pa.
+    pub(super) fn of_all(bodies: &[Body], unknowns: &[Unknown], readings_pa: impl Fn(usize) -> Vec<f64>) -> Vec<Self> {
         let of = |(index, body): (usize, &Body)| {
-            let own = observations.iter().filter(|seen| seen.body == index);
             let fitted = unknowns.iter().filter(|unknown| unknown.bodies.contains(&index));
-            Self::of(body, own.map(|seen| seen.reading_pa), fitted.map(|unknown| unknown.property))
+            Self::of(body, readings_pa(index).into_iter(), fitted.map(|unknown| unknown.property))
         };
         bodies.iter().enumerate().map(of).collect()
     }

@@ -3,9 +3,9 @@
 //! The scene's `creep_share` `x` and `creep_time` `tau` as `docs/explanation/plant.md` has them, one branch in the volume of an actuator,
 //! `tau dV_c/dt = x (V - V_0) - V_c`, along the setpoints. The shape is that of the volume with its creep, at a higher pressure.
 
-use fra_model::{Actuator, Load, State, Status};
+use fra_model::{Load, State, Status};
 
-use softlimb_limb::{Drive, Limb};
+use softlimb_limb::{Drive, Limb, LimbModule, StateCurve};
 use softlimb_motion::Plan;
 use softlimb_scene::Scene;
 
@@ -14,6 +14,8 @@ const STEP_US: f64 = 20_000.0;
 /// Steps of Newton's method, and the one at which it ends, Pa.
 const STEPS: usize = 20;
 const CONVERGED_PA: f64 = 1e-3;
+/// Pressure up to which creep is looked for, as a multiple of the module's limit.
+const LONGER: f64 = 1.3;
 
 /// Volume by which one actuator of each drive has crept at the end of each phase, m3: by phase, then by drive.
 pub(super) fn at_ends_m3(scene: &Scene, limb: &Limb, plan: &Plan) -> Vec<Vec<f64>> {
@@ -45,7 +47,18 @@ pub(super) fn at_ends_m3(scene: &Scene, limb: &Limb, plan: &Plan) -> Vec<Vec<f64
 }
 
 /// The state whose volume is larger by `crept_m3` than that at a gauge pressure; `None` where the branch of equilibria ends before.
-pub(super) fn crept(actuator: &Actuator<f64>, pressure_pa: f64, crept_m3: f64) -> Option<State<f64>> {
+pub(super) fn crept(module: &LimbModule, pressure_pa: f64, crept_m3: f64) -> Option<State<f64>> {
+    if module.is_by_section() {
+        let (parameters, limit_pa) = (module.actuator.parameters(), LONGER * module.pressure_max_pa);
+        let longer = || StateCurve::by_section(parameters, module.second_fiber(), limit_pa).ok();
+        let find = |curve: &StateCurve| {
+            let is_known = pressure_pa <= curve.pressure_max_pa();
+            let wanted_m3 = is_known.then(|| curve.at(pressure_pa).volume_m3 + crept_m3)?;
+            curve.find(|state| state.volume_m3, wanted_m3)
+        };
+        return find(&module.curve).or_else(|| find(&longer()?));
+    }
+    let actuator = &module.actuator;
     let solved = |solution: fra_model::Solution<f64>| (solution.status == Status::Solved).then_some(solution.state);
     let mut state = solved(actuator.forward(pressure_pa, &Load::none()).ok()?)?;
     let wanted_m3 = state.volume_m3 + crept_m3;

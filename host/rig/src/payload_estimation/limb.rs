@@ -4,7 +4,7 @@ use nalgebra::{DVector, Vector3};
 
 use super::creep::crept;
 use super::{EstimationError, Observation};
-use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Settled, Spring};
+use softlimb_limb::statics::{Bundle, Fidelity, GRAVITY_M_PER_S2, Load, LoadedLimb, Settled};
 use softlimb_limb::{Limb, LimbModule};
 use softlimb_scene::{Module, Scene};
 
@@ -70,8 +70,7 @@ impl Posed {
 /// Springs at the pressures of their drives, Pa, about the shapes that they have with their creep, m3.
 fn bundle(module: &LimbModule, bays: usize, drives: &[(f64, f64)]) -> Option<Bundle> {
     let spring = |(pressure_pa, crept_m3): &(f64, f64)| {
-        let state = crept(&module.actuator, *pressure_pa, *crept_m3)?;
-        Some(Spring::new(&module.actuator, *pressure_pa)?.about(&state))
+        Some(module.spring(*pressure_pa)?.about(&crept(module, *pressure_pa, *crept_m3)?))
     };
     let springs = drives.iter().map(spring).collect::<Option<Vec<_>>>()?;
     let tubes = module.positions_m().into_iter().zip(springs.into_iter().cycle()).collect();

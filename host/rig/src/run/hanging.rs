@@ -3,13 +3,16 @@
 //! Quasi-static: the limb has the shape that the loads of the moment lead to, and no inertia. Its walls follow the pressures within
 //! milliseconds; what swings is left out.
 
+use std::sync::Arc;
+
 use fra_model::{Actuator, State};
 use nalgebra::{DVector, Vector4};
-use softlimb_sim::plant::Truth;
+use softlimb_fea::cross_section::BendingLaw;
+use softlimb_sim::plant::{TrueParameters, Truth};
 
 use crate::record::FaultRecord;
 use softlimb_limb::statics::{EquilibriumError, Fidelity, Load, LoadedLimb, Settled, Spring};
-use softlimb_limb::{Drive, Limb};
+use softlimb_limb::{Drive, Limb, bending_law};
 use softlimb_scene::Scene;
 use softlimb_scene::collision::Body;
 
@@ -33,7 +36,7 @@ pub(super) struct Hanging<'a> {
     plant: &'a Scene,
     limb: &'a Limb,
     /// True actuators, one a channel; known from the first sample on.
-    actuators: Option<Vec<Actuator<f64>>>,
+    actuators: Option<Vec<Made>>,
     /// Strains of the modules at the last sample, and its unknowns.
     last: Option<(Vec<Vector4<f64>>, DVector<f64>)>,
     lost: bool,
@@ -156,22 +159,50 @@ impl<'a> Hanging<'a> {
     /// The limb of the true actuators; `None` where one has no equilibrium.
     fn loaded(&mut self, truth: &Truth, load: &Load) -> Option<LoadedLimb> {
         if self.actuators.is_none() {
-            self.actuators = Some(actuators(truth)?);
+            self.actuators = Some(made(self.limb, truth)?);
         }
         let actuators = self.actuators.as_ref()?.iter().enumerate();
-        let tubes: Option<Vec<Spring>> = actuators.map(|(channel, actuator)| tube(actuator, truth, channel)).collect();
+        let tubes: Option<Vec<Spring>> = actuators.map(|(channel, made)| tube(made, truth, channel)).collect();
         LoadedLimb::of_springs(self.plant, self.limb, &tubes?, load)
     }
 }
 
-/// A true tube: springs at its pressure about the shape that it has, creep included. Below ambient pressure those at rest, as the plant has it.
-fn tube(actuator: &Actuator<f64>, truth: &Truth, channel: usize) -> Option<Spring> {
-    let channel = truth.channels.get(channel)?;
-    Some(Spring::new(actuator, channel.pressure_pa.max(0.0))?.about(&channel.shape))
+/// A true actuator, with the law of a bender whose model is the finite elements of its section.
+struct Made {
+    actuator: Actuator<f64>,
+    law: Option<Arc<BendingLaw>>,
 }
 
-fn actuators(truth: &Truth) -> Option<Vec<Actuator<f64>>> {
-    truth.channels.iter().map(|channel| channel.parameters.model().ok()).collect()
+/// A true tube: springs at its pressure about the shape that it has, creep included. Below ambient pressure those at rest, as the plant has it.
+fn tube(made: &Made, truth: &Truth, channel: usize) -> Option<Spring> {
+    let channel = truth.channels.get(channel)?;
+    let pressure_pa = channel.pressure_pa.max(0.0);
+    let spring = match &made.law {
+        Some(law) => Spring::by_section(&made.actuator, law, pressure_pa),
+        None => Spring::new(&made.actuator, pressure_pa),
+    };
+    Some(spring?.about(&channel.shape))
+}
+
+fn made(limb: &Limb, truth: &Truth) -> Option<Vec<Made>> {
+    let mut all: Vec<(Made, &TrueParameters)> = Vec::with_capacity(truth.channels.len());
+    for (channel, true_channel) in truth.channels.iter().enumerate() {
+        let parameters = &true_channel.parameters;
+        let module = limb.modules().iter().find(|module| module.channels.contains(&channel))?;
+        let (actuator, second) = (&parameters.actuator, parameters.second_fiber.as_ref());
+        let made = if module.is_by_section() {
+            let is_like =
+                |other: &&TrueParameters| (&other.actuator, other.second_fiber.as_ref()) == (actuator, second);
+            let known = all.iter().find(|(made, other)| made.law.is_some() && is_like(other));
+            let known = known.and_then(|(made, _)| made.law.clone());
+            let law = known.or_else(|| bending_law(actuator, second, module.pressure_max_pa))?;
+            Made { actuator: Actuator::new(actuator).ok()?, law: Some(law) }
+        } else {
+            Made { actuator: parameters.model().ok()?, law: None }
+        };
+        all.push((made, parameters));
+    }
+    Some(all.into_iter().map(|(made, _)| made).collect())
 }
 
 /// Whether something is new, and notes it.

@@ -6,8 +6,8 @@ use clap::Args;
 use fra_model::{Motion, State};
 
 use super::report::{Pose, Report};
-use crate::cli::shared::{above_zero, limb_for, quantity, show, write};
-use crate::cli::{Failure, Outcome, note, warn};
+use crate::cli::shared::{above_zero, limb, quantity, show, write};
+use crate::cli::{Failure, Outcome, note};
 use softlimb_design::blocked::{blocked_designs, picture};
 use softlimb_limb::Limb;
 use softlimb_limb::payload::{
@@ -53,7 +53,8 @@ pub(super) struct CapacityMode {
 impl CapacityMode {
     pub(super) fn run(&self) -> Result<Outcome, Failure> {
         let case = self.case()?;
-        let (scene, limb, bends) = limb_for("`payload capacity`", &self.scene)?;
+        let (scene, limb) = limb(&self.scene)?;
+        limb.require_plane_benders(&scene, "`payload capacity`")?;
         let plan = motion::plan(&scene, &limb)?;
         let rest: Vec<State<f64>> = limb.drives().map(|drive| drive.curve.states()[0]).collect();
         let mut poses = vec![pose(&scene, &limb, "at rest".into(), &rest, &case)?];
@@ -87,7 +88,6 @@ impl CapacityMode {
             let found = drawn.iter().map(of).collect::<Result<Vec<_>, _>>().map_err(Failure::new)?;
             write(file, &polar_picture(scene.name(), &found))?;
         }
-        let outcome = warn(&bends);
         // Where the plan has weight, the statics decide.
         let short: Vec<&str> =
             report.poses.iter().filter(|pose| pose.falls_short()).map(|pose| pose.name.as_str()).collect();
@@ -103,7 +103,7 @@ impl CapacityMode {
             ));
             return Ok(Outcome::DoneWithWarnings);
         }
-        Ok(outcome)
+        Ok(Outcome::Done)
     }
 
     fn case(&self) -> Result<LoadCase, Failure> {
