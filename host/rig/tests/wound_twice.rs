@@ -299,8 +299,16 @@ fn what_has_no_bender_with_two_windings_says_so_at_the_line() {
     };
     let text = bender("seed = 3", "seed = 4").source_text().to_owned();
     for (from, to, words) in [
-        ("simulated = false, compensated = false", "simulated = true", "and a limb with `[weight]` takes one"),
-        ("[plant]", "[plant.truth]\nlimb = \"body\"\n[plant]", "twists as it bends, and a true body does not"),
+        (
+            "simulated = false, compensated = false",
+            "simulated = true",
+            "twists as it bends, and a limb with `[weight]` takes benders that do not",
+        ),
+        (
+            "[plant]",
+            "[plant.truth]\nlimb = \"body\"\n[plant]",
+            "twists as it bends, and a true body takes benders that do not",
+        ),
         (
             "actuators = 1",
             "actuators = 2\narrangement = \"row\"\nspacing = \"20 mm\"",
@@ -311,6 +319,7 @@ fn what_has_no_bender_with_two_windings_says_so_at_the_line() {
         let error = refused(text.replace(from, to));
         assert!(error.contains(words) && error.contains("winding = [\"axial\", \"helix\"]"), "{error}");
     }
-    let error = bender("seed = 3", "seed = 4").require_benders_of_one_winding("`statics`").unwrap_err().render(false);
-    assert!(error.contains("`rod` bends and has two windings, and `statics` takes one"), "{error}");
+    let scene = bender("seed = 3", "seed = 4");
+    let error = Limb::new(&scene).unwrap().require_plane_benders(&scene, "`statics`").unwrap_err().render(false);
+    assert!(error.contains("`rod` twists as it bends, and `statics` takes benders that do not"), "{error}");
 }
