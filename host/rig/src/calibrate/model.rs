@@ -37,12 +37,6 @@ impl BodyModel {
         matches!(self, Self::SectionFe(_))
     }
 
-    /// Whether it is the analytic bend of a stated winding where that errs by more than is accepted, or by an unknown amount.
-    pub fn errs(&self, body: &Body) -> bool {
-        let is_wound = is_wound_bender(&body.parameters);
-        matches!(self, Self::AnalyticBend(error) if is_wound && error.is_none_or(|error| error > BEND_TOLERANCE))
-    }
-
     /// The model of each body at its readings, Pa.
     pub(super) fn of_all(bodies: &[Body], unknowns: &[Unknown], readings_pa: impl Fn(usize) -> Vec<f64>) -> Vec<Self> {
         let of = |(index, body): (usize, &Body)| {

@@ -164,7 +164,7 @@ pub enum InverseChoice {
 /// Model of bending modules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BendingModel {
-    /// Finite elements of the section for a weightless module whose analytic bend errs by more than is accepted, else the analytic model.
+    /// Finite elements of the section for a module whose analytic bend errs by more than is accepted, else the analytic model.
     Auto,
     /// The analytic one.
     Analytic,

@@ -191,14 +191,11 @@ impl Unknowns {
         warnings.extend(fit.outliers(&observations).into_iter().map(|k| {
             format!("{} stands out: {} is beyond four times the scatter of all", seen[k].from, observations[k].value)
         }));
-        let measured = source.modules.iter().zip(fit.bodies.iter().zip(&fit.models));
+        let measured = source.modules.iter().zip(&fit.models);
         let measured = measured.filter(|(module, _)| seen.iter().any(|of| of.module == **module));
-        for (module, (body, model)) in measured {
+        for (module, model) in measured {
             if !model.is_by_section() {
                 warnings.extend(scene.winding_warning(&scene.modules()[*module]));
-            }
-            if model.errs(body) {
-                warnings.push(format!("{}: {model}; under weight finite elements do not answer", body.name));
             }
         }
         Ok((fit, observations, warnings))
