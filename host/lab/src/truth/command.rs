@@ -17,7 +17,7 @@ use crate::generated_section::replaced;
 )]
 pub(crate) struct Truth {
     /// Scenes of the folder `scenes`, by name
-    #[arg(long, value_name = "NAME", num_args = 1.., default_value = "pick-and-place-a")]
+    #[arg(long, value_name = "NAME", num_args = 1.., default_values = ["pick-and-place-a", "pick-and-place-b", "pick-and-place-c"])]
     scene: Vec<String>,
     /// Iterations of learning
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=200))]

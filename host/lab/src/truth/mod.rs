@@ -15,14 +15,15 @@ use softlimb_scene::{BodyEffects, Scene, TrueLimb};
 pub(crate) use command::Truth;
 
 /// The simulated limbs of the table.
-const LIMBS: [TrueLimb; 7] = [
+const LIMBS: [TrueLimb; 8] = [
     TrueLimb::Simple,
     TrueLimb::Body(NONE),
     TrueLimb::Body(BodyEffects { hysteresis: true, ..NONE }),
     TrueLimb::Body(BodyEffects { creep: true, ..NONE }),
     TrueLimb::Body(BodyEffects { softening: true, ..NONE }),
     TrueLimb::Body(BodyEffects { assembly: true, ..NONE }),
-    TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, ..NONE }),
+    TrueLimb::Body(BodyEffects { swing: true, ..NONE }),
+    TrueLimb::Body(BodyEffects { hysteresis: true, creep: true, softening: true, assembly: true, swing: true }),
 ];
 
 const NONE: BodyEffects =
@@ -50,8 +51,9 @@ fn scene_on(folder: &Path, name: &str, limb: TrueLimb) -> Result<Scene, Failure>
     let text = softlimb::cli::read(&file)?;
     let truth = match limb {
         TrueLimb::Simple => "limb = \"simple\"\n".to_owned(),
-        TrueLimb::Body(BodyEffects { hysteresis, creep, softening, assembly, .. }) => format!(
-            "limb = \"body\"\nhysteresis = {hysteresis}\ncreep = {creep}\nsoftening = {softening}\nassembly = {assembly}\n"
+        TrueLimb::Body(BodyEffects { hysteresis, creep, softening, assembly, swing }) => format!(
+            "limb = \"body\"\nhysteresis = {hysteresis}\ncreep = {creep}\nsoftening = {softening}\nassembly = {assembly}\n\
+             swing = {swing}\n"
         ),
     };
     Ok(scene::parse(&format!("{text}\n[plant.truth]\n{truth}"), &file.display().to_string())?)
